@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rotations: skew matrix, Exp, Log, and the integrals of Exp that strapdown integration needs.
+//
+// (E1) S_m(x) = sum_k (-x)^k / (2k+m)!, x = |phi|^2: S_0 = cos t, S_1 = sin t / t, ...
+// (E2) Gamma_m(phi) = sum_k [phi]^k / (k+m)! = I/m! + S_{m+1} [phi] + S_{m+2} [phi]^2
+//      Gamma_0 = Exp, Gamma_1 = left Jacobian, Gamma_2 = the double integral's kernel.
+// Reference: Bloesch et al., 2012 (Gamma_m); Solà et al., 2018, eq. 143-147 (Jacobians of SO(3)).
+// Valid for every phi; the series is used for |phi| < 1 rad, the recursion beyond.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// [v]: skew(v) * w = v x w.
+inline Matrix3d skew(const Vector3d& v) {
+  Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+namespace so3_detail {
+
+inline constexpr std::array<double, 6> kFactorial = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0};
+
+/// (E1) for m in 0..5.
+inline double series(int m, double x) {
+  const auto index = static_cast<std::size_t>(m);
+  if (x < 1.0) {
+    double term = 1.0 / kFactorial[index];
+    double sum = term;
+    for (int k = 1; k <= 9; ++k) {
+      term *= -x / ((2.0 * k + m) * (2.0 * k + m - 1.0));
+      sum += term;
+    }
+    return sum;
+  }
+  const double t = std::sqrt(x);
+  if (m == 0) return std::cos(t);
+  if (m == 1) return std::sin(t) / t;
+  return (1.0 / kFactorial[index - 2] - series(m - 2, x)) / x;
+}
+
+/// dS_m/dx for m in 1..4: 2 x S_m' = S_{m-1} - m S_m; its series when x is small.
+inline double series_derivative(int m, double x) {
+  if (x >= 1.0) return (series(m - 1, x) - m * series(m, x)) / (2.0 * x);
+  double power_over_factorial = 1.0 / kFactorial[static_cast<std::size_t>(m)];  // k = 0
+  double sum = 0.0;
+  for (int k = 1; k <= 10; ++k) {
+    power_over_factorial /= -(2.0 * k + m) * (2.0 * k + m - 1.0);
+    sum += k * power_over_factorial;
+    power_over_factorial *= x;
+  }
+  return sum;
+}
+
+}  // namespace so3_detail
+
+/// (E2) for m in 0..2; Gamma_0(phi) is the rotation matrix Exp(phi).
+inline Matrix3d gamma(int m, const Vector3d& phi) {
+  const double x = phi.squaredNorm();
+  const Matrix3d k = skew(phi);
+  return Matrix3d::Identity() / so3_detail::kFactorial[static_cast<std::size_t>(m)] +
+         so3_detail::series(m + 1, x) * k + so3_detail::series(m + 2, x) * k * k;
+}
+
+/// d(Gamma_m(phi) a)/dphi, 3x3, for m in 0..2: product rule on (E2).
+inline Matrix3d d_gamma_a_d_phi(int m, const Vector3d& phi, const Vector3d& a) {
+  const double x = phi.squaredNorm();
+  const Vector3d cross = phi.cross(a);
+  const Vector3d double_cross = phi.cross(cross);
+  return -so3_detail::series(m + 1, x) * skew(a) -
+         so3_detail::series(m + 2, x) * (skew(cross) + skew(phi) * skew(a)) +
+         2.0 *
+             (so3_detail::series_derivative(m + 1, x) * cross +
+              so3_detail::series_derivative(m + 2, x) * double_cross) *
+             phi.transpose();
+}
+
+/// Rotation of the rotation vector phi [rad].
+inline Quaternion quaternion_exp(const Vector3d& phi) {
+  const double quarter = 0.25 * phi.squaredNorm();  // (|phi|/2)^2
+  const Vector3d xyz = 0.5 * so3_detail::series(1, quarter) * phi;
+  return Quaternion(so3_detail::series(0, quarter), xyz.x(), xyz.y(), xyz.z()).normalized();
+}
+
+/// Rotation vector of q [rad], |result| <= pi.
+inline Vector3d quaternion_log(const Quaternion& q) {
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  const Vector3d xyz = sign * q.vec();
+  const double sine = xyz.norm();
+  const double w = sign * q.w();
+  // atan(s)/s = 1 - s^2/3 + ...: two terms are exact to 1e-16 below the bound
+  if (sine < 1e-5) return 2.0 / w * (1.0 - sine * sine / (3.0 * w * w)) * xyz;
+  return 2.0 * std::atan2(sine, w) / sine * xyz;
+}
+
+}  // namespace rio

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The one table of all option fields: key, unit, meaning, allowed range. Validation, option files
+// and `rio options` are loops over it. TimingOptions::clock is not listed: a function is no file
+// option. C++17.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "rio/options.hpp"
+
+namespace rio {
+
+/// One row of the table; `min` and `max` are allowed values (numbers only), `unit` is SI or "".
+struct FieldInfo {
+  const char* key;
+  const char* unit;
+  const char* doc;
+  double min;
+  double max;
+};
+
+/// Capacities the estimator is compiled with; src/options.cpp checks that they agree with the
+/// stages.
+namespace option_limits {
+inline constexpr int kDetections = 256;
+inline constexpr int kClones = 20;
+inline constexpr int kLandmarks = 64;
+}  // namespace option_limits
+
+/// Calls visit(FieldInfo, field) for every field in file order. Field types: double, int, bool,
+/// TrailNoise, Vector3d, Quaternion. `o` is Options or const Options.
+template <class OptionsT, class Visitor>
+void visit_fields(OptionsT& o, Visitor&& visit) {
+  constexpr double kPi = 3.14159265358979323846;
+  const auto field = [&visit](const char* key, auto& value, const char* unit, double min,
+                              double max, const char* doc) {
+    visit(FieldInfo{key, unit, doc, min, max}, value);
+  };
+
+  field("imu.gyro_noise_density", o.imu.gyro_noise_density, "rad/s/sqrt(Hz)", 0, 1,
+        "White noise of the gyroscope.");
+  field("imu.gyro_random_walk", o.imu.gyro_random_walk, "rad/s^2/sqrt(Hz)", 0, 1,
+        "Random walk of the gyroscope bias.");
+  field("imu.accel_noise_density", o.imu.accel_noise_density, "m/s^2/sqrt(Hz)", 0, 10,
+        "White noise of the accelerometer.");
+  field("imu.accel_random_walk", o.imu.accel_random_walk, "m/s^3/sqrt(Hz)", 0, 10,
+        "Random walk of the accelerometer bias.");
+  field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
+  field("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
+  field("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
+        "Unknown mean angular rate inside a gap.");
+  field("imu.gap_accel_sigma", o.imu.gap_accel_sigma, "m/s^2", 0, 1000,
+        "Unknown mean acceleration inside a gap.");
+
+  field("radar.T_BS.translation", o.radar.T_BS.translation, "m", -100, 100,
+        "Position of the radar in the body frame.");
+  field("radar.T_BS.quaternion_wxyz", o.radar.T_BS.rotation, "", -1, 1,
+        "Rotation that takes radar axes to body axes.");
+  field("radar.min_range", o.radar.min_range, "m", 0.01, 1000, "Nearer detections are dropped.");
+  field("radar.max_range", o.radar.max_range, "m", 0.01, 1000, "Farther detections are dropped.");
+  field("radar.min_snr_db", o.radar.min_snr_db, "dB", -200, 200, "Weaker detections are dropped.");
+  field("radar.fov_azimuth", o.radar.fov_azimuth, "rad", 0.01, kPi,
+        "Full width of the field of view used.");
+  field("radar.fov_elevation", o.radar.fov_elevation, "rad", 0.01, kPi,
+        "Full height of the field of view used.");
+  field("radar.sigma_range", o.radar.sigma_range, "m", 1e-4, 10, "Noise of the range.");
+  field("radar.sigma_azimuth", o.radar.sigma_azimuth, "rad", 0, 1,
+        "Noise of azimuth at boresight.");
+  field("radar.sigma_elevation", o.radar.sigma_elevation, "rad", 0, 1,
+        "Noise of elevation at boresight.");
+  field("radar.sigma_doppler", o.radar.sigma_doppler, "m/s", 1e-4, 10,
+        "Noise of the Doppler, without quantisation.");
+  field("radar.range_resolution", o.radar.range_resolution, "m", 0, 10,
+        "Grid of the range, adds grid^2/12 to the variance; 0 = none.");
+  field("radar.doppler_resolution", o.radar.doppler_resolution, "m/s", 0, 10,
+        "Grid of the Doppler, adds grid^2/12 to the variance; 0 = none.");
+
+  field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
+        "Detections used per scan; of more, the strongest are kept.");
+  field("frontend.ransac_threshold", o.frontend.ransac_threshold, "m/s", 1e-3, 10,
+        "The Doppler residual of an inlier is below this or ransac_sigmas.");
+  field("frontend.ransac_sigmas", o.frontend.ransac_sigmas, "", 0, 100,
+        "Inlier bound in sigmas, direction error included; 0 = off.");
+  field("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
+        "The velocity predicted by the IMU is one more hypothesis.");
+  field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.95,
+        "Share of outliers the iteration count is sized for.");
+  field("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
+        "Probability of drawing one clean triple.");
+  field("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
+        option_limits::kDetections,
+        "With fewer there is no static set and the scan moves nothing.");
+  field("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
+        "Seed of the deterministic generator.");
+  field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
+        "Largest distance of a match after alignment.");
+  field("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
+        "Consecutive matches that make a trail a landmark.");
+  field("frontend.landmark_miss_tolerance", o.frontend.landmark_miss_tolerance, "", 0, 1000,
+        "Unmatched scans in a row a landmark survives.");
+
+  field("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
+  field("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
+  field("update.use_landmarks", o.update.use_landmarks, "", 0, 1,
+        "Use distances to persistent landmarks.");
+  field("update.direction_correction", o.update.direction_correction, "", 0, 1,
+        "Doppler: errors-in-variables correction of the direction.");
+  field("update.direction_noise", o.update.direction_noise, "", 0, 1,
+        "Doppler: the direction error adds to the variance.");
+  field("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
+        "Re-express the covariance so that yaw and position stay unobservable.");
+  field("update.trail_noise", o.update.trail_noise, "", 0, 1,
+        "Noise of the rows of one trail: independent or correlated.");
+  field("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
+        "Noise of a trail distance when rows are independent.");
+  field("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
+        "Noise of a landmark distance.");
+  field("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
+        "Probability of passing the chi-squared gate; 1 = no gate.");
+  field("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
+        "Past poses kept.");
+  field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
+        "Persistent landmarks kept.");
+  field("update.extrinsic_rotation_sigma", o.update.extrinsic_rotation_sigma, "rad", 0, 1,
+        "Prior of the radar's rotation per axis; 0 = not estimated.");
+  field("update.extrinsic_translation_sigma", o.update.extrinsic_translation_sigma, "m", 0, 10,
+        "Prior of the radar's position per axis; 0 = not estimated.");
+
+  field("start.static_alignment", o.start.static_alignment, "", 0, 1,
+        "Align while standing; false = wait for a given start.");
+  field("start.duration", o.start.duration, "s", 0.1, 600, "Length of the standstill averaged.");
+  field("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
+        "Standstill: largest standard deviation of a gyroscope axis.");
+  field("start.max_accel_std", o.start.max_accel_std, "m/s^2", 1e-4, 100,
+        "Standstill: largest standard deviation of an accelerometer axis.");
+  field("start.max_rate", o.start.max_rate, "rad/s", 1e-5, 10,
+        "Standstill: largest mean rate that can be a bias.");
+  field("start.sigma_position", o.start.sigma_position, "m", 0, 1000, "Position, per axis.");
+  field("start.sigma_yaw", o.start.sigma_yaw, "rad", 0, kPi, "Heading.");
+  field("start.sigma_tilt", o.start.sigma_tilt, "rad", 0, kPi, "Roll and pitch of a given start.");
+  field("start.sigma_velocity", o.start.sigma_velocity, "m/s", 0, 100, "Velocity, per axis.");
+  field("start.sigma_gyro_bias", o.start.sigma_gyro_bias, "rad/s", 0, 1,
+        "Gyroscope bias per axis, when there was no standstill.");
+  field("start.sigma_accel_bias", o.start.sigma_accel_bias, "m/s^2", 1e-4, 10,
+        "Accelerometer bias, per axis.");
+
+  field("timing.imu_buffer", o.timing.imu_buffer, "", 16, 1000000,
+        "IMU samples kept between the estimate and now.");
+  field("timing.scan_queue", o.timing.scan_queue, "", 1, 1000, "Scans that may wait for the IMU.");
+  field("timing.max_lag", o.timing.max_lag, "s", 0.01, 60,
+        "The estimate follows the IMU at most this far behind.");
+}
+
+namespace option_detail {
+
+/// Shortest decimal text that reads back as the same number.
+template <class Number>
+std::string to_text(Number value) {
+  char buffer[32];
+  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+  return std::string(buffer, end);
+}
+
+}  // namespace option_detail
+
+/// What is wrong with a value, as in "update.max_clones = 30 is outside [0, 20]"; empty if nothing
+/// is.
+inline std::string field_error(const FieldInfo& info, double value) {
+  if (value >= info.min && value <= info.max) return {};
+  using option_detail::to_text;
+  const std::string unit = *info.unit == '\0' ? "" : std::string(" ") + info.unit;
+  return std::string(info.key) + " = " + to_text(value) + " is outside [" + to_text(info.min) +
+         ", " + to_text(info.max) + "]" + unit;
+}
+inline std::string field_error(const FieldInfo& info, int value) {
+  return field_error(info, static_cast<double>(value));
+}
+inline std::string field_error(const FieldInfo&, bool) {
+  return {};
+}
+inline std::string field_error(const FieldInfo& info, TrailNoise value) {
+  return field_error(info, static_cast<double>(value));
+}
+inline std::string field_error(const FieldInfo& info, const Vector3d& value) {
+  for (int i = 0; i < 3; ++i) {
+    std::string error = field_error(info, value[i]);
+    if (!error.empty()) return error;
+  }
+  return {};
+}
+inline std::string field_error(const FieldInfo& info, const Quaternion& value) {
+  if (std::abs(value.norm() - 1.0) < 1e-6) return {};
+  return std::string(info.key) + " is not a unit quaternion";
+}
+
+}  // namespace rio

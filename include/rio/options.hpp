@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every tunable of the estimator, nested by stage, with its default. SI units throughout (angles in
+// radians); the file reader also takes values such as "2 deg". Nothing derived is stored here. C++17.
+#pragma once
+
+#include <string>
+
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// Stage 1: the inertial sensor and the world it flies in.
+struct ImuOptions {
+  double gyro_noise_density = 4e-4;   ///< white noise [rad/s/sqrt(Hz)]
+  double gyro_random_walk = 2e-5;     ///< bias random walk [rad/s^2/sqrt(Hz)]
+  double accel_noise_density = 4e-3;  ///< white noise [m/s^2/sqrt(Hz)]
+  double accel_random_walk = 2e-4;    ///< bias random walk [m/s^3/sqrt(Hz)]
+  double gravity = 9.81;              ///< along -z of W [m/s^2]
+  double max_gap = 0.1;               ///< a longer pause between samples is a gap [s]
+  double gap_rate_sigma = 0.5;        ///< unknown mean angular rate inside a gap [rad/s]
+  double gap_accel_sigma = 2.0;       ///< unknown mean acceleration inside a gap [m/s^2]
+};
+
+/// The radar: where it sits, what it can see, how well it measures.
+struct RadarOptions {
+  Pose T_BS{};                          ///< pose of the radar in the body frame [m]
+  double min_range = 0.2;               ///< nearer detections are dropped [m]
+  double max_range = 50.0;              ///< farther detections are dropped [m]
+  double min_snr_db = 0.0;              ///< weaker detections are dropped [dB]
+  double fov_azimuth = 3.14159;         ///< full width of the field of view used [rad]
+  double fov_elevation = 3.14159;       ///< full height of the field of view used [rad]
+  double sigma_range = 0.03;            ///< [m]
+  double sigma_azimuth = 0.026;         ///< at boresight [rad]
+  double sigma_elevation = 0.052;       ///< at boresight [rad]
+  double sigma_doppler = 0.03;          ///< without quantisation [m/s]
+  double range_resolution = 0.0;        ///< grid of the range, adds grid^2/12; 0 = none [m]
+  double doppler_resolution = 0.0;      ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
+};
+
+/// Stages 3 and 7: detections to observations.
+struct FrontendOptions {
+  int max_detections = 128;         ///< per scan; of more, the strongest are kept
+  double ransac_threshold = 0.15;   ///< |Doppler residual| of an inlier is below this [m/s] or ...
+  double ransac_sigmas = 3.0;       ///< ... this many sigmas, direction error included; 0 = off
+  bool ransac_use_prediction = true;  ///< the velocity predicted by the IMU is one more hypothesis
+  double ransac_outlier_ratio = 0.4;  ///< share of outliers the iteration count is sized for
+  double ransac_success = 0.9999;     ///< probability of drawing one clean triple
+  int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
+  int ransac_seed = 1;                ///< of the deterministic generator
+  double match_gate = 0.3;            ///< largest distance of a match after alignment [m]
+  int promote_after = 7;              ///< consecutive matches that make a trail a landmark
+  int landmark_miss_tolerance = 0;    ///< unmatched scans in a row a landmark survives
+};
+
+/// How the rows of one trail share their noise.
+enum class TrailNoise {
+  kIndependent,  ///< as published: one constant sigma, rows independent
+  kCorrelated,   ///< noise of each past detection, plus the current range shared by all rows
+};
+
+/// Stages 4 to 6: measurement models, gates, update.
+struct UpdateOptions {
+  bool use_doppler = true;
+  bool use_trails = true;
+  bool use_landmarks = true;
+  bool direction_correction = true;     ///< Doppler: errors-in-variables correction of the direction
+  bool direction_noise = true;          ///< Doppler: direction error adds to the variance
+  bool consistent_covariance = true;    ///< re-express P so that yaw and position stay unobservable
+  TrailNoise trail_noise = TrailNoise::kIndependent;
+  /// For kIndependent [m]. The residuals spread by some 0.08 m, and each detection enters up to
+  /// N = 7 updates: counting it once takes sqrt(7) times that.
+  double sigma_trail_distance = 0.2;
+  double sigma_landmark_distance = 0.2;   ///< same reason: it was a trail before [m]
+  double gate_probability = 0.99;         ///< of passing the one-sided chi-squared gate
+  int max_clones = 7;                     ///< past poses kept (N)
+  int max_landmarks = 20;                 ///< persistent landmarks kept
+  double extrinsic_rotation_sigma = 0.05;     ///< prior per axis; 0 = not estimated [rad]
+  double extrinsic_translation_sigma = 0.03;  ///< prior per axis; 0 = not estimated [m]
+};
+
+/// How the first state comes about.
+struct StartOptions {
+  bool static_alignment = true;      ///< align while standing; false = wait for reset(prior, P0)
+  double duration = 1.5;             ///< of the standstill that is averaged [s]
+  double max_gyro_std = 0.02;        ///< standstill: per-axis standard deviation of a sample [rad/s]
+  double max_accel_std = 0.2;        ///< standstill: same for the specific force [m/s^2]
+  double max_rate = 0.1;             ///< standstill: largest mean rate that can be a bias [rad/s]
+  double sigma_position = 0.01;      ///< per axis [m]
+  double sigma_yaw = 0.01;           ///< [rad]
+  double sigma_tilt = 0.01;          ///< roll and pitch of a given start [rad]
+  double sigma_velocity = 0.05;      ///< per axis [m/s]
+  double sigma_gyro_bias = 0.005;    ///< per axis, when there was no standstill [rad/s]
+  double sigma_accel_bias = 0.05;    ///< per axis [m/s^2]
+};
+
+/// Queues between the sensors and the estimator.
+struct TimingOptions {
+  int imu_buffer = 2048;       ///< IMU samples kept between the estimate and now
+  int scan_queue = 8;          ///< scans that may wait for the IMU
+  double max_lag = 1.0;        ///< the estimate follows the IMU at most this far behind [s]
+  /// For profiling only: if given, the time spent is reported in UpdateReport. Not a file option.
+  Time (*clock)() = nullptr;
+};
+
+/// All of it. Obtain one from a preset, change fields, pass it to Odometry::create.
+struct Options {
+  ImuOptions imu;
+  RadarOptions radar;
+  FrontendOptions frontend;
+  UpdateOptions update;
+  StartOptions start;
+  TimingOptions timing;
+
+  /// True when every value is inside its documented range and the set is coherent; otherwise false
+  /// and, if `why` is given, one sentence naming the first offending key.
+  bool validate(std::string* why = nullptr) const;
+};
+
+/// The options named `name` ("default", "published-ekf"); false and unchanged if there is no such.
+bool preset(const std::string& name, Options* options);
+
+}  // namespace rio

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the estimator says of itself: the outcome of a call, and the record of the last update. The
+// report is the log; fixed-size plain structs. C++17.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "rio/core/static_vector.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// Outcome of handing data to the estimator. Everything except kOk and kWaiting left the estimate
+/// unchanged, and is counted in Counters.
+enum class Status : std::uint8_t {
+  kOk,
+  kWaiting,         ///< scan is newer than the IMU: queued, processed when the IMU has caught up
+  kNotInitialized,  ///< no state yet: static alignment has not finished or reset() was not called
+  kMoving,          ///< static alignment was refused because the sensor moves
+  kStale,           ///< IMU sample not newer than the last one
+  kDuplicate,       ///< a scan with this stamp was already taken
+  kLate,            ///< scan older than the estimate
+  kQueueFull,       ///< too many scans wait for the IMU
+  kNonFinite,       ///< NaN or infinity in the data
+  kNumerical,       ///< the update failed numerically; state and covariance were restored
+};
+
+/// Name of a status, as in "kLate".
+const char* to_string(Status status);
+
+/// Measurement models that can appear in a record, in the order of ModelReport entries.
+enum class Model : std::uint8_t { kDoppler, kTrailDistance, kLandmarkDistance, kCount };
+inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCount);
+
+/// Name of a model, as in "doppler".
+const char* to_string(Model model);
+
+/// What became of one measurement block.
+enum class Verdict : std::uint8_t { kUsed, kGated, kOutOfDomain };
+
+/// One measurement block at the linearisation point, before the update.
+struct InnovationRecord {
+  Model model = Model::kDoppler;
+  Verdict verdict = Verdict::kUsed;
+  std::uint16_t detection = 0;  ///< index in the filtered scan
+  std::uint16_t dof = 0;        ///< rows of the block
+  double innovation = 0.0;      ///< z - h(x) of its first row [unit of the model]
+  double sigma = 0.0;           ///< sqrt of the innovation variance of its first row
+  double nis = 0.0;             ///< normalised innovation squared of the block
+  double gate = 0.0;            ///< threshold the block was held against
+};
+
+/// Sums over the records of one model in one update.
+struct ModelReport {
+  int rows_used = 0;
+  int rows_gated = 0;
+  int rows_out_of_domain = 0;
+  double nis = 0.0;  ///< sum over the blocks used; consistent noise makes it about rows_used
+};
+
+/// The last processed scan, stage by stage.
+struct UpdateReport {
+  static constexpr std::size_t kMaxRecords = 512;
+
+  Time time{0};
+  Status status = Status::kOk;
+  int detections = 0;           ///< in the scan as received
+  int detections_kept = 0;      ///< after the filter
+  int static_detections = 0;    ///< inliers of the ego-velocity consensus
+  Vector3d ego_velocity_S = Vector3d::Zero();  ///< RANSAC estimate, radar frame [m/s]
+  bool ego_velocity_valid = false;
+  int trails = 0;               ///< alive after the update
+  int trails_matched = 0;
+  int clones = 0;
+  int landmarks = 0;            ///< in the state after the update
+  int landmarks_matched = 0;
+  int landmarks_added = 0;
+  int landmarks_removed = 0;
+  bool imu_gap = false;         ///< the propagation to this scan crossed a gap
+  Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
+  Time update_time{0};          ///< same, front-end to promotion
+  std::array<ModelReport, kModelCount> models{};
+  StaticVector<InnovationRecord, kMaxRecords> records;
+  int records_dropped = 0;      ///< blocks beyond kMaxRecords (still counted in `models`)
+};
+
+/// Running totals since create() or reset().
+struct Counters {
+  std::uint64_t imu_samples = 0;
+  std::uint64_t imu_stale = 0;
+  std::uint64_t imu_non_finite = 0;
+  std::uint64_t imu_gaps = 0;
+  std::uint64_t scans = 0;  ///< processed
+  std::uint64_t scans_late = 0;
+  std::uint64_t scans_duplicate = 0;
+  std::uint64_t scans_overflow = 0;
+  std::uint64_t scans_non_finite = 0;  ///< no finite detection although the scan was not empty
+  std::uint64_t detections_non_finite = 0;
+  std::uint64_t scans_uninitialized = 0;
+  std::uint64_t updates_failed = 0;  ///< kNumerical
+};
+
+}  // namespace rio
