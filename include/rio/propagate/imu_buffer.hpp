@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 1: IMU samples between the estimate and now, cut into steps that end exactly where asked.
+//
+// A step spans two neighbouring samples, or a part of that span with linearly interpolated edges, and
+// carries the mean of its two ends. Before the first sample the first sample's value is held.
+#pragma once
+
+#include <algorithm>
+
+#include "rio/core/ring.hpp"
+#include "rio/options.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// Constant-rate step of strapdown integration.
+struct ImuStep {
+  Time begin{0};
+  Time end{0};
+  Vector3d gyro_B = Vector3d::Zero();   ///< mean measured angular rate [rad/s]
+  Vector3d accel_B = Vector3d::Zero();  ///< mean measured specific force [m/s^2]
+  bool gap = false;                     ///< the samples around it are farther apart than max_gap
+};
+
+/// Linear interpolation between two samples, `time` between their stamps.
+inline ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) {
+  const double span = to_seconds(b.time - a.time);
+  const double weight = span > 0.0 ? to_seconds(time - a.time) / span : 0.0;
+  return {time, a.gyro_B + weight * (b.gyro_B - a.gyro_B),
+          a.accel_B + weight * (b.accel_B - a.accel_B)};
+}
+
+class ImuBuffer {
+ public:
+  ImuBuffer(const TimingOptions& timing, const ImuOptions& imu)
+      : samples_(static_cast<std::size_t>(timing.imu_buffer)),
+        max_gap_(from_seconds(imu.max_gap)) {}
+
+  bool empty() const { return samples_.empty(); }
+  bool full() const { return samples_.full(); }
+  void clear() { samples_.clear(); }
+  std::size_t size() const { return samples_.size(); }
+  const ImuSample& operator[](std::size_t i) const { return samples_[i]; }
+  const ImuSample& newest() const { return samples_.back(); }
+
+  /// Stamps must strictly increase: the caller checks.
+  void push_back(const ImuSample& sample) { samples_.push_back(sample); }
+  /// Forgets what is not needed to integrate from `time` on: keeps one sample at or before it.
+  void forget_before(Time time) {
+    while (samples_.size() > 1 && samples_[1].time <= time) samples_.pop_front();
+  }
+  bool is_gap(const ImuSample& a, const ImuSample& b) const { return b.time - a.time > max_gap_; }
+
+  /// The measurement at `time`, interpolated; held constant outside the buffered span.
+  ImuSample at(Time time) const {
+    const std::size_t i = first_after(time);
+    if (i == 0) return with_time(samples_.front(), time);
+    if (i == samples_.size()) return with_time(samples_.back(), time);
+    return interpolate(samples_[i - 1], samples_[i], time);
+  }
+
+  /// Calls f(const ImuStep&) for every step between `from` and `to`, in order. O(steps + log size).
+  template <class F>
+  void for_each_step(Time from, Time to, F&& f) const {
+    if (samples_.empty() || from >= to) return;
+    std::size_t i = first_after(from);
+    if (i == 0) {  // the start lies before the IMU
+      const ImuSample& first = samples_.front();
+      const Time end = std::min(first.time, to);
+      f(ImuStep{from, end, first.gyro_B, first.accel_B, end - from > max_gap_});
+      i = 1;
+    }
+    for (; i < samples_.size() && samples_[i - 1].time < to; ++i) {
+      const ImuSample& a = samples_[i - 1];
+      const ImuSample& b = samples_[i];
+      const ImuSample first = interpolate(a, b, std::max(a.time, from));
+      const ImuSample last = interpolate(a, b, std::min(b.time, to));
+      f(ImuStep{first.time, last.time, 0.5 * (first.gyro_B + last.gyro_B),
+                0.5 * (first.accel_B + last.accel_B), is_gap(a, b)});
+    }
+  }
+
+ private:
+  /// Index of the first sample with a stamp later than `time`; size() if there is none.
+  std::size_t first_after(Time time) const {
+    std::size_t low = 0;
+    std::size_t high = samples_.size();
+    while (low < high) {
+      const std::size_t middle = low + (high - low) / 2;
+      if (samples_[middle].time > time) {
+        high = middle;
+      } else {
+        low = middle + 1;
+      }
+    }
+    return low;
+  }
+  static ImuSample with_time(ImuSample sample, Time time) {
+    sample.time = time;
+    return sample;
+  }
+
+  Ring<ImuSample> samples_;
+  Time max_gap_;
+};
+
+}  // namespace rio

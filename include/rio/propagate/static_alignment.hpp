@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 1: the first state from a standstill: roll and pitch from gravity, gyro bias from the mean rate,
+// and a covariance that knows how the tilt depends on the accelerometer bias. Any IMU mounting.
+//
+// With f the mean specific force, y = f/|f| (up in body axes), b_a the accelerometer bias:
+// (E1) R y = e_z, yaw 0;  b_g = mean rate;  b_a = y (|f| - g), shrunk by its prior
+// (E2) [y] theta = -b_a_perp / g   =>   theta_perp = [y] b_a / g
+// (E3) P_aa = sigma_ba^2 (I - y y^T) + s^2 y y^T,  P_theta,a = [y] P_aa / g,
+//      P_theta,theta = [y] P_aa [y]^T / g^2 + (noise/g)^2 (I - y y^T) + sigma_yaw^2 y y^T
+// where s^2 is the posterior variance of b_a along y given |f| - g and the spread of local gravity.
+// Derivation: f = g exp(-theta) y_true + b_a + n to first order.
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "rio/core/so3.hpp"
+#include "rio/options.hpp"
+#include "rio/report.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// Result of the alignment.
+struct Alignment {
+  NavState state;
+  BodyCovariance covariance = BodyCovariance::Zero();
+};
+
+/// Averages samples until `StartOptions::duration` is covered, then decides. O(1) memory: the window
+/// is split in two halves, whose means must agree, so that slow motion is noticed too.
+class StaticAligner {
+ public:
+  StaticAligner(const StartOptions& start, const ImuOptions& imu) : start_(start), imu_(imu) {}
+
+  void reset() { halves_[0] = halves_[1] = Half{}; }
+
+  /// kOk: more samples are needed, or `result` holds the alignment; kMoving: the window that just
+  /// ended was not a standstill, and a new one begins.
+  Status add(const ImuSample& sample, std::optional<Alignment>* result) {
+    result->reset();
+    const Time half = from_seconds(0.5 * start_.duration);
+    if (halves_[0].count == 0) begin_ = sample.time;
+    halves_[sample.time - begin_ < half ? 0 : 1].add(sample);
+    if (sample.time - begin_ < 2 * half) return Status::kOk;
+    const bool still = standstill();
+    if (still) *result = align(sample.time);
+    reset();
+    return still ? Status::kOk : Status::kMoving;
+  }
+
+ private:
+  /// Running mean and sum of squares (Welford 1962).
+  struct Half {
+    double count = 0.0;
+    Eigen::Matrix<double, 6, 1> mean = Eigen::Matrix<double, 6, 1>::Zero();
+    Eigen::Matrix<double, 6, 1> squares = Eigen::Matrix<double, 6, 1>::Zero();
+
+    void add(const ImuSample& s) {
+      Eigen::Matrix<double, 6, 1> x;
+      x << s.gyro_B, s.accel_B;
+      count += 1.0;
+      const Eigen::Matrix<double, 6, 1> delta = x - mean;
+      mean += delta / count;
+      squares += delta.cwiseProduct(x - mean);
+    }
+    Eigen::Matrix<double, 6, 1> deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
+  };
+
+  bool standstill() const {
+    for (const Half& half : halves_) {
+      if (half.count < 10.0) return false;
+      if (half.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
+      if (half.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
+    }
+    const Eigen::Matrix<double, 6, 1> mean = 0.5 * (halves_[0].mean + halves_[1].mean);
+    if (mean.head<3>().norm() > start_.max_rate) return false;
+    // an accelerometer at rest reads gravity; more than ten prior sigmas off is acceleration
+    if (std::abs(mean.tail<3>().norm() - imu_.gravity) > 10.0 * start_.sigma_accel_bias) return false;
+    // the halves agree within five sigmas of their own noise, or a tenth of the largest deviation
+    const Eigen::Matrix<double, 6, 1> difference = (halves_[1].mean - halves_[0].mean).cwiseAbs();
+    const Eigen::Matrix<double, 6, 1> noise =
+        5.0 * (halves_[0].deviation().cwiseAbs2() / halves_[0].count +
+               halves_[1].deviation().cwiseAbs2() / halves_[1].count)
+                  .cwiseSqrt();
+    for (int i = 0; i < 6; ++i) {
+      const double floor = 0.1 * (i < 3 ? start_.max_gyro_std : start_.max_accel_std);
+      if (difference[i] > std::max(noise[i], floor)) return false;
+    }
+    return true;
+  }
+
+  Alignment align(Time time) const {
+    const double count = halves_[0].count + halves_[1].count;
+    const Eigen::Matrix<double, 6, 1> mean =
+        (halves_[0].count * halves_[0].mean + halves_[1].count * halves_[1].mean) / count;
+    const Vector3d f = mean.tail<3>();
+    const Vector3d y = f.normalized();
+    const double duration = start_.duration;
+
+    Alignment out;
+    out.state.time = time;
+    out.state.q_WB = level(y);
+    out.state.gyro_bias = mean.head<3>();
+    // scalar Kalman update of y.b_a with |f| - g; local gravity varies by some 0.02 m/s^2 on Earth
+    const double prior = start_.sigma_accel_bias * start_.sigma_accel_bias;
+    const double noise = imu_.accel_noise_density * imu_.accel_noise_density / duration;
+    const double gain = prior / (prior + noise + kGravitySpread * kGravitySpread);
+    out.state.accel_bias = y * (gain * (f.norm() - imu_.gravity));
+
+    using namespace body;
+    const Matrix3d along = y * y.transpose();
+    const Matrix3d across = Matrix3d::Identity() - along;
+    const Matrix3d tilt_from_bias = skew(y) / imu_.gravity;  // (E2)
+    const Matrix3d P_aa = prior * (across + (1.0 - gain) * along);
+    const double gyro_bias_sigma = imu_.gyro_noise_density / std::sqrt(duration) + kGyroBiasFloor;
+    BodyCovariance& P = out.covariance;
+    P.block<3, 3>(kAccelBias, kAccelBias) = P_aa;
+    P.block<3, 3>(kAttitude, kAccelBias) = tilt_from_bias * P_aa;
+    P.block<3, 3>(kAccelBias, kAttitude) = P_aa * tilt_from_bias.transpose();
+    P.block<3, 3>(kAttitude, kAttitude) = tilt_from_bias * P_aa * tilt_from_bias.transpose() +
+                                          noise / (imu_.gravity * imu_.gravity) * across +
+                                          start_.sigma_yaw * start_.sigma_yaw * along;
+    P.block<3, 3>(kGyroBias, kGyroBias) = Matrix3d::Identity() * gyro_bias_sigma * gyro_bias_sigma;
+    P.block<3, 3>(kPosition, kPosition) =
+        Matrix3d::Identity() * start_.sigma_position * start_.sigma_position;
+    P.block<3, 3>(kVelocity, kVelocity) = Matrix3d::Identity() * kStillVelocity * kStillVelocity;
+    return out;
+  }
+
+  /// The rotation without heading that takes the up direction y (body) to e_z: for an upright IMU the
+  /// x axis keeps its horizontal direction; upside down or sideways the shortest rotation is taken.
+  static Quaternion level(const Vector3d& y) {
+    const Vector3d forward = Vector3d::UnitX() - y.x() * y;
+    if (forward.norm() < 1e-3) return Quaternion(Quaternion::FromTwoVectors(y, Vector3d::UnitZ()));
+    Matrix3d R;
+    R.row(0) = forward.normalized();
+    R.row(2) = y;
+    R.row(1) = y.cross(Vector3d(R.row(0)));
+    return Quaternion(R);
+  }
+
+  static constexpr double kGravitySpread = 0.02;   // [m/s^2]
+  static constexpr double kGyroBiasFloor = 1e-4;   // instability of a MEMS gyro over minutes [rad/s]
+  static constexpr double kStillVelocity = 0.01;   // what passes for standing [m/s]
+
+  StartOptions start_;
+  ImuOptions imu_;
+  Time begin_{0};
+  Half halves_[2];
+};
+
+/// The gyro bias if the first `StartOptions::duration` of `samples` from `from` on is a standstill.
+inline std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples, Time from,
+                                                    const Options& options) {
+  StaticAligner aligner(options.start, options.imu);
+  std::optional<Alignment> result;
+  for (const ImuSample& sample : samples) {
+    if (sample.time < from) continue;
+    if (aligner.add(sample, &result) == Status::kMoving) return std::nullopt;
+    if (result) return result->state.gyro_bias;
+  }
+  return std::nullopt;
+}
+
+}  // namespace rio

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The vocabulary of the state: the blocks a measurement model may touch, with the value each holds,
+// its degrees of freedom and its retraction.
+//
+// Every rotation error is local (right): R = R^ Exp(dphi); everything else is additive.
+#pragma once
+
+#include <tuple>
+#include <type_traits>
+
+#include "rio/core/so3.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// A pose ready for arithmetic: x_A = R x_B + p.
+struct RigidPose {
+  Matrix3d R = Matrix3d::Identity();
+  Vector3d p = Vector3d::Zero();
+
+  RigidPose() = default;
+  RigidPose(const Matrix3d& rotation, const Vector3d& translation) : R(rotation), p(translation) {}
+  explicit RigidPose(const Pose& pose)
+      : R(pose.rotation.toRotationMatrix()), p(pose.translation) {}
+};
+
+/// Blocks of pose type: error [dphi, dp].
+struct PoseBlock {
+  using Value = RigidPose;
+  static constexpr int kDof = 6;
+  static Value retract(const Value& x, const Eigen::Matrix<double, kDof, 1>& error) {
+    return {x.R * gamma(0, error.head<3>()), x.p + error.tail<3>()};
+  }
+};
+/// Blocks of vector type.
+struct VectorBlock {
+  using Value = Vector3d;
+  static constexpr int kDof = 3;
+  static Value retract(const Value& x, const Vector3d& error) { return x + error; }
+};
+
+struct BodyPose : PoseBlock {};      ///< T_WB at the scan: columns kAttitude, kPosition
+struct BodyVelocity : VectorBlock {};  ///< v_WB [m/s]
+struct GyroBias : VectorBlock {};      ///< [rad/s]
+struct ClonePose : PoseBlock {};     ///< T_WB at a past scan
+struct Extrinsics : PoseBlock {};    ///< T_BS
+struct Landmark : VectorBlock {};      ///< p_WL [m]
+
+/// The blocks of one model, in the column order of its Jacobian.
+template <class... B>
+struct BlockList {
+  using Values = std::tuple<typename B::Value...>;
+  static constexpr int kDof = (B::kDof + ...);
+
+  /// First Jacobian column of block X.
+  template <class X>
+  static constexpr int column() {
+    int offset = 0;
+    bool found = false;
+    ((found = found || std::is_same_v<X, B>, offset += found ? 0 : B::kDof), ...);
+    return offset;
+  }
+};
+
+}  // namespace rio

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The mean of everything estimated, shared by both back-ends and read by the front-end.
+#pragma once
+
+#include <cstdint>
+
+#include "rio/core/static_vector.hpp"
+#include "rio/state/blocks.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+inline constexpr std::size_t kMaxClones = 20;      ///< upper bound of UpdateOptions::max_clones
+inline constexpr std::size_t kMaxLandmarks = 64;   ///< upper bound of UpdateOptions::max_landmarks
+inline constexpr std::size_t kMaxDetections = 256; ///< upper bound of FrontendOptions::max_detections
+
+/// Scans are numbered in the order they are processed.
+using ScanId = std::uint64_t;
+
+/// The body pose at a past radar scan.
+struct Clone {
+  ScanId scan = 0;
+  RigidPose T_WB;
+};
+
+/// A persistent landmark.
+struct LandmarkState {
+  Vector3d p_W = Vector3d::Zero();  ///< [m]
+  int misses = 0;                   ///< scans since it was last matched
+};
+
+/// Predicted or corrected means at one instant.
+struct Estimate {
+  NavState nav;
+  Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
+  Pose T_BS;
+  StaticVector<Clone, kMaxClones> clones;  ///< a ring: the newest overwrites the oldest
+  StaticVector<LandmarkState, kMaxLandmarks> landmarks;
+
+  /// Body pose as matrices.
+  RigidPose T_WB() const { return {nav.q_WB.toRotationMatrix(), nav.p_WB}; }
+  /// Index of the clone of `scan`, or -1 if it has left the window.
+  int find_clone(ScanId scan) const {
+    for (std::size_t i = 0; i < clones.size(); ++i) {
+      if (clones[i].scan == scan) return static_cast<int>(i);
+    }
+    return -1;
+  }
+};
+
+/// Radar point in world coordinates: the inverse observation model (Michalczyk et al. 2023, eq. 12).
+inline Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S) {
+  return T_WB.R * (T_BS.R * point_S + T_BS.p) + T_WB.p;
+}
+/// World point in radar coordinates (Michalczyk et al. 2023, eq. 13).
+inline Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W) {
+  return T_BS.R.transpose() * (T_WB.R.transpose() * (point_W - T_WB.p) - T_BS.p);
+}
+
+}  // namespace rio
