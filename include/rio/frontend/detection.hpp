@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 3: a radar detection with its polar noise.
+//
+// m = r u, u = (cos el cos az, cos el sin az, sin el); e_az, e_el the unit tangents at u.
+// (E1) Sigma_u = sigma_az^2 cos^2(el) e_az e_az^T + sigma_el^2 e_el e_el^T
+// (E2) Sigma_m = sigma_r^2 u u^T + r^2 Sigma_u      (Xu et al., eq. 5-8, in an aligned basis)
+// The angle sigmas grow off boresight as 1/cos: an array measures the direction cosine.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "rio/core/static_vector.hpp"
+#include "rio/options.hpp"
+#include "rio/state/estimate.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// A filtered detection in the radar frame.
+struct Detection {
+  Vector3d point_S = Vector3d::Zero();  ///< [m]
+  Vector3d direction_S = Vector3d::UnitX();  ///< unit vector to the point
+  double range = 0.0;                   ///< [m]
+  double range_rate = 0.0;              ///< positive = receding [m/s]
+  double snr_db = 0.0;                  ///< [dB]
+  double sigma_range = 0.0;             ///< [m]
+  double sigma_doppler = 0.0;           ///< quantisation included [m/s]
+  Vector3d sigma_azimuth_S = Vector3d::Zero();    ///< one-sigma change of direction_S by azimuth
+  Vector3d sigma_elevation_S = Vector3d::Zero();  ///< one-sigma change of direction_S by elevation
+};
+
+/// (E1): covariance of the measured direction.
+inline Matrix3d direction_covariance(const Detection& d) {
+  return d.sigma_azimuth_S * d.sigma_azimuth_S.transpose() +
+         d.sigma_elevation_S * d.sigma_elevation_S.transpose();
+}
+/// (E2): covariance of the measured point [m^2].
+inline Matrix3d point_covariance(const Detection& d) {
+  return d.sigma_range * d.sigma_range * d.direction_S * d.direction_S.transpose() +
+         d.range * d.range * direction_covariance(d);
+}
+
+/// The filtered scan.
+struct DetectionList {
+  Time time{0};
+  int received = 0;    ///< detections before the filter
+  int non_finite = 0;  ///< of those, dropped because a value was not finite
+  StaticVector<Detection, kMaxDetections> items;
+};
+
+/// A detection with direction, range and noise filled in from its point.
+inline Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
+  Detection d;
+  d.point_S = raw.point_S;
+  d.range = raw.point_S.norm();
+  d.direction_S = raw.point_S / d.range;
+  d.range_rate = raw.range_rate;
+  d.snr_db = raw.snr_db;
+  d.sigma_range = std::sqrt(o.sigma_range * o.sigma_range +
+                            o.range_resolution * o.range_resolution / 12.0);
+  d.sigma_doppler = std::sqrt(o.sigma_doppler * o.sigma_doppler +
+                              o.doppler_resolution * o.doppler_resolution / 12.0);
+  const Vector3d& u = d.direction_S;
+  const double horizontal = std::hypot(u.x(), u.y());  // cos(el)
+  const double cos_az = horizontal > 1e-9 ? u.x() / horizontal : 1.0;
+  const double sin_az = horizontal > 1e-9 ? u.y() / horizontal : 0.0;
+  constexpr double kMinCosine = 0.25;  // beyond 75 deg the growth is cut: no array looks there
+  const double sigma_az = o.sigma_azimuth / std::max(cos_az, kMinCosine);
+  const double sigma_el = o.sigma_elevation / std::max(horizontal, kMinCosine);
+  d.sigma_azimuth_S = sigma_az * horizontal * Vector3d(-sin_az, cos_az, 0.0);
+  d.sigma_elevation_S = sigma_el * Vector3d(-u.z() * cos_az, -u.z() * sin_az, horizontal);
+  return d;
+}
+
+/// The detection filter: finite, in range, strong enough, in the field of view. Of more than
+/// `max_detections` the strongest are kept, in their original order.
+inline void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
+                              DetectionList& out) {
+  out.time = scan.time;
+  out.received = static_cast<int>(scan.detections.size());
+  out.non_finite = 0;
+  out.items.clear();
+  for (const RadarDetection& raw : scan.detections) {
+    if (!raw.point_S.allFinite() || !std::isfinite(raw.range_rate)) {
+      ++out.non_finite;
+      continue;
+    }
+    const double range = raw.point_S.norm();
+    if (range < radar.min_range || range > radar.max_range) continue;
+    if (raw.snr_db < radar.min_snr_db) continue;
+    const double azimuth = std::atan2(raw.point_S.y(), raw.point_S.x());
+    const double elevation = std::asin(std::clamp(raw.point_S.z() / range, -1.0, 1.0));
+    if (std::abs(azimuth) > 0.5 * radar.fov_azimuth) continue;
+    if (std::abs(elevation) > 0.5 * radar.fov_elevation) continue;
+    if (out.items.size() == static_cast<std::size_t>(max_detections)) {
+      std::size_t weakest = 0;
+      for (std::size_t i = 1; i < out.items.size(); ++i) {
+        if (out.items[i].snr_db < out.items[weakest].snr_db) weakest = i;
+      }
+      if (out.items[weakest].snr_db >= raw.snr_db) continue;
+      out.items.erase(weakest);
+    }
+    out.items.push_back(make_detection(raw, radar));
+  }
+}
+
+}  // namespace rio
