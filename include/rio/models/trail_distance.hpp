@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 4: distance now to a point detected at a past scan, through the two poses.
+//
+// q = R_BS m + p_BS (past detection m in the body axes of then),  W = R_c q + p_c,
+// e = R_BS^T (R_WB^T (W - p_WB) - p_BS),  u = e/|e|,  a = R_BS u
+// (E1) h = |e|
+// (E2) R = sigma_d^2, or u^T D Sigma_m D^T u + sigma_r^2 with D = de/dm; the part sigma_r^2 (current
+//      range) is the same for all elements of a trail: shared_variance()
+// Reference: Michalczyk et al. 2023, eq. 8-9.
+#pragma once
+
+#include "rio/frontend/detection.hpp"
+#include "rio/models/concept.hpp"
+#include "rio/options.hpp"
+#include "rio/state/blocks.hpp"
+
+namespace rio {
+
+class TrailDistanceModel {
+ public:
+  static constexpr Model kModel = Model::kTrailDistance;
+  static constexpr int kDim = 1;
+  using Blocks = BlockList<BodyPose, ClonePose, Extrinsics>;
+
+  struct Measurement {
+    double range = 0.0;                       ///< now [m]
+    double sigma_range = 0.0;                 ///< now [m]
+    Vector3d past_S = Vector3d::Zero();       ///< past detection, radar axes of then [m]
+    Matrix3d past_cov = Matrix3d::Zero();     ///< its covariance [m^2]
+  };
+
+  /// @param sigma_distance constant sigma of TrailNoise::kIndependent [m]
+  TrailDistanceModel(TrailNoise noise, double sigma_distance)
+      : noise_(noise), sigma_distance_(sigma_distance) {}
+
+  static Measurement measurement(const Detection& now, const Detection& past) {
+    return {now.range, now.sigma_range, past.point_S, point_covariance(past)};
+  }
+
+  /// Covariance between any two rows of one trail [m^2].
+  double shared_variance(const Measurement& z) const {
+    return noise_ == TrailNoise::kCorrelated ? z.sigma_range * z.sigma_range : 0.0;
+  }
+
+  bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& clone_T_WB,
+                const RigidPose& T_BS, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                JacobianOf<kDim, kDim>& R) const noexcept {
+    const Vector3d q = T_BS.R * z.past_S + T_BS.p;
+    const Vector3d from_body = T_WB.R.transpose() * (clone_T_WB.R * q + clone_T_WB.p - T_WB.p);
+    const Vector3d e = T_BS.R.transpose() * (from_body - T_BS.p);
+    const double h = e.norm();
+    if (!(h > kMinRange)) return false;
+    const Vector3d u = e / h;
+    const Vector3d a = T_BS.R * u;
+    const Eigen::RowVector3d a_W = (T_WB.R * a).transpose();
+    const Eigen::RowVector3d a_clone = a_W * clone_T_WB.R;
+    r[0] = z.range - h;  // (E1)
+    if (noise_ == TrailNoise::kCorrelated) {
+      const Eigen::RowVector3d d_h_d_m = a_clone * T_BS.R;
+      R(0, 0) = d_h_d_m * z.past_cov * d_h_d_m.transpose() + shared_variance(z);
+    } else {
+      R(0, 0) = sigma_distance_ * sigma_distance_;
+    }
+    if (J == nullptr) return true;
+
+    J->block<1, 3>(0, Blocks::column<BodyPose>()) = a.transpose() * skew(from_body);
+    J->block<1, 3>(0, Blocks::column<BodyPose>() + 3) = -a_W;
+    J->block<1, 3>(0, Blocks::column<ClonePose>()) = -a_clone * skew(q);
+    J->block<1, 3>(0, Blocks::column<ClonePose>() + 3) = a_W;
+    J->block<1, 3>(0, Blocks::column<Extrinsics>()) = -a_clone * T_BS.R * skew(z.past_S);
+    J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = a_clone - a.transpose();
+    return true;
+  }
+
+ private:
+  static constexpr double kMinRange = 1e-3;  // the direction to a point at the radar is undefined
+
+  TrailNoise noise_;
+  double sigma_distance_;
+};
+
+static_assert(MeasurementModel<TrailDistanceModel>);
+
+}  // namespace rio

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 5: linearised measurement rows that know which columns of the error state they touch.
+//
+// A row is r = h . dx + n with a few non-zero segments in h. The rows of one block share a verdict and
+// may share a noise: R_block = diag(own) + shared 1 1^T.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "rio/core/assert.hpp"
+#include "rio/models/concept.hpp"
+#include "rio/state/blocks.hpp"
+
+namespace rio {
+
+/// One row with the columns its model's blocks have in the error state.
+struct LinearRow {
+  static constexpr std::size_t kMaxSegments = 5;
+  static constexpr std::size_t kMaxColumns = 24;
+  struct Segment {
+    int column = 0;
+    int length = 0;
+  };
+
+  std::array<Segment, kMaxSegments> segments;
+  std::size_t segment_count = 0;
+  std::array<double, kMaxColumns> h;  ///< coefficients of the segments, one after the other
+  double residual = 0.0;
+  double variance = 0.0;  ///< total noise variance, the shared part included
+
+  /// f(first column, its coefficients, length) for every segment.
+  template <class F>
+  void for_each_segment(F&& f) const {
+    const double* values = h.data();
+    for (std::size_t s = 0; s < segment_count; ++s) {
+      f(segments[s].column, values, segments[s].length);
+      values += segments[s].length;
+    }
+  }
+};
+
+/// Consecutive rows with one verdict.
+struct RowBlock {
+  std::size_t first = 0;
+  std::size_t count = 0;
+  double shared_variance = 0.0;
+};
+
+/// Rows of one update; storage allocated once.
+class RowBatch {
+ public:
+  explicit RowBatch(std::size_t capacity) {
+    rows_.reserve(capacity);
+    blocks_.reserve(capacity);
+  }
+
+  const std::vector<LinearRow>& rows() const { return rows_; }
+  const std::vector<RowBlock>& blocks() const { return blocks_; }
+  void clear() {
+    rows_.clear();
+    blocks_.clear();
+  }
+
+  /// Opens a block; the rows pushed after this belong to it.
+  void begin_block() { blocks_.push_back({rows_.size(), 0, 0.0}); }
+  const RowBlock& last_block() const { return blocks_.back(); }
+  void share_variance(double variance) { blocks_.back().shared_variance = variance; }
+  /// Takes the last block and its rows back.
+  void drop_block() {
+    rows_.resize(blocks_.back().first);
+    blocks_.pop_back();
+  }
+
+  /// Appends an evaluation to the open block. Rows of more than one dimension are whitened first.
+  /// @param columns first column of each of the model's blocks in the error state; -1 = fixed
+  template <class M, class... B>
+  void push(const Evaluation<M>& e, BlockList<B...>,
+            const std::array<int, sizeof...(B)>& columns) {
+    static_assert(M::Blocks::kDof <= static_cast<int>(LinearRow::kMaxColumns));
+    static_assert(sizeof...(B) <= LinearRow::kMaxSegments);
+    constexpr std::array<int, sizeof...(B)> kLengths = {B::kDof...};
+    ResidualOf<M::kDim> r = e.r;
+    JacobianOf<M::kDim, M::Blocks::kDof> J = e.J;
+    if constexpr (M::kDim > 1) {
+      const Eigen::LLT<JacobianOf<M::kDim, M::kDim>> llt(e.R);
+      llt.matrixL().solveInPlace(r);
+      llt.matrixL().solveInPlace(J);
+    }
+    for (int i = 0; i < M::kDim; ++i) {
+      RIO_ASSERT(rows_.size() < rows_.capacity());
+      LinearRow& row = rows_.emplace_back();
+      row.residual = r[i];
+      row.variance = M::kDim > 1 ? 1.0 : e.R(0, 0);
+      std::size_t used = 0;
+      int first = 0;
+      for (std::size_t b = 0; b < columns.size(); ++b) {
+        if (columns[b] >= 0) {
+          row.segments[row.segment_count++] = {columns[b], kLengths[b]};
+          for (int k = 0; k < kLengths[b]; ++k) row.h[used++] = J(i, first + k);
+        }
+        first += kLengths[b];
+      }
+      ++blocks_.back().count;
+    }
+  }
+
+ private:
+  std::vector<LinearRow> rows_;
+  std::vector<RowBlock> blocks_;
+};
+
+}  // namespace rio
