@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Back-end 1: the multi-state error-state Kalman filter (Michalczyk et al., ICRA 2023).
+//
+// Stages 1, 2, 4 to 7 on the mean; everything about P is asked of ekf/covariance.hpp. The rows of one
+// scan are linearised at the predicted state, gated against the predicted covariance, and applied at once.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "rio/ekf/covariance.hpp"
+#include "rio/frontend/frontend.hpp"
+#include "rio/models/doppler.hpp"
+#include "rio/models/landmark_distance.hpp"
+#include "rio/models/trail_distance.hpp"
+#include "rio/options.hpp"
+#include "rio/propagate/imu_buffer.hpp"
+#include "rio/report.hpp"
+#include "rio/state/estimate.hpp"
+#include "rio/state/layout.hpp"
+#include "rio/update/gate.hpp"
+#include "rio/update/linearize.hpp"
+
+namespace rio {
+
+class Ekf {
+ public:
+  explicit Ekf(const Options& options)
+      : options_(options),
+        layout_(options.update),
+        covariance_(layout_),
+        gate_(options.update.gate_probability),
+        doppler_(options.update.direction_noise, options.update.direction_correction),
+        plain_doppler_(options.update.direction_noise, false),
+        trail_(options.update.trail_noise, options.update.sigma_trail_distance),
+        landmark_(options.update.sigma_landmark_distance),
+        batch_(static_cast<std::size_t>(options.frontend.max_detections *
+                                        (1 + std::max(1, options.update.max_clones)))),
+        dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
+
+  const Estimate& estimate() const { return estimate_; }
+  const Covariance& covariance() const { return covariance_; }
+  std::size_t landmark_room() const {
+    return static_cast<std::size_t>(layout_.max_landmarks()) - estimate_.landmarks.size();
+  }
+
+  void reset(const NavState& prior, const BodyCovariance& P0) {
+    estimate_ = Estimate{};
+    estimate_.nav = prior;
+    estimate_.T_BS = options_.radar.T_BS;
+    covariance_.reset(P0, options_.update);
+  }
+
+  /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
+  Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
+    Propagation p;
+    p.state = estimate_.nav;
+    imu.for_each_step(estimate_.nav.time, to,
+                      [&](const ImuStep& step) { p.step(step, options_.imu); });
+    if (!p.finite()) return Status::kNumerical;
+    *gap = p.gap;
+    estimate_.nav = p.state;
+    estimate_.gyro_B = imu.at(to).gyro_B;
+    covariance_.propagate(p.transition, p.noise);
+    return Status::kOk;
+  }
+
+  /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
+  Status update(const Observations& seen, UpdateReport* report) {
+    const LinearizationPoint x(estimate_);
+    batch_.clear();
+    if (options_.update.use_doppler) add_doppler(seen, x, report);
+    if (options_.update.use_trails) add_trails(seen, x, report);
+    if (options_.update.use_landmarks) add_landmarks(seen, x, report);
+    if (!covariance_.update(batch_, &dx_)) return Status::kNumerical;
+    before_ = estimate_;
+    correct();
+    if (options_.update.consistent_covariance) covariance_.reexpress(before_, estimate_);
+    return Status::kOk;
+  }
+
+  /// Stage 7: landmarks unmatched for too long leave, promoted detections enter.
+  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
+                          UpdateReport* report) {
+    for (LandmarkState& landmark : estimate_.landmarks) ++landmark.misses;
+    for (const Match& m : seen.landmark_matches) estimate_.landmarks[m.target].misses = 0;
+    for (std::size_t i = estimate_.landmarks.size(); i-- > 0;) {
+      if (estimate_.landmarks[i].misses <= options_.frontend.landmark_miss_tolerance) continue;
+      covariance_.remove_landmark(static_cast<int>(i));
+      estimate_.landmarks[i] = estimate_.landmarks.back();
+      estimate_.landmarks.pop_back();
+      ++report->landmarks_removed;
+    }
+    const RigidPose T_WB = estimate_.T_WB();
+    const RigidPose T_BS(estimate_.T_BS);
+    for (const Detection& d : promotions.births) {
+      if (landmark_room() == 0) break;
+      const InverseObservation inverse(T_WB, T_BS, d.point_S);
+      covariance_.add_landmark(
+          static_cast<int>(estimate_.landmarks.size()), inverse.d_l_d_body,
+          inverse.d_l_d_extrinsics,
+          inverse.d_l_d_m * point_covariance(d) * inverse.d_l_d_m.transpose());
+      estimate_.landmarks.push_back({inverse.p_WL, 0});
+      ++report->landmarks_added;
+    }
+  }
+
+  /// Stage 2: the corrected pose becomes the clone of this scan, in place of the oldest one.
+  void clone(ScanId scan) {
+    const auto slots = static_cast<std::size_t>(layout_.max_clones());
+    if (slots == 0) return;
+    const std::size_t slot = static_cast<std::size_t>(scan % slots);
+    if (slot >= estimate_.clones.size()) estimate_.clones.resize(slot + 1);
+    estimate_.clones[slot] = {scan, estimate_.T_WB()};
+    covariance_.clone_body_pose(static_cast<int>(slot));
+  }
+
+ private:
+  void add_doppler(const Observations& seen, const LinearizationPoint& x, UpdateReport* report) {
+    for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
+      if (!seen.is_static(i)) continue;
+      auto z = DopplerModel::measurement(seen.detection(i), estimate_.gyro_B);
+      if (options_.update.direction_correction) z.predicted_var = predicted_variance(z, x);
+      batch_.begin_block();
+      const bool valid = linearize(doppler_, z, DopplerModel::Blocks{}, x, {}, layout_, &batch_);
+      decide(DopplerModel::kModel, i, valid, report);
+    }
+  }
+
+  /// Variance of the predicted Doppler, with the direction as measured.
+  double predicted_variance(const DopplerModel::Measurement& z, const LinearizationPoint& x) {
+    batch_.begin_block();
+    linearize(plain_doppler_, z, DopplerModel::Blocks{}, x, {}, layout_, &batch_);
+    const double variance = covariance_.product(batch_.rows().back(), batch_.rows().back());
+    batch_.drop_block();
+    return variance;
+  }
+
+  void add_trails(const Observations& seen, const LinearizationPoint& x, UpdateReport* report) {
+    const bool joint = options_.update.trail_noise == TrailNoise::kCorrelated;
+    for (const Match& m : seen.trail_matches) {
+      bool open = false;
+      for (const TrailElement& past : (*seen.trails)[m.target].elements) {
+        const int clone = estimate_.find_clone(past.scan);
+        if (clone < 0) continue;
+        const auto z =
+            TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
+        if (!open) batch_.begin_block();
+        open = joint;
+        const bool valid = linearize(trail_, z, TrailDistanceModel::Blocks{}, x, {clone, 0},
+                                     layout_, &batch_);
+        if (joint) batch_.share_variance(trail_.shared_variance(z));
+        if (!joint) decide(TrailDistanceModel::kModel, m.detection, valid, report);
+      }
+      if (joint && open) {
+        const bool valid = batch_.last_block().count > 0;
+        decide(TrailDistanceModel::kModel, m.detection, valid, report);
+      }
+    }
+  }
+
+  void add_landmarks(const Observations& seen, const LinearizationPoint& x, UpdateReport* report) {
+    for (const Match& m : seen.landmark_matches) {
+      batch_.begin_block();
+      const bool valid = linearize(
+          landmark_, LandmarkDistanceModel::measurement(seen.detection(m.detection)),
+          LandmarkDistanceModel::Blocks{}, x, {0, static_cast<int>(m.target)}, layout_, &batch_);
+      decide(LandmarkDistanceModel::kModel, m.detection, valid, report);
+    }
+  }
+
+  /// Stage 5: gates the last block, records it, and drops it unless it may be used.
+  void decide(Model model, std::size_t detection, bool valid, UpdateReport* report) {
+    ModelReport& sums = report->models[static_cast<std::size_t>(model)];
+    InnovationRecord record;
+    record.model = model;
+    record.detection = static_cast<std::uint16_t>(detection);
+    if (!valid) {
+      record.verdict = Verdict::kOutOfDomain;
+      ++sums.rows_out_of_domain;
+      batch_.drop_block();
+    } else {
+      const RowBlock& block = batch_.last_block();
+      const int rows = static_cast<int>(block.count);
+      covariance_.innovation_covariance(batch_, block, &S_);
+      record.dof = static_cast<std::uint16_t>(rows);
+      record.innovation = batch_.rows()[block.first].residual;
+      record.sigma = std::sqrt(S_(0, 0));
+      record.nis = normalised_innovation_squared(block);
+      record.gate = gate_.threshold(block.count);
+      if (record.nis <= record.gate) {
+        sums.rows_used += rows;
+        sums.nis += record.nis;
+      } else {
+        record.verdict = Verdict::kGated;
+        sums.rows_gated += rows;
+        batch_.drop_block();
+      }
+    }
+    if (!report->records.push_back(record)) ++report->records_dropped;
+  }
+
+  /// Infinite if the innovation covariance is not positive definite.
+  double normalised_innovation_squared(const RowBlock& block) {
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Gate::kMaxDof, 1> r(S_.rows());
+    for (std::size_t i = 0; i < block.count; ++i) {
+      r[static_cast<Eigen::Index>(i)] = batch_.rows()[block.first + i].residual;
+    }
+    const Eigen::LLT<Eigen::Ref<Covariance::BlockMatrix>> llt(S_);
+    if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+    llt.matrixL().solveInPlace(r);
+    return r.squaredNorm();
+  }
+
+  /// Injects dx_ into the mean.
+  void correct() {
+    const auto correct_pose = [this](int column, RigidPose* pose) {
+      *pose = PoseBlock::retract(*pose, dx_.segment<6>(column));
+    };
+    NavState& nav = estimate_.nav;
+    nav.q_WB = (nav.q_WB * quaternion_exp(dx_.segment<3>(body::kAttitude))).normalized();
+    nav.p_WB += dx_.segment<3>(body::kPosition);
+    nav.v_WB += dx_.segment<3>(body::kVelocity);
+    nav.gyro_bias += dx_.segment<3>(body::kGyroBias);
+    nav.accel_bias += dx_.segment<3>(body::kAccelBias);
+    if (layout_.has_extrinsics()) {
+      Pose& T_BS = estimate_.T_BS;
+      const int column = layout_.extrinsics();
+      T_BS.rotation = (T_BS.rotation * quaternion_exp(dx_.segment<3>(column))).normalized();
+      T_BS.translation += dx_.segment<3>(column + 3);
+    }
+    for (std::size_t i = 0; i < estimate_.clones.size(); ++i) {
+      correct_pose(layout_.clone(static_cast<int>(i)), &estimate_.clones[i].T_WB);
+    }
+    for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
+      estimate_.landmarks[i].p_W += dx_.segment<3>(layout_.landmark(static_cast<int>(i)));
+    }
+  }
+
+  Options options_;
+  Layout layout_;
+  Estimate estimate_;
+  Estimate before_;
+  Covariance covariance_;
+  Gate gate_;
+  DopplerModel doppler_;
+  DopplerModel plain_doppler_;
+  TrailDistanceModel trail_;
+  LandmarkDistanceModel landmark_;
+  RowBatch batch_;
+  Covariance::BlockMatrix S_;
+  Eigen::VectorXd dx_;
+};
+
+}  // namespace rio

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// DOOR 2, for researchers: the data flow of one scan, one call per stage, for any back-end. C++20.
+//
+//   (1) propagate -> (3) front-end -> (4) models -> (5) gate -> (6) update -> (7) promote -> (2) clone
+//
+// Cloning comes last because a clone is the corrected pose of this scan, kept for the scans after it.
+#pragma once
+
+#include "rio/ekf/ekf.hpp"
+#include "rio/frontend/frontend.hpp"
+#include "rio/options.hpp"
+#include "rio/propagate/imu_buffer.hpp"
+#include "rio/report.hpp"
+
+namespace rio {
+
+template <class BackEnd>
+class Pipeline {
+ public:
+  /// `options` must be valid (Options::validate).
+  explicit Pipeline(const Options& options)
+      : clock_(options.timing.clock), frontend_(options), backend_(options) {}
+
+  const Estimate& estimate() const { return backend_.estimate(); }
+  const BackEnd& backend() const { return backend_; }
+  const UpdateReport& report() const { return report_; }
+
+  void reset(const NavState& prior, const BodyCovariance& P0) {
+    frontend_.reset();
+    backend_.reset(prior, P0);
+    report_ = UpdateReport{};
+    next_scan_ = 0;
+  }
+
+  /// Carries the estimate to `time` without a scan, not beyond the newest IMU sample.
+  Status propagate(Time time, const ImuBuffer& imu) {
+    bool gap = false;
+    return backend_.propagate(time, imu, &gap);
+  }
+
+  /// One filtered scan, not older than the estimate and not newer than the IMU. kNumerical: the
+  /// estimate is what the IMU alone predicts, or, if that failed, unchanged.
+  Status process(const DetectionList& scan, const ImuBuffer& imu) {
+    report_ = UpdateReport{};
+    report_.time = scan.time;
+    const Time start = now();
+    report_.status = backend_.propagate(scan.time, imu, &report_.imu_gap);           // (1)
+    const Time propagated = now();
+    report_.propagation_time = propagated - start;
+    if (report_.status != Status::kOk) return report_.status;
+
+    frontend_.observe(scan, backend_.estimate(), &seen_);                            // (3)
+    report_.status = backend_.update(seen_, &report_);                               // (4) (5) (6)
+    if (report_.status == Status::kOk) {
+      frontend_.advance(seen_, next_scan_, backend_.landmark_room(), &promotions_);  // (7)
+      backend_.maintain_landmarks(seen_, promotions_, &report_);
+      backend_.clone(next_scan_);                                                    // (2)
+      ++next_scan_;
+    }
+    summarise(scan);
+    report_.update_time = now() - propagated;
+    return report_.status;
+  }
+
+ private:
+  Time now() const { return clock_ != nullptr ? clock_() : Time{0}; }
+
+  void summarise(const DetectionList& scan) {
+    report_.detections = scan.received;
+    report_.detections_kept = static_cast<int>(scan.items.size());
+    report_.static_detections = seen_.ego_velocity.inliers;
+    report_.ego_velocity_S = seen_.ego_velocity.v_S;
+    report_.ego_velocity_valid = seen_.ego_velocity.valid;
+    report_.trails = static_cast<int>(frontend_.trails().size());
+    report_.trails_matched = static_cast<int>(seen_.trail_matches.size());
+    report_.landmarks_matched = static_cast<int>(seen_.landmark_matches.size());
+    report_.clones = static_cast<int>(backend_.estimate().clones.size());
+    report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
+  }
+
+  Time (*clock_)();
+  Frontend frontend_;
+  BackEnd backend_;
+  Observations seen_;
+  Promotions promotions_;
+  UpdateReport report_;
+  ScanId next_scan_ = 0;
+};
+
+}  // namespace rio
