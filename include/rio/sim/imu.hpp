@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Simulated IMU: the exact instantaneous motion plus bias, white noise, vibration and saturation.
+//
+// (E1) sample = truth + bias + vibration + density * sqrt(rate) * n, n ~ N(0, 1) per axis
+// (E2) bias' = bias + random_walk / sqrt(rate) * n, from one sample to the next
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "rio/sim/random.hpp"
+#include "rio/sim/trajectory.hpp"
+#include "rio/types.hpp"
+
+namespace rio::sim {
+
+/// The inertial sensor that is simulated. Defaults: a consumer MEMS unit on a quadrotor.
+struct ImuModel {
+  double rate_hz = 200.0;                ///< [Hz]
+  double gyro_noise_density = 2e-4;      ///< white noise [rad/s/sqrt(Hz)]
+  double gyro_random_walk = 2e-5;        ///< bias random walk [rad/s^2/sqrt(Hz)]
+  double gyro_turn_on_sigma = 5e-3;      ///< first bias, per axis [rad/s]
+  double gyro_vibration = 0.01;          ///< amplitude per axis while flying [rad/s]
+  double gyro_limit = 34.9;              ///< saturation [rad/s]
+  double accel_noise_density = 2e-3;     ///< white noise [m/s^2/sqrt(Hz)]
+  double accel_random_walk = 2e-4;       ///< bias random walk [m/s^3/sqrt(Hz)]
+  double accel_turn_on_sigma = 5e-2;     ///< first bias, per axis [m/s^2]
+  double accel_vibration = 0.2;          ///< amplitude per axis while flying [m/s^2]
+  double accel_limit = 156.9;            ///< saturation [m/s^2]
+  double vibration_frequency_hz = 87.0;  ///< of the first rotor; the others are 3 % apart [Hz]
+
+  /// Only what a filter models: bias and white noise, no vibration.
+  static ImuModel ideal() {
+    ImuModel model;
+    model.gyro_vibration = model.accel_vibration = 0.0;
+    return model;
+  }
+  /// The exact motion.
+  static ImuModel noise_free() {
+    ImuModel model = ideal();
+    model.gyro_noise_density = model.gyro_random_walk = model.gyro_turn_on_sigma = 0.0;
+    model.accel_noise_density = model.accel_random_walk = model.accel_turn_on_sigma = 0.0;
+    return model;
+  }
+};
+
+/// Turns the motion into samples, one call a sample, `rate_hz` calls a second.
+class ImuSimulator {
+ public:
+  ImuSimulator(const ImuModel& model, std::uint64_t seed) : model_(model), random_(seed, 2) {
+    gyro_bias_ = model_.gyro_turn_on_sigma * random_.normal3();
+    accel_bias_ = model_.accel_turn_on_sigma * random_.normal3();
+    for (double& phase : phases_) phase = random_.uniform(0.0, 2.0 * std::numbers::pi);
+  }
+
+  /// The biases in the next sample.
+  const Vector3d& gyro_bias() const { return gyro_bias_; }
+  const Vector3d& accel_bias() const { return accel_bias_; }
+
+  /// The sample at `point`; afterwards the biases walk one step.
+  ImuSample sample(const Trajectory::Point& point) {
+    const double root_rate = std::sqrt(model_.rate_hz);
+    ImuSample sample;
+    sample.time = point.nav.time;
+    sample.gyro_B = point.gyro_B + gyro_bias_ +
+                    model_.gyro_noise_density * root_rate * random_.normal3();  // (E1)
+    sample.accel_B =
+        point.accel_B + accel_bias_ + model_.accel_noise_density * root_rate * random_.normal3();
+    if (point.flying) {
+      sample.gyro_B += model_.gyro_vibration * vibration(0);
+      sample.accel_B += model_.accel_vibration * vibration(3);
+    }
+    sample.gyro_B = sample.gyro_B.cwiseMax(-model_.gyro_limit).cwiseMin(model_.gyro_limit);
+    sample.accel_B = sample.accel_B.cwiseMax(-model_.accel_limit).cwiseMin(model_.accel_limit);
+
+    gyro_bias_ += model_.gyro_random_walk / root_rate * random_.normal3();  // (E2)
+    accel_bias_ += model_.accel_random_walk / root_rate * random_.normal3();
+    ++count_;
+    return sample;
+  }
+
+ private:
+  /// One sinusoid of unit amplitude an axis, rotors slightly apart in speed.
+  Vector3d vibration(std::size_t first) const {
+    Vector3d value;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double frequency =
+          model_.vibration_frequency_hz * (1.0 + 0.03 * static_cast<double>(axis));
+      const double cycles = frequency / model_.rate_hz * static_cast<double>(count_);
+      value[static_cast<Eigen::Index>(axis)] =
+          std::sin(2.0 * std::numbers::pi * cycles + phases_[first + axis]);
+    }
+    return value;
+  }
+
+  ImuModel model_;
+  Random random_;
+  Vector3d gyro_bias_;
+  Vector3d accel_bias_;
+  std::array<double, 6> phases_{};
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace rio::sim
