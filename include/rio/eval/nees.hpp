@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Consistency: is the error as large as the covariance says?
+//
+// (E1) e = true - estimate in the error state: dphi = Log(q_est^-1 q_true) [rad], dp, dv, dbg, dba
+// (E2) NEES = e^T P^-1 e, chi-squared with dim(e) degrees of freedom if P is right
+// (E3) ANEES of N independent runs: mean NEES; N times it is chi-squared with N dim(e)
+// Reference: Bar-Shalom, Li, Kirubarajan, 2001, sec. 5.4.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <limits>
+#include <vector>
+
+#include "rio/core/assert.hpp"
+#include "rio/core/chi2.hpp"
+#include "rio/core/so3.hpp"
+
+namespace rio::eval {
+
+using BodyError = Eigen::Matrix<double, body::kSize, 1>;
+
+/// Error of a state (E1), order of namespace body: head<9>() is attitude (body axes), position and
+/// velocity, and goes with the top left 9 x 9 of a BodyCovariance.
+inline BodyError body_error(const NavState& estimate, const NavState& truth) {
+  BodyError error;
+  error.segment<3>(body::kAttitude) = quaternion_log(estimate.q_WB.conjugate() * truth.q_WB);
+  error.segment<3>(body::kPosition) = truth.p_WB - estimate.p_WB;
+  error.segment<3>(body::kVelocity) = truth.v_WB - estimate.v_WB;
+  error.segment<3>(body::kGyroBias) = truth.gyro_bias - estimate.gyro_bias;
+  error.segment<3>(body::kAccelBias) = truth.accel_bias - estimate.accel_bias;
+  return error;
+}
+
+using StateError = Eigen::Matrix<double, 9, 1>;
+
+/// Error of a state (E1) as [dp, dphi, dv] in W, B, W axes: the order of a states file.
+inline StateError state_error(const NavState& estimate, const NavState& truth) {
+  const BodyError error = body_error(estimate, truth);
+  StateError reordered;
+  reordered << error.segment<3>(body::kPosition), error.segment<3>(body::kAttitude),
+      error.segment<3>(body::kVelocity);
+  return reordered;
+}
+
+/// Normalised estimation error squared (E2); NaN if P is not positive definite.
+template <class Error, class Covariance>
+double nees(const Eigen::MatrixBase<Error>& error, const Eigen::MatrixBase<Covariance>& P) {
+  RIO_ASSERT(P.rows() == error.size() && P.cols() == error.size());
+  const Eigen::LLT<typename Covariance::PlainObject> llt(P);
+  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  return llt.matrixL().solve(error).squaredNorm();
+}
+
+/// Mean of the NEES of several runs at one instant; NaN without runs.
+inline double anees(const std::vector<double>& nees_of_runs) {
+  if (nees_of_runs.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0;
+  for (const double value : nees_of_runs) sum += value;
+  return sum / static_cast<double>(nees_of_runs.size());
+}
+
+/// Where the ANEES of consistent runs lies.
+struct AneesBounds {
+  double lower = 0.0;
+  double upper = 0.0;
+  bool contain(double value) const { return value >= lower && value <= upper; }
+};
+
+/// The two-sided interval (E3) that holds the ANEES of `runs` independent consistent runs of a
+/// state of `dof` dimensions with `probability`; the chances of missing it on either side are
+/// equal.
+inline AneesBounds anees_bounds(int dof, int runs, double probability) {
+  RIO_ASSERT(dof > 0 && runs > 0);
+  const double total = static_cast<double>(dof) * runs;
+  const double miss = 0.5 * (1.0 - probability);
+  return {chi2_quantile(miss, total) / runs, chi2_quantile(1.0 - miss, total) / runs};
+}
+
+}  // namespace rio::eval
