@@ -85,7 +85,7 @@ void visit_fields(OptionsT& o, Visitor&& visit) {
         "Inlier bound in sigmas, direction error included; 0 = off.");
   field("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
         "The velocity predicted by the IMU is one more hypothesis.");
-  field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.95,
+  field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
         "Share of outliers the iteration count is sized for.");
   field("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
         "Probability of drawing one clean triple.");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every tunable of the estimator, nested by stage, with its default. SI units throughout (angles in
-// radians); the file reader also takes values such as "2 deg". Nothing derived is stored here. C++17.
+// radians); the file reader also takes values such as "2 deg". Nothing derived is stored here.
+// C++17.
 #pragma once
 
 #include <string>
@@ -23,25 +24,27 @@ struct ImuOptions {
 
 /// The radar: where it sits, what it can see, how well it measures.
 struct RadarOptions {
-  Pose T_BS{};                          ///< pose of the radar in the body frame [m]
-  double min_range = 0.2;               ///< nearer detections are dropped [m]
-  double max_range = 50.0;              ///< farther detections are dropped [m]
-  double min_snr_db = 0.0;              ///< weaker detections are dropped [dB]
-  double fov_azimuth = 3.14159;         ///< full width of the field of view used [rad]
-  double fov_elevation = 3.14159;       ///< full height of the field of view used [rad]
-  double sigma_range = 0.03;            ///< [m]
-  double sigma_azimuth = 0.026;         ///< at boresight [rad]
-  double sigma_elevation = 0.052;       ///< at boresight [rad]
-  double sigma_doppler = 0.03;          ///< without quantisation [m/s]
-  double range_resolution = 0.0;        ///< grid of the range, adds grid^2/12; 0 = none [m]
-  double doppler_resolution = 0.0;      ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
+  Pose T_BS{};                     ///< pose of the radar in the body frame [m]
+  double min_range = 0.2;          ///< nearer detections are dropped [m]
+  double max_range = 50.0;         ///< farther detections are dropped [m]
+  double min_snr_db = 0.0;         ///< weaker detections are dropped [dB]
+  double fov_azimuth = 3.14159;    ///< full width of the field of view used [rad]
+  double fov_elevation = 3.14159;  ///< full height of the field of view used [rad]
+  double sigma_range = 0.03;       ///< [m]
+  /// At boresight [rad]. A beam of 15 deg at 15 dB resolves about a degree, which is what a real
+  /// IWR6843AOP shows; elevation has half the antennas.
+  double sigma_azimuth = 0.02;
+  double sigma_elevation = 0.04;
+  double sigma_doppler = 0.03;      ///< without quantisation [m/s]
+  double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
+  double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
 };
 
 /// Stages 3 and 7: detections to observations.
 struct FrontendOptions {
-  int max_detections = 128;         ///< per scan; of more, the strongest are kept
-  double ransac_threshold = 0.15;   ///< |Doppler residual| of an inlier is below this [m/s] or ...
-  double ransac_sigmas = 3.0;       ///< ... this many sigmas, direction error included; 0 = off
+  int max_detections = 128;        ///< per scan; of more, the strongest are kept
+  double ransac_threshold = 0.15;  ///< |Doppler residual| of an inlier is below this [m/s] or ...
+  double ransac_sigmas = 3.0;      ///< ... this many sigmas, direction error included; 0 = off
   bool ransac_use_prediction = true;  ///< the velocity predicted by the IMU is one more hypothesis
   double ransac_outlier_ratio = 0.4;  ///< share of outliers the iteration count is sized for
   double ransac_success = 0.9999;     ///< probability of drawing one clean triple
@@ -63,41 +66,41 @@ struct UpdateOptions {
   bool use_doppler = true;
   bool use_trails = true;
   bool use_landmarks = true;
-  bool direction_correction = true;     ///< Doppler: errors-in-variables correction of the direction
-  bool direction_noise = true;          ///< Doppler: direction error adds to the variance
-  bool consistent_covariance = true;    ///< re-express P so that yaw and position stay unobservable
+  bool direction_correction = true;   ///< Doppler: errors-in-variables correction of the direction
+  bool direction_noise = true;        ///< Doppler: direction error adds to the variance
+  bool consistent_covariance = true;  ///< re-express P so that yaw and position stay unobservable
   TrailNoise trail_noise = TrailNoise::kIndependent;
   /// For kIndependent [m]. The residuals spread by some 0.08 m, and each detection enters up to
   /// N = 7 updates: counting it once takes sqrt(7) times that.
   double sigma_trail_distance = 0.2;
-  double sigma_landmark_distance = 0.2;   ///< same reason: it was a trail before [m]
-  double gate_probability = 0.99;         ///< of passing the one-sided chi-squared gate
-  int max_clones = 7;                     ///< past poses kept (N)
-  int max_landmarks = 20;                 ///< persistent landmarks kept
+  double sigma_landmark_distance = 0.2;       ///< same reason: it was a trail before [m]
+  double gate_probability = 0.99;             ///< of passing the one-sided chi-squared gate
+  int max_clones = 7;                         ///< past poses kept (N)
+  int max_landmarks = 20;                     ///< persistent landmarks kept
   double extrinsic_rotation_sigma = 0.05;     ///< prior per axis; 0 = not estimated [rad]
   double extrinsic_translation_sigma = 0.03;  ///< prior per axis; 0 = not estimated [m]
 };
 
 /// How the first state comes about.
 struct StartOptions {
-  bool static_alignment = true;      ///< align while standing; false = wait for reset(prior, P0)
-  double duration = 1.5;             ///< of the standstill that is averaged [s]
-  double max_gyro_std = 0.02;        ///< standstill: per-axis standard deviation of a sample [rad/s]
-  double max_accel_std = 0.2;        ///< standstill: same for the specific force [m/s^2]
-  double max_rate = 0.1;             ///< standstill: largest mean rate that can be a bias [rad/s]
-  double sigma_position = 0.01;      ///< per axis [m]
-  double sigma_yaw = 0.01;           ///< [rad]
-  double sigma_tilt = 0.01;          ///< roll and pitch of a given start [rad]
-  double sigma_velocity = 0.05;      ///< per axis [m/s]
-  double sigma_gyro_bias = 0.005;    ///< per axis, when there was no standstill [rad/s]
-  double sigma_accel_bias = 0.05;    ///< per axis [m/s^2]
+  bool static_alignment = true;    ///< align while standing; false = wait for reset(prior, P0)
+  double duration = 1.5;           ///< of the standstill that is averaged [s]
+  double max_gyro_std = 0.02;      ///< standstill: per-axis standard deviation of a sample [rad/s]
+  double max_accel_std = 0.2;      ///< standstill: same for the specific force [m/s^2]
+  double max_rate = 0.1;           ///< standstill: largest mean rate that can be a bias [rad/s]
+  double sigma_position = 0.01;    ///< per axis [m]
+  double sigma_yaw = 0.01;         ///< [rad]
+  double sigma_tilt = 0.01;        ///< roll and pitch of a given start [rad]
+  double sigma_velocity = 0.05;    ///< per axis [m/s]
+  double sigma_gyro_bias = 0.005;  ///< per axis, when there was no standstill [rad/s]
+  double sigma_accel_bias = 0.05;  ///< per axis [m/s^2]
 };
 
 /// Queues between the sensors and the estimator.
 struct TimingOptions {
-  int imu_buffer = 2048;       ///< IMU samples kept between the estimate and now
-  int scan_queue = 8;          ///< scans that may wait for the IMU
-  double max_lag = 1.0;        ///< the estimate follows the IMU at most this far behind [s]
+  int imu_buffer = 2048;  ///< IMU samples kept between the estimate and now
+  int scan_queue = 8;     ///< scans that may wait for the IMU
+  double max_lag = 1.0;   ///< the estimate follows the IMU at most this far behind [s]
   /// For profiling only: if given, the time spent is reported in UpdateReport. Not a file option.
   Time (*clock)() = nullptr;
 };

@@ -5,10 +5,11 @@
 // (E2) clone:     rows and columns of the body pose are copied               (ibid., eq. 5)
 // (E3) landmark:  P_ll = H P H^T + N, P_lx = H P                              (ibid., eq. 10-11)
 // (E4) update:    W = P H^T L^-T, S = H P H^T + R = L L^T, P <- P - W W^T, in panels of rows
-// (E5) re-express: P <- M P M^T, so that the right-invariant error does not change when the estimate
+// (E5) re-express: P <- M P M^T, so that the right-invariant error does not change when the
+// estimate
 //      does: yaw and position about the world stay unobservable (Hao, Tian and He 2025)
-// ICRA 2023 is Michalczyk et al., ICRA 2023. Nothing here allocates after construction. Clones make P
-// singular by design: it is never factorised.
+// ICRA 2023 is Michalczyk et al., ICRA 2023. Nothing here allocates after construction. Clones make
+// P singular by design: it is never factorised.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -133,8 +134,8 @@ class Covariance {
     }
   }
 
-  /// All rows of the batch at once; `dx` is the correction. False, with P unchanged, if an innovation
-  /// covariance is not positive definite or the result is not finite.
+  /// All rows of the batch at once; `dx` is the correction. False, with P unchanged, if an
+  /// innovation covariance is not positive definite or the result is not finite.
   bool update(const RowBatch& batch, Eigen::VectorXd* dx) {  // (E4)
     backup_.topLeftCorner(size_, size_) = P_.topLeftCorner(size_, size_);
     dx->head(size_).setZero();
@@ -155,8 +156,8 @@ class Covariance {
   }
 
   /// (E5): the errors of `before` re-expressed for `after`, the same state after a correction.
-  ///   theta <- R+^T R- theta;  dp <- dp - [p+ - p-] R- theta, likewise v and landmarks; a clone's own
-  ///   rotation error carries the clone.
+  ///   theta <- R+^T R- theta;  dp <- dp - [p+ - p-] R- theta, likewise v and landmarks; a clone's
+  ///   own rotation error carries the clone.
   void reexpress(const Estimate& before, const Estimate& after) {
     auto P = P_.topLeftCorner(size_, size_);
     apply_reexpression(P, before, after);
@@ -179,11 +180,10 @@ class Covariance {
       auto w = W.col(k);
       w.setZero();
       innovation[k] = row.residual;
-      row.for_each_segment([&](int column, const double* h, int length) {
-        for (int i = 0; i < length; ++i) {
-          w += h[i] * P_.col(column + i).head(size_);
-          innovation[k] -= h[i] * (*dx)[column + i];
-        }
+      row.for_each_segment([&](int column, const double* values, int length) {
+        const Eigen::Map<const Eigen::VectorXd> h(values, length);
+        w.noalias() += P_.block(0, column, size_, length) * h;
+        innovation[k] -= h.dot(dx->segment(column, length));
       });
       for (Eigen::Index j = 0; j <= k; ++j) {  // S = H W, lower triangle
         double s = 0.0;
@@ -206,12 +206,10 @@ class Covariance {
     const Eigen::LLT<Eigen::Ref<Eigen::Matrix<double, kPanel, kPanel>>> llt(S);
     if (llt.info() != Eigen::Success) return false;
     for (Eigen::Index k = 0; k < m; ++k) {  // W <- W L^-T, innovation <- L^-1 innovation
-      for (Eigen::Index j = 0; j < k; ++j) {
-        W.col(k) -= S(k, j) * W.col(j);
-        innovation[k] -= S(k, j) * innovation[j];
-      }
-      W.col(k) /= S(k, k);
-      innovation[k] /= S(k, k);
+      const Eigen::Matrix<double, kPanel, 1> l = S.row(k).transpose();
+      W.col(k).noalias() -= W.leftCols(k) * l.head(k);
+      innovation[k] = (innovation[k] - l.head(k).dot(innovation.head(k))) / l[k];
+      W.col(k) /= l[k];
     }
     for (Eigen::Index k = 0; k < m; ++k) dx->head(size_) += innovation[k] * W.col(k);
     P_.topLeftCorner(size_, size_).selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
@@ -237,8 +235,7 @@ class Covariance {
     };
     const auto rotate = [&P](int theta, const Matrix3d& A) {
       for (Eigen::Index c = 0; c < P.cols(); ++c) {
-        P.col(c).template segment<3>(theta) =
-            (A * P.col(c).template segment<3>(theta)).eval();
+        P.col(c).template segment<3>(theta) = (A * P.col(c).template segment<3>(theta)).eval();
       }
     };
     carry(body::kPosition, after.nav.p_WB - before.nav.p_WB, R_before, body::kAttitude);

@@ -2,9 +2,9 @@
 // Stage 3: optimal one-to-one assignment with a gate.
 //
 // Minimises the sum over rows of min(cost, gate), where a row left alone pays the gate: shortest
-// augmenting paths with potentials (Kuhn 1955; Jonker and Volgenant 1987). Costs at or above the gate
-// are capped before solving and never assigned. Exchange argument: capping loses nothing, because
-// a row that pays the cap can give its column away at no extra cost.
+// augmenting paths with potentials (Kuhn 1955; Jonker and Volgenant 1987). Costs at or above the
+// gate are capped before solving and never assigned. Exchange argument: capping loses nothing,
+// because a row that pays the cap can give its column away at no extra cost.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +45,7 @@ class Assignment {
     std::fill_n(cost_.begin(), static_cast<std::ptrdiff_t>(rows * columns), gate);
   }
   void set(std::size_t row, std::size_t column, double cost) {
-    cost_[row * columns_ + column] = std::min(cost, gate_);
+    cost_[row * columns_ + column] = cost < gate_ ? cost : gate_;  // NaN is no match
   }
   double cost(std::size_t row, std::size_t column) const { return cost_[row * columns_ + column]; }
 
@@ -72,13 +72,11 @@ class Assignment {
       }
     }
     if (n <= m) {
-      augment(n, m, [this](std::size_t i, std::size_t j) {
-        return cost(row_list_[i], column_list_[j]);
-      });
+      augment(n, m,
+              [this](std::size_t i, std::size_t j) { return cost(row_list_[i], column_list_[j]); });
     } else {
-      augment(m, n, [this](std::size_t i, std::size_t j) {
-        return cost(row_list_[j], column_list_[i]);
-      });
+      augment(m, n,
+              [this](std::size_t i, std::size_t j) { return cost(row_list_[j], column_list_[i]); });
     }
     for (std::size_t j = 1; j <= std::max(n, m); ++j) {
       if (matched_row_[j] == 0) continue;

@@ -19,13 +19,13 @@ namespace rio {
 
 /// A filtered detection in the radar frame.
 struct Detection {
-  Vector3d point_S = Vector3d::Zero();  ///< [m]
-  Vector3d direction_S = Vector3d::UnitX();  ///< unit vector to the point
-  double range = 0.0;                   ///< [m]
-  double range_rate = 0.0;              ///< positive = receding [m/s]
-  double snr_db = 0.0;                  ///< [dB]
-  double sigma_range = 0.0;             ///< [m]
-  double sigma_doppler = 0.0;           ///< quantisation included [m/s]
+  Vector3d point_S = Vector3d::Zero();            ///< [m]
+  Vector3d direction_S = Vector3d::UnitX();       ///< unit vector to the point
+  double range = 0.0;                             ///< [m]
+  double range_rate = 0.0;                        ///< positive = receding [m/s]
+  double snr_db = 0.0;                            ///< [dB]
+  double sigma_range = 0.0;                       ///< [m]
+  double sigma_doppler = 0.0;                     ///< quantisation included [m/s]
   Vector3d sigma_azimuth_S = Vector3d::Zero();    ///< one-sigma change of direction_S by azimuth
   Vector3d sigma_elevation_S = Vector3d::Zero();  ///< one-sigma change of direction_S by elevation
 };
@@ -57,8 +57,8 @@ inline Detection make_detection(const RadarDetection& raw, const RadarOptions& o
   d.direction_S = raw.point_S / d.range;
   d.range_rate = raw.range_rate;
   d.snr_db = raw.snr_db;
-  d.sigma_range = std::sqrt(o.sigma_range * o.sigma_range +
-                            o.range_resolution * o.range_resolution / 12.0);
+  d.sigma_range =
+      std::sqrt(o.sigma_range * o.sigma_range + o.range_resolution * o.range_resolution / 12.0);
   d.sigma_doppler = std::sqrt(o.sigma_doppler * o.sigma_doppler +
                               o.doppler_resolution * o.doppler_resolution / 12.0);
   const Vector3d& u = d.direction_S;
@@ -82,7 +82,7 @@ inline void filter_detections(const RadarScan& scan, const RadarOptions& radar, 
   out.non_finite = 0;
   out.items.clear();
   for (const RadarDetection& raw : scan.detections) {
-    if (!raw.point_S.allFinite() || !std::isfinite(raw.range_rate)) {
+    if (!raw.point_S.allFinite() || !std::isfinite(raw.range_rate + raw.snr_db)) {
       ++out.non_finite;
       continue;
     }

@@ -4,6 +4,8 @@
 // A static point at direction u has the range rate d = -u . v_S.
 // (E1) iterations = ceil(ln(1 - P) / ln(1 - (1 - eps)^3)), eps the outlier ratio, P the success
 // (E2) sigma_i^2 = sigma_D^2 + v_S^T Sigma_u v_S: the spread of an inlier's residual
+// Hypotheses compete by a constant threshold, because (E2) grows with the hypothesis itself and
+// would let an absurdly fast one explain everything; (E2) widens the static set of the winner only.
 // Reference: Michalczyk et al. 2023, III-D; Doer and Trommer 2020 (three-point least squares).
 #pragma once
 
@@ -41,7 +43,8 @@ class EgoVelocityRansac {
       : options_(options),
         iterations_(ransac_iterations(options.ransac_outlier_ratio, options.ransac_success)) {}
 
-  /// @param predicted_S the radar velocity the IMU predicts [m/s]; if given, it is one more hypothesis,
+  /// @param predicted_S the radar velocity the IMU predicts [m/s]; if given, it is one more
+  /// hypothesis,
   ///        and stands alone when the scan is too small for a consensus of its own
   void estimate(const DetectionList& scan, const std::optional<Vector3d>& predicted_S,
                 EgoVelocity* out) const {
@@ -53,7 +56,7 @@ class EgoVelocityRansac {
     int best = 0;
     Vector3d best_v = Vector3d::Zero();
     const auto consider = [&](const Vector3d& v) {
-      const int count = count_inliers(scan, v);
+      const int count = count_supporters(scan, v);
       if (count > best) {
         best = count;
         best_v = v;
@@ -70,24 +73,27 @@ class EgoVelocityRansac {
     }
     mark(scan, best_v, out);
     if (const auto refined = least_squares(scan, *out)) {
-      if (count_inliers(scan, *refined) >= out->inliers) mark(scan, *refined, out);
+      if (count_supporters(scan, *refined) >= best) mark(scan, *refined, out);
     }
   }
 
  private:
+  static double residual(const Detection& d, const Vector3d& v) {
+    return d.range_rate + d.direction_S.dot(v);
+  }
+  int count_supporters(const DetectionList& scan, const Vector3d& v) const {
+    int count = 0;
+    for (const Detection& d : scan.items) {
+      count += std::abs(residual(d, v)) < options_.ransac_threshold ? 1 : 0;
+    }
+    return count;
+  }
   bool is_inlier(const Detection& d, const Vector3d& v) const {
-    const double residual = d.range_rate + d.direction_S.dot(v);
     const double az = d.sigma_azimuth_S.dot(v);
     const double el = d.sigma_elevation_S.dot(v);
-    const double variance = options_.ransac_sigmas * options_.ransac_sigmas *
-                            (d.sigma_doppler * d.sigma_doppler + az * az + el * el);  // (E2)
-    return residual * residual <
-           std::max(variance, options_.ransac_threshold * options_.ransac_threshold);
-  }
-  int count_inliers(const DetectionList& scan, const Vector3d& v) const {
-    int count = 0;
-    for (const Detection& d : scan.items) count += is_inlier(d, v) ? 1 : 0;
-    return count;
+    const double sigma = std::sqrt(d.sigma_doppler * d.sigma_doppler + az * az + el * el);  // (E2)
+    return std::abs(residual(d, v)) <
+           std::max(options_.ransac_threshold, options_.ransac_sigmas * sigma);
   }
   void mark(const DetectionList& scan, const Vector3d& v, EgoVelocity* out) const {
     out->v_S = v;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 1: IMU samples between the estimate and now, cut into steps that end exactly where asked.
 //
-// A step spans two neighbouring samples, or a part of that span with linearly interpolated edges, and
-// carries the mean of its two ends. Before the first sample the first sample's value is held.
+// A step spans two neighbouring samples, or a part of that span with linearly interpolated edges,
+// and carries the mean of its two ends. Before the first sample the first sample's value is held.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,8 @@ struct ImuStep {
   Time end{0};
   Vector3d gyro_B = Vector3d::Zero();   ///< mean measured angular rate [rad/s]
   Vector3d accel_B = Vector3d::Zero();  ///< mean measured specific force [m/s^2]
-  bool gap = false;                     ///< the samples around it are farther apart than max_gap
+  double gap =
+      0.0;  ///< length of the pause of the IMU it lies in, if longer than max_gap, else 0 [s]
 };
 
 /// Linear interpolation between two samples, `time` between their stamps.
@@ -67,7 +68,7 @@ class ImuBuffer {
     if (i == 0) {  // the start lies before the IMU
       const ImuSample& first = samples_.front();
       const Time end = std::min(first.time, to);
-      f(ImuStep{from, end, first.gyro_B, first.accel_B, end - from > max_gap_});
+      f(ImuStep{from, end, first.gyro_B, first.accel_B, gap(first.time - from)});
       i = 1;
     }
     for (; i < samples_.size() && samples_[i - 1].time < to; ++i) {
@@ -76,11 +77,12 @@ class ImuBuffer {
       const ImuSample first = interpolate(a, b, std::max(a.time, from));
       const ImuSample last = interpolate(a, b, std::min(b.time, to));
       f(ImuStep{first.time, last.time, 0.5 * (first.gyro_B + last.gyro_B),
-                0.5 * (first.accel_B + last.accel_B), is_gap(a, b)});
+                0.5 * (first.accel_B + last.accel_B), gap(b.time - a.time)});
     }
   }
 
  private:
+  double gap(Time pause) const { return pause > max_gap_ ? to_seconds(pause) : 0.0; }
   /// Index of the first sample with a stamp later than `time`; size() if there is none.
   std::size_t first_after(Time time) const {
     std::size_t low = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 1: the first state from a standstill: roll and pitch from gravity, gyro bias from the mean rate,
-// and a covariance that knows how the tilt depends on the accelerometer bias. Any IMU mounting.
+// Stage 1: the first state from a standstill: roll and pitch from gravity, gyro bias from the mean
+// rate, and a covariance that knows how the tilt depends on the accelerometer bias. Any IMU
+// mounting.
 //
 // With f the mean specific force, y = f/|f| (up in body axes), b_a the accelerometer bias:
 // (E1) R y = e_z, yaw 0;  b_g = mean rate;  b_a = y (|f| - g), shrunk by its prior
@@ -28,8 +29,8 @@ struct Alignment {
   BodyCovariance covariance = BodyCovariance::Zero();
 };
 
-/// Averages samples until `StartOptions::duration` is covered, then decides. O(1) memory: the window
-/// is split in two halves, whose means must agree, so that slow motion is noticed too.
+/// Averages samples until `StartOptions::duration` is covered, then decides. O(1) memory: the
+/// window is split in two halves, whose means must agree, so that slow motion is noticed too.
 class StaticAligner {
  public:
   StaticAligner(const StartOptions& start, const ImuOptions& imu) : start_(start), imu_(imu) {}
@@ -70,14 +71,15 @@ class StaticAligner {
 
   bool standstill() const {
     for (const Half& half : halves_) {
-      if (half.count < 10.0) return false;
+      if (half.count < 3.0) return false;
       if (half.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
       if (half.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
     }
     const Eigen::Matrix<double, 6, 1> mean = 0.5 * (halves_[0].mean + halves_[1].mean);
     if (mean.head<3>().norm() > start_.max_rate) return false;
     // an accelerometer at rest reads gravity; more than ten prior sigmas off is acceleration
-    if (std::abs(mean.tail<3>().norm() - imu_.gravity) > 10.0 * start_.sigma_accel_bias) return false;
+    if (std::abs(mean.tail<3>().norm() - imu_.gravity) > 10.0 * start_.sigma_accel_bias)
+      return false;
     // the halves agree within five sigmas of their own noise, or a tenth of the largest deviation
     const Eigen::Matrix<double, 6, 1> difference = (halves_[1].mean - halves_[0].mean).cwiseAbs();
     const Eigen::Matrix<double, 6, 1> noise =
@@ -129,8 +131,8 @@ class StaticAligner {
     return out;
   }
 
-  /// The rotation without heading that takes the up direction y (body) to e_z: for an upright IMU the
-  /// x axis keeps its horizontal direction; upside down or sideways the shortest rotation is taken.
+  /// A rotation that takes the up direction y (body) to e_z. Heading zero: the x axis points along
+  /// the world's x, or, where it is vertical, the shortest rotation is taken.
   static Quaternion level(const Vector3d& y) {
     const Vector3d forward = Vector3d::UnitX() - y.x() * y;
     if (forward.norm() < 1e-3) return Quaternion(Quaternion::FromTwoVectors(y, Vector3d::UnitZ()));
@@ -141,9 +143,9 @@ class StaticAligner {
     return Quaternion(R);
   }
 
-  static constexpr double kGravitySpread = 0.02;   // [m/s^2]
-  static constexpr double kGyroBiasFloor = 1e-4;   // instability of a MEMS gyro over minutes [rad/s]
-  static constexpr double kStillVelocity = 0.01;   // what passes for standing [m/s]
+  static constexpr double kGravitySpread = 0.02;  // [m/s^2]
+  static constexpr double kGyroBiasFloor = 1e-4;  // instability of a MEMS gyro over minutes [rad/s]
+  static constexpr double kStillVelocity = 0.01;  // what passes for standing [m/s]
 
   StartOptions start_;
   ImuOptions imu_;
@@ -152,8 +154,8 @@ class StaticAligner {
 };
 
 /// The gyro bias if the first `StartOptions::duration` of `samples` from `from` on is a standstill.
-inline std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples, Time from,
-                                                    const Options& options) {
+inline std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples,
+                                                    Time from, const Options& options) {
   StaticAligner aligner(options.start, options.imu);
   std::optional<Alignment> result;
   for (const ImuSample& sample : samples) {

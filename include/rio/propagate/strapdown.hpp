@@ -2,8 +2,8 @@
 // Stage 1: strapdown integration over a step of constant rate and specific force: mean, error-state
 // transition and process noise, all in closed form.
 //
-// With w = gyro - b_g, a = accel - b_a, phi = w dt, g = (0, 0, -gravity) and Gamma_m of core/so3.hpp:
-// (E1) R+ = R Gamma_0(phi),  v+ = v + R Gamma_1(phi) a dt + g dt,
+// With w = gyro - b_g, a = accel - b_a, phi = w dt, g = (0, 0, -gravity) and Gamma_m of
+// core/so3.hpp: (E1) R+ = R Gamma_0(phi),  v+ = v + R Gamma_1(phi) a dt + g dt,
 //      p+ = p + v dt + R Gamma_2(phi) a dt^2 + g dt^2 / 2
 // (E2) Phi: the exact derivative of (E1) in the error of namespace body
 // (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, three-point Gauss-Legendre
@@ -60,24 +60,21 @@ inline Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d
 
 /// Spectral densities of the four noises that drive the body error.
 struct ProcessNoise {
-  double gyro = 0.0;       ///< [(rad/s)^2/Hz]
-  double accel = 0.0;      ///< [(m/s^2)^2/Hz]
-  double gyro_walk = 0.0;  ///< [(rad/s^2)^2/Hz]
-  double accel_walk = 0.0; ///< [(m/s^3)^2/Hz]
+  double gyro = 0.0;        ///< [(rad/s)^2/Hz]
+  double accel = 0.0;       ///< [(m/s^2)^2/Hz]
+  double gyro_walk = 0.0;   ///< [(rad/s^2)^2/Hz]
+  double accel_walk = 0.0;  ///< [(m/s^3)^2/Hz]
 };
 
-/// Densities of a step. Inside a gap the motion between the two samples is unknown: a constant error
-/// of the mean rate (acceleration) of sigma over dt has the density sigma^2 dt.
+/// Densities of a step. Inside a gap the motion between the two samples is unknown: a constant
+/// error of the mean rate (acceleration) of sigma adds up over the gap T as the density sigma^2 T
+/// does, however the gap is cut into steps.
 inline ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
-  ProcessNoise n{o.gyro_noise_density * o.gyro_noise_density,
-                 o.accel_noise_density * o.accel_noise_density,
-                 o.gyro_random_walk * o.gyro_random_walk,
-                 o.accel_random_walk * o.accel_random_walk};
-  if (step.gap) {
-    const double dt = to_seconds(step.end - step.begin);
-    n.gyro += o.gap_rate_sigma * o.gap_rate_sigma * dt;
-    n.accel += o.gap_accel_sigma * o.gap_accel_sigma * dt;
-  }
+  ProcessNoise n{
+      o.gyro_noise_density * o.gyro_noise_density, o.accel_noise_density * o.accel_noise_density,
+      o.gyro_random_walk * o.gyro_random_walk, o.accel_random_walk * o.accel_random_walk};
+  n.gyro += o.gap_rate_sigma * o.gap_rate_sigma * step.gap;
+  n.accel += o.gap_accel_sigma * o.gap_accel_sigma * step.gap;
   return n;
 }
 
@@ -99,7 +96,7 @@ inline Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, 
     const Matrix15d phi = transition(R * gamma(0, w * s), w, a, dt - s);
     for (const auto& [column, psd] : sources) {
       const Eigen::Matrix<double, body::kSize, 3> columns = phi.middleCols<3>(column);
-      Q.noalias() += (kWeights[i] * dt * psd) * (columns * columns.transpose());
+      Q += (kWeights[i] * dt * psd * columns).lazyProduct(columns.transpose());
     }
   }
   return Q;
@@ -127,7 +124,7 @@ struct Propagation {
     noise = (phi * noise * phi.transpose()).eval() +
             process_noise_covariance(R, w, a, dt, process_noise(options, step));
     integrate(step, options.gravity, state);
-    gap = gap || step.gap;
+    gap = gap || step.gap > 0.0;
   }
 };
 
