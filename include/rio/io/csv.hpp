@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reads tables of numbers row by row. Nothing is skipped silently but blank lines and # comments.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rio::io {
+
+/// The whole of a file; throws std::runtime_error if it is missing, a folder, or empty.
+std::string read_text(const std::filesystem::path& path);
+
+/// Every error is a std::runtime_error that begins "FILE:LINE: ". All rows must have as many cells
+/// as the first, so a truncated row is an error; CRLF and a last line without newline are accepted.
+class CsvReader {
+ public:
+  /// @param separator ',' or ' '; a space stands for any run of blanks and tabs
+  explicit CsvReader(const std::filesystem::path& path, char separator = ',');
+
+  /// Moves to the next row; false at the end of the file.
+  bool next();
+
+  std::size_t columns() const { return cells_.size(); }
+  /// Cell i without surrounding blanks; throws if the row has no such cell.
+  std::string_view cell(std::size_t i) const;
+  bool is_empty(std::size_t i) const { return cell(i).empty(); }
+  /// A decimal number, nan and inf included.
+  double number(std::size_t i) const;
+  /// An exact integer.
+  std::int64_t integer(std::size_t i) const;
+  /// Decimal seconds to exact nanoseconds; further digits are rounded.
+  std::int64_t seconds_to_ns(std::size_t i) const;
+
+  /// Throws "FILE:LINE: what" for the current row.
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  void split(std::string_view line);
+
+  std::string name_;
+  std::string text_;
+  char separator_;
+  std::size_t position_ = 0;
+  std::size_t line_ = 0;
+  std::size_t expected_columns_ = 0;
+  std::vector<std::string_view> cells_;
+};
+
+}  // namespace rio::io

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings in the ASL/EuRoC layout: one folder per sensor with data.csv and sensor.yaml.
+//
+//   imu0/data.csv      t [ns], gyro x y z [rad/s], accel x y z [m/s^2]
+//   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row a detection
+//   baro0/data.csv     t [ns], pressure [Pa]                                            (optional)
+//   state_groundtruth_estimate0/data.csv   t, p xyz, q wxyz, v xyz, bg xyz, ba xyz      (optional)
+//
+// Consecutive radar rows with one stamp form a scan; an empty scan is one row whose other fields
+// are empty. The body frame is the IMU frame; T_BS of radar0/sensor.yaml is the radar's pose in it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rio/options.hpp"
+#include "rio/types.hpp"
+
+namespace rio::io {
+
+/// What imu0/sensor.yaml says; units of ImuOptions.
+struct ImuInfo {
+  std::optional<double> rate_hz;
+  std::optional<double> gyro_noise_density;
+  std::optional<double> gyro_random_walk;
+  std::optional<double> accel_noise_density;
+  std::optional<double> accel_random_walk;
+};
+
+/// What radar0/sensor.yaml says; fields of view are full angles.
+struct RadarInfo {
+  std::optional<Pose> T_BS;
+  std::optional<double> rate_hz;
+  std::optional<double> max_range;           ///< [m]
+  std::optional<double> max_doppler;         ///< unambiguous, of each sign [m/s]
+  std::optional<double> range_resolution;    ///< [m]
+  std::optional<double> doppler_resolution;  ///< [m/s]; read off the data if not given
+  std::optional<double> fov_azimuth;         ///< [rad]
+  std::optional<double> fov_elevation;       ///< [rad]
+  std::optional<double> sigma_range;         ///< [m]
+  std::optional<double> sigma_azimuth;       ///< [rad]
+  std::optional<double> sigma_elevation;     ///< [rad]
+  std::optional<double> sigma_doppler;       ///< [m/s]
+};
+
+/// One barometer sample.
+struct BaroSample {
+  Time time{0};
+  double pressure = 0.0;  ///< [Pa]
+};
+
+/// A recording, in file order: stamps may go backwards and values may be NaN, as they were
+/// recorded.
+struct Dataset {
+  std::vector<ImuSample> imu;
+  std::vector<RadarScan> scans;
+  std::vector<BaroSample> baro;
+  std::vector<NavState> ground_truth;
+  ImuInfo imu_info;
+  RadarInfo radar_info;
+  std::vector<std::string> notes;  ///< what a user should know, such as a missing sensor.yaml
+};
+
+/// Reads the folder, or `mav0` inside it. Throws std::runtime_error, "FILE:LINE: ..." where a line
+/// is to blame, if anything is missing, empty or damaged: never a silently shorter result.
+Dataset read_dataset(const std::filesystem::path& path);
+
+/// The ground truth of a dataset folder, or of one of its csv files; at least eight columns
+/// (t, p xyz, q wxyz), velocity and biases zero if absent. Stamps must strictly increase.
+std::vector<NavState> read_ground_truth(const std::filesystem::path& path);
+
+/// Writes the folders above below `path`. Reads back identically, T_BS to rounding; `notes` are not
+/// written. Throws if a file cannot be written, if two neighbouring scans have one stamp, or if an
+/// older recording there would mix with this one.
+void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
+
+/// Copies what the recording knows about its sensors into options->imu and options->radar. The
+/// limits of range and field of view are widened by three sigmas, so that noise is not cut off. A
+/// radar sigma of zero, as of a noise-free simulation, is no noise model: the option keeps its
+/// value.
+void apply_sensor_info(const Dataset& dataset, Options* options);
+
+}  // namespace rio::io

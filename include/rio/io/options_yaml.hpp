@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Option files: YAML nested by stage, keys of rio/option_fields.hpp, SI numbers or "2 deg", "5 cm".
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "rio/options.hpp"
+
+namespace rio::io {
+
+/// Applies the file's top-level `preset` key, if it has one, then all its values. Unknown and
+/// duplicate keys, wrong types, units and ranges throw std::runtime_error "FILE:LINE: ..."; an
+/// incoherent set throws "FILE: ...". Nothing in `options` changes then.
+void load_options(const std::filesystem::path& path, Options* options);
+
+/// The same without the preset, for callers that put something between preset and values.
+void load_option_values(const std::filesystem::path& path, Options* options);
+
+/// The file's `preset` key.
+std::optional<std::string> preset_in_file(const std::filesystem::path& path);
+
+/// load_options() from a text; `name` stands for the file in messages.
+void parse_options(const std::string& yaml, const std::string& name, Options* options);
+
+/// Every option with its unit and meaning as a comment; reads back to the same options.
+std::string options_as_yaml(const Options& options);
+
+}  // namespace rio::io

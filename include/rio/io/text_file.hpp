@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An output file whose write errors cannot be missed.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+namespace rio::io {
+
+/// Opens in the constructor, throws std::runtime_error naming the file when anything cannot be
+/// written. A full disk often shows only in close(): call it before relying on the file.
+class TextFile {
+ public:
+  explicit TextFile(const std::filesystem::path& path);
+  void write(std::string_view text);
+  void close();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path path_;
+  std::ofstream stream_;
+};
+
+}  // namespace rio::io

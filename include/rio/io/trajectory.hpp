@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Trajectory files (TUM, EuRoC ground truth) and the states file of a replay.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "rio/eval/stamped_pose.hpp"
+#include "rio/io/text_file.hpp"
+#include "rio/types.hpp"
+
+namespace rio::io {
+
+using eval::StampedPose;
+using eval::Trajectory;
+
+/// Decimal seconds with nine decimals, exact.
+std::string seconds_text(Time time);
+
+/// One TUM line without newline: `t x y z qx qy qz qw`, nine decimals each.
+std::string tum_line(const StampedPose& pose);
+
+void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);
+
+/// A dataset folder (its ground truth), a .csv file (EuRoC ground truth, or a states file), or else
+/// a TUM file of exactly eight columns. Throws std::runtime_error "FILE:LINE: ..." if it is
+/// damaged, empty, not finite, or if stamps do not strictly increase.
+Trajectory read_trajectory(const std::filesystem::path& path);
+
+/// Error of the states file: [dp, dtheta, dv] in W, B, W axes.
+using StateCovariance = Eigen::Matrix<double, 9, 9, Eigen::DontAlign>;
+
+/// The part of the body covariance in the states file, in its order.
+StateCovariance state_covariance(const BodyCovariance& covariance);
+
+/// One row per estimate: t_ns, p, q wxyz, v, the upper triangle of state_covariance() row by row,
+/// gyro bias, accel bias; full precision.
+class StatesFile {
+ public:
+  explicit StatesFile(const std::filesystem::path& path);
+  void add(const NavState& state, const BodyCovariance& covariance);
+  void close() { file_.close(); }
+
+ private:
+  TextFile file_;
+};
+
+}  // namespace rio::io

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/csv.hpp"
+
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+
+namespace rio::io {
+
+namespace {
+
+constexpr std::string_view kBlanks = " \t";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+}
+
+/// std::from_chars takes no leading plus.
+std::string_view without_plus(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  return text;
+}
+
+/// The whole of `text` as a number of its type.
+template <class Number>
+std::optional<Number> parse(std::string_view text) {
+  text = without_plus(text);
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// A decimal number, exponent allowed, times 1e9, rounded half away from zero; without floating
+/// point.
+std::optional<std::int64_t> scaled_by_1e9(std::string_view text) {
+  text = without_plus(text);
+  const bool negative = !text.empty() && text[0] == '-';
+  if (negative) text.remove_prefix(1);
+  std::int64_t exponent = 0;
+  if (const std::size_t e = text.find_first_of("eE"); e != std::string_view::npos) {
+    const auto parsed = parse<std::int64_t>(text.substr(e + 1));
+    if (!parsed || *parsed < -1000 || *parsed > 1000) return std::nullopt;
+    exponent = *parsed;
+    text = text.substr(0, e);
+  }
+  std::string digits;
+  std::int64_t before_point = -1;
+  for (const char c : text) {
+    if (c == '.' && before_point < 0) {
+      before_point = static_cast<std::int64_t>(digits.size());
+    } else if (c >= '0' && c <= '9') {
+      digits += c;
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (digits.empty()) return std::nullopt;
+  if (before_point < 0) before_point = static_cast<std::int64_t>(digits.size());
+  const std::int64_t whole_digits = before_point + exponent + 9;
+
+  std::int64_t value = 0;
+  for (std::int64_t i = 0; i < whole_digits; ++i) {
+    const bool given = i < static_cast<std::int64_t>(digits.size());
+    const int digit = given ? digits[static_cast<std::size_t>(i)] - '0' : 0;
+    if (value > (std::numeric_limits<std::int64_t>::max() - 10) / 10) return std::nullopt;
+    value = value * 10 + digit;
+  }
+  const bool has_next =
+      whole_digits >= 0 && whole_digits < static_cast<std::int64_t>(digits.size());
+  if (has_next && digits[static_cast<std::size_t>(whole_digits)] >= '5') ++value;
+  return negative ? -value : value;
+}
+
+}  // namespace
+
+std::string read_text(const std::filesystem::path& path) {
+  const auto fail = [&path](const char* what) {
+    throw std::runtime_error(path.string() + ": " + what);
+  };
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) fail("no such file");
+  if (std::filesystem::is_directory(path, ignored)) fail("is a folder, not a file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) fail("cannot be opened");
+  std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  if (stream.bad()) fail("cannot be read");
+  if (text.empty()) fail("is empty");
+  return text;
+}
+
+CsvReader::CsvReader(const std::filesystem::path& path, char separator)
+    : name_(path.string()), text_(read_text(path)), separator_(separator) {
+  if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // byte order mark of spreadsheet programs
+}
+
+bool CsvReader::next() {
+  while (position_ < text_.size()) {
+    std::size_t end = text_.find('\n', position_);
+    if (end == std::string::npos) end = text_.size();
+    std::string_view line(text_.data() + position_, end - position_);
+    position_ = end + 1;
+    ++line_;
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    line = trimmed(line);
+    if (line.empty() || line.front() == '#') continue;
+    split(line);
+    if (expected_columns_ == 0) expected_columns_ = cells_.size();
+    if (cells_.size() != expected_columns_) {
+      fail("has " + std::to_string(cells_.size()) + " columns, the rows before have " +
+           std::to_string(expected_columns_));
+    }
+    return true;
+  }
+  return false;
+}
+
+void CsvReader::split(std::string_view line) {
+  cells_.clear();
+  const std::string_view separators =
+      separator_ == ' ' ? kBlanks : std::string_view(&separator_, 1);
+  while (true) {
+    const std::size_t end = line.find_first_of(separators);
+    cells_.push_back(trimmed(line.substr(0, end)));
+    if (end == std::string_view::npos) return;
+    line.remove_prefix(end + 1);
+    if (separator_ == ' ') line = trimmed(line);
+  }
+}
+
+std::string_view CsvReader::cell(std::size_t i) const {
+  if (i >= cells_.size()) {
+    fail("has " + std::to_string(cells_.size()) + " columns, column " + std::to_string(i + 1) +
+         " is needed");
+  }
+  return cells_[i];
+}
+
+double CsvReader::number(std::size_t i) const {
+  const auto value = parse<double>(cell(i));
+  if (!value)
+    fail("column " + std::to_string(i + 1) + ": not a number: \"" + std::string(cell(i)) + "\"");
+  return *value;
+}
+
+std::int64_t CsvReader::integer(std::size_t i) const {
+  const auto value = parse<std::int64_t>(cell(i));
+  if (!value) {
+    fail("column " + std::to_string(i + 1) + ": not an integer: \"" + std::string(cell(i)) + "\"");
+  }
+  return *value;
+}
+
+std::int64_t CsvReader::seconds_to_ns(std::size_t i) const {
+  const auto value = scaled_by_1e9(cell(i));
+  if (!value) {
+    fail("column " + std::to_string(i + 1) + ": not a time in seconds: \"" + std::string(cell(i)) +
+         "\"");
+  }
+  return *value;
+}
+
+void CsvReader::fail(const std::string& what) const {
+  throw std::runtime_error(name_ + ":" + std::to_string(line_) + ": " + what);
+}
+
+}  // namespace rio::io

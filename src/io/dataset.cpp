@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/dataset.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "doppler_grid.hpp"
+#include "rio/io/csv.hpp"
+#include "rio/io/text_file.hpp"
+#include "unit_quaternion.hpp"
+#include "yaml.hpp"
+
+namespace rio::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kImu = "imu0";
+constexpr const char* kRadar = "radar0";
+constexpr const char* kBaro = "baro0";
+constexpr const char* kTruth = "state_groundtruth_estimate0";
+constexpr const char* kData = "data.csv";
+constexpr const char* kSensor = "sensor.yaml";
+constexpr double kPi = 3.14159265358979323846;
+
+/// The folder that holds the sensor folders.
+fs::path dataset_root(const fs::path& path) {
+  if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such folder");
+  if (!fs::is_directory(path)) throw std::runtime_error(path.string() + ": is not a folder");
+  if (!fs::exists(path / kImu) && fs::is_directory(path / "mav0")) return path / "mav0";
+  return path;
+}
+
+Vector3d vector_at(const CsvReader& rows, std::size_t i) {
+  return {rows.number(i), rows.number(i + 1), rows.number(i + 2)};
+}
+
+std::vector<ImuSample> read_imu(const fs::path& path) {
+  CsvReader rows(path);
+  std::vector<ImuSample> samples;
+  while (rows.next()) {
+    samples.push_back({Time(rows.integer(0)), vector_at(rows, 1), vector_at(rows, 4)});
+  }
+  if (samples.empty()) throw std::runtime_error(path.string() + ": holds no samples");
+  return samples;
+}
+
+/// A trailing column that may be missing or empty.
+double number_or_zero(const CsvReader& rows, std::size_t i) {
+  return i >= rows.columns() || rows.is_empty(i) ? 0.0 : rows.number(i);
+}
+
+bool is_empty_scan(const CsvReader& rows) {
+  if (rows.columns() < 5) return false;
+  for (std::size_t i = 1; i < rows.columns(); ++i) {
+    if (!rows.is_empty(i)) return false;
+  }
+  return true;
+}
+
+std::vector<RadarScan> read_radar(const fs::path& path) {
+  CsvReader rows(path);
+  std::vector<RadarScan> scans;
+  while (rows.next()) {
+    const Time time(rows.integer(0));
+    const bool same_scan = !scans.empty() && scans.back().time == time;
+    if (is_empty_scan(rows)) {
+      if (same_scan) rows.fail("an empty scan has the stamp of the row before");
+      scans.push_back({time, {}});
+      continue;
+    }
+    if (same_scan && scans.back().detections.empty()) {
+      rows.fail("a detection has the stamp of an empty scan");
+    }
+    if (!same_scan) scans.push_back({time, {}});
+    scans.back().detections.push_back(
+        {vector_at(rows, 1), rows.number(4), number_or_zero(rows, 5), number_or_zero(rows, 6)});
+  }
+  if (scans.empty()) throw std::runtime_error(path.string() + ": holds no scans");
+  return scans;
+}
+
+std::vector<BaroSample> read_baro(const fs::path& path) {
+  CsvReader rows(path);
+  std::vector<BaroSample> samples;
+  while (rows.next()) samples.push_back({Time(rows.integer(0)), rows.number(1)});
+  return samples;
+}
+
+std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_columns) {
+  constexpr std::size_t kEurocColumns = 17;
+  CsvReader rows(path);
+  std::vector<NavState> states;
+  while (rows.next()) {
+    if (rows.columns() < min_columns) {
+      rows.fail(fmt::format("has {} columns, {} are needed", rows.columns(), min_columns));
+    }
+    NavState state;
+    state.time = Time(rows.integer(0));
+    state.p_WB = vector_at(rows, 1);
+    const auto q = unit_quaternion(rows.number(4), rows.number(5), rows.number(6), rows.number(7));
+    if (!q) rows.fail("not a unit quaternion");
+    state.q_WB = *q;
+    if (rows.columns() >= 11) state.v_WB = vector_at(rows, 8);
+    if (rows.columns() == kEurocColumns) {  // a states file has its covariance here
+      state.gyro_bias = vector_at(rows, 11);
+      state.accel_bias = vector_at(rows, 14);
+    }
+    if (!(state.p_WB + state.v_WB + state.gyro_bias + state.accel_bias).allFinite()) {
+      rows.fail("a value is not finite");
+    }
+    if (!states.empty() && state.time <= states.back().time) rows.fail("time does not increase");
+    states.push_back(state);
+  }
+  if (states.empty()) throw std::runtime_error(path.string() + ": holds no states");
+  return states;
+}
+
+/// Reads a 4x4 homogeneous matrix in EuRoC's {cols, rows, data}.
+Pose read_pose(const YamlFile& file, const YAML::Node& node) {
+  const YAML::Node data = node.IsMap() ? node["data"] : node;
+  const std::vector<double> m = yaml_numbers(file, data.IsDefined() ? data : node, "T_BS", "", 16);
+  const Eigen::Matrix4d T =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(m.data());
+  const Matrix3d R = T.topLeftCorner<3, 3>();
+  const double error = (R.transpose() * R - Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(error < 1e-3) || R.determinant() < 0.0) {
+    fail_at(file, node, "T_BS: the rotation is not orthonormal");
+  }
+  if (!T.allFinite() || T.row(3) != Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0)) {
+    fail_at(file, node, "T_BS: not a homogeneous matrix");
+  }
+  const Eigen::JacobiSVD<Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
+  return {Quaternion(nearest).normalized(), T.topRightCorner<3, 1>()};
+}
+
+/// A key of sensor.yaml, the unit its plain numbers are in, and where the value goes. Keys of one
+/// target exclude each other.
+struct SensorKey {
+  const char* key;
+  const char* unit;
+  double factor;  ///< of a value in that unit, to SI
+  std::optional<double>* target;
+};
+
+/// Reads the known keys; no value may be negative.
+void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
+                      std::vector<std::string>* notes) {
+  for (const auto& entry : file.root) {
+    const std::string& name = entry.first.Scalar();
+    const auto known =
+        std::find_if(keys.begin(), keys.end(), [&](const SensorKey& k) { return name == k.key; });
+    if (known == keys.end()) {
+      if (name.starts_with("sigma_")) {
+        notes->push_back(file.name + ": unknown key \"" + name + "\" is not used");
+      }
+      continue;
+    }
+    if (known->target->has_value()) fail_at(file, entry.first, name + ": given twice");
+    const double value = yaml_number(file, entry.second, name, known->unit) * known->factor;
+    if (!(value >= 0.0) || !std::isfinite(value)) {
+      fail_at(file, entry.second, name + ": must be a finite number not below zero");
+    }
+    *known->target = value;
+  }
+}
+
+std::vector<SensorKey> imu_keys(ImuInfo* info) {
+  return {{"rate_hz", "Hz", 1.0, &info->rate_hz},
+          {"gyroscope_noise_density", "rad/s/sqrt(Hz)", 1.0, &info->gyro_noise_density},
+          {"gyroscope_random_walk", "rad/s^2/sqrt(Hz)", 1.0, &info->gyro_random_walk},
+          {"accelerometer_noise_density", "m/s^2/sqrt(Hz)", 1.0, &info->accel_noise_density},
+          {"accelerometer_random_walk", "m/s^3/sqrt(Hz)", 1.0, &info->accel_random_walk}};
+}
+
+/// Keys ending in _deg hold plain numbers of degrees.
+std::vector<SensorKey> radar_keys(RadarInfo* info) {
+  constexpr double kDegree = kPi / 180.0;
+  return {{"rate_hz", "Hz", 1.0, &info->rate_hz},
+          {"max_range_m", "m", 1.0, &info->max_range},
+          {"max_doppler_mps", "m/s", 1.0, &info->max_doppler},
+          {"range_resolution_m", "m", 1.0, &info->range_resolution},
+          {"doppler_resolution_mps", "m/s", 1.0, &info->doppler_resolution},
+          {"fov_azimuth_deg", "", kDegree, &info->fov_azimuth},
+          {"azimuth_fov_deg", "", kDegree, &info->fov_azimuth},
+          {"fov_azimuth_rad", "rad", 1.0, &info->fov_azimuth},
+          {"azimuth_fov_rad", "rad", 1.0, &info->fov_azimuth},
+          {"fov_elevation_deg", "", kDegree, &info->fov_elevation},
+          {"elevation_fov_deg", "", kDegree, &info->fov_elevation},
+          {"fov_elevation_rad", "rad", 1.0, &info->fov_elevation},
+          {"elevation_fov_rad", "rad", 1.0, &info->fov_elevation},
+          {"sigma_range_m", "m", 1.0, &info->sigma_range},
+          {"sigma_azimuth_deg", "", kDegree, &info->sigma_azimuth},
+          {"sigma_azimuth_rad", "rad", 1.0, &info->sigma_azimuth},
+          {"sigma_elevation_deg", "", kDegree, &info->sigma_elevation},
+          {"sigma_elevation_rad", "rad", 1.0, &info->sigma_elevation},
+          {"sigma_doppler_mps", "m/s", 1.0, &info->sigma_doppler}};
+}
+
+void read_imu_info(const fs::path& path, Dataset* dataset) {
+  if (!fs::exists(path)) {
+    dataset->notes.push_back(path.string() + " missing: IMU noise from the options");
+    return;
+  }
+  const YamlFile file = load_yaml(path);
+  read_sensor_keys(file, imu_keys(&dataset->imu_info), &dataset->notes);
+  for (const auto& entry : file.root) {
+    if (entry.first.Scalar() != "T_BS") continue;
+    const Pose T_BS = read_pose(file, entry.second);
+    if (T_BS.translation.norm() > 1e-6 || T_BS.rotation.vec().norm() > 1e-6) {
+      fail_at(file, entry.first, "T_BS: must be the identity, the body frame is the IMU frame");
+    }
+  }
+}
+
+void read_radar_info(const fs::path& path, Dataset* dataset) {
+  const char* const consequence = ": radar pose from the options, by default at the body origin";
+  if (!fs::exists(path)) {
+    dataset->notes.push_back(path.string() + " missing" + consequence);
+    return;
+  }
+  const YamlFile file = load_yaml(path);
+  read_sensor_keys(file, radar_keys(&dataset->radar_info), &dataset->notes);
+  for (const auto& entry : file.root) {
+    if (entry.first.Scalar() == "T_BS") dataset->radar_info.T_BS = read_pose(file, entry.second);
+  }
+  if (!dataset->radar_info.T_BS) {
+    dataset->notes.push_back(path.string() + " has no T_BS" + consequence);
+  }
+}
+
+std::string pose_text(const Pose& pose) {
+  const Matrix3d R = pose.rotation.toRotationMatrix();
+  std::string text = "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
+  for (int i = 0; i < 3; ++i) {
+    text +=
+        fmt::format("{}, {}, {}, {},\n         ", R(i, 0), R(i, 1), R(i, 2), pose.translation[i]);
+  }
+  return text + "0, 0, 0, 1]\n";
+}
+
+/// The values that are known, each under the first of its keys that is in SI.
+std::string keys_text(const std::vector<SensorKey>& keys) {
+  std::string text;
+  std::set<const std::optional<double>*> written;
+  for (const SensorKey& key : keys) {
+    if (key.factor != 1.0 || !key.target->has_value()) continue;
+    if (!written.insert(key.target).second) continue;
+    text += fmt::format("{}: {}\n", key.key, **key.target);
+  }
+  return text;
+}
+
+void write_file(const fs::path& path, const std::string& text) {
+  TextFile file(path);
+  file.write(text);
+  file.close();
+}
+
+void append(std::string* row, const Vector3d& v) {
+  fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
+}
+
+std::string imu_text(const std::vector<ImuSample>& samples) {
+  std::string text =
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+      "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+  for (const ImuSample& sample : samples) {
+    text += fmt::format("{}", sample.time.count());
+    append(&text, sample.gyro_B);
+    append(&text, sample.accel_B);
+    text += '\n';
+  }
+  return text;
+}
+
+std::string radar_text(const std::vector<RadarScan>& scans) {
+  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]\n";
+  for (const RadarScan& scan : scans) {
+    if (scan.detections.empty()) text += fmt::format("{},,,,,,\n", scan.time.count());
+    for (const RadarDetection& d : scan.detections) {
+      text += fmt::format("{}", scan.time.count());
+      append(&text, d.point_S);
+      text += fmt::format(",{},{},{}\n", d.range_rate, d.snr_db, d.noise_db);
+    }
+  }
+  return text;
+}
+
+std::string baro_text(const std::vector<BaroSample>& samples) {
+  std::string text = "#timestamp [ns],pressure [Pa]\n";
+  for (const BaroSample& sample : samples) {
+    text += fmt::format("{},{}\n", sample.time.count(), sample.pressure);
+  }
+  return text;
+}
+
+std::string truth_text(const std::vector<NavState>& states) {
+  std::string text =
+      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
+      "q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],"
+      "b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],b_a_RS_S_y [m s^-2],"
+      "b_a_RS_S_z [m s^-2]\n";
+  for (const NavState& state : states) {
+    text += fmt::format("{}", state.time.count());
+    append(&text, state.p_WB);
+    text += fmt::format(",{}", state.q_WB.w());
+    append(&text, state.q_WB.vec());
+    append(&text, state.v_WB);
+    append(&text, state.gyro_bias);
+    append(&text, state.accel_bias);
+    text += '\n';
+  }
+  return text;
+}
+
+void copy(const std::optional<double>& from, double* to) {
+  if (from) *to = *from;
+}
+void copy_sigma(const std::optional<double>& from, double* to) {
+  if (from && *from > 0.0) *to = *from;
+}
+
+/// Widened by three sigmas on both sides; a sigma grows as 1/cos towards the edge.
+double widened_fov(double fov, double sigma) {
+  constexpr double kMinCosine = 0.25;  // as in frontend/detection.hpp
+  return std::min(kPi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
+}
+
+}  // namespace
+
+Dataset read_dataset(const fs::path& path) {
+  const fs::path root = dataset_root(path);
+  Dataset dataset;
+  dataset.imu = read_imu(root / kImu / kData);
+  dataset.scans = read_radar(root / kRadar / kData);
+  if (fs::exists(root / kBaro)) dataset.baro = read_baro(root / kBaro / kData);
+  if (fs::exists(root / kTruth)) dataset.ground_truth = read_truth_file(root / kTruth / kData, 17);
+  read_imu_info(root / kImu / kSensor, &dataset);
+  read_radar_info(root / kRadar / kSensor, &dataset);
+  std::optional<double>& grid = dataset.radar_info.doppler_resolution;
+  if (!grid && (grid = doppler_grid(dataset.scans))) {
+    dataset.notes.push_back(
+        fmt::format("{}: no doppler_resolution_mps; the data has steps of {:.4f} m/s",
+                    (root / kRadar / kSensor).string(), *grid));
+  }
+  return dataset;
+}
+
+std::vector<NavState> read_ground_truth(const fs::path& path) {
+  return read_truth_file(fs::is_directory(path) ? dataset_root(path) / kTruth / kData : path, 8);
+}
+
+void write_dataset(const fs::path& path, const Dataset& dataset) {
+  for (std::size_t i = 1; i < dataset.scans.size(); ++i) {
+    if (dataset.scans[i].time != dataset.scans[i - 1].time) continue;
+    throw std::runtime_error(fmt::format("{}: scans {} and {} have the same stamp {}",
+                                         (path / kRadar).string(), i - 1, i,
+                                         dataset.scans[i].time.count()));
+  }
+  const std::pair<const char*, std::string> optional_files[] = {
+      {kBaro, dataset.baro.empty() ? "" : baro_text(dataset.baro)},
+      {kTruth, dataset.ground_truth.empty() ? "" : truth_text(dataset.ground_truth)}};
+  for (const auto& [folder, text] : optional_files) {
+    if (text.empty() && fs::exists(path / folder)) {
+      throw std::runtime_error((path / folder).string() + ": is left from another recording");
+    }
+  }
+  fs::create_directories(path / kImu);
+  fs::create_directories(path / kRadar);
+  write_file(path / kImu / kData, imu_text(dataset.imu));
+  write_file(path / kRadar / kData, radar_text(dataset.scans));
+  for (const auto& [folder, text] : optional_files) {
+    if (text.empty()) continue;
+    fs::create_directories(path / folder);
+    write_file(path / folder / kData, text);
+  }
+  ImuInfo imu = dataset.imu_info;
+  write_file(path / kImu / kSensor,
+             "sensor_type: imu\n" + pose_text(Pose{}) + keys_text(imu_keys(&imu)));
+  RadarInfo radar = dataset.radar_info;
+  write_file(path / kRadar / kSensor,
+             "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, positive "
+             "= receding\n" +
+                 (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar)));
+}
+
+void apply_sensor_info(const Dataset& dataset, Options* options) {
+  const ImuInfo& imu = dataset.imu_info;
+  copy(imu.gyro_noise_density, &options->imu.gyro_noise_density);
+  copy(imu.gyro_random_walk, &options->imu.gyro_random_walk);
+  copy(imu.accel_noise_density, &options->imu.accel_noise_density);
+  copy(imu.accel_random_walk, &options->imu.accel_random_walk);
+
+  const RadarInfo& info = dataset.radar_info;
+  RadarOptions& radar = options->radar;
+  if (info.T_BS) radar.T_BS = *info.T_BS;
+  copy_sigma(info.sigma_range, &radar.sigma_range);
+  copy_sigma(info.sigma_azimuth, &radar.sigma_azimuth);
+  copy_sigma(info.sigma_elevation, &radar.sigma_elevation);
+  copy_sigma(info.sigma_doppler, &radar.sigma_doppler);
+  copy(info.range_resolution, &radar.range_resolution);
+  copy(info.doppler_resolution, &radar.doppler_resolution);
+  if (info.max_range) radar.max_range = *info.max_range + 3.0 * radar.sigma_range;
+  if (info.fov_azimuth) radar.fov_azimuth = widened_fov(*info.fov_azimuth, radar.sigma_azimuth);
+  if (info.fov_elevation) {
+    radar.fov_elevation = widened_fov(*info.fov_elevation, radar.sigma_elevation);
+  }
+}
+
+}  // namespace rio::io

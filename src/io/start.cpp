@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/start.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+
+#include "unit_quaternion.hpp"
+#include "yaml.hpp"
+
+namespace rio::io {
+
+namespace {
+
+using Handlers = std::map<std::string, std::function<void(const YAML::Node&)>>;
+
+/// Hands each entry of `map` to the handler of its key; returns the keys seen.
+std::set<std::string> dispatch(const YamlFile& file, const YAML::Node& map,
+                               const Handlers& handlers) {
+  std::vector<std::string> known;
+  for (const auto& handler : handlers) known.push_back(handler.first);
+  std::set<std::string> seen;
+  for (const auto& entry : map) {
+    const std::string& key = entry.first.Scalar();
+    const auto handler = handlers.find(key);
+    if (handler == handlers.end()) {
+      fail_at(file, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, known));
+    }
+    handler->second(entry.second);
+    seen.insert(key);
+  }
+  return seen;
+}
+
+Vector3d finite_vector(const YamlFile& file, const YAML::Node& node, const std::string& key,
+                       const char* unit) {
+  const std::vector<double> v = yaml_numbers(file, node, key, unit, 3);
+  Vector3d vector(v[0], v[1], v[2]);
+  if (!vector.allFinite()) fail_at(file, node, key + ": not finite");
+  return vector;
+}
+
+/// One sigma for all axes, or one per axis, squared.
+Vector3d variances(const YamlFile& file, const YAML::Node& node, const std::string& key,
+                   const char* unit) {
+  const Vector3d sigma = node.IsScalar()
+                             ? Vector3d(Vector3d::Constant(yaml_number(file, node, key, unit)))
+                             : finite_vector(file, node, key, unit);
+  if (!sigma.allFinite() || sigma.minCoeff() < 0.0) fail_at(file, node, key + ": below zero");
+  return sigma.cwiseAbs2();
+}
+
+}  // namespace
+
+BodyCovariance start_covariance(const Quaternion& q_WB, const StartOptions& start) {
+  const Matrix3d R_WB = q_WB.toRotationMatrix();
+  const double tilt_var = start.sigma_tilt * start.sigma_tilt;
+  const Vector3d attitude_W(tilt_var, tilt_var, start.sigma_yaw * start.sigma_yaw);
+  const auto isotropic = [](double sigma) {
+    return Matrix3d(Matrix3d::Identity() * sigma * sigma);
+  };
+  BodyCovariance P = BodyCovariance::Zero();
+  P.block<3, 3>(body::kAttitude, body::kAttitude) =
+      R_WB.transpose() * attitude_W.asDiagonal() * R_WB;
+  P.block<3, 3>(body::kPosition, body::kPosition) = isotropic(start.sigma_position);
+  P.block<3, 3>(body::kVelocity, body::kVelocity) = isotropic(start.sigma_velocity);
+  P.block<3, 3>(body::kGyroBias, body::kGyroBias) = isotropic(start.sigma_gyro_bias);
+  P.block<3, 3>(body::kAccelBias, body::kAccelBias) = isotropic(start.sigma_accel_bias);
+  return P;
+}
+
+StartFile load_start(const std::filesystem::path& path, const StartOptions& start,
+                     Time default_time) {
+  const YamlFile file = load_yaml(path);
+  StartFile out;
+  out.state.time = default_time;
+  std::map<int, Vector3d> given;  // first row of the block -> variances
+
+  const auto vector = [&](const char* key, const char* unit, Vector3d* target) {
+    return [&file, key, unit, target](const YAML::Node& node) {
+      *target = finite_vector(file, node, key, unit);
+    };
+  };
+  const auto sigma = [&](const char* key, const char* unit, int row) {
+    return [&file, &given, key, unit, row](const YAML::Node& node) {
+      given[row] = variances(file, node, std::string("sigma.") + key, unit);
+    };
+  };
+  const Handlers sigmas = {
+      {"position", sigma("position", "m", body::kPosition)},
+      {"orientation", sigma("orientation", "rad", body::kAttitude)},
+      {"velocity", sigma("velocity", "m/s", body::kVelocity)},
+      {"gyro_bias", sigma("gyro_bias", "rad/s", body::kGyroBias)},
+      {"accel_bias", sigma("accel_bias", "m/s^2", body::kAccelBias)},
+  };
+  const Handlers keys = {
+      {"position", vector("position", "m", &out.state.p_WB)},
+      {"velocity", vector("velocity", "m/s", &out.state.v_WB)},
+      {"gyro_bias", vector("gyro_bias", "rad/s", &out.state.gyro_bias)},
+      {"accel_bias", vector("accel_bias", "m/s^2", &out.state.accel_bias)},
+      {"quaternion_wxyz",
+       [&](const YAML::Node& node) {
+         const std::vector<double> v = yaml_numbers(file, node, "quaternion_wxyz", "", 4);
+         const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
+         if (!q) fail_at(file, node, "quaternion_wxyz: not a unit quaternion");
+         out.state.q_WB = *q;
+       }},
+      {"time_ns",
+       [&](const YAML::Node& node) {
+         const std::string& text = node.Scalar();
+         Time::rep ns = 0;
+         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ns);
+         if (error != std::errc{} || end != text.data() + text.size()) {
+           fail_at(file, node, "time_ns: not an integer");
+         }
+         out.state.time = Time(ns);
+       }},
+      {"sigma",
+       [&](const YAML::Node& node) {
+         if (!node.IsMap()) fail_at(file, node, "sigma: a map is expected");
+         dispatch(file, node, sigmas);
+       }},
+  };
+  const std::set<std::string> seen = dispatch(file, file.root, keys);
+  for (const char* required : {"quaternion_wxyz", "velocity"}) {
+    if (seen.count(required) == 0)
+      throw std::runtime_error(file.name + ": " + required + " missing");
+  }
+
+  out.covariance = start_covariance(out.state.q_WB, start);
+  for (const auto& [row, variance] : given) {
+    out.covariance.block<3, 3>(row, row) = variance.asDiagonal();
+  }
+  return out;
+}
+
+}  // namespace rio::io

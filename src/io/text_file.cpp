@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/text_file.hpp"
+
+#include <stdexcept>
+
+namespace rio::io {
+
+TextFile::TextFile(const std::filesystem::path& path)
+    : path_(path), stream_(path, std::ios::binary | std::ios::trunc) {
+  if (!stream_) fail();
+}
+
+void TextFile::write(std::string_view text) {
+  stream_.write(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream_) fail();
+}
+
+void TextFile::close() {
+  stream_.close();
+  if (!stream_) fail();
+}
+
+void TextFile::fail() const {
+  throw std::runtime_error(path_.string() + ": cannot be written");
+}
+
+}  // namespace rio::io

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/trajectory.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+
+#include "rio/io/csv.hpp"
+#include "rio/io/dataset.hpp"
+#include "unit_quaternion.hpp"
+
+namespace rio::io {
+
+namespace {
+
+Trajectory read_tum(const std::filesystem::path& path) {
+  CsvReader rows(path, ' ');
+  Trajectory trajectory;
+  while (rows.next()) {
+    if (rows.columns() != 8) {
+      rows.fail("has " + std::to_string(rows.columns()) + " columns, a TUM file has 8");
+    }
+    StampedPose pose;
+    pose.time = Time(rows.seconds_to_ns(0));
+    pose.p = Vector3d(rows.number(1), rows.number(2), rows.number(3));
+    const auto q = unit_quaternion(rows.number(7), rows.number(4), rows.number(5), rows.number(6));
+    if (!q) rows.fail("not a unit quaternion");
+    if (!pose.p.allFinite()) rows.fail("position is not finite");
+    pose.q = *q;
+    if (!trajectory.empty() && pose.time <= trajectory.back().time) {
+      rows.fail("time does not increase");
+    }
+    trajectory.push_back(pose);
+  }
+  if (trajectory.empty()) throw std::runtime_error(path.string() + ": holds no poses");
+  return trajectory;
+}
+
+}  // namespace
+
+std::string seconds_text(Time time) {
+  const Time::rep ns = time.count();
+  const auto magnitude =
+      ns < 0 ? 0 - static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
+  return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / 1000000000U,
+                     magnitude % 1000000000U);
+}
+
+std::string tum_line(const StampedPose& pose) {
+  return fmt::format("{} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f}", seconds_text(pose.time),
+                     pose.p.x(), pose.p.y(), pose.p.z(), pose.q.x(), pose.q.y(), pose.q.z(),
+                     pose.q.w());
+}
+
+void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) {
+  TextFile file(path);
+  for (const StampedPose& pose : trajectory) file.write(tum_line(pose) + "\n");
+  file.close();
+}
+
+Trajectory read_trajectory(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path) && path.extension() != ".csv") return read_tum(path);
+  Trajectory trajectory;
+  for (const NavState& state : read_ground_truth(path)) {
+    trajectory.push_back({state.time, state.p_WB, state.q_WB});
+  }
+  return trajectory;
+}
+
+StateCovariance state_covariance(const BodyCovariance& covariance) {
+  constexpr std::array<int, 3> kOrder = {body::kPosition, body::kAttitude, body::kVelocity};
+  StateCovariance P;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      P.block<3, 3>(3 * i, 3 * j) = covariance.block<3, 3>(kOrder[static_cast<std::size_t>(i)],
+                                                           kOrder[static_cast<std::size_t>(j)]);
+    }
+  }
+  return P;
+}
+
+StatesFile::StatesFile(const std::filesystem::path& path) : file_(path) {
+  std::string header = "#t_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz";
+  for (int i = 0; i < 9; ++i) {
+    for (int j = i; j < 9; ++j) header += fmt::format(",P_{}_{}", i, j);
+  }
+  file_.write(header + ",bgx,bgy,bgz,bax,bay,baz\n");
+}
+
+void StatesFile::add(const NavState& state, const BodyCovariance& covariance) {
+  std::string row = fmt::format("{}", state.time.count());
+  const auto append = [&row](double value) { row += fmt::format(",{}", value); };
+  const auto append_vector = [&append](const Vector3d& v) {
+    for (int i = 0; i < 3; ++i) append(v[i]);
+  };
+  append_vector(state.p_WB);
+  append(state.q_WB.w());
+  append_vector(state.q_WB.vec());
+  append_vector(state.v_WB);
+  const StateCovariance P = state_covariance(covariance);
+  for (int i = 0; i < 9; ++i) {
+    for (int j = i; j < 9; ++j) append(P(i, j));
+  }
+  append_vector(state.gyro_bias);
+  append_vector(state.accel_bias);
+  file_.write(row + "\n");
+}
+
+}  // namespace rio::io

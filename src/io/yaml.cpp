@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "yaml.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+#include "rio/io/csv.hpp"
+#include "rio/io/units.hpp"
+
+namespace rio::io {
+
+namespace {
+
+void reject_duplicates(const YamlFile& file, const YAML::Node& node) {
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    if (!node.IsMap()) {
+      reject_duplicates(file, entry);
+      continue;
+    }
+    const std::string& key = entry.first.Scalar();
+    if (!seen.insert(key).second) fail_at(file, entry.first, "duplicate key \"" + key + "\"");
+    reject_duplicates(file, entry.second);
+  }
+}
+
+/// Levenshtein distance.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t replace = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replace, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string last_part(const std::string& key) {
+  return key.substr(key.rfind('.') + 1);
+}
+
+}  // namespace
+
+YamlFile parse_yaml(const std::string& text, const std::string& name) {
+  YamlFile file{name, {}};
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) throw std::runtime_error(name + ": holds more than one document");
+    if (!documents.empty()) file.root = documents.front();
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(name + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
+  }
+  if (!file.root.IsMap() && !file.root.IsNull()) fail_at(file, file.root, "not a map of keys");
+  reject_duplicates(file, file.root);
+  return file;
+}
+
+YamlFile load_yaml(const std::filesystem::path& path) {
+  return parse_yaml(read_text(path), path.string());
+}
+
+void fail_at(const YamlFile& file, const YAML::Node& node, const std::string& what) {
+  throw std::runtime_error(file.name + ":" + std::to_string(node.Mark().line + 1) + ": " + what);
+}
+
+double yaml_number(const YamlFile& file, const YAML::Node& node, const std::string& key,
+                   const char* si_unit) {
+  if (!node.IsScalar()) fail_at(file, node, key + ": a single number is expected");
+  try {
+    return parse_quantity(node.Scalar(), si_unit);
+  } catch (const std::invalid_argument& error) {
+    fail_at(file, node, key + ": " + error.what());
+  }
+}
+
+std::vector<double> yaml_numbers(const YamlFile& file, const YAML::Node& node,
+                                 const std::string& key, const char* si_unit, std::size_t count) {
+  if (!node.IsSequence() || node.size() != count) {
+    fail_at(file, node, key + ": a list of " + std::to_string(count) + " numbers is expected");
+  }
+  std::vector<double> values;
+  for (const YAML::Node& item : node) values.push_back(yaml_number(file, item, key, si_unit));
+  return values;
+}
+
+std::string did_you_mean(const std::string& key, const std::vector<std::string>& candidates) {
+  const std::string* best = nullptr;
+  std::size_t best_distance = std::max<std::size_t>(2, last_part(key).size() / 3) + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t same_section = edit_distance(key, candidate);
+    const std::size_t elsewhere = edit_distance(last_part(key), last_part(candidate)) + 1;
+    const std::size_t distance = std::min(same_section, elsewhere);
+    if (distance >= best_distance) continue;
+    best = &candidate;
+    best_distance = distance;
+  }
+  return best == nullptr ? "" : ", did you mean \"" + *best + "\"?";
+}
+
+}  // namespace rio::io

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// YAML with errors that name file and line; private to rio_io because it shows yaml-cpp.
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rio::io {
+
+/// A parsed file of one document without duplicate keys.
+struct YamlFile {
+  std::string name;  ///< for messages
+  YAML::Node root;   ///< a map, or null when the file holds comments only
+};
+
+YamlFile parse_yaml(const std::string& text, const std::string& name);
+YamlFile load_yaml(const std::filesystem::path& path);
+
+/// Throws "FILE:LINE: what".
+[[noreturn]] void fail_at(const YamlFile& file, const YAML::Node& node, const std::string& what);
+
+/// A number with or without a unit; `key` is for the message.
+double yaml_number(const YamlFile& file, const YAML::Node& node, const std::string& key,
+                   const char* si_unit);
+/// A list of exactly `count` numbers.
+std::vector<double> yaml_numbers(const YamlFile& file, const YAML::Node& node,
+                                 const std::string& key, const char* si_unit, std::size_t count);
+
+/// `, did you mean "x"?` for the candidate nearest to `key`, or nothing when none is near. A key in
+/// another section counts as near when its last part matches.
+std::string did_you_mean(const std::string& key, const std::vector<std::string>& candidates);
+
+}  // namespace rio::io

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/csv.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/temp_dir.hpp"
+
+namespace rio::io {
+namespace {
+
+using test::TempDir;
+
+TEST(Csv, ReadsRowsAndSkipsCommentsAndBlankLines) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.csv", "#t,x\n\n1403636579758555392, 1.5\n# note\n-2,-1e-3\n"));
+  ASSERT_TRUE(rows.next());
+  EXPECT_EQ(rows.columns(), 2U);
+  EXPECT_EQ(rows.integer(0), 1403636579758555392);  // a double would round this
+  EXPECT_EQ(rows.number(1), 1.5);
+  ASSERT_TRUE(rows.next());
+  EXPECT_EQ(rows.integer(0), -2);
+  EXPECT_EQ(rows.number(1), -1e-3);
+  EXPECT_FALSE(rows.next());
+}
+
+TEST(Csv, ToleratesCrlfByteOrderMarkAndMissingLastNewline) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.csv", "\xEF\xBB\xBF#t,x\r\n1,2\r\n3,4"));
+  ASSERT_TRUE(rows.next());
+  EXPECT_EQ(rows.number(1), 2.0);
+  ASSERT_TRUE(rows.next());
+  EXPECT_EQ(rows.number(1), 4.0);
+  EXPECT_FALSE(rows.next());
+}
+
+TEST(Csv, AcceptsNonFiniteNumbersAndPlusSigns) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.csv", "nan,-inf,+2.5\n"));
+  ASSERT_TRUE(rows.next());
+  EXPECT_TRUE(std::isnan(rows.number(0)));
+  EXPECT_EQ(rows.number(1), -INFINITY);
+  EXPECT_EQ(rows.number(2), 2.5);
+}
+
+TEST(Csv, TruncatedRowNamesFileAndLine) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.csv", "#t,x,y\n1,2,3\n4,5"));
+  ASSERT_TRUE(rows.next());
+  EXPECT_ERROR(rows.next(), "a.csv:3: has 2 columns, the rows before have 3");
+}
+
+TEST(Csv, RejectsWhatIsNotANumber) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.csv", "1x,1.5,,+-1,0x1F,99999999999999999999,1 2\n"));
+  ASSERT_TRUE(rows.next());
+  EXPECT_ERROR(rows.number(0), "a.csv:1: column 1: not a number: \"1x\"");
+  EXPECT_ERROR(rows.integer(1), "column 2: not an integer");
+  EXPECT_TRUE(rows.is_empty(2));
+  EXPECT_ERROR(rows.number(2), "column 3: not a number");
+  EXPECT_ERROR(rows.number(3), "column 4");
+  EXPECT_ERROR(rows.number(4), "column 5");
+  EXPECT_ERROR(rows.integer(5), "column 6");
+  EXPECT_ERROR(rows.number(6), "column 7");
+  EXPECT_ERROR(rows.cell(7), "column 8 is needed");
+}
+
+TEST(Csv, SecondsAreExactToTheNanosecond) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.tum",
+                           "1403715273.262142976 1.5 -0.000000001 7 1.403715273262142976e+09 "
+                           "0.0000000015 2.5E-9 1e3 -1.9999999996\n"
+                           "1.2.3 e9 - . 1e12 99999999999 abc 1e 1ee2\n"),
+                 ' ');
+  ASSERT_TRUE(rows.next());
+  const std::int64_t expected[] = {1403715273262142976, 1500000000, -1, 7000000000,
+                                   1403715273262142976, 2,          3,  1000000000000,
+                                   -2000000000};
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(rows.seconds_to_ns(i), expected[i]) << i;
+  ASSERT_TRUE(rows.next());
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_ERROR(rows.seconds_to_ns(i), "a.tum:2: column") << i;
+}
+
+TEST(Csv, SpacesSeparateInRuns) {
+  const TempDir dir;
+  CsvReader rows(dir.write("a.tum", "  1  2\t3 \n"), ' ');
+  ASSERT_TRUE(rows.next());
+  EXPECT_EQ(rows.columns(), 3U);
+  EXPECT_EQ(rows.number(2), 3.0);
+}
+
+TEST(Csv, MissingEmptyAndFolder) {
+  const TempDir dir;
+  EXPECT_ERROR(CsvReader(dir.path() / "none.csv"), "none.csv: no such file");
+  EXPECT_ERROR(CsvReader(dir.write("empty.csv", "")), "empty.csv: is empty");
+  EXPECT_ERROR(CsvReader(dir.path()), "is a folder");
+}
+
+}  // namespace
+}  // namespace rio::io

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Option files, and with them the option table, its ranges and the presets.
+#include "rio/io/options_yaml.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "rio/option_fields.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::io {
+namespace {
+
+using test::TempDir;
+
+/// Every field as numbers, for comparison to the bit.
+using Values = std::map<std::string, std::vector<double>>;
+
+struct ToNumbers {
+  std::vector<double> operator()(const Vector3d& v) const { return {v.x(), v.y(), v.z()}; }
+  std::vector<double> operator()(const Quaternion& q) const { return {q.w(), q.x(), q.y(), q.z()}; }
+  template <class Scalar>
+  std::vector<double> operator()(Scalar v) const {
+    return {static_cast<double>(v)};
+  }
+};
+
+Values values(const Options& options) {
+  Values all;
+  visit_fields(options, [&all](const FieldInfo& info, const auto& value) {
+    EXPECT_TRUE(all.emplace(info.key, ToNumbers{}(value)).second) << "twice: " << info.key;
+  });
+  return all;
+}
+
+/// Another allowed value: numbers move a thousandth of the way towards a bound.
+struct Change {
+  static double bound(const FieldInfo& i, double v) { return v < i.max ? i.max : i.min; }
+  void operator()(const FieldInfo& i, double& v) const { v += (bound(i, v) - v) / 1000.0; }
+  void operator()(const FieldInfo& i, int& v) const { v += bound(i, v) > v ? 1 : -1; }
+  void operator()(const FieldInfo&, bool& v) const { v = !v; }
+  void operator()(const FieldInfo&, TrailNoise& v) const {
+    v = v == TrailNoise::kCorrelated ? TrailNoise::kIndependent : TrailNoise::kCorrelated;
+  }
+  void operator()(const FieldInfo&, Vector3d& v) const { v += Vector3d(0.1, 1.0 / 3.0, -2.0); }
+  void operator()(const FieldInfo&, Quaternion& v) const {
+    v = Quaternion(0.1, 0.7, -1.0 / 3.0, 0.4).normalized();
+  }
+};
+
+Options parsed(const std::string& yaml) {
+  Options options;
+  parse_options(yaml, "o.yaml", &options);
+  return options;
+}
+
+TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
+  for (const char* name : {"default", "published-ekf"}) {
+    Options options;
+    ASSERT_TRUE(preset(name, &options)) << name;
+    EXPECT_TRUE(options.validate()) << name;
+    EXPECT_EQ(values(parsed(options_as_yaml(options))), values(options)) << name;
+  }
+}
+
+TEST(OptionsYaml, EveryFieldRoundTripsAlone) {
+  const Values defaults = values(Options{});
+  EXPECT_GT(defaults.size(), 50U);
+  for (const auto& [key, numbers] : defaults) {
+    Options options;
+    visit_fields(options, [&key = key](const FieldInfo& info, auto& value) {
+      if (key == info.key) Change{}(info, value);
+    });
+    EXPECT_NE(values(options).at(key), numbers) << key;
+    std::string why;
+    EXPECT_TRUE(options.validate(&why)) << key << ": " << why;
+    EXPECT_EQ(values(parsed(options_as_yaml(options))), values(options)) << key;
+  }
+}
+
+TEST(OptionsYaml, PrintsUnitAndMeaning) {
+  const std::string text = options_as_yaml(Options{});
+  EXPECT_TRUE(test::contains(
+      text,
+      "\nimu:\n  gyro_noise_density: 0.0004  # [rad/s/sqrt(Hz)] White noise of the gyroscope.\n"))
+      << text;
+  EXPECT_TRUE(test::contains(text, "\nradar:\n  T_BS:\n    translation: [0, 0, 0]  # [m] "))
+      << text;
+  EXPECT_TRUE(test::contains(text, "\n  min_range: 0.2  # [m] Nearer detections")) << text;
+  EXPECT_TRUE(test::contains(text, "\n  trail_noise: independent  # Noise of")) << text;
+}
+
+TEST(OptionsYaml, ReadsValuesWithUnits) {
+  const Options o = parsed(
+      "imu: {gyro_noise_density: 4e-3, max_gap: 30 ms}\n"
+      "radar:\n"
+      "  sigma_azimuth: 2 deg\n"
+      "  sigma_range: \"5 cm\"\n"
+      "  T_BS:\n"
+      "    translation: [10 cm, 0, -0.02]\n"
+      "    quaternion_wxyz: [0, 0, 0.6, 0.8]\n"
+      "frontend:\n"  // a section whose values are all commented out
+      "update: {trail_noise: correlated, use_trails: false, max_clones: 3}\n"
+      "start: {max_rate: 10 deg/s}\n");
+  EXPECT_EQ(o.imu.gyro_noise_density, 4e-3);
+  EXPECT_EQ(o.imu.max_gap, 0.03);
+  EXPECT_NEAR(o.radar.sigma_azimuth, 0.034906585039886591, 1e-16);
+  EXPECT_EQ(o.radar.sigma_range, 0.05);
+  EXPECT_EQ(o.radar.T_BS.translation, Vector3d(0.1, 0.0, -0.02));
+  EXPECT_EQ(o.radar.T_BS.rotation.z(), 0.8);
+  EXPECT_EQ(o.update.trail_noise, TrailNoise::kCorrelated);
+  EXPECT_FALSE(o.update.use_trails);
+  EXPECT_EQ(o.update.max_clones, 3);
+  EXPECT_NEAR(o.start.max_rate, 0.17453292519943295, 1e-16);
+  EXPECT_EQ(o.imu.gravity, Options{}.imu.gravity);
+}
+
+TEST(OptionsYaml, UnknownKeysAreRejectedWithSuggestion) {
+  EXPECT_ERROR(parsed("radar:\n  sigma_dopler: 1\n"),
+               "o.yaml:2: unknown key \"radar.sigma_dopler\", did you mean "
+               "\"radar.sigma_doppler\"?");
+  EXPECT_ERROR(parsed("imu: {sigma_doppler: 1}\n"), "did you mean \"radar.sigma_doppler\"?");
+  EXPECT_ERROR(parsed("max_clones: 3\n"), "did you mean \"update.max_clones\"?");
+  EXPECT_ERROR(parsed("presett: default\n"), "did you mean \"preset\"?");
+  EXPECT_ERROR(parsed("timing: {clock: 1}\n"), "o.yaml:1: unknown key \"timing.clock\"");
+  const std::string far = test::error_of([] { parsed("colour: red\n"); });
+  EXPECT_EQ(far, "o.yaml:1: unknown key \"colour\"");
+}
+
+TEST(OptionsYaml, WrongValuesNameFileAndLine) {
+  EXPECT_ERROR(parsed("imu:\n  max_gap: 2 deg\n"),
+               "o.yaml:2: imu.max_gap: \"2 deg\" does not fit the unit [s]");
+  EXPECT_ERROR(parsed("imu: {max_gap: fast}\n"), "o.yaml:1: imu.max_gap: not a number");
+  EXPECT_ERROR(parsed("imu: {max_gap: [1, 2]}\n"), "imu.max_gap: a single number is expected");
+  EXPECT_ERROR(parsed("imu: {max_gap: }\n"), "imu.max_gap: a single number is expected");
+  EXPECT_ERROR(parsed("imu: {max_gap: 11}\n"), "imu.max_gap = 11 is outside [0.001, 10] s");
+  EXPECT_ERROR(parsed("imu: {max_gap: nan}\n"), "imu.max_gap = nan is outside");
+  EXPECT_ERROR(parsed("imu: 3\n"), "o.yaml:1: imu: a map is expected");
+  EXPECT_ERROR(parsed("update: {max_clones: 3.5}\n"), "max_clones: a whole number is expected");
+  EXPECT_ERROR(parsed("update: {max_clones: [3]}\n"), "max_clones: a whole number is expected");
+  EXPECT_ERROR(parsed("update: {max_clones: 21}\n"), "update.max_clones = 21 is outside [0, 20]");
+  EXPECT_ERROR(parsed("update: {use_trails: 1}\n"), "use_trails: true or false is expected");
+  EXPECT_ERROR(parsed("update: {trail_noise: white}\n"), "independent or correlated is expected");
+  EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2]}}\n"), "a list of 3 numbers");
+  EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2, 3 s]}}\n"), "does not fit the unit [m]");
+  EXPECT_ERROR(parsed("radar: {T_BS: {quaternion_wxyz: [1, 1, 0, 0]}}\n"), "not a unit quaternion");
+  EXPECT_ERROR(parsed("imu:\n  max_gap: 1\n  max_gap: 2\n"), "o.yaml:3: duplicate key \"max_gap\"");
+  EXPECT_ERROR(parsed("imu:\n  max_gap: [1\n"), "o.yaml:");
+  EXPECT_ERROR(parsed("- 1\n"), "o.yaml:1: not a map of keys");
+  EXPECT_ERROR(parsed("imu: {}\n---\nimu: {}\n"), "more than one document");
+}
+
+TEST(OptionsYaml, ErrorsChangeNothing) {
+  Options options;
+  options.imu.gravity = 9.8;
+  const Values before = values(options);
+  EXPECT_ERROR(parse_options("preset: published-ekf\nimu: {max_gap: 0.2, gravity: -1}\n", "o.yaml",
+                             &options),
+               "imu.gravity");
+  EXPECT_EQ(values(options), before);
+  EXPECT_ERROR(parse_options("radar: {min_range: 60}\n", "o.yaml", &options),
+               "o.yaml: radar.min_range is not below radar.max_range");
+  EXPECT_EQ(values(options), before);
+}
+
+TEST(OptionsYaml, PresetComesFirstWhereverItStands) {
+  Options options;
+  options.imu.gravity = 9.8;
+  parse_options("update: {direction_noise: true}\npreset: published-ekf\n", "o.yaml", &options);
+  EXPECT_TRUE(options.update.direction_noise);
+  EXPECT_FALSE(options.update.direction_correction);
+  EXPECT_EQ(options.imu.gravity, Options{}.imu.gravity);
+  EXPECT_ERROR(parsed("imu: {}\npreset: none\n"), "o.yaml:2: preset: no such preset: \"none\"");
+}
+
+TEST(OptionsYaml, FilesWithAndWithoutPreset) {
+  const TempDir dir;
+  const auto with = dir.write("with.yaml", "preset: published-ekf\nimu: {max_gap: 0.2}\n");
+  const auto comments = dir.write("comments.yaml", "# nothing yet\n");
+  EXPECT_EQ(preset_in_file(with), "published-ekf");
+  EXPECT_EQ(preset_in_file(comments), std::nullopt);
+  Options options;
+  load_option_values(with, &options);
+  EXPECT_TRUE(options.update.direction_correction);
+  EXPECT_EQ(options.imu.max_gap, 0.2);
+  load_options(with, &options);
+  EXPECT_FALSE(options.update.direction_correction);
+  const Values before = values(options);
+  load_options(comments, &options);
+  EXPECT_EQ(values(options), before);
+  EXPECT_ERROR(load_options(dir.path() / "none.yaml", &options), "none.yaml: no such file");
+  EXPECT_ERROR(load_options(dir.write("empty.yaml", ""), &options), "empty.yaml: is empty");
+}
+
+/// Puts a number into a numeric field; other types stay.
+struct Set {
+  double number;
+  void operator()(double& v) const { v = number; }
+  void operator()(int& v) const { v = static_cast<int>(number); }
+  template <class Other>
+  void operator()(Other&) const {}
+};
+
+/// What validate() says with the one field replaced; "" when it accepts.
+std::string verdict_with(const std::string& key, double number) {
+  Options options;
+  visit_fields(options, [&](const FieldInfo& info, auto& value) {
+    if (key == info.key) Set{number}(value);
+  });
+  std::string why;
+  const bool valid = options.validate(&why);
+  EXPECT_EQ(valid, why.empty());
+  return why;
+}
+
+TEST(Options, ValidateHoldsEveryNumberAgainstItsRange) {
+  const Options defaults;
+  int checked = 0;
+  visit_fields(defaults, [&checked](const FieldInfo& info, const auto& value) {
+    using Field = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, int>) {
+      ++checked;
+      const bool whole = std::is_same_v<Field, int>;
+      const double infinity = std::numeric_limits<double>::infinity();
+      const std::string outside = std::string(info.key) + " = ";
+      EXPECT_TRUE(field_error(info, static_cast<Field>(info.min)).empty()) << info.key;
+      EXPECT_TRUE(field_error(info, static_cast<Field>(info.max)).empty()) << info.key;
+      const double below = whole ? info.min - 1.0 : std::nextafter(info.min, -infinity);
+      EXPECT_TRUE(verdict_with(info.key, below).starts_with(outside)) << info.key;
+      if (whole && info.max > 2147483646.0) return;  // an int cannot exceed it
+      const double above = whole ? info.max + 1.0 : std::nextafter(info.max, infinity);
+      EXPECT_TRUE(verdict_with(info.key, above).starts_with(outside)) << info.key;
+      if (!whole) {
+        EXPECT_TRUE(verdict_with(info.key, std::nan("")).starts_with(outside)) << info.key;
+      }
+    }
+  });
+  EXPECT_GT(checked, 40);
+}
+
+TEST(Options, ValidateChecksVectorsQuaternionsAndEnums) {
+  std::string why;
+  Options o;
+  o.radar.T_BS.translation.z() = 101.0;
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_EQ(why, "radar.T_BS.translation = 101 is outside [-100, 100] m");
+  o = Options{};
+  o.radar.T_BS.rotation = Quaternion(1.0, 0.01, 0.0, 0.0);
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_EQ(why, "radar.T_BS.quaternion_wxyz is not a unit quaternion");
+  o.radar.T_BS.rotation.w() = std::nan("");
+  EXPECT_FALSE(o.validate());
+  o = Options{};
+  o.update.trail_noise = static_cast<TrailNoise>(2);
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_EQ(why, "update.trail_noise = 2 is outside [0, 1]");
+}
+
+TEST(Options, ValidateChecksCoherence) {
+  std::string why;
+  Options o;
+  o.radar.min_range = o.radar.max_range;
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_EQ(why, "radar.min_range is not below radar.max_range");
+  o = Options{};
+  o.frontend.max_detections = 4;
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_TRUE(test::contains(why, "ransac_min_inliers exceeds")) << why;
+  o = Options{};
+  o.update.max_clones = 0;
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_TRUE(test::contains(why, "update.max_clones = 0")) << why;
+  o.update.use_trails = o.update.use_landmarks = false;
+  EXPECT_TRUE(o.validate());
+  o = Options{};
+  o.update.max_landmarks = 0;
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_TRUE(test::contains(why, "update.max_landmarks = 0")) << why;
+  o.update.use_landmarks = false;
+  EXPECT_TRUE(o.validate());
+}
+
+TEST(Options, UnknownPresetChangesNothing) {
+  Options o;
+  o.imu.gravity = 9.8;
+  EXPECT_FALSE(preset("none", &o));
+  EXPECT_EQ(o.imu.gravity, 9.8);
+}
+
+}  // namespace
+}  // namespace rio::io

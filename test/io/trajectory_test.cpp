@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/io/trajectory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "rio/io/csv.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::io {
+namespace {
+
+using test::TempDir;
+
+StampedPose pose_at(std::int64_t ns) {
+  return {Time(ns), Vector3d(1.0, -2.5, 0.125), Quaternion(0.5, 0.5, -0.5, 0.5)};
+}
+
+TEST(Trajectory, SecondsAreExact) {
+  EXPECT_EQ(seconds_text(Time(1403636579758555392)), "1403636579.758555392");
+  EXPECT_EQ(seconds_text(Time(5)), "0.000000005");
+  EXPECT_EQ(seconds_text(Time(-1500000000)), "-1.500000000");
+  EXPECT_EQ(seconds_text(Time::min()), "-9223372036.854775808");
+}
+
+TEST(Trajectory, TumLineIsExact) {
+  EXPECT_EQ(tum_line(pose_at(1403636579758555392)),
+            "1403636579.758555392 1.000000000 -2.500000000 0.125000000 0.500000000 -0.500000000 "
+            "0.500000000 0.500000000");
+}
+
+TEST(Trajectory, TumRoundTrip) {
+  const TempDir dir;
+  const std::filesystem::path path = dir.path() / "a.tum";
+  write_tum(path, {pose_at(1403636579758555392), pose_at(1403636579758555393)});
+  const Trajectory read = read_trajectory(path);
+  ASSERT_EQ(read.size(), 2U);
+  EXPECT_EQ(read[0].time, Time(1403636579758555392));
+  EXPECT_EQ(read[1].time, Time(1403636579758555393));
+  EXPECT_EQ(read[0].p, pose_at(0).p);
+  EXPECT_EQ(read[0].q.coeffs(), pose_at(0).q.coeffs());
+}
+
+TEST(Trajectory, ReadsScientificNotationAndComments) {
+  const TempDir dir;
+  const Trajectory read = read_trajectory(
+      dir.write("a.txt", "# t x y z qx qy qz qw\n1.5e+00 1e0 2e0 3e0 0e0 0e0 0e0 1.0e+00\n"));
+  ASSERT_EQ(read.size(), 1U);
+  EXPECT_EQ(read[0].time, Time(1500000000));
+  EXPECT_EQ(read[0].p, Vector3d(1.0, 2.0, 3.0));
+  EXPECT_EQ(read[0].q.w(), 1.0);
+}
+
+TEST(Trajectory, NormalisesRoundedQuaternions) {
+  const TempDir dir;
+  const Trajectory read = read_trajectory(dir.write("a.tum", "1 0 0 0 0.7071 0 0 0.7071\n"));
+  EXPECT_NEAR(read.at(0).q.norm(), 1.0, 1e-15);
+}
+
+TEST(Trajectory, RejectsDamage) {
+  const TempDir dir;
+  const auto read = [&dir](const char* text) { read_trajectory(dir.write("a.tum", text)); };
+  EXPECT_ERROR(read("1 0 0 0 0 0 0 1 5\n"), "a.tum:1: has 9 columns, a TUM file has 8");
+  EXPECT_ERROR(read("1 0 0 0 0 0 0 1\n2 0 0 0 0\n"), "a.tum:2: has 5 columns");
+  EXPECT_ERROR(read("1 0 0 0 0 0 0 0\n"), "a.tum:1: not a unit quaternion");
+  EXPECT_ERROR(read("1 0 0 0 nan 0 0 1\n"), "a.tum:1: not a unit quaternion");
+  EXPECT_ERROR(read("1 nan 0 0 0 0 0 1\n"), "a.tum:1: position is not finite");
+  EXPECT_ERROR(read("2 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n"), "a.tum:2: time does not increase");
+  EXPECT_ERROR(read("# nothing\n"), "a.tum: holds no poses");
+  EXPECT_ERROR(read(""), "a.tum: is empty");
+  EXPECT_ERROR(read_trajectory(dir.path() / "none.tum"), "none.tum: no such file");
+}
+
+TEST(Trajectory, ReadsEurocGroundTruth) {
+  const TempDir dir;
+  const std::string rows =
+      "#timestamp\n100,1,2,3,0.5,0.5,-0.5,0.5,4,5,6,.1,.2,.3,.4,.5,.6\n"
+      "200,1,2,3,1,0,0,0,4,5,6,.1,.2,.3,.4,.5,.6\n";
+  const auto check = [](const Trajectory& read) {
+    ASSERT_EQ(read.size(), 2U);
+    EXPECT_EQ(read[0].time, Time(100));
+    EXPECT_EQ(read[0].p, Vector3d(1, 2, 3));
+    EXPECT_EQ(read[0].q.coeffs(), Quaternion(0.5, 0.5, -0.5, 0.5).coeffs());
+  };
+  check(read_trajectory(dir.write("mav0/state_groundtruth_estimate0/data.csv", rows)));
+  check(read_trajectory(dir.path()));
+}
+
+TEST(StatesFile, ReordersTheCovariance) {
+  // entry (i, j) of the body covariance is 100 (i + 1) + (j + 1), mirrored: every entry is told
+  // apart
+  BodyCovariance P;
+  for (int i = 0; i < body::kSize; ++i) {
+    for (int j = i; j < body::kSize; ++j) P(i, j) = P(j, i) = 100 * (i + 1) + (j + 1);
+  }
+  const StateCovariance S = state_covariance(P);
+  EXPECT_EQ(S(0, 0), 404);  // dp x, dp x
+  EXPECT_EQ(S(1, 2), 506);  // dp y, dp z
+  EXPECT_EQ(S(0, 3), 104);  // dp x, dtheta x
+  EXPECT_EQ(S(2, 4), 206);  // dp z, dtheta y
+  EXPECT_EQ(S(3, 5), 103);  // dtheta x, dtheta z
+  EXPECT_EQ(S(1, 6), 507);  // dp y, dv x
+  EXPECT_EQ(S(5, 7), 308);  // dtheta z, dv y
+  EXPECT_EQ(S(8, 8), 909);  // dv z, dv z
+  EXPECT_EQ(StateCovariance(S.transpose()), S);
+}
+
+TEST(StatesFile, WritesEveryColumnInPlace) {
+  const TempDir dir;
+  NavState state;
+  state.time = Time(1403636579758555392);
+  state.p_WB = Vector3d(0.1, 0.2, 0.3);
+  state.q_WB = Quaternion(0.5, -0.5, 0.5, 0.5);
+  state.v_WB = Vector3d(4, 5, 6);
+  state.gyro_bias = Vector3d(7, 8, 9);
+  state.accel_bias = Vector3d(10, 11, 12);
+  BodyCovariance P;
+  for (int i = 0; i < body::kSize; ++i) {
+    for (int j = i; j < body::kSize; ++j) P(i, j) = P(j, i) = 100 * (i + 1) + (j + 1);
+  }
+  const std::filesystem::path path = dir.path() / "states.csv";
+  StatesFile file(path);
+  file.add(state, P);
+  file.close();
+
+  const std::string text = dir.read("states.csv");
+  EXPECT_FALSE(test::contains(text, "P_1_0"));
+  EXPECT_TRUE(text.starts_with("#t_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,P_0_0,P_0_1,")) << text;
+  EXPECT_TRUE(test::contains(text, ",P_0_8,P_1_1,"));
+  EXPECT_TRUE(test::contains(text, ",P_8_8,bgx,bgy,bgz,bax,bay,baz\n"));
+  CsvReader rows(path);
+  ASSERT_TRUE(rows.next());
+  ASSERT_EQ(rows.columns(), 62U);
+  EXPECT_EQ(rows.integer(0), state.time.count());
+  const double head[] = {0.1, 0.2, 0.3, 0.5, -0.5, 0.5, 0.5, 4, 5, 6};
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(rows.number(i + 1), head[i]) << i;
+  EXPECT_EQ(rows.number(11), 404);  // P_0_0
+  EXPECT_EQ(rows.number(14), 104);  // P_0_3
+  EXPECT_EQ(rows.number(20), 505);  // P_1_1
+  EXPECT_EQ(rows.number(55), 909);  // P_8_8
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(rows.number(56 + i), 7.0 + double(i)) << i;
+  EXPECT_FALSE(rows.next());
+  EXPECT_EQ(read_trajectory(path).at(0).q.coeffs(), state.q_WB.coeffs());
+}
+
+TEST(TextFile, WriteErrorsAreNotMissed) {
+  const TempDir dir;
+  EXPECT_ERROR(TextFile(dir.path() / "no" / "folder.txt"), "folder.txt: cannot be written");
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  EXPECT_ERROR(write_tum("/dev/full", {pose_at(1)}), "/dev/full: cannot be written");
+}
+
+}  // namespace
+}  // namespace rio::io
