@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio evaluate`: the error figures of an estimate, as a table or as a JSON line.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "rio/eval/evaluation.hpp"
+#include "rio/io/trajectory.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+using eval::AbsoluteError;
+using eval::AngleError;
+using eval::Evaluation;
+using eval::RelativeError;
+using eval::Statistics;
+
+struct Arguments {
+  std::string truth;
+  std::vector<std::string> estimates;
+  std::string align = "none";
+  double max_diff = 0.01;
+  double mae_at = eval::kNan;
+  bool json = false;
+};
+
+nlohmann::ordered_json to_json(const Statistics& s) {
+  return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"max", s.max}, {"std", s.std}};
+}
+
+nlohmann::ordered_json to_json(const AbsoluteError& error) {
+  return {{"translation_m", to_json(error.translation)}, {"rotation_deg", to_json(error.rotation)}};
+}
+
+nlohmann::ordered_json to_json(const RelativeError& error) {
+  return {{"distance_m", error.distance},
+          {"pieces", error.translation.count},
+          {"translation_m", to_json(error.translation)},
+          {"translation_percent", to_json(error.drift)},
+          {"rotation_deg", to_json(error.rotation)},
+          {"rotation_deg_per_m", to_json(error.rotation_per_metre)}};
+}
+
+nlohmann::ordered_json to_json(const AngleError& error) {
+  return {{"rmse", error.rmse}, {"final", error.final}, {"max", error.max}};
+}
+
+/// Figures that do not exist (NaN) become null.
+nlohmann::ordered_json to_json(const Arguments& arguments, const std::string& estimate,
+                               const Evaluation& e) {
+  nlohmann::ordered_json json = {
+      {"truth", arguments.truth},
+      {"estimate", estimate},
+      {"align", arguments.align},
+      {"poses", e.estimates},
+      {"associated", e.associated},
+      {"duration_s", e.duration},
+      {"path_length_m", e.path_length},
+      {"ape",
+       {{"none", to_json(e.ape_none)}, {"yaw", to_json(e.ape_yaw)}, {"se3", to_json(e.ape_se3)}}},
+      {"rpe", nlohmann::ordered_json::array()},
+      {"norm_of_mae_m", e.norm_of_mae},
+      {"norm_of_rmse_m", e.norm_of_rmse},
+      {"final_drift_percent", e.final_drift},
+      {"yaw_error_deg", to_json(e.yaw)},
+      {"tilt_error_deg", to_json(e.tilt)}};
+  for (const RelativeError& error : e.rpe) json["rpe"].push_back(to_json(error));
+  if (!std::isnan(arguments.mae_at)) {
+    json["norm_of_mae_at"] = {{"distance_m", arguments.mae_at}, {"value_m", e.norm_of_mae_at}};
+  }
+  return json;
+}
+
+/// `value` in `width` characters, "-" if there is none.
+std::string cell(double value, int width, int digits) {
+  char text[64];
+  if (std::isnan(value)) {
+    std::snprintf(text, sizeof text, "%*s", width, "-");
+  } else {
+    std::snprintf(text, sizeof text, "%*.*f", width, digits, value);
+  }
+  return text;
+}
+
+std::string cells(const Statistics& s, int digits) {
+  return cell(s.rmse, 9, digits) + cell(s.mean, 9, digits) + cell(s.median, 9, digits) +
+         cell(s.max, 9, digits) + cell(s.std, 9, digits);
+}
+
+void print_absolute(const char* name, const AbsoluteError& error) {
+  std::printf("  %-14s%s   %s\n", name, cells(error.translation, 3).c_str(),
+              cells(error.rotation, 2).c_str());
+}
+
+void print_relative(const RelativeError& e) {
+  std::printf("  %4.0f m %8zu %s%s   %s%s   %s%s\n", e.distance, e.translation.count,
+              cell(e.drift.rmse, 9, 2).c_str(), cell(e.drift.median, 9, 2).c_str(),
+              cell(e.translation.rmse, 9, 3).c_str(), cell(e.translation.median, 9, 3).c_str(),
+              cell(e.rotation_per_metre.rmse, 9, 3).c_str(),
+              cell(e.rotation_per_metre.median, 9, 3).c_str());
+}
+
+void print_angle(const char* name, const AngleError& error) {
+  std::printf("  %-14s%s deg rmse %s deg final %s deg max\n", name, cell(error.rmse, 9, 2).c_str(),
+              cell(error.final, 9, 2).c_str(), cell(error.max, 9, 2).c_str());
+}
+
+void print_table(const Arguments& arguments, const std::string& estimate, const Evaluation& e) {
+  std::printf("truth     %s\nestimate  %s\n", arguments.truth.c_str(), estimate.c_str());
+  std::printf("          %zu of %zu poses have a true pose (%.1f %%)\n", e.associated, e.estimates,
+              100.0 * static_cast<double>(e.associated) / static_cast<double>(e.estimates));
+  std::printf("          %.2f s, true path %.2f m\n", e.duration, e.path_length);
+
+  const char* heads = "     rmse     mean   median      max      std";
+  std::printf("\nAPE             %-45s   %s\n  alignment     %s   %s\n", "    translation [m]",
+              "    rotation [deg]", heads, heads);
+  print_absolute("none", e.ape_none);
+  print_absolute("yaw+position", e.ape_yaw);
+  print_absolute("SE(3)", e.ape_se3);
+  if (!e.yaw_unique) std::printf("  yaw+position: no horizontal motion, yaw left as it is\n");
+  if (!e.se3_unique) {
+    std::printf("  SE(3): the path is a line, its alignment leaves the rotation open\n");
+  }
+
+  const char* relative_heads = "     rmse   median";
+  std::printf("\nRPE               %-18s   %-18s   %s\n  over     pieces %s   %s   %s\n",
+              "  translation [%]", "  translation [m]", "  rotation [deg/m]", relative_heads,
+              relative_heads, relative_heads);
+  for (const RelativeError& error : e.rpe) print_relative(error);
+
+  std::printf("\nAlignment: %s\n", arguments.align.c_str());
+  std::printf("  %-14s%s m\n", "norm of MAE", cell(e.norm_of_mae, 9, 3).c_str());
+  if (!std::isnan(arguments.mae_at)) {
+    std::printf("  %-14s%s m up to %g m of path\n", "", cell(e.norm_of_mae_at, 9, 3).c_str(),
+                arguments.mae_at);
+  }
+  std::printf("  %-14s%s m\n", "norm of RMSE", cell(e.norm_of_rmse, 9, 3).c_str());
+  std::printf("  %-14s%s %% of the path\n", "final drift", cell(e.final_drift, 9, 2).c_str());
+  print_angle("yaw error", e.yaw);
+  print_angle("tilt error", e.tilt);
+}
+
+/// One row an estimate, in Markdown.
+void print_comparison(const Arguments& arguments, const std::vector<Evaluation>& all) {
+  std::printf(
+      "| estimate | final drift [%%] | norm of MAE [m] | norm of RMSE [m] | "
+      "yaw RMSE [deg] | tilt RMSE [deg] | RPE over 10 m [%%] |\n|---|---|---|---|---|---|---|\n");
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Evaluation& e = all[i];
+    double relative = eval::kNan;
+    for (const RelativeError& error : e.rpe) {
+      if (error.distance == 10.0) relative = error.drift.rmse;
+    }
+    std::printf("| %s | %s | %s | %s | %s | %s | %s |\n",
+                std::filesystem::path(arguments.estimates[i]).stem().c_str(),
+                cell(e.final_drift, 0, 2).c_str(), cell(e.norm_of_mae, 0, 3).c_str(),
+                cell(e.norm_of_rmse, 0, 3).c_str(), cell(e.yaw.rmse, 0, 2).c_str(),
+                cell(e.tilt.rmse, 0, 2).c_str(), cell(relative, 0, 2).c_str());
+  }
+}
+
+Evaluation evaluate_file(const Arguments& arguments, const eval::Trajectory& truth,
+                         const std::string& file) {
+  const eval::Trajectory estimate = io::read_trajectory(file);
+  eval::EvaluationOptions options;
+  options.alignment = *eval::alignment_kind(arguments.align);
+  options.max_difference = from_seconds(arguments.max_diff);
+  options.mae_distance = arguments.mae_at;
+  try {
+    return eval::evaluate(truth, estimate, options);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(file + " against " + arguments.truth + ": " + error.what());
+  }
+}
+
+void run(const Arguments& arguments) {
+  const eval::Trajectory truth = io::read_trajectory(arguments.truth);
+  std::vector<Evaluation> all;
+  for (const std::string& file : arguments.estimates) {
+    all.push_back(evaluate_file(arguments, truth, file));
+  }
+  if (arguments.json) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      std::printf("%s\n", to_json(arguments, arguments.estimates[i], all[i]).dump().c_str());
+    }
+  } else if (all.size() == 1) {
+    print_table(arguments, arguments.estimates[0], all[0]);
+  } else {
+    print_comparison(arguments, all);
+  }
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("evaluate", "Compare an estimated path with the true one");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("TRUTH", arguments->truth, "TUM file, EuRoC csv or dataset folder")
+      ->required();
+  command
+      ->add_option("ESTIMATE", arguments->estimates,
+                   "same formats; several give a table of a row each")
+      ->required();
+  command
+      ->add_option("--align", arguments->align,
+                   "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3")
+      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "print one JSON line an estimate");
+  command
+      ->add_option("--max-diff", arguments->max_diff,
+                   "largest difference of stamps if the truth is too sparse to interpolate [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--mae-at", arguments->mae_at,
+                   "also the norm of MAE up to this length of the true path [m]")
+      ->check(CLI::PositiveNumber);
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace rio::tools

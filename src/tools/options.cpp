@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio options`: all options with units, meaning and the values of a preset.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "commands.hpp"
+#include "rio/io/options_yaml.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+void run(const std::string& name) {
+  Options options;
+  if (!preset(name, &options)) throw std::runtime_error("no such preset: \"" + name + "\"");
+  fmt::print("{}", io::options_as_yaml(options));
+}
+
+}  // namespace
+
+void add_options_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
+  auto name = std::make_shared<std::string>("default");
+  command->add_option("--preset", *name, "default or published-ekf")->capture_default_str();
+  command->callback([name] { run(*name); });
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio plot`: estimates, and their errors if the truth is known, as one self-contained SVG file.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "rio/eval/alignment.hpp"
+#include "rio/eval/association.hpp"
+#include "rio/eval/metrics.hpp"
+#include "rio/io/text_file.hpp"
+#include "rio/io/trajectory.hpp"
+#include "svg.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+/// Okabe and Ito, 2008: distinct for colour-blind readers; the truth is a broad grey line below.
+constexpr std::array<const char*, 6> kColours = {"#0072b2", "#d55e00", "#009e73",
+                                                 "#cc79a7", "#e69f00", "#56b4e9"};
+constexpr double kCurveWidth = 1.6;
+
+struct Arguments {
+  std::vector<std::string> estimates;
+  std::vector<std::string> labels;
+  std::string truth;
+  std::string align = "none";
+  std::string out;
+};
+
+/// One path and how it is drawn.
+struct Series {
+  std::string label;
+  Stroke stroke;
+  eval::Trajectory poses;
+  std::vector<eval::PosePair> pairs;  ///< with the truth, if there is one
+};
+
+/// Interrupts a curve where samples are missing: at intervals far above the usual one.
+class GapBreaker {
+ public:
+  explicit GapBreaker(std::vector<double> times) {
+    std::vector<double> intervals;
+    for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
+    longest_ = 5.0 * eval::statistics(std::move(intervals)).median;
+  }
+  void add(double time, Point point) {
+    if (!points.empty() && time - last_ > longest_) interrupt();
+    points.push_back(point);
+    last_ = time;
+  }
+  void interrupt() { points.push_back({eval::kNan, eval::kNan}); }
+
+  std::vector<Point> points;
+
+ private:
+  double longest_ = 0.0;
+  double last_ = 0.0;
+};
+
+/// A point for each sample at its time [s] since `start`; gaps and jumps of more than `max_jump`
+/// interrupt the curve.
+template <class Sample, class Value>
+std::vector<Point> over_time(const std::vector<Sample>& samples, Time start, Value value,
+                             double max_jump = std::numeric_limits<double>::infinity()) {
+  std::vector<double> times;
+  times.reserve(samples.size());
+  for (const Sample& sample : samples) times.push_back(to_seconds(value(sample).first - start));
+  GapBreaker curve(times);
+  double last = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double y = value(samples[i]).second;
+    if (i > 0 && std::abs(y - last) > max_jump) curve.interrupt();
+    curve.add(times[i], {times[i], y});
+    last = y;
+  }
+  return std::move(curve.points);
+}
+
+std::vector<Point> plan(const eval::Trajectory& poses) {
+  std::vector<double> times;
+  times.reserve(poses.size());
+  for (const eval::StampedPose& pose : poses) {
+    times.push_back(to_seconds(pose.time - poses.front().time));
+  }
+  GapBreaker curve(times);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    curve.add(times[i], {poses[i].p.x(), poses[i].p.y()});
+  }
+  return std::move(curve.points);
+}
+
+std::vector<Point> heights(const eval::Trajectory& poses, Time start) {
+  return over_time(poses, start,
+                   [](const eval::StampedPose& pose) { return std::pair(pose.time, pose.p.z()); });
+}
+
+std::vector<Point> position_errors(const std::vector<eval::PosePair>& pairs, Time start) {
+  return over_time(pairs, start, [](const eval::PosePair& pair) {
+    return std::pair(pair.estimate.time, (pair.estimate.p - pair.truth.p).norm());
+  });
+}
+
+std::vector<Point> yaw_errors(const std::vector<eval::PosePair>& pairs, Time start) {
+  const auto error = [](const eval::PosePair& pair) {
+    return std::pair(pair.estimate.time, eval::yaw_error(pair));
+  };
+  return over_time(pairs, start, error, 180.0);
+}
+
+/// File name without its ending; with its folder where two would be the same.
+std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
+  const auto name = [](std::filesystem::path path) {
+    if (path.filename().empty()) path = path.parent_path();  // "run/" is the folder "run"
+    return std::pair(path.parent_path().filename().string(), path.stem().string());
+  };
+  std::vector<std::string> labels;
+  for (const std::string& path : paths) {
+    const auto same = [&](const std::string& other) {
+      return name(other).second == name(path).second;
+    };
+    const auto [folder, stem] = name(path);
+    const bool shared = std::count_if(paths.begin(), paths.end(), same) > 1;
+    labels.push_back(stem);
+    if (shared && !folder.empty()) labels.back().insert(0, folder + "/");
+  }
+  return labels;
+}
+
+/// Both ranges grown so that a metre has the same length along x and y of a square panel.
+void make_equal(Range* x, Range* y) {
+  const double half = 0.5 * std::max(x->span(), y->span());
+  for (Range* range : {x, y}) {
+    const double centre = 0.5 * (range->low + range->high);
+    *range = {centre - half, centre + half};
+  }
+}
+
+void draw_plan(Svg* svg, double left, double top, double size, const std::vector<Series>& all) {
+  std::vector<std::vector<Point>> curves;
+  Range x;
+  Range y;
+  for (const Series& series : all) {
+    curves.push_back(plan(series.poses));
+    for (const Point& point : curves.back()) {
+      x.add(point.x);
+      y.add(point.y);
+    }
+  }
+  x = x.padded(0.05, 0.1);
+  y = y.padded(0.05, 0.1);
+  make_equal(&x, &y);
+  Axes axes(svg, left, top, size, size, x, y);
+  axes.draw("Plan view", "x [m]", "y [m]");
+  for (std::size_t i = 0; i < all.size(); ++i) axes.curve(curves[i], all[i].stroke);
+  for (const Series& series : all) {
+    const Vector3d& first = series.poses.front().p;
+    const Vector3d& last = series.poses.back().p;
+    const Point start = axes.pixel(first.x(), first.y());
+    const Point end = axes.pixel(last.x(), last.y());
+    svg->circle(start, 5.0, "#ffffff", {series.stroke.colour, 2.0});
+    svg->rectangle(end.x - 4.5, end.y - 4.5, 9.0, 9.0, series.stroke.colour, {"#ffffff", 1.0});
+  }
+}
+
+/// A quantity over time: one curve for each series, in its order.
+struct TimePanel {
+  std::string title;
+  std::string unit;
+  std::vector<std::vector<Point>> curves;
+  double smallest_span = 0.0;
+  bool from_zero = false;
+};
+
+void draw_panel(Svg* svg, double left, double top, double width, double height, const Range& time,
+                const TimePanel& panel, const std::vector<Series>& all, bool last) {
+  Range y;
+  for (const auto& curve : panel.curves) {
+    for (const Point& point : curve) y.add(point.y);
+  }
+  if (panel.from_zero) y.add(0.0);
+  y = y.padded(0.06, panel.smallest_span);
+  if (panel.from_zero) y.low = 0.0;
+  Axes axes(svg, left, top, width, height, time, y);
+  axes.draw(panel.title, last ? "time [s]" : "", panel.unit);
+  for (std::size_t i = 0; i < all.size(); ++i) axes.curve(panel.curves[i], all[i].stroke);
+}
+
+/// Line samples and names, wrapped to the width; then what the markers mean.
+double draw_legend(Svg* svg, double left, double top, double right,
+                   const std::vector<Series>& all) {
+  const double line_height = 22.0;
+  const double character = 6.8;  // mean width at 13 px; the exact one depends on the reader's font
+  double x = left;
+  double y = top;
+  const auto room = [&](const std::string& text) {
+    const double width = 38.0 + character * static_cast<double>(text.size());
+    if (x > left && x + width > right) {
+      x = left;
+      y += line_height;
+    }
+    x += width + 18.0;
+    return Point{x - width - 18.0, y};
+  };
+  for (const Series& series : all) {
+    std::string text = series.label;
+    if (!series.pairs.empty()) {
+      text += " (RMSE " + fixed(eval::norm_of_rmse(series.pairs), 2) + " m";
+      const double drift = eval::final_drift(series.pairs);
+      if (std::isfinite(drift)) text += ", final drift " + fixed(drift, 2) + " %";
+      text += ")";
+    }
+    const Point at = room(text);
+    svg->line({at.x, at.y}, {at.x + 28.0, at.y},
+              {series.stroke.colour, std::max(3.0, series.stroke.width), series.stroke.dashed});
+    svg->text({at.x + 36.0, at.y + 4.5}, text, {13.0});
+  }
+  const Point start = room("start");
+  svg->circle({start.x + 24.0, start.y}, 5.0, "#ffffff", {"#555555", 2.0});
+  svg->text({start.x + 36.0, start.y + 4.5}, "start", {13.0});
+  const Point end = room("end");
+  svg->rectangle(end.x + 19.5, end.y - 4.5, 9.0, 9.0, "#555555", {"none", 0.0});
+  svg->text({end.x + 36.0, end.y + 4.5}, "end", {13.0});
+  return y;
+}
+
+/// All series, the truth (if `with_truth`) first.
+std::string draw(const std::vector<Series>& all, bool with_truth) {
+  Time start = all.back().poses.front().time;
+  for (const Series& series : all) start = std::min(start, series.poses.front().time);
+  Range time;
+  TimePanel height{"Height", "z [m]", {}, 0.2, false};
+  TimePanel position{"Position error", "|error| [m]", {}, 0.02, true};
+  TimePanel yaw{"Yaw error", "error [deg]", {}, 0.2, false};
+  for (const Series& series : all) {
+    height.curves.push_back(heights(series.poses, start));
+    position.curves.push_back(position_errors(series.pairs, start));
+    yaw.curves.push_back(yaw_errors(series.pairs, start));
+    for (const Point& point : height.curves.back()) time.add(point.x);
+  }
+  time = time.padded(0.0, 0.1);
+  std::vector<TimePanel> panels = {std::move(height)};
+  if (with_truth) {
+    panels.push_back(std::move(position));
+    panels.push_back(std::move(yaw));
+  }
+
+  const double width = 1280.0;
+  const double plan_size = 560.0;
+  const double plan_left = 75.0;
+  const double panel_left = 720.0;
+  const double panel_width = width - panel_left - 25.0;
+  const double gap = 38.0;
+  Svg measure(width, 0.0);
+  const double legend_end = draw_legend(&measure, plan_left, 28.0, width - 25.0, all);
+  const double top = legend_end + 50.0;
+
+  Svg svg(width, top + plan_size + 55.0);
+  draw_legend(&svg, plan_left, 28.0, width - 25.0, all);
+  draw_plan(&svg, plan_left, top, plan_size, all);
+  const double count = static_cast<double>(panels.size());
+  const double panel_height = (plan_size - gap * (count - 1.0)) / count;
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    draw_panel(&svg, panel_left, top + static_cast<double>(i) * (panel_height + gap), panel_width,
+               panel_height, time, panels[i], all, i + 1 == panels.size());
+  }
+  return svg.str();
+}
+
+/// The truth over the time that the estimates cover.
+Series truth_series(const eval::Trajectory& truth, const std::vector<Series>& estimates) {
+  Time first = estimates.front().poses.front().time;
+  Time last = estimates.front().poses.back().time;
+  for (const Series& series : estimates) {
+    first = std::min(first, series.poses.front().time);
+    last = std::max(last, series.poses.back().time);
+  }
+  Series result{"truth", {"#b4b4b4", 4.0}, {}, {}};
+  for (const eval::StampedPose& pose : truth) {
+    if (pose.time >= first && pose.time <= last) result.poses.push_back(pose);
+  }
+  if (result.poses.empty()) result.poses = truth;  // too sparse to have a pose in that time
+  return result;
+}
+
+void run(const Arguments& arguments) {
+  if (!arguments.labels.empty() && arguments.labels.size() != arguments.estimates.size()) {
+    throw std::runtime_error("--label: " + std::to_string(arguments.labels.size()) + " names for " +
+                             std::to_string(arguments.estimates.size()) + " estimates");
+  }
+  const std::vector<std::string> labels =
+      arguments.labels.empty() ? default_labels(arguments.estimates) : arguments.labels;
+  const bool with_truth = !arguments.truth.empty();
+  const eval::Trajectory truth =
+      with_truth ? io::read_trajectory(arguments.truth) : eval::Trajectory{};
+
+  std::vector<Series> all;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    eval::Trajectory poses = io::read_trajectory(arguments.estimates[i]);
+    Series series{labels[i],
+                  {kColours[i % kColours.size()], kCurveWidth, i >= kColours.size()},
+                  std::move(poses),
+                  {}};
+    if (with_truth) {
+      series.pairs = eval::associate(truth, series.poses).pairs;
+      if (series.pairs.size() < 2) {
+        throw std::runtime_error(arguments.estimates[i] +
+                                 ": fewer than 2 poses have a true pose in " + arguments.truth);
+      }
+      const Pose T =
+          eval::find_alignment(series.pairs, *eval::alignment_kind(arguments.align)).transform;
+      series.pairs = eval::transformed(T, std::move(series.pairs));
+      for (eval::StampedPose& pose : series.poses) pose = eval::transformed(T, pose);
+    }
+    all.push_back(std::move(series));
+  }
+  if (with_truth) all.insert(all.begin(), truth_series(truth, all));
+
+  io::TextFile file(arguments.out);
+  file.write(draw(all, with_truth));
+  file.close();
+}
+
+}  // namespace
+
+void add_plot_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("plot", "Draw paths, heights and errors as an SVG file");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("ESTIMATE", arguments->estimates, "TUM file, EuRoC csv or dataset folder")
+      ->required();
+  CLI::Option* truth =
+      command->add_option("--truth", arguments->truth, "true path: same formats; adds the errors");
+  command->add_option("--label", arguments->labels, "names for the legend, one for each estimate");
+  command
+      ->add_option("--align", arguments->align,
+                   "lay the estimates over the truth first: none, origin, yaw, se3")
+      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
+      ->needs(truth)
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "SVG file to write")->required();
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio replay`: a recording through the estimator, as a flight stack would feed it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "progress.hpp"
+#include "replay_summary.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/io/options_yaml.hpp"
+#include "rio/io/start.hpp"
+#include "rio/io/trajectory.hpp"
+#include "rio/propagate/static_alignment.hpp"
+#include "rio/rio.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+struct Arguments {
+  std::string dataset;
+  std::string config;
+  std::string preset;
+  std::string init;
+  std::vector<double> init_velocity;
+  std::string out;
+  std::string states;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// First state and covariance, and where they come from.
+struct Start {
+  NavState state;
+  BodyCovariance covariance;
+  std::string source;
+};
+
+Time steady_now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
+}
+
+/// Preset, then what the dataset knows of its sensors, then the values of the file.
+Options make_options(const Arguments& arguments, const io::Dataset& dataset) {
+  std::string name = arguments.preset;
+  if (name.empty() && !arguments.config.empty()) {
+    name = io::preset_in_file(arguments.config).value_or("");
+  }
+  Options options;
+  if (!name.empty() && !preset(name, &options)) {
+    throw std::runtime_error("no such preset: \"" + name + "\"");
+  }
+  io::apply_sensor_info(dataset, &options);
+  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
+  options.timing.clock = &steady_now;
+  return options;
+}
+
+/// The first pose and velocity of the ground truth inside the span of the IMU. Biases start at
+/// zero, except that a standstill right there measures the gyro bias.
+Start start_from_truth(const io::Dataset& dataset, const Options& options) {
+  const auto row = std::find_if(
+      dataset.ground_truth.begin(), dataset.ground_truth.end(), [&](const NavState& state) {
+        return state.time >= dataset.imu.front().time && state.time <= dataset.imu.back().time;
+      });
+  if (row == dataset.ground_truth.end()) {
+    throw std::runtime_error(
+        "--init groundtruth: the dataset has no ground truth " +
+        std::string(dataset.ground_truth.empty() ? "at all" : "within the time span of its IMU"));
+  }
+  Start start{*row, io::start_covariance(row->q_WB, options.start), "groundtruth"};
+  start.state.gyro_bias.setZero();
+  start.state.accel_bias.setZero();
+  const auto bias = standstill_gyro_bias(dataset.imu, row->time, options);
+  if (bias) {
+    constexpr double kGyroBiasFloor = 1e-4;  // instability over minutes [rad/s]
+    const double sigma =
+        kGyroBiasFloor + options.imu.gyro_noise_density / std::sqrt(options.start.duration);
+    start.state.gyro_bias = *bias;
+    start.covariance.block<3, 3>(body::kGyroBias, body::kGyroBias) =
+        Matrix3d::Identity() * sigma * sigma;
+  }
+  return start;
+}
+
+/// Nothing for a static start.
+std::optional<Start> make_start(const Arguments& arguments, const io::Dataset& dataset,
+                                const Options& options) {
+  std::string init = arguments.init;
+  if (init.empty()) init = dataset.ground_truth.empty() ? "static" : "groundtruth";
+  if (init == "static") return std::nullopt;
+  if (init == "groundtruth") return start_from_truth(dataset, options);
+  const io::StartFile file = io::load_start(init, options.start, dataset.imu.front().time);
+  return Start{file.state, file.covariance, "file"};
+}
+
+/// Where the estimate of each processed scan goes.
+class Outputs {
+ public:
+  void open(const Arguments& arguments, Time begin) {
+    begin_ = begin;
+    lines_ = !arguments.json && !arguments.quiet;
+    if (!arguments.out.empty()) trajectory_.emplace(arguments.out);
+    if (!arguments.states.empty()) states_.emplace(arguments.states);
+  }
+
+  void add(const Odometry& odometry) {
+    const NavState& state = odometry.at_scan();
+    if (trajectory_) {
+      trajectory_->write(io::tum_line({state.time, state.p_WB, state.q_WB}) + "\n");
+    }
+    if (states_) states_->add(state, odometry.covariance());
+    if (lines_) print_line(state, odometry.report());
+  }
+
+  void close() {
+    if (trajectory_) trajectory_->close();
+    if (states_) states_->close();
+  }
+
+ private:
+  void print_line(const NavState& state, const UpdateReport& report) const {
+    int used = 0;
+    int gated = 0;
+    for (const ModelReport& model : report.models) {
+      used += model.rows_used;
+      gated += model.rows_gated;
+    }
+    fmt::print(
+        "{:9.3f} s  position {:8.3f} {:8.3f} {:8.3f} m  speed {:6.3f} m/s  points {:3} static {:3}"
+        "  rows {:3} gated {:3}\n",
+        to_seconds(state.time - begin_), state.p_WB.x(), state.p_WB.y(), state.p_WB.z(),
+        state.v_WB.norm(), report.detections_kept, report.static_detections, used, gated);
+  }
+
+  Time begin_{0};
+  bool lines_ = false;
+  std::optional<io::TextFile> trajectory_;
+  std::optional<io::StatesFile> states_;
+};
+
+/// Feeds the samples in the order of their stamps. One scan at most waits for the IMU, so that no
+/// report is overwritten by the next before it was read; scans inside a gap of the IMU are
+/// therefore given after it, and those farther back than timing.max_lag count as late.
+class Replay {
+ public:
+  Replay(const Arguments& arguments, const io::Dataset& dataset, const Options& options)
+      : dataset_(dataset) {
+    const std::optional<Start> start = make_start(arguments, dataset, options);
+    Options used = options;
+    used.start.static_alignment = !start;
+    std::string why;
+    odometry_ = Odometry::create(used, &why);
+    if (odometry_ == nullptr) throw std::runtime_error(why);
+    if (!arguments.init_velocity.empty()) {
+      const std::vector<double>& v = arguments.init_velocity;
+      init_velocity_ = Vector3d(v[0], v[1], v[2]);
+    }
+    summary_.initialised_by = start ? start->source : "static";
+    if (start) begin(*start);
+    outputs_.open(arguments, dataset.imu.front().time);
+  }
+
+  ReplaySummary run() {
+    Progress progress(dataset_.imu.size());
+    while (imu_ < dataset_.imu.size()) {
+      progress.show(imu_);
+      const bool scan_first = scan_ < dataset_.scans.size() && !waiting_ &&
+                              dataset_.scans[scan_].time < dataset_.imu[imu_].time;
+      if (scan_first) {
+        give_scan(dataset_.scans[scan_++]);
+      } else {
+        give_imu(dataset_.imu[imu_++]);
+      }
+    }
+    while (!waiting_ && scan_ < dataset_.scans.size()) give_scan(dataset_.scans[scan_++]);
+    return finish();
+  }
+
+ private:
+  void begin(const Start& start) {
+    NavState state = start.state;
+    if (init_velocity_) state.v_WB = *init_velocity_;
+    restart(state, start.covariance);
+    while (imu_ + 1 < dataset_.imu.size() && dataset_.imu[imu_ + 1].time <= state.time) ++imu_;
+    while (scan_ < dataset_.scans.size() && dataset_.scans[scan_].time < state.time) ++scan_;
+    summary_.scans_before_start = static_cast<int>(scan_);
+  }
+
+  void restart(const NavState& state, const BodyCovariance& covariance) {
+    const Status status = odometry_->reset(state, covariance);
+    if (status == Status::kOk) return;
+    throw std::runtime_error(std::string("the start was refused: ") + to_string(status));
+  }
+
+  void give_imu(const ImuSample& sample) {
+    const bool was_initialized = odometry_->initialized();
+    const Time before = steady_now();
+    const Status status = odometry_->add_imu(sample);
+    const Time after = steady_now();
+    summary_.wall += after - before;
+    if (!was_initialized && odometry_->initialized() && init_velocity_) {
+      NavState state = odometry_->at_scan();
+      state.v_WB = *init_velocity_;
+      restart(state, BodyCovariance(odometry_->covariance()));
+    }
+    if (waiting_ && status == Status::kOk && sample.time >= *waiting_) {
+      waiting_.reset();
+      record();
+    }
+  }
+
+  void give_scan(const RadarScan& scan) {
+    const Time before = steady_now();
+    const Status status = odometry_->add_scan(scan);
+    summary_.wall += steady_now() - before;
+    if (status == Status::kWaiting) waiting_ = scan.time;
+    if (status == Status::kNotInitialized) ++summary_.scans_before_start;
+    if (status == Status::kOk) record();
+  }
+
+  /// A failed update has no row: its estimate is not at the scan.
+  void record() {
+    if (odometry_->report().status != Status::kOk) return;
+    const NavState& state = odometry_->at_scan();
+    if (!(state.p_WB + state.v_WB + state.gyro_bias + state.accel_bias).allFinite() ||
+        !state.q_WB.coeffs().allFinite() || !odometry_->covariance().allFinite()) {
+      throw std::runtime_error("the estimate is not finite at " + io::seconds_text(state.time) +
+                               " s");
+    }
+    outputs_.add(*odometry_);
+    summary_.add(odometry_->report(), state);
+  }
+
+  ReplaySummary finish() {
+    outputs_.close();
+    if (!odometry_->initialized()) {
+      throw std::runtime_error(
+          "static alignment failed: the sensor moves, or the recording is shorter than "
+          "start.duration; give a start with --init");
+    }
+    summary_.scans_unprocessed =
+        static_cast<int>(dataset_.scans.size() - scan_) + (waiting_ ? 1 : 0);
+    summary_.counters = odometry_->counters();
+    summary_.span = dataset_.imu.back().time - dataset_.imu.front().time;
+    return summary_;
+  }
+
+  const io::Dataset& dataset_;
+  Outputs outputs_;
+  std::unique_ptr<Odometry> odometry_;
+  std::optional<Vector3d> init_velocity_;
+  std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
+  std::size_t imu_ = 0;          ///< next sample
+  std::size_t scan_ = 0;         ///< next scan
+  ReplaySummary summary_;
+};
+
+void run(const Arguments& arguments) {
+  const io::Dataset dataset = io::read_dataset(arguments.dataset);
+  for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
+  const Options options = make_options(arguments, dataset);
+  const ReplaySummary summary = Replay(arguments, dataset, options).run();
+  if (arguments.json) {
+    fmt::print("{}\n", summary.json());
+  } else {
+    fmt::print("{}", summary.text());
+  }
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("replay", "Run a recording through the estimator");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
+  command->add_option("--config", arguments->config, "option file; see `rio options`");
+  command->add_option("--preset", arguments->preset,
+                      "default or published-ekf; wins over the file's");
+  command->add_option("--init", arguments->init,
+                      "groundtruth, static or a file; by default groundtruth if there is one");
+  command
+      ->add_option("--init-velocity", arguments->init_velocity,
+                   "velocity of the start in the world [m/s]; its covariance stays")
+      ->expected(3);
+  command->add_option("--out", arguments->out, "trajectory to write, TUM format");
+  command->add_option("--states", arguments->states, "states with covariance to write, csv");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of a line per scan");
+  command->add_flag("--quiet", arguments->quiet, "no line per scan");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace rio::tools

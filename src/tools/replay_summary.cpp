@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "replay_summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <utility>
+
+namespace rio::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Statistics {
+  double mean = 0.0;
+  double median = 0.0;
+  double p99 = 0.0;
+  double max = 0.0;
+};
+
+/// Percentiles by nearest rank.
+Statistics statistics(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<double>(values.size());
+  const auto percentile = [&](double share) {
+    return values[static_cast<std::size_t>(std::max(0.0, std::ceil(share * count) - 1.0))];
+  };
+  return {std::accumulate(values.begin(), values.end(), 0.0) / count, percentile(0.5),
+          percentile(0.99), values.back()};
+}
+
+Json to_json(const Statistics& s) {
+  return {{"mean", s.mean}, {"median", s.median}, {"p99", s.p99}, {"max", s.max}};
+}
+
+double realtime_factor(const ReplaySummary& s) {
+  return s.wall > Time{0} ? to_seconds(s.span) / to_seconds(s.wall) : 0.0;
+}
+
+Model model_at(std::size_t i) {
+  return static_cast<Model>(i);
+}
+
+}  // namespace
+
+void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
+  int rows_used = 0;
+  for (std::size_t i = 0; i < kModelCount; ++i) {
+    models[i].rows_used += report.models[i].rows_used;
+    models[i].rows_gated += report.models[i].rows_gated;
+    rows_used += report.models[i].rows_used;
+  }
+  if (scans == 0) {
+    first_position = state.p_WB;
+  } else {
+    path_length += (state.p_WB - last_position).norm();
+  }
+  last_position = state.p_WB;
+  ++scans;
+  if (rows_used > 0) ++updates;
+  update_ms.push_back(1e3 * to_seconds(report.update_time));
+  propagation_ms.push_back(1e3 * to_seconds(report.propagation_time));
+  clones = report.clones;
+  landmarks = report.landmarks;
+}
+
+std::string ReplaySummary::json() const {
+  Json by_model;
+  for (std::size_t i = 0; i < kModelCount; ++i) {
+    by_model[to_string(model_at(i))] = {{"rows_used", models[i].rows_used},
+                                        {"rows_gated", models[i].rows_gated}};
+  }
+  const Vector3d& p = last_position;
+  const Json all = {
+      {"scans", scans},
+      {"updates", updates},
+      {"initialised_by", initialised_by},
+      {"update_ms", to_json(statistics(update_ms))},
+      {"propagation_ms", to_json(statistics(propagation_ms))},
+      {"realtime_factor", realtime_factor(*this)},
+      {"duration_s", to_seconds(span)},
+      {"models", by_model},
+      {"clones", clones},
+      {"landmarks", landmarks},
+      {"final_position_m", {p.x(), p.y(), p.z()}},
+      {"first_to_last_m", (last_position - first_position).norm()},
+      {"path_length_m", path_length},
+      {"counters",
+       {{"imu_samples", counters.imu_samples},
+        {"imu_stale", counters.imu_stale},
+        {"imu_non_finite", counters.imu_non_finite},
+        {"imu_gaps", counters.imu_gaps},
+        {"scans_late", counters.scans_late},
+        {"scans_duplicate", counters.scans_duplicate},
+        {"scans_overflow", counters.scans_overflow},
+        {"scans_non_finite", counters.scans_non_finite},
+        {"detections_non_finite", counters.detections_non_finite},
+        {"scans_before_start", scans_before_start},
+        {"scans_unprocessed", scans_unprocessed},
+        {"updates_failed", counters.updates_failed}}},
+  };
+  return all.dump();
+}
+
+std::string ReplaySummary::text() const {
+  const Statistics update = statistics(update_ms);
+  const Statistics propagation = statistics(propagation_ms);
+  std::string out = fmt::format(
+      "\n{} scans, {} with an update; start: {}\n"
+      "path {:.2f} m, first to last position {:.3f} m, end at [{:.3f} {:.3f} {:.3f}] m\n",
+      scans, updates, initialised_by, path_length, (last_position - first_position).norm(),
+      last_position.x(), last_position.y(), last_position.z());
+  for (std::size_t i = 0; i < kModelCount; ++i) {
+    out += fmt::format("{}: {} rows used, {} gated\n", to_string(model_at(i)), models[i].rows_used,
+                       models[i].rows_gated);
+  }
+  out += fmt::format(
+      "update {:.3f} ms mean, {:.3f} p99, {:.3f} max; propagation {:.3f} ms mean; {:.0f} x real "
+      "time\n",
+      update.mean, update.p99, update.max, propagation.mean, realtime_factor(*this));
+
+  const std::pair<const char*, std::uint64_t> irregular[] = {
+      {"scans before the start", static_cast<std::uint64_t>(scans_before_start)},
+      {"scans after the last IMU sample were not processed",
+       static_cast<std::uint64_t>(scans_unprocessed)},
+      {"late scans", counters.scans_late},
+      {"duplicate scans", counters.scans_duplicate},
+      {"scans lost because the queue was full", counters.scans_overflow},
+      {"scans without a finite detection", counters.scans_non_finite},
+      {"detections not finite", counters.detections_non_finite},
+      {"IMU samples not newer than the one before", counters.imu_stale},
+      {"IMU samples not finite", counters.imu_non_finite},
+      {"gaps of the IMU", counters.imu_gaps},
+      {"updates failed", counters.updates_failed}};
+  for (const auto& [what, count] : irregular) {
+    if (count > 0) out += fmt::format("{} {}\n", count, what);
+  }
+  return out;
+}
+
+}  // namespace rio::tools

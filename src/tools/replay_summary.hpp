@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a replay adds up over its scans, and how it is printed.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "rio/report.hpp"
+#include "rio/types.hpp"
+
+namespace rio::tools {
+
+struct ReplaySummary {
+  std::string initialised_by;  ///< "groundtruth", "static" or "file"
+  int scans = 0;               ///< processed
+  int updates = 0;             ///< of these, with at least one row used
+  int scans_before_start = 0;
+  int scans_unprocessed = 0;  ///< after the last IMU sample
+  std::vector<double> update_ms;
+  std::vector<double> propagation_ms;
+  std::array<ModelReport, kModelCount> models{};
+  int clones = 0;     ///< at the end
+  int landmarks = 0;  ///< at the end
+  Vector3d first_position = Vector3d::Zero();
+  Vector3d last_position = Vector3d::Zero();
+  double path_length = 0.0;  ///< through the scans [m]
+  Time span{0};              ///< of the data fed
+  Time wall{0};              ///< spent in the estimator
+  Counters counters;
+
+  void add(const UpdateReport& report, const NavState& state);
+
+  /// One line of JSON.
+  std::string json() const;
+  /// Some lines for people.
+  std::string text() const;
+};
+
+}  // namespace rio::tools
