@@ -1,0 +1,17 @@
+# Installs rio::core and rio::rio so that find_package(rio) gives both.
+include(CMakePackageConfigHelpers)
+
+install(TARGETS rio_core rio EXPORT rio-targets
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# io/ needs more than Eigen and serves the tools only
+install(DIRECTORY include/rio DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "io" EXCLUDE)
+install(EXPORT rio-targets NAMESPACE rio:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rio)
+configure_package_config_file(cmake/rio-config.cmake.in rio-config.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rio)
+write_basic_package_version_file(rio-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/rio-config.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/rio-config-version.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rio)
