@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// After create() the estimator does not touch the heap, with every option that changes the hot
+// path.
+#include "support/allocation_guard.hpp"
+
+#include "support/replay.hpp"
+
+namespace rio::test {
+namespace {
+
+class Allocation : public testing::TestWithParam<std::function<void(Options*)>> {};
+
+TEST(AllocationGuard, SeesVectorsAndEigen) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
+  const AllocationGuard guard;
+  const std::vector<int> v(10);
+  const Eigen::MatrixXd m = Eigen::MatrixXd::Zero(5, static_cast<int>(v.size()));
+  EXPECT_EQ(guard.count(), 2 + (m.size() == 50 ? 0 : 1));
+}
+
+TEST_P(Allocation, NoneAfterCreate) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
+  sim::FlightOptions flight_options;
+  flight_options.seed = 6;
+  flight_options.length_m = 25.0;
+  const sim::Flight flight = sim::simulate_flight(flight_options);
+  Options options = options_for(flight, "default");
+  GetParam()(&options);
+  auto odometry = Odometry::create(options);
+  ASSERT_NE(odometry, nullptr);
+  std::size_t next = 0;
+  int rows = 0;
+  const AllocationGuard guard;
+  for (const ImuSample& sample : flight.imu) {
+    if (next % 50 == 49) {  // ahead of the IMU now and then
+      (void)odometry->add_scan(flight.scans[std::min(next, flight.scans.size() - 1)]);
+    }
+    (void)odometry->add_imu(sample);
+    while (next < flight.scans.size() && flight.scans[next].time <= sample.time) {
+      (void)odometry->add_scan(flight.scans[next++]);
+      for (const ModelReport& model : odometry->report().models) rows += model.rows_used;
+    }
+  }
+  const BodyCovariance P = odometry->covariance();
+  (void)odometry->reset(odometry->now(), P);
+  odometry->reset();
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(rows, 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Options, Allocation,
+    testing::Values([](Options*) {},
+                    [](Options* o) {  // the largest state: 21 + 120 + 192 = 333
+                      o->update.max_clones = 20;
+                      o->update.max_landmarks = 64;
+                      o->frontend.landmark_miss_tolerance = 1000;
+                      o->frontend.promote_after = 1;
+                    },
+                    [](Options* o) { o->update.trail_noise = TrailNoise::kCorrelated; },
+                    [](Options* o) { EXPECT_TRUE(preset("published-ekf", o)); }));
+
+}  // namespace
+}  // namespace rio::test

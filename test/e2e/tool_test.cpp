@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The `rio` program as a user runs it: simulate, replay, evaluate, plot, options; damaged input;
+// and a real recording where there is one.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "support/temp_dir.hpp"
+
+namespace rio::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int status = 0;
+  std::string output;  ///< stdout and stderr
+  std::string last_line() const {
+    const std::string text = output.substr(0, output.find_last_not_of('\n') + 1);
+    return text.substr(text.rfind('\n') + 1);
+  }
+};
+
+Outcome rio(const std::string& arguments) {
+  FILE* pipe = popen((std::string(RIO_TOOL) + " " + arguments + " 2>&1").c_str(), "r");
+  Outcome run;
+  std::array<char, 4096> buffer{};
+  std::size_t n = 0;
+  while ((n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0)
+    run.output.append(buffer.data(), n);
+  run.status = pclose(pipe);
+  return run;
+}
+
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) {
+    if (line[0] != '#') lines.push_back(line);
+  }
+  return lines;
+}
+
+/// A simulated flight on disk, shared by the tests.
+class Tool : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    dir_ = new TempDir;
+    flight_ = (dir_->path() / "flight").string();
+    const Outcome run = rio("simulate " + flight_ + " --seed 9 --length 25");
+    ASSERT_EQ(run.status, 0) << run.output;
+  }
+  static void TearDownTestSuite() { delete dir_; }
+  static std::string file(const std::string& name) { return (dir_->path() / name).string(); }
+  static std::size_t scans() {
+    std::size_t count = 0;
+    std::string last;
+    for (const std::string& line : lines_of(fs::path(flight_) / "radar0/data.csv")) {
+      const std::string stamp = line.substr(0, line.find(','));
+      count += stamp != last ? 1 : 0;
+      last = stamp;
+    }
+    return count;
+  }
+  /// A copy of the flight that a test may damage.
+  static fs::path copy(const std::string& name) {
+    fs::copy(flight_, file(name), fs::copy_options::recursive);
+    return file(name);
+  }
+
+  static TempDir* dir_;
+  static std::string flight_;
+};
+TempDir* Tool::dir_ = nullptr;
+std::string Tool::flight_;
+
+TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
+  for (const std::string preset : {"default", "published-ekf"}) {
+    const Outcome run = rio("replay " + flight_ + " --preset " + preset + " --out " +
+                            file("t.tum") + " --states " + file("s.csv") + " --json");
+    ASSERT_EQ(run.status, 0) << run.output;
+    const auto json = nlohmann::json::parse(run.last_line());
+    EXPECT_EQ(json["scans"], scans());
+    for (const char* stage : {"update_ms", "propagation_ms"}) {
+      for (const char* figure : {"mean", "median", "p99", "max"})
+        EXPECT_GT(json[stage][figure], 0.0);
+    }
+    EXPECT_GT(json["models"]["doppler"]["rows_used"], 1000);
+    EXPECT_GT(json["models"]["trail_distance"]["rows_used"], 1000);
+    EXPECT_EQ(json["clones"], 7);
+    EXPECT_EQ(lines_of(file("t.tum")).size(), scans());
+    EXPECT_EQ(lines_of(file("s.csv")).size(), scans());
+    const std::string row = lines_of(file("s.csv"))[0];
+    EXPECT_EQ(std::count(row.begin(), row.end(), ','), 11 + 45 + 6 - 1);
+    const auto error =
+        nlohmann::json::parse(rio("evaluate " + flight_ + " " + file("t.tum") + " --json").output);
+    EXPECT_EQ(error["associated"], scans());
+    EXPECT_LT(error["norm_of_rmse_m"], 0.5);
+  }
+}
+
+TEST_F(Tool, PrintsOneLinePerScan) {
+  const Outcome run = rio("replay " + flight_);
+  ASSERT_EQ(run.status, 0) << run.output;
+  std::istringstream in(run.output);
+  std::size_t count = 0;
+  for (std::string line; std::getline(in, line);) {
+    count += line.find(" s  position ") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(count, scans());
+}
+
+TEST_F(Tool, SameSeedWritesTheSameBytesAndTheSameReplay) {
+  ASSERT_EQ(rio("simulate " + file("again") + " --seed 9 --length 25").status, 0);
+  for (const char* name : {"imu0/data.csv", "radar0/data.csv", "radar0/sensor.yaml",
+                           "state_groundtruth_estimate0/data.csv"}) {
+    EXPECT_EQ(lines_of(fs::path(flight_) / name), lines_of(fs::path(file("again")) / name)) << name;
+  }
+  ASSERT_EQ(rio("replay " + flight_ + " --quiet --states " + file("a.csv")).status, 0);
+  ASSERT_EQ(rio("replay " + file("again") + " --quiet --states " + file("b.csv")).status, 0);
+  EXPECT_EQ(lines_of(file("a.csv")), lines_of(file("b.csv")));
+}
+
+TEST_F(Tool, StartsFromAFileAndWithAnotherVelocity) {
+  std::ofstream(file("start.yaml")) << "position: [1, 2, 3]\nquaternion_wxyz: [1, 0, 0, 0]\n"
+                                       "velocity: [0, 0, 0]\nsigma: {velocity: 2.0}\n";
+  const std::string replay = "replay " + flight_ + " --quiet --init " + file("start.yaml");
+  ASSERT_EQ(rio(replay + " --out " + file("f.tum")).status, 0);
+  double x = 0.0;
+  std::istringstream(lines_of(file("f.tum"))[0].substr(21)) >> x;
+  EXPECT_NEAR(x, 1.0, 0.05);
+  // the velocity is wrong, the covariance knows it, the first scans correct it
+  const Outcome run =
+      rio(replay + " --init-velocity 1.5 0 0 --states " + file("v.csv") + " --json");
+  ASSERT_EQ(run.status, 0) << run.output;
+  std::istringstream row(lines_of(file("v.csv"))[15]);
+  std::vector<double> values;
+  for (std::string cell; std::getline(row, cell, ',');) values.push_back(std::stod(cell));
+  EXPECT_LT(std::abs(values[8]), 0.1);
+}
+
+TEST_F(Tool, StaticStartNeedsNoTruth) {
+  const fs::path flight = copy("no_truth");
+  fs::remove_all(flight / "state_groundtruth_estimate0");
+  const Outcome run = rio("replay " + flight.string() + " --json");
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_EQ(nlohmann::json::parse(run.last_line())["initialised_by"], "static");
+  const Outcome asked = rio("replay " + flight.string() + " --init groundtruth");
+  EXPECT_NE(asked.status, 0);
+  EXPECT_NE(asked.output.find("no ground truth"), std::string::npos) << asked.output;
+}
+
+TEST_F(Tool, DamagedDataNamesFileAndLineAndNeverShortens) {
+  const fs::path flight = copy("damaged");
+  const fs::path radar = flight / "radar0/data.csv";
+  fs::resize_file(radar, fs::file_size(radar) - 30);  // cut inside the last row
+  Outcome run = rio("replay " + flight.string() + " --quiet");
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.output.find("radar0/data.csv:"), std::string::npos) << run.output;
+  fs::remove(radar);
+  run = rio("replay " + flight.string() + " --quiet");
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.output.find("radar0/data.csv"), std::string::npos) << run.output;
+}
+
+TEST_F(Tool, UnknownOptionsAreRejectedWithASuggestion) {
+  std::ofstream(file("bad.yaml")) << "update:\n  max_clone: 5\n";
+  Outcome run = rio("replay " + flight_ + " --config " + file("bad.yaml"));
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.output.find("bad.yaml:2"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("max_clones"), std::string::npos) << run.output;
+  run = rio("replay " + flight_ + " --preset best");
+  EXPECT_NE(run.status, 0);
+}
+
+TEST_F(Tool, PrintedOptionsLoadAgain) {
+  const Outcome options = rio("options --preset published-ekf");
+  ASSERT_EQ(options.status, 0);
+  std::ofstream(file("all.yaml")) << options.output;
+  EXPECT_EQ(rio("replay " + flight_ + " --quiet --config " + file("all.yaml")).status, 0);
+}
+
+TEST_F(Tool, PlotsAPicture) {
+  ASSERT_EQ(rio("replay " + flight_ + " --quiet --out " + file("p.tum")).status, 0);
+  const Outcome run =
+      rio("plot " + file("p.tum") + " --truth " + flight_ + " --out " + file("p.svg"));
+  ASSERT_EQ(run.status, 0) << run.output;
+  std::ifstream in(file("p.svg"));
+  const std::string svg((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_NE(svg.find("</svg>"), std::string::npos);
+}
+
+TEST(RealRecording, RunsThroughAndReturnsToItsStart) {
+  const char* data = std::getenv("RIO_TEST_DATA");
+  const fs::path recording = fs::path(data != nullptr ? data : "") / "ti_demo";
+  if (data == nullptr || !fs::exists(recording)) {
+    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
+  }
+  for (const std::string preset : {"default", "published-ekf"}) {
+    const Outcome run =
+        rio("replay " + recording.string() + " --init static --json --preset " + preset);
+    ASSERT_EQ(run.status, 0) << run.output;
+    const auto json = nlohmann::json::parse(run.last_line());
+    const double closure = json["first_to_last_m"];
+    std::printf("%s: first to last position %.3f m, %.0f times real time\n", preset.c_str(),
+                closure, static_cast<double>(json["realtime_factor"]));
+    // scans 1 to 15 fall into the static alignment
+    EXPECT_EQ(json["scans"], 397);
+    EXPECT_LT(closure, preset == "default" ? 0.5 : 2.0);
+  }
+}
+
+}  // namespace
+}  // namespace rio::test

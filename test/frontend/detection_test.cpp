@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/detection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+// Turns boresight by azimuth about z after elevation about -y.
+Vector3d polar(double range, double azimuth, double elevation) {
+  return range * (Eigen::AngleAxisd(azimuth, Vector3d::UnitZ()) *
+                  Eigen::AngleAxisd(-elevation, Vector3d::UnitY()) * Vector3d::UnitX());
+}
+
+RadarDetection raw_detection(double range, double azimuth, double elevation, double snr_db = 10.0) {
+  RadarDetection raw;
+  raw.point_S = polar(range, azimuth, elevation);
+  raw.range_rate = -1.0;
+  raw.snr_db = snr_db;
+  return raw;
+}
+
+// Angle noise small enough for the linear covariance: (0.02 rad)^2 / 2 of bending against
+// sigma_range.
+RadarOptions fine_radar() {
+  RadarOptions o;
+  o.sigma_range = 0.03;
+  o.range_resolution = 0.1;
+  o.sigma_azimuth = 0.004;
+  o.sigma_elevation = 0.008;
+  return o;
+}
+
+struct Moments {
+  Matrix3d point = Matrix3d::Zero();
+  Matrix3d direction = Matrix3d::Zero();
+};
+
+// An array measures direction cosines, so its angle noise grows as 1/cos off boresight.
+Moments monte_carlo(const RadarOptions& o, double range, double azimuth, double elevation) {
+  constexpr int kRuns = 40000;
+  test::Random random(1);
+  const double sigma_azimuth = o.sigma_azimuth / std::cos(azimuth);
+  const double sigma_elevation = o.sigma_elevation / std::cos(elevation);
+  const Vector3d point = polar(range, azimuth, elevation);
+  Moments m;
+  for (int i = 0; i < kRuns; ++i) {
+    const double grid = o.range_resolution * random.uniform(-0.5, 0.5);
+    const double r = range + random.normal(o.sigma_range) + grid;
+    const Vector3d noisy = polar(r, azimuth + random.normal(sigma_azimuth),
+                                 elevation + random.normal(sigma_elevation));
+    const Vector3d e = noisy - point;
+    const Vector3d d = noisy.normalized() - point.normalized();
+    m.point += e * e.transpose() / kRuns;
+    m.direction += d * d.transpose() / kRuns;
+  }
+  return m;
+}
+
+struct Angles {
+  double azimuth;
+  double elevation;
+};
+constexpr Angles kAngles[] = {{0.0, 0.0},   {30.0, 0.0},   {-50.0, 10.0}, {20.0, -40.0},
+                              {60.0, 50.0}, {-70.0, -5.0}, {10.0, 70.0}};
+
+TEST(Detection, CovariancesEqualMonteCarlo) {
+  const RadarOptions o = fine_radar();
+  for (const Angles& at : kAngles) {
+    for (const double range : {1.0, 6.0}) {
+      const double azimuth = at.azimuth * kDegree;
+      const double elevation = at.elevation * kDegree;
+      const Detection d = make_detection(raw_detection(range, azimuth, elevation), o);
+      const Moments expected = monte_carlo(o, range, azimuth, elevation);
+      const Matrix3d point = point_covariance(d);
+      // whitened: sqrt(2/40000) = 0.007; 4 sigma, and the curvature of the widest beams
+      const Eigen::LLT<Matrix3d> llt(point);
+      const Matrix3d inverse = llt.matrixL().solve(Matrix3d::Identity());
+      const Matrix3d whitened = inverse * expected.point * inverse.transpose();
+      EXPECT_LT((whitened - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.04)
+          << at.azimuth << " " << at.elevation << " " << range;
+      const Matrix3d direction = direction_covariance(d);
+      EXPECT_LT((direction - expected.direction).norm(), 0.03 * direction.norm())
+          << at.azimuth << " " << at.elevation;
+      EXPECT_LT((direction * d.direction_S).norm(), 1e-15);  // a unit vector has no radial error
+      // two angles, two independent directions
+      const Vector3d eigen = Eigen::SelfAdjointEigenSolver<Matrix3d>(direction).eigenvalues();
+      EXPECT_GT(eigen[1], 1e-6);
+    }
+  }
+}
+
+TEST(Detection, FieldsFollowFromThePoint) {
+  RadarOptions o;
+  o.sigma_doppler = 0.03;
+  o.doppler_resolution = 0.12;
+  o.sigma_range = 0.02;
+  o.range_resolution = 0.06;
+  const RadarDetection raw = raw_detection(4.0, 0.3, -0.2, 17.0);
+  const Detection d = make_detection(raw, o);
+  EXPECT_EQ(d.point_S, raw.point_S);
+  EXPECT_NEAR(d.range, 4.0, 1e-14);
+  EXPECT_NEAR((d.direction_S - polar(1.0, 0.3, -0.2)).norm(), 0.0, 1e-15);
+  EXPECT_EQ(d.range_rate, -1.0);
+  EXPECT_EQ(d.snr_db, 17.0);
+  EXPECT_NEAR(d.sigma_range * d.sigma_range, 0.0004 + 0.0036 / 12.0, 1e-15);
+  EXPECT_NEAR(d.sigma_doppler * d.sigma_doppler, 0.0009 + 0.0144 / 12.0, 1e-15);
+}
+
+TEST(Detection, NoiseStaysFiniteEverywhere) {
+  const RadarOptions o = fine_radar();
+  test::Random random(2);
+  for (int i = 0; i < 200; ++i) {
+    RadarDetection raw;
+    raw.point_S = 3.0 * (i == 0 ? Vector3d(Vector3d::UnitZ()) : random.direction());
+    if (i == 1) raw.point_S = Vector3d(0.0, 2.0, 0.0);
+    const Detection d = make_detection(raw, o);
+    const Vector3d eigen =
+        Eigen::SelfAdjointEigenSolver<Matrix3d>(point_covariance(d)).eigenvalues();
+    EXPECT_TRUE(eigen.allFinite());
+    EXPECT_GE(eigen[0], -1e-15);
+    EXPECT_LT(eigen[2], 0.2 * 0.2);  // 3 m * 0.008 rad * 4 is 0.1 m
+  }
+}
+
+std::vector<double> ranges_kept(const RadarScan& scan, const RadarOptions& o, int limit) {
+  DetectionList out;
+  filter_detections(scan, o, limit, out);
+  std::vector<double> ranges;
+  for (const Detection& d : out.items) ranges.push_back(std::round(1e3 * d.range) / 1e3);
+  return ranges;
+}
+
+TEST(DetectionFilter, RangeStrengthAndFieldOfView) {
+  RadarOptions o;
+  o.min_range = 1.0;
+  o.max_range = 10.0;
+  o.min_snr_db = 8.0;
+  o.fov_azimuth = 120.0 * kDegree;
+  o.fov_elevation = 30.0 * kDegree;
+  RadarScan scan;
+  scan.time = Time(42);
+  scan.detections = {
+      raw_detection(0.9, 0.0, 0.0),
+      raw_detection(1.1, 0.0, 0.0),  // kept
+      raw_detection(9.9, 0.0, 0.0),  // kept
+      raw_detection(10.1, 0.0, 0.0),
+      raw_detection(2.1, 0.0, 0.0, 7.9),
+      raw_detection(2.2, 0.0, 0.0, 8.0),                     // kept
+      raw_detection(3.1, 59.0 * kDegree, 14.0 * kDegree),    // kept
+      raw_detection(3.2, -59.0 * kDegree, -14.0 * kDegree),  // kept
+      raw_detection(3.3, 61.0 * kDegree, 0.0),
+      raw_detection(3.4, -61.0 * kDegree, 0.0),
+      raw_detection(3.5, 0.0, 16.0 * kDegree),
+      raw_detection(3.6, 0.0, -16.0 * kDegree),
+      raw_detection(3.7, 180.0 * kDegree, 0.0),
+  };
+  EXPECT_EQ(ranges_kept(scan, o, 128), (std::vector<double>{1.1, 9.9, 2.2, 3.1, 3.2}));
+  DetectionList out;
+  filter_detections(scan, o, 128, out);
+  EXPECT_EQ(out.time, scan.time);
+  EXPECT_EQ(out.received, 13);
+  EXPECT_EQ(out.non_finite, 0);
+  filter_detections(RadarScan{}, o, 128, out);  // reuse leaves nothing behind
+  EXPECT_EQ(out.received, 0);
+  EXPECT_TRUE(out.items.empty());
+}
+
+TEST(DetectionFilter, CountsAndDropsNonFiniteValues) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  RadarScan scan;
+  scan.detections.assign(6, raw_detection(2.0, 0.1, 0.1));
+  scan.detections[0].point_S.x() = nan;
+  scan.detections[1].point_S.z() = infinity;
+  scan.detections[2].range_rate = nan;
+  scan.detections[4].range_rate = -infinity;
+  scan.detections[5].snr_db = nan;
+  DetectionList out;
+  filter_detections(scan, RadarOptions{}, 128, out);
+  EXPECT_EQ(out.received, 6);
+  EXPECT_EQ(out.non_finite, 5);
+  EXPECT_EQ(out.items.size(), 1U);
+}
+
+TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
+  RadarScan scan;
+  const double snr[] = {10.0, 30.0, 12.0, 25.0, 9.0, 40.0, 12.5};
+  for (int i = 0; i < 7; ++i) scan.detections.push_back(raw_detection(1.0 + i, 0.0, 0.0, snr[i]));
+  EXPECT_EQ(ranges_kept(scan, RadarOptions{}, 4), (std::vector<double>{2.0, 4.0, 6.0, 7.0}));
+  EXPECT_EQ(ranges_kept(scan, RadarOptions{}, 7).size(), 7U);
+
+  // against a sort, up to the capacity
+  test::Random random(3);
+  scan.detections.clear();
+  std::vector<double> strengths;
+  for (int i = 0; i < 600; ++i) {
+    scan.detections.push_back(raw_detection(1.0 + 0.01 * i, 0.0, 0.0, random.uniform(1.0, 40.0)));
+    strengths.push_back(scan.detections.back().snr_db);
+  }
+  std::sort(strengths.rbegin(), strengths.rend());
+  DetectionList out;
+  filter_detections(scan, RadarOptions{}, static_cast<int>(kMaxDetections), out);
+  ASSERT_EQ(out.items.size(), kMaxDetections);
+  for (std::size_t i = 0; i < out.items.size(); ++i) {
+    EXPECT_GE(out.items[i].snr_db, strengths[kMaxDetections - 1]);
+    EXPECT_TRUE(i == 0 || out.items[i].range > out.items[i - 1].range);
+  }
+}
+
+}  // namespace
+}  // namespace rio

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/frontend.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "support/random_state.hpp"
+#include "support/walk.hpp"
+
+namespace rio {
+namespace {
+
+using test::kRoom;
+using test::options_with;
+using test::Points;
+using test::Walk;
+
+TEST(Frontend, PredictedRadarVelocityIsThatOfTheLeverArm) {
+  Walk walk(options_with(1000, 7));
+  walk.move();
+  Estimate& x = walk.estimate();
+  x.T_BS.translation = Vector3d(0.5, -0.8, 0.3);
+  x.nav.gyro_bias = Vector3d(0.3, -0.2, 0.1);
+  walk.observe(DetectionList{});  // no consensus: the prediction alone
+  const Vector3d w = x.gyro_B - x.nav.gyro_bias;
+  const auto radar = [&x, &w](double t) -> Vector3d {
+    return x.nav.p_WB + t * x.nav.v_WB +
+           x.nav.q_WB * (test::rotation_of(t * w) * x.T_BS.translation);
+  };
+  const Vector3d v_W = (radar(1e-5) - radar(-1e-5)) / 2e-5;
+  const Vector3d v_S = (x.nav.q_WB * x.T_BS.rotation).conjugate() * v_W;
+  // differences of some metres over 2e-5 s
+  EXPECT_LT((walk.seen().ego_velocity.v_S - v_S).norm(), 1e-9);
+  EXPECT_FALSE(walk.seen().ego_velocity.valid);
+}
+
+TEST(Frontend, MovingDetectionsAreNeitherMatchedNorFollowed) {
+  Walk walk(options_with(1000, 7));
+  walk.step(kRoom);
+  walk.move();
+  DetectionList scan = walk.scan(kRoom);
+  scan.items[2].range_rate += 1.0;
+  walk.observe(scan);
+  EXPECT_FALSE(walk.seen().is_static(2));
+  EXPECT_EQ(walk.seen().ego_velocity.inliers, static_cast<int>(kRoom.size()) - 1);
+  for (const Match& m : walk.seen().trail_matches) EXPECT_NE(m.detection, 2U);
+  walk.advance();
+  EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
+}
+
+TEST(Frontend, MatchesAfterAlignmentWithBothPoses) {
+  Walk walk(options_with(1000, 7));
+  walk.step(kRoom);
+  const DetectionList before = walk.scan(kRoom);
+  walk.move();
+  const DetectionList now = walk.scan(kRoom);
+  walk.observe(now);
+  ASSERT_EQ(walk.seen().trail_matches.size(), kRoom.size());
+  int shifted = 0;
+  for (const Match& m : walk.seen().trail_matches) {
+    EXPECT_EQ(m.target, m.detection);
+    const Vector3d shift = now.items[m.detection].point_S - before.items[m.detection].point_S;
+    shifted += shift.norm() > 0.3 ? 1 : 0;
+  }
+  EXPECT_GE(shifted, 6);  // the gate alone would not have bridged the motion
+  // a wrong current pose, or a wrong past one, breaks it
+  const NavState good = walk.estimate().nav;
+  walk.estimate().nav.p_WB.x() += 0.5;
+  walk.observe(now);
+  EXPECT_TRUE(walk.seen().trail_matches.empty());
+  walk.estimate().nav = good;
+  walk.estimate().clones[0].T_WB.p.y() += 0.5;
+  walk.observe(now);
+  EXPECT_TRUE(walk.seen().trail_matches.empty());
+}
+
+TEST(Frontend, ATrailWithoutItsCloneIsNotMatched) {
+  Walk walk(options_with(1000, 7));
+  walk.step(kRoom);
+  walk.estimate().clones.clear();
+  walk.move();
+  walk.observe(walk.scan(kRoom));
+  EXPECT_TRUE(walk.seen().trail_matches.empty());
+}
+
+// One trail at kRoom[0] and one landmark, both within reach of two detections there.
+std::vector<Vector3d> compete(const Vector3d& landmark, const Vector3d& a, const Vector3d& b) {
+  Walk walk(options_with(1000, 7));
+  walk.step(Points{kRoom[0]});
+  walk.estimate().landmarks.push_back({kRoom[0] + landmark, 0});
+  walk.move();
+  const Points now = {kRoom[0] + a, kRoom[0] + b};
+  walk.observe(walk.scan(now));
+  std::vector<Vector3d> out(2, Vector3d::Constant(-1.0));  // of the trail, of the landmark
+  for (const Match& m : walk.seen().trail_matches) out[0] = now[m.detection] - kRoom[0];
+  for (const Match& m : walk.seen().landmark_matches) out[1] = now[m.detection] - kRoom[0];
+  return out;
+}
+
+TEST(Frontend, LandmarksAndTrailsCompeteInOnePool) {
+  const auto at = [](double x) { return Vector3d(x, 0.0, 0.0); };
+  // both would take a; it goes to the trail, which has no other: 0.02 + 0.18 instead of 0.07 + gate
+  auto matched = compete(at(-0.05), at(0.02), at(-0.23));
+  EXPECT_LT((matched[0] - at(0.02)).norm(), 1e-12);
+  EXPECT_LT((matched[1] - at(-0.23)).norm(), 1e-12);
+  // and to the landmark when the trail is the one with a choice
+  matched = compete(at(0.25), at(0.1), at(-0.2));
+  EXPECT_LT((matched[0] - at(-0.2)).norm(), 1e-12);
+  EXPECT_LT((matched[1] - at(0.1)).norm(), 1e-12);
+}
+
+TEST(Frontend, EveryStaticDetectionHasOneSink) {
+  test::Random random(1);
+  Walk walk(options_with(3, 5));
+  walk.estimate().landmarks.push_back({kRoom[1], 0});
+  walk.estimate().landmarks.push_back({kRoom[4], 0});
+  for (int k = 0; k < 100; ++k) {
+    Points world;
+    for (const Vector3d& p : kRoom) {  // each up to three times, smeared over the gate
+      for (std::size_t n = random.index(4); n > 0; --n)
+        world.push_back(p + random.normal_vector(0.1));
+    }
+    walk.move();
+    const DetectionList scan = walk.scan(world);
+    walk.observe(scan);
+    std::vector<int> sinks(scan.items.size(), 0);
+    for (const Match& m : walk.seen().landmark_matches) ++sinks[m.detection];
+    walk.advance(random.index(3));
+    const auto add = [&](const Detection& d) {
+      for (std::size_t i = 0; i < sinks.size(); ++i)
+        sinks[i] += scan.items[i].point_S == d.point_S ? 1 : 0;
+    };
+    for (const Detection& d : walk.promotions().births) add(d);
+    const TrailSet& trails = walk.frontend().trails();
+    for (std::size_t i = 0; i < trails.size(); ++i) {
+      EXPECT_EQ(trails[i].newest().scan + 1, walk.scans());
+      add(trails[i].newest().detection);
+    }
+    for (std::size_t i = 0; i < sinks.size(); ++i)
+      EXPECT_EQ(sinks[i], walk.seen().is_static(i) ? 1 : 0);
+  }
+}
+
+TEST(Frontend, ObservingTwiceGivesTheSame) {
+  Walk walk(options_with(1000, 7));
+  walk.estimate().landmarks.push_back({kRoom[3], 0});
+  for (int k = 0; k < 3; ++k) walk.step(kRoom);
+  walk.move();
+  const DetectionList scan = walk.scan(kRoom);
+  walk.observe(scan);
+  const Observations first = walk.seen();
+  walk.observe(walk.scan(Points(kRoom.begin() + 4, kRoom.end())));
+  walk.observe(scan);
+  const auto same = [](const Match& a, const Match& b) {
+    return a.target == b.target && a.detection == b.detection;
+  };
+  const Observations& again = walk.seen();
+  EXPECT_EQ(again.ego_velocity.inlier, first.ego_velocity.inlier);
+  EXPECT_EQ(again.ego_velocity.v_S, first.ego_velocity.v_S);
+  EXPECT_EQ(first.landmark_matches.size(), 1U);
+  EXPECT_TRUE(std::equal(again.trail_matches.begin(), again.trail_matches.end(),
+                         first.trail_matches.begin(), first.trail_matches.end(), same));
+  EXPECT_TRUE(std::equal(again.landmark_matches.begin(), again.landmark_matches.end(),
+                         first.landmark_matches.begin(), first.landmark_matches.end(), same));
+  ASSERT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
+  for (std::size_t i = 0; i < kRoom.size() - 1; ++i) {
+    EXPECT_EQ(walk.frontend().trails()[i].elements.size(), 3U);
+  }
+}
+
+TEST(Frontend, SwitchesTurnTrailsAndLandmarksOff) {
+  Options none = options_with(2, 7);
+  none.update.use_trails = none.update.use_landmarks = false;
+  Walk walk(none);
+  walk.estimate().landmarks.push_back({kRoom[0], 0});
+  for (int k = 0; k < 4; ++k) walk.step(kRoom, 20);
+  EXPECT_TRUE(walk.seen().landmark_matches.empty());
+  EXPECT_EQ(walk.frontend().trails().size(), 0U);
+  EXPECT_EQ(walk.seen().ego_velocity.inliers, static_cast<int>(kRoom.size()));
+
+  Options no_landmarks = options_with(2, 7);
+  no_landmarks.update.use_landmarks = false;
+  Walk trails_only(no_landmarks);
+  trails_only.estimate().landmarks.push_back({kRoom[0], 0});
+  for (int k = 0; k < 5; ++k) trails_only.step(kRoom, 20);
+  EXPECT_TRUE(trails_only.seen().landmark_matches.empty());
+  EXPECT_TRUE(trails_only.promotions().births.empty());
+  EXPECT_EQ(trails_only.frontend().trails().size(), kRoom.size());
+}
+
+}  // namespace
+}  // namespace rio

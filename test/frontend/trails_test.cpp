@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/trails.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "support/walk.hpp"
+
+namespace rio {
+namespace {
+
+using test::kRoom;
+using test::options_with;
+using test::Points;
+using test::Walk;
+
+TEST(Trails, TrailsAreBornExtendedAndBounded) {
+  constexpr int kMaxLength = 4;
+  Walk walk(options_with(1000, kMaxLength));
+  for (int k = 0; k < 8; ++k) {
+    walk.step(kRoom);
+    const TrailSet& trails = walk.frontend().trails();
+    ASSERT_EQ(trails.size(), kRoom.size()) << k;
+    EXPECT_EQ(walk.seen().trail_matches.size(), k == 0 ? 0U : kRoom.size());
+    for (std::size_t i = 0; i < trails.size(); ++i) {
+      const Trail& trail = trails[i];
+      EXPECT_EQ(trail.matches, k);
+      ASSERT_EQ(trail.elements.size(), static_cast<std::size_t>(std::min(k + 1, kMaxLength)));
+      for (std::size_t e = 0; e < trail.elements.size(); ++e) {  // consecutive, newest last
+        EXPECT_EQ(trail.elements[e].scan + trail.elements.size() - 1 - e, static_cast<ScanId>(k));
+      }
+    }
+  }
+  walk.frontend().reset();
+  EXPECT_EQ(walk.frontend().trails().size(), 0U);
+}
+
+TEST(Trails, TrailElementsArePastDetectionsOfTheSamePoint) {
+  Walk walk(options_with(1000, 5));
+  Points room = kRoom;
+  for (int k = 0; k < 5; ++k) {
+    walk.step(room);
+    std::rotate(room.begin(), room.begin() + 3, room.end());  // detections come in any order
+  }
+  const TrailSet& trails = walk.frontend().trails();
+  ASSERT_EQ(trails.size(), kRoom.size());
+  for (std::size_t i = 0; i < trails.size(); ++i) {
+    for (const TrailElement& e : trails[i].elements) {
+      const int clone = walk.estimate().find_clone(e.scan);
+      ASSERT_GE(clone, 0);
+      const RigidPose& T_WB = walk.estimate().clones[static_cast<std::size_t>(clone)].T_WB;
+      const Pose& T_BS = walk.estimate().T_BS;
+      const Vector3d p_W =
+          T_WB.R * (T_BS.rotation * e.detection.point_S + T_BS.translation) + T_WB.p;
+      EXPECT_LT((p_W - kRoom[i]).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(Trails, TrailDiesAtItsFirstMissAndIsBornAgain) {
+  Walk walk(options_with(1000, 7));
+  for (int k = 0; k < 3; ++k) walk.step(kRoom);
+  const Points without_first(kRoom.begin() + 1, kRoom.end());
+  walk.step(without_first);
+  EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
+  walk.step(kRoom);
+  const TrailSet& trails = walk.frontend().trails();
+  ASSERT_EQ(trails.size(), kRoom.size());
+  for (std::size_t i = 0; i < trails.size(); ++i) {
+    const bool young = i + 1 == trails.size();
+    EXPECT_EQ(trails[i].matches, young ? 0 : 4) << i;
+    EXPECT_EQ(trails[i].elements.size(), young ? 1U : 5U) << i;
+  }
+}
+
+TEST(Trails, PromotesAfterConsecutiveMatchesWithTheNewestDetection) {
+  constexpr int kAfter = 3;
+  Walk walk(options_with(kAfter, 7));
+  for (int k = 0; k < kAfter; ++k) {
+    walk.step(kRoom, 20);
+    EXPECT_TRUE(walk.promotions().births.empty()) << k;
+  }
+  walk.step(kRoom, 20);
+  ASSERT_EQ(walk.promotions().births.size(), kRoom.size());
+  const DetectionList newest = walk.scan(kRoom);
+  for (std::size_t i = 0; i < kRoom.size(); ++i) {
+    EXPECT_EQ(walk.promotions().births[i].point_S, newest.items[i].point_S);
+  }
+  EXPECT_EQ(walk.frontend().trails().size(), 0U);  // the detections went into the landmarks
+}
+
+TEST(Trails, TrailWithoutRoomGoesOnAsATrail) {
+  constexpr int kAfter = 2;
+  Walk walk(options_with(kAfter, 3));
+  for (int k = 0; k < kAfter; ++k) walk.step(kRoom, 20);
+  walk.step(kRoom, 0);
+  EXPECT_TRUE(walk.promotions().births.empty());
+  EXPECT_EQ(walk.frontend().trails().size(), kRoom.size());
+  walk.step(kRoom, 3);
+  EXPECT_EQ(walk.promotions().births.size(), 3U);
+  const TrailSet& trails = walk.frontend().trails();
+  ASSERT_EQ(trails.size(), kRoom.size() - 3);
+  for (std::size_t i = 0; i < trails.size(); ++i) EXPECT_EQ(trails[i].matches, kAfter + 1);
+}
+
+}  // namespace
+}  // namespace rio

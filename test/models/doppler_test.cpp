@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The errors-in-variables correction of the Doppler model.
+#include "rio/models/doppler.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/model_cases.hpp"
+
+namespace rio::test {
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ModelSuite);  // instantiated in model_suite_test.cpp
+namespace {
+
+/// r^2 / (2 R): what the corrected Jacobian is the gradient of when P_h = 0.
+double cost(const DopplerModel::Measurement& z, const DopplerModel::Blocks::Values& x) {
+  Evaluation<DopplerModel> at;
+  EXPECT_TRUE(evaluate(DopplerModel(true, true), z, x, &at));
+  return 0.5 * at.r[0] * at.r[0] / at.R(0, 0);
+}
+
+TEST(DopplerModel, CorrectedJacobianIsTheGradientOfTheWeightedSquare) {
+  sim::Random random(21);
+  for (int i = 0; i < 200; ++i) {
+    const Sample<DopplerModel> sample = DopplerCase::simulate(random, true);
+    Evaluation<DopplerModel> at;
+    ASSERT_TRUE(evaluate(DopplerModel(true, true), sample.z, sample.x, &at));
+    if (at.r[0] * at.r[0] > 8.0 * at.R(0, 0)) continue;  // near the outlier bound
+    const Eigen::RowVectorXd analytic = -at.r[0] / at.R(0, 0) * at.J;
+    for (int k = 0; k < DopplerModel::Blocks::kDof; ++k) {
+      const Eigen::VectorXd e = Eigen::VectorXd::Unit(DopplerModel::Blocks::kDof, k) * 1e-5;
+      const double plus = cost(sample.z, retract(DopplerModel::Blocks{}, sample.x, e));
+      const double minus = cost(sample.z, retract(DopplerModel::Blocks{}, sample.x, -e));
+      // curvature terms: (1e-5)^2 times third derivatives of up to 1e4
+      EXPECT_NEAR(analytic[k], (plus - minus) / 2e-5, 1e-5 * std::max(1.0, std::abs(analytic[k])));
+    }
+  }
+}
+
+/// Least-squares speed along a badly measured angle from many points, iterated to convergence.
+Vector3d solve_velocity(bool correction, double sigma_elevation) {
+  sim::Random random(22);
+  const Vector3d v_true(0.4, 0.2, 0.9);
+  RadarOptions options;
+  options.sigma_azimuth = 0.02;
+  options.sigma_elevation = sigma_elevation;
+  const DopplerModel model(true, correction);
+  std::vector<DopplerModel::Measurement> all;
+  for (int i = 0; i < 20000; ++i) {
+    const sim::Polar polar{3.0, random.uniform(-0.9, 0.9), random.uniform(-0.26, 0.26)};
+    RadarDetection d;
+    d.range_rate = -polar.point().normalized().dot(v_true) + 0.03 * random.normal();
+    sim::Polar noisy = polar;
+    noisy.azimuth += 0.02 / std::cos(polar.azimuth) * random.normal();
+    noisy.elevation += sigma_elevation / std::cos(polar.elevation) * random.normal();
+    d.point_S = noisy.point();
+    all.push_back(DopplerModel::measurement(make_detection(d, options), Vector3d::Zero()));
+  }
+  Vector3d v = Vector3d::Zero();
+  for (int pass = 0; pass < 30; ++pass) {
+    Matrix3d A = Matrix3d::Zero();
+    Vector3d b = Vector3d::Zero();
+    for (const auto& z : all) {
+      Evaluation<DopplerModel> at;
+      EXPECT_TRUE(evaluate(model, z, {RigidPose(), v, Vector3d::Zero(), RigidPose()}, &at));
+      const Vector3d J = at.J.segment<3>(DopplerModel::Blocks::column<BodyVelocity>());
+      A += J * J.transpose() / at.R(0, 0);
+      b += J * at.r[0] / at.R(0, 0);
+    }
+    v += A.ldlt().solve(b);
+  }
+  return v - v_true;
+}
+
+TEST(DopplerModel, DirectionErrorShrinksTheVelocityUnlessCorrected) {
+  // elevation spans a standard deviation of 0.15 rad: 4 deg of noise shrink the vertical speed by
+  // 0.07^2 / (0.07^2 + 0.15^2) = 18 %
+  EXPECT_NEAR(solve_velocity(false, 0.07).z(), -0.18 * 0.9, 0.04);
+  EXPECT_LT(solve_velocity(true, 0.07).norm(), 0.01);
+}
+
+TEST(DopplerModel, ReceedingIsPositive) {
+  const DopplerModel model(true, true);
+  DopplerModel::Measurement z;
+  z.sigma_doppler = 0.03;
+  Evaluation<DopplerModel> at;
+  const Vector3d backwards(-1.0, 0.0, 0.0);  // away from a point ahead
+  ASSERT_TRUE(evaluate(model, z, {RigidPose(), backwards, Vector3d::Zero(), RigidPose()}, &at));
+  EXPECT_DOUBLE_EQ(at.r[0], -1.0);  // measured 0, predicted +1
+}
+
+TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
+  // with a vague state the innovation says nothing about the direction
+  DopplerModel::Measurement z;
+  z.range_rate = 0.2;
+  z.sigma_doppler = 0.03;
+  z.direction_cov = Matrix3d(Vector3d(0.0, 0.01, 0.01).asDiagonal());
+  const DopplerModel::Blocks::Values x{RigidPose(), Vector3d(0.0, 0.0, 1.0), Vector3d::Zero(),
+                                       RigidPose()};
+  const auto tilt = [&](double predicted_var) {
+    z.predicted_var = predicted_var;
+    Evaluation<DopplerModel> at;
+    EXPECT_TRUE(evaluate(DopplerModel(true, true), z, x, &at));
+    return std::abs(at.J(0, DopplerModel::Blocks::column<BodyVelocity>() + 2));
+  };
+  EXPECT_GT(tilt(0.0), 0.1);
+  EXPECT_NEAR(tilt(100.0), 0.0, 1e-4);
+}
+
+}  // namespace
+}  // namespace rio::test

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Door 1: time semantics, bad data, start, reset, repeatability.
+#include "rio/rio.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "support/replay.hpp"
+
+namespace rio::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// A short flight, and an estimator started at its true first state.
+class OdometryTest : public testing::Test {
+ protected:
+  static const sim::Flight& flight() {
+    static const sim::Flight flight = [] {
+      sim::FlightOptions o;
+      o.seed = 5;
+      o.length_m = 20.0;
+      o.max_duration = 12.0;
+      return sim::simulate_flight(o);
+    }();
+    return flight;
+  }
+  static Options options() {
+    Options o = options_for(flight(), "default");
+    o.start.static_alignment = false;
+    return o;
+  }
+  static std::unique_ptr<Odometry> started(const Options& o = options()) {
+    std::string why;
+    auto odometry = Odometry::create(o, &why);
+    EXPECT_NE(odometry, nullptr) << why;
+    EXPECT_EQ(odometry->reset(flight().truth.front(), prior()), Status::kOk);
+    return odometry;
+  }
+  static BodyCovariance prior() {
+    BodyCovariance P = BodyCovariance::Identity() * 1e-4;
+    P.bottomRightCorner<6, 6>() *= 1e-2;
+    return P;
+  }
+  /// Feeds IMU samples with stamps in (newest, until].
+  static void feed_imu(Odometry& odometry, Time until, std::size_t* next) {
+    for (; *next < flight().imu.size() && flight().imu[*next].time <= until; ++*next) {
+      EXPECT_EQ(odometry.add_imu(flight().imu[*next]), Status::kOk);
+    }
+  }
+  static bool same(const NavState& a, const NavState& b) {
+    return a.time == b.time && a.p_WB == b.p_WB && a.v_WB == b.v_WB &&
+           a.q_WB.coeffs() == b.q_WB.coeffs() && a.gyro_bias == b.gyro_bias &&
+           a.accel_bias == b.accel_bias;
+  }
+};
+
+TEST_F(OdometryTest, BadOptionsGiveNullAndAReason) {
+  Options o = options();
+  o.update.max_clones = -1;
+  std::string why;
+  EXPECT_EQ(Odometry::create(o, &why), nullptr);
+  EXPECT_NE(why.find("max_clones"), std::string::npos) << why;
+}
+
+TEST_F(OdometryTest, TracksTheFlight) {
+  auto odometry = started();
+  const std::vector<Step> steps = replay(flight(), *odometry);
+  ASSERT_EQ(steps.size(), flight().scans.size());
+  EXPECT_LT((steps.back().estimate.p_WB - steps.back().truth.p_WB).norm(), 0.2);
+  EXPECT_EQ(odometry->counters().scans, steps.size());
+}
+
+TEST_F(OdometryTest, SameInputGivesTheSameBytes) {
+  auto first = started();
+  auto second = started();
+  const auto a = replay(flight(), *first);
+  const auto b = replay(flight(), *second);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ASSERT_TRUE(same(a[i].estimate, b[i].estimate));
+    ASSERT_EQ(a[i].covariance, b[i].covariance);
+  }
+}
+
+TEST_F(OdometryTest, ScanAheadOfTheImuWaitsAndGivesTheSameResult) {
+  auto patient = started();
+  auto eager = started();
+  std::size_t next_patient = 0;
+  std::size_t next_eager = 0;
+  for (std::size_t i = 0; i < 20; ++i) {
+    const RadarScan& scan = flight().scans[i];
+    EXPECT_EQ(eager->add_scan(scan), Status::kWaiting);
+    EXPECT_EQ(eager->counters().scans, i);
+    feed_imu(*patient, scan.time + milliseconds(10), &next_patient);
+    feed_imu(*eager, scan.time + milliseconds(10), &next_eager);
+    EXPECT_EQ(patient->add_scan(scan), Status::kOk);
+    EXPECT_EQ(eager->report().time, scan.time);
+    EXPECT_TRUE(same(patient->at_scan(), eager->at_scan()));
+    EXPECT_TRUE(same(patient->now(), eager->now()));
+  }
+}
+
+TEST_F(OdometryTest, ScansOutOfOrderAreSortedWhileTheyWait) {
+  auto sorted = started();
+  auto shuffled = started();
+  for (const std::size_t i : {0U, 1U, 2U, 3U}) {
+    EXPECT_EQ(sorted->add_scan(flight().scans[i]), Status::kWaiting);
+  }
+  for (const std::size_t i : {2U, 0U, 3U, 1U}) {
+    EXPECT_EQ(shuffled->add_scan(flight().scans[i]), Status::kWaiting);
+  }
+  std::size_t a = 0;
+  std::size_t b = 0;
+  feed_imu(*sorted, flight().scans[4].time, &a);
+  feed_imu(*shuffled, flight().scans[4].time, &b);
+  EXPECT_EQ(shuffled->counters().scans, 4U);
+  EXPECT_TRUE(same(sorted->now(), shuffled->now()));
+}
+
+TEST_F(OdometryTest, LateDuplicateAndSurplusScansAreDroppedAndCounted) {
+  Options o = options();
+  o.timing.scan_queue = 2;
+  auto odometry = started(o);
+  const auto& scans = flight().scans;
+  EXPECT_EQ(odometry->add_scan(scans[1]), Status::kWaiting);
+  EXPECT_EQ(odometry->add_scan(scans[1]), Status::kDuplicate);
+  EXPECT_EQ(odometry->add_scan(scans[2]), Status::kWaiting);
+  EXPECT_EQ(odometry->add_scan(scans[3]), Status::kQueueFull);
+  std::size_t next = 0;
+  feed_imu(*odometry, scans[3].time, &next);
+  const NavState before = odometry->at_scan();
+  EXPECT_EQ(before.time, scans[2].time);
+  EXPECT_EQ(odometry->add_scan(scans[2]), Status::kDuplicate);
+  EXPECT_EQ(odometry->add_scan(scans[0]), Status::kLate);
+  EXPECT_TRUE(same(odometry->at_scan(), before));
+  const Counters& c = odometry->counters();
+  EXPECT_EQ(c.scans, 2U);
+  EXPECT_EQ(c.scans_duplicate, 2U);
+  EXPECT_EQ(c.scans_overflow, 1U);
+  EXPECT_EQ(c.scans_late, 1U);
+}
+
+TEST_F(OdometryTest, StaleImuChangesNothing) {
+  auto odometry = started();
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().scans[0].time, &next);
+  const NavState before = odometry->now();
+  EXPECT_EQ(odometry->add_imu(flight().imu[next - 1]), Status::kStale);  // duplicate
+  EXPECT_EQ(odometry->add_imu(flight().imu[0]), Status::kStale);         // out of order
+  EXPECT_TRUE(same(odometry->now(), before));
+  EXPECT_EQ(odometry->counters().imu_stale, 2U);
+}
+
+TEST_F(OdometryTest, NonFiniteDataIsRefused) {
+  auto odometry = started();
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().scans[2].time, &next);
+  const NavState now = odometry->now();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  ImuSample bad = flight().imu[next];
+  bad.accel_B.y() = nan;
+  EXPECT_EQ(odometry->add_imu(bad), Status::kNonFinite);
+  RadarScan scan = flight().scans[0];
+  for (RadarDetection& d : scan.detections) d.range_rate = nan;
+  EXPECT_EQ(odometry->add_scan(scan), Status::kNonFinite);
+  EXPECT_TRUE(same(odometry->now(), now));
+  // one bad detection does not cost the scan
+  scan = flight().scans[1];
+  scan.detections[0].point_S.x() = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(odometry->add_scan(scan), Status::kOk);
+  EXPECT_EQ(odometry->counters().imu_non_finite, 1U);
+  EXPECT_EQ(odometry->counters().scans_non_finite, 1U);
+  EXPECT_EQ(odometry->counters().detections_non_finite, flight().scans[0].detections.size() + 1);
+}
+
+TEST_F(OdometryTest, EmptyScanIsAScan) {
+  auto odometry = started();
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().scans[0].time + milliseconds(10), &next);
+  EXPECT_EQ(odometry->add_scan({flight().scans[0].time, {}}), Status::kOk);
+  EXPECT_EQ(odometry->at_scan().time, flight().scans[0].time);
+  EXPECT_EQ(odometry->report().detections, 0);
+}
+
+TEST_F(OdometryTest, SilentRadarKeepsTheEstimateWithinItsLag) {
+  auto odometry = started();
+  double sigma = 0.0;
+  for (const ImuSample& sample : flight().imu) {
+    ASSERT_EQ(odometry->add_imu(sample), Status::kOk);
+    EXPECT_LE(sample.time - odometry->at_scan().time, milliseconds(1000));
+    EXPECT_EQ(odometry->now().time, sample.time);
+    const double position_sigma = std::sqrt(odometry->covariance()(5, 5));
+    EXPECT_GE(position_sigma, 0.999 * sigma);
+    sigma = position_sigma;
+  }
+  // a scan from before the lag is late, one inside it is taken
+  EXPECT_EQ(odometry->add_scan(flight().scans[3]), Status::kLate);
+  EXPECT_EQ(odometry->add_scan(flight().scans[flight().scans.size() - 5]), Status::kOk);
+}
+
+TEST_F(OdometryTest, LateScanWithinTheLagGivesTheSameEstimate) {
+  auto prompt = started();
+  auto late = started();
+  std::size_t a = 0;
+  std::size_t b = 0;
+  for (std::size_t i = 0; i < 30; ++i) {
+    const RadarScan& scan = flight().scans[i];
+    feed_imu(*prompt, scan.time + milliseconds(6), &a);
+    feed_imu(*late, scan.time + milliseconds(66), &b);
+    EXPECT_EQ(prompt->add_scan(scan), Status::kOk);
+    EXPECT_EQ(late->add_scan(scan), Status::kOk);
+  }
+  EXPECT_TRUE(same(prompt->at_scan(), late->at_scan()));
+}
+
+TEST_F(OdometryTest, ImuGapIsFlaggedAndInflatesTheCovariance) {
+  auto whole = started();
+  auto gappy = started();
+  const Time begin = flight().scans[40].time;
+  const Time end = begin + milliseconds(400);
+  std::size_t k = 0;
+  double whole_sigma = 0.0;
+  for (const ImuSample& sample : flight().imu) {
+    EXPECT_EQ(whole->add_imu(sample), Status::kOk);
+    const bool lost = sample.time > begin && sample.time < end;
+    if (!lost) {
+      EXPECT_EQ(gappy->add_imu(sample), Status::kOk);
+    }
+    while (k < flight().scans.size() && flight().scans[k].time <= sample.time) {
+      (void)whole->add_scan(flight().scans[k]);
+      (void)gappy->add_scan(flight().scans[k]);
+      ++k;
+    }
+    if (!lost && whole_sigma == 0.0 && sample.time >= end) {
+      EXPECT_TRUE(gappy->report().imu_gap);
+      EXPECT_FALSE(whole->report().imu_gap);
+      whole_sigma = std::sqrt(whole->covariance()(0, 0));
+      EXPECT_GT(std::sqrt(gappy->covariance()(0, 0)), 3.0 * whole_sigma);
+    }
+  }
+  EXPECT_EQ(gappy->counters().imu_gaps, 1U);
+  EXPECT_EQ(whole->counters().imu_gaps, 0U);
+}
+
+TEST_F(OdometryTest, NothingIsEstimatedBeforeTheStart) {
+  auto odometry = Odometry::create(options());
+  ASSERT_NE(odometry, nullptr);
+  EXPECT_FALSE(odometry->initialized());
+  EXPECT_EQ(odometry->add_imu(flight().imu[0]), Status::kOk);
+  EXPECT_EQ(odometry->add_scan(flight().scans[0]), Status::kNotInitialized);
+  EXPECT_EQ(odometry->counters().scans_uninitialized, 1U);
+}
+
+TEST_F(OdometryTest, StartsByStaticAlignment) {
+  Options o = options();
+  o.start.static_alignment = true;
+  auto odometry = Odometry::create(o);
+  std::size_t samples = 0;
+  while (!odometry->initialized()) {
+    ASSERT_EQ(odometry->add_imu(flight().imu.at(samples++)), Status::kOk);
+  }
+  EXPECT_NEAR(to_seconds(odometry->now().time - flight().imu[0].time), o.start.duration, 0.01);
+  const Vector3d up = odometry->now().q_WB * Vector3d::UnitZ();
+  EXPECT_LT(std::acos(up.z()), 3.0 * 0.05 / 9.81 * 1.5);  // accelerometer bias over gravity
+}
+
+TEST_F(OdometryTest, StaticAlignmentRefusesMotionAndWaits) {
+  Options o = options();
+  o.start.static_alignment = true;
+  auto odometry = Odometry::create(o);
+  int refused = 0;
+  for (const ImuSample& sample : flight().imu) {
+    if (to_seconds(sample.time - flight().imu[0].time) < 5.0) continue;  // it flies by then
+    const Status status = odometry->add_imu(sample);
+    EXPECT_TRUE(status == Status::kOk || status == Status::kMoving);
+    refused += status == Status::kMoving ? 1 : 0;
+  }
+  EXPECT_FALSE(odometry->initialized());
+  EXPECT_GE(refused, 3);
+}
+
+TEST_F(OdometryTest, ResetRefusesNonsenseAndKeepsTheState) {
+  auto odometry = started();
+  const NavState before = odometry->now();
+  NavState bad = before;
+  bad.v_WB.x() = std::nan("");
+  EXPECT_EQ(odometry->reset(bad, prior()), Status::kNonFinite);
+  BodyCovariance P = prior();
+  P(0, 0) = -1.0;
+  EXPECT_EQ(odometry->reset(before, P), Status::kNumerical);
+  P = prior();
+  P(0, 1) = 1e-3;  // not symmetric
+  EXPECT_EQ(odometry->reset(before, P), Status::kNumerical);
+  EXPECT_TRUE(same(odometry->now(), before));
+}
+
+TEST_F(OdometryTest, ResetInFlightContinuesFromTheGivenState) {
+  auto odometry = started();
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().imu[1000].time, &next);
+  const NavState truth = flight().truth[1000];
+  EXPECT_EQ(odometry->reset(truth, prior()), Status::kOk);
+  EXPECT_TRUE(same(odometry->now(), odometry->at_scan()));
+  EXPECT_EQ(odometry->counters().imu_samples, 0U);
+  feed_imu(*odometry, flight().imu[1100].time, &next);
+  EXPECT_LT((odometry->now().p_WB - flight().truth[1100].p_WB).norm(), 0.05);
+}
+
+TEST_F(OdometryTest, ResetWithoutStateStartsOver) {
+  Options o = options();
+  o.start.static_alignment = true;
+  auto odometry = Odometry::create(o);
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().imu[400].time, &next);
+  EXPECT_TRUE(odometry->initialized());
+  odometry->reset();
+  EXPECT_FALSE(odometry->initialized());
+  next = 0;  // the old stamps are new again
+  feed_imu(*odometry, flight().imu[400].time, &next);
+  EXPECT_TRUE(odometry->initialized());
+}
+
+TEST_F(OdometryTest, AbsurdImuLeavesTheEstimateFinite) {
+  auto odometry = started();
+  ImuSample sample = flight().imu[0];
+  sample.accel_B.setConstant(1e300);
+  EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
+  sample.time += milliseconds(5);
+  sample.accel_B.setConstant(-1e300);
+  sample.gyro_B.setConstant(1e200);
+  EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
+  EXPECT_EQ(odometry->add_scan({sample.time, flight().scans[0].detections}), Status::kNumerical);
+  EXPECT_EQ(odometry->at_scan().time, flight().truth.front().time);
+  EXPECT_TRUE(odometry->covariance().allFinite());
+  EXPECT_EQ(odometry->counters().updates_failed, 1U);
+}
+
+}  // namespace
+}  // namespace rio::test

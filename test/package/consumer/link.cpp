@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <rio/rio.hpp>
+
+int main() {
+  const auto odometry = rio::Odometry::create(rio::Options{});
+  return odometry && odometry->add_imu({}) == rio::Status::kOk ? 0 : 1;
+}

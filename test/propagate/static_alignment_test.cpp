@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/propagate/static_alignment.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <functional>
+
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+constexpr double kRate = 200.0;  // [Hz]
+constexpr double kGravity = 9.81;
+
+// A resting IMU; `motion` may add to a sample what moves it, t seconds after the start.
+struct Imu {
+  Vector3d up_B = Vector3d::UnitZ();
+  double gravity = kGravity;
+  Vector3d gyro_bias = Vector3d::Zero();
+  Vector3d accel_bias = Vector3d::Zero();
+  double gyro_sigma = 0.0;
+  double accel_sigma = 0.0;
+  std::function<void(double t, ImuSample& sample)> motion;
+
+  ImuSample sample(int i, test::Random& random) const {
+    ImuSample s;
+    s.time = Time(100'000'000'000) + Time(5'000'000) * i;
+    s.gyro_B = gyro_bias + random.normal_vector(gyro_sigma);
+    s.accel_B = gravity * up_B + accel_bias + random.normal_vector(accel_sigma);
+    if (motion) motion(i / kRate, s);
+    return s;
+  }
+};
+
+struct Outcome {
+  std::optional<Alignment> alignment;
+  int samples = 0;
+  int refusals = 0;
+};
+
+// Feeds samples from `first` on until aligned, `count` at most.
+Outcome align(StaticAligner& aligner, const Imu& imu, test::Random& random, int first, int count) {
+  Outcome out;
+  for (; out.samples < count && !out.alignment; ++out.samples) {
+    const Status status = aligner.add(imu.sample(first + out.samples, random), &out.alignment);
+    EXPECT_TRUE(status == Status::kOk || status == Status::kMoving);
+    EXPECT_FALSE(status == Status::kMoving && out.alignment);
+    out.refusals += status == Status::kMoving ? 1 : 0;
+  }
+  return out;
+}
+
+// MEMS noise of one sample at the default densities.
+Imu noisy(const Vector3d& up_B) {
+  Imu imu;
+  imu.up_B = up_B;
+  imu.gyro_sigma = 4e-4 * std::sqrt(kRate);
+  imu.accel_sigma = 4e-3 * std::sqrt(kRate);
+  return imu;
+}
+
+TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
+  test::Random random(1);
+  for (int run = 0; run < 60; ++run) {
+    Imu imu;
+    const Vector3d special[] = {Vector3d::UnitZ(),  -Vector3d::UnitZ(), Vector3d::UnitX(),
+                                -Vector3d::UnitX(), Vector3d::UnitY(),  -Vector3d::UnitY()};
+    imu.up_B = run < 6 ? special[run] : random.direction();
+    imu.gyro_bias = random.uniform(0.0, 0.09) * random.direction();
+    StaticAligner aligner(StartOptions{}, ImuOptions{});
+    const Outcome out = align(aligner, imu, random, 0, 400);
+    ASSERT_TRUE(out.alignment) << imu.up_B.transpose();
+    EXPECT_EQ(out.samples, 301);  // 1.5 s at 200 Hz, both ends included
+    const NavState& x = out.alignment->state;
+    EXPECT_EQ(x.time, imu.sample(300, random).time);
+    EXPECT_LT((x.q_WB * imu.up_B - Vector3d::UnitZ()).norm(), 1e-12) << imu.up_B.transpose();
+    EXPECT_NEAR(x.q_WB.norm(), 1.0, 1e-14);
+    EXPECT_LT((x.gyro_bias - imu.gyro_bias).norm(), 1e-14);
+    EXPECT_LT(x.accel_bias.norm(), 1e-12);
+    EXPECT_EQ(x.p_WB, Vector3d::Zero());
+    EXPECT_EQ(x.v_WB, Vector3d::Zero());
+    if (std::abs(imu.up_B.x()) > 0.99) continue;
+    // no heading: x of the body lies above x of the world
+    const Vector3d forward = x.q_WB * Vector3d::UnitX();
+    EXPECT_NEAR(forward.y(), 0.0, 1e-12);
+    EXPECT_GT(forward.x(), 0.0);
+  }
+}
+
+TEST(StaticAlignment, AccelerometerBiasAlongGravityIsMeasured) {
+  test::Random random(2);
+  Imu imu = noisy(random.direction());
+  imu.accel_bias = 0.2 * imu.up_B;
+  StaticAligner aligner(StartOptions{}, ImuOptions{});
+  const Outcome out = align(aligner, imu, random, 0, 400);
+  ASSERT_TRUE(out.alignment);
+  // scalar update with the prior 0.05, the noise 0.0033 and 0.02 of local gravity
+  const double gain = 0.05 * 0.05 / (0.05 * 0.05 + 0.0033 * 0.0033 + 0.02 * 0.02);
+  EXPECT_NEAR(out.alignment->state.accel_bias.dot(imu.up_B), gain * 0.2, 5.0 * 0.0033);
+}
+
+// Errors of tilt (2), accelerometer bias (3) and gyro bias (3), against their joint covariance; and
+// of the specific force predicted across gravity (2), with and without the covariance of tilt and
+// bias.
+struct Nees {
+  double joint = 0.0;
+  double force = 0.0;
+  double force_uncorrelated = 0.0;
+};
+
+double squared_norm(const Eigen::VectorXd& e, const Eigen::MatrixXd& P) {
+  return e.dot(P.llt().solve(e));
+}
+
+Nees nees(const Imu& imu, const Alignment& alignment) {
+  using namespace body;
+  const NavState& x = alignment.state;
+  const Vector3d y = x.q_WB.conjugate() * Vector3d::UnitZ();
+  Eigen::Matrix<double, 3, 2> across;
+  across.col(0) = y.unitOrthogonal();
+  across.col(1) = y.cross(Vector3d(across.col(0)));
+  // up_B = Exp(-theta) y, theta across y
+  const Vector3d turn = imu.up_B.cross(y);
+  const Vector3d theta = turn.normalized() * std::asin(turn.norm());
+
+  test::BodyVector e = test::BodyVector::Zero();
+  e.segment<3>(kAttitude) = theta;
+  e.segment<3>(kGyroBias) = imu.gyro_bias - x.gyro_bias;
+  e.segment<3>(kAccelBias) = imu.accel_bias - x.accel_bias;
+
+  Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(8, kSize);
+  joint.block<2, 3>(0, kAttitude) = across.transpose();
+  joint.block<3, 3>(2, kAccelBias).setIdentity();
+  joint.block<3, 3>(5, kGyroBias).setIdentity();
+  // f_B = Exp(-theta) g y + b_a: its error is g y x theta + db_a
+  Eigen::MatrixXd force = Eigen::MatrixXd::Zero(2, kSize);
+  Matrix3d y_cross;
+  y_cross << 0.0, -y.z(), y.y(), y.z(), 0.0, -y.x(), -y.y(), y.x(), 0.0;
+  force.middleCols<3>(kAttitude) = across.transpose() * kGravity * y_cross;
+  force.middleCols<3>(kAccelBias) = across.transpose();
+
+  const BodyCovariance& P = alignment.covariance;
+  BodyCovariance uncorrelated = P;
+  uncorrelated.block<3, 3>(kAttitude, kAccelBias).setZero();
+  uncorrelated.block<3, 3>(kAccelBias, kAttitude).setZero();
+  return {squared_norm(joint * e, joint * P * joint.transpose()),
+          squared_norm(force * e, force * P * force.transpose()),
+          squared_norm(force * e, force * uncorrelated * force.transpose())};
+}
+
+TEST(StaticAlignment, CovarianceIsConsistentAndItsCorrelationMatters) {
+  ImuOptions options;
+  options.gyro_noise_density = 4e-3;  // far above the floor of 1e-4 rad/s given to the gyro bias
+  StartOptions start;
+  start.max_gyro_std = 0.1;
+  test::Random random(3);
+  constexpr int kRuns = 400;
+  Nees mean;
+  for (int run = 0; run < kRuns; ++run) {
+    Imu imu = noisy(random.direction());
+    imu.gyro_sigma = options.gyro_noise_density * std::sqrt(kRate);
+    imu.gravity = kGravity + random.normal(0.02);  // spread over the Earth
+    imu.gyro_bias = random.normal_vector(0.01);
+    imu.accel_bias = random.normal_vector(start.sigma_accel_bias);
+    StaticAligner aligner(start, options);
+    const Outcome out = align(aligner, imu, random, 0, 400);
+    ASSERT_TRUE(out.alignment) << run;
+    const Nees one = nees(imu, *out.alignment);
+    mean.joint += one.joint / kRuns;
+    mean.force += one.force / kRuns;
+    mean.force_uncorrelated += one.force_uncorrelated / kRuns;
+  }
+  // 3.5 sigma of a mean over 400: sqrt(2 * 8 / 400) = 0.2 and sqrt(2 * 2 / 400) = 0.1
+  EXPECT_NEAR(mean.joint, 8.0, 0.7);
+  EXPECT_NEAR(mean.force, 2.0, 0.35);
+  EXPECT_LT(mean.force_uncorrelated, 0.05);  // would be taken 15 times as uncertain as it is
+}
+
+TEST(StaticAlignment, CovarianceIsSymmetricPositiveDefiniteAndHasTheGivenSigmas) {
+  using namespace body;
+  StartOptions start;
+  start.sigma_yaw = 0.3;
+  start.sigma_position = 0.2;
+  test::Random random(4);
+  for (int run = 0; run < 20; ++run) {
+    const Imu imu = noisy(random.direction());
+    StaticAligner aligner(start, ImuOptions{});
+    const Outcome out = align(aligner, imu, random, 0, 400);
+    ASSERT_TRUE(out.alignment);
+    const BodyCovariance& P = out.alignment->covariance;
+    EXPECT_LT((P - P.transpose()).cwiseAbs().maxCoeff(), 1e-17);
+    EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(P).info(), Eigen::Success);
+    const Vector3d y = out.alignment->state.q_WB.conjugate() * Vector3d::UnitZ();
+    EXPECT_NEAR(y.dot(P.block<3, 3>(kAttitude, kAttitude) * y), 0.3 * 0.3, 1e-12);
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(P(kPosition + i, kPosition + i), 0.04, 1e-15);
+  }
+}
+
+// Refused while it moves for three windows, aligned in the first window at rest.
+void expect_refused_then_aligned(Imu imu, const char* what) {
+  test::Random random(5);
+  StaticAligner aligner(StartOptions{}, ImuOptions{});
+  const Outcome moving = align(aligner, imu, random, 0, 3 * 301);
+  EXPECT_FALSE(moving.alignment) << what;
+  EXPECT_EQ(moving.refusals, 3) << what;
+  imu.motion = nullptr;
+  const Outcome still = align(aligner, imu, random, moving.samples, 301);
+  EXPECT_TRUE(still.alignment) << what;
+  EXPECT_EQ(still.refusals, 0) << what;
+}
+
+TEST(StaticAlignment, RefusesMotionAndRecovers) {
+  test::Random random(6);
+  Imu imu = noisy(random.direction());
+  const Vector3d up = imu.up_B;
+  const Vector3d level = up.unitOrthogonal();
+  imu.motion = [&](double t, ImuSample& s) {
+    s.accel_B += 2.0 * std::sin(2.0 * M_PI * 7.0 * t) * level;
+  };
+  expect_refused_then_aligned(imu, "shaking");
+  imu.motion = [&](double t, ImuSample& s) {
+    s.gyro_B += 0.2 * std::sin(2.0 * M_PI * 7.0 * t) * level;
+  };
+  expect_refused_then_aligned(imu, "rocking");
+  imu.motion = [&](double, ImuSample& s) { s.gyro_B += 0.3 * up; };
+  expect_refused_then_aligned(imu, "turning about the vertical at 0.3 rad/s");
+  imu.motion = [&](double t, ImuSample& s) {
+    const double rate = 3.0 * M_PI / 180.0;
+    s.gyro_B += rate * level;
+    s.accel_B += kGravity * (test::rotation_of(-rate * t * level) * up - up);
+  };
+  expect_refused_then_aligned(imu, "tilting at 3 deg/s");
+  imu.motion = [&](double, ImuSample& s) { s.accel_B += 1.0 * up; };
+  expect_refused_then_aligned(imu, "accelerating upwards at 1 m/s^2");
+  // forwards: from rest and back within each window; a constant one would be a tilt to any IMU
+  imu.motion = [&](double t, ImuSample& s) {
+    if (std::fmod(t, 301.0 / kRate) > 0.7) s.accel_B += 1.0 * level;
+  };
+  expect_refused_then_aligned(imu, "starting forwards at 1 m/s^2");
+}
+
+TEST(StaticAlignment, ResetForgetsTheWindow) {
+  test::Random random(7);
+  Imu moving = noisy(Vector3d::UnitZ());
+  moving.gyro_bias = Vector3d(0.5, 0.0, 0.0);
+  StaticAligner aligner(StartOptions{}, ImuOptions{});
+  EXPECT_FALSE(align(aligner, moving, random, 0, 200).alignment);
+  aligner.reset();
+  const Outcome out = align(aligner, noisy(Vector3d::UnitZ()), random, 200, 301);
+  EXPECT_EQ(out.refusals, 0);
+  ASSERT_TRUE(out.alignment);
+  EXPECT_LT(out.alignment->state.gyro_bias.norm(), 5.0 * 4e-4);
+}
+
+TEST(StaticAlignment, StandstillGyroBiasOfARecording) {
+  test::Random random(8);
+  Imu imu = noisy(random.direction());
+  imu.gyro_bias = Vector3d(0.01, -0.02, 0.03);
+  imu.motion = [](double t, ImuSample& s) {
+    if (t < 1.0) s.gyro_B.x() += 1.0;
+  };
+  std::vector<ImuSample> samples;
+  for (int i = 0; i < 700; ++i) samples.push_back(imu.sample(i, random));
+  const Options options;
+  EXPECT_FALSE(standstill_gyro_bias(samples, samples[0].time, options));    // moves at first
+  EXPECT_FALSE(standstill_gyro_bias(samples, samples[500].time, options));  // too short
+  const auto bias = standstill_gyro_bias(samples, samples[200].time, options);
+  ASSERT_TRUE(bias);
+  // 4e-4 / sqrt(1.5) = 3.3e-4 rad/s an axis
+  EXPECT_LT((*bias - imu.gyro_bias).cwiseAbs().maxCoeff(), 4.0 * 3.3e-4);
+  samples.resize(460);
+  EXPECT_FALSE(standstill_gyro_bias(samples, samples[200].time, options));
+}
+
+}  // namespace
+}  // namespace rio

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How to simulate a measurement of each model: random true states, and sensors from sim/.
+#pragma once
+
+#include <optional>
+
+#include "rio/models/doppler.hpp"
+#include "rio/models/landmark_distance.hpp"
+#include "rio/models/trail_distance.hpp"
+#include "rio/sim/radar.hpp"
+#include "support/model_suite.hpp"
+
+namespace rio::test {
+
+/// Small angle noise: what a model drops is of second order in it.
+inline sim::RadarModel test_radar(const Pose& T_BS, bool noise) {
+  sim::RadarModel m = sim::RadarModel::ideal();
+  m.T_BS = T_BS;
+  m.fov_azimuth = m.fov_elevation = std::numbers::pi;
+  m.min_range = 0.01;
+  m.threshold_db = -1000.0;
+  m.sigma_azimuth = 0.01;
+  m.sigma_elevation = 0.02;
+  if (!noise) m.sigma_range = m.sigma_azimuth = m.sigma_elevation = m.sigma_doppler = 0.0;
+  return m;
+}
+
+/// The filter's idea of test_radar.
+inline RadarOptions test_radar_options() {
+  const sim::RadarModel m = test_radar(Pose{}, true);
+  RadarOptions o;
+  o.sigma_range = m.sigma_range;
+  o.sigma_azimuth = m.sigma_azimuth;
+  o.sigma_elevation = m.sigma_elevation;
+  o.sigma_doppler = m.sigma_doppler;
+  return o;
+}
+
+/// A body in motion with a radar on it.
+struct RandomBody {
+  explicit RandomBody(sim::Random& random)
+      : T_BS{quaternion_exp(2.0 * random.in_box(-kOnes, kOnes)),
+             0.3 * random.in_box(-kOnes, kOnes)},
+        gyro_bias(0.05 * random.in_box(-kOnes, kOnes)) {
+    point.nav.q_WB = quaternion_exp(2.0 * random.in_box(-kOnes, kOnes));
+    point.nav.p_WB = 5.0 * random.in_box(-kOnes, kOnes);
+    point.nav.v_WB = 3.0 * random.in_box(-kOnes, kOnes);
+    point.gyro_B = 2.0 * random.in_box(-kOnes, kOnes);
+  }
+
+  RigidPose pose() const { return {point.nav.q_WB.toRotationMatrix(), point.nav.p_WB}; }
+  RigidPose mount() const { return RigidPose(T_BS); }
+
+  /// The world position of a place in front of the radar.
+  Vector3d place(sim::Random& random) const {
+    const sim::Polar polar{random.uniform(1.5, 8.0), random.uniform(-0.8, 0.8),
+                           random.uniform(-0.4, 0.4)};
+    const Vector3d point_B = T_BS.rotation * polar.point() + T_BS.translation;
+    return point.nav.q_WB * point_B + point.nav.p_WB;
+  }
+  /// The detection the simulated radar makes of that place.
+  Detection detect(const Vector3d& place_W, sim::Random& random, bool noise) const {
+    const sim::Room room{Vector3d::Zero(), Vector3d::Zero(), {{place_W, 0.0, 1.0}}};
+    const std::uint64_t seed = random.next();
+    sim::RadarSimulator radar(test_radar(T_BS, noise), room, seed);
+    const sim::LabeledScan scan = radar.scan(point);
+    return make_detection(scan.scan.detections.at(0), test_radar_options());
+  }
+
+  inline static const Vector3d kOnes = Vector3d::Ones();
+  sim::Trajectory::Point point;
+  Pose T_BS;
+  Vector3d gyro_bias;
+};
+
+struct DopplerCase {
+  using Model = DopplerModel;
+  static Model model() { return {true, false}; }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    const Detection d = body.detect(body.place(random), random, noise);
+    return {DopplerModel::measurement(d, body.point.gyro_B + body.gyro_bias),
+            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount()}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
+};
+
+template <TrailNoise kNoise>
+struct TrailDistanceCase {
+  using Model = TrailDistanceModel;
+  static constexpr double kSigma = 0.05;
+  static Model model() { return {kNoise, kSigma}; }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    RandomBody now(random);
+    RandomBody then(random);
+    then.T_BS = now.T_BS;
+    // a later pose near the earlier one, as between scans, so that both see the place
+    then.point.nav.q_WB =
+        now.point.nav.q_WB * quaternion_exp(0.1 * random.in_box(-now.kOnes, now.kOnes));
+    then.point.nav.p_WB = now.point.nav.p_WB + 0.2 * random.in_box(-now.kOnes, now.kOnes);
+    const Vector3d place = now.place(random);
+    const bool point_noise = noise && kNoise == TrailNoise::kCorrelated;
+    Detection current = now.detect(place, random, point_noise);
+    if (noise && !point_noise) current.range += kSigma * random.normal();
+    const Detection past = then.detect(place, random, point_noise);
+    return {TrailDistanceModel::measurement(current, past), {now.pose(), then.pose(), now.mount()}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random& random) {
+    Sample<Model> sample = simulate(random, false);
+    // the past detection lies where the radar is now
+    RigidPose& then = std::get<1>(sample.x);
+    const RigidPose& now = std::get<0>(sample.x);
+    const RigidPose& mount = std::get<2>(sample.x);
+    then.p = now.R * mount.p + now.p - then.R * (mount.R * sample.z.past_S + mount.p);
+    return sample;
+  }
+};
+
+struct LandmarkDistanceCase {
+  using Model = LandmarkDistanceModel;
+  static constexpr double kSigma = 0.05;
+  static Model model() { return Model(kSigma); }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    const Vector3d place = body.place(random);
+    Detection d = body.detect(place, random, false);
+    if (noise) d.range += kSigma * random.normal();
+    return {Model::measurement(d), {body.pose(), body.mount(), place}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random& random) {
+    const RandomBody body(random);
+    const Vector3d radar = body.pose().R * body.mount().p + body.pose().p;
+    return Sample<Model>{{0.0}, {body.pose(), body.mount(), radar}};
+  }
+};
+
+}  // namespace rio::test
