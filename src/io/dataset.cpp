@@ -338,6 +338,19 @@ double widened_fov(double fov, double sigma) {
 
 }  // namespace
 
+namespace {
+
+/// A file that was cut between two rows is whole to its reader; the other sensor tells.
+void note_if_cut_short(const fs::path& root, Dataset* dataset) {
+  const double ahead = to_seconds(dataset->imu.back().time - dataset->scans.back().time);
+  if (std::abs(ahead) < 1.0) return;
+  dataset->notes.push_back(fmt::format("{} ends {:.1f} s before {}",
+                                       (root / (ahead > 0.0 ? kRadar : kImu)).string(),
+                                       std::abs(ahead), ahead > 0.0 ? kImu : kRadar));
+}
+
+}  // namespace
+
 Dataset read_dataset(const fs::path& path) {
   const fs::path root = dataset_root(path);
   Dataset dataset;
@@ -347,6 +360,7 @@ Dataset read_dataset(const fs::path& path) {
   if (fs::exists(root / kTruth)) dataset.ground_truth = read_truth_file(root / kTruth / kData, 17);
   read_imu_info(root / kImu / kSensor, &dataset);
   read_radar_info(root / kRadar / kSensor, &dataset);
+  note_if_cut_short(root, &dataset);
   std::optional<double>& grid = dataset.radar_info.doppler_resolution;
   if (!grid && (grid = doppler_grid(dataset.scans))) {
     dataset.notes.push_back(

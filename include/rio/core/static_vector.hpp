@@ -61,7 +61,7 @@ class StaticVector {
   const T* end() const { return items_.data() + size_; }
 
  private:
-  std::array<T, Capacity> items_{};
+  std::array<T, Capacity> items_;  // no braces: compilers would write out every element
   std::size_t size_ = 0;
 };
 
