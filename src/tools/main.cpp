@@ -7,7 +7,9 @@
 
 #include "commands.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app("Radar-inertial odometry: replay, simulate, evaluate and plot recordings", "rio");
   app.set_version_flag("--version", RIO_VERSION);
   app.require_subcommand(1);
@@ -21,9 +23,17 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rio: %s\n", error.what());
     return 1;
   }
-  return 0;
 }

@@ -201,6 +201,7 @@ template <class Error>
 AngleError angle_error(const std::vector<PosePair>& pairs, Error error) {
   if (pairs.empty()) return {};
   std::vector<double> magnitudes;
+  magnitudes.reserve(pairs.size());
   for (const PosePair& pair : pairs) magnitudes.push_back(std::abs(error(pair)));
   const Statistics summary = statistics(std::move(magnitudes));
   return {summary.rmse, error(pairs.back()), summary.max};
