@@ -3,7 +3,7 @@
 # accurate they are, and leaves trajectories, pictures and a report in out/.
 #   data/demo.sh              the sample flight in data/sample_flight
 #   data/demo.sh DATASET      your own recording, a folder in ASL/EuRoC layout (data/README.md)
-set -euo pipefail
+set -eEuo pipefail
 start=$PWD
 cd "$(dirname "$0")/.."
 dataset=data/sample_flight
@@ -47,7 +47,8 @@ report() {
   fi
   printf '\n![flight](flight.svg)\n'
 }
-report >"$out/report.md" || { cat "$out/report.md" >&2; exit 1; }
+trap 'cat "$out/report.md" >&2' ERR  # what went wrong is in there
+report >"$out/report.md"
 grep -v -e '^```' -e '^!\[' "$out/report.md"
 echo "Written to $out/: report.md, flight.svg, and for each preset the trajectory (.tum) and the states"
 echo "with their covariance (.states.csv)."
