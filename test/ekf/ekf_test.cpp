@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The multi-state EKF as a whole: clones, landmarks, gates, records, calibration.
+#include "rio/ekf/ekf.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include "rio/pipeline.hpp"
+#include "support/replay.hpp"
+
+namespace rio::test {
+namespace {
+
+/// A flight fed to the pipeline scan by scan.
+class EkfTest : public testing::Test {
+ protected:
+  static const sim::Flight& flight() {
+    static const sim::Flight flight = [] {
+      sim::FlightOptions o = sim::FlightOptions::ideal();
+      o.seed = 8;
+      o.length_m = 20.0;
+      return sim::simulate_flight(o);
+    }();
+    return flight;
+  }
+  void start(const Options& options) {
+    options_ = options;
+    options_.timing.imu_buffer = 100000;  // the whole flight
+    imu_ = std::make_unique<ImuBuffer>(options_.timing, options_.imu);
+    for (const ImuSample& sample : flight().imu) imu_->push_back(sample);
+    pipeline_ = std::make_unique<Pipeline<Ekf>>(options_);
+    BodyCovariance P0 = BodyCovariance::Identity() * 1e-4;
+    P0.block<3, 3>(body::kAccelBias, body::kAccelBias) *= 25.0;
+    pipeline_->reset(flight().truth.front(), P0);
+  }
+  Status process(const RadarScan& scan) {
+    filter_detections(scan, options_.radar, options_.frontend.max_detections, list_);
+    return pipeline_->process(list_, *imu_);
+  }
+
+  Options options_;
+  std::unique_ptr<ImuBuffer> imu_;
+  std::unique_ptr<Pipeline<Ekf>> pipeline_;
+  DetectionList list_;
+};
+
+TEST_F(EkfTest, KeepsTheLastClonesFirstInFirstOut) {
+  start(options_for(flight(), "published-ekf"));
+  for (std::size_t i = 0; i < 20; ++i) {
+    ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+    const Estimate& x = pipeline_->estimate();
+    ASSERT_EQ(x.clones.size(), std::min<std::size_t>(i + 1, 7));
+    for (ScanId id = i >= 7 ? i - 6 : 0; id <= i; ++id) EXPECT_GE(x.find_clone(id), 0);
+    // the newest clone is the corrected pose of this scan
+    const Clone& newest = x.clones[static_cast<std::size_t>(x.find_clone(i))];
+    EXPECT_EQ(newest.T_WB.R, x.T_WB().R);
+    EXPECT_EQ(newest.T_WB.p, x.T_WB().p);
+  }
+}
+
+TEST_F(EkfTest, LandmarksEnterAfterSevenMatchesAndLeaveAtTheFirstMiss) {
+  start(options_for(flight(), "published-ekf"));
+  for (std::size_t i = 0; i < 7; ++i) {
+    ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+    EXPECT_EQ(pipeline_->report().landmarks, 0);
+  }
+  ASSERT_EQ(process(flight().scans[7]), Status::kOk);  // born at 0, matched by 1 to 7
+  const int landmarks = pipeline_->report().landmarks;
+  EXPECT_GT(landmarks, 0);
+  EXPECT_LE(landmarks, options_.update.max_landmarks);
+  ASSERT_EQ(process({flight().scans[8].time, {}}), Status::kOk);  // nothing seen: all missed
+  EXPECT_EQ(pipeline_->report().landmarks, 0);
+  EXPECT_EQ(pipeline_->report().landmarks_removed, landmarks);
+  EXPECT_EQ(pipeline_->report().trails, 0);
+}
+
+TEST_F(EkfTest, LandmarksSurviveAsManyMissesAsTolerated) {
+  Options o = options_for(flight(), "published-ekf");
+  o.frontend.landmark_miss_tolerance = 2;
+  o.update.max_landmarks = 3;
+  start(o);
+  for (std::size_t i = 0; i < 9; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  EXPECT_EQ(pipeline_->report().landmarks, 3);  // no more than there is room for
+  std::size_t next = 9;
+  for (const int left : {3, 3, 0}) {  // two empty scans are tolerated
+    ASSERT_EQ(process({flight().scans[next++].time, {}}), Status::kOk);
+    EXPECT_EQ(pipeline_->report().landmarks, left);
+  }
+}
+
+TEST_F(EkfTest, OutlierIsGatedAndRecorded) {
+  Options o = options_for(flight(), "default");
+  o.frontend.ransac_threshold = 10.0;  // nothing is sorted out before the gate
+  start(o);
+  for (std::size_t i = 0; i < 5; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  RadarScan scan = flight().scans[5];
+  scan.detections[0].range_rate += 1.0;
+  ASSERT_EQ(process(scan), Status::kOk);
+  bool found = false;
+  for (const InnovationRecord& record : pipeline_->report().records) {
+    if (record.model != Model::kDoppler || record.detection != 0) continue;
+    found = true;
+    EXPECT_EQ(record.verdict, Verdict::kGated);
+    EXPECT_NEAR(record.innovation, 1.0, 0.2);
+    EXPECT_NEAR(record.nis, std::pow(record.innovation / record.sigma, 2), 1e-9);
+    EXPECT_GT(record.nis, record.gate);
+    EXPECT_NEAR(record.gate, 6.635, 1e-3);  // chi-squared, 99 %, one degree
+  }
+  EXPECT_TRUE(found);
+  const ModelReport& doppler =
+      pipeline_->report().models[static_cast<std::size_t>(Model::kDoppler)];
+  EXPECT_EQ(doppler.rows_used + doppler.rows_gated, static_cast<int>(scan.detections.size()));
+}
+
+TEST_F(EkfTest, JointTrailBlocksHaveOneVerdict) {
+  Options o = options_for(flight(), "default");
+  o.update.trail_noise = TrailNoise::kCorrelated;
+  start(o);
+  for (std::size_t i = 0; i < 5; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  int blocks = 0;
+  for (const InnovationRecord& record : pipeline_->report().records) {
+    if (record.model != Model::kTrailDistance) continue;
+    ++blocks;
+    EXPECT_GE(record.dof, 1);
+    EXPECT_LE(record.dof, 4);  // four past scans
+  }
+  EXPECT_EQ(blocks, pipeline_->report().trails_matched);
+}
+
+TEST_F(EkfTest, FindsAMountingError) {
+  Options o = options_for(flight(), "default");
+  const Quaternion truth = o.radar.T_BS.rotation;
+  o.radar.T_BS.rotation = (truth * quaternion_exp(Vector3d(0.02, 0.03, -0.02))).normalized();
+  start(o);
+  const auto error = [&] {
+    return quaternion_log(truth.conjugate() * pipeline_->estimate().T_BS.rotation).norm();
+  };
+  const double before = error();
+  for (const RadarScan& scan : flight().scans) ASSERT_EQ(process(scan), Status::kOk);
+  EXPECT_NEAR(before, 0.041, 0.001);
+  EXPECT_LT(error(), 0.3 * before);
+  // held fixed when its sigma is zero
+  o.update.extrinsic_rotation_sigma = o.update.extrinsic_translation_sigma = 0.0;
+  start(o);
+  for (std::size_t i = 0; i < 50; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  EXPECT_EQ(error(), before);
+}
+
+TEST_F(EkfTest, CovarianceStaysSymmetricAndPositiveSemiDefinite) {
+  start(options_for(flight(), "default"));
+  for (std::size_t i = 0; i < flight().scans.size(); ++i) {
+    ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+    if (i % 50 != 0) continue;
+    const Eigen::MatrixXd P = pipeline_->backend().covariance().matrix();
+    ASSERT_EQ(P, P.transpose());
+    const double smallest =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().minCoeff();
+    EXPECT_GT(smallest, -1e-12);  // clones make it singular: rounding may go either way
+  }
+}
+
+}  // namespace
+}  // namespace rio::test
