@@ -323,23 +323,6 @@ std::string truth_text(const std::vector<NavState>& states) {
   return text;
 }
 
-void copy(const std::optional<double>& from, double* to) {
-  if (from) *to = *from;
-}
-void copy_sigma(const std::optional<double>& from, double* to) {
-  if (from && *from > 0.0) *to = *from;
-}
-
-/// Widened by three sigmas on both sides; a sigma grows as 1/cos towards the edge.
-double widened_fov(double fov, double sigma) {
-  constexpr double kMinCosine = 0.25;  // as in frontend/detection.hpp
-  return std::min(kPi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
-}
-
-}  // namespace
-
-namespace {
-
 /// A file that was cut between two rows is whole to its reader; the other sensor tells.
 void note_if_cut_short(const fs::path& root, Dataset* dataset) {
   const double ahead = to_seconds(dataset->imu.back().time - dataset->scans.back().time);
@@ -406,29 +389,6 @@ void write_dataset(const fs::path& path, const Dataset& dataset) {
              "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, positive "
              "= receding\n" +
                  (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar)));
-}
-
-void apply_sensor_info(const Dataset& dataset, Options* options) {
-  const ImuInfo& imu = dataset.imu_info;
-  copy(imu.gyro_noise_density, &options->imu.gyro_noise_density);
-  copy(imu.gyro_random_walk, &options->imu.gyro_random_walk);
-  copy(imu.accel_noise_density, &options->imu.accel_noise_density);
-  copy(imu.accel_random_walk, &options->imu.accel_random_walk);
-
-  const RadarInfo& info = dataset.radar_info;
-  RadarOptions& radar = options->radar;
-  if (info.T_BS) radar.T_BS = *info.T_BS;
-  copy_sigma(info.sigma_range, &radar.sigma_range);
-  copy_sigma(info.sigma_azimuth, &radar.sigma_azimuth);
-  copy_sigma(info.sigma_elevation, &radar.sigma_elevation);
-  copy_sigma(info.sigma_doppler, &radar.sigma_doppler);
-  copy(info.range_resolution, &radar.range_resolution);
-  copy(info.doppler_resolution, &radar.doppler_resolution);
-  if (info.max_range) radar.max_range = *info.max_range + 3.0 * radar.sigma_range;
-  if (info.fov_azimuth) radar.fov_azimuth = widened_fov(*info.fov_azimuth, radar.sigma_azimuth);
-  if (info.fov_elevation) {
-    radar.fov_elevation = widened_fov(*info.fov_elevation, radar.sigma_elevation);
-  }
 }
 
 }  // namespace rio::io

@@ -84,8 +84,8 @@ std::string Tool::flight_;
 
 TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
   for (const std::string preset : {"default", "published-ekf"}) {
-    const Outcome run = rio("replay " + flight_ + " --preset " + preset + " --out " +
-                            file("t.tum") + " --states " + file("s.csv") + " --json");
+    const std::string outputs = " --out " + file("t.tum") + " --states " + file("s.csv");
+    const Outcome run = rio("replay " + flight_ + outputs + " --json --preset " + preset);
     ASSERT_EQ(run.status, 0) << run.output;
     const auto json = nlohmann::json::parse(run.last_line());
     EXPECT_EQ(json["scans"], scans());

@@ -141,9 +141,9 @@ DenseRows fill(sim::Random& random, const Layout& layout, int n,
       d.r[at + i] = e.r[0];
       d.R.block(at, at + i, size, 1).setConstant(shared);
     }
-    for (int i = 0; i < size; ++i)
-      d.R(at + i, at + i) = batch->rows()[static_cast<std::size_t>(at + i)].variance;
-    at += size;
+    for (int i = 0; i < size; ++i, ++at) {
+      d.R(at, at) = batch->rows()[static_cast<std::size_t>(at)].variance;
+    }
   }
   return d;
 }

@@ -262,6 +262,7 @@ TEST(StaticAlignment, StandstillGyroBiasOfARecording) {
     if (t < 1.0) s.gyro_B.x() += 1.0;
   };
   std::vector<ImuSample> samples;
+  samples.reserve(700);
   for (int i = 0; i < 700; ++i) samples.push_back(imu.sample(i, random));
   const Options options;
   EXPECT_FALSE(standstill_gyro_bias(samples, samples[0].time, options));    // moves at first

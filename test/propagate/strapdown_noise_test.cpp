@@ -7,6 +7,7 @@
 
 #include "rio/propagate/strapdown.hpp"
 #include "support/random_state.hpp"
+#include "support/strapdown_case.hpp"
 
 namespace rio {
 namespace {
@@ -14,27 +15,10 @@ namespace {
 constexpr double kGravity = 9.81;
 constexpr double kSteps[] = {0.005, 0.066, 1.0};
 
-struct Case {
-  NavState state;
-  Vector3d gyro = Vector3d::Zero();
-  Vector3d accel = Vector3d::Zero();
+using Case = test::StrapdownCase;
 
-  Matrix3d R() const { return state.q_WB.toRotationMatrix(); }
-  Vector3d w() const { return gyro - state.gyro_bias; }
-  Vector3d a() const { return accel - state.accel_bias; }
-};
-
-// At rest, hardly turning, and turning at some 2 rad/s.
 std::vector<Case> cases() {
-  test::Random random(1);
-  std::vector<Case> out(2);
-  out[0].accel = kGravity * Vector3d::UnitZ();
-  out[1] = {random.state(), Vector3d::Zero(), random.normal_vector(5.0)};
-  out[1].gyro = out[1].state.gyro_bias + 1e-8 * random.direction();
-  for (int i = 0; i < 3; ++i) {
-    out.push_back({random.state(), random.normal_vector(1.2), random.normal_vector(8.0)});
-  }
-  return out;
+  return test::strapdown_cases(3, 1.2);
 }
 
 // Largest entry of A - B, each relative to the sigmas of B.
@@ -60,7 +44,7 @@ double asymmetry(const Matrix15d& Q) {
 Matrix15d noise_reference(const Case& c, double dt, const ProcessNoise& n) {
   using namespace body;
   const auto derivative = [&](const Matrix15d& Q, double t) -> Matrix15d {
-    const Matrix3d R = c.R() * test::rotation_of(c.w() * t).toRotationMatrix();
+    const Matrix3d R = c.rotation() * test::rotation_of(c.w() * t).toRotationMatrix();
     Matrix15d F = Matrix15d::Zero();
     F.block<3, 3>(kAttitude, kAttitude) = -skew(c.w());
     F.block<3, 3>(kAttitude, kGyroBias) = -Matrix3d::Identity();
@@ -92,7 +76,7 @@ TEST(ProcessNoise, SolvesTheLyapunovEquation) {
   const ProcessNoise n{1.6e-7, 1.6e-5, 4e-10, 4e-8};
   for (const Case& c : cases()) {
     for (const double dt : kSteps) {
-      const Matrix15d Q = process_noise_covariance(c.R(), c.w(), c.a(), dt, n);
+      const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n);
       EXPECT_LT(asymmetry(Q), 1e-15);
       // beyond degree 5 the quadrature is not exact: 1e-3 of a sigma at a whole second and 3 rad/s
       const double tolerance = dt < 0.5 ? 1e-7 : 2e-3;
@@ -126,7 +110,7 @@ TEST(ProcessNoise, EqualsMonteCarlo) {
     const test::BodyVector e = test::error_of(x, nominal);
     sum += e * e.transpose();
   }
-  const Matrix15d Q = process_noise_covariance(c.R(), c.w(), c.a(), dt, n);
+  const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n);
   const Eigen::LLT<Matrix15d> llt(Q);
   ASSERT_EQ(llt.info(), Eigen::Success);
   const Matrix15d inverse = llt.matrixL().solve(Matrix15d::Identity());
@@ -154,7 +138,8 @@ TEST(ProcessNoise, InAGapEqualsMonteCarlo) {
   quiet.gap = 0.0;
   EXPECT_EQ(process_noise(o, quiet).gyro, 0.0);
   EXPECT_EQ(process_noise(o, quiet).accel, 0.0);
-  const Matrix15d Q = process_noise_covariance(c.R(), c.w(), c.a(), dt, process_noise(o, step));
+  const Matrix15d Q =
+      process_noise_covariance(c.rotation(), c.w(), c.a(), dt, process_noise(o, step));
 
   constexpr int kRuns = 10000;
   test::Random random(3);

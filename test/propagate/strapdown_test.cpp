@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "support/random_state.hpp"
+#include "support/strapdown_case.hpp"
 
 namespace rio {
 namespace {
@@ -52,26 +53,10 @@ NavState integrate_reference(const Vector3d& gyro, const Vector3d& accel, double
   return x;
 }
 
-struct Case {
-  NavState state;
-  Vector3d gyro = Vector3d::Zero();
-  Vector3d accel = Vector3d::Zero();
-
-  Matrix3d R() const { return state.q_WB.toRotationMatrix(); }
-  Vector3d w() const { return gyro - state.gyro_bias; }
-  Vector3d a() const { return accel - state.accel_bias; }
-};
+using Case = test::StrapdownCase;
 
 std::vector<Case> cases() {
-  test::Random random(1);
-  std::vector<Case> out(2);
-  out[0].accel = kGravity * Vector3d::UnitZ();
-  out[1] = {random.state(), Vector3d::Zero(), random.normal_vector(5.0)};
-  out[1].gyro = out[1].state.gyro_bias + 1e-8 * random.direction();
-  for (int i = 0; i < 4; ++i) {
-    out.push_back({random.state(), random.normal_vector(1.5), random.normal_vector(8.0)});
-  }
-  return out;
+  return test::strapdown_cases(4, 1.5);
 }
 
 TEST(Strapdown, IntegrateEqualsRungeKutta) {
@@ -114,7 +99,7 @@ TEST(Strapdown, TransitionIsTheDerivativeOfIntegrate) {
         expected.col(column) =
             (8.0 * (error(h) - error(-h)) - error(2 * h) + error(-2 * h)) / (12 * h);
       }
-      const Matrix15d actual = transition(c.R(), c.w(), c.a(), dt);
+      const Matrix15d actual = transition(c.rotation(), c.w(), c.a(), dt);
       for (int column = 0; column < body::kSize; ++column) {
         EXPECT_LT((actual - expected).col(column).cwiseAbs().maxCoeff(), 2e-11)
             << "column " << column << " dt " << dt;
@@ -130,8 +115,8 @@ TEST(Strapdown, TransitionsCompose) {
     NavState middle = c.state;
     integrate(c.gyro, c.accel, first, kGravity, middle);
     const Matrix15d chain = transition(middle.q_WB.toRotationMatrix(), c.w(), c.a(), second) *
-                            transition(c.R(), c.w(), c.a(), first);
-    const Matrix15d whole = transition(c.R(), c.w(), c.a(), first + second);
+                            transition(c.rotation(), c.w(), c.a(), first);
+    const Matrix15d whole = transition(c.rotation(), c.w(), c.a(), first + second);
     EXPECT_LT((chain - whole).cwiseAbs().maxCoeff(), 1e-13);
   }
 }

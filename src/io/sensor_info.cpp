@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From what a recording says of its sensors to options.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "rio/io/dataset.hpp"
+
+namespace rio::io {
+
+namespace {
+
+void copy(const std::optional<double>& from, double* to) {
+  if (from) *to = *from;
+}
+void copy_sigma(const std::optional<double>& from, double* to) {
+  if (from && *from > 0.0) *to = *from;
+}
+
+/// Widened by three sigmas on both sides; a sigma grows as 1/cos towards the edge.
+double widened_fov(double fov, double sigma) {
+  constexpr double kMinCosine = 0.25;  // as in frontend/detection.hpp
+  return std::min(std::numbers::pi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
+}
+
+}  // namespace
+
+void apply_sensor_info(const Dataset& dataset, Options* options) {
+  const ImuInfo& imu = dataset.imu_info;
+  copy(imu.gyro_noise_density, &options->imu.gyro_noise_density);
+  copy(imu.gyro_random_walk, &options->imu.gyro_random_walk);
+  copy(imu.accel_noise_density, &options->imu.accel_noise_density);
+  copy(imu.accel_random_walk, &options->imu.accel_random_walk);
+
+  const RadarInfo& info = dataset.radar_info;
+  RadarOptions& radar = options->radar;
+  if (info.T_BS) radar.T_BS = *info.T_BS;
+  copy_sigma(info.sigma_range, &radar.sigma_range);
+  copy_sigma(info.sigma_azimuth, &radar.sigma_azimuth);
+  copy_sigma(info.sigma_elevation, &radar.sigma_elevation);
+  copy_sigma(info.sigma_doppler, &radar.sigma_doppler);
+  copy(info.range_resolution, &radar.range_resolution);
+  copy(info.doppler_resolution, &radar.doppler_resolution);
+  if (info.max_range) radar.max_range = *info.max_range + 3.0 * radar.sigma_range;
+  if (info.fov_azimuth) radar.fov_azimuth = widened_fov(*info.fov_azimuth, radar.sigma_azimuth);
+  if (info.fov_elevation) {
+    radar.fov_elevation = widened_fov(*info.fov_elevation, radar.sigma_elevation);
+  }
+}
+
+}  // namespace rio::io

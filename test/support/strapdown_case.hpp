@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// States and IMU readings to try strapdown integration on.
+#pragma once
+
+#include <vector>
+
+#include "rio/types.hpp"
+#include "support/random_state.hpp"
+
+namespace rio::test {
+
+/// A state and the readings held over one step.
+struct StrapdownCase {
+  NavState state;
+  Vector3d gyro = Vector3d::Zero();
+  Vector3d accel = Vector3d::Zero();
+
+  Matrix3d rotation() const { return state.q_WB.toRotationMatrix(); }
+  Vector3d w() const { return gyro - state.gyro_bias; }
+  Vector3d a() const { return accel - state.accel_bias; }
+};
+
+/// At rest, hardly turning, and `turning` cases at some `rate` per axis [rad/s].
+inline std::vector<StrapdownCase> strapdown_cases(int turning, double rate) {
+  Random random(1);
+  std::vector<StrapdownCase> out(2);
+  out[0].accel = 9.81 * Vector3d::UnitZ();
+  out[1] = {random.state(), Vector3d::Zero(), random.normal_vector(5.0)};
+  out[1].gyro = out[1].state.gyro_bias + 1e-8 * random.direction();
+  for (int i = 0; i < turning; ++i) {
+    out.push_back({random.state(), random.normal_vector(rate), random.normal_vector(8.0)});
+  }
+  return out;
+}
+
+}  // namespace rio::test
