@@ -210,19 +210,39 @@ std::unique_ptr<Odometry> Odometry::create(const Options& options, std::string* 
 Odometry::Odometry(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Odometry::~Odometry() = default;
 
-Status Odometry::add_imu(const ImuSample& sample) noexcept { return impl_->add_imu(sample); }
-Status Odometry::add_scan(const RadarScan& scan) noexcept { return impl_->add_scan(scan); }
+Status Odometry::add_imu(const ImuSample& sample) noexcept {
+  return impl_->add_imu(sample);
+}
+Status Odometry::add_scan(const RadarScan& scan) noexcept {
+  return impl_->add_scan(scan);
+}
 Status Odometry::reset(const NavState& prior, const BodyCovariance& P0) noexcept {
   return impl_->reset(prior, P0);
 }
-void Odometry::reset() noexcept { impl_->reset(); }
+void Odometry::reset() noexcept {
+  impl_->reset();
+}
 
-bool Odometry::initialized() const noexcept { return impl_->initialized; }
-const NavState& Odometry::now() const noexcept { return impl_->predictor.state(); }
-const NavState& Odometry::at_scan() const noexcept { return impl_->at_scan(); }
-const BodyCovariance& Odometry::covariance() const noexcept { return impl_->covariance; }
-const Pose& Odometry::extrinsics() const noexcept { return impl_->extrinsics; }
-const UpdateReport& Odometry::report() const noexcept { return impl_->pipeline.report(); }
-const Counters& Odometry::counters() const noexcept { return impl_->counters; }
+bool Odometry::initialized() const noexcept {
+  return impl_->initialized;
+}
+const NavState& Odometry::now() const noexcept {
+  return impl_->predictor.state();
+}
+const NavState& Odometry::at_scan() const noexcept {
+  return impl_->at_scan();
+}
+const BodyCovariance& Odometry::covariance() const noexcept {
+  return impl_->covariance;
+}
+const Pose& Odometry::extrinsics() const noexcept {
+  return impl_->extrinsics;
+}
+const UpdateReport& Odometry::report() const noexcept {
+  return impl_->pipeline.report();
+}
+const Counters& Odometry::counters() const noexcept {
+  return impl_->counters;
+}
 
 }  // namespace rio

@@ -52,8 +52,9 @@ bool Options::validate(std::string* why) const {
 bool preset(const std::string& name, Options* options) {
   Options chosen;
   if (name == "published-ekf") {
-    // Michalczyk et al. 2023: N = 7, pairwise trail distances and range-only landmarks with a constant
-    // sigma of 4 cm, landmarks removed at their first miss, directions and calibration taken as exact
+    // Michalczyk et al. 2023: N = 7, pairwise trail distances and range-only landmarks with a
+    // constant sigma of 4 cm, landmarks removed at their first miss, directions and calibration
+    // taken as exact
     chosen.frontend.ransac_sigmas = 0.0;
     chosen.frontend.ransac_use_prediction = false;
     chosen.frontend.landmark_miss_tolerance = 0;

@@ -5,26 +5,40 @@ namespace rio {
 
 const char* to_string(Status status) {
   switch (status) {
-    case Status::kOk: return "kOk";
-    case Status::kWaiting: return "kWaiting";
-    case Status::kNotInitialized: return "kNotInitialized";
-    case Status::kMoving: return "kMoving";
-    case Status::kStale: return "kStale";
-    case Status::kDuplicate: return "kDuplicate";
-    case Status::kLate: return "kLate";
-    case Status::kQueueFull: return "kQueueFull";
-    case Status::kNonFinite: return "kNonFinite";
-    case Status::kNumerical: return "kNumerical";
+    case Status::kOk:
+      return "kOk";
+    case Status::kWaiting:
+      return "kWaiting";
+    case Status::kNotInitialized:
+      return "kNotInitialized";
+    case Status::kMoving:
+      return "kMoving";
+    case Status::kStale:
+      return "kStale";
+    case Status::kDuplicate:
+      return "kDuplicate";
+    case Status::kLate:
+      return "kLate";
+    case Status::kQueueFull:
+      return "kQueueFull";
+    case Status::kNonFinite:
+      return "kNonFinite";
+    case Status::kNumerical:
+      return "kNumerical";
   }
   return "unknown status";
 }
 
 const char* to_string(Model model) {
   switch (model) {
-    case Model::kDoppler: return "doppler";
-    case Model::kTrailDistance: return "trail_distance";
-    case Model::kLandmarkDistance: return "landmark_distance";
-    case Model::kCount: break;
+    case Model::kDoppler:
+      return "doppler";
+    case Model::kTrailDistance:
+      return "trail_distance";
+    case Model::kLandmarkDistance:
+      return "landmark_distance";
+    case Model::kCount:
+      break;
   }
   return "unknown model";
 }

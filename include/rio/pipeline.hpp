@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // DOOR 2, for researchers: the data flow of one scan, one call per stage, for any back-end. C++20.
 //
-//   (1) propagate -> (3) front-end -> (4) models -> (5) gate -> (6) update -> (7) promote -> (2) clone
+//   (1) propagate, (3) front-end, (4) models, (5) gate, (6) update, (7) promote, (2) clone
 //
-// Cloning comes last because a clone is the corrected pose of this scan, kept for the scans after it.
+// Cloning comes last: a clone is the corrected pose of this scan, kept for the scans after it.
 #pragma once
 
 #include "rio/ekf/ekf.hpp"
@@ -44,17 +44,17 @@ class Pipeline {
     report_ = UpdateReport{};
     report_.time = scan.time;
     const Time start = now();
-    report_.status = backend_.propagate(scan.time, imu, &report_.imu_gap);           // (1)
+    report_.status = backend_.propagate(scan.time, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
     report_.propagation_time = propagated - start;
     if (report_.status != Status::kOk) return report_.status;
 
-    frontend_.observe(scan, backend_.estimate(), &seen_);                            // (3)
-    report_.status = backend_.update(seen_, &report_);                               // (4) (5) (6)
+    frontend_.observe(scan, backend_.estimate(), &seen_);  // (3)
+    report_.status = backend_.update(seen_, &report_);     // (4) (5) (6)
     if (report_.status == Status::kOk) {
       frontend_.advance(seen_, next_scan_, backend_.landmark_room(), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
-      backend_.clone(next_scan_);                                                    // (2)
+      backend_.clone(next_scan_);  // (2)
       ++next_scan_;
     }
     summarise(scan);

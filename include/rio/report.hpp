@@ -65,24 +65,24 @@ struct UpdateReport {
 
   Time time{0};
   Status status = Status::kOk;
-  int detections = 0;           ///< in the scan as received
-  int detections_kept = 0;      ///< after the filter
-  int static_detections = 0;    ///< inliers of the ego-velocity consensus
+  int detections = 0;                          ///< in the scan as received
+  int detections_kept = 0;                     ///< after the filter
+  int static_detections = 0;                   ///< inliers of the ego-velocity consensus
   Vector3d ego_velocity_S = Vector3d::Zero();  ///< RANSAC estimate, radar frame [m/s]
   bool ego_velocity_valid = false;
-  int trails = 0;               ///< alive after the update
+  int trails = 0;  ///< alive after the update
   int trails_matched = 0;
   int clones = 0;
-  int landmarks = 0;            ///< in the state after the update
+  int landmarks = 0;  ///< in the state after the update
   int landmarks_matched = 0;
   int landmarks_added = 0;
   int landmarks_removed = 0;
-  bool imu_gap = false;         ///< the propagation to this scan crossed a gap
-  Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
-  Time update_time{0};          ///< same, front-end to promotion
+  bool imu_gap = false;      ///< the propagation to this scan crossed a gap
+  Time propagation_time{0};  ///< time spent, if TimingOptions::clock is given
+  Time update_time{0};       ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
   StaticVector<InnovationRecord, kMaxRecords> records;
-  int records_dropped = 0;      ///< blocks beyond kMaxRecords (still counted in `models`)
+  int records_dropped = 0;  ///< blocks beyond kMaxRecords (still counted in `models`)
 };
 
 /// Running totals since create() or reset().

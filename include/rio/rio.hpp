@@ -6,9 +6,9 @@
 //   odometry->add_scan(scan);     // each radar scan
 //
 // The estimate lives at the time of the newest processed scan; a predictor carries it through the
-// buffered IMU samples to now(). One thread feeds both calls; there is no lock, no thread, no clock,
-// no logging and, after create(), no allocation inside. The same binary fed in the same order
-// gives the same bytes.
+// buffered IMU samples to now(). One thread feeds both calls; there is no lock, no thread, no
+// clock, no logging and, after create(), no allocation inside. The same binary fed in the same
+// order gives the same bytes.
 #pragma once
 
 #include <memory>
@@ -22,7 +22,7 @@ namespace rio {
 
 class Odometry {
  public:
-  /// Validates the options and allocates everything; null, with the reason in `why`, if they are bad.
+  /// Validates the options and allocates everything. Bad options: null, and the reason in `why`.
   [[nodiscard]] static std::unique_ptr<Odometry> create(const Options& options,
                                                         std::string* why = nullptr);
   ~Odometry();
@@ -37,9 +37,9 @@ class Odometry {
   /// (kWaiting). kDuplicate, kLate, kQueueFull, kNonFinite, kNotInitialized: dropped and counted.
   [[nodiscard]] Status add_scan(const RadarScan& scan) noexcept;
 
-  /// Starts, or starts over, from a known state. `prior.time` may lie before, at or after the newest
-  /// IMU sample. kNonFinite if a value is not finite, kNumerical if P0 is not symmetric positive
-  /// semi-definite; nothing changes then.
+  /// Starts, or starts over, from a known state. `prior.time` may lie before, at or after the
+  /// newest IMU sample. kNonFinite if a value is not finite, kNumerical if P0 is not symmetric
+  /// positive semi-definite; nothing changes then.
   /// @param P0 covariance of the body error state, order of namespace body, SI units
   [[nodiscard]] Status reset(const NavState& prior, const BodyCovariance& P0) noexcept;
   /// Forgets everything and returns to the start mode of the options (static alignment).
@@ -48,7 +48,8 @@ class Odometry {
   bool initialized() const noexcept;
   /// Estimate at the newest IMU sample: at_scan() carried on by the strapdown equations.
   const NavState& now() const noexcept;
-  /// Estimate at the newest processed scan (before the first: the start).
+  /// Estimate at the newest processed scan. Before the first it is the start; while the radar is
+  /// silent it follows the IMU at TimingOptions::max_lag.
   const NavState& at_scan() const noexcept;
   /// Covariance of at_scan(), order of namespace body.
   const BodyCovariance& covariance() const noexcept;

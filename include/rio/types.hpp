@@ -69,11 +69,11 @@ struct NavState {
 
 /// Error order of the body state: R = R^ Exp(dphi), all else true = estimate + error.
 namespace body {
-inline constexpr int kAttitude = 0;   ///< dphi, local (right), body axes [rad]
-inline constexpr int kPosition = 3;   ///< dp [m]
-inline constexpr int kVelocity = 6;   ///< dv [m/s]
-inline constexpr int kGyroBias = 9;   ///< dbg [rad/s]
-inline constexpr int kAccelBias = 12; ///< dba [m/s^2]
+inline constexpr int kAttitude = 0;    ///< dphi, local (right), body axes [rad]
+inline constexpr int kPosition = 3;    ///< dp [m]
+inline constexpr int kVelocity = 6;    ///< dv [m/s]
+inline constexpr int kGyroBias = 9;    ///< dbg [rad/s]
+inline constexpr int kAccelBias = 12;  ///< dba [m/s^2]
 inline constexpr int kSize = 15;
 }  // namespace body
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RIO_ASSERT: programmer errors, checked unless NDEBUG is defined; the handler is replaceable. C++17.
+// RIO_ASSERT: programmer errors, checked unless NDEBUG is defined; replaceable handler. C++17.
 #pragma once
 
 #include <cstdio>

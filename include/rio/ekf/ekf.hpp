@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Back-end 1: the multi-state error-state Kalman filter (Michalczyk et al., ICRA 2023).
 //
-// Stages 1, 2, 4 to 7 on the mean; everything about P is asked of ekf/covariance.hpp. The rows of one
-// scan are linearised at the predicted state, gated against the predicted covariance, and applied at once.
+// Stages 1, 2, 4 to 7 on the mean; everything about P is asked of ekf/covariance.hpp. The rows of
+// one scan are linearised at the predicted state, gated against the predicted covariance, and
+// applied at once.
 #pragma once
 
 #include <cmath>
@@ -96,10 +97,9 @@ class Ekf {
     for (const Detection& d : promotions.births) {
       if (landmark_room() == 0) break;
       const InverseObservation inverse(T_WB, T_BS, d.point_S);
-      covariance_.add_landmark(
-          static_cast<int>(estimate_.landmarks.size()), inverse.d_l_d_body,
-          inverse.d_l_d_extrinsics,
-          inverse.d_l_d_m * point_covariance(d) * inverse.d_l_d_m.transpose());
+      covariance_.add_landmark(static_cast<int>(estimate_.landmarks.size()), inverse.d_l_d_body,
+                               inverse.d_l_d_extrinsics,
+                               inverse.d_l_d_m * point_covariance(d) * inverse.d_l_d_m.transpose());
       estimate_.landmarks.push_back({inverse.p_WL, 0});
       ++report->landmarks_added;
     }
@@ -143,12 +143,11 @@ class Ekf {
       for (const TrailElement& past : (*seen.trails)[m.target].elements) {
         const int clone = estimate_.find_clone(past.scan);
         if (clone < 0) continue;
-        const auto z =
-            TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
+        const auto z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
         if (!open) batch_.begin_block();
         open = joint;
-        const bool valid = linearize(trail_, z, TrailDistanceModel::Blocks{}, x, {clone, 0},
-                                     layout_, &batch_);
+        const bool valid =
+            linearize(trail_, z, TrailDistanceModel::Blocks{}, x, {clone, 0}, layout_, &batch_);
         if (joint) batch_.share_variance(trail_.shared_variance(z));
         if (!joint) decide(TrailDistanceModel::kModel, m.detection, valid, report);
       }

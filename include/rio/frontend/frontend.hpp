@@ -103,8 +103,8 @@ class Frontend {
     return T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
   }
 
-  /// Landmarks and the newest detection of each trail, moved into the current radar frame, against the
-  /// static detections: Euclidean distance, gated, optimal one-to-one.
+  /// Landmarks and the newest detection of each trail, moved into the current radar frame, against
+  /// the static detections: Euclidean distance, gated, optimal one-to-one.
   void associate(const Estimate& predicted, Observations* out) {
     const RigidPose T_WB = predicted.T_WB();
     const RigidPose T_BS(predicted.T_BS);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stages 3 and 7: measurement trails: which detections of past scans belong to one point.
 //
-// A trail is born from an unmatched static detection, extended by each match, and dies at its first miss.
-// It keeps at most N elements, one per cloned pose and without gaps, so every element has its clone.
-// Reference: Michalczyk et al. 2023, II-B and Fig. 2.
+// A trail is born from an unmatched static detection, extended by each match, and dies at its first
+// miss. It keeps at most N elements, one per cloned pose and without gaps, so every element has its
+// clone. Reference: Michalczyk et al. 2023, II-B and Fig. 2.
 #pragma once
 
 #include <cstddef>

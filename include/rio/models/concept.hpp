@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 4: what a measurement model is. Written once, it serves every back-end.
 //
-// A model is pure: it evaluates, and does not gate, weight, look up columns, allocate or log. It has
+// A model is pure: it evaluates, and does not gate, weight, look up columns, allocate or log.
 //   kModel        its name in the report
 //   kDim          rows of one measurement
 //   Blocks        BlockList<...> of the state blocks it touches, in Jacobian column order
 //   Measurement   what was measured, with its own noise
 //   evaluate(z, value of each block ..., r, J, R) -> bool
-//     r = z - h(x);  J = dh/dx in the errors of the blocks, may be null;  R = covariance of r at the
-//     true state; false = outside the model's domain, outputs undefined. Same r with and without J.
+//     r = z - h(x);  J = dh/dx in the errors of the blocks, may be null;  R = covariance of r at
+//     the true state; false = outside the model's domain, outputs undefined. Same r with and
+//     without J.
 #pragma once
 
 #include <concepts>
@@ -45,12 +46,11 @@ bool evaluate(const M& model, const typename M::Measurement& z,
 }
 
 template <class M>
-concept MeasurementModel =
-    requires(const M& model, const typename M::Measurement& z,
-             const typename M::Blocks::Values& blocks, Evaluation<M>* out) {
-      { M::kModel } -> std::convertible_to<Model>;
-      { M::kDim } -> std::convertible_to<int>;
-      { evaluate(model, z, blocks, out) } -> std::same_as<bool>;
-    };
+concept MeasurementModel = requires(const M& model, const typename M::Measurement& z,
+                                    const typename M::Blocks::Values& blocks, Evaluation<M>* out) {
+  { M::kModel } -> std::convertible_to<Model>;
+  { M::kDim } -> std::convertible_to<int>;
+  { evaluate(model, z, blocks, out) } -> std::same_as<bool>;
+};
 
 }  // namespace rio

@@ -5,10 +5,10 @@
 // (E1) h = -u^T v_S                             positive = receding
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is measured too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
-// Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own noise.
-// Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u v_S and
-// u^ = u - E[d | r]. Using u itself shrinks the velocity along badly measured angles (errors in
-// variables). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
+// Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
+// noise. Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u
+// v_S and u^ = u - E[d | r]. Using u itself shrinks the velocity along badly measured angles
+// (errors in variables). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
 #pragma once
 
 #include "rio/frontend/detection.hpp"
@@ -24,12 +24,12 @@ class DopplerModel {
   using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics>;
 
   struct Measurement {
-    double range_rate = 0.0;                   ///< [m/s]
-    double sigma_doppler = 0.0;                ///< [m/s]
-    Vector3d direction_S = Vector3d::UnitX();  ///< measured u
-    Matrix3d direction_cov = Matrix3d::Zero(); ///< Sigma_u
-    Vector3d gyro_B = Vector3d::Zero();        ///< measured angular rate at the scan [rad/s]
-    double predicted_var = 0.0;                ///< P_h: variance of h by the state's error [m^2/s^2]
+    double range_rate = 0.0;                    ///< [m/s]
+    double sigma_doppler = 0.0;                 ///< [m/s]
+    Vector3d direction_S = Vector3d::UnitX();   ///< measured u
+    Matrix3d direction_cov = Matrix3d::Zero();  ///< Sigma_u
+    Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
+    double predicted_var = 0.0;  ///< P_h: variance of h by the state's error [m^2/s^2]
   };
 
   /// @param direction_noise (E2), else R = sigma_D^2

@@ -4,8 +4,8 @@
 // q = R_BS m + p_BS (past detection m in the body axes of then),  W = R_c q + p_c,
 // e = R_BS^T (R_WB^T (W - p_WB) - p_BS),  u = e/|e|,  a = R_BS u
 // (E1) h = |e|
-// (E2) R = sigma_d^2, or u^T D Sigma_m D^T u + sigma_r^2 with D = de/dm; the part sigma_r^2 (current
-//      range) is the same for all elements of a trail: shared_variance()
+// (E2) R = sigma_d^2, or u^T D Sigma_m D^T u + sigma_r^2 with D = de/dm; sigma_r, that of the
+//      current range, is the same for all elements of a trail: shared_variance()
 // Reference: Michalczyk et al. 2023, eq. 8-9.
 #pragma once
 
@@ -23,10 +23,10 @@ class TrailDistanceModel {
   using Blocks = BlockList<BodyPose, ClonePose, Extrinsics>;
 
   struct Measurement {
-    double range = 0.0;                       ///< now [m]
-    double sigma_range = 0.0;                 ///< now [m]
-    Vector3d past_S = Vector3d::Zero();       ///< past detection, radar axes of then [m]
-    Matrix3d past_cov = Matrix3d::Zero();     ///< its covariance [m^2]
+    double range = 0.0;                    ///< now [m]
+    double sigma_range = 0.0;              ///< now [m]
+    Vector3d past_S = Vector3d::Zero();    ///< past detection, radar axes of then [m]
+    Matrix3d past_cov = Matrix3d::Zero();  ///< its covariance [m^2]
   };
 
   /// @param sigma_distance constant sigma of TrailNoise::kIndependent [m]

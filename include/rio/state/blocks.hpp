@@ -20,8 +20,7 @@ struct RigidPose {
 
   RigidPose() = default;
   RigidPose(const Matrix3d& rotation, const Vector3d& translation) : R(rotation), p(translation) {}
-  explicit RigidPose(const Pose& pose)
-      : R(pose.rotation.toRotationMatrix()), p(pose.translation) {}
+  explicit RigidPose(const Pose& pose) : R(pose.rotation.toRotationMatrix()), p(pose.translation) {}
 };
 
 /// Blocks of pose type: error [dphi, dp].
@@ -39,11 +38,11 @@ struct VectorBlock {
   static Value retract(const Value& x, const Vector3d& error) { return x + error; }
 };
 
-struct BodyPose : PoseBlock {};      ///< T_WB at the scan: columns kAttitude, kPosition
+struct BodyPose : PoseBlock {};        ///< T_WB at the scan: columns kAttitude, kPosition
 struct BodyVelocity : VectorBlock {};  ///< v_WB [m/s]
 struct GyroBias : VectorBlock {};      ///< [rad/s]
-struct ClonePose : PoseBlock {};     ///< T_WB at a past scan
-struct Extrinsics : PoseBlock {};    ///< T_BS
+struct ClonePose : PoseBlock {};       ///< T_WB at a past scan
+struct Extrinsics : PoseBlock {};      ///< T_BS
 struct Landmark : VectorBlock {};      ///< p_WL [m]
 
 /// The blocks of one model, in the column order of its Jacobian.

@@ -10,9 +10,10 @@
 
 namespace rio {
 
-inline constexpr std::size_t kMaxClones = 20;      ///< upper bound of UpdateOptions::max_clones
-inline constexpr std::size_t kMaxLandmarks = 64;   ///< upper bound of UpdateOptions::max_landmarks
-inline constexpr std::size_t kMaxDetections = 256; ///< upper bound of FrontendOptions::max_detections
+/// Upper bounds of the options max_clones, max_landmarks and max_detections.
+inline constexpr std::size_t kMaxClones = 20;
+inline constexpr std::size_t kMaxLandmarks = 64;
+inline constexpr std::size_t kMaxDetections = 256;
 
 /// Scans are numbered in the order they are processed.
 using ScanId = std::uint64_t;
@@ -48,11 +49,11 @@ struct Estimate {
   }
 };
 
-/// Radar point in world coordinates: the inverse observation model (Michalczyk et al. 2023, eq. 12).
+/// Radar point in world coordinates: the inverse observation model (ICRA 2023, eq. 12).
 inline Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S) {
   return T_WB.R * (T_BS.R * point_S + T_BS.p) + T_WB.p;
 }
-/// World point in radar coordinates (Michalczyk et al. 2023, eq. 13).
+/// World point in radar coordinates (ICRA 2023, eq. 13).
 inline Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W) {
   return T_BS.R.transpose() * (T_WB.R.transpose() * (point_W - T_WB.p) - T_BS.p);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where each block lives in the error state: [body 15 | extrinsics 0 or 6 | clones 6 N | landmarks 3 M].
+// Where each block lives in the error state:
+//   [body 15 | extrinsics 0 or 6 | clones 6 N | landmarks 3 M]
 //
 // The clone region always has room for N clones; a new clone takes the place of the oldest one, so
 // marginalising a clone moves nothing. Landmarks stand last because their number changes.

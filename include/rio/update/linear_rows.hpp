@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 5: linearised measurement rows that know which columns of the error state they touch.
 //
-// A row is r = h . dx + n with a few non-zero segments in h. The rows of one block share a verdict and
-// may share a noise: R_block = diag(own) + shared 1 1^T.
+// A row is r = h . dx + n with a few non-zero segments in h. The rows of one block share a verdict
+// and may share a noise: R_block = diag(own) + shared 1 1^T.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -77,8 +77,7 @@ class RowBatch {
   /// Appends an evaluation to the open block. Rows of more than one dimension are whitened first.
   /// @param columns first column of each of the model's blocks in the error state; -1 = fixed
   template <class M, class... B>
-  void push(const Evaluation<M>& e, BlockList<B...>,
-            const std::array<int, sizeof...(B)>& columns) {
+  void push(const Evaluation<M>& e, BlockList<B...>, const std::array<int, sizeof...(B)>& columns) {
     static_assert(M::Blocks::kDof <= static_cast<int>(LinearRow::kMaxColumns));
     static_assert(sizeof...(B) <= LinearRow::kMaxSegments);
     constexpr std::array<int, sizeof...(B)> kLengths = {B::kDof...};
