@@ -31,6 +31,7 @@ class Odometry {
 
   /// Takes one IMU sample; stamps must strictly increase (else kStale). O(1), except that a scan
   /// waiting for this sample is processed here, which shows in report().time and counters().scans.
+  /// During static alignment kMoving says that a window was refused and a new one begins.
   [[nodiscard]] Status add_imu(const ImuSample& sample) noexcept;
 
   /// Takes one radar scan. Processed at once when the IMU has reached its stamp (kOk), else queued
