@@ -14,7 +14,7 @@ long AllocationGuard::total() {
 }
 }  // namespace rio::test
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if RIO_COUNTS_ALLOCATIONS
 // malloc and its relatives, replaced by counting ones; operator new and Eigen both come here. glibc
 // keeps the originals under these names.
 extern "C" {

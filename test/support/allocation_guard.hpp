@@ -2,27 +2,27 @@
 // Counts heap allocations, those of Eigen included: link test/support/allocation_guard.cpp.
 #pragma once
 
+// A sanitizer owns malloc: g++ tells of it by macros, clang by features.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define RIO_COUNTS_ALLOCATIONS 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define RIO_COUNTS_ALLOCATIONS 0
+#endif
+#endif
+#ifndef RIO_COUNTS_ALLOCATIONS
+#define RIO_COUNTS_ALLOCATIONS 1
+#endif
+
 namespace rio::test {
 
 /// Allocations by this thread since construction.
 class AllocationGuard {
  public:
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  static constexpr bool kWorks = false;  // the sanitizer owns malloc
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-  static constexpr bool kWorks = false;
-#else
-  static constexpr bool kWorks = true;
-#endif
-#else
-  static constexpr bool kWorks = true;
-#endif
+  static constexpr bool kWorks = RIO_COUNTS_ALLOCATIONS != 0;
 
   AllocationGuard() : begin_(total()) {}
-  long count() const {
-    return total() - begin_;
-  }
+  long count() const { return total() - begin_; }
 
  private:
   static long total();
