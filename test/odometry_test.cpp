@@ -5,11 +5,16 @@
 #include <cmath>
 #include <limits>
 
-#include "support/replay.hpp"
+#include <gtest/gtest.h>
+
+#include "experiment/trial.hpp"
 
 namespace rio::test {
 namespace {
 
+using experiment::options_for;
+using experiment::replay;
+using experiment::Step;
 using std::chrono::milliseconds;
 
 /// A short flight, and an estimator started at its true first state.
@@ -17,9 +22,9 @@ class OdometryTest : public testing::Test {
  protected:
   static const sim::Flight& flight() {
     static const sim::Flight flight = [] {
-      sim::FlightOptions o;
+      sim::Scenario o;
       o.seed = 5;
-      o.length_m = 20.0;
+      o.path.length = 20.0;
       o.max_duration = 12.0;
       return sim::simulate_flight(o);
     }();
@@ -65,7 +70,7 @@ TEST_F(OdometryTest, BadOptionsGiveNullAndAReason) {
 
 TEST_F(OdometryTest, TracksTheFlight) {
   auto odometry = started();
-  const std::vector<Step> steps = replay(flight(), *odometry);
+  const std::vector<Step> steps = replay(flight(), *odometry).steps;
   ASSERT_EQ(steps.size(), flight().scans.size());
   EXPECT_LT((steps.back().estimate.p_WB - steps.back().truth.p_WB).norm(), 0.2);
   EXPECT_EQ(odometry->counters().scans, steps.size());
@@ -74,8 +79,8 @@ TEST_F(OdometryTest, TracksTheFlight) {
 TEST_F(OdometryTest, SameInputGivesTheSameBytes) {
   auto first = started();
   auto second = started();
-  const auto a = replay(flight(), *first);
-  const auto b = replay(flight(), *second);
+  const auto a = replay(flight(), *first).steps;
+  const auto b = replay(flight(), *second).steps;
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
     ASSERT_TRUE(same(a[i].estimate, b[i].estimate));

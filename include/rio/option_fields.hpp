@@ -4,22 +4,13 @@
 // option. C++17.
 #pragma once
 
-#include <charconv>
-#include <cmath>
 #include <string>
+#include <type_traits>
 
+#include "rio/core/field.hpp"
 #include "rio/options.hpp"
 
 namespace rio {
-
-/// One row of the table; `min` and `max` are allowed values (numbers only), `unit` is SI or "".
-struct FieldInfo {
-  const char* key;
-  const char* unit;
-  const char* doc;
-  double min;
-  double max;
-};
 
 /// Capacities the estimator is compiled with; src/options.cpp checks that they agree with the
 /// stages.
@@ -32,7 +23,8 @@ inline constexpr int kLandmarks = 64;
 /// Calls visit(FieldInfo, field) for every field in file order. Field types: double, int, bool,
 /// TrailNoise, Vector3d, Quaternion. `o` is Options or const Options.
 template <class OptionsT, class Visitor>
-void visit_fields(OptionsT& o, Visitor&& visit) {
+std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_fields(
+    OptionsT& o, Visitor&& visit) {
   constexpr double kPi = 3.14159265358979323846;
   const auto field = [&visit](const char* key, auto& value, const char* unit, double min,
                               double max, const char* doc) {
@@ -153,46 +145,8 @@ void visit_fields(OptionsT& o, Visitor&& visit) {
         "The estimate follows the IMU at most this far behind.");
 }
 
-namespace option_detail {
-
-/// Shortest decimal text that reads back as the same number.
-template <class Number>
-std::string to_text(Number value) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  return std::string(buffer, end);
-}
-
-}  // namespace option_detail
-
-/// What is wrong with a value, as in "update.max_clones = 30 is outside [0, 20]"; empty if nothing
-/// is.
-inline std::string field_error(const FieldInfo& info, double value) {
-  if (value >= info.min && value <= info.max) return {};
-  using option_detail::to_text;
-  const std::string unit = *info.unit == '\0' ? "" : std::string(" ") + info.unit;
-  return std::string(info.key) + " = " + to_text(value) + " is outside [" + to_text(info.min) +
-         ", " + to_text(info.max) + "]" + unit;
-}
-inline std::string field_error(const FieldInfo& info, int value) {
-  return field_error(info, static_cast<double>(value));
-}
-inline std::string field_error(const FieldInfo&, bool) {
-  return {};
-}
 inline std::string field_error(const FieldInfo& info, TrailNoise value) {
   return field_error(info, static_cast<double>(value));
-}
-inline std::string field_error(const FieldInfo& info, const Vector3d& value) {
-  for (int i = 0; i < 3; ++i) {
-    std::string error = field_error(info, value[i]);
-    if (!error.empty()) return error;
-  }
-  return {};
-}
-inline std::string field_error(const FieldInfo& info, const Quaternion& value) {
-  if (std::abs(value.norm() - 1.0) < 1e-6) return {};
-  return std::string(info.key) + " is not a unit quaternion";
 }
 
 }  // namespace rio

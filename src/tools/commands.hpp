@@ -12,7 +12,9 @@ namespace rio::tools {
 void add_replay_command(CLI::App& app);
 void add_options_command(CLI::App& app);
 void add_simulate_command(CLI::App& app);
+void add_scenarios_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_experiment_command(CLI::App& app);
 void add_plot_command(CLI::App& app);
 
 }  // namespace rio::tools

@@ -10,12 +10,14 @@
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app("Radar-inertial odometry: replay, simulate, evaluate and plot recordings", "rio");
+  CLI::App app("Radar-inertial odometry: replay, simulate, evaluate and compare", "rio");
   app.set_version_flag("--version", RIO_VERSION);
   app.require_subcommand(1);
   rio::tools::add_replay_command(app);
   rio::tools::add_simulate_command(app);
+  rio::tools::add_scenarios_command(app);
   rio::tools::add_evaluate_command(app);
+  rio::tools::add_experiment_command(app);
   rio::tools::add_plot_command(app);
   rio::tools::add_options_command(app);
   try {

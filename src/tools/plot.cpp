@@ -2,7 +2,6 @@
 // `rio plot`: estimates, and their errors if the truth is known, as one self-contained SVG file.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -13,21 +12,26 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "plot/axes.hpp"
+#include "plot/colours.hpp"
+#include "plot/legend.hpp"
+#include "plot/svg.hpp"
 #include "rio/eval/alignment.hpp"
 #include "rio/eval/association.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/io/text_file.hpp"
 #include "rio/io/trajectory.hpp"
-#include "svg.hpp"
 
 namespace rio::tools {
 
 namespace {
 
-/// Okabe and Ito, 2008: distinct for colour-blind readers; the truth is a broad grey line below.
-constexpr std::array<const char*, 6> kColours = {"#0072b2", "#d55e00", "#009e73",
-                                                 "#cc79a7", "#e69f00", "#56b4e9"};
-constexpr double kCurveWidth = 1.6;
+using plot::Axes;
+using plot::Legend;
+using plot::Point;
+using plot::Range;
+using plot::Stroke;
+using plot::Svg;
 
 struct Arguments {
   std::vector<std::string> estimates;
@@ -159,7 +163,7 @@ void draw_plan(Svg* svg, double left, double top, double size, const std::vector
   x = x.padded(0.05, 0.1);
   y = y.padded(0.05, 0.1);
   make_equal(&x, &y);
-  Axes axes(svg, left, top, size, size, x, y);
+  const Axes axes(svg, {left, top, size, size}, x, y);
   axes.draw("Plan view", "x [m]", "y [m]");
   for (std::size_t i = 0; i < all.size(); ++i) axes.curve(curves[i], all[i].stroke);
   for (const Series& series : all) {
@@ -181,8 +185,8 @@ struct TimePanel {
   bool from_zero = false;
 };
 
-void draw_panel(Svg* svg, double left, double top, double width, double height, const Range& time,
-                const TimePanel& panel, const std::vector<Series>& all, bool last) {
+void draw_panel(Svg* svg, const plot::Box& box, const Range& time, const TimePanel& panel,
+                const std::vector<Series>& all, bool last) {
   Range y;
   for (const auto& curve : panel.curves) {
     for (const Point& point : curve) y.add(point.y);
@@ -190,47 +194,32 @@ void draw_panel(Svg* svg, double left, double top, double width, double height, 
   if (panel.from_zero) y.add(0.0);
   y = y.padded(0.06, panel.smallest_span);
   if (panel.from_zero) y.low = 0.0;
-  Axes axes(svg, left, top, width, height, time, y);
+  const Axes axes(svg, box, time, y);
   axes.draw(panel.title, last ? "time [s]" : "", panel.unit);
   for (std::size_t i = 0; i < all.size(); ++i) axes.curve(panel.curves[i], all[i].stroke);
 }
 
-/// Line samples and names, wrapped to the width; then what the markers mean.
+/// Line samples and names, then what the markers mean; returns where the last line is.
 double draw_legend(Svg* svg, double left, double top, double right,
                    const std::vector<Series>& all) {
-  const double line_height = 22.0;
-  const double character = 6.8;  // mean width at 13 px; the exact one depends on the reader's font
-  double x = left;
-  double y = top;
-  const auto room = [&](const std::string& text) {
-    const double width = 38.0 + character * static_cast<double>(text.size());
-    if (x > left && x + width > right) {
-      x = left;
-      y += line_height;
-    }
-    x += width + 18.0;
-    return Point{x - width - 18.0, y};
-  };
+  Legend legend(svg, left, top, right);
   for (const Series& series : all) {
     std::string text = series.label;
     if (!series.pairs.empty()) {
-      text += " (RMSE " + fixed(eval::norm_of_rmse(series.pairs), 2) + " m";
+      text += " (RMSE " + plot::fixed(eval::norm_of_rmse(series.pairs), 2) + " m";
       const double drift = eval::final_drift(series.pairs);
-      if (std::isfinite(drift)) text += ", final drift " + fixed(drift, 2) + " %";
+      if (std::isfinite(drift)) text += ", final drift " + plot::fixed(drift, 2) + " %";
       text += ")";
     }
-    const Point at = room(text);
-    svg->line({at.x, at.y}, {at.x + 28.0, at.y},
-              {series.stroke.colour, std::max(3.0, series.stroke.width), series.stroke.dashed});
-    svg->text({at.x + 36.0, at.y + 4.5}, text, {13.0});
+    legend.line(text, series.stroke);
   }
-  const Point start = room("start");
-  svg->circle({start.x + 24.0, start.y}, 5.0, "#ffffff", {"#555555", 2.0});
-  svg->text({start.x + 36.0, start.y + 4.5}, "start", {13.0});
-  const Point end = room("end");
-  svg->rectangle(end.x + 19.5, end.y - 4.5, 9.0, 9.0, "#555555", {"none", 0.0});
-  svg->text({end.x + 36.0, end.y + 4.5}, "end", {13.0});
-  return y;
+  legend.entry("start", [svg](Point at) {
+    svg->circle({at.x + 24.0, at.y}, 5.0, "#ffffff", {"#555555", 2.0});
+  });
+  legend.entry("end", [svg](Point at) {
+    svg->rectangle(at.x + 19.5, at.y - 4.5, 9.0, 9.0, "#555555", {"none", 0.0});
+  });
+  return legend.bottom();
 }
 
 /// All series, the truth (if `with_truth`) first.
@@ -270,8 +259,9 @@ std::string draw(const std::vector<Series>& all, bool with_truth) {
   const double count = static_cast<double>(panels.size());
   const double panel_height = (plan_size - gap * (count - 1.0)) / count;
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    draw_panel(&svg, panel_left, top + static_cast<double>(i) * (panel_height + gap), panel_width,
-               panel_height, time, panels[i], all, i + 1 == panels.size());
+    const double panel_top = top + static_cast<double>(i) * (panel_height + gap);
+    draw_panel(&svg, {panel_left, panel_top, panel_width, panel_height}, time, panels[i], all,
+               i + 1 == panels.size());
   }
   return svg.str();
 }
@@ -306,10 +296,7 @@ void run(const Arguments& arguments) {
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     eval::Trajectory poses = io::read_trajectory(arguments.estimates[i]);
-    Series series{labels[i],
-                  {kColours[i % kColours.size()], kCurveWidth, i >= kColours.size()},
-                  std::move(poses),
-                  {}};
+    Series series{labels[i], plot::curve_stroke(i), std::move(poses), {}};
     if (with_truth) {
       series.pairs = eval::associate(truth, series.poses).pairs;
       if (series.pairs.size() < 2) {

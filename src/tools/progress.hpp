@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A progress bar on stderr, shown only when stderr is a terminal and stdout is not.
+// A progress bar on stderr, shown only when stderr is a terminal.
 #pragma once
 
 #include <unistd.h>
@@ -12,8 +12,8 @@ namespace rio::tools {
 
 class Progress {
  public:
-  explicit Progress(std::size_t total)
-      : total_(total), shown_(total > 0 && isatty(STDERR_FILENO) && !isatty(STDOUT_FILENO)) {}
+  /// @param wanted false: never shown, as when other lines go to the same terminal
+  explicit Progress(bool wanted) : shown_(wanted && isatty(STDERR_FILENO) != 0) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() {
@@ -21,9 +21,9 @@ class Progress {
   }
 
   /// Draws only when the percentage changes.
-  void show(std::size_t done) {
-    if (!shown_) return;
-    const auto percent = static_cast<int>(100 * done / total_);
+  void show(std::size_t done, std::size_t total) {
+    if (!shown_ || total == 0) return;
+    const auto percent = static_cast<int>(100 * done / total);
     if (percent == percent_) return;
     percent_ = percent;
     const std::string bar(static_cast<std::size_t>(percent * kWidth / 100), '#');
@@ -33,7 +33,6 @@ class Progress {
  private:
   static constexpr int kWidth = 50;
 
-  std::size_t total_;
   bool shown_;
   int percent_ = -1;
 };

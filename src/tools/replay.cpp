@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio replay`: a recording through the estimator, as a flight stack would feed it.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -171,9 +172,9 @@ class Replay {
   }
 
   ReplaySummary run() {
-    Progress progress(dataset_.imu.size());
+    Progress progress(isatty(STDOUT_FILENO) == 0);
     while (imu_ < dataset_.imu.size()) {
-      progress.show(imu_);
+      progress.show(imu_, dataset_.imu.size());
       const bool scan_first = scan_ < dataset_.scans.size() && !waiting_ &&
                               dataset_.scans[scan_].time < dataset_.imu[imu_].time;
       if (scan_first) {

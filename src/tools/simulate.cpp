@@ -1,27 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio simulate`: an indoor flight with exact truth, written as a dataset.
+// `rio simulate`: a flight of a scenario with exact truth, written as a dataset.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "commands.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/io/scenario_yaml.hpp"
 #include "rio/io/text_file.hpp"
-#include "rio/sim/flight.hpp"
 
 namespace rio::tools {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Arguments {
   std::string out;
-  std::uint64_t seed = 1;
-  double length = 150.0;
+  std::string scenario;  ///< name or file; empty = the default scenario
+  std::optional<std::uint64_t> seed;
+  std::optional<double> length;
+  std::string trajectory;
   bool ideal = false;
 };
+
+sim::Scenario make_scenario(const Arguments& arguments) {
+  sim::Scenario scenario;
+  if (!arguments.scenario.empty()) scenario = io::load_scenario(arguments.scenario);
+  if (arguments.ideal) {
+    scenario.imu = sim::ImuModel::ideal();
+    scenario.radar = sim::RadarModel::ideal();
+  }
+  if (arguments.seed) scenario.seed = *arguments.seed;
+  if (!arguments.trajectory.empty()) scenario.path.file = arguments.trajectory;
+  if (arguments.length) {
+    if (!scenario.path.file.empty()) {
+      throw std::runtime_error("--length does not act on a recorded path, " + scenario.path.file);
+    }
+    scenario.path.length = *arguments.length;
+  }
+  // scenario.yaml is written into another folder
+  if (!scenario.path.file.empty()) {
+    scenario.path.file = fs::absolute(scenario.path.file).lexically_normal().string();
+  }
+  return scenario;
+}
 
 io::ImuInfo describe(const sim::ImuModel& model) {
   return {.rate_hz = model.rate_hz,
@@ -31,9 +62,10 @@ io::ImuInfo describe(const sim::ImuModel& model) {
           .accel_random_walk = model.accel_random_walk};
 }
 
-io::RadarInfo describe(const sim::RadarModel& model) {
+/// @param told_T_BS the mounting as the estimator is told
+io::RadarInfo describe(const sim::RadarModel& model, const Pose& told_T_BS) {
   io::RadarInfo info;
-  info.T_BS = model.T_BS;
+  info.T_BS = told_T_BS;
   info.rate_hz = model.rate_hz;
   info.max_range = model.max_range;
   info.fov_azimuth = model.fov_azimuth;
@@ -43,62 +75,143 @@ io::RadarInfo describe(const sim::RadarModel& model) {
   info.sigma_elevation = model.sigma_elevation;
   info.sigma_doppler = model.sigma_doppler;
   if (model.ambiguous) info.max_doppler = model.max_doppler;
-  if (model.quantize) {
-    info.range_resolution = model.range_resolution;
-    info.doppler_resolution = model.doppler_resolution;
-  }
+  info.range_resolution = model.quantize ? model.range_resolution : 0.0;
+  info.doppler_resolution = model.quantize ? model.doppler_resolution : 0.0;
   return info;
 }
 
-void write_labels(const std::filesystem::path& path, const sim::Flight& flight) {
+void write_text(const fs::path& path, const std::string& text) {
   io::TextFile file(path);
-  file.write("#timestamp [ns],detection,label,reflector\n");
-  for (std::size_t i = 0; i < flight.scans.size(); ++i) {
-    const std::string stamp = std::to_string(flight.scans[i].time.count());
-    for (std::size_t k = 0; k < flight.labels[i].size(); ++k) {
-      const sim::Label& label = flight.labels[i][k];
-      file.write(stamp + ',' + std::to_string(k) + ',' + sim::to_string(label.cause) + ',' +
-                 std::to_string(label.reflector) + '\n');
-    }
-  }
+  file.write(text);
   file.close();
 }
 
-void run(const Arguments& arguments) {
-  sim::FlightOptions options = arguments.ideal ? sim::FlightOptions::ideal() : sim::FlightOptions();
-  options.seed = arguments.seed;
-  options.length_m = arguments.length;
-  const sim::Flight flight = sim::simulate_flight(options);
+std::string labels_text(const sim::Flight& flight) {
+  std::string text = "#timestamp [ns],detection,label,reflector\n";
+  for (std::size_t i = 0; i < flight.scans.size(); ++i) {
+    for (std::size_t k = 0; k < flight.labels[i].size(); ++k) {
+      const sim::Label& label = flight.labels[i][k];
+      text += fmt::format("{},{},{},{}\n", flight.scans[i].time.count(), k,
+                          sim::to_string(label.cause), label.reflector);
+    }
+  }
+  return text;
+}
 
+/// For `rio replay --init`: the true first state but for its velocity, biases unknown.
+std::string start_text(const sim::Flight& flight) {
+  const NavState& truth = flight.truth.front();
+  const Vector3d v = truth.v_WB + flight.scenario.told.start_velocity;
+  const Vector3d& p = truth.p_WB;
+  const Quaternion& q = truth.q_WB;
+  return fmt::format(
+      "# A start for `rio replay --init`: the velocity is wrong as the scenario says, 1-sigma per "
+      "axis.\n"
+      "time_ns: {}\nposition: [{}, {}, {}]\nquaternion_wxyz: [{}, {}, {}, {}]\n"
+      "velocity: [{}, {}, {}]\nsigma:\n  velocity: {}\n",
+      truth.time.count(), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z(),
+      flight.scenario.told.start_velocity_sigma);
+}
+
+bool starts_wrongly(const sim::Flight& flight) {
+  return !flight.scenario.told.start_velocity.isZero();
+}
+
+void write(const fs::path& out, const sim::Flight& flight) {
+  const fs::path start = out / "start.yaml";
+  if (!starts_wrongly(flight) && fs::exists(start)) {
+    throw std::runtime_error(start.string() + ": is left from another recording");
+  }
   io::Dataset dataset;
   dataset.imu = flight.imu;
   dataset.scans = flight.scans;
   dataset.ground_truth = flight.truth;
-  dataset.imu_info = describe(flight.imu_model);
-  dataset.radar_info = describe(flight.radar_model);
-  const std::filesystem::path out(arguments.out);
+  dataset.imu_info = describe(flight.scenario.imu);
+  dataset.radar_info = describe(flight.scenario.radar, flight.told_T_BS);
   io::write_dataset(out, dataset);
-  write_labels(out / "radar0" / "labels.csv", flight);
+  write_text(out / "radar0" / "labels.csv", labels_text(flight));
+  write_text(out / "scenario.yaml", io::scenario_as_yaml(flight.scenario));
+  if (starts_wrongly(flight)) write_text(start, start_text(flight));
+}
 
+/// Of the path between the first and the last true state [m]; max_duration may have cut it.
+double flown_length(const sim::Flight& flight) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < flight.truth.size(); ++i) {
+    length += (flight.truth[i].p_WB - flight.truth[i - 1].p_WB).norm();
+  }
+  return length;
+}
+
+double top_speed(const sim::Flight& flight) {
+  double top = 0.0;
+  for (const NavState& state : flight.truth) top = std::max(top, state.v_WB.norm());
+  return top;
+}
+
+/// Detections of each label, in the order of sim::Cause.
+std::map<sim::Cause, std::size_t> count_labels(const sim::Flight& flight) {
+  std::map<sim::Cause, std::size_t> counts;
+  for (const auto& scan : flight.labels) {
+    for (const sim::Label& label : scan) ++counts[label.cause];
+  }
+  return counts;
+}
+
+void print_summary(const Arguments& arguments, const sim::Flight& flight) {
+  const std::map<sim::Cause, std::size_t> counts = count_labels(flight);
   std::size_t detections = 0;
-  for (const RadarScan& scan : flight.scans) detections += scan.detections.size();
-  std::printf("%s: %.1f m in %.1f s, %zu IMU samples, %zu scans, %zu detections\n",
-              arguments.out.c_str(), flight.trajectory.length(), flight.trajectory.duration(),
-              flight.imu.size(), flight.scans.size(), detections);
+  for (const auto& [cause, count] : counts) detections += count;
+  const double seconds = to_seconds(flight.truth.back().time - flight.truth.front().time);
+  fmt::print(
+      "{}: {}, seed {}, {:.1f} m in {:.1f} s at up to {:.2f} m/s, {} IMU samples, {} scans, "
+      "{} detections",
+      arguments.out, arguments.scenario.empty() ? "default" : arguments.scenario,
+      flight.scenario.seed, flown_length(flight), seconds, top_speed(flight), flight.imu.size(),
+      flight.scans.size(), detections);
+  const char* separator = ": ";
+  for (const auto& [cause, count] : counts) {
+    fmt::print("{}{:.1f} % {}", separator,
+               100.0 * static_cast<double>(count) / static_cast<double>(detections),
+               sim::to_string(cause));
+    separator = ", ";
+  }
+  fmt::print("\n");
+}
+
+void run(const Arguments& arguments) {
+  const sim::Flight flight = io::fly_scenario(make_scenario(arguments));
+  write(arguments.out, flight);
+  print_summary(arguments, flight);
+  if (flight.scenario.radar.latency > 0.0) {
+    fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");
+  }
+  if (starts_wrongly(flight)) {
+    fmt::print("note: starts wrongly with rio replay {0} --init {0}/start.yaml\n", arguments.out);
+  }
 }
 
 }  // namespace
 
 void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "Write a simulated indoor flight");
+  CLI::App* command = app.add_subcommand("simulate", "Write a simulated flight");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
-  command->add_option("--seed", arguments->seed, "of everything random")->capture_default_str();
-  command->add_option("--length", arguments->length, "of the flown path [m]")
-      ->check(CLI::Range(20.0, 1000.0))
-      ->capture_default_str();
+  command->add_option("--scenario", arguments->scenario,
+                      "name, see `rio scenarios`, or a scenario file");
+  command->add_option("--seed", arguments->seed, "of everything random; wins over the scenario's")
+      ->check(CLI::NonNegativeNumber);
+  CLI::Option* length = command
+                            ->add_option("--length", arguments->length,
+                                         "of the random path [m]; wins over the scenario's")
+                            ->check(CLI::Range(20.0, 1000.0));
+  command
+      ->add_option("--trajectory", arguments->trajectory,
+                   "recorded path to fly: TUM file, EuRoC csv or dataset folder")
+      ->excludes(length);
   command->add_flag("--ideal", arguments->ideal,
-                    "Gaussian noise only: no grids, folding, outliers or vibration");
+                    "ideal sensors instead of the scenario's: Gaussian noise only, no grids, "
+                    "folding, outliers or vibration");
   command->callback([arguments] { run(*arguments); });
 }
 

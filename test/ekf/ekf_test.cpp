@@ -2,22 +2,26 @@
 // The multi-state EKF as a whole: clones, landmarks, gates, records, calibration.
 #include "rio/ekf/ekf.hpp"
 
+#include <gtest/gtest.h>
+
 #include <Eigen/Eigenvalues>
 
+#include "experiment/trial.hpp"
 #include "rio/pipeline.hpp"
-#include "support/replay.hpp"
 
 namespace rio::test {
 namespace {
+
+using experiment::options_for;
 
 /// A flight fed to the pipeline scan by scan.
 class EkfTest : public testing::Test {
  protected:
   static const sim::Flight& flight() {
     static const sim::Flight flight = [] {
-      sim::FlightOptions o = sim::FlightOptions::ideal();
+      sim::Scenario o = sim::Scenario::ideal();
       o.seed = 8;
-      o.length_m = 20.0;
+      o.path.length = 20.0;
       return sim::simulate_flight(o);
     }();
     return flight;

@@ -4,6 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+#include "rio/sim/path.hpp"
 
 namespace rio::sim {
 namespace {
@@ -13,7 +20,7 @@ Trajectory::Point standing() {
 }
 
 TEST(Imu, NoiseFreeIsTheExactMotion) {
-  const Trajectory trajectory = indoor_flight(4, 30.0);
+  const Trajectory trajectory = random_flight(4, {.length = 30.0});
   ImuSimulator imu(ImuModel::noise_free(), 4);
   for (double t = 0.0; t < 20.0; t += 0.1) {
     const Trajectory::Point point = trajectory.at(t);
@@ -120,6 +127,134 @@ TEST(Imu, Saturates) {
   const ImuSample sample = imu.sample(point);
   EXPECT_EQ(sample.gyro_B, Vector3d(-1.0, 0.5, 1.0));
   EXPECT_EQ(sample.accel_B, Vector3d(0.0, 0.0, 5.0));
+}
+
+/// Allan deviation of samples at `rate_hz` for clusters of `seconds` (IEEE Std 952).
+double allan_deviation(const std::vector<double>& samples, double rate_hz, double seconds) {
+  const auto size = static_cast<std::size_t>(seconds * rate_hz);
+  std::vector<double> means;
+  for (std::size_t i = 0; i + size <= samples.size(); i += size) {
+    const auto first = samples.begin() + static_cast<std::ptrdiff_t>(i);
+    const double sum = std::accumulate(first, first + static_cast<std::ptrdiff_t>(size), 0.0);
+    means.push_back(sum / static_cast<double>(size));
+  }
+  double squares = 0.0;
+  for (std::size_t i = 1; i < means.size(); ++i) {
+    squares += (means[i] - means[i - 1]) * (means[i] - means[i - 1]);
+  }
+  return std::sqrt(0.5 * squares / static_cast<double>(means.size() - 1));
+}
+
+TEST(Imu, AllanDeviationShowsDensityAndRandomWalk) {
+  for (const double rate_hz : {100.0, 200.0}) {
+    ImuModel model = ImuModel::ideal();
+    model.rate_hz = rate_hz;
+    model.gyro_random_walk = 2e-3;  // so that the walk rules at 10 s and the noise at 0.1 s
+    model.accel_random_walk = 2e-2;
+    ImuSimulator imu(model, 7);
+    std::vector<double> gyro;
+    std::vector<double> accel;
+    for (int i = 0; i < static_cast<int>(6000.0 * rate_hz); ++i) {
+      const ImuSample sample = imu.sample(standing());
+      gyro.push_back(sample.gyro_B.y());
+      accel.push_back(sample.accel_B.z());
+    }
+    const auto expected = [](double density, double walk, double seconds) {
+      return std::sqrt(density * density / seconds + walk * walk * seconds / 3.0);
+    };
+    // five standard errors: of 60000 clusters 2 %, of 600 clusters 20 %
+    EXPECT_NEAR(allan_deviation(gyro, rate_hz, 0.1) / expected(2e-4, 2e-3, 0.1), 1.0, 0.02);
+    EXPECT_NEAR(allan_deviation(accel, rate_hz, 0.1) / expected(2e-3, 2e-2, 0.1), 1.0, 0.02);
+    EXPECT_NEAR(allan_deviation(gyro, rate_hz, 10.0) / expected(2e-4, 2e-3, 10.0), 1.0, 0.20);
+    EXPECT_NEAR(allan_deviation(accel, rate_hz, 10.0) / expected(2e-3, 2e-2, 10.0), 1.0, 0.20);
+  }
+}
+
+TEST(Imu, BiasIncrementsAreWhite) {
+  ImuModel model = ImuModel::ideal();
+  ImuSimulator imu(model, 3);
+  constexpr int kSamples = 50000;
+  Matrix3d squares = Matrix3d::Zero();
+  Vector3d neighbours = Vector3d::Zero();
+  Vector3d last = Vector3d::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    const Vector3d before = imu.accel_bias();
+    imu.sample(standing());
+    const Vector3d step = imu.accel_bias() - before;
+    squares += step * step.transpose() / kSamples;
+    neighbours += step.cwiseProduct(last) / kSamples;
+    last = step;
+  }
+  // five standard errors of 50000 values: 1.6 % of a standard deviation, 0.022 of a correlation
+  const double variance = 2e-4 * 2e-4 / 200.0;
+  EXPECT_LT((squares / variance - Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0.032);
+  EXPECT_LT((neighbours / variance).cwiseAbs().maxCoeff(), 0.022);
+}
+
+TEST(Imu, NoiseOfTheAxesIsIndependentAndWhite) {
+  ImuModel model = ImuModel::ideal();
+  model.gyro_random_walk = model.accel_random_walk = 0.0;
+  model.gyro_turn_on_sigma = model.accel_turn_on_sigma = 0.0;
+  ImuSimulator imu(model, 4);
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+  constexpr int kSamples = 50000;
+  Matrix6d squares = Matrix6d::Zero();
+  Matrix6d neighbours = Matrix6d::Zero();
+  Vector6d last = Vector6d::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    const ImuSample sample = imu.sample(standing());
+    Vector6d noise;
+    noise << sample.gyro_B / 2e-4, (sample.accel_B - Vector3d(0.0, 0.0, 9.81)) / 2e-3;
+    noise /= std::sqrt(200.0);
+    squares += noise * noise.transpose() / kSamples;
+    neighbours += noise * last.transpose() / kSamples;
+    last = noise;
+  }
+  // five standard errors: 0.032 of a variance, 0.022 of a correlation
+  EXPECT_LT((squares - Matrix6d::Identity()).cwiseAbs().maxCoeff(), 0.032);
+  EXPECT_LT(neighbours.cwiseAbs().maxCoeff(), 0.022);
+}
+
+TEST(Imu, VibrationHasItsAmplitudeAndItsFrequencies) {
+  ImuModel model = ImuModel::ideal();  // found under the noise
+  model.accel_vibration = 0.2;
+  model.gyro_vibration = 0.01;
+  model.vibration_frequency_hz = 70.0;
+  ImuSimulator imu(model, 5);
+  Trajectory::Point point = standing();
+  point.flying = true;
+  constexpr int kSamples = 20000;  // 100 s: whole cycles of 70, 72.1 and 74.2 Hz
+  Eigen::Matrix<std::complex<double>, 6, 1> found =
+      Eigen::Matrix<std::complex<double>, 6, 1>::Zero();
+  for (int i = 0; i < kSamples; ++i) {
+    const ImuSample sample = imu.sample(point);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double frequency = 70.0 * (1.0 + 0.03 * axis);
+      const double angle = 2.0 * std::numbers::pi * frequency * i / 200.0;
+      const std::complex<double> wave = std::polar(2.0 / kSamples, -angle);
+      found[axis] += sample.gyro_B[axis] * wave;
+      found[3 + axis] += sample.accel_B[axis] * wave;
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    // noise: sigma sqrt(2/n) = 2.8e-5 rad/s and 2.8e-4 m/s^2, five of them
+    EXPECT_NEAR(std::abs(found[axis]), 0.01, 1.4e-4);
+    EXPECT_NEAR(std::abs(found[3 + axis]), 0.2, 1.4e-3);
+    // phases are random: no two channels move together
+    for (int other = 0; other < 3 + axis; ++other) {
+      EXPECT_GT(std::abs(std::arg(found[3 + axis] / found[other])), 1e-3);
+    }
+  }
+}
+
+TEST(Imu, NoUnitStartsLikeAnother) {
+  const ImuSimulator a(ImuModel(), 1);
+  const ImuSimulator again(ImuModel(), 1);
+  const ImuSimulator b(ImuModel(), 2);
+  EXPECT_EQ(a.gyro_bias(), again.gyro_bias());
+  EXPECT_NE(a.gyro_bias(), b.gyro_bias());
+  EXPECT_NE(a.accel_bias(), b.accel_bias());
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Geometry of the simulated radar: signs, frames, lever arm, folding, view, cells, ghosts.
 #include "rio/sim/radar.hpp"
 
 #include <gtest/gtest.h>
@@ -8,41 +9,16 @@
 #include <cmath>
 #include <set>
 #include <utility>
-#include <vector>
+
+#include "sim/radar_cases.hpp"
 
 namespace rio::sim {
 namespace {
-
-RadarModel noise_free() {
-  RadarModel model = RadarModel::ideal();
-  model.sigma_range = model.sigma_azimuth = model.sigma_elevation = model.sigma_doppler = 0.0;
-  model.fading_sigma_db = model.flicker_sigma_db = 0.0;
-  return model;
-}
-
-/// Radar axes equal body axes, at the body origin.
-RadarModel forward_looking(RadarModel model) {
-  model.T_BS = Pose{};
-  return model;
-}
 
 Room one_reflector(const Vector3d& position_W) {
   Room room{.low_W = {-20, -20, -20}, .high_W = {20, 20, 20}, .reflectors = {}};
   room.reflectors.push_back({.position_W = position_W, .rcs_dbsm = 0.0, .ghost_rank = 1.0});
   return room;
-}
-
-const Vector3d& position(const RadarSimulator& radar, const Label& label) {
-  return radar.room().reflectors[static_cast<std::size_t>(label.reflector)].position_W;
-}
-
-/// The radar's own pose, from the body's.
-Vector3d radar_position(const NavState& nav, const RadarModel& model) {
-  return nav.p_WB + nav.q_WB * model.T_BS.translation;
-}
-Vector3d in_radar_frame(const Vector3d& point_W, const NavState& nav, const RadarModel& model) {
-  return model.T_BS.rotation.conjugate() *
-         (nav.q_WB.conjugate() * (point_W - radar_position(nav, model)));
 }
 
 TEST(Radar, ApproachIsNegativeAndRecedingPositive) {
@@ -73,7 +49,7 @@ TEST(Radar, TurningAboutTheBodyMovesTheRadarOnItsLever) {
 TEST(Radar, RangeRateIsTheDerivativeOfTheRangeInFlight) {
   RadarModel model = noise_free();
   model.T_BS.translation = {0.3, -0.2, 0.1};
-  const Trajectory trajectory = indoor_flight(6, 60.0);
+  const Trajectory trajectory = random_flight(6, {.length = 60.0});
   RadarSimulator radar(model, make_room(6), 6);
   constexpr double kStep = 1e-4;
   int checked = 0;
@@ -146,82 +122,9 @@ TEST(Radar, SnrFollowsTheFourthPowerOfTheRange) {
   EXPECT_NEAR(near - snr(Polar{2.0, 60.0 * kDegree * 0.999, 0.0}.point()), 6.0, 0.02);
 }
 
-/// Errors of the static detections of one flight against the truth.
-struct Spread {
-  double mean = 0.0;
-  double sigma = 0.0;
-};
-struct NoiseStudy {
-  std::array<std::vector<double>, 4>
-      errors;  ///< range, azimuth, elevation, Doppler; angles / sigma
-
-  explicit NoiseStudy(const RadarModel& model) {
-    const Trajectory trajectory = indoor_flight(8, 60.0);
-    RadarSimulator radar(model, make_room(8), 8);
-    for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
-      const Trajectory::Point body = trajectory.at(t);
-      const LabeledScan result = radar.scan(body);
-      const Vector3d v_S =
-          model.T_BS.rotation.conjugate() * Vector3d(body.nav.q_WB.conjugate() * body.nav.v_WB +
-                                                     body.gyro_B.cross(model.T_BS.translation));
-      for (std::size_t i = 0; i < result.labels.size(); ++i) {
-        if (result.labels[i].cause != Cause::kStatic) continue;
-        const Vector3d q_S = in_radar_frame(position(radar, result.labels[i]), body.nav, model);
-        const Polar truth = Polar::of(q_S);
-        const RadarDetection& detection = result.scan.detections[i];
-        const Polar polar = Polar::of(detection.point_S);
-        errors[0].push_back(polar.range - truth.range);
-        errors[1].push_back((polar.azimuth - truth.azimuth) * std::cos(truth.azimuth));
-        errors[2].push_back((polar.elevation - truth.elevation) * std::cos(truth.elevation));
-        const double rate = -q_S.normalized().dot(v_S);
-        const double error = detection.range_rate - rate;
-        errors[3].push_back(model.ambiguous ? fold(error, model.max_doppler) : error);
-      }
-    }
-  }
-  Spread of(std::size_t k) const {
-    Spread spread;
-    for (const double e : errors[k]) spread.mean += e / static_cast<double>(errors[k].size());
-    for (const double e : errors[k]) spread.sigma += (e - spread.mean) * (e - spread.mean);
-    spread.sigma = std::sqrt(spread.sigma / static_cast<double>(errors[k].size()));
-    return spread;
-  }
-};
-
-TEST(Radar, IdealNoiseIsUnbiasedAndHasItsSigmas) {
-  const NoiseStudy study(RadarModel::ideal());
-  ASSERT_GT(study.errors[0].size(), 20000U);  // a sigma is then known to 0.5 %
-  const std::array<double, 4> sigmas = {0.03, 2.0 * kDegree, 4.0 * kDegree, 0.02};
-  for (std::size_t k = 0; k < 4; ++k) {
-    EXPECT_NEAR(study.of(k).sigma, sigmas[k], 0.025 * sigmas[k]) << k;  // five standard errors
-    EXPECT_NEAR(study.of(k).mean, 0.0, 0.035 * sigmas[k]) << k;
-  }
-}
-
-TEST(Radar, GridsAddTheirUniformError) {
-  RadarModel model;
-  model.wander_sigma = 0.0;
-  const NoiseStudy study(model);
-  const double range = std::sqrt(0.03 * 0.03 + 0.0394 * 0.0394 / 12.0);
-  const double step = 1.51 / 16.0;
-  EXPECT_NEAR(study.of(0).sigma, range, 0.05 * range);
-  EXPECT_NEAR(study.of(1).sigma, 2.0 * kDegree, 0.05 * 2.0 * kDegree);
-  EXPECT_NEAR(study.of(2).sigma, 4.0 * kDegree, 0.05 * 4.0 * kDegree);
-  // a tenth of the flight stands, where the Doppler sits on a grid point
-  const double doppler = std::sqrt(0.02 * 0.02 + step * step / 12.0);
-  EXPECT_NEAR(study.of(3).sigma, doppler, 0.07 * doppler);
-}
-
-TEST(Radar, WanderMovesTheScatteringCentre) {
-  RadarModel model = noise_free();
-  model.wander_sigma = 0.05;
-  const NoiseStudy study(model);
-  EXPECT_NEAR(study.of(0).sigma, 0.05, 0.005);  // correlated in time: few independent values
-}
-
 TEST(Radar, OnePeakACellAndEverythingOnTheGrid) {
   const RadarModel model;
-  const Trajectory trajectory = indoor_flight(9, 60.0);
+  const Trajectory trajectory = random_flight(9, {.length = 60.0});
   RadarSimulator radar(model, make_room(9), 9);
   for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
     std::set<std::pair<long, long>> cells;
@@ -241,20 +144,25 @@ TEST(Radar, OutlierShareIsWhatWasAskedFor) {
   for (const double share : {0.0, 0.15, 0.35}) {
     RadarModel model;
     model.outlier_share = share;
-    const Trajectory trajectory = indoor_flight(10, 60.0);
+    const Trajectory trajectory = random_flight(10, {.length = 60.0});
     RadarSimulator radar(model, make_room(10), 10);
-    std::array<int, 4> count{};
+    std::array<int, 6> count{};
     for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
       for (const Label& label : radar.scan(trajectory.at(t)).labels) {
         ++count[static_cast<std::size_t>(label.cause)];
         EXPECT_EQ(label.reflector < 0, label.cause == Cause::kFalseAlarm);
       }
     }
-    const double outliers = count[1] + count[2] + count[3];
+    const auto of = [&](Cause cause) { return count[static_cast<std::size_t>(cause)]; };
+    const int outliers = of(Cause::kMirror) + of(Cause::kDoubleBounce) + of(Cause::kFalseAlarm);
+    const int all = outliers + of(Cause::kStatic) + of(Cause::kSpecular);
     // outliers in a taken cell are hidden, which costs a few per cent of them
-    EXPECT_NEAR(outliers / (count[0] + outliers), share, 0.1 * share);
+    EXPECT_NEAR(static_cast<double>(outliers) / all, share, 0.1 * share);
+    EXPECT_EQ(of(Cause::kPerson), 0);
     if (share > 0.0) {
-      EXPECT_GT(*std::min_element(count.begin(), count.end()), 300);  // every kind occurs
+      for (const Cause kind : {Cause::kMirror, Cause::kDoubleBounce, Cause::kFalseAlarm}) {
+        EXPECT_GT(of(kind), 300) << to_string(kind);
+      }
     }
   }
 }
@@ -263,7 +171,7 @@ TEST(Radar, GhostsObeyTheirGeometry) {
   RadarModel model = noise_free();
   model.outlier_share = 0.4;
   model.false_alarm_share = 0.0;
-  const Trajectory trajectory = indoor_flight(11, 60.0);
+  const Trajectory trajectory = random_flight(11, {.length = 60.0});
   RadarSimulator radar(model, make_room(11), 11);
   const Room& room = radar.room();
   int mirrors = 0;
@@ -271,9 +179,7 @@ TEST(Radar, GhostsObeyTheirGeometry) {
   for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
     const Trajectory::Point body = trajectory.at(t);
     const LabeledScan result = radar.scan(body);
-    const Vector3d v_S =
-        model.T_BS.rotation.conjugate() * Vector3d(body.nav.q_WB.conjugate() * body.nav.v_WB +
-                                                   body.gyro_B.cross(model.T_BS.translation));
+    const Vector3d v_S = radar_velocity_S(body, model);
     for (std::size_t i = 0; i < result.labels.size(); ++i) {
       const Label& label = result.labels[i];
       const RadarDetection& detection = result.scan.detections[i];
@@ -288,8 +194,7 @@ TEST(Radar, GhostsObeyTheirGeometry) {
         continue;
       }
       EXPECT_NEAR(detection.range_rate, along, 1e-9);  // an image stands still, too
-      const Vector3d ghost_W = radar_position(body.nav, model) +
-                               body.nav.q_WB * (model.T_BS.rotation * detection.point_S);
+      const Vector3d ghost_W = in_world(detection.point_S, body.nav, model);
       const double outside =
           std::max((ghost_W - room.high_W).maxCoeff(), (room.low_W - ghost_W).maxCoeff());
       EXPECT_GT(outside, 0.09);  // beyond a surface by as much as the reflector is before it
@@ -299,32 +204,6 @@ TEST(Radar, GhostsObeyTheirGeometry) {
   }
   EXPECT_GT(mirrors, 300);
   EXPECT_GT(bounces, 300);
-}
-
-TEST(Radar, ScansRepeatAtRestMoreThanInFlight) {
-  const Trajectory trajectory = indoor_flight(12, 60.0);
-  RadarSimulator radar(RadarModel{}, make_room(12), 12);
-  const auto persistence = [&](double begin, double end) {
-    std::set<int> last;
-    double again = 0.0;
-    double all = 0.0;
-    for (double t = begin; t < end; t += 1.0 / 15.0) {
-      std::set<int> now;
-      for (const Label& label : radar.scan(trajectory.at(t)).labels) {
-        if (label.cause == Cause::kStatic) now.insert(label.reflector);
-      }
-      for (const int id : last) again += now.count(id) > 0 ? 1.0 : 0.0;
-      all += static_cast<double>(last.size());
-      last = now;
-    }
-    return again / all;
-  };
-  const double rest = persistence(0.0, 4.0);
-  const double flight = persistence(8.0, 40.0);
-  EXPECT_GT(rest, 0.7);
-  EXPECT_GT(flight, 0.5);
-  EXPECT_LT(flight, 0.75);
-  EXPECT_GT(rest, flight);
 }
 
 }  // namespace

@@ -139,7 +139,7 @@ class Assignment {
     matched_row_[0] = 0;
   }
 
-  std::size_t max_columns_;
+  [[maybe_unused]] std::size_t max_columns_;  ///< of the work space, for the assertion
   std::size_t rows_ = 0;
   std::size_t columns_ = 0;
   double gate_ = 0.0;

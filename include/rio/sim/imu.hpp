@@ -30,6 +30,7 @@ struct ImuModel {
   double accel_vibration = 0.2;          ///< amplitude per axis while flying [m/s^2]
   double accel_limit = 156.9;            ///< saturation [m/s^2]
   double vibration_frequency_hz = 87.0;  ///< of the first rotor; the others are 3 % apart [Hz]
+  double stamp_jitter = 0.0;             ///< standard deviation of the stamps [s]
 
   /// Only what a filter models: bias and white noise, no vibration.
   static ImuModel ideal() {

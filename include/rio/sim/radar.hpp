@@ -1,25 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Simulated FMCW radar: point reflectors to the detections of one scan, each with its truth label.
+// Simulated FMCW radar: reflectors, walls and people to the labelled detections of one scan.
 //
 // (E2) v_S = R_SB (R_BW v_WB + w_B x p_BS), the radar's own velocity
-// (E3) range rate of a static point in direction u: -u . v_S (positive = receding)
+// (E3) range rate of a point in direction u that moves with v: -u . (v_S - v) (positive = receding)
 // (E4) SNR = snr_1m + rcs - 40 log10 r - edge_loss ((2 az / fov_az)^2 + (2 el / fov_el)^2) + fading
-// (E5) noise: r + sigma_r n, az + sigma_az / cos(az) n, el + sigma_el / cos(el) n, Doppler +
-//      sigma_d n, sigmas at the true direction; then range and Doppler snap to their grids and the
-//      Doppler folds into [-v_max, v_max)
+// (E5) noise: r + sigma_r n, az + g sigma_az / cos(az) n, el + g sigma_el / cos(el) n, Doppler +
+//      sigma_d n, sigmas at the true direction; then the grids, and folding into [-v_max, v_max)
+// (E6) weak echoes: g^2 = 1 + k 10^(-(SNR - threshold) / 10)
+// (E7) n = sqrt(1 - f^2) n_lasting + f n_fresh; interference lasts while the radar is at rest
 // One peak a range-Doppler cell. Frames W, B, S; metres, radians, m/s, dB.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "rio/sim/fading.hpp"
+#include "rio/sim/people.hpp"
 #include "rio/sim/radar_model.hpp"
 #include "rio/sim/random.hpp"
 #include "rio/sim/room.hpp"
+#include "rio/sim/specular.hpp"
 #include "rio/sim/trajectory.hpp"
 #include "rio/types.hpp"
 
@@ -32,30 +38,38 @@ class RadarSimulator {
       : model_(std::move(model)),
         room_(std::move(room)),
         radar_random_(seed, 4),
-        echoes_random_(seed, 5),
+        fading_(seed, model_.fading_distance, model_.noise_distance),
         cos_half_azimuth_(std::cos(0.5 * model_.fov_azimuth)),
         sin_half_elevation_(std::sin(0.5 * model_.fov_elevation)),
-        speckle_(room_.reflectors.size()) {
-    for (Speckle& s : speckle_) {
-      s.fading = echoes_random_.normal();
-      s.wander = echoes_random_.normal3();
+        highlights_(seed),
+        reflector_speckles_(fading_.make(room_.reflectors.size())),
+        highlight_speckles_(fading_.make(model_.specular ? kHighlights : 0)) {
+    for (int i = 0; i < model_.people; ++i) {
+      people_.emplace_back(seed, i, room_.low_W, room_.high_W);
+      people_speckles_.push_back(fading_.make(Person::kCentres));
     }
   }
 
-  /// The scan of the radar carried through `body`.
-  LabeledScan scan(const Trajectory::Point& body) {
+  /// The scan of the radar carried through `body`, with the model's share of outliers.
+  LabeledScan scan(const Trajectory::Point& body) { return scan(body, model_.outlier_share); }
+  /// The same with another share, as in a burst.
+  LabeledScan scan(const Trajectory::Point& body, double outlier_share) {
     const Matrix3d R_WB = body.nav.q_WB.toRotationMatrix();
     const Matrix3d R_WS = R_WB * model_.T_BS.rotation.toRotationMatrix();
     const Vector3d p_WS = body.nav.p_WB + R_WB * model_.T_BS.translation;
     const Vector3d lever_W = R_WB * body.gyro_B.cross(model_.T_BS.translation);
     const View view{R_WS.transpose(), p_WS, R_WS.transpose() * (body.nav.v_WB + lever_W)};  // (E2)
 
-    path_ += has_last_ ? (p_WS - last_p_WS_).norm() : 0.0;
+    path_ += first_scan_ ? (p_WS - last_p_WS_).norm() : 0.0;
     last_p_WS_ = p_WS;
-    has_last_ = true;
+    if (!first_scan_) first_scan_ = body.nav.time;
 
-    std::vector<Echo> echoes = peaks(static_echoes(view));
-    add_outliers(view, echoes);
+    std::vector<Echo> echoes;
+    add_reflectors(view, echoes);
+    if (model_.specular) add_highlights(view, echoes);
+    add_people(view, to_seconds(body.nav.time - *first_scan_), echoes);
+    echoes = peaks(std::move(echoes));
+    add_outliers(view, outlier_share, echoes);
 
     LabeledScan result;
     result.scan.time = body.nav.time;
@@ -88,14 +102,9 @@ class RadarSimulator {
     double range_rate = 0.0;
     double snr_db = 0.0;
     Label label;
+    Speckle::Noise lasting = Speckle::Noise::Zero();  ///< (E7)
   };
   using Cell = std::pair<long, long>;
-  /// Interference inside one reflector, unit variance.
-  struct Speckle {
-    double fading = 0.0;
-    Vector3d wander = Vector3d::Zero();
-    double path = 0.0;  ///< way of the radar up to which this is advanced [m]
-  };
 
   bool visible(const Vector3d& point_S) const {
     const double range = point_S.norm();
@@ -104,49 +113,78 @@ class RadarSimulator {
            std::abs(point_S.z()) < sin_half_elevation_ * range;
   }
 
-  /// First-order process in the distance the radar travelled: at rest nothing changes.
-  void advance(Speckle& s) {
-    const double keep = std::exp(-(path_ - s.path) / model_.fading_distance);
-    s.path = path_;
-    if (keep == 1.0) return;
-    const double fresh = std::sqrt(1.0 - keep * keep);
-    s.fading = keep * s.fading + fresh * echoes_random_.normal();
-    s.wander = keep * s.wander + fresh * echoes_random_.normal3();
+  /// A point that moves with `velocity_S` against the radar, (E3).
+  static Echo echo_of(const Vector3d& point_S, const Vector3d& velocity_S, Label label) {
+    Echo echo;
+    echo.polar = Polar::of(point_S);
+    echo.range_rate = point_S.normalized().dot(velocity_S);
+    echo.label = label;
+    return echo;
   }
 
-  std::vector<Echo> static_echoes(const View& view) {
-    std::vector<Echo> echoes;
+  /// Keeps the echo if it passes the threshold.
+  void receive(Echo echo, double rcs_dbsm, const Speckle& speckle, std::vector<Echo>& echoes) {
+    const double azimuth = echo.polar.azimuth / (0.5 * model_.fov_azimuth);
+    const double elevation = echo.polar.elevation / (0.5 * model_.fov_elevation);
+    echo.snr_db = model_.snr_1m_db + rcs_dbsm - 40.0 * std::log10(echo.polar.range) -
+                  model_.edge_loss_db * (azimuth * azimuth + elevation * elevation) +
+                  model_.fading_sigma_db * speckle.fading +
+                  model_.flicker_sigma_db * fading_.flicker();  // (E4)
+    echo.lasting = speckle.noise;
+    if (echo.snr_db > model_.threshold_db) echoes.push_back(echo);
+  }
+
+  void add_reflectors(const View& view, std::vector<Echo>& echoes) {
     for (std::size_t i = 0; i < room_.reflectors.size(); ++i) {
       const Reflector& reflector = room_.reflectors[i];
       if (!visible(view.to_S(reflector.position_W))) continue;
-      advance(speckle_[i]);
-      const Vector3d centre_W = reflector.position_W + model_.wander_sigma * speckle_[i].wander;
-      Echo echo = echo_of(view.to_S(centre_W), view, {Cause::kStatic, static_cast<int>(i)});
-      const double azimuth = echo.polar.azimuth / (0.5 * model_.fov_azimuth);
-      const double elevation = echo.polar.elevation / (0.5 * model_.fov_elevation);
-      echo.snr_db = model_.snr_1m_db + reflector.rcs_dbsm - 40.0 * std::log10(echo.polar.range) -
-                    model_.edge_loss_db * (azimuth * azimuth + elevation * elevation) +
-                    model_.fading_sigma_db * speckle_[i].fading +
-                    model_.flicker_sigma_db * echoes_random_.normal();  // (E4)
-      if (echo.snr_db > model_.threshold_db) echoes.push_back(echo);
+      const Speckle& speckle = fading_.advance(path_, reflector_speckles_[i]);
+      const Vector3d centre_S =
+          view.to_S(reflector.position_W + model_.wander_sigma * speckle.wander);
+      receive(echo_of(centre_S, -view.v_S, {Cause::kStatic, static_cast<int>(i)}),
+              reflector.rcs_dbsm, speckle, echoes);
     }
-    return echoes;
   }
 
-  static Echo echo_of(const Vector3d& point_S, const View& view, Label label) {
-    const double range_rate = -point_S.normalized().dot(view.v_S);  // (E3)
-    return {.polar = Polar::of(point_S), .range_rate = range_rate, .snr_db = 0.0, .label = label};
+  void add_highlights(const View& view, std::vector<Echo>& echoes) {
+    for (int i = 0; i < kHighlights; ++i) {
+      const std::optional<Vector3d> foot_W = perpendicular_foot(room_, i, view.p_WS);
+      if (!foot_W || !visible(view.to_S(*foot_W))) continue;
+      const Speckle& speckle =
+          fading_.advance(path_, highlight_speckles_[static_cast<std::size_t>(i)]);
+      const Echo echo = echo_of(view.to_S(*foot_W), -view.v_S, {Cause::kSpecular, i});
+      receive(echo, highlights_.rcs_dbsm(i, echo.polar.range), speckle, echoes);
+    }
   }
 
-  /// The strongest echo of each range-Doppler cell, strongest first.
+  void add_people(const View& view, double seconds, std::vector<Echo>& echoes) {
+    for (std::size_t k = 0; k < people_.size(); ++k) {
+      const std::vector<MovingPoint> centres = people_[k].at(seconds);
+      const double path = path_ + people_[k].walked(seconds);
+      for (std::size_t i = 0; i < centres.size(); ++i) {
+        const Vector3d point_S = view.to_S(centres[i].position_W);
+        if (!visible(point_S)) continue;
+        const Vector3d velocity_S = view.R_SW * centres[i].velocity_W - view.v_S;
+        receive(echo_of(point_S, velocity_S, {Cause::kPerson, static_cast<int>(k)}),
+                model_.person_rcs_dbsm + people_[k].rcs_db(i),
+                fading_.advance(path, people_speckles_[k][i]), echoes);
+      }
+    }
+  }
+
+  /// The strongest echo of each range-Doppler cell, strongest first; `max_static` of static ones.
   std::vector<Echo> peaks(std::vector<Echo> echoes) const {
     std::stable_sort(echoes.begin(), echoes.end(),
                      [](const Echo& a, const Echo& b) { return a.snr_db > b.snr_db; });
     std::set<Cell> taken;
     std::vector<Echo> kept;
+    int statics = 0;
     for (const Echo& echo : echoes) {
-      if (kept.size() >= static_cast<std::size_t>(model_.max_static)) break;
-      if (taken.insert(cell(echo.polar.range, echo.range_rate)).second) kept.push_back(echo);
+      const bool is_static = echo.label.cause != Cause::kPerson;
+      if (is_static && statics >= model_.max_static) continue;
+      if (!taken.insert(cell(echo.polar.range, echo.range_rate)).second) continue;
+      kept.push_back(echo);
+      statics += is_static ? 1 : 0;
     }
     return kept;
   }
@@ -159,13 +197,15 @@ class RadarSimulator {
   }
 
   /// As many outliers as give the share; ghosts come from the reflectors most prone to them.
-  void add_outliers(const View& view, std::vector<Echo>& echoes) {
-    if (model_.outlier_share <= 0.0) return;
-    std::vector<Echo> sources = echoes;
-    std::stable_sort(sources.begin(), sources.end(),
-                     [&](const Echo& a, const Echo& b) { return ghost_rank(a) > ghost_rank(b); });
-    const double expected =
-        static_cast<double>(echoes.size()) * model_.outlier_share / (1.0 - model_.outlier_share);
+  void add_outliers(const View& view, double share, std::vector<Echo>& echoes) {
+    if (share <= 0.0) return;
+    std::vector<Echo> sources;
+    std::copy_if(echoes.begin(), echoes.end(), std::back_inserter(sources),
+                 [](const Echo& echo) { return echo.label.cause == Cause::kStatic; });
+    std::stable_sort(sources.begin(), sources.end(), [&](const Echo& a, const Echo& b) {
+      return reflector(a).ghost_rank > reflector(b).ghost_rank;
+    });
+    const double expected = static_cast<double>(echoes.size()) * share / (1.0 - share);
     for (int i = static_cast<int>(expected + radar_random_.uniform()); i > 0; --i) {
       const bool is_false_alarm = radar_random_.uniform() < model_.false_alarm_share;
       Echo outlier = false_alarm();
@@ -177,8 +217,8 @@ class RadarSimulator {
     }
   }
 
-  double ghost_rank(const Echo& echo) const {
-    return room_.reflectors[static_cast<std::size_t>(echo.label.reflector)].ghost_rank;
+  const Reflector& reflector(const Echo& echo) const {
+    return room_.reflectors[static_cast<std::size_t>(echo.label.reflector)];
   }
 
   Echo false_alarm() {
@@ -196,18 +236,14 @@ class RadarSimulator {
     const double snr_db =
         std::max(model_.threshold_db, source.snr_db - 6.0) + std::abs(radar_random_.normal());
     const int id = source.label.reflector;
-    const Reflector& reflector = room_.reflectors[static_cast<std::size_t>(id)];
+    const Vector3d& source_W = reflector(source).position_W;
     Echo best;
     best.polar.range = model_.max_range;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double plane : {room_.low_W[axis], room_.high_W[axis]}) {
-        Vector3d image_W = reflector.position_W;
-        image_W[axis] = 2.0 * plane - image_W[axis];
-        if (std::abs(image_W[axis] - reflector.position_W[axis]) < 0.2) continue;  // lies on it
-        const Vector3d image_S = view.to_S(image_W);
-        if (!visible(image_S) || image_S.norm() >= best.polar.range) continue;
-        best = echo_of(image_S, view, {Cause::kMirror, id});
-      }
+    for (const Vector3d& image_W : mirror_images(room_, source_W)) {
+      if ((image_W - source_W).norm() < 0.2) continue;  // lies on it
+      const Vector3d image_S = view.to_S(image_W);
+      if (!visible(image_S) || image_S.norm() >= best.polar.range) continue;
+      best = echo_of(image_S, -view.v_S, {Cause::kMirror, id});
     }
     if (best.label.reflector < 0) {
       best = source;
@@ -217,35 +253,46 @@ class RadarSimulator {
       if (best.polar.range >= model_.max_range) return false_alarm();
     }
     best.snr_db = snr_db;
+    best.lasting = source.lasting;
     return best;
   }
 
   /// (E5)
   RadarDetection measure(const Echo& echo) {
+    const double fresh = model_.fresh_noise;
+    const double keep = std::sqrt(1.0 - fresh * fresh);
+    Speckle::Noise n;  // (E7)
+    for (int i = 0; i < 4; ++i) n[i] = keep * echo.lasting[i] + fresh * radar_random_.normal();
+    const double weakness = std::pow(10.0, -0.1 * (echo.snr_db - model_.threshold_db));
+    const double growth = std::sqrt(1.0 + model_.weak_angle_growth * weakness);  // (E6)
     Polar polar = echo.polar;
-    polar.range += model_.sigma_range * radar_random_.normal();
-    polar.azimuth += model_.sigma_azimuth / std::cos(echo.polar.azimuth) * radar_random_.normal();
-    polar.elevation +=
-        model_.sigma_elevation / std::cos(echo.polar.elevation) * radar_random_.normal();
-    double doppler = echo.range_rate + model_.sigma_doppler * radar_random_.normal();
+    polar.range += model_.sigma_range * n[0];
+    polar.azimuth += growth * model_.sigma_azimuth / std::cos(echo.polar.azimuth) * n[1];
+    polar.elevation += growth * model_.sigma_elevation / std::cos(echo.polar.elevation) * n[2];
+    double doppler = echo.range_rate + model_.sigma_doppler * n[3];
     if (model_.quantize) {
       polar.range = model_.range_resolution * std::round(polar.range / model_.range_resolution);
       doppler = model_.doppler_resolution * std::round(doppler / model_.doppler_resolution);
     }
     if (model_.ambiguous) doppler = fold(doppler, model_.max_doppler);
+    const Vector3d point_S = snap_direction(polar.point(), model_.angle_grid);
     // + 0.0: a negative zero would show in files
-    return {.point_S = polar.point(), .range_rate = doppler + 0.0, .snr_db = echo.snr_db};
+    return {.point_S = point_S, .range_rate = doppler + 0.0, .snr_db = echo.snr_db};
   }
 
   RadarModel model_;
   Room room_;
   Random radar_random_;
-  Random echoes_random_;
+  Fading fading_;
   double cos_half_azimuth_;
   double sin_half_elevation_;
-  std::vector<Speckle> speckle_;
+  Highlights highlights_;
+  Speckles reflector_speckles_;
+  Speckles highlight_speckles_;
+  std::vector<Person> people_;
+  std::vector<Speckles> people_speckles_;
+  std::optional<Time> first_scan_;
   Vector3d last_p_WS_ = Vector3d::Zero();
-  bool has_last_ = false;
   double path_ = 0.0;
 };
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The numbers of the simulated radar, its truth labels, polar coordinates and Doppler folding.
+// The numbers of the simulated radar, its truth labels, polar coordinates, Doppler folding and the
+// grid of an angle FFT.
 //
 // (E1) point = r (cos el cos az, cos el sin az, sin el) in S
+// (E2) the angle FFT reports y/r and z/r in steps of g; x/r = sqrt(1 - (y/r)^2 - (z/r)^2)
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -13,14 +16,13 @@
 
 namespace rio::sim {
 
-/// Mounted at the front and pitched 45 deg down.
-inline Pose default_radar_mount() {
-  const double half = std::numbers::pi / 8.0;
-  return {.rotation = Quaternion(std::cos(half), 0.0, std::sin(half), 0.0),
+inline constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// Mounted at the front and pitched down by an angle [rad].
+inline Pose default_radar_mount(double pitch = 45.0 * kDegree) {
+  return {.rotation = Quaternion(std::cos(0.5 * pitch), 0.0, std::sin(0.5 * pitch), 0.0),
           .translation = {0.10, 0.0, -0.05}};
 }
-
-inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The radar that is simulated. Defaults: AWR1843-like, indoor chirp.
 struct RadarModel {
@@ -39,22 +41,37 @@ struct RadarModel {
   double sigma_azimuth = 2.0 * kDegree;     ///< at boresight [rad]
   double sigma_elevation = 4.0 * kDegree;   ///< at boresight [rad]
   double sigma_doppler = 0.02;              ///< before the grid [m/s]
-  double snr_1m_db = 53.0;                  ///< of 0 dBsm at 1 m on boresight [dB]
-  double edge_loss_db = 6.0;                ///< two-way antenna loss at the edge of the view [dB]
-  double threshold_db = 10.0;               ///< detection threshold [dB]
-  double fading_sigma_db = 5.0;             ///< interference, changes as the radar moves [dB]
-  double fading_distance = 0.15;            ///< e-folding distance of the fading and wander [m]
-  double flicker_sigma_db = 0.7;            ///< changes with every scan [dB]
-  double wander_sigma = 0.01;               ///< scattering centre about its mean, per axis [m]
-  double outlier_share = 0.15;              ///< of all detections: ghosts and false alarms
-  double false_alarm_share = 0.4;           ///< of the outliers; the others are ghosts
-  int max_static = 34;                      ///< static detections kept, the strongest
+  double fresh_noise = 0.05;                ///< part of the sigmas that is new in every scan
+  /// E-folding distance of the rest of the noise [m]: at rest a scan repeats, in flight hardly.
+  /// Echoes that share a cell of width w at range r change phase against each other by half a turn
+  /// when the radar moves by about half a wavelength times r / w: 1 to 2 cm at 77 GHz and 15 deg.
+  double noise_distance = 0.02;
+  double angle_grid = 1.0 / 32.0;    ///< of the direction cosines y/r and z/r; 0 = none
+  double weak_angle_growth = 1.0;    ///< angle variance: times 1 + this at the threshold
+  double snr_1m_db = 53.0;           ///< of 0 dBsm at 1 m on boresight [dB]
+  double edge_loss_db = 6.0;         ///< two-way antenna loss at the edge of the view [dB]
+  double threshold_db = 10.0;        ///< detection threshold [dB]
+  double fading_sigma_db = 5.0;      ///< interference, changes as the radar moves [dB]
+  double fading_distance = 0.15;     ///< e-folding distance of the fading and wander [m]
+  double flicker_sigma_db = 0.7;     ///< changes with every scan [dB]
+  double wander_sigma = 0.01;        ///< scattering centre about its mean, per axis [m]
+  double outlier_share = 0.15;       ///< of all detections: ghosts and false alarms
+  double false_alarm_share = 0.4;    ///< of the outliers; the others are ghosts
+  int max_static = 34;               ///< static detections kept, the strongest
+  bool specular = true;              ///< highlights on walls and edges ride along
+  int people = 0;                    ///< who walk about, each a cloud of scatterers
+  double person_rcs_dbsm = -12.0;    ///< mean of a scatterer of a person [dB(m^2)]
+  double burst_outlier_share = 0.8;  ///< of all detections during a burst
+  double stamp_offset = 0.0;         ///< the stamps are late by this [s]
+  double latency = 0.0;              ///< from the measurement to the arrival of a scan [s]
 
   /// Only what a filter models: unbiased Gaussian noise on the polar coordinates and the Doppler.
   static RadarModel ideal() {
     RadarModel model;
-    model.quantize = model.ambiguous = false;
+    model.quantize = model.ambiguous = model.specular = false;
+    model.angle_grid = model.weak_angle_growth = 0.0;
     model.wander_sigma = model.outlier_share = 0.0;
+    model.fresh_noise = 1.0;
     return model;
   }
 };
@@ -64,6 +81,8 @@ enum class Cause : std::uint8_t {
   kStatic,        ///< a reflector, seen directly
   kMirror,        ///< its image behind a wall, below the floor or above the ceiling
   kDoubleBounce,  ///< twice to it and back: twice the range and the range rate
+  kSpecular,      ///< highlight of a wall or an edge: static, yet it rides along with the radar
+  kPerson,        ///< somebody who walks about
   kFalseAlarm,    ///< nothing: random place and Doppler
 };
 
@@ -76,6 +95,10 @@ inline const char* to_string(Cause cause) {
       return "mirror";
     case Cause::kDoubleBounce:
       return "double_bounce";
+    case Cause::kSpecular:
+      return "specular";
+    case Cause::kPerson:
+      return "person";
     case Cause::kFalseAlarm:
       return "false_alarm";
   }
@@ -85,7 +108,7 @@ inline const char* to_string(Cause cause) {
 /// The truth about one detection.
 struct Label {
   Cause cause = Cause::kFalseAlarm;
-  int reflector = -1;  ///< index in the room, -1 for a false alarm
+  int reflector = -1;  ///< index in the room, wall or edge, or person; -1 for a false alarm
 };
 
 /// A scan and the label of each of its detections.
@@ -115,5 +138,19 @@ struct Polar {
     return {level * std::cos(azimuth), level * std::sin(azimuth), range * std::sin(elevation)};
   }
 };
+
+/// (E2): the point on the grid of direction cosines, its range unchanged. A grid point outside of
+/// the unit circle is no direction; the larger cosine then steps inwards.
+inline Vector3d snap_direction(const Vector3d& point_S, double grid) {
+  const double range = point_S.norm();
+  if (grid <= 0.0 || range <= 0.0) return point_S;
+  double y = std::round(point_S.y() / range / grid) * grid;
+  double z = std::round(point_S.z() / range / grid) * grid;
+  while (y * y + z * z > 1.0) {
+    double& larger = std::abs(y) > std::abs(z) ? y : z;
+    larger = std::copysign((std::round(std::abs(larger) / grid) - 1.0) * grid, larger);
+  }
+  return range * Vector3d(std::sqrt(std::max(0.0, 1.0 - y * y - z * z)), y, z);
+}
 
 }  // namespace rio::sim

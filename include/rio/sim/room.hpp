@@ -36,12 +36,21 @@ struct RoomOptions {
   double ceiling_density = 4.0;       ///< [1/m^2]
   double mat_density = 100.0;         ///< fine texture of the floor where take-off happens [1/m^2]
   double mat_half_width = 2.0;        ///< of its square about the origin [m]
-  int clutter = 150;                  ///< furniture and fittings, mostly low and near the walls
+  double clutter_density = 2.7;  ///< furniture and fittings, mostly near walls [1/m^2 of floor]
   double surface_rcs_dbsm = -32.0;
   double mat_rcs_dbsm = -44.0;  ///< shows from nearby only
   double clutter_rcs_dbsm = -20.0;
   double rcs_sigma_db = 5.0;
 };
+
+/// The options with the room made large enough for a path that stays between two corners.
+inline RoomOptions grown(RoomOptions options, const Vector3d& path_low, const Vector3d& path_high) {
+  constexpr double kBelow = 0.35;  // landing gear [m]
+  constexpr double kAside = 1.0;
+  options.low_W = options.low_W.cwiseMin(path_low - Vector3d(kAside, kAside, kBelow));
+  options.high_W = options.high_W.cwiseMax(path_high + Vector3d::Constant(kAside));
+  return options;
+}
 
 /// The room of a seed.
 inline Room make_room(std::uint64_t seed, const RoomOptions& options = {}) {
@@ -70,11 +79,12 @@ inline Room make_room(std::uint64_t seed, const RoomOptions& options = {}) {
   for (long i = std::lround(4.0 * half * half * options.mat_density); i > 0; --i) {
     add(random.in_box({-half, -half, low.z()}, {half, half, low.z()}), options.mat_rcs_dbsm);
   }
-  for (int i = 0; i < options.clutter; ++i) {
+  const double floor_area = (high - low).head<2>().prod();
+  for (long i = 0; i < std::lround(floor_area * options.clutter_density); ++i) {
     Vector3d position = random.in_box(low, high);
     // three quarters within a metre of a wall, below 1.2 m
     if (i % 4 != 0) {
-      const int axis = i % 2;
+      const auto axis = static_cast<int>(i % 2);
       const double depth = random.uniform();
       position[axis] = i % 8 < 4 ? low[axis] + depth : high[axis] - depth;
       position.z() = low.z() + 1.2 * random.uniform();

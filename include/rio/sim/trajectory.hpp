@@ -15,15 +15,33 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
-#include <numbers>
 #include <utility>
 #include <vector>
 
-#include "rio/sim/random.hpp"
 #include "rio/types.hpp"
 
 namespace rio::sim {
+
+namespace trajectory_detail {
+
+/// C_j(u) of (E1), j = 1..5, 0 <= u <= 1, or its derivative of order 0..3 with respect to u.
+inline double cumulative_basis(std::size_t j, double u, int derivative) {
+  // 120 C_j(u), coefficients of 1, u, ... u^5
+  static constexpr std::array<std::array<double, 6>, 5> kBasis = {{{119, 5, -10, 10, -5, 1},
+                                                                   {93, 55, -30, -10, 15, -4},
+                                                                   {27, 55, 30, -10, -15, 6},
+                                                                   {1, 5, 10, 10, 5, -4},
+                                                                   {0, 0, 0, 0, 0, 1}}};
+  double c = 0.0;
+  for (int power = 5; power >= derivative; --power) {
+    double coefficient = kBasis[j - 1][static_cast<std::size_t>(power)];
+    for (int d = 0; d < derivative; ++d) coefficient *= power - d;
+    c = c * u + coefficient;
+  }
+  return c / 120.0;
+}
+
+}  // namespace trajectory_detail
 
 /// Position and yaw as exact functions of time, with every derivative the sensors need.
 class Trajectory {
@@ -82,6 +100,18 @@ class Trajectory {
     return sum;
   }
 
+  /// Corners of a box that holds the path [m]: that of the control points.
+  Vector3d low() const {
+    Vector3d corner = controls_.front().head<3>();
+    for (const Control& c : controls_) corner = corner.cwiseMin(c.head<3>());
+    return corner;
+  }
+  Vector3d high() const {
+    Vector3d corner = controls_.front().head<3>();
+    for (const Control& c : controls_) corner = corner.cwiseMax(c.head<3>());
+    return corner;
+  }
+
   /// The motion at a stamp; before the start and after the end it stands.
   Point at(Time time) const {
     Point point = at(to_seconds(time - settings_.start));
@@ -135,23 +165,12 @@ class Trajectory {
 
   /// (E1) or its derivative of order 0..3 with respect to s, which counts knot spacings.
   Control spline(double s, int derivative) const {
-    // 120 C_j(u), coefficients of 1, u, ... u^5
-    static constexpr std::array<std::array<double, 6>, 5> kBasis = {{{119, 5, -10, 10, -5, 1},
-                                                                     {93, 55, -30, -10, 15, -4},
-                                                                     {27, 55, 30, -10, -15, 6},
-                                                                     {1, 5, 10, 10, 5, -4},
-                                                                     {0, 0, 0, 0, 0, 1}}};
     const auto span = static_cast<std::size_t>(std::min(s, spans() - 1.0));
     const double u = s - static_cast<double>(span);
     Control value = derivative == 0 ? controls_[span] : Control(Control::Zero());
-    for (std::size_t j = 0; j < kBasis.size(); ++j) {
-      double c = 0.0;
-      for (int power = 5; power >= derivative; --power) {
-        double coefficient = kBasis[j][static_cast<std::size_t>(power)];
-        for (int d = 0; d < derivative; ++d) coefficient *= power - d;
-        c = c * u + coefficient;
-      }
-      value += c / 120.0 * (controls_[span + j + 1] - controls_[span + j]);
+    for (std::size_t j = 1; j < kOrder; ++j) {
+      value += trajectory_detail::cumulative_basis(j, u, derivative) *
+               (controls_[span + j] - controls_[span + j - 1]);
     }
     return value;
   }
@@ -159,87 +178,5 @@ class Trajectory {
   std::vector<Control> controls_;
   Settings settings_;
 };
-
-namespace trajectory_detail {
-
-/// Lays control points along legs; a step is at most speed * spacing, so the spline's speed, a
-/// convex combination of steps, never exceeds the leg speeds.
-class Planner {
- public:
-  Planner(std::uint64_t seed, double spacing) : random_(seed, 1), spacing_(spacing) {
-    controls_.assign(5, Trajectory::Control::Zero());
-  }
-  Random& random() { return random_; }
-  std::vector<Trajectory::Control>& controls() { return controls_; }
-  Vector3d position() const { return controls_.back().head<3>(); }
-
-  /// Towards `target` [m] at `speed` [m/s] until it is reached or `time` [s] is over.
-  void fly(const Vector3d& target, double speed, double time) {
-    for (double t = 0.0; t < time && position() != target; t += spacing_) {
-      const Vector3d way = target - position();
-      const double step = speed * spacing_;
-      turn();
-      const Vector3d next =
-          way.norm() <= step ? target : Vector3d(position() + step * way.normalized());
-      controls_.emplace_back(next.x(), next.y(), next.z(), yaw_);
-    }
-  }
-
- private:
-  void turn() {
-    constexpr double kMaxYaw = 1.75;  // [rad]; smoothing takes a little off
-    if (yaw_ == yaw_target_) {
-      yaw_target_ = random_.uniform(-kMaxYaw, kMaxYaw);
-      yaw_rate_ = random_.uniform(0.3, 1.0);
-    }
-    const double step = yaw_rate_ * spacing_;
-    yaw_ += std::clamp(yaw_target_ - yaw_, -step, step);
-    if (std::abs(yaw_target_ - yaw_) < 1e-9) yaw_ = yaw_target_;
-  }
-
-  Random random_;
-  double spacing_;
-  double yaw_ = 0.0;
-  double yaw_target_ = 0.0;
-  double yaw_rate_ = 0.0;
-  std::vector<Trajectory::Control> controls_;
-};
-
-}  // namespace trajectory_detail
-
-/// A flight in a volume of 6 x 5 x 1.7 m around and above its start, the origin of W: 4 s standing,
-/// level and at yaw 0; zigzag legs of 0.45..1.43 m/s, up and down in turn, yaw within +-1.75 rad;
-/// landing at most 1 m from the start; 2 s standing.
-/// @param length_m of the flown path [m], at least 20
-inline Trajectory indoor_flight(std::uint64_t seed, double length_m = 150.0, Time start = Time(0)) {
-  const Vector3d low(-3.0, -2.5, 0.35);
-  const Vector3d high(3.0, 2.5, 1.7);
-  const Vector3d reach(2.5, 2.5, 0.0);  // short legs: many turns, steep climbs
-  constexpr double kForever = 1e3;
-  const Trajectory::Settings settings{
-      .start = start, .knot_spacing = 0.5, .stand_before = 4.0, .stand_after = 2.0};
-  trajectory_detail::Planner planner(seed, settings.knot_spacing);
-  const double angle = planner.random().uniform(0.0, 2.0 * std::numbers::pi);
-  const double radius = planner.random().uniform(0.3, 1.0);
-  const Vector3d landing(radius * std::cos(angle), radius * std::sin(angle), 0.0);
-  planner.fly({0.0, 0.0, 0.9}, 0.7, kForever);
-  for (bool up = true;; up = !up) {
-    Vector3d from = (planner.position() - reach).cwiseMax(low);
-    Vector3d to = (planner.position() + reach).cwiseMin(high);
-    from.z() = up ? 1.3 : low.z();
-    to.z() = up ? high.z() : 0.8;
-    planner.fly(planner.random().in_box(from, to), planner.random().uniform(0.45, 1.43),
-                planner.random().uniform(1.5, 4.0));
-    trajectory_detail::Planner home = planner;
-    home.fly(landing + Vector3d(0.0, 0.0, 0.9), 0.8, kForever);
-    home.fly(landing, 0.5, kForever);
-    home.controls().insert(home.controls().end(), 4, home.controls().back());
-    const double length = Trajectory(home.controls(), settings).length();
-    if (length < length_m) continue;
-    // shrinking about the start is exact: the length is homogeneous in the control points
-    for (auto& control : home.controls()) control.head<3>() *= length_m / length;
-    return Trajectory(std::move(home.controls()), settings);
-  }
-}
 
 }  // namespace rio::sim

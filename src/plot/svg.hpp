@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A drawing as SVG text, and axes with a grid to draw curves on. Pixels, y down.
+// A drawing as SVG text: lines, areas, text, curves, and a window that cuts them off. Pixels, y
+// down.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <string>
 #include <vector>
 
-namespace rio::tools {
+namespace rio::plot {
 
 /// A point of a curve; one that is not finite interrupts the curve.
 struct Point {
@@ -17,23 +17,15 @@ struct Point {
   double y = 0.0;
 };
 
-/// Smallest interval that holds the finite values it was given.
-struct Range {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
+/// A rectangle; `top` is its smaller y.
+struct Box {
+  double left = 0.0;
+  double top = 0.0;
+  double width = 0.0;
+  double height = 0.0;
 
-  double span() const { return high - low; }
-  void add(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  /// Grown by a share of itself at both ends, to `smallest` at least; 0 to 1 if it was empty.
-  Range padded(double share, double smallest) const {
-    if (low > high) return {0.0, 1.0};
-    const double margin = std::max(share * span(), 0.5 * (smallest - span()));
-    return {low - margin, high + margin};
-  }
+  double right() const { return left + width; }
+  double bottom() const { return top + height; }
 };
 
 /// Text with the characters that XML reserves replaced.
@@ -86,6 +78,21 @@ struct TextStyle {
   std::string colour = "#222222";
 };
 
+/// About how wide a text is drawn; the exact width depends on the reader's font.
+inline double text_width(const std::string& text, double size) {
+  constexpr double kCharacter = 0.6;  // mean width of a letter over the size of a broad font
+  const auto characters = std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not the rest of a UTF-8 sequence
+  });
+  return kCharacter * size * static_cast<double>(characters);
+}
+
+/// `size`, or less where the text would be wider than `width`.
+inline double fitted_size(const std::string& text, double size, double width) {
+  const double wanted = text_width(text, size);
+  return wanted > width ? size * width / wanted : size;
+}
+
 /// Collects shapes; str() is the finished file.
 class Svg {
  public:
@@ -119,6 +126,43 @@ class Svg {
   }
   /// A curve. Points less than a pixel from the last one drawn are left out.
   void curve(const std::vector<Point>& points, const Stroke& stroke) {
+    const std::string path = outline(points);
+    if (path.empty()) return;
+    body_ += "<path d=\"" + path + "\"" + painted("none", stroke) +
+             " stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
+  }
+  /// A polygon without an edge; all points finite.
+  /// @param opacity 0 invisible, 1 hides what is below
+  void area(const std::vector<Point>& points, const std::string& fill, double opacity) {
+    const std::string path = outline(points);
+    if (path.empty()) return;
+    body_ += "<path d=\"" + path + " Z\"" + painted(fill, {"none", 0.0}) + " fill-opacity=\"" +
+             fixed(opacity, 2) + "\"/>\n";
+  }
+  /// Of what is drawn from here to end_clip(), only what lies inside the box is seen. Not nested.
+  void begin_clip(const Box& box) {
+    const std::string id = "clip" + std::to_string(++clips_);
+    body_ += "<clipPath id=\"" + id + "\"><rect" + attribute("x", box.left) +
+             attribute("y", box.top) + attribute("width", box.width) +
+             attribute("height", box.height) + "/></clipPath>\n<g clip-path=\"url(#" + id +
+             ")\">\n";
+  }
+  void end_clip() { body_ += "</g>\n"; }
+
+  std::string str() const {
+    const std::string w = fixed(width_, 0);
+    const std::string h = fixed(height_, 0);
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h +
+           "\" viewBox=\"0 0 " + w + " " + h +
+           "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n" + body_ + "</svg>\n";
+  }
+
+ private:
+  static std::string attribute(const char* name, double value) {
+    return std::string(" ") + name + "=\"" + fixed(value, 1) + "\"";
+  }
+  /// The "d" of a path through the points, without those less than a pixel from the last one.
+  static std::string outline(const std::vector<Point>& points) {
     std::string path;
     Point last;
     Point skipped;
@@ -142,22 +186,7 @@ class Svg {
       }
     }
     finish();
-    if (path.empty()) return;
-    body_ += "<path d=\"" + path.substr(1) + "\"" + painted("none", stroke) +
-             " stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
-  }
-
-  std::string str() const {
-    const std::string w = fixed(width_, 0);
-    const std::string h = fixed(height_, 0);
-    return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h +
-           "\" viewBox=\"0 0 " + w + " " + h +
-           "\" font-family=\"Helvetica, Arial, 'DejaVu Sans', sans-serif\">\n" + body_ + "</svg>\n";
-  }
-
- private:
-  static std::string attribute(const char* name, double value) {
-    return std::string(" ") + name + "=\"" + fixed(value, 1) + "\"";
+    return path.empty() ? path : path.substr(1);
   }
   static std::string coordinates(Point p) { return fixed(p.x, 1) + " " + fixed(p.y, 1); }
   static std::string painted(const std::string& fill, const Stroke& stroke) {
@@ -171,75 +200,8 @@ class Svg {
 
   double width_;
   double height_;
+  int clips_ = 0;
   std::string body_;
 };
 
-/// Round tick values of a range: 1, 2 or 5 times a power of ten apart.
-struct Ticks {
-  std::vector<double> values;
-  int decimals = 0;
-};
-
-inline Ticks ticks(const Range& range, int about) {
-  const double raw = range.span() / about;
-  const double power = std::pow(10.0, std::floor(std::log10(raw)));
-  const double ratio = raw / power;
-  const double step = power * (ratio < 1.4 ? 1.0 : ratio < 3.2 ? 2.0 : ratio < 7.0 ? 5.0 : 10.0);
-  Ticks result;
-  result.decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
-  for (double k = std::ceil(range.low / step - 1e-9); k * step <= range.high + 1e-9 * step; ++k) {
-    result.values.push_back(k * step);
-  }
-  return result;
-}
-
-/// A frame with a grid: maps values to pixels.
-class Axes {
- public:
-  Axes(Svg* svg, double left, double top, double width, double height, const Range& x,
-       const Range& y)
-      : svg_(svg), left_(left), top_(top), width_(width), height_(height), x_(x), y_(y) {}
-
-  Point pixel(double x, double y) const {
-    return {left_ + (x - x_.low) / x_.span() * width_, top_ + (y_.high - y) / y_.span() * height_};
-  }
-  /// Grid, frame and labels; an empty `x_label` leaves out the numbers below, too.
-  void draw(const std::string& title, const std::string& x_label, const std::string& y_label) {
-    const Ticks x_ticks = ticks(x_, static_cast<int>(width_ / 70.0));
-    const double spacing = height_ < 300.0 ? 40.0 : 70.0;
-    const Ticks y_ticks = ticks(y_, std::max(2, static_cast<int>(height_ / spacing)));
-    const double bottom = top_ + height_;
-    for (const double value : x_ticks.values) {
-      const double x = pixel(value, 0.0).x;
-      svg_->line({x, top_}, {x, bottom}, grid(value));
-      if (x_label.empty()) continue;
-      svg_->text({x, bottom + 17.0}, fixed(value, x_ticks.decimals), {12.0, Anchor::kMiddle});
-    }
-    for (const double value : y_ticks.values) {
-      const double y = pixel(0.0, value).y;
-      svg_->line({left_, y}, {left_ + width_, y}, grid(value));
-      svg_->text({left_ - 7.0, y + 4.0}, fixed(value, y_ticks.decimals), {12.0, Anchor::kEnd});
-    }
-    svg_->rectangle(left_, top_, width_, height_, "none", {"#8a8a8a", 1.0});
-    svg_->text({left_, top_ - 9.0}, title, {14.0, Anchor::kStart, true});
-    svg_->text({left_ + 0.5 * width_, bottom + 37.0}, x_label, {13.0, Anchor::kMiddle});
-    svg_->text({left_ - 54.0, top_ + 0.5 * height_}, y_label, {13.0, Anchor::kMiddle, false, true});
-  }
-  void curve(std::vector<Point> values, const Stroke& stroke) {
-    for (Point& point : values) point = pixel(point.x, point.y);
-    svg_->curve(values, stroke);
-  }
-
- private:
-  static Stroke grid(double value) { return {value == 0.0 ? "#b0b0b0" : "#e4e4e4", 1.0}; }
-
-  Svg* svg_;
-  double left_;
-  double top_;
-  double width_;
-  double height_;
-  Range x_;
-  Range y_;
-};
-
-}  // namespace rio::tools
+}  // namespace rio::plot

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenario files: YAML nested as in rio/sim/scenario_fields.hpp, SI numbers or "2 deg", "5 cm".
+#pragma once
+
+#include <string>
+
+#include "rio/sim/flight.hpp"
+#include "rio/sim/scenario.hpp"
+
+namespace rio::io {
+
+/// The scenario of the catalogue with this name, or else the one in this file: its top-level
+/// `scenario` key names the one of the catalogue its values are put on top of, without it they are
+/// put on top of the default scenario. A relative `path.file` is taken from the folder of the file.
+/// @throws std::runtime_error "FILE:LINE: ..." for unknown and duplicate keys, wrong types, units
+/// and ranges; "FILE: ..." for values that cannot go together; with the names there are when it is
+/// neither a name nor a file
+sim::Scenario load_scenario(const std::string& name_or_file);
+
+/// Every value with its unit and meaning as a comment; reads back to the same scenario, except for
+/// Scenario::start.
+std::string scenario_as_yaml(const sim::Scenario& scenario);
+
+/// Flies the path recorded in `path.file`, smoothed by a spline, or a random one if that is empty.
+/// @throws std::runtime_error if the recorded path cannot be read or flown, or if the disturbances
+/// leave no sample or no scan
+sim::Flight fly_scenario(const sim::Scenario& scenario);
+
+}  // namespace rio::io

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Everything that makes a simulated flight what it is: path, sensors, surroundings, disturbances,
+// and what the estimator is told wrongly. The fields with units: scenario_fields.hpp; the named
+// scenarios: catalogue.hpp.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "rio/sim/imu.hpp"
+#include "rio/sim/path.hpp"
+#include "rio/sim/radar_model.hpp"
+#include "rio/sim/room.hpp"
+#include "rio/sim/spells.hpp"
+#include "rio/types.hpp"
+
+namespace rio::sim {
+
+/// What goes wrong for a while. Spells of different kinds with equal counts coincide.
+struct Disturbances {
+  Spells bursts;    ///< many outliers; RadarModel::burst_outlier_share
+  Spells outages;   ///< the radar is silent
+  Spells imu_gaps;  ///< the IMU is silent
+};
+
+/// What the estimator is told that is not so.
+struct Told {
+  double extrinsic_angle = 0.0;     ///< error of the mounting about a random axis [rad]
+  double extrinsic_distance = 0.0;  ///< error of the lever arm in a random direction [m]
+  /// Error of the velocity of the start [m/s]. Not zero: the estimator is started at the first IMU
+  /// sample from the true state plus this error; zero: it aligns itself while standing.
+  Vector3d start_velocity = Vector3d::Zero();
+  double start_velocity_sigma = 0.05;  ///< what it is told of that error, per axis [m/s]
+};
+
+/// One kind of flight. The seed varies path, room and noise.
+struct Scenario {
+  std::uint64_t seed = 1;
+  PathOptions path{};
+  ImuModel imu{};
+  RadarModel radar{};
+  RoomOptions room{};
+  Disturbances disturbances{};
+  Told told{};
+  double max_duration = std::numeric_limits<double>::infinity();  ///< the flight is cut here [s]
+  Time start{1'700'000'000'000'000'000};                          ///< stamp of the first IMU sample
+
+  /// Sensors that obey a filter's model exactly, for consistency tests.
+  static Scenario ideal() {
+    Scenario scenario;
+    scenario.imu = ImuModel::ideal();
+    scenario.radar = RadarModel::ideal();
+    return scenario;
+  }
+};
+
+}  // namespace rio::sim

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The experiments: each answers one question by many simulated flights, as tables and charts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiment/campaign.hpp"
+
+namespace rio::experiment {
+
+/// A file an experiment writes beside its report.
+struct Attachment {
+  std::string name;  ///< with its ending
+  std::string text;
+};
+
+/// What an experiment found.
+struct Result {
+  std::string markdown;  ///< tables and what they mean
+  std::vector<Attachment> attachments;
+};
+
+/// Table I and II of Michalczyk et al., ICRA 2023: accuracy of the seven flights, error over the
+/// distance flown, what Doppler, trails and landmarks contribute, time per scan.
+Result icra2023(const Settings& settings);
+/// Is the error as large as the covariance says? NEES over matched runs, NIS per model.
+Result consistency(const Settings& settings);
+/// The default preset with one mechanism off at a time.
+Result ablation(const Settings& settings);
+/// Every scenario of the catalogue with every preset.
+Result robustness(const Settings& settings);
+
+/// One experiment of the list.
+struct Experiment {
+  const char* name;
+  const char* summary;
+  Result (*run)(const Settings& settings);
+};
+
+/// All of them.
+inline const std::vector<Experiment>& experiments() {
+  static const std::vector<Experiment> all = {
+      {"icra2023", "the tables of Michalczyk et al. 2023: accuracy, contributions, time",
+       &icra2023},
+      {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
+      {"ablation", "the default preset with one mechanism off at a time", &ablation},
+      {"robustness", "every scenario with every preset", &robustness},
+  };
+  return all;
+}
+
+/// The presets that experiments compare, the best first.
+inline const std::vector<Variant>& presets_compared() {
+  static const std::vector<Variant> presets = {{"default", "default"},
+                                               {"published-ekf", "published-ekf"}};
+  return presets;
+}
+
+}  // namespace rio::experiment

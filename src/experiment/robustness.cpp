@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every scenario of the catalogue, one row a preset. A row says when the preset is overconfident,
+// loses its way, or is worse than the published filter.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.hpp"
+#include "experiment/spread.hpp"
+#include "rio/eval/nees.hpp"
+#include "rio/sim/catalogue.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+constexpr int kSeeds = 20;
+constexpr double kLongFlight = 600.0;  // [s]; such flights are flown with a quarter of the seeds
+
+int seeds_for(const std::string& name, const Settings& settings) {
+  sim::Scenario scenario;
+  sim::scenario(name, &scenario);
+  const int seeds = settings.seeds > 0 ? settings.seeds : kSeeds;
+  const bool is_long = scenario.path.length <= 0.0 && scenario.path.duration >= kLongFlight;
+  return is_long ? std::max(1, seeds / 4) : seeds;
+}
+
+/// The blocks whose mean NEES is above what 99 % of consistent filters show at one instant.
+std::string overconfident_in(const std::vector<Score>& scores) {
+  const int runs = static_cast<int>(scores.size());
+  const double three = eval::anees_bounds(3, runs, 0.99).upper / 3.0;
+  const double one = eval::anees_bounds(1, runs, 0.99).upper;
+  std::vector<std::string> blocks;
+  // not <=, so that a NaN is told
+  const auto check = [&](const char* name, double Score::*value, double bound) {
+    if (!(Spread::of(scores, value).mean <= bound)) blocks.emplace_back(name);
+  };
+  check("position", &Score::nees_position, three);
+  check("heading", &Score::nees_heading, one);
+  check("velocity", &Score::nees_velocity, three);
+  return fmt::format("{}", fmt::join(blocks, ", "));
+}
+
+/// What a reader has to know about a row.
+std::string remark(const std::vector<Score>& scores, const std::vector<Score>* published) {
+  std::vector<std::string> remarks;
+  const int lost = count_lost(scores);
+  if (lost > 0) remarks.push_back(fmt::format("lost in {} of {}", lost, scores.size()));
+  const std::string blocks = overconfident_in(scores);
+  if (!blocks.empty()) remarks.push_back("overconfident in " + blocks);
+  if (published != nullptr) {
+    const auto worse = [&](double Score::*value) {
+      return Spread::of(scores, value).mean > Spread::of(*published, value).mean;
+    };
+    if (worse(&Score::drift)) remarks.emplace_back("drifts more than published-ekf");
+    if (worse(&Score::mae)) remarks.emplace_back("larger MAE than published-ekf");
+  }
+  return fmt::format("{}", fmt::join(remarks, "; "));
+}
+
+}  // namespace
+
+Result robustness(const Settings& settings) {
+  std::vector<Case> cases;
+  for (const sim::CatalogueEntry& entry : sim::catalogue()) {
+    for (Case& c : cases_of(entry.name, seeds_for(entry.name, settings))) cases.push_back(c);
+  }
+  // the long flights first: no thread ends alone with one
+  std::stable_sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) {
+    return a.scenario.path.length < b.scenario.path.length;
+  });
+  const std::vector<Outcome> runs = run_campaign(cases, presets_compared(), settings);
+
+  MarkdownTable table({"scenario", "flights", "preset", "final error [m]", "drift [%]",
+                       "norm of MAE [m]", "heading [deg]", "velocity [m/s]",
+                       "NEES position / heading / velocity", "remark"});
+  for (const sim::CatalogueEntry& entry : sim::catalogue()) {
+    const std::vector<Score> published = select(runs, entry.name, "published-ekf");
+    for (const Variant& variant : presets_compared()) {
+      const std::vector<Score> scores = select(runs, entry.name, variant.name);
+      const auto text = [&](double Score::*value, int decimals) {
+        return Spread::of(scores, value).text(decimals);
+      };
+      const auto mean = [&](double Score::*value) {
+        return number(Spread::of(scores, value).mean, 2);
+      };
+      const bool is_published = variant.name == "published-ekf";
+      table.add({entry.name, fmt::format("{}", scores.size()), variant.name,
+                 text(&Score::final_error, 2), text(&Score::drift, 2), text(&Score::mae, 2),
+                 text(&Score::heading, 1), text(&Score::velocity, 3),
+                 mean(&Score::nees_position) + " / " + mean(&Score::nees_heading) + " / " +
+                     mean(&Score::nees_velocity),
+                 remark(scores, is_published ? nullptr : &published)});
+    }
+  }
+  Result result;
+  result.markdown = fmt::format(
+      "Mean (worst) ± standard deviation over the flights. NEES: mean over flight and runs of the "
+      "normalised\nestimation error squared over its dimension; 1 is right, above 1 is "
+      "overconfident. Lost: ends off by more\nthan 5 % of the path and 2 m.\n\n{}",
+      table.text());
+  result.attachments.push_back({"robustness.csv", outcomes_as_csv(runs)});
+  return result;
+}
+
+}  // namespace rio::experiment

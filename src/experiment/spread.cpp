@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment/spread.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace rio::experiment {
+
+Spread Spread::of(const std::vector<double>& values) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  if (values.empty()) return {kNan, kNan, kNan};
+  const double n = static_cast<double>(values.size());
+  Spread s{0.0, values.front(), 0.0};
+  for (const double value : values) {
+    s.mean += value / n;
+    s.worst = std::isnan(value) || value > s.worst ? value : s.worst;
+  }
+  if (values.size() > 1) {
+    for (const double value : values) s.std += (value - s.mean) * (value - s.mean) / (n - 1.0);
+    s.std = std::sqrt(s.std);
+  }
+  return s;
+}
+
+Spread Spread::of(const std::vector<Score>& scores, double Score::*value) {
+  std::vector<double> values;
+  values.reserve(scores.size());
+  for (const Score& score : scores) values.push_back(score.*value);
+  return of(values);
+}
+
+std::string Spread::text(int decimals) const {
+  return fmt::format("{} ({}) ± {}", number(mean, decimals), number(worst, decimals),
+                     number(std, decimals));
+}
+
+MarkdownTable::MarkdownTable(const std::vector<std::string>& head) : columns_(head.size()) {
+  add(head);
+  add(std::vector<std::string>(columns_, "---"));
+}
+
+void MarkdownTable::add(const std::vector<std::string>& row) {
+  if (row.size() != columns_) throw std::logic_error("a row of another length");
+  text_ += fmt::format("| {} |\n", fmt::join(row, " | "));
+}
+
+std::string number(double value, int decimals) {
+  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+}
+
+}  // namespace rio::experiment

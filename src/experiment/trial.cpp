@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment/trial.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "rio/eval/nees.hpp"
+#include "rio/io/start.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+constexpr double kLongestSilence = 2.0;  // [s]
+
+bool finite(const Step& step) {
+  const NavState& x = step.estimate;
+  return (x.p_WB + x.v_WB + x.gyro_bias + x.accel_bias).allFinite() &&
+         x.q_WB.coeffs().allFinite() && step.covariance.allFinite();
+}
+
+/// Feeds one flight.
+class Replay {
+ public:
+  Replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each)
+      : flight_(flight), odometry_(odometry), each_(each) {}
+
+  Trial run() {
+    std::size_t next = 0;
+    for (const ImuSample& sample : flight_.imu) {
+      while (next < flight_.scans.size() && flight_.arrivals[next] < sample.time) {
+        // read the report of a waiting scan before another one overwrites it
+        if (waiting_) break;
+        give(flight_.scans[next++]);
+      }
+      (void)odometry_.add_imu(sample);
+      if (waiting_ && odometry_.at_scan().time >= *waiting_) {
+        waiting_.reset();
+        record();
+      }
+    }
+    for (; !waiting_ && next < flight_.scans.size(); ++next) give(flight_.scans[next]);
+    trial_.counters = odometry_.counters();
+    trial_.complete = complete();
+    return std::move(trial_);
+  }
+
+ private:
+  void give(const RadarScan& scan) {
+    const Status status = odometry_.add_scan(scan);
+    if (status == Status::kWaiting) waiting_ = scan.time;
+    if (status == Status::kOk) record();
+  }
+
+  void record() {
+    const UpdateReport& report = odometry_.report();
+    if (report.status != Status::kOk) return;
+    const NavState& x = odometry_.at_scan();
+    trial_.steps.push_back({x, flight_.truth_at(x.time), odometry_.covariance()});
+    for (std::size_t i = 0; i < kModelCount; ++i) {
+      ModelReport& sum = trial_.models[i];
+      sum.rows_used += report.models[i].rows_used;
+      sum.rows_gated += report.models[i].rows_gated;
+      sum.rows_out_of_domain += report.models[i].rows_out_of_domain;
+      sum.nis += report.models[i].nis;
+    }
+    trial_.propagation_time += report.propagation_time;
+    trial_.update_time += report.update_time;
+    if (each_) each_(report);
+  }
+
+  bool complete() const {
+    const std::vector<Step>& steps = trial_.steps;
+    if (steps.empty() || trial_.counters.updates_failed > 0) return false;
+    if (!std::all_of(steps.begin(), steps.end(), finite)) return false;
+    const double allowed = flight_.scenario.disturbances.outages.duration + kLongestSilence;
+    for (std::size_t i = 1; i < steps.size(); ++i) {
+      if (to_seconds(steps[i].estimate.time - steps[i - 1].estimate.time) > allowed) return false;
+    }
+    return to_seconds(flight_.imu.back().time - steps.back().estimate.time) < allowed;
+  }
+
+  const sim::Flight& flight_;
+  Odometry& odometry_;
+  const EachReport& each_;
+  std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
+  Trial trial_;
+};
+
+/// The true first state with the scenario's error, its biases unknown.
+void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometry& odometry) {
+  const sim::Told& told = flight.scenario.told;
+  NavState state = flight.truth.front();
+  state.v_WB += told.start_velocity;
+  state.gyro_bias.setZero();
+  state.accel_bias.setZero();
+  BodyCovariance P = io::start_covariance(state.q_WB, start);
+  P.block<3, 3>(body::kVelocity, body::kVelocity) =
+      Matrix3d::Identity() * told.start_velocity_sigma * told.start_velocity_sigma;
+  if (odometry.reset(state, P) != Status::kOk) throw std::runtime_error("the start was refused");
+}
+
+}  // namespace
+
+Options options_for(const sim::Flight& flight, const std::string& name) {
+  Options o;
+  if (!preset(name, &o)) throw std::runtime_error("no such preset: \"" + name + "\"");
+  const sim::ImuModel& imu = flight.scenario.imu;
+  o.imu.gyro_noise_density = imu.gyro_noise_density;
+  o.imu.gyro_random_walk = imu.gyro_random_walk;
+  o.imu.accel_noise_density = imu.accel_noise_density;
+  o.imu.accel_random_walk = imu.accel_random_walk;
+  const sim::RadarModel& radar = flight.scenario.radar;
+  o.radar.T_BS = flight.told_T_BS;
+  o.radar.sigma_range = radar.sigma_range;
+  o.radar.sigma_azimuth = radar.sigma_azimuth;
+  o.radar.sigma_elevation = radar.sigma_elevation;
+  o.radar.sigma_doppler = radar.sigma_doppler;
+  o.radar.range_resolution = radar.quantize ? radar.range_resolution : 0.0;
+  o.radar.doppler_resolution = radar.quantize ? radar.doppler_resolution : 0.0;
+  return o;
+}
+
+Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each) {
+  return Replay(flight, odometry, each).run();
+}
+
+Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each) {
+  Options used = options;
+  const bool wrong = !flight.scenario.told.start_velocity.isZero();
+  if (wrong) used.start.static_alignment = false;
+  std::string why;
+  const std::unique_ptr<Odometry> odometry = Odometry::create(used, &why);
+  if (odometry == nullptr) throw std::runtime_error(why);
+  if (wrong) start_wrongly(flight, used.start, *odometry);
+  return replay(flight, *odometry, each);
+}
+
+std::vector<eval::PosePair> pose_pairs(const Trial& trial) {
+  std::vector<eval::PosePair> pairs;
+  pairs.reserve(trial.steps.size());
+  for (const Step& step : trial.steps) {
+    const NavState& x = step.estimate;
+    const NavState& truth = step.truth;
+    pairs.push_back({{truth.time, truth.p_WB, truth.q_WB}, {x.time, x.p_WB, x.q_WB}});
+  }
+  return pairs;
+}
+
+BlockNees block_nees(const Step& step) {
+  const BodyCovariance& P = step.covariance;
+  const eval::BodyError e = eval::body_error(step.estimate, step.truth);
+  const auto block = [&](int at) {
+    return eval::nees(e.segment<3>(at).eval(), Matrix3d(P.block<3, 3>(at, at))) / 3.0;
+  };
+  const Vector3d up = step.estimate.q_WB.conjugate() * Vector3d::UnitZ();
+  const double yaw = up.dot(e.segment<3>(body::kAttitude));
+  const double yaw_var = up.dot(P.block<3, 3>(body::kAttitude, body::kAttitude) * up);
+  return {.position = block(body::kPosition),
+          .attitude = block(body::kAttitude),
+          .heading = yaw * yaw / yaw_var,
+          .velocity = block(body::kVelocity)};
+}
+
+}  // namespace rio::experiment

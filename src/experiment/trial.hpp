@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One trial: a simulated flight through door 1, with everything that judges it.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "rio/eval/association.hpp"
+#include "rio/options.hpp"
+#include "rio/report.hpp"
+#include "rio/rio.hpp"
+#include "rio/sim/flight.hpp"
+
+namespace rio::experiment {
+
+/// A preset told the sensors of a flight: noises, grids, field of view, and the mounting as told.
+/// @throws std::runtime_error if there is no such preset
+Options options_for(const sim::Flight& flight, const std::string& preset);
+
+/// Estimate, truth and covariance at one processed scan.
+struct Step {
+  NavState estimate;
+  NavState truth;
+  BodyCovariance covariance;
+};
+
+/// What became of a flight.
+struct Trial {
+  std::vector<Step> steps;                        ///< one a processed scan
+  std::array<ModelReport, kModelCount> models{};  ///< sums over the flight
+  Counters counters;
+  Time propagation_time{0};  ///< summed over the scans, if Options::timing.clock is given
+  Time update_time{0};
+  /// Every estimate and covariance finite, no update failed, and no 2 s without a processed scan
+  /// that the radar did not cause.
+  bool complete = false;
+};
+
+/// Called with the report of every processed scan.
+using EachReport = std::function<void(const UpdateReport&)>;
+
+/// Feeds all samples to an estimator in the order in which they are at hand.
+Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each = {});
+
+/// The same with a new estimator of these options, which aligns itself, or starts wrongly as the
+/// scenario says.
+/// @throws std::runtime_error if the options are invalid
+Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each = {});
+
+/// True and estimated poses of the steps.
+std::vector<eval::PosePair> pose_pairs(const Trial& trial);
+
+/// NEES of the blocks at one step, each divided by its dimension.
+struct BlockNees {
+  double position = 0.0;
+  double attitude = 0.0;
+  double heading = 0.0;  ///< the attitude error about the vertical, one dimension
+  double velocity = 0.0;
+};
+BlockNees block_nees(const Step& step);
+
+}  // namespace rio::experiment

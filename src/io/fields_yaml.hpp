@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Structs with a table of fields (`visit_fields(object, visitor)`, rio/core/field.hpp) from and to
+// YAML nested by the dots of the keys; private to rio_io because it shows yaml-cpp. A file may name
+// what its values are put on top of in a top-level base key: options a preset, scenarios a
+// scenario.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "rio/core/field.hpp"
+#include "rio/option_fields.hpp"
+#include "unit_quaternion.hpp"
+#include "yaml.hpp"
+
+namespace rio::io {
+
+inline constexpr std::string_view kTrailNoiseNames[] = {"independent", "correlated"};
+
+/// Reads one YAML value into a field of any type; throws "FILE:LINE: KEY: ..." if it does not fit.
+struct ReadField {
+  const YamlFile& file;
+  const YAML::Node& node;
+  const FieldInfo& info;
+
+  void operator()(double& field) const { field = yaml_number(file, node, info.key, info.unit); }
+  void operator()(int& field) const { whole_number(field); }
+  void operator()(std::uint64_t& field) const { whole_number(field); }
+
+  void operator()(bool& field) const {
+    const std::string& text = node.Scalar();
+    if (text != "true" && text != "false") wrong("true or false is expected");
+    field = text == "true";
+  }
+
+  void operator()(std::string& field) const {
+    if (!node.IsScalar()) wrong("a text is expected");
+    field = node.Scalar();
+  }
+
+  void operator()(TrailNoise& field) const {
+    for (const TrailNoise noise : {TrailNoise::kIndependent, TrailNoise::kCorrelated}) {
+      if (node.Scalar() != kTrailNoiseNames[static_cast<std::size_t>(noise)]) continue;
+      field = noise;
+      return;
+    }
+    wrong("independent or correlated is expected");
+  }
+
+  void operator()(Vector3d& field) const {
+    const std::vector<double> v = yaml_numbers(file, node, info.key, info.unit, 3);
+    field = Vector3d(v[0], v[1], v[2]);
+  }
+
+  void operator()(Quaternion& field) const {
+    const std::vector<double> v = yaml_numbers(file, node, info.key, info.unit, 4);
+    const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
+    if (!q) wrong("not a unit quaternion");
+    field = *q;
+  }
+
+ private:
+  template <class Integer>
+  void whole_number(Integer& field) const {
+    const std::string& text = node.Scalar();
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), field);
+    if (!node.IsScalar() || error != std::errc{} || end != text.data() + text.size()) {
+      wrong("a whole number is expected");
+    }
+  }
+
+  [[noreturn]] void wrong(const char* what) const {
+    fail_at(file, node, std::string(info.key) + ": " + what);
+  }
+};
+
+/// The YAML text of one field.
+struct PrintField {
+  std::string operator()(double value) const { return fmt::format("{}", value); }
+  std::string operator()(int value) const { return fmt::format("{}", value); }
+  std::string operator()(std::uint64_t value) const { return fmt::format("{}", value); }
+  std::string operator()(bool value) const { return value ? "true" : "false"; }
+  std::string operator()(const std::string& value) const {
+    YAML::Emitter text;
+    text << YAML::DoubleQuoted << value;
+    return text.c_str();
+  }
+  std::string operator()(TrailNoise value) const {
+    return std::string(kTrailNoiseNames[static_cast<std::size_t>(value)]);
+  }
+  std::string operator()(const Vector3d& v) const {
+    return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
+  }
+  std::string operator()(const Quaternion& q) const {
+    return fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z());
+  }
+};
+
+/// The value of the top-level key `base_key`, undefined if the file has none.
+inline YAML::Node base_node(const YamlFile& file, const std::string& base_key) {
+  for (const auto& entry : file.root) {
+    if (entry.first.Scalar() == base_key) return entry.second;
+  }
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+namespace fields_yaml_detail {
+
+inline bool is_section(const std::string& key, const std::vector<std::string>& keys) {
+  for (const std::string& candidate : keys) {
+    if (candidate.starts_with(key + ".")) return true;
+  }
+  return false;
+}
+
+/// Opens the sections in which `key` lies and `previous` does not; returns the indented last part.
+inline std::string open_sections(std::string_view key, std::string_view previous,
+                                 std::string* text) {
+  std::size_t begin = 0;
+  std::string indent;
+  for (std::size_t dot = key.find('.'); dot != std::string_view::npos; dot = key.find('.', begin)) {
+    if (!previous.starts_with(key.substr(0, dot + 1))) {
+      *text += fmt::format("{}{}:\n", indent, key.substr(begin, dot - begin));
+    }
+    begin = dot + 1;
+    indent += "  ";
+  }
+  return indent + std::string(key.substr(begin));
+}
+
+/// Puts the values of one file into an object.
+template <class Object>
+class FieldsReader {
+ public:
+  FieldsReader(const YamlFile& file, const std::string& base_key, Object* object)
+      : file_(file), base_key_(base_key), keys_{base_key}, object_(object) {
+    visit_fields(*object,
+                 [this](const FieldInfo& info, const auto&) { keys_.emplace_back(info.key); });
+  }
+
+  void read() { read(file_.root, ""); }
+
+ private:
+  void read(const YAML::Node& map, const std::string& prefix) {
+    for (const auto& entry : map) {
+      const std::string key = prefix + entry.first.Scalar();
+      const YAML::Node& value = entry.second;
+      if (key == base_key_) continue;
+      if (is_section(key, keys_)) {
+        if (!value.IsMap() && !value.IsNull()) fail_at(file_, value, key + ": a map is expected");
+        read(value, key + ".");
+      } else if (!set_field(key, value)) {
+        fail_at(file_, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, keys_));
+      }
+    }
+  }
+
+  /// False if there is no such field.
+  bool set_field(const std::string& key, const YAML::Node& node) {
+    bool found = false;
+    visit_fields(*object_, [&](const FieldInfo& info, auto& field) {
+      if (key != info.key) return;
+      found = true;
+      ReadField{file_, node, info}(field);
+      const std::string error = field_error(info, field);
+      if (!error.empty()) fail_at(file_, node, error);
+    });
+    return found;
+  }
+
+  const YamlFile& file_;
+  std::string base_key_;
+  std::vector<std::string> keys_;
+  Object* object_;
+};
+
+}  // namespace fields_yaml_detail
+
+/// Sets every field the file names; `base_key` is passed over. Unknown keys, wrong types, units and
+/// ranges throw std::runtime_error "FILE:LINE: ...", after earlier fields have been set.
+template <class Object>
+void read_fields(const YamlFile& file, const std::string& base_key, Object* object) {
+  fields_yaml_detail::FieldsReader<Object>(file, base_key, object).read();
+}
+
+/// Every field with its unit and meaning as a comment; reads back to the same values.
+template <class Object>
+std::string fields_text(const Object& object) {
+  std::string text;
+  std::string_view previous;
+  visit_fields(object, [&](const FieldInfo& info, const auto& field) {
+    const std::string label = fields_yaml_detail::open_sections(info.key, previous, &text);
+    const std::string unit = *info.unit == '\0' ? "" : fmt::format("[{}] ", info.unit);
+    text += fmt::format("{}: {}  # {}{}\n", label, PrintField{}(field), unit, info.doc);
+    previous = info.key;
+  });
+  return text;
+}
+
+}  // namespace rio::io

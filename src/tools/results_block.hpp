@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A block of a Markdown file that a command generates, between two comment lines.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+#include "rio/io/csv.hpp"
+#include "rio/io/text_file.hpp"
+
+namespace rio::tools {
+
+/// Replaces what stands between `<!-- rio experiment NAME -->` and the next `<!-- end -->`.
+/// @throws std::runtime_error if the file has no such block; it is unchanged then
+inline void replace_results_block(const std::filesystem::path& path, const std::string& name,
+                                  const std::string& markdown) {
+  const std::string begin = "<!-- rio experiment " + name + " -->\n";
+  const std::string end = "<!-- end -->";
+  std::string text = io::read_text(path);
+  const std::size_t from = text.find(begin);
+  const std::size_t to = from == std::string::npos ? from : text.find(end, from);
+  if (to == std::string::npos) {
+    throw std::runtime_error(path.string() + ": no block from \"" +
+                             begin.substr(0, begin.size() - 1) + "\" to \"" + end + "\"");
+  }
+  text.replace(from, to - from, begin + "\n" + markdown + "\n");
+  io::TextFile file(path);
+  file.write(text);
+  file.close();
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Trials and campaigns: what is fed, what is judged, and that threads change nothing.
+#include "experiment/campaign.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "rio/sim/flight.hpp"
+
+namespace rio::experiment {
+namespace {
+
+sim::Scenario short_scenario(std::uint64_t seed) {
+  sim::Scenario s;
+  s.seed = seed;
+  s.path.length = 20.0;
+  s.max_duration = 15.0;
+  return s;
+}
+
+std::vector<Case> short_cases() {
+  std::vector<Case> cases;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    cases.push_back({"short", short_scenario(seed)});
+  }
+  return cases;
+}
+
+const std::vector<Variant>& two_variants() {
+  static const std::vector<Variant> variants = {
+      {"default", "default"},
+      {"no Doppler", "default", [](Options& o) { o.update.use_doppler = false; }}};
+  return variants;
+}
+
+TEST(ParallelFor, CallsEachJobOnceAndCounts) {
+  for (const int threads : {1, 2, 5}) {
+    std::vector<std::atomic<int>> calls(23);
+    std::size_t last = 0;
+    parallel_for(
+        calls.size(), threads,
+        [&](std::size_t done, std::size_t total) {
+          EXPECT_EQ(done, last + 1);
+          EXPECT_EQ(total, 23U);
+          last = done;
+        },
+        [&](std::size_t i) { ++calls[i]; });
+    for (const auto& count : calls) EXPECT_EQ(count, 1);
+    EXPECT_EQ(last, 23U);
+  }
+}
+
+TEST(ParallelFor, TheFirstExceptionReachesTheCaller) {
+  std::atomic<int> calls{0};
+  const auto job = [&](std::size_t i) {
+    ++calls;
+    if (i == 3) throw std::runtime_error("three");
+  };
+  EXPECT_THROW(parallel_for(1000, 2, {}, job), std::runtime_error);
+  EXPECT_LT(calls, 1000);
+}
+
+TEST(Campaign, RunsComeByCaseThenVariantWhateverTheThreads) {
+  const std::vector<Outcome> one = run_campaign(short_cases(), two_variants(), {.threads = 1});
+  const std::vector<Outcome> three = run_campaign(short_cases(), two_variants(), {.threads = 3});
+  ASSERT_EQ(one.size(), 8U);
+  EXPECT_EQ(outcomes_as_csv(one), outcomes_as_csv(three));
+  EXPECT_EQ(one[2].seed, 2U);
+  EXPECT_EQ(one[2].variant, "default");
+  EXPECT_EQ(one[3].variant, "no Doppler");
+}
+
+TEST(Campaign, TheChangeReachesTheEstimator) {
+  const std::vector<Outcome> runs = run_campaign(short_cases(), two_variants(), {});
+  for (const Score& s : select(runs, "short", "default")) EXPECT_FALSE(std::isnan(s.nis_doppler));
+  for (const Score& s : select(runs, "short", "no Doppler")) EXPECT_TRUE(std::isnan(s.nis_doppler));
+  EXPECT_EQ(select(runs, "short", "default").size(), 4U);
+  EXPECT_TRUE(select(runs, "other", "default").empty());
+}
+
+TEST(Campaign, EachTrialIsShownOnce) {
+  std::multiset<std::string> seen;
+  run_campaign(short_cases(), two_variants(), {},
+               [&](const Case& c, const Variant& v, const Trial& trial) {
+                 EXPECT_FALSE(trial.steps.empty());
+                 seen.insert(v.name + std::to_string(c.scenario.seed));
+               });
+  EXPECT_EQ(seen.size(), 8U);
+  EXPECT_EQ(std::set<std::string>(seen.begin(), seen.end()).size(), 8U);
+}
+
+TEST(Campaign, UnknownNamesAreErrors) {
+  EXPECT_THROW(cases_of("nowhere", 1), std::runtime_error);
+  EXPECT_THROW(run_campaign(short_cases(), {{"x", "no such preset"}}, {}), std::runtime_error);
+  const Variant bad = {"x", "default", [](Options& o) { o.update.max_clones = -1; }};
+  EXPECT_THROW(run_campaign(short_cases(), {bad}, {}), std::runtime_error);
+}
+
+TEST(Campaign, CsvHasARowARunAndAColumnAFigure) {
+  const std::string csv = outcomes_as_csv(run_campaign(short_cases(), two_variants(), {}));
+  const auto count = [](const std::string& text, char c) {
+    return std::count(text.begin(), text.end(), c);
+  };
+  EXPECT_EQ(count(csv, '\n'), 9);
+  EXPECT_EQ(count(csv.substr(0, csv.find('\n')), ','), 4 + static_cast<long>(kFigures.size()));
+  EXPECT_EQ(count(csv, ','), 9 * (4 + static_cast<long>(kFigures.size())));
+}
+
+TEST(Trial, TakesEveryScanAndKnowsTheTruth) {
+  const sim::Flight flight = sim::simulate_flight(short_scenario(1));
+  const Trial trial = fly(flight, options_for(flight, "default"));
+  EXPECT_TRUE(trial.complete);
+  EXPECT_EQ(trial.counters.scans, trial.steps.size());
+  EXPECT_EQ(trial.counters.scans_late, 0U);
+  for (const Step& step : trial.steps) {
+    ASSERT_EQ(step.truth.time, step.estimate.time);
+    ASSERT_EQ(step.truth.p_WB, flight.trajectory.at(step.estimate.time).nav.p_WB);
+  }
+  // all but the scans before the alignment, 1.5 s at 15 Hz, and the last, which no IMU follows
+  EXPECT_GE(trial.steps.size() + 25, flight.scans.size());
+}
+
+TEST(Trial, LateArrivalChangesNothingButTheOrder) {
+  sim::Scenario late = short_scenario(2);
+  late.radar.latency = 0.08;
+  const sim::Flight prompt_flight = sim::simulate_flight(short_scenario(2));
+  const sim::Flight late_flight = sim::simulate_flight(late);
+  const Trial a = fly(prompt_flight, options_for(prompt_flight, "default"));
+  const Trial b = fly(late_flight, options_for(late_flight, "default"));
+  // two scan periods, at most, lie between the end of the alignment and its arrival
+  EXPECT_LE(b.counters.scans_late, 2U);
+  ASSERT_NEAR(static_cast<double>(a.steps.size()), static_cast<double>(b.steps.size()), 2.0);
+  // the same samples and scans but for those at the end of the alignment
+  EXPECT_NEAR((a.steps.back().estimate.p_WB - a.steps.back().truth.p_WB).norm(),
+              (b.steps.back().estimate.p_WB - b.steps.back().truth.p_WB).norm(), 0.02);
+}
+
+TEST(Trial, StartsWhereTheScenarioSays) {
+  sim::Scenario s = short_scenario(3);
+  s.told.start_velocity = {2.0, 2.0, 0.0};
+  s.told.start_velocity_sigma = 2.0;
+  const sim::Flight flight = sim::simulate_flight(s);
+  const Trial trial = fly(flight, options_for(flight, "default"));
+  // started at the first sample, so that the first scan is processed
+  ASSERT_EQ(trial.steps.front().estimate.time, flight.scans.front().time);
+  EXPECT_GT(trial.steps.front().covariance(body::kGyroBias, body::kGyroBias), 1e-6);
+  EXPECT_LT((trial.steps.back().estimate.v_WB - trial.steps.back().truth.v_WB).norm(), 0.2);
+}
+
+TEST(Trial, TellsTheEstimatorTheWrongMounting) {
+  sim::Scenario s = short_scenario(4);
+  s.told.extrinsic_angle = 0.05;
+  s.told.extrinsic_distance = 0.02;
+  const sim::Flight flight = sim::simulate_flight(s);
+  const Options o = options_for(flight, "default");
+  EXPECT_NEAR(o.radar.T_BS.rotation.angularDistance(s.radar.T_BS.rotation), 0.05, 1e-9);
+  EXPECT_NEAR((o.radar.T_BS.translation - s.radar.T_BS.translation).norm(), 0.02, 1e-12);
+}
+
+TEST(Trial, AnOutageIsNoIncompleteness) {
+  sim::Scenario s = short_scenario(5);
+  s.disturbances.outages = {1, 5.0};
+  const sim::Flight flight = sim::simulate_flight(s);
+  EXPECT_TRUE(fly(flight, options_for(flight, "default")).complete);
+}
+
+TEST(Trial, SilenceOfTheFilterIsIncomplete) {
+  sim::Flight flight = sim::simulate_flight(short_scenario(5));
+  flight.scans.resize(flight.scans.size() / 2);
+  flight.arrivals.resize(flight.scans.size());
+  EXPECT_FALSE(fly(flight, options_for(flight, "default")).complete);
+}
+
+TEST(Score, OfAKnownError) {
+  Trial trial;
+  trial.complete = true;
+  for (int i = 0; i <= 100; ++i) {
+    Step step;
+    step.truth.time = step.estimate.time = from_seconds(0.1 * i);
+    step.truth.p_WB = {0.1 * i, 0.0, 0.0};
+    step.estimate = step.truth;
+    step.estimate.p_WB.y() += 0.02 * i;  // 2 m in the end: 20 % of 10 m
+    step.estimate.v_WB = step.truth.v_WB + Vector3d(0.0, 0.2, 0.0);
+    step.covariance = BodyCovariance::Identity() * 0.04;
+    trial.steps.push_back(step);
+  }
+  Score s = score(trial);
+  EXPECT_NEAR(s.path_length, 10.0, 1e-9);
+  EXPECT_NEAR(s.final_error, 2.0, 1e-9);
+  EXPECT_NEAR(s.drift, 20.0, 1e-6);
+  EXPECT_NEAR(s.mae, 1.0, 1e-9);
+  EXPECT_NEAR(s.velocity, 0.2, 1e-9);
+  EXPECT_NEAR(s.nees_velocity, 1.0 / 3.0, 1e-9);
+  EXPECT_NEAR(s.heading, 0.0, 1e-9);
+  EXPECT_FALSE(s.lost);  // 2 m are allowed
+  trial.steps.back().estimate.p_WB.y() += 0.01;
+  EXPECT_TRUE(score(trial).lost);
+  trial.steps.back().estimate.p_WB.y() = std::nan("");
+  EXPECT_TRUE(score(trial).lost);
+  EXPECT_TRUE(score(Trial{}).lost);
+}
+
+}  // namespace
+}  // namespace rio::experiment

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenario files, and with them the table of the fields of a scenario and the catalogue.
+#include "rio/io/scenario_yaml.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "rio/io/trajectory.hpp"
+#include "rio/sim/catalogue.hpp"
+#include "rio/sim/scenario_fields.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::io {
+namespace {
+
+using test::TempDir;
+
+/// Every field as text that is exact to the bit.
+using Values = std::map<std::string, std::string>;
+
+struct ToText {
+  std::string operator()(double v) const {
+    char text[40];
+    std::snprintf(text, sizeof text, "%a ", v);
+    return text;
+  }
+  std::string operator()(const std::string& v) const { return v; }
+  std::string operator()(const Vector3d& v) const {
+    return (*this)(v.x()) + (*this)(v.y()) + (*this)(v.z());
+  }
+  std::string operator()(const Quaternion& q) const {
+    return (*this)(q.w()) + (*this)(Vector3d(q.vec()));
+  }
+  template <class Integer>
+  std::string operator()(Integer v) const {
+    return std::to_string(v);
+  }
+};
+
+Values values(const sim::Scenario& scenario) {
+  Values all;
+  sim::visit_fields(scenario, [&all](const FieldInfo& info, const auto& value) {
+    EXPECT_TRUE(all.emplace(info.key, ToText{}(value)).second) << "twice: " << info.key;
+  });
+  return all;
+}
+
+/// Another allowed value: numbers move a thousandth of the way towards a finite bound.
+struct Change {
+  void operator()(const FieldInfo& i, double& v) const {
+    const double bound = v < i.max && std::isfinite(i.max) ? i.max : i.min;
+    v = std::isfinite(v) ? v + (bound - v) / 1000.0 : 100.0 / 3.0;
+  }
+  void operator()(const FieldInfo& i, int& v) const { v += v < i.max ? 1 : -1; }
+  void operator()(const FieldInfo&, std::uint64_t& v) const {
+    v = std::numeric_limits<std::uint64_t>::max();
+  }
+  void operator()(const FieldInfo&, bool& v) const { v = !v; }
+  void operator()(const FieldInfo&, std::string& v) const { v = "/a folder/\"\xc3\xa9\" #\\1.tum"; }
+  void operator()(const FieldInfo&, Vector3d& v) const { v += Vector3d(0.1, 1.0 / 3.0, 0.2); }
+  void operator()(const FieldInfo&, Quaternion& v) const {
+    v = Quaternion(0.1, 0.7, -1.0 / 3.0, 0.4).normalized();
+  }
+};
+
+/// Through a file.
+sim::Scenario parsed(const std::string& yaml) {
+  const TempDir dir;
+  return load_scenario(dir.write("s.yaml", yaml));
+}
+
+TEST(ScenarioYaml, EveryScenarioOfTheCatalogueIsValidAndRoundTrips) {
+  for (const sim::CatalogueEntry& entry : sim::catalogue()) {
+    const sim::Scenario scenario = load_scenario(entry.name);
+    EXPECT_EQ(values(parsed(scenario_as_yaml(scenario))), values(scenario)) << entry.name;
+    EXPECT_EQ(values(parsed(std::string("scenario: ") + entry.name + "\n")), values(scenario));
+  }
+}
+
+TEST(ScenarioYaml, EveryFieldRoundTripsAlone) {
+  const Values defaults = values(sim::Scenario{});
+  EXPECT_GT(defaults.size(), 80U);
+  for (const auto& [key, text] : defaults) {
+    sim::Scenario scenario;
+    sim::visit_fields(scenario, [&key = key](const FieldInfo& info, auto& value) {
+      if (key == info.key) Change{}(info, value);
+    });
+    EXPECT_NE(values(scenario).at(key), text) << key;
+    EXPECT_EQ(values(parsed(scenario_as_yaml(scenario))), values(scenario)) << key;
+  }
+}
+
+/// Bytes of the struct that belong to no row of the table are padding, which never fills eight in a
+/// row; only `start` is left out.
+TEST(ScenarioFields, NoneIsMissing) {
+  const sim::Scenario scenario;
+  const auto* base = reinterpret_cast<const char*>(&scenario);
+  std::vector<bool> covered(sizeof scenario, false);
+  const auto cover = [&](const auto& value) {
+    const auto at = reinterpret_cast<const char*>(&value) - base;
+    ASSERT_GE(at, 0);
+    ASSERT_LE(static_cast<std::size_t>(at) + sizeof value, covered.size());
+    std::fill_n(covered.begin() + at, sizeof value, true);
+  };
+  sim::visit_fields(scenario, [&](const FieldInfo&, const auto& value) { cover(value); });
+  cover(scenario.start);
+  std::size_t missing = 0;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    missing = covered[i] ? 0 : missing + 1;
+    EXPECT_LT(missing, 8U) << "bytes without a field end at " << i;
+  }
+}
+
+TEST(ScenarioFields, DefaultsAndBoundsAreInRange) {
+  const sim::Scenario defaults;
+  sim::visit_fields(defaults, [](const FieldInfo& info, const auto& value) {
+    using Field = std::decay_t<decltype(value)>;
+    EXPECT_EQ(field_error(info, value), "") << info.key;
+    EXPECT_GT(std::string(info.doc).size(), 5U) << info.key;
+    if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, int>) {
+      EXPECT_NE(field_error(info, info.min - 1e-9), "") << info.key;
+      EXPECT_NE(field_error(info, std::nan("")), "") << info.key;
+    }
+  });
+}
+
+TEST(ScenarioYaml, PrintsUnitAndMeaning) {
+  const std::string text = scenario_as_yaml(sim::Scenario{});
+  for (const char* part :
+       {"\nseed: 1  # Varies", "\nmax_duration: inf  # [s] ", "\npath:\n  file: \"\"  # Recorded",
+        "\n  length: 150  # [m] Length", "\nradar:\n  T_BS:\n    translation: [0.1, 0, -0.05]",
+        "\ndisturbances:\n  bursts:\n    count: 0  # Spells", "\n  outages:\n    count: 0",
+        "\n  start_velocity: [0, 0, 0]  # [m/s] "}) {
+    EXPECT_TRUE(test::contains(text, part)) << part << "\n" << text;
+  }
+}
+
+TEST(ScenarioYaml, ReadsValuesWithUnitsOnTopOfTheBase) {
+  const sim::Scenario s = parsed(
+      "disturbances: {bursts: {duration: 500 ms}}\n"
+      "seed: 18446744073709551615\n"
+      "max_duration: 1 min\n"
+      "path: {max_yaw: 90 deg, low: [-1, -50 cm, 0.5]}\n"
+      "radar: {people: 3, specular: false, outlier_share: 25 %}\n"
+      "room:\n"  // a section whose values are all commented out
+      "scenario: storm\n");
+  EXPECT_EQ(s.disturbances.bursts.count, 3);
+  EXPECT_EQ(s.disturbances.bursts.duration, 0.5);
+  EXPECT_EQ(s.seed, std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(s.max_duration, 60.0);
+  EXPECT_NEAR(s.path.max_yaw, 1.5707963267948966, 1e-15);
+  EXPECT_EQ(s.path.low, Vector3d(-1.0, -0.5, 0.5));
+  EXPECT_EQ(s.radar.people, 3);
+  EXPECT_FALSE(s.radar.specular);
+  EXPECT_EQ(s.radar.outlier_share, 0.25);
+  EXPECT_EQ(s.path.length, sim::Scenario{}.path.length);
+  EXPECT_EQ(parsed("scenario: storm\nmax_duration: inf\n").max_duration,
+            std::numeric_limits<double>::infinity());
+}
+
+TEST(ScenarioYaml, ExampleInDataIsValid) {
+  const std::filesystem::path root = std::filesystem::path(__FILE__).parent_path() / "../..";
+  const sim::Scenario s = load_scenario(root / "data/config/scenario_corridor.yaml");
+  EXPECT_EQ(s.room.high_W, Vector3d(34.0, 1.2, 2.4));
+  EXPECT_EQ(s.path.max_leg, 20.0);
+}
+
+TEST(ScenarioYaml, UnknownNamesAndKeysAreRejectedWithSuggestion) {
+  EXPECT_ERROR(load_scenario("indor-3"), "no such file: \"indor-3\", did you mean \"indoor-3\"?");
+  EXPECT_ERROR(load_scenario("nowhere.yaml"), "scenarios: indoor-1, indoor-2");
+  EXPECT_ERROR(parsed("seed: 2\nscenario: strom\n"),
+               "s.yaml:2: scenario: no such scenario: \"strom\", did you mean \"storm\"?");
+  EXPECT_ERROR(parsed("scenario: [storm]\n"), "s.yaml:1: scenario: no such scenario");
+  EXPECT_ERROR(parsed("radar:\n  poeple: 2\n"),
+               "s.yaml:2: unknown key \"radar.poeple\", did you mean \"radar.people\"?");
+  EXPECT_ERROR(parsed("senario: storm\n"), "did you mean \"scenario\"?");
+  EXPECT_ERROR(parsed("preset: default\n"), "s.yaml:1: unknown key \"preset\"");
+  EXPECT_ERROR(parsed("start: 0\n"), "s.yaml:1: unknown key \"start\"");
+}
+
+TEST(ScenarioYaml, WrongValuesNameFileAndLine) {
+  EXPECT_ERROR(parsed("path:\n  length: 2 deg\n"),
+               "s.yaml:2: path.length: \"2 deg\" does not fit the unit [m]");
+  EXPECT_ERROR(parsed("path: {length: -1}\n"), "path.length = -1 is outside [0, 10000] m");
+  EXPECT_ERROR(parsed("path: {file: [a]}\n"), "s.yaml:1: path.file: a text is expected");
+  EXPECT_ERROR(parsed("path: {reach: [1, 1, 0]}\n"), "path.reach = 0 is outside");
+  EXPECT_ERROR(parsed("seed: -1\n"), "s.yaml:1: seed: a whole number is expected");
+  EXPECT_ERROR(parsed("seed: 18446744073709551616\n"), "seed: a whole number is expected");
+  EXPECT_ERROR(parsed("seed: 1\nseed: 2\n"), "s.yaml:2: duplicate key \"seed\"");
+  EXPECT_ERROR(parsed("max_duration: 0\n"), "max_duration = 0 is outside [1, inf] s");
+  EXPECT_ERROR(parsed("disturbances: {bursts: 3}\n"), "disturbances.bursts: a map is expected");
+  EXPECT_ERROR(parsed("told: {start_velocity: 2}\n"), "a list of 3 numbers is expected");
+  EXPECT_ERROR(parsed("radar: {T_BS: {quaternion_wxyz: [1, 1, 0, 0]}}\n"), "not a unit quaternion");
+}
+
+TEST(ScenarioYaml, IncoherentValuesNameTheFile) {
+  EXPECT_ERROR(parsed("path: {min_speed: 2}\n"), "s.yaml: path.min_speed exceeds path.max_speed");
+  EXPECT_ERROR(parsed("path: {max_leg: 1}\n"), "s.yaml: path.min_leg exceeds path.max_leg");
+  EXPECT_ERROR(parsed("path: {low: [4, 0, 0]}\n"), "s.yaml: path.low is above path.high");
+  EXPECT_ERROR(parsed("path: {low: [0, 0, 1], high: [0.05, 0, 1]}\n"), "is below 0.1 m");
+  EXPECT_ERROR(parsed("radar: {min_range: 20}\n"), "s.yaml: radar.min_range is not below");
+}
+
+TEST(ScenarioYaml, RelativePathsAreTakenFromTheFolderOfTheFile) {
+  const TempDir dir;
+  const auto load = [&dir](const std::string& file) {
+    return load_scenario(dir.write("sub/s.yaml", "path: {file: " + file + "}\n")).path.file;
+  };
+  EXPECT_EQ(load("walk.tum"), (dir.path() / "sub/walk.tum").string());
+  EXPECT_EQ(load("../walk.tum"), (dir.path() / "walk.tum").string());
+  EXPECT_EQ(load("/walk.tum"), "/walk.tum");
+  EXPECT_EQ(load("\"\""), "");
+}
+
+TEST(FlyScenario, FliesARandomPathWithoutAFile) {
+  sim::Scenario scenario;
+  scenario.path.length = 25.0;
+  scenario.max_duration = 5.0;
+  const sim::Flight flight = fly_scenario(scenario);
+  EXPECT_EQ(flight.trajectory.length(), sim::simulate_flight(scenario).trajectory.length());
+  EXPECT_EQ(flight.scenario.start, flight.imu.front().time);
+}
+
+/// A circle of 2 m radius in 20 s from rest to rest, the nose along the path, at 50 Hz: what a
+/// motion capture system records.
+Trajectory circle() {
+  Trajectory poses;
+  for (int i = 0; i <= 1000; ++i) {
+    const double angle = std::numbers::pi * (1.0 - std::cos(std::numbers::pi * i / 1000.0));
+    const double yaw = angle + 0.5 * std::numbers::pi;
+    poses.push_back({from_seconds(0.02 * i),
+                     {2.0 * std::cos(angle), 2.0 * std::sin(angle), 1.0},
+                     Quaternion(std::cos(0.5 * yaw), 0.0, 0.0, std::sin(0.5 * yaw))});
+  }
+  return poses;
+}
+
+TEST(FlyScenario, FliesARecordedPath) {
+  const TempDir dir;
+  write_tum(dir.path() / "circle.tum", circle());
+  const auto file = dir.write("s.yaml", "path: {file: circle.tum}\nradar: {max_static: 5}\n");
+  const sim::Flight flight = fly_scenario(load_scenario(file));
+  // the circumference; the ends are smoothed into the standstills
+  EXPECT_NEAR(flight.trajectory.length(), 4.0 * std::numbers::pi, 0.2);
+  const Vector3d extent = flight.trajectory.high() - flight.trajectory.low();
+  EXPECT_NEAR(extent.x(), 4.0, 0.2);
+  EXPECT_NEAR(extent.y(), 4.0, 0.2);
+  EXPECT_EQ(flight.imu.front().time, flight.scenario.start);
+}
+
+TEST(FlyScenario, SaysWhatCannotBeFlown) {
+  sim::Scenario scenario;
+  scenario.path.file = "/nowhere/walk.tum";
+  EXPECT_ERROR(fly_scenario(scenario), "/nowhere/walk.tum");
+  const TempDir dir;
+  const Trajectory poses = circle();
+  scenario.path.file = (dir.path() / "short.tum").string();
+  write_tum(scenario.path.file, {poses.begin(), poses.begin() + 5});
+  EXPECT_ERROR(fly_scenario(scenario), "short.tum: recorded path: 5 poses");
+  scenario = sim::Scenario{};
+  scenario.path.length = 25.0;
+  scenario.disturbances.outages = {1, 600.0};
+  EXPECT_ERROR(fly_scenario(scenario), "silence a sensor for the whole flight");
+}
+
+}  // namespace
+}  // namespace rio::io

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// People who walk about: exact velocities, plausible gait, and what the radar makes of them.
+#include "rio/sim/people.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "rio/sim/catalogue.hpp"
+#include "rio/sim/flight.hpp"
+#include "sim/radar_cases.hpp"
+
+namespace rio::sim {
+namespace {
+
+Person person(std::uint64_t seed, int index) {
+  const Room room = empty_room();
+  return {seed, index, room.low_W, room.high_W};
+}
+
+TEST(Person, VelocityIsTheDerivativeOfThePosition) {
+  constexpr double kStep = 1e-4;
+  double turning = 0.0;
+  for (int index = 0; index < 3; ++index) {
+    Person walker = person(5, index);
+    for (double t = 0.05; t < 60.0; t += 0.0371) {
+      const auto before = walker.at(t - kStep);
+      const auto now = walker.at(t);
+      const auto after = walker.at(t + kStep);
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        const Vector3d rate = (after[i].position_W - before[i].position_W) / (2.0 * kStep);
+        // truncation: kStep^2/6 times a third derivative below 500; less where it jumps
+        ASSERT_LT((now[i].velocity_W - rate).norm(), 1e-6) << t;
+        if (walker.walked(t + kStep) == walker.walked(t - kStep)) {
+          turning = std::max(turning, now[i].velocity_W.norm());
+        }
+      }
+    }
+  }
+  EXPECT_GT(turning, 0.3);  // shoulders, while the feet stand
+}
+
+TEST(Person, WalksStandsAndStaysInTheRoom) {
+  const Room room = empty_room();
+  for (int index = 0; index < 4; ++index) {
+    Person walker = person(6, index);
+    int standing = 0;
+    int walking = 0;
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = -lowest;
+    for (double t = 0.0; t < 300.0; t += 0.1) {
+      const double speed = (walker.walked(t + 1e-3) - walker.walked(t)) / 1e-3;
+      ASSERT_GE(speed, 0.0);
+      ASSERT_LE(speed, Person::kMaxSpeed + 1e-9);
+      standing += speed == 0.0 ? 1 : 0;
+      walking += speed > Person::kMinSpeed - 1e-9 ? 1 : 0;
+      for (const MovingPoint& point : walker.at(t)) {
+        ASSERT_TRUE((point.position_W.array() > room.low_W.array()).all()) << t;
+        ASSERT_TRUE((point.position_W.array() < room.high_W.array()).all()) << t;
+        lowest = std::min(lowest, point.position_W.z() - room.low_W.z());
+        highest = std::max(highest, point.position_W.z() - room.low_W.z());
+      }
+    }
+    EXPECT_GT(standing, 300);  // a tenth of the time
+    EXPECT_GT(walking, 1200);
+    EXPECT_LT(lowest, 0.3);
+    EXPECT_GT(highest, 1.55);
+    EXPECT_LE(highest, Person::kHeight);
+  }
+}
+
+TEST(Person, LimbsSwingAboutTheTorsoOnceAStride) {
+  Person walker = person(7, 0);
+  double fastest = 0.0;
+  double widest = 0.0;
+  for (double t = 0.0; t < 60.0; t += 0.05) {
+    const auto now = walker.at(t);
+    if (walker.walked(t + 0.01) == walker.walked(t)) continue;
+    const auto at_way = [&](double way) {
+      double later = t;
+      while (walker.walked(later) < walker.walked(t) + way) later += 1e-3;
+      return walker.at(later);
+    };
+    const auto half = at_way(0.5 * Person::kStride);
+    const auto full = at_way(Person::kStride);
+    for (std::size_t i = 1; i < now.size(); ++i) {  // the first belongs to the torso
+      const auto from_torso = [&](const std::vector<MovingPoint>& points) {
+        return (points[i].position_W - points[0].position_W).norm();
+      };
+      fastest = std::max(fastest, (now[i].velocity_W - now[0].velocity_W).norm());
+      widest = std::max(widest, std::abs(from_torso(half) - from_torso(now)));
+      // within a millisecond a limb gets 1.5 mm further
+      ASSERT_NEAR(from_torso(full), from_torso(now), 2e-3);
+    }
+  }
+  EXPECT_GT(widest, 0.02);
+  EXPECT_GT(fastest, 0.6);
+  EXPECT_LT(fastest, 1.5);
+}
+
+TEST(Person, DoesNotDependOnWhenItIsLookedAt) {
+  Person once = person(8, 1);
+  Person often = person(8, 1);
+  for (double t = 0.0; t < 50.0; t += 0.3) often.at(t);
+  const auto a = once.at(37.0);
+  const auto b = often.at(37.0);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].position_W, b[i].position_W);
+  EXPECT_NE(person(8, 2).at(37.0)[0].position_W, a[0].position_W);
+  EXPECT_NE(person(9, 1).at(37.0)[0].position_W, a[0].position_W);
+}
+
+TEST(RadarPeople, RangeRateIsTheDerivativeOfTheRangeInFlight) {
+  RadarModel model = noise_free();
+  model.people = 4;
+  model.T_BS.translation = {0.3, -0.2, 0.1};
+  const Trajectory trajectory = random_flight(6, {.length = 60.0});
+  RadarSimulator radar(model, empty_room(), 6);
+  std::vector<Person> people;
+  for (int i = 0; i < model.people; ++i) people.push_back(person(6, i));
+  constexpr double kStep = 1e-4;
+  constexpr double kFirstScan = 6.0;
+  int checked = 0;
+  double largest_excess = 0.0;
+  for (int scan = 0; scan < 500; ++scan) {
+    const double since = scan / 15.0;
+    const double t = kFirstScan + since;
+    const Trajectory::Point body = trajectory.at(t);
+    const Vector3d before_W = radar_position(trajectory.at(t - kStep).nav, model);
+    const Vector3d after_W = radar_position(trajectory.at(t + kStep).nav, model);
+    const LabeledScan result = radar.scan(body);
+    for (std::size_t i = 0; i < result.labels.size(); ++i) {
+      ASSERT_EQ(result.labels[i].cause, Cause::kPerson);
+      Person& who = people.at(static_cast<std::size_t>(result.labels[i].reflector));
+      const RadarDetection& detection = result.scan.detections[i];
+      const Vector3d place_W = in_world(detection.point_S, body.nav, model);
+      const auto points = who.at(since);
+      std::size_t k = 0;
+      while (k < points.size() && (points[k].position_W - place_W).norm() > 1e-6) ++k;
+      ASSERT_LT(k, points.size()) << "not a centre of that person";
+      const double rate = ((who.at(since + kStep)[k].position_W - after_W).norm() -
+                           (who.at(since - kStep)[k].position_W - before_W).norm()) /
+                          (2.0 * kStep);
+      // truncation, and stamps in whole nanoseconds
+      ASSERT_NEAR(detection.range_rate, rate, 1e-5);
+      const double if_static = -detection.point_S.normalized().dot(radar_velocity_S(body, model));
+      largest_excess = std::max(largest_excess, std::abs(detection.range_rate - if_static));
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 1000);
+  EXPECT_GT(largest_excess, 1.0);
+}
+
+TEST(RadarPeople, DoNotCountAsStaticAndObeyTheThreshold) {
+  RadarModel model = noise_free();
+  model.people = 8;
+  model.fov_azimuth = model.fov_elevation = 170.0 * kDegree;
+  model.max_static = 0;
+  const auto count = [&] {
+    RadarSimulator radar(model, make_room(2), 2);
+    const LabeledScan result = radar.scan(Trajectory::Point{});
+    for (const Label& label : result.labels) EXPECT_EQ(label.cause, Cause::kPerson);
+    return result.labels.size();
+  };
+  EXPECT_GT(count(), 20U);
+  model.person_rcs_dbsm = -80.0;
+  EXPECT_EQ(count(), 0U);
+}
+
+TEST(RadarPeople, GiveFourTenthsOfTheDetectionsOfTheirScenario) {
+  Scenario chosen;
+  ASSERT_TRUE(scenario("people", &chosen));
+  double people = 0.0;
+  double all = 0.0;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    chosen.seed = seed;
+    for (const auto& labels : simulate_flight(chosen).labels) {
+      for (const Label& label : labels) people += label.cause == Cause::kPerson ? 1.0 : 0.0;
+      all += static_cast<double>(labels.size());
+    }
+  }
+  RecordProperty("share", std::to_string(people / all));
+  EXPECT_NEAR(people / all, 0.4, 0.05);
+}
+
+TEST(RadarScenarios, SparseScansHoldThreeToEightPoints) {
+  Scenario chosen;
+  ASSERT_TRUE(scenario("sparse", &chosen));
+  double outside = 0.0;
+  double all = 0.0;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    chosen.seed = seed;
+    for (const RadarScan& scan : simulate_flight(chosen).scans) {
+      outside += scan.detections.size() < 3 || scan.detections.size() > 8 ? 1.0 : 0.0;
+      all += 1.0;
+    }
+  }
+  EXPECT_LT(outside / all, 0.005);
+}
+
+TEST(RadarScenarios, OutdoorsManyPointsAreFar) {
+  Scenario chosen;
+  ASSERT_TRUE(scenario("outdoor", &chosen));
+  const Flight flight = simulate_flight(chosen);
+  double far = 0.0;
+  double all = 0.0;
+  for (const RadarScan& scan : flight.scans) {
+    for (const RadarDetection& detection : scan.detections) {
+      far += detection.point_S.norm() > 15.0 ? 1.0 : 0.0;
+      all += 1.0;
+    }
+  }
+  EXPECT_GT(far / all, 0.15);
+  const double per_scan = all / static_cast<double>(flight.scans.size());
+  EXPECT_GT(per_scan, 15.0);
+  EXPECT_LT(per_scan, 40.0);
+}
+
+}  // namespace
+}  // namespace rio::sim
