@@ -83,9 +83,8 @@ Result ablation(const Settings& settings) {
 
   Result result;
   result.markdown =
-      "Mean (worst) ± standard deviation of the flights; in brackets behind it the mean change "
-      "against `default`\nin the same flights ± its standard error: above zero the mechanism helps."
-      "\n";
+      "Mean (worst) ± standard deviation over the flights. Change: mean difference to `default` in "
+      "the same flights ±\nits standard error; above zero the mechanism helps.\n";
   for (const std::string& name : kFamilies) {
     const std::vector<Score> reference = select(runs, name, "default");
     MarkdownTable table({fmt::format("{} ({} flights)", name, reference.size()), "final error [m]",

@@ -48,7 +48,9 @@ void MarkdownTable::add(const std::vector<std::string>& row) {
 }
 
 std::string number(double value, int decimals) {
-  return std::isnan(value) ? "-" : fmt::format("{:.{}f}", value, decimals);
+  if (std::isnan(value)) return "-";
+  constexpr double kLarge = 1000.0;  // such figures need no decimals
+  return fmt::format("{:.{}f}", value, std::abs(value) < kLarge ? decimals : 0);
 }
 
 }  // namespace rio::experiment

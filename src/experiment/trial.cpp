@@ -114,6 +114,8 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
   o.imu.gyro_random_walk = imu.gyro_random_walk;
   o.imu.accel_noise_density = imu.accel_noise_density;
   o.imu.accel_random_walk = imu.accel_random_walk;
+  o.start.sigma_gyro_bias = std::max(o.start.sigma_gyro_bias, imu.gyro_turn_on_sigma);
+  o.start.sigma_accel_bias = std::max(o.start.sigma_accel_bias, imu.accel_turn_on_sigma);
   const sim::RadarModel& radar = flight.scenario.radar;
   o.radar.T_BS = flight.told_T_BS;
   o.radar.sigma_range = radar.sigma_range;

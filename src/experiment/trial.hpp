@@ -15,7 +15,8 @@
 
 namespace rio::experiment {
 
-/// A preset told the sensors of a flight: noises, grids, field of view, and the mounting as told.
+/// A preset told the sensors of a flight: noises, grids, biases at
+/// turn-on where they are larger than the preset expects, and the mounting as told.
 /// @throws std::runtime_error if there is no such preset
 Options options_for(const sim::Flight& flight, const std::string& preset);
 

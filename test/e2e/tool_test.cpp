@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The `rio` program as a user runs it: simulate, scenarios, replay, evaluate, plot, options;
+// The `rio` program as a user runs it: simulate, scenarios, replay, evaluate, plot, options,
+// experiment;
 // damaged input; and a real recording where there is one.
 #include <gtest/gtest.h>
 
@@ -307,6 +308,50 @@ TEST_F(Tool, PrintedOptionsLoadAgain) {
   ASSERT_EQ(options.status, 0);
   std::ofstream(file("all.yaml")) << options.output;
   EXPECT_EQ(rio("replay " + flight_ + " --quiet --config " + file("all.yaml")).status, 0);
+}
+
+TEST_F(Tool, ExperimentPrintsAndLeavesReportDataAndChart) {
+  const fs::path out = dir_->path() / "experiment";
+  const fs::path page = dir_->path() / "page.md";
+  std::ofstream(page) << "before\n<!-- rio experiment consistency -->\nold\n<!-- end -->\nafter\n";
+  const Outcome run = rio("experiment consistency --seeds 2 --threads 1 --out " + out.string() +
+                          " --update " + page.string());
+  ASSERT_EQ(run.status, 0) << run.output;
+  EXPECT_NE(run.output.find("| default | heading |"), std::string::npos) << run.output;
+  for (const char* name : {"consistency.md", "consistency.csv", "consistency.svg"}) {
+    EXPECT_GT(fs::file_size(out / name), 500U) << name;
+  }
+  std::stringstream text;
+  text << std::ifstream(page).rdbuf();
+  EXPECT_EQ(text.str().find("old"), std::string::npos);
+  EXPECT_EQ(text.str(), "before\n<!-- rio experiment consistency -->\n\n" + run.output +
+                            "\n<!-- end -->\nafter\n");
+}
+
+TEST_F(Tool, ExperimentRefusesWhatItCannotDo) {
+  EXPECT_NE(rio("experiment nonsense").status, 0);
+  const fs::path page = dir_->path() / "no_block.md";
+  std::ofstream(page) << "nothing here\n";
+  const Outcome run = rio("experiment consistency --seeds 1 --out " + dir_->path().string() +
+                          " --update " + page.string());
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.output.find("no block"), std::string::npos) << run.output;
+  EXPECT_EQ(lines_of(page).front(), "nothing here");
+}
+
+TEST(Readme, HasABlockForEveryExperiment) {
+  std::stringstream readme;
+  readme << std::ifstream(fs::path(RIO_SOURCE_DIR) / "README.md").rdbuf();
+  const std::string help = rio("experiment --help").output;
+  for (const char* name : {"icra2023", "consistency", "ablation", "robustness"}) {
+    EXPECT_NE(help.find(name), std::string::npos) << name;
+    const std::string begin = std::string("<!-- rio experiment ") + name + " -->\n";
+    const std::size_t block = readme.str().find(begin);
+    ASSERT_NE(block, std::string::npos) << name;
+    // filled: a table follows before the end of the block
+    const std::size_t end = readme.str().find("<!-- end -->", block);
+    EXPECT_LT(readme.str().find("| --- |", block), end) << name;
+  }
 }
 
 TEST_F(Tool, PlotsAPicture) {

@@ -24,6 +24,11 @@ TEST(Spread, OneRunHasNoDeviation) {
   EXPECT_EQ(Spread::of(std::vector<double>{0.5}).text(1), "0.5 (0.5) ± 0.0");
 }
 
+TEST(Spread, LargeFiguresHaveNoDecimals) {
+  EXPECT_EQ(number(999.96, 1), "1000.0");
+  EXPECT_EQ(number(-12345.6, 2), "-12346");
+}
+
 TEST(Spread, NothingIsNotZero) {
   EXPECT_EQ(Spread::of(std::vector<double>{}).text(1), "- (-) ± -");
 }
