@@ -57,13 +57,19 @@ bool preset(const std::string& name, Options* options) {
     // taken as exact
     chosen.frontend.ransac_sigmas = 0.0;
     chosen.frontend.ransac_use_prediction = false;
-    chosen.frontend.landmark_miss_tolerance = 0;
+    chosen.frontend.matching = Matching::kEuclidean;
+    chosen.frontend.promote_after = 7;
+    chosen.frontend.landmark_timeout = 0.0;
+    chosen.update.use_trails = true;
     chosen.update.direction_correction = false;
     chosen.update.direction_noise = false;
     chosen.update.consistent_covariance = false;
     chosen.update.trail_noise = TrailNoise::kIndependent;
     chosen.update.sigma_trail_distance = 0.04;
+    chosen.update.landmark_measurement = LandmarkMeasurement::kDistance;
+    chosen.update.landmark_walk = 0.0;
     chosen.update.sigma_landmark_distance = 0.04;
+    chosen.update.max_landmarks = 20;
     chosen.update.gate_probability = 0.975;
     chosen.update.max_clones = 7;
     chosen.update.extrinsic_rotation_sigma = 0.0;

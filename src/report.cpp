@@ -37,6 +37,8 @@ const char* to_string(Model model) {
       return "trail_distance";
     case Model::kLandmarkDistance:
       return "landmark_distance";
+    case Model::kLandmarkPoint:
+      return "landmark_point";
     case Model::kCount:
       break;
   }

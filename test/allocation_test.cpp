@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                     [](Options* o) {  // the largest state: 21 + 120 + 192 = 333
                       o->update.max_clones = 20;
                       o->update.max_landmarks = 64;
-                      o->frontend.landmark_miss_tolerance = 1000;
+                      o->frontend.landmark_timeout = 1000.0;
                       o->frontend.promote_after = 1;
                     },
                     [](Options* o) { o->update.trail_noise = TrailNoise::kCorrelated; },

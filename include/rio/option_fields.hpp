@@ -4,7 +4,9 @@
 // option. C++17.
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "rio/core/field.hpp"
@@ -21,7 +23,7 @@ inline constexpr int kLandmarks = 64;
 }  // namespace option_limits
 
 /// Calls visit(FieldInfo, field) for every field in file order. Field types: double, int, bool,
-/// TrailNoise, Vector3d, Quaternion. `o` is Options or const Options.
+/// the enumerations of Options, Vector3d, Quaternion. `o` is Options or const Options.
 template <class OptionsT, class Visitor>
 std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_fields(
     OptionsT& o, Visitor&& visit) {
@@ -86,12 +88,19 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "With fewer there is no static set and the scan moves nothing.");
   field("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
+  field("frontend.matching", o.frontend.matching, "", 0, 1,
+        "euclidean (as published) or mahalanobis.");
   field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
-        "Largest distance of a match after alignment.");
+        "Euclidean matching: largest distance after alignment.");
+  field("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
+        "Mahalanobis matching: probability of a right pair to pass the gate.");
+  field(
+      "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
+      "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
   field("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
         "Consecutive matches that make a trail a landmark.");
-  field("frontend.landmark_miss_tolerance", o.frontend.landmark_miss_tolerance, "", 0, 1000,
-        "Unmatched scans in a row a landmark survives.");
+  field("frontend.landmark_timeout", o.frontend.landmark_timeout, "s", 0, 1000,
+        "A landmark not seen for longer is dropped; 0 = at its first miss.");
 
   field("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
   field("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
@@ -107,8 +116,12 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Noise of the rows of one trail: independent or correlated.");
   field("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
         "Noise of a trail distance when rows are independent.");
+  field("update.landmark_measurement", o.update.landmark_measurement, "", 0, 1,
+        "distance (as published) or point: range, direction and Doppler.");
+  field("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
+        "Walk of a landmark with the way flown.");
   field("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
-        "Noise of a landmark distance.");
+        "Noise of a landmark distance, if that is the measurement.");
   field("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
         "Probability of passing the chi-squared gate; 1 = no gate.");
   field("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
@@ -145,7 +158,19 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "The estimate follows the IMU at most this far behind.");
 }
 
-inline std::string field_error(const FieldInfo& info, TrailNoise value) {
+/// The values of an enumeration as they stand in files, in their order.
+constexpr std::array<std::string_view, 2> names_of(TrailNoise) {
+  return {"independent", "correlated"};
+}
+constexpr std::array<std::string_view, 2> names_of(Matching) {
+  return {"euclidean", "mahalanobis"};
+}
+constexpr std::array<std::string_view, 2> names_of(LandmarkMeasurement) {
+  return {"distance", "point"};
+}
+
+template <class Enum>
+std::enable_if_t<std::is_enum_v<Enum>, std::string> field_error(const FieldInfo& info, Enum value) {
   return field_error(info, static_cast<double>(value));
 }
 

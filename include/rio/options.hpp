@@ -40,6 +40,12 @@ struct RadarOptions {
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
 };
 
+/// When a detection and a known point belong together.
+enum class Matching {
+  kEuclidean,    ///< as published: closer than a constant distance
+  kMahalanobis,  ///< closer than their own uncertainties allow, and nothing else is nearly as close
+};
+
 /// Stages 3 and 7: detections to observations.
 struct FrontendOptions {
   int max_detections = 128;        ///< per scan; of more, the strongest are kept
@@ -50,9 +56,12 @@ struct FrontendOptions {
   double ransac_success = 0.9999;     ///< probability of drawing one clean triple
   int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
   int ransac_seed = 1;                ///< of the deterministic generator
-  double match_gate = 0.3;            ///< largest distance of a match after alignment [m]
-  int promote_after = 7;              ///< consecutive matches that make a trail a landmark
-  int landmark_miss_tolerance = 0;    ///< unmatched scans in a row a landmark survives
+  Matching matching = Matching::kMahalanobis;
+  double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
+  double match_probability = 0.95;  ///< kMahalanobis: of a right pair to pass the gate
+  double match_margin = 2.0;        ///< kMahalanobis: by which a landmark's match must be the best
+  int promote_after = 6;            ///< consecutive matches that make a trail a landmark
+  double landmark_timeout = 3.0;    ///< a landmark not seen for longer is dropped [s]
 };
 
 /// How the rows of one trail share their noise.
@@ -61,10 +70,16 @@ enum class TrailNoise {
   kCorrelated,   ///< noise of each past detection, plus the current range shared by all rows
 };
 
+/// What a match with a landmark measures.
+enum class LandmarkMeasurement {
+  kDistance,  ///< as published: the range, with a constant sigma
+  kPoint,     ///< range and direction with the noise of the detection, Doppler along the landmark
+};
+
 /// Stages 4 to 6: measurement models, gates, update.
 struct UpdateOptions {
   bool use_doppler = true;
-  bool use_trails = true;
+  bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case
   bool use_landmarks = true;
   bool direction_correction = true;   ///< Doppler: errors-in-variables correction of the direction
   bool direction_noise = true;        ///< Doppler: direction error adds to the variance
@@ -73,10 +88,14 @@ struct UpdateOptions {
   /// For kIndependent [m]. The residuals spread by some 0.08 m, and each detection enters up to
   /// N = 7 updates: counting it once takes sqrt(7) times that.
   double sigma_trail_distance = 0.2;
-  double sigma_landmark_distance = 0.2;       ///< same reason: it was a trail before [m]
+  LandmarkMeasurement landmark_measurement = LandmarkMeasurement::kPoint;
+  double sigma_landmark_distance = 0.2;  ///< for kDistance; same reason: it was a trail [m]
+  /// Walk of a landmark with the way flown: the scattering centre moves with the aspect, by
+  /// centimetres a metre [m/sqrt(m)].
+  double landmark_walk = 0.03;
   double gate_probability = 0.99;             ///< of passing the one-sided chi-squared gate
-  int max_clones = 7;                         ///< past poses kept (N)
-  int max_landmarks = 20;                     ///< persistent landmarks kept
+  int max_clones = 3;                         ///< past poses kept (N)
+  int max_landmarks = 40;                     ///< persistent landmarks kept
   double extrinsic_rotation_sigma = 0.05;     ///< prior per axis; 0 = not estimated [rad]
   double extrinsic_translation_sigma = 0.03;  ///< prior per axis; 0 = not estimated [m]
 };

@@ -52,7 +52,7 @@ class Pipeline {
     frontend_.observe(scan, backend_.estimate(), &seen_);  // (3)
     report_.status = backend_.update(seen_, &report_);     // (4) (5) (6)
     if (report_.status == Status::kOk) {
-      frontend_.advance(seen_, next_scan_, backend_.landmark_room(), &promotions_);  // (7)
+      frontend_.advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
       backend_.clone(next_scan_);  // (2)
       ++next_scan_;
@@ -72,8 +72,8 @@ class Pipeline {
     report_.ego_velocity_S = seen_.ego_velocity.v_S;
     report_.ego_velocity_valid = seen_.ego_velocity.valid;
     report_.trails = static_cast<int>(frontend_.trails().size());
-    report_.trails_matched = static_cast<int>(seen_.trail_matches.size());
-    report_.landmarks_matched = static_cast<int>(seen_.landmark_matches.size());
+    report_.trails_matched = static_cast<int>(seen_.matches.trails.size());
+    report_.landmarks_matched = static_cast<int>(seen_.matches.landmarks.size());
     report_.clones = static_cast<int>(backend_.estimate().clones.size());
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
   }

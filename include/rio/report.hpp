@@ -30,7 +30,13 @@ enum class Status : std::uint8_t {
 const char* to_string(Status status);
 
 /// Measurement models that can appear in a record, in the order of ModelReport entries.
-enum class Model : std::uint8_t { kDoppler, kTrailDistance, kLandmarkDistance, kCount };
+enum class Model : std::uint8_t {
+  kDoppler,
+  kTrailDistance,
+  kLandmarkDistance,
+  kLandmarkPoint,
+  kCount
+};
 inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCount);
 
 /// Name of a model, as in "doppler".

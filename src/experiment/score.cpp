@@ -49,6 +49,7 @@ Score score(const Trial& trial) {
   s.nis_doppler = mean_nis(trial, Model::kDoppler);
   s.nis_trails = mean_nis(trial, Model::kTrailDistance);
   s.nis_landmarks = mean_nis(trial, Model::kLandmarkDistance);
+  s.nis_points = mean_nis(trial, Model::kLandmarkPoint);
   // not <=, so that a NaN counts as lost
   s.lost = !(s.complete && s.final_error <= std::max(kLostDistance, kLostShare * s.path_length));
   return s;

@@ -24,6 +24,7 @@ struct Score {
   double nees_velocity = 0.0;  ///< same
   double nis_doppler = 0.0;    ///< mean normalised innovation squared of the rows used
   double nis_trails = 0.0;     ///< same
+  double nis_points = 0.0;     ///< same, landmarks measured as points
   double nis_landmarks = 0.0;  ///< same
 };
 
@@ -52,6 +53,7 @@ inline constexpr std::array kFigures = {
     Figure{"nis_doppler", "", 3, &Score::nis_doppler},
     Figure{"nis_trails", "", 3, &Score::nis_trails},
     Figure{"nis_landmarks", "", 3, &Score::nis_landmarks},
+    Figure{"nis_points", "", 3, &Score::nis_points},
 };
 
 }  // namespace rio::experiment

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 #include <vector>
 
 #include "rio/core/field.hpp"
@@ -20,8 +21,6 @@
 #include "yaml.hpp"
 
 namespace rio::io {
-
-inline constexpr std::string_view kTrailNoiseNames[] = {"independent", "correlated"};
 
 /// Reads one YAML value into a field of any type; throws "FILE:LINE: KEY: ..." if it does not fit.
 struct ReadField {
@@ -44,13 +43,16 @@ struct ReadField {
     field = node.Scalar();
   }
 
-  void operator()(TrailNoise& field) const {
-    for (const TrailNoise noise : {TrailNoise::kIndependent, TrailNoise::kCorrelated}) {
-      if (node.Scalar() != kTrailNoiseNames[static_cast<std::size_t>(noise)]) continue;
-      field = noise;
+  template <class Enum>
+  requires std::is_enum_v<Enum>
+  void operator()(Enum& field) const {
+    const auto names = names_of(field);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (node.Scalar() != names[i]) continue;
+      field = static_cast<Enum>(i);
       return;
     }
-    wrong("independent or correlated is expected");
+    wrong(fmt::format("{} is expected", fmt::join(names, " or ")).c_str());
   }
 
   void operator()(Vector3d& field) const {
@@ -91,8 +93,9 @@ struct PrintField {
     text << YAML::DoubleQuoted << value;
     return text.c_str();
   }
-  std::string operator()(TrailNoise value) const {
-    return std::string(kTrailNoiseNames[static_cast<std::size_t>(value)]);
+  template <class Enum>
+  requires std::is_enum_v<Enum> std::string operator()(Enum value) const {
+    return std::string(names_of(value)[static_cast<std::size_t>(value)]);
   }
   std::string operator()(const Vector3d& v) const {
     return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());

@@ -92,6 +92,26 @@ TEST_F(CovarianceTest, LandmarkEntersWithItsCorrelations) {
   expect_equal(expected, 1e-12);
 }
 
+TEST_F(CovarianceTest, LandmarkRelativeToTheRadarEqualsTheDenseProduct) {
+  const auto d_body = random_matrix(random_, 3, 6);
+  const auto d_extrinsics = random_matrix(random_, 3, 6);
+  const auto d_landmark = random_matrix(random_, 3, 3);
+  MatrixXd J = MatrixXd::Zero(3, covariance_.size());
+  J.middleCols(body::kAttitude, 6) = d_body;
+  J.middleCols(layout_.extrinsics(), 6) = d_extrinsics;
+  J.middleCols(layout_.landmark(1), 3) = d_landmark;
+  const MatrixXd expected = J * dense() * J.transpose();
+  const Matrix3d actual = covariance_.landmark_in_radar(1, d_body, d_extrinsics, d_landmark);
+  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.norm());
+}
+
+TEST_F(CovarianceTest, LandmarkNoiseReachesLandmarksOnly) {
+  MatrixXd expected = dense();
+  expected.diagonal().tail(6).array() += 0.25;
+  covariance_.add_landmark_noise(0.25);
+  expect_equal(expected, 0.0);
+}
+
 TEST_F(CovarianceTest, RemovedLandmarkIsReplacedByTheLast) {
   const int n = covariance_.size();
   MatrixXd select = MatrixXd::Identity(n - 3, n);  // drops the last three ...
@@ -207,7 +227,7 @@ struct CorrectedEstimate {
     before.nav.p_WB = random.normal3();
     before.nav.v_WB = random.normal3();
     for (std::size_t i = 0; i < 3; ++i) before.clones.push_back({i, pose()});
-    for (int i = 0; i < 2; ++i) before.landmarks.push_back({random.normal3(), 0});
+    for (int i = 0; i < 2; ++i) before.landmarks.push_back(LandmarkState{random.normal3()});
     after = before;
     after.nav.q_WB = before.nav.q_WB * quaternion_exp(0.3 * random.normal3());
     after.nav.p_WB += random.normal3();

@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <memory>
+#include <set>
 
 #include "experiment/trial.hpp"
 #include "rio/pipeline.hpp"
@@ -77,9 +80,9 @@ TEST_F(EkfTest, LandmarksEnterAfterSevenMatchesAndLeaveAtTheFirstMiss) {
   EXPECT_EQ(pipeline_->report().trails, 0);
 }
 
-TEST_F(EkfTest, LandmarksSurviveAsManyMissesAsTolerated) {
+TEST_F(EkfTest, LandmarksSurviveUntilTheirTimeout) {
   Options o = options_for(flight(), "published-ekf");
-  o.frontend.landmark_miss_tolerance = 2;
+  o.frontend.landmark_timeout = 2.5 / 15.0;  // between the second and the third missed scan
   o.update.max_landmarks = 3;
   start(o);
   for (std::size_t i = 0; i < 9; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
@@ -117,6 +120,8 @@ TEST_F(EkfTest, OutlierIsGatedAndRecorded) {
 
 TEST_F(EkfTest, JointTrailBlocksHaveOneVerdict) {
   Options o = options_for(flight(), "default");
+  o.update.use_trails = true;
+  o.update.max_clones = 7;
   o.update.trail_noise = TrailNoise::kCorrelated;
   start(o);
   for (std::size_t i = 0; i < 5; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
@@ -128,6 +133,48 @@ TEST_F(EkfTest, JointTrailBlocksHaveOneVerdict) {
     EXPECT_LE(record.dof, 4);  // four past scans
   }
   EXPECT_EQ(blocks, pipeline_->report().trails_matched);
+}
+
+TEST_F(EkfTest, EachDetectionIsUsedOnce) {
+  start(options_for(flight(), "default"));
+  int points = 0;
+  int doppler = 0;
+  for (std::size_t i = 0; i < 60; ++i) {
+    ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+    std::set<int> used;
+    for (const InnovationRecord& record : pipeline_->report().records) {
+      if (record.verdict != Verdict::kUsed) continue;
+      EXPECT_TRUE(used.insert(record.detection).second) << record.detection;
+      EXPECT_TRUE(record.model == Model::kLandmarkPoint || record.model == Model::kDoppler);
+      points += record.model == Model::kLandmarkPoint ? 1 : 0;
+      doppler += record.model == Model::kDoppler ? 1 : 0;
+      EXPECT_EQ(record.dof, record.model == Model::kLandmarkPoint ? 4 : 1);
+    }
+  }
+  EXPECT_GT(points, 100);
+  EXPECT_GT(doppler, 100);
+}
+
+TEST_F(EkfTest, OfTooManyLandmarksTheLongestUnseenGivesWay) {
+  Options o = options_for(flight(), "default");
+  o.update.max_landmarks = 3;
+  o.frontend.landmark_timeout = 1000.0;
+  start(o);
+  int replaced = 0;
+  for (const RadarScan& scan : flight().scans) {
+    StaticVector<LandmarkState, kMaxLandmarks> before = pipeline_->estimate().landmarks;
+    ASSERT_EQ(process(scan), Status::kOk);
+    const UpdateReport& report = pipeline_->report();
+    ASSERT_LE(report.landmarks, 3);
+    if (report.landmarks_removed != 1) continue;
+    ++replaced;
+    Time oldest = scan.time;
+    for (const LandmarkState& landmark : before) oldest = std::min(oldest, landmark.last_seen);
+    for (const LandmarkState& landmark : pipeline_->estimate().landmarks) {
+      EXPECT_GE(landmark.last_seen, oldest);
+    }
+  }
+  EXPECT_GT(replaced, 10);
 }
 
 TEST_F(EkfTest, FindsAMountingError) {

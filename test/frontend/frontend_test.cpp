@@ -45,7 +45,7 @@ TEST(Frontend, MovingDetectionsAreNeitherMatchedNorFollowed) {
   walk.observe(scan);
   EXPECT_FALSE(walk.seen().is_static(2));
   EXPECT_EQ(walk.seen().ego_velocity.inliers, static_cast<int>(kRoom.size()) - 1);
-  for (const Match& m : walk.seen().trail_matches) EXPECT_NE(m.detection, 2U);
+  for (const Match& m : walk.seen().matches.trails) EXPECT_NE(m.detection, 2U);
   walk.advance();
   EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
 }
@@ -57,9 +57,9 @@ TEST(Frontend, MatchesAfterAlignmentWithBothPoses) {
   walk.move();
   const DetectionList now = walk.scan(kRoom);
   walk.observe(now);
-  ASSERT_EQ(walk.seen().trail_matches.size(), kRoom.size());
+  ASSERT_EQ(walk.seen().matches.trails.size(), kRoom.size());
   int shifted = 0;
-  for (const Match& m : walk.seen().trail_matches) {
+  for (const Match& m : walk.seen().matches.trails) {
     EXPECT_EQ(m.target, m.detection);
     const Vector3d shift = now.items[m.detection].point_S - before.items[m.detection].point_S;
     shifted += shift.norm() > 0.3 ? 1 : 0;
@@ -69,11 +69,11 @@ TEST(Frontend, MatchesAfterAlignmentWithBothPoses) {
   const NavState good = walk.estimate().nav;
   walk.estimate().nav.p_WB.x() += 0.5;
   walk.observe(now);
-  EXPECT_TRUE(walk.seen().trail_matches.empty());
+  EXPECT_TRUE(walk.seen().matches.trails.empty());
   walk.estimate().nav = good;
   walk.estimate().clones[0].T_WB.p.y() += 0.5;
   walk.observe(now);
-  EXPECT_TRUE(walk.seen().trail_matches.empty());
+  EXPECT_TRUE(walk.seen().matches.trails.empty());
 }
 
 TEST(Frontend, ATrailWithoutItsCloneIsNotMatched) {
@@ -82,20 +82,20 @@ TEST(Frontend, ATrailWithoutItsCloneIsNotMatched) {
   walk.estimate().clones.clear();
   walk.move();
   walk.observe(walk.scan(kRoom));
-  EXPECT_TRUE(walk.seen().trail_matches.empty());
+  EXPECT_TRUE(walk.seen().matches.trails.empty());
 }
 
 // One trail at kRoom[0] and one landmark, both within reach of two detections there.
 std::vector<Vector3d> compete(const Vector3d& landmark, const Vector3d& a, const Vector3d& b) {
   Walk walk(options_with(1000, 7));
   walk.step(Points{kRoom[0]});
-  walk.estimate().landmarks.push_back({kRoom[0] + landmark, 0});
+  walk.estimate().landmarks.push_back(LandmarkState{kRoom[0] + landmark});
   walk.move();
   const Points now = {kRoom[0] + a, kRoom[0] + b};
   walk.observe(walk.scan(now));
   std::vector<Vector3d> out(2, Vector3d::Constant(-1.0));  // of the trail, of the landmark
-  for (const Match& m : walk.seen().trail_matches) out[0] = now[m.detection] - kRoom[0];
-  for (const Match& m : walk.seen().landmark_matches) out[1] = now[m.detection] - kRoom[0];
+  for (const Match& m : walk.seen().matches.trails) out[0] = now[m.detection] - kRoom[0];
+  for (const Match& m : walk.seen().matches.landmarks) out[1] = now[m.detection] - kRoom[0];
   return out;
 }
 
@@ -114,8 +114,8 @@ TEST(Frontend, LandmarksAndTrailsCompeteInOnePool) {
 TEST(Frontend, EveryStaticDetectionHasOneSink) {
   test::Random random(1);
   Walk walk(options_with(3, 5));
-  walk.estimate().landmarks.push_back({kRoom[1], 0});
-  walk.estimate().landmarks.push_back({kRoom[4], 0});
+  walk.estimate().landmarks.push_back(LandmarkState{kRoom[1]});
+  walk.estimate().landmarks.push_back(LandmarkState{kRoom[4]});
   for (int k = 0; k < 100; ++k) {
     Points world;
     for (const Vector3d& p : kRoom) {  // each up to three times, smeared over the gate
@@ -126,7 +126,7 @@ TEST(Frontend, EveryStaticDetectionHasOneSink) {
     const DetectionList scan = walk.scan(world);
     walk.observe(scan);
     std::vector<int> sinks(scan.items.size(), 0);
-    for (const Match& m : walk.seen().landmark_matches) ++sinks[m.detection];
+    for (const Match& m : walk.seen().matches.landmarks) ++sinks[m.detection];
     walk.advance(random.index(3));
     const auto add = [&](const Detection& d) {
       for (std::size_t i = 0; i < sinks.size(); ++i)
@@ -145,7 +145,7 @@ TEST(Frontend, EveryStaticDetectionHasOneSink) {
 
 TEST(Frontend, ObservingTwiceGivesTheSame) {
   Walk walk(options_with(1000, 7));
-  walk.estimate().landmarks.push_back({kRoom[3], 0});
+  walk.estimate().landmarks.push_back(LandmarkState{kRoom[3]});
   for (int k = 0; k < 3; ++k) walk.step(kRoom);
   walk.move();
   const DetectionList scan = walk.scan(kRoom);
@@ -159,11 +159,11 @@ TEST(Frontend, ObservingTwiceGivesTheSame) {
   const Observations& again = walk.seen();
   EXPECT_EQ(again.ego_velocity.inlier, first.ego_velocity.inlier);
   EXPECT_EQ(again.ego_velocity.v_S, first.ego_velocity.v_S);
-  EXPECT_EQ(first.landmark_matches.size(), 1U);
-  EXPECT_TRUE(std::equal(again.trail_matches.begin(), again.trail_matches.end(),
-                         first.trail_matches.begin(), first.trail_matches.end(), same));
-  EXPECT_TRUE(std::equal(again.landmark_matches.begin(), again.landmark_matches.end(),
-                         first.landmark_matches.begin(), first.landmark_matches.end(), same));
+  EXPECT_EQ(first.matches.landmarks.size(), 1U);
+  EXPECT_TRUE(std::equal(again.matches.trails.begin(), again.matches.trails.end(),
+                         first.matches.trails.begin(), first.matches.trails.end(), same));
+  EXPECT_TRUE(std::equal(again.matches.landmarks.begin(), again.matches.landmarks.end(),
+                         first.matches.landmarks.begin(), first.matches.landmarks.end(), same));
   ASSERT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
   for (std::size_t i = 0; i < kRoom.size() - 1; ++i) {
     EXPECT_EQ(walk.frontend().trails()[i].elements.size(), 3U);
@@ -174,18 +174,19 @@ TEST(Frontend, SwitchesTurnTrailsAndLandmarksOff) {
   Options none = options_with(2, 7);
   none.update.use_trails = none.update.use_landmarks = false;
   Walk walk(none);
-  walk.estimate().landmarks.push_back({kRoom[0], 0});
+  walk.estimate().landmarks.push_back(LandmarkState{kRoom[0]});
   for (int k = 0; k < 4; ++k) walk.step(kRoom, 20);
-  EXPECT_TRUE(walk.seen().landmark_matches.empty());
+  EXPECT_TRUE(walk.seen().matches.landmarks.empty());
   EXPECT_EQ(walk.frontend().trails().size(), 0U);
   EXPECT_EQ(walk.seen().ego_velocity.inliers, static_cast<int>(kRoom.size()));
 
   Options no_landmarks = options_with(2, 7);
+  no_landmarks.update.use_trails = true;
   no_landmarks.update.use_landmarks = false;
   Walk trails_only(no_landmarks);
-  trails_only.estimate().landmarks.push_back({kRoom[0], 0});
+  trails_only.estimate().landmarks.push_back(LandmarkState{kRoom[0]});
   for (int k = 0; k < 5; ++k) trails_only.step(kRoom, 20);
-  EXPECT_TRUE(trails_only.seen().landmark_matches.empty());
+  EXPECT_TRUE(trails_only.seen().matches.landmarks.empty());
   EXPECT_TRUE(trails_only.promotions().births.empty());
   EXPECT_EQ(trails_only.frontend().trails().size(), kRoom.size());
 }

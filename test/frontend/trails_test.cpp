@@ -23,7 +23,7 @@ TEST(Trails, TrailsAreBornExtendedAndBounded) {
     walk.step(kRoom);
     const TrailSet& trails = walk.frontend().trails();
     ASSERT_EQ(trails.size(), kRoom.size()) << k;
-    EXPECT_EQ(walk.seen().trail_matches.size(), k == 0 ? 0U : kRoom.size());
+    EXPECT_EQ(walk.seen().matches.trails.size(), k == 0 ? 0U : kRoom.size());
     for (std::size_t i = 0; i < trails.size(); ++i) {
       const Trail& trail = trails[i];
       EXPECT_EQ(trail.matches, k);

@@ -43,8 +43,10 @@ struct Change {
   void operator()(const FieldInfo& i, double& v) const { v += (bound(i, v) - v) / 1000.0; }
   void operator()(const FieldInfo& i, int& v) const { v += bound(i, v) > v ? 1 : -1; }
   void operator()(const FieldInfo&, bool& v) const { v = !v; }
-  void operator()(const FieldInfo&, TrailNoise& v) const {
-    v = v == TrailNoise::kCorrelated ? TrailNoise::kIndependent : TrailNoise::kCorrelated;
+  template <class Enum>
+    requires std::is_enum_v<Enum>
+  void operator()(const FieldInfo&, Enum& v) const {
+    v = static_cast<Enum>(1 - static_cast<int>(v));
   }
   void operator()(const FieldInfo&, Vector3d& v) const { v += Vector3d(0.1, 1.0 / 3.0, -2.0); }
   void operator()(const FieldInfo&, Quaternion& v) const {

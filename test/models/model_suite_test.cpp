@@ -5,7 +5,8 @@
 namespace rio::test {
 
 using Cases = testing::Types<DopplerCase, TrailDistanceCase<TrailNoise::kIndependent>,
-                             TrailDistanceCase<TrailNoise::kCorrelated>, LandmarkDistanceCase>;
+                             TrailDistanceCase<TrailNoise::kCorrelated>, LandmarkDistanceCase,
+                             LandmarkPointCase, LandmarkDopplerCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(AllModels, ModelSuite, Cases);
 
 }  // namespace rio::test

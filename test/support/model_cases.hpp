@@ -6,6 +6,7 @@
 
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
+#include "rio/models/landmark_point.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/sim/radar.hpp"
 #include "support/model_suite.hpp"
@@ -131,6 +132,41 @@ struct LandmarkDistanceCase {
     const RandomBody body(random);
     const Vector3d radar = body.pose().R * body.mount().p + body.pose().p;
     return Sample<Model>{{0.0}, {body.pose(), body.mount(), radar}};
+  }
+};
+
+struct LandmarkPointCase {
+  using Model = LandmarkPointModel;
+  static Model model() { return {}; }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    const Vector3d place = body.place(random);
+    const Detection d = body.detect(place, random, noise);
+    return {Model::measurement(d), {body.pose(), body.mount(), place}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random& random) {
+    Sample<Model> sample = simulate(random, false);
+    const RigidPose& body = std::get<0>(sample.x);
+    std::get<2>(sample.x) = body.R * std::get<1>(sample.x).p + body.p;  // where the radar is
+    return sample;
+  }
+};
+
+struct LandmarkDopplerCase {
+  using Model = LandmarkDopplerModel;
+  static Model model() { return {}; }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    const Vector3d place = body.place(random);
+    const Detection d = body.detect(place, random, noise);
+    return {Model::measurement(d, body.point.gyro_B + body.gyro_bias),
+            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), place}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random& random) {
+    Sample<Model> sample = simulate(random, false);
+    const RigidPose& body = std::get<0>(sample.x);
+    std::get<4>(sample.x) = body.R * std::get<3>(sample.x).p + body.p;  // where the radar is
+    return sample;
   }
 };
 

@@ -86,6 +86,7 @@ inline const Points kRoom = {{4.0, 0.5, 0.3},   {3.0, 3.0, 1.5},   {-1.0, 4.0, -
 
 inline Options options_with(int promote_after, int max_clones) {
   Options o;
+  o.frontend.matching = Matching::kEuclidean;
   o.frontend.promote_after = promote_after;
   o.update.max_clones = max_clones;
   return o;

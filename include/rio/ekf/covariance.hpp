@@ -102,6 +102,33 @@ class Covariance {
     size_ = last;
   }
 
+  /// Every landmark walks by this variance per axis [m^2].
+  void add_landmark_noise(double variance) {
+    P_.diagonal().segment(layout_.landmark(0), size_ - layout_.landmark(0)).array() += variance;
+  }
+
+  /// Covariance of landmark `index` relative to the radar, given the derivatives of that position.
+  Matrix3d landmark_in_radar(int index, const Eigen::Matrix<double, 3, 6>& d_e_d_body,
+                             const Eigen::Matrix<double, 3, 6>& d_e_d_extrinsics,
+                             const Matrix3d& d_e_d_l) const {
+    const int at = layout_.landmark(index);
+    const auto rows = [&](int column, int length) {
+      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6> JP(3, length);
+      JP = d_e_d_body * P_.block(body::kAttitude, column, 6, length) +
+           d_e_d_l * P_.block(at, column, 3, length);
+      if (layout_.has_extrinsics()) {
+        JP += d_e_d_extrinsics * P_.block(layout_.extrinsics(), column, 6, length);
+      }
+      return JP;
+    };
+    Matrix3d S = rows(body::kAttitude, 6) * d_e_d_body.transpose();
+    S += rows(at, 3) * d_e_d_l.transpose();
+    if (layout_.has_extrinsics()) {
+      S += rows(layout_.extrinsics(), 6) * d_e_d_extrinsics.transpose();
+    }
+    return 0.5 * (S + S.transpose());
+  }
+
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const {
     double sum = 0.0;

@@ -6,6 +6,7 @@
 // applied at once.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,7 @@
 #include "rio/frontend/frontend.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
+#include "rio/models/landmark_point.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
@@ -35,14 +37,16 @@ class Ekf {
         plain_doppler_(options.update.direction_noise, false),
         trail_(options.update.trail_noise, options.update.sigma_trail_distance),
         landmark_(options.update.sigma_landmark_distance),
+        // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
         batch_(static_cast<std::size_t>(options.frontend.max_detections *
-                                        (1 + std::max(1, options.update.max_clones)))),
+                                        (1 + std::max(3, options.update.max_clones)))),
         dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
 
   const Estimate& estimate() const { return estimate_; }
   const Covariance& covariance() const { return covariance_; }
-  std::size_t landmark_room() const {
-    return static_cast<std::size_t>(layout_.max_landmarks()) - estimate_.landmarks.size();
+  /// Landmarks that can be taken: those not seen in this scan give way.
+  std::size_t landmark_room(const Observations& seen) const {
+    return static_cast<std::size_t>(layout_.max_landmarks()) - seen.matches.landmarks.size();
   }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
@@ -60,9 +64,13 @@ class Ekf {
                       [&](const ImuStep& step) { p.step(step, options_.imu); });
     if (!p.finite()) return Status::kNumerical;
     *gap = p.gap;
+    const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
     estimate_.nav = p.state;
     estimate_.gyro_B = imu.at(to).gyro_B;
     covariance_.propagate(p.transition, p.noise);
+    const double walk = options_.update.landmark_walk;
+    covariance_.add_landmark_noise(walk * walk * way);
+    if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
     return Status::kOk;
   }
 
@@ -70,9 +78,10 @@ class Ekf {
   Status update(const Observations& seen, UpdateReport* report) {
     const LinearizationPoint x(estimate_);
     batch_.clear();
+    measures_landmark_.fill(false);
+    if (options_.update.use_landmarks) add_landmarks(seen, x, report);
     if (options_.update.use_doppler) add_doppler(seen, x, report);
     if (options_.update.use_trails) add_trails(seen, x, report);
-    if (options_.update.use_landmarks) add_landmarks(seen, x, report);
     if (!covariance_.update(batch_, &dx_)) return Status::kNumerical;
     before_ = estimate_;
     correct();
@@ -80,27 +89,29 @@ class Ekf {
     return Status::kOk;
   }
 
-  /// Stage 7: landmarks unmatched for too long leave, promoted detections enter.
+  /// Stage 7: landmarks unseen for too long leave, promoted detections enter; of too many the one
+  /// unseen for longest gives way.
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
                           UpdateReport* report) {
-    for (LandmarkState& landmark : estimate_.landmarks) ++landmark.misses;
-    for (const Match& m : seen.landmark_matches) estimate_.landmarks[m.target].misses = 0;
+    const Time now = estimate_.nav.time;
+    for (const Match& m : seen.matches.landmarks) {
+      if (was_used_[m.target]) estimate_.landmarks[m.target].last_seen = now;
+    }
+    const Time timeout = from_seconds(options_.frontend.landmark_timeout);
     for (std::size_t i = estimate_.landmarks.size(); i-- > 0;) {
-      if (estimate_.landmarks[i].misses <= options_.frontend.landmark_miss_tolerance) continue;
-      covariance_.remove_landmark(static_cast<int>(i));
-      estimate_.landmarks[i] = estimate_.landmarks.back();
-      estimate_.landmarks.pop_back();
-      ++report->landmarks_removed;
+      if (now - estimate_.landmarks[i].last_seen > timeout) remove_landmark(i, report);
     }
     const RigidPose T_WB = estimate_.T_WB();
     const RigidPose T_BS(estimate_.T_BS);
     for (const Detection& d : promotions.births) {
-      if (landmark_room() == 0) break;
+      if (static_cast<int>(estimate_.landmarks.size()) == layout_.max_landmarks()) {
+        remove_landmark(stalest_landmark(), report);
+      }
       const InverseObservation inverse(T_WB, T_BS, d.point_S);
       covariance_.add_landmark(static_cast<int>(estimate_.landmarks.size()), inverse.d_l_d_body,
                                inverse.d_l_d_extrinsics,
                                inverse.d_l_d_m * point_covariance(d) * inverse.d_l_d_m.transpose());
-      estimate_.landmarks.push_back({inverse.p_WL, 0});
+      estimate_.landmarks.push_back({inverse.p_WL, now, Matrix3d::Zero()});
       ++report->landmarks_added;
     }
   }
@@ -116,9 +127,37 @@ class Ekf {
   }
 
  private:
+  /// Fills what matching needs to know of the landmarks.
+  void predict_landmarks() {
+    const RigidPose T_WB = estimate_.T_WB();
+    const RigidPose T_BS(estimate_.T_BS);
+    for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
+      LandmarkState& landmark = estimate_.landmarks[i];
+      const ObservedPoint point(T_WB, T_BS, landmark.p_W);
+      landmark.covariance_S = covariance_.landmark_in_radar(static_cast<int>(i), point.d_e_d_body,
+                                                            point.d_e_d_extrinsics, point.d_e_d_l);
+    }
+  }
+
+  std::size_t stalest_landmark() const {
+    std::size_t stalest = 0;
+    for (std::size_t i = 1; i < estimate_.landmarks.size(); ++i) {
+      if (estimate_.landmarks[i].last_seen < estimate_.landmarks[stalest].last_seen) stalest = i;
+    }
+    return stalest;
+  }
+
+  /// The last one takes its place.
+  void remove_landmark(std::size_t i, UpdateReport* report) {
+    covariance_.remove_landmark(static_cast<int>(i));
+    estimate_.landmarks[i] = estimate_.landmarks.back();
+    estimate_.landmarks.pop_back();
+    ++report->landmarks_removed;
+  }
+
   void add_doppler(const Observations& seen, const LinearizationPoint& x, UpdateReport* report) {
     for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-      if (!seen.is_static(i)) continue;
+      if (!seen.is_static(i) || measures_landmark_[i]) continue;
       auto z = DopplerModel::measurement(seen.detection(i), estimate_.gyro_B);
       if (options_.update.direction_correction) z.predicted_var = predicted_variance(z, x);
       batch_.begin_block();
@@ -138,7 +177,7 @@ class Ekf {
 
   void add_trails(const Observations& seen, const LinearizationPoint& x, UpdateReport* report) {
     const bool joint = options_.update.trail_noise == TrailNoise::kCorrelated;
-    for (const Match& m : seen.trail_matches) {
+    for (const Match& m : seen.matches.trails) {
       bool open = false;
       for (const TrailElement& past : (*seen.trails)[m.target].elements) {
         const int clone = estimate_.find_clone(past.scan);
@@ -159,17 +198,35 @@ class Ekf {
   }
 
   void add_landmarks(const Observations& seen, const LinearizationPoint& x, UpdateReport* report) {
-    for (const Match& m : seen.landmark_matches) {
+    was_used_.fill(false);
+    const bool point = options_.update.landmark_measurement == LandmarkMeasurement::kPoint;
+    for (const Match& m : seen.matches.landmarks) {
+      const Detection& d = seen.detection(m.detection);
+      const BlockIndex index{0, static_cast<int>(m.target)};
       batch_.begin_block();
-      const bool valid = linearize(
-          landmark_, LandmarkDistanceModel::measurement(seen.detection(m.detection)),
-          LandmarkDistanceModel::Blocks{}, x, {0, static_cast<int>(m.target)}, layout_, &batch_);
-      decide(LandmarkDistanceModel::kModel, m.detection, valid, report);
+      const bool valid =
+          point ? add_point(d, index, x)
+                : linearize(landmark_, LandmarkDistanceModel::measurement(d),
+                            LandmarkDistanceModel::Blocks{}, x, index, layout_, &batch_);
+      const Model model = point ? LandmarkPointModel::kModel : LandmarkDistanceModel::kModel;
+      const bool used = decide(model, m.detection, valid, report);
+      was_used_[m.target] = used || !point;  // as published, a match keeps a landmark alive
+      measures_landmark_[m.detection] = used && point;
     }
   }
 
-  /// Stage 5: gates the last block, records it, and drops it unless it may be used.
-  void decide(Model model, std::size_t detection, bool valid, UpdateReport* report) {
+  /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
+  bool add_point(const Detection& d, BlockIndex index, const LinearizationPoint& x) {
+    return linearize(point_, LandmarkPointModel::measurement(d), LandmarkPointModel::Blocks{}, x,
+                     index, layout_, &batch_) &&
+           (!options_.update.use_doppler ||
+            linearize(landmark_doppler_, LandmarkDopplerModel::measurement(d, estimate_.gyro_B),
+                      LandmarkDopplerModel::Blocks{}, x, index, layout_, &batch_));
+  }
+
+  /// Stage 5: gates the last block, records it, and drops it unless it may be used, which is the
+  /// result.
+  bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report) {
     ModelReport& sums = report->models[static_cast<std::size_t>(model)];
     InnovationRecord record;
     record.model = model;
@@ -197,6 +254,7 @@ class Ekf {
       }
     }
     if (!report->records.push_back(record)) ++report->records_dropped;
+    return record.verdict == Verdict::kUsed;
   }
 
   /// Infinite if the innovation covariance is not positive definite.
@@ -246,9 +304,13 @@ class Ekf {
   DopplerModel plain_doppler_;
   TrailDistanceModel trail_;
   LandmarkDistanceModel landmark_;
+  LandmarkPointModel point_;
+  LandmarkDopplerModel landmark_doppler_;
   RowBatch batch_;
   Covariance::BlockMatrix S_;
   Eigen::VectorXd dx_;
+  std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already in
+  std::array<bool, kMaxLandmarks> was_used_{};            ///< by landmark, in this scan
 };
 
 }  // namespace rio

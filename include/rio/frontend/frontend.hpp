@@ -9,7 +9,7 @@
 #include <array>
 #include <optional>
 
-#include "rio/frontend/assignment.hpp"
+#include "rio/frontend/association.hpp"
 #include "rio/frontend/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/frontend/trails.hpp"
@@ -18,19 +18,12 @@
 
 namespace rio {
 
-/// A matched pair: `target` is the index of a trail or a landmark.
-struct Match {
-  std::size_t target = 0;
-  std::size_t detection = 0;
-};
-
 /// What one scan contributes; points into the scan and the trails it was made from.
 struct Observations {
   const DetectionList* scan = nullptr;
   const TrailSet* trails = nullptr;
   EgoVelocity ego_velocity;
-  StaticVector<Match, kMaxDetections> trail_matches;
-  StaticVector<Match, kMaxDetections> landmark_matches;
+  AssociationResult matches;
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i]; }
@@ -49,9 +42,7 @@ class Frontend {
         use_landmarks_(options.update.use_landmarks),
         ransac_(options.frontend),
         trails_(options.frontend.max_detections, std::max(1, options.update.max_clones)),
-        assignment_(static_cast<std::size_t>(options.frontend.max_detections +
-                                             options.update.max_landmarks),
-                    static_cast<std::size_t>(options.frontend.max_detections)) {}
+        association_(options.frontend, static_cast<std::size_t>(options.update.max_landmarks)) {}
 
   const TrailSet& trails() const { return trails_; }
   void reset() { trails_.clear(); }
@@ -60,12 +51,14 @@ class Frontend {
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out) {
     out->scan = &scan;
     out->trails = &trails_;
-    out->trail_matches.clear();
-    out->landmark_matches.clear();
+    out->matches = AssociationResult{};
     std::optional<Vector3d> predicted_velocity;
     if (options_.ransac_use_prediction) predicted_velocity = radar_velocity(predicted);
     ransac_.estimate(scan, predicted_velocity, &out->ego_velocity);
-    if (use_trails_) associate(predicted, out);
+    if (!use_trails_) return;
+    const std::size_t landmarks = use_landmarks_ ? predicted.landmarks.size() : 0;
+    association_.match(scan, out->ego_velocity.inlier, predicted, landmarks, trails_,
+                       &out->matches);
   }
 
   /// Stage 7, after a successful update: extends, ends and begins trails with the scan of `id`, and
@@ -77,8 +70,8 @@ class Frontend {
     taken_.fill(false);
     matched_.fill(false);
     promoted_.fill(false);
-    for (const Match& m : seen.landmark_matches) taken_[m.detection] = true;
-    for (const Match& m : seen.trail_matches) {
+    for (const Match& m : seen.matches.landmarks) taken_[m.detection] = true;
+    for (const Match& m : seen.matches.trails) {
       taken_[m.detection] = true;
       matched_[m.target] = true;
       trails_.extend(m.target, {id, seen.detection(m.detection)});
@@ -90,7 +83,8 @@ class Frontend {
     }
     trails_.retain([this](std::size_t i) { return matched_[i] && !promoted_[i]; });
     for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-      if (seen.is_static(i) && !taken_[i]) trails_.create({id, seen.detection(i)});
+      const bool known = taken_[i] || seen.matches.near_landmark[i];
+      if (seen.is_static(i) && !known) trails_.create({id, seen.detection(i)});
     }
   }
 
@@ -103,50 +97,12 @@ class Frontend {
     return T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
   }
 
-  /// Landmarks and the newest detection of each trail, moved into the current radar frame, against
-  /// the static detections: Euclidean distance, gated, optimal one-to-one.
-  void associate(const Estimate& predicted, Observations* out) {
-    const RigidPose T_WB = predicted.T_WB();
-    const RigidPose T_BS(predicted.T_BS);
-    const std::size_t landmarks = use_landmarks_ ? predicted.landmarks.size() : 0;
-    const std::size_t rows = landmarks + trails_.size();
-    assignment_.begin(rows, out->scan->items.size(), options_.match_gate);
-    for (std::size_t row = 0; row < rows; ++row) {
-      Vector3d point_W;
-      if (row < landmarks) {
-        point_W = predicted.landmarks[row].p_W;
-      } else {
-        const TrailElement& newest = trails_[row - landmarks].newest();
-        const int clone = predicted.find_clone(newest.scan);
-        if (clone < 0) continue;
-        point_W = to_world(predicted.clones[static_cast<std::size_t>(clone)].T_WB, T_BS,
-                           newest.detection.point_S);
-      }
-      const Vector3d point_S = to_radar(T_WB, T_BS, point_W);
-      for (std::size_t i = 0; i < out->scan->items.size(); ++i) {
-        if (!out->is_static(i)) continue;
-        assignment_.set(row, i, (out->detection(i).point_S - point_S).norm());
-      }
-    }
-    assignment_.solve();
-    for (std::size_t row = 0; row < rows; ++row) {
-      const int column = assignment_.column_of(row);
-      if (column == Assignment::kNone) continue;
-      const auto detection = static_cast<std::size_t>(column);
-      if (row < landmarks) {
-        out->landmark_matches.push_back({row, detection});
-      } else {
-        out->trail_matches.push_back({row - landmarks, detection});
-      }
-    }
-  }
-
   FrontendOptions options_;
   bool use_trails_;
   bool use_landmarks_;
   EgoVelocityRansac ransac_;
   TrailSet trails_;
-  Assignment assignment_;
+  Association association_;
   std::array<bool, kMaxDetections> taken_{};
   std::array<bool, kMaxDetections> matched_{};
   std::array<bool, kMaxDetections> promoted_{};

@@ -27,7 +27,10 @@ struct Clone {
 /// A persistent landmark.
 struct LandmarkState {
   Vector3d p_W = Vector3d::Zero();  ///< [m]
-  int misses = 0;                   ///< scans since it was last matched
+  Time last_seen = Time(0);         ///< scan of the last match that was used
+  /// Of its position relative to the radar, S axes, as predicted for the scan [m^2]: what matching
+  /// needs of the covariance.
+  Matrix3d covariance_S = Matrix3d::Zero();
 };
 
 /// Predicted or corrected means at one instant.

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 4: a detection of a persistent landmark: where it is seen, and how fast it comes. Each
+// detection is used once: it either begins a landmark or measures one.
+//
+// e = R_BS^T (R_WB^T (l - p_WB) - p_BS), u = e/|e|, v_S the velocity of the radar in its axes
+// (E1) range      h = |e|
+// (E2) direction  h = t_az . u and t_el . u with the unit tangents t of the measured direction, so
+//                 that the measured values are 0 and the noise is one sigma of each angle
+// (E3) Doppler    h = -u . v_S: the direction is the landmark's, better known than the detection's
+// Reference: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone.
+#pragma once
+
+#include "rio/frontend/detection.hpp"
+#include "rio/models/concept.hpp"
+#include "rio/state/blocks.hpp"
+#include "rio/state/estimate.hpp"
+
+namespace rio {
+
+/// The landmark in radar axes with its derivatives.
+struct ObservedPoint {
+  Vector3d e_S;                                  ///< [m]
+  Eigen::Matrix<double, 3, 6> d_e_d_body;        ///< error [dphi, dp] of T_WB
+  Eigen::Matrix<double, 3, 6> d_e_d_extrinsics;  ///< error [dphi, dp] of T_BS
+  Matrix3d d_e_d_l;
+
+  /// The direction to a point at the radar is undefined [m].
+  static constexpr double kMinRange = 1e-3;
+
+  ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL) {
+    const Vector3d from_body = T_WB.R.transpose() * (p_WL - T_WB.p);
+    e_S = T_BS.R.transpose() * (from_body - T_BS.p);
+    d_e_d_l = (T_WB.R * T_BS.R).transpose();
+    d_e_d_body << T_BS.R.transpose() * skew(from_body), -d_e_d_l;
+    d_e_d_extrinsics << skew(e_S), -T_BS.R.transpose();
+  }
+};
+
+/// Range and direction (E1) (E2).
+class LandmarkPointModel {
+ public:
+  static constexpr Model kModel = Model::kLandmarkPoint;
+  static constexpr int kDim = 3;
+  using Blocks = BlockList<BodyPose, Extrinsics, Landmark>;
+
+  struct Measurement {
+    double range = 0.0;                              ///< [m]
+    double sigma_range = 0.0;                        ///< [m]
+    Vector3d sigma_azimuth_S = Vector3d::UnitY();    ///< one-sigma change of the direction, not 0
+    Vector3d sigma_elevation_S = Vector3d::UnitZ();  ///< same, at right angles to it
+  };
+
+  static Measurement measurement(const Detection& d) {
+    return {d.range, d.sigma_range, d.sigma_azimuth_S, d.sigma_elevation_S};
+  }
+
+  bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
+                const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                JacobianOf<kDim, kDim>& R) const noexcept {
+    const ObservedPoint point(T_WB, T_BS, p_WL);
+    const double h = point.e_S.norm();
+    if (!(h > ObservedPoint::kMinRange)) return false;
+    const Vector3d u = point.e_S / h;
+    const double sigma_az = z.sigma_azimuth_S.norm();
+    const double sigma_el = z.sigma_elevation_S.norm();
+    const Vector3d t_az = z.sigma_azimuth_S / sigma_az;
+    const Vector3d t_el = z.sigma_elevation_S / sigma_el;
+    r << z.range - h, -t_az.dot(u), -t_el.dot(u);  // (E1) (E2)
+    R.setZero();
+    R.diagonal() << z.sigma_range * z.sigma_range, sigma_az * sigma_az, sigma_el * sigma_el;
+    if (J == nullptr) return true;
+
+    Matrix3d D;  // of (range, directions) in e
+    D.row(0) = u.transpose();
+    D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
+    D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;
+    J->block<3, 6>(0, Blocks::column<BodyPose>()) = D * point.d_e_d_body;
+    J->block<3, 6>(0, Blocks::column<Extrinsics>()) = D * point.d_e_d_extrinsics;
+    J->block<3, 3>(0, Blocks::column<Landmark>()) = D * point.d_e_d_l;
+    return true;
+  }
+};
+static_assert(MeasurementModel<LandmarkPointModel>);
+
+/// Doppler (E3), a further row of the same measurement.
+class LandmarkDopplerModel {
+ public:
+  static constexpr Model kModel = Model::kLandmarkPoint;
+  static constexpr int kDim = 1;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, Landmark>;
+
+  struct Measurement {
+    double range_rate = 0.0;             ///< [m/s]
+    double sigma_doppler = 0.0;          ///< [m/s]
+    Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at the scan [rad/s]
+  };
+
+  static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
+    return {d.range_rate, d.sigma_doppler, gyro_B};
+  }
+
+  bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
+                const Vector3d& gyro_bias, const RigidPose& T_BS, const Vector3d& p_WL,
+                ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                JacobianOf<kDim, kDim>& R) const noexcept {
+    const ObservedPoint point(T_WB, T_BS, p_WL);
+    const double h = point.e_S.norm();
+    if (!(h > ObservedPoint::kMinRange)) return false;
+    const Vector3d u = point.e_S / h;
+    const Vector3d w = z.gyro_B - gyro_bias;
+    const Vector3d v_B = T_WB.R.transpose() * v_WB;
+    const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
+    r[0] = z.range_rate + u.dot(v_S);  // (E3)
+    R(0, 0) = z.sigma_doppler * z.sigma_doppler;
+    if (J == nullptr) return true;
+
+    const Vector3d a = T_BS.R * u;
+    const Eigen::RowVector3d d_h_d_e = -(v_S - u.dot(v_S) * u).transpose() / h;
+    J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h_d_e * point.d_e_d_body;
+    J->block<1, 3>(0, Blocks::column<BodyPose>()) += -a.transpose() * skew(v_B);
+    J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
+    J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
+    J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h_d_e * point.d_e_d_extrinsics;
+    J->block<1, 3>(0, Blocks::column<Extrinsics>()) += -u.transpose() * skew(v_S);
+    J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += -a.transpose() * skew(w);
+    J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h_d_e * point.d_e_d_l;
+    return true;
+  }
+};
+static_assert(MeasurementModel<LandmarkDopplerModel>);
+
+}  // namespace rio

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/association.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace rio {
+namespace {
+
+/// A radar at the origin of the world; landmarks and detections where the test puts them.
+class AssociationTest : public testing::Test {
+ protected:
+  AssociationTest() {
+    radar_.sigma_range = 0.03;
+    radar_.sigma_azimuth = 0.03;
+    radar_.sigma_elevation = 0.06;
+    options_.matching = Matching::kMahalanobis;
+    options_.match_probability = 0.99;
+    usable_.fill(true);
+  }
+  void see(const Vector3d& point_S) {
+    scan_.items.push_back(make_detection({.point_S = point_S}, radar_));
+  }
+  void know(const Vector3d& point_W, double sigma) {
+    LandmarkState landmark;
+    landmark.p_W = point_W;
+    landmark.covariance_S = sigma * sigma * Matrix3d::Identity();
+    estimate_.landmarks.push_back(landmark);
+  }
+  AssociationResult match() {
+    Association association(options_, kMaxLandmarks);
+    AssociationResult result;
+    association.match(scan_, usable_, estimate_, estimate_.landmarks.size(), trails_, &result);
+    return result;
+  }
+
+  RadarOptions radar_;
+  FrontendOptions options_;
+  DetectionList scan_;
+  std::array<bool, kMaxDetections> usable_{};
+  Estimate estimate_;
+  TrailSet trails_{8, 3};
+};
+
+TEST_F(AssociationTest, GateFollowsTheShapeOfTheNoise) {
+  // at 4 m: 3 cm along, 12 cm aside, 24 cm in height
+  for (const auto& [offset, expected] :
+       std::vector<std::pair<Vector3d, bool>>{{{0.09, 0.0, 0.0}, true},
+                                              {{0.15, 0.0, 0.0}, false},
+                                              {{0.0, 0.35, 0.0}, true},
+                                              {{0.0, 0.50, 0.0}, false},
+                                              {{0.0, 0.0, 0.70}, true},
+                                              {{0.0, 0.0, 1.00}, false}}) {
+    scan_.items.clear();
+    estimate_.landmarks.clear();
+    know({4.0, 0.0, 0.0}, 0.01);
+    const Vector3d beside = Vector3d(4.0, 0.0, 0.0) + offset;
+    see(beside.normalized() * (4.0 + offset.x()));  // aside at the same range
+    const AssociationResult result = match();
+    EXPECT_EQ(result.landmarks.size(), expected ? 1U : 0U) << offset.transpose();
+    EXPECT_EQ(result.near_landmark[0], expected);
+  }
+}
+
+TEST_F(AssociationTest, UncertaintyOfTheLandmarkWidensTheGate) {
+  see({4.3, 0.0, 0.0});
+  know({4.0, 0.0, 0.0}, 0.01);
+  EXPECT_TRUE(match().landmarks.empty());
+  estimate_.landmarks.clear();
+  know({4.0, 0.0, 0.0}, 0.2);
+  EXPECT_EQ(match().landmarks.size(), 1U);
+}
+
+TEST_F(AssociationTest, AVagueLandmarkDoesNotWinByItsVagueness) {
+  options_.match_margin = 0.0;
+  see({4.05, 0.0, 0.0});
+  know({4.0, 0.0, 0.0}, 1.0);    // d2 is smallest here
+  know({4.0, 0.05, 0.0}, 0.02);  // but this is likelier
+  const AssociationResult result = match();
+  ASSERT_EQ(result.landmarks.size(), 1U);
+  EXPECT_EQ(result.landmarks[0].target, 1U);
+}
+
+TEST_F(AssociationTest, AmbiguousPairsAreLeftOut) {
+  know({4.0, 0.0, 0.0}, 0.02);
+  see({4.0, 0.05, 0.0});
+  EXPECT_EQ(match().landmarks.size(), 1U);
+  see({4.0, -0.06, 0.0});  // as near: either might be it
+  EXPECT_TRUE(match().landmarks.empty());
+  options_.match_margin = 0.0;
+  EXPECT_EQ(match().landmarks.size(), 1U);
+  // nothing new begins beside a landmark
+  EXPECT_TRUE(match().near_landmark[0]);
+  EXPECT_TRUE(match().near_landmark[1]);
+}
+
+TEST_F(AssociationTest, TwoLandmarksForOneDetectionAreAmbiguousToo) {
+  know({4.0, 0.05, 0.0}, 0.02);
+  know({4.0, -0.06, 0.0}, 0.02);
+  see({4.0, 0.0, 0.0});
+  EXPECT_TRUE(match().landmarks.empty());
+  estimate_.landmarks[1].p_W.y() = -0.35;
+  EXPECT_EQ(match().landmarks.size(), 1U);
+}
+
+TEST_F(AssociationTest, UnusableDetectionsAreNotMatched) {
+  know({4.0, 0.0, 0.0}, 0.02);
+  see({4.0, 0.0, 0.0});
+  usable_[0] = false;
+  EXPECT_TRUE(match().landmarks.empty());
+  EXPECT_FALSE(match().near_landmark[0]);
+}
+
+TEST_F(AssociationTest, TrailsMoveWithTheRadarAndNeedNoMargin) {
+  // seen at 4 m ahead from the origin; then the radar went 0.5 m forward and turned left by 0.2 rad
+  estimate_.clones.push_back({7, RigidPose()});
+  trails_.create({7, make_detection({.point_S = {4.0, 0.0, 0.0}}, radar_)});
+  estimate_.nav.p_WB = {0.5, 0.0, 0.0};
+  estimate_.nav.q_WB = quaternion_exp({0.0, 0.0, 0.2});
+  see(quaternion_exp({0.0, 0.0, -0.2}) * Vector3d(3.5, 0.05, 0.0));
+  see(quaternion_exp({0.0, 0.0, -0.2}) * Vector3d(3.5, -0.06, 0.0));
+  const AssociationResult result = match();
+  ASSERT_EQ(result.trails.size(), 1U);
+  EXPECT_EQ(result.trails[0].detection, 0U);
+  EXPECT_FALSE(result.near_landmark[0]);
+  estimate_.clones[0].scan = 8;  // its pose has left the window
+  EXPECT_TRUE(match().trails.empty());
+}
+
+}  // namespace
+}  // namespace rio
