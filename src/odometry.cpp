@@ -168,6 +168,7 @@ struct Odometry::Impl {
     has_scan = true;
     const Status status = pipeline.process(scan, imu);
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
+    counters.velocity_resets += pipeline.report().velocity_reset ? 1 : 0;
     publish();
     return status;
   }

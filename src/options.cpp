@@ -54,9 +54,11 @@ bool preset(const std::string& name, Options* options) {
   if (name == "published-ekf") {
     // Michalczyk et al. 2023: N = 7, pairwise trail distances and range-only landmarks with a
     // constant sigma of 4 cm, landmarks removed at their first miss, directions and calibration
-    // taken as exact
+    // taken as exact, no unfolding, no recovery
     chosen.frontend.ransac_sigmas = 0.0;
     chosen.frontend.ransac_use_prediction = false;
+    chosen.frontend.unwrap_doppler = false;
+    chosen.frontend.velocity_recovery = false;
     chosen.frontend.matching = Matching::kEuclidean;
     chosen.frontend.promote_after = 7;
     chosen.frontend.landmark_timeout = 0.0;

@@ -54,6 +54,30 @@ TEST_P(Allocation, NoneAfterCreate) {
   EXPECT_GT(rows, 1000);
 }
 
+TEST(Allocation, NoneWhenTheVelocityIsReopened) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
+  sim::Scenario scenario;
+  scenario.seed = 7;
+  scenario.path.length = 10.0;
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  auto odometry = Odometry::create(options_for(flight, "default"));
+  ASSERT_NE(odometry, nullptr);
+  NavState wrong = flight.truth.front();
+  wrong.v_WB += Vector3d(2.0, 2.0, 0.0);
+  const BodyCovariance P0 = 1e-4 * BodyCovariance::Identity();
+  const AllocationGuard guard;
+  ASSERT_EQ(odometry->reset(wrong, P0), Status::kOk);
+  std::size_t next = 0;
+  for (const ImuSample& sample : flight.imu) {
+    (void)odometry->add_imu(sample);
+    while (next < flight.scans.size() && flight.scans[next].time <= sample.time) {
+      (void)odometry->add_scan(flight.scans[next++]);
+    }
+  }
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(odometry->counters().velocity_resets, 1U);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Options, Allocation,
     testing::Values([](Options*) {},

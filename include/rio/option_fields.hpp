@@ -70,6 +70,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Grid of the range, adds grid^2/12 to the variance; 0 = none.");
   field("radar.doppler_resolution", o.radar.doppler_resolution, "m/s", 0, 10,
         "Grid of the Doppler, adds grid^2/12 to the variance; 0 = none.");
+  field("radar.max_doppler", o.radar.max_doppler, "m/s", 0, 1000,
+        "Range rates fold into plus or minus this; 0 = they do not fold.");
 
   field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");
@@ -88,6 +90,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "With fewer there is no static set and the scan moves nothing.");
   field("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
+  field("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
+        "Undo the folding of range rates at radar.max_doppler.");
+  field("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
+        "Scans that contradict the velocity for long re-open it.");
   field("frontend.matching", o.frontend.matching, "", 0, 1,
         "euclidean (as published) or mahalanobis.");
   field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,

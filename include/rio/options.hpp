@@ -38,6 +38,7 @@ struct RadarOptions {
   double sigma_doppler = 0.03;      ///< without quantisation [m/s]
   double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
+  double max_doppler = 0.0;         ///< range rates fold into +-this; 0 = they do not fold [m/s]
 };
 
 /// When a detection and a known point belong together.
@@ -56,12 +57,14 @@ struct FrontendOptions {
   double ransac_success = 0.9999;     ///< probability of drawing one clean triple
   int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
   int ransac_seed = 1;                ///< of the deterministic generator
+  bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
+  bool velocity_recovery = true;      ///< scans that contradict the velocity for long re-open it
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
   double match_probability = 0.95;  ///< kMahalanobis: of a right pair to pass the gate
   double match_margin = 2.0;        ///< kMahalanobis: by which a landmark's match must be the best
   int promote_after = 6;            ///< consecutive matches that make a trail a landmark
-  double landmark_timeout = 3.0;    ///< a landmark not seen for longer is dropped [s]
+  double landmark_timeout = 10.0;   ///< a landmark not seen for longer is dropped [s]
 };
 
 /// How the rows of one trail share their noise.

@@ -8,6 +8,7 @@
 
 #include "rio/ekf/ekf.hpp"
 #include "rio/frontend/frontend.hpp"
+#include "rio/frontend/velocity_monitor.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/report.hpp"
@@ -19,7 +20,7 @@ class Pipeline {
  public:
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
-      : clock_(options.timing.clock), frontend_(options), backend_(options) {}
+      : clock_(options.timing.clock), frontend_(options), monitor_(options), backend_(options) {}
 
   const Estimate& estimate() const { return backend_.estimate(); }
   const BackEnd& backend() const { return backend_; }
@@ -27,6 +28,7 @@ class Pipeline {
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
     frontend_.reset();
+    monitor_.reset(prior.time);
     backend_.reset(prior, P0);
     report_ = UpdateReport{};
     next_scan_ = 0;
@@ -49,8 +51,8 @@ class Pipeline {
     report_.propagation_time = propagated - start;
     if (report_.status != Status::kOk) return report_.status;
 
-    frontend_.observe(scan, backend_.estimate(), &seen_);  // (3)
-    report_.status = backend_.update(seen_, &report_);     // (4) (5) (6)
+    observe(scan);                                      // (3)
+    report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
       frontend_.advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
@@ -64,6 +66,21 @@ class Pipeline {
 
  private:
   Time now() const { return clock_ != nullptr ? clock_() : Time{0}; }
+
+  /// Stage 3. If the scans have contradicted the velocity for long it is re-opened, and the scan is
+  /// seen anew without the trails and landmarks that were placed with it.
+  void observe(const DetectionList& scan) {
+    const RadarVelocity predicted{Frontend::radar_velocity(backend_.estimate()),
+                                  backend_.radar_velocity_covariance()};
+    frontend_.observe(scan, backend_.estimate(), &seen_, predicted.covariance);
+    report_.velocity_reset = monitor_.contradicts(seen_, predicted);
+    if (!report_.velocity_reset) return;
+    backend_.reopen_velocity((seen_.ego_velocity.v_S - predicted.v_S).norm(),
+                             to_seconds(scan.time - monitor_.agreed()), &report_);
+    monitor_.reset(scan.time);
+    frontend_.reset();
+    frontend_.observe(scan, backend_.estimate(), &seen_, backend_.radar_velocity_covariance());
+  }
 
   void summarise(const DetectionList& scan) {
     report_.detections = scan.received;
@@ -80,6 +97,7 @@ class Pipeline {
 
   Time (*clock_)();
   Frontend frontend_;
+  VelocityMonitor monitor_;
   BackEnd backend_;
   Observations seen_;
   Promotions promotions_;

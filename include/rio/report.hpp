@@ -83,9 +83,10 @@ struct UpdateReport {
   int landmarks_matched = 0;
   int landmarks_added = 0;
   int landmarks_removed = 0;
-  bool imu_gap = false;      ///< the propagation to this scan crossed a gap
-  Time propagation_time{0};  ///< time spent, if TimingOptions::clock is given
-  Time update_time{0};       ///< same, front-end to promotion
+  bool imu_gap = false;         ///< the propagation to this scan crossed a gap
+  bool velocity_reset = false;  ///< the velocity was re-opened before the update
+  Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
+  Time update_time{0};          ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
   StaticVector<InnovationRecord, kMaxRecords> records;
   int records_dropped = 0;  ///< blocks beyond kMaxRecords (still counted in `models`)
@@ -104,7 +105,8 @@ struct Counters {
   std::uint64_t scans_non_finite = 0;  ///< no finite detection although the scan was not empty
   std::uint64_t detections_non_finite = 0;
   std::uint64_t scans_uninitialized = 0;
-  std::uint64_t updates_failed = 0;  ///< kNumerical
+  std::uint64_t updates_failed = 0;   ///< kNumerical
+  std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long
 };
 
 }  // namespace rio

@@ -15,7 +15,8 @@ namespace rio::experiment {
 namespace {
 
 constexpr int kSeeds = 20;
-const std::vector<std::string> kFamilies = {"indoor", "extrinsics", "people", "outdoor", "hover"};
+const std::vector<std::string> kFamilies = {"indoor", "extrinsics", "wrong-velocity", "aggressive",
+                                            "people", "outdoor",    "hover"};
 
 std::vector<Variant> variants() {
   return {
@@ -36,12 +37,29 @@ std::vector<Variant> variants() {
        [](Options& o) { o.frontend.ransac_use_prediction = false; }},
       {"RANSAC with a constant bound", "default",
        [](Options& o) { o.frontend.ransac_sigmas = 0.0; }},
-      {"distance sigmas 4 cm as published", "default",
-       [](Options& o) { o.update.sigma_trail_distance = o.update.sigma_landmark_distance = 0.04; }},
-      {"no trails", "default", [](Options& o) { o.update.use_trails = false; }},
-      {"no landmarks", "default", [](Options& o) { o.update.use_landmarks = false; }},
-      {"Doppler alone", "default",
-       [](Options& o) { o.update.use_trails = o.update.use_landmarks = false; }},
+      {"Doppler not unwrapped", "default", [](Options& o) { o.frontend.unwrap_doppler = false; }},
+      {"no recovery of the velocity", "default",
+       [](Options& o) { o.frontend.velocity_recovery = false; }},
+      {"Euclidean matching", "default",
+       [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
+      {"ambiguous matches used", "default", [](Options& o) { o.frontend.match_margin = 0.0; }},
+      {"landmarks dropped at the first miss", "default",
+       [](Options& o) { o.frontend.landmark_timeout = 0.0; }},
+      {"landmarks do not walk", "default", [](Options& o) { o.update.landmark_walk = 0.0; }},
+      {"landmarks by distance", "default",
+       [](Options& o) {
+         o.update.landmark_measurement = LandmarkMeasurement::kDistance;
+         o.update.landmark_walk = 0.0;
+       }},
+      {"trails and landmarks by distance", "default",
+       [](Options& o) {
+         o.update.landmark_measurement = LandmarkMeasurement::kDistance;
+         o.update.landmark_walk = 0.0;
+         o.update.use_trails = true;
+         o.update.max_clones = 7;
+       }},
+      {"no landmarks: Doppler alone", "default",
+       [](Options& o) { o.update.use_landmarks = false; }},
       {"no Doppler", "default", [](Options& o) { o.update.use_doppler = false; }},
   };
 }

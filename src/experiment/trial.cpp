@@ -124,6 +124,7 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
   o.radar.sigma_doppler = radar.sigma_doppler;
   o.radar.range_resolution = radar.quantize ? radar.range_resolution : 0.0;
   o.radar.doppler_resolution = radar.quantize ? radar.doppler_resolution : 0.0;
+  o.radar.max_doppler = radar.ambiguous ? radar.max_doppler : 0.0;
   return o;
 }
 

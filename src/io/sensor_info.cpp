@@ -42,6 +42,7 @@ void apply_sensor_info(const Dataset& dataset, Options* options) {
   copy_sigma(info.sigma_doppler, &radar.sigma_doppler);
   copy(info.range_resolution, &radar.range_resolution);
   copy(info.doppler_resolution, &radar.doppler_resolution);
+  copy(info.max_doppler, &radar.max_doppler);
   if (info.max_range) radar.max_range = *info.max_range + 3.0 * radar.sigma_range;
   if (info.fov_azimuth) radar.fov_azimuth = widened_fov(*info.fov_azimuth, radar.sigma_azimuth);
   if (info.fov_elevation) {

@@ -102,7 +102,8 @@ std::string ReplaySummary::json() const {
         {"detections_non_finite", counters.detections_non_finite},
         {"scans_before_start", scans_before_start},
         {"scans_unprocessed", scans_unprocessed},
-        {"updates_failed", counters.updates_failed}}},
+        {"updates_failed", counters.updates_failed},
+        {"velocity_resets", counters.velocity_resets}}},
   };
   return all.dump();
 }
@@ -136,7 +137,8 @@ std::string ReplaySummary::text() const {
       {"IMU samples not newer than the one before", counters.imu_stale},
       {"IMU samples not finite", counters.imu_non_finite},
       {"gaps of the IMU", counters.imu_gaps},
-      {"updates failed", counters.updates_failed}};
+      {"updates failed", counters.updates_failed},
+      {"times the scans contradicted the velocity for long", counters.velocity_resets}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }

@@ -42,9 +42,11 @@ class FullLoad {
   static Options make_options(const char* name) {
     Options o;
     if (!preset(name, &o)) std::abort();
-    o.update.max_clones = 10;
-    o.update.max_landmarks = 10;
-    o.frontend.promote_after = 10;
+    if (o.update.use_trails) {  // the load of the paper
+      o.update.max_clones = 10;
+      o.update.max_landmarks = 10;
+      o.frontend.promote_after = 10;
+    }
     o.timing.clock = [] { return Time(std::chrono::steady_clock::now().time_since_epoch()); };
     return o;
   }

@@ -69,6 +69,16 @@ TEST_F(CovarianceTest, PropagationEqualsTheDenseProduct) {
   expect_equal(expected, 1e-12);
 }
 
+// As if the velocity had had that variance at the beginning, and the position had followed it.
+TEST_F(CovarianceTest, ReopenedVelocityTakesThePositionAlong) {
+  MatrixXd G = MatrixXd::Zero(covariance_.size(), 3);
+  G.middleRows<3>(body::kPosition) = 0.2 * Matrix3d::Identity();
+  G.middleRows<3>(body::kVelocity) = Matrix3d::Identity();
+  const MatrixXd expected = dense() + 7.0 * G * G.transpose();
+  covariance_.reopen_velocity(7.0, 0.2);
+  expect_equal(expected, 1e-12);
+}
+
 TEST_F(CovarianceTest, CloneIsAnExactCopyOfTheBodyPose) {
   covariance_.clone_body_pose(1);
   const int at = layout_.clone(1);

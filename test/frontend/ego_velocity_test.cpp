@@ -51,17 +51,25 @@ std::vector<RadarDetection> static_points(test::Random& random, int count, const
   return out;
 }
 
-EgoVelocity estimate(const DetectionList& scan, const std::optional<Vector3d>& predicted = {},
-                     const FrontendOptions& options = {}) {
+EgoVelocity estimate(const DetectionList& scan, const std::optional<RadarVelocity>& predicted,
+                     const FrontendOptions& options, double max_doppler) {
   EgoVelocity out;
   out.v_S.setConstant(1e9);  // whatever a scan before left behind
   out.inlier.fill(true);
-  EgoVelocityRansac(options).estimate(scan, predicted, &out);
+  EgoVelocityRansac(options, max_doppler).estimate(scan, predicted, &out);
   int marked = 0;
   for (std::size_t i = 0; i < scan.items.size(); ++i) marked += out.inlier[i] ? 1 : 0;
   EXPECT_EQ(out.inliers, marked);
   for (std::size_t i = scan.items.size(); i < kMaxDetections; ++i) EXPECT_FALSE(out.inlier[i]);
   return out;
+}
+
+// Without folding; the prediction is exact.
+EgoVelocity estimate(const DetectionList& scan, const std::optional<Vector3d>& predicted = {},
+                     const FrontendOptions& options = {}) {
+  std::optional<RadarVelocity> velocity;
+  if (predicted) velocity = {*predicted, Matrix3d::Zero()};
+  return estimate(scan, velocity, options, 0.0);
 }
 
 TEST(EgoVelocity, IterationCount) {

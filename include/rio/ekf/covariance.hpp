@@ -8,6 +8,7 @@
 // (E5) re-express: P <- M P M^T, so that the right-invariant error does not change when the
 // estimate
 //      does: yaw and position about the world stay unobservable (Hao, Tian and He 2025)
+// (E6) re-open:   P <- P + G V G^T, G = [tau I; I] on position and velocity
 // ICRA 2023 is Michalczyk et al., ICRA 2023. Nothing here allocates after construction. Clones make
 // P singular by design: it is never factorised.
 #pragma once
@@ -15,6 +16,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
+#include <type_traits>
 
 #include "rio/propagate/strapdown.hpp"
 #include "rio/state/estimate.hpp"
@@ -61,6 +63,18 @@ class Covariance {
     cross.noalias() = phi * P_.block(0, kBody, kBody, rest);
     P_.block(0, kBody, kBody, rest) = cross;
     P_.block(kBody, 0, rest, kBody) = cross.transpose();
+  }
+
+  /// The velocity turns out to be uncertain by `variance` [m^2/s^2] per axis since `duration` [s].
+  void reopen_velocity(double variance, double duration) {  // (E6)
+    for (int i = 0; i < 3; ++i) {
+      const int p = body::kPosition + i;
+      const int v = body::kVelocity + i;
+      P_(v, v) += variance;
+      P_(p, v) += duration * variance;
+      P_(v, p) += duration * variance;
+      P_(p, p) += duration * duration * variance;
+    }
   }
 
   /// Whatever pose was in `slot` is marginalised.
@@ -112,19 +126,23 @@ class Covariance {
                              const Eigen::Matrix<double, 3, 6>& d_e_d_extrinsics,
                              const Matrix3d& d_e_d_l) const {
     const int at = layout_.landmark(index);
-    const auto rows = [&](int column, int length) {
-      Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 6> JP(3, length);
-      JP = d_e_d_body * P_.block(body::kAttitude, column, 6, length) +
-           d_e_d_l * P_.block(at, column, 3, length);
+    // J times the columns of one block; fixed sizes, so that nothing is allocated
+    const auto columns = [&](int column, auto length) {
+      constexpr int kLength = decltype(length)::value;
+      Eigen::Matrix<double, 3, kLength> JP =
+          d_e_d_body * P_.block<6, kLength>(body::kAttitude, column);
+      JP += d_e_d_l * P_.block<3, kLength>(at, column);
       if (layout_.has_extrinsics()) {
-        JP += d_e_d_extrinsics * P_.block(layout_.extrinsics(), column, 6, length);
+        JP += d_e_d_extrinsics * P_.block<6, kLength>(layout_.extrinsics(), column);
       }
       return JP;
     };
-    Matrix3d S = rows(body::kAttitude, 6) * d_e_d_body.transpose();
-    S += rows(at, 3) * d_e_d_l.transpose();
+    constexpr std::integral_constant<int, 3> kPoint;
+    constexpr std::integral_constant<int, 6> kPose;
+    Matrix3d S = columns(body::kAttitude, kPose) * d_e_d_body.transpose();
+    S += columns(at, kPoint) * d_e_d_l.transpose();
     if (layout_.has_extrinsics()) {
-      S += rows(layout_.extrinsics(), 6) * d_e_d_extrinsics.transpose();
+      S += columns(layout_.extrinsics(), kPose) * d_e_d_extrinsics.transpose();
     }
     return 0.5 * (S + S.transpose());
   }

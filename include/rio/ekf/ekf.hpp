@@ -74,6 +74,36 @@ class Ekf {
     return Status::kOk;
   }
 
+  /// Of the radar's own velocity as predicted, in its axes [m^2/s^2].
+  Matrix3d radar_velocity_covariance() {
+    const LinearizationPoint x(estimate_);
+    DopplerModel::Measurement z;
+    z.gyro_B = estimate_.gyro_B;
+    batch_.clear();
+    batch_.begin_block();
+    for (int i = 0; i < 3; ++i) {  // a Doppler along an axis is a component of the velocity
+      z.direction_S = Vector3d::Unit(i);
+      linearize(plain_doppler_, z, DopplerModel::Blocks{}, x, {}, layout_, &batch_);
+    }
+    Matrix3d P;
+    for (std::size_t i = 0; i < 9; ++i) {
+      P(static_cast<Eigen::Index>(i)) =
+          covariance_.product(batch_.rows()[i / 3], batch_.rows()[i % 3]);
+    }
+    return P;
+  }
+
+  /// The velocity has been off by about `error` [m/s] for `duration` [s]: P admits it, and the
+  /// landmarks seen meanwhile are dropped. The trails have to go, too.
+  void reopen_velocity(double error, double duration, UpdateReport* report) {
+    report->landmarks_removed += static_cast<int>(estimate_.landmarks.size());
+    for (int i = static_cast<int>(estimate_.landmarks.size()); i-- > 0;) {
+      covariance_.remove_landmark(i);
+    }
+    estimate_.landmarks.clear();
+    covariance_.reopen_velocity(error * error, duration);
+  }
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
   Status update(const Observations& seen, UpdateReport* report) {
     const LinearizationPoint x(estimate_);

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 3: the radar's own velocity and the static set from one scan, by three-point RANSAC.
 //
-// A static point at direction u has the range rate d = -u . v_S.
+// A static point at direction u has the range rate d = -u . v_S, known modulo 2 v_max.
 // (E1) iterations = ceil(ln(1 - P) / ln(1 - (1 - eps)^3)), eps the outlier ratio, P the success
 // (E2) sigma_i^2 = sigma_D^2 + v_S^T Sigma_u v_S: the spread of an inlier's residual
+// (E3) v_S = -A^-1 sum u d, A = sum u u^T over the static set
+// (E4) Sigma_v = A^-1 (sum sigma_i^2 u u^T) A^-1 + b b^T, b = A^-1 (sum Sigma_u) v_S: measured
+//      directions shrink (E3) by b (errors in variables)
 // Hypotheses compete by a constant threshold, because (E2) grows with the hypothesis itself and
 // would let an absurdly fast one explain everything; (E2) widens the static set of the winner only.
-// Reference: Michalczyk et al. 2023, III-D; Doer and Trommer 2020 (three-point least squares).
+// Folded range rates: residuals are taken modulo 2 v_max, triples as measured and folded towards
+// the prediction or, if there is none surer than the fold, to all neighbouring folds. Two
+// hypotheses of equal support more than v_max apart are decided by a prediction surer than the
+// fold, or not at all; a static point whose fold stays open is left out. Reference: Michalczyk et
+// al. 2023, III-D; Doer and Trommer 2020 (three-point least squares).
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -18,6 +25,7 @@
 
 #include "rio/core/random.hpp"
 #include "rio/frontend/detection.hpp"
+#include "rio/frontend/doppler_fold.hpp"
 #include "rio/options.hpp"
 
 namespace rio {
@@ -29,57 +37,133 @@ inline int ransac_iterations(double outlier_ratio, double success) {
   return std::max(1, static_cast<int>(std::ceil(std::log(1.0 - success) / std::log(1.0 - clean))));
 }
 
+/// (E2): variance of the residual of a static point [m^2/s^2].
+inline double residual_variance(const Detection& d, const Vector3d& v_S) {
+  const double az = d.sigma_azimuth_S.dot(v_S);
+  const double el = d.sigma_elevation_S.dot(v_S);
+  return d.sigma_doppler * d.sigma_doppler + az * az + el * el;
+}
+
+/// Bound of the residual of a static point with that variance [m/s].
+inline double static_bound(const FrontendOptions& o, double variance) {
+  return std::max(o.ransac_threshold, o.ransac_sigmas * std::sqrt(variance));
+}
+
+/// A velocity of the radar in its own axes.
+struct RadarVelocity {
+  Vector3d v_S = Vector3d::Zero();         ///< [m/s]
+  Matrix3d covariance = Matrix3d::Zero();  ///< [m^2/s^2]
+};
+
 /// Consensus of one scan.
 struct EgoVelocity {
   bool valid = false;
   Vector3d v_S = Vector3d::Zero();  ///< velocity of the radar in its own axes [m/s]
+  /// (E4) [m^2/s^2]; none if the directions of the static set do not fix a velocity
+  std::optional<Matrix3d> covariance;
   int inliers = 0;
   std::array<bool, kMaxDetections> inlier{};  ///< per detection: moves as the static world does
+  std::array<double, kMaxDetections> range_rate{};  ///< of the inliers, unfolded [m/s]
 };
 
 class EgoVelocityRansac {
  public:
-  explicit EgoVelocityRansac(const FrontendOptions& options)
+  /// @param max_doppler range rates fold into +-this [m/s]; 0 = they do not
+  explicit EgoVelocityRansac(const FrontendOptions& options, double max_doppler = 0.0)
       : options_(options),
+        fold_(max_doppler),
         iterations_(ransac_iterations(options.ransac_outlier_ratio, options.ransac_success)) {}
 
-  /// @param predicted_S the radar velocity the IMU predicts [m/s]; if given, it is one more
-  /// hypothesis,
+  /// @param predicted the radar velocity the IMU predicts; if given, it is one more hypothesis,
   ///        and stands alone when the scan is too small for a consensus of its own
-  void estimate(const DetectionList& scan, const std::optional<Vector3d>& predicted_S,
+  void estimate(const DetectionList& scan, const std::optional<RadarVelocity>& predicted,
                 EgoVelocity* out) const {
     const auto n = static_cast<std::uint32_t>(scan.items.size());
     *out = EgoVelocity{};
     // seeded by the stamp: a scan gives the same static set whatever came before it
     SplitMix64 random(static_cast<std::uint64_t>(options_.ransac_seed) ^
                       static_cast<std::uint64_t>(scan.time.count()));
-    int best = 0;
-    Vector3d best_v = Vector3d::Zero();
-    const auto consider = [&](const Vector3d& v) {
-      const int count = count_supporters(scan, v);
-      if (count > best) {
-        best = count;
-        best_v = v;
-      }
-    };
-    if (predicted_S) consider(*predicted_S);
+    Best best;
+    if (predicted) consider(scan, predicted->v_S, predicted, &best);
+    // the trace bounds the largest variance
+    const bool sure = predicted && fold_.is_unique(predicted->covariance.trace());
     for (int i = 0; n >= 3 && i < iterations_; ++i) {
-      if (const auto v = solve_triple(scan, random)) consider(*v);
+      Triple triple;
+      if (!draw(scan, random, &triple)) continue;
+      consider(scan, triple.velocity(), predicted, &best);
+      if (fold_.ambiguous() && !sure) {
+        consider_neighbours(scan, triple, predicted, &best);
+      } else if (predicted && triple.fold_towards(predicted->v_S, fold_)) {
+        consider(scan, triple.velocity(), predicted, &best);
+      }
     }
-    out->valid = best >= options_.ransac_min_inliers;
+    out->valid = best.count >= options_.ransac_min_inliers && !best.rival;
     if (!out->valid) {
-      if (predicted_S) mark(scan, *predicted_S, out);
+      if (predicted) mark(scan, predicted->v_S, predicted->covariance, out);
       return;
     }
-    mark(scan, best_v, out);
-    if (const auto refined = least_squares(scan, *out)) {
-      if (count_supporters(scan, *refined) >= best) mark(scan, *refined, out);
+    mark(scan, best.v_S, Matrix3d::Zero(), out);
+    Vector3d refined;
+    out->covariance = least_squares(scan, *out, &refined);
+    if (out->covariance) {
+      const bool better = count_supporters(scan, refined) >= best.count;
+      mark(scan, better ? refined : best.v_S, *out->covariance, out);
+    } else if (predicted) {  // only the prediction says how far it can be off
+      mark(scan, best.v_S, predicted->covariance, out);
     }
   }
 
  private:
-  static double residual(const Detection& d, const Vector3d& v) {
-    return d.range_rate + d.direction_S.dot(v);
+  struct Best {
+    int count = 0;
+    Vector3d v_S = Vector3d::Zero();
+    bool rival = false;  ///< another fold has as many supporters
+  };
+
+  /// Three detections that fix a velocity.
+  struct Triple {
+    Matrix3d U;  ///< directions, one a row
+    Matrix3d inverse;
+    Vector3d rates;
+
+    Vector3d velocity() const { return -inverse * rates; }
+    /// False if that changes nothing.
+    bool fold_towards(const Vector3d& v_S, const DopplerFold& fold) {
+      const Vector3d measured = rates;
+      const Vector3d expected = -U * v_S;
+      for (int i = 0; i < 3; ++i) rates[i] = fold.nearest(measured[i], expected[i]);
+      return (rates - measured).lpNorm<Eigen::Infinity>() > fold.limit();
+    }
+  };
+
+  void consider(const DetectionList& scan, const Vector3d& v,
+                const std::optional<RadarVelocity>& predicted, Best* best) const {
+    const int count = count_supporters(scan, v);
+    if (count < best->count || count == 0) return;
+    if (count > best->count) {
+      *best = {count, v, false};
+    } else if ((v - best->v_S).norm() > fold_.limit()) {
+      // the trace bounds the largest variance
+      if (!predicted || !fold_.is_unique(predicted->covariance.trace())) {
+        best->rival = true;
+      } else if ((v - predicted->v_S).norm() < (best->v_S - predicted->v_S).norm()) {
+        best->v_S = v;
+      }
+    }
+  }
+  /// All combinations of the measured folds and their neighbours: a start at speed.
+  void consider_neighbours(const DetectionList& scan, const Triple& triple,
+                           const std::optional<RadarVelocity>& predicted, Best* best) const {
+    const Vector3d v = triple.velocity();
+    const Matrix3d step = 2.0 * fold_.limit() * triple.inverse;
+    for (int a = -1; a <= 1; ++a) {
+      for (int b = -1; b <= 1; ++b) {
+        for (int c = -1; c <= 1; ++c) consider(scan, v + step * Vector3d(a, b, c), predicted, best);
+      }
+    }
+  }
+  double residual(const Detection& d, const Vector3d& v) const {
+    return fold_.wrap(d.range_rate + d.direction_S.dot(v));
   }
   int count_supporters(const DetectionList& scan, const Vector3d& v) const {
     int count = 0;
@@ -88,52 +172,63 @@ class EgoVelocityRansac {
     }
     return count;
   }
-  bool is_inlier(const Detection& d, const Vector3d& v) const {
-    const double az = d.sigma_azimuth_S.dot(v);
-    const double el = d.sigma_elevation_S.dot(v);
-    const double sigma = std::sqrt(d.sigma_doppler * d.sigma_doppler + az * az + el * el);  // (E2)
-    return std::abs(residual(d, v)) <
-           std::max(options_.ransac_threshold, options_.ransac_sigmas * sigma);
-  }
-  void mark(const DetectionList& scan, const Vector3d& v, EgoVelocity* out) const {
+  /// The static set of v, whose own covariance may leave folds open.
+  void mark(const DetectionList& scan, const Vector3d& v, const Matrix3d& covariance,
+            EgoVelocity* out) const {
     out->v_S = v;
     out->inliers = 0;
     for (std::size_t i = 0; i < scan.items.size(); ++i) {
-      out->inlier[i] = is_inlier(scan.items[i], v);
+      const Detection& d = scan.items[i];
+      const double spread = residual_variance(d, v);
+      const double of_velocity = d.direction_S.dot(covariance * d.direction_S);
+      out->inlier[i] = std::abs(residual(d, v)) < static_bound(options_, spread) &&
+                       fold_.is_unique(spread + of_velocity);
+      out->range_rate[i] = fold_.nearest(d.range_rate, -d.direction_S.dot(v));
       out->inliers += out->inlier[i] ? 1 : 0;
     }
   }
-  static std::optional<Vector3d> solve_triple(const DetectionList& scan, SplitMix64& random) {
+  /// False if the directions are nearly coplanar.
+  static bool draw(const DetectionList& scan, SplitMix64& random, Triple* triple) {
     const auto n = static_cast<std::uint32_t>(scan.items.size());
     const std::uint32_t a = random.below(n);
     std::uint32_t b = random.below(n - 1);
     if (b >= a) ++b;
     std::uint32_t c = random.below(n);
     while (c == a || c == b) c = random.below(n);
-    Matrix3d U;
-    U << scan.items[a].direction_S.transpose(), scan.items[b].direction_S.transpose(),
+    triple->U << scan.items[a].direction_S.transpose(), scan.items[b].direction_S.transpose(),
         scan.items[c].direction_S.transpose();
     constexpr double kMinVolume = 1e-3;  // nearly coplanar directions amplify noise a thousandfold
-    if (std::abs(U.determinant()) < kMinVolume) return std::nullopt;
-    const Vector3d rates(scan.items[a].range_rate, scan.items[b].range_rate,
-                         scan.items[c].range_rate);
-    return -U.inverse() * rates;
+    if (std::abs(triple->U.determinant()) < kMinVolume) return false;
+    triple->inverse = triple->U.inverse();
+    triple->rates = {scan.items[a].range_rate, scan.items[b].range_rate, scan.items[c].range_rate};
+    return true;
   }
-  static std::optional<Vector3d> least_squares(const DetectionList& scan, const EgoVelocity& set) {
+  /// (E3) and its covariance (E4), if the directions fix a velocity.
+  static std::optional<Matrix3d> least_squares(const DetectionList& scan, const EgoVelocity& set,
+                                               Vector3d* v_S) {
     Matrix3d A = Matrix3d::Zero();
+    Matrix3d weighted = Matrix3d::Zero();
+    Matrix3d direction_noise = Matrix3d::Zero();
     Vector3d b = Vector3d::Zero();
     for (std::size_t i = 0; i < scan.items.size(); ++i) {
       if (!set.inlier[i]) continue;
       const Detection& d = scan.items[i];
-      A += d.direction_S * d.direction_S.transpose();
-      b -= d.direction_S * d.range_rate;
+      const Matrix3d square = d.direction_S * d.direction_S.transpose();
+      A += square;
+      weighted += residual_variance(d, set.v_S) * square;
+      direction_noise += direction_covariance(d);
+      b -= d.direction_S * set.range_rate[i];
     }
     const Eigen::LDLT<Matrix3d> ldlt(A);
     if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() < 1e-6) return std::nullopt;
-    return ldlt.solve(b);
+    *v_S = ldlt.solve(b);
+    const Vector3d shrinkage = ldlt.solve(direction_noise * *v_S);
+    const Matrix3d inverse = ldlt.solve(Matrix3d::Identity());
+    return inverse * weighted * inverse + shrinkage * shrinkage.transpose();
   }
 
   FrontendOptions options_;
+  DopplerFold fold_;
   int iterations_;
 };
 

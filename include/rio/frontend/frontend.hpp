@@ -20,7 +20,7 @@ namespace rio {
 
 /// What one scan contributes; points into the scan and the trails it was made from.
 struct Observations {
-  const DetectionList* scan = nullptr;
+  const DetectionList* scan = nullptr;  ///< its static detections unfolded
   const TrailSet* trails = nullptr;
   EgoVelocity ego_velocity;
   AssociationResult matches;
@@ -40,7 +40,8 @@ class Frontend {
       : options_(options.frontend),
         use_trails_(options.update.use_trails || options.update.use_landmarks),
         use_landmarks_(options.update.use_landmarks),
-        ransac_(options.frontend),
+        unwrap_(options.frontend.unwrap_doppler && options.radar.max_doppler > 0.0),
+        ransac_(options.frontend, unwrap_ ? options.radar.max_doppler : 0.0),
         trails_(options.frontend.max_detections, std::max(1, options.update.max_clones)),
         association_(options.frontend, static_cast<std::size_t>(options.update.max_landmarks)) {}
 
@@ -48,16 +49,21 @@ class Frontend {
   void reset() { trails_.clear(); }
 
   /// Static set and matches of a scan, given the state predicted to its time. Pure.
-  void observe(const DetectionList& scan, const Estimate& predicted, Observations* out) {
+  /// @param velocity_covariance_S of the predicted radar velocity [m^2/s^2]
+  void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
+               const Matrix3d& velocity_covariance_S = Matrix3d::Zero()) {
     out->scan = &scan;
     out->trails = &trails_;
     out->matches = AssociationResult{};
-    std::optional<Vector3d> predicted_velocity;
-    if (options_.ransac_use_prediction) predicted_velocity = radar_velocity(predicted);
+    std::optional<RadarVelocity> predicted_velocity;
+    if (options_.ransac_use_prediction) {
+      predicted_velocity = {radar_velocity(predicted), velocity_covariance_S};
+    }
     ransac_.estimate(scan, predicted_velocity, &out->ego_velocity);
+    if (unwrap_) unwrap(scan, out);
     if (!use_trails_) return;
     const std::size_t landmarks = use_landmarks_ ? predicted.landmarks.size() : 0;
-    association_.match(scan, out->ego_velocity.inlier, predicted, landmarks, trails_,
+    association_.match(*out->scan, out->ego_velocity.inlier, predicted, landmarks, trails_,
                        &out->matches);
   }
 
@@ -88,7 +94,6 @@ class Frontend {
     }
   }
 
- private:
   /// Velocity of the radar in its own axes.
   static Vector3d radar_velocity(const Estimate& x) {
     const Vector3d w = x.gyro_B - x.nav.gyro_bias;
@@ -97,10 +102,21 @@ class Frontend {
     return T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
   }
 
+ private:
+  void unwrap(const DetectionList& scan, Observations* out) {
+    unwrapped_ = scan;
+    for (std::size_t i = 0; i < scan.items.size(); ++i) {
+      if (out->is_static(i)) unwrapped_.items[i].range_rate = out->ego_velocity.range_rate[i];
+    }
+    out->scan = &unwrapped_;
+  }
+
   FrontendOptions options_;
   bool use_trails_;
   bool use_landmarks_;
+  bool unwrap_;
   EgoVelocityRansac ransac_;
+  DetectionList unwrapped_;
   TrailSet trails_;
   Association association_;
   std::array<bool, kMaxDetections> taken_{};

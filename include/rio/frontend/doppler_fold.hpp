@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 3: the ambiguity of a range rate: the radar reports it modulo 2 v_max.
+//
+// (E1) wrap(x) = x - 2 v_max round(x / (2 v_max)), in +-v_max
+// (E2) of all rates d + 2 k v_max the one nearest to the rate expected: expected + wrap(d -
+//      expected)
+// (E3) one fold is left if the expectation is surer than 3 sigma < v_max: then no rate within three
+//      sigmas has its double within three sigmas too
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+namespace rio {
+
+class DopplerFold {
+ public:
+  /// @param max_doppler v_max [m/s]; 0 = no ambiguity
+  explicit DopplerFold(double max_doppler)
+      : limit_(max_doppler > 0.0 ? max_doppler : std::numeric_limits<double>::infinity()) {}
+
+  /// Infinite if there is no ambiguity [m/s].
+  double limit() const { return limit_; }
+  bool ambiguous() const { return std::isfinite(limit_); }
+  double wrap(double difference) const {  // (E1)
+    return ambiguous() ? difference - 2.0 * limit_ * std::round(difference / (2.0 * limit_))
+                       : difference;
+  }
+  double nearest(double range_rate, double expected) const {  // (E2)
+    return ambiguous() ? expected + wrap(range_rate - expected) : range_rate;
+  }
+  /// @param variance of the difference of measured and expected rate [m^2/s^2]
+  bool is_unique(double variance) const {  // (E3)
+    constexpr double kSigmas = 3.0;
+    return kSigmas * std::sqrt(variance) < limit_;
+  }
+
+ private:
+  double limit_;
+};
+
+}  // namespace rio
