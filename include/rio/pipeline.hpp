@@ -29,6 +29,7 @@ class Pipeline {
   void reset(const NavState& prior, const BodyCovariance& P0) {
     frontend_.reset();
     monitor_.reset(prior.time);
+    last_scan_ = prior.time;
     backend_.reset(prior, P0);
     report_ = UpdateReport{};
     next_scan_ = 0;
@@ -51,6 +52,7 @@ class Pipeline {
     report_.propagation_time = propagated - start;
     if (report_.status != Status::kOk) return report_.status;
 
+    forget_after_silence(scan.time);
     observe(scan);                                      // (3)
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
@@ -66,6 +68,17 @@ class Pipeline {
 
  private:
   Time now() const { return clock_ != nullptr ? clock_() : Time{0}; }
+
+  /// After a silence of the radar the position is so uncertain that landmarks would be mistaken for
+  /// each other, one by one, each well inside its gate: they are dropped.
+  void forget_after_silence(Time time) {
+    constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
+    if (time - last_scan_ > kLongest) {
+      backend_.drop_landmarks(&report_);
+      frontend_.reset();
+    }
+    last_scan_ = time;
+  }
 
   /// Stage 3. If the scans have contradicted the velocity for long it is re-opened, and the scan is
   /// seen anew without the trails and landmarks that were placed with it.
@@ -102,6 +115,7 @@ class Pipeline {
   Observations seen_;
   Promotions promotions_;
   UpdateReport report_;
+  Time last_scan_{0};
   ScanId next_scan_ = 0;
 };
 

@@ -155,6 +155,21 @@ TEST_F(EkfTest, EachDetectionIsUsedOnce) {
   EXPECT_GT(doppler, 100);
 }
 
+TEST_F(EkfTest, SilenceOfTheRadarEndsTheLandmarks) {
+  start(options_for(flight(), "default"));
+  std::size_t i = 0;
+  for (; i < 60; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  const int before = pipeline_->report().landmarks;
+  ASSERT_GT(before, 0);
+  i += 14;  // 15 periods are one second: not yet
+  ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  EXPECT_GT(pipeline_->report().landmarks, 0);
+  i += 17;
+  ASSERT_EQ(process(flight().scans[i]), Status::kOk);
+  EXPECT_EQ(pipeline_->report().landmarks, 0);
+  EXPECT_EQ(pipeline_->report().landmarks_matched, 0);
+}
+
 TEST_F(EkfTest, OfTooManyLandmarksTheLongestUnseenGivesWay) {
   Options o = options_for(flight(), "default");
   o.update.max_landmarks = 3;

@@ -12,18 +12,25 @@ namespace rio::experiment {
 namespace {
 
 constexpr int kRuns = 50;
+// beside landmarks, the Doppler rows are what they leave over: no fair sample
+const std::vector<Variant> kVariants = {
+    {"default", "default"},
+    {"Doppler alone", "default", [](Options& o) { o.update.use_landmarks = false; }}};
 
 TEST(Consistency, FiftyMatchedRuns) {
   BlockNees in_flight;  // mean over the runs at three quarters of the flight
   double doppler_nis = 0.0;
-  run_campaign(cases_of("monte-carlo", kRuns, 200), {{"default", "default"}}, {},
-               [&](const Case&, const Variant&, const Trial& trial) {
+  run_campaign(cases_of("monte-carlo", kRuns, 200), kVariants, {},
+               [&](const Case&, const Variant& variant, const Trial& trial) {
+                 if (variant.change) {
+                   doppler_nis += score(trial).nis_doppler / kRuns;
+                   return;
+                 }
                  const BlockNees nees = block_nees(trial.steps[3 * trial.steps.size() / 4]);
                  in_flight.position += nees.position / kRuns;
                  in_flight.attitude += nees.attitude / kRuns;
                  in_flight.heading += nees.heading / kRuns;
                  in_flight.velocity += nees.velocity / kRuns;
-                 doppler_nis += score(trial).nis_doppler / kRuns;
                });
   const eval::AneesBounds three = eval::anees_bounds(3, kRuns, 0.99);
   const eval::AneesBounds one = eval::anees_bounds(1, kRuns, 0.99);

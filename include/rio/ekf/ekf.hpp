@@ -93,14 +93,19 @@ class Ekf {
     return P;
   }
 
-  /// The velocity has been off by about `error` [m/s] for `duration` [s]: P admits it, and the
-  /// landmarks seen meanwhile are dropped. The trails have to go, too.
-  void reopen_velocity(double error, double duration, UpdateReport* report) {
+  /// All landmarks leave.
+  void drop_landmarks(UpdateReport* report) {
     report->landmarks_removed += static_cast<int>(estimate_.landmarks.size());
     for (int i = static_cast<int>(estimate_.landmarks.size()); i-- > 0;) {
       covariance_.remove_landmark(i);
     }
     estimate_.landmarks.clear();
+  }
+
+  /// The velocity has been off by about `error` [m/s] for `duration` [s]: P admits it, and the
+  /// landmarks seen meanwhile are dropped. The trails have to go, too.
+  void reopen_velocity(double error, double duration, UpdateReport* report) {
+    drop_landmarks(report);
     covariance_.reopen_velocity(error * error, duration);
   }
 
