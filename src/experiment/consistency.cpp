@@ -150,7 +150,7 @@ Result consistency(const Settings& settings) {
 
   MarkdownTable nees(
       {"preset", "block", "in flight", "above the bound", "landed", "99 % bounds", "verdict"});
-  MarkdownTable nis({"preset", "Doppler", "trail distance", "landmark distance"});
+  MarkdownTable nis({"preset", "Doppler", "trail distance", "landmark distance", "landmark point"});
   for (const Variant& variant : presets_compared()) {
     const Series& series = all.at(variant.name);
     for (const Block& block : kBlocks) {
@@ -168,7 +168,7 @@ Result consistency(const Settings& settings) {
     const std::vector<Score> scores = select(runs, "monte-carlo", variant.name);
     const auto text = [&](double Score::*value) { return Spread::of(scores, value).text(2); };
     nis.add({variant.name, text(&Score::nis_doppler), text(&Score::nis_trails),
-             text(&Score::nis_landmarks)});
+             text(&Score::nis_landmarks), text(&Score::nis_points)});
   }
   Result result;
   result.markdown = fmt::format(

@@ -44,7 +44,7 @@ struct Change {
   void operator()(const FieldInfo& i, int& v) const { v += bound(i, v) > v ? 1 : -1; }
   void operator()(const FieldInfo&, bool& v) const { v = !v; }
   template <class Enum>
-    requires std::is_enum_v<Enum>
+  requires std::is_enum_v<Enum>
   void operator()(const FieldInfo&, Enum& v) const {
     v = static_cast<Enum>(1 - static_cast<int>(v));
   }
