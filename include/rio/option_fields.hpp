@@ -110,8 +110,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
 
   field("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
   field("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
-  field("update.use_landmarks", o.update.use_landmarks, "", 0, 1,
-        "Use distances to persistent landmarks.");
+  field("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
   field("update.direction_correction", o.update.direction_correction, "", 0, 1,
         "Doppler: errors-in-variables correction of the direction.");
   field("update.direction_noise", o.update.direction_noise, "", 0, 1,
