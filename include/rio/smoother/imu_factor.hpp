@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The term of the least-squares problem that ties two neighbouring states of the sliding window
+// together by the IMU samples between them.
+//
+// With dR, dv, dp the increments of preintegration.hpp corrected to the biases of state i by (E3)
+// there, T their duration and u_v = R_i^T (v_j - v_i - g T),
+// u_p = R_i^T (p_j - p_i - v_i T - g T^2 / 2):
+// (E1) r_phi = Log(dR^T R_i^T R_j),  r_p = u_p - dp,  r_v = u_v - dv,
+//      r_bg = bg_j - bg_i,  r_ba = ba_j - ba_i
+// (E2) dr_phi/dphi_j = Jr^-1,  dr_phi/dphi_i = -Jr^-1 R_j^T R_i,
+//      dr_phi/dbg_i = -Jr^-1 Exp(r_phi)^T Jr(c) A_phi,g,  Jr = Jr(r_phi),  c = A_phi,g dbg
+// (E3) dr_p/dphi_i = [u_p],  dr_v/dphi_i = [u_v]; the rest of r_p, r_v is linear
+// (E4) whitened: L^-1 r and L^-1 J with S = L L^T
+// r is x_j minus its prediction from x_i: zero at the prediction, and of covariance S at the truth.
+// J = dr/dx is the derivative of the RESIDUAL, so that r(x + dx) = r + J dx and the step solves
+// J^T J dx = -J^T r. (The measurement models write r = z - h and J = dh/dx = -dr/dx instead.)
+// Reference: Forster et al., 2017, eq. 45 and appendix C.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "rio/core/so3.hpp"
+#include "rio/smoother/preintegration.hpp"
+#include "rio/state/blocks.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// A state of the sliding window: what the IMU carries from one to the next.
+struct InertialState {
+  RigidPose T_WB;
+  Vector3d v_WB = Vector3d::Zero();        ///< W axes [m/s]
+  Vector3d gyro_bias = Vector3d::Zero();   ///< [rad/s]
+  Vector3d accel_bias = Vector3d::Zero();  ///< [m/s^2]
+
+  InertialState() = default;
+  explicit InertialState(const NavState& x)
+      : T_WB(x.q_WB.toRotationMatrix(), x.p_WB),
+        v_WB(x.v_WB),
+        gyro_bias(x.gyro_bias),
+        accel_bias(x.accel_bias) {}
+};
+
+/// x with the error added, order of namespace body.
+inline InertialState retract(const InertialState& x,
+                             const Eigen::Matrix<double, body::kSize, 1>& error) {
+  static_assert(body::kAttitude == 0 && body::kPosition == 3);  // as in PoseBlock
+  InertialState out = x;
+  out.T_WB = PoseBlock::retract(x.T_WB, error.head<PoseBlock::kDof>());
+  out.v_WB += error.segment<3>(body::kVelocity);
+  out.gyro_bias += error.segment<3>(body::kGyroBias);
+  out.accel_bias += error.segment<3>(body::kAccelBias);
+  return out;
+}
+
+/// Residual and Jacobian between state i (columns 0..14) and state j (columns 15..29). Fixed size,
+/// no allocation.
+class ImuFactor {
+ public:
+  using Residual = Eigen::Matrix<double, body::kSize, 1>;
+  using Jacobian = Eigen::Matrix<double, body::kSize, 2 * body::kSize>;
+
+  /// Not valid() before it is assigned to.
+  ImuFactor() = default;
+  /// Takes the steps summed up so far; gravity along -z of W [m/s^2].
+  ImuFactor(const Preintegration& imu, double gravity)
+      : imu_(imu), gravity_W_(0.0, 0.0, -gravity), sqrt_covariance_(imu.covariance()) {
+    valid_ = imu.duration() > Time{0} && imu.finite() && sqrt_covariance_.info() == Eigen::Success;
+  }
+
+  /// False if there was no step or not all of them were finite: then evaluate() must not be called.
+  bool valid() const { return valid_; }
+  void invalidate() { valid_ = false; }
+  const Preintegration& imu() const { return imu_; }
+
+  /// (E4): unit covariance. J may be null.
+  void evaluate(const InertialState& xi, const InertialState& xj, Residual* r, Jacobian* J) const {
+    evaluate_unwhitened(xi, xj, r, J);
+    sqrt_covariance_.matrixL().solveInPlace(*r);
+    if (J != nullptr) sqrt_covariance_.matrixL().solveInPlace(*J);
+  }
+
+  /// (E1) to (E3): [rad, m, m/s, rad/s, m/s^2], covariance imu().covariance(). J may be null.
+  void evaluate_unwhitened(const InertialState& xi, const InertialState& xj, Residual* r,
+                           Jacobian* J) const {
+    const double T = to_seconds(imu_.duration());
+    const ImuIncrement d = imu_.corrected(xi.gyro_bias, xi.accel_bias);
+    const Matrix3d R_ij = xi.T_WB.R.transpose() * xj.T_WB.R;
+    const Vector3d u_p =
+        xi.T_WB.R.transpose() * (xj.T_WB.p - xi.T_WB.p - (xi.v_WB + 0.5 * T * gravity_W_) * T);
+    const Vector3d u_v = xi.T_WB.R.transpose() * (xj.v_WB - xi.v_WB - gravity_W_ * T);
+    const Vector3d r_phi = quaternion_log(d.delta_q.conjugate() * Quaternion(R_ij));
+    *r << r_phi, u_p - d.delta_p, u_v - d.delta_v, xj.gyro_bias - xi.gyro_bias,
+        xj.accel_bias - xi.accel_bias;
+    if (J == nullptr) return;
+    J->setZero();
+    differentiate_attitude(R_ij, r_phi, imu_.rotation_correction(xi.gyro_bias), J);
+    differentiate_motion(xi.T_WB.R, u_p, u_v, T, J);
+    J->block<6, 6>(body::kGyroBias, body::kGyroBias) = -Eigen::Matrix<double, 6, 6>::Identity();
+    J->block<6, 6>(body::kGyroBias, kJ + body::kGyroBias).setIdentity();
+  }
+
+ private:
+  static constexpr int kJ = body::kSize;  // first column of state j
+
+  /// (E2)
+  void differentiate_attitude(const Matrix3d& R_ij, const Vector3d& r_phi, const Vector3d& c,
+                              Jacobian* J) const {
+    using namespace body;
+    const Matrix3d inverse_Jr = gamma(1, -r_phi).inverse();  // regular: |r_phi| <= pi
+    J->block<3, 3>(kAttitude, kAttitude) = -inverse_Jr * R_ij.transpose();
+    J->block<3, 3>(kAttitude, kJ + kAttitude) = inverse_Jr;
+    J->block<3, 3>(kAttitude, kGyroBias) =
+        -inverse_Jr * gamma(0, -r_phi) * gamma(1, -c) * imu_.jacobian(kAttitude, kGyroBias);
+  }
+
+  /// (E3)
+  void differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, const Vector3d& u_v, double T,
+                            Jacobian* J) const {
+    using namespace body;
+    J->block<3, 3>(kPosition, kAttitude) = skew(u_p);
+    J->block<3, 3>(kPosition, kPosition) = -R_i.transpose();
+    J->block<3, 3>(kPosition, kVelocity) = -T * R_i.transpose();
+    J->block<3, 6>(kPosition, kGyroBias) = -imu_.transition().block<3, 6>(kPosition, kGyroBias);
+    J->block<3, 3>(kPosition, kJ + kPosition) = R_i.transpose();
+    J->block<3, 3>(kVelocity, kAttitude) = skew(u_v);
+    J->block<3, 3>(kVelocity, kVelocity) = -R_i.transpose();
+    J->block<3, 6>(kVelocity, kGyroBias) = -imu_.transition().block<3, 6>(kVelocity, kGyroBias);
+    J->block<3, 3>(kVelocity, kJ + kVelocity) = R_i.transpose();
+  }
+
+  Preintegration imu_;
+  Vector3d gravity_W_ = Vector3d::Zero();
+  Eigen::LLT<Matrix15d> sqrt_covariance_;
+  bool valid_ = false;
+};
+
+}  // namespace rio

@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Back-end 2: a sliding window of states at the last scans, solved anew with each scan
+// (Michalczyk et al., IROS 2024). Same front-end, models and gates as the filter.
+//
+// A new state is predicted by the IMU from the solution (belief_), its measurements are gated
+// there; then Gauss-Newton over [states | calibration, landmarks] on
+//   prior + preintegrated IMU + all measurements of the window, robust kernels included,
+// and the oldest state is marginalised into the prior. The tail of the factorisation is the joint
+// covariance of the newest state and the border: the belief the next scan begins with.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "rio/frontend/frontend.hpp"
+#include "rio/options.hpp"
+#include "rio/report.hpp"
+#include "rio/smoother/kernel.hpp"
+#include "rio/smoother/normal_equations.hpp"
+#include "rio/smoother/preintegration.hpp"
+#include "rio/smoother/prior.hpp"
+#include "rio/smoother/window.hpp"
+#include "rio/update/belief.hpp"
+#include "rio/update/landmark_policy.hpp"
+#include "rio/update/scan_rows.hpp"
+
+namespace rio {
+
+class Smoother {
+ public:
+  Smoother(const Smoother&) = delete;  // a copy would lose the storage set aside
+  Smoother& operator=(const Smoother&) = delete;
+  explicit Smoother(const Options& options)
+      : options_(options),
+        belief_(options, 0),
+        rows_(options),
+        window_(capacity(options), options),
+        system_(static_cast<int>(capacity(options)), belief_.layout().capacity() - body::kSize),
+        prior_(belief_.layout(), static_cast<int>(capacity(options))),
+        doppler_(options.update.direction_noise, options.update.direction_correction),
+        trail_(options.update.trail_noise, options.update.sigma_trail_distance),
+        landmark_(options.update.sigma_landmark_distance),
+        batch_(LandmarkPointModel::kDim + LandmarkDopplerModel::kDim + RestModel::kDim),
+        dx_(Eigen::VectorXd::Zero(body::kSize * static_cast<int>(capacity(options)) +
+                                  belief_.layout().capacity())),
+        g_(dx_),
+        A_(Eigen::MatrixXd::Zero(dx_.size(), dx_.size())),
+        P_(Eigen::MatrixXd::Zero(belief_.layout().capacity(), belief_.layout().capacity())) {
+    before_.navs.resize(capacity(options));
+    saved_.navs.resize(capacity(options));
+    tail_ = Eigen::VectorXd::Zero(belief_.layout().capacity());
+  }
+
+  const Estimate& estimate() const { return belief_.estimate(); }
+  const Belief& belief() const { return belief_; }
+  const Window& window() const { return window_; }
+  const Prior& prior() const { return prior_; }
+  /// Landmarks that can be taken: those not seen in this scan give way.
+  std::size_t landmark_room(const Observations& seen) const {
+    return static_cast<std::size_t>(options_.update.max_landmarks) - seen.matches.landmarks.size();
+  }
+
+  void reset(const NavState& prior, const BodyCovariance& P0) {
+    belief_.reset(prior, P0);
+    rows_.reset();
+    restart();
+  }
+
+  /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
+  Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
+    const Time from = estimate().nav.time;
+    const Status status = belief_.propagate(to, imu, gap);
+    if (status != Status::kOk) return status;
+    imu.for_each_step(from, to, [&](const ImuStep& step) { since_.step(step, options_.imu); });
+    return Status::kOk;
+  }
+
+  /// All landmarks leave.
+  void drop_landmarks(UpdateReport* report) {
+    for (std::size_t i = estimate().landmarks.size(); i-- > 0;) {
+      remove_landmark(i);
+      ++report->landmarks_removed;
+    }
+  }
+
+  /// The velocity has been off by about `error` [m/s] for `duration` [s]: the window begins anew
+  /// from the present prediction, whose covariance admits it. The trails have to go, too.
+  void reopen_velocity(double error, double duration, UpdateReport* report) {
+    drop_landmarks(report);
+    belief_.covariance().reopen_velocity(error * error, duration);
+    restart();
+  }
+
+  /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
+  Status update(const Observations& seen, UpdateReport* report) {
+    rows_.build(seen, belief_, report);
+    const bool appended = window_.newest().nav.time != estimate().nav.time;
+    if (appended && !append()) return Status::kNumerical;
+    const WindowState::Mark mark = window_.newest().mark();
+    take(seen);
+    before_.save(window_, estimate());
+    if (!solve()) {
+      before_.restore(&window_, &belief_.estimate());
+      if (appended) window_.pop_newest();
+      if (!appended) window_.newest().cut(mark);
+      window_.newest().to_next.invalidate();
+      return Status::kNumerical;
+    }
+    since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
+    while (window_.size() > static_cast<std::size_t>(options_.smoother.window)) {
+      if (!marginalise_oldest()) return restart_after_failure();
+    }
+    return Status::kOk;
+  }
+
+  /// Stage 7 (update/landmark_policy.hpp). A birth is a point measured by the newest state.
+  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
+                          UpdateReport* report) {
+    rio::maintain_landmarks(
+        seen, rows_, promotions, options_, &belief_.estimate(), report,
+        [this](std::size_t i) { remove_landmark(i); },
+        [this](const Detection& d) {
+          window_.newest().points.push_back(
+              {estimate().landmarks.size(), 1.0, LandmarkPointModel::measurement(d), std::nullopt});
+          belief_.add_landmark(d);
+        });
+  }
+
+  /// Stage 2: the newest state is that of this scan.
+  void clone(ScanId scan) {
+    window_.newest().scan = scan;
+    publish_clones();
+  }
+
+ private:
+  /// The unknowns, to come back to.
+  struct Point {
+    std::vector<NavState> navs;
+    Estimate estimate;
+
+    void save(const Window& window, const Estimate& x) {
+      for (std::size_t k = 0; k < window.size(); ++k) navs[k] = window[k].nav;
+      estimate = x;
+    }
+    void restore(Window* window, Estimate* x) const {
+      for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs[k];
+      *x = estimate;
+    }
+  };
+
+  static std::size_t capacity(const Options& options) {
+    return static_cast<std::size_t>(options.smoother.window) + 1;
+  }
+
+  /// One state, the belief's; its covariance becomes the prior.
+  void restart() {
+    window_.clear();
+    window_.push();
+    copy_newest();
+    since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
+    const int n = belief_.covariance().size();
+    Eigen::Ref<Eigen::MatrixXd> P = P_.topLeftCorner(n, n);
+    P = belief_.covariance().matrix();
+    P.diagonal().head<body::kSize>().array() += kExact * kExact;
+    P.diagonal().tail(n - body::kSize).array() += kExact * kExact;
+    auto A = A_.topLeftCorner(n, n);
+    A.setIdentity();
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(P);
+    llt.matrixL().solveInPlace(A);
+    llt.matrixU().solveInPlace(A);
+    for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();
+    g_.head(n).setZero();
+    prior_.assign(A, g_.head(n), window_, 0, 1, estimate());
+    publish_clones();
+  }
+  Status restart_after_failure() {
+    restart();
+    return Status::kNumerical;
+  }
+
+  /// The predicted state enters. False, with nothing changed, if the IMU gave nothing finite.
+  bool append() {
+    const ImuFactor factor(since_, options_.imu.gravity);
+    if (!factor.valid()) return false;
+    window_.newest().to_next = factor;
+    window_.push();
+    copy_newest();
+    return true;
+  }
+  void copy_newest() {
+    WindowState& state = window_.newest();
+    state.nav = estimate().nav;
+    state.gyro_B = estimate().gyro_B;
+    state.accel_W = estimate().accel_W;
+    state.time_offset = estimate().time_offset;
+    state.radar_errors = estimate().radar_errors;
+  }
+
+  /// What passed the gates becomes factors of the newest state.
+  void take(const Observations& seen) {
+    WindowState& state = window_.newest();
+    for (const ScanRows::Used& used : rows_.used()) {
+      const Detection& d = seen.detection(used.detection);  // rest comes with a scan, too
+      const double weight = 1.0 / used.repetition;
+      switch (used.model) {
+        case Model::kDoppler:
+          state.dopplers.push_back({DopplerModel::measurement(d, state.gyro_B), weight});
+          break;
+        case Model::kLandmarkPoint:
+          state.points.push_back(
+              {used.target, weight, LandmarkPointModel::measurement(d), std::nullopt});
+          if (options_.update.use_doppler) {
+            state.points.back().doppler = LandmarkDopplerModel::measurement(d, state.gyro_B);
+          }
+          break;
+        case Model::kLandmarkDistance:
+          state.distances.push_back({used.target, weight, LandmarkDistanceModel::measurement(d)});
+          break;
+        case Model::kTrailDistance:
+          for (const TrailElement& past : (*seen.trails)[used.target].elements) {
+            if (past.scan != used.past) continue;
+            state.trails.push_back({past.scan, TrailDistanceModel::measurement(d, past.detection)});
+          }
+          break;
+        case Model::kRest:
+          state.rest = seen.rest;
+          break;
+        case Model::kCount:
+          break;
+      }
+    }
+  }
+
+  /// Gauss-Newton with damping when a step does not pay. The belief and the window hold the result.
+  bool solve() {
+    double damping = 0.0;
+    double cost = build();
+    bool converged = false;
+    for (int i = 0; i < options_.smoother.max_iterations && !converged; ++i) {
+      if (!system_.factorise(damping)) return false;
+      system_.solve(&dx_);
+      const auto step = dx_.head(system_.size());
+      if (!step.allFinite()) return false;
+      saved_.save(window_, estimate());
+      apply();
+      converged = step.lpNorm<Eigen::Infinity>() < options_.smoother.tolerance;
+      if (converged) break;
+      const double next = build();
+      if (next <= cost + kCostRounding * std::abs(cost)) {
+        cost = next;
+        damping = damping > kLeastDamping ? 0.1 * damping : 0.0;
+      } else {
+        saved_.restore(&window_, &belief_.estimate());
+        cost = build();
+        damping = std::max(kLeastDamping, 10.0 * damping);
+      }
+    }
+    if (!(converged && damping == 0.0) && !system_.factorise()) return false;
+    auto P = P_.topLeftCorner(system_.tail_size(), system_.tail_size());
+    if (!system_.tail_covariance(&P_) || !P.allFinite()) return false;
+    belief_.covariance().matrix() = P;
+    return true;
+  }
+
+  /// dx_ onto window and belief.
+  void apply() {
+    for (std::size_t k = 0; k + 1 < window_.size(); ++k) {
+      correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
+                  &window_[k].nav);
+    }
+    tail_.head(system_.tail_size()) =
+        dx_.segment(system_.size() - system_.tail_size(), system_.tail_size());
+    belief_.correct(tail_);
+    window_.newest().nav = estimate().nav;
+    publish_clones();
+  }
+  static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {
+    nav->q_WB = (nav->q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
+    nav->p_WB += dx.segment<3>(body::kPosition);
+    nav->v_WB += dx.segment<3>(body::kVelocity);
+    nav->gyro_bias += dx.segment<3>(body::kGyroBias);
+    nav->accel_bias += dx.segment<3>(body::kAccelBias);
+  }
+
+  /// The system at the present point; the result is its cost.
+  double build() {
+    system_.clear(static_cast<int>(window_.size()), belief_.covariance().size() - body::kSize);
+    double cost = prior_.add_to(&system_, window_, estimate());
+    for (std::size_t k = 0; k < window_.size(); ++k) {
+      if (k + 1 < window_.size()) cost += add_imu(k);
+      cost += add_measurements(k);
+      for (const TrailFactor& f : window_[k].trails) cost += add_trail(k, f);
+    }
+    return cost;
+  }
+
+  double add_imu(std::size_t k) {
+    ImuFactor::Residual r;
+    ImuFactor::Jacobian J;
+    window_[k].to_next.evaluate(InertialState(window_[k].nav), InertialState(window_[k + 1].nav),
+                                &r, &J);
+    system_.add_between(static_cast<int>(k), J, r);
+    return 0.5 * r.squaredNorm();
+  }
+
+  /// All that scan k measured by itself.
+  double add_measurements(std::size_t k) {
+    const WindowState& state = window_[k];
+    const LinearizationPoint x = point(k);
+    const WindowLayout layout{belief_.layout(), static_cast<int>(window_.size()),
+                              static_cast<int>(k)};
+    double cost = 0.0;
+    const auto add = [&](const auto& model, const auto& z, BlockIndex index) {
+      using M = std::decay_t<decltype(model)>;
+      return linearize(model, z, typename M::Blocks{}, x, index, layout, &batch_);
+    };
+    const auto block = [&](double weight, const auto& fill) {
+      batch_.clear();
+      batch_.begin_block();
+      if (fill()) cost += add_block(weight);
+    };
+    for (const DopplerFactor& f : state.dopplers) {
+      block(f.weight, [&] { return add(doppler_, f.doppler, {}); });
+    }
+    for (const PointFactor& f : state.points) {
+      const BlockIndex index{0, static_cast<int>(f.landmark)};
+      block(f.weight, [&] {
+        return add(LandmarkPointModel{}, f.point, index) &&
+               (!f.doppler || add(LandmarkDopplerModel{}, *f.doppler, index));
+      });
+    }
+    for (const DistanceFactor& f : state.distances) {
+      block(f.weight, [&] {
+        return add(landmark_, f.distance, {0, static_cast<int>(f.landmark)});
+      });
+    }
+    if (state.rest) block(1.0, [&] { return add(RestModel{}, *state.rest, {}); });
+    return cost;
+  }
+
+  double add_trail(std::size_t k, const TrailFactor& f) {
+    const int past = window_.find(f.past);
+    if (past < 0) return 0.0;
+    const WindowLayout layout{belief_.layout(), static_cast<int>(window_.size()),
+                              static_cast<int>(k)};
+    batch_.clear();
+    batch_.begin_block();
+    const bool valid = linearize(trail_, f.distance, TrailDistanceModel::Blocks{}, point(k),
+                                 {past, 0}, layout, &batch_);
+    return valid ? add_block(1.0) : 0.0;
+  }
+
+  /// The rows of the batch under the robust kernel; the result is their cost.
+  /// @param weight of its information before the kernel
+  double add_block(double weight) {
+    double chi_squared = 0.0;
+    for (const LinearRow& row : batch_.rows()) {
+      chi_squared += row.residual * row.residual / row.variance;
+    }
+    const double size = options_.smoother.kernel_size * static_cast<double>(batch_.rows().size());
+    const KernelValue value = evaluate_kernel(options_.smoother.kernel, size, chi_squared);
+    for (const LinearRow& row : batch_.rows()) system_.add(row, weight * value.weight);
+    return 0.5 * weight * value.cost;
+  }
+
+  /// State k, moved to what its scan's calibration is known to be now.
+  LinearizationPoint point(std::size_t k) const {
+    const WindowState& state = window_[k];
+    LinearizationPoint x(estimate(), state.nav, state.gyro_B, state.accel_W);
+    if (state.rest) x.stand();
+    x.radar_errors = estimate().radar_errors - state.radar_errors;
+    const double later = estimate().time_offset - state.time_offset;
+    if (later != 0.0) x.step_back(later);
+    return x;
+  }
+
+  /// Everything that touches the oldest state becomes the prior of the others.
+  bool marginalise_oldest() {
+    system_.clear(static_cast<int>(window_.size()), belief_.covariance().size() - body::kSize);
+    prior_.add_to(&system_, window_, estimate());
+    add_imu(0);
+    add_measurements(0);
+    const ScanId oldest = window_[0].scan;
+    for (std::size_t k = 1; k < window_.size(); ++k) {
+      std::erase_if(window_[k].trails, [&](const TrailFactor& f) {
+        if (f.past == oldest) add_trail(k, f);
+        return f.past == oldest;
+      });
+    }
+    int leading = 0;
+    if (!system_.eliminate_oldest(&leading, &A_, &g_)) return false;
+    const int n = body::kSize * leading + system_.border();
+    prior_.assign(A_.topLeftCorner(n, n), g_.head(n), window_, 1, leading, estimate());
+    const double walk = options_.update.landmark_walk;
+    prior_.add_landmark_noise(walk * walk * (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
+    window_.pop_oldest();
+    publish_clones();
+    return true;
+  }
+
+  /// The last one takes its place.
+  void remove_landmark(std::size_t i) {
+    const std::size_t last = estimate().landmarks.size() - 1;
+    prior_.remove_landmark(i, last);
+    window_.forget_landmark(i, last);
+    belief_.remove_landmark(i);
+  }
+
+  /// The past poses of the window, for matching.
+  void publish_clones() {
+    auto& clones = belief_.estimate().clones;
+    clones.clear();
+    for (std::size_t k = 0; k < window_.size(); ++k) {
+      const NavState& nav = window_[k].nav;
+      clones.push_back({window_[k].scan, {nav.q_WB.toRotationMatrix(), nav.p_WB}});
+    }
+  }
+
+  static constexpr double kExact = 1e-5;  // sigma that passes for exactly known, in SI units
+  static constexpr double kLeastDamping = 1e-4;
+  static constexpr double kCostRounding = 1e-9;
+
+  Options options_;
+  Belief belief_;
+  ScanRows rows_;
+  Window window_;
+  NormalEquations system_;
+  Prior prior_;
+  DopplerModel doppler_;
+  TrailDistanceModel trail_;
+  LandmarkDistanceModel landmark_;
+  RowBatch batch_;
+  Preintegration since_;  ///< the newest state of the window
+  Point before_;
+  Point saved_;
+  Eigen::VectorXd dx_;
+  Eigen::VectorXd tail_;
+  Eigen::VectorXd g_;
+  Eigen::MatrixXd A_;
+  Eigen::MatrixXd P_;
+};
+
+}  // namespace rio

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sliding window: a state at each of the last scans, what that scan measured, and the IMU to
+// the next one. Storage for all of it is allocated once.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "rio/models/doppler.hpp"
+#include "rio/models/landmark_distance.hpp"
+#include "rio/models/landmark_point.hpp"
+#include "rio/models/rest.hpp"
+#include "rio/models/trail_distance.hpp"
+#include "rio/options.hpp"
+#include "rio/smoother/imu_factor.hpp"
+#include "rio/state/estimate.hpp"
+#include "rio/state/layout.hpp"
+
+namespace rio {
+
+/// A Doppler; here and below, `weight` is the share of its information that is new.
+struct DopplerFactor {
+  DopplerModel::Measurement doppler;
+  double weight = 1.0;
+};
+/// A detection of a landmark.
+struct PointFactor {
+  std::size_t landmark = 0;
+  double weight = 1.0;
+  LandmarkPointModel::Measurement point;
+  std::optional<LandmarkDopplerModel::Measurement> doppler;
+};
+/// A range to a landmark.
+struct DistanceFactor {
+  std::size_t landmark = 0;
+  double weight = 1.0;
+  LandmarkDistanceModel::Measurement distance;
+};
+/// A range to a point detected at a past scan of the window.
+struct TrailFactor {
+  ScanId past = 0;
+  TrailDistanceModel::Measurement distance;
+};
+
+struct WindowState {
+  ScanId scan = kNoScan;
+  NavState nav;
+  Vector3d gyro_B = Vector3d::Zero();   ///< measured [rad/s]
+  Vector3d accel_W = Vector3d::Zero();  ///< [m/s^2]
+  double time_offset = 0.0;             ///< with which its time was chosen [s]
+  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< with which it was corrected
+  ImuFactor to_next;                                             ///< not valid for the newest
+  std::vector<DopplerFactor> dopplers;
+  std::vector<PointFactor> points;
+  std::vector<DistanceFactor> distances;
+  std::vector<TrailFactor> trails;
+  std::optional<RestModel::Measurement> rest;
+
+  /// How many measurements there are, to come back to.
+  struct Mark {
+    std::size_t dopplers = 0;
+    std::size_t points = 0;
+    std::size_t distances = 0;
+    std::size_t trails = 0;
+    std::optional<RestModel::Measurement> rest;
+  };
+  Mark mark() const {
+    return {dopplers.size(), points.size(), distances.size(), trails.size(), rest};
+  }
+  void cut(const Mark& mark) {
+    const auto shorten = [](auto& all, std::size_t size) {
+      all.erase(all.begin() + static_cast<std::ptrdiff_t>(size), all.end());
+    };
+    shorten(dopplers, mark.dopplers);
+    shorten(points, mark.points);
+    shorten(distances, mark.distances);
+    shorten(trails, mark.trails);
+    rest = mark.rest;
+  }
+
+  void clear() {
+    scan = kNoScan;
+    to_next.invalidate();
+    dopplers.clear();
+    points.clear();
+    distances.clear();
+    trails.clear();
+    rest.reset();
+  }
+};
+
+/// First in, first out; index 0 is the oldest.
+class Window {
+ public:
+  Window(std::size_t capacity, const Options& options) : slots_(capacity) {
+    const auto detections = static_cast<std::size_t>(options.frontend.max_detections);
+    const auto clones = static_cast<std::size_t>(std::max(1, options.update.max_clones));
+    for (WindowState& state : slots_) {
+      state.dopplers.reserve(detections);
+      state.points.reserve(2 * detections);  // matches and births
+      state.distances.reserve(detections);
+      state.trails.reserve(detections * clones);
+    }
+  }
+
+  std::size_t size() const { return size_; }
+  WindowState& operator[](std::size_t i) { return slots_[(first_ + i) % slots_.size()]; }
+  const WindowState& operator[](std::size_t i) const {
+    return slots_[(first_ + i) % slots_.size()];
+  }
+  WindowState& newest() { return (*this)[size_ - 1]; }
+  const WindowState& newest() const { return (*this)[size_ - 1]; }
+
+  void clear() { size_ = 0; }
+  /// An empty state, the newest from now on.
+  WindowState& push() {
+    RIO_ASSERT(size_ < slots_.size());
+    ++size_;
+    newest().clear();
+    return newest();
+  }
+  void pop_oldest() {
+    first_ = (first_ + 1) % slots_.size();
+    --size_;
+  }
+  void pop_newest() { --size_; }
+
+  /// Index of the state of `scan`, or -1.
+  int find(ScanId scan) const {
+    for (std::size_t i = 0; i < size_; ++i) {
+      if ((*this)[i].scan == scan) return static_cast<int>(i);
+    }
+    return -1;
+  }
+
+  /// Landmark i is gone and the last one has taken its place.
+  void forget_landmark(std::size_t i, std::size_t last) {
+    const auto forget = [i, last](auto& factors) {
+      std::erase_if(factors, [i](const auto& f) { return f.landmark == i; });
+      for (auto& f : factors) {
+        if (f.landmark == last) f.landmark = i;
+      }
+    };
+    for (std::size_t k = 0; k < size_; ++k) {
+      forget((*this)[k].points);
+      forget((*this)[k].distances);
+    }
+  }
+
+ private:
+  std::vector<WindowState> slots_;
+  std::size_t first_ = 0;
+  std::size_t size_ = 0;
+};
+
+/// Columns of [states | border] for the models: `state` is the one that measures.
+struct WindowLayout {
+  const Layout& belief;  ///< [newest state | border] without clones
+  int states = 0;
+  int state = 0;
+
+  int border_column() const { return body::kSize * states; }
+
+  template <class Block>
+  int column(int index) const {
+    const int own = body::kSize * state;
+    if constexpr (std::is_same_v<Block, BodyPose>) return own + body::kAttitude;
+    if constexpr (std::is_same_v<Block, BodyVelocity>) return own + body::kVelocity;
+    if constexpr (std::is_same_v<Block, GyroBias>) return own + body::kGyroBias;
+    if constexpr (std::is_same_v<Block, ClonePose>) return body::kSize * index + body::kAttitude;
+    return shifted(belief.column<Block>(index));
+  }
+  int time_offset_column() const { return shifted(belief.time_offset_column()); }
+
+ private:
+  int shifted(int column) const { return column < 0 ? -1 : column - body::kSize + border_column(); }
+};
+
+}  // namespace rio

@@ -1,0 +1,374 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Windows of simulated flights, solved by the smoother and by Ceres with residuals of their own
+// (support/window_cost.hpp): both find the same minimum.
+//
+// The window is put together from what the smoother shows before a scan (prior, states) and after
+// it (solution, what the scan measured); its oldest state has been marginalised by then and is
+// not compared. Windows are left out if a landmark left at that scan: its measurements are gone.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "rio/sim/random.hpp"
+#include "support/smoother_flight.hpp"
+#include "support/window_cost.hpp"
+
+namespace rio::test {
+namespace {
+
+/// (E3) of kernel.hpp.
+class DcsLoss final : public ceres::LossFunction {
+ public:
+  explicit DcsLoss(double k) : k_(k) {}
+  void Evaluate(double x, double rho[3]) const override {
+    rho[0] = x;
+    rho[1] = 1.0;
+    rho[2] = 0.0;
+    if (x <= k_) return;
+    const double sum = k_ + x;
+    rho[0] = 3.0 * k_ - 4.0 * k_ * k_ / sum;
+    rho[1] = 4.0 * k_ * k_ / (sum * sum);
+    rho[2] = -2.0 * rho[1] / sum;
+  }
+
+ private:
+  double k_;
+};
+
+ceres::LossFunction* loss(const SmootherOptions& o, int rows, double weight) {
+  const double k = o.kernel_size * rows;
+  ceres::LossFunction* robust = nullptr;  // none
+  if (o.kernel == Kernel::kHuber) robust = new ceres::HuberLoss(std::sqrt(k));
+  if (o.kernel == Kernel::kCauchy) robust = new ceres::CauchyLoss(std::sqrt(k));
+  if (o.kernel == Kernel::kDcs) robust = new DcsLoss(k);
+  return new ceres::ScaledLoss(robust, weight, ceres::TAKE_OWNERSHIP);
+}
+
+/// What the smoother shows between two scans.
+struct Snapshot {
+  explicit Snapshot(const Smoother& s)
+      : window(s.window()),
+        estimate(s.estimate()),
+        A(s.prior().A()),
+        g(s.prior().g()),
+        leading(static_cast<std::size_t>(s.prior().leading_states())) {}
+
+  Window window;
+  Estimate estimate;
+  Eigen::MatrixXd A;
+  Eigen::VectorXd g;
+  std::size_t leading;
+};
+
+class Referee {
+ public:
+  /// @param before the window in front of the scan, which ends with its prior just made
+  Referee(const Snapshot& before, const Smoother& after, const Options& options)
+      : options_(options),
+        before_(before),
+        x_(after.estimate()),
+        window_(before.window.size() + 1) {
+    const std::size_t n = before.window.size();
+    for (std::size_t k = 0; k < n; ++k) {
+      window_[k] = before.window[k];
+      if (k > 0) window_[k].nav = after.window()[k - 1].nav;
+    }
+    window_[n - 1].to_next = after.window()[n - 2].to_next;
+    window_[n] = after.window()[n - 1];
+    states_.resize(n + 1);
+    landmarks_.resize(before.estimate.landmarks.size());
+    add_all();
+  }
+
+  /// The cost with all but the oldest state where the smoother left them.
+  double cost_of_the_smoother() {
+    hold(true);
+    const double cost = solve();
+    hold(false);
+    return cost;
+  }
+  /// The least cost, from a start nearby.
+  double least_cost(sim::Random& random) {
+    const auto shift = [&random](auto& block) {
+      for (double& value : block) value += 1e-3 * random.normal();
+    };
+    for (auto& state : states_) shift(state);
+    for (auto& landmark : landmarks_) shift(landmark);
+    const Layout layout(options_.calibration, 0, 0);
+    if (layout.has_extrinsics()) shift(mount_);
+    if (layout.has_radar_errors()) shift(errors_);
+    if (layout.has_time_offset()) shift(offset_);
+    return solve();
+  }
+  /// Largest distance of the two minima [rad, m, m/s, rad/s, m/s^2, s].
+  double distance() const {
+    double largest = std::abs(offset_[0]);
+    const auto take = [&largest](const auto& block) {
+      for (const double value : block) largest = std::max(largest, std::abs(value));
+    };
+    for (std::size_t k = 1; k < states_.size(); ++k) take(states_[k]);
+    for (const auto& landmark : landmarks_) take(landmark);
+    take(mount_);
+    take(errors_);
+    return largest;
+  }
+  /// Of the newest state, at the solution of the smoother.
+  Matrix15d covariance() {
+    double* const newest = states_.back().data();
+    ceres::Covariance covariance{ceres::Covariance::Options()};
+    Eigen::Matrix<double, 15, 15, Eigen::RowMajor> P;
+    P.setZero();
+    if (covariance.Compute(std::vector<std::pair<const double*, const double*>>{{newest, newest}},
+                           &problem_)) {
+      covariance.GetCovarianceBlock(newest, newest, P.data());
+    }
+    return P;
+  }
+  /// A Doppler beyond three sigmas is taken for an outlier, whose direction is not corrected: the
+  /// Jacobian of the smoother is not the derivative of its cost there (models/doppler.hpp).
+  bool has_uncorrected_doppler() const { return uncorrected_; }
+
+ private:
+  ScanCost base(std::size_t k) const {
+    return {window_[k], x_.T_BS, x_.radar_errors, x_.time_offset};
+  }
+  template <int kRows, class Cost, class... Blocks>
+  void add(Cost* cost, double weight, Blocks*... blocks) {
+    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Cost, kRows, kDofOf<Blocks>...>(cost),
+                              loss(options_.smoother, kRows, weight), blocks->data()...);
+  }
+  template <class Block>
+  static constexpr int kDofOf = static_cast<int>(std::tuple_size_v<Block>);
+
+  void add_all() {
+    add_prior();
+    for (std::size_t k = 0; k < window_.size(); ++k) {
+      if (k + 1 < window_.size()) {
+        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<ImuCost, 15, 15, 15>(
+                                      new ImuCost(window_[k].to_next.imu(), options_.imu.gravity,
+                                                  window_[k].nav, window_[k + 1].nav)),
+                                  nullptr, states_[k].data(), states_[k + 1].data());
+      }
+      add_scan(k);
+    }
+    const Layout layout(options_.calibration, 0, 0);
+    const auto fix = [this](auto& block, bool estimated) {
+      if (!problem_.HasParameterBlock(block.data())) return;
+      if (!estimated) problem_.SetParameterBlockConstant(block.data());
+    };
+    fix(mount_, layout.has_extrinsics());
+    fix(errors_, layout.has_radar_errors());
+    fix(offset_, layout.has_time_offset());
+  }
+
+  void add_scan(std::size_t k) {
+    const WindowState& s = window_[k];
+    auto& state = states_[k];
+    for (const DopplerFactor& f : s.dopplers) add_doppler(k, f);
+    for (const PointFactor& f : s.points) {
+      if (f.landmark >= landmarks_.size()) continue;  // born by this scan, after the solution
+      const Vector3d& l = x_.landmarks[f.landmark].p_W;
+      auto* const cost = new PointCost{base(k), f.point, f.doppler, l};
+      auto* const landmark = &landmarks_[f.landmark];
+      if (f.doppler) {
+        add<4>(cost, f.weight, &state, &mount_, &errors_, &offset_, landmark);
+      } else {
+        add<3>(cost, f.weight, &state, &mount_, &errors_, &offset_, landmark);
+      }
+    }
+    for (const DistanceFactor& f : s.distances) {
+      add<1>(new RangeCost{base(k), f.distance.range, options_.update.sigma_landmark_distance,
+                           x_.landmarks[f.landmark].p_W},
+             f.weight, &state, &mount_, &errors_, &offset_, &landmarks_[f.landmark]);
+    }
+    for (const TrailFactor& f : s.trails) {
+      const auto past = std::find_if(window_.begin(), window_.end(),
+                                     [&f](const WindowState& w) { return w.scan == f.past; });
+      if (past == window_.end()) continue;
+      add<1>(new TrailCost{base(k), past->nav, f.distance, options_.update.sigma_trail_distance},
+             1.0, &state, &states_[static_cast<std::size_t>(past - window_.begin())], &mount_,
+             &errors_, &offset_);
+    }
+    if (s.rest) add<6>(new RestCost{s.nav, *s.rest}, 1.0, &state);
+  }
+
+  void add_doppler(std::size_t k, const DopplerFactor& f) {
+    DopplerCost cost{base(k), f.doppler, options_.update.direction_noise, std::nullopt};
+    const auto radar =
+        cost.base.radar(states_[k].data(), mount_.data(), errors_.data(), offset_.data());
+    double r = 0.0;
+    (void)cost(states_[k].data(), mount_.data(), errors_.data(), offset_.data(), &r);
+    uncorrected_ = uncorrected_ || (options_.update.direction_correction && std::abs(r) > 2.999);
+    // without the correction the Jacobian leaves the change of the variance out
+    if (!options_.update.direction_correction)
+      cost.frozen_variance = cost.variance<double>(radar.scale * radar.v_S);
+    add<1>(new DopplerCost(cost), f.weight, &states_[k], &mount_, &errors_, &offset_);
+  }
+
+  void add_prior() {
+    const Layout layout(options_.calibration, 0, 0);
+    auto* const cost = new PriorCost;
+    const int calibration = layout.size(0) - body::kSize;
+    const auto known = static_cast<std::size_t>(
+        (before_.A.rows() - body::kSize * static_cast<int>(before_.leading) - calibration) / 3);
+    auto* const function = new ceres::DynamicAutoDiffCostFunction<PriorCost>(cost);
+    std::vector<double*> blocks;
+    const auto add_block = [&](auto& block) {
+      blocks.push_back(block.data());
+      function->AddParameterBlock(static_cast<int>(block.size()));
+    };
+    for (std::size_t s = 0; s < before_.leading; ++s) {
+      cost->made_states.push_back(before_.window[s].nav);
+      cost->now_states.push_back(window_[s].nav);
+      add_block(states_[s]);
+    }
+    cost->made_T_BS = before_.estimate.T_BS;
+    cost->now_T_BS = x_.T_BS;
+    cost->made_errors << before_.estimate.radar_errors, before_.estimate.time_offset;
+    cost->now_errors << x_.radar_errors, x_.time_offset;
+    add_block(mount_);
+    add_block(errors_);
+    add_block(offset_);
+    cost->extrinsics = layout.has_extrinsics();
+    cost->radar_errors = layout.has_radar_errors();
+    cost->time_offset = layout.has_time_offset();
+    for (std::size_t i = 0; i < known; ++i) {
+      cost->made_landmarks.push_back(before_.estimate.landmarks[i].p_W);
+      cost->now_landmarks.push_back(x_.landmarks[i].p_W);
+      add_block(landmarks_[i]);
+    }
+    cost->factorise(before_.A, before_.g);
+    function->SetNumResiduals(static_cast<int>(cost->root.rows()));
+    problem_.AddResidualBlock(function, nullptr, blocks);
+  }
+
+  /// All but the oldest state, or none.
+  void hold(bool held) {
+    std::vector<double*> blocks;
+    problem_.GetParameterBlocks(&blocks);
+    const Layout layout(options_.calibration, 0, 0);
+    for (double* block : blocks) {
+      if (block == states_[0].data()) continue;
+      if (block == mount_.data() && !layout.has_extrinsics()) continue;
+      if (block == errors_.data() && !layout.has_radar_errors()) continue;
+      if (block == offset_.data() && !layout.has_time_offset()) continue;
+      if (held) {
+        problem_.SetParameterBlockConstant(block);
+      } else {
+        problem_.SetParameterBlockVariable(block);
+      }
+    }
+  }
+
+  double solve() {
+    ceres::Solver::Options o;
+    o.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    o.max_num_iterations = 300;
+    o.function_tolerance = 0.0;  // as far as rounding lets it
+    o.gradient_tolerance = 0.0;
+    o.parameter_tolerance = 1e-13;
+    o.max_num_consecutive_invalid_steps = 20;
+    o.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(o, &problem_, &summary);
+    return summary.final_cost;
+  }
+
+  Options options_;
+  Snapshot before_;
+  Estimate x_;
+  std::vector<WindowState> window_;  ///< oldest to newest, navs: the reference
+  std::vector<std::array<double, 15>> states_;
+  std::vector<std::array<double, 3>> landmarks_;
+  std::array<double, 6> mount_{};
+  std::array<double, 2> errors_{};
+  std::array<double, 1> offset_{};
+  bool uncorrected_ = false;
+  ceres::Problem problem_;
+};
+
+struct Case {
+  std::string name;
+  Kernel kernel = Kernel::kNone;
+  bool correction = true;
+  CalibrationOptions calibration;
+  bool distances = false;  ///< trails and landmarks by distance
+};
+
+class CeresReferee : public testing::TestWithParam<Case> {};
+
+TEST_P(CeresReferee, FindsTheSameMinimum) {
+  constexpr std::size_t kWindows = 10;
+  constexpr std::size_t kEvery = 9;  // scans between two windows, at least
+  sim::Scenario scenario;
+  scenario.seed = 21;
+  scenario.path.length = 20.0;
+  scenario.path.stand_before = 1.5;
+  SmootherFlight flight(scenario);
+  Options o = flight.options();
+  o.smoother = {
+      .window = 6, .max_iterations = 100, .tolerance = 1e-10, .kernel = GetParam().kernel};
+  o.smoother.kernel_size = 1.0;  // small: many residuals are beyond it
+  o.update.direction_correction = GetParam().correction;
+  o.update.direction_noise = GetParam().correction;
+  o.calibration = GetParam().calibration;
+  if (GetParam().distances) {
+    o.update.use_trails = true;
+    o.update.landmark_measurement = LandmarkMeasurement::kDistance;
+  }
+  flight.begin(o);
+  sim::Random random(22, 1);
+  std::size_t windows = 0;
+  std::size_t due = 20;  // the window is full, and at rest
+  while (windows < kWindows && !flight.over()) {
+    const Snapshot before(flight.smoother());
+    ASSERT_EQ(flight.step(), Status::kOk);
+    if (flight.next() < due || flight.report().landmarks_removed > 0) continue;
+    Referee referee(before, flight.smoother(), o);
+    if (referee.has_uncorrected_doppler()) continue;
+    const double ours = referee.cost_of_the_smoother();
+    if (o.smoother.kernel == Kernel::kNone && o.calibration.time_offset_sigma <= 0.0) {
+      const Eigen::MatrixXd P = flight.smoother().belief().covariance().body();
+      // what is left of the last step, below 1e-10, and the conditioning of J, some 1e6
+      EXPECT_LE((P - referee.covariance()).cwiseAbs().maxCoeff(), 1e-6 * P.cwiseAbs().maxCoeff());
+    }
+    const double least = referee.least_cost(random);
+    if (GetParam().calibration.time_offset_sigma > 0.0) {
+      // The smoother differentiates at the state as shifted by the change of the time offset, and
+      // leaves the change of the shift out: a twentieth of a sigma.
+      EXPECT_NEAR(ours, least, 1e-3) << "scan " << flight.next();
+    } else {
+      EXPECT_NEAR(ours, least, 1e-9 * least) << "scan " << flight.next();
+      EXPECT_LT(referee.distance(), 1e-6) << "scan " << flight.next();
+    }
+    due = flight.next() + kEvery;
+    ++windows;
+  }
+  EXPECT_EQ(windows, kWindows);
+}
+
+constexpr CalibrationOptions kFixed = {0.0, 0.0, 0.0, 0.0, 0.0};
+constexpr CalibrationOptions kMount = {0.05, 0.03, 0.0, 0.0, 0.0};
+constexpr CalibrationOptions kRadar = {0.05, 0.03, 0.0, 0.02, 0.03};
+constexpr CalibrationOptions kAll = {0.05, 0.03, 0.03, 0.02, 0.03};
+
+INSTANTIATE_TEST_SUITE_P(Windows, CeresReferee,
+                         testing::Values(Case{"None", Kernel::kNone, true, kMount},
+                                         Case{"NoneUncorrected", Kernel::kNone, false, kMount},
+                                         Case{"NoneFixed", Kernel::kNone, true, kFixed},
+                                         Case{"NoneRadar", Kernel::kNone, true, kRadar},
+                                         Case{"NoneAll", Kernel::kNone, true, kAll},
+                                         Case{"NoneAllUncorrected", Kernel::kNone, false, kAll},
+                                         Case{"Huber", Kernel::kHuber, true, kMount},
+                                         Case{"HuberUncorrected", Kernel::kHuber, false, kMount},
+                                         Case{"Cauchy", Kernel::kCauchy, true, kMount},
+                                         Case{"CauchyUncorrected", Kernel::kCauchy, false, kMount},
+                                         Case{"DcsUncorrected", Kernel::kDcs, false, kMount},
+                                         Case{"Dcs", Kernel::kDcs, true, kMount},
+                                         Case{"Distances", Kernel::kNone, false, kMount, true}),
+                         [](const auto& tested) { return tested.param.name; });
+
+}  // namespace
+}  // namespace rio::test

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The prior of the sliding window: its derivatives against differences of its own cost, the
+// elimination of landmarks against dense matrices, and over a long flight that it never learns what
+// cannot be observed.
+#include "rio/smoother/prior.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "support/covariance_case.hpp"
+#include "support/random_state.hpp"
+#include "support/smoother_flight.hpp"
+
+namespace rio::test {
+namespace {
+
+constexpr int kStates = 3;  // of the window; the prior knows the first two
+constexpr int kLeading = 2;
+constexpr int kLandmarks = 4;  // of the window; the prior knows the first three
+constexpr int kKnown = 3;
+
+constexpr int kCalibration = 9;
+
+CalibrationOptions calibration() {
+  return {0.05, 0.03, 0.02, 0.02, 0.03};
+}
+
+/// Unknowns, order [states | calibration | landmarks].
+struct Point {
+  Layout layout{calibration(), 0, kLandmarks};
+  Window window{kStates, Options{}};
+  Estimate x;
+
+  int landmarks() const { return static_cast<int>(x.landmarks.size()); }
+  int border() const { return kCalibration + 3 * landmarks(); }
+  int unknowns() const { return body::kSize * kStates + border(); }
+
+  Point moved(const VectorXd& e) const {
+    Point out = *this;
+    for (int s = 0; s < kStates; ++s) {
+      NavState& nav = out.window[static_cast<std::size_t>(s)].nav;
+      nav = perturbed(nav, e.segment<15>(body::kSize * s));
+    }
+    int at = body::kSize * kStates;
+    out.x.T_BS.rotation = x.T_BS.rotation * rotation_of(e.segment<3>(at));
+    out.x.T_BS.translation += e.segment<3>(at + 3);
+    out.x.radar_errors += e.segment<2>(at + 6);
+    out.x.time_offset += e[at + 8];
+    at += kCalibration;
+    for (LandmarkState& l : out.x.landmarks) {
+      l.p_W += e.segment<3>(at);
+      at += 3;
+    }
+    return out;
+  }
+  /// Of the prior alone; its system if wanted.
+  double cost(Prior* prior, NormalEquations* system) const {
+    system->clear(kStates, border());
+    return prior->add_to(system, window, x);
+  }
+  NormalEquations system() const { return {kStates, border()}; }
+  /// Central differences: error h^2 of the third derivative and 1e-16 / h of the cost.
+  VectorXd slope(Prior* prior) const {
+    constexpr double h = 1e-5;
+    NormalEquations unused = system();
+    VectorXd out(unknowns());
+    for (int i = 0; i < unknowns(); ++i) {
+      const VectorXd e = h * VectorXd::Unit(unknowns(), i);
+      out[i] = (moved(e).cost(prior, &unused) - moved(-e).cost(prior, &unused)) / (2.0 * h);
+    }
+    return out;
+  }
+};
+
+class PriorTest : public testing::Test {
+ protected:
+  PriorTest() {
+    for (int s = 0; s < kStates; ++s) made_.window.push().nav = random_.state();
+    made_.x.T_BS = {random_.rotation(), random_.normal_vector()};
+    made_.x.radar_errors << 0.01, -0.02;
+    made_.x.time_offset = 0.01;
+    for (int i = 0; i < kKnown; ++i) made_.x.landmarks.push_back({random_.normal_vector(5.0)});
+  }
+
+  /// Of the prior, and the column of landmark i in it.
+  static constexpr int kSize = body::kSize * kLeading + kCalibration + 3 * kKnown;
+  static int landmark(int i) { return kSize - 3 * (kKnown - i); }
+
+  Prior made_of(const MatrixXd& A, const VectorXd& g) const {
+    Prior prior(made_.layout, kStates);
+    prior.assign(A, g, made_.window, 0, kLeading, made_.x);
+    return prior;
+  }
+  MatrixXd random_information() {
+    MatrixXd L(kSize, kSize);
+    for (int c = 0; c < kSize; ++c) L.col(c) = random_vector(kSize);
+    return L * L.transpose() + MatrixXd::Identity(kSize, kSize);
+  }
+  VectorXd random_vector(int n) {
+    VectorXd v(n);
+    for (double& value : v) value = random_.normal();
+    return v;
+  }
+  /// The states have moved far, and a landmark has come.
+  Point later() {
+    Point out = made_.moved(0.3 * random_vector(made_.unknowns()));
+    out.x.landmarks.push_back({random_.normal_vector(5.0)});
+    return out;
+  }
+
+  Random random_{41};
+  Point made_;  ///< where the prior is made
+};
+
+TEST_F(PriorTest, VectorIsTheSlopeOfTheCost) {
+  const MatrixXd A = random_information();
+  const VectorXd g = random_vector(kSize);
+  Prior prior = made_of(A, g);
+  const Point now = later();
+  NormalEquations system = now.system();
+  (void)now.cost(&prior, &system);
+  const VectorXd expected = -now.slope(&prior);
+  EXPECT_LE((system.g() - expected).cwiseAbs().maxCoeff(), 1e-7 * expected.cwiseAbs().maxCoeff());
+}
+
+TEST_F(PriorTest, InformationFollowsTheChangeOfTheError) {
+  // with A = 0 and g = e_i the cost is minus an element of xi, in the axes of the point where the
+  // prior was made; the slopes of all of them are (E4)
+  const MatrixXd A = random_information();
+  Prior prior = made_of(A, VectorXd::Zero(kSize));
+  std::vector<Prior> elements;
+  for (int i = 0; i < kSize; ++i) {
+    elements.push_back(made_of(MatrixXd::Zero(kSize, kSize), VectorXd::Unit(kSize, i)));
+  }
+  const Point now = later();
+  MatrixXd M(kSize, now.unknowns());
+  for (int i = 0; i < kSize; ++i) {
+    M.row(i) = -now.slope(&elements[static_cast<std::size_t>(i)]).transpose();
+  }
+  NormalEquations system = now.system();
+  (void)now.cost(&prior, &system);
+  const MatrixXd H = MatrixXd(system.H()).selfadjointView<Eigen::Lower>();
+  const MatrixXd expected = M.transpose() * A * M;
+  EXPECT_LE((H - expected).cwiseAbs().maxCoeff(), 1e-7 * expected.cwiseAbs().maxCoeff());
+}
+
+TEST_F(PriorTest, IsWhatItWasMadeOfWhereItWasMade) {
+  const MatrixXd A = random_information();
+  const VectorXd g = random_vector(kSize);
+  Prior prior = made_of(A, g);
+  NormalEquations system = made_.system();
+  EXPECT_EQ(made_.cost(&prior, &system), 0.0);
+  MatrixXd expected = MatrixXd::Zero(system.size(), system.size());
+  const int states = body::kSize * kLeading;
+  const int at = body::kSize * kStates;
+  expected.topLeftCorner(states, states) = A.topLeftCorner(states, states);
+  expected.block(at, 0, made_.border(), states) = A.bottomLeftCorner(made_.border(), states);
+  expected.bottomRightCorner(made_.border(), made_.border()) =
+      A.bottomRightCorner(made_.border(), made_.border());
+  const MatrixXd difference = (MatrixXd(system.H()) - expected).triangularView<Eigen::Lower>();
+  EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-12 * A.cwiseAbs().maxCoeff());
+  EXPECT_LE((system.g().head(states) - g.head(states)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST_F(PriorTest, TheErrorsOfTheInvariantAxesAreNotSeenWhereverTheWindowIsMoved) {
+  // a prior blind for a translation and a turn about gravity costs the same when the window is
+  // translated and turned as a whole: (E1) (E2)
+  const MatrixXd A = random_information();
+  MatrixXd N = MatrixXd::Zero(kSize, 4);  // in the standard error: as test/ekf/reexpression_test
+  const Vector3d z = Vector3d::UnitZ();
+  for (int s = 0; s < kLeading; ++s) {
+    const NavState& nav = made_.window[static_cast<std::size_t>(s)].nav;
+    const int at = body::kSize * s;
+    N.block<3, 1>(at + body::kAttitude, 3) = nav.q_WB.conjugate() * z;
+    N.block<3, 1>(at + body::kPosition, 3) = z.cross(nav.p_WB);
+    N.block<3, 1>(at + body::kVelocity, 3) = z.cross(nav.v_WB);
+    N.block<3, 3>(at + body::kPosition, 0).setIdentity();
+  }
+  for (int i = 0; i < kKnown; ++i) {
+    N.block<3, 1>(landmark(i), 3) = z.cross(made_.x.landmarks[static_cast<std::size_t>(i)].p_W);
+    N.block<3, 3>(landmark(i), 0).setIdentity();
+  }
+  const MatrixXd Q = N.householderQr().householderQ() * MatrixXd::Identity(kSize, 4);
+  const MatrixXd project = MatrixXd::Identity(kSize, kSize) - Q * Q.transpose();
+  Prior prior = made_of(project * A * project, project * random_vector(kSize));
+  Point now = made_.moved(0.3 * random_vector(made_.unknowns()));  // anywhere
+  NormalEquations system = now.system();
+  const double before = now.cost(&prior, &system);
+  const Quaternion turn = rotation_of(Vector3d(0.0, 0.0, 1.3));
+  const Vector3d shift(3.0, -2.0, 1.0);
+  for (int s = 0; s < kStates; ++s) {
+    NavState& nav = now.window[static_cast<std::size_t>(s)].nav;
+    nav.q_WB = turn * nav.q_WB;
+    nav.p_WB = turn * nav.p_WB + shift;
+    nav.v_WB = turn * nav.v_WB;
+  }
+  for (LandmarkState& l : now.x.landmarks) l.p_W = turn * l.p_W + shift;
+  EXPECT_GT(std::abs(before), 1.0);
+  EXPECT_NEAR(now.cost(&prior, &system), before, 1e-9 * std::abs(before));
+}
+
+/// Information and vector of the prior.
+struct Dense {
+  MatrixXd A;
+  VectorXd g;
+};
+Dense dense(const Prior& prior) {
+  return {prior.A(), prior.g()};
+}
+
+/// Three unknowns from `at` on are eliminated; their rows and columns stay, zero.
+Dense without(const Dense& d, int at) {
+  const MatrixXd E = MatrixXd::Identity(d.A.rows(), d.A.rows()).middleCols(at, 3);
+  const MatrixXd K = d.A * E * (E.transpose() * d.A * E).inverse();
+  Dense out{d.A - K * E.transpose() * d.A, d.g - K * (E.transpose() * d.g)};
+  out.A.middleRows(at, 3).setZero();
+  out.A.middleCols(at, 3).setZero();
+  out.g.segment(at, 3).setZero();
+  return out;
+}
+
+TEST_F(PriorTest, RemovingALandmarkIsTheSchurComplement) {
+  for (int i = 0; i < kKnown; ++i) {
+    Prior prior = made_of(random_information(), random_vector(kSize));
+    const Dense before = dense(prior);
+    prior.remove_landmark(static_cast<std::size_t>(i), kKnown - 1);
+    // the last one has moved to i
+    const int n = kSize - 3;
+    std::vector<Eigen::Index> order;
+    for (int c = 0; c < n; ++c) order.push_back(c);
+    for (int c = 0; c < 3 && i < kKnown - 1; ++c) {
+      order[static_cast<std::size_t>(landmark(i) + c)] = landmark(kKnown - 1) + c;
+    }
+    const Dense expected = without(before, landmark(i));
+    ASSERT_EQ(prior.A().rows(), n);
+    EXPECT_LE((prior.A() - expected.A(order, order)).cwiseAbs().maxCoeff(),
+              1e-10 * before.A.cwiseAbs().maxCoeff());
+    EXPECT_LE((prior.g() - expected.g(order)).cwiseAbs().maxCoeff(),
+              1e-10 * before.g.cwiseAbs().maxCoeff());
+  }
+}
+
+TEST_F(PriorTest, ALandmarkUnknownToThePriorMayTakeThePlaceOfAKnownOne) {
+  Prior prior = made_of(random_information(), random_vector(kSize));
+  const Dense before = dense(prior);
+  prior.remove_landmark(kKnown, kKnown);  // none of its business
+  EXPECT_EQ(MatrixXd(prior.A()), before.A);
+  prior.remove_landmark(1, kKnown);
+  const Dense expected = without(before, landmark(1));
+  ASSERT_EQ(prior.A().rows(), kSize);
+  EXPECT_LE((prior.A() - expected.A).cwiseAbs().maxCoeff(), 1e-10 * before.A.cwiseAbs().maxCoeff());
+  EXPECT_LE((prior.g() - expected.g).cwiseAbs().maxCoeff(), 1e-10 * before.g.cwiseAbs().maxCoeff());
+}
+
+TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
+  constexpr double kVariance = 0.3;
+  Prior prior = made_of(random_information(), random_vector(kSize));
+  const Dense before = dense(prior);
+  prior.add_landmark_noise(kVariance);
+  MatrixXd P = before.A.inverse();
+  const VectorXd mean = P * before.g;
+  P.diagonal().tail(3 * kKnown).array() += kVariance;
+  const MatrixXd expected = P.inverse();
+  EXPECT_LE((prior.A() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
+  EXPECT_LE((prior.g() - expected * mean).cwiseAbs().maxCoeff(),
+            1e-9 * before.g.cwiseAbs().maxCoeff());
+}
+
+/// Translations and the turn about gravity in xi: the same vector at every state.
+MatrixXd null_space(const Prior& prior, int calibration) {
+  const Eigen::Index n = prior.A().rows();
+  MatrixXd N = MatrixXd::Zero(n, 4);
+  const int states = body::kSize * prior.leading_states();
+  for (int at = 0; at < states; at += body::kSize) {
+    N(at + body::kAttitude + 2, 3) = 1.0;
+    N.block<3, 3>(at + body::kPosition, 0).setIdentity();
+  }
+  for (Eigen::Index at = states + calibration; at < n; at += 3) {
+    N.block<3, 3>(at, 0).setIdentity();
+  }
+  return N;
+}
+
+/// Least and largest eigenvalue of A scaled to a unit diagonal, without the unknowns that it does
+/// not know at all: landmarks that were not seen by a marginalised state.
+Eigen::Vector2d extreme_eigenvalues(const MatrixXd& A) {
+  std::vector<Eigen::Index> known;
+  for (Eigen::Index i = 0; i < A.rows(); ++i) {
+    if (A(i, i) > 0.0) known.push_back(i);
+  }
+  const MatrixXd K = A(known, known);
+  const VectorXd scale = K.diagonal().cwiseSqrt().cwiseInverse();
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>((scale.asDiagonal() * K * scale.asDiagonal()).eval())
+          .eigenvalues();
+  return {values.minCoeff(), values.maxCoeff()};
+}
+
+TEST(PriorInFlight, NeverLearnsPositionAndHeadingAndStaysRegular) {
+  constexpr double kPositionSigma = 10.0;  // all that is ever told of them
+  constexpr double kYawSigma = 1.0;
+  sim::Scenario scenario;
+  scenario.seed = 31;
+  scenario.path.length = 110.0;  // some three minutes
+  SmootherFlight flight(scenario);
+  const Options o = flight.options();
+  flight.begin(o);
+  BodyCovariance P0 = flight.start_covariance();
+  P0.diagonal().segment<3>(body::kPosition).setConstant(kPositionSigma * kPositionSigma);
+  // the start is level and at the origin of the errors' axes: yaw is the third angle
+  NavState start = flight.flight().truth.front();
+  start.p_WB.setZero();
+  const Vector3d up = start.q_WB.conjugate() * Vector3d::UnitZ();
+  P0.block<3, 3>(0, 0) += kYawSigma * kYawSigma * up * up.transpose();
+  flight.pipeline().reset(start, P0);
+  const Eigen::Vector4d told(std::pow(kPositionSigma, -2), std::pow(kPositionSigma, -2),
+                             std::pow(kPositionSigma, -2), std::pow(kYawSigma, -2));
+  const int calibration = Layout(o.calibration, 0, 0).size(0) - body::kSize;
+  double first_condition = 0.0;
+  double condition = 0.0;
+  while (!flight.over()) {
+    ASSERT_EQ(flight.step(), Status::kOk);
+    if (flight.next() % 150 != 0) continue;
+    const Prior& prior = flight.smoother().prior();
+    const MatrixXd A = prior.A();
+    const MatrixXd N = null_space(prior, calibration);
+    const Eigen::Vector4d learnt = (N.transpose() * A * N).diagonal();
+    // round-off: 1e-16 of 1e8, that of a radar row times 140 rows, a walk of 2000 scans
+    for (int i = 0; i < 3; ++i) EXPECT_LE(learnt[i], told[i] + 5e-4) << flight.next();
+    // the shift by the time offset is differentiated to first order: some more
+    EXPECT_LE(learnt[3], 2.0 * told[3]) << flight.next();
+    const Eigen::Vector2d range = extreme_eigenvalues(A);
+    EXPECT_GT(range[0], 0.0) << flight.next();
+    condition = range[1] / range[0];
+    if (flight.next() <= 900) first_condition = condition;
+  }
+  EXPECT_LT(condition, 10.0 * first_condition);
+}
+
+}  // namespace
+}  // namespace rio::test

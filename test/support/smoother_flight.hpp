@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A simulated flight fed to the sliding-window smoother scan by scan, so that a test can stop at
+// any scan and look into the window.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "experiment/trial.hpp"
+#include "rio/pipeline.hpp"
+#include "rio/smoother/smoother.hpp"
+
+namespace rio::test {
+
+class SmootherFlight {
+ public:
+  /// Starts at the true first state.
+  explicit SmootherFlight(const sim::Scenario& scenario)
+      : flight_(sim::simulate_flight(scenario)) {}
+
+  /// Of the default preset, told the sensors of the flight.
+  Options options() const {
+    Options o = experiment::options_for(flight_, "default");
+    o.backend = BackEnd::kSmoother;
+    o.timing.imu_buffer = static_cast<int>(flight_.imu.size()) + 1;  // the whole flight
+    return o;
+  }
+
+  /// A new pipeline that starts at `start`.
+  void begin(const Options& options, const NavState& start) {
+    options_ = options;
+    imu_ = std::make_unique<ImuBuffer>(options_.timing, options_.imu);
+    for (const ImuSample& sample : flight_.imu) imu_->push_back(sample);
+    pipeline_ = std::make_unique<Pipeline<Smoother>>(options_);
+    pipeline_->reset(start, start_covariance());
+    next_ = 0;
+  }
+  void begin(const Options& options) { begin(options, flight_.truth.front()); }
+
+  /// 1 cm, 1 cm/s, 0.6 deg; the biases at turn-on.
+  BodyCovariance start_covariance() const {
+    BodyCovariance P0 = 1e-4 * BodyCovariance::Identity();
+    const auto set = [&P0](int at, double sigma) {
+      P0.diagonal().segment<3>(at).setConstant(sigma * sigma);
+    };
+    set(body::kGyroBias, options_.start.sigma_gyro_bias);
+    set(body::kAccelBias, options_.start.sigma_accel_bias);
+    return P0;
+  }
+
+  std::size_t scans() const { return flight_.scans.size(); }
+  std::size_t next() const { return next_; }
+  /// The next scan is lost.
+  void skip() { ++next_; }
+  bool over() const { return next_ >= scans(); }
+  Status step() { return process(flight_.scans[next_++]); }
+  Status process(const RadarScan& scan) {
+    filter_detections(scan, options_.radar, options_.frontend.max_detections, list_);
+    return pipeline_->process(list_, *imu_);
+  }
+
+  const sim::Flight& flight() const { return flight_; }
+  const ImuBuffer& imu() const { return *imu_; }
+  Pipeline<Smoother>& pipeline() { return *pipeline_; }
+  const Pipeline<Smoother>& pipeline() const { return *pipeline_; }
+  const Smoother& smoother() const { return pipeline_->backend(); }
+  const Estimate& estimate() const { return pipeline_->estimate(); }
+  const UpdateReport& report() const { return pipeline_->report(); }
+
+ private:
+  sim::Flight flight_;
+  Options options_;
+  std::unique_ptr<ImuBuffer> imu_;
+  std::unique_ptr<Pipeline<Smoother>> pipeline_;
+  DetectionList list_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace rio::test
