@@ -16,5 +16,6 @@ void add_scenarios_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_experiment_command(CLI::App& app);
 void add_plot_command(CLI::App& app);
+void add_fit_noise_command(CLI::App& app);
 
 }  // namespace rio::tools

@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
   rio::tools::add_evaluate_command(app);
   rio::tools::add_experiment_command(app);
   rio::tools::add_plot_command(app);
+  rio::tools::add_fit_noise_command(app);
   rio::tools::add_options_command(app);
   try {
     app.parse(argc, argv);

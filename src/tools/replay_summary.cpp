@@ -13,6 +13,24 @@ namespace rio::tools {
 
 namespace {
 
+/// Order of Calibration, with the unit people read.
+struct CalibrationName {
+  const char* name;
+  const char* unit;
+  double scale;
+};
+constexpr double kDegrees = 57.29577951308232;
+constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationNames = {
+    {{"radar_rotation_x", "deg", kDegrees},
+     {"radar_rotation_y", "deg", kDegrees},
+     {"radar_rotation_z", "deg", kDegrees},
+     {"radar_position_x", "cm", 100.0},
+     {"radar_position_y", "cm", 100.0},
+     {"radar_position_z", "cm", 100.0},
+     {"doppler_scale", "%", 100.0},
+     {"elevation_bias", "deg", kDegrees},
+     {"time_offset", "ms", 1000.0}}};
+
 using Json = nlohmann::ordered_json;
 
 struct Statistics {
@@ -65,6 +83,7 @@ void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   if (rows_used > 0) ++updates;
   update_ms.push_back(1e3 * to_seconds(report.update_time));
   propagation_ms.push_back(1e3 * to_seconds(report.propagation_time));
+  calibration = report.calibration;
   clones = report.clones;
   landmarks = report.landmarks;
 }
@@ -74,6 +93,13 @@ std::string ReplaySummary::json() const {
   for (std::size_t i = 0; i < kModelCount; ++i) {
     by_model[to_string(model_at(i))] = {{"rows_used", models[i].rows_used},
                                         {"rows_gated", models[i].rows_gated}};
+  }
+  Json calibrated = Json::object();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = calibration[i];
+    if (c.verdict == Observability::kNotEstimated) continue;
+    calibrated[kCalibrationNames[i].name] = {
+        {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.verdict)}};
   }
   const Vector3d& p = last_position;
   const Json all = {
@@ -85,6 +111,7 @@ std::string ReplaySummary::json() const {
       {"realtime_factor", realtime_factor(*this)},
       {"duration_s", to_seconds(span)},
       {"models", by_model},
+      {"calibration", calibrated},
       {"clones", clones},
       {"landmarks", landmarks},
       {"final_position_m", {p.x(), p.y(), p.z()}},
@@ -124,6 +151,15 @@ std::string ReplaySummary::text() const {
       "update {:.3f} ms mean, {:.3f} p99, {:.3f} max; propagation {:.3f} ms mean; {:.0f} x real "
       "time\n",
       update.mean, update.p99, update.max, propagation.mean, realtime_factor(*this));
+
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = calibration[i];
+    if (c.verdict == Observability::kNotEstimated) continue;
+    const CalibrationName& name = kCalibrationNames[i];
+    out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", name.name,
+                       name.scale * c.value, name.unit, name.scale * c.sigma,
+                       name.scale * c.prior_sigma, to_string(c.verdict));
+  }
 
   const std::pair<const char*, std::uint64_t> irregular[] = {
       {"scans before the start", static_cast<std::uint64_t>(scans_before_start)},

@@ -86,7 +86,7 @@ TempDir* Tool::dir_ = nullptr;
 std::string Tool::flight_;
 
 TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
-  for (const std::string preset : {"default", "published-ekf"}) {
+  for (const std::string preset : {"default", "published-ekf", "published-smoother"}) {
     const std::string outputs = " --out " + file("t.tum") + " --states " + file("s.csv");
     const Outcome run = rio("replay " + flight_ + outputs + " --json --preset " + preset);
     ASSERT_EQ(run.status, 0) << run.output;
@@ -97,9 +97,9 @@ TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
         EXPECT_GT(json[stage][figure], 0.0);
     }
     EXPECT_GT(json["models"]["doppler"]["rows_used"], 1000);
-    const bool published = preset == "published-ekf";
+    const bool published = preset != "default";
     EXPECT_GT(json["models"][published ? "trail_distance" : "landmark_point"]["rows_used"], 1000);
-    EXPECT_EQ(json["clones"], published ? 7 : 3);
+    EXPECT_EQ(json["clones"], !published ? 3 : preset == "published-ekf" ? 7 : 10);
     EXPECT_EQ(lines_of(file("t.tum")).size(), scans());
     EXPECT_EQ(lines_of(file("s.csv")).size(), scans());
     const std::string row = lines_of(file("s.csv"))[0];
@@ -109,6 +109,39 @@ TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
     EXPECT_EQ(error["associated"], scans());
     EXPECT_LT(error["norm_of_rmse_m"], 0.5);
   }
+}
+
+TEST_F(Tool, ReplaysWithEitherBackEnd) {
+  std::ofstream(file("ekf.yaml")) << "backend: ekf\n";
+  std::ofstream(file("smoother.yaml")) << "backend: smoother\n";
+  const auto states = [](const std::string& arguments) {
+    const Outcome run =
+        rio("replay " + flight_ + " --quiet --json --states " + file("b.csv") + " " + arguments);
+    EXPECT_EQ(run.status, 0) << run.output;
+    EXPECT_EQ(nlohmann::json::parse(run.last_line())["scans"], scans()) << arguments;
+    return lines_of(file("b.csv"));
+  };
+  const auto filter = states("");
+  const auto window = states("--backend smoother");
+  EXPECT_NE(filter, window);
+  // the same measurements: in the end, apart by centimetres
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto position = [axis](const std::string& row) {
+      std::istringstream in(row);
+      std::string cell;
+      for (int i = 0; i <= 1 + axis; ++i) std::getline(in, cell, ',');
+      return std::stod(cell);
+    };
+    EXPECT_NEAR(position(filter.back()), position(window.back()), 0.2) << axis;
+  }
+  // the command line wins over preset and file, which alone do the same
+  EXPECT_EQ(states("--preset published-smoother --backend ekf"),
+            states("--preset published-smoother --config " + file("ekf.yaml")));
+  EXPECT_EQ(states("--config " + file("smoother.yaml")), window);
+  EXPECT_EQ(states("--config " + file("smoother.yaml") + " --backend ekf"), filter);
+  const Outcome wrong = rio("replay " + flight_ + " --backend best");
+  EXPECT_NE(wrong.status, 0);
+  EXPECT_NE(wrong.output.find("--backend"), std::string::npos) << wrong.output;
 }
 
 TEST_F(Tool, PrintsOneLinePerScan) {
@@ -305,10 +338,14 @@ TEST_F(Tool, UnknownOptionsAreRejectedWithASuggestion) {
 }
 
 TEST_F(Tool, PrintedOptionsLoadAgain) {
-  const Outcome options = rio("options --preset published-ekf");
-  ASSERT_EQ(options.status, 0);
-  std::ofstream(file("all.yaml")) << options.output;
-  EXPECT_EQ(rio("replay " + flight_ + " --quiet --config " + file("all.yaml")).status, 0);
+  for (const std::string preset : {"published-ekf", "published-smoother"}) {
+    const Outcome options = rio("options --preset " + preset);
+    ASSERT_EQ(options.status, 0);
+    std::ofstream(file("all.yaml")) << options.output;
+    const Outcome run = rio("replay " + flight_ + " --json --config " + file("all.yaml"));
+    ASSERT_EQ(run.status, 0) << run.output;
+    EXPECT_EQ(nlohmann::json::parse(run.last_line())["clones"], preset == "published-ekf" ? 7 : 10);
+  }
 }
 
 TEST_F(Tool, ExperimentPrintsAndLeavesReportDataAndChart) {
@@ -344,7 +381,7 @@ TEST(Readme, HasABlockForEveryExperiment) {
   std::stringstream readme;
   readme << std::ifstream(fs::path(RIO_SOURCE_DIR) / "README.md").rdbuf();
   const std::string help = rio("experiment --help").output;
-  for (const char* name : {"icra2023", "consistency", "ablation", "robustness"}) {
+  for (const char* name : {"icra2023", "iros2024", "consistency", "ablation", "robustness"}) {
     EXPECT_NE(help.find(name), std::string::npos) << name;
     const std::string begin = std::string("<!-- rio experiment ") + name + " -->\n";
     const std::size_t block = readme.str().find(begin);

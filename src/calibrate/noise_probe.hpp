@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Kalman filter as a back-end that keeps its innovations: before each update every landmark
+// match gives range, azimuth and elevation, every static detection its Doppler, with the covariance
+// the belief predicts for it.
+//
+// With a true velocity at hand the Doppler is held against that instead of the belief's. What
+// repeats a measurement made a few centimetres before is left out: its error is in the estimate.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "rio/ekf/ekf.hpp"
+#include "rio/eval/noise_fit.hpp"
+#include "rio/models/doppler.hpp"
+#include "rio/models/landmark_point.hpp"
+
+namespace rio::calibrate {
+
+/// The true state at a time, where it is known.
+using TruthAt = std::function<std::optional<NavState>(Time)>;
+
+/// What a probe has seen.
+struct Innovations {
+  std::vector<eval::NoiseSample> samples;
+  std::size_t landmarks = 0;  ///< of them matches with landmarks
+  std::size_t dopplers = 0;   ///< of them Dopplers
+};
+
+class NoiseProbe : public Ekf {
+ public:
+  explicit NoiseProbe(const Options& options) : Ekf(options), radar_(options.radar) {}
+
+  /// Where the innovations go, and the truth, which may be empty.
+  void connect(Innovations* out, TruthAt truth) {
+    out_ = out;
+    truth_ = std::move(truth);
+  }
+
+  Status update(const Observations& seen, UpdateReport* report) {
+    const LinearizationPoint x(estimate());
+    for (const Match& m : seen.matches.landmarks) {
+      if (is_fresh(estimate().landmarks[m.target].way_seen)) {
+        add_landmark(seen.detection(m.detection), m.target, x);
+      }
+    }
+    if (is_fresh(way_at_scan_)) add_dopplers(seen, x);
+    way_at_scan_ = estimate().way;
+    return Ekf::update(seen, report);
+  }
+
+ private:
+  /// Of errors that repeat with the way flown, e^-2 is left.
+  bool is_fresh(double way) const { return estimate().way - way >= 2.0 * radar_.noise_distance; }
+
+  void add_landmark(const Detection& d, std::size_t landmark, const LinearizationPoint& x) {
+    using M = LandmarkPointModel;
+    Evaluation<M> e;
+    const RigidPose& T_BS = x.T_BS;
+    if (!M{}.evaluate(M::measurement(d), x.T_WB, T_BS, x.radar_errors,
+                      estimate().landmarks[landmark].p_W, e.r, &e.J, e.R)) {
+      return;
+    }
+    const BlockIndex index{0, static_cast<int>(landmark)};
+    const auto rows = state_rows<M::kDim>(e.J, M::Blocks{}, x, index, belief().layout());
+    eval::NoiseSample sample;
+    sample.innovation = e.r;
+    sample.predicted = belief().covariance().covariance_of(rows);
+    sample.grid = Vector3d(range_grid(), 0.0, 0.0);
+    const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
+    const double az = d.sigma_azimuth_S.norm() / (growth * radar_.sigma_azimuth);
+    const double el = d.sigma_elevation_S.norm() / (growth * radar_.sigma_elevation);
+    sample.gain.setZero(M::kDim, 4);
+    sample.gain.diagonal().head<3>() << 1.0, az * az, el * el;
+    sample.snr_db = d.snr_db;
+    out_->samples.push_back(sample);
+    ++out_->landmarks;
+  }
+
+  void add_dopplers(const Observations& seen, const LinearizationPoint& predicted) {
+    const std::optional<NavState> truth = truth_ ? truth_(estimate().nav.time) : std::nullopt;
+    NavState nav = estimate().nav;
+    if (truth) {
+      nav.q_WB = truth->q_WB;
+      nav.v_WB = truth->v_WB;
+    }
+    const LinearizationPoint x(estimate(), nav, predicted.gyro_B, predicted.accel_W);
+    for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
+      if (seen.is_static(i)) add_doppler(seen.detection(i), x, truth.has_value());
+    }
+  }
+
+  /// @param exact pose and velocity have no error
+  void add_doppler(const Detection& d, const LinearizationPoint& x, bool exact) {
+    using M = DopplerModel;
+    Evaluation<M> e;
+    M(true, false)
+        .evaluate(M::measurement(d, x.gyro_B), x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors,
+                  e.r, &e.J, e.R);
+    if (exact) {
+      e.J.middleCols<6>(M::Blocks::column<BodyPose>()).setZero();
+      e.J.middleCols<3>(M::Blocks::column<BodyVelocity>()).setZero();
+    }
+    const LinearRow row = state_rows<1>(e.J, M::Blocks{}, x, {}, belief().layout())[0];
+    const Vector3d v_B = x.T_WB.R.transpose() * x.v_WB;
+    const Vector3d w = x.gyro_B - x.gyro_bias;
+    const Vector3d v_S = x.T_BS.R.transpose() * (v_B + w.cross(x.T_BS.p));
+    const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
+    const double az = d.sigma_azimuth_S.dot(v_S) / (growth * radar_.sigma_azimuth);
+    const double el = d.sigma_elevation_S.dot(v_S) / (growth * radar_.sigma_elevation);
+    eval::NoiseSample sample;
+    sample.innovation = e.r;
+    sample.predicted.setConstant(1, 1, belief().covariance().product(row, row));
+    sample.grid.setConstant(1, radar_.doppler_resolution * radar_.doppler_resolution / 12.0);
+    sample.gain.resize(1, 4);
+    sample.gain << 0.0, az * az, el * el, 1.0;
+    sample.snr_db = d.snr_db;
+    out_->samples.push_back(sample);
+    ++out_->dopplers;
+  }
+
+  double range_grid() const { return radar_.range_resolution * radar_.range_resolution / 12.0; }
+
+  RadarOptions radar_;
+  Innovations* out_ = nullptr;
+  TruthAt truth_;
+  double way_at_scan_ = 0.0;  ///< flown at the last scan [m]
+};
+
+}  // namespace rio::calibrate

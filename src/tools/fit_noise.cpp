@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio fit-noise`: the noise of the radar from a recording, as an option file.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "calibrate/noise_calibration.hpp"
+#include "commands.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/io/options_yaml.hpp"
+#include "rio/io/start.hpp"
+#include "rio/propagate/static_alignment.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+struct Arguments {
+  std::string dataset;
+  std::string config;
+  std::string init = "static";
+  bool no_truth = false;
+};
+
+/// The default preset, then what the dataset knows of its sensors, then the values of the file.
+Options make_options(const Arguments& arguments, const io::Dataset& dataset) {
+  Options options;
+  io::apply_sensor_info(dataset, &options);
+  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
+  return options;
+}
+
+/// The first true state inside the span of the IMU, its biases unknown.
+calibrate::Start start_from_truth(const io::Dataset& dataset, const Options& options) {
+  const auto row = std::find_if(
+      dataset.ground_truth.begin(), dataset.ground_truth.end(), [&](const NavState& state) {
+        return state.time >= dataset.imu.front().time && state.time <= dataset.imu.back().time;
+      });
+  if (row == dataset.ground_truth.end()) {
+    throw std::runtime_error(
+        "--init groundtruth: the dataset has no ground truth within the time span of its IMU");
+  }
+  calibrate::Start start{*row, io::start_covariance(row->q_WB, options.start)};
+  start.state.gyro_bias =
+      standstill_gyro_bias(dataset.imu, row->time, options).value_or(Vector3d::Zero());
+  start.state.accel_bias.setZero();
+  return start;
+}
+
+std::optional<calibrate::Start> make_start(const Arguments& arguments, const io::Dataset& dataset,
+                                           const Options& options) {
+  if (arguments.init == "static") return std::nullopt;
+  if (arguments.init == "groundtruth") return start_from_truth(dataset, options);
+  const io::StartFile file =
+      io::load_start(arguments.init, options.start, dataset.imu.front().time);
+  return calibrate::Start{file.state, file.covariance};
+}
+
+void print_run(const calibrate::NoiseCalibration& c) {
+  const Eigen::Vector4d& s = c.fit.noise.sigma;
+  fmt::print(stderr,
+             "run {}: {} matches, {} Dopplers: range {:.4f} m, azimuth {:.2f} deg, elevation "
+             "{:.2f} deg, Doppler {:.4f} m/s\n",
+             c.runs, c.landmarks, c.dopplers, s[0], s[1] / kDegree, s[2] / kDegree, s[3]);
+}
+
+std::string error_text(const eval::NoiseFit& fit, int k) {
+  if (fit.at_bound[static_cast<std::size_t>(k)]) return "or less: its grid hides it";
+  return fmt::format("+- {:.1f} %", 100.0 * fit.relative_error[k]);
+}
+
+void print_options(const Arguments& arguments, const calibrate::NoiseCalibration& c) {
+  const Eigen::Vector4d& s = c.fit.noise.sigma;
+  fmt::print("# Noise of the radar, fitted to {} by `rio fit-noise`: {} matches, {} Dopplers,\n",
+             arguments.dataset, c.landmarks, c.dopplers);
+  fmt::print("# {} runs; one standard error of each. The grids of the radar are not in it.\n",
+             c.runs);
+  if (!arguments.config.empty()) {
+    fmt::print("# To be merged into {}, which was read.\n", arguments.config);
+  }
+  fmt::print("radar:\n");
+  fmt::print("  sigma_range: {:.5f}  # [m] {}\n", s[0], error_text(c.fit, 0));
+  fmt::print("  sigma_azimuth: \"{:.3f} deg\"  # {}\n", s[1] / kDegree, error_text(c.fit, 1));
+  fmt::print("  sigma_elevation: \"{:.3f} deg\"  # {}\n", s[2] / kDegree, error_text(c.fit, 2));
+  fmt::print("  sigma_doppler: {:.5f}  # [m/s] {}\n", s[3], error_text(c.fit, 3));
+  if (c.fit.growth_seen) {
+    fmt::print("  weak_snr_db: {:.1f}  # [dB] +- {:.1f}\n", c.fit.noise.weak_snr_db,
+               c.fit.weak_error_db);
+  } else {
+    fmt::print("  weak_snr_db: -200  # weak echoes are like strong ones\n");
+  }
+}
+
+void run(const Arguments& arguments) {
+  io::Dataset dataset = io::read_dataset(arguments.dataset);
+  for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
+  const Options options = make_options(arguments, dataset);
+  calibrate::Recording recording;
+  recording.start = make_start(arguments, dataset, options);
+  recording.imu = std::move(dataset.imu);
+  recording.scans = std::move(dataset.scans);
+  if (!arguments.no_truth) recording.truth = calibrate::interpolated_truth(dataset.ground_truth);
+  const calibrate::NoiseCalibration c = calibrate::calibrate_noise(recording, options, print_run);
+  if (!c.converged) {
+    fmt::print(stderr, "note: the sigmas still change after {} runs; start nearer by --config\n",
+               c.runs);
+  }
+  print_options(arguments, c);
+}
+
+}  // namespace
+
+void add_fit_noise_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
+  command->add_option("--config", arguments->config, "option file; its sigmas are where it starts");
+  command->add_option("--init", arguments->init, "static, groundtruth or a file")
+      ->capture_default_str();
+  command->add_flag("--no-truth", arguments->no_truth,
+                    "hold the Doppler against the estimated velocity, not the true one");
+  command->callback([arguments] { run(*arguments); });
+}
+
+}  // namespace rio::tools
