@@ -2,8 +2,11 @@
 // The default preset with one mechanism off at a time: what does each bring, and where?
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiment/experiment.hpp"
@@ -15,53 +18,107 @@ namespace rio::experiment {
 namespace {
 
 constexpr int kSeeds = 20;
-const std::vector<std::string> kFamilies = {"indoor", "extrinsics", "wrong-velocity", "aggressive",
-                                            "people", "outdoor",    "hover"};
 
-std::vector<Variant> variants() {
-  return {
-      {"default", "default"},
-      {"no direction correction in Doppler", "default",
+/// One mechanism off, or one that is off by default on. Flown indoors and where it should matter.
+struct Switch {
+  const char* name;
+  std::vector<std::string> families;
+  std::function<void(Options&)> change;
+};
+
+const std::vector<Switch>& switches() {
+  static const std::vector<Switch> all = {
+      {"no direction correction in Doppler",
+       {"hover"},
        [](Options& o) { o.update.direction_correction = false; }},
-      {"no direction noise in Doppler", "default",
+      {"no direction noise in Doppler",
+       {"hover"},
        [](Options& o) { o.update.direction_noise = false; }},
-      {"neither of the two", "default",
-       [](Options& o) { o.update.direction_correction = o.update.direction_noise = false; }},
-      {"covariance not re-expressed", "default",
+      {"weak echoes as good as strong ones",
+       {"outdoor"},
+       [](Options& o) { o.radar.weak_snr_db = -200.0; }},
+      {"errors new in every scan", {"hover"}, [](Options& o) { o.radar.noise_distance = 0.0; }},
+      {"stamps of the IMU exact", {"rough-imu"}, [](Options& o) { o.imu.stamp_sigma = 0.0; }},
+      {"covariance not re-expressed",
+       {"outdoor"},
        [](Options& o) { o.update.consistent_covariance = false; }},
-      {"extrinsics not estimated", "default",
-       [](Options& o) {
-         o.update.extrinsic_rotation_sigma = o.update.extrinsic_translation_sigma = 0.0;
-       }},
-      {"RANSAC without prediction", "default",
+      {"mounting not estimated",
+       {"extrinsics"},
+       [](Options& o) { o.calibration.rotation_sigma = o.calibration.translation_sigma = 0.0; }},
+      {"time offset not estimated",
+       {"late-stamps"},
+       [](Options& o) { o.calibration.time_offset_sigma = 0.0; }},
+      {"Doppler scale estimated, prior 2 %",
+       {"miscalibrated"},
+       [](Options& o) { o.calibration.doppler_scale_sigma = 0.02; }},
+      {"elevation bias estimated, prior 2 deg",
+       {"miscalibrated"},
+       [](Options& o) { o.calibration.elevation_bias_sigma = 0.035; }},
+      {"RANSAC without prediction",
+       {"people"},
        [](Options& o) { o.frontend.ransac_use_prediction = false; }},
-      {"RANSAC with a constant bound", "default",
+      {"RANSAC with a constant bound",
+       {"people"},
        [](Options& o) { o.frontend.ransac_sigmas = 0.0; }},
-      {"Doppler not unwrapped", "default", [](Options& o) { o.frontend.unwrap_doppler = false; }},
-      {"no recovery of the velocity", "default",
+      {"any share of a scan may move the state",
+       {"storm"},
+       [](Options& o) { o.frontend.ransac_min_share = 0.0; }},
+      {"slow movers not sought", {"people"}, [](Options& o) { o.frontend.mover_sigmas = 0.0; }},
+      {"rest not used", {"hover"}, [](Options& o) { o.frontend.detect_rest = false; }},
+      {"Doppler not unwrapped",
+       {"aggressive"},
+       [](Options& o) { o.frontend.unwrap_doppler = false; }},
+      {"no recovery of the velocity",
+       {"wrong-velocity"},
        [](Options& o) { o.frontend.velocity_recovery = false; }},
-      {"Euclidean matching", "default",
+      {"Euclidean matching",
+       {"people"},
        [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
-      {"ambiguous matches used", "default", [](Options& o) { o.frontend.match_margin = 0.0; }},
-      {"landmarks dropped at the first miss", "default",
+      {"ambiguous matches used", {"hover"}, [](Options& o) { o.frontend.match_margin = 0.0; }},
+      {"landmarks dropped at the first miss",
+       {"hover"},
        [](Options& o) { o.frontend.landmark_timeout = 0.0; }},
-      {"landmarks do not walk", "default", [](Options& o) { o.update.landmark_walk = 0.0; }},
-      {"landmarks by distance", "default",
+      {"landmarks do not walk", {"hover"}, [](Options& o) { o.update.landmark_walk = 0.0; }},
+      {"landmarks by distance",
+       {},
        [](Options& o) {
          o.update.landmark_measurement = LandmarkMeasurement::kDistance;
          o.update.landmark_walk = 0.0;
        }},
-      {"trails and landmarks by distance", "default",
+      {"trails and landmarks by distance",
+       {},
        [](Options& o) {
          o.update.landmark_measurement = LandmarkMeasurement::kDistance;
          o.update.landmark_walk = 0.0;
          o.update.use_trails = true;
          o.update.max_clones = 7;
        }},
-      {"no landmarks: Doppler alone", "default",
+      {"no landmarks: Doppler alone",
+       {"hover"},
        [](Options& o) { o.update.use_landmarks = false; }},
-      {"no Doppler", "default", [](Options& o) { o.update.use_doppler = false; }},
+      {"no Doppler", {}, [](Options& o) { o.update.use_doppler = false; }},
   };
+  return all;
+}
+
+/// Indoors first, then every other family in the order of its first switch.
+std::vector<std::string> families() {
+  std::vector<std::string> names = {"indoor"};
+  for (const Switch& s : switches()) {
+    for (const std::string& name : s.families) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+std::vector<Variant> variants_in(const std::string& family) {
+  std::vector<Variant> variants = {{"default", "default"}};
+  for (const Switch& s : switches()) {
+    const bool here = std::find(s.families.begin(), s.families.end(), family) != s.families.end();
+    if (family == "indoor" || here) variants.push_back({s.name, "default", s.change});
+  }
+  return variants;
 }
 
 /// Flights of a family; "indoor" goes through the seven lengths.
@@ -93,22 +150,24 @@ std::string difference(const std::vector<Score>& with, const std::vector<Score>&
 }  // namespace
 
 Result ablation(const Settings& settings) {
-  std::vector<Case> cases;
-  for (const std::string& name : kFamilies) {
-    for (Case& c : family(name, settings.seeds > 0 ? settings.seeds : kSeeds)) cases.push_back(c);
+  std::vector<Outcome> runs;
+  for (const std::string& name : families()) {
+    const std::vector<Case> cases = family(name, settings.seeds > 0 ? settings.seeds : kSeeds);
+    for (Outcome& run : run_campaign(cases, variants_in(name), settings)) {
+      runs.push_back(std::move(run));
+    }
   }
-  const std::vector<Outcome> runs = run_campaign(cases, variants(), settings);
 
   Result result;
   result.markdown =
       "Mean (worst) ± standard deviation over the flights. Change: mean difference to `default` in "
       "the same flights ±\nits standard error; above zero the mechanism helps.\n";
-  for (const std::string& name : kFamilies) {
+  for (const std::string& name : families()) {
     const std::vector<Score> reference = select(runs, name, "default");
     MarkdownTable table({fmt::format("{} ({} flights)", name, reference.size()), "final error [m]",
                          "change [m]", "norm of MAE [m]", "change [m]", "heading [deg]",
                          "NEES position / heading / velocity", "lost"});
-    for (const Variant& variant : variants()) {
+    for (const Variant& variant : variants_in(name)) {
       const std::vector<Score> scores = select(runs, name, variant.name);
       const auto mean = [&](double Score::*value) {
         return number(Spread::of(scores, value).mean, 2);

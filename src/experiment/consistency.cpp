@@ -21,7 +21,7 @@ namespace rio::experiment {
 
 namespace {
 
-constexpr int kRuns = 50;
+constexpr int kRuns = 100;
 constexpr std::uint64_t kFirstSeed = 200;
 constexpr double kProbability = 0.99;
 constexpr double kStanding = 6.0;  // the flight begins some time before this [s]

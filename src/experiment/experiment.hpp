@@ -31,6 +31,10 @@ Result ablation(const Settings& settings);
 /// Every scenario of the catalogue with every preset.
 Result robustness(const Settings& settings);
 
+/// Table I and Fig. 9 of Michalczyk et al., IROS 2024: the filter and the sliding window, accuracy,
+/// convergence from a wrong velocity, time per scan; and the window's kernels under outliers.
+Result iros2024(const Settings& settings);
+
 /// One experiment of the list.
 struct Experiment {
   const char* name;
@@ -43,6 +47,8 @@ inline const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all = {
       {"icra2023", "the tables of Michalczyk et al. 2023: accuracy, contributions, time",
        &icra2023},
+      {"iros2024", "filter and sliding window: accuracy, wrong start, time, robust kernels",
+       &iros2024},
       {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
       {"ablation", "the default preset with one mechanism off at a time", &ablation},
       {"robustness", "every scenario with every preset", &robustness},

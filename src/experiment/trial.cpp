@@ -16,6 +16,7 @@ namespace rio::experiment {
 namespace {
 
 constexpr double kLongestSilence = 2.0;  // [s]
+constexpr double kAllAlike = -200.0;     // of RadarOptions::weak_snr_db [dB]
 
 bool finite(const Step& step) {
   const NavState& x = step.estimate;
@@ -38,7 +39,7 @@ class Replay {
         give(flight_.scans[next++]);
       }
       (void)odometry_.add_imu(sample);
-      if (waiting_ && odometry_.at_scan().time >= *waiting_) {
+      if (waiting_ && odometry_.report().time == *waiting_) {
         waiting_.reset();
         record();
       }
@@ -122,6 +123,12 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
   o.radar.sigma_azimuth = radar.sigma_azimuth;
   o.radar.sigma_elevation = radar.sigma_elevation;
   o.radar.sigma_doppler = radar.sigma_doppler;
+  if (o.radar.weak_snr_db > kAllAlike) {
+    o.radar.weak_snr_db = radar.weak_angle_growth > 0.0 ? radar.threshold_db : kAllAlike;
+  }
+  if (o.radar.noise_distance > 0.0) {
+    o.radar.noise_distance = radar.fresh_noise < 1.0 ? radar.noise_distance : 0.0;
+  }
   o.radar.range_resolution = radar.quantize ? radar.range_resolution : 0.0;
   o.radar.doppler_resolution = radar.quantize ? radar.doppler_resolution : 0.0;
   o.radar.max_doppler = radar.ambiguous ? radar.max_doppler : 0.0;

@@ -128,6 +128,29 @@ TEST(Trial, TakesEveryScanAndKnowsTheTruth) {
   EXPECT_GE(trial.steps.size() + 25, flight.scans.size());
 }
 
+TEST(Trial, EveryPresetFliesWithEitherBackEnd) {
+  const sim::Flight flight = sim::simulate_flight(short_scenario(6));
+  for (const char* preset : {"default", "published-ekf", "published-smoother"}) {
+    std::vector<Trial> trials;
+    for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
+      Options o = options_for(flight, preset);
+      o.backend = backend;
+      trials.push_back(fly(flight, o));
+      EXPECT_TRUE(trials.back().complete) << preset;
+      EXPECT_FALSE(score(trials.back()).lost) << preset;
+    }
+    ASSERT_EQ(trials[0].steps.size(), trials[1].steps.size()) << preset;
+    EXPECT_NE(trials[0].steps.back().estimate.p_WB, trials[1].steps.back().estimate.p_WB) << preset;
+  }
+}
+
+TEST(Trial, PublishedPresetsNameTheirBackEnd) {
+  const sim::Flight flight = sim::simulate_flight(short_scenario(6));
+  EXPECT_EQ(options_for(flight, "default").backend, BackEnd::kEkf);
+  EXPECT_EQ(options_for(flight, "published-ekf").backend, BackEnd::kEkf);
+  EXPECT_EQ(options_for(flight, "published-smoother").backend, BackEnd::kSmoother);
+}
+
 TEST(Trial, LateArrivalChangesNothingButTheOrder) {
   sim::Scenario late = short_scenario(2);
   late.radar.latency = 0.08;
