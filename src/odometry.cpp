@@ -13,6 +13,7 @@
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/predictor.hpp"
 #include "rio/propagate/static_alignment.hpp"
+#include "rio/smoother/smoother.hpp"
 
 namespace rio {
 
@@ -62,17 +63,43 @@ bool positive_semi_definite(const BodyCovariance& P) {
 
 }  // namespace
 
+/// What door 1 asks of the estimator, whichever back-end it has.
 struct Odometry::Impl {
-  explicit Impl(const Options& o)
+  virtual ~Impl() = default;
+  virtual Status add_imu(const ImuSample& sample) = 0;
+  virtual Status add_scan(const RadarScan& scan) = 0;
+  virtual Status reset(const NavState& prior, const BodyCovariance& P0) = 0;
+  virtual void reset() = 0;
+  virtual const NavState& at_scan() const = 0;
+  virtual const NavState& now() const = 0;
+  virtual const UpdateReport& report() const = 0;
+
+  BodyCovariance covariance = BodyCovariance::Zero();
+  Pose extrinsics;
+  Counters counters;
+  bool initialized = false;
+};
+
+namespace {
+
+template <class Estimator>
+class Engine final : public Odometry::Impl {
+ public:
+  explicit Engine(const Options& o)
       : options(o),
         pipeline(o),
         imu(o.timing, o.imu),
         predictor(o.imu.gravity),
         aligner(o.start, o.imu),
-        queue(o.timing.scan_queue),
-        extrinsics(o.radar.T_BS) {}
+        queue(o.timing.scan_queue) {
+    extrinsics = o.radar.T_BS;
+  }
 
-  Status add_imu(const ImuSample& sample) {
+  const NavState& at_scan() const override { return pipeline.estimate().nav; }
+  const NavState& now() const override { return predictor.state(); }
+  const UpdateReport& report() const override { return pipeline.report(); }
+
+  Status add_imu(const ImuSample& sample) override {
     if (!sample.gyro_B.allFinite() || !sample.accel_B.allFinite()) {
       ++counters.imu_non_finite;
       return Status::kNonFinite;
@@ -87,7 +114,7 @@ struct Odometry::Impl {
     imu.push_back(sample);
     if (!initialized) return options.start.static_alignment ? align(sample) : Status::kOk;
     predictor.advance(imu);
-    while (!queue.empty() && queue.front().time <= sample.time) {
+    while (!queue.empty() && pipeline.measured_at(queue.front().time) <= sample.time) {
       process(queue.front());
       queue.pop_front();
     }
@@ -95,7 +122,7 @@ struct Odometry::Impl {
     return Status::kOk;
   }
 
-  Status add_scan(const RadarScan& scan) {
+  Status add_scan(const RadarScan& scan) override {
     if (!initialized) {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
@@ -104,7 +131,7 @@ struct Odometry::Impl {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
-    if (scan.time < at_scan().time) {
+    if (is_late(scan.time)) {
       ++counters.scans_late;
       return Status::kLate;
     }
@@ -114,7 +141,7 @@ struct Odometry::Impl {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
-    if (imu.empty() || scan.time > imu.newest().time) {
+    if (imu.empty() || pipeline.measured_at(scan.time) > imu.newest().time) {
       if (queue.full()) {
         ++counters.scans_overflow;
         return Status::kQueueFull;
@@ -125,7 +152,7 @@ struct Odometry::Impl {
     return process(filtered);
   }
 
-  Status reset(const NavState& prior, const BodyCovariance& P0) {
+  Status reset(const NavState& prior, const BodyCovariance& P0) override {
     if (!finite(prior) || !P0.allFinite()) return Status::kNonFinite;
     if (prior.q_WB.norm() < 0.5 || !positive_semi_definite(P0)) return Status::kNumerical;
     NavState start = prior;
@@ -139,7 +166,7 @@ struct Odometry::Impl {
     return Status::kOk;
   }
 
-  void reset() {
+  void reset() override {
     initialized = false;
     imu.clear();
     aligner.reset();
@@ -150,7 +177,13 @@ struct Odometry::Impl {
     publish();
   }
 
-  const NavState& at_scan() const { return pipeline.estimate().nav; }
+ private:
+  /// Measured before the estimate. Not if it follows the last scan and only a better time offset
+  /// has overtaken it.
+  bool is_late(Time stamp) const {
+    const bool follows = has_scan && stamp > last_scan && at_scan().time == last_scan_estimate;
+    return !follows && pipeline.measured_at(stamp) < at_scan().time;
+  }
 
   Status align(const ImuSample& sample) {
     std::optional<Alignment> alignment;
@@ -167,6 +200,7 @@ struct Odometry::Impl {
     last_scan = scan.time;
     has_scan = true;
     const Status status = pipeline.process(scan, imu);
+    last_scan_estimate = at_scan().time;
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
     counters.velocity_resets += pipeline.report().velocity_reset ? 1 : 0;
     publish();
@@ -182,30 +216,35 @@ struct Odometry::Impl {
 
   /// Refreshes what the accessors return and forgets the samples behind the estimate.
   void publish() {
-    covariance = pipeline.backend().covariance().body();
+    covariance = pipeline.backend().belief().covariance().body();
     extrinsics = pipeline.estimate().T_BS;
     imu.forget_before(at_scan().time);
     predictor.rebase(at_scan(), imu);
   }
 
   Options options;
-  Pipeline<Ekf> pipeline;
+  Pipeline<Estimator> pipeline;
   ImuBuffer imu;
   Predictor predictor;
   StaticAligner aligner;
   ScanQueue queue;
   DetectionList filtered;
-  BodyCovariance covariance = BodyCovariance::Zero();
-  Pose extrinsics;
-  Counters counters;
-  Time last_scan{0};
+  Time last_scan{0};           ///< its stamp
+  Time last_scan_estimate{0};  ///< the time of the estimate after it
   bool has_scan = false;
-  bool initialized = false;
 };
+
+}  // namespace
 
 std::unique_ptr<Odometry> Odometry::create(const Options& options, std::string* why) {
   if (!options.validate(why)) return nullptr;
-  return std::unique_ptr<Odometry>(new Odometry(std::make_unique<Impl>(options)));
+  std::unique_ptr<Impl> impl;
+  if (options.backend == BackEnd::kSmoother) {
+    impl = std::make_unique<Engine<Smoother>>(options);
+  } else {
+    impl = std::make_unique<Engine<Ekf>>(options);
+  }
+  return std::unique_ptr<Odometry>(new Odometry(std::move(impl)));
 }
 
 Odometry::Odometry(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -228,7 +267,7 @@ bool Odometry::initialized() const noexcept {
   return impl_->initialized;
 }
 const NavState& Odometry::now() const noexcept {
-  return impl_->predictor.state();
+  return impl_->now();
 }
 const NavState& Odometry::at_scan() const noexcept {
   return impl_->at_scan();
@@ -240,7 +279,7 @@ const Pose& Odometry::extrinsics() const noexcept {
   return impl_->extrinsics;
 }
 const UpdateReport& Odometry::report() const noexcept {
-  return impl_->pipeline.report();
+  return impl_->report();
 }
 const Counters& Odometry::counters() const noexcept {
   return impl_->counters;

@@ -54,13 +54,17 @@ TEST_P(Allocation, NoneAfterCreate) {
   EXPECT_GT(rows, 1000);
 }
 
-TEST(Allocation, NoneWhenTheVelocityIsReopened) {
+class Reopening : public testing::TestWithParam<BackEnd> {};
+
+TEST_P(Reopening, AllocatesNothing) {
   if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
   sim::Scenario scenario;
   scenario.seed = 7;
   scenario.path.length = 10.0;
   const sim::Flight flight = sim::simulate_flight(scenario);
-  auto odometry = Odometry::create(options_for(flight, "default"));
+  Options options = options_for(flight, "default");
+  options.backend = GetParam();
+  auto odometry = Odometry::create(options);
   ASSERT_NE(odometry, nullptr);
   NavState wrong = flight.truth.front();
   wrong.v_WB += Vector3d(2.0, 2.0, 0.0);
@@ -78,6 +82,8 @@ TEST(Allocation, NoneWhenTheVelocityIsReopened) {
   EXPECT_EQ(odometry->counters().velocity_resets, 1U);
 }
 
+INSTANTIATE_TEST_SUITE_P(BackEnds, Reopening, testing::Values(BackEnd::kEkf, BackEnd::kSmoother));
+
 INSTANTIATE_TEST_SUITE_P(
     Options, Allocation,
     testing::Values([](Options*) {},
@@ -88,7 +94,17 @@ INSTANTIATE_TEST_SUITE_P(
                       o->frontend.promote_after = 1;
                     },
                     [](Options* o) { o->update.trail_noise = TrailNoise::kCorrelated; },
-                    [](Options* o) { EXPECT_TRUE(preset("published-ekf", o)); }));
+                    [](Options* o) { EXPECT_TRUE(preset("published-ekf", o)); },
+                    [](Options* o) { o->backend = BackEnd::kSmoother; },
+                    [](Options* o) {  // many landmarks, a long window, few iterations
+                      o->backend = BackEnd::kSmoother;
+                      o->smoother.window = 19;
+                      o->smoother.max_iterations = 2;
+                      o->update.max_landmarks = 64;
+                      o->frontend.landmark_timeout = 1000.0;
+                      o->frontend.promote_after = 1;
+                    },
+                    [](Options* o) { EXPECT_TRUE(preset("published-smoother", o)); }));
 
 }  // namespace
 }  // namespace rio::test

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Door 1: time semantics, bad data, start, reset, repeatability.
+// Door 1: time semantics, bad data, start, reset, repeatability; the same with either back-end.
 #include "rio/rio.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -18,7 +19,7 @@ using experiment::Step;
 using std::chrono::milliseconds;
 
 /// A short flight, and an estimator started at its true first state.
-class OdometryTest : public testing::Test {
+class OdometryTest : public testing::TestWithParam<BackEnd> {
  protected:
   static const sim::Flight& flight() {
     static const sim::Flight flight = [] {
@@ -33,6 +34,7 @@ class OdometryTest : public testing::Test {
   static Options options() {
     Options o = options_for(flight(), "default");
     o.start.static_alignment = false;
+    o.backend = GetParam();
     return o;
   }
   static std::unique_ptr<Odometry> started(const Options& o = options()) {
@@ -60,7 +62,7 @@ class OdometryTest : public testing::Test {
   }
 };
 
-TEST_F(OdometryTest, BadOptionsGiveNullAndAReason) {
+TEST_P(OdometryTest, BadOptionsGiveNullAndAReason) {
   Options o = options();
   o.update.max_clones = -1;
   std::string why;
@@ -68,7 +70,7 @@ TEST_F(OdometryTest, BadOptionsGiveNullAndAReason) {
   EXPECT_NE(why.find("max_clones"), std::string::npos) << why;
 }
 
-TEST_F(OdometryTest, TracksTheFlight) {
+TEST_P(OdometryTest, TracksTheFlight) {
   auto odometry = started();
   const std::vector<Step> steps = replay(flight(), *odometry).steps;
   ASSERT_EQ(steps.size(), flight().scans.size());
@@ -76,7 +78,7 @@ TEST_F(OdometryTest, TracksTheFlight) {
   EXPECT_EQ(odometry->counters().scans, steps.size());
 }
 
-TEST_F(OdometryTest, SameInputGivesTheSameBytes) {
+TEST_P(OdometryTest, SameInputGivesTheSameBytes) {
   auto first = started();
   auto second = started();
   const auto a = replay(flight(), *first).steps;
@@ -88,7 +90,7 @@ TEST_F(OdometryTest, SameInputGivesTheSameBytes) {
   }
 }
 
-TEST_F(OdometryTest, ScanAheadOfTheImuWaitsAndGivesTheSameResult) {
+TEST_P(OdometryTest, ScanAheadOfTheImuWaitsAndGivesTheSameResult) {
   auto patient = started();
   auto eager = started();
   std::size_t next_patient = 0;
@@ -106,7 +108,7 @@ TEST_F(OdometryTest, ScanAheadOfTheImuWaitsAndGivesTheSameResult) {
   }
 }
 
-TEST_F(OdometryTest, ScansOutOfOrderAreSortedWhileTheyWait) {
+TEST_P(OdometryTest, ScansOutOfOrderAreSortedWhileTheyWait) {
   auto sorted = started();
   auto shuffled = started();
   for (const std::size_t i : {0U, 1U, 2U, 3U}) {
@@ -123,7 +125,7 @@ TEST_F(OdometryTest, ScansOutOfOrderAreSortedWhileTheyWait) {
   EXPECT_TRUE(same(sorted->now(), shuffled->now()));
 }
 
-TEST_F(OdometryTest, LateDuplicateAndSurplusScansAreDroppedAndCounted) {
+TEST_P(OdometryTest, LateDuplicateAndSurplusScansAreDroppedAndCounted) {
   Options o = options();
   o.timing.scan_queue = 2;
   auto odometry = started(o);
@@ -135,7 +137,8 @@ TEST_F(OdometryTest, LateDuplicateAndSurplusScansAreDroppedAndCounted) {
   std::size_t next = 0;
   feed_imu(*odometry, scans[3].time, &next);
   const NavState before = odometry->at_scan();
-  EXPECT_EQ(before.time, scans[2].time);
+  // but for the time offset of the radar, of which two scans tell next to nothing
+  EXPECT_LT(std::chrono::abs(before.time - scans[2].time), milliseconds(1));
   EXPECT_EQ(odometry->add_scan(scans[2]), Status::kDuplicate);
   EXPECT_EQ(odometry->add_scan(scans[0]), Status::kLate);
   EXPECT_TRUE(same(odometry->at_scan(), before));
@@ -146,7 +149,7 @@ TEST_F(OdometryTest, LateDuplicateAndSurplusScansAreDroppedAndCounted) {
   EXPECT_EQ(c.scans_late, 1U);
 }
 
-TEST_F(OdometryTest, StaleImuChangesNothing) {
+TEST_P(OdometryTest, StaleImuChangesNothing) {
   auto odometry = started();
   std::size_t next = 0;
   feed_imu(*odometry, flight().scans[0].time, &next);
@@ -157,7 +160,7 @@ TEST_F(OdometryTest, StaleImuChangesNothing) {
   EXPECT_EQ(odometry->counters().imu_stale, 2U);
 }
 
-TEST_F(OdometryTest, NonFiniteDataIsRefused) {
+TEST_P(OdometryTest, NonFiniteDataIsRefused) {
   auto odometry = started();
   std::size_t next = 0;
   feed_imu(*odometry, flight().scans[2].time, &next);
@@ -179,7 +182,7 @@ TEST_F(OdometryTest, NonFiniteDataIsRefused) {
   EXPECT_EQ(odometry->counters().detections_non_finite, flight().scans[0].detections.size() + 1);
 }
 
-TEST_F(OdometryTest, EmptyScanIsAScan) {
+TEST_P(OdometryTest, EmptyScanIsAScan) {
   auto odometry = started();
   std::size_t next = 0;
   feed_imu(*odometry, flight().scans[0].time + milliseconds(10), &next);
@@ -188,7 +191,7 @@ TEST_F(OdometryTest, EmptyScanIsAScan) {
   EXPECT_EQ(odometry->report().detections, 0);
 }
 
-TEST_F(OdometryTest, SilentRadarKeepsTheEstimateWithinItsLag) {
+TEST_P(OdometryTest, SilentRadarKeepsTheEstimateWithinItsLag) {
   auto odometry = started();
   double sigma = 0.0;
   for (const ImuSample& sample : flight().imu) {
@@ -204,7 +207,7 @@ TEST_F(OdometryTest, SilentRadarKeepsTheEstimateWithinItsLag) {
   EXPECT_EQ(odometry->add_scan(flight().scans[flight().scans.size() - 5]), Status::kOk);
 }
 
-TEST_F(OdometryTest, LateScanWithinTheLagGivesTheSameEstimate) {
+TEST_P(OdometryTest, LateScanWithinTheLagGivesTheSameEstimate) {
   auto prompt = started();
   auto late = started();
   std::size_t a = 0;
@@ -219,7 +222,7 @@ TEST_F(OdometryTest, LateScanWithinTheLagGivesTheSameEstimate) {
   EXPECT_TRUE(same(prompt->at_scan(), late->at_scan()));
 }
 
-TEST_F(OdometryTest, ImuGapIsFlaggedAndInflatesTheCovariance) {
+TEST_P(OdometryTest, ImuGapIsFlaggedAndInflatesTheCovariance) {
   auto whole = started();
   auto gappy = started();
   const Time begin = flight().scans[40].time;
@@ -248,7 +251,7 @@ TEST_F(OdometryTest, ImuGapIsFlaggedAndInflatesTheCovariance) {
   EXPECT_EQ(whole->counters().imu_gaps, 0U);
 }
 
-TEST_F(OdometryTest, NothingIsEstimatedBeforeTheStart) {
+TEST_P(OdometryTest, NothingIsEstimatedBeforeTheStart) {
   auto odometry = Odometry::create(options());
   ASSERT_NE(odometry, nullptr);
   EXPECT_FALSE(odometry->initialized());
@@ -257,7 +260,7 @@ TEST_F(OdometryTest, NothingIsEstimatedBeforeTheStart) {
   EXPECT_EQ(odometry->counters().scans_uninitialized, 1U);
 }
 
-TEST_F(OdometryTest, StartsByStaticAlignment) {
+TEST_P(OdometryTest, StartsByStaticAlignment) {
   Options o = options();
   o.start.static_alignment = true;
   auto odometry = Odometry::create(o);
@@ -270,7 +273,7 @@ TEST_F(OdometryTest, StartsByStaticAlignment) {
   EXPECT_LT(std::acos(up.z()), 3.0 * 0.05 / 9.81 * 1.5);  // accelerometer bias over gravity
 }
 
-TEST_F(OdometryTest, StaticAlignmentRefusesMotionAndWaits) {
+TEST_P(OdometryTest, StaticAlignmentRefusesMotionAndWaits) {
   Options o = options();
   o.start.static_alignment = true;
   auto odometry = Odometry::create(o);
@@ -285,7 +288,7 @@ TEST_F(OdometryTest, StaticAlignmentRefusesMotionAndWaits) {
   EXPECT_GE(refused, 3);
 }
 
-TEST_F(OdometryTest, ResetRefusesNonsenseAndKeepsTheState) {
+TEST_P(OdometryTest, ResetRefusesNonsenseAndKeepsTheState) {
   auto odometry = started();
   const NavState before = odometry->now();
   NavState bad = before;
@@ -300,7 +303,7 @@ TEST_F(OdometryTest, ResetRefusesNonsenseAndKeepsTheState) {
   EXPECT_TRUE(same(odometry->now(), before));
 }
 
-TEST_F(OdometryTest, ResetInFlightContinuesFromTheGivenState) {
+TEST_P(OdometryTest, ResetInFlightContinuesFromTheGivenState) {
   auto odometry = started();
   std::size_t next = 0;
   feed_imu(*odometry, flight().imu[1000].time, &next);
@@ -312,7 +315,7 @@ TEST_F(OdometryTest, ResetInFlightContinuesFromTheGivenState) {
   EXPECT_LT((odometry->now().p_WB - flight().truth[1100].p_WB).norm(), 0.05);
 }
 
-TEST_F(OdometryTest, ResetWithoutStateStartsOver) {
+TEST_P(OdometryTest, ResetWithoutStateStartsOver) {
   Options o = options();
   o.start.static_alignment = true;
   auto odometry = Odometry::create(o);
@@ -326,7 +329,7 @@ TEST_F(OdometryTest, ResetWithoutStateStartsOver) {
   EXPECT_TRUE(odometry->initialized());
 }
 
-TEST_F(OdometryTest, AbsurdImuLeavesTheEstimateFinite) {
+TEST_P(OdometryTest, AbsurdImuLeavesTheEstimateFinite) {
   auto odometry = started();
   ImuSample sample = flight().imu[0];
   sample.accel_B.setConstant(1e300);
@@ -339,6 +342,33 @@ TEST_F(OdometryTest, AbsurdImuLeavesTheEstimateFinite) {
   EXPECT_EQ(odometry->at_scan().time, flight().truth.front().time);
   EXPECT_TRUE(odometry->covariance().allFinite());
   EXPECT_EQ(odometry->counters().updates_failed, 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, OdometryTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
+                         [](const auto& backend) {
+                           return backend.param == BackEnd::kEkf ? "Ekf" : "Smoother";
+                         });
+
+TEST(BackEnds, AgreeWhereNothingIsWrong) {
+  sim::Scenario scenario = sim::Scenario::ideal();
+  scenario.seed = 11;
+  scenario.path.length = 20.0;
+  scenario.max_duration = 12.0;
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  Options options = options_for(flight, "default");
+  const std::vector<Step> ekf = experiment::fly(flight, options).steps;
+  options.backend = BackEnd::kSmoother;
+  const std::vector<Step> smoother = experiment::fly(flight, options).steps;
+  ASSERT_EQ(ekf.size(), smoother.size());
+  double largest = 0.0;
+  for (std::size_t i = 0; i < ekf.size(); ++i) {
+    const double sigma = std::sqrt(ekf[i].covariance.block<3, 3>(3, 3).trace());
+    const double apart = (ekf[i].estimate.p_WB - smoother[i].estimate.p_WB).norm();
+    largest = std::max(largest, apart / sigma);
+  }
+  // the same measurements, linearised once or several times: they differ, by less than their sigma
+  EXPECT_GT(largest, 0.0);
+  EXPECT_LT(largest, 1.0);
 }
 
 }  // namespace

@@ -33,6 +33,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
     visit(FieldInfo{key, unit, doc, min, max}, value);
   };
 
+  field("backend", o.backend, "", 0, 1, "ekf or smoother.");
+
   field("imu.gyro_noise_density", o.imu.gyro_noise_density, "rad/s/sqrt(Hz)", 0, 1,
         "White noise of the gyroscope.");
   field("imu.gyro_random_walk", o.imu.gyro_random_walk, "rad/s^2/sqrt(Hz)", 0, 1,
@@ -41,6 +43,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "White noise of the accelerometer.");
   field("imu.accel_random_walk", o.imu.accel_random_walk, "m/s^3/sqrt(Hz)", 0, 10,
         "Random walk of the accelerometer bias.");
+  field("imu.stamp_sigma", o.imu.stamp_sigma, "s", 0, 0.1,
+        "Jitter of the stamps; vibration makes noise of it.");
   field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
   field("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
   field("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
@@ -60,10 +64,12 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("radar.fov_elevation", o.radar.fov_elevation, "rad", 0.01, kPi,
         "Full height of the field of view used.");
   field("radar.sigma_range", o.radar.sigma_range, "m", 1e-4, 10, "Noise of the range.");
-  field("radar.sigma_azimuth", o.radar.sigma_azimuth, "rad", 0, 1,
+  field("radar.sigma_azimuth", o.radar.sigma_azimuth, "rad", 1e-5, 1,
         "Noise of azimuth at boresight.");
-  field("radar.sigma_elevation", o.radar.sigma_elevation, "rad", 0, 1,
+  field("radar.sigma_elevation", o.radar.sigma_elevation, "rad", 1e-5, 1,
         "Noise of elevation at boresight.");
+  field("radar.weak_snr_db", o.radar.weak_snr_db, "dB", -200, 200,
+        "An echo this weak has twice the angle variance of a strong one; -200 = all are alike.");
   field("radar.sigma_doppler", o.radar.sigma_doppler, "m/s", 1e-4, 10,
         "Noise of the Doppler, without quantisation.");
   field("radar.range_resolution", o.radar.range_resolution, "m", 0, 10,
@@ -72,6 +78,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Grid of the Doppler, adds grid^2/12 to the variance; 0 = none.");
   field("radar.max_doppler", o.radar.max_doppler, "m/s", 0, 1000,
         "Range rates fold into plus or minus this; 0 = they do not fold.");
+  field("radar.noise_distance", o.radar.noise_distance, "m", 0, 10,
+        "E-folding way of the errors of a point; 0 = they are new in every scan.");
 
   field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");
@@ -81,6 +89,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Inlier bound in sigmas, direction error included; 0 = off.");
   field("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
         "The velocity predicted by the IMU is one more hypothesis.");
+  field("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
+        "Doppler residuals along a trail that add up to this many sigmas: it moves; 0 = off.");
   field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
         "Share of outliers the iteration count is sized for.");
   field("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
@@ -88,6 +98,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
         option_limits::kDetections,
         "With fewer there is no static set and the scan moves nothing.");
+  field("frontend.ransac_min_share", o.frontend.ransac_min_share, "", 0, 1,
+        "Same, as a share of the detections of a scan.");
+  field("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
+        "Standing on the ground measures velocity and gyroscope bias.");
   field("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
   field("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
@@ -133,10 +147,27 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Past poses kept.");
   field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
         "Persistent landmarks kept.");
-  field("update.extrinsic_rotation_sigma", o.update.extrinsic_rotation_sigma, "rad", 0, 1,
+
+  field("calibration.rotation_sigma", o.calibration.rotation_sigma, "rad", 0, 1,
         "Prior of the radar's rotation per axis; 0 = not estimated.");
-  field("update.extrinsic_translation_sigma", o.update.extrinsic_translation_sigma, "m", 0, 10,
+  field("calibration.translation_sigma", o.calibration.translation_sigma, "m", 0, 10,
         "Prior of the radar's position per axis; 0 = not estimated.");
+  field("calibration.time_offset_sigma", o.calibration.time_offset_sigma, "s", 0, 0.1,
+        "Prior of the delay of the radar's stamps; 0 = not estimated.");
+  field("calibration.doppler_scale_sigma", o.calibration.doppler_scale_sigma, "", 0, 0.1,
+        "Prior of the relative error of the Doppler; 0 = not estimated.");
+  field("calibration.elevation_bias_sigma", o.calibration.elevation_bias_sigma, "rad", 0, 0.2,
+        "Prior of an error common to all elevations; 0 = not estimated.");
+
+  field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
+        "States of the sliding window.");
+  field("smoother.max_iterations", o.smoother.max_iterations, "", 1, 100,
+        "Gauss-Newton steps per scan, at most.");
+  field("smoother.tolerance", o.smoother.tolerance, "", 1e-12, 1,
+        "Largest step that counts as converged, in SI units.");
+  field("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
+  field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
+        "Chi-squared per degree of freedom at which the kernel begins to act.");
 
   field("start.static_alignment", o.start.static_alignment, "", 0, 1,
         "Align while standing; false = wait for a given start.");
@@ -169,6 +200,12 @@ constexpr std::array<std::string_view, 2> names_of(TrailNoise) {
 }
 constexpr std::array<std::string_view, 2> names_of(Matching) {
   return {"euclidean", "mahalanobis"};
+}
+constexpr std::array<std::string_view, 4> names_of(Kernel) {
+  return {"none", "huber", "cauchy", "dcs"};
+}
+constexpr std::array<std::string_view, 2> names_of(BackEnd) {
+  return {"ekf", "smoother"};
 }
 constexpr std::array<std::string_view, 2> names_of(LandmarkMeasurement) {
   return {"distance", "point"};

@@ -16,10 +16,13 @@ struct ImuOptions {
   double gyro_random_walk = 2e-5;     ///< bias random walk [rad/s^2/sqrt(Hz)]
   double accel_noise_density = 4e-3;  ///< white noise [m/s^2/sqrt(Hz)]
   double accel_random_walk = 2e-4;    ///< bias random walk [m/s^3/sqrt(Hz)]
-  double gravity = 9.81;              ///< along -z of W [m/s^2]
-  double max_gap = 0.1;               ///< a longer pause between samples is a gap [s]
-  double gap_rate_sigma = 0.5;        ///< unknown mean angular rate inside a gap [rad/s]
-  double gap_accel_sigma = 2.0;       ///< unknown mean acceleration inside a gap [m/s^2]
+  /// Jitter of the stamps; with the change from sample to sample it makes noise. Milliseconds over
+  /// USB, 0 = stamped by hardware [s].
+  double stamp_sigma = 0.5e-3;
+  double gravity = 9.81;         ///< along -z of W [m/s^2]
+  double max_gap = 0.1;          ///< a longer pause between samples is a gap [s]
+  double gap_rate_sigma = 0.5;   ///< unknown mean angular rate inside a gap [rad/s]
+  double gap_accel_sigma = 2.0;  ///< unknown mean acceleration inside a gap [m/s^2]
 };
 
 /// The radar: where it sits, what it can see, how well it measures.
@@ -35,10 +38,16 @@ struct RadarOptions {
   /// IWR6843AOP shows; elevation has half the antennas.
   double sigma_azimuth = 0.02;
   double sigma_elevation = 0.04;
+  /// An echo of this strength, the detection threshold, has twice the angle variance of a strong
+  /// one: the noise of a phase falls with the SNR. -200 = all are alike [dB].
+  double weak_snr_db = 10.0;
   double sigma_doppler = 0.03;      ///< without quantisation [m/s]
   double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
   double max_doppler = 0.0;         ///< range rates fold into +-this; 0 = they do not fold [m/s]
+  /// E-folding way of the errors of a point: echoes of width w at range r keep their phases until
+  /// the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
+  double noise_distance = 0.02;
 };
 
 /// When a detection and a known point belong together.
@@ -53,11 +62,16 @@ struct FrontendOptions {
   double ransac_threshold = 0.15;  ///< |Doppler residual| of an inlier is below this [m/s] or ...
   double ransac_sigmas = 3.0;      ///< ... this many sigmas, direction error included; 0 = off
   bool ransac_use_prediction = true;  ///< the velocity predicted by the IMU is one more hypothesis
+  /// Doppler residuals along a trail that add up to this many sigmas give away a slow mover; 0 =
+  /// off.
+  double mover_sigmas = 3.0;
   double ransac_outlier_ratio = 0.4;  ///< share of outliers the iteration count is sized for
   double ransac_success = 0.9999;     ///< probability of drawing one clean triple
   int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
   int ransac_seed = 1;                ///< of the deterministic generator
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
+  double ransac_min_share = 0.25;     ///< of all detections; fewer agree: the scan moves nothing
+  bool detect_rest = true;            ///< standing on the ground measures velocity and gyro bias
   bool velocity_recovery = true;      ///< scans that contradict the velocity for long re-open it
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
@@ -95,13 +109,49 @@ struct UpdateOptions {
   double sigma_landmark_distance = 0.2;  ///< for kDistance; same reason: it was a trail [m]
   /// Walk of a landmark with the way flown: the scattering centre moves with the aspect, by
   /// centimetres a metre [m/sqrt(m)].
-  double landmark_walk = 0.03;
-  double gate_probability = 0.99;             ///< of passing the one-sided chi-squared gate
-  int max_clones = 3;                         ///< past poses kept (N)
-  int max_landmarks = 40;                     ///< persistent landmarks kept
-  double extrinsic_rotation_sigma = 0.05;     ///< prior per axis; 0 = not estimated [rad]
-  double extrinsic_translation_sigma = 0.03;  ///< prior per axis; 0 = not estimated [m]
+  double landmark_walk = 0.02;
+  double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate
+  int max_clones = 3;              ///< past poses kept (N)
+  int max_landmarks = 40;          ///< persistent landmarks kept
 };
+
+/// How a residual that fits badly loses weight, x its chi-squared over its degrees of freedom.
+enum class Kernel {
+  kNone,
+  kHuber,   ///< weight sqrt(k / x) beyond k
+  kCauchy,  ///< weight 1 / (1 + x / k)
+  kDcs,     ///< dynamic covariance scaling: weight (2 k / (k + x))^2 beyond k
+};
+
+/// Back-end 2: the sliding window.
+struct SmootherOptions {
+  int window = 10;          ///< states kept (N)
+  int max_iterations = 5;   ///< of Gauss-Newton, per scan
+  double tolerance = 1e-3;  ///< largest step that counts as converged [m, rad, m/s, ...]
+  Kernel kernel = Kernel::kNone;
+  double kernel_size = 4.0;  ///< k, in chi-squared per degree of freedom
+};
+
+/// Which estimator corrects the state.
+enum class BackEnd {
+  kEkf,       ///< multi-state extended Kalman filter
+  kSmoother,  ///< sliding-window factor graph
+};
+
+/// What is estimated of the radar's calibration: one-sigma priors, 0 = not estimated. An estimate
+/// stops at kCalibrationLimit sigmas from the option's value.
+struct CalibrationOptions {
+  double rotation_sigma = 0.05;     ///< of T_BS, per axis [rad]
+  double translation_sigma = 0.03;  ///< of T_BS, per axis [m]
+  /// Stamps are late by this: a stamp on arrival instead of the middle of the chirps [s].
+  double time_offset_sigma = 0.03;
+  /// Relative: some firmware scales by the start frequency of the chirp, 2.8 % too large.
+  double doppler_scale_sigma = 0.02;
+  double elevation_bias_sigma = 0.0;  ///< all elevations too high by this [rad]
+};
+
+/// In sigmas of the prior.
+inline constexpr double kCalibrationLimit = 5.0;
 
 /// How the first state comes about.
 struct StartOptions {
@@ -129,10 +179,13 @@ struct TimingOptions {
 
 /// All of it. Obtain one from a preset, change fields, pass it to Odometry::create.
 struct Options {
+  BackEnd backend = BackEnd::kEkf;
   ImuOptions imu;
   RadarOptions radar;
   FrontendOptions frontend;
   UpdateOptions update;
+  CalibrationOptions calibration;
+  SmootherOptions smoother;
   StartOptions start;
   TimingOptions timing;
 

@@ -3,15 +3,21 @@
 //
 //   (1) propagate, (3) front-end, (4) models, (5) gate, (6) update, (7) promote, (2) clone
 //
-// Cloning comes last: a clone is the corrected pose of this scan, kept for the scans after it.
+// What is known of the radar's errors is taken off first: its stamps are shifted by the time
+// offset, its detections corrected for the elevation bias and the Doppler scale. Cloning comes
+// last: a clone is the corrected pose of this scan, kept for the scans after it.
 #pragma once
+
+#include <algorithm>
 
 #include "rio/ekf/ekf.hpp"
 #include "rio/frontend/frontend.hpp"
+#include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/velocity_monitor.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/report.hpp"
+#include "rio/update/calibration_report.hpp"
 
 namespace rio {
 
@@ -20,20 +26,30 @@ class Pipeline {
  public:
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
-      : clock_(options.timing.clock), frontend_(options), monitor_(options), backend_(options) {}
+      : options_(options),
+        frontend_(options),
+        monitor_(options),
+        rest_(options),
+        backend_(options) {}
 
   const Estimate& estimate() const { return backend_.estimate(); }
   const BackEnd& backend() const { return backend_; }
+  /// For a back-end that has more to say than the stages ask.
+  BackEnd& backend() { return backend_; }
   const UpdateReport& report() const { return report_; }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
     frontend_.reset();
     monitor_.reset(prior.time);
+    rest_.reset();
     last_scan_ = prior.time;
     backend_.reset(prior, P0);
     report_ = UpdateReport{};
     next_scan_ = 0;
   }
+
+  /// When a scan with that stamp was measured, as far as is known.
+  Time measured_at(Time stamp) const { return stamp - from_seconds(estimate().time_offset); }
 
   /// Carries the estimate to `time` without a scan, not beyond the newest IMU sample.
   Status propagate(Time time, const ImuBuffer& imu) {
@@ -41,19 +57,24 @@ class Pipeline {
     return backend_.propagate(time, imu, &gap);
   }
 
-  /// One filtered scan, not older than the estimate and not newer than the IMU. kNumerical: the
-  /// estimate is what the IMU alone predicts, or, if that failed, unchanged.
-  Status process(const DetectionList& scan, const ImuBuffer& imu) {
+  /// One filtered scan, measured not after the newest IMU sample; one measured before the estimate
+  /// counts as measured at the estimate. kNumerical: the estimate is what the IMU alone predicts,
+  /// or, if that failed, unchanged.
+  Status process(const DetectionList& received, const ImuBuffer& imu) {
     report_ = UpdateReport{};
-    report_.time = scan.time;
+    report_.time = received.time;
     const Time start = now();
-    report_.status = backend_.propagate(scan.time, imu, &report_.imu_gap);  // (1)
+    const Time last = estimate().nav.time;
+    const Time measured = std::max(measured_at(received.time), last);
+    report_.status = backend_.propagate(measured, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
     report_.propagation_time = propagated - start;
     if (report_.status != Status::kOk) return report_.status;
 
+    const DetectionList& scan = corrected(received);
     forget_after_silence(scan.time);
-    observe(scan);                                      // (3)
+    observe(scan);  // (3)
+    seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
       frontend_.advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
@@ -67,7 +88,16 @@ class Pipeline {
   }
 
  private:
-  Time now() const { return clock_ != nullptr ? clock_() : Time{0}; }
+  Time now() const { return options_.timing.clock != nullptr ? options_.timing.clock() : Time{0}; }
+
+  /// The scan free of the radar's errors as estimated.
+  const DetectionList& corrected(const DetectionList& scan) {
+    const RadarErrors::Value& errors = estimate().radar_errors;
+    if (errors.isZero(0.0)) return scan;
+    corrected_ = scan;
+    for (Detection& d : corrected_.items) d = correct_detection(d, errors);
+    return corrected_;
+  }
 
   /// After a silence of the radar the position is so uncertain that landmarks would be mistaken for
   /// each other, one by one, each well inside its gate: they are dropped.
@@ -84,7 +114,7 @@ class Pipeline {
   /// seen anew without the trails and landmarks that were placed with it.
   void observe(const DetectionList& scan) {
     const RadarVelocity predicted{Frontend::radar_velocity(backend_.estimate()),
-                                  backend_.radar_velocity_covariance()};
+                                  backend_.belief().radar_velocity_covariance()};
     frontend_.observe(scan, backend_.estimate(), &seen_, predicted.covariance);
     report_.velocity_reset = monitor_.contradicts(seen_, predicted);
     if (!report_.velocity_reset) return;
@@ -92,7 +122,8 @@ class Pipeline {
                              to_seconds(scan.time - monitor_.agreed()), &report_);
     monitor_.reset(scan.time);
     frontend_.reset();
-    frontend_.observe(scan, backend_.estimate(), &seen_, backend_.radar_velocity_covariance());
+    frontend_.observe(scan, backend_.estimate(), &seen_,
+                      backend_.belief().radar_velocity_covariance());
   }
 
   void summarise(const DetectionList& scan) {
@@ -104,14 +135,18 @@ class Pipeline {
     report_.trails = static_cast<int>(frontend_.trails().size());
     report_.trails_matched = static_cast<int>(seen_.matches.trails.size());
     report_.landmarks_matched = static_cast<int>(seen_.matches.landmarks.size());
+    report_.at_rest = seen_.rest.has_value();
+    report_.calibration = calibration_report(backend_.belief(), options_);
     report_.clones = static_cast<int>(backend_.estimate().clones.size());
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
   }
 
-  Time (*clock_)();
+  Options options_;
   Frontend frontend_;
   VelocityMonitor monitor_;
+  RestDetector rest_;
   BackEnd backend_;
+  DetectionList corrected_;
   Observations seen_;
   Promotions promotions_;
   UpdateReport report_;

@@ -35,6 +35,7 @@ enum class Model : std::uint8_t {
   kTrailDistance,
   kLandmarkDistance,
   kLandmarkPoint,
+  kRest,
   kCount
 };
 inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCount);
@@ -65,11 +66,48 @@ struct ModelReport {
   double nis = 0.0;  ///< sum over the blocks used; consistent noise makes it about rows_used
 };
 
+/// What has become known of a parameter of the calibration.
+enum class Observability : std::uint8_t {
+  kNotEstimated,  ///< no prior was given: the option's value is used
+  kUnobserved,    ///< the flight has told nothing: sigma above 90 % of its prior
+  kWeak,          ///< sigma between 50 and 90 % of its prior
+  kObserved,      ///< sigma below 50 % of its prior
+  kAtLimit,       ///< the estimate has run into its limit: the prior, or the sensor, is wrong
+};
+
+/// Name as in reports.
+inline const char* to_string(Observability verdict) {
+  constexpr std::array kNames = {"not estimated", "unobserved", "weak", "observed", "at its limit"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+/// One parameter of the calibration.
+struct CalibrationReport {
+  double value = 0.0;  ///< estimate minus the option's value
+  double sigma = 0.0;
+  double prior_sigma = 0.0;
+  Observability verdict = Observability::kNotEstimated;
+};
+
+/// Order of UpdateReport::calibration.
+enum class Calibration : std::uint8_t {
+  kRotationX,  ///< of T_BS, about the radar's axes [rad]
+  kRotationY,
+  kRotationZ,
+  kTranslationX,  ///< of T_BS, body axes [m]
+  kTranslationY,
+  kTranslationZ,
+  kDopplerScale,   ///< relative error of the range rates
+  kElevationBias,  ///< elevations read too high by [rad]
+  kTimeOffset,     ///< stamps late by [s]
+};
+inline constexpr std::size_t kCalibrationCount = 9;
+
 /// The last processed scan, stage by stage.
 struct UpdateReport {
   static constexpr std::size_t kMaxRecords = 512;
 
-  Time time{0};
+  Time time{0};  ///< stamp of the scan
   Status status = Status::kOk;
   int detections = 0;                          ///< in the scan as received
   int detections_kept = 0;                     ///< after the filter
@@ -84,10 +122,12 @@ struct UpdateReport {
   int landmarks_added = 0;
   int landmarks_removed = 0;
   bool imu_gap = false;         ///< the propagation to this scan crossed a gap
+  bool at_rest = false;         ///< stood still for a while, by IMU and radar
   bool velocity_reset = false;  ///< the velocity was re-opened before the update
   Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
   Time update_time{0};          ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
+  std::array<CalibrationReport, kCalibrationCount> calibration{};  ///< after the update
   StaticVector<InnovationRecord, kMaxRecords> records;
   int records_dropped = 0;  ///< blocks beyond kMaxRecords (still counted in `models`)
 };

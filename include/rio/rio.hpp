@@ -49,8 +49,9 @@ class Odometry {
   bool initialized() const noexcept;
   /// Estimate at the newest IMU sample: at_scan() carried on by the strapdown equations.
   const NavState& now() const noexcept;
-  /// Estimate at the newest processed scan. Before the first it is the start; while the radar is
-  /// silent it follows the IMU at TimingOptions::max_lag.
+  /// Estimate at the newest processed scan, at its stamp minus the time offset as estimated. Before
+  /// the first it is the start; while the radar is silent it follows the IMU at
+  /// TimingOptions::max_lag.
   const NavState& at_scan() const noexcept;
   /// Covariance of at_scan(), order of namespace body.
   const BodyCovariance& covariance() const noexcept;
@@ -60,8 +61,9 @@ class Odometry {
   const UpdateReport& report() const noexcept;
   const Counters& counters() const noexcept;
 
+  struct Impl;  ///< defined where it is compiled
+
  private:
-  struct Impl;
   explicit Odometry(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };

@@ -18,6 +18,7 @@ class AssociationTest : public testing::Test {
     options_.matching = Matching::kMahalanobis;
     options_.match_probability = 0.99;
     usable_.fill(true);
+    radar_.weak_snr_db = -200.0;  // all echoes are alike
   }
   void see(const Vector3d& point_S) {
     scan_.items.push_back(make_detection({.point_S = point_S}, radar_));

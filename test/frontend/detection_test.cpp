@@ -35,6 +35,7 @@ RadarOptions fine_radar() {
   o.range_resolution = 0.1;
   o.sigma_azimuth = 0.004;
   o.sigma_elevation = 0.008;
+  o.weak_snr_db = -200.0;  // all alike
   return o;
 }
 
@@ -213,6 +214,62 @@ TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
     EXPECT_GE(out.items[i].snr_db, strengths[kMaxDetections - 1]);
     EXPECT_TRUE(i == 0 || out.items[i].range > out.items[i - 1].range);
   }
+}
+
+RadarErrors::Value errors(double doppler_scale, double elevation) {
+  RadarErrors::Value value;
+  value[RadarErrors::kDopplerScale] = doppler_scale;
+  value[RadarErrors::kElevation] = elevation;
+  return value;
+}
+
+// What a radar with these errors reports of a point becomes what one without them reports.
+TEST(CorrectDetection, UndoesTheErrorsOfTheRadar) {
+  const RadarOptions o = fine_radar();
+  for (const Angles& at : kAngles) {
+    for (const double bias : {0.035, -0.035}) {
+      const double azimuth = at.azimuth * kDegree;
+      const double elevation = at.elevation * kDegree;
+      const RadarDetection truth = raw_detection(4.0, azimuth, elevation);
+      RadarDetection raw = raw_detection(4.0, azimuth, elevation + bias);
+      raw.range_rate = 1.027 * truth.range_rate;
+      const Detection expected = make_detection(truth, o);
+      const Detection received = make_detection(raw, o);
+      const Detection d = correct_detection(received, errors(0.027, bias));
+      EXPECT_LT((d.point_S - expected.point_S).norm(), 1e-14);
+      EXPECT_LT((d.direction_S - expected.direction_S).norm(), 1e-15);
+      EXPECT_NEAR(d.range_rate, expected.range_rate, 1e-15);
+      EXPECT_EQ(d.range, received.range);
+      EXPECT_EQ(d.snr_db, received.snr_db);
+      EXPECT_EQ(d.sigma_range, received.sigma_range);
+      EXPECT_EQ(d.sigma_doppler, received.sigma_doppler);
+      // the noise turns with the direction and keeps its size
+      EXPECT_NEAR(d.sigma_elevation_S.norm(), received.sigma_elevation_S.norm(), 1e-15);
+      EXPECT_LT((d.sigma_elevation_S.normalized() - expected.sigma_elevation_S.normalized()).norm(),
+                1e-14);
+      EXPECT_EQ(d.sigma_azimuth_S, received.sigma_azimuth_S);
+      EXPECT_LT((direction_covariance(d) * d.direction_S).norm(), 1e-15);
+    }
+  }
+}
+
+TEST(CorrectDetection, WithoutErrorsNothingChanges) {
+  const Detection received = make_detection(raw_detection(4.0, 0.3, -0.2), fine_radar());
+  const Detection d = correct_detection(received, errors(0.0, 0.0));
+  EXPECT_LT((d.point_S - received.point_S).norm(), 1e-15);
+  EXPECT_LT((d.direction_S - received.direction_S).norm(), 1e-15);
+  EXPECT_LT((d.sigma_elevation_S - received.sigma_elevation_S).norm(), 1e-15);
+  EXPECT_EQ(d.range_rate, received.range_rate);
+}
+
+TEST(CorrectDetection, EachErrorActsOnItsOwn) {
+  const Detection received = make_detection(raw_detection(4.0, 0.3, -0.2), fine_radar());
+  const Detection scaled = correct_detection(received, errors(-0.1, 0.0));
+  EXPECT_NEAR(scaled.range_rate, received.range_rate / 0.9, 1e-15);
+  EXPECT_LT((scaled.point_S - received.point_S).norm(), 1e-15);
+  const Detection turned = correct_detection(received, errors(0.0, 0.05));
+  EXPECT_EQ(turned.range_rate, received.range_rate);
+  EXPECT_NEAR(std::asin(turned.direction_S.z()), -0.25, 1e-15);  // down by what it is too high
 }
 
 }  // namespace

@@ -104,7 +104,13 @@ std::vector<Row> replay(const io::Dataset& dataset, const std::string& preset_na
     }
     const Status status = odometry->add_scan(scan);
     if (status == Status::kNotInitialized) continue;
-    if (status != Status::kOk) throw std::runtime_error(to_string(status));
+    if (status != Status::kOk && status != Status::kWaiting) {
+      throw std::runtime_error(to_string(status));
+    }
+    // measured later than stamped, by the time offset as estimated: it waits for the IMU
+    for (; odometry->report().time != scan.time && sample != dataset.imu.end(); ++sample) {
+      if (odometry->add_imu(*sample) != Status::kOk) throw std::runtime_error("IMU not taken");
+    }
     for (std::size_t i = 0; i < kModelCount; ++i) {
       sums[i].rows_used += odometry->report().models[i].rows_used;
       sums[i].rows_gated += odometry->report().models[i].rows_gated;

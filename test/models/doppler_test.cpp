@@ -42,6 +42,7 @@ Vector3d solve_velocity(bool correction, double sigma_elevation) {
   RadarOptions options;
   options.sigma_azimuth = 0.02;
   options.sigma_elevation = sigma_elevation;
+  options.weak_snr_db = -200.0;  // all echoes are alike
   const DopplerModel model(true, correction);
   std::vector<DopplerModel::Measurement> all;
   for (int i = 0; i < 20000; ++i) {
@@ -60,7 +61,8 @@ Vector3d solve_velocity(bool correction, double sigma_elevation) {
     Vector3d b = Vector3d::Zero();
     for (const auto& z : all) {
       Evaluation<DopplerModel> at;
-      EXPECT_TRUE(evaluate(model, z, {RigidPose(), v, Vector3d::Zero(), RigidPose()}, &at));
+      EXPECT_TRUE(
+          evaluate(model, z, {RigidPose(), v, Vector3d::Zero(), RigidPose(), kNoErrors}, &at));
       const Vector3d J = at.J.segment<3>(DopplerModel::Blocks::column<BodyVelocity>());
       A += J * J.transpose() / at.R(0, 0);
       b += J * at.r[0] / at.R(0, 0);
@@ -83,7 +85,8 @@ TEST(DopplerModel, ReceedingIsPositive) {
   z.sigma_doppler = 0.03;
   Evaluation<DopplerModel> at;
   const Vector3d backwards(-1.0, 0.0, 0.0);  // away from a point ahead
-  ASSERT_TRUE(evaluate(model, z, {RigidPose(), backwards, Vector3d::Zero(), RigidPose()}, &at));
+  ASSERT_TRUE(
+      evaluate(model, z, {RigidPose(), backwards, Vector3d::Zero(), RigidPose(), kNoErrors}, &at));
   EXPECT_DOUBLE_EQ(at.r[0], -1.0);  // measured 0, predicted +1
 }
 
@@ -94,7 +97,7 @@ TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
   z.sigma_doppler = 0.03;
   z.direction_cov = Matrix3d(Vector3d(0.0, 0.01, 0.01).asDiagonal());
   const DopplerModel::Blocks::Values x{RigidPose(), Vector3d(0.0, 0.0, 1.0), Vector3d::Zero(),
-                                       RigidPose()};
+                                       RigidPose(), kNoErrors};
   const auto tilt = [&](double predicted_var) {
     z.predicted_var = predicted_var;
     Evaluation<DopplerModel> at;

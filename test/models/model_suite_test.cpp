@@ -6,7 +6,7 @@ namespace rio::test {
 
 using Cases = testing::Types<DopplerCase, TrailDistanceCase<TrailNoise::kIndependent>,
                              TrailDistanceCase<TrailNoise::kCorrelated>, LandmarkDistanceCase,
-                             LandmarkPointCase, LandmarkDopplerCase>;
+                             LandmarkPointCase, LandmarkDopplerCase, RestCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(AllModels, ModelSuite, Cases);
 
 }  // namespace rio::test

@@ -7,6 +7,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
 #include "rio/models/landmark_point.hpp"
+#include "rio/models/rest.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/sim/radar.hpp"
 #include "support/model_suite.hpp"
@@ -34,8 +35,12 @@ inline RadarOptions test_radar_options() {
   o.sigma_azimuth = m.sigma_azimuth;
   o.sigma_elevation = m.sigma_elevation;
   o.sigma_doppler = m.sigma_doppler;
+  o.weak_snr_db = -200.0;  // all echoes are alike
   return o;
 }
+
+/// The detections of the simulated radar are free of systematic errors.
+inline const RadarErrors::Value kNoErrors = RadarErrors::Value::Zero();
 
 /// A body in motion with a radar on it.
 struct RandomBody {
@@ -81,7 +86,7 @@ struct DopplerCase {
     const RandomBody body(random);
     const Detection d = body.detect(body.place(random), random, noise);
     return {DopplerModel::measurement(d, body.point.gyro_B + body.gyro_bias),
-            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount()}};
+            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoErrors}};
   }
   static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
@@ -142,12 +147,12 @@ struct LandmarkPointCase {
     const RandomBody body(random);
     const Vector3d place = body.place(random);
     const Detection d = body.detect(place, random, noise);
-    return {Model::measurement(d), {body.pose(), body.mount(), place}};
+    return {Model::measurement(d), {body.pose(), body.mount(), kNoErrors, place}};
   }
   static std::optional<Sample<Model>> outside(sim::Random& random) {
     Sample<Model> sample = simulate(random, false);
     const RigidPose& body = std::get<0>(sample.x);
-    std::get<2>(sample.x) = body.R * std::get<1>(sample.x).p + body.p;  // where the radar is
+    std::get<3>(sample.x) = body.R * std::get<1>(sample.x).p + body.p;  // where the radar is
     return sample;
   }
 };
@@ -160,14 +165,33 @@ struct LandmarkDopplerCase {
     const Vector3d place = body.place(random);
     const Detection d = body.detect(place, random, noise);
     return {Model::measurement(d, body.point.gyro_B + body.gyro_bias),
-            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), place}};
+            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoErrors, place}};
   }
   static std::optional<Sample<Model>> outside(sim::Random& random) {
     Sample<Model> sample = simulate(random, false);
     const RigidPose& body = std::get<0>(sample.x);
-    std::get<4>(sample.x) = body.R * std::get<3>(sample.x).p + body.p;  // where the radar is
+    std::get<5>(sample.x) = body.R * std::get<3>(sample.x).p + body.p;  // where the radar is
     return sample;
   }
+};
+
+/// A body that stands: what it still moves, and what the mean of the gyroscope is off by, is noise.
+struct RestCase {
+  using Model = RestModel;
+  static constexpr double kSigmaVelocity = 0.01;
+  static constexpr double kSigmaRate = 1e-3;
+  static Model model() { return {}; }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    Model::Measurement z{body.gyro_bias, kSigmaVelocity, kSigmaRate};
+    Vector3d v_WB = Vector3d::Zero();
+    if (noise) {
+      z.gyro_B += kSigmaRate * random.normal3();
+      v_WB = kSigmaVelocity * random.normal3();
+    }
+    return {z, {body.pose(), v_WB, body.gyro_bias}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
 
 }  // namespace rio::test

@@ -5,6 +5,8 @@
 // (E1) Sigma_u = sigma_az^2 cos^2(el) e_az e_az^T + sigma_el^2 e_el e_el^T
 // (E2) Sigma_m = sigma_r^2 u u^T + r^2 Sigma_u      (Xu et al., eq. 5-8, in an aligned basis)
 // The angle sigmas grow off boresight as 1/cos: an array measures the direction cosine.
+// (E3) weak echoes: sigma_az^2 and sigma_el^2 times 1 + 10^(-(SNR - SNR_weak) / 10), at most twice:
+//      the phase noise of a receiver falls with the SNR (Cramer-Rao bound), the rest does not
 #pragma once
 
 #include <algorithm>
@@ -49,6 +51,11 @@ struct DetectionList {
   StaticVector<Detection, kMaxDetections> items;
 };
 
+/// (E3): growth of the angle sigmas of an echo.
+inline double weak_echo_growth(double snr_db, double weak_snr_db) {
+  return std::sqrt(1.0 + std::min(1.0, std::pow(10.0, -0.1 * (snr_db - weak_snr_db))));
+}
+
 /// A detection with direction, range and noise filled in from its point.
 inline Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
   Detection d;
@@ -66,10 +73,26 @@ inline Detection make_detection(const RadarDetection& raw, const RadarOptions& o
   const double cos_az = horizontal > 1e-9 ? u.x() / horizontal : 1.0;
   const double sin_az = horizontal > 1e-9 ? u.y() / horizontal : 0.0;
   constexpr double kMinCosine = 0.25;  // beyond 75 deg the growth is cut: no array looks there
-  const double sigma_az = o.sigma_azimuth / std::max(cos_az, kMinCosine);
-  const double sigma_el = o.sigma_elevation / std::max(horizontal, kMinCosine);
+  const double growth = weak_echo_growth(raw.snr_db, o.weak_snr_db);
+  const double sigma_az = growth * o.sigma_azimuth / std::max(cos_az, kMinCosine);
+  const double sigma_el = growth * o.sigma_elevation / std::max(horizontal, kMinCosine);
   d.sigma_azimuth_S = sigma_az * horizontal * Vector3d(-sin_az, cos_az, 0.0);
   d.sigma_elevation_S = sigma_el * Vector3d(-u.z() * cos_az, -u.z() * sin_az, horizontal);
+  return d;
+}
+
+/// The detection free of the radar's errors: its direction turned down by the elevation error, its
+/// range rate divided by 1 + scale error.
+inline Detection correct_detection(const Detection& received, const RadarErrors::Value& errors) {
+  Detection d = received;
+  const double sine = std::sin(errors[RadarErrors::kElevation]);
+  const double cosine = std::cos(errors[RadarErrors::kElevation]);
+  const double sigma = received.sigma_elevation_S.norm();
+  const Vector3d upwards = received.sigma_elevation_S / sigma;
+  d.direction_S = cosine * received.direction_S - sine * upwards;
+  d.sigma_elevation_S = sigma * (cosine * upwards + sine * received.direction_S);
+  d.point_S = d.range * d.direction_S;
+  d.range_rate = received.range_rate / (1.0 + errors[RadarErrors::kDopplerScale]);
   return d;
 }
 

@@ -98,6 +98,10 @@ class EgoVelocityRansac {
       }
     }
     out->valid = best.count >= options_.ransac_min_inliers && !best.rival;
+    if (best.count < options_.ransac_min_share * static_cast<double>(n)) {
+      out->valid = false;
+      return;  // whatever agrees here agrees by chance
+    }
     if (!out->valid) {
       if (predicted) mark(scan, predicted->v_S, predicted->covariance, out);
       return;

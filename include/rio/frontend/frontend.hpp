@@ -7,12 +7,14 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "rio/frontend/association.hpp"
 #include "rio/frontend/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/frontend/trails.hpp"
+#include "rio/models/rest.hpp"
 #include "rio/options.hpp"
 #include "rio/state/estimate.hpp"
 
@@ -24,9 +26,12 @@ struct Observations {
   const TrailSet* trails = nullptr;
   EgoVelocity ego_velocity;
   AssociationResult matches;
+  std::optional<RestModel::Measurement> rest;             ///< it stands
+  std::array<double, kMaxDetections> doppler_residual{};  ///< of trails' matches, in sigmas
+  std::array<bool, kMaxDetections> moves{};               ///< continues a trail that moves slowly
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
-  bool is_static(std::size_t i) const { return ego_velocity.inlier[i]; }
+  bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }
 };
 
 /// Detections proposed as landmarks; the back-end decides how many it has room for.
@@ -55,6 +60,7 @@ class Frontend {
     out->scan = &scan;
     out->trails = &trails_;
     out->matches = AssociationResult{};
+    out->moves.fill(false);
     std::optional<RadarVelocity> predicted_velocity;
     if (options_.ransac_use_prediction) {
       predicted_velocity = {radar_velocity(predicted), velocity_covariance_S};
@@ -65,6 +71,7 @@ class Frontend {
     const std::size_t landmarks = use_landmarks_ ? predicted.landmarks.size() : 0;
     association_.match(*out->scan, out->ego_velocity.inlier, predicted, landmarks, trails_,
                        &out->matches);
+    find_movers(radar_velocity(predicted), out);
   }
 
   /// Stage 7, after a successful update: extends, ends and begins trails with the scan of `id`, and
@@ -80,9 +87,10 @@ class Frontend {
     for (const Match& m : seen.matches.trails) {
       taken_[m.detection] = true;
       matched_[m.target] = true;
-      trails_.extend(m.target, {id, seen.detection(m.detection)});
-      if (use_landmarks_ && trails_[m.target].matches >= options_.promote_after &&
-          promotions->births.size() < room) {
+      trails_.extend(m.target, {id, seen.detection(m.detection)},
+                     seen.doppler_residual[m.detection]);
+      if (use_landmarks_ && !seen.moves[m.detection] &&
+          trails_[m.target].matches >= options_.promote_after && promotions->births.size() < room) {
         promotions->births.push_back(seen.detection(m.detection));
         promoted_[m.target] = true;
       }
@@ -103,6 +111,20 @@ class Frontend {
   }
 
  private:
+  /// A mover slow enough for the consensus shows by residuals that agree with each other.
+  void find_movers(const Vector3d& v_S, Observations* out) const {
+    for (const Match& m : out->matches.trails) {
+      const Detection& d = out->detection(m.detection);
+      const double residual =
+          (d.range_rate + d.direction_S.dot(v_S)) / std::sqrt(residual_variance(d, v_S));
+      out->doppler_residual[m.detection] = residual;
+      const Trail& trail = trails_[m.target];
+      if (options_.mover_sigmas <= 0.0 || trail.matches == 0) continue;
+      const double bound = options_.mover_sigmas * std::sqrt(trail.matches + 1.0);
+      out->moves[m.detection] = std::abs(trail.doppler_sum + residual) > bound;
+    }
+  }
+
   void unwrap(const DetectionList& scan, Observations* out) {
     unwrapped_ = scan;
     for (std::size_t i = 0; i < scan.items.size(); ++i) {

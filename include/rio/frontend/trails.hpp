@@ -24,6 +24,9 @@ struct TrailElement {
 struct Trail {
   StaticVector<TrailElement, kMaxClones> elements;
   int matches = 0;  ///< consecutive matches since birth
+  /// Sum over the matches of the Doppler residual in sigmas: of a static point it wanders as a sum
+  /// of independent errors does, of a mover it grows from scan to scan.
+  double doppler_sum = 0.0;
 
   const TrailElement& newest() const { return elements.back(); }
 
@@ -44,8 +47,10 @@ class TrailSet {
   const Trail& operator[](std::size_t i) const { return trails_[i]; }
   void clear() { size_ = 0; }
 
-  void extend(std::size_t i, const TrailElement& element) {
+  /// @param doppler_residual of the new element, in sigmas
+  void extend(std::size_t i, const TrailElement& element, double doppler_residual = 0.0) {
     trails_[i].append(element, max_length_);
+    trails_[i].doppler_sum += doppler_residual;
     ++trails_[i].matches;
   }
   /// A new trail; ignored when there are as many as detections in the largest scan.
@@ -54,6 +59,7 @@ class TrailSet {
     Trail& trail = trails_[size_++];
     trail.elements.clear();
     trail.matches = 0;
+    trail.doppler_sum = 0.0;
     trail.append(element, max_length_);
   }
   /// Keeps the trails for which keep(i) holds, in order.

@@ -3,6 +3,7 @@
 //
 // w = gyro - b_g,  v_S = R_BS^T (R_WB^T v_WB + w x p_BS)
 // (E1) h = -u^T v_S                             positive = receding
+//      u is freed of what is left of the elevation error; v_S appears times 1 + scale error
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is measured too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
@@ -10,6 +11,8 @@
 // v_S and u^ = u - E[d | r]. Using u itself shrinks the velocity along badly measured angles
 // (errors in variables). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
 #pragma once
+
+#include <cmath>
 
 #include "rio/frontend/detection.hpp"
 #include "rio/models/concept.hpp"
@@ -21,12 +24,13 @@ class DopplerModel {
  public:
   static constexpr Model kModel = Model::kDoppler;
   static constexpr int kDim = 1;
-  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics>;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors>;
 
   struct Measurement {
     double range_rate = 0.0;                    ///< [m/s]
     double sigma_doppler = 0.0;                 ///< [m/s]
     Vector3d direction_S = Vector3d::UnitX();   ///< measured u
+    Vector3d upwards_S = Vector3d::UnitZ();     ///< unit tangent at u towards higher elevation
     Matrix3d direction_cov = Matrix3d::Zero();  ///< Sigma_u
     Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
     double predicted_var = 0.0;  ///< P_h: variance of h by the state's error [m^2/s^2]
@@ -38,33 +42,47 @@ class DopplerModel {
       : direction_noise_(direction_noise), direction_correction_(direction_correction) {}
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
-    return {d.range_rate, d.sigma_doppler, d.direction_S, direction_covariance(d), gyro_B, 0.0};
+    return {d.range_rate,
+            d.sigma_doppler,
+            d.direction_S,
+            d.sigma_elevation_S.normalized(),
+            direction_covariance(d),
+            gyro_B,
+            0.0};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
-                const Vector3d& gyro_bias, const RigidPose& T_BS, ResidualOf<kDim>& r,
-                JacobianOf<kDim, Blocks::kDof>* J, JacobianOf<kDim, kDim>& R) const noexcept {
+                const Vector3d& gyro_bias, const RigidPose& T_BS, const RadarErrors::Value& errors,
+                ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                JacobianOf<kDim, kDim>& R) const noexcept {
     const Vector3d w = z.gyro_B - gyro_bias;
     const Vector3d v_B = T_WB.R.transpose() * v_WB;
     const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
-    r[0] = z.range_rate + z.direction_S.dot(v_S);  // (E1)
-    const Vector3d spread = z.direction_cov * v_S;
-    R(0, 0) = z.sigma_doppler * z.sigma_doppler + (direction_noise_ ? v_S.dot(spread) : 0.0);
+    const double sine = std::sin(errors[RadarErrors::kElevation]);
+    const double cosine = std::cos(errors[RadarErrors::kElevation]);
+    const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
+    Vector3d u = cosine * z.direction_S - sine * z.upwards_S;
+    const Vector3d upwards = cosine * z.upwards_S + sine * z.direction_S;
+    r[0] = z.range_rate + scale * u.dot(v_S);  // (E1)
+    const Vector3d spread = scale * z.direction_cov * v_S;
+    R(0, 0) =
+        z.sigma_doppler * z.sigma_doppler + (direction_noise_ ? scale * v_S.dot(spread) : 0.0);
     if (J == nullptr) return true;
 
-    Vector3d u = z.direction_S;
     if (direction_correction_) {
-      const double variance = z.sigma_doppler * z.sigma_doppler + v_S.dot(spread) + z.predicted_var;
+      const double variance =
+          z.sigma_doppler * z.sigma_doppler + scale * v_S.dot(spread) + z.predicted_var;
       constexpr double kOutlier = 9.0;  // beyond three sigma it is no direction error
       if (r[0] * r[0] < kOutlier * variance) u -= spread * (r[0] / variance);  // (E3)
     }
-    const Vector3d a = T_BS.R * u;  // direction in body axes
+    const Vector3d a = scale * T_BS.R * u;  // direction in body axes
     J->block<1, 3>(0, Blocks::column<BodyPose>()) = -a.transpose() * skew(v_B);
     J->block<1, 3>(0, Blocks::column<BodyPose>() + 3).setZero();
     J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
     J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
-    J->block<1, 3>(0, Blocks::column<Extrinsics>()) = -u.transpose() * skew(v_S);
+    J->block<1, 3>(0, Blocks::column<Extrinsics>()) = -scale * u.transpose() * skew(v_S);
     J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = -a.transpose() * skew(w);
+    J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), scale * upwards.dot(v_S);
     return true;
   }
 

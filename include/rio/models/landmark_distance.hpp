@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: distance to a persistent landmark, and the inverse model that puts one into the state.
+// Stage 4: distance to a persistent landmark.
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS),  u = e/|e|,  a = R_BS u
 // (E1) h = |e|                                       Michalczyk et al. 2023, eq. 13-14
-// (E2) l = R_WB (R_BS m + p_BS) + p_WB               ibid., eq. 12
-// (E3) P_ll = H_x P H_x^T + H_m Sigma_m H_m^T,  P_lx = H_x P       ibid., eq. 10-11
-//      with H_x, H_m the Jacobians of (E2) and Sigma_m the polar noise of the detection
 #pragma once
 
 #include "rio/frontend/detection.hpp"
@@ -57,19 +54,5 @@ class LandmarkDistanceModel {
 };
 
 static_assert(MeasurementModel<LandmarkDistanceModel>);
-
-/// (E2) with the Jacobians of (E3).
-struct InverseObservation {
-  Vector3d p_WL;                                 ///< [m]
-  Eigen::Matrix<double, 3, 6> d_l_d_body;        ///< error [dphi, dp] of T_WB
-  Eigen::Matrix<double, 3, 6> d_l_d_extrinsics;  ///< error [dphi, dp] of T_BS
-  Matrix3d d_l_d_m;
-
-  InverseObservation(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& m_S)
-      : p_WL(to_world(T_WB, T_BS, m_S)), d_l_d_m(T_WB.R * T_BS.R) {
-    d_l_d_body << -T_WB.R * skew(T_BS.R * m_S + T_BS.p), Matrix3d::Identity();
-    d_l_d_extrinsics << -d_l_d_m * skew(m_S), T_WB.R;
-  }
-};
 
 }  // namespace rio

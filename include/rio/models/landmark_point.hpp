@@ -6,42 +6,26 @@
 // (E1) range      h = |e|
 // (E2) direction  h = t_az . u and t_el . u with the unit tangents t of the measured direction, so
 //                 that the measured values are 0 and the noise is one sigma of each angle
-// (E3) Doppler    h = -u . v_S: the direction is the landmark's, better known than the detection's
+//                 plus what is left of the elevation error
+// (E3) Doppler    h = -u . v_S: the direction is the landmark's, better known than the detection's;
+//                 v_S appears times 1 + scale error
 // Reference: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone.
 #pragma once
 
 #include "rio/frontend/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/landmark_birth.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"
 
 namespace rio {
-
-/// The landmark in radar axes with its derivatives.
-struct ObservedPoint {
-  Vector3d e_S;                                  ///< [m]
-  Eigen::Matrix<double, 3, 6> d_e_d_body;        ///< error [dphi, dp] of T_WB
-  Eigen::Matrix<double, 3, 6> d_e_d_extrinsics;  ///< error [dphi, dp] of T_BS
-  Matrix3d d_e_d_l;
-
-  /// The direction to a point at the radar is undefined [m].
-  static constexpr double kMinRange = 1e-3;
-
-  ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL) {
-    const Vector3d from_body = T_WB.R.transpose() * (p_WL - T_WB.p);
-    e_S = T_BS.R.transpose() * (from_body - T_BS.p);
-    d_e_d_l = (T_WB.R * T_BS.R).transpose();
-    d_e_d_body << T_BS.R.transpose() * skew(from_body), -d_e_d_l;
-    d_e_d_extrinsics << skew(e_S), -T_BS.R.transpose();
-  }
-};
 
 /// Range and direction (E1) (E2).
 class LandmarkPointModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 3;
-  using Blocks = BlockList<BodyPose, Extrinsics, Landmark>;
+  using Blocks = BlockList<BodyPose, Extrinsics, RadarErrors, Landmark>;
 
   struct Measurement {
     double range = 0.0;                              ///< [m]
@@ -55,8 +39,8 @@ class LandmarkPointModel {
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
-                const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
-                JacobianOf<kDim, kDim>& R) const noexcept {
+                const RadarErrors::Value& errors, const Vector3d& p_WL, ResidualOf<kDim>& r,
+                JacobianOf<kDim, Blocks::kDof>* J, JacobianOf<kDim, kDim>& R) const noexcept {
     const ObservedPoint point(T_WB, T_BS, p_WL);
     const double h = point.e_S.norm();
     if (!(h > ObservedPoint::kMinRange)) return false;
@@ -65,7 +49,7 @@ class LandmarkPointModel {
     const double sigma_el = z.sigma_elevation_S.norm();
     const Vector3d t_az = z.sigma_azimuth_S / sigma_az;
     const Vector3d t_el = z.sigma_elevation_S / sigma_el;
-    r << z.range - h, -t_az.dot(u), -t_el.dot(u);  // (E1) (E2)
+    r << z.range - h, -t_az.dot(u), -t_el.dot(u) - errors[RadarErrors::kElevation];  // (E1) (E2)
     R.setZero();
     R.diagonal() << z.sigma_range * z.sigma_range, sigma_az * sigma_az, sigma_el * sigma_el;
     if (J == nullptr) return true;
@@ -74,9 +58,10 @@ class LandmarkPointModel {
     D.row(0) = u.transpose();
     D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
     D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;
-    J->block<3, 6>(0, Blocks::column<BodyPose>()) = D * point.d_e_d_body;
-    J->block<3, 6>(0, Blocks::column<Extrinsics>()) = D * point.d_e_d_extrinsics;
-    J->block<3, 3>(0, Blocks::column<Landmark>()) = D * point.d_e_d_l;
+    J->block<3, 6>(0, Blocks::column<BodyPose>()) = D * point.d_body();
+    J->block<3, 6>(0, Blocks::column<Extrinsics>()) = D * point.d_extrinsics();
+    J->block<3, 2>(0, Blocks::column<RadarErrors>()) << 0.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+    J->block<3, 3>(0, Blocks::column<Landmark>()) = D * point.d_landmark();
     return true;
   }
 };
@@ -87,7 +72,7 @@ class LandmarkDopplerModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 1;
-  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, Landmark>;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors, Landmark>;
 
   struct Measurement {
     double range_rate = 0.0;             ///< [m/s]
@@ -100,8 +85,8 @@ class LandmarkDopplerModel {
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
-                const Vector3d& gyro_bias, const RigidPose& T_BS, const Vector3d& p_WL,
-                ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                const Vector3d& gyro_bias, const RigidPose& T_BS, const RadarErrors::Value& errors,
+                const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
                 JacobianOf<kDim, kDim>& R) const noexcept {
     const ObservedPoint point(T_WB, T_BS, p_WL);
     const double h = point.e_S.norm();
@@ -110,20 +95,22 @@ class LandmarkDopplerModel {
     const Vector3d w = z.gyro_B - gyro_bias;
     const Vector3d v_B = T_WB.R.transpose() * v_WB;
     const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
-    r[0] = z.range_rate + u.dot(v_S);  // (E3)
+    const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
+    r[0] = z.range_rate + scale * u.dot(v_S);  // (E3)
     R(0, 0) = z.sigma_doppler * z.sigma_doppler;
     if (J == nullptr) return true;
 
-    const Vector3d a = T_BS.R * u;
-    const Eigen::RowVector3d d_h_d_e = -(v_S - u.dot(v_S) * u).transpose() / h;
-    J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h_d_e * point.d_e_d_body;
+    const Vector3d a = scale * T_BS.R * u;
+    const Eigen::RowVector3d d_h_d_e = -scale * (v_S - u.dot(v_S) * u).transpose() / h;
+    J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h_d_e * point.d_body();
     J->block<1, 3>(0, Blocks::column<BodyPose>()) += -a.transpose() * skew(v_B);
     J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
     J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
-    J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h_d_e * point.d_e_d_extrinsics;
-    J->block<1, 3>(0, Blocks::column<Extrinsics>()) += -u.transpose() * skew(v_S);
+    J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h_d_e * point.d_extrinsics();
+    J->block<1, 3>(0, Blocks::column<Extrinsics>()) += -scale * u.transpose() * skew(v_S);
     J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += -a.transpose() * skew(w);
-    J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h_d_e * point.d_e_d_l;
+    J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), 0.0;
+    J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h_d_e * point.d_landmark();
     return true;
   }
 };

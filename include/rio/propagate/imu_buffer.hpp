@@ -19,8 +19,11 @@ struct ImuStep {
   Time end{0};
   Vector3d gyro_B = Vector3d::Zero();   ///< mean measured angular rate [rad/s]
   Vector3d accel_B = Vector3d::Zero();  ///< mean measured specific force [m/s^2]
-  double gap =
-      0.0;  ///< length of the pause of the IMU it lies in, if longer than max_gap, else 0 [s]
+  /// Length of the pause of the IMU it lies in, if longer than max_gap, else 0 [s].
+  double gap = 0.0;
+  Vector3d gyro_change_B = Vector3d::Zero();   ///< half of that from one sample before to one after
+  Vector3d accel_change_B = Vector3d::Zero();  ///< same, specific force
+  double sample_interval = 1.0;                ///< between the samples at its ends [s]
 };
 
 /// Linear interpolation between two samples, `time` between their stamps.
@@ -77,12 +80,21 @@ class ImuBuffer {
       const ImuSample first = interpolate(a, b, std::max(a.time, from));
       const ImuSample last = interpolate(a, b, std::min(b.time, to));
       f(ImuStep{first.time, last.time, 0.5 * (first.gyro_B + last.gyro_B),
-                0.5 * (first.accel_B + last.accel_B), gap(b.time - a.time)});
+                0.5 * (first.accel_B + last.accel_B), gap(b.time - a.time),
+                change(i, &ImuSample::gyro_B), change(i, &ImuSample::accel_B),
+                to_seconds(b.time - a.time)});
     }
   }
 
  private:
   double gap(Time pause) const { return pause > max_gap_ ? to_seconds(pause) : 0.0; }
+  /// Half the change across an end of the step from sample i - 1 to i: across its begin, else, if
+  /// that is forgotten, across its end; 0 if there are only two samples.
+  Vector3d change(std::size_t i, Vector3d ImuSample::*value) const {
+    const std::size_t middle = i >= 2 ? i - 1 : i;
+    if (middle + 1 >= samples_.size()) return Vector3d::Zero();
+    return 0.5 * (samples_[middle + 1].*value - samples_[middle - 1].*value);
+  }
   /// Index of the first sample with a stamp later than `time`; size() if there is none.
   std::size_t first_after(Time time) const {
     std::size_t low = 0;

@@ -68,13 +68,18 @@ struct ProcessNoise {
 
 /// Densities of a step. Inside a gap the motion between the two samples is unknown: a constant
 /// error of the mean rate (acceleration) of sigma adds up over the gap T as the density sigma^2 T
-/// does, however the gap is cut into steps.
+/// does, however the gap is cut into steps. A jitter delta_i of the stamps adds delta_i (a_{i-1} -
+/// a_{i+1}) / 2 to the trapezoidal sum of samples a_i: once a step, small unless something
+/// vibrates.
 inline ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
   ProcessNoise n{
       o.gyro_noise_density * o.gyro_noise_density, o.accel_noise_density * o.accel_noise_density,
       o.gyro_random_walk * o.gyro_random_walk, o.accel_random_walk * o.accel_random_walk};
   n.gyro += o.gap_rate_sigma * o.gap_rate_sigma * step.gap;
   n.accel += o.gap_accel_sigma * o.gap_accel_sigma * step.gap;
+  const double jitter = o.stamp_sigma * o.stamp_sigma / (3.0 * step.sample_interval);
+  n.gyro += jitter * step.gyro_change_B.squaredNorm();
+  n.accel += jitter * step.accel_change_B.squaredNorm();
   return n;
 }
 

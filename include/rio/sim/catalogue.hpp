@@ -100,6 +100,11 @@ inline const auto& catalogue() {
                      }},
       CatalogueEntry{"late-stamps", "radar stamps 30 ms late",
                      [](Scenario& s) { s.radar.stamp_offset = 0.03; }},
+      CatalogueEntry{"miscalibrated", "Doppler 2.8 % too large, elevations 2 deg too high",
+                     [](Scenario& s) {
+                       s.radar.doppler_scale = 0.028;
+                       s.radar.elevation_bias = 2.0 * kDegree;
+                     }},
       CatalogueEntry{"latency", "scans arrive 80 ms after they were measured",
                      [](Scenario& s) { s.radar.latency = 0.08; }},
       CatalogueEntry{"rough-imu", "vibration of 1 g, stamps that jitter by 0.5 ms, worse biases",

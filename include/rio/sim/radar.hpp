@@ -269,6 +269,7 @@ class RadarSimulator {
     polar.range += model_.sigma_range * n[0];
     polar.azimuth += growth * model_.sigma_azimuth / std::cos(echo.polar.azimuth) * n[1];
     polar.elevation += growth * model_.sigma_elevation / std::cos(echo.polar.elevation) * n[2];
+    polar.elevation += model_.elevation_bias;
     double doppler = echo.range_rate + model_.sigma_doppler * n[3];
     if (model_.quantize) {
       polar.range = model_.range_resolution * std::round(polar.range / model_.range_resolution);
@@ -277,6 +278,7 @@ class RadarSimulator {
     if (model_.ambiguous) doppler = fold(doppler, model_.max_doppler);
     const Vector3d point_S = snap_direction(polar.point(), model_.angle_grid);
     // + 0.0: a negative zero would show in files
+    doppler *= 1.0 + model_.doppler_scale;  // a step of the grid is misjudged
     return {.point_S = point_S, .range_rate = doppler + 0.0, .snr_db = echo.snr_db};
   }
 

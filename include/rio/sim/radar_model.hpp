@@ -62,6 +62,8 @@ struct RadarModel {
   int people = 0;                    ///< who walk about, each a cloud of scatterers
   double person_rcs_dbsm = -12.0;    ///< mean of a scatterer of a person [dB(m^2)]
   double burst_outlier_share = 0.8;  ///< of all detections during a burst
+  double doppler_scale = 0.0;        ///< relative error of the reported range rates
+  double elevation_bias = 0.0;       ///< added to every elevation [rad]
   double stamp_offset = 0.0;         ///< the stamps are late by this [s]
   double latency = 0.0;              ///< from the measurement to the arrival of a scan [s]
 

@@ -139,6 +139,10 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
         "Mean cross section of a scatterer of a person, over 1 m^2.");
   field("radar.burst_outlier_share", s.radar.burst_outlier_share, "", 0, 0.95,
         "Outliers of all detections during a burst.");
+  field("radar.doppler_scale", s.radar.doppler_scale, "", -0.5, 0.5,
+        "Relative error of the reported range rates.");
+  field("radar.elevation_bias", s.radar.elevation_bias, "rad", -0.5, 0.5,
+        "Added to every elevation.");
   field("radar.stamp_offset", s.radar.stamp_offset, "s", -1, 1, "The stamps are late by this.");
   field("radar.latency", s.radar.latency, "s", 0, 10,
         "From the measurement to the arrival of a scan; acts in experiments, not in recordings.");

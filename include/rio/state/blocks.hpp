@@ -32,18 +32,25 @@ struct PoseBlock {
   }
 };
 /// Blocks of vector type.
+template <int kSize>
 struct VectorBlock {
-  using Value = Vector3d;
-  static constexpr int kDof = 3;
-  static Value retract(const Value& x, const Vector3d& error) { return x + error; }
+  using Value = Eigen::Matrix<double, kSize, 1>;
+  static constexpr int kDof = kSize;
+  static Value retract(const Value& x, const Value& error) { return x + error; }
 };
 
-struct BodyPose : PoseBlock {};        ///< T_WB at the scan: columns kAttitude, kPosition
-struct BodyVelocity : VectorBlock {};  ///< v_WB [m/s]
-struct GyroBias : VectorBlock {};      ///< [rad/s]
-struct ClonePose : PoseBlock {};       ///< T_WB at a past scan
-struct Extrinsics : PoseBlock {};      ///< T_BS
-struct Landmark : VectorBlock {};      ///< p_WL [m]
+struct BodyPose : PoseBlock {};           ///< T_WB at the scan: columns kAttitude, kPosition
+struct BodyVelocity : VectorBlock<3> {};  ///< v_WB [m/s]
+struct GyroBias : VectorBlock<3> {};      ///< [rad/s]
+struct ClonePose : PoseBlock {};          ///< T_WB at a past scan
+struct Extrinsics : PoseBlock {};         ///< T_BS
+struct Landmark : VectorBlock<3> {};      ///< p_WL [m]
+/// What is left of the radar's systematic errors after the detections were corrected by their
+/// estimate: relative error of the Doppler, elevations read too high by [rad].
+struct RadarErrors : VectorBlock<2> {
+  static constexpr int kDopplerScale = 0;
+  static constexpr int kElevation = 1;
+};
 
 /// The blocks of one model, in the column order of its Jacobian.
 template <class... B>

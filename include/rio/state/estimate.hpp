@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/state/blocks.hpp"
@@ -17,6 +18,8 @@ inline constexpr std::size_t kMaxDetections = 256;
 
 /// Scans are numbered in the order they are processed.
 using ScanId = std::uint64_t;
+/// A state that no scan has seen.
+inline constexpr ScanId kNoScan = std::numeric_limits<ScanId>::max();
 
 /// The body pose at a past radar scan.
 struct Clone {
@@ -31,13 +34,18 @@ struct LandmarkState {
   /// Of its position relative to the radar, S axes, as predicted for the scan [m^2]: what matching
   /// needs of the covariance.
   Matrix3d covariance_S = Matrix3d::Zero();
+  double way_seen = 0.0;  ///< flown by the body when it was last measured [m]
 };
 
 /// Predicted or corrected means at one instant.
 struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
+  Vector3d accel_W = Vector3d::Zero();  ///< of the body, mean since the last scan [m/s^2]
   Pose T_BS;
+  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
+  double way = 0.0;                                              ///< flown since the start [m]
+  double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
   StaticVector<Clone, kMaxClones> clones;  ///< a ring: the newest overwrites the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where each block lives in the error state:
-//   [body 15 | extrinsics 0 or 6 | clones 6 N | landmarks 3 M]
+//   [body 15 | extrinsics 0 or 6 | radar errors 0 or 2 | time offset 0 or 1 | clones 6 N |
+//    landmarks 3 M]
 //
 // The clone region always has room for N clones; a new clone takes the place of the oldest one, so
 // marginalising a clone moves nothing. Landmarks stand last because their number changes.
@@ -13,17 +14,25 @@ namespace rio {
 
 class Layout {
  public:
-  explicit Layout(const UpdateOptions& options)
-      : extrinsics_(options.extrinsic_rotation_sigma > 0.0 ||
-                    options.extrinsic_translation_sigma > 0.0),
-        max_clones_(options.max_clones),
-        max_landmarks_(options.max_landmarks) {}
+  Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks)
+      : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
+        radar_errors_(calibration.doppler_scale_sigma > 0.0 ||
+                      calibration.elevation_bias_sigma > 0.0),
+        time_offset_(calibration.time_offset_sigma > 0.0),
+        max_clones_(max_clones),
+        max_landmarks_(max_landmarks) {}
 
   bool has_extrinsics() const { return extrinsics_; }
+  bool has_radar_errors() const { return radar_errors_; }
+  bool has_time_offset() const { return time_offset_; }
   int max_clones() const { return max_clones_; }
   int max_landmarks() const { return max_landmarks_; }
+
+  // First columns; only those of blocks that are there mean anything.
   int extrinsics() const { return body::kSize; }
-  int clone(int slot) const { return body::kSize + (extrinsics_ ? 6 : 0) + 6 * slot; }
+  int radar_errors() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
+  int time_offset() const { return radar_errors() + (radar_errors_ ? RadarErrors::kDof : 0); }
+  int clone(int slot) const { return time_offset() + (time_offset_ ? 1 : 0) + 6 * slot; }
   int landmark(int index) const { return clone(max_clones_) + 3 * index; }
   int size(int landmarks) const { return landmark(landmarks); }
   int capacity() const { return size(max_landmarks_); }
@@ -35,12 +44,17 @@ class Layout {
     if constexpr (std::is_same_v<Block, BodyVelocity>) return body::kVelocity;
     if constexpr (std::is_same_v<Block, GyroBias>) return body::kGyroBias;
     if constexpr (std::is_same_v<Block, Extrinsics>) return extrinsics_ ? extrinsics() : -1;
-    if constexpr (std::is_same_v<Block, ClonePose>) return clone(index);
+    if constexpr (std::is_same_v<Block, RadarErrors>) return radar_errors_ ? radar_errors() : -1;
+    if constexpr (std::is_same_v<Block, ClonePose>) return max_clones_ > 0 ? clone(index) : -1;
     if constexpr (std::is_same_v<Block, Landmark>) return landmark(index);
   }
+  /// Column of the time offset, -1 = not estimated.
+  int time_offset_column() const { return time_offset_ ? time_offset() : -1; }
 
  private:
   bool extrinsics_;
+  bool radar_errors_;
+  bool time_offset_;
   int max_clones_;
   int max_landmarks_;
 };

@@ -18,7 +18,7 @@ namespace rio {
 
 /// One row with the columns its model's blocks have in the error state.
 struct LinearRow {
-  static constexpr std::size_t kMaxSegments = 5;
+  static constexpr std::size_t kMaxSegments = 7;
   static constexpr std::size_t kMaxColumns = 24;
   struct Segment {
     int column = 0;
@@ -42,6 +42,37 @@ struct LinearRow {
   }
 };
 
+/// The rows of h = J dx for a Jacobian over the blocks of BlockList, plus an own column for the
+/// time offset.
+/// @param columns first column of each block in the error state; -1 = not estimated
+/// @param d_time derivative in the time offset, whose column is `time_column`; -1 = not estimated
+template <int kDim, class... B>
+std::array<LinearRow, static_cast<std::size_t>(kDim)> linear_rows(
+    const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...>,
+    const std::array<int, sizeof...(B)>& columns, const ResidualOf<kDim>& d_time, int time_column) {
+  static_assert(BlockList<B...>::kDof < static_cast<int>(LinearRow::kMaxColumns));
+  static_assert(sizeof...(B) < LinearRow::kMaxSegments);
+  constexpr std::array<int, sizeof...(B)> kLengths = {B::kDof...};
+  std::array<LinearRow, static_cast<std::size_t>(kDim)> rows;
+  for (int i = 0; i < kDim; ++i) {
+    LinearRow& row = rows[static_cast<std::size_t>(i)];
+    std::size_t used = 0;
+    int first = 0;
+    for (std::size_t b = 0; b < columns.size(); ++b) {
+      if (columns[b] >= 0) {
+        row.segments[row.segment_count++] = {columns[b], kLengths[b]};
+        for (int k = 0; k < kLengths[b]; ++k) row.h[used++] = J(i, first + k);
+      }
+      first += kLengths[b];
+    }
+    if (time_column >= 0) {
+      row.segments[row.segment_count++] = {time_column, 1};
+      row.h[used] = d_time[i];
+    }
+  }
+  return rows;
+}
+
 /// Consecutive rows with one verdict.
 struct RowBlock {
   std::size_t first = 0;
@@ -57,6 +88,7 @@ class RowBatch {
     blocks_.reserve(capacity);
   }
 
+  std::size_t capacity() const { return rows_.capacity(); }
   const std::vector<LinearRow>& rows() const { return rows_; }
   const std::vector<RowBlock>& blocks() const { return blocks_; }
   void clear() {
@@ -68,42 +100,23 @@ class RowBatch {
   void begin_block() { blocks_.push_back({rows_.size(), 0, 0.0}); }
   const RowBlock& last_block() const { return blocks_.back(); }
   void share_variance(double variance) { blocks_.back().shared_variance = variance; }
+  /// Multiplies the noise variance of the last block.
+  void scale_variance(double factor) {
+    RowBlock& block = blocks_.back();
+    block.shared_variance *= factor;
+    for (std::size_t i = 0; i < block.count; ++i) rows_[block.first + i].variance *= factor;
+  }
   /// Takes the last block and its rows back.
   void drop_block() {
     rows_.resize(blocks_.back().first);
     blocks_.pop_back();
   }
 
-  /// Appends an evaluation to the open block. Rows of more than one dimension are whitened first.
-  /// @param columns first column of each of the model's blocks in the error state; -1 = fixed
-  template <class M, class... B>
-  void push(const Evaluation<M>& e, BlockList<B...>, const std::array<int, sizeof...(B)>& columns) {
-    static_assert(M::Blocks::kDof <= static_cast<int>(LinearRow::kMaxColumns));
-    static_assert(sizeof...(B) <= LinearRow::kMaxSegments);
-    constexpr std::array<int, sizeof...(B)> kLengths = {B::kDof...};
-    ResidualOf<M::kDim> r = e.r;
-    JacobianOf<M::kDim, M::Blocks::kDof> J = e.J;
-    if constexpr (M::kDim > 1) {
-      const Eigen::LLT<JacobianOf<M::kDim, M::kDim>> llt(e.R);
-      llt.matrixL().solveInPlace(r);
-      llt.matrixL().solveInPlace(J);
-    }
-    for (int i = 0; i < M::kDim; ++i) {
-      RIO_ASSERT(rows_.size() < rows_.capacity());
-      LinearRow& row = rows_.emplace_back();
-      row.residual = r[i];
-      row.variance = M::kDim > 1 ? 1.0 : e.R(0, 0);
-      std::size_t used = 0;
-      int first = 0;
-      for (std::size_t b = 0; b < columns.size(); ++b) {
-        if (columns[b] >= 0) {
-          row.segments[row.segment_count++] = {columns[b], kLengths[b]};
-          for (int k = 0; k < kLengths[b]; ++k) row.h[used++] = J(i, first + k);
-        }
-        first += kLengths[b];
-      }
-      ++blocks_.back().count;
-    }
+  /// Appends a row to the open block.
+  void push(const LinearRow& row) {
+    RIO_ASSERT(rows_.size() < rows_.capacity());
+    rows_.push_back(row);
+    ++blocks_.back().count;
   }
 
  private:

@@ -1,5 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: from a model and an estimate to rows: picks each block's value and each block's column.
+// Stage 5: from a model and an estimate to rows: picks each block's value and each block's column,
+// whitens, and adds the column of the time offset.
+//
+// (E1) A scan is measured at its stamp minus t_d; the state is carried to stamp - t_d^. What is
+// left
+//      of the offset, dt, shifts the measurement to the state x - x' dt:
+//      dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)             for any model that sees the body
 #pragma once
 
 #include <array>
@@ -12,16 +18,44 @@
 
 namespace rio {
 
-/// The estimate with its rotations as matrices: computed once per scan.
+/// The estimate with its rotations as matrices, and how fast it changes: computed once per scan.
 struct LinearizationPoint {
   explicit LinearizationPoint(const Estimate& x)
-      : estimate(x), T_WB(x.T_WB()), T_BS(x.T_BS), v_WB(x.nav.v_WB), gyro_bias(x.nav.gyro_bias) {}
+      : LinearizationPoint(x, x.nav, x.gyro_B, x.accel_W) {}
+  /// Another state beside the clones, landmarks and calibration of x.
+  LinearizationPoint(const Estimate& x, const NavState& nav, const Vector3d& measured_gyro_B,
+                     const Vector3d& acceleration_W)
+      : estimate(x),
+        T_WB(nav.q_WB.toRotationMatrix(), nav.p_WB),
+        T_BS(x.T_BS),
+        v_WB(nav.v_WB),
+        gyro_bias(nav.gyro_bias),
+        gyro_B(measured_gyro_B),
+        accel_W(acceleration_W) {
+    pose_rate << gyro_B - gyro_bias, v_WB;
+  }
 
-  const Estimate& estimate;
+  /// The state `seconds` earlier, at constant rate and acceleration.
+  void step_back(double seconds) {
+    T_WB = PoseBlock::retract(T_WB, -seconds * pose_rate);
+    v_WB -= seconds * accel_W;
+  }
+
+  /// It stands: what changes of the estimate is noise.
+  void stand() {
+    pose_rate.setZero();
+    accel_W.setZero();
+  }
+
+  const Estimate& estimate;  ///< for its clones and landmarks
   RigidPose T_WB;
   RigidPose T_BS;
   Vector3d v_WB;
   Vector3d gyro_bias;
+  Vector3d gyro_B;                                               ///< measured [rad/s]
+  Vector3d accel_W;                                              ///< [m/s^2]
+  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< the detections are corrected
+  Eigen::Matrix<double, 6, 1> pose_rate;  ///< of the error [dphi, dp] [rad/s, m/s]
 };
 
 /// Which clone and which landmark a measurement refers to, for the models that have one.
@@ -37,6 +71,7 @@ const typename Block::Value& block_value(const LinearizationPoint& x, BlockIndex
   if constexpr (std::is_same_v<Block, BodyVelocity>) return x.v_WB;
   if constexpr (std::is_same_v<Block, GyroBias>) return x.gyro_bias;
   if constexpr (std::is_same_v<Block, Extrinsics>) return x.T_BS;
+  if constexpr (std::is_same_v<Block, RadarErrors>) return x.radar_errors;
   if constexpr (std::is_same_v<Block, ClonePose>) {
     return x.estimate.clones[static_cast<std::size_t>(index.clone)].T_WB;
   }
@@ -45,17 +80,53 @@ const typename Block::Value& block_value(const LinearizationPoint& x, BlockIndex
   }
 }
 
-/// Appends model M's rows for z to the open block of `batch`; false if x is outside its domain.
-template <MeasurementModel M, class... B>
+/// (E1)
+template <int kDim, class... B>
+ResidualOf<kDim> time_derivative(const JacobianOf<kDim, BlockList<B...>::kDof>& J,
+                                 BlockList<B...> /*blocks*/, const LinearizationPoint& x) {
+  using Blocks = BlockList<B...>;
+  ResidualOf<kDim> d = ResidualOf<kDim>::Zero();
+  if constexpr ((std::is_same_v<B, BodyPose> || ...)) {
+    d -= J.template middleCols<6>(Blocks::template column<BodyPose>()) * x.pose_rate;
+  }
+  if constexpr ((std::is_same_v<B, BodyVelocity> || ...)) {
+    d -= J.template middleCols<3>(Blocks::template column<BodyVelocity>()) * x.accel_W;
+  }
+  return d;
+}
+
+/// J dx as rows in the error state of `layout`.
+template <int kDim, class LayoutT, class... B>
+auto state_rows(const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...> blocks,
+                const LinearizationPoint& x, BlockIndex index, const LayoutT& layout) {
+  const auto column = [&]<class Block>(std::type_identity<Block>) {
+    return layout.template column<Block>(std::is_same_v<Block, Landmark> ? index.landmark
+                                                                         : index.clone);
+  };
+  return linear_rows<kDim>(J, blocks, {column(std::type_identity<B>{})...},
+                           time_derivative<kDim>(J, blocks, x), layout.time_offset_column());
+}
+
+/// Appends model M's rows for z to the open block of `batch`; rows of more than one dimension are
+/// whitened. False if x is outside the model's domain.
+template <MeasurementModel M, class LayoutT, class... B>
 bool linearize(const M& model, const typename M::Measurement& z, BlockList<B...> blocks,
-               const LinearizationPoint& x, BlockIndex index, const Layout& layout,
+               const LinearizationPoint& x, BlockIndex index, const LayoutT& layout,
                RowBatch* batch) {
   Evaluation<M> e;
   if (!model.evaluate(z, block_value<B>(x, index)..., e.r, &e.J, e.R)) return false;
-  const auto column = [&]<class Block>(std::type_identity<Block>) {
-    return layout.column<Block>(std::is_same_v<Block, Landmark> ? index.landmark : index.clone);
-  };
-  batch->push(e, blocks, {column(std::type_identity<B>{})...});
+  if constexpr (M::kDim > 1) {
+    const Eigen::LLT<JacobianOf<M::kDim, M::kDim>> llt(e.R);
+    llt.matrixL().solveInPlace(e.r);
+    llt.matrixL().solveInPlace(e.J);
+  }
+  auto rows = state_rows<M::kDim>(e.J, blocks, x, index, layout);
+  for (int i = 0; i < M::kDim; ++i) {
+    LinearRow& row = rows[static_cast<std::size_t>(i)];
+    row.residual = e.r[i];
+    row.variance = M::kDim > 1 ? 1.0 : e.R(0, 0);
+    batch->push(row);
+  }
   return true;
 }
 

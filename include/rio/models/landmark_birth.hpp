@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 7: the inverse observation model, which puts a detection into the state as a landmark, and
+// the place of a landmark in radar axes. Neither measures anything; both have a model's form, so
+// that their Jacobians reach the error state as a model's do.
+//
+// (E1) l = R_WB (R_BS m + p_BS) + p_WB                      Michalczyk et al. 2023, eq. 12
+// (E2) l = l(x^) + H_x dx + n,  cov(n) = H_m Sigma_m H_m^T    ibid., eq. 10-11, Sigma_m polar
+// (E3) e = R_BS^T (R_WB^T (l - p_WB) - p_BS)                ibid., eq. 13
+#pragma once
+
+#include "rio/frontend/detection.hpp"
+#include "rio/models/concept.hpp"
+#include "rio/state/blocks.hpp"
+#include "rio/state/estimate.hpp"
+
+namespace rio {
+
+/// A landmark where a detection says (E1), with H_x and the noise of (E2).
+struct LandmarkBirth {
+  using Blocks = BlockList<BodyPose, Extrinsics, RadarErrors>;
+
+  Vector3d p_WL;                    ///< [m]
+  JacobianOf<3, Blocks::kDof> d_l;  ///< H_x
+  Matrix3d noise;                   ///< cov(n) [m^2]
+
+  LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, const Detection& d)
+      : p_WL(to_world(T_WB, T_BS, d.point_S)) {
+    const Matrix3d R_WS = T_WB.R * T_BS.R;
+    const Vector3d upwards = d.range * d.sigma_elevation_S.normalized();
+    d_l.setZero();
+    d_l.middleCols<3>(Blocks::column<BodyPose>()) = -T_WB.R * skew(T_BS.R * d.point_S + T_BS.p);
+    d_l.middleCols<3>(Blocks::column<BodyPose>() + 3).setIdentity();
+    d_l.middleCols<3>(Blocks::column<Extrinsics>()) = -R_WS * skew(d.point_S);
+    d_l.middleCols<3>(Blocks::column<Extrinsics>() + 3) = T_WB.R;
+    d_l.col(Blocks::column<RadarErrors>() + RadarErrors::kElevation) = -R_WS * upwards;
+    noise = R_WS * point_covariance(d) * R_WS.transpose();
+  }
+};
+
+/// A landmark in radar axes (E3) with its derivatives.
+struct ObservedPoint {
+  using Blocks = BlockList<BodyPose, Extrinsics, Landmark>;
+
+  Vector3d e_S;                     ///< [m]
+  JacobianOf<3, Blocks::kDof> d_e;  ///< in the errors of the blocks
+
+  /// The direction to a point at the radar is undefined [m].
+  static constexpr double kMinRange = 1e-3;
+
+  ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL) {
+    const Vector3d from_body = T_WB.R.transpose() * (p_WL - T_WB.p);
+    const Matrix3d R_SW = (T_WB.R * T_BS.R).transpose();
+    e_S = T_BS.R.transpose() * (from_body - T_BS.p);
+    d_e << T_BS.R.transpose() * skew(from_body), -R_SW, skew(e_S), -T_BS.R.transpose(), R_SW;
+  }
+  auto d_body() const { return d_e.middleCols<6>(Blocks::column<BodyPose>()); }
+  auto d_extrinsics() const { return d_e.middleCols<6>(Blocks::column<Extrinsics>()); }
+  auto d_landmark() const { return d_e.middleCols<3>(Blocks::column<Landmark>()); }
+};
+
+}  // namespace rio

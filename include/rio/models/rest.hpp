@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 4: the body stands still: zero velocity, and the gyroscope reads its bias.
+//
+// (E1) 0 = R_WB^T v_WB + n_v      n_v: what passes for standing; in body axes, because a zero in
+// world
+//                                 axes would tell the heading whenever the estimate is not zero
+// (E2) mean gyro = b_g + n_w      n_w: white noise averaged over the time since the last scan
+#pragma once
+
+#include "rio/models/concept.hpp"
+#include "rio/state/blocks.hpp"
+
+namespace rio {
+
+class RestModel {
+ public:
+  static constexpr Model kModel = Model::kRest;
+  static constexpr int kDim = 6;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias>;
+
+  struct Measurement {
+    Vector3d gyro_B = Vector3d::Zero();  ///< mean reading [rad/s]
+    double sigma_velocity = 0.0;         ///< per axis [m/s]
+    double sigma_rate = 0.0;             ///< per axis, of the mean [rad/s]
+  };
+
+  bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
+                const Vector3d& gyro_bias, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                JacobianOf<kDim, kDim>& R) const noexcept {
+    const Vector3d v_B = T_WB.R.transpose() * v_WB;
+    r << -v_B, z.gyro_B - gyro_bias;  // (E1) (E2)
+    R.setZero();
+    R.diagonal().head<3>().setConstant(z.sigma_velocity * z.sigma_velocity);
+    R.diagonal().tail<3>().setConstant(z.sigma_rate * z.sigma_rate);
+    if (J == nullptr) return true;
+    J->setZero();
+    J->block<3, 3>(0, Blocks::column<BodyPose>()) = skew(v_B);
+    J->block<3, 3>(0, Blocks::column<BodyVelocity>()) = T_WB.R.transpose();
+    J->block<3, 3>(3, Blocks::column<GyroBias>()).setIdentity();
+    return true;
+  }
+};
+static_assert(MeasurementModel<RestModel>);
+
+}  // namespace rio

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 7: which landmarks leave and which detections become landmarks, the same for every
+// back-end.
+//
+// A landmark lives while its matches pass the gate, and some seconds longer. Of too many the one
+// unseen for longest gives way: it is the one least likely to be seen again.
+#pragma once
+
+#include "rio/frontend/frontend.hpp"
+#include "rio/options.hpp"
+#include "rio/report.hpp"
+#include "rio/state/estimate.hpp"
+#include "rio/update/scan_rows.hpp"
+
+namespace rio {
+
+inline std::size_t stalest_landmark(const Estimate& x) {
+  std::size_t stalest = 0;
+  for (std::size_t i = 1; i < x.landmarks.size(); ++i) {
+    if (x.landmarks[i].last_seen < x.landmarks[stalest].last_seen) stalest = i;
+  }
+  return stalest;
+}
+
+/// @param x its landmarks' times are brought up to date
+/// @param remove remove(index): the last landmark takes the place of that one
+/// @param add add(detection): a new last landmark
+template <class Remove, class Add>
+void maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                        const Promotions& promotions, const Options& options, Estimate* x,
+                        UpdateReport* report, const Remove& remove, const Add& add) {
+  const Time now = x->nav.time;
+  for (const Match& m : seen.matches.landmarks) {
+    if (!rows.was_used(m.target)) continue;
+    x->landmarks[m.target].last_seen = now;
+    x->landmarks[m.target].way_seen = x->way;
+  }
+  const auto leave = [&](std::size_t i) {
+    remove(i);
+    ++report->landmarks_removed;
+  };
+  const Time timeout = from_seconds(options.frontend.landmark_timeout);
+  for (std::size_t i = x->landmarks.size(); i-- > 0;) {
+    if (now - x->landmarks[i].last_seen > timeout) leave(i);
+  }
+  for (const Detection& d : promotions.births) {
+    if (static_cast<int>(x->landmarks.size()) == options.update.max_landmarks) {
+      leave(stalest_landmark(*x));
+    }
+    add(d);
+    ++report->landmarks_added;
+  }
+}
+
+}  // namespace rio

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 6: what a measurement is worth whose error repeats: the interference inside a reflector
+// changes with the way flown, and not at all while the radar rests.
+//
+// (E1) correlation with the measurement before it, a way d ago: rho = (1 - f) exp(-d / d0), f the
+//      share of the variance that is new in every scan (receiver noise)
+// (E2) n values of a first-order Gauss-Markov error tell of a constant what n (1 - rho) / (1 + rho)
+//      independent ones do (n large), so each counts with its variance times (1 + rho) / (1 - rho)
+// Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
+// Autocorrelated Time Series, 1946.
+#pragma once
+
+#include <cmath>
+
+namespace rio {
+
+/// (E2): factor of the variance, 1 if `distance` is 0.
+/// @param way flown since the measurement before [m], not negative
+/// @param distance d0 [m]
+inline double repetition_factor(double way, double distance) {
+  constexpr double kFreshShare = 0.02;  // f: at rest a scan repeats but for a tenth of its sigma
+  if (distance <= 0.0) return 1.0;
+  const double rho = (1.0 - kFreshShare) * std::exp(-way / distance);
+  return (1.0 + rho) / (1.0 - rho);
+}
+
+}  // namespace rio

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A covariance with clones, landmarks, calibration and dense cross-covariances everywhere, and
+// dense matrices to compare with.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "rio/sim/random.hpp"
+#include "rio/update/covariance.hpp"
+#include "rio/update/linear_rows.hpp"
+
+namespace rio::test {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+inline MatrixXd random_matrix(sim::Random& random, Eigen::Index rows, Eigen::Index cols) {
+  MatrixXd m(rows, cols);
+  for (Eigen::Index c = 0; c < cols; ++c) {
+    for (Eigen::Index r = 0; r < rows; ++r) m(r, c) = random.normal();
+  }
+  return m;
+}
+
+/// The same rows as a dense matrix of n columns.
+template <std::size_t kRows>
+MatrixXd dense_rows(const std::array<LinearRow, kRows>& rows, int n) {
+  MatrixXd H = MatrixXd::Zero(kRows, n);
+  for (std::size_t i = 0; i < kRows; ++i) {
+    rows[i].for_each_segment([&](int column, const double* h, int length) {
+      for (int k = 0; k < length; ++k) H(static_cast<Eigen::Index>(i), column + k) = h[k];
+    });
+  }
+  return H;
+}
+
+class CovarianceCase : public testing::Test {
+ protected:
+  CovarianceCase() : layout_(calibration(), 3, 4), covariance_(layout_) {
+    const MatrixXd A = 0.1 * random_matrix(random_, 15, 15);
+    covariance_.reset(BodyCovariance(A * A.transpose()), calibration());
+    for (int scan = 0; scan < 5; ++scan) {  // more scans than clones
+      covariance_.propagate(random_transition(), noise());
+      covariance_.assign_clone(scan % 3, clone_rows());
+      if (scan >= 3) {
+        covariance_.add_landmark(scan - 3, landmark_rows(), 0.01 * Matrix3d::Identity());
+      }
+    }
+    covariance_.propagate(random_transition(), noise());
+  }
+
+  static CalibrationOptions calibration() { return {0.05, 0.03, 0.02, 0.02, 0.03}; }
+  Matrix15d random_transition() {
+    return Matrix15d::Identity() + 0.1 * random_matrix(random_, 15, 15);
+  }
+  static Matrix15d noise() { return 1e-3 * Matrix15d::Identity(); }
+  /// The body's pose, early by the time offset.
+  std::array<LinearRow, 6> clone_rows() {
+    return linear_rows<6>(Eigen::Matrix<double, 6, 6>::Identity(), BlockList<BodyPose>{},
+                          {body::kAttitude}, random_matrix(random_, 6, 1), layout_.time_offset());
+  }
+  std::array<LinearRow, 3> landmark_rows() {
+    return linear_rows<3>(random_matrix(random_, 3, 14),
+                          BlockList<BodyPose, Extrinsics, RadarErrors>{},
+                          {body::kAttitude, layout_.extrinsics(), layout_.radar_errors()},
+                          random_matrix(random_, 3, 1), layout_.time_offset());
+  }
+  MatrixXd dense() const { return covariance_.matrix(); }
+  void expect_equal(const MatrixXd& expected, double tolerance) const {
+    ASSERT_EQ(expected.rows(), covariance_.size());
+    EXPECT_LE((covariance_.matrix() - expected).cwiseAbs().maxCoeff(),
+              tolerance * std::max(1.0, expected.cwiseAbs().maxCoeff()));
+    EXPECT_EQ(dense(), dense().transpose());
+  }
+
+  sim::Random random_{31};
+  Layout layout_;
+  Covariance covariance_;
+};
+
+/// Blocks of rows with their dense equivalent.
+struct DenseRows {
+  MatrixXd H;
+  MatrixXd R;
+  VectorXd r;
+};
+
+/// Rows as a model with a body, a clone and a velocity block would produce.
+inline DenseRows fill(sim::Random& random, const Layout& layout, int n,
+                      const std::vector<int>& block_sizes, RowBatch* batch) {
+  int count = 0;
+  for (const int size : block_sizes) count += size;
+  DenseRows d{MatrixXd::Zero(count, n), MatrixXd::Zero(count, count), VectorXd::Zero(count)};
+  int at = 0;
+  for (const int size : block_sizes) {
+    const double shared = size > 1 ? 0.3 : 0.0;
+    batch->begin_block();
+    batch->share_variance(shared);
+    for (int i = 0; i < size; ++i, ++at) {
+      auto row = linear_rows<1>(random_matrix(random, 1, 15),
+                                BlockList<BodyPose, ClonePose, BodyVelocity>{},
+                                {0, layout.clone(i % layout.max_clones()), body::kVelocity},
+                                random_matrix(random, 1, 1), layout.time_offset());
+      row[0].residual = random.normal();
+      row[0].variance = 0.5 + random.uniform();
+      batch->push(row[0]);
+      d.H.row(at) = dense_rows(row, n);
+      d.r[at] = row[0].residual;
+      d.R.block(at - i, at, i, 1).setConstant(shared);
+      d.R.block(at, at - i, 1, i).setConstant(shared);
+      d.R(at, at) = row[0].variance;
+    }
+  }
+  return d;
+}
+
+}  // namespace rio::test

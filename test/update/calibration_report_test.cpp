@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which number of the state the report shows under which name, and the verdict on it.
+#include "rio/update/calibration_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+
+namespace rio::test {
+namespace {
+
+constexpr double kPrior = 0.02;
+
+TEST(CalibrationReport, VerdictFollowsFromTheSigmas) {
+  EXPECT_EQ(observability(0.0, 1.00 * kPrior, kPrior), Observability::kUnobserved);
+  EXPECT_EQ(observability(0.0, 0.91 * kPrior, kPrior), Observability::kUnobserved);
+  EXPECT_EQ(observability(0.0, 0.89 * kPrior, kPrior), Observability::kWeak);
+  EXPECT_EQ(observability(0.0, 0.51 * kPrior, kPrior), Observability::kWeak);
+  EXPECT_EQ(observability(0.0, 0.49 * kPrior, kPrior), Observability::kObserved);
+  EXPECT_EQ(observability(0.0, 0.0, kPrior), Observability::kObserved);
+}
+
+TEST(CalibrationReport, WithoutAPriorNothingIsEstimated) {
+  EXPECT_EQ(observability(0.0, 0.0, 0.0), Observability::kNotEstimated);
+  EXPECT_EQ(observability(1.0, 0.0, 0.0), Observability::kNotEstimated);
+}
+
+TEST(CalibrationReport, TheLimitOutweighsTheSigma) {
+  const double limit = kCalibrationLimit * kPrior;
+  EXPECT_EQ(observability(limit, 0.1 * kPrior, kPrior), Observability::kAtLimit);
+  EXPECT_EQ(observability(-limit, kPrior, kPrior), Observability::kAtLimit);
+  EXPECT_EQ(observability(0.99 * limit, 0.1 * kPrior, kPrior), Observability::kObserved);
+}
+
+/// Every parameter estimated, with priors and corrections that differ.
+class CalibrationOfBelief : public testing::Test {
+ protected:
+  CalibrationOfBelief() {
+    options_.radar.T_BS.rotation = quaternion_exp(Vector3d(0.4, -0.7, 0.2));
+    options_.radar.T_BS.translation = Vector3d(0.1, 0.2, -0.3);
+    options_.calibration = {.rotation_sigma = 0.05,
+                            .translation_sigma = 0.03,
+                            .time_offset_sigma = 0.04,
+                            .doppler_scale_sigma = 0.02,
+                            .elevation_bias_sigma = 0.06};
+  }
+  /// A belief that has been corrected by `step` times 1, 2, ... in the parameters as laid out.
+  Belief corrected(double step) const {
+    Belief belief(options_, 0);
+    belief.reset(NavState{}, BodyCovariance::Identity());
+    Eigen::VectorXd dx = Eigen::VectorXd::Zero(belief.layout().capacity());
+    const int count = belief.layout().clone(0) - body::kSize;
+    for (int i = 0; i < count; ++i) dx[body::kSize + i] = step * (1.0 + i);
+    belief.correct(dx);
+    return belief;
+  }
+  std::array<CalibrationReport, kCalibrationCount> report(const Belief& belief) const {
+    return calibration_report(belief, options_);
+  }
+
+  Options options_;
+};
+
+constexpr std::array kPriors = {0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.02, 0.06, 0.04};
+
+TEST_F(CalibrationOfBelief, EveryParameterStandsUnderItsName) {
+  Belief belief = corrected(1e-3);
+  for (int i = 0; i < static_cast<int>(kCalibrationCount); ++i) {  // sigma: a tenth of i + 1 priors
+    const double sigma = 0.1 * (1.0 + i) * kPriors[static_cast<std::size_t>(i)];
+    belief.covariance().matrix()(body::kSize + i, body::kSize + i) = sigma * sigma;
+  }
+  const auto all = report(belief);
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const double rank = 1.0 + static_cast<double>(i);
+    EXPECT_NEAR(all[i].value, 1e-3 * rank, 1e-12) << i;
+    EXPECT_NEAR(all[i].sigma, 0.1 * rank * kPriors[i], 1e-15) << i;
+    EXPECT_EQ(all[i].prior_sigma, kPriors[i]) << i;
+    const Observability expected = i < 4 ? Observability::kObserved : Observability::kWeak;
+    if (i != 4 && i != 8) {  // half and nine tenths are the bounds themselves
+      EXPECT_EQ(all[i].verdict, expected) << i;
+    }
+  }
+}
+
+TEST_F(CalibrationOfBelief, BeforeTheFirstScanNothingIsKnown) {
+  for (const CalibrationReport& r : report(corrected(0.0))) {
+    EXPECT_NEAR(r.value, 0.0, 1e-15);
+    EXPECT_NEAR(r.sigma, r.prior_sigma, 1e-15);
+    EXPECT_EQ(r.verdict, Observability::kUnobserved);
+  }
+}
+
+TEST_F(CalibrationOfBelief, EstimatesStopAtTheirLimit) {
+  for (const double step : {10.0, -10.0}) {
+    // of the rotation only one axis: turns of many radians about several do not add up
+    Belief belief(options_, 0);
+    belief.reset(NavState{}, BodyCovariance::Identity());
+    Eigen::VectorXd dx = Eigen::VectorXd::Constant(belief.layout().capacity(), step);
+    dx.segment<3>(belief.layout().extrinsics()) = Vector3d(0.0, step / 10.0, 0.0);
+    belief.correct(dx);
+    const auto all = report(belief);
+    for (std::size_t i = 1; i < kCalibrationCount; ++i) {
+      if (i == 2) continue;
+      EXPECT_NEAR(all[i].value, (step > 0.0 ? 1.0 : -1.0) * kCalibrationLimit * kPriors[i], 1e-12)
+          << i;
+      EXPECT_EQ(all[i].verdict, Observability::kAtLimit) << i;
+    }
+  }
+}
+
+TEST_F(CalibrationOfBelief, WhatHasNoPriorIsNotReported) {
+  options_.calibration = {.rotation_sigma = 0.05,
+                          .translation_sigma = 0.0,
+                          .time_offset_sigma = 0.0,
+                          .doppler_scale_sigma = 0.0,
+                          .elevation_bias_sigma = 0.06};
+  const auto all = report(corrected(1e-3));
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const bool estimated = i < 3 || i == static_cast<std::size_t>(Calibration::kElevationBias);
+    EXPECT_EQ(all[i].verdict != Observability::kNotEstimated, estimated) << i;
+    EXPECT_EQ(all[i].sigma > 0.0, estimated) << i;
+    EXPECT_EQ(all[i].value != 0.0, estimated) << i;
+  }
+  options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  for (const CalibrationReport& r : report(corrected(1e-3))) {
+    EXPECT_EQ(r.verdict, Observability::kNotEstimated);
+  }
+}
+
+}  // namespace
+}  // namespace rio::test

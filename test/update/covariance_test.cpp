@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every operation on P against the same operation written with dense matrices.
+#include "rio/update/covariance.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/covariance_case.hpp"
+
+namespace rio::test {
+namespace {
+
+using CovarianceTest = CovarianceCase;
+
+TEST_F(CovarianceTest, PropagationEqualsTheDenseProduct) {
+  MatrixXd F = MatrixXd::Identity(covariance_.size(), covariance_.size());
+  F.topLeftCorner<15, 15>() = random_transition();
+  MatrixXd expected = F * dense() * F.transpose();
+  expected.topLeftCorner<15, 15>() += noise();
+  covariance_.propagate(F.topLeftCorner<15, 15>(), noise());
+  expect_equal(expected, 1e-12);
+}
+
+// As if the velocity had had that variance at the beginning, and the position had followed it.
+TEST_F(CovarianceTest, ReopenedVelocityTakesThePositionAlong) {
+  MatrixXd G = MatrixXd::Zero(covariance_.size(), 3);
+  G.middleRows<3>(body::kPosition) = 0.2 * Matrix3d::Identity();
+  G.middleRows<3>(body::kVelocity) = Matrix3d::Identity();
+  const MatrixXd expected = dense() + 7.0 * G * G.transpose();
+  covariance_.reopen_velocity(7.0, 0.2);
+  expect_equal(expected, 1e-12);
+}
+
+TEST_F(CovarianceTest, BlocksEnterAsLinearFunctionsOfTheState) {
+  const int n = covariance_.size();
+  const auto expect_block = [this](int at, const MatrixXd& H, const MatrixXd& noise) {
+    const MatrixXd before = dense();
+    MatrixXd M = MatrixXd::Identity(before.rows(), before.cols());
+    M.middleRows(at, H.rows()) = H;
+    MatrixXd expected = M * before * M.transpose();
+    expected.block(at, at, H.rows(), H.rows()) += noise;
+    return expected;
+  };
+  const std::array<LinearRow, 6> clone = clone_rows();
+  const MatrixXd with_clone =
+      expect_block(layout_.clone(1), dense_rows(clone, n), MatrixXd::Zero(6, 6));
+  covariance_.assign_clone(1, clone);
+  expect_equal(with_clone, 1e-12);
+
+  const std::array<LinearRow, 3> landmark = landmark_rows();
+  const Matrix3d noise = Vector3d(0.1, 0.2, 0.3).asDiagonal();
+  MatrixXd H = MatrixXd::Zero(n + 3, n);
+  H.topRows(n).setIdentity();
+  H.bottomRows(3) = dense_rows(landmark, n);
+  MatrixXd with_landmark = H * dense() * H.transpose();
+  with_landmark.bottomRightCorner(3, 3) += noise;
+  covariance_.add_landmark(2, landmark, noise);
+  expect_equal(with_landmark, 1e-12);
+}
+
+TEST_F(CovarianceTest, CloneWithoutTimeOffsetIsAnExactCopy) {
+  covariance_.assign_clone(
+      1, linear_rows<6>(Eigen::Matrix<double, 6, 6>::Identity(), BlockList<BodyPose>{},
+                        {body::kAttitude}, Eigen::Matrix<double, 6, 1>::Zero(), -1));
+  const int at = layout_.clone(1);
+  EXPECT_EQ(dense().middleRows(at, 6), dense().topRows(6));
+  EXPECT_EQ(dense().block(at, at, 6, 6), dense().topLeftCorner(6, 6));
+}
+
+TEST_F(CovarianceTest, CovarianceOfRowsEqualsTheDenseProduct) {
+  const std::array<LinearRow, 3> rows = landmark_rows();
+  const MatrixXd H = dense_rows(rows, covariance_.size());
+  const Matrix3d expected = H * dense() * H.transpose();
+  EXPECT_LE((covariance_.covariance_of(rows) - expected).cwiseAbs().maxCoeff(),
+            1e-12 * expected.norm());
+}
+
+TEST_F(CovarianceTest, LandmarkNoiseReachesLandmarksOnly) {
+  MatrixXd expected = dense();
+  expected.diagonal().tail(6).array() += 0.25;
+  covariance_.add_landmark_noise(0.25);
+  expect_equal(expected, 0.0);
+}
+
+TEST_F(CovarianceTest, RemovedLandmarkIsReplacedByTheLast) {
+  const int n = covariance_.size();
+  MatrixXd select = MatrixXd::Identity(n - 3, n);  // drops the last three ...
+  select.block(layout_.landmark(0), layout_.landmark(0), 3, 3).setZero();
+  select.block(layout_.landmark(0), layout_.landmark(1), 3, 3)
+      .setIdentity();  // ... after moving them
+  const MatrixXd expected = select * dense() * select.transpose();
+  covariance_.remove_landmark(0);
+  expect_equal(expected, 0.0);
+  covariance_.remove_landmark(0);
+  expect_equal(expected.topLeftCorner(n - 6, n - 6), 0.0);
+}
+
+TEST_F(CovarianceTest, InnovationCovarianceOfABlock) {
+  RowBatch batch(10);
+  const DenseRows d = fill(random_, layout_, covariance_.size(), {5}, &batch);
+  Covariance::BlockMatrix S;
+  covariance_.innovation_covariance(batch, batch.blocks()[0], &S);
+  EXPECT_LT((S - (d.H * dense() * d.H.transpose() + d.R)).cwiseAbs().maxCoeff(), 1e-11);
+}
+
+}  // namespace
+}  // namespace rio::test
