@@ -140,6 +140,7 @@ class ChartWriter {
     std::sort(levels.begin(), levels.end(),
               [](const Level& a, const Level& b) { return a.value > b.value; });
     std::vector<double> y;
+    y.reserve(levels.size());
     for (const Level& level : levels) {
       y.push_back(y.empty() ? height(level) : std::max(height(level), y.back() + kLevelSize));
     }

@@ -52,7 +52,7 @@ inline std::array<Vector3d, kPlanes> mirror_images(const Room& room, const Vecto
   std::array<Vector3d, kPlanes> images_W;
   images_W.fill(point_W);
   for (int axis = 0; axis < 3; ++axis) {
-    const auto low = static_cast<std::size_t>(2 * axis);
+    const auto low = 2 * static_cast<std::size_t>(axis);
     images_W.at(low)[axis] = 2.0 * room.low_W[axis] - point_W[axis];
     images_W.at(low + 1)[axis] = 2.0 * room.high_W[axis] - point_W[axis];
   }

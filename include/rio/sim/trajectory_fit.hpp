@@ -160,6 +160,7 @@ class Spline {
       throw std::runtime_error("recorded path: the samples do not determine a path");
     }
     std::vector<Trajectory::Control> result;
+    result.reserve(static_cast<std::size_t>(controls()));
     for (int k = 0; k < controls(); ++k) result.emplace_back(solution.row(unknown(k)));
     return result;
   }
@@ -171,7 +172,8 @@ class Spline {
       const auto [span, weights] = basis(observation.time);
       Trajectory::Control off = observations_.front().value - observation.value;
       for (int j = 0; j < kOrder; ++j) {
-        off += weights[static_cast<std::size_t>(j)] * fitted[static_cast<std::size_t>(span + j)];
+        off += weights[static_cast<std::size_t>(j)] *
+               fitted[static_cast<std::size_t>(span) + static_cast<std::size_t>(j)];
       }
       sum += off.head<3>().squaredNorm();
     }
