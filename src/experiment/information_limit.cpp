@@ -81,25 +81,24 @@ class DetectionRows {
 
   /// de/dx.
   ThreeRows d_point(const Vector3d& p_WL) const {
-    const Matrix3d R_SB = T_BS_.R.transpose();
-    const Matrix3d R_SW = R_SB * T_WB_.R.transpose();
+    const Matrix3d R_SW = (T_WB_.R * T_BS_.R).transpose();
     ThreeRows d = ThreeRows::Zero();
-    d.middleCols<3>(body::kAttitude) = R_SB * skew(T_WB_.R.transpose() * (p_WL - T_WB_.p));
+    d.middleCols<3>(body::kAttitude) =
+        T_BS_.R.transpose() * skew(T_WB_.R.transpose() * (p_WL - T_WB_.p));
     d.middleCols<3>(body::kPosition) = -R_SW;
     d.middleCols<3>(kRotation) = skew(in_radar(p_WL));
-    d.middleCols<3>(kTranslation) = -R_SB;
+    d.middleCols<3>(kTranslation) = -T_BS_.R.transpose();
     d.middleCols<3>(kCommon) = R_SW;
     return d;
   }
   /// dv_S/dx.
   ThreeRows d_velocity() const {
-    const Matrix3d R_SB = T_BS_.R.transpose();
     ThreeRows d = ThreeRows::Zero();
-    d.middleCols<3>(body::kAttitude) = R_SB * skew(v_B_);
-    d.middleCols<3>(body::kVelocity) = R_SB * T_WB_.R.transpose();
-    d.middleCols<3>(body::kGyroBias) = R_SB * skew(T_BS_.p);
+    d.middleCols<3>(body::kAttitude) = T_BS_.R.transpose() * skew(v_B_);
+    d.middleCols<3>(body::kVelocity) = (T_WB_.R * T_BS_.R).transpose();
+    d.middleCols<3>(body::kGyroBias) = T_BS_.R.transpose() * skew(T_BS_.p);
     d.middleCols<3>(kRotation) = skew(v_S_);
-    d.middleCols<3>(kTranslation) = R_SB * skew(truth_.gyro_B);
+    d.middleCols<3>(kTranslation) = T_BS_.R.transpose() * skew(truth_.gyro_B);
     return d;
   }
 
