@@ -90,6 +90,27 @@ void publish_smoother(Options* o) {
   o->smoother.kernel_size = 4.0;
 }
 
+/// Xu, Huang, Shen, Yin: the sliding window with IMU, Doppler and the places of landmarks, weighted
+/// by the polar noise of each point; matches by the density of that noise with its 3-sigma check.
+/// It differs from the paper
+///   - where that is wrong or silent: the Doppler keeps a noise of its own (without it a hovering
+///     radar would measure its speed exactly), the angle sigmas stand in an aligned basis, pairs
+///     are one-to-one, a window has 10 states, a point becomes a landmark at its fourth match and
+///     leaves after a second unseen;
+///   - in the front-end and the prior, which are the shared ones: RANSAC instead of a bound on the
+///     Doppler residual, Schur marginalisation instead of a fixed oldest state.
+void publish_uncertainty(Options* o) {
+  publish_smoother(o);
+  o->frontend.matching = Matching::kProbability;
+  o->frontend.match_probability = 0.9973;
+  o->frontend.promote_after = 4;
+  o->frontend.landmark_timeout = 1.0;
+  o->update.use_trails = false;
+  o->update.direction_noise = true;
+  o->update.landmark_measurement = LandmarkMeasurement::kPosition;
+  o->smoother.kernel = Kernel::kNone;
+}
+
 }  // namespace
 
 bool Options::validate(std::string* why) const {
@@ -106,6 +127,8 @@ bool preset(const std::string& name, Options* options) {
     publish_ekf(&chosen);
   } else if (name == "published-smoother") {
     publish_smoother(&chosen);
+  } else if (name == "published-uncertainty") {
+    publish_uncertainty(&chosen);
   } else if (name != "default") {
     return false;
   }

@@ -39,6 +39,8 @@ const char* to_string(Model model) {
       return "landmark_distance";
     case Model::kLandmarkPoint:
       return "landmark_point";
+    case Model::kLandmarkPosition:
+      return "landmark_position";
     case Model::kRest:
       return "rest";
     case Model::kCount:

@@ -104,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
                       o->frontend.landmark_timeout = 1000.0;
                       o->frontend.promote_after = 1;
                     },
-                    [](Options* o) { EXPECT_TRUE(preset("published-smoother", o)); }));
+                    [](Options* o) { EXPECT_TRUE(preset("published-smoother", o)); },
+                    [](Options* o) { EXPECT_TRUE(preset("published-uncertainty", o)); }));
 
 }  // namespace
 }  // namespace rio::test

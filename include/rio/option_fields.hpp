@@ -108,12 +108,12 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Undo the folding of range rates at radar.max_doppler.");
   field("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
         "Scans that contradict the velocity for long re-open it.");
-  field("frontend.matching", o.frontend.matching, "", 0, 1,
-        "euclidean (as published) or mahalanobis.");
+  field("frontend.matching", o.frontend.matching, "", 0, 2,
+        "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
   field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
         "Euclidean matching: largest distance after alignment.");
   field("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
-        "Mahalanobis matching: probability of a right pair to pass the gate.");
+        "Probability and Mahalanobis matching: of a right pair to pass the gate.");
   field(
       "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
       "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
@@ -135,8 +135,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Noise of the rows of one trail: independent or correlated.");
   field("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
         "Noise of a trail distance when rows are independent.");
-  field("update.landmark_measurement", o.update.landmark_measurement, "", 0, 1,
-        "distance (as published) or point: range, direction and Doppler.");
+  field("update.landmark_measurement", o.update.landmark_measurement, "", 0, 2,
+        "distance (Michalczyk et al.), position (Xu et al.) or point: range, direction, Doppler.");
   field("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
         "Walk of a landmark with the way flown.");
   field("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
@@ -198,8 +198,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
 constexpr std::array<std::string_view, 2> names_of(TrailNoise) {
   return {"independent", "correlated"};
 }
-constexpr std::array<std::string_view, 2> names_of(Matching) {
-  return {"euclidean", "mahalanobis"};
+constexpr std::array<std::string_view, 3> names_of(Matching) {
+  return {"euclidean", "probability", "mahalanobis"};
 }
 constexpr std::array<std::string_view, 4> names_of(Kernel) {
   return {"none", "huber", "cauchy", "dcs"};
@@ -207,8 +207,8 @@ constexpr std::array<std::string_view, 4> names_of(Kernel) {
 constexpr std::array<std::string_view, 2> names_of(BackEnd) {
   return {"ekf", "smoother"};
 }
-constexpr std::array<std::string_view, 2> names_of(LandmarkMeasurement) {
-  return {"distance", "point"};
+constexpr std::array<std::string_view, 3> names_of(LandmarkMeasurement) {
+  return {"distance", "position", "point"};
 }
 
 template <class Enum>

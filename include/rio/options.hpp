@@ -52,8 +52,9 @@ struct RadarOptions {
 
 /// When a detection and a known point belong together.
 enum class Matching {
-  kEuclidean,    ///< as published: closer than a constant distance
-  kMahalanobis,  ///< closer than their own uncertainties allow, and nothing else is nearly as close
+  kEuclidean,    ///< Michalczyk et al.: closer than a constant distance
+  kProbability,  ///< Xu et al.: by the density of the detection's own noise at the known point
+  kMahalanobis,  ///< closer than both uncertainties allow, and nothing else is nearly as close
 };
 
 /// Stages 3 and 7: detections to observations.
@@ -75,7 +76,7 @@ struct FrontendOptions {
   bool velocity_recovery = true;      ///< scans that contradict the velocity for long re-open it
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
-  double match_probability = 0.95;  ///< kMahalanobis: of a right pair to pass the gate
+  double match_probability = 0.95;  ///< else: of a right pair to pass the gate
   double match_margin = 2.0;        ///< kMahalanobis: by which a landmark's match must be the best
   int promote_after = 6;            ///< consecutive matches that make a trail a landmark
   double landmark_timeout = 10.0;   ///< a landmark not seen for longer is dropped [s]
@@ -89,7 +90,8 @@ enum class TrailNoise {
 
 /// What a match with a landmark measures.
 enum class LandmarkMeasurement {
-  kDistance,  ///< as published: the range, with a constant sigma
+  kDistance,  ///< Michalczyk et al.: the range, with a constant sigma
+  kPosition,  ///< Xu et al.: its place, with the noise of the detection; Doppler by itself
   kPoint,     ///< range and direction with the noise of the detection, Doppler along the landmark
 };
 
@@ -194,7 +196,8 @@ struct Options {
   bool validate(std::string* why = nullptr) const;
 };
 
-/// The options named `name` ("default", "published-ekf"); false and unchanged if there is no such.
+/// The options named `name`: "default", "published-ekf", "published-smoother" or
+/// "published-uncertainty"; false and unchanged if there is no such.
 bool preset(const std::string& name, Options* options);
 
 }  // namespace rio

@@ -35,6 +35,7 @@ enum class Model : std::uint8_t {
   kTrailDistance,
   kLandmarkDistance,
   kLandmarkPoint,
+  kLandmarkPosition,
   kRest,
   kCount
 };

@@ -43,6 +43,10 @@ struct RadarDetection {
   double range_rate = 0.0;              ///< Doppler [m/s], positive = receding
   double snr_db = 0.0;                  ///< signal to noise ratio [dB]
   double noise_db = 0.0;                ///< noise floor [dB], 0 = unknown
+  double sigma_range = 0.0;             ///< [m]; here and below, 0 = not known: by the options
+  double sigma_azimuth = 0.0;           ///< [rad]
+  double sigma_elevation = 0.0;         ///< [rad]
+  double sigma_doppler = 0.0;           ///< [m/s]
 };
 
 /// All detections of one radar frame; `time` is the middle of the chirp block. May be empty.

@@ -50,6 +50,7 @@ Score score(const Trial& trial) {
   s.nis_trails = mean_nis(trial, Model::kTrailDistance);
   s.nis_landmarks = mean_nis(trial, Model::kLandmarkDistance);
   s.nis_points = mean_nis(trial, Model::kLandmarkPoint);
+  s.nis_positions = mean_nis(trial, Model::kLandmarkPosition);
   // not <=, so that a NaN counts as lost
   s.lost = !(s.complete && s.final_error <= std::max(kLostDistance, kLostShare * s.path_length));
   return s;

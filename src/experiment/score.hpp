@@ -25,7 +25,8 @@ struct Score {
   double nis_doppler = 0.0;    ///< mean normalised innovation squared of the rows used
   double nis_trails = 0.0;     ///< same
   double nis_points = 0.0;     ///< same, landmarks measured as points
-  double nis_landmarks = 0.0;  ///< same
+  double nis_positions = 0.0;  ///< same, landmarks measured as places
+  double nis_landmarks = 0.0;  ///< same, ranges
 };
 
 Score score(const Trial& trial);
@@ -54,6 +55,7 @@ inline constexpr std::array kFigures = {
     Figure{"nis_trails", "", 3, &Score::nis_trails},
     Figure{"nis_landmarks", "", 3, &Score::nis_landmarks},
     Figure{"nis_points", "", 3, &Score::nis_points},
+    Figure{"nis_positions", "", 3, &Score::nis_positions},
 };
 
 }  // namespace rio::experiment

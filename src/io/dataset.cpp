@@ -66,6 +66,30 @@ bool is_empty_scan(const CsvReader& rows) {
   return true;
 }
 
+constexpr std::size_t kRadarColumns = 7;  ///< without the sigmas of each detection
+
+/// Cell i, 0 if it is empty.
+double sigma_at(const CsvReader& rows, std::size_t i) {
+  const double sigma = number_or_zero(rows, i);
+  if (!(std::isfinite(sigma) && sigma >= 0.0)) rows.fail("a sigma is negative or not finite");
+  return sigma;
+}
+
+RadarDetection detection_at(const CsvReader& rows) {
+  RadarDetection d;
+  d.point_S = vector_at(rows, 1);
+  d.range_rate = rows.number(4);
+  d.snr_db = number_or_zero(rows, 5);
+  d.noise_db = number_or_zero(rows, 6);
+  if (rows.columns() >= kRadarColumns + 4) {
+    d.sigma_range = sigma_at(rows, kRadarColumns);
+    d.sigma_azimuth = sigma_at(rows, kRadarColumns + 1);
+    d.sigma_elevation = sigma_at(rows, kRadarColumns + 2);
+    d.sigma_doppler = sigma_at(rows, kRadarColumns + 3);
+  }
+  return d;
+}
+
 std::vector<RadarScan> read_radar(const fs::path& path) {
   CsvReader rows(path);
   std::vector<RadarScan> scans;
@@ -81,8 +105,7 @@ std::vector<RadarScan> read_radar(const fs::path& path) {
       rows.fail("a detection has the stamp of an empty scan");
     }
     if (!same_scan) scans.push_back({time, {}});
-    scans.back().detections.push_back(
-        {vector_at(rows, 1), rows.number(4), number_or_zero(rows, 5), number_or_zero(rows, 6)});
+    scans.back().detections.push_back(detection_at(rows));
   }
   if (scans.empty()) throw std::runtime_error(path.string() + ": holds no scans");
   return scans;
@@ -283,14 +306,31 @@ std::string imu_text(const std::vector<ImuSample>& samples) {
   return text;
 }
 
+bool has_sigmas(const RadarDetection& d) {
+  return d.sigma_range + d.sigma_azimuth + d.sigma_elevation + d.sigma_doppler > 0.0;
+}
+
 std::string radar_text(const std::vector<RadarScan>& scans) {
-  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]\n";
+  const bool sigmas = std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
+    return std::any_of(scan.detections.begin(), scan.detections.end(), has_sigmas);
+  });
+  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]";
+  if (sigmas)
+    text += ",sigma range [m],sigma azimuth [rad],sigma elevation [rad],sigma doppler [m s^-1]";
+  text += '\n';
   for (const RadarScan& scan : scans) {
-    if (scan.detections.empty()) text += fmt::format("{},,,,,,\n", scan.time.count());
+    if (scan.detections.empty()) {
+      text += fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
+    }
     for (const RadarDetection& d : scan.detections) {
       text += fmt::format("{}", scan.time.count());
       append(&text, d.point_S);
-      text += fmt::format(",{},{},{}\n", d.range_rate, d.snr_db, d.noise_db);
+      text += fmt::format(",{},{},{}", d.range_rate, d.snr_db, d.noise_db);
+      if (sigmas) {
+        text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
+                            d.sigma_doppler);
+      }
+      text += '\n';
     }
   }
   return text;

@@ -25,7 +25,9 @@ void run(const std::string& name) {
 void add_options_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
   auto name = std::make_shared<std::string>("default");
-  command->add_option("--preset", *name, "default, published-ekf or published-smoother")
+  command
+      ->add_option("--preset", *name,
+                   "default, published-ekf, published-smoother or published-uncertainty")
       ->capture_default_str();
   command->callback([name] { run(*name); });
 }

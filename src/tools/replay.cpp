@@ -290,8 +290,9 @@ void add_replay_command(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
   command->add_option("--config", arguments->config, "option file; see `rio options`");
-  command->add_option("--preset", arguments->preset,
-                      "default, published-ekf or published-smoother; wins over the file's");
+  command->add_option(
+      "--preset", arguments->preset,
+      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
   command->add_option("--backend", arguments->backend, "ekf or smoother, whatever the preset says")
       ->check(CLI::IsMember({"ekf", "smoother"}));
   command->add_option("--init", arguments->init,

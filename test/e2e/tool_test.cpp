@@ -86,7 +86,8 @@ TempDir* Tool::dir_ = nullptr;
 std::string Tool::flight_;
 
 TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
-  for (const std::string preset : {"default", "published-ekf", "published-smoother"}) {
+  for (const std::string preset :
+       {"default", "published-ekf", "published-smoother", "published-uncertainty"}) {
     const std::string outputs = " --out " + file("t.tum") + " --states " + file("s.csv");
     const Outcome run = rio("replay " + flight_ + outputs + " --json --preset " + preset);
     ASSERT_EQ(run.status, 0) << run.output;

@@ -115,6 +115,25 @@ TEST(Detection, FieldsFollowFromThePoint) {
   EXPECT_NEAR(d.sigma_doppler * d.sigma_doppler, 0.0009 + 0.0144 / 12.0, 1e-15);
 }
 
+TEST(Detection, OwnSigmasReplaceTheOptions) {
+  RadarOptions o;
+  o.weak_snr_db = 10.0;
+  RadarDetection raw = raw_detection(4.0, 0.3, -0.2, 5.0);
+  const Detection by_options = make_detection(raw, o);
+  raw.sigma_range = 0.05;
+  raw.sigma_azimuth = 0.003;
+  const Detection some = make_detection(raw, o);
+  EXPECT_EQ(some.sigma_range, 0.05);
+  EXPECT_NEAR(some.sigma_azimuth_S.norm(), 0.003 * std::cos(0.2), 1e-15);
+  EXPECT_EQ(some.sigma_elevation_S, by_options.sigma_elevation_S);
+  EXPECT_EQ(some.sigma_doppler, by_options.sigma_doppler);
+  raw.sigma_elevation = 0.0006;
+  raw.sigma_doppler = 0.01;
+  const Detection all = make_detection(raw, o);
+  EXPECT_NEAR(all.sigma_elevation_S.norm(), 0.0006, 1e-15);
+  EXPECT_EQ(all.sigma_doppler, 0.01);
+}
+
 TEST(Detection, NoiseStaysFiniteEverywhere) {
   const RadarOptions o = fine_radar();
   test::Random random(2);
@@ -126,8 +145,11 @@ TEST(Detection, NoiseStaysFiniteEverywhere) {
     const Vector3d eigen =
         Eigen::SelfAdjointEigenSolver<Matrix3d>(point_covariance(d)).eigenvalues();
     EXPECT_TRUE(eigen.allFinite());
-    EXPECT_GE(eigen[0], -1e-15);
+    EXPECT_GT(eigen[0], 5e-6);       // none is exact: at least 3 m * 0.004 rad / 4 = 3 mm
     EXPECT_LT(eigen[2], 0.2 * 0.2);  // 3 m * 0.008 rad * 4 is 0.1 m
+    Matrix3d basis;
+    basis << d.direction_S, d.sigma_azimuth_S.normalized(), d.sigma_elevation_S.normalized();
+    EXPECT_TRUE(basis.isUnitary(1e-12)) << d.direction_S.transpose();
   }
 }
 
@@ -188,6 +210,18 @@ TEST(DetectionFilter, CountsAndDropsNonFiniteValues) {
   filter_detections(scan, RadarOptions{}, 128, out);
   EXPECT_EQ(out.received, 6);
   EXPECT_EQ(out.non_finite, 5);
+  EXPECT_EQ(out.items.size(), 1U);
+}
+
+TEST(DetectionFilter, DropsImpossibleSigmas) {
+  RadarScan scan;
+  for (int i = 0; i < 4; ++i) scan.detections.push_back(raw_detection(1.0 + i, 0.0, 0.0));
+  scan.detections[0].sigma_range = -0.1;
+  scan.detections[1].sigma_elevation = std::numeric_limits<double>::quiet_NaN();
+  scan.detections[2].sigma_doppler = std::numeric_limits<double>::infinity();
+  DetectionList out;
+  filter_detections(scan, RadarOptions{}, 128, out);
+  EXPECT_EQ(out.non_finite, 3);
   EXPECT_EQ(out.items.size(), 1U);
 }
 

@@ -163,6 +163,24 @@ TEST(Dataset, SignalToNoiseMayBeMissing) {
   EXPECT_EQ(d.scans[0].detections[0].range_rate, 0.1);
 }
 
+TEST(Dataset, SigmasOfADetectionRoundTrip) {
+  const TempDir dir;
+  Dataset a = sample_dataset();
+  RadarDetection& d = a.scans[0].detections[0];
+  d.sigma_range = 0.1;
+  d.sigma_azimuth = 1.0 / 3.0;
+  d.sigma_doppler = 0.02;
+  write_dataset(dir.path() / "new", a);
+  const Dataset b = read_dataset(dir.path() / "new");
+  const RadarDetection& e = b.scans.at(0).detections.at(0);
+  EXPECT_EQ(e.sigma_range, 0.1);
+  EXPECT_EQ(e.sigma_azimuth, 1.0 / 3.0);
+  EXPECT_EQ(e.sigma_elevation, 0.0);
+  EXPECT_EQ(e.sigma_doppler, 0.02);
+  EXPECT_EQ(b.scans[0].detections.at(1).sigma_range, 0.0);
+  EXPECT_EQ(b.scans.at(1).detections.size(), 0U);
+}
+
 TEST(Dataset, KeepsTheOrderAndOddValuesOfTheFile) {
   const TempDir dir;
   write_minimal(dir);
@@ -195,6 +213,8 @@ TEST(Dataset, DamageIsAnErrorWithFileAndLine) {
   EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5dB,6\n"), "radar0/data.csv:1: column 6");
   EXPECT_ERROR(read_with(radar, "1,1,2,3,4\n1,,,,\n"), "radar0/data.csv:2: an empty scan has");
   EXPECT_ERROR(read_with(radar, "1,,,,\n1,1,2,3,4\n"), "radar0/data.csv:2: a detection has");
+  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6,0.1,,-1,0\n"), "radar0/data.csv:1: a sigma is");
+  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6,0.1,,nan,0\n"), "radar0/data.csv:1: a sigma is");
   EXPECT_ERROR(read_with(radar, "1\n"), "radar0/data.csv:1: has 1 columns");
   EXPECT_ERROR(read_with(radar, "# nothing\n"), "radar0/data.csv: holds no scans");
 }

@@ -46,7 +46,7 @@ struct Change {
   template <class Enum>
   requires std::is_enum_v<Enum>
   void operator()(const FieldInfo&, Enum& v) const {
-    v = static_cast<Enum>(1 - static_cast<int>(v));
+    v = static_cast<Enum>(static_cast<int>(v) == 0 ? 1 : 0);
   }
   void operator()(const FieldInfo&, Vector3d& v) const { v += Vector3d(0.1, 1.0 / 3.0, -2.0); }
   void operator()(const FieldInfo&, Quaternion& v) const {

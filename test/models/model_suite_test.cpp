@@ -4,9 +4,10 @@
 
 namespace rio::test {
 
-using Cases = testing::Types<DopplerCase, TrailDistanceCase<TrailNoise::kIndependent>,
-                             TrailDistanceCase<TrailNoise::kCorrelated>, LandmarkDistanceCase,
-                             LandmarkPointCase, LandmarkDopplerCase, RestCase>;
+using Cases =
+    testing::Types<DopplerCase, TrailDistanceCase<TrailNoise::kIndependent>,
+                   TrailDistanceCase<TrailNoise::kCorrelated>, LandmarkDistanceCase,
+                   LandmarkPositionCase, LandmarkPointCase, LandmarkDopplerCase, RestCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(AllModels, ModelSuite, Cases);
 
 }  // namespace rio::test

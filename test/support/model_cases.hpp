@@ -7,6 +7,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
 #include "rio/models/landmark_point.hpp"
+#include "rio/models/landmark_position.hpp"
 #include "rio/models/rest.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/sim/radar.hpp"
@@ -138,6 +139,18 @@ struct LandmarkDistanceCase {
     const Vector3d radar = body.pose().R * body.mount().p + body.pose().p;
     return Sample<Model>{{0.0}, {body.pose(), body.mount(), radar}};
   }
+};
+
+struct LandmarkPositionCase {
+  using Model = LandmarkPositionModel;
+  static Model model() { return {}; }
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    const Vector3d place = body.place(random);
+    const Detection d = body.detect(place, random, noise);
+    return {Model::measurement(d), {body.pose(), body.mount(), kNoErrors, place}};
+  }
+  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
 
 struct LandmarkPointCase {

@@ -8,6 +8,7 @@
 //      noise of range and angles: d2 = y^T S^-1 y below the quantile of three degrees of freedom;
 //      cost = d2 + ln(det S / det R), the negative log-likelihood up to a constant of the
 //      detection: vague points do not win by their vagueness
+// (E3) probability: (E2) with P_e = 0                          Xu et al., eq. 13-14
 // A landmark's match under (E2) counts only if every other pairing of the two costs more by a
 // margin: where reflectors stand close to each other, the nearest one is the one the estimate
 // already believes in, and using it would make the estimate sure of itself.
@@ -59,15 +60,15 @@ class Association {
     out->landmarks.clear();
     out->trails.clear();
     out->near_landmark.fill(false);
-    const bool euclidean = options_.matching == Matching::kEuclidean;
     const std::size_t rows = landmarks + trails.size();
-    assignment_.begin(rows, scan.items.size(), euclidean ? options_.match_gate : kMaxCost);
+    assignment_.begin(rows, scan.items.size(),
+                      options_.matching == Matching::kEuclidean ? options_.match_gate : kMaxCost);
     const RigidPose T_WB = predicted.T_WB();
     const RigidPose T_BS(predicted.T_BS);
     for (std::size_t i = 0; i < landmarks; ++i) {
       const LandmarkState& landmark = predicted.landmarks[i];
-      add_row(i, {to_radar(T_WB, T_BS, landmark.p_W), landmark.covariance_S}, scan, usable,
-              &out->near_landmark);
+      add_row(i, {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S)}, scan,
+              usable, &out->near_landmark);
     }
     for (std::size_t i = 0; i < trails.size(); ++i) {
       const TrailElement& newest = trails[i].newest();
@@ -78,11 +79,11 @@ class Association {
       const Matrix3d turn = (T_WB.R * T_BS.R).transpose() * then.R * T_BS.R;
       add_row(landmarks + i,
               {to_radar(T_WB, T_BS, point_W),
-               turn * point_covariance(newest.detection) * turn.transpose()},
+               believed(turn * point_covariance(newest.detection) * turn.transpose())},
               scan, usable, nullptr);
     }
     assignment_.solve();
-    collect(landmarks, rows, scan.items.size(), euclidean, out);
+    collect(landmarks, rows, scan.items.size(), out);
   }
 
  private:
@@ -93,6 +94,12 @@ class Association {
   };
 
   static constexpr double kMaxCost = 1e3;  // above any gate and logarithm
+
+  /// The covariance of a known point as far as the matching minds it.
+  Matrix3d believed(const Matrix3d& covariance) const {
+    if (options_.matching != Matching::kMahalanobis) return Matrix3d::Zero();
+    return covariance;
+  }
 
   void add_row(std::size_t row, const Known& known, const DetectionList& scan,
                const std::array<bool, kMaxDetections>& usable,
@@ -111,11 +118,11 @@ class Association {
       const auto cost = mahalanobis_cost(d, known, range);
       if (!cost) continue;
       assignment_.set(row, i, *cost);
-      if (near != nullptr) (*near)[i] = true;
+      if (near != nullptr && options_.matching == Matching::kMahalanobis) (*near)[i] = true;
     }
   }
 
-  /// (E2); nothing outside the gate.
+  /// (E2) (E3); nothing outside the gate.
   std::optional<double> mahalanobis_cost(const Detection& d, const Known& known,
                                          double range) const {
     const double sigma_az = d.sigma_azimuth_S.norm();
@@ -140,15 +147,16 @@ class Association {
     return d2 + 2.0 * (log_det_root - sigmas.array().log().sum());
   }
 
-  void collect(std::size_t landmarks, std::size_t rows, std::size_t columns, bool euclidean,
+  void collect(std::size_t landmarks, std::size_t rows, std::size_t columns,
                AssociationResult* out) const {
+    const bool any = options_.matching != Matching::kMahalanobis;
     for (std::size_t row = 0; row < rows; ++row) {
       const int column = assignment_.column_of(row);
       if (column == Assignment::kNone) continue;
       const auto detection = static_cast<std::size_t>(column);
       if (row >= landmarks) {
         out->trails.push_back({row - landmarks, detection});
-      } else if (euclidean || is_clear(row, detection, landmarks, columns)) {
+      } else if (any || is_clear(row, detection, landmarks, columns)) {
         out->landmarks.push_back({row, detection});
       }
     }

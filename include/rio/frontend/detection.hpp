@@ -7,10 +7,12 @@
 // The angle sigmas grow off boresight as 1/cos: an array measures the direction cosine.
 // (E3) weak echoes: sigma_az^2 and sigma_el^2 times 1 + 10^(-(SNR - SNR_weak) / 10), at most twice:
 //      the phase noise of a receiver falls with the SNR (Cramer-Rao bound), the rest does not
+// A sigma that comes with the detection is taken as it is.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/options.hpp"
@@ -39,21 +41,30 @@ inline Matrix3d direction_covariance(const Detection& d) {
 }
 /// (E2): covariance of the measured point [m^2].
 inline Matrix3d point_covariance(const Detection& d) {
-  return d.sigma_range * d.sigma_range * d.direction_S * d.direction_S.transpose() +
-         d.range * d.range * direction_covariance(d);
+  const Vector3d along = d.sigma_range * d.direction_S;
+  return along * along.transpose() + d.range * d.range * direction_covariance(d);
 }
 
 /// The filtered scan.
 struct DetectionList {
   Time time{0};
   int received = 0;    ///< detections before the filter
-  int non_finite = 0;  ///< of those, dropped because a value was not finite
+  int non_finite = 0;  ///< of those, dropped because a value was not finite or a sigma negative
   StaticVector<Detection, kMaxDetections> items;
 };
 
 /// (E3): growth of the angle sigmas of an echo.
 inline double weak_echo_growth(double snr_db, double weak_snr_db) {
   return std::sqrt(1.0 + std::min(1.0, std::pow(10.0, -0.1 * (snr_db - weak_snr_db))));
+}
+
+/// A sigma with the rounding error of a grid.
+inline double with_grid(double sigma, double grid) {
+  return std::sqrt(sigma * sigma + grid * grid / 12.0);
+}
+/// The sigma of a detection if it came with one.
+inline double own_or(double own, double otherwise) {
+  return own > 0.0 ? own : otherwise;
 }
 
 /// A detection with direction, range and noise filled in from its point.
@@ -64,19 +75,20 @@ inline Detection make_detection(const RadarDetection& raw, const RadarOptions& o
   d.direction_S = raw.point_S / d.range;
   d.range_rate = raw.range_rate;
   d.snr_db = raw.snr_db;
-  d.sigma_range =
-      std::sqrt(o.sigma_range * o.sigma_range + o.range_resolution * o.range_resolution / 12.0);
-  d.sigma_doppler = std::sqrt(o.sigma_doppler * o.sigma_doppler +
-                              o.doppler_resolution * o.doppler_resolution / 12.0);
+  d.sigma_range = own_or(raw.sigma_range, with_grid(o.sigma_range, o.range_resolution));
+  d.sigma_doppler = own_or(raw.sigma_doppler, with_grid(o.sigma_doppler, o.doppler_resolution));
   const Vector3d& u = d.direction_S;
   const double horizontal = std::hypot(u.x(), u.y());  // cos(el)
   const double cos_az = horizontal > 1e-9 ? u.x() / horizontal : 1.0;
   const double sin_az = horizontal > 1e-9 ? u.y() / horizontal : 0.0;
-  constexpr double kMinCosine = 0.25;  // beyond 75 deg the growth is cut: no array looks there
+  // beyond 75 deg the growth is cut, and an azimuth keeps a noise: no array looks there
+  constexpr double kMinCosine = 0.25;
   const double growth = weak_echo_growth(raw.snr_db, o.weak_snr_db);
-  const double sigma_az = growth * o.sigma_azimuth / std::max(cos_az, kMinCosine);
-  const double sigma_el = growth * o.sigma_elevation / std::max(horizontal, kMinCosine);
-  d.sigma_azimuth_S = sigma_az * horizontal * Vector3d(-sin_az, cos_az, 0.0);
+  const double sigma_az =
+      own_or(raw.sigma_azimuth, growth * o.sigma_azimuth / std::max(cos_az, kMinCosine));
+  const double sigma_el =
+      own_or(raw.sigma_elevation, growth * o.sigma_elevation / std::max(horizontal, kMinCosine));
+  d.sigma_azimuth_S = sigma_az * std::max(horizontal, kMinCosine) * Vector3d(-sin_az, cos_az, 0.0);
   d.sigma_elevation_S = sigma_el * Vector3d(-u.z() * cos_az, -u.z() * sin_az, horizontal);
   return d;
 }
@@ -96,6 +108,14 @@ inline Detection correct_detection(const Detection& received, const RadarErrors:
   return d;
 }
 
+/// Every number finite, no sigma negative.
+inline bool is_valid(const RadarDetection& d) {
+  const double sigmas[] = {d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler};
+  return d.point_S.allFinite() && std::isfinite(d.range_rate + d.snr_db) &&
+         std::all_of(std::begin(sigmas), std::end(sigmas),
+                     [](double sigma) { return std::isfinite(sigma) && sigma >= 0.0; });
+}
+
 /// The detection filter: finite, in range, strong enough, in the field of view. Of more than
 /// `max_detections` the strongest are kept, in their original order.
 inline void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
@@ -105,7 +125,7 @@ inline void filter_detections(const RadarScan& scan, const RadarOptions& radar, 
   out.non_finite = 0;
   out.items.clear();
   for (const RadarDetection& raw : scan.detections) {
-    if (!raw.point_S.allFinite() || !std::isfinite(raw.range_rate + raw.snr_db)) {
+    if (!is_valid(raw)) {
       ++out.non_finite;
       continue;
     }

@@ -2,7 +2,8 @@
 // Recordings in the ASL/EuRoC layout: one folder per sensor with data.csv and sensor.yaml.
 //
 //   imu0/data.csv      t [ns], gyro x y z [rad/s], accel x y z [m/s^2]
-//   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row a detection
+//   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row a detection,
+//                      and, if the sensor knows them, sigmas of range, azimuth, elevation, doppler
 //   baro0/data.csv     t [ns], pressure [Pa]                                            (optional)
 //   state_groundtruth_estimate0/data.csv   t, p xyz, q wxyz, v xyz, bg xyz, ba xyz      (optional)
 //

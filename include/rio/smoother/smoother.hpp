@@ -216,6 +216,9 @@ class Smoother {
         case Model::kLandmarkDistance:
           state.distances.push_back({used.target, weight, LandmarkDistanceModel::measurement(d)});
           break;
+        case Model::kLandmarkPosition:
+          state.positions.push_back({used.target, weight, LandmarkPositionModel::measurement(d)});
+          break;
         case Model::kTrailDistance:
           for (const TrailElement& past : (*seen.trails)[used.target].elements) {
             if (past.scan != used.past) continue;
@@ -332,6 +335,11 @@ class Smoother {
     for (const DistanceFactor& f : state.distances) {
       block(f.weight, [&] {
         return add(landmark_, f.distance, {0, static_cast<int>(f.landmark)});
+      });
+    }
+    for (const PositionFactor& f : state.positions) {
+      block(f.weight, [&] {
+        return add(LandmarkPositionModel{}, f.position, {0, static_cast<int>(f.landmark)});
       });
     }
     if (state.rest) block(1.0, [&] { return add(RestModel{}, *state.rest, {}); });

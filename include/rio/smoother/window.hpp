@@ -10,6 +10,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
 #include "rio/models/landmark_point.hpp"
+#include "rio/models/landmark_position.hpp"
 #include "rio/models/rest.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/options.hpp"
@@ -37,6 +38,12 @@ struct DistanceFactor {
   double weight = 1.0;
   LandmarkDistanceModel::Measurement distance;
 };
+/// The place of a landmark.
+struct PositionFactor {
+  std::size_t landmark = 0;
+  double weight = 1.0;
+  LandmarkPositionModel::Measurement position;
+};
 /// A range to a point detected at a past scan of the window.
 struct TrailFactor {
   ScanId past = 0;
@@ -54,6 +61,7 @@ struct WindowState {
   std::vector<DopplerFactor> dopplers;
   std::vector<PointFactor> points;
   std::vector<DistanceFactor> distances;
+  std::vector<PositionFactor> positions;
   std::vector<TrailFactor> trails;
   std::optional<RestModel::Measurement> rest;
 
@@ -62,11 +70,13 @@ struct WindowState {
     std::size_t dopplers = 0;
     std::size_t points = 0;
     std::size_t distances = 0;
+    std::size_t positions = 0;
     std::size_t trails = 0;
     std::optional<RestModel::Measurement> rest;
   };
   Mark mark() const {
-    return {dopplers.size(), points.size(), distances.size(), trails.size(), rest};
+    return {dopplers.size(),  points.size(), distances.size(),
+            positions.size(), trails.size(), rest};
   }
   void cut(const Mark& mark) {
     const auto shorten = [](auto& all, std::size_t size) {
@@ -75,6 +85,7 @@ struct WindowState {
     shorten(dopplers, mark.dopplers);
     shorten(points, mark.points);
     shorten(distances, mark.distances);
+    shorten(positions, mark.positions);
     shorten(trails, mark.trails);
     rest = mark.rest;
   }
@@ -85,6 +96,7 @@ struct WindowState {
     dopplers.clear();
     points.clear();
     distances.clear();
+    positions.clear();
     trails.clear();
     rest.reset();
   }
@@ -100,6 +112,7 @@ class Window {
       state.dopplers.reserve(detections);
       state.points.reserve(2 * detections);  // matches and births
       state.distances.reserve(detections);
+      state.positions.reserve(detections);
       state.trails.reserve(detections * clones);
     }
   }
@@ -145,6 +158,7 @@ class Window {
     for (std::size_t k = 0; k < size_; ++k) {
       forget((*this)[k].points);
       forget((*this)[k].distances);
+      forget((*this)[k].positions);
     }
   }
 

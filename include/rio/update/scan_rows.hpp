@@ -14,6 +14,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
 #include "rio/models/landmark_point.hpp"
+#include "rio/models/landmark_position.hpp"
 #include "rio/models/rest.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/options.hpp"
@@ -124,22 +125,33 @@ class ScanRows {
 
   void add_landmarks(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
                      UpdateReport* report) {
-    const bool point = options_.landmark_measurement == LandmarkMeasurement::kPoint;
     for (const Match& m : seen.matches.landmarks) {
       const Detection& d = seen.detection(m.detection);
       const BlockIndex index{0, static_cast<int>(m.target)};
       batch_.begin_block();
-      const bool valid =
-          point ? add_point(d, belief, x, index)
-                : add(landmark_, LandmarkDistanceModel::measurement(d), belief, x, index);
-      const Model model = point ? LandmarkPointModel::kModel : LandmarkDistanceModel::kModel;
+      Model model = Model::kLandmarkPoint;
+      bool valid = false;
+      switch (options_.landmark_measurement) {
+        case LandmarkMeasurement::kDistance:
+          model = Model::kLandmarkDistance;
+          valid = add(landmark_, LandmarkDistanceModel::measurement(d), belief, x, index);
+          break;
+        case LandmarkMeasurement::kPosition:
+          model = Model::kLandmarkPosition;
+          valid = add(position_, LandmarkPositionModel::measurement(d), belief, x, index);
+          break;
+        case LandmarkMeasurement::kPoint:
+          valid = add_point(d, belief, x, index);
+          break;
+      }
       const bool used = decide(model, m.detection, valid, belief, report);
       if (used) {
         const double way = x.estimate.landmarks[m.target].way_seen;
         used_.push_back({model, m.detection, m.target, 0, weigh_repetition(way, x)});
       }
-      was_used_[m.target] = used || !point;  // as published, a match keeps a landmark alive
-      measures_landmark_[m.detection] = used && point;
+      // as published, a match keeps a landmark alive
+      was_used_[m.target] = used || model == Model::kLandmarkDistance;
+      measures_landmark_[m.detection] = used && model == Model::kLandmarkPoint;
     }
   }
 
@@ -219,6 +231,7 @@ class ScanRows {
   DopplerModel doppler_;
   TrailDistanceModel trail_;
   LandmarkDistanceModel landmark_;
+  LandmarkPositionModel position_;
   LandmarkPointModel point_;
   LandmarkDopplerModel landmark_doppler_;
   RowBatch batch_;

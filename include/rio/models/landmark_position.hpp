@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 4: the place of a detection against that of its landmark.
+//
+// e = R_BS^T (R_WB^T (l - p_WB) - p_BS)
+// (E1) h = e + |m| t_el (elevation error), z = m, the detection in radar axes
+// (E2) R = Sigma_m, the polar noise of the detection
+// Reference: Xu et al., eq. 15-18, who write it in world axes: a rotation of (E1) and (E2), which
+// leaves the weighted norm as it is.
+#pragma once
+
+#include "rio/frontend/detection.hpp"
+#include "rio/models/concept.hpp"
+#include "rio/models/landmark_birth.hpp"
+#include "rio/state/blocks.hpp"
+#include "rio/state/estimate.hpp"
+
+namespace rio {
+
+class LandmarkPositionModel {
+ public:
+  static constexpr Model kModel = Model::kLandmarkPosition;
+  static constexpr int kDim = 3;
+  using Blocks = BlockList<BodyPose, Extrinsics, RadarErrors, Landmark>;
+
+  struct Measurement {
+    Vector3d point_S = Vector3d::UnitX();        ///< [m]
+    Vector3d upwards_S = Vector3d::UnitZ();      ///< unit tangent towards higher elevation
+    Matrix3d covariance = Matrix3d::Identity();  ///< Sigma_m, not singular [m^2]
+  };
+
+  static Measurement measurement(const Detection& d) {
+    return {d.point_S, d.sigma_elevation_S.normalized(), point_covariance(d)};
+  }
+
+  bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
+                const RadarErrors::Value& errors, const Vector3d& p_WL, ResidualOf<kDim>& r,
+                JacobianOf<kDim, Blocks::kDof>* J, JacobianOf<kDim, kDim>& R) const noexcept {
+    const ObservedPoint point(T_WB, T_BS, p_WL);
+    const Vector3d upwards = z.point_S.norm() * z.upwards_S;
+    r = z.point_S - point.e_S - upwards * errors[RadarErrors::kElevation];  // (E1)
+    R = z.covariance;
+    if (J == nullptr) return true;
+
+    J->block<3, 6>(0, Blocks::column<BodyPose>()) = point.d_body();
+    J->block<3, 6>(0, Blocks::column<Extrinsics>()) = point.d_extrinsics();
+    J->block<3, 2>(0, Blocks::column<RadarErrors>()) << Vector3d::Zero(), upwards;
+    J->block<3, 3>(0, Blocks::column<Landmark>()) = point.d_landmark();
+    return true;
+  }
+};
+
+static_assert(MeasurementModel<LandmarkPositionModel>);
+
+}  // namespace rio
