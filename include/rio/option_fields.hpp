@@ -114,6 +114,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Euclidean matching: largest distance after alignment.");
   field("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
         "Probability and Mahalanobis matching: of a right pair to pass the gate.");
+  field("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
+        "Mahalanobis matching: of a right pair to match once the radar has moved on.");
   field(
       "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
       "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
@@ -163,8 +165,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "States of the sliding window.");
   field("smoother.max_iterations", o.smoother.max_iterations, "", 1, 100,
         "Gauss-Newton steps per scan, at most.");
-  field("smoother.tolerance", o.smoother.tolerance, "", 1e-12, 1,
-        "Largest step that counts as converged, in SI units.");
+  field("smoother.tolerance", o.smoother.tolerance, "", 1e-12, 10,
+        "Length of a step that counts as converged, in sigmas.");
   field("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
   field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");

@@ -76,10 +76,13 @@ struct FrontendOptions {
   bool velocity_recovery = true;      ///< scans that contradict the velocity for long re-open it
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
-  double match_probability = 0.95;  ///< else: of a right pair to pass the gate
-  double match_margin = 2.0;        ///< kMahalanobis: by which a landmark's match must be the best
-  int promote_after = 6;            ///< consecutive matches that make a trail a landmark
-  double landmark_timeout = 10.0;   ///< a landmark not seen for longer is dropped [s]
+  double match_probability = 0.95;  ///< else: of a right pair to be near each other
+  /// kMahalanobis: of a right pair to count as a match once the radar has moved by half of
+  /// noise_distance.
+  double match_core = 0.6;
+  double match_margin = 2.0;       ///< kMahalanobis: by which a landmark's match must be the best
+  int promote_after = 6;           ///< consecutive matches that make a trail a landmark
+  double landmark_timeout = 10.0;  ///< a landmark not seen for longer is dropped [s]
 };
 
 /// How the rows of one trail share their noise.
@@ -127,9 +130,9 @@ enum class Kernel {
 
 /// Back-end 2: the sliding window.
 struct SmootherOptions {
-  int window = 10;          ///< states kept (N)
-  int max_iterations = 5;   ///< of Gauss-Newton, per scan
-  double tolerance = 1e-3;  ///< largest step that counts as converged [m, rad, m/s, ...]
+  int window = 10;         ///< states kept (N)
+  int max_iterations = 5;  ///< of Gauss-Newton, per scan
+  double tolerance = 0.1;  ///< length of a step that counts as converged, in sigmas
   Kernel kernel = Kernel::kNone;
   double kernel_size = 4.0;  ///< k, in chi-squared per degree of freedom
 };
@@ -196,8 +199,10 @@ struct Options {
   bool validate(std::string* why = nullptr) const;
 };
 
-/// The options named `name`: "default", "published-ekf", "published-smoother" or
-/// "published-uncertainty"; false and unchanged if there is no such.
+/// The names of the presets.
+inline constexpr const char* kPresets[] = {"default", "published-ekf", "published-smoother",
+                                           "published-uncertainty"};
+/// The options named `name`; false and unchanged if there is no such preset.
 bool preset(const std::string& name, Options* options);
 
 }  // namespace rio

@@ -20,6 +20,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <numeric>
 #include <vector>
@@ -61,16 +62,19 @@ class NormalEquations {
   Eigen::Ref<const Eigen::MatrixXd> H() const { return H_.topLeftCorner(size(), size()); }
   Eigen::Ref<const Eigen::VectorXd> g() const { return g_.head(size()); }
 
-  /// An empty system.
+  /// An empty system. The factor of one of the same size stays.
   void clear(int states, int border) {
     RIO_ASSERT(states > 0 && states <= max_states_ && border >= 0 && border <= max_border_);
+    if (states != states_ || border != border_) factor_.clear();
     states_ = states;
     border_ = border;
     highest_ = -1;
     reach_.resize(static_cast<std::size_t>(states));
     std::iota(reach_.begin(), reach_.end(), 0);
-    factor_.clear();
-    H_.topLeftCorner(size(), size()).setZero();
+    for (int s = 0; s < states_; ++s) {  // the lower triangle
+      H_.block(column(s), column(s), size() - column(s), kState).setZero();
+    }
+    H_.block(border_column(), border_column(), border_, border_).setZero();
     g_.head(size()).setZero();
   }
 
@@ -99,6 +103,37 @@ class NormalEquations {
     if (highest >= 0) couple(lowest, highest);
   }
 
+  /// Information A, lower triangle, and vector g of state `state` and the border.
+  /// @param columns of the unknowns, ascending; -1 = not estimated
+  template <int kSize>
+  void add(int state, const std::array<int, static_cast<std::size_t>(kSize)>& columns,
+           const Eigen::Matrix<double, kSize, kSize>& A, const Eigen::Matrix<double, kSize, 1>& g) {
+    couple(state, state);
+    for (int j = 0; j < kSize; ++j) {
+      const int to = columns[static_cast<std::size_t>(j)];
+      if (to < 0) continue;
+      g_[to] += g[j];
+      for (int i = j; i < kSize; ++i) {
+        const int row = columns[static_cast<std::size_t>(i)];
+        if (row >= 0) H_(row, to) += A(i, j);
+      }
+    }
+  }
+
+  /// Information A of the unknowns from `at` on, coupled by C with those of `columns` before them.
+  template <int kOwn, int kSize>
+  void add_coupled(int at, const std::array<int, static_cast<std::size_t>(kSize)>& columns,
+                   const Eigen::Matrix<double, kOwn, kOwn>& A,
+                   const Eigen::Matrix<double, kOwn, kSize>& C,
+                   const Eigen::Matrix<double, kOwn, 1>& g) {
+    H_.block<kOwn, kOwn>(at, at) += A;
+    g_.segment<kOwn>(at) += g;
+    for (int j = 0; j < kSize; ++j) {
+      const int to = columns[static_cast<std::size_t>(j)];
+      if (to >= 0) H_.block<kOwn, 1>(at, to) += C.col(j);
+    }
+  }
+
   /// A whitened residual r + J dx of the states [state, state + 1].
   void add_between(int state, const BetweenJacobian& J, const StateVector& r) {
     RIO_ASSERT(state >= 0 && state + 1 < states_);
@@ -119,9 +154,13 @@ class NormalEquations {
     RIO_ASSERT(leading_states <= states_ && rest >= 0 && rest <= border_);
     RIO_ASSERT(A.cols() == A.rows() && g.size() == A.rows());
     if (leading_states > 0) couple(0, leading_states - 1);
-    H_.topLeftCorner(m, m).triangularView<Eigen::Lower>() += A.topLeftCorner(m, m);
-    H_.block(at, 0, rest, m) += A.bottomLeftCorner(rest, m);
-    H_.block(at, at, rest, rest).triangularView<Eigen::Lower>() += A.bottomRightCorner(rest, rest);
+    for (Eigen::Index c = 0; c < m; ++c) {
+      H_.col(c).segment(c, m - c) += A.col(c).segment(c, m - c);
+      H_.col(c).segment(at, rest) += A.col(c).tail(rest);
+    }
+    for (Eigen::Index c = 0; c < rest; ++c) {
+      H_.col(at + c).segment(at + c, rest - c) += A.col(m + c).tail(rest - c);
+    }
     g_.head(m) += g.head(m);
     g_.segment(at, rest) += g.tail(rest);
   }
@@ -130,7 +169,9 @@ class NormalEquations {
   /// definite. An unknown that nothing touches makes it so: damping is relative.
   bool factorise(double damping = 0.0) { return factor_.factorise(H(), reach_, damping); }
 
-  /// dx of the system as factorised, damping included. Precondition: factorise() was true.
+  /// dx by the factor as it is, damping included: of the system that was factorised, or, if it has
+  /// been built anew since, a step of the simplified Newton method. Precondition: factorise() was
+  /// true for a system of this size.
   void solve(Eigen::VectorXd* dx) const {
     RIO_ASSERT(dx->size() >= size());
     dx->head(size()) = g();

@@ -18,10 +18,14 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "rio/core/so3.hpp"
+#include "rio/smoother/block_cholesky.hpp"
 #include "rio/smoother/normal_equations.hpp"
+#include "rio/smoother/quadratic.hpp"
 #include "rio/smoother/window.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
@@ -65,8 +69,9 @@ class Prior {
     g_.head(size()) = g;
     for (int s = 0; s < leading; ++s) {  // the inverse of (E4) where xi = 0
       const Matrix3d R = states_[static_cast<std::size_t>(s)].q_WB.toRotationMatrix();
-      multiply_block(body::kSize * s + body::kAttitude, R.transpose(), &A_, &g_);
+      quadratic::multiply_block(size(), body::kSize * s + body::kAttitude, R.transpose(), &A_, &g_);
     }
+    cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
     xi_.head(size()).setZero();
     fill_heading_part(window, first, x, Matrix3d::Identity());
     w_ *= -1.0;
@@ -86,42 +91,39 @@ class Prior {
     fill_heading_part(window, 0, x, Zt);
     add_heading_part(&work_, &work_g_);
     for (int s = 0; s < leading_states(); ++s) {
-      const int at = body::kSize * s;
       const Matrix3d R = window[static_cast<std::size_t>(s)].nav.q_WB.toRotationMatrix();
-      multiply_block(at + body::kAttitude, turn_jacobian(s).inverse() * Zt * R, &work_, &work_g_);
-      multiply_block(at + body::kPosition, Zt, &work_, &work_g_);
-      multiply_block(at + body::kVelocity, Zt, &work_, &work_g_);
+      quadratic::multiply_block(n, body::kSize * s + body::kAttitude,
+                                turn_jacobian(s).inverse() * Zt * R, &work_, &work_g_);
     }
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-      multiply_block(border(layout_.landmark(static_cast<int>(i))), Zt, &work_, &work_g_);
-    }
+    turn_back(heading());
     if (layout_.has_extrinsics()) {
       const int at = border(layout_.extrinsics());
-      multiply_block(at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
+      quadratic::multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
     }
     system->add_quadratic(leading_states(), work_.topLeftCorner(n, n), work_g_.head(n));
     return cost;
   }
 
-  /// Every landmark walks by this variance per axis [m^2]: A <- (A^-1 + Q)^-1, one after the other
-  /// by (A^-1 + q E E^T)^-1 = A - A E (I / q + E^T A E)^-1 E^T A, three columns E each.
+  /// Every landmark walks by this variance per axis [m^2]: A <- (A^-1 + Q)^-1, some landmarks after
+  /// the other by (A^-1 + q E E^T)^-1 = A - A E (I / q + E^T A E)^-1 E^T A, three columns E each.
   void add_landmark_noise(double variance) {
     if (!(variance > 0.0)) return;
+    constexpr int kPanel = 3 * (cholesky::kPanel / 3);  // whole landmarks
     const int n = size();
-    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-      const int at = border(layout_.landmark(static_cast<int>(i)));
-      const Matrix3d own = A_.block<3, 3>(at, at) + Matrix3d::Identity() / variance;
-      subtract_projection(at, own, n);
+    for (int at = border(layout_.landmark(0)); at < n; at += kPanel) {
+      const int width = std::min(kPanel, n - at);
+      quadratic::subtract_projection(n, at, width, 1.0 / variance, &A_, &g_, &work_);
     }
+    cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
   }
 
   /// Landmark i is marginalised; the last one takes its place. Landmarks that came after the prior
   /// was made are none of its business.
   void remove_landmark(std::size_t i, std::size_t last) {
     if (i >= landmarks_.size()) return;
-    const int n = size();
     const int at = border(layout_.landmark(static_cast<int>(i)));
-    subtract_projection(at, A_.block<3, 3>(at, at), n);
+    quadratic::subtract_projection(size(), at, 3, 0.0, &A_, &g_, &work_);
+    cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
     // the window's last landmark moves to i; the prior's own last one may be an earlier one
     const std::size_t own_last = landmarks_.size() - 1;
     if (last != own_last) {
@@ -133,21 +135,6 @@ class Prior {
   }
 
  private:
-  /// A <- A - A E own^-1 E^T A, g likewise, E the three columns from `at` on. Nothing, if `own`
-  /// says that nothing is known of them.
-  void subtract_projection(int at, const Matrix3d& own, int n) {
-    const Eigen::LLT<Matrix3d> llt(own);
-    if (llt.info() != Eigen::Success) return;
-    auto rows = work_.topLeftCorner(3, n);
-    rows = A_.block(at, 0, 3, n);
-    llt.matrixL().solveInPlace(rows);
-    const Vector3d y = llt.matrixL().solve(Vector3d(g_.segment<3>(at)));
-    for (int c = 0; c < n; ++c) {
-      A_.col(c).head(n).noalias() -= rows.transpose() * rows.col(c);
-    }
-    g_.head(n).noalias() -= rows.transpose() * y;
-  }
-
   static Eigen::MatrixXd matrix(const Layout& layout, int max_states) {
     const int size = body::kSize * (max_states - 1) + layout.capacity();
     return Eigen::MatrixXd::Zero(size, size);
@@ -233,15 +220,35 @@ class Prior {
     (*g)[kHeading] += w.dot(g->head(n));
   }
 
-  /// A <- B^T A B, g <- B^T g for a block `own` of B.
-  void multiply_block(int at, const Matrix3d& own, Eigen::MatrixXd* A, Eigen::VectorXd* g) const {
-    for (int r = 0; r < size(); ++r) {
-      A->block<1, 3>(r, at) = (A->block<1, 3>(r, at) * own).eval();
+  /// B of (E4) on work_ as multiply_block() does it, for all blocks Z^T, which turn the first two
+  /// of their unknowns by -heading.
+  void turn_back(double heading) {
+    const double cosine = std::cos(heading);
+    const double sine = std::sin(heading);
+    const auto turn = [&](double* x, double* y) {  // the columns of Z^T are the rows of Z
+      const double x_before = *x;
+      *x = cosine * x_before - sine * *y;
+      *y = sine * x_before + cosine * *y;
+    };
+    const int n = size();
+    for_each_turned([&](int at) {
+      for (int r = at; r < n; ++r) turn(&work_(r, at), &work_(r, at + 1));
+      turn(&work_g_[at], &work_g_[at + 1]);
+    });
+    for (int c = 0; c < n; ++c) {
+      for_each_turned([&](int at) {
+        if (c < at + 2) turn(&work_(at, c), &work_(at + 1, c));
+      });
     }
-    for (int c = 0; c < size(); ++c) {
-      A->block<3, 1>(at, c) = (own.transpose() * A->block<3, 1>(at, c)).eval();
+  }
+  /// f(first column) for each block that is a vector in W.
+  template <class F>
+  void for_each_turned(const F& f) const {
+    for (int s = 0; s < leading_states(); ++s) {
+      f(body::kSize * s + body::kPosition);
+      f(body::kSize * s + body::kVelocity);
     }
-    g->segment<3>(at) = (own.transpose() * g->segment<3>(at)).eval();
+    for (int at = border(layout_.landmark(0)); at < size(); at += Landmark::kDof) f(at);
   }
 
   /// Nothing is known of landmark i any more, whose place another one takes.

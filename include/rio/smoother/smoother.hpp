@@ -9,17 +9,15 @@
 // covariance of the newest state and the border: the belief the next scan begins with.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
-#include "rio/smoother/kernel.hpp"
+#include "rio/smoother/gauss_newton.hpp"
 #include "rio/smoother/normal_equations.hpp"
 #include "rio/smoother/preintegration.hpp"
 #include "rio/smoother/prior.hpp"
 #include "rio/smoother/window.hpp"
+#include "rio/smoother/window_factors.hpp"
 #include "rio/update/belief.hpp"
 #include "rio/update/landmark_policy.hpp"
 #include "rio/update/scan_rows.hpp"
@@ -37,19 +35,13 @@ class Smoother {
         window_(capacity(options), options),
         system_(static_cast<int>(capacity(options)), belief_.layout().capacity() - body::kSize),
         prior_(belief_.layout(), static_cast<int>(capacity(options))),
-        doppler_(options.update.direction_noise, options.update.direction_correction),
-        trail_(options.update.trail_noise, options.update.sigma_trail_distance),
-        landmark_(options.update.sigma_landmark_distance),
-        batch_(LandmarkPointModel::kDim + LandmarkDopplerModel::kDim + RestModel::kDim),
-        dx_(Eigen::VectorXd::Zero(body::kSize * static_cast<int>(capacity(options)) +
-                                  belief_.layout().capacity())),
-        g_(dx_),
-        A_(Eigen::MatrixXd::Zero(dx_.size(), dx_.size())),
-        P_(Eigen::MatrixXd::Zero(belief_.layout().capacity(), belief_.layout().capacity())) {
-    before_.navs.resize(capacity(options));
-    saved_.navs.resize(capacity(options));
-    tail_ = Eigen::VectorXd::Zero(belief_.layout().capacity());
-  }
+        factors_(options, belief_.layout(), window_, &system_),
+        solver_(options.smoother, static_cast<int>(capacity(options)),
+                belief_.layout().capacity() - body::kSize),
+        before_(capacity(options)),
+        g_(Eigen::VectorXd::Zero(system_.capacity())),
+        A_(Eigen::MatrixXd::Zero(system_.capacity(), system_.capacity())),
+        P_(Eigen::MatrixXd::Zero(belief_.layout().capacity(), belief_.layout().capacity())) {}
 
   const Estimate& estimate() const { return belief_.estimate(); }
   const Belief& belief() const { return belief_; }
@@ -129,25 +121,10 @@ class Smoother {
   /// Stage 2: the newest state is that of this scan.
   void clone(ScanId scan) {
     window_.newest().scan = scan;
-    publish_clones();
+    window_.publish(&belief_.estimate());
   }
 
  private:
-  /// The unknowns, to come back to.
-  struct Point {
-    std::vector<NavState> navs;
-    Estimate estimate;
-
-    void save(const Window& window, const Estimate& x) {
-      for (std::size_t k = 0; k < window.size(); ++k) navs[k] = window[k].nav;
-      estimate = x;
-    }
-    void restore(Window* window, Estimate* x) const {
-      for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs[k];
-      *x = estimate;
-    }
-  };
-
   static std::size_t capacity(const Options& options) {
     return static_cast<std::size_t>(options.smoother.window) + 1;
   }
@@ -171,7 +148,7 @@ class Smoother {
     for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();
     g_.head(n).setZero();
     prior_.assign(A, g_.head(n), window_, 0, 1, estimate());
-    publish_clones();
+    window_.publish(&belief_.estimate());
   }
   Status restart_after_failure() {
     restart();
@@ -234,164 +211,34 @@ class Smoother {
     }
   }
 
-  /// Gauss-Newton with damping when a step does not pay. The belief and the window hold the result.
+  /// The belief and the window hold the result.
   bool solve() {
-    double damping = 0.0;
-    double cost = build();
-    bool converged = false;
-    for (int i = 0; i < options_.smoother.max_iterations && !converged; ++i) {
-      if (!system_.factorise(damping)) return false;
-      system_.solve(&dx_);
-      const auto step = dx_.head(system_.size());
-      if (!step.allFinite()) return false;
-      saved_.save(window_, estimate());
-      apply();
-      converged = step.lpNorm<Eigen::Infinity>() < options_.smoother.tolerance;
-      if (converged) break;
-      const double next = build();
-      if (next <= cost + kCostRounding * std::abs(cost)) {
-        cost = next;
-        damping = damping > kLeastDamping ? 0.1 * damping : 0.0;
-      } else {
-        saved_.restore(&window_, &belief_.estimate());
-        cost = build();
-        damping = std::max(kLeastDamping, 10.0 * damping);
-      }
-    }
-    if (!(converged && damping == 0.0) && !system_.factorise()) return false;
+    if (!solver_.minimise([this] { return build(); }, &system_, &window_, &belief_)) return false;
     auto P = P_.topLeftCorner(system_.tail_size(), system_.tail_size());
     if (!system_.tail_covariance(&P_) || !P.allFinite()) return false;
     belief_.covariance().matrix() = P;
     return true;
   }
 
-  /// dx_ onto window and belief.
-  void apply() {
-    for (std::size_t k = 0; k + 1 < window_.size(); ++k) {
-      correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
-                  &window_[k].nav);
-    }
-    tail_.head(system_.tail_size()) =
-        dx_.segment(system_.size() - system_.tail_size(), system_.tail_size());
-    belief_.correct(tail_);
-    window_.newest().nav = estimate().nav;
-    publish_clones();
-  }
-  static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {
-    nav->q_WB = (nav->q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
-    nav->p_WB += dx.segment<3>(body::kPosition);
-    nav->v_WB += dx.segment<3>(body::kVelocity);
-    nav->gyro_bias += dx.segment<3>(body::kGyroBias);
-    nav->accel_bias += dx.segment<3>(body::kAccelBias);
-  }
-
   /// The system at the present point; the result is its cost.
   double build() {
+    const double cost = begin_with_prior();
+    return cost + factors_.add_all(estimate());
+  }
+  double begin_with_prior() {
     system_.clear(static_cast<int>(window_.size()), belief_.covariance().size() - body::kSize);
-    double cost = prior_.add_to(&system_, window_, estimate());
-    for (std::size_t k = 0; k < window_.size(); ++k) {
-      if (k + 1 < window_.size()) cost += add_imu(k);
-      cost += add_measurements(k);
-      for (const TrailFactor& f : window_[k].trails) cost += add_trail(k, f);
-    }
-    return cost;
-  }
-
-  double add_imu(std::size_t k) {
-    ImuFactor::Residual r;
-    ImuFactor::Jacobian J;
-    window_[k].to_next.evaluate(InertialState(window_[k].nav), InertialState(window_[k + 1].nav),
-                                &r, &J);
-    system_.add_between(static_cast<int>(k), J, r);
-    return 0.5 * r.squaredNorm();
-  }
-
-  /// All that scan k measured by itself.
-  double add_measurements(std::size_t k) {
-    const WindowState& state = window_[k];
-    const LinearizationPoint x = point(k);
-    const WindowLayout layout{belief_.layout(), static_cast<int>(window_.size()),
-                              static_cast<int>(k)};
-    double cost = 0.0;
-    const auto add = [&](const auto& model, const auto& z, BlockIndex index) {
-      using M = std::decay_t<decltype(model)>;
-      return linearize(model, z, typename M::Blocks{}, x, index, layout, &batch_);
-    };
-    const auto block = [&](double weight, const auto& fill) {
-      batch_.clear();
-      batch_.begin_block();
-      if (fill()) cost += add_block(weight);
-    };
-    for (const DopplerFactor& f : state.dopplers) {
-      block(f.weight, [&] { return add(doppler_, f.doppler, {}); });
-    }
-    for (const PointFactor& f : state.points) {
-      const BlockIndex index{0, static_cast<int>(f.landmark)};
-      block(f.weight, [&] {
-        return add(LandmarkPointModel{}, f.point, index) &&
-               (!f.doppler || add(LandmarkDopplerModel{}, *f.doppler, index));
-      });
-    }
-    for (const DistanceFactor& f : state.distances) {
-      block(f.weight, [&] {
-        return add(landmark_, f.distance, {0, static_cast<int>(f.landmark)});
-      });
-    }
-    for (const PositionFactor& f : state.positions) {
-      block(f.weight, [&] {
-        return add(LandmarkPositionModel{}, f.position, {0, static_cast<int>(f.landmark)});
-      });
-    }
-    if (state.rest) block(1.0, [&] { return add(RestModel{}, *state.rest, {}); });
-    return cost;
-  }
-
-  double add_trail(std::size_t k, const TrailFactor& f) {
-    const int past = window_.find(f.past);
-    if (past < 0) return 0.0;
-    const WindowLayout layout{belief_.layout(), static_cast<int>(window_.size()),
-                              static_cast<int>(k)};
-    batch_.clear();
-    batch_.begin_block();
-    const bool valid = linearize(trail_, f.distance, TrailDistanceModel::Blocks{}, point(k),
-                                 {past, 0}, layout, &batch_);
-    return valid ? add_block(1.0) : 0.0;
-  }
-
-  /// The rows of the batch under the robust kernel; the result is their cost.
-  /// @param weight of its information before the kernel
-  double add_block(double weight) {
-    double chi_squared = 0.0;
-    for (const LinearRow& row : batch_.rows()) {
-      chi_squared += row.residual * row.residual / row.variance;
-    }
-    const double size = options_.smoother.kernel_size * static_cast<double>(batch_.rows().size());
-    const KernelValue value = evaluate_kernel(options_.smoother.kernel, size, chi_squared);
-    for (const LinearRow& row : batch_.rows()) system_.add(row, weight * value.weight);
-    return 0.5 * weight * value.cost;
-  }
-
-  /// State k, moved to what its scan's calibration is known to be now.
-  LinearizationPoint point(std::size_t k) const {
-    const WindowState& state = window_[k];
-    LinearizationPoint x(estimate(), state.nav, state.gyro_B, state.accel_W);
-    if (state.rest) x.stand();
-    x.radar_errors = estimate().radar_errors - state.radar_errors;
-    const double later = estimate().time_offset - state.time_offset;
-    if (later != 0.0) x.step_back(later);
-    return x;
+    return prior_.add_to(&system_, window_, estimate());
   }
 
   /// Everything that touches the oldest state becomes the prior of the others.
   bool marginalise_oldest() {
-    system_.clear(static_cast<int>(window_.size()), belief_.covariance().size() - body::kSize);
-    prior_.add_to(&system_, window_, estimate());
-    add_imu(0);
-    add_measurements(0);
+    begin_with_prior();
+    factors_.add_imu(0);
+    factors_.add_scan(0, estimate());
     const ScanId oldest = window_[0].scan;
     for (std::size_t k = 1; k < window_.size(); ++k) {
       std::erase_if(window_[k].trails, [&](const TrailFactor& f) {
-        if (f.past == oldest) add_trail(k, f);
+        if (f.past == oldest) factors_.add_trail(k, f, estimate());
         return f.past == oldest;
       });
     }
@@ -402,7 +249,7 @@ class Smoother {
     const double walk = options_.update.landmark_walk;
     prior_.add_landmark_noise(walk * walk * (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
     window_.pop_oldest();
-    publish_clones();
+    window_.publish(&belief_.estimate());
     return true;
   }
 
@@ -414,19 +261,7 @@ class Smoother {
     belief_.remove_landmark(i);
   }
 
-  /// The past poses of the window, for matching.
-  void publish_clones() {
-    auto& clones = belief_.estimate().clones;
-    clones.clear();
-    for (std::size_t k = 0; k < window_.size(); ++k) {
-      const NavState& nav = window_[k].nav;
-      clones.push_back({window_[k].scan, {nav.q_WB.toRotationMatrix(), nav.p_WB}});
-    }
-  }
-
   static constexpr double kExact = 1e-5;  // sigma that passes for exactly known, in SI units
-  static constexpr double kLeastDamping = 1e-4;
-  static constexpr double kCostRounding = 1e-9;
 
   Options options_;
   Belief belief_;
@@ -434,15 +269,10 @@ class Smoother {
   Window window_;
   NormalEquations system_;
   Prior prior_;
-  DopplerModel doppler_;
-  TrailDistanceModel trail_;
-  LandmarkDistanceModel landmark_;
-  RowBatch batch_;
+  WindowFactors factors_;
+  GaussNewton solver_;
   Preintegration since_;  ///< the newest state of the window
-  Point before_;
-  Point saved_;
-  Eigen::VectorXd dx_;
-  Eigen::VectorXd tail_;
+  WindowPoint before_;
   Eigen::VectorXd g_;
   Eigen::MatrixXd A_;
   Eigen::MatrixXd P_;

@@ -147,6 +147,15 @@ class Window {
     return -1;
   }
 
+  /// Its poses become the clones of x, for matching and for the trails.
+  void publish(Estimate* x) const {
+    x->clones.clear();
+    for (std::size_t k = 0; k < size_; ++k) {
+      const NavState& nav = (*this)[k].nav;
+      x->clones.push_back({(*this)[k].scan, {nav.q_WB.toRotationMatrix(), nav.p_WB}});
+    }
+  }
+
   /// Landmark i is gone and the last one has taken its place.
   void forget_landmark(std::size_t i, std::size_t last) {
     const auto forget = [i, last](auto& factors) {

@@ -107,6 +107,19 @@ auto state_rows(const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...
                            time_derivative<kDim>(J, blocks, x), layout.time_offset_column());
 }
 
+/// Model M for z at x; more than one dimension is whitened. False if x is outside its domain.
+template <MeasurementModel M, class... B>
+bool evaluate_at(const M& model, const typename M::Measurement& z, BlockList<B...> /*blocks*/,
+                 const LinearizationPoint& x, BlockIndex index, Evaluation<M>* e) {
+  if (!model.evaluate(z, block_value<B>(x, index)..., e->r, &e->J, e->R)) return false;
+  if constexpr (M::kDim > 1) {
+    const Eigen::LLT<JacobianOf<M::kDim, M::kDim>> llt(e->R);
+    llt.matrixL().solveInPlace(e->r);
+    llt.matrixL().solveInPlace(e->J);
+  }
+  return true;
+}
+
 /// Appends model M's rows for z to the open block of `batch`; rows of more than one dimension are
 /// whitened. False if x is outside the model's domain.
 template <MeasurementModel M, class LayoutT, class... B>
@@ -114,12 +127,7 @@ bool linearize(const M& model, const typename M::Measurement& z, BlockList<B...>
                const LinearizationPoint& x, BlockIndex index, const LayoutT& layout,
                RowBatch* batch) {
   Evaluation<M> e;
-  if (!model.evaluate(z, block_value<B>(x, index)..., e.r, &e.J, e.R)) return false;
-  if constexpr (M::kDim > 1) {
-    const Eigen::LLT<JacobianOf<M::kDim, M::kDim>> llt(e.R);
-    llt.matrixL().solveInPlace(e.r);
-    llt.matrixL().solveInPlace(e.J);
-  }
+  if (!evaluate_at(model, z, blocks, x, index, &e)) return false;
   auto rows = state_rows<M::kDim>(e.J, blocks, x, index, layout);
   for (int i = 0; i < M::kDim; ++i) {
     LinearRow& row = rows[static_cast<std::size_t>(i)];

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Gauss-Newton over the window and the border, with damping when a step does not pay.
+//
+// (E1) length of a step in sigmas: sqrt(dx^T H dx) = sqrt(dx . g), the Newton decrement. A landmark
+//      far away may move by centimetres and yet by less than any measurement can tell.
+// The factor of a step serves for the next steps, too, as long as each is much shorter than the one
+// before: the simplified Newton method (Deuflhard 2011, ch. 2). It has the same solution, the zero
+// of g. The covariance is that of the point where the factor was made, off by a few percent; what
+// is marginalised into the prior is always linearised at the solution.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "rio/options.hpp"
+#include "rio/smoother/normal_equations.hpp"
+#include "rio/smoother/window.hpp"
+#include "rio/update/belief.hpp"
+
+namespace rio {
+
+/// The unknowns, to come back to.
+class WindowPoint {
+ public:
+  explicit WindowPoint(std::size_t max_states) : navs_(max_states) {}
+
+  void save(const Window& window, const Estimate& x) {
+    for (std::size_t k = 0; k < window.size(); ++k) navs_[k] = window[k].nav;
+    estimate_ = x;
+  }
+  void restore(Window* window, Estimate* x) const {
+    for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs_[k];
+    *x = estimate_;
+  }
+
+ private:
+  std::vector<NavState> navs_;
+  Estimate estimate_;
+};
+
+class GaussNewton {
+ public:
+  /// @param border largest size of calibration and landmarks
+  GaussNewton(const SmootherOptions& options, int max_states, int border)
+      : options_(options),
+        saved_(static_cast<std::size_t>(max_states)),
+        dx_(Eigen::VectorXd::Zero(body::kSize * max_states + border)),
+        tail_(Eigen::VectorXd::Zero(body::kSize + border)) {}
+
+  /// Moves window and belief to the minimum; the newest state is the belief's. The factor of the
+  /// system is undamped afterwards. False if a system cannot be solved.
+  /// @param build makes the system at the present point; its result is the cost
+  template <class Build>
+  bool minimise(const Build& build, NormalEquations* system, Window* window, Belief* belief) {
+    double damping = 0.0;
+    double last = kNone;  // length of the step before, if it is undamped
+    double cost = build();
+    bool converged = false;
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      double length = last < kNone ? step(*system) : kNone;
+      if (!(length < kShorter * last)) {
+        if (!system->factorise(damping)) return false;
+        length = step(*system);
+      }
+      if (!(length < kNone)) return false;
+      saved_.save(*window, belief->estimate());
+      apply(*system, window, belief);
+      converged = length < options_.tolerance;
+      if (converged) break;
+      const double next = build();
+      if (next <= cost + kCostRounding * std::abs(cost)) {
+        cost = next;
+        last = damping == 0.0 ? length : kNone;
+        damping = damping > kLeastDamping ? 0.1 * damping : 0.0;
+      } else {
+        saved_.restore(window, &belief->estimate());
+        cost = build();
+        last = kNone;
+        damping = std::max(kLeastDamping, 10.0 * damping);
+      }
+    }
+    return (converged && damping == 0.0) || system->factorise();
+  }
+
+ private:
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  static constexpr double kShorter = 0.3;
+  static constexpr double kLeastDamping = 1e-4;
+  static constexpr double kCostRounding = 1e-9;
+
+  /// dx_ by the factor as it is; the result is its length in sigmas (E1), infinite if it is not
+  /// finite.
+  double step(const NormalEquations& system) {
+    system.solve(&dx_);
+    const auto dx = dx_.head(system.size());
+    const double squared = dx.dot(system.g());
+    return dx.allFinite() && squared >= 0.0 ? std::sqrt(squared) : kNone;
+  }
+
+  void apply(const NormalEquations& system, Window* window, Belief* belief) {
+    for (std::size_t k = 0; k + 1 < window->size(); ++k) {
+      correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
+                  &(*window)[k].nav);
+    }
+    const int size = system.tail_size();
+    tail_.head(size) = dx_.segment(system.size() - size, size);
+    belief->correct(tail_);
+    window->newest().nav = belief->estimate().nav;
+    window->publish(&belief->estimate());
+  }
+  static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {
+    nav->q_WB = (nav->q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
+    nav->p_WB += dx.segment<3>(body::kPosition);
+    nav->v_WB += dx.segment<3>(body::kVelocity);
+    nav->gyro_bias += dx.segment<3>(body::kGyroBias);
+    nav->accel_bias += dx.segment<3>(body::kAccelBias);
+  }
+
+  SmootherOptions options_;
+  WindowPoint saved_;
+  Eigen::VectorXd dx_;
+  Eigen::VectorXd tail_;
+};
+
+}  // namespace rio
