@@ -2,7 +2,7 @@
 # The tests: installs what they need, builds with warnings as errors, runs ctest.
 #   test/run.sh             all tests
 #   test/run.sh sanitize    all but the Monte Carlo tests, with AddressSanitizer and UBSan
-#   test/run.sh tidy        clang-format and clang-tidy over the whole tree
+#   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone, the benchmarks
 # Further arguments go to ctest, as in: test/run.sh -L model.  CXX=clang++ chooses the compiler.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -18,12 +18,14 @@ build=build/test-$mode-$compiler
 flags="-O1"
 [ "$mode" = sanitize ] && flags="-O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all"
 cmake -S . -B "$build" -DCMAKE_CXX_COMPILER="$compiler" -DCMAKE_CXX_FLAGS="$flags" \
-  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DRIO_WARNINGS_AS_ERRORS=ON -DRIO_BUILD_BENCH=ON >/dev/null
+  -DCMAKE_EXPORT_COMPILE_COMMANDS=ON -DRIO_WARNINGS_AS_ERRORS=ON \
+  -DRIO_BUILD_BENCH="$([ "$mode" = tidy ] && echo ON || echo OFF)" >/dev/null
 
 if [ "$mode" = tidy ]; then
   git ls-files '*.hpp' '*.cpp' | xargs clang-format-14 --dry-run -Werror
   git ls-files 'src/*.cpp' 'test/*.cpp' ':!test/package' |
     xargs -P "$jobs" -n 4 clang-tidy-14 --quiet -p "$build"
+  cmake --build "$build" -j "$jobs" --target headers_alone update_bench
   exit
 fi
 

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Behind door 1: the pipeline with its time semantics, for any back-end. Each back-end is compiled
+// in a file of its own.
+#pragma once
+
+#include <Eigen/Eigenvalues>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "odometry_impl.hpp"
+#include "rio/frontend/detection.hpp"
+#include "rio/pipeline.hpp"
+#include "rio/propagate/imu_buffer.hpp"
+#include "rio/propagate/predictor.hpp"
+#include "rio/propagate/static_alignment.hpp"
+
+namespace rio {
+
+/// Filtered scans that wait for the IMU, oldest first. Few, so insertion shifts.
+class ScanQueue {
+ public:
+  explicit ScanQueue(int capacity) : scans_(static_cast<std::size_t>(capacity)) {}
+
+  bool empty() const { return size_ == 0; }
+  bool full() const { return size_ == scans_.size(); }
+  void clear() { size_ = 0; }
+  const DetectionList& front() const { return scans_[0]; }
+  bool contains(Time time) const {
+    for (std::size_t i = 0; i < size_; ++i) {
+      if (scans_[i].time == time) return true;
+    }
+    return false;
+  }
+  void insert(const DetectionList& scan) {
+    std::size_t i = size_++;
+    for (; i > 0 && scans_[i - 1].time > scan.time; --i) scans_[i] = scans_[i - 1];
+    scans_[i] = scan;
+  }
+  void pop_front() {
+    for (std::size_t i = 1; i < size_; ++i) scans_[i - 1] = scans_[i];
+    --size_;
+  }
+
+ private:
+  std::vector<DetectionList> scans_;
+  std::size_t size_ = 0;
+};
+
+namespace engine_detail {
+
+inline bool finite(const NavState& s) {
+  return s.q_WB.coeffs().allFinite() && s.p_WB.allFinite() && s.v_WB.allFinite() &&
+         s.gyro_bias.allFinite() && s.accel_bias.allFinite();
+}
+
+inline bool positive_semi_definite(const BodyCovariance& P) {
+  const double scale = P.cwiseAbs().maxCoeff();
+  if ((P - P.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix15d> eigen(Matrix15d(P), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().minCoeff() >= -1e-9 * scale;
+}
+
+}  // namespace engine_detail
+
+template <class Estimator>
+class Engine final : public Odometry::Impl {
+ public:
+  explicit Engine(const Options& o)
+      : options(o),
+        pipeline(o),
+        imu(o.timing, o.imu),
+        predictor(o.imu.gravity),
+        aligner(o.start, o.imu),
+        queue(o.timing.scan_queue) {
+    extrinsics = o.radar.T_BS;
+  }
+
+  const NavState& at_scan() const override { return pipeline.estimate().nav; }
+  const NavState& now() const override { return predictor.state(); }
+  const UpdateReport& report() const override { return pipeline.report(); }
+
+  Status add_imu(const ImuSample& sample) override {
+    if (!sample.gyro_B.allFinite() || !sample.accel_B.allFinite()) {
+      ++counters.imu_non_finite;
+      return Status::kNonFinite;
+    }
+    if (!imu.empty() && sample.time <= imu.newest().time) {
+      ++counters.imu_stale;
+      return Status::kStale;
+    }
+    ++counters.imu_samples;
+    if (!imu.empty() && imu.is_gap(imu.newest(), sample)) ++counters.imu_gaps;
+    if (initialized && imu.full()) catch_up(imu[1].time);
+    imu.push_back(sample);
+    if (!initialized) return options.start.static_alignment ? align(sample) : Status::kOk;
+    predictor.advance(imu);
+    while (!queue.empty() && pipeline.measured_at(queue.front().time) <= sample.time) {
+      process(queue.front());
+      queue.pop_front();
+    }
+    catch_up(sample.time - from_seconds(options.timing.max_lag));
+    return Status::kOk;
+  }
+
+  Status add_scan(const RadarScan& scan) override {
+    if (!initialized) {
+      ++counters.scans_uninitialized;
+      return Status::kNotInitialized;
+    }
+    if ((has_scan && scan.time == last_scan) || queue.contains(scan.time)) {
+      ++counters.scans_duplicate;
+      return Status::kDuplicate;
+    }
+    if (is_late(scan.time)) {
+      ++counters.scans_late;
+      return Status::kLate;
+    }
+    filter_detections(scan, options.radar, options.frontend.max_detections, filtered);
+    counters.detections_non_finite += static_cast<std::uint64_t>(filtered.non_finite);
+    if (filtered.received > 0 && filtered.non_finite == filtered.received) {
+      ++counters.scans_non_finite;
+      return Status::kNonFinite;
+    }
+    if (imu.empty() || pipeline.measured_at(scan.time) > imu.newest().time) {
+      if (queue.full()) {
+        ++counters.scans_overflow;
+        return Status::kQueueFull;
+      }
+      queue.insert(filtered);
+      return Status::kWaiting;
+    }
+    return process(filtered);
+  }
+
+  Status reset(const NavState& prior, const BodyCovariance& P0) override {
+    if (!engine_detail::finite(prior) || !P0.allFinite()) return Status::kNonFinite;
+    if (prior.q_WB.norm() < 0.5 || !engine_detail::positive_semi_definite(P0))
+      return Status::kNumerical;
+    NavState start = prior;
+    start.q_WB.normalize();
+    pipeline.reset(start, P0);
+    counters = Counters{};
+    queue.clear();
+    has_scan = false;
+    initialized = true;
+    publish();
+    return Status::kOk;
+  }
+
+  void reset() override {
+    initialized = false;
+    imu.clear();
+    aligner.reset();
+    queue.clear();
+    counters = Counters{};
+    has_scan = false;
+    pipeline.reset(NavState{}, BodyCovariance::Zero());
+    publish();
+  }
+
+ private:
+  /// Measured before the estimate. Not if it follows the last scan and only a better time offset
+  /// has overtaken it.
+  bool is_late(Time stamp) const {
+    const bool follows = has_scan && stamp > last_scan && at_scan().time == last_scan_estimate;
+    return !follows && pipeline.measured_at(stamp) < at_scan().time;
+  }
+
+  Status align(const ImuSample& sample) {
+    std::optional<Alignment> alignment;
+    const Status status = aligner.add(sample, &alignment);
+    if (alignment) {
+      pipeline.reset(alignment->state, alignment->covariance);
+      initialized = true;
+      publish();
+    }
+    return status;
+  }
+
+  Status process(const DetectionList& scan) {
+    last_scan = scan.time;
+    has_scan = true;
+    const Status status = pipeline.process(scan, imu);
+    last_scan_estimate = at_scan().time;
+    ++(status == Status::kOk ? counters.scans : counters.updates_failed);
+    counters.velocity_resets += pipeline.report().velocity_reset ? 1 : 0;
+    publish();
+    return status;
+  }
+
+  /// Keeps the estimate within reach of the buffered samples while no scan arrives.
+  void catch_up(Time time) {
+    if (at_scan().time >= time) return;
+    if (pipeline.propagate(time, imu) != Status::kOk) ++counters.updates_failed;
+    publish();
+  }
+
+  /// Refreshes what the accessors return and forgets the samples behind the estimate.
+  void publish() {
+    covariance = pipeline.backend().belief().covariance().body();
+    extrinsics = pipeline.estimate().T_BS;
+    imu.forget_before(at_scan().time);
+    predictor.rebase(at_scan(), imu);
+  }
+
+  Options options;
+  Pipeline<Estimator> pipeline;
+  ImuBuffer imu;
+  Predictor predictor;
+  StaticAligner aligner;
+  ScanQueue queue;
+  DetectionList filtered;
+  Time last_scan{0};           ///< its stamp
+  Time last_scan_estimate{0};  ///< the time of the estimate after it
+  bool has_scan = false;
+};
+
+}  // namespace rio

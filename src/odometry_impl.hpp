@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What door 1 keeps hidden.
+#pragma once
+
+#include <memory>
+
+#include "rio/rio.hpp"
+
+namespace rio {
+
+/// What door 1 asks of the estimator, whichever back-end it has.
+struct Odometry::Impl {
+  virtual ~Impl() = default;
+  virtual Status add_imu(const ImuSample& sample) = 0;
+  virtual Status add_scan(const RadarScan& scan) = 0;
+  virtual Status reset(const NavState& prior, const BodyCovariance& P0) = 0;
+  virtual void reset() = 0;
+  virtual const NavState& at_scan() const = 0;
+  virtual const NavState& now() const = 0;
+  virtual const UpdateReport& report() const = 0;
+
+  BodyCovariance covariance = BodyCovariance::Zero();
+  Pose extrinsics;
+  Counters counters;
+  bool initialized = false;
+};
+
+std::unique_ptr<Odometry::Impl> make_ekf_engine(const Options& options);
+std::unique_ptr<Odometry::Impl> make_smoother_engine(const Options& options);
+
+}  // namespace rio
