@@ -2,14 +2,17 @@
 #include "experiment/trial.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "rio/core/so3.hpp"
 #include "rio/eval/nees.hpp"
 #include "rio/io/start.hpp"
+#include "rio/sim/random.hpp"
 
 namespace rio::experiment {
 
@@ -148,6 +151,26 @@ Trial fly(const sim::Flight& flight, const Options& options, const EachReport& e
   if (odometry == nullptr) throw std::runtime_error(why);
   if (wrong) start_wrongly(flight, used.start, *odometry);
   return replay(flight, *odometry, each);
+}
+
+Trial with_drawn_start(const Trial& trial, const StartOptions& start, std::uint64_t seed) {
+  Trial drawn = trial;
+  if (trial.steps.empty()) return drawn;
+  sim::Random random(seed, 9);
+  const Quaternion turn = quaternion_exp(start.sigma_yaw * random.normal() * Vector3d::UnitZ());
+  const Vector3d shift = start.sigma_position * random.normal3();
+  const Vector3d origin = trial.steps.front().truth.p_WB;
+  for (Step& step : drawn.steps) {
+    NavState& truth = step.truth;
+    truth.q_WB = turn * truth.q_WB;
+    truth.p_WB = turn * (truth.p_WB - origin) + origin + shift;
+    truth.v_WB = turn * truth.v_WB;
+  }
+  return drawn;
+}
+
+Time steady_now() {
+  return std::chrono::steady_clock::now().time_since_epoch();
 }
 
 std::vector<eval::PosePair> pose_pairs(const Trial& trial) {

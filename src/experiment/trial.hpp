@@ -50,6 +50,13 @@ Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& ea
 /// @throws std::runtime_error if the options are invalid
 Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each = {});
 
+/// The trial with a true start drawn from the prior, position and heading, instead of the exact one
+/// the simulator gives it: the estimator cannot tell, and its prior is honest.
+Trial with_drawn_start(const Trial& trial, const StartOptions& start, std::uint64_t seed);
+
+/// For Options::timing.clock.
+Time steady_now();
+
 /// True and estimated poses of the steps.
 std::vector<eval::PosePair> pose_pairs(const Trial& trial);
 

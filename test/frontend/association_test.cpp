@@ -30,12 +30,13 @@ class AssociationTest : public testing::Test {
     estimate_.landmarks.push_back(landmark);
   }
   AssociationResult match() {
-    Association association(options_, kMaxLandmarks);
+    Association association(options_, kMaxLandmarks, kSameEcho);
     AssociationResult result;
     association.match(scan_, usable_, estimate_, estimate_.landmarks.size(), trails_, &result);
     return result;
   }
 
+  static constexpr double kSameEcho = 0.01;  // [m]
   RadarOptions radar_;
   FrontendOptions options_;
   DetectionList scan_;
@@ -62,6 +63,24 @@ TEST_F(AssociationTest, GateFollowsTheShapeOfTheNoise) {
     EXPECT_EQ(result.landmarks.size(), expected ? 1U : 0U) << offset.transpose();
     EXPECT_EQ(result.near_landmark[0], expected);
   }
+}
+
+TEST_F(AssociationTest, OnlyTheCoreOfTheGateCountsOnceTheRadarHasMoved) {
+  know({4.0, 0.0, 0.0}, 0.01);
+  see({4.07, 0.0, 0.0});  // 2.2 sigma: within 0.95 of three degrees, beyond 0.6 of them
+  estimate_.landmarks[0].way_seen = 10.0;
+  estimate_.way = 10.0 + 0.9 * kSameEcho;
+  EXPECT_EQ(match().landmarks.size(), 1U);
+  estimate_.way = 10.0 + 1.1 * kSameEcho;
+  EXPECT_TRUE(match().landmarks.empty());
+  EXPECT_TRUE(match().near_landmark[0]);  // and yet no new point
+  scan_.items.clear();
+  see({4.04, 0.0, 0.0});  // 1.3 sigma
+  EXPECT_EQ(match().landmarks.size(), 1U);
+  options_.matching = Matching::kProbability;  // knows no core
+  scan_.items.clear();
+  see({4.07, 0.0, 0.0});
+  EXPECT_EQ(match().landmarks.size(), 1U);
 }
 
 TEST_F(AssociationTest, UncertaintyOfTheLandmarkWidensTheGate) {

@@ -8,6 +8,9 @@
 //      noise of range and angles: d2 = y^T S^-1 y below the quantile of three degrees of freedom;
 //      cost = d2 + ln(det S / det R), the negative log-likelihood up to a constant of the
 //      detection: vague points do not win by their vagueness
+//      Where reflectors are dense, the outer part of a gate holds more neighbours than right pairs:
+//      only its core counts, unless the radar has hardly moved since. Then the echo is the same
+//      one, and its error, too.
 // (E3) probability: (E2) with P_e = 0                          Xu et al., eq. 13-14
 // A landmark's match under (E2) counts only if every other pairing of the two costs more by a
 // margin: where reflectors stand close to each other, the nearest one is the one the estimate
@@ -15,6 +18,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -39,16 +43,19 @@ using Matches = StaticVector<Match, kMaxDetections>;
 struct AssociationResult {
   Matches landmarks;
   Matches trails;
-  /// Per detection: inside the gate of a landmark, so that it is no new point (Mahalanobis only).
+  /// Per detection: inside the gate of a landmark, so that it is no new point (not kEuclidean).
   std::array<bool, kMaxDetections> near_landmark{};
 };
 
 /// Solver with its work space allocated once.
 class Association {
  public:
-  Association(const FrontendOptions& options, std::size_t max_landmarks)
+  /// @param same_echo way over which an echo stays the same [m]
+  Association(const FrontendOptions& options, std::size_t max_landmarks, double same_echo)
       : options_(options),
+        same_echo_(same_echo),
         gate_(chi2_quantile(options.match_probability, 3.0)),
+        core_(chi2_quantile(std::min(options.match_core, options.match_probability), 3.0)),
         assignment_(static_cast<std::size_t>(options.max_detections) + max_landmarks,
                     static_cast<std::size_t>(options.max_detections)) {}
 
@@ -67,8 +74,10 @@ class Association {
     const RigidPose T_BS(predicted.T_BS);
     for (std::size_t i = 0; i < landmarks; ++i) {
       const LandmarkState& landmark = predicted.landmarks[i];
-      add_row(i, {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S)}, scan,
-              usable, &out->near_landmark);
+      add_row(i,
+              {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S),
+               gate_after(predicted.way - landmark.way_seen)},
+              scan, usable, &out->near_landmark);
     }
     for (std::size_t i = 0; i < trails.size(); ++i) {
       const TrailElement& newest = trails[i].newest();
@@ -79,7 +88,8 @@ class Association {
       const Matrix3d turn = (T_WB.R * T_BS.R).transpose() * then.R * T_BS.R;
       add_row(landmarks + i,
               {to_radar(T_WB, T_BS, point_W),
-               believed(turn * point_covariance(newest.detection) * turn.transpose())},
+               believed(turn * point_covariance(newest.detection) * turn.transpose()),
+               gate_after((T_WB.p - then.p).norm())},
               scan, usable, nullptr);
     }
     assignment_.solve();
@@ -91,10 +101,19 @@ class Association {
   struct Known {
     Vector3d point_S;
     Matrix3d covariance;
+    double gate = 0.0;  ///< of a match, at most that of being near
+  };
+  struct Distance {
+    double d2 = 0.0;
+    double cost = 0.0;
   };
 
   static constexpr double kMaxCost = 1e3;  // above any gate and logarithm
 
+  /// The gate for a point that was seen that way ago [m].
+  double gate_after(double way) const {
+    return options_.matching == Matching::kMahalanobis && way > same_echo_ ? core_ : gate_;
+  }
   /// The covariance of a known point as far as the matching minds it.
   Matrix3d believed(const Matrix3d& covariance) const {
     if (options_.matching != Matching::kMahalanobis) return Matrix3d::Zero();
@@ -115,16 +134,16 @@ class Association {
       const double range = known.point_S.norm();
       const double range_variance = d.sigma_range * d.sigma_range + known.covariance.trace();
       if ((d.range - range) * (d.range - range) > gate_ * range_variance) continue;
-      const auto cost = mahalanobis_cost(d, known, range);
-      if (!cost) continue;
-      assignment_.set(row, i, *cost);
-      if (near != nullptr && options_.matching == Matching::kMahalanobis) (*near)[i] = true;
+      const auto distance = mahalanobis_distance(d, known, range);
+      if (!distance) continue;
+      if (distance->d2 < known.gate) assignment_.set(row, i, distance->cost);
+      if (near != nullptr) (*near)[i] = true;
     }
   }
 
-  /// (E2) (E3); nothing outside the gate.
-  std::optional<double> mahalanobis_cost(const Detection& d, const Known& known,
-                                         double range) const {
+  /// (E2) (E3); nothing if the points are not near.
+  std::optional<Distance> mahalanobis_distance(const Detection& d, const Known& known,
+                                               double range) const {
     const double sigma_az = d.sigma_azimuth_S.norm();
     const double sigma_el = d.sigma_elevation_S.norm();
     const Vector3d t_az = d.sigma_azimuth_S / sigma_az;
@@ -144,7 +163,7 @@ class Association {
     const double d2 = llt.matrixL().solve(y).squaredNorm();
     if (!(d2 < gate_)) return std::nullopt;
     const double log_det_root = Matrix3d(llt.matrixL()).diagonal().array().log().sum();
-    return d2 + 2.0 * (log_det_root - sigmas.array().log().sum());
+    return Distance{d2, d2 + 2.0 * (log_det_root - sigmas.array().log().sum())};
   }
 
   void collect(std::size_t landmarks, std::size_t rows, std::size_t columns,
@@ -176,7 +195,9 @@ class Association {
   }
 
   FrontendOptions options_;
+  double same_echo_;
   double gate_;
+  double core_;
   Assignment assignment_;
 };
 

@@ -48,7 +48,8 @@ class Frontend {
         unwrap_(options.frontend.unwrap_doppler && options.radar.max_doppler > 0.0),
         ransac_(options.frontend, unwrap_ ? options.radar.max_doppler : 0.0),
         trails_(options.frontend.max_detections, std::max(1, options.update.max_clones)),
-        association_(options.frontend, static_cast<std::size_t>(options.update.max_landmarks)) {}
+        association_(options.frontend, static_cast<std::size_t>(options.update.max_landmarks),
+                     0.5 * options.radar.noise_distance) {}
 
   const TrailSet& trails() const { return trails_; }
   void reset() { trails_.clear(); }

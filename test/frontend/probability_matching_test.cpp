@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Matching by the density of a detection's own noise at the known point (Xu et al., eq. 13-14).
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "rio/core/chi2.hpp"
+#include "rio/frontend/association.hpp"
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+constexpr double kSigmaRange = 0.03;
+constexpr double kSigmaAzimuth = 0.03;
+constexpr double kSigmaElevation = 0.06;
+
+/// A radar at the origin of the world; landmarks and detections where the test puts them.
+class ProbabilityMatching : public testing::Test {
+ protected:
+  ProbabilityMatching() {
+    radar_.sigma_range = kSigmaRange;
+    radar_.sigma_azimuth = kSigmaAzimuth;
+    radar_.sigma_elevation = kSigmaElevation;
+    radar_.weak_snr_db = -200.0;  // all echoes are alike
+    options_.matching = Matching::kProbability;
+    options_.match_probability = 0.9973;  // three sigma
+    usable_.fill(true);
+  }
+  void see(const Vector3d& point_S) {
+    scan_.items.push_back(make_detection({.point_S = point_S}, radar_));
+  }
+  void know(const Vector3d& point_W, double sigma = 0.01) {
+    LandmarkState landmark;
+    landmark.p_W = point_W;
+    landmark.covariance_S = sigma * sigma * Matrix3d::Identity();
+    estimate_.landmarks.push_back(landmark);
+  }
+  void clear() {
+    scan_.items.clear();
+    estimate_.landmarks.clear();
+  }
+  AssociationResult match() {
+    Association association(options_, kMaxLandmarks, 0.0);
+    AssociationResult result;
+    association.match(scan_, usable_, estimate_, estimate_.landmarks.size(), trails_, &result);
+    return result;
+  }
+  /// The landmark of each detection, or -1.
+  std::vector<int> landmark_of() {
+    std::vector<int> of(scan_.items.size(), -1);
+    for (const Match& m : match().landmarks) of[m.detection] = static_cast<int>(m.target);
+    return of;
+  }
+
+  RadarOptions radar_;
+  FrontendOptions options_;
+  DetectionList scan_;
+  std::array<bool, kMaxDetections> usable_{};
+  Estimate estimate_;
+  TrailSet trails_{8, 3};
+};
+
+/// Off a detection on boresight by so many of its sigmas of range, azimuth and elevation.
+Vector3d off_by(double range, const Vector3d& sigmas) {
+  const double y = kSigmaAzimuth * sigmas[1];
+  const double z = kSigmaElevation * sigmas[2];
+  return (range + kSigmaRange * sigmas[0]) * Vector3d(std::sqrt(1.0 - y * y - z * z), y, z);
+}
+
+TEST_F(ProbabilityMatching, FarPointsMayBeFartherAside) {
+  for (const auto& [range, expected] : std::vector<std::pair<double, int>>{{2.0, -1}, {8.0, 0}}) {
+    clear();
+    know({range, 0.0, 0.0});
+    see(Vector3d(range, 0.4, 0.0).normalized() * range);  // 6.7 sigma, 1.7 sigma
+    EXPECT_EQ(landmark_of()[0], expected) << range;
+    clear();
+    know({range, 0.0, 0.0});
+    see({range + 0.1, 0.0, 0.0});  // along, both are as good
+    EXPECT_EQ(landmark_of()[0], 0) << range;
+    clear();
+    know({range, 0.0, 0.0});
+    see({range + 0.4, 0.0, 0.0});
+    EXPECT_EQ(landmark_of()[0], -1) << range;
+  }
+}
+
+TEST_F(ProbabilityMatching, TheCheckIsThreeSigmaOfThreeDegreesOfFreedom) {
+  const double gate = chi2_quantile(options_.match_probability, 3.0);
+  EXPECT_NEAR(gate, 14.16, 0.01);
+  // the same distance made of one, two and three parts
+  for (const auto& [d2, expected] : std::vector<std::pair<double, int>>{{14.1, 0}, {14.2, -1}}) {
+    for (const Vector3d& parts :
+         {Vector3d(1.0, 0.0, 0.0), Vector3d(0.0, 1.0, 0.0), Vector3d(0.0, 0.0, 1.0),
+          Vector3d(0.5, 0.5, 0.0), Vector3d(1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0)}) {
+      clear();
+      see({4.0, 0.0, 0.0});
+      know(off_by(4.0, (d2 * parts).cwiseSqrt()));
+      EXPECT_EQ(landmark_of()[0], expected) << d2 << ": " << parts.transpose();
+    }
+  }
+}
+
+TEST_F(ProbabilityMatching, TheNoiseOfTheLandmarkDoesNotCount) {
+  know(off_by(4.0, {4.5, 0.0, 0.0}), 1.0);
+  see({4.0, 0.0, 0.0});
+  EXPECT_EQ(landmark_of()[0], -1);
+  options_.matching = Matching::kMahalanobis;
+  EXPECT_EQ(landmark_of()[0], 0);
+}
+
+TEST_F(ProbabilityMatching, TheOwnSigmasOfADetectionCount) {
+  know({4.0, 0.0, 0.0});
+  scan_.items.push_back(
+      make_detection({.point_S = {4.2, 0.0, 0.0}, .sigma_range = 0.1}, radar_));  // 2 sigma
+  EXPECT_EQ(landmark_of()[0], 0);
+  scan_.items[0].sigma_range = kSigmaRange;
+  EXPECT_EQ(landmark_of()[0], -1);
+}
+
+// Fig. 3 of the paper: aside by 1.7 sigma against behind by 5 sigma, which is half as far.
+TEST_F(ProbabilityMatching, TheLikelierPointIsNotTheNearerOne) {
+  see({6.0, 0.0, 0.0});
+  know(off_by(6.0, {0.0, 1.7, 0.0}));
+  know({6.15, 0.0, 0.0});
+  EXPECT_EQ(landmark_of()[0], 0);
+  options_.matching = Matching::kEuclidean;
+  EXPECT_EQ(landmark_of()[0], 1);
+}
+
+TEST_F(ProbabilityMatching, PairsAreOptimalNotGreedy) {
+  // the second detection lies between the landmarks, nearest to the first one, which is all that
+  // the first detection could have
+  know({4.00, 0.0, 0.0});
+  know({4.08, 0.0, 0.0});
+  see({3.92, 0.0, 0.0});  // 2.7 and 5.3 sigma
+  see({4.03, 0.0, 0.0});  // 1.0 and 1.7 sigma
+  EXPECT_EQ(landmark_of(), (std::vector<int>{0, 1}));
+  estimate_.landmarks.resize(1);  // one landmark goes to the likelier one of two
+  EXPECT_EQ(landmark_of(), (std::vector<int>{-1, 0}));
+}
+
+TEST_F(ProbabilityMatching, WithoutAMarginButWhatIsNearIsNoNewPoint) {
+  know({4.00, 0.0, 0.0});
+  know({4.07, 0.0, 0.0});
+  see({4.04, 0.0, 0.0});  // nearly as likely from either
+  EXPECT_EQ(landmark_of()[0], 1);
+  EXPECT_TRUE(match().near_landmark[0]);
+}
+
+TEST_F(ProbabilityMatching, TrailsTakePartOnTheSameTerms) {
+  estimate_.clones.push_back({7, RigidPose()});
+  trails_.create({7, make_detection({.point_S = off_by(6.0, {0.0, 2.0, 0.0})}, radar_)});
+  know({6.1, 0.0, 0.0});
+  see({6.0, 0.0, 0.0});
+  const AssociationResult result = match();
+  ASSERT_EQ(result.trails.size(), 1U);  // the trail is likelier than the landmark
+  EXPECT_TRUE(result.landmarks.empty());
+}
+
+// What is chosen is the landmark with the highest density of N(p, Sigma_m), computed as written in
+// the paper. The distance here is polar, equal to the first order: the angles are fine enough that
+// the bend over three sigma, 8 m (0.018 rad)^2 / 2, is a twentieth of sigma_range, and near ties
+// are left out.
+TEST_F(ProbabilityMatching, AgreesWithTheCartesianDensityOfThePaper) {
+  radar_.sigma_azimuth = 0.003;
+  radar_.sigma_elevation = 0.006;
+  test::Random random(31);
+  int compared = 0;
+  int chosen_aside = 0;  // not the nearest in metres
+  for (int scene = 0; scene < 500; ++scene) {
+    clear();
+    const Vector3d true_point(random.uniform(2.0, 8.0), random.uniform(-2.0, 2.0),
+                              random.uniform(-1.0, 1.0));
+    see(true_point);
+    const Detection& d = scan_.items[0];
+    const Matrix3d covariance = point_covariance(d);
+    const Matrix3d root = covariance.llt().matrixL();
+    std::vector<double> densities;
+    std::vector<double> distances;
+    for (int i = 0; i < 5; ++i) {
+      const Vector3d offset = root * random.normal_vector(1.2);
+      know(d.point_S + offset);
+      const double d2 = offset.dot(covariance.inverse() * offset);
+      densities.push_back(std::exp(-0.5 * d2) /
+                          std::sqrt(std::pow(2.0 * M_PI, 3.0) * covariance.determinant()));
+      distances.push_back(offset.norm());
+    }
+    const auto best = std::max_element(densities.begin(), densities.end()) - densities.begin();
+    std::vector<double> sorted = densities;
+    std::sort(sorted.rbegin(), sorted.rend());
+    if (sorted[1] > 0.8 * sorted[0]) continue;  // a near tie
+    ++compared;
+    const auto nearest = std::min_element(distances.begin(), distances.end()) - distances.begin();
+    chosen_aside += nearest != best ? 1 : 0;
+    EXPECT_EQ(landmark_of()[0], static_cast<int>(best)) << scene;
+  }
+  EXPECT_GT(compared, 300);
+  EXPECT_GT(chosen_aside, 50);
+}
+
+}  // namespace
+}  // namespace rio
