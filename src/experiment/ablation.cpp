@@ -142,9 +142,7 @@ std::string difference(const std::vector<Score>& with, const std::vector<Score>&
   for (std::size_t i = 0; i < with.size(); ++i) {
     differences.push_back(without[i].*value - with[i].*value);
   }
-  const Spread s = Spread::of(differences);
-  const double error = s.std / std::sqrt(static_cast<double>(differences.size()));
-  return fmt::format("{:+.3f} ± {:.3f}", s.mean, error);
+  return mean_with_error(differences, 3);
 }
 
 }  // namespace

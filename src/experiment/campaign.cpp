@@ -7,6 +7,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "rio/eval/metrics.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "rio/sim/flight.hpp"
 
@@ -25,6 +26,12 @@ std::vector<Case> cases_of(const std::string& name, int count, std::uint64_t fir
   return cases;
 }
 
+Options options_of(const sim::Flight& flight, const Variant& variant) {
+  Options options = options_for(flight, variant.preset);
+  if (variant.change) variant.change(options);
+  return options;
+}
+
 std::vector<Outcome> run_campaign(const std::vector<Case>& cases,
                                   const std::vector<Variant>& variants, const Settings& settings,
                                   const EachTrial& each) {
@@ -34,15 +41,23 @@ std::vector<Outcome> run_campaign(const std::vector<Case>& cases,
     const Case& c = cases[i];
     const sim::Flight flight = sim::simulate_flight(c.scenario);
     for (std::size_t k = 0; k < variants.size(); ++k) {
-      Options options = options_for(flight, variants[k].preset);
-      if (variants[k].change) variants[k].change(options);
-      const Trial trial = fly(flight, options);
+      const Trial trial = fly(flight, options_of(flight, variants[k]));
       runs[i * variants.size() + k] = {c.group, c.scenario.seed, variants[k].name, score(trial)};
       const std::lock_guard lock(mutex);
       if (each) each(c, variants[k], trial);
     }
   });
   return runs;
+}
+
+double median_time_per_scan(const sim::Flight& flight, const Variant& variant) {
+  Options options = options_of(flight, variant);
+  options.timing.clock = &steady_now;
+  std::vector<double> times;
+  fly(flight, options, [&times](const UpdateReport& report) {
+    times.push_back(1e3 * to_seconds(report.propagation_time + report.update_time));
+  });
+  return eval::statistics(times).median;
 }
 
 std::vector<Score> select(const std::vector<Outcome>& runs, std::string_view group,

@@ -31,6 +31,9 @@ struct Variant {
   std::function<void(Options&)> change{};  ///< applied to the preset, if given
 };
 
+/// Of the variant's preset, told the sensors of the flight, with its change.
+Options options_of(const sim::Flight& flight, const Variant& variant);
+
 /// One trial's result.
 struct Outcome {
   std::string group;
@@ -53,6 +56,9 @@ using EachTrial = std::function<void(const Case&, const Variant&, const Trial&)>
 std::vector<Outcome> run_campaign(const std::vector<Case>& cases,
                                   const std::vector<Variant>& variants, const Settings& settings,
                                   const EachTrial& each = {});
+
+/// Median time of a scan of one flight alone on its thread [ms].
+double median_time_per_scan(const sim::Flight& flight, const Variant& variant);
 
 /// The runs of one group and variant.
 std::vector<Score> select(const std::vector<Outcome>& runs, std::string_view group,

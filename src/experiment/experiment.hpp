@@ -35,6 +35,10 @@ Result robustness(const Settings& settings);
 /// convergence from a wrong velocity, time per scan; and the window's kernels under outliers.
 Result iros2024(const Settings& settings);
 
+/// Tables I to III, Fig. 7 and 8 of Xu et al.: what the noise of each point is worth as a weight
+/// and in matching, whether its size is right, comparison of estimators, NIS, time per scan.
+Result uncertainty(const Settings& settings);
+
 /// One experiment of the list.
 struct Experiment {
   const char* name;
@@ -49,6 +53,7 @@ inline const std::vector<Experiment>& experiments() {
        &icra2023},
       {"iros2024", "filter and sliding window: accuracy, wrong start, time, robust kernels",
        &iros2024},
+      {"uncertainty", "Xu et al.: weights and matching by the noise of each point", &uncertainty},
       {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
       {"ablation", "the default preset with one mechanism off at a time", &ablation},
       {"robustness", "every scenario with every preset", &robustness},

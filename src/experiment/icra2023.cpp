@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <string>
@@ -125,10 +124,6 @@ void add_to_chart(const Curves& curves, const std::string& name, const plot::Str
   }
   panel->curves.push_back(std::move(mean));
   panel->bands.push_back(std::move(band));
-}
-
-Time steady_now() {
-  return std::chrono::steady_clock::now().time_since_epoch();
 }
 
 /// One flight alone on its thread.

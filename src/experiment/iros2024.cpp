@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <string>
@@ -254,28 +253,12 @@ std::string chart(const SpeedErrors& errors) {
   return plot::draw_chart("Started at rest with (2, 2, 0) m/s", panels, 2);
 }
 
-Time steady_now() {
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
-
-/// Median time of a scan of one flight alone on its thread [ms].
-double median_time(const sim::Flight& flight, const Variant& variant) {
-  Options options = options_for(flight, variant.preset);
-  if (variant.change) variant.change(options);
-  options.timing.clock = &steady_now;
-  std::vector<double> times;
-  fly(flight, options, [&times](const UpdateReport& report) {
-    times.push_back(1e3 * to_seconds(report.propagation_time + report.update_time));
-  });
-  return eval::statistics(times).median;
-}
-
 std::string time_per_scan() {
   MarkdownTable table({"flight 1, median time per scan", "filter [ms]", "window [ms]", "ratio"});
   const sim::Flight flight = sim::simulate_flight(cases_of("indoor-1", 1).front().scenario);
   const auto add = [&](const char* name, const Variant& filter, const Variant& window) {
-    const double a = median_time(flight, filter);
-    const double b = median_time(flight, window);
+    const double a = median_time_per_scan(flight, filter);
+    const double b = median_time_per_scan(flight, window);
     table.add({name, number(a, 2), number(b, 2), number(b / a, 1)});
   };
   add("default", variants()[0], variants()[1]);

@@ -37,6 +37,12 @@ std::string Spread::text(int decimals) const {
                      number(std, decimals));
 }
 
+std::string mean_with_error(const std::vector<double>& values, int decimals) {
+  const Spread s = Spread::of(values);
+  const double error = s.std / std::sqrt(static_cast<double>(values.size()));
+  return fmt::format("{:+.{}f} ± {:.{}f}", s.mean, decimals, error, decimals);
+}
+
 MarkdownTable::MarkdownTable(const std::vector<std::string>& head) : columns_(head.size()) {
   add(head);
   add(std::vector<std::string>(columns_, "---"));

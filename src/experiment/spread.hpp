@@ -22,6 +22,9 @@ struct Spread {
   std::string text(int decimals) const;
 };
 
+/// "+0.12 ± 0.03": mean and standard error.
+std::string mean_with_error(const std::vector<double>& values, int decimals);
+
 /// A Markdown table; every row must have as many cells as the head.
 class MarkdownTable {
  public:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The `rio` program as a user runs it: simulate, scenarios, replay, evaluate, plot, options,
-// experiment;
-// damaged input; and a real recording where there is one.
+// experiment; damaged input; and a real recording where there is one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "rio/options.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::test {
@@ -86,8 +86,7 @@ TempDir* Tool::dir_ = nullptr;
 std::string Tool::flight_;
 
 TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
-  for (const std::string preset :
-       {"default", "published-ekf", "published-smoother", "published-uncertainty"}) {
+  for (const std::string preset : kPresets) {
     const std::string outputs = " --out " + file("t.tum") + " --states " + file("s.csv");
     const Outcome run = rio("replay " + flight_ + outputs + " --json --preset " + preset);
     ASSERT_EQ(run.status, 0) << run.output;
@@ -349,6 +348,14 @@ TEST_F(Tool, PrintedOptionsLoadAgain) {
   }
 }
 
+TEST_F(Tool, PageOfPresetsIsWhatTheProgramSays) {
+  const Outcome table = rio("options --compare");
+  ASSERT_EQ(table.status, 0);
+  std::stringstream page;
+  page << std::ifstream(fs::path(RIO_SOURCE_DIR) / "data" / "presets.md").rdbuf();
+  EXPECT_NE(page.str().find(table.output), std::string::npos) << table.output;
+}
+
 TEST_F(Tool, ExperimentPrintsAndLeavesReportDataAndChart) {
   const fs::path out = dir_->path() / "experiment";
   const fs::path page = dir_->path() / "page.md";
@@ -378,11 +385,12 @@ TEST_F(Tool, ExperimentRefusesWhatItCannotDo) {
   EXPECT_EQ(lines_of(page).front(), "nothing here");
 }
 
-TEST(Readme, HasABlockForEveryExperiment) {
+TEST(Results, HaveABlockForEveryExperiment) {
   std::stringstream readme;
-  readme << std::ifstream(fs::path(RIO_SOURCE_DIR) / "README.md").rdbuf();
+  readme << std::ifstream(fs::path(RIO_SOURCE_DIR) / "data/results/README.md").rdbuf();
   const std::string help = rio("experiment --help").output;
-  for (const char* name : {"icra2023", "iros2024", "consistency", "ablation", "robustness"}) {
+  for (const char* name :
+       {"icra2023", "iros2024", "uncertainty", "consistency", "ablation", "robustness"}) {
     EXPECT_NE(help.find(name), std::string::npos) << name;
     const std::string begin = std::string("<!-- rio experiment ") + name + " -->\n";
     const std::size_t block = readme.str().find(begin);

@@ -130,8 +130,7 @@ TEST(Trial, TakesEveryScanAndKnowsTheTruth) {
 
 TEST(Trial, EveryPresetFliesWithEitherBackEnd) {
   const sim::Flight flight = sim::simulate_flight(short_scenario(6));
-  for (const char* preset :
-       {"default", "published-ekf", "published-smoother", "published-uncertainty"}) {
+  for (const char* preset : kPresets) {
     std::vector<Trial> trials;
     for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
       Options o = options_for(flight, preset);

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment/match_quality.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "rio/pipeline.hpp"
+#include "rio/propagate/static_alignment.hpp"
+#include "rio/smoother/smoother.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+/// Two direct echoes of one static reflector.
+bool belong_together(const sim::Label& a, const sim::Label& b) {
+  return a.cause == sim::Cause::kStatic && b.cause == sim::Cause::kStatic &&
+         a.reflector == b.reflector;
+}
+
+double share(int part, int whole) {
+  return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+/// A back-end that shows the judge what it is given.
+template <class BackEnd>
+class Judged : public BackEnd {
+ public:
+  using BackEnd::BackEnd;
+
+  MatchJudge judge;
+
+  Status update(const Observations& seen, UpdateReport* report) {
+    judge.judge(seen, this->estimate().landmarks.size());
+    return BackEnd::update(seen, report);
+  }
+  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
+                          UpdateReport* report) {
+    std::vector<Vector3d> before;
+    for (const LandmarkState& landmark : this->estimate().landmarks) {
+      before.push_back(landmark.p_W);
+    }
+    BackEnd::maintain_landmarks(seen, promotions, report);
+    judge.keep(before, promotions, this->estimate());
+  }
+};
+
+template <class BackEnd>
+class JudgedReplay {
+ public:
+  JudgedReplay(const sim::Flight& flight, const Options& options)
+      : flight_(flight),
+        options_(options),
+        pipeline_(options),
+        imu_(options.timing, options.imu),
+        aligner_(options.start, options.imu) {}
+
+  JudgedFlight run() {
+    std::size_t next = 0;
+    for (const ImuSample& sample : flight_.imu) {
+      imu_.push_back(sample);
+      for (; next < flight_.scans.size() && is_due(next, sample.time); ++next) {
+        if (alignment_) process(next);
+      }
+      if (!alignment_) align(sample);
+    }
+    result_.matches = pipeline_.backend().judge.quality();
+    return std::move(result_);
+  }
+
+ private:
+  bool is_due(std::size_t scan, Time now) const {
+    return flight_.arrivals[scan] < now && pipeline_.measured_at(flight_.scans[scan].time) <= now;
+  }
+
+  void align(const ImuSample& sample) {
+    (void)aligner_.add(sample, &alignment_);
+    if (!alignment_) return;
+    pipeline_.reset(alignment_->state, alignment_->covariance);
+    imu_.forget_before(alignment_->state.time);
+  }
+
+  void process(std::size_t scan) {
+    filter_detections(flight_.scans[scan], options_.radar, options_.frontend.max_detections,
+                      filtered_);
+    pipeline_.backend().judge.begin(
+        labels_of(filtered_, flight_.scans[scan], flight_.labels[scan]));
+    const Status status = pipeline_.process(filtered_, imu_);
+    const NavState& x = pipeline_.estimate().nav;
+    imu_.forget_before(x.time);
+    if (status != Status::kOk) return;
+    const NavState truth = flight_.truth_at(x.time);
+    result_.pairs.push_back({{truth.time, truth.p_WB, truth.q_WB}, {x.time, x.p_WB, x.q_WB}});
+  }
+
+  const sim::Flight& flight_;
+  Options options_;
+  Pipeline<Judged<BackEnd>> pipeline_;
+  ImuBuffer imu_;
+  StaticAligner aligner_;
+  std::optional<Alignment> alignment_;
+  DetectionList filtered_;
+  JudgedFlight result_;
+};
+
+}  // namespace
+
+double MatchQuality::Matches::precision() const {
+  return share(right, made);
+}
+double MatchQuality::recall() const {
+  return share(all().right, possible);
+}
+
+sim::Label MatchJudge::Labelled::at(const Vector3d& point_S) const {
+  const auto place = std::find(points_S.begin(), points_S.end(), point_S);
+  return place == points_S.end() ? sim::Label{}
+                                 : labels[static_cast<std::size_t>(place - points_S.begin())];
+}
+
+void MatchJudge::judge(const Observations& seen, std::size_t landmarks) {
+  last_ = std::move(now_);
+  now_ = {};
+  now_.labels = labels_;
+  for (const Detection& d : seen.scan->items) now_.points_S.push_back(d.point_S);
+  if (landmarks == 0) landmarks_.clear();  // all may be dropped at once, without keep()
+
+  const auto count = [&](const Match& m, const sim::Label& known, MatchQuality::Matches* matches) {
+    ++matches->made;
+    matches->right += belong_together(known, labels_[m.detection]) ? 1 : 0;
+  };
+  std::vector<sim::Label> known = landmarks_;
+  for (std::size_t i = 0; i < seen.trails->size(); ++i) {
+    known.push_back(last_.at((*seen.trails)[i].newest().detection.point_S));
+  }
+  for (const Match& m : seen.matches.landmarks) count(m, known[m.target], &quality_.landmarks);
+  for (const Match& m : seen.matches.trails) {
+    count(m, known[landmarks_.size() + m.target], &quality_.trails);
+  }
+  for (const sim::Label& label : labels_) {
+    const bool possible = std::any_of(
+        known.begin(), known.end(), [&](const sim::Label& k) { return belong_together(k, label); });
+    quality_.possible += possible ? 1 : 0;
+  }
+}
+
+void MatchJudge::keep(const std::vector<Vector3d>& before, const Promotions& births,
+                      const Estimate& after) {
+  const RigidPose T_WB = after.T_WB();
+  const RigidPose T_BS(after.T_BS);
+  std::vector<sim::Label> kept;
+  for (const LandmarkState& landmark : after.landmarks) {
+    const auto place = std::find(before.begin(), before.end(), landmark.p_W);
+    if (place != before.end()) {
+      kept.push_back(landmarks_[static_cast<std::size_t>(place - before.begin())]);
+      continue;
+    }
+    const auto distance = [&](const Detection& d) {
+      return (to_world(T_WB, T_BS, d.point_S) - landmark.p_W).norm();
+    };
+    const auto birth = std::min_element(
+        births.births.begin(), births.births.end(),
+        [&](const Detection& a, const Detection& b) { return distance(a) < distance(b); });
+    kept.push_back(now_.at(birth->point_S));
+  }
+  landmarks_ = std::move(kept);
+}
+
+std::vector<sim::Label> labels_of(const DetectionList& filtered, const RadarScan& raw,
+                                  const std::vector<sim::Label>& raw_labels) {
+  std::vector<sim::Label> labels;
+  std::size_t i = 0;
+  for (const Detection& d : filtered.items) {
+    while (raw.detections[i].point_S != d.point_S) ++i;  // the filter keeps the order
+    labels.push_back(raw_labels[i++]);
+  }
+  return labels;
+}
+
+JudgedFlight fly_and_judge(const sim::Flight& flight, const Options& options) {
+  if (options.backend == BackEnd::kSmoother) return JudgedReplay<Smoother>(flight, options).run();
+  return JudgedReplay<Ekf>(flight, options).run();
+}
+
+}  // namespace rio::experiment

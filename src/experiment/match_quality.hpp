@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How good is data association? The matches of a simulated flight against the true origin of every
+// detection. A match is right if it joins two direct echoes of one static reflector; ghosts, false
+// alarms, people and highlights that ride along have no right match.
+//
+// (E1) precision = right matches / matches
+// (E2) recall    = right matches / direct echoes of reflectors a landmark or a trail stands for
+//
+// A landmark stands for the reflector of the detection that it was born from, a trail for that
+// of its newest detection. Right matches count once: a detection has one match at most.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rio/eval/association.hpp"
+#include "rio/frontend/frontend.hpp"
+#include "rio/options.hpp"
+#include "rio/sim/flight.hpp"
+#include "rio/state/estimate.hpp"
+
+namespace rio::experiment {
+
+/// Counts over a flight.
+struct MatchQuality {
+  struct Matches {
+    int made = 0;
+    int right = 0;
+    double precision() const;  ///< (E1), NaN without matches
+  };
+  Matches landmarks;
+  Matches trails;
+  int possible = 0;  ///< direct echoes of a reflector that a landmark or a trail stands for
+
+  Matches all() const { return {landmarks.made + trails.made, landmarks.right + trails.right}; }
+  double recall() const;  ///< (E2), NaN if nothing was possible
+};
+
+/// Remembers which reflector every trail and landmark stands for, and counts. One call a step:
+/// begin, judge, keep.
+class MatchJudge {
+ public:
+  /// A new scan. @param labels of its filtered detections, same order
+  void begin(const std::vector<sim::Label>& labels) { labels_ = labels; }
+  /// Counts the scan's matches. @param landmarks of the predicted estimate
+  void judge(const Observations& seen, std::size_t landmarks);
+  /// What the landmarks stand for after some have left and others were born.
+  /// @param before landmarks' places before that, as `after` has them for those that stayed
+  /// @param births in any order
+  void keep(const std::vector<Vector3d>& before, const Promotions& births, const Estimate& after);
+
+  const MatchQuality& quality() const { return quality_; }
+
+ private:
+  /// The detections of a scan with their labels.
+  struct Labelled {
+    std::vector<Vector3d> points_S;
+    std::vector<sim::Label> labels;
+
+    /// Of the detection that is exactly there; of a false alarm if there is none.
+    sim::Label at(const Vector3d& point_S) const;
+  };
+
+  std::vector<sim::Label> labels_;
+  Labelled now_;
+  Labelled last_;  ///< of the scan before: trails end in it
+  std::vector<sim::Label> landmarks_;
+  MatchQuality quality_;
+};
+
+/// The labels of the detections that passed the filter. @param raw what was filtered
+std::vector<sim::Label> labels_of(const DetectionList& filtered, const RadarScan& raw,
+                                  const std::vector<sim::Label>& raw_labels);
+
+/// A flight whose matches were judged.
+struct JudgedFlight {
+  std::vector<eval::PosePair> pairs;  ///< one a processed scan
+  MatchQuality matches;
+};
+
+/// Flies through door 2 with what Odometry makes of these options: the same estimates, for a radar
+/// without latency and an estimator that aligns itself.
+JudgedFlight fly_and_judge(const sim::Flight& flight, const Options& options);
+
+}  // namespace rio::experiment
