@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/io/options_yaml.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "fields_yaml.hpp"
 #include "rio/option_fields.hpp"
@@ -34,6 +39,23 @@ void apply_file(const YamlFile& file, Options* options) {
   *options = changed;
 }
 
+/// Value and meaning of every option of a preset.
+struct OptionText {
+  std::string key;
+  std::string value;
+  std::string meaning;
+};
+std::vector<OptionText> option_texts(const char* name) {
+  Options options;
+  if (!preset(name, &options)) throw std::runtime_error(std::string("no such preset: ") + name);
+  std::vector<OptionText> texts;
+  visit_fields(options, [&texts](const FieldInfo& info, const auto& value) {
+    const std::string unit = *info.unit == '\0' ? "" : fmt::format(" [{}]", info.unit);
+    texts.push_back({info.key, PrintField{}(value), info.doc + unit});
+  });
+  return texts;
+}
+
 }  // namespace
 
 void load_options(const std::filesystem::path& path, Options* options) {
@@ -62,6 +84,28 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 std::string options_as_yaml(const Options& options) {
   return "# All options. Numbers are in the unit shown; \"2 deg\", \"5 cm\" also work.\n" +
          fields_text(options);
+}
+
+std::string presets_as_table() {
+  std::vector<std::vector<OptionText>> presets;
+  std::string text = "| option |";
+  std::string rule = "| --- |";
+  for (const char* name : kPresets) {
+    presets.push_back(option_texts(name));
+    text += fmt::format(" {} |", name);
+    rule += " --- |";
+  }
+  text += " meaning |\n" + rule + " --- |\n";
+  for (std::size_t i = 0; i < presets[0].size(); ++i) {
+    const auto same = [&](const std::vector<OptionText>& other) {
+      return other[i].value == presets[0][i].value;
+    };
+    if (std::all_of(presets.begin(), presets.end(), same)) continue;
+    text += fmt::format("| `{}` |", presets[0][i].key);
+    for (const auto& values : presets) text += fmt::format(" {} |", values[i].value);
+    text += fmt::format(" {} |\n", presets[0][i].meaning);
+  }
+  return text;
 }
 
 }  // namespace rio::io

@@ -14,10 +14,14 @@ namespace rio::tools {
 
 namespace {
 
-void run(const std::string& name) {
+void print_options(const std::string& name) {
   Options options;
   if (!preset(name, &options)) throw std::runtime_error("no such preset: \"" + name + "\"");
   fmt::print("{}", io::options_as_yaml(options));
+}
+
+void compare_presets() {
+  fmt::print("{}", io::presets_as_table());
 }
 
 }  // namespace
@@ -29,7 +33,9 @@ void add_options_command(CLI::App& app) {
       ->add_option("--preset", *name,
                    "default, published-ekf, published-smoother or published-uncertainty")
       ->capture_default_str();
-  command->callback([name] { run(*name); });
+  auto compare = std::make_shared<bool>(false);
+  command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");
+  command->callback([name, compare] { *compare ? compare_presets() : print_options(*name); });
 }
 
 }  // namespace rio::tools

@@ -27,4 +27,7 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
 
+/// A Markdown table of the options in which the presets differ: a row an option, a column a preset.
+std::string presets_as_table();
+
 }  // namespace rio::io
