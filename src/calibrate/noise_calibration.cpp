@@ -102,7 +102,7 @@ Options measuring_options(Options options) {
   options.update.use_doppler = true;
   options.update.landmark_measurement = LandmarkMeasurement::kPoint;
   options.frontend.matching = Matching::kMahalanobis;
-  options.frontend.match_probability = 0.997;
+  options.frontend.match_probability = options.frontend.match_core = 0.997;
   options.frontend.match_margin = std::max(4.0, options.frontend.match_margin);
   options.update.gate_probability = 0.999;
   options.frontend.ransac_sigmas = 1.5 * options.frontend.ransac_sigmas;
