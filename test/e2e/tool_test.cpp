@@ -97,9 +97,11 @@ TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
         EXPECT_GT(json[stage][figure], 0.0);
     }
     EXPECT_GT(json["models"]["doppler"]["rows_used"], 1000);
-    const bool published = preset != "default";
-    EXPECT_GT(json["models"][published ? "trail_distance" : "landmark_point"]["rows_used"], 1000);
-    EXPECT_EQ(json["clones"], !published ? 3 : preset == "published-ekf" ? 7 : 10);
+    const char* model = preset == "default"                 ? "landmark_point"
+                        : preset == "published-uncertainty" ? "landmark_position"
+                                                            : "trail_distance";
+    EXPECT_GT(json["models"][model]["rows_used"], 1000) << preset;
+    EXPECT_EQ(json["clones"], preset == "default" ? 3 : preset == "published-ekf" ? 7 : 10);
     EXPECT_EQ(lines_of(file("t.tum")).size(), scans());
     EXPECT_EQ(lines_of(file("s.csv")).size(), scans());
     const std::string row = lines_of(file("s.csv"))[0];
