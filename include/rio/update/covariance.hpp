@@ -83,7 +83,8 @@ class Covariance {
   }
   /// Appends landmark `index` (the number of landmarks so far).
   /// @param noise covariance of the landmark given the state [m^2]
-  void add_landmark([[maybe_unused]] int index, const std::array<LinearRow, 3>& rows, const Matrix3d& noise) {
+  void add_landmark([[maybe_unused]] int index, const std::array<LinearRow, 3>& rows,
+                    const Matrix3d& noise) {
     RIO_ASSERT(layout_.landmark(index) == size_ && size_ + 3 <= layout_.capacity());
     size_ += 3;
     assign<3>(size_ - 3, rows, noise);
