@@ -6,14 +6,11 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <set>
 #include <stdexcept>
-#include <utility>
 
+#include "dataset_layout.hpp"
 #include "doppler_grid.hpp"
 #include "rio/io/csv.hpp"
-#include "rio/io/text_file.hpp"
 #include "unit_quaternion.hpp"
 #include "yaml.hpp"
 
@@ -22,14 +19,6 @@ namespace rio::io {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr const char* kImu = "imu0";
-constexpr const char* kRadar = "radar0";
-constexpr const char* kBaro = "baro0";
-constexpr const char* kTruth = "state_groundtruth_estimate0";
-constexpr const char* kData = "data.csv";
-constexpr const char* kSensor = "sensor.yaml";
-constexpr double kPi = 3.14159265358979323846;
 
 /// The folder that holds the sensor folders.
 fs::path dataset_root(const fs::path& path) {
@@ -166,15 +155,6 @@ Pose read_pose(const YamlFile& file, const YAML::Node& node) {
   return {Quaternion(nearest).normalized(), T.topRightCorner<3, 1>()};
 }
 
-/// A key of sensor.yaml, the unit its plain numbers are in, and where the value goes. Keys of one
-/// target exclude each other.
-struct SensorKey {
-  const char* key;
-  const char* unit;
-  double factor;  ///< of a value in that unit, to SI
-  std::optional<double>* target;
-};
-
 /// Reads the known keys; no value may be negative.
 void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
                       std::vector<std::string>* notes) {
@@ -195,38 +175,6 @@ void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
     }
     *known->target = value;
   }
-}
-
-std::vector<SensorKey> imu_keys(ImuInfo* info) {
-  return {{"rate_hz", "Hz", 1.0, &info->rate_hz},
-          {"gyroscope_noise_density", "rad/s/sqrt(Hz)", 1.0, &info->gyro_noise_density},
-          {"gyroscope_random_walk", "rad/s^2/sqrt(Hz)", 1.0, &info->gyro_random_walk},
-          {"accelerometer_noise_density", "m/s^2/sqrt(Hz)", 1.0, &info->accel_noise_density},
-          {"accelerometer_random_walk", "m/s^3/sqrt(Hz)", 1.0, &info->accel_random_walk}};
-}
-
-/// Keys ending in _deg hold plain numbers of degrees.
-std::vector<SensorKey> radar_keys(RadarInfo* info) {
-  constexpr double kDegree = kPi / 180.0;
-  return {{"rate_hz", "Hz", 1.0, &info->rate_hz},
-          {"max_range_m", "m", 1.0, &info->max_range},
-          {"max_doppler_mps", "m/s", 1.0, &info->max_doppler},
-          {"range_resolution_m", "m", 1.0, &info->range_resolution},
-          {"doppler_resolution_mps", "m/s", 1.0, &info->doppler_resolution},
-          {"fov_azimuth_deg", "", kDegree, &info->fov_azimuth},
-          {"azimuth_fov_deg", "", kDegree, &info->fov_azimuth},
-          {"fov_azimuth_rad", "rad", 1.0, &info->fov_azimuth},
-          {"azimuth_fov_rad", "rad", 1.0, &info->fov_azimuth},
-          {"fov_elevation_deg", "", kDegree, &info->fov_elevation},
-          {"elevation_fov_deg", "", kDegree, &info->fov_elevation},
-          {"fov_elevation_rad", "rad", 1.0, &info->fov_elevation},
-          {"elevation_fov_rad", "rad", 1.0, &info->fov_elevation},
-          {"sigma_range_m", "m", 1.0, &info->sigma_range},
-          {"sigma_azimuth_deg", "", kDegree, &info->sigma_azimuth},
-          {"sigma_azimuth_rad", "rad", 1.0, &info->sigma_azimuth},
-          {"sigma_elevation_deg", "", kDegree, &info->sigma_elevation},
-          {"sigma_elevation_rad", "rad", 1.0, &info->sigma_elevation},
-          {"sigma_doppler_mps", "m/s", 1.0, &info->sigma_doppler}};
 }
 
 void read_imu_info(const fs::path& path, Dataset* dataset) {
@@ -261,108 +209,6 @@ void read_radar_info(const fs::path& path, Dataset* dataset) {
   }
 }
 
-std::string pose_text(const Pose& pose) {
-  const Matrix3d R = pose.rotation.toRotationMatrix();
-  std::string text = "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
-  for (int i = 0; i < 3; ++i) {
-    text +=
-        fmt::format("{}, {}, {}, {},\n         ", R(i, 0), R(i, 1), R(i, 2), pose.translation[i]);
-  }
-  return text + "0, 0, 0, 1]\n";
-}
-
-/// The values that are known, each under the first of its keys that is in SI.
-std::string keys_text(const std::vector<SensorKey>& keys) {
-  std::string text;
-  std::set<const std::optional<double>*> written;
-  for (const SensorKey& key : keys) {
-    if (key.factor != 1.0 || !key.target->has_value()) continue;
-    if (!written.insert(key.target).second) continue;
-    text += fmt::format("{}: {}\n", key.key, **key.target);
-  }
-  return text;
-}
-
-void write_file(const fs::path& path, const std::string& text) {
-  TextFile file(path);
-  file.write(text);
-  file.close();
-}
-
-void append(std::string* row, const Vector3d& v) {
-  fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
-}
-
-std::string imu_text(const std::vector<ImuSample>& samples) {
-  std::string text =
-      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
-      "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
-  for (const ImuSample& sample : samples) {
-    text += fmt::format("{}", sample.time.count());
-    append(&text, sample.gyro_B);
-    append(&text, sample.accel_B);
-    text += '\n';
-  }
-  return text;
-}
-
-bool has_sigmas(const RadarDetection& d) {
-  return d.sigma_range + d.sigma_azimuth + d.sigma_elevation + d.sigma_doppler > 0.0;
-}
-
-std::string radar_text(const std::vector<RadarScan>& scans) {
-  const bool sigmas = std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
-    return std::any_of(scan.detections.begin(), scan.detections.end(), has_sigmas);
-  });
-  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]";
-  if (sigmas)
-    text += ",sigma range [m],sigma azimuth [rad],sigma elevation [rad],sigma doppler [m s^-1]";
-  text += '\n';
-  for (const RadarScan& scan : scans) {
-    if (scan.detections.empty()) {
-      text += fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
-    }
-    for (const RadarDetection& d : scan.detections) {
-      text += fmt::format("{}", scan.time.count());
-      append(&text, d.point_S);
-      text += fmt::format(",{},{},{}", d.range_rate, d.snr_db, d.noise_db);
-      if (sigmas) {
-        text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
-                            d.sigma_doppler);
-      }
-      text += '\n';
-    }
-  }
-  return text;
-}
-
-std::string baro_text(const std::vector<BaroSample>& samples) {
-  std::string text = "#timestamp [ns],pressure [Pa]\n";
-  for (const BaroSample& sample : samples) {
-    text += fmt::format("{},{}\n", sample.time.count(), sample.pressure);
-  }
-  return text;
-}
-
-std::string truth_text(const std::vector<NavState>& states) {
-  std::string text =
-      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
-      "q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],"
-      "b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],b_a_RS_S_y [m s^-2],"
-      "b_a_RS_S_z [m s^-2]\n";
-  for (const NavState& state : states) {
-    text += fmt::format("{}", state.time.count());
-    append(&text, state.p_WB);
-    text += fmt::format(",{}", state.q_WB.w());
-    append(&text, state.q_WB.vec());
-    append(&text, state.v_WB);
-    append(&text, state.gyro_bias);
-    append(&text, state.accel_bias);
-    text += '\n';
-  }
-  return text;
-}
-
 /// A file that was cut between two rows is whole to its reader; the other sensor tells.
 void note_if_cut_short(const fs::path& root, Dataset* dataset) {
   const double ahead = to_seconds(dataset->imu.back().time - dataset->scans.back().time);
@@ -395,40 +241,6 @@ Dataset read_dataset(const fs::path& path) {
 
 std::vector<NavState> read_ground_truth(const fs::path& path) {
   return read_truth_file(fs::is_directory(path) ? dataset_root(path) / kTruth / kData : path, 8);
-}
-
-void write_dataset(const fs::path& path, const Dataset& dataset) {
-  for (std::size_t i = 1; i < dataset.scans.size(); ++i) {
-    if (dataset.scans[i].time != dataset.scans[i - 1].time) continue;
-    throw std::runtime_error(fmt::format("{}: scans {} and {} have the same stamp {}",
-                                         (path / kRadar).string(), i - 1, i,
-                                         dataset.scans[i].time.count()));
-  }
-  const std::pair<const char*, std::string> optional_files[] = {
-      {kBaro, dataset.baro.empty() ? "" : baro_text(dataset.baro)},
-      {kTruth, dataset.ground_truth.empty() ? "" : truth_text(dataset.ground_truth)}};
-  for (const auto& [folder, text] : optional_files) {
-    if (text.empty() && fs::exists(path / folder)) {
-      throw std::runtime_error((path / folder).string() + ": is left from another recording");
-    }
-  }
-  fs::create_directories(path / kImu);
-  fs::create_directories(path / kRadar);
-  write_file(path / kImu / kData, imu_text(dataset.imu));
-  write_file(path / kRadar / kData, radar_text(dataset.scans));
-  for (const auto& [folder, text] : optional_files) {
-    if (text.empty()) continue;
-    fs::create_directories(path / folder);
-    write_file(path / folder / kData, text);
-  }
-  ImuInfo imu = dataset.imu_info;
-  write_file(path / kImu / kSensor,
-             "sensor_type: imu\n" + pose_text(Pose{}) + keys_text(imu_keys(&imu)));
-  RadarInfo radar = dataset.radar_info;
-  write_file(path / kRadar / kSensor,
-             "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, positive "
-             "= receding\n" +
-                 (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar)));
 }
 
 }  // namespace rio::io

@@ -5,44 +5,17 @@
 
 #include <vector>
 
+#include "support/matching_test.hpp"
+
 namespace rio {
 namespace {
 
-/// A radar at the origin of the world; landmarks and detections where the test puts them.
-class AssociationTest : public testing::Test {
+class AssociationTest : public test::MatchingTest {
  protected:
   AssociationTest() {
-    radar_.sigma_range = 0.03;
-    radar_.sigma_azimuth = 0.03;
-    radar_.sigma_elevation = 0.06;
     options_.matching = Matching::kMahalanobis;
     options_.match_probability = 0.99;
-    usable_.fill(true);
-    radar_.weak_snr_db = -200.0;  // all echoes are alike
   }
-  void see(const Vector3d& point_S) {
-    scan_.items.push_back(make_detection({.point_S = point_S}, radar_));
-  }
-  void know(const Vector3d& point_W, double sigma) {
-    LandmarkState landmark;
-    landmark.p_W = point_W;
-    landmark.covariance_S = sigma * sigma * Matrix3d::Identity();
-    estimate_.landmarks.push_back(landmark);
-  }
-  AssociationResult match() {
-    Association association(options_, kMaxLandmarks, kSameEcho);
-    AssociationResult result;
-    association.match(scan_, usable_, estimate_, estimate_.landmarks.size(), trails_, &result);
-    return result;
-  }
-
-  static constexpr double kSameEcho = 0.01;  // [m]
-  RadarOptions radar_;
-  FrontendOptions options_;
-  DetectionList scan_;
-  std::array<bool, kMaxDetections> usable_{};
-  Estimate estimate_;
-  TrailSet trails_{8, 3};
 };
 
 TEST_F(AssociationTest, GateFollowsTheShapeOfTheNoise) {

@@ -8,46 +8,21 @@
 #include <vector>
 
 #include "rio/core/chi2.hpp"
-#include "rio/frontend/association.hpp"
+#include "support/matching_test.hpp"
 #include "support/random_state.hpp"
 
 namespace rio {
 namespace {
 
-constexpr double kSigmaRange = 0.03;
-constexpr double kSigmaAzimuth = 0.03;
-constexpr double kSigmaElevation = 0.06;
-
-/// A radar at the origin of the world; landmarks and detections where the test puts them.
-class ProbabilityMatching : public testing::Test {
+class ProbabilityMatching : public test::MatchingTest {
  protected:
   ProbabilityMatching() {
-    radar_.sigma_range = kSigmaRange;
-    radar_.sigma_azimuth = kSigmaAzimuth;
-    radar_.sigma_elevation = kSigmaElevation;
-    radar_.weak_snr_db = -200.0;  // all echoes are alike
     options_.matching = Matching::kProbability;
     options_.match_probability = 0.9973;  // three sigma
-    usable_.fill(true);
-  }
-  void see(const Vector3d& point_S) {
-    scan_.items.push_back(make_detection({.point_S = point_S}, radar_));
-  }
-  void know(const Vector3d& point_W, double sigma = 0.01) {
-    LandmarkState landmark;
-    landmark.p_W = point_W;
-    landmark.covariance_S = sigma * sigma * Matrix3d::Identity();
-    estimate_.landmarks.push_back(landmark);
   }
   void clear() {
     scan_.items.clear();
     estimate_.landmarks.clear();
-  }
-  AssociationResult match() {
-    Association association(options_, kMaxLandmarks, 0.0);
-    AssociationResult result;
-    association.match(scan_, usable_, estimate_, estimate_.landmarks.size(), trails_, &result);
-    return result;
   }
   /// The landmark of each detection, or -1.
   std::vector<int> landmark_of() {
@@ -55,21 +30,13 @@ class ProbabilityMatching : public testing::Test {
     for (const Match& m : match().landmarks) of[m.detection] = static_cast<int>(m.target);
     return of;
   }
-
-  RadarOptions radar_;
-  FrontendOptions options_;
-  DetectionList scan_;
-  std::array<bool, kMaxDetections> usable_{};
-  Estimate estimate_;
-  TrailSet trails_{8, 3};
+  /// Off a detection on boresight by so many of its sigmas of range, azimuth and elevation.
+  static Vector3d off_by(double range, const Vector3d& sigmas) {
+    const double y = kSigmaAzimuth * sigmas[1];
+    const double z = kSigmaElevation * sigmas[2];
+    return (range + kSigmaRange * sigmas[0]) * Vector3d(std::sqrt(1.0 - y * y - z * z), y, z);
+  }
 };
-
-/// Off a detection on boresight by so many of its sigmas of range, azimuth and elevation.
-Vector3d off_by(double range, const Vector3d& sigmas) {
-  const double y = kSigmaAzimuth * sigmas[1];
-  const double z = kSigmaElevation * sigmas[2];
-  return (range + kSigmaRange * sigmas[0]) * Vector3d(std::sqrt(1.0 - y * y - z * z), y, z);
-}
 
 TEST_F(ProbabilityMatching, FarPointsMayBeFartherAside) {
   for (const auto& [range, expected] : std::vector<std::pair<double, int>>{{2.0, -1}, {8.0, 0}}) {

@@ -141,8 +141,10 @@ struct LandmarkDistanceCase {
   }
 };
 
-struct LandmarkPositionCase {
-  using Model = LandmarkPositionModel;
+/// A model of one detection and its landmark.
+template <class M>
+struct DetectedLandmark {
+  using Model = M;
   static Model model() { return {}; }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
@@ -150,18 +152,13 @@ struct LandmarkPositionCase {
     const Detection d = body.detect(place, random, noise);
     return {Model::measurement(d), {body.pose(), body.mount(), kNoErrors, place}};
   }
+};
+
+struct LandmarkPositionCase : DetectedLandmark<LandmarkPositionModel> {
   static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
 
-struct LandmarkPointCase {
-  using Model = LandmarkPointModel;
-  static Model model() { return {}; }
-  static Sample<Model> simulate(sim::Random& random, bool noise) {
-    const RandomBody body(random);
-    const Vector3d place = body.place(random);
-    const Detection d = body.detect(place, random, noise);
-    return {Model::measurement(d), {body.pose(), body.mount(), kNoErrors, place}};
-  }
+struct LandmarkPointCase : DetectedLandmark<LandmarkPointModel> {
   static std::optional<Sample<Model>> outside(sim::Random& random) {
     Sample<Model> sample = simulate(random, false);
     const RigidPose& body = std::get<0>(sample.x);

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Names of folders, files and keys of a recording, for the reader and the writer; private to
+// rio_io.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "rio/io/dataset.hpp"
+
+namespace rio::io {
+
+inline constexpr const char* kImu = "imu0";
+inline constexpr const char* kRadar = "radar0";
+inline constexpr const char* kBaro = "baro0";
+inline constexpr const char* kTruth = "state_groundtruth_estimate0";
+inline constexpr const char* kData = "data.csv";
+inline constexpr const char* kSensor = "sensor.yaml";
+
+/// A key of sensor.yaml, the unit its plain numbers are in, and where the value goes. Keys of one
+/// target exclude each other.
+struct SensorKey {
+  const char* key;
+  const char* unit;
+  double factor;  ///< of a value in that unit, to SI
+  std::optional<double>* target;
+};
+
+/// The keys of imu0/sensor.yaml.
+std::vector<SensorKey> imu_keys(ImuInfo* info);
+/// The keys of radar0/sensor.yaml; those ending in _deg hold plain numbers of degrees.
+std::vector<SensorKey> radar_keys(RadarInfo* info);
+
+}  // namespace rio::io

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The writer of recordings.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dataset_layout.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/io/text_file.hpp"
+
+namespace rio::io {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string pose_text(const Pose& pose) {
+  const Matrix3d R = pose.rotation.toRotationMatrix();
+  std::string text = "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
+  for (int i = 0; i < 3; ++i) {
+    text +=
+        fmt::format("{}, {}, {}, {},\n         ", R(i, 0), R(i, 1), R(i, 2), pose.translation[i]);
+  }
+  return text + "0, 0, 0, 1]\n";
+}
+
+/// The values that are known, each under the first of its keys that is in SI.
+std::string keys_text(const std::vector<SensorKey>& keys) {
+  std::string text;
+  std::set<const std::optional<double>*> written;
+  for (const SensorKey& key : keys) {
+    if (key.factor != 1.0 || !key.target->has_value()) continue;
+    if (!written.insert(key.target).second) continue;
+    text += fmt::format("{}: {}\n", key.key, **key.target);
+  }
+  return text;
+}
+
+void write_file(const fs::path& path, const std::string& text) {
+  TextFile file(path);
+  file.write(text);
+  file.close();
+}
+
+void append(std::string* row, const Vector3d& v) {
+  fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
+}
+
+std::string imu_text(const std::vector<ImuSample>& samples) {
+  std::string text =
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+      "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+  for (const ImuSample& sample : samples) {
+    text += fmt::format("{}", sample.time.count());
+    append(&text, sample.gyro_B);
+    append(&text, sample.accel_B);
+    text += '\n';
+  }
+  return text;
+}
+
+bool has_sigmas(const RadarDetection& d) {
+  return d.sigma_range + d.sigma_azimuth + d.sigma_elevation + d.sigma_doppler > 0.0;
+}
+
+std::string radar_text(const std::vector<RadarScan>& scans) {
+  const bool sigmas = std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
+    return std::any_of(scan.detections.begin(), scan.detections.end(), has_sigmas);
+  });
+  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]";
+  if (sigmas)
+    text += ",sigma range [m],sigma azimuth [rad],sigma elevation [rad],sigma doppler [m s^-1]";
+  text += '\n';
+  for (const RadarScan& scan : scans) {
+    if (scan.detections.empty()) {
+      text += fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
+    }
+    for (const RadarDetection& d : scan.detections) {
+      text += fmt::format("{}", scan.time.count());
+      append(&text, d.point_S);
+      text += fmt::format(",{},{},{}", d.range_rate, d.snr_db, d.noise_db);
+      if (sigmas) {
+        text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
+                            d.sigma_doppler);
+      }
+      text += '\n';
+    }
+  }
+  return text;
+}
+
+std::string baro_text(const std::vector<BaroSample>& samples) {
+  std::string text = "#timestamp [ns],pressure [Pa]\n";
+  for (const BaroSample& sample : samples) {
+    text += fmt::format("{},{}\n", sample.time.count(), sample.pressure);
+  }
+  return text;
+}
+
+std::string truth_text(const std::vector<NavState>& states) {
+  std::string text =
+      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
+      "q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],"
+      "b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],b_a_RS_S_y [m s^-2],"
+      "b_a_RS_S_z [m s^-2]\n";
+  for (const NavState& state : states) {
+    text += fmt::format("{}", state.time.count());
+    append(&text, state.p_WB);
+    text += fmt::format(",{}", state.q_WB.w());
+    append(&text, state.q_WB.vec());
+    append(&text, state.v_WB);
+    append(&text, state.gyro_bias);
+    append(&text, state.accel_bias);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace
+
+void write_dataset(const fs::path& path, const Dataset& dataset) {
+  for (std::size_t i = 1; i < dataset.scans.size(); ++i) {
+    if (dataset.scans[i].time != dataset.scans[i - 1].time) continue;
+    throw std::runtime_error(fmt::format("{}: scans {} and {} have the same stamp {}",
+                                         (path / kRadar).string(), i - 1, i,
+                                         dataset.scans[i].time.count()));
+  }
+  const std::pair<const char*, std::string> optional_files[] = {
+      {kBaro, dataset.baro.empty() ? "" : baro_text(dataset.baro)},
+      {kTruth, dataset.ground_truth.empty() ? "" : truth_text(dataset.ground_truth)}};
+  for (const auto& [folder, text] : optional_files) {
+    if (text.empty() && fs::exists(path / folder)) {
+      throw std::runtime_error((path / folder).string() + ": is left from another recording");
+    }
+  }
+  fs::create_directories(path / kImu);
+  fs::create_directories(path / kRadar);
+  write_file(path / kImu / kData, imu_text(dataset.imu));
+  write_file(path / kRadar / kData, radar_text(dataset.scans));
+  for (const auto& [folder, text] : optional_files) {
+    if (text.empty()) continue;
+    fs::create_directories(path / folder);
+    write_file(path / folder / kData, text);
+  }
+  ImuInfo imu = dataset.imu_info;
+  write_file(path / kImu / kSensor,
+             "sensor_type: imu\n" + pose_text(Pose{}) + keys_text(imu_keys(&imu)));
+  RadarInfo radar = dataset.radar_info;
+  write_file(path / kRadar / kSensor,
+             "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, positive "
+             "= receding\n" +
+                 (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar)));
+}
+
+}  // namespace rio::io
