@@ -3,7 +3,8 @@
 // in a file of its own.
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -58,8 +59,9 @@ inline bool finite(const NavState& s) {
 inline bool positive_semi_definite(const BodyCovariance& P) {
   const double scale = P.cwiseAbs().maxCoeff();
   if ((P - P.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix15d> eigen(Matrix15d(P), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues().minCoeff() >= -1e-9 * scale;
+  Matrix15d above = P;  // no eigenvalue below -1e-9 scale: this has a Cholesky factor
+  above.diagonal().array() += 1e-9 * scale + std::numeric_limits<double>::min();
+  return Eigen::LLT<Matrix15d>(above).info() == Eigen::Success;
 }
 
 }  // namespace engine_detail

@@ -132,14 +132,15 @@ class StaticAligner {
   }
 
   /// A rotation that takes the up direction y (body) to e_z. Heading zero: the x axis points along
-  /// the world's x, or, where it is vertical, the shortest rotation is taken.
+  /// the world's x, or, where it is vertical, the y axis along the world's y.
   static Quaternion level(const Vector3d& y) {
-    const Vector3d forward = Vector3d::UnitX() - y.x() * y;
-    if (forward.norm() < 1e-3) return Quaternion(Quaternion::FromTwoVectors(y, Vector3d::UnitZ()));
+    Vector3d forward = Vector3d::UnitX() - y.x() * y;
+    if (forward.norm() < 1e-3) forward = Vector3d::UnitY().cross(y);
+    forward.normalize();
     Matrix3d R;
-    R.row(0) = forward.normalized();
+    R.row(0) = forward;
+    R.row(1) = y.cross(forward);
     R.row(2) = y;
-    R.row(1) = y.cross(Vector3d(R.row(0)));
     return Quaternion(R);
   }
 
