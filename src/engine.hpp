@@ -14,6 +14,7 @@
 #include "rio/frontend/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
+#include "rio/propagate/moving_start.hpp"
 #include "rio/propagate/predictor.hpp"
 #include "rio/propagate/static_alignment.hpp"
 
@@ -75,6 +76,7 @@ class Engine final : public Odometry::Impl {
         imu(o.timing, o.imu),
         predictor(o.imu.gravity),
         aligner(o.start, o.imu),
+        moving_start(o.start),
         queue(o.timing.scan_queue) {
     extrinsics = o.radar.T_BS;
   }
@@ -155,6 +157,7 @@ class Engine final : public Odometry::Impl {
     initialized = false;
     imu.clear();
     aligner.reset();
+    moving_start.reset();
     queue.clear();
     counters = Counters{};
     has_scan = false;
@@ -172,7 +175,11 @@ class Engine final : public Odometry::Impl {
 
   Status align(const ImuSample& sample) {
     std::optional<Alignment> alignment;
-    const Status status = aligner.add(sample, &alignment);
+    Status status = aligner.add(sample, &alignment);
+    if (std::optional<Alignment> moving = moving_start.add(sample); moving && !alignment) {
+      alignment = std::move(moving);
+      status = Status::kOk;
+    }
     if (alignment) {
       pipeline.reset(alignment->state, alignment->covariance);
       initialized = true;
@@ -212,6 +219,7 @@ class Engine final : public Odometry::Impl {
   ImuBuffer imu;
   Predictor predictor;
   StaticAligner aligner;
+  MovingStart moving_start;
   ScanQueue queue;
   DetectionList filtered;
   Time last_scan{0};           ///< its stamp

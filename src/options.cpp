@@ -59,6 +59,7 @@ void publish_ekf(Options* o) {
   o->frontend.landmark_timeout = 0.0;
   o->update.use_trails = true;
   o->update.direction_correction = false;
+  o->update.direction_reliability = false;
   o->update.direction_noise = false;
   o->update.consistent_covariance = false;
   o->update.trail_noise = TrailNoise::kIndependent;

@@ -129,6 +129,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
   field("update.direction_correction", o.update.direction_correction, "", 0, 1,
         "Doppler: errors-in-variables correction of the direction.");
+  field("update.direction_reliability", o.update.direction_reliability, "", 0, 1,
+        "Doppler: leave out what of a scan's directions is error; needs the correction.");
   field("update.direction_noise", o.update.direction_noise, "", 0, 1,
         "Doppler: the direction error adds to the variance.");
   field("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
@@ -174,6 +176,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("start.static_alignment", o.start.static_alignment, "", 0, 1,
         "Align while standing; false = wait for a given start.");
   field("start.duration", o.start.duration, "s", 0.1, 600, "Length of the standstill averaged.");
+  field("start.max_wait", o.start.max_wait, "s", 0, 3600,
+        "Wait for a standstill, then start in motion; 0 = wait for ever.");
   field("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
         "Standstill: largest standard deviation of a gyroscope axis.");
   field("start.max_accel_std", o.start.max_accel_std, "m/s^2", 1e-4, 100,

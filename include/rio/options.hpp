@@ -82,7 +82,7 @@ struct FrontendOptions {
   double match_core = 0.6;
   double match_margin = 2.0;       ///< kMahalanobis: by which a landmark's match must be the best
   int promote_after = 6;           ///< consecutive matches that make a trail a landmark
-  double landmark_timeout = 10.0;  ///< a landmark not seen for longer is dropped [s]
+  double landmark_timeout = 20.0;  ///< a landmark not seen for longer is dropped [s]
 };
 
 /// How the rows of one trail share their noise.
@@ -104,6 +104,7 @@ struct UpdateOptions {
   bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case
   bool use_landmarks = true;
   bool direction_correction = true;   ///< Doppler: errors-in-variables correction of the direction
+  bool direction_reliability = true;  ///< Doppler: what of the directions' spread is error; with it
   bool direction_noise = true;        ///< Doppler: direction error adds to the variance
   bool consistent_covariance = true;  ///< re-express P so that yaw and position stay unobservable
   TrailNoise trail_noise = TrailNoise::kIndependent;
@@ -162,6 +163,7 @@ inline constexpr double kCalibrationLimit = 5.0;
 struct StartOptions {
   bool static_alignment = true;    ///< align while standing; false = wait for reset(prior, P0)
   double duration = 1.5;           ///< of the standstill that is averaged [s]
+  double max_wait = 0.0;           ///< for a standstill, then start in motion; 0 = for ever [s]
   double max_gyro_std = 0.02;      ///< standstill: per-axis standard deviation of a sample [rad/s]
   double max_accel_std = 0.2;      ///< standstill: same for the specific force [m/s^2]
   double max_rate = 0.1;           ///< standstill: largest mean rate that can be a bias [rad/s]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DOOR 2, for researchers: the data flow of one scan, one call per stage, for any back-end. C++20.
+// DOOR 2, for researchers: the data flow of one scan, one call per stage, for any back-end
+// (ekf/ekf.hpp, smoother/smoother.hpp, or yours). C++20.
 //
 //   (1) propagate, (3) front-end, (4) models, (5) gate, (6) update, (7) promote, (2) clone
 //
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 
-#include "rio/ekf/ekf.hpp"
 #include "rio/frontend/frontend.hpp"
 #include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/velocity_monitor.hpp"

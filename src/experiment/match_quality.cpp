@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "rio/ekf/ekf.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/smoother/smoother.hpp"

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "rio/ekf/ekf.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/smoother/smoother.hpp"
 

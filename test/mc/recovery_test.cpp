@@ -74,6 +74,59 @@ TEST(Recovery, OfThePublishedEstimatorsTheWindowConverges) {
 }
 
 // The window, ten times as slow, on shorter flights.
+/// Largest error of the velocity later than `settled` [s] after a start in flight, from 8 s on, of
+/// an estimator that is told nothing. In the axes of the body: the heading is arbitrary.
+double late_error_of_moving_start(const sim::Flight& flight, BackEnd backend, double settled) {
+  Options options = options_for(flight, "default");
+  options.backend = backend;
+  options.start.max_wait = 1.5;
+  const auto odometry = Odometry::create(options);
+  double largest = 0.0;
+  Time started{0};
+  std::size_t scan = 0;
+  for (std::size_t i = 0; i < flight.imu.size(); ++i) {
+    const Time now = flight.imu[i].time;
+    const bool flies = to_seconds(now - flight.imu.front().time) > 8.0;
+    const Status fed = flies ? odometry->add_imu(flight.imu[i]) : Status::kOk;
+    EXPECT_TRUE(fed == Status::kOk || fed == Status::kMoving) << to_string(fed);
+    for (; scan < flight.scans.size() && flight.scans[scan].time <= now; ++scan) {
+      if (!odometry->initialized()) continue;
+      const Status taken = odometry->add_scan(flight.scans[scan]);
+      EXPECT_TRUE(taken == Status::kOk || taken == Status::kWaiting) << to_string(taken);
+    }
+    if (!odometry->initialized()) continue;
+    if (started == Time{0}) started = now;
+    if (to_seconds(now - started) < settled) continue;
+    const NavState& estimate = odometry->now();
+    const NavState& truth = flight.truth[i];
+    const Vector3d v_B = estimate.q_WB.conjugate() * estimate.v_WB;
+    largest = std::max(largest, (v_B - truth.q_WB.conjugate() * truth.v_WB).norm());
+  }
+  EXPECT_NE(started, Time{0});
+  return largest;
+}
+
+TEST(Recovery, StartsInMotion) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    sim::Scenario scenario = cases_of("indoor-1", 1).front().scenario;
+    scenario.seed = seed;
+    scenario.max_duration = 20.0;
+    const sim::Flight flight = sim::simulate_flight(scenario);
+    EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kEkf, 2.0), 0.3) << seed;
+    EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kSmoother, 2.0), 0.3) << seed;
+  }
+}
+
+TEST(Recovery, StartsInFastFlightWithFoldedDoppler) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    sim::Scenario scenario = cases_of("aggressive", 1).front().scenario;
+    scenario.seed = seed;
+    scenario.max_duration = 20.0;
+    const sim::Flight flight = sim::simulate_flight(scenario);  // up to 3.6 m/s
+    EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kEkf, 2.0), 0.4) << seed;
+  }
+}
+
 TEST(Recovery, NoFalseAlarm) {
   constexpr double kWindowLength = 50.0;  // [m]
   for (const Variant& v : kBackEnds) {

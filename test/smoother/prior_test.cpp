@@ -10,7 +10,6 @@
 
 #include "support/covariance_case.hpp"
 #include "support/random_state.hpp"
-#include "support/smoother_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -265,78 +264,6 @@ TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
   EXPECT_LE((prior.A() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
   EXPECT_LE((prior.g() - expected * mean).cwiseAbs().maxCoeff(),
             1e-9 * before.g.cwiseAbs().maxCoeff());
-}
-
-/// Translations and the turn about gravity in xi: the same vector at every state.
-MatrixXd null_space(const Prior& prior, int calibration) {
-  const Eigen::Index n = prior.A().rows();
-  MatrixXd N = MatrixXd::Zero(n, 4);
-  const int states = body::kSize * prior.leading_states();
-  for (int at = 0; at < states; at += body::kSize) {
-    N(at + body::kAttitude + 2, 3) = 1.0;
-    N.block<3, 3>(at + body::kPosition, 0).setIdentity();
-  }
-  for (Eigen::Index at = states + calibration; at < n; at += 3) {
-    N.block<3, 3>(at, 0).setIdentity();
-  }
-  return N;
-}
-
-/// Least and largest eigenvalue of A scaled to a unit diagonal, without the unknowns that it does
-/// not know at all: landmarks that were not seen by a marginalised state.
-Eigen::Vector2d extreme_eigenvalues(const MatrixXd& A) {
-  std::vector<Eigen::Index> known;
-  for (Eigen::Index i = 0; i < A.rows(); ++i) {
-    if (A(i, i) > 0.0) known.push_back(i);
-  }
-  const MatrixXd K = A(known, known);
-  const VectorXd scale = K.diagonal().cwiseSqrt().cwiseInverse();
-  const VectorXd values =
-      Eigen::SelfAdjointEigenSolver<MatrixXd>((scale.asDiagonal() * K * scale.asDiagonal()).eval())
-          .eigenvalues();
-  return {values.minCoeff(), values.maxCoeff()};
-}
-
-TEST(PriorInFlight, NeverLearnsPositionAndHeadingAndStaysRegular) {
-  constexpr double kPositionSigma = 10.0;  // all that is ever told of them
-  constexpr double kYawSigma = 1.0;
-  sim::Scenario scenario;
-  scenario.seed = 31;
-  scenario.path.length = 110.0;  // some three minutes
-  SmootherFlight flight(scenario);
-  const Options o = flight.options();
-  flight.begin(o);
-  BodyCovariance P0 = flight.start_covariance();
-  P0.diagonal().segment<3>(body::kPosition).setConstant(kPositionSigma * kPositionSigma);
-  // the start is level and at the origin of the errors' axes: yaw is the third angle
-  NavState start = flight.flight().truth.front();
-  start.p_WB.setZero();
-  const Vector3d up = start.q_WB.conjugate() * Vector3d::UnitZ();
-  P0.block<3, 3>(0, 0) += kYawSigma * kYawSigma * up * up.transpose();
-  flight.pipeline().reset(start, P0);
-  const Eigen::Vector4d told(std::pow(kPositionSigma, -2), std::pow(kPositionSigma, -2),
-                             std::pow(kPositionSigma, -2), std::pow(kYawSigma, -2));
-  const int calibration = Layout(o.calibration, 0, 0).size(0) - body::kSize;
-  double first_condition = 0.0;
-  double condition = 0.0;
-  while (!flight.over()) {
-    ASSERT_EQ(flight.step(), Status::kOk);
-    if (flight.next() % 150 != 0) continue;
-    const Prior& prior = flight.smoother().prior();
-    const MatrixXd A = prior.A();
-    const MatrixXd N = null_space(prior, calibration);
-    const Eigen::Vector4d learnt = (N.transpose() * A * N).diagonal();
-    // round-off of sums of 1e8 (a position by the IMU over one scan) gives some 2e-7 per scan: in
-    // three minutes as much as one fix with a sigma of 45 m, and less than one with 30 m
-    for (int i = 0; i < 3; ++i) EXPECT_LE(learnt[i], told[i] + std::pow(30.0, -2)) << flight.next();
-    // the shift by the time offset is differentiated to first order: some more
-    EXPECT_LE(learnt[3], 2.0 * told[3]) << flight.next();
-    const Eigen::Vector2d range = extreme_eigenvalues(A);
-    EXPECT_GT(range[0], 0.0) << flight.next();
-    condition = range[1] / range[0];
-    if (flight.next() <= 900) first_condition = condition;
-  }
-  EXPECT_LT(condition, 10.0 * first_condition);
 }
 
 }  // namespace

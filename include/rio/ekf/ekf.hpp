@@ -27,9 +27,9 @@ class Ekf {
 
   const Estimate& estimate() const { return belief_.estimate(); }
   const Belief& belief() const { return belief_; }
-  /// Landmarks that can be taken: those not seen in this scan give way.
+  /// New landmarks that can be taken (update/landmark_policy.hpp).
   std::size_t landmark_room(const Observations& seen) const {
-    return static_cast<std::size_t>(options_.update.max_landmarks) - seen.matches.landmarks.size();
+    return rio::landmark_room(estimate(), seen, options_);
   }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {

@@ -6,6 +6,7 @@
 //      u is freed of what is left of the elevation error; v_S appears times 1 + scale error
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is measured too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
+// (E4) J uses L u^: of the directions of a scan only what is not error (update/reliability.hpp)
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
 // noise. Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u
 // v_S and u^ = u - E[d | r]. Using u itself shrinks the velocity along badly measured angles
@@ -34,7 +35,27 @@ class DopplerModel {
     Matrix3d direction_cov = Matrix3d::Zero();  ///< Sigma_u
     Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
     double predicted_var = 0.0;  ///< P_h: variance of h by the state's error [m^2/s^2]
+    Matrix3d reliability = Matrix3d::Identity();  ///< L
   };
+
+  /// (E2) (E3): what is known of the true direction given the innovation r.
+  struct ExpectedDirection {
+    Vector3d u_S = Vector3d::Zero();
+    Matrix3d covariance = Matrix3d::Zero();
+    double variance = 0.0;  ///< R
+    bool outlier = false;   ///< r beyond three sigma is no direction error: u as measured
+  };
+  /// @param u_S free of the elevation error, @param v_S times 1 + scale error
+  static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
+                                              const Vector3d& v_S) noexcept {
+    constexpr double kOutlier = 9.0;
+    const Vector3d spread = z.direction_cov * v_S;
+    const double r = z.range_rate + u_S.dot(v_S);
+    const double R = z.sigma_doppler * z.sigma_doppler + v_S.dot(spread);
+    const double S = R + z.predicted_var;
+    if (!(r * r < kOutlier * S)) return {u_S, z.direction_cov, R, true};
+    return {u_S - spread * (r / S), z.direction_cov - spread * spread.transpose() / S, R, false};
+  }
 
   /// @param direction_noise (E2), else R = sigma_D^2
   /// @param direction_correction (E3), else u itself is used in the Jacobian
@@ -48,7 +69,8 @@ class DopplerModel {
             d.sigma_elevation_S.normalized(),
             direction_covariance(d),
             gyro_B,
-            0.0};
+            0.0,
+            Matrix3d::Identity()};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
@@ -64,18 +86,12 @@ class DopplerModel {
     Vector3d u = cosine * z.direction_S - sine * z.upwards_S;
     const Vector3d upwards = cosine * z.upwards_S + sine * z.direction_S;
     r[0] = z.range_rate + scale * u.dot(v_S);  // (E1)
-    const Vector3d spread = scale * z.direction_cov * v_S;
-    R(0, 0) =
-        z.sigma_doppler * z.sigma_doppler + (direction_noise_ ? scale * v_S.dot(spread) : 0.0);
+    const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
+    R(0, 0) = direction_noise_ ? expected.variance : z.sigma_doppler * z.sigma_doppler;
     if (J == nullptr) return true;
 
-    if (direction_correction_) {
-      const double variance =
-          z.sigma_doppler * z.sigma_doppler + scale * v_S.dot(spread) + z.predicted_var;
-      constexpr double kOutlier = 9.0;  // beyond three sigma it is no direction error
-      if (r[0] * r[0] < kOutlier * variance) u -= spread * (r[0] / variance);  // (E3)
-    }
-    const Vector3d a = scale * T_BS.R * u;  // direction in body axes
+    if (direction_correction_) u = z.reliability * expected.u_S;  // (E3) (E4)
+    const Vector3d a = scale * T_BS.R * u;                        // direction in body axes
     J->block<1, 3>(0, Blocks::column<BodyPose>()) = -a.transpose() * skew(v_B);
     J->block<1, 3>(0, Blocks::column<BodyPose>() + 3).setZero();
     J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();

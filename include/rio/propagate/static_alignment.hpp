@@ -29,6 +29,19 @@ struct Alignment {
   BodyCovariance covariance = BodyCovariance::Zero();
 };
 
+/// A rotation that takes the up direction y (body) to e_z. Heading zero: the x axis points along
+/// the world's x, or, where it is vertical, the y axis along the world's y.
+inline Quaternion level(const Vector3d& y) {
+  Vector3d forward = Vector3d::UnitX() - y.x() * y;
+  if (forward.norm() < 1e-3) forward = Vector3d::UnitY().cross(y);
+  forward.normalize();
+  Matrix3d R;
+  R.row(0) = forward;
+  R.row(1) = y.cross(forward);
+  R.row(2) = y;
+  return Quaternion(R);
+}
+
 /// Averages samples until `StartOptions::duration` is covered, then decides. O(1) memory: the
 /// window is split in two halves, whose means must agree, so that slow motion is noticed too.
 class StaticAligner {
@@ -129,19 +142,6 @@ class StaticAligner {
         Matrix3d::Identity() * start_.sigma_position * start_.sigma_position;
     P.block<3, 3>(kVelocity, kVelocity) = Matrix3d::Identity() * kStillVelocity * kStillVelocity;
     return out;
-  }
-
-  /// A rotation that takes the up direction y (body) to e_z. Heading zero: the x axis points along
-  /// the world's x, or, where it is vertical, the y axis along the world's y.
-  static Quaternion level(const Vector3d& y) {
-    Vector3d forward = Vector3d::UnitX() - y.x() * y;
-    if (forward.norm() < 1e-3) forward = Vector3d::UnitY().cross(y);
-    forward.normalize();
-    Matrix3d R;
-    R.row(0) = forward;
-    R.row(1) = y.cross(forward);
-    R.row(2) = y;
-    return Quaternion(R);
   }
 
   static constexpr double kGravitySpread = 0.02;  // [m/s^2]

@@ -47,9 +47,9 @@ class Smoother {
   const Belief& belief() const { return belief_; }
   const Window& window() const { return window_; }
   const Prior& prior() const { return prior_; }
-  /// Landmarks that can be taken: those not seen in this scan give way.
+  /// New landmarks that can be taken (update/landmark_policy.hpp).
   std::size_t landmark_room(const Observations& seen) const {
-    return static_cast<std::size_t>(options_.update.max_landmarks) - seen.matches.landmarks.size();
+    return rio::landmark_room(estimate(), seen, options_);
   }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
@@ -182,6 +182,7 @@ class Smoother {
       switch (used.model) {
         case Model::kDoppler:
           state.dopplers.push_back({DopplerModel::measurement(d, state.gyro_B), weight});
+          state.dopplers.back().doppler.reliability = rows_.reliability();
           break;
         case Model::kLandmarkPoint:
           state.points.push_back(

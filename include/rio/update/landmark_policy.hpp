@@ -2,9 +2,15 @@
 // Stage 7: which landmarks leave and which detections become landmarks, the same for every
 // back-end.
 //
-// A landmark lives while its matches pass the gate, and some seconds longer. Of too many the one
-// unseen for longest gives way: it is the one least likely to be seen again.
+// A landmark lives while its matches pass the gate, and some seconds longer. What it is worth is
+// where it was first seen from: a new one only knows where the radar is now. So of too many none
+// that is in view gives way, and of the others the one unseen for longest, which is the one least
+// likely to be seen again.
 #pragma once
+
+#include <algorithm>
+#include <array>
+#include <chrono>
 
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
@@ -20,6 +26,20 @@ inline std::size_t stalest_landmark(const Estimate& x) {
     if (x.landmarks[i].last_seen < x.landmarks[stalest].last_seen) stalest = i;
   }
   return stalest;
+}
+
+/// New landmarks that can be taken: those not in view give way.
+inline std::size_t landmark_room(const Estimate& x, const Observations& seen,
+                                 const Options& options) {
+  constexpr Time kInView = std::chrono::seconds(8);  // the faintest echoes are missed that long
+  const Time recently = std::min(kInView, from_seconds(options.frontend.landmark_timeout));
+  std::array<bool, kMaxLandmarks> in_view{};
+  for (const Match& m : seen.matches.landmarks) in_view[m.target] = true;
+  for (std::size_t i = 0; i < x.landmarks.size(); ++i) {
+    in_view[i] = in_view[i] || x.nav.time - x.landmarks[i].last_seen < recently;
+  }
+  return static_cast<std::size_t>(options.update.max_landmarks -
+                                  std::count(in_view.begin(), in_view.end(), true));
 }
 
 /// @param x its landmarks' times are brought up to date

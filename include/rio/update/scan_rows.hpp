@@ -22,6 +22,7 @@
 #include "rio/update/belief.hpp"
 #include "rio/update/gate.hpp"
 #include "rio/update/linearize.hpp"
+#include "rio/update/reliability.hpp"
 #include "rio/update/repetition.hpp"
 
 namespace rio {
@@ -71,6 +72,8 @@ class ScanRows {
   };
   const std::vector<Used>& used() const { return used_; }
 
+  /// Of the directions of the last scan's Dopplers (models/doppler.hpp).
+  const Matrix3d& reliability() const { return reliability_; }
   /// The landmark was matched by the last scan, and the match may keep it alive.
   bool was_used(std::size_t landmark) const { return was_used_[landmark]; }
 
@@ -84,15 +87,33 @@ class ScanRows {
 
   void add_doppler(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
                    UpdateReport* report) {
+    Reliability reliability;
     for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-      if (!seen.is_static(i) || measures_landmark_[i]) continue;
-      auto z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
-      if (options_.direction_correction) z.predicted_var = belief.doppler_variance(z, x);
+      if (!tells_doppler(seen, i)) continue;
+      DopplerModel::Measurement& z = dopplers_[i];
+      z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
+      if (!options_.direction_correction) continue;
+      z.predicted_var = belief.doppler_variance(z, x);
+      const auto expected =
+          DopplerModel::expected_direction(z, z.direction_S, Frontend::radar_velocity(x.estimate));
+      if (!expected.outlier) {
+        reliability.add(expected.u_S, expected.covariance, expected.variance);
+      }
+    }
+    if (options_.direction_reliability) reliability_ = reliability.matrix();
+    for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
+      if (!tells_doppler(seen, i)) continue;
+      DopplerModel::Measurement& z = dopplers_[i];
+      z.reliability = reliability_;
       batch_.begin_block();
       const bool valid = add(doppler_, z, belief, x, {});
       if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
       used_.push_back({DopplerModel::kModel, i, 0, 0, weigh_repetition(way_at_scan_, x)});
     }
+  }
+
+  bool tells_doppler(const Observations& seen, std::size_t i) const {
+    return seen.is_static(i) && !measures_landmark_[i];
   }
 
   void add_trails(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
@@ -236,6 +257,8 @@ class ScanRows {
   LandmarkDopplerModel landmark_doppler_;
   RowBatch batch_;
   std::vector<Used> used_;
+  std::array<DopplerModel::Measurement, kMaxDetections> dopplers_{};
+  Matrix3d reliability_ = Matrix3d::Identity();
   Covariance::BlockMatrix S_;
   std::array<bool, kMaxLandmarks> was_used_{};
   std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already in

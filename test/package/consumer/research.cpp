@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <rio/ekf/ekf.hpp>
 #include <rio/pipeline.hpp>
 
 int main() {

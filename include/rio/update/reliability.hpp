@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 4: how much of the spread of a scan's directions is their error.
+//
+// The expected directions u^ = u_true + e of a scan (models/doppler.hpp) tell the velocity error d
+// by the score s = sum u^ r / R. With S = sum u^ u^^T / R and C = sum cov(e) / R, e uncorrelated
+// with r, and A = S - C = sum u_true u_true^T / R:
+// (E1) E[s] = A d,  cov(s) = S      where a filter that takes u^ for true expects S d
+// (E2) u^ <- L u^,  L = A S^-1      E[L s] = A S^-1 A d,  cov(L s) = A S^-1 A: the information is
+//                                   that of the score, and the solution s = 0 stays where it was
+// Without it the speed along badly measured angles is taken for better known than it is: by a
+// factor of 1.4 to 1.7 in variance with 4 deg in a field of view of 30 deg.
+// Reference: L is the reliability matrix of errors-in-variables regression (Fuller, Measurement
+// Error Models, 1987; Gleser 1992).
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "rio/types.hpp"
+
+namespace rio {
+
+class Reliability {
+ public:
+  /// @param u expected direction, @param covariance what it lacks, @param variance R [m^2/s^2]
+  void add(const Vector3d& u, const Matrix3d& covariance, double variance) {
+    S_ += u * u.transpose() / variance;
+    C_ += covariance / variance;
+  }
+
+  /// L. Where the spread is no larger than the errors make it, nothing is believed; identity
+  /// without a direction.
+  Matrix3d matrix() const {
+    constexpr double kRegular = 1e-9;  // of fewer than three directions S is singular
+    if (!(S_.trace() > 0.0)) return Matrix3d::Identity();
+    const Eigen::LLT<Matrix3d> llt(S_ + kRegular * S_.trace() * Matrix3d::Identity());
+    const Matrix3d root = llt.matrixL();
+    const Matrix3d inverse = root.inverse();
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> errors(
+        Matrix3d(inverse * C_ * inverse.transpose()));
+    const Vector3d kept = 1.0 - errors.eigenvalues().array().min(1.0);
+    const Matrix3d& V = errors.eigenvectors();
+    return root * V * kept.asDiagonal() * V.transpose() * inverse;
+  }
+
+ private:
+  Matrix3d S_ = Matrix3d::Zero();
+  Matrix3d C_ = Matrix3d::Zero();
+};
+
+}  // namespace rio

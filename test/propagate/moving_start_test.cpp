@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/propagate/moving_start.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+
+namespace rio::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr double kGravity = 9.81;
+
+/// What an IMU measures that turns steadily and accelerates in turns forwards and backwards.
+class Turning {
+ public:
+  ImuSample sample(int i) const {
+    const double t = 0.005 * i;
+    const Vector3d force =
+        kGravity * Vector3d::UnitZ() + 2.0 * std::sin(9.0 * t) * Vector3d::UnitX();
+    return {Time(milliseconds(5 * i)), rate_B, attitude(i).conjugate() * force};
+  }
+  Quaternion attitude(int i) const {
+    return Quaternion(Eigen::AngleAxisd(0.005 * i * rate_B.norm(), rate_B.normalized()));
+  }
+  Vector3d rate_B{0.5, -0.3, 0.2};
+};
+
+std::optional<Alignment> start(const StartOptions& options, int samples, int* last) {
+  const Turning imu;
+  MovingStart moving(options);
+  for (*last = 0; *last < samples; ++*last) {
+    if (auto alignment = moving.add(imu.sample(*last))) return alignment;
+  }
+  return std::nullopt;
+}
+
+TEST(MovingStart, IsLevelAlthoughTheBodyTurns) {
+  StartOptions options;
+  options.max_wait = 4.0;
+  int last = 0;
+  const std::optional<Alignment> alignment = start(options, 2000, &last);
+  ASSERT_TRUE(alignment);
+  EXPECT_EQ(alignment->state.time, Time(milliseconds(4000)));
+  EXPECT_TRUE(alignment->state.v_WB.isZero());
+  const Vector3d up =
+      alignment->state.q_WB * Turning().attitude(last).conjugate() * Vector3d::UnitZ();
+  // 2 m/s^2 back and forth at 9 rad/s leave a tenth of it in a mean over 1.5 s
+  EXPECT_LT(std::acos(up.z()), 0.03);
+  const Eigen::LLT<BodyCovariance> llt(alignment->covariance);
+  EXPECT_EQ(llt.info(), Eigen::Success);
+  EXPECT_GT(std::sqrt(alignment->covariance(0, 0)), 0.05);
+}
+
+TEST(MovingStart, WaitsForEverUnlessTold) {
+  int last = 0;
+  EXPECT_FALSE(start(StartOptions{}, 20000, &last));
+}
+
+TEST(MovingStart, CountsItsWaitAnewAfterAReset) {
+  StartOptions options;
+  options.max_wait = 1.0;
+  const Turning imu;
+  MovingStart moving(options);
+  for (int i = 0; i < 150; ++i) EXPECT_FALSE(moving.add(imu.sample(i)));
+  moving.reset();
+  for (int i = 150; i < 350; ++i) EXPECT_FALSE(moving.add(imu.sample(i)));
+  EXPECT_TRUE(moving.add(imu.sample(350)));
+}
+
+}  // namespace
+}  // namespace rio::test
