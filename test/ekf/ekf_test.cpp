@@ -190,7 +190,7 @@ TEST_F(EkfTest, OfTooManyLandmarksTheLongestUnseenGivesWay) {
       EXPECT_GE(landmark.last_seen, oldest);
     }
   }
-  EXPECT_GT(replaced, 10);
+  EXPECT_GT(replaced, 3);  // none in view gives way, and the flight lasts some seconds
 }
 
 TEST_F(EkfTest, FindsAMountingError) {

@@ -56,12 +56,7 @@ Solution solve(Scan scan, const Vector3d& v_S, bool reliable) {
   x.v = v_S;
   for (int step = 0; step < 8; ++step) {
     Reliability reliability;
-    for (const DopplerModel::Measurement& z : scan) {
-      const auto expected = DopplerModel::expected_direction(z, z.direction_S, x.v);
-      if (!expected.outlier) {
-        reliability.add(expected.u_S, expected.covariance, expected.variance);
-      }
-    }
+    for (const DopplerModel::Measurement& z : scan) reliability.add(z, x.v);
     Vector3d score = Vector3d::Zero();
     x.information.setZero();
     for (DopplerModel::Measurement& z : scan) {

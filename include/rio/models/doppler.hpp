@@ -43,18 +43,17 @@ class DopplerModel {
     Vector3d u_S = Vector3d::Zero();
     Matrix3d covariance = Matrix3d::Zero();
     double variance = 0.0;  ///< R
-    bool outlier = false;   ///< r beyond three sigma is no direction error: u as measured
   };
   /// @param u_S free of the elevation error, @param v_S times 1 + scale error
   static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
                                               const Vector3d& v_S) noexcept {
-    constexpr double kOutlier = 9.0;
+    constexpr double kOutlier = 9.0;  // beyond three sigma it is no direction error
     const Vector3d spread = z.direction_cov * v_S;
     const double r = z.range_rate + u_S.dot(v_S);
     const double R = z.sigma_doppler * z.sigma_doppler + v_S.dot(spread);
     const double S = R + z.predicted_var;
-    if (!(r * r < kOutlier * S)) return {u_S, z.direction_cov, R, true};
-    return {u_S - spread * (r / S), z.direction_cov - spread * spread.transpose() / S, R, false};
+    if (!(r * r < kOutlier * S)) return {u_S, z.direction_cov, R};
+    return {u_S - spread * (r / S), z.direction_cov - spread * spread.transpose() / S, R};
   }
 
   /// @param direction_noise (E2), else R = sigma_D^2

@@ -182,7 +182,6 @@ class Smoother {
       switch (used.model) {
         case Model::kDoppler:
           state.dopplers.push_back({DopplerModel::measurement(d, state.gyro_B), weight});
-          state.dopplers.back().doppler.reliability = rows_.reliability();
           break;
         case Model::kLandmarkPoint:
           state.points.push_back(

@@ -13,6 +13,7 @@
 #include "rio/smoother/window.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/update/linearize.hpp"
+#include "rio/update/reliability.hpp"
 
 namespace rio {
 
@@ -25,6 +26,7 @@ class WindowFactors {
         layout_(layout),
         window_(window),
         system_(system),
+        reliable_(options.update.direction_correction && options.update.direction_reliability),
         doppler_(options.update.direction_noise, options.update.direction_correction),
         trail_(options.update.trail_noise, options.update.sigma_trail_distance),
         distance_(options.update.sigma_landmark_distance),
@@ -65,7 +67,17 @@ class WindowFactors {
       scan_.close(factor.weight, layout.column<Landmark>(landmark));
     };
     scan_.begin(layout);
-    for (const DopplerFactor& f : state.dopplers) add(doppler_, f.doppler, f.weight);
+    Reliability reliability;
+    if (reliable_) {
+      for (const DopplerFactor& f : state.dopplers)
+        reliability.add(f.doppler, x.radar_velocity_S());
+    }
+    const Matrix3d believed = reliability.matrix();
+    for (const DopplerFactor& f : state.dopplers) {
+      DopplerModel::Measurement z = f.doppler;
+      z.reliability = believed;
+      add(doppler_, z, f.weight);
+    }
     for (const PointFactor& f : state.points) {
       add_of_landmark(f, [&](BlockIndex index) {
         return scan_.push(LandmarkPointModel{}, f.point, x, index) &&
@@ -120,6 +132,7 @@ class WindowFactors {
   const Layout& layout_;
   const Window& window_;
   NormalEquations* system_;
+  bool reliable_;
   DopplerModel doppler_;
   TrailDistanceModel trail_;
   LandmarkDistanceModel distance_;

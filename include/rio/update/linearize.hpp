@@ -47,6 +47,12 @@ struct LinearizationPoint {
     accel_W.setZero();
   }
 
+  /// Velocity of the radar in its own axes.
+  Vector3d radar_velocity_S() const {
+    const Vector3d v_B = T_WB.R.transpose() * v_WB;
+    return T_BS.R.transpose() * (v_B + (gyro_B - gyro_bias).cross(T_BS.p));
+  }
+
   const Estimate& estimate;  ///< for its clones and landmarks
   RigidPose T_WB;
   RigidPose T_BS;

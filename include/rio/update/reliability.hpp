@@ -17,12 +17,18 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
+#include "rio/models/doppler.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
 
 class Reliability {
  public:
+  /// @param v_S of the radar in its axes [m/s]
+  void add(const DopplerModel::Measurement& z, const Vector3d& v_S) {
+    const auto expected = DopplerModel::expected_direction(z, z.direction_S, v_S);
+    add(expected.u_S, expected.covariance, expected.variance);
+  }
   /// @param u expected direction, @param covariance what it lacks, @param variance R [m^2/s^2]
   void add(const Vector3d& u, const Matrix3d& covariance, double variance) {
     S_ += u * u.transpose() / variance;

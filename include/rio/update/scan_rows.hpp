@@ -72,8 +72,6 @@ class ScanRows {
   };
   const std::vector<Used>& used() const { return used_; }
 
-  /// Of the directions of the last scan's Dopplers (models/doppler.hpp).
-  const Matrix3d& reliability() const { return reliability_; }
   /// The landmark was matched by the last scan, and the match may keep it alive.
   bool was_used(std::size_t landmark) const { return was_used_[landmark]; }
 
@@ -94,17 +92,14 @@ class ScanRows {
       z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
       if (!options_.direction_correction) continue;
       z.predicted_var = belief.doppler_variance(z, x);
-      const auto expected =
-          DopplerModel::expected_direction(z, z.direction_S, Frontend::radar_velocity(x.estimate));
-      if (!expected.outlier) {
-        reliability.add(expected.u_S, expected.covariance, expected.variance);
-      }
+      reliability.add(z, x.radar_velocity_S());
     }
-    if (options_.direction_reliability) reliability_ = reliability.matrix();
+    const Matrix3d believed =
+        options_.direction_reliability ? reliability.matrix() : Matrix3d::Identity();
     for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
       if (!tells_doppler(seen, i)) continue;
       DopplerModel::Measurement& z = dopplers_[i];
-      z.reliability = reliability_;
+      z.reliability = believed;
       batch_.begin_block();
       const bool valid = add(doppler_, z, belief, x, {});
       if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
@@ -258,7 +253,6 @@ class ScanRows {
   RowBatch batch_;
   std::vector<Used> used_;
   std::array<DopplerModel::Measurement, kMaxDetections> dopplers_{};
-  Matrix3d reliability_ = Matrix3d::Identity();
   Covariance::BlockMatrix S_;
   std::array<bool, kMaxLandmarks> was_used_{};
   std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already in
