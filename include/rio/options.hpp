@@ -104,7 +104,8 @@ struct UpdateOptions {
   bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case
   bool use_landmarks = true;
   bool direction_correction = true;   ///< Doppler: errors-in-variables correction of the direction
-  bool direction_reliability = true;  ///< Doppler: what of the directions' spread is error; with it
+  bool direction_reliability = true;  ///< and the directions' spread, as far as it is error, counts
+                                      ///< for nothing; needs direction_correction
   bool direction_noise = true;        ///< Doppler: direction error adds to the variance
   bool consistent_covariance = true;  ///< re-express P so that yaw and position stay unobservable
   TrailNoise trail_noise = TrailNoise::kIndependent;

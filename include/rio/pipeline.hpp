@@ -113,7 +113,7 @@ class Pipeline {
   /// Stage 3. If the scans have contradicted the velocity for long it is re-opened, and the scan is
   /// seen anew without the trails and landmarks that were placed with it.
   void observe(const DetectionList& scan) {
-    const RadarVelocity predicted{Frontend::radar_velocity(backend_.estimate()),
+    const RadarVelocity predicted{radar_velocity(backend_.estimate()),
                                   backend_.belief().radar_velocity_covariance()};
     frontend_.observe(scan, backend_.estimate(), &seen_, predicted.covariance);
     report_.velocity_reset = monitor_.contradicts(seen_, predicted);

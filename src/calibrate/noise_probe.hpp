@@ -104,9 +104,7 @@ class NoiseProbe : public Ekf {
       e.J.middleCols<3>(M::Blocks::column<BodyVelocity>()).setZero();
     }
     const LinearRow row = state_rows<1>(e.J, M::Blocks{}, x, {}, belief().layout())[0];
-    const Vector3d v_B = x.T_WB.R.transpose() * x.v_WB;
-    const Vector3d w = x.gyro_B - x.gyro_bias;
-    const Vector3d v_S = x.T_BS.R.transpose() * (v_B + w.cross(x.T_BS.p));
+    const Vector3d v_S = x.radar_velocity_S();
     const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
     const double az = d.sigma_azimuth_S.dot(v_S) / (growth * radar_.sigma_azimuth);
     const double el = d.sigma_elevation_S.dot(v_S) / (growth * radar_.sigma_elevation);

@@ -103,14 +103,6 @@ class Frontend {
     }
   }
 
-  /// Velocity of the radar in its own axes.
-  static Vector3d radar_velocity(const Estimate& x) {
-    const Vector3d w = x.gyro_B - x.nav.gyro_bias;
-    const RigidPose T_BS(x.T_BS);
-    const Vector3d v_B = x.T_WB().R.transpose() * x.nav.v_WB;
-    return T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
-  }
-
  private:
   /// A mover slow enough for the consensus shows by residuals that agree with each other.
   void find_movers(const Vector3d& v_S, Observations* out) const {

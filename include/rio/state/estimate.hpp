@@ -68,5 +68,13 @@ inline Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vec
 inline Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W) {
   return T_BS.R.transpose() * (T_WB.R.transpose() * (point_W - T_WB.p) - T_BS.p);
 }
+/// Velocity of the radar in its own axes [m/s] for a true angular rate of the body [rad/s].
+inline Vector3d radar_velocity(const RigidPose& T_WB, const Vector3d& v_WB, const Vector3d& rate_B,
+                               const RigidPose& T_BS) {
+  return T_BS.R.transpose() * (T_WB.R.transpose() * v_WB + rate_B.cross(T_BS.p));
+}
+inline Vector3d radar_velocity(const Estimate& x) {
+  return radar_velocity(x.T_WB(), x.nav.v_WB, x.gyro_B - x.nav.gyro_bias, RigidPose(x.T_BS));
+}
 
 }  // namespace rio

@@ -49,8 +49,7 @@ struct LinearizationPoint {
 
   /// Velocity of the radar in its own axes.
   Vector3d radar_velocity_S() const {
-    const Vector3d v_B = T_WB.R.transpose() * v_WB;
-    return T_BS.R.transpose() * (v_B + (gyro_B - gyro_bias).cross(T_BS.p));
+    return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS);
   }
 
   const Estimate& estimate;  ///< for its clones and landmarks
