@@ -71,40 +71,40 @@ template <class Estimator>
 class Engine final : public Odometry::Impl {
  public:
   explicit Engine(const Options& o)
-      : options(o),
-        pipeline(o),
-        imu(o.timing, o.imu),
-        predictor(o.imu.gravity),
-        aligner(o.start, o.imu),
-        moving_start(o.start),
-        queue(o.timing.scan_queue) {
+      : options_(o),
+        pipeline_(o),
+        imu_(o.timing, o.imu),
+        predictor_(o.imu.gravity),
+        aligner_(o.start, o.imu),
+        moving_start_(o.start, o.imu.gravity),
+        queue_(o.timing.scan_queue) {
     extrinsics = o.radar.T_BS;
   }
 
-  const NavState& at_scan() const override { return pipeline.estimate().nav; }
-  const NavState& now() const override { return predictor.state(); }
-  const UpdateReport& report() const override { return pipeline.report(); }
+  const NavState& at_scan() const override { return pipeline_.estimate().nav; }
+  const NavState& now() const override { return predictor_.state(); }
+  const UpdateReport& report() const override { return pipeline_.report(); }
 
   Status add_imu(const ImuSample& sample) override {
     if (!sample.gyro_B.allFinite() || !sample.accel_B.allFinite()) {
       ++counters.imu_non_finite;
       return Status::kNonFinite;
     }
-    if (!imu.empty() && sample.time <= imu.newest().time) {
+    if (!imu_.empty() && sample.time <= imu_.newest().time) {
       ++counters.imu_stale;
       return Status::kStale;
     }
     ++counters.imu_samples;
-    if (!imu.empty() && imu.is_gap(imu.newest(), sample)) ++counters.imu_gaps;
-    if (initialized && imu.full()) catch_up(imu[1].time);
-    imu.push_back(sample);
-    if (!initialized) return options.start.static_alignment ? align(sample) : Status::kOk;
-    predictor.advance(imu);
-    while (!queue.empty() && pipeline.measured_at(queue.front().time) <= sample.time) {
-      process(queue.front());
-      queue.pop_front();
+    if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) ++counters.imu_gaps;
+    if (initialized && imu_.full()) catch_up(imu_[1].time);
+    imu_.push_back(sample);
+    if (!initialized) return options_.start.static_alignment ? align(sample) : Status::kOk;
+    predictor_.advance(imu_);
+    while (!queue_.empty() && pipeline_.measured_at(queue_.front().time) <= sample.time) {
+      process(queue_.front());
+      queue_.pop_front();
     }
-    catch_up(sample.time - from_seconds(options.timing.max_lag));
+    catch_up(sample.time - from_seconds(options_.timing.max_lag));
     return Status::kOk;
   }
 
@@ -113,7 +113,7 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
     }
-    if ((has_scan && scan.time == last_scan) || queue.contains(scan.time)) {
+    if ((has_scan_ && scan.time == last_scan_) || queue_.contains(scan.time)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
@@ -121,21 +121,21 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_late;
       return Status::kLate;
     }
-    filter_detections(scan, options.radar, options.frontend.max_detections, filtered);
-    counters.detections_non_finite += static_cast<std::uint64_t>(filtered.non_finite);
-    if (filtered.received > 0 && filtered.non_finite == filtered.received) {
+    filter_detections(scan, options_.radar, options_.frontend.max_detections, filtered_);
+    counters.detections_non_finite += static_cast<std::uint64_t>(filtered_.non_finite);
+    if (filtered_.received > 0 && filtered_.non_finite == filtered_.received) {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
-    if (imu.empty() || pipeline.measured_at(scan.time) > imu.newest().time) {
-      if (queue.full()) {
+    if (imu_.empty() || pipeline_.measured_at(scan.time) > imu_.newest().time) {
+      if (queue_.full()) {
         ++counters.scans_overflow;
         return Status::kQueueFull;
       }
-      queue.insert(filtered);
+      queue_.insert(filtered_);
       return Status::kWaiting;
     }
-    return process(filtered);
+    return process(filtered_);
   }
 
   Status reset(const NavState& prior, const BodyCovariance& P0) override {
@@ -144,10 +144,10 @@ class Engine final : public Odometry::Impl {
       return Status::kNumerical;
     NavState start = prior;
     start.q_WB.normalize();
-    pipeline.reset(start, P0);
+    pipeline_.reset(start, P0);
     counters = Counters{};
-    queue.clear();
-    has_scan = false;
+    queue_.clear();
+    has_scan_ = false;
     initialized = true;
     publish();
     return Status::kOk;
@@ -155,13 +155,13 @@ class Engine final : public Odometry::Impl {
 
   void reset() override {
     initialized = false;
-    imu.clear();
-    aligner.reset();
-    moving_start.reset();
-    queue.clear();
+    imu_.clear();
+    aligner_.reset();
+    moving_start_.reset();
+    queue_.clear();
     counters = Counters{};
-    has_scan = false;
-    pipeline.reset(NavState{}, BodyCovariance::Zero());
+    has_scan_ = false;
+    pipeline_.reset(NavState{}, BodyCovariance::Zero());
     publish();
   }
 
@@ -169,19 +169,19 @@ class Engine final : public Odometry::Impl {
   /// Measured before the estimate. Not if it follows the last scan and only a better time offset
   /// has overtaken it.
   bool is_late(Time stamp) const {
-    const bool follows = has_scan && stamp > last_scan && at_scan().time == last_scan_estimate;
-    return !follows && pipeline.measured_at(stamp) < at_scan().time;
+    const bool follows = has_scan_ && stamp > last_scan_ && at_scan().time == last_scan_estimate_;
+    return !follows && pipeline_.measured_at(stamp) < at_scan().time;
   }
 
   Status align(const ImuSample& sample) {
     std::optional<Alignment> alignment;
-    Status status = aligner.add(sample, &alignment);
-    if (std::optional<Alignment> moving = moving_start.add(sample); moving && !alignment) {
+    Status status = aligner_.add(sample, &alignment);
+    if (std::optional<Alignment> moving = moving_start_.add(sample); moving && !alignment) {
       alignment = std::move(moving);
       status = Status::kOk;
     }
     if (alignment) {
-      pipeline.reset(alignment->state, alignment->covariance);
+      pipeline_.reset(alignment->state, alignment->covariance);
       initialized = true;
       publish();
     }
@@ -189,12 +189,12 @@ class Engine final : public Odometry::Impl {
   }
 
   Status process(const DetectionList& scan) {
-    last_scan = scan.time;
-    has_scan = true;
-    const Status status = pipeline.process(scan, imu);
-    last_scan_estimate = at_scan().time;
+    last_scan_ = scan.time;
+    has_scan_ = true;
+    const Status status = pipeline_.process(scan, imu_);
+    last_scan_estimate_ = at_scan().time;
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
-    counters.velocity_resets += pipeline.report().velocity_reset ? 1 : 0;
+    counters.velocity_resets += pipeline_.report().velocity_reset ? 1 : 0;
     publish();
     return status;
   }
@@ -202,29 +202,29 @@ class Engine final : public Odometry::Impl {
   /// Keeps the estimate within reach of the buffered samples while no scan arrives.
   void catch_up(Time time) {
     if (at_scan().time >= time) return;
-    if (pipeline.propagate(time, imu) != Status::kOk) ++counters.updates_failed;
+    if (pipeline_.propagate(time, imu_) != Status::kOk) ++counters.updates_failed;
     publish();
   }
 
   /// Refreshes what the accessors return and forgets the samples behind the estimate.
   void publish() {
-    covariance = pipeline.backend().belief().covariance().body();
-    extrinsics = pipeline.estimate().T_BS;
-    imu.forget_before(at_scan().time);
-    predictor.rebase(at_scan(), imu);
+    covariance = pipeline_.backend().belief().covariance().body();
+    extrinsics = pipeline_.estimate().T_BS;
+    imu_.forget_before(at_scan().time);
+    predictor_.rebase(at_scan(), imu_);
   }
 
-  Options options;
-  Pipeline<Estimator> pipeline;
-  ImuBuffer imu;
-  Predictor predictor;
-  StaticAligner aligner;
-  MovingStart moving_start;
-  ScanQueue queue;
-  DetectionList filtered;
-  Time last_scan{0};           ///< its stamp
-  Time last_scan_estimate{0};  ///< the time of the estimate after it
-  bool has_scan = false;
+  Options options_;
+  Pipeline<Estimator> pipeline_;
+  ImuBuffer imu_;
+  Predictor predictor_;
+  StaticAligner aligner_;
+  MovingStart moving_start_;
+  ScanQueue queue_;
+  DetectionList filtered_;
+  Time last_scan_{0};           ///< its stamp
+  Time last_scan_estimate_{0};  ///< the time of the estimate after it
+  bool has_scan_ = false;
 };
 
 }  // namespace rio

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -46,7 +47,9 @@ class PoseErrorTable {
   struct Key {
     std::string group;
     std::string variant;
-    auto operator<=>(const Key&) const = default;
+    bool operator<(const Key& other) const {
+      return std::tie(group, variant) < std::tie(other.group, other.variant);
+    }
   };
 
   void add(const Key& key, std::uint64_t seed, const PoseErrors& errors) {

@@ -220,7 +220,7 @@ std::array<double, 3> lever_arm(const fs::path& dataset) {
   std::size_t row = 0;
   for (const std::string& line : lines_of(dataset / "radar0/sensor.yaml")) {
     const std::size_t last = line.rfind(", ", line.size() - 2);
-    const bool is_row = line.find("[") != std::string::npos || line.starts_with("         ");
+    const bool is_row = line.find('[') != std::string::npos || line.starts_with("         ");
     if (is_row && row < 3) arm.at(row++) = std::stod(line.substr(last + 2));
   }
   return arm;

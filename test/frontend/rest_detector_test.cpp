@@ -50,7 +50,7 @@ class RestDetectorTest : public testing::Test {
       raw.range_rate = -v + options_.radar.sigma_doppler * random_.normal();
       scan_.items.push_back(make_detection(raw, options_.radar));
     }
-    const Rest rest = detector_->observe(scan_, last_, scan_.time, imu_, known_bias());
+    Rest rest = detector_->observe(scan_, last_, scan_.time, imu_, known_bias());
     last_ = scan_.time;
     return rest;
   }

@@ -66,7 +66,7 @@ TEST(TimeOffset, ErrorAgreesWithItsSigma) {
   constexpr int kFlights = 20;
   double mean = 0.0;
   for (int i = 0; i < kFlights; ++i) {
-    const auto seed = static_cast<std::uint64_t>(401 + i);
+    const auto seed = std::uint64_t{401} + static_cast<std::uint64_t>(i);
     const double offset = 0.03 * sim::Random(seed, 9).normal();  // a draw of the prior
     const Result result = fly_late(seed, 20.0, offset);
     const CalibrationReport& found = result.of(Calibration::kTimeOffset);

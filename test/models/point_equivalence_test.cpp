@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <type_traits>
 
 #include "rio/models/landmark_point.hpp"
 #include "rio/models/landmark_position.hpp"
@@ -56,7 +57,7 @@ double squared_distance(const Evaluation<M>& at, const Eigen::MatrixXd& P) {
 }
 
 TEST(PointEquivalence, DistancesAgreeToFirstOrder) {
-  static_assert(LandmarkPointModel::Blocks::kDof == LandmarkPositionModel::Blocks::kDof);
+  static_assert(std::is_same_v<LandmarkPointModel::Blocks, LandmarkPositionModel::Blocks>);
   constexpr int kDof = LandmarkPointModel::Blocks::kDof;
   Random random(41);
   for (int i = 0; i < 200; ++i) {

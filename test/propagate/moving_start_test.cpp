@@ -30,7 +30,7 @@ class Turning {
 
 std::optional<Alignment> start(const StartOptions& options, int samples, int* last) {
   const Turning imu;
-  MovingStart moving(options);
+  MovingStart moving(options, kGravity);
   for (*last = 0; *last < samples; ++*last) {
     if (auto alignment = moving.add(imu.sample(*last))) return alignment;
   }
@@ -63,7 +63,7 @@ TEST(MovingStart, CountsItsWaitAnewAfterAReset) {
   StartOptions options;
   options.max_wait = 1.0;
   const Turning imu;
-  MovingStart moving(options);
+  MovingStart moving(options, kGravity);
   for (int i = 0; i < 150; ++i) EXPECT_FALSE(moving.add(imu.sample(i)));
   moving.reset();
   for (int i = 150; i < 350; ++i) EXPECT_FALSE(moving.add(imu.sample(i)));

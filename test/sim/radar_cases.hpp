@@ -2,6 +2,9 @@
 // What the tests of the simulated radar share: plain radars, and the truth about a detection.
 #pragma once
 
+#include <cmath>
+#include <vector>
+
 #include "rio/sim/path.hpp"
 #include "rio/sim/radar.hpp"
 
@@ -46,6 +49,21 @@ inline Vector3d in_radar_frame(const Vector3d& point_W, const NavState& nav,
 }
 inline Vector3d in_world(const Vector3d& point_S, const NavState& nav, const RadarModel& model) {
   return radar_position(nav, model) + nav.q_WB * (model.T_BS.rotation * point_S);
+}
+
+inline constexpr double kScanPeriod = 1.0 / 15.0;  ///< [s]
+inline constexpr double kTakeOff = 4.0;            ///< PathOptions::stand_before [s]
+
+inline double mean_of(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return sum / static_cast<double>(values.size());
+}
+inline double sigma_of(const std::vector<double>& values) {
+  const double mean = mean_of(values);
+  double sum = 0.0;
+  for (const double v : values) sum += (v - mean) * (v - mean);
+  return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
 }  // namespace rio::sim

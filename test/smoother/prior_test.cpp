@@ -229,7 +229,8 @@ TEST_F(PriorTest, RemovingALandmarkIsTheSchurComplement) {
     std::vector<Eigen::Index> order;
     for (int c = 0; c < n; ++c) order.push_back(c);
     for (int c = 0; c < 3 && i < kKnown - 1; ++c) {
-      order[static_cast<std::size_t>(landmark(i) + c)] = landmark(kKnown - 1) + c;
+      order[static_cast<std::size_t>(landmark(i)) + static_cast<std::size_t>(c)] =
+          landmark(kKnown - 1) + c;
     }
     const Dense expected = without(before, landmark(i));
     ASSERT_EQ(prior.A().rows(), n);

@@ -20,7 +20,8 @@ namespace rio {
 
 class MovingStart {
  public:
-  explicit MovingStart(const StartOptions& start) : start_(start) {}
+  /// @param gravity [m/s^2]
+  MovingStart(const StartOptions& start, double gravity) : start_(start), gravity_(gravity) {}
 
   void reset() { begin_.reset(); }
 
@@ -46,7 +47,7 @@ class MovingStart {
     const Vector3d y = up_B_.normalized();
     out.state.q_WB = level(y);  // (E2)
     const Matrix3d along = y * y.transpose();
-    const double tilt = kVelocityChange / (start_.duration * kGravity);
+    const double tilt = kVelocityChange / (start_.duration * gravity_);
     BodyCovariance& P = out.covariance;
     P.block<3, 3>(body::kAttitude, body::kAttitude) =
         tilt * tilt * (Matrix3d::Identity() - along) + start_.sigma_yaw * start_.sigma_yaw * along;
@@ -60,11 +61,11 @@ class MovingStart {
     return out;
   }
 
-  static constexpr double kGravity = 9.8;         // [m/s^2]
   static constexpr double kVelocity = 5.0;        // of a small robot, per axis, one sigma [m/s]
   static constexpr double kVelocityChange = 2.0;  // of it over the duration, same [m/s]
 
   StartOptions start_;
+  double gravity_;
   std::optional<Time> begin_;
   Time newest_{0};
   Vector3d up_B_ = Vector3d::Zero();

@@ -144,7 +144,7 @@ class EnvelopeFactor {
   /// Inverse of H over [last state | border], both triangles: these stand last, so that their part
   /// of L is the factor of what is left when the other states are eliminated. False without a
   /// factor, or if it was damped.
-  bool tail_inverse(Eigen::Ref<Eigen::MatrixXd> P) {
+  bool tail_inverse(const Eigen::Ref<Eigen::MatrixXd>& P) {
     if (!valid_ || damping_ != 0.0) return false;
     const Eigen::Index tail = kState + border_;
     const Eigen::Index at = column(states_ - 1);

@@ -96,7 +96,8 @@ class ScanInformation {
   }
   void set_columns(int first, int count, int column) {
     for (int i = 0; i < count; ++i) {
-      columns_[static_cast<std::size_t>(first + i)] = column < 0 ? -1 : column + i;
+      columns_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)] =
+          column < 0 ? -1 : column + i;
     }
   }
 
