@@ -133,8 +133,8 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
     o.radar.noise_distance = radar.fresh_noise < 1.0 ? radar.noise_distance : 0.0;
   }
   o.radar.range_resolution = radar.quantize ? radar.range_resolution : 0.0;
-  o.radar.doppler_resolution = radar.quantize ? radar.doppler_resolution : 0.0;
-  o.radar.max_doppler = radar.ambiguous ? radar.max_doppler : 0.0;
+  o.radar.doppler_resolution = radar.reported_doppler_resolution();
+  o.radar.max_doppler = radar.reported_max_doppler();
   return o;
 }
 

@@ -74,9 +74,9 @@ io::RadarInfo describe(const sim::RadarModel& model, const Pose& told_T_BS) {
   info.sigma_azimuth = model.sigma_azimuth;
   info.sigma_elevation = model.sigma_elevation;
   info.sigma_doppler = model.sigma_doppler;
-  if (model.ambiguous) info.max_doppler = model.max_doppler;
+  if (model.ambiguous) info.max_doppler = model.reported_max_doppler();
   info.range_resolution = model.quantize ? model.range_resolution : 0.0;
-  info.doppler_resolution = model.quantize ? model.doppler_resolution : 0.0;
+  info.doppler_resolution = model.reported_doppler_resolution();
   return info;
 }
 

@@ -168,7 +168,7 @@ TEST(EgoVelocity, SameScanSameResultWhateverCameBefore) {
   std::vector<RadarDetection> raw = static_points(random, 30, Vector3d(1.0, 0.5, -0.2), 0.08);
   for (std::size_t i = 0; i < 12; ++i) raw[i].range_rate = random.uniform(-3.0, 3.0);
   const DetectionList scan = list_of(raw, Time(123456789));
-  const EgoVelocityRansac ransac{FrontendOptions{}};
+  EgoVelocityRansac ransac{FrontendOptions{}};
   EgoVelocity first;
   ransac.estimate(scan, std::nullopt, &first);
   EgoVelocity other;

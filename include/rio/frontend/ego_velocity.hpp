@@ -62,7 +62,8 @@ struct EgoVelocity {
   /// (E4) [m^2/s^2]; none if the directions of the static set do not fix a velocity
   std::optional<Matrix3d> covariance;
   int inliers = 0;
-  std::array<bool, kMaxDetections> inlier{};  ///< per detection: moves as the static world does
+  std::array<bool, kMaxDetections> inlier{};   ///< per detection: moves as the static world does
+  std::array<bool, kMaxDetections> outlier{};  ///< moves otherwise; neither = its fold is open
   std::array<double, kMaxDetections> range_rate{};  ///< of the inliers, unfolded [m/s]
 };
 
@@ -71,13 +72,16 @@ class EgoVelocityRansac {
   /// @param max_doppler range rates fold into +-this [m/s]; 0 = they do not
   explicit EgoVelocityRansac(const FrontendOptions& options, double max_doppler = 0.0)
       : options_(options),
+        max_doppler_(max_doppler),
         fold_(max_doppler),
         iterations_(ransac_iterations(options.ransac_outlier_ratio, options.ransac_success)) {}
 
   /// @param predicted the radar velocity the IMU predicts; if given, it is one more hypothesis,
   ///        and stands alone when the scan is too small for a consensus of its own
+  /// @param doppler_scale by which the range rates have been divided: so is where they fold
   void estimate(const DetectionList& scan, const std::optional<RadarVelocity>& predicted,
-                EgoVelocity* out) const {
+                EgoVelocity* out, double doppler_scale = 1.0) {
+    fold_ = DopplerFold(max_doppler_ / doppler_scale);
     const auto n = static_cast<std::uint32_t>(scan.items.size());
     *out = EgoVelocity{};
     // seeded by the stamp: a scan gives the same static set whatever came before it
@@ -185,8 +189,8 @@ class EgoVelocityRansac {
       const Detection& d = scan.items[i];
       const double spread = residual_variance(d, v);
       const double of_velocity = d.direction_S.dot(covariance * d.direction_S);
-      out->inlier[i] = std::abs(residual(d, v)) < static_bound(options_, spread) &&
-                       fold_.is_unique(spread + of_velocity);
+      out->outlier[i] = !(std::abs(residual(d, v)) < static_bound(options_, spread));
+      out->inlier[i] = !out->outlier[i] && fold_.is_unique(spread + of_velocity);
       out->range_rate[i] = fold_.nearest(d.range_rate, -d.direction_S.dot(v));
       out->inliers += out->inlier[i] ? 1 : 0;
     }
@@ -232,7 +236,8 @@ class EgoVelocityRansac {
   }
 
   FrontendOptions options_;
-  DopplerFold fold_;
+  double max_doppler_;
+  DopplerFold fold_;  ///< of the current scan
   int iterations_;
 };
 

@@ -67,6 +67,14 @@ struct RadarModel {
   double stamp_offset = 0.0;         ///< the stamps are late by this [s]
   double latency = 0.0;              ///< from the measurement to the arrival of a scan [s]
 
+  /// The radar's own word on its Doppler, as wrong as its range rates; 0 = none [m/s].
+  double reported_max_doppler() const {
+    return ambiguous ? (1.0 + doppler_scale) * max_doppler : 0.0;
+  }
+  double reported_doppler_resolution() const {
+    return quantize ? (1.0 + doppler_scale) * doppler_resolution : 0.0;
+  }
+
   /// Only what a filter models: unbiased Gaussian noise on the polar coordinates and the Doppler.
   static RadarModel ideal() {
     RadarModel model;
