@@ -49,6 +49,7 @@ void publish_ekf(Options* o) {
   o->radar.noise_distance = 0.0;
   o->frontend.ransac_sigmas = 0.0;
   o->frontend.mover_sigmas = 0.0;
+  o->frontend.mover_extent = 0.0;
   o->frontend.ransac_use_prediction = false;
   o->frontend.unwrap_doppler = false;
   o->frontend.velocity_recovery = false;
@@ -65,6 +66,7 @@ void publish_ekf(Options* o) {
   o->update.trail_noise = TrailNoise::kIndependent;
   o->update.sigma_trail_distance = 0.04;
   o->update.landmark_measurement = LandmarkMeasurement::kDistance;
+  o->update.match_trust = 1.0;
   o->update.landmark_walk = 0.0;
   o->update.sigma_landmark_distance = 0.04;
   o->update.max_landmarks = 20;

@@ -91,6 +91,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "The velocity predicted by the IMU is one more hypothesis.");
   field("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
         "Doppler residuals along a trail that add up to this many sigmas: it moves; 0 = off.");
+  field("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
+        "What is this near to an outlier may be part of the same body; 0 = off.");
   field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
         "Share of outliers the iteration count is sized for.");
   field("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
@@ -141,6 +143,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Noise of a trail distance when rows are independent.");
   field("update.landmark_measurement", o.update.landmark_measurement, "", 0, 2,
         "distance (Michalczyk et al.), position (Xu et al.) or point: range, direction, Doppler.");
+  field("update.match_trust", o.update.match_trust, "", 0.51, 1,
+        "Probability that a match with a landmark is right.");
   field("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
         "Walk of a landmark with the way flown.");
   field("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,

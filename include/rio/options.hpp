@@ -45,6 +45,7 @@ struct RadarOptions {
   double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
   double max_doppler = 0.0;         ///< range rates fold into +-this; 0 = they do not fold [m/s]
+                                    ///< (as the radar has it, also if its Doppler scale is wrong)
   /// E-folding way of the errors of a point: echoes of width w at range r keep their phases until
   /// the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
   double noise_distance = 0.02;
@@ -66,6 +67,9 @@ struct FrontendOptions {
   /// Doppler residuals along a trail that add up to this many sigmas give away a slow mover; 0 =
   /// off.
   double mover_sigmas = 3.0;
+  /// Whatever is this near to an outlier may be a part of the same body: half of a person [m]; 0 =
+  /// off.
+  double mover_extent = 0.8;
   double ransac_outlier_ratio = 0.4;  ///< share of outliers the iteration count is sized for
   double ransac_success = 0.9999;     ///< probability of drawing one clean triple
   int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
@@ -114,9 +118,12 @@ struct UpdateOptions {
   double sigma_trail_distance = 0.2;
   LandmarkMeasurement landmark_measurement = LandmarkMeasurement::kPoint;
   double sigma_landmark_distance = 0.2;  ///< for kDistance; same reason: it was a trail [m]
+  /// Probability that a match with a landmark is right: where reflectors are closer to each other
+  /// than angles can tell, about a third are not. 1 = all are (update/worth.hpp).
+  double match_trust = 0.68;
   /// Walk of a landmark with the way flown: the scattering centre moves with the aspect, by
-  /// centimetres a metre [m/sqrt(m)].
-  double landmark_walk = 0.02;
+  /// a centimetre a metre [m/sqrt(m)].
+  double landmark_walk = 0.01;
   double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate
   int max_clones = 3;              ///< past poses kept (N)
   int max_landmarks = 40;          ///< persistent landmarks kept

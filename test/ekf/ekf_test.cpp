@@ -186,6 +186,7 @@ TEST_F(EkfTest, OfTooManyLandmarksTheLongestUnseenGivesWay) {
     ++replaced;
     Time oldest = scan.time;
     for (const LandmarkState& landmark : before) oldest = std::min(oldest, landmark.last_seen);
+    EXPECT_GT(to_seconds(scan.time - oldest), 7.9);  // what is in view stays
     for (const LandmarkState& landmark : pipeline_->estimate().landmarks) {
       EXPECT_GE(landmark.last_seen, oldest);
     }

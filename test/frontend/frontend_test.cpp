@@ -50,6 +50,44 @@ TEST(Frontend, MovingDetectionsAreNeitherMatchedNorFollowed) {
   EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
 }
 
+TEST(Frontend, WhatIsNearToAMoverGoesWithIt) {
+  Options o = options_with(1000, 7);
+  for (const double extent : {0.8, 0.0}) {
+    o.frontend.mover_extent = extent;
+    Walk walk(o);
+    walk.step(kRoom);
+    walk.move();
+    Points world = kRoom;  // a leg that stands, and what it stands in front of
+    world.push_back(kRoom[2] + Vector3d(0.3, 0.4, 0.5));
+    world.push_back(kRoom[2] + Vector3d(0.5, 0.5, -0.6));
+    DetectionList scan = walk.scan(world);
+    scan.items[2].range_rate += 1.0;
+    walk.observe(scan);
+    const std::size_t leg = kRoom.size();
+    EXPECT_TRUE(walk.seen().ego_velocity.outlier[2]);
+    EXPECT_TRUE(walk.seen().ego_velocity.inlier[leg]);  // of the consensus it is
+    EXPECT_EQ(walk.seen().is_static(leg), extent == 0.0);
+    EXPECT_TRUE(walk.seen().is_static(leg + 1));
+    walk.advance();
+    EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() + (extent == 0.0 ? 1 : 0));
+  }
+}
+
+TEST(Frontend, WhatIsNearToAMoverMeasuresNoLandmark) {
+  Walk walk(options_with(1000, 7));
+  walk.step({});
+  walk.estimate().landmarks.push_back(LandmarkState{kRoom[1]});
+  walk.move();
+  Points world = kRoom;
+  world.push_back(kRoom[1] + Vector3d(0.4, 0.0, 0.3));  // out of the matching gate
+  DetectionList scan = walk.scan(world);
+  walk.observe(scan);
+  ASSERT_EQ(walk.seen().matches.landmarks.size(), 1U);
+  scan.items.back().range_rate -= 1.0;
+  walk.observe(scan);
+  EXPECT_TRUE(walk.seen().matches.landmarks.empty());
+}
+
 TEST(Frontend, MatchesAfterAlignmentWithBothPoses) {
   Walk walk(options_with(1000, 7));
   walk.step(kRoom);

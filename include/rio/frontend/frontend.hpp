@@ -28,7 +28,7 @@ struct Observations {
   AssociationResult matches;
   std::optional<RestModel::Measurement> rest;             ///< it stands
   std::array<double, kMaxDetections> doppler_residual{};  ///< of trails' matches, in sigmas
-  std::array<bool, kMaxDetections> moves{};               ///< continues a trail that moves slowly
+  std::array<bool, kMaxDetections> moves{};               ///< as slowly as to pass for an inlier
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }
@@ -54,7 +54,8 @@ class Frontend {
   const TrailSet& trails() const { return trails_; }
   void reset() { trails_.clear(); }
 
-  /// Static set and matches of a scan, given the state predicted to its time. Pure.
+  /// Static set and matches of a scan, corrected for the radar errors of the state predicted to its
+  /// time. Pure.
   /// @param velocity_covariance_S of the predicted radar velocity [m^2/s^2]
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
                const Matrix3d& velocity_covariance_S = Matrix3d::Zero()) {
@@ -66,12 +67,15 @@ class Frontend {
     if (options_.ransac_use_prediction) {
       predicted_velocity = {radar_velocity(predicted), velocity_covariance_S};
     }
-    ransac_.estimate(scan, predicted_velocity, &out->ego_velocity);
+    ransac_.estimate(scan, predicted_velocity, &out->ego_velocity,
+                     1.0 + predicted.radar_errors[RadarErrors::kDopplerScale]);
     if (unwrap_) unwrap(scan, out);
+    find_companions(out);
     if (!use_trails_) return;
     const std::size_t landmarks = use_landmarks_ ? predicted.landmarks.size() : 0;
-    association_.match(*out->scan, out->ego_velocity.inlier, predicted, landmarks, trails_,
-                       &out->matches);
+    std::array<bool, kMaxDetections> usable{};
+    for (std::size_t i = 0; i < scan.items.size(); ++i) usable[i] = out->is_static(i);
+    association_.match(*out->scan, usable, predicted, landmarks, trails_, &out->matches);
     find_movers(radar_velocity(predicted), out);
   }
 
@@ -104,6 +108,19 @@ class Frontend {
   }
 
  private:
+  /// The parts of a body move together, but not all of them along the line of sight.
+  void find_companions(Observations* out) const {
+    const DetectionList& scan = *out->scan;
+    const double square = options_.mover_extent * options_.mover_extent;
+    for (std::size_t k = 0; k < scan.items.size(); ++k) {
+      if (!out->ego_velocity.outlier[k]) continue;
+      for (std::size_t i = 0; i < scan.items.size(); ++i) {
+        const Vector3d apart = scan.items[i].point_S - scan.items[k].point_S;
+        if (apart.squaredNorm() < square) out->moves[i] = true;
+      }
+    }
+  }
+
   /// A mover slow enough for the consensus shows by residuals that agree with each other.
   void find_movers(const Vector3d& v_S, Observations* out) const {
     for (const Match& m : out->matches.trails) {
@@ -114,7 +131,7 @@ class Frontend {
       const Trail& trail = trails_[m.target];
       if (options_.mover_sigmas <= 0.0 || trail.matches == 0) continue;
       const double bound = options_.mover_sigmas * std::sqrt(trail.matches + 1.0);
-      out->moves[m.detection] = std::abs(trail.doppler_sum + residual) > bound;
+      if (std::abs(trail.doppler_sum + residual) > bound) out->moves[m.detection] = true;
     }
   }
 

@@ -178,7 +178,7 @@ class Smoother {
     WindowState& state = window_.newest();
     for (const ScanRows::Used& used : rows_.used()) {
       const Detection& d = seen.detection(used.detection);  // rest comes with a scan, too
-      const double weight = 1.0 / used.repetition;
+      const double weight = 1.0 / used.variance_factor;
       switch (used.model) {
         case Model::kDoppler:
           state.dopplers.push_back({DopplerModel::measurement(d, state.gyro_B), weight});

@@ -23,7 +23,7 @@
 #include "rio/update/gate.hpp"
 #include "rio/update/linearize.hpp"
 #include "rio/update/reliability.hpp"
-#include "rio/update/repetition.hpp"
+#include "rio/update/worth.hpp"
 
 namespace rio {
 
@@ -66,9 +66,9 @@ class ScanRows {
   struct Used {
     Model model = Model::kDoppler;
     std::size_t detection = 0;
-    std::size_t target = 0;   ///< index of the landmark or of the trail
-    ScanId past = 0;          ///< kTrailDistance: which element of the trail
-    double repetition = 1.0;  ///< by which its variance is multiplied (update/repetition.hpp)
+    std::size_t target = 0;        ///< index of the landmark or of the trail
+    ScanId past = 0;               ///< kTrailDistance: which element of the trail
+    double variance_factor = 1.0;  ///< by which its variance is multiplied (update/worth.hpp)
   };
   const std::vector<Used>& used() const { return used_; }
 
@@ -103,7 +103,7 @@ class ScanRows {
       batch_.begin_block();
       const bool valid = add(doppler_, z, belief, x, {});
       if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
-      used_.push_back({DopplerModel::kModel, i, 0, 0, weigh_repetition(way_at_scan_, x)});
+      used_.push_back({DopplerModel::kModel, i, 0, 0, weigh(repetition(way_at_scan_, x))});
     }
   }
 
@@ -163,7 +163,8 @@ class ScanRows {
       const bool used = decide(model, m.detection, valid, belief, report);
       if (used) {
         const double way = x.estimate.landmarks[m.target].way_seen;
-        used_.push_back({model, m.detection, m.target, 0, weigh_repetition(way, x)});
+        const double factor = repetition(way, x) * doubt_factor(options_.match_trust);
+        used_.push_back({model, m.detection, m.target, 0, weigh(factor)});
       }
       // as published, a match keeps a landmark alive
       was_used_[m.target] = used || model == Model::kLandmarkDistance;
@@ -186,10 +187,13 @@ class ScanRows {
     return linearize(model, z, typename M::Blocks{}, x, index, belief.layout(), &batch_);
   }
 
-  /// The last block repeats what was measured at `way`. After the gate: by itself it is as good as
-  /// any other. The result is the factor of its variance.
-  double weigh_repetition(double way, const LinearizationPoint& x) {
-    const double factor = repetition_factor(std::max(0.0, x.estimate.way - way), noise_distance_);
+  /// Factor of the variance of what repeats a measurement at `way`.
+  double repetition(double way, const LinearizationPoint& x) const {
+    return repetition_factor(std::max(0.0, x.estimate.way - way), noise_distance_);
+  }
+  /// Multiplies the variance of the last block. After the gate: by itself it is as good as any
+  /// other.
+  double weigh(double factor) {
     batch_.scale_variance(factor);
     return factor;
   }

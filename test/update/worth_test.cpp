@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/worth.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <cmath>
+#include <limits>
+
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+// What n repetitive errors tell of a constant is 1^T C^-1 1 of their covariance C.
+TEST(Worth, RepetitionIsTheInformationOfAnAutocorrelatedSeries) {
+  constexpr int kN = 2000;
+  for (const double way : {0.0, 0.005, 0.02, 0.1}) {
+    const double rho = 0.98 * std::exp(-way / 0.02);
+    Eigen::MatrixXd C(kN, kN);
+    for (int i = 0; i < kN; ++i) {
+      for (int j = 0; j < kN; ++j) C(i, j) = std::pow(rho, std::abs(i - j));
+    }
+    const double information =
+        Eigen::VectorXd::Ones(kN).dot(C.llt().solve(Eigen::VectorXd::Ones(kN)));
+    // the first value is new: of a correlation length of 50 it adds 1 in 20
+    EXPECT_NEAR(kN / repetition_factor(way, 0.02) / information, 1.0, 0.06) << way;
+  }
+}
+
+TEST(Worth, WhatIsNewCountsInFull) {
+  EXPECT_EQ(repetition_factor(0.0, 0.0), 1.0);
+  EXPECT_NEAR(repetition_factor(10.0, 0.02), 1.0, 1e-12);
+  EXPECT_LT(repetition_factor(0.02, 0.02), repetition_factor(0.01, 0.02));
+  EXPECT_EQ(doubt_factor(1.0), 1.0);
+}
+
+// A scalar with many measurements of which a share p is right, and the others have residuals as
+// large that tell nothing: the variance of a filter that knows p is its mean square error.
+TEST(Worth, DoubtMakesTheVarianceOfAFilterWithWrongMatchesHonest) {
+  constexpr int kRuns = 2000;
+  constexpr int kMatches = 1000;
+  constexpr double kPrior = 0.1;  // R = 1
+  test::Random random(3);
+  const auto nees = [&](double p, double factor) {
+    double sum = 0.0;
+    for (int run = 0; run < kRuns; ++run) {
+      const double truth = random.normal(std::sqrt(kPrior));
+      double x = 0.0;
+      double P = kPrior;
+      for (int i = 0; i < kMatches; ++i) {
+        const double noise = random.normal();
+        const double K = P / (P + factor);
+        const double residual = random.uniform(0.0, 1.0) < p ? truth - x + noise : noise;
+        x += K * residual;
+        P -= K * P;
+      }
+      sum += (x - truth) * (x - truth) / P;
+    }
+    return sum / kRuns;
+  };
+  // 2000 runs scatter by 3 %; what is left of the prior adds a little
+  for (const double p : {1.0, 0.85, 0.7}) EXPECT_NEAR(nees(p, doubt_factor(p)), 1.0, 0.12) << p;
+  EXPECT_GT(nees(0.7, 1.0), 2.0);
+}
+
+}  // namespace
+}  // namespace rio
