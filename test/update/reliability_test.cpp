@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <cmath>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "rio/sim/radar.hpp"
 #include "rio/sim/random.hpp"
 #include "support/model_cases.hpp"
+#include "support/random_state.hpp"
 
 namespace rio::test {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ModelSuite);  // instantiated in model_suite_test.cpp
@@ -92,6 +94,27 @@ TEST(Reliability, InformationOfAScanIsThatOfItsErrors) {
   const Vector3d with = normalised_errors(true);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(with[i], 1.0, 0.1) << "axis " << i;
   EXPECT_GT(normalised_errors(false).z(), 1.3);
+}
+
+TEST(Reliability, IsTheShareOfTheSpreadThatIsNoError) {
+  Random random(7);
+  for (int run = 0; run < 50; ++run) {
+    Reliability reliability;
+    Matrix3d S = Matrix3d::Zero();
+    Matrix3d C = Matrix3d::Zero();
+    for (int i = 0; i < 6; ++i) {
+      const Vector3d u = random.direction();
+      const Matrix3d root = 0.2 * random.normal_vector() * random.normal_vector().transpose();
+      const double variance = random.uniform(0.5, 2.0);
+      reliability.add(u, root * root.transpose(), variance);
+      S += u * u.transpose() / variance;
+      C += root * root.transpose() / variance;
+    }
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix3d> errors(C, S);
+    if (errors.eigenvalues().maxCoeff() > 0.9) continue;  // (E2) as it stands; no bound acts
+    const Matrix3d expected = (S - C) * S.inverse();
+    EXPECT_LT((reliability.matrix() - expected).cwiseAbs().maxCoeff(), 1e-6) << run;
+  }
 }
 
 TEST(Reliability, WithoutADirectionErrorAllIsBelieved) {
