@@ -48,9 +48,7 @@ struct LinearizationPoint {
   }
 
   /// Velocity of the radar in its own axes.
-  Vector3d radar_velocity_S() const {
-    return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS);
-  }
+  Vector3d radar_velocity_S() const { return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS); }
 
   const Estimate& estimate;  ///< for its clones and landmarks
   RigidPose T_WB;
