@@ -251,7 +251,8 @@ Result icra2023(const Settings& settings) {
       "Simulated flights of the published lengths, {} of each: mean (worst) ± standard deviation. "
       "The paper's own\nfigures, from seven real flights, stand beside them for orientation: the "
       "flights are not the same. Limit: the\nleast RMS drift of an estimator that remembers {} "
-      "reflectors, with true matches and linearised at the truth.\n\n{}\nWhat each kind of "
+      "reflectors, those in view first and longest, with true\nmatches and linearised at the "
+      "truth.\n\n{}\nWhat each kind of "
       "measurement contributes, all {} "
       "flights:\n\n{}\nTime per scan:\n\n{}",
       count, kMaxLandmarks, table_one(runs, mae_at_127, limits), cases.size(), contributions(runs),

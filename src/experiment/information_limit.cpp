@@ -2,12 +2,12 @@
 // The error state is [body 15 | calibration 9 | landmarks 3 each], P its covariance.
 //
 // At the true state, with e the reflector in radar axes, r = |e|, u = e / r, v_S the velocity of
-// the radar in its axes, t_az and t_el the unit tangents of the angles: (E1) e = R_BS^T (R_WB^T (l
-// - p_WB) - p_BS),  v_S = R_BS^T (R_WB^T v_WB + w x p_BS) (E2) z = (r, t_az . u, t_el . u +
-// elevation bias, -(1 + scale) u . v_S),  J = dz/dx, whitened (E3) dz/dt_d = -(J_phi w + J_p v_WB +
-// J_v a_W): a late stamp tells where the radar has been (E4) known reflector:  P <- P - P J^T (J P
-// J^T + I)^-1 J P (E5) new reflector, first three rows J_x dx + J_l dl + n = 0:  dl = -J_l^-1 (J_x
-// dx + n); then
+// the radar in its axes, t_az and t_el the unit tangents of the angles:
+// (E1) e = R_BS^T (R_WB^T (l - p_WB) - p_BS),  v_S = R_BS^T (R_WB^T v_WB + w x p_BS)
+// (E2) z = (r, t_az . u, t_el . u + elevation bias, -(1 + scale) u . v_S),  J = dz/dx, whitened
+// (E3) dz/dt_d = -(J_phi w + J_p v_WB + J_v a_W): a late stamp tells where the radar has been
+// (E4) known reflector:  P <- P - P J^T (J P J^T + I)^-1 J P
+// (E5) new reflector, first three rows J_x dx + J_l dl + n = 0:  dl = -J_l^-1 (J_x dx + n); then
 //      (E4) with its Doppler. Reference: Michalczyk et al. 2023, eq. 10-11.
 // (E6) propagation: P_bb <- Phi P_bb Phi^T + Q, P_bx <- Phi P_bx
 #include "experiment/information_limit.hpp"
@@ -15,6 +15,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -179,12 +180,14 @@ class Recursion {
       born.push_back({add_landmark(echo, now), kRows - 1, &echo.J});
     }
     correct(born);
+    while (landmarks_.size() > kMaxLandmarks) remove(least_missed(now));
   }
 
  private:
   struct Landmark {
     int reflector = -1;
     Time last_seen{0};
+    Time born{0};
   };
   /// Rows `first` to the last of J for the landmark at `column`.
   struct Update {
@@ -229,7 +232,6 @@ class Recursion {
 
   /// (E5); returns its column.
   Eigen::Index add_landmark(const Echo& echo, Time now) {
-    if (landmarks_.size() == kMaxLandmarks) remove(stalest());
     const Eigen::Index at = size();
     const Matrix3d J_l = echo.J.topRightCorner<3, 3>();
     const Matrix3d inverse = J_l.inverse();
@@ -240,7 +242,7 @@ class Recursion {
     P_.topRightCorner(at, 3) = row.transpose();
     P_.bottomRightCorner<3, 3>() =
         row.leftCols<kCommon>() * J_x.transpose() + inverse * inverse.transpose();
-    landmarks_.push_back({echo.reflector, now});
+    landmarks_.push_back({echo.reflector, now, now});
     return at;
   }
 
@@ -249,11 +251,18 @@ class Recursion {
       if (now - landmarks_[i].last_seen > timeout_) remove(i);
     }
   }
-  std::size_t stalest() const {
-    const auto place = std::min_element(
+  /// Of those out of view the one unseen for longest. If there is none, the youngest: what a
+  /// landmark is worth is where it was first seen from.
+  std::size_t least_missed(Time now) const {
+    constexpr Time kInView = std::chrono::seconds(8);
+    const auto stalest = std::min_element(
         landmarks_.begin(), landmarks_.end(),
         [](const Landmark& a, const Landmark& b) { return a.last_seen < b.last_seen; });
-    return static_cast<std::size_t>(place - landmarks_.begin());
+    const auto youngest =
+        std::max_element(landmarks_.begin(), landmarks_.end(),
+                         [](const Landmark& a, const Landmark& b) { return a.born < b.born; });
+    const bool unseen = now - stalest->last_seen > kInView;
+    return static_cast<std::size_t>((unseen ? stalest : youngest) - landmarks_.begin());
   }
   /// The last one takes its place.
   void remove(std::size_t i) {

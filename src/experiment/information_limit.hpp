@@ -46,6 +46,7 @@ LimitPrior limit_prior(const sim::Flight& flight, const Options& options);
 /// The limit at every scan. Of the options count: the densities of the IMU, the sigmas and grids of
 /// the radar, and the time-out of landmarks: a reflector that was not seen for that long, or that
 /// gave way to others when more than kMaxLandmarks were known, is a new one when it is seen again.
+/// So it is the limit of an estimator with such a memory, not of one that forgets nothing.
 std::vector<LimitStep> information_limit(const sim::Flight& flight, const Options& options,
                                          const LimitPrior& prior);
 
