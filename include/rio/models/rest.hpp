@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 4: the body stands still: zero velocity, and the gyroscope reads its bias.
 //
-// (E1) 0 = R_WB^T v_WB + n_v      n_v: what passes for standing; in body axes, because a zero in
-// world
-//                                 axes would tell the heading whenever the estimate is not zero
-// (E2) mean gyro = b_g + n_w      n_w: white noise averaged over the time since the last scan
+// (E1) 0 = R_WB^T v_WB + n_v, n_v what passes for standing; in body axes, because a zero in world
+//      axes would tell the heading whenever the estimate is not zero
+// (E2) mean gyro = b_g + n_w, n_w white noise averaged over the time since the last scan
 #pragma once
 
 #include "rio/models/concept.hpp"

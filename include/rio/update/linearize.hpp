@@ -2,9 +2,9 @@
 // Stage 5: from a model and an estimate to rows: picks each block's value and each block's column,
 // whitens, and adds the column of the time offset.
 //
-// (E1) A scan is measured at its stamp minus t_d; the state is carried to stamp - t_d^. What is left
-//      of the offset, dt, shifts the measurement to the state x - x' dt, for any model that sees
-//      the body: dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)
+// (E1) A scan is measured at its stamp minus t_d; the state is carried to stamp - t_d^. What is
+//      left of the offset, dt, shifts the measurement to the state x - x' dt, for any model that
+//      sees the body: dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)
 #pragma once
 
 #include <array>
