@@ -176,6 +176,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
   field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
+  field("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
+        "A step shorter than this share of the one before reuses its factor; 0 = never.");
 
   field("start.static_alignment", o.start.static_alignment, "", 0, 1,
         "Align while standing; false = wait for a given start.");

@@ -144,6 +144,9 @@ struct SmootherOptions {
   double tolerance = 0.1;  ///< length of a step that counts as converged, in sigmas
   Kernel kernel = Kernel::kNone;
   double kernel_size = 4.0;  ///< k, in chi-squared per degree of freedom
+  /// A step is taken by the factor of the one before if it is shorter than this share of it: the
+  /// simplified Newton method. 0: every step by its own, and the covariance is of the solution.
+  double factor_reuse = 0.3;
 };
 
 /// Which estimator corrects the state.

@@ -123,20 +123,28 @@ TEST(Radar, SnrFollowsTheFourthPowerOfTheRange) {
 }
 
 TEST(Radar, OnePeakACellAndEverythingOnTheGrid) {
-  const RadarModel model;
-  const Trajectory trajectory = random_flight(9, {.length = 60.0});
-  RadarSimulator radar(model, make_room(9), 9);
-  for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
-    std::set<std::pair<long, long>> cells;
-    for (const RadarDetection& detection : radar.scan(trajectory.at(t)).scan.detections) {
-      const double range = detection.point_S.norm() / model.range_resolution;
-      const double doppler = detection.range_rate / model.doppler_resolution;
-      EXPECT_NEAR(range, std::round(range), 1e-9);
-      EXPECT_NEAR(doppler, std::round(doppler), 1e-9);
-      EXPECT_GE(detection.range_rate, -model.max_doppler);
-      EXPECT_LT(detection.range_rate, model.max_doppler);
-      EXPECT_TRUE(cells.insert({std::lround(range), std::lround(doppler)}).second);
+  // a radar that misjudges its Doppler misjudges its grid and its limit alike
+  for (const double scale : {0.0, 0.03}) {
+    RadarModel model;
+    model.doppler_scale = scale;
+    EXPECT_DOUBLE_EQ(model.reported_max_doppler(), (1.0 + scale) * model.max_doppler);
+    const Trajectory trajectory = random_flight(9, {.length = 60.0});
+    RadarSimulator radar(model, make_room(9), 9);
+    double fastest = 0.0;
+    for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
+      std::set<std::pair<long, long>> cells;
+      for (const RadarDetection& detection : radar.scan(trajectory.at(t)).scan.detections) {
+        const double range = detection.point_S.norm() / model.range_resolution;
+        const double doppler = detection.range_rate / model.reported_doppler_resolution();
+        EXPECT_NEAR(range, std::round(range), 1e-9);
+        EXPECT_NEAR(doppler, std::round(doppler), 1e-9);
+        EXPECT_GE(detection.range_rate, -model.reported_max_doppler());
+        EXPECT_LT(detection.range_rate, model.reported_max_doppler());
+        EXPECT_TRUE(cells.insert({std::lround(range), std::lround(doppler)}).second);
+        fastest = std::max(fastest, std::abs(detection.range_rate));
+      }
     }
+    EXPECT_EQ(fastest > model.max_doppler, scale > 0.0);
   }
 }
 

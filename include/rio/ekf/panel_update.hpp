@@ -71,7 +71,7 @@ class PanelUpdate {
       }
     }
     add_noise(batch, first_block, end_block, &S);
-    const Eigen::LLT<Eigen::Ref<Eigen::Matrix<double, kPanel, kPanel>>> llt(S);
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S);
     if (llt.info() != Eigen::Success) return false;
     for (Eigen::Index k = 0; k < m; ++k) {  // W <- W L^-T, innovation <- L^-1 innovation
       const Eigen::Matrix<double, kPanel, 1> l = S.row(k).transpose();

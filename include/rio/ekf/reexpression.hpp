@@ -24,12 +24,14 @@ void apply(const Layout& layout, const Estimate& before, const Estimate& after, 
   const auto carry = [&P](int row, const Vector3d& shift, const Matrix3d& R, int theta) {
     const Matrix3d A = skew(shift) * R;
     for (Eigen::Index c = 0; c < P.cols(); ++c) {
-      P.col(c).template segment<3>(row) -= A * P.col(c).template segment<3>(theta);
+      const Vector3d old = P.col(c).template segment<3>(theta);
+      P.col(c).template segment<3>(row) -= A * old;
     }
   };
   const auto rotate = [&P](int theta, const Matrix3d& A) {
     for (Eigen::Index c = 0; c < P.cols(); ++c) {
-      P.col(c).template segment<3>(theta) = (A * P.col(c).template segment<3>(theta)).eval();
+      const Vector3d old = P.col(c).template segment<3>(theta);
+      P.col(c).template segment<3>(theta) = A * old;
     }
   };
   carry(body::kPosition, after.nav.p_WB - before.nav.p_WB, R_before, body::kAttitude);

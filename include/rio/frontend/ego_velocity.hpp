@@ -227,11 +227,13 @@ class EgoVelocityRansac {
       direction_noise += direction_covariance(d);
       b -= d.direction_S * set.range_rate[i];
     }
-    const Eigen::LDLT<Matrix3d> ldlt(A);
-    if (ldlt.info() != Eigen::Success || ldlt.vectorD().minCoeff() < 1e-6) return std::nullopt;
-    *v_S = ldlt.solve(b);
-    const Vector3d shrinkage = ldlt.solve(direction_noise * *v_S);
-    const Matrix3d inverse = ldlt.solve(Matrix3d::Identity());
+    constexpr double kMinSpread = 1e-3;  // all directions in a plane, to 0.06 deg: no velocity
+    const Eigen::LLT<Matrix3d> llt(A);
+    if (llt.info() != Eigen::Success || llt.matrixLLT().diagonal().minCoeff() < kMinSpread)
+      return std::nullopt;
+    const Matrix3d inverse = llt.solve(Matrix3d::Identity());
+    *v_S = inverse * b;
+    const Vector3d shrinkage = inverse * (direction_noise * *v_S);
     return inverse * weighted * inverse + shrinkage * shrinkage.transpose();
   }
 

@@ -28,7 +28,7 @@ struct Observations {
   AssociationResult matches;
   std::optional<RestModel::Measurement> rest;             ///< it stands
   std::array<double, kMaxDetections> doppler_residual{};  ///< of trails' matches, in sigmas
-  std::array<bool, kMaxDetections> moves{};               ///< as slowly as to pass for an inlier
+  std::array<bool, kMaxDetections> moves{};               ///< an inlier, but no part of the world
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }

@@ -107,6 +107,12 @@ inline Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, 
   return Q;
 }
 
+/// F P F^T.
+inline Matrix15d congruence(const Matrix15d& F, const Matrix15d& P) {
+  const Matrix15d FP = F * P;
+  return FP * F.transpose();
+}
+
 /// Mean, transition and noise accumulated over several steps, to be applied to a covariance once.
 struct Propagation {
   NavState state;
@@ -125,9 +131,9 @@ struct Propagation {
     const Vector3d w = step.gyro_B - state.gyro_bias;
     const Vector3d a = step.accel_B - state.accel_bias;
     const Matrix15d phi = rio::transition(R, w, a, dt);
-    transition = (phi * transition).eval();
-    noise = (phi * noise * phi.transpose()).eval() +
-            process_noise_covariance(R, w, a, dt, process_noise(options, step));
+    transition = phi * transition;
+    noise = congruence(phi, noise);
+    noise += process_noise_covariance(R, w, a, dt, process_noise(options, step));
     integrate(step, options.gravity, state);
     gap = gap || step.gap > 0.0;
   }

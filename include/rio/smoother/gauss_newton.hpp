@@ -4,9 +4,10 @@
 // (E1) length of a step in sigmas: sqrt(dx^T H dx) = sqrt(dx . g), the Newton decrement. A landmark
 //      far away may move by centimetres and yet by less than any measurement can tell.
 // The factor of a step serves for the next steps, too, as long as each is much shorter than the one
-// before: the simplified Newton method (Deuflhard 2011, ch. 2). It has the same solution, the zero
-// of g. The covariance is that of the point where the factor was made, off by a few percent; what
-// is marginalised into the prior is always linearised at the solution.
+// before (SmootherOptions::factor_reuse): the simplified Newton method (Deuflhard 2011, ch. 2). It
+// has the same solution, the zero of g. The covariance is that of the point where the factor was
+// made, off by a few percent; what is marginalised into the prior is always linearised at the
+// solution.
 #pragma once
 
 #include <Eigen/Core>
@@ -61,7 +62,7 @@ class GaussNewton {
     bool converged = false;
     for (int i = 0; i < options_.max_iterations; ++i) {
       double length = last < kNone ? step(*system) : kNone;
-      if (!(length < kShorter * last)) {
+      if (!(length < options_.factor_reuse * last)) {
         if (!system->factorise(damping)) return false;
         length = step(*system);
       }
@@ -87,7 +88,6 @@ class GaussNewton {
 
  private:
   static constexpr double kNone = std::numeric_limits<double>::infinity();
-  static constexpr double kShorter = 0.3;
   static constexpr double kLeastDamping = 1e-4;
   static constexpr double kCostRounding = 1e-9;
 

@@ -57,7 +57,7 @@ class Covariance {
   void propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (E1)
     constexpr int kBody = body::kSize;
     const int rest = size_ - kBody;
-    const Matrix15d propagated = phi * P_.topLeftCorner<kBody, kBody>() * phi.transpose() + noise;
+    const Matrix15d propagated = congruence(phi, P_.topLeftCorner<kBody, kBody>()) + noise;
     P_.topLeftCorner<kBody, kBody>() = 0.5 * (propagated + propagated.transpose());
     auto cross = scratch_.leftCols(rest);
     cross.noalias() = phi * P_.block(0, kBody, kBody, rest);

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <type_traits>
 
 #include "rio/models/concept.hpp"
@@ -109,16 +110,30 @@ auto state_rows(const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...
                            time_derivative<kDim>(J, blocks, x), layout.time_offset_column());
 }
 
+/// r <- L^-1 r, J <- L^-1 J with R = L L^T. Loops, because the solvers of Eigen would be
+/// instantiated for every model.
+template <int kDim, int kDof>
+void whiten(JacobianOf<kDim, kDim> R, ResidualOf<kDim>* r, JacobianOf<kDim, kDof>* J) {
+  for (int i = 0; i < kDim; ++i) {
+    for (int j = 0; j < i; ++j) {
+      for (int k = 0; k < j; ++k) R(i, j) -= R(i, k) * R(j, k);
+      R(i, j) /= R(j, j);
+      R(i, i) -= R(i, j) * R(i, j);
+      (*r)[i] -= R(i, j) * (*r)[j];
+      for (int c = 0; c < kDof; ++c) (*J)(i, c) -= R(i, j) * (*J)(j, c);
+    }
+    R(i, i) = std::sqrt(R(i, i));
+    (*r)[i] /= R(i, i);
+    for (int c = 0; c < kDof; ++c) (*J)(i, c) /= R(i, i);
+  }
+}
+
 /// Model M for z at x; more than one dimension is whitened. False if x is outside its domain.
 template <MeasurementModel M, class... B>
 bool evaluate_at(const M& model, const typename M::Measurement& z, BlockList<B...> /*blocks*/,
                  const LinearizationPoint& x, BlockIndex index, Evaluation<M>* e) {
   if (!model.evaluate(z, block_value<B>(x, index)..., e->r, &e->J, e->R)) return false;
-  if constexpr (M::kDim > 1) {
-    const Eigen::LLT<JacobianOf<M::kDim, M::kDim>> llt(e->R);
-    llt.matrixL().solveInPlace(e->r);
-    llt.matrixL().solveInPlace(e->J);
-  }
+  if constexpr (M::kDim > 1) whiten<M::kDim, M::Blocks::kDof>(e->R, &e->r, &e->J);
   return true;
 }
 

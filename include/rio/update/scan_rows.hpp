@@ -238,7 +238,7 @@ class ScanRows {
     for (std::size_t i = 0; i < block.count; ++i) {
       r[static_cast<Eigen::Index>(i)] = batch_.rows()[block.first + i].residual;
     }
-    const Eigen::LLT<Eigen::Ref<Covariance::BlockMatrix>> llt(S_);
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S_);
     if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
     llt.matrixL().solveInPlace(r);
     return r.squaredNorm();

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a recording says of its sensors: sensor.yaml read, written, and made options of.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "io/sample_dataset.hpp"
+
+namespace rio::io {
+namespace {
+
+using test::TempDir;
+
+TEST(SensorInfo, RoundTrip) {
+  const TempDir dir;
+  const Dataset a = sample_dataset();
+  write_dataset(dir.path(), a);
+  const Dataset b = read_dataset(dir.path());
+  EXPECT_EQ(b.imu_info.rate_hz, a.imu_info.rate_hz);
+  EXPECT_EQ(b.imu_info.gyro_noise_density, a.imu_info.gyro_noise_density);
+  EXPECT_EQ(b.imu_info.gyro_random_walk, a.imu_info.gyro_random_walk);
+  EXPECT_EQ(b.imu_info.accel_noise_density, a.imu_info.accel_noise_density);
+  EXPECT_EQ(b.imu_info.accel_random_walk, a.imu_info.accel_random_walk);
+  const RadarInfo& p = a.radar_info;
+  const RadarInfo& q = b.radar_info;
+  EXPECT_EQ(q.rate_hz, p.rate_hz);
+  EXPECT_EQ(q.max_range, p.max_range);
+  EXPECT_EQ(q.max_doppler, p.max_doppler);
+  EXPECT_EQ(q.range_resolution, p.range_resolution);
+  EXPECT_EQ(q.doppler_resolution, p.doppler_resolution);
+  EXPECT_EQ(q.fov_azimuth, p.fov_azimuth);
+  EXPECT_EQ(q.fov_elevation, p.fov_elevation);
+  EXPECT_EQ(q.sigma_range, p.sigma_range);
+  EXPECT_EQ(q.sigma_azimuth, p.sigma_azimuth);
+  EXPECT_EQ(q.sigma_elevation, p.sigma_elevation);
+  EXPECT_EQ(q.sigma_doppler, p.sigma_doppler);
+  EXPECT_EQ(q.T_BS->translation, p.T_BS->translation);
+  // the file holds the matrix: quaternion to matrix and back costs some roundings
+  EXPECT_LT((q.T_BS->rotation.coeffs() - p.T_BS->rotation.coeffs()).norm(), 1e-15);
+}
+
+TEST(SensorInfo, MissingRadarPoseIsNoted) {
+  const TempDir dir;
+  write_minimal(dir);
+  dir.write("imu0/sensor.yaml", "rate_hz: 200\n");
+  std::filesystem::remove(dir.path() / "radar0/sensor.yaml");
+  Dataset d = read_dataset(dir.path());
+  ASSERT_EQ(d.notes.size(), 1U);
+  EXPECT_TRUE(test::contains(d.notes[0], "radar0/sensor.yaml missing")) << d.notes[0];
+  dir.write("radar0/sensor.yaml", "rate_hz: 10\nsigma_dopler_mps: 0.1\n");
+  d = read_dataset(dir.path());
+  ASSERT_EQ(d.notes.size(), 2U);
+  EXPECT_TRUE(test::contains(d.notes[0], "\"sigma_dopler_mps\" is not used")) << d.notes[0];
+  EXPECT_TRUE(test::contains(d.notes[1], "has no T_BS")) << d.notes[1];
+  EXPECT_EQ(d.radar_info.rate_hz, 10.0);
+}
+
+TEST(SensorInfo, SensorFilesAreChecked) {
+  const TempDir dir;
+  const auto read_with = [&dir](const char* file, const std::string& text) {
+    write_minimal(dir);
+    dir.write(file, text);
+    read_dataset(dir.path());
+  };
+  const char* radar = "radar0/sensor.yaml";
+  EXPECT_ERROR(read_with(radar, "rate_hz: 1\nT_BS: {data: [1, 2]}\n"),
+               "sensor.yaml:2: T_BS: a list");
+  EXPECT_ERROR(read_with(radar, "T_BS: {data: [1,0,0,0, 0,1.1,0,0, 0,0,1,0, 0,0,0,1]}\n"),
+               "sensor.yaml:1: T_BS: the rotation is not orthonormal");
+  EXPECT_ERROR(read_with(radar, "T_BS: {data: [1,0,0,0, 0,1,0,0, 0,0,-1,0, 0,0,0,1]}\n"),
+               "not orthonormal");
+  EXPECT_ERROR(read_with(radar, "T_BS: {data: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}\n"),
+               "not a homogeneous matrix");
+  EXPECT_ERROR(read_with(radar, "sigma_range_m: -1\n"), "sensor.yaml:1: sigma_range_m: must be");
+  EXPECT_ERROR(read_with(radar, "sigma_range_m: two\n"), "sigma_range_m: not a number");
+  EXPECT_ERROR(read_with(radar, "sigma_range_m: 2 deg\n"), "does not fit the unit [m]");
+  EXPECT_ERROR(read_with(radar, "fov_azimuth_deg: 120\nazimuth_fov_rad: 2\n"),
+               "sensor.yaml:2: azimuth_fov_rad: given twice");
+  EXPECT_ERROR(read_with(radar, "rate_hz: 1\nrate_hz: 2\n"), "sensor.yaml:2: duplicate key");
+  EXPECT_ERROR(read_with(radar, "rate_hz: [1\n"), "radar0/sensor.yaml:");
+  std::filesystem::remove(dir.path() / radar);
+  EXPECT_ERROR(
+      read_with("imu0/sensor.yaml", "T_BS: {data: [1,0,0,0.01, 0,1,0,0, 0,0,1,0, 0,0,0,1]}\n"),
+      "imu0/sensor.yaml:1: T_BS: must be the identity");
+}
+
+TEST(SensorInfo, AnglesAreReadInAllSpellings) {
+  const TempDir dir;
+  for (const char* keys : {"fov_azimuth_deg: 120\nfov_elevation_deg: 30\nsigma_azimuth_deg: 2\n",
+                           "azimuth_fov_deg: 120\nelevation_fov_deg: 30\nsigma_azimuth_deg: 2\n",
+                           "azimuth_fov_rad: 120 deg\nelevation_fov_rad: 30 deg\n"
+                           "sigma_azimuth_rad: 2 deg\n"}) {
+    write_minimal(dir);
+    dir.write("radar0/sensor.yaml", std::string(kRadarSensor) + keys);
+    const RadarInfo info = read_dataset(dir.path()).radar_info;
+    EXPECT_NEAR(info.fov_azimuth.value(), 2.0943951023931953, 1e-15) << keys;
+    EXPECT_NEAR(info.fov_elevation.value(), 0.52359877559829887, 1e-15) << keys;
+    EXPECT_NEAR(info.sigma_azimuth.value(), 0.034906585039886591, 1e-16) << keys;
+  }
+}
+
+TEST(SensorInfo, AlmostOrthonormalPoseIsNormalised) {
+  const TempDir dir;
+  write_minimal(dir);
+  dir.write("radar0/sensor.yaml",
+            "T_BS: {data: [1,0.0002,0,0.1, 0,1.0001,0,0.2, 0,0,1,0.3, 0,0,0,1]}\n");
+  const Pose T_BS = read_dataset(dir.path()).radar_info.T_BS.value();
+  EXPECT_NEAR(T_BS.rotation.norm(), 1.0, 1e-15);
+  EXPECT_LT(T_BS.rotation.vec().norm(), 1e-4);  // the shear halves into a rotation of 1e-4 rad
+  EXPECT_EQ(T_BS.translation, Vector3d(0.1, 0.2, 0.3));
+}
+
+TEST(SensorInfo, BecomesOptions) {
+  const Dataset d = sample_dataset();
+  Options o;
+  apply_sensor_info(d, &o);
+  EXPECT_EQ(o.imu.gyro_noise_density, 1.0 / 3.0);
+  EXPECT_EQ(o.imu.gyro_random_walk, 2e-5);
+  EXPECT_EQ(o.imu.accel_noise_density, 0.1);
+  EXPECT_EQ(o.imu.accel_random_walk, 1e-4);
+  EXPECT_EQ(o.radar.T_BS.translation, d.radar_info.T_BS->translation);
+  EXPECT_EQ(o.radar.T_BS.rotation.coeffs(), d.radar_info.T_BS->rotation.coeffs());
+  EXPECT_EQ(o.radar.sigma_range, 0.03);
+  EXPECT_EQ(o.radar.sigma_azimuth, 1.0 / 30.0);
+  EXPECT_EQ(o.radar.sigma_elevation, 0.07);
+  EXPECT_EQ(o.radar.sigma_doppler, 0.04);
+  EXPECT_EQ(o.radar.range_resolution, 0.039);
+  EXPECT_EQ(o.radar.doppler_resolution, 1.0 / 3.0);
+  EXPECT_NEAR(o.radar.max_range, 16.28 + 0.09, 1e-12);
+  // 120 deg wide, sigma at the edge 1/cos(60 deg) = 2 times that at boresight
+  EXPECT_NEAR(o.radar.fov_azimuth, 2.0943951023931953 + 6.0 * 2.0 / 30.0, 1e-12);
+  EXPECT_NEAR(o.radar.fov_elevation, 0.5 + 6.0 * 0.07 / std::cos(0.25), 1e-12);
+  EXPECT_TRUE(o.validate());
+}
+
+TEST(SensorInfo, UnknownLeavesTheOptions) {
+  Options o;
+  o.radar.max_range = 12.0;
+  o.radar.T_BS.translation.x() = 1.0;
+  Dataset d;
+  d.radar_info.sigma_doppler = 0.0;
+  apply_sensor_info(d, &o);
+  EXPECT_EQ(o.radar.max_range, 12.0);
+  EXPECT_EQ(o.radar.T_BS.translation.x(), 1.0);
+  EXPECT_EQ(o.radar.sigma_doppler, Options{}.radar.sigma_doppler);
+  d.radar_info.fov_azimuth = 3.1;
+  apply_sensor_info(d, &o);
+  EXPECT_EQ(o.radar.fov_azimuth, 3.14159265358979323846);  // capped
+  EXPECT_TRUE(o.validate());
+}
+
+/// A radar file with Doppler values on a grid, or off it by a random part of a step.
+void write_doppler(const TempDir& dir, double step, double jitter) {
+  std::string rows = "#t,x,y,z,d,snr,noise\n";
+  for (int i = 0; i < 400; ++i) {
+    const double doppler = step * (i % 21 - 10) + jitter * std::sin(1.7 * i);
+    rows += std::to_string(1000 + i) + ",1,2,3," + std::to_string(doppler) + ",10,1\n";
+  }
+  dir.write("radar0/data.csv", rows);
+}
+
+TEST(SensorInfo, ReadsTheDopplerGridOffTheData) {
+  const TempDir dir;
+  write_minimal(dir);
+  write_doppler(dir, 0.1249, 0.0);
+  const Dataset gridded = read_dataset(dir.path());
+  ASSERT_TRUE(gridded.radar_info.doppler_resolution.has_value());
+  EXPECT_NEAR(*gridded.radar_info.doppler_resolution, 0.1249, 1e-6);
+  EXPECT_TRUE(test::contains(gridded.notes.back(), "no doppler_resolution_mps"));
+  write_doppler(dir, 0.1249, 0.05);
+  EXPECT_FALSE(read_dataset(dir.path()).radar_info.doppler_resolution.has_value());
+}
+
+}  // namespace
+}  // namespace rio::io
