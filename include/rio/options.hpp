@@ -170,6 +170,9 @@ struct CalibrationOptions {
 /// In sigmas of the prior.
 inline constexpr double kCalibrationLimit = 5.0;
 
+/// A landmark missed for less is in view: the faintest echoes are missed that long [s].
+inline constexpr double kLandmarkInView = 8.0;
+
 /// How the first state comes about.
 struct StartOptions {
   bool static_alignment = true;    ///< align while standing; false = wait for reset(prior, P0)

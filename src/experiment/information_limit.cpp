@@ -15,7 +15,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -254,14 +253,13 @@ class Recursion {
   /// Of those out of view the one unseen for longest. If there is none, the youngest: what a
   /// landmark is worth is where it was first seen from.
   std::size_t least_missed(Time now) const {
-    constexpr Time kInView = std::chrono::seconds(8);
     const auto stalest = std::min_element(
         landmarks_.begin(), landmarks_.end(),
         [](const Landmark& a, const Landmark& b) { return a.last_seen < b.last_seen; });
     const auto youngest =
         std::max_element(landmarks_.begin(), landmarks_.end(),
                          [](const Landmark& a, const Landmark& b) { return a.born < b.born; });
-    const bool unseen = now - stalest->last_seen > kInView;
+    const bool unseen = now - stalest->last_seen > from_seconds(kLandmarkInView);
     return static_cast<std::size_t>((unseen ? stalest : youngest) - landmarks_.begin());
   }
   /// The last one takes its place.

@@ -20,9 +20,8 @@ bool belong_together(const sim::Label& a, const sim::Label& b) {
          a.reflector == b.reflector;
 }
 
-double share(int part, int whole) {
-  return whole == 0 ? std::numeric_limits<double>::quiet_NaN()
-                    : static_cast<double>(part) / static_cast<double>(whole);
+double share(double part, int whole) {
+  return whole == 0 ? std::numeric_limits<double>::quiet_NaN() : part / whole;
 }
 
 /// A back-end that shows the judge what it is given.
@@ -35,7 +34,9 @@ class Judged : public BackEnd {
 
   Status update(const Observations& seen, UpdateReport* report) {
     judge.judge(seen, this->estimate().landmarks.size());
-    return BackEnd::update(seen, report);
+    const Status status = BackEnd::update(seen, report);
+    judge.tally(*report);
+    return status;
   }
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
                           UpdateReport* report) {
@@ -114,6 +115,9 @@ double MatchQuality::Matches::precision() const {
 double MatchQuality::recall() const {
   return share(all().right, possible);
 }
+double MatchQuality::Innovations::mean() const {
+  return share(nis, dof);
+}
 
 sim::Label MatchJudge::Labelled::at(const Vector3d& point_S) const {
   const auto place = std::find(points_S.begin(), points_S.end(), point_S);
@@ -129,14 +133,19 @@ void MatchJudge::judge(const Observations& seen, std::size_t landmarks) {
   if (landmarks == 0) landmarks_.clear();  // all may be dropped at once, without keep()
 
   const auto count = [&](const Match& m, const sim::Label& known, MatchQuality::Matches* matches) {
+    const bool right = belong_together(known, labels_[m.detection]);
     ++matches->made;
-    matches->right += belong_together(known, labels_[m.detection]) ? 1 : 0;
+    matches->right += right ? 1 : 0;
+    return right;
   };
   std::vector<sim::Label> known = landmarks_;
   for (std::size_t i = 0; i < seen.trails->size(); ++i) {
     known.push_back(last_.at((*seen.trails)[i].newest().detection.point_S));
   }
-  for (const Match& m : seen.matches.landmarks) count(m, known[m.target], &quality_.landmarks);
+  right_.assign(labels_.size(), false);
+  for (const Match& m : seen.matches.landmarks) {
+    right_[m.detection] = count(m, known[m.target], &quality_.landmarks);
+  }
   for (const Match& m : seen.matches.trails) {
     count(m, known[landmarks_.size() + m.target], &quality_.trails);
   }
@@ -144,6 +153,17 @@ void MatchJudge::judge(const Observations& seen, std::size_t landmarks) {
     const bool possible = std::any_of(
         known.begin(), known.end(), [&](const sim::Label& k) { return belong_together(k, label); });
     quality_.possible += possible ? 1 : 0;
+  }
+}
+
+void MatchJudge::tally(const UpdateReport& report) {
+  for (const InnovationRecord& r : report.records) {
+    const bool landmark = r.model == Model::kLandmarkDistance || r.model == Model::kLandmarkPoint ||
+                          r.model == Model::kLandmarkPosition;
+    if (!landmark || r.verdict != Verdict::kUsed) continue;
+    MatchQuality::Innovations& sum = right_[r.detection] ? quality_.right : quality_.wrong;
+    sum.nis += r.nis;
+    sum.dof += r.dof;
   }
 }
 

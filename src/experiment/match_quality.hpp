@@ -28,22 +28,32 @@ struct MatchQuality {
     int right = 0;
     double precision() const;  ///< (E1), NaN without matches
   };
+  /// Innovations of the landmarks' matches that were used.
+  struct Innovations {
+    double nis = 0.0;
+    int dof = 0;
+    double mean() const;  ///< NIS over its degrees of freedom, NaN if there are none
+  };
   Matches landmarks;
   Matches trails;
   int possible = 0;  ///< direct echoes of a reflector that a landmark or a trail stands for
+  Innovations right;
+  Innovations wrong;
 
   Matches all() const { return {landmarks.made + trails.made, landmarks.right + trails.right}; }
   double recall() const;  ///< (E2), NaN if nothing was possible
 };
 
 /// Remembers which reflector every trail and landmark stands for, and counts. One call a step:
-/// begin, judge, keep.
+/// begin, judge, tally, keep.
 class MatchJudge {
  public:
   /// A new scan. @param labels of its filtered detections, same order
   void begin(const std::vector<sim::Label>& labels) { labels_ = labels; }
   /// Counts the scan's matches. @param landmarks of the predicted estimate
   void judge(const Observations& seen, std::size_t landmarks);
+  /// Counts the innovations of the matches just judged.
+  void tally(const UpdateReport& report);
   /// What the landmarks stand for after some have left and others were born.
   /// @param before landmarks' places before that, as `after` has them for those that stayed
   /// @param births in any order
@@ -65,6 +75,7 @@ class MatchJudge {
   Labelled now_;
   Labelled last_;  ///< of the scan before: trails end in it
   std::vector<sim::Label> landmarks_;
+  std::vector<bool> right_;  ///< per detection: its match with a landmark
   MatchQuality quality_;
 };
 

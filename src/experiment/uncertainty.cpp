@@ -239,23 +239,32 @@ std::string scaling_chart(const Runs& runs) {
 
 std::string matching_table(const Runs& runs) {
   MarkdownTable table({"flights", "matching", "precision, landmarks", "precision, trails", "recall",
-                       "APE [m]", "more than full [m]"});
+                       "NIS of the right", "NIS of the wrong", "APE [m]", "more than full [m]"});
   for (const Family& family : kFamilies) {
     for (const Variant& v : matchings()) {
       const Runs::Key key{family.scenario, v.name};
       const std::vector<MatchQuality>& all = runs.matches.at(key);
-      const auto text = [&all](const auto& figure) {
+      const auto values_of = [&all](const auto& figure) {
         std::vector<double> values;
         for (const MatchQuality& m : all) values.push_back(figure(m));
+        return values;
+      };
+      const auto text = [&values_of](const auto& figure) {
+        const std::vector<double> values = values_of(figure);
         const Spread s = Spread::of(values);
         const double least = *std::min_element(values.begin(), values.end());
         return Spread{s.mean, least, s.std}.text(2);  // the worst is the least
       };
+      const auto nis = [&values_of](MatchQuality::Innovations MatchQuality::*which) {
+        return Spread::of(values_of([which](const MatchQuality& m) { return (m.*which).mean(); }))
+            .text(2);
+      };
       table.add({family.scenario, v.name == kFull ? "probability (full)" : v.name,
                  text([](const MatchQuality& m) { return m.landmarks.precision(); }),
                  text([](const MatchQuality& m) { return m.trails.precision(); }),
-                 text([](const MatchQuality& m) { return m.recall(); }),
-                 runs.text(key, kPoseErrors[0]), runs.more_than_full(key, kPoseErrors[0])});
+                 text([](const MatchQuality& m) { return m.recall(); }), nis(&MatchQuality::right),
+                 nis(&MatchQuality::wrong), runs.text(key, kPoseErrors[0]),
+                 runs.more_than_full(key, kPoseErrors[0])});
     }
   }
   return table.text();
@@ -333,7 +342,8 @@ Result uncertainty(const Settings& settings) {
       "Least: {}.\n\n{}\n"
       "Matching. Right is a match of two direct echoes of one static reflector; recall is the "
       "share of right matches among the direct\nechoes of reflectors that a landmark or a trail "
-      "stands for. Of precision and recall the least in brackets.\n\n{}\n"
+      "stands for. Of precision and recall the least in brackets. NIS of the landmarks' matches "
+      "used, over its degrees of freedom.\n\n{}\n"
       "Estimators.\n\n{}\n"
       "NIS over its degrees of freedom. Expected: 1 for the Doppler of `full`, which has no gate, "
       "0.92 for that of `default`; for the point\nof `full` 0.99 to 0.84, by the check of a match "

@@ -103,6 +103,32 @@ TEST_F(MatchJudgeTest, ALandmarkStandsForTheReflectorItWasBornFrom) {
   EXPECT_EQ(judge_.quality().possible, 3);
 }
 
+TEST_F(MatchJudgeTest, InnovationsOfRightAndWrongMatchesAreCountedApart) {
+  begin({{Cause::kStatic, 5}, {Cause::kStatic, 6}});
+  judge();
+  bear(0);
+  bear(1);
+  judge_.keep({}, births_, estimate_);
+  begin({{Cause::kStatic, 5}, {Cause::kStatic, 7}});
+  seen_.matches.landmarks.push_back({0, 0});
+  seen_.matches.landmarks.push_back({1, 1});  // 6 is not 7
+  judge();
+  UpdateReport report;
+  const auto record = [&report](Model model, Verdict verdict, std::uint16_t detection, double nis) {
+    report.records.push_back(
+        {.model = model, .verdict = verdict, .detection = detection, .dof = 3, .nis = nis});
+  };
+  record(Model::kLandmarkPoint, Verdict::kUsed, 0, 2.0);
+  record(Model::kLandmarkPosition, Verdict::kUsed, 0, 4.0);
+  record(Model::kLandmarkPoint, Verdict::kUsed, 1, 9.0);
+  record(Model::kLandmarkPoint, Verdict::kGated, 1, 99.0);
+  record(Model::kDoppler, Verdict::kUsed, 0, 99.0);
+  judge_.tally(report);
+  EXPECT_DOUBLE_EQ(judge_.quality().right.mean(), 1.0);
+  EXPECT_DOUBLE_EQ(judge_.quality().wrong.mean(), 3.0);
+  EXPECT_TRUE(std::isnan(MatchQuality{}.right.mean()));
+}
+
 TEST_F(MatchJudgeTest, DroppedLandmarksAreForgotten) {
   begin({{Cause::kStatic, 5}});
   judge();

@@ -335,6 +335,26 @@ TEST_F(SmootherTest, CovarianceStaysSymmetricAndPositiveDefinite) {
   }
 }
 
+TEST_F(SmootherTest, AReusedFactorChangesTheSigmasByPercents) {
+  Options own_factors = flight_.options();
+  own_factors.smoother.factor_reuse = 0.0;
+  SmootherFlight reference(short_flight(8));
+  reference.begin(own_factors);
+  double largest = 0.0;
+  while (!flight_.over()) {
+    fly(1);
+    ASSERT_EQ(reference.step(), Status::kOk);
+    const auto sigmas = [](const SmootherFlight& flight) -> Eigen::VectorXd {
+      return flight.smoother().belief().covariance().body().diagonal().cwiseSqrt();
+    };
+    const Eigen::VectorXd ratio = sigmas(flight_).cwiseQuotient(sigmas(reference));
+    largest = std::max(largest, (ratio.array() - 1.0).abs().maxCoeff());
+    EXPECT_LT((x().nav.p_WB - reference.estimate().nav.p_WB).norm(), 2e-3) << flight_.next();
+  }
+  EXPECT_GT(largest, 1e-4);  // some were reused
+  EXPECT_LT(largest, 0.03);
+}
+
 TEST(SmootherConsistency, NeesIsThatOfItsDimension) {
   constexpr int kRuns = 4;
   experiment::BlockNees sum;

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
@@ -31,8 +30,7 @@ inline std::size_t stalest_landmark(const Estimate& x) {
 /// New landmarks that can be taken: those not in view give way.
 inline std::size_t landmark_room(const Estimate& x, const Observations& seen,
                                  const Options& options) {
-  constexpr Time kInView = std::chrono::seconds(8);  // the faintest echoes are missed that long
-  const Time recently = std::min(kInView, from_seconds(options.frontend.landmark_timeout));
+  const Time recently = from_seconds(std::min(kLandmarkInView, options.frontend.landmark_timeout));
   std::array<bool, kMaxLandmarks> in_view{};
   for (const Match& m : seen.matches.landmarks) in_view[m.target] = true;
   for (std::size_t i = 0; i < x.landmarks.size(); ++i) {
