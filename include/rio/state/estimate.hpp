@@ -41,7 +41,7 @@ struct LandmarkState {
 struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
-  Vector3d accel_W = Vector3d::Zero();  ///< of the body, mean since the last scan [m/s^2]
+  Vector3d accel_W = Vector3d::Zero();  ///< of the body, without its vibration [m/s^2]
   Pose T_BS;
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
   double way = 0.0;                                              ///< flown since the start [m]

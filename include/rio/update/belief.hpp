@@ -6,6 +6,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
@@ -39,6 +40,7 @@ class Belief {
     estimate_ = Estimate{};
     estimate_.nav = prior;
     estimate_.T_BS = options_.radar.T_BS;
+    slow_accel_W_.setZero();
     covariance_.reset(P0, options_.calibration);
   }
 
@@ -52,7 +54,7 @@ class Belief {
     *gap = p.gap;
     const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
     const double span = to_seconds(to - estimate_.nav.time);
-    if (span > 0.0) estimate_.accel_W = (p.state.v_WB - estimate_.nav.v_WB) / span;
+    if (span > 0.0) follow_acceleration((p.state.v_WB - estimate_.nav.v_WB) / span, span);
     estimate_.nav = p.state;
     estimate_.way += way;
     const ImuSample now = imu.at(to);
@@ -129,6 +131,15 @@ class Belief {
   }
 
  private:
+  /// Low-pass of second order. What vibration leaves in the velocity is in its change since the last
+  /// scan, too: the two would agree on a time offset that is none.
+  void follow_acceleration(const Vector3d& since_last_W, double span) {
+    constexpr double kMemory = 0.2;  // more than a vibration, less than a manoeuvre takes [s]
+    const double fresh = 1.0 - std::exp(-span / kMemory);
+    slow_accel_W_ += fresh * (since_last_W - slow_accel_W_);
+    estimate_.accel_W += fresh * (slow_accel_W_ - estimate_.accel_W);
+  }
+
   template <int kDim, class... B>
   std::array<LinearRow, static_cast<std::size_t>(kDim)> rows_of(
       const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...> blocks) const {
@@ -188,6 +199,7 @@ class Belief {
   Layout layout_;
   Estimate estimate_;
   Covariance covariance_;
+  Vector3d slow_accel_W_ = Vector3d::Zero();  ///< smoothed once [m/s^2]
 };
 
 }  // namespace rio
