@@ -77,8 +77,8 @@ TEST(TimeOffset, ErrorAgreesWithItsSigma) {
   EXPECT_LT(mean, bounds.upper);
 }
 
-// A vibration of 87 Hz sampled 100 times a second is one of 13 Hz, which a radar of 15 Hz sees as one
-// of 2 Hz: what it does to the velocity must not be taken for the body's acceleration.
+// A vibration of 87 Hz sampled 100 times a second is one of 13 Hz, which a radar of 15 Hz sees as
+// one of 2 Hz: what it does to the velocity must not be taken for the body's acceleration.
 TEST(TimeOffset, AliasedVibrationIsNone) {
   for (const std::uint64_t seed : {401U, 402U, 403U}) {
     const Result result = fly_one(seed, 60.0, [](sim::Scenario& s) {

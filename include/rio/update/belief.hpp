@@ -131,8 +131,8 @@ class Belief {
   }
 
  private:
-  /// Low-pass of second order. What vibration leaves in the velocity is in its change since the last
-  /// scan, too: the two would agree on a time offset that is none.
+  /// Low-pass of second order. What vibration leaves in the velocity is in its change since the
+  /// last scan, too: the two would agree on a time offset that is none.
   void follow_acceleration(const Vector3d& since_last_W, double span) {
     constexpr double kMemory = 0.2;  // more than a vibration, less than a manoeuvre takes [s]
     const double fresh = 1.0 - std::exp(-span / kMemory);
