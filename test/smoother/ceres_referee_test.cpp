@@ -330,19 +330,13 @@ TEST_P(CeresReferee, FindsTheSameMinimum) {
     Referee referee(before, flight.smoother(), o);
     if (referee.has_uncorrected_doppler()) continue;
     const double ours = referee.cost_of_the_smoother();
-    if (o.smoother.kernel == Kernel::kNone && o.calibration.time_offset_sigma <= 0.0) {
+    if (o.smoother.kernel == Kernel::kNone) {
       const Eigen::MatrixXd P = flight.smoother().belief().covariance().body();
       EXPECT_LE((P - referee.covariance()).cwiseAbs().maxCoeff(), 1e-6 * P.cwiseAbs().maxCoeff());
     }
     const double least = referee.least_cost(random);
-    if (GetParam().calibration.time_offset_sigma > 0.0) {
-      // The smoother differentiates at the state as shifted by the change of the time offset, and
-      // leaves the change of the shift out: a twentieth of a sigma.
-      EXPECT_NEAR(ours, least, 1e-3) << "scan " << flight.next();
-    } else {
-      EXPECT_NEAR(ours, least, 1e-9 * least) << "scan " << flight.next();
-      EXPECT_LT(referee.distance(), 1e-6) << "scan " << flight.next();
-    }
+    EXPECT_NEAR(ours, least, 1e-9 * least) << "scan " << flight.next();
+    EXPECT_LT(referee.distance(), 1e-6) << "scan " << flight.next();
     due = flight.next() + kEvery;
     ++windows;
   }

@@ -93,9 +93,10 @@ struct ScanCost {
     T later = offset[0] + time_offset - scan.time_offset;
     if (scan.rest) later = T(0.0);  // it stands
     const Vector3<T> w = scan.gyro_B.cast<T>() - x.gyro_bias;
+    const Vector3<T> accel_W = x.R * scan.accel_B.cast<T>();
     x.R = x.R * rotation<T>((-later * w).eval());
     x.p -= later * x.v;
-    x.v -= later * scan.accel_W.cast<T>();
+    x.v -= later * accel_W;
     Radar<T> out;
     out.R_WS = x.R * m.R;
     out.p_WS = x.R * m.p + x.p;

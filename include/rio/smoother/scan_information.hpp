@@ -128,7 +128,17 @@ class ScanInformation {
     (place(std::type_identity<B>{}), ...);
     rows.row(kTimeOffset) = time_derivative<kDim>(J, blocks, x).transpose();
     r_.template segment<kDim>(rows_) = r;
-    rows_ += kDim;
+    for (int i = 0; i < kDim; ++i) undo(x.step, rows_++);
+  }
+  /// From errors of the state stepped back to errors of the state, (E2) of linearize.hpp.
+  void undo(const StepBack& step, int row) {
+    if (step.seconds == 0.0) return;
+    auto J = J_.col(row);
+    const Vector3d phi = J.segment<3>(body::kAttitude);
+    const Vector3d v = J.segment<3>(body::kVelocity);
+    J.segment<3>(body::kAttitude) = step.attitude.transpose() * phi + step.velocity.transpose() * v;
+    J.segment<3>(body::kGyroBias) += step.bias.transpose() * phi;
+    J.segment<3>(body::kVelocity) -= step.seconds * J.segment<3>(body::kPosition);
   }
 
   void add_landmark(int column, int first, int count) {

@@ -168,7 +168,7 @@ class Smoother {
     WindowState& state = window_.newest();
     state.nav = estimate().nav;
     state.gyro_B = estimate().gyro_B;
-    state.accel_W = estimate().accel_W;
+    state.accel_B = state.nav.q_WB.conjugate() * estimate().accel_W;
     state.time_offset = estimate().time_offset;
     state.radar_errors = estimate().radar_errors;
   }

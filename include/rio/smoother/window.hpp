@@ -54,7 +54,7 @@ struct WindowState {
   ScanId scan = kNoScan;
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();   ///< measured [rad/s]
-  Vector3d accel_W = Vector3d::Zero();  ///< [m/s^2]
+  Vector3d accel_B = Vector3d::Zero();  ///< of the body, in axes that turn with it [m/s^2]
   double time_offset = 0.0;             ///< with which its time was chosen [s]
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< with which it was corrected
   ImuFactor to_next;                                             ///< not valid for the newest

@@ -117,11 +117,14 @@ class WindowFactors {
  private:
   /// A state, moved to what its scan's calibration is known to be now.
   static LinearizationPoint point(const WindowState& state, const Estimate& estimate) {
-    LinearizationPoint x(estimate, state.nav, state.gyro_B, state.accel_W);
-    if (state.rest) x.stand();
+    LinearizationPoint x(estimate, state.nav, state.gyro_B, state.nav.q_WB * state.accel_B);
     x.radar_errors = estimate.radar_errors - state.radar_errors;
     const double later = estimate.time_offset - state.time_offset;
-    if (later != 0.0) x.step_back(later);
+    if (state.rest) {
+      x.stand();
+    } else if (later != 0.0) {
+      x.step_back(later);
+    }
     return x;
   }
   WindowLayout layout_of(std::size_t k) const {

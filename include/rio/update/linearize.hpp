@@ -5,6 +5,8 @@
 // (E1) A scan is measured at its stamp minus t_d; the state is carried to stamp - t_d^. What is
 //      left of the offset, dt, shifts the measurement to the state x - x' dt, for any model that
 //      sees the body: dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)
+// (E2) The state s earlier: R' = R Exp(-s w), p' = p - s v, v' = v - s a_W with a_W = R a_B. Its
+//      errors: dphi' = Exp(s w) dphi + s Jl(s w) db_g, dp' = dp - s dv, dv' = dv + s [a_W] R dphi
 #pragma once
 
 #include <array>
@@ -17,6 +19,14 @@
 #include "rio/update/linear_rows.hpp"
 
 namespace rio {
+
+/// The derivative of a state stepped back (E2).
+struct StepBack {
+  double seconds = 0.0;
+  Matrix3d attitude = Matrix3d::Identity();  ///< of dphi' by dphi
+  Matrix3d bias = Matrix3d::Zero();          ///< of dphi' by db_g
+  Matrix3d velocity = Matrix3d::Zero();      ///< of dv' by dphi
+};
 
 /// The estimate with its rotations as matrices, and how fast it changes: computed once per scan.
 struct LinearizationPoint {
@@ -35,8 +45,11 @@ struct LinearizationPoint {
     pose_rate << gyro_B - gyro_bias, v_WB;
   }
 
-  /// The state `seconds` earlier, at constant rate and acceleration.
+  /// The state `seconds` earlier, at constant rate and acceleration. Jacobians are in its errors
+  /// then (E2).
   void step_back(double seconds) {
+    const Vector3d turn = seconds * pose_rate.head<3>();
+    step = {seconds, gamma(0, turn), seconds * gamma(1, turn), seconds * skew(accel_W) * T_WB.R};
     T_WB = PoseBlock::retract(T_WB, -seconds * pose_rate);
     v_WB -= seconds * accel_W;
   }
@@ -59,6 +72,7 @@ struct LinearizationPoint {
   Vector3d accel_W;                                              ///< [m/s^2]
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< the detections are corrected
   Eigen::Matrix<double, 6, 1> pose_rate;  ///< of the error [dphi, dp] [rad/s, m/s]
+  StepBack step;                          ///< how it came here from the estimate
 };
 
 /// Which clone and which landmark a measurement refers to, for the models that have one.
