@@ -6,7 +6,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
@@ -20,6 +19,21 @@
 #include "rio/update/linearize.hpp"
 
 namespace rio {
+
+/// That of the body, without its vibration: what vibration adds to the velocity and to its change
+/// would agree on a time offset that is none. A low-pass of second order.
+struct Acceleration {
+  Vector3d once_W = Vector3d::Zero();    ///< smoothed once [m/s^2]
+  Vector3d smooth_W = Vector3d::Zero();  ///< smoothed twice [m/s^2]
+
+  /// @param change of the velocity in `seconds`
+  void add(const Vector3d& change_W, double seconds) {
+    constexpr double kMemory = 0.05;  // rotors turn faster, bodies accelerate slower [s]
+    const double sum = kMemory + seconds;
+    once_W += (change_W - seconds * once_W) / sum;
+    smooth_W += seconds / sum * (once_W - smooth_W);
+  }
+};
 
 class Belief {
  public:
@@ -40,7 +54,7 @@ class Belief {
     estimate_ = Estimate{};
     estimate_.nav = prior;
     estimate_.T_BS = options_.radar.T_BS;
-    slow_accel_W_.setZero();
+    acceleration_ = {};
     covariance_.reset(P0, options_.calibration);
   }
 
@@ -48,13 +62,17 @@ class Belief {
   Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
     Propagation p;
     p.state = estimate_.nav;
-    imu.for_each_step(estimate_.nav.time, to,
-                      [&](const ImuStep& step) { p.step(step, options_.imu); });
+    Acceleration acceleration = acceleration_;
+    imu.for_each_step(estimate_.nav.time, to, [&](const ImuStep& step) {
+      const Vector3d before = p.state.v_WB;
+      p.step(step, options_.imu);
+      acceleration.add(p.state.v_WB - before, to_seconds(step.end - step.begin));
+    });
     if (!p.finite()) return Status::kNumerical;
     *gap = p.gap;
+    acceleration_ = acceleration;
+    estimate_.accel_W = acceleration_.smooth_W;
     const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
-    const double span = to_seconds(to - estimate_.nav.time);
-    if (span > 0.0) follow_acceleration((p.state.v_WB - estimate_.nav.v_WB) / span, span);
     estimate_.nav = p.state;
     estimate_.way += way;
     const ImuSample now = imu.at(to);
@@ -131,15 +149,6 @@ class Belief {
   }
 
  private:
-  /// Low-pass of second order. What vibration leaves in the velocity is in its change since the
-  /// last scan, too: the two would agree on a time offset that is none.
-  void follow_acceleration(const Vector3d& since_last_W, double span) {
-    constexpr double kMemory = 0.2;  // more than a vibration, less than a manoeuvre takes [s]
-    const double fresh = 1.0 - std::exp(-span / kMemory);
-    slow_accel_W_ += fresh * (since_last_W - slow_accel_W_);
-    estimate_.accel_W += fresh * (slow_accel_W_ - estimate_.accel_W);
-  }
-
   template <int kDim, class... B>
   std::array<LinearRow, static_cast<std::size_t>(kDim)> rows_of(
       const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...> blocks) const {
@@ -199,7 +208,7 @@ class Belief {
   Layout layout_;
   Estimate estimate_;
   Covariance covariance_;
-  Vector3d slow_accel_W_ = Vector3d::Zero();  ///< smoothed once [m/s^2]
+  Acceleration acceleration_;
 };
 
 }  // namespace rio
