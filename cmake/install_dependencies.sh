@@ -5,7 +5,7 @@ set -euo pipefail
 
 packages=(cmake g++ make libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev)
 if [ "${1:-tools}" = tests ]; then
-  packages+=(libgtest-dev libbenchmark-dev clang-format-14 clang-tidy-14)
+  packages+=(libgtest-dev libbenchmark-dev libceres-dev clang-format-14 clang-tidy-14)
 fi
 
 missing=()

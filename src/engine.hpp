@@ -3,8 +3,6 @@
 // in a file of its own.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -29,43 +27,19 @@ class ScanQueue {
   bool full() const { return size_ == scans_.size(); }
   void clear() { size_ = 0; }
   const DetectionList& front() const { return scans_[0]; }
-  bool contains(Time time) const {
-    for (std::size_t i = 0; i < size_; ++i) {
-      if (scans_[i].time == time) return true;
-    }
-    return false;
-  }
-  void insert(const DetectionList& scan) {
-    std::size_t i = size_++;
-    for (; i > 0 && scans_[i - 1].time > scan.time; --i) scans_[i] = scans_[i - 1];
-    scans_[i] = scan;
-  }
-  void pop_front() {
-    for (std::size_t i = 1; i < size_; ++i) scans_[i - 1] = scans_[i];
-    --size_;
-  }
+  bool contains(Time time) const;
+  void insert(const DetectionList& scan);
+  void pop_front();
 
  private:
   std::vector<DetectionList> scans_;
   std::size_t size_ = 0;
 };
 
-namespace engine_detail {
-
-inline bool finite(const NavState& s) {
-  return s.q_WB.coeffs().allFinite() && s.p_WB.allFinite() && s.v_WB.allFinite() &&
-         s.gyro_bias.allFinite() && s.accel_bias.allFinite();
-}
-
-inline bool positive_semi_definite(const BodyCovariance& P) {
-  const double scale = P.cwiseAbs().maxCoeff();
-  if ((P - P.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) return false;
-  Matrix15d above = P;  // no eigenvalue below -1e-9 scale: this has a Cholesky factor
-  above.diagonal().array() += 1e-9 * scale + std::numeric_limits<double>::min();
-  return Eigen::LLT<Matrix15d>(above).info() == Eigen::Success;
-}
-
-}  // namespace engine_detail
+/// Every value is a number.
+bool is_finite(const NavState& state);
+/// Symmetric, and no eigenvalue below zero, both but for round-off.
+bool is_covariance(const BodyCovariance& P);
 
 template <class Estimator>
 class Engine final : public Odometry::Impl {
@@ -139,9 +113,8 @@ class Engine final : public Odometry::Impl {
   }
 
   Status reset(const NavState& prior, const BodyCovariance& P0) override {
-    if (!engine_detail::finite(prior) || !P0.allFinite()) return Status::kNonFinite;
-    if (prior.q_WB.norm() < 0.5 || !engine_detail::positive_semi_definite(P0))
-      return Status::kNumerical;
+    if (!is_finite(prior) || !P0.allFinite()) return Status::kNonFinite;
+    if (prior.q_WB.norm() < 0.5 || !is_covariance(P0)) return Status::kNumerical;
     NavState start = prior;
     start.q_WB.normalize();
     pipeline_.reset(start, P0);

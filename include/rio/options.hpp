@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "rio/export.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -212,13 +213,13 @@ struct Options {
 
   /// True when every value is inside its documented range and the set is coherent; otherwise false
   /// and, if `why` is given, one sentence naming the first offending key.
-  bool validate(std::string* why = nullptr) const;
+  RIO_API bool validate(std::string* why = nullptr) const;
 };
 
 /// The names of the presets.
 inline constexpr const char* kPresets[] = {"default", "published-ekf", "published-smoother",
                                            "published-uncertainty"};
 /// The options named `name`; false and unchanged if there is no such preset.
-bool preset(const std::string& name, Options* options);
+RIO_API bool preset(const std::string& name, Options* options);
 
 }  // namespace rio

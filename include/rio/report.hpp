@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "rio/core/static_vector.hpp"
+#include "rio/export.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -27,7 +28,7 @@ enum class Status : std::uint8_t {
 };
 
 /// Name of a status, as in "kLate".
-const char* to_string(Status status);
+RIO_API const char* to_string(Status status);
 
 /// Measurement models that can appear in a record, in the order of ModelReport entries.
 enum class Model : std::uint8_t {
@@ -42,7 +43,7 @@ enum class Model : std::uint8_t {
 inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCount);
 
 /// Name of a model, as in "doppler".
-const char* to_string(Model model);
+RIO_API const char* to_string(Model model);
 
 /// What became of one measurement block.
 enum class Verdict : std::uint8_t { kUsed, kGated, kOutOfDomain };

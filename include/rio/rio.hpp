@@ -14,13 +14,14 @@
 #include <memory>
 #include <string>
 
+#include "rio/export.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
 
-class Odometry {
+class RIO_API Odometry {
  public:
   /// Validates the options and allocates everything. Bad options: null, and the reason in `why`.
   [[nodiscard]] static std::unique_ptr<Odometry> create(const Options& options,

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "calibrate/noise_probe.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/static_alignment.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibrate/noise_probe.hpp"
+#include "calibrate/innovations.hpp"
 #include "rio/eval/noise_fit.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"

@@ -12,22 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "calibrate/innovations.hpp"
 #include "rio/ekf/ekf.hpp"
-#include "rio/eval/noise_fit.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_point.hpp"
 
 namespace rio::calibrate {
-
-/// The true state at a time, where it is known.
-using TruthAt = std::function<std::optional<NavState>(Time)>;
-
-/// What a probe has seen.
-struct Innovations {
-  std::vector<eval::NoiseSample> samples;
-  std::size_t landmarks = 0;  ///< of them matches with landmarks
-  std::size_t dopplers = 0;   ///< of them Dopplers
-};
 
 class NoiseProbe : public Ekf {
  public:

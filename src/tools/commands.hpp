@@ -1,21 +1,81 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands of the `rio` program. Each adds itself to the command line; when chosen it runs and
-// throws std::runtime_error on failure.
+// The commands of the `rio` program: what each is asked for, and what runs it. Their options are
+// described in main.cpp. Every command throws std::runtime_error on failure.
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace rio::tools {
 
-void add_replay_command(CLI::App& app);
-void add_options_command(CLI::App& app);
-void add_simulate_command(CLI::App& app);
-void add_scenarios_command(CLI::App& app);
-void add_evaluate_command(CLI::App& app);
-void add_experiment_command(CLI::App& app);
-void add_plot_command(CLI::App& app);
-void add_fit_noise_command(CLI::App& app);
+/// `rio replay`: a recording through the estimator.
+struct ReplayArguments {
+  std::string dataset;
+  std::string config;
+  std::string preset;
+  std::string backend;
+  std::string init;
+  std::vector<double> init_velocity;
+  std::string out;
+  std::string states;
+  bool json = false;
+  bool quiet = false;
+};
+void replay(const ReplayArguments& arguments);
+
+/// `rio simulate`: a simulated flight as a recording.
+struct SimulateArguments {
+  std::string out;
+  std::string scenario;  ///< name or file; empty = the default scenario
+  std::optional<std::uint64_t> seed;
+  std::optional<double> length;
+  std::string trajectory;
+  bool ideal = false;
+};
+void simulate(const SimulateArguments& arguments);
+
+/// `rio evaluate`: estimated paths against the true one.
+struct EvaluateArguments {
+  std::string truth;
+  std::vector<std::string> estimates;
+  std::string align = "none";
+  double max_diff = 0.01;
+  double mae_at = std::numeric_limits<double>::quiet_NaN();
+  bool json = false;
+};
+void evaluate(const EvaluateArguments& arguments);
+
+/// `rio plot`: paths, heights and errors as a picture.
+struct PlotArguments {
+  std::vector<std::string> estimates;
+  std::vector<std::string> labels;
+  std::string truth;
+  std::string align = "none";
+  std::string out;
+};
+void plot(const PlotArguments& arguments);
+
+/// `rio fit-noise`: the noise of the radar from a recording.
+struct FitNoiseArguments {
+  std::string dataset;
+  std::string config;
+  std::string init = "static";
+  bool no_truth = false;
+};
+void fit_noise(const FitNoiseArguments& arguments);
+
+/// `rio options`: every option with its meaning and the values of a preset.
+void print_options(const std::string& preset_name);
+/// `rio options --compare`: the options in which the presets differ, as a table.
+void compare_presets();
+
+/// `rio scenarios`: the catalogue of simulated flights; with a name or a file that one as YAML.
+void scenarios(const std::string& name_or_file);
+
+/// `rio experiment`: hands the arguments to rio-lab. Does not return.
+[[noreturn]] void experiment(const std::vector<std::string>& arguments);
 
 }  // namespace rio::tools

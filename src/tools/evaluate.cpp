@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio evaluate`: the error figures of an estimate, as a table or as a JSON line.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -23,15 +21,6 @@ using eval::AngleError;
 using eval::Evaluation;
 using eval::RelativeError;
 using eval::Statistics;
-
-struct Arguments {
-  std::string truth;
-  std::vector<std::string> estimates;
-  std::string align = "none";
-  double max_diff = 0.01;
-  double mae_at = eval::kNan;
-  bool json = false;
-};
 
 nlohmann::ordered_json to_json(const Statistics& s) {
   return {{"rmse", s.rmse}, {"mean", s.mean}, {"median", s.median}, {"max", s.max}, {"std", s.std}};
@@ -55,7 +44,7 @@ nlohmann::ordered_json to_json(const AngleError& error) {
 }
 
 /// Figures that do not exist (NaN) become null.
-nlohmann::ordered_json to_json(const Arguments& arguments, const std::string& estimate,
+nlohmann::ordered_json to_json(const EvaluateArguments& arguments, const std::string& estimate,
                                const Evaluation& e) {
   nlohmann::ordered_json json = {
       {"truth", arguments.truth},
@@ -114,7 +103,8 @@ void print_angle(const char* name, const AngleError& error) {
               cell(error.final, 9, 2).c_str(), cell(error.max, 9, 2).c_str());
 }
 
-void print_table(const Arguments& arguments, const std::string& estimate, const Evaluation& e) {
+void print_table(const EvaluateArguments& arguments, const std::string& estimate,
+                 const Evaluation& e) {
   std::printf("truth     %s\nestimate  %s\n", arguments.truth.c_str(), estimate.c_str());
   std::printf("          %zu of %zu poses have a true pose (%.1f %%)\n", e.associated, e.estimates,
               100.0 * static_cast<double>(e.associated) / static_cast<double>(e.estimates));
@@ -150,7 +140,7 @@ void print_table(const Arguments& arguments, const std::string& estimate, const 
 }
 
 /// One row an estimate, in Markdown.
-void print_comparison(const Arguments& arguments, const std::vector<Evaluation>& all) {
+void print_comparison(const EvaluateArguments& arguments, const std::vector<Evaluation>& all) {
   std::printf(
       "| estimate | final drift [%%] | norm of MAE [m] | norm of RMSE [m] | "
       "yaw RMSE [deg] | tilt RMSE [deg] | RPE over 10 m [%%] |\n|---|---|---|---|---|---|---|\n");
@@ -168,7 +158,7 @@ void print_comparison(const Arguments& arguments, const std::vector<Evaluation>&
   }
 }
 
-Evaluation evaluate_file(const Arguments& arguments, const eval::Trajectory& truth,
+Evaluation evaluate_file(const EvaluateArguments& arguments, const eval::Trajectory& truth,
                          const std::string& file) {
   const eval::Trajectory estimate = io::read_trajectory(file);
   eval::EvaluationOptions options;
@@ -182,7 +172,9 @@ Evaluation evaluate_file(const Arguments& arguments, const eval::Trajectory& tru
   }
 }
 
-void run(const Arguments& arguments) {
+}  // namespace
+
+void evaluate(const EvaluateArguments& arguments) {
   const eval::Trajectory truth = io::read_trajectory(arguments.truth);
   std::vector<Evaluation> all;
   for (const std::string& file : arguments.estimates) {
@@ -197,35 +189,6 @@ void run(const Arguments& arguments) {
   } else {
     print_comparison(arguments, all);
   }
-}
-
-}  // namespace
-
-void add_evaluate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("evaluate", "Compare an estimated path with the true one");
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("TRUTH", arguments->truth, "TUM file, EuRoC csv or dataset folder")
-      ->required();
-  command
-      ->add_option("ESTIMATE", arguments->estimates,
-                   "same formats; several give a table of a row each")
-      ->required();
-  command
-      ->add_option("--align", arguments->align,
-                   "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3")
-      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
-      ->capture_default_str();
-  command->add_flag("--json", arguments->json, "print one JSON line an estimate");
-  command
-      ->add_option("--max-diff", arguments->max_diff,
-                   "largest difference of stamps if the truth is too sparse to interpolate [s]")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--mae-at", arguments->mae_at,
-                   "also the norm of MAE up to this length of the true path [m]")
-      ->check(CLI::PositiveNumber);
-  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace rio::tools

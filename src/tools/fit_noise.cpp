@@ -2,9 +2,7 @@
 // `rio fit-noise`: the noise of the radar from a recording, as an option file.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -24,15 +22,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-struct Arguments {
-  std::string dataset;
-  std::string config;
-  std::string init = "static";
-  bool no_truth = false;
-};
-
 /// The default preset, then what the dataset knows of its sensors, then the values of the file.
-Options make_options(const Arguments& arguments, const io::Dataset& dataset) {
+Options make_options(const FitNoiseArguments& arguments, const io::Dataset& dataset) {
   Options options;
   io::apply_sensor_info(dataset, &options);
   if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
@@ -56,8 +47,8 @@ calibrate::Start start_from_truth(const io::Dataset& dataset, const Options& opt
   return start;
 }
 
-std::optional<calibrate::Start> make_start(const Arguments& arguments, const io::Dataset& dataset,
-                                           const Options& options) {
+std::optional<calibrate::Start> make_start(const FitNoiseArguments& arguments,
+                                           const io::Dataset& dataset, const Options& options) {
   if (arguments.init == "static") return std::nullopt;
   if (arguments.init == "groundtruth") return start_from_truth(dataset, options);
   const io::StartFile file =
@@ -78,7 +69,7 @@ std::string error_text(const eval::NoiseFit& fit, int k) {
   return fmt::format("+- {:.1f} %", 100.0 * fit.relative_error[k]);
 }
 
-void print_options(const Arguments& arguments, const calibrate::NoiseCalibration& c) {
+void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCalibration& c) {
   const Eigen::Vector4d& s = c.fit.noise.sigma;
   fmt::print("# Noise of the radar, fitted to {} by `rio fit-noise`: {} matches, {} Dopplers,\n",
              arguments.dataset, c.landmarks, c.dopplers);
@@ -100,7 +91,9 @@ void print_options(const Arguments& arguments, const calibrate::NoiseCalibration
   }
 }
 
-void run(const Arguments& arguments) {
+}  // namespace
+
+void fit_noise(const FitNoiseArguments& arguments) {
   io::Dataset dataset = io::read_dataset(arguments.dataset);
   for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
   const Options options = make_options(arguments, dataset);
@@ -115,21 +108,6 @@ void run(const Arguments& arguments) {
                c.runs);
   }
   print_options(arguments, c);
-}
-
-}  // namespace
-
-void add_fit_noise_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
-  command->add_option("--config", arguments->config, "option file; its sigmas are where it starts");
-  command->add_option("--init", arguments->init, "static, groundtruth or a file")
-      ->capture_default_str();
-  command->add_flag("--no-truth", arguments->no_truth,
-                    "hold the Doppler against the estimated velocity, not the true one");
-  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace rio::tools

@@ -1,26 +1,162 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The `rio` program. Exit codes: 0 success, 1 the command failed, 2 wrong command line.
+// The `rio` program and the command line of every command. Exit codes: 0 success, 1 the command
+// failed, 2 wrong command line.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <stdexcept>
+#include <string>
 
 #include "commands.hpp"
 
+namespace rio::tools {
+
 namespace {
+
+void add_replay_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("replay", "Run a recording through the estimator");
+  auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
+  command->add_option("--config", arguments->config, "option file; see `rio options`");
+  command->add_option(
+      "--preset", arguments->preset,
+      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
+  command->add_option("--backend", arguments->backend, "ekf or smoother, whatever the preset says")
+      ->check(CLI::IsMember({"ekf", "smoother"}));
+  command->add_option("--init", arguments->init,
+                      "groundtruth, static or a file; by default groundtruth if there is one");
+  command
+      ->add_option("--init-velocity", arguments->init_velocity,
+                   "velocity of the start in the world [m/s]; its covariance stays")
+      ->expected(3);
+  command->add_option("--out", arguments->out, "trajectory to write, TUM format");
+  command->add_option("--states", arguments->states, "states with covariance to write, csv");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of a line per scan");
+  command->add_flag("--quiet", arguments->quiet, "no line per scan");
+  command->callback([arguments] { replay(*arguments); });
+}
+
+void add_simulate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("simulate", "Write a simulated flight");
+  auto arguments = std::make_shared<SimulateArguments>();
+  command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
+  command->add_option("--scenario", arguments->scenario,
+                      "name, see `rio scenarios`, or a scenario file");
+  command->add_option("--seed", arguments->seed, "of everything random; wins over the scenario's")
+      ->check(CLI::NonNegativeNumber);
+  CLI::Option* length = command
+                            ->add_option("--length", arguments->length,
+                                         "of the random path [m]; wins over the scenario's")
+                            ->check(CLI::Range(20.0, 1000.0));
+  command
+      ->add_option("--trajectory", arguments->trajectory,
+                   "recorded path to fly: TUM file, EuRoC csv or dataset folder")
+      ->excludes(length);
+  command->add_flag("--ideal", arguments->ideal,
+                    "ideal sensors instead of the scenario's: Gaussian noise only, no grids, "
+                    "folding, outliers or vibration");
+  command->callback([arguments] { simulate(*arguments); });
+}
+
+void add_evaluate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("evaluate", "Compare an estimated path with the true one");
+  auto arguments = std::make_shared<EvaluateArguments>();
+  command->add_option("TRUTH", arguments->truth, "TUM file, EuRoC csv or dataset folder")
+      ->required();
+  command
+      ->add_option("ESTIMATE", arguments->estimates,
+                   "same formats; several give a table of a row each")
+      ->required();
+  command
+      ->add_option("--align", arguments->align,
+                   "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3")
+      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "print one JSON line an estimate");
+  command
+      ->add_option("--max-diff", arguments->max_diff,
+                   "largest difference of stamps if the truth is too sparse to interpolate [s]")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--mae-at", arguments->mae_at,
+                   "also the norm of MAE up to this length of the true path [m]")
+      ->check(CLI::PositiveNumber);
+  command->callback([arguments] { evaluate(*arguments); });
+}
+
+/// rio-lab has its own options and its own help.
+void add_experiment_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "experiment", "Answer a question with many simulated flights (starts rio-lab)");
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([command] { experiment(command->remaining()); });
+}
+
+void add_plot_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("plot", "Draw paths, heights and errors as an SVG file");
+  auto arguments = std::make_shared<PlotArguments>();
+  command->add_option("ESTIMATE", arguments->estimates, "TUM file, EuRoC csv or dataset folder")
+      ->required();
+  CLI::Option* truth =
+      command->add_option("--truth", arguments->truth, "true path: same formats; adds the errors");
+  command->add_option("--label", arguments->labels, "names for the legend, one for each estimate");
+  command
+      ->add_option("--align", arguments->align,
+                   "lay the estimates over the truth first: none, origin, yaw, se3")
+      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
+      ->needs(truth)
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "SVG file to write")->required();
+  command->callback([arguments] { plot(*arguments); });
+}
+
+void add_fit_noise_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
+  auto arguments = std::make_shared<FitNoiseArguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
+  command->add_option("--config", arguments->config, "option file; its sigmas are where it starts");
+  command->add_option("--init", arguments->init, "static, groundtruth or a file")
+      ->capture_default_str();
+  command->add_flag("--no-truth", arguments->no_truth,
+                    "hold the Doppler against the estimated velocity, not the true one");
+  command->callback([arguments] { fit_noise(*arguments); });
+}
+
+void add_options_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
+  auto name = std::make_shared<std::string>("default");
+  command
+      ->add_option("--preset", *name,
+                   "default, published-ekf, published-smoother or published-uncertainty")
+      ->capture_default_str();
+  auto compare = std::make_shared<bool>(false);
+  command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");
+  command->callback([name, compare] { *compare ? compare_presets() : print_options(*name); });
+}
+
+void add_scenarios_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("scenarios", "List the scenarios, or print one as a file");
+  auto name = std::make_shared<std::string>();
+  command->add_option("SCENARIO", *name, "name or file, printed with every value and its meaning");
+  command->callback([name] { scenarios(*name); });
+}
 
 int run(int argc, char** argv) {
   CLI::App app("Radar-inertial odometry: replay, simulate, evaluate and compare", "rio");
   app.set_version_flag("--version", RIO_VERSION);
   app.require_subcommand(1);
-  rio::tools::add_replay_command(app);
-  rio::tools::add_simulate_command(app);
-  rio::tools::add_scenarios_command(app);
-  rio::tools::add_evaluate_command(app);
-  rio::tools::add_experiment_command(app);
-  rio::tools::add_plot_command(app);
-  rio::tools::add_fit_noise_command(app);
-  rio::tools::add_options_command(app);
+  add_replay_command(app);
+  add_simulate_command(app);
+  add_scenarios_command(app);
+  add_evaluate_command(app);
+  add_experiment_command(app);
+  add_plot_command(app);
+  add_fit_noise_command(app);
+  add_options_command(app);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
@@ -32,9 +168,11 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
+}  // namespace rio::tools
+
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    return rio::tools::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rio: %s\n", error.what());
     return 1;

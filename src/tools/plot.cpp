@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio plot`: estimates, and their errors if the truth is known, as one self-contained SVG file.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -32,14 +30,6 @@ using plot::Point;
 using plot::Range;
 using plot::Stroke;
 using plot::Svg;
-
-struct Arguments {
-  std::vector<std::string> estimates;
-  std::vector<std::string> labels;
-  std::string truth;
-  std::string align = "none";
-  std::string out;
-};
 
 /// One path and how it is drawn.
 struct Series {
@@ -282,7 +272,9 @@ Series truth_series(const eval::Trajectory& truth, const std::vector<Series>& es
   return result;
 }
 
-void run(const Arguments& arguments) {
+}  // namespace
+
+void plot(const PlotArguments& arguments) {
   if (!arguments.labels.empty() && arguments.labels.size() != arguments.estimates.size()) {
     throw std::runtime_error("--label: " + std::to_string(arguments.labels.size()) + " names for " +
                              std::to_string(arguments.estimates.size()) + " estimates");
@@ -315,26 +307,6 @@ void run(const Arguments& arguments) {
   io::TextFile file(arguments.out);
   file.write(draw(all, with_truth));
   file.close();
-}
-
-}  // namespace
-
-void add_plot_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("plot", "Draw paths, heights and errors as an SVG file");
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("ESTIMATE", arguments->estimates, "TUM file, EuRoC csv or dataset folder")
-      ->required();
-  CLI::Option* truth =
-      command->add_option("--truth", arguments->truth, "true path: same formats; adds the errors");
-  command->add_option("--label", arguments->labels, "names for the legend, one for each estimate");
-  command
-      ->add_option("--align", arguments->align,
-                   "lay the estimates over the truth first: none, origin, yaw, se3")
-      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
-      ->needs(truth)
-      ->capture_default_str();
-  command->add_option("--out", arguments->out, "SVG file to write")->required();
-  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace rio::tools

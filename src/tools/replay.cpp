@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -27,19 +25,6 @@ namespace rio::tools {
 
 namespace {
 
-struct Arguments {
-  std::string dataset;
-  std::string config;
-  std::string preset;
-  std::string backend;
-  std::string init;
-  std::vector<double> init_velocity;
-  std::string out;
-  std::string states;
-  bool json = false;
-  bool quiet = false;
-};
-
 /// First state and covariance, and where they come from.
 struct Start {
   NavState state;
@@ -53,7 +38,7 @@ Time steady_now() {
 
 /// Preset, then what the dataset knows of its sensors, then the values of the file, then the
 /// back-end of the command line.
-Options make_options(const Arguments& arguments, const io::Dataset& dataset) {
+Options make_options(const ReplayArguments& arguments, const io::Dataset& dataset) {
   std::string name = arguments.preset;
   if (name.empty() && !arguments.config.empty()) {
     name = io::preset_in_file(arguments.config).value_or("");
@@ -99,7 +84,7 @@ Start start_from_truth(const io::Dataset& dataset, const Options& options) {
 }
 
 /// Nothing for a static start.
-std::optional<Start> make_start(const Arguments& arguments, const io::Dataset& dataset,
+std::optional<Start> make_start(const ReplayArguments& arguments, const io::Dataset& dataset,
                                 const Options& options) {
   std::string init = arguments.init;
   if (init.empty()) init = dataset.ground_truth.empty() ? "static" : "groundtruth";
@@ -112,7 +97,7 @@ std::optional<Start> make_start(const Arguments& arguments, const io::Dataset& d
 /// Where the estimate of each processed scan goes.
 class Outputs {
  public:
-  void open(const Arguments& arguments, Time begin) {
+  void open(const ReplayArguments& arguments, Time begin) {
     begin_ = begin;
     lines_ = !arguments.json && !arguments.quiet;
     if (!arguments.out.empty()) trajectory_.emplace(arguments.out);
@@ -159,7 +144,7 @@ class Outputs {
 /// therefore given after it, and those farther back than timing.max_lag count as late.
 class Replay {
  public:
-  Replay(const Arguments& arguments, const io::Dataset& dataset, const Options& options)
+  Replay(const ReplayArguments& arguments, const io::Dataset& dataset, const Options& options)
       : dataset_(dataset) {
     const std::optional<Start> start = make_start(arguments, dataset, options);
     Options used = options;
@@ -271,7 +256,9 @@ class Replay {
   ReplaySummary summary_;
 };
 
-void run(const Arguments& arguments) {
+}  // namespace
+
+void replay(const ReplayArguments& arguments) {
   const io::Dataset dataset = io::read_dataset(arguments.dataset);
   for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
   const Options options = make_options(arguments, dataset);
@@ -281,31 +268,6 @@ void run(const Arguments& arguments) {
   } else {
     fmt::print("{}", summary.text());
   }
-}
-
-}  // namespace
-
-void add_replay_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("replay", "Run a recording through the estimator");
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
-  command->add_option("--config", arguments->config, "option file; see `rio options`");
-  command->add_option(
-      "--preset", arguments->preset,
-      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
-  command->add_option("--backend", arguments->backend, "ekf or smoother, whatever the preset says")
-      ->check(CLI::IsMember({"ekf", "smoother"}));
-  command->add_option("--init", arguments->init,
-                      "groundtruth, static or a file; by default groundtruth if there is one");
-  command
-      ->add_option("--init-velocity", arguments->init_velocity,
-                   "velocity of the start in the world [m/s]; its covariance stays")
-      ->expected(3);
-  command->add_option("--out", arguments->out, "trajectory to write, TUM format");
-  command->add_option("--states", arguments->states, "states with covariance to write, csv");
-  command->add_flag("--json", arguments->json, "print one JSON line instead of a line per scan");
-  command->add_flag("--quiet", arguments->quiet, "no line per scan");
-  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace rio::tools

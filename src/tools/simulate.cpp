@@ -2,12 +2,10 @@
 // `rio simulate`: a flight of a scenario with exact truth, written as a dataset.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -23,16 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
-  std::string out;
-  std::string scenario;  ///< name or file; empty = the default scenario
-  std::optional<std::uint64_t> seed;
-  std::optional<double> length;
-  std::string trajectory;
-  bool ideal = false;
-};
-
-sim::Scenario make_scenario(const Arguments& arguments) {
+sim::Scenario make_scenario(const SimulateArguments& arguments) {
   sim::Scenario scenario;
   if (!arguments.scenario.empty()) scenario = io::load_scenario(arguments.scenario);
   if (arguments.ideal) {
@@ -158,7 +147,7 @@ std::map<sim::Cause, std::size_t> count_labels(const sim::Flight& flight) {
   return counts;
 }
 
-void print_summary(const Arguments& arguments, const sim::Flight& flight) {
+void print_summary(const SimulateArguments& arguments, const sim::Flight& flight) {
   const std::map<sim::Cause, std::size_t> counts = count_labels(flight);
   std::size_t detections = 0;
   for (const auto& [cause, count] : counts) detections += count;
@@ -179,7 +168,9 @@ void print_summary(const Arguments& arguments, const sim::Flight& flight) {
   fmt::print("\n");
 }
 
-void run(const Arguments& arguments) {
+}  // namespace
+
+void simulate(const SimulateArguments& arguments) {
   const sim::Flight flight = io::fly_scenario(make_scenario(arguments));
   write(arguments.out, flight);
   print_summary(arguments, flight);
@@ -189,30 +180,6 @@ void run(const Arguments& arguments) {
   if (starts_wrongly(flight)) {
     fmt::print("note: starts wrongly with rio replay {0} --init {0}/start.yaml\n", arguments.out);
   }
-}
-
-}  // namespace
-
-void add_simulate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simulate", "Write a simulated flight");
-  auto arguments = std::make_shared<Arguments>();
-  command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
-  command->add_option("--scenario", arguments->scenario,
-                      "name, see `rio scenarios`, or a scenario file");
-  command->add_option("--seed", arguments->seed, "of everything random; wins over the scenario's")
-      ->check(CLI::NonNegativeNumber);
-  CLI::Option* length = command
-                            ->add_option("--length", arguments->length,
-                                         "of the random path [m]; wins over the scenario's")
-                            ->check(CLI::Range(20.0, 1000.0));
-  command
-      ->add_option("--trajectory", arguments->trajectory,
-                   "recorded path to fly: TUM file, EuRoC csv or dataset folder")
-      ->excludes(length);
-  command->add_flag("--ideal", arguments->ideal,
-                    "ideal sensors instead of the scenario's: Gaussian noise only, no grids, "
-                    "folding, outliers or vibration");
-  command->callback([arguments] { run(*arguments); });
 }
 
 }  // namespace rio::tools

@@ -15,6 +15,7 @@
 
 #include "e2e/tool.hpp"
 #include "rio/options.hpp"
+#include "support/measured.hpp"
 
 namespace rio::test {
 namespace {
@@ -230,8 +231,8 @@ TEST(RealRecording, RunsThroughAndReturnsToItsStart) {
     ASSERT_EQ(run.status, 0) << run.output;
     const auto json = nlohmann::json::parse(run.last_line());
     const double closure = json["first_to_last_m"];
-    std::printf("%s: first to last position %.3f m, %.0f times real time\n", preset.c_str(),
-                closure, static_cast<double>(json["realtime_factor"]));
+    test::measured("ti_demo, " + preset + ": first to last [m]", closure,
+                   preset == "default" ? "below 0.5" : "below 2");
     // scans 1 to 15 fall into the static alignment
     EXPECT_EQ(json["scans"], 397);
     EXPECT_LT(closure, preset == "default" ? 0.5 : 2.0);

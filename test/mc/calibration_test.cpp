@@ -3,6 +3,7 @@
 // it says it is, and what it says when it cannot know.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -10,6 +11,7 @@
 #include "experiment/campaign.hpp"
 #include "rio/eval/nees.hpp"
 #include "rio/sim/random.hpp"
+#include "support/measured.hpp"
 
 namespace rio::experiment {
 namespace {
@@ -73,6 +75,8 @@ TEST(TimeOffset, ErrorAgreesWithItsSigma) {
     mean += std::pow((found.value - offset) / found.sigma, 2) / kFlights;
   }
   const eval::AneesBounds bounds = eval::anees_bounds(1, kFlights, 0.99);
+  test::measured("NEES of the time offset", mean,
+                 std::to_string(bounds.lower) + " to " + std::to_string(bounds.upper));
   EXPECT_GT(mean, bounds.lower);
   EXPECT_LT(mean, bounds.upper);
 }

@@ -3,10 +3,12 @@
 // preset is as large as its covariance says. `rio experiment consistency` draws it over time.
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
 
 #include "experiment/campaign.hpp"
 #include "rio/eval/nees.hpp"
+#include "support/measured.hpp"
 
 namespace rio::experiment {
 namespace {
@@ -40,16 +42,22 @@ TEST(Consistency, HundredMatchedRuns) {
                });
   const eval::AneesBounds three = eval::anees_bounds(3, kRuns, 0.99);
   const eval::AneesBounds one = eval::anees_bounds(1, kRuns, 0.99);
-  const auto expect_within = [](double nees, const eval::AneesBounds& bounds, int dof) {
+  const auto expect_within = [](const char* what, double nees, const eval::AneesBounds& bounds,
+                                int dof) {
+    test::measured(
+        std::string("NEES of ") + what, nees,
+        std::to_string(bounds.lower / dof) + " to " + std::to_string(bounds.upper / dof));
     EXPECT_GT(nees, bounds.lower / dof);
     EXPECT_LT(nees, bounds.upper / dof);
   };
   // not within: a quarter of the matches with landmarks join neighbours, which makes it 1.25
+  test::measured("NEES of position", in_flight.position, "below 1.4");
+  test::measured("NIS of Doppler alone", doppler_nis, "0.905 to 0.945");
   EXPECT_GT(in_flight.position, three.lower / 3.0);
   EXPECT_LT(in_flight.position, 1.4);
-  expect_within(in_flight.attitude, three, 3);
-  expect_within(in_flight.heading, one, 1);
-  expect_within(in_flight.velocity, three, 3);
+  expect_within("attitude", in_flight.attitude, three, 3);
+  expect_within("heading", in_flight.heading, one, 1);
+  expect_within("velocity", in_flight.velocity, three, 3);
   // mean of a chi-squared variable of one degree cut off at its 99 % quantile
   EXPECT_NEAR(doppler_nis, 0.925, 0.02);
 }

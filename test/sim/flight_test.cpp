@@ -355,7 +355,7 @@ TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
   constexpr int kSeeds = 40;
   for (int i = 0; i < kSeeds; ++i) {
     options.seed = static_cast<std::uint64_t>(i);
-    const Pose told = flight_detail::told_mounting(options);
+    const Pose told = told_mounting(options);
     const Pose& truth = options.radar.T_BS;
     const Vector3d offset = told.translation - truth.translation;
     const Vector3d angle = quaternion_log(truth.rotation.conjugate() * told.rotation);
@@ -369,7 +369,7 @@ TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
   EXPECT_LT(offsets.cwiseAbs().maxCoeff(), 5.0 / std::sqrt(3.0 * kSeeds));
   options.seed = 6;
   const Flight flight = simulate_flight(options);
-  EXPECT_EQ(flight.told_T_BS.translation, flight_detail::told_mounting(options).translation);
+  EXPECT_EQ(flight.told_T_BS.translation, told_mounting(options).translation);
 }
 
 TEST(Flight, RoomHoldsThePath) {

@@ -18,12 +18,7 @@ namespace rio {
 
 class Ekf {
  public:
-  explicit Ekf(const Options& options)
-      : options_(options),
-        belief_(options, options.update.max_clones),
-        rows_(options),
-        panels_(belief_.layout().capacity()),
-        dx_(Eigen::VectorXd::Zero(belief_.layout().capacity())) {}
+  explicit Ekf(const Options& options);
 
   const Estimate& estimate() const { return belief_.estimate(); }
   const Belief& belief() const { return belief_; }
@@ -32,10 +27,7 @@ class Ekf {
     return rio::landmark_room(estimate(), seen, options_);
   }
 
-  void reset(const NavState& prior, const BodyCovariance& P0) {
-    belief_.reset(prior, P0);
-    rows_.reset();
-  }
+  void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
@@ -43,40 +35,18 @@ class Ekf {
   }
 
   /// All landmarks leave.
-  void drop_landmarks(UpdateReport* report) {
-    for (std::size_t i = estimate().landmarks.size(); i-- > 0;) {
-      belief_.remove_landmark(i);
-      ++report->landmarks_removed;
-    }
-  }
+  void drop_landmarks(UpdateReport* report);
 
   /// The velocity has been off by about `error` [m/s] for `duration` [s]: P admits it, and the
   /// landmarks seen meanwhile are dropped. The trails have to go, too.
-  void reopen_velocity(double error, double duration, UpdateReport* report) {
-    drop_landmarks(report);
-    belief_.covariance().reopen_velocity(error * error, duration);
-  }
+  void reopen_velocity(double error, double duration, UpdateReport* report);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
-  Status update(const Observations& seen, UpdateReport* report) {
-    const RowBatch& rows = rows_.build(seen, belief_, report);
-    if (!panels_.apply(rows, &belief_.covariance(), &dx_)) return Status::kNumerical;
-    before_ = belief_.estimate();
-    belief_.correct(dx_);
-    if (options_.update.consistent_covariance) {
-      reexpress(belief_.layout(), before_, belief_.estimate(), &belief_.covariance());
-    }
-    return Status::kOk;
-  }
+  Status update(const Observations& seen, UpdateReport* report);
 
   /// Stage 7 (update/landmark_policy.hpp).
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                          UpdateReport* report) {
-    rio::maintain_landmarks(
-        seen, rows_, promotions, options_, &belief_.estimate(), report,
-        [this](std::size_t i) { belief_.remove_landmark(i); },
-        [this](const Detection& d) { belief_.add_landmark(d); });
-  }
+                          UpdateReport* report);
 
   /// Stage 2: the corrected pose becomes the clone of this scan, in place of the oldest one.
   void clone(ScanId scan) { belief_.clone(scan); }

@@ -21,26 +21,12 @@ using BodyError = Eigen::Matrix<double, body::kSize, 1>;
 
 /// Error of a state (E1), order of namespace body: head<9>() is attitude (body axes), position and
 /// velocity, and goes with the top left 9 x 9 of a BodyCovariance.
-inline BodyError body_error(const NavState& estimate, const NavState& truth) {
-  BodyError error;
-  error.segment<3>(body::kAttitude) = quaternion_log(estimate.q_WB.conjugate() * truth.q_WB);
-  error.segment<3>(body::kPosition) = truth.p_WB - estimate.p_WB;
-  error.segment<3>(body::kVelocity) = truth.v_WB - estimate.v_WB;
-  error.segment<3>(body::kGyroBias) = truth.gyro_bias - estimate.gyro_bias;
-  error.segment<3>(body::kAccelBias) = truth.accel_bias - estimate.accel_bias;
-  return error;
-}
+BodyError body_error(const NavState& estimate, const NavState& truth);
 
 using StateError = Eigen::Matrix<double, 9, 1>;
 
 /// Error of a state (E1) as [dp, dphi, dv] in W, B, W axes: the order of a states file.
-inline StateError state_error(const NavState& estimate, const NavState& truth) {
-  const BodyError error = body_error(estimate, truth);
-  StateError reordered;
-  reordered << error.segment<3>(body::kPosition), error.segment<3>(body::kAttitude),
-      error.segment<3>(body::kVelocity);
-  return reordered;
-}
+StateError state_error(const NavState& estimate, const NavState& truth);
 
 /// Normalised estimation error squared (E2); NaN if P is not positive definite.
 template <class Error, class Covariance>
@@ -52,12 +38,7 @@ double nees(const Eigen::MatrixBase<Error>& error, const Eigen::MatrixBase<Covar
 }
 
 /// Mean of the NEES of several runs at one instant; NaN without runs.
-inline double anees(const std::vector<double>& nees_of_runs) {
-  if (nees_of_runs.empty()) return std::numeric_limits<double>::quiet_NaN();
-  double sum = 0.0;
-  for (const double value : nees_of_runs) sum += value;
-  return sum / static_cast<double>(nees_of_runs.size());
-}
+double anees(const std::vector<double>& nees_of_runs);
 
 /// Where the ANEES of consistent runs lies.
 struct AneesBounds {
@@ -69,11 +50,6 @@ struct AneesBounds {
 /// The two-sided interval (E3) that holds the ANEES of `runs` independent consistent runs of a
 /// state of `dof` dimensions with `probability`; the chances of missing it on either side are
 /// equal.
-inline AneesBounds anees_bounds(int dof, int runs, double probability) {
-  RIO_ASSERT(dof > 0 && runs > 0);
-  const double total = static_cast<double>(dof) * runs;
-  const double miss = 0.5 * (1.0 - probability);
-  return {chi2_quantile(miss, total) / runs, chi2_quantile(1.0 - miss, total) / runs};
-}
+AneesBounds anees_bounds(int dof, int runs, double probability);
 
 }  // namespace rio::eval

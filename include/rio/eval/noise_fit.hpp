@@ -19,11 +19,8 @@
 // Maximum Likelihood Estimation of Misspecified Models, 1982.
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
-#include <algorithm>
+#include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -64,39 +61,14 @@ struct NoiseFit {
 class NoiseFitter {
  public:
   /// Samples in the order of the flight; they must outlive the fitter.
-  explicit NoiseFitter(const std::vector<NoiseSample>& samples) : samples_(samples) {
-    const auto weaker = [](const NoiseSample& a, const NoiseSample& b) {
-      return a.snr_db < b.snr_db;
-    };
-    const auto [low, high] = std::minmax_element(samples.begin(), samples.end(), weaker);
-    if (low == samples.end()) return;
-    lowest_w_ = low->snr_db - kInvisible;
-    highest_w_ = high->snr_db;
-  }
+  explicit NoiseFitter(const std::vector<NoiseSample>& samples);
 
   /// Nothing if the samples do not fix the sigmas.
   /// @param start sigmas positive, within an order of magnitude
   /// @param smallest sigmas that can be told from none beside the grids, positive
   std::optional<NoiseFit> fit(
       const RadarNoise& start,
-      const Eigen::Vector4d& smallest = Eigen::Vector4d::Constant(kSmallest)) const {
-    const Eigen::Vector4d lowest = smallest.array().log();
-    Parameters x;
-    x << start.sigma.array().log(), std::clamp(start.weak_snr_db, lowest_w_, highest_w_);
-    for (int i = 0; i < kIterations; ++i) {
-      const Sums sums = accumulate(x, samples_.begin(), samples_.end());
-      const std::optional<Parameters> step = scoring_step(sums);
-      if (!step) return std::nullopt;
-      const Parameters before = x;
-      x.head<4>() += step->head<4>().cwiseMin(kLargestStep).cwiseMax(-kLargestStep);
-      x.head<4>() = x.head<4>().cwiseMax(lowest);
-      const double change = std::clamp((*step)[kWeak], -kLargestStepDb, kLargestStepDb);
-      x[kWeak] = std::clamp(x[kWeak] + change, lowest_w_, highest_w_);
-      const Parameters changed = (x - before).cwiseAbs();
-      if (changed.head<4>().maxCoeff() < kTolerance && changed[kWeak] < kToleranceDb) break;
-    }
-    return with_errors(x, lowest);
-  }
+      const Eigen::Vector4d& smallest = Eigen::Vector4d::Constant(kSmallest)) const;
 
  private:
   static constexpr int kCount = 5;
@@ -127,101 +99,20 @@ class NoiseFitter {
     double kept_variance;
   };
 
-  static const Cut& cut(Eigen::Index dof) {
-    static const std::array<Cut, NoiseSample::kMaxDof> kCuts = {Cut(1), Cut(2), Cut(3)};
-    return kCuts[static_cast<std::size_t>(dof - 1)];
-  }
+  static const Cut& cut(Eigen::Index dof);
 
-  Sums accumulate(const Parameters& x, Iterator begin, Iterator end) const {
-    Sums sums;
-    for (; begin != end; ++begin) add(*begin, x, &sums);
-    return sums;
-  }
+  Sums accumulate(const Parameters& x, Iterator begin, Iterator end) const;
 
   /// (E2) and (E4) of one sample.
-  static void add(const NoiseSample& sample, const Parameters& x, Sums* sums) {
-    const Eigen::Vector4d variance = (2.0 * x.head<4>()).array().exp();
-    const double weak = std::pow(10.0, -0.1 * (sample.snr_db - x[kWeak]));
-    const double growth = 1.0 + std::min(1.0, weak);  // (E1)
-    const Eigen::Vector4d grown(variance[0], growth * variance[1], growth * variance[2],
-                                variance[3]);
-    NoiseSample::Matrix S = sample.predicted;
-    S.diagonal() += sample.grid + sample.gain * grown;
-    const Eigen::LLT<NoiseSample::Matrix> llt(S);
-    if (llt.info() != Eigen::Success) return;
-    const NoiseSample::Vector y = llt.solve(sample.innovation);
-    const Cut& cut_here = cut(S.rows());
-    if (!(sample.innovation.dot(y) < cut_here.limit)) return;
-    const NoiseSample::Matrix inverse =
-        llt.solve(NoiseSample::Matrix::Identity(S.rows(), S.rows()));
-
-    // dS/dx_k is diagonal: its columns
-    Eigen::Matrix<double, Eigen::Dynamic, kCount, 0, NoiseSample::kMaxDof, kCount> d(S.rows(),
-                                                                                     kCount);
-    d.leftCols<4>() = 2.0 * sample.gain * grown.asDiagonal();
-    const double growth_slope = weak < 1.0 ? 0.1 * std::log(10.0) * weak : 0.0;
-    d.col(kWeak) = growth_slope * sample.gain.middleCols<2>(1) * variance.segment<2>(1);
-    const NoiseSample::Vector excess = y.cwiseAbs2() / cut_here.kept_variance - inverse.diagonal();
-    sums->score += 0.5 * d.transpose() * excess;
-    sums->information += 0.5 * d.transpose() * inverse.cwiseAbs2() * d;
-  }
+  static void add(const NoiseSample& sample, const Parameters& x, Sums* sums);
 
   /// (E4); w rests where no echo is weak enough to show it.
-  static std::optional<Parameters> scoring_step(const Sums& sums) {
-    Information information = sums.information;
-    constexpr double kVague = 1e-3;  // a sigma of 30 dB: keeps w where the samples say nothing
-    information(kWeak, kWeak) += kVague;
-    const Eigen::LLT<Information> llt(information);
-    if (llt.info() != Eigen::Success) return std::nullopt;
-    const Parameters step = llt.solve(sums.score);
-    if (!step.allFinite()) return std::nullopt;
-    return step;
-  }
+  static std::optional<Parameters> scoring_step(const Sums& sums);
 
   /// (E5)
-  std::optional<NoiseFit> with_errors(const Parameters& x, const Eigen::Vector4d& lowest) const {
-    const auto total = static_cast<std::ptrdiff_t>(samples_.size());
-    Information spread = Information::Zero();
-    for (std::ptrdiff_t b = 0; b < kStretches; ++b) {
-      const Parameters g = accumulate(x, samples_.begin() + b * total / kStretches,
-                                      samples_.begin() + (b + 1) * total / kStretches)
-                               .score;
-      spread += g * g.transpose();
-    }
-    NoiseFit fit;
-    fit.noise = {x.head<4>().array().exp(), x[kWeak]};
-    fit.growth_seen = x[kWeak] > lowest_w_ + 0.25 * kInvisible;
-    std::vector<int> free;
-    for (int k = 0; k < kWeak; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      fit.at_bound[at] = x[k] <= lowest[k] + kTolerance;
-      if (!fit.at_bound[at]) free.push_back(k);
-    }
-    if (fit.growth_seen) free.push_back(kWeak);
-    const Eigen::FullPivLU<Eigen::MatrixXd> lu(score_jacobian(x)(free, free));
-    if (!lu.isInvertible()) return std::nullopt;
-    const Eigen::MatrixXd inverse = lu.inverse();
-    const Eigen::MatrixXd covariance = inverse * spread(free, free) * inverse.transpose();
-    for (std::size_t i = 0; i < free.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      const double error = std::sqrt(covariance(row, row));
-      (free[i] == kWeak ? fit.weak_error_db : fit.relative_error[free[i]]) = error;
-    }
-    return fit;
-  }
+  std::optional<NoiseFit> with_errors(const Parameters& x, const Eigen::Vector4d& lowest) const;
 
-  Information score_jacobian(const Parameters& x) const {
-    Information J;
-    for (int k = 0; k < kCount; ++k) {
-      // wide enough that many samples cross the cut
-      const double step = k == kWeak ? 2.0 : 0.2;
-      const Parameters change = step * Parameters::Unit(k);
-      J.col(k) = (accumulate(x + change, samples_.begin(), samples_.end()).score -
-                  accumulate(x - change, samples_.begin(), samples_.end()).score) /
-                 (2.0 * step);
-    }
-    return J;
-  }
+  Information score_jacobian(const Parameters& x) const;
 
   const std::vector<NoiseSample>& samples_;
   double lowest_w_ = 0.0;

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/options.hpp"
@@ -35,15 +34,9 @@ struct Detection {
 };
 
 /// (E1): covariance of the measured direction.
-inline Matrix3d direction_covariance(const Detection& d) {
-  return d.sigma_azimuth_S * d.sigma_azimuth_S.transpose() +
-         d.sigma_elevation_S * d.sigma_elevation_S.transpose();
-}
+Matrix3d direction_covariance(const Detection& d);
 /// (E2): covariance of the measured point [m^2].
-inline Matrix3d point_covariance(const Detection& d) {
-  const Vector3d along = d.sigma_range * d.direction_S;
-  return along * along.transpose() + d.range * d.range * direction_covariance(d);
-}
+Matrix3d point_covariance(const Detection& d);
 
 /// The filtered scan.
 struct DetectionList {
@@ -68,84 +61,18 @@ inline double own_or(double own, double otherwise) {
 }
 
 /// A detection with direction, range and noise filled in from its point.
-inline Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
-  Detection d;
-  d.point_S = raw.point_S;
-  d.range = raw.point_S.norm();
-  d.direction_S = raw.point_S / d.range;
-  d.range_rate = raw.range_rate;
-  d.snr_db = raw.snr_db;
-  d.sigma_range = own_or(raw.sigma_range, with_grid(o.sigma_range, o.range_resolution));
-  d.sigma_doppler = own_or(raw.sigma_doppler, with_grid(o.sigma_doppler, o.doppler_resolution));
-  const Vector3d& u = d.direction_S;
-  const double horizontal = std::hypot(u.x(), u.y());  // cos(el)
-  const double cos_az = horizontal > 1e-9 ? u.x() / horizontal : 1.0;
-  const double sin_az = horizontal > 1e-9 ? u.y() / horizontal : 0.0;
-  // beyond 75 deg the growth is cut, and an azimuth keeps a noise: no array looks there
-  constexpr double kMinCosine = 0.25;
-  const double growth = weak_echo_growth(raw.snr_db, o.weak_snr_db);
-  const double sigma_az =
-      own_or(raw.sigma_azimuth, growth * o.sigma_azimuth / std::max(cos_az, kMinCosine));
-  const double sigma_el =
-      own_or(raw.sigma_elevation, growth * o.sigma_elevation / std::max(horizontal, kMinCosine));
-  d.sigma_azimuth_S = sigma_az * std::max(horizontal, kMinCosine) * Vector3d(-sin_az, cos_az, 0.0);
-  d.sigma_elevation_S = sigma_el * Vector3d(-u.z() * cos_az, -u.z() * sin_az, horizontal);
-  return d;
-}
+Detection make_detection(const RadarDetection& raw, const RadarOptions& o);
 
 /// The detection free of the radar's errors: its direction turned down by the elevation error, its
 /// range rate divided by 1 + scale error.
-inline Detection correct_detection(const Detection& received, const RadarErrors::Value& errors) {
-  Detection d = received;
-  const double sine = std::sin(errors[RadarErrors::kElevation]);
-  const double cosine = std::cos(errors[RadarErrors::kElevation]);
-  const double sigma = received.sigma_elevation_S.norm();
-  const Vector3d upwards = received.sigma_elevation_S / sigma;
-  d.direction_S = cosine * received.direction_S - sine * upwards;
-  d.sigma_elevation_S = sigma * (cosine * upwards + sine * received.direction_S);
-  d.point_S = d.range * d.direction_S;
-  d.range_rate = received.range_rate / (1.0 + errors[RadarErrors::kDopplerScale]);
-  return d;
-}
+Detection correct_detection(const Detection& received, const RadarErrors::Value& errors);
 
 /// Every number finite, no sigma negative.
-inline bool is_valid(const RadarDetection& d) {
-  const double sigmas[] = {d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler};
-  return d.point_S.allFinite() && std::isfinite(d.range_rate + d.snr_db) &&
-         std::all_of(std::begin(sigmas), std::end(sigmas),
-                     [](double sigma) { return std::isfinite(sigma) && sigma >= 0.0; });
-}
+bool is_valid(const RadarDetection& d);
 
 /// The detection filter: finite, in range, strong enough, in the field of view. Of more than
 /// `max_detections` the strongest are kept, in their original order.
-inline void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
-                              DetectionList& out) {
-  out.time = scan.time;
-  out.received = static_cast<int>(scan.detections.size());
-  out.non_finite = 0;
-  out.items.clear();
-  for (const RadarDetection& raw : scan.detections) {
-    if (!is_valid(raw)) {
-      ++out.non_finite;
-      continue;
-    }
-    const double range = raw.point_S.norm();
-    if (range < radar.min_range || range > radar.max_range) continue;
-    if (raw.snr_db < radar.min_snr_db) continue;
-    const double azimuth = std::atan2(raw.point_S.y(), raw.point_S.x());
-    const double elevation = std::asin(std::clamp(raw.point_S.z() / range, -1.0, 1.0));
-    if (std::abs(azimuth) > 0.5 * radar.fov_azimuth) continue;
-    if (std::abs(elevation) > 0.5 * radar.fov_elevation) continue;
-    if (out.items.size() == static_cast<std::size_t>(max_detections)) {
-      std::size_t weakest = 0;
-      for (std::size_t i = 1; i < out.items.size(); ++i) {
-        if (out.items[i].snr_db < out.items[weakest].snr_db) weakest = i;
-      }
-      if (out.items[weakest].snr_db >= raw.snr_db) continue;
-      out.items.erase(weakest);
-    }
-    out.items.push_back(make_detection(raw, radar));
-  }
-}
+void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
+                       DetectionList& out);
 
 }  // namespace rio

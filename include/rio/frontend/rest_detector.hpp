@@ -9,8 +9,6 @@
 // at constant speed, a radar without Doppler could hover within its cell; a rotor excludes (E1).
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "rio/frontend/detection.hpp"
@@ -30,21 +28,7 @@ class RestDetector {
   /// The rest as a measurement, if there is one.
   /// @param from the last scan; `to`: this one; the buffer holds the samples between them
   std::optional<RestModel::Measurement> observe(const DetectionList& scan, Time from, Time to,
-                                                const ImuBuffer& imu, const Vector3d& gyro_bias) {
-    if (!options_.frontend.detect_rest) return std::nullopt;
-    const Statistics s = statistics(imu, from, to);
-    const double duration = to_seconds(to - from);
-    if (s.count < kMinSamples || duration > kLongestSpan || !is_still(s, duration, gyro_bias) ||
-        !without_doppler(scan)) {
-      reset();
-      return std::nullopt;
-    }
-    still_ += duration;
-    if (still_ < kDuration) return std::nullopt;
-    const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
-    return RestModel::Measurement{s.mean.head<3>(), kStandingVelocity,
-                                  std::max(noise, kSmallestRate)};
-  }
+                                                const ImuBuffer& imu, const Vector3d& gyro_bias);
 
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -55,43 +39,15 @@ class RestDetector {
     Vector6d mean = Vector6d::Zero();
     Vector6d squares = Vector6d::Zero();
 
-    void add(const ImuSample& sample) {
-      Vector6d x;
-      x << sample.gyro_B, sample.accel_B;
-      count += 1.0;
-      const Vector6d delta = x - mean;
-      mean += delta / count;
-      squares += delta.cwiseProduct(x - mean);
-    }
+    void add(const ImuSample& sample);
     Vector6d deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
   };
 
-  static Statistics statistics(const ImuBuffer& imu, Time from, Time to) {
-    Statistics s;
-    for (std::size_t i = 0; i < imu.size(); ++i) {
-      if (imu[i].time > from && imu[i].time <= to) s.add(imu[i]);
-    }
-    return s;
-  }
+  static Statistics statistics(const ImuBuffer& imu, Time from, Time to);
 
-  bool is_still(const Statistics& s, double duration, const Vector3d& gyro_bias) const {
-    const double root_rate = std::sqrt(s.count / duration);
-    const double gyro = std::max(kSpread * options_.imu.gyro_noise_density * root_rate, kGyroFloor);
-    const double accel =
-        std::max(kSpread * options_.imu.accel_noise_density * root_rate, kAccelFloor);
-    return s.deviation().head<3>().maxCoeff() < gyro &&                  // (E1)
-           s.deviation().tail<3>().maxCoeff() < accel &&                 //
-           (s.mean.head<3>() - gyro_bias).cwiseAbs().maxCoeff() < gyro;  // (E2)
-  }
+  bool is_still(const Statistics& s, double duration, const Vector3d& gyro_bias) const;
 
-  static bool without_doppler(const DetectionList& scan) {  // (E3)
-    std::size_t still = 0;
-    for (const Detection& d : scan.items) {
-      still += std::abs(d.range_rate) < kDopplerSigmas * d.sigma_doppler ? 1 : 0;
-    }
-    return still >= kMinDetections &&
-           static_cast<double>(still) > kShare * static_cast<double>(scan.items.size());
-  }
+  static bool without_doppler(const DetectionList& scan);
 
   static constexpr double kSpread = 2.0;  // a spread of twelve samples exceeds it once in 1e5 spans
   static constexpr double kGyroFloor = 1e-3;   // grid of a MEMS gyroscope [rad/s]

@@ -23,18 +23,7 @@ struct LandmarkBirth {
   JacobianOf<3, Blocks::kDof> d_l;  ///< H_x
   Matrix3d noise;                   ///< cov(n) [m^2]
 
-  LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, const Detection& d)
-      : p_WL(to_world(T_WB, T_BS, d.point_S)) {
-    const Matrix3d R_WS = T_WB.R * T_BS.R;
-    const Vector3d upwards = d.range * d.sigma_elevation_S.normalized();
-    d_l.setZero();
-    d_l.middleCols<3>(Blocks::column<BodyPose>()) = -T_WB.R * skew(T_BS.R * d.point_S + T_BS.p);
-    d_l.middleCols<3>(Blocks::column<BodyPose>() + 3).setIdentity();
-    d_l.middleCols<3>(Blocks::column<Extrinsics>()) = -R_WS * skew(d.point_S);
-    d_l.middleCols<3>(Blocks::column<Extrinsics>() + 3) = T_WB.R;
-    d_l.col(Blocks::column<RadarErrors>() + RadarErrors::kElevation) = -R_WS * upwards;
-    noise = R_WS * point_covariance(d) * R_WS.transpose();
-  }
+  LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, const Detection& d);
 };
 
 /// A landmark in radar axes (E3) with its derivatives.
@@ -47,12 +36,7 @@ struct ObservedPoint {
   /// The direction to a point at the radar is undefined [m].
   static constexpr double kMinRange = 1e-3;
 
-  ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL) {
-    const Vector3d from_body = T_WB.R.transpose() * (p_WL - T_WB.p);
-    const Matrix3d R_SW = (T_WB.R * T_BS.R).transpose();
-    e_S = T_BS.R.transpose() * (from_body - T_BS.p);
-    d_e << T_BS.R.transpose() * skew(from_body), -R_SW, skew(e_S), -T_BS.R.transpose(), R_SW;
-  }
+  ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL);
   auto d_body() const { return d_e.middleCols<6>(Blocks::column<BodyPose>()); }
   auto d_extrinsics() const { return d_e.middleCols<6>(Blocks::column<Extrinsics>()); }
   auto d_landmark() const { return d_e.middleCols<3>(Blocks::column<Landmark>()); }

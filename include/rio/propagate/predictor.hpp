@@ -15,16 +15,9 @@ class Predictor {
   const NavState& state() const { return state_; }
 
   /// After an update or a reset: starts again from the corrected state.
-  void rebase(const NavState& corrected, const ImuBuffer& imu) {
-    state_ = corrected;
-    advance(imu);
-  }
+  void rebase(const NavState& corrected, const ImuBuffer& imu);
   /// To the newest sample; constant time when called for every sample.
-  void advance(const ImuBuffer& imu) {
-    if (imu.empty()) return;
-    imu.for_each_step(state_.time, imu.newest().time,
-                      [this](const ImuStep& step) { integrate(step, gravity_, state_); });
-  }
+  void advance(const ImuBuffer& imu);
 
  private:
   double gravity_;

@@ -6,7 +6,6 @@
 //      flown since the last look; the distance of the noise is shorter than that of the rest
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -30,44 +29,18 @@ class Fading {
  public:
   /// @param distance e-folding distance of strength and scattering centre [m]
   /// @param noise_distance same, of the noise of what is measured [m]
-  Fading(std::uint64_t seed, double distance, double noise_distance)
-      : distance_(distance),
-        noise_distance_(noise_distance),
-        random_(seed, 5),
-        noise_random_(seed, 10) {}
+  Fading(std::uint64_t seed, double distance, double noise_distance);
 
-  Speckles make(std::size_t count) {
-    Speckles speckles(count);
-    for (Speckle& s : speckles) {
-      s.fading = random_.normal();
-      s.wander = random_.normal3();
-      s.noise = normal4();
-    }
-    return speckles;
-  }
+  Speckles make(std::size_t count);
 
   /// Ages `s` to the way `path` of radar and object [m] and returns it.
-  const Speckle& advance(double path, Speckle& s) {
-    const double way = path - s.path;
-    s.path = path;
-    if (way == 0.0) return s;
-    const double keep = std::exp(-way / distance_);  // (E1)
-    const double fresh = std::sqrt(1.0 - keep * keep);
-    s.fading = keep * s.fading + fresh * random_.normal();
-    s.wander = keep * s.wander + fresh * random_.normal3();
-    const double keep_noise = std::exp(-way / noise_distance_);
-    s.noise = keep_noise * s.noise + std::sqrt(1.0 - keep_noise * keep_noise) * normal4();
-    return s;
-  }
+  const Speckle& advance(double path, Speckle& s);
 
   /// What is new at every look, unit variance.
   double flicker() { return random_.normal(); }
 
  private:
-  Speckle::Noise normal4() {
-    const Vector3d head = noise_random_.normal3();
-    return {head.x(), head.y(), head.z(), noise_random_.normal()};
-  }
+  Speckle::Noise normal4();
 
   double distance_;
   double noise_distance_;

@@ -6,9 +6,7 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <numbers>
 
 #include "rio/sim/random.hpp"
 #include "rio/sim/trajectory.hpp"
@@ -33,68 +31,26 @@ struct ImuModel {
   double stamp_jitter = 0.0;             ///< standard deviation of the stamps [s]
 
   /// Only what a filter models: bias and white noise, no vibration.
-  static ImuModel ideal() {
-    ImuModel model;
-    model.gyro_vibration = model.accel_vibration = 0.0;
-    return model;
-  }
+  static ImuModel ideal();
   /// The exact motion.
-  static ImuModel noise_free() {
-    ImuModel model = ideal();
-    model.gyro_noise_density = model.gyro_random_walk = model.gyro_turn_on_sigma = 0.0;
-    model.accel_noise_density = model.accel_random_walk = model.accel_turn_on_sigma = 0.0;
-    return model;
-  }
+  static ImuModel noise_free();
 };
 
 /// Turns the motion into samples, one call a sample, `rate_hz` calls a second.
 class ImuSimulator {
  public:
-  ImuSimulator(const ImuModel& model, std::uint64_t seed) : model_(model), random_(seed, 2) {
-    gyro_bias_ = model_.gyro_turn_on_sigma * random_.normal3();
-    accel_bias_ = model_.accel_turn_on_sigma * random_.normal3();
-    for (double& phase : phases_) phase = random_.uniform(0.0, 2.0 * std::numbers::pi);
-  }
+  ImuSimulator(const ImuModel& model, std::uint64_t seed);
 
   /// The biases in the next sample.
   const Vector3d& gyro_bias() const { return gyro_bias_; }
   const Vector3d& accel_bias() const { return accel_bias_; }
 
   /// The sample at `point`; afterwards the biases walk one step.
-  ImuSample sample(const Trajectory::Point& point) {
-    const double root_rate = std::sqrt(model_.rate_hz);
-    ImuSample sample;
-    sample.time = point.nav.time;
-    sample.gyro_B = point.gyro_B + gyro_bias_ +
-                    model_.gyro_noise_density * root_rate * random_.normal3();  // (E1)
-    sample.accel_B =
-        point.accel_B + accel_bias_ + model_.accel_noise_density * root_rate * random_.normal3();
-    if (point.flying) {
-      sample.gyro_B += model_.gyro_vibration * vibration(0);
-      sample.accel_B += model_.accel_vibration * vibration(3);
-    }
-    sample.gyro_B = sample.gyro_B.cwiseMax(-model_.gyro_limit).cwiseMin(model_.gyro_limit);
-    sample.accel_B = sample.accel_B.cwiseMax(-model_.accel_limit).cwiseMin(model_.accel_limit);
-
-    gyro_bias_ += model_.gyro_random_walk / root_rate * random_.normal3();  // (E2)
-    accel_bias_ += model_.accel_random_walk / root_rate * random_.normal3();
-    ++count_;
-    return sample;
-  }
+  ImuSample sample(const Trajectory::Point& point);
 
  private:
   /// One sinusoid of unit amplitude an axis, rotors slightly apart in speed.
-  Vector3d vibration(std::size_t first) const {
-    Vector3d value;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double frequency =
-          model_.vibration_frequency_hz * (1.0 + 0.03 * static_cast<double>(axis));
-      const double cycles = frequency / model_.rate_hz * static_cast<double>(count_);
-      value[static_cast<Eigen::Index>(axis)] =
-          std::sin(2.0 * std::numbers::pi * cycles + phases_[first + axis]);
-    }
-    return value;
-  }
+  Vector3d vibration(std::size_t first) const;
 
   ImuModel model_;
   Random random_;

@@ -6,8 +6,6 @@
 // (E2) the angle FFT reports y/r and z/r in steps of g; x/r = sqrt(1 - (y/r)^2 - (z/r)^2)
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <vector>
@@ -19,10 +17,7 @@ namespace rio::sim {
 inline constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Mounted at the front and pitched down by an angle [rad].
-inline Pose default_radar_mount(double pitch = 45.0 * kDegree) {
-  return {.rotation = Quaternion(std::cos(0.5 * pitch), 0.0, std::sin(0.5 * pitch), 0.0),
-          .translation = {0.10, 0.0, -0.05}};
-}
+Pose default_radar_mount(double pitch = 45.0 * kDegree);
 
 /// The radar that is simulated. Defaults: AWR1843-like, indoor chirp.
 struct RadarModel {
@@ -76,14 +71,7 @@ struct RadarModel {
   }
 
   /// Only what a filter models: unbiased Gaussian noise on the polar coordinates and the Doppler.
-  static RadarModel ideal() {
-    RadarModel model;
-    model.quantize = model.ambiguous = model.specular = false;
-    model.angle_grid = model.weak_angle_growth = 0.0;
-    model.wander_sigma = model.outlier_share = 0.0;
-    model.fresh_noise = 1.0;
-    return model;
-  }
+  static RadarModel ideal();
 };
 
 /// What caused a detection.
@@ -97,23 +85,7 @@ enum class Cause : std::uint8_t {
 };
 
 /// Name as in the label file.
-inline const char* to_string(Cause cause) {
-  switch (cause) {
-    case Cause::kStatic:
-      return "static";
-    case Cause::kMirror:
-      return "mirror";
-    case Cause::kDoubleBounce:
-      return "double_bounce";
-    case Cause::kSpecular:
-      return "specular";
-    case Cause::kPerson:
-      return "person";
-    case Cause::kFalseAlarm:
-      return "false_alarm";
-  }
-  return "";
-}
+const char* to_string(Cause cause);
 
 /// The truth about one detection.
 struct Label {
@@ -128,10 +100,7 @@ struct LabeledScan {
 };
 
 /// `value` folded into [-limit, limit).
-inline double fold(double value, double limit) {
-  const double folded = value - 2.0 * limit * std::floor((value + limit) / (2.0 * limit));
-  return folded < limit ? folded : -limit;
-}
+double fold(double value, double limit);
 
 /// Range [m], azimuth [rad], elevation [rad]; inverse of (E1).
 struct Polar {
@@ -139,28 +108,12 @@ struct Polar {
   double azimuth = 0.0;
   double elevation = 0.0;
 
-  static Polar of(const Vector3d& point_S) {
-    return {point_S.norm(), std::atan2(point_S.y(), point_S.x()),
-            std::atan2(point_S.z(), point_S.head<2>().norm())};
-  }
-  Vector3d point() const {  // (E1)
-    const double level = range * std::cos(elevation);
-    return {level * std::cos(azimuth), level * std::sin(azimuth), range * std::sin(elevation)};
-  }
+  static Polar of(const Vector3d& point_S);
+  Vector3d point() const;
 };
 
 /// (E2): the point on the grid of direction cosines, its range unchanged. A grid point outside of
 /// the unit circle is no direction; the larger cosine then steps inwards.
-inline Vector3d snap_direction(const Vector3d& point_S, double grid) {
-  const double range = point_S.norm();
-  if (grid <= 0.0 || range <= 0.0) return point_S;
-  double y = std::round(point_S.y() / range / grid) * grid;
-  double z = std::round(point_S.z() / range / grid) * grid;
-  while (y * y + z * z > 1.0) {
-    double& larger = std::abs(y) > std::abs(z) ? y : z;
-    larger = std::copysign((std::round(std::abs(larger) / grid) - 1.0) * grid, larger);
-  }
-  return range * Vector3d(std::sqrt(std::max(0.0, 1.0 - y * y - z * z)), y, z);
-}
+Vector3d snap_direction(const Vector3d& point_S, double grid);
 
 }  // namespace rio::sim

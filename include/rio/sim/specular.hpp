@@ -11,7 +11,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -25,61 +24,18 @@ inline constexpr int kPlanes = 6;                    ///< indices 0..5: low x, h
 inline constexpr int kHighlights = kPlanes + 3 * 4;  ///< indices 6..17: four edges along each axis
 
 /// Foot of the perpendicular from `p_W` on a face or edge; empty if it lies beyond its border.
-inline std::optional<Vector3d> perpendicular_foot(const Room& room, int index,
-                                                  const Vector3d& p_W) {
-  enum Side { kFree, kLow, kHigh };
-  std::array<Side, 3> sides{};
-  const auto side = [](bool high) { return high ? kHigh : kLow; };
-  if (index < kPlanes) {
-    sides.at(static_cast<std::size_t>(index / 2)) = side(index % 2 == 1);
-  } else {
-    const int edge = index - kPlanes;
-    const int along = edge / 4;
-    sides.at(static_cast<std::size_t>((along + 1) % 3)) = side(edge % 2 == 1);
-    sides.at(static_cast<std::size_t>((along + 2) % 3)) = side(edge % 4 >= 2);
-  }
-  Vector3d foot_W = p_W;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Side s = sides.at(static_cast<std::size_t>(axis));
-    if (s == kFree && (p_W[axis] < room.low_W[axis] || p_W[axis] > room.high_W[axis])) return {};
-    if (s != kFree) foot_W[axis] = s == kLow ? room.low_W[axis] : room.high_W[axis];
-  }
-  return foot_W;
-}
+std::optional<Vector3d> perpendicular_foot(const Room& room, int index, const Vector3d& p_W);
 
 /// Images of a point in the six faces, in their order.
-inline std::array<Vector3d, kPlanes> mirror_images(const Room& room, const Vector3d& point_W) {
-  std::array<Vector3d, kPlanes> images_W;
-  images_W.fill(point_W);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto low = 2 * static_cast<std::size_t>(axis);
-    images_W.at(low)[axis] = 2.0 * room.low_W[axis] - point_W[axis];
-    images_W.at(low + 1)[axis] = 2.0 * room.high_W[axis] - point_W[axis];
-  }
-  return images_W;
-}
+std::array<Vector3d, kPlanes> mirror_images(const Room& room, const Vector3d& point_W);
 
 /// Cross sections of the faces and edges of one room.
 class Highlights {
  public:
-  explicit Highlights(std::uint64_t seed) {
-    // A large smooth plane has +5 dB(m^2) at 1 m (pi r^2); plaster reflects a tenth of that and
-    // scatters most of it aside.
-    constexpr double kPlaneRcs = -15.0;  // [dB(m^2)]
-    constexpr double kEdgeRcs = -18.0;
-    constexpr double kRcsSigma = 6.0;
-    Random random(seed, 9);
-    for (int i = 0; i < kHighlights; ++i) {
-      rcs_1m_.at(static_cast<std::size_t>(i)) =
-          (i < kPlanes ? kPlaneRcs : kEdgeRcs) + kRcsSigma * random.normal();
-    }
-  }
+  explicit Highlights(std::uint64_t seed);
 
   /// Of one face or edge seen from `range` [m], in dB(m^2).
-  double rcs_dbsm(int index, double range) const {  // (E2)
-    const double growth = index < kPlanes ? 20.0 : 10.0;
-    return rcs_1m_.at(static_cast<std::size_t>(index)) + growth * std::log10(range);
-  }
+  double rcs_dbsm(int index, double range) const;
 
  private:
   std::array<double, kHighlights> rcs_1m_{};

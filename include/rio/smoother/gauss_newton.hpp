@@ -28,14 +28,8 @@ class WindowPoint {
  public:
   explicit WindowPoint(std::size_t max_states) : navs_(max_states) {}
 
-  void save(const Window& window, const Estimate& x) {
-    for (std::size_t k = 0; k < window.size(); ++k) navs_[k] = window[k].nav;
-    estimate_ = x;
-  }
-  void restore(Window* window, Estimate* x) const {
-    for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs_[k];
-    *x = estimate_;
-  }
+  void save(const Window& window, const Estimate& x);
+  void restore(Window* window, Estimate* x) const;
 
  private:
   std::vector<NavState> navs_;
@@ -45,11 +39,7 @@ class WindowPoint {
 class GaussNewton {
  public:
   /// @param border largest size of calibration and landmarks
-  GaussNewton(const SmootherOptions& options, int max_states, int border)
-      : options_(options),
-        saved_(static_cast<std::size_t>(max_states)),
-        dx_(Eigen::VectorXd::Zero(body::kSize * max_states + border)),
-        tail_(Eigen::VectorXd::Zero(body::kSize + border)) {}
+  GaussNewton(const SmootherOptions& options, int max_states, int border);
 
   /// Moves window and belief to the minimum; the newest state is the belief's. The factor of the
   /// system is undamped afterwards. False if a system cannot be solved.
@@ -93,31 +83,10 @@ class GaussNewton {
 
   /// dx_ by the factor as it is; the result is its length in sigmas (E1), infinite if it is not
   /// finite.
-  double step(const NormalEquations& system) {
-    system.solve(&dx_);
-    const auto dx = dx_.head(system.size());
-    const double squared = dx.dot(system.g());
-    return dx.allFinite() && squared >= 0.0 ? std::sqrt(squared) : kNone;
-  }
+  double step(const NormalEquations& system);
 
-  void apply(const NormalEquations& system, Window* window, Belief* belief) {
-    for (std::size_t k = 0; k + 1 < window->size(); ++k) {
-      correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
-                  &(*window)[k].nav);
-    }
-    const int size = system.tail_size();
-    tail_.head(size) = dx_.segment(system.size() - size, size);
-    belief->correct(tail_);
-    window->newest().nav = belief->estimate().nav;
-    window->publish(&belief->estimate());
-  }
-  static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {
-    nav->q_WB = (nav->q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
-    nav->p_WB += dx.segment<3>(body::kPosition);
-    nav->v_WB += dx.segment<3>(body::kVelocity);
-    nav->gyro_bias += dx.segment<3>(body::kGyroBias);
-    nav->accel_bias += dx.segment<3>(body::kAccelBias);
-  }
+  void apply(const NormalEquations& system, Window* window, Belief* belief);
+  static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav);
 
   SmootherOptions options_;
   WindowPoint saved_;

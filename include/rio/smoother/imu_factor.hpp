@@ -18,7 +18,6 @@
 #pragma once
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 #include "rio/core/so3.hpp"
 #include "rio/smoother/preintegration.hpp"
@@ -35,24 +34,11 @@ struct InertialState {
   Vector3d accel_bias = Vector3d::Zero();  ///< [m/s^2]
 
   InertialState() = default;
-  explicit InertialState(const NavState& x)
-      : T_WB(x.q_WB.toRotationMatrix(), x.p_WB),
-        v_WB(x.v_WB),
-        gyro_bias(x.gyro_bias),
-        accel_bias(x.accel_bias) {}
+  explicit InertialState(const NavState& x);
 };
 
 /// x with the error added, order of namespace body.
-inline InertialState retract(const InertialState& x,
-                             const Eigen::Matrix<double, body::kSize, 1>& error) {
-  static_assert(body::kAttitude == 0 && body::kPosition == 3);  // as in PoseBlock
-  InertialState out = x;
-  out.T_WB = PoseBlock::retract(x.T_WB, error.head<PoseBlock::kDof>());
-  out.v_WB += error.segment<3>(body::kVelocity);
-  out.gyro_bias += error.segment<3>(body::kGyroBias);
-  out.accel_bias += error.segment<3>(body::kAccelBias);
-  return out;
-}
+InertialState retract(const InertialState& x, const Eigen::Matrix<double, body::kSize, 1>& error);
 
 /// Residual and Jacobian between state i (columns 0..14) and state j (columns 15..29). Fixed size,
 /// no allocation.
@@ -75,60 +61,22 @@ class ImuFactor {
   const Preintegration& imu() const { return imu_; }
 
   /// (E4): unit covariance. J may be null.
-  void evaluate(const InertialState& xi, const InertialState& xj, Residual* r, Jacobian* J) const {
-    evaluate_unwhitened(xi, xj, r, J);
-    sqrt_covariance_.matrixL().solveInPlace(*r);
-    if (J != nullptr) sqrt_covariance_.matrixL().solveInPlace(*J);
-  }
+  void evaluate(const InertialState& xi, const InertialState& xj, Residual* r, Jacobian* J) const;
 
   /// (E1) to (E3): [rad, m, m/s, rad/s, m/s^2], covariance imu().covariance(). J may be null.
   void evaluate_unwhitened(const InertialState& xi, const InertialState& xj, Residual* r,
-                           Jacobian* J) const {
-    const double T = to_seconds(imu_.duration());
-    const ImuIncrement d = imu_.corrected(xi.gyro_bias, xi.accel_bias);
-    const Matrix3d R_ij = xi.T_WB.R.transpose() * xj.T_WB.R;
-    const Vector3d u_p =
-        xi.T_WB.R.transpose() * (xj.T_WB.p - xi.T_WB.p - (xi.v_WB + 0.5 * T * gravity_W_) * T);
-    const Vector3d u_v = xi.T_WB.R.transpose() * (xj.v_WB - xi.v_WB - gravity_W_ * T);
-    const Vector3d r_phi = quaternion_log(d.delta_q.conjugate() * Quaternion(R_ij));
-    *r << r_phi, u_p - d.delta_p, u_v - d.delta_v, xj.gyro_bias - xi.gyro_bias,
-        xj.accel_bias - xi.accel_bias;
-    if (J == nullptr) return;
-    J->setZero();
-    differentiate_attitude(R_ij, r_phi, imu_.rotation_correction(xi.gyro_bias), J);
-    differentiate_motion(xi.T_WB.R, u_p, u_v, T, J);
-    J->block<6, 6>(body::kGyroBias, body::kGyroBias) = -Eigen::Matrix<double, 6, 6>::Identity();
-    J->block<6, 6>(body::kGyroBias, kJ + body::kGyroBias).setIdentity();
-  }
+                           Jacobian* J) const;
 
  private:
   static constexpr int kJ = body::kSize;  // first column of state j
 
   /// (E2)
   void differentiate_attitude(const Matrix3d& R_ij, const Vector3d& r_phi, const Vector3d& c,
-                              Jacobian* J) const {
-    using namespace body;
-    const Matrix3d inverse_Jr = gamma(1, -r_phi).inverse();  // regular: |r_phi| <= pi
-    J->block<3, 3>(kAttitude, kAttitude) = -inverse_Jr * R_ij.transpose();
-    J->block<3, 3>(kAttitude, kJ + kAttitude) = inverse_Jr;
-    J->block<3, 3>(kAttitude, kGyroBias) =
-        -inverse_Jr * gamma(0, -r_phi) * gamma(1, -c) * imu_.jacobian(kAttitude, kGyroBias);
-  }
+                              Jacobian* J) const;
 
   /// (E3)
   void differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, const Vector3d& u_v, double T,
-                            Jacobian* J) const {
-    using namespace body;
-    J->block<3, 3>(kPosition, kAttitude) = skew(u_p);
-    J->block<3, 3>(kPosition, kPosition) = -R_i.transpose();
-    J->block<3, 3>(kPosition, kVelocity) = -T * R_i.transpose();
-    J->block<3, 6>(kPosition, kGyroBias) = -imu_.transition().block<3, 6>(kPosition, kGyroBias);
-    J->block<3, 3>(kPosition, kJ + kPosition) = R_i.transpose();
-    J->block<3, 3>(kVelocity, kAttitude) = skew(u_v);
-    J->block<3, 3>(kVelocity, kVelocity) = -R_i.transpose();
-    J->block<3, 6>(kVelocity, kGyroBias) = -imu_.transition().block<3, 6>(kVelocity, kGyroBias);
-    J->block<3, 3>(kVelocity, kJ + kVelocity) = R_i.transpose();
-  }
+                            Jacobian* J) const;
 
   Preintegration imu_;
   Vector3d gravity_W_ = Vector3d::Zero();

@@ -15,8 +15,6 @@
 // rest; Michalczyk et al., IROS 2024.
 #pragma once
 
-#include <algorithm>
-
 #include "rio/core/so3.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
@@ -48,19 +46,11 @@ struct ImuIncrement {
 class Preintegration {
  public:
   /// Forgets all steps; the biases [rad/s, m/s^2] are those the steps to come are corrected by.
-  void reset(const Vector3d& gyro_bias, const Vector3d& accel_bias) {
-    chain_ = Propagation{};
-    chain_.state.gyro_bias = gyro_bias;
-    chain_.state.accel_bias = accel_bias;
-    duration_ = Time{0};
-  }
+  void reset(const Vector3d& gyro_bias, const Vector3d& accel_bias);
 
   /// Appends a step, which begins where the one before ended: the caller sees to it. Densities
   /// below imu_floor are raised to it.
-  void step(const ImuStep& step, const ImuOptions& options) {
-    chain_.step(step, weightless(options));
-    duration_ += step.end - step.begin;
-  }
+  void step(const ImuStep& step, const ImuOptions& options);
 
   Time duration() const { return duration_; }
   /// At the biases of reset(). (E1)
@@ -87,16 +77,7 @@ class Preintegration {
   /// |w| |dbg|^2 T^3 / 12 in attitude. At 10 m/s^2 and 0.1 s, a change by 0.1 rad/s costs 0.02 mm/s
   /// (a hundredth of a sigma); at 1 s, 0.01 rad/s costs 0.2 mm/s (a twentieth). It is exact in the
   /// accelerometer bias alone.
-  ImuIncrement corrected(const Vector3d& gyro_bias, const Vector3d& accel_bias) const {
-    using namespace body;
-    const Vector3d dbg = gyro_bias - chain_.state.gyro_bias;
-    const Vector3d dba = accel_bias - chain_.state.accel_bias;
-    ImuIncrement out = increment();
-    out.delta_q = (out.delta_q * quaternion_exp(rotation_correction(gyro_bias))).normalized();
-    out.delta_v += jacobian(kVelocity, kGyroBias) * dbg + jacobian(kVelocity, kAccelBias) * dba;
-    out.delta_p += jacobian(kPosition, kGyroBias) * dbg + jacobian(kPosition, kAccelBias) * dba;
-    return out;
-  }
+  ImuIncrement corrected(const Vector3d& gyro_bias, const Vector3d& accel_bias) const;
 
   /// 3x3 block of A: rows and columns by offsets of namespace body.
   Eigen::Block<const Matrix15d, 3, 3> jacobian(int row, int column) const {
@@ -105,28 +86,10 @@ class Preintegration {
 
   /// The state after the last step, started `from` the state of the first, at the biases of `from`
   /// (E3, E1); the stamp advances by duration(). Gravity along -z of W [m/s^2].
-  NavState predict(const NavState& from, double gravity) const {
-    const ImuIncrement d = corrected(from.gyro_bias, from.accel_bias);
-    const double T = to_seconds(duration_);
-    const Matrix3d R = from.q_WB.toRotationMatrix();
-    const Vector3d g(0.0, 0.0, -gravity);
-    NavState out = from;
-    out.time += duration_;
-    out.q_WB = (from.q_WB * d.delta_q).normalized();
-    out.p_WB += R * d.delta_p + (from.v_WB + 0.5 * T * g) * T;
-    out.v_WB += R * d.delta_v + g * T;
-    return out;
-  }
+  NavState predict(const NavState& from, double gravity) const;
 
  private:
-  static ImuOptions weightless(ImuOptions options) {
-    options.gravity = 0.0;
-    options.gyro_noise_density = std::max(options.gyro_noise_density, imu_floor::kGyroNoise);
-    options.gyro_random_walk = std::max(options.gyro_random_walk, imu_floor::kGyroWalk);
-    options.accel_noise_density = std::max(options.accel_noise_density, imu_floor::kAccelNoise);
-    options.accel_random_walk = std::max(options.accel_random_walk, imu_floor::kAccelWalk);
-    return options;
-  }
+  static ImuOptions weightless(ImuOptions options);
 
   Propagation chain_;  // its W is the first body frame, free of gravity
   Time duration_{0};

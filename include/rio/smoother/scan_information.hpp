@@ -28,18 +28,7 @@ class ScanInformation {
       : options_(options), system_(system) {}
 
   /// Begins anew for the state of `layout`.
-  void begin(const WindowLayout& layout) {
-    state_ = layout.state;
-    for (int i = 0; i < kBody; ++i) columns_[static_cast<std::size_t>(i)] = own_column(layout, i);
-    set_columns(kExtrinsics, Extrinsics::kDof, layout.column<Extrinsics>(0));
-    set_columns(kRadarErrors, RadarErrors::kDof, layout.column<RadarErrors>(0));
-    set_columns(kTimeOffset, 1, layout.time_offset_column());
-    A_.setZero();
-    g_.setZero();
-    rows_ = 0;
-    first_ = 0;
-    cost_ = 0.0;
-  }
+  void begin(const WindowLayout& layout);
 
   /// Rows of model M for z, part of the open measurement. False if x is outside its domain.
   template <MeasurementModel M>
@@ -59,28 +48,12 @@ class ScanInformation {
 
   /// Ends the open measurement, which has the weight `weight` before the kernel.
   /// @param landmark_column in the system; -1 = of no landmark
-  void close(double weight, int landmark_column = -1) {
-    const int count = rows_ - first_;
-    const double chi_squared = r_.segment(first_, count).squaredNorm();
-    const KernelValue value =
-        evaluate_kernel(options_.kernel, options_.kernel_size * count, chi_squared);
-    cost_ += 0.5 * weight * value.cost;
-    const double scale = std::sqrt(weight * value.weight);
-    J_.middleCols(first_, count) *= scale;
-    L_.middleCols(first_, count) *= scale;
-    r_.segment(first_, count) *= scale;
-    if (landmark_column >= 0) add_landmark(landmark_column, first_, count);
-    first_ = rows_;
-  }
+  void close(double weight, int landmark_column = -1);
   /// Takes the rows of the open measurement back.
   void drop() { rows_ = first_; }
 
   /// All that was closed enters the system; the result is its cost.
-  double end() {
-    flush();
-    system_->add(state_, columns_, A_, g_);
-    return cost_;
-  }
+  double end();
 
  private:
   static constexpr int kBody = 12;  // pose, velocity and gyro bias: the first unknowns of a state
@@ -94,12 +67,7 @@ class ScanInformation {
   static int own_column(const WindowLayout& layout, int i) {
     return body::kSize * layout.state + i;
   }
-  void set_columns(int first, int count, int column) {
-    for (int i = 0; i < count; ++i) {
-      columns_[static_cast<std::size_t>(first) + static_cast<std::size_t>(i)] =
-          column < 0 ? -1 : column + i;
-    }
-  }
+  void set_columns(int first, int count, int column);
 
   /// First local unknown of a block (E1).
   template <class Block>
@@ -131,41 +99,12 @@ class ScanInformation {
     for (int i = 0; i < kDim; ++i) undo(x.step, rows_++);
   }
   /// From errors of the state stepped back to errors of the state, (E2) of linearize.hpp.
-  void undo(const StepBack& step, int row) {
-    if (step.seconds == 0.0) return;
-    auto J = J_.col(row);
-    const Vector3d phi = J.segment<3>(body::kAttitude);
-    const Vector3d v = J.segment<3>(body::kVelocity);
-    J.segment<3>(body::kAttitude) = step.attitude.transpose() * phi + step.velocity.transpose() * v;
-    J.segment<3>(body::kGyroBias) += step.bias.transpose() * phi;
-    J.segment<3>(body::kVelocity) -= step.seconds * J.segment<3>(body::kPosition);
-  }
+  void undo(const StepBack& step, int row);
 
-  void add_landmark(int column, int first, int count) {
-    Eigen::Matrix<double, 3, kLocal> A_ly = Eigen::Matrix<double, 3, kLocal>::Zero();
-    Matrix3d A_ll = Matrix3d::Zero();
-    Vector3d g_l = Vector3d::Zero();
-    for (int i = first; i < first + count; ++i) {
-      A_ly += L_.col(i) * J_.col(i).transpose();
-      A_ll += L_.col(i) * L_.col(i).transpose();
-      g_l += L_.col(i) * r_[i];
-    }
-    system_->add_coupled(column, columns_, A_ll, A_ly, g_l);
-  }
+  void add_landmark(int column, int first, int count);
 
   /// The closed rows into A_yy; the open ones move to the front.
-  void flush() {
-    const auto rows = J_.leftCols(first_);
-    A_.selfadjointView<Eigen::Lower>().rankUpdate(rows);
-    g_.noalias() += rows * r_.head(first_);
-    for (int i = first_; i < rows_; ++i) {
-      J_.col(i - first_) = J_.col(i);
-      L_.col(i - first_) = L_.col(i);
-      r_[i - first_] = r_[i];
-    }
-    rows_ -= first_;
-    first_ = 0;
-  }
+  void flush();
 
   SmootherOptions options_;
   NormalEquations* system_;

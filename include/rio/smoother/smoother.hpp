@@ -28,20 +28,7 @@ class Smoother {
  public:
   Smoother(const Smoother&) = delete;  // a copy would lose the storage set aside
   Smoother& operator=(const Smoother&) = delete;
-  explicit Smoother(const Options& options)
-      : options_(options),
-        belief_(options, 0),
-        rows_(options),
-        window_(capacity(options), options),
-        system_(static_cast<int>(capacity(options)), belief_.layout().capacity() - body::kSize),
-        prior_(belief_.layout(), static_cast<int>(capacity(options))),
-        factors_(options, belief_.layout(), window_, &system_),
-        solver_(options.smoother, static_cast<int>(capacity(options)),
-                belief_.layout().capacity() - body::kSize),
-        before_(capacity(options)),
-        g_(Eigen::VectorXd::Zero(system_.capacity())),
-        A_(Eigen::MatrixXd::Zero(system_.capacity(), system_.capacity())),
-        P_(Eigen::MatrixXd::Zero(belief_.layout().capacity(), belief_.layout().capacity())) {}
+  explicit Smoother(const Options& options);
 
   const Estimate& estimate() const { return belief_.estimate(); }
   const Belief& belief() const { return belief_; }
@@ -52,77 +39,27 @@ class Smoother {
     return rio::landmark_room(estimate(), seen, options_);
   }
 
-  void reset(const NavState& prior, const BodyCovariance& P0) {
-    belief_.reset(prior, P0);
-    rows_.reset();
-    restart();
-  }
+  void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
-  Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
-    const Time from = estimate().nav.time;
-    const Status status = belief_.propagate(to, imu, gap);
-    if (status != Status::kOk) return status;
-    imu.for_each_step(from, to, [&](const ImuStep& step) { since_.step(step, options_.imu); });
-    return Status::kOk;
-  }
+  Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
   /// All landmarks leave.
-  void drop_landmarks(UpdateReport* report) {
-    for (std::size_t i = estimate().landmarks.size(); i-- > 0;) {
-      remove_landmark(i);
-      ++report->landmarks_removed;
-    }
-  }
+  void drop_landmarks(UpdateReport* report);
 
   /// The velocity has been off by about `error` [m/s] for `duration` [s]: the window begins anew
   /// from the present prediction, whose covariance admits it. The trails have to go, too.
-  void reopen_velocity(double error, double duration, UpdateReport* report) {
-    drop_landmarks(report);
-    belief_.covariance().reopen_velocity(error * error, duration);
-    restart();
-  }
+  void reopen_velocity(double error, double duration, UpdateReport* report);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
-  Status update(const Observations& seen, UpdateReport* report) {
-    rows_.build(seen, belief_, report);
-    const bool appended = window_.newest().nav.time != estimate().nav.time;
-    if (appended && !append()) return Status::kNumerical;
-    const WindowState::Mark mark = window_.newest().mark();
-    take(seen);
-    before_.save(window_, estimate());
-    if (!solve()) {
-      before_.restore(&window_, &belief_.estimate());
-      if (appended) window_.pop_newest();
-      if (!appended) window_.newest().cut(mark);
-      window_.newest().to_next.invalidate();
-      return Status::kNumerical;
-    }
-    since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
-    while (window_.size() > static_cast<std::size_t>(options_.smoother.window)) {
-      if (!marginalise_oldest()) return restart_after_failure();
-    }
-    return Status::kOk;
-  }
+  Status update(const Observations& seen, UpdateReport* report);
 
   /// Stage 7 (update/landmark_policy.hpp). A birth is a point measured by the newest state.
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                          UpdateReport* report) {
-    rio::maintain_landmarks(
-        seen, rows_, promotions, options_, &belief_.estimate(), report,
-        [this](std::size_t i) { remove_landmark(i); },
-        [this](const Detection& d) {
-          window_.newest().points.push_back(
-              {estimate().landmarks.size(), 1.0, LandmarkPointModel::measurement(d), std::nullopt});
-          belief_.add_landmark(d);
-        });
-  }
+                          UpdateReport* report);
 
   /// Stage 2: the newest state is that of this scan.
-  void clone(ScanId scan) {
-    window_.newest().scan = scan;
-    window_.publish(&belief_.estimate());
-  }
+  void clone(ScanId scan);
 
  private:
   static std::size_t capacity(const Options& options) {
@@ -130,136 +67,28 @@ class Smoother {
   }
 
   /// One state, the belief's; its covariance becomes the prior.
-  void restart() {
-    window_.clear();
-    window_.push();
-    copy_newest();
-    since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
-    const int n = belief_.covariance().size();
-    Eigen::Ref<Eigen::MatrixXd> P = P_.topLeftCorner(n, n);
-    P = belief_.covariance().matrix();
-    P.diagonal().head<body::kSize>().array() += kExact * kExact;
-    P.diagonal().tail(n - body::kSize).array() += kExact * kExact;
-    auto A = A_.topLeftCorner(n, n);
-    A.setIdentity();
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(P);
-    llt.matrixL().solveInPlace(A);
-    llt.matrixU().solveInPlace(A);
-    for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();
-    g_.head(n).setZero();
-    prior_.assign(A, g_.head(n), window_, 0, 1, estimate());
-    window_.publish(&belief_.estimate());
-  }
-  Status restart_after_failure() {
-    restart();
-    return Status::kNumerical;
-  }
+  void restart();
+  Status restart_after_failure();
 
   /// The predicted state enters. False, with nothing changed, if the IMU gave nothing finite.
-  bool append() {
-    const ImuFactor factor(since_, options_.imu.gravity);
-    if (!factor.valid()) return false;
-    window_.newest().to_next = factor;
-    window_.push();
-    copy_newest();
-    return true;
-  }
-  void copy_newest() {
-    WindowState& state = window_.newest();
-    state.nav = estimate().nav;
-    state.gyro_B = estimate().gyro_B;
-    state.accel_B = state.nav.q_WB.conjugate() * estimate().accel_W;
-    state.time_offset = estimate().time_offset;
-    state.radar_errors = estimate().radar_errors;
-  }
+  bool append();
+  void copy_newest();
 
   /// What passed the gates becomes factors of the newest state.
-  void take(const Observations& seen) {
-    WindowState& state = window_.newest();
-    for (const ScanRows::Used& used : rows_.used()) {
-      const Detection& d = seen.detection(used.detection);  // rest comes with a scan, too
-      const double weight = 1.0 / used.variance_factor;
-      switch (used.model) {
-        case Model::kDoppler:
-          state.dopplers.push_back({DopplerModel::measurement(d, state.gyro_B), weight});
-          break;
-        case Model::kLandmarkPoint:
-          state.points.push_back(
-              {used.target, weight, LandmarkPointModel::measurement(d), std::nullopt});
-          if (options_.update.use_doppler) {
-            state.points.back().doppler = LandmarkDopplerModel::measurement(d, state.gyro_B);
-          }
-          break;
-        case Model::kLandmarkDistance:
-          state.distances.push_back({used.target, weight, LandmarkDistanceModel::measurement(d)});
-          break;
-        case Model::kLandmarkPosition:
-          state.positions.push_back({used.target, weight, LandmarkPositionModel::measurement(d)});
-          break;
-        case Model::kTrailDistance:
-          for (const TrailElement& past : (*seen.trails)[used.target].elements) {
-            if (past.scan != used.past) continue;
-            state.trails.push_back({past.scan, TrailDistanceModel::measurement(d, past.detection)});
-          }
-          break;
-        case Model::kRest:
-          state.rest = seen.rest;
-          break;
-        case Model::kCount:
-          break;
-      }
-    }
-  }
+  void take(const Observations& seen);
 
   /// The belief and the window hold the result.
-  bool solve() {
-    if (!solver_.minimise([this] { return build(); }, &system_, &window_, &belief_)) return false;
-    auto P = P_.topLeftCorner(system_.tail_size(), system_.tail_size());
-    if (!system_.tail_covariance(&P_) || !P.allFinite()) return false;
-    belief_.covariance().matrix() = P;
-    return true;
-  }
+  bool solve();
 
   /// The system at the present point; the result is its cost.
-  double build() {
-    const double cost = begin_with_prior();
-    return cost + factors_.add_all(estimate());
-  }
-  double begin_with_prior() {
-    system_.clear(static_cast<int>(window_.size()), belief_.covariance().size() - body::kSize);
-    return prior_.add_to(&system_, window_, estimate());
-  }
+  double build();
+  double begin_with_prior();
 
   /// Everything that touches the oldest state becomes the prior of the others.
-  bool marginalise_oldest() {
-    begin_with_prior();
-    factors_.add_imu(0);
-    factors_.add_scan(0, estimate());
-    const ScanId oldest = window_[0].scan;
-    for (std::size_t k = 1; k < window_.size(); ++k) {
-      std::erase_if(window_[k].trails, [&](const TrailFactor& f) {
-        if (f.past == oldest) factors_.add_trail(k, f, estimate());
-        return f.past == oldest;
-      });
-    }
-    int leading = 0;
-    if (!system_.eliminate_oldest(&leading, &A_, &g_)) return false;
-    const int n = body::kSize * leading + system_.border();
-    prior_.assign(A_.topLeftCorner(n, n), g_.head(n), window_, 1, leading, estimate());
-    const double walk = options_.update.landmark_walk;
-    prior_.add_landmark_noise(walk * walk * (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
-    window_.pop_oldest();
-    window_.publish(&belief_.estimate());
-    return true;
-  }
+  bool marginalise_oldest();
 
   /// The last one takes its place.
-  void remove_landmark(std::size_t i) {
-    const std::size_t last = estimate().landmarks.size() - 1;
-    prior_.remove_landmark(i, last);
-    window_.forget_landmark(i, last);
-    belief_.remove_landmark(i);
-  }
+  void remove_landmark(std::size_t i);
 
   static constexpr double kExact = 1e-5;  // sigma that passes for exactly known, in SI units
 

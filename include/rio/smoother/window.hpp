@@ -74,48 +74,16 @@ struct WindowState {
     std::size_t trails = 0;
     std::optional<RestModel::Measurement> rest;
   };
-  Mark mark() const {
-    return {dopplers.size(),  points.size(), distances.size(),
-            positions.size(), trails.size(), rest};
-  }
-  void cut(const Mark& mark) {
-    const auto shorten = [](auto& all, std::size_t size) {
-      all.erase(all.begin() + static_cast<std::ptrdiff_t>(size), all.end());
-    };
-    shorten(dopplers, mark.dopplers);
-    shorten(points, mark.points);
-    shorten(distances, mark.distances);
-    shorten(positions, mark.positions);
-    shorten(trails, mark.trails);
-    rest = mark.rest;
-  }
+  Mark mark() const;
+  void cut(const Mark& mark);
 
-  void clear() {
-    scan = kNoScan;
-    to_next.invalidate();
-    dopplers.clear();
-    points.clear();
-    distances.clear();
-    positions.clear();
-    trails.clear();
-    rest.reset();
-  }
+  void clear();
 };
 
 /// First in, first out; index 0 is the oldest.
 class Window {
  public:
-  Window(std::size_t capacity, const Options& options) : slots_(capacity) {
-    const auto detections = static_cast<std::size_t>(options.frontend.max_detections);
-    const auto clones = static_cast<std::size_t>(std::max(1, options.update.max_clones));
-    for (WindowState& state : slots_) {
-      state.dopplers.reserve(detections);
-      state.points.reserve(2 * detections);  // matches and births
-      state.distances.reserve(detections);
-      state.positions.reserve(detections);
-      state.trails.reserve(detections * clones);
-    }
-  }
+  Window(std::size_t capacity, const Options& options);
 
   std::size_t size() const { return size_; }
   WindowState& operator[](std::size_t i) { return slots_[(first_ + i) % slots_.size()]; }
@@ -127,49 +95,18 @@ class Window {
 
   void clear() { size_ = 0; }
   /// An empty state, the newest from now on.
-  WindowState& push() {
-    RIO_ASSERT(size_ < slots_.size());
-    ++size_;
-    newest().clear();
-    return newest();
-  }
-  void pop_oldest() {
-    first_ = (first_ + 1) % slots_.size();
-    --size_;
-  }
+  WindowState& push();
+  void pop_oldest();
   void pop_newest() { --size_; }
 
   /// Index of the state of `scan`, or -1.
-  int find(ScanId scan) const {
-    for (std::size_t i = 0; i < size_; ++i) {
-      if ((*this)[i].scan == scan) return static_cast<int>(i);
-    }
-    return -1;
-  }
+  int find(ScanId scan) const;
 
   /// Its poses become the clones of x, for matching and for the trails.
-  void publish(Estimate* x) const {
-    x->clones.clear();
-    for (std::size_t k = 0; k < size_; ++k) {
-      const NavState& nav = (*this)[k].nav;
-      x->clones.push_back({(*this)[k].scan, {nav.q_WB.toRotationMatrix(), nav.p_WB}});
-    }
-  }
+  void publish(Estimate* x) const;
 
   /// Landmark i is gone and the last one has taken its place.
-  void forget_landmark(std::size_t i, std::size_t last) {
-    const auto forget = [i, last](auto& factors) {
-      std::erase_if(factors, [i](const auto& f) { return f.landmark == i; });
-      for (auto& f : factors) {
-        if (f.landmark == last) f.landmark = i;
-      }
-    };
-    for (std::size_t k = 0; k < size_; ++k) {
-      forget((*this)[k].points);
-      forget((*this)[k].distances);
-      forget((*this)[k].positions);
-    }
-  }
+  void forget_landmark(std::size_t i, std::size_t last);
 
  private:
   std::vector<WindowState> slots_;

@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 
 #include "rio/options.hpp"
 #include "rio/report.hpp"
@@ -15,48 +14,9 @@
 
 namespace rio {
 
-inline Observability observability(double value, double sigma, double prior_sigma) {
-  if (prior_sigma <= 0.0) return Observability::kNotEstimated;
-  constexpr double kAtLimit = 0.999;  // rounding of the rotation vector
-  if (std::abs(value) >= kAtLimit * kCalibrationLimit * prior_sigma) return Observability::kAtLimit;
-  if (sigma > 0.9 * prior_sigma) return Observability::kUnobserved;
-  return sigma > 0.5 * prior_sigma ? Observability::kWeak : Observability::kObserved;
-}
+Observability observability(double value, double sigma, double prior_sigma);
 
-inline std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief& belief,
-                                                                           const Options& options) {
-  std::array<CalibrationReport, kCalibrationCount> report{};
-  const Layout& layout = belief.layout();
-  const Estimate& x = belief.estimate();
-  const CalibrationOptions& priors = options.calibration;
-  const auto fill = [&](Calibration parameter, double value, double prior, bool present,
-                        int column) {
-    if (!present || prior <= 0.0) return;
-    const double sigma = std::sqrt(belief.covariance().matrix()(column, column));
-    report[static_cast<std::size_t>(parameter)] = {value, sigma, prior,
-                                                   observability(value, sigma, prior)};
-  };
-  const Pose& told = options.radar.T_BS;
-  const Vector3d turn = quaternion_log(told.rotation.conjugate() * x.T_BS.rotation);
-  const Vector3d shift = x.T_BS.translation - told.translation;
-  for (int i = 0; i < 3; ++i) {
-    const auto offset = [i](Calibration first) {
-      return static_cast<Calibration>(static_cast<int>(first) + i);
-    };
-    fill(offset(Calibration::kRotationX), turn[i], priors.rotation_sigma, layout.has_extrinsics(),
-         layout.extrinsics() + i);
-    fill(offset(Calibration::kTranslationX), shift[i], priors.translation_sigma,
-         layout.has_extrinsics(), layout.extrinsics() + 3 + i);
-  }
-  fill(Calibration::kDopplerScale, x.radar_errors[RadarErrors::kDopplerScale],
-       priors.doppler_scale_sigma, layout.has_radar_errors(),
-       layout.radar_errors() + RadarErrors::kDopplerScale);
-  fill(Calibration::kElevationBias, x.radar_errors[RadarErrors::kElevation],
-       priors.elevation_bias_sigma, layout.has_radar_errors(),
-       layout.radar_errors() + RadarErrors::kElevation);
-  fill(Calibration::kTimeOffset, x.time_offset, priors.time_offset_sigma, layout.has_time_offset(),
-       layout.time_offset());
-  return report;
-}
+std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief& belief,
+                                                                    const Options& options);
 
 }  // namespace rio

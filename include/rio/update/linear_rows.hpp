@@ -5,7 +5,6 @@
 // and may share a noise: R_block = diag(own) + shared 1 1^T.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -83,41 +82,24 @@ struct RowBlock {
 /// Rows of one update; storage allocated once.
 class RowBatch {
  public:
-  explicit RowBatch(std::size_t capacity) {
-    rows_.reserve(capacity);
-    blocks_.reserve(capacity);
-  }
+  explicit RowBatch(std::size_t capacity);
 
   std::size_t capacity() const { return rows_.capacity(); }
   const std::vector<LinearRow>& rows() const { return rows_; }
   const std::vector<RowBlock>& blocks() const { return blocks_; }
-  void clear() {
-    rows_.clear();
-    blocks_.clear();
-  }
+  void clear();
 
   /// Opens a block; the rows pushed after this belong to it.
   void begin_block() { blocks_.push_back({rows_.size(), 0, 0.0}); }
   const RowBlock& last_block() const { return blocks_.back(); }
   void share_variance(double variance) { blocks_.back().shared_variance = variance; }
   /// Multiplies the noise variance of the last block.
-  void scale_variance(double factor) {
-    RowBlock& block = blocks_.back();
-    block.shared_variance *= factor;
-    for (std::size_t i = 0; i < block.count; ++i) rows_[block.first + i].variance *= factor;
-  }
+  void scale_variance(double factor);
   /// Takes the last block and its rows back.
-  void drop_block() {
-    rows_.resize(blocks_.back().first);
-    blocks_.pop_back();
-  }
+  void drop_block();
 
   /// Appends a row to the open block.
-  void push(const LinearRow& row) {
-    RIO_ASSERT(rows_.size() < rows_.capacity());
-    rows_.push_back(row);
-    ++blocks_.back().count;
-  }
+  void push(const LinearRow& row);
 
  private:
   std::vector<LinearRow> rows_;

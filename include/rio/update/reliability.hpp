@@ -13,10 +13,6 @@
 // Error Models, 1987; Gleser 1992).
 #pragma once
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-
 #include "rio/models/doppler.hpp"
 #include "rio/types.hpp"
 
@@ -25,30 +21,13 @@ namespace rio {
 class Reliability {
  public:
   /// @param v_S of the radar in its axes [m/s]
-  void add(const DopplerModel::Measurement& z, const Vector3d& v_S) {
-    const auto expected = DopplerModel::expected_direction(z, z.direction_S, v_S);
-    add(expected.u_S, expected.covariance, expected.variance);
-  }
+  void add(const DopplerModel::Measurement& z, const Vector3d& v_S);
   /// @param u expected direction, @param covariance what it lacks, @param variance R [m^2/s^2]
-  void add(const Vector3d& u, const Matrix3d& covariance, double variance) {
-    S_ += u * u.transpose() / variance;
-    C_ += covariance / variance;
-  }
+  void add(const Vector3d& u, const Matrix3d& covariance, double variance);
 
   /// L. Where the spread is no larger than the errors make it, nothing is believed; identity
   /// without a direction.
-  Matrix3d matrix() const {
-    constexpr double kRegular = 1e-9;  // of fewer than three directions S is singular
-    if (!(S_.trace() > 0.0)) return Matrix3d::Identity();
-    const Eigen::LLT<Matrix3d> llt(S_ + kRegular * S_.trace() * Matrix3d::Identity());
-    const Matrix3d root = llt.matrixL();
-    const Matrix3d inverse = root.inverse();
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> errors(
-        Matrix3d(inverse * C_ * inverse.transpose()));
-    const Vector3d kept = 1.0 - errors.eigenvalues().array().min(1.0);
-    const Matrix3d& V = errors.eigenvectors();
-    return root * V * kept.asDiagonal() * V.transpose() * inverse;
-  }
+  Matrix3d matrix() const;
 
  private:
   Matrix3d S_ = Matrix3d::Zero();

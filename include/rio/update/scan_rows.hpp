@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 #include <vector>
 
 #include "rio/frontend/frontend.hpp"
@@ -29,38 +27,13 @@ namespace rio {
 
 class ScanRows {
  public:
-  explicit ScanRows(const Options& options)
-      : options_(options.update),
-        noise_distance_(options.radar.noise_distance),
-        gate_(options.update.gate_probability),
-        doppler_(options.update.direction_noise, options.update.direction_correction),
-        trail_(options.update.trail_noise, options.update.sigma_trail_distance),
-        landmark_(options.update.sigma_landmark_distance),
-        // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
-        batch_(static_cast<std::size_t>(options.frontend.max_detections *
-                                            (1 + std::max(3, options.update.max_clones)) +
-                                        RestModel::kDim)) {
-    used_.reserve(batch_.capacity());
-  }
+  explicit ScanRows(const Options& options);
 
   /// The flight begins anew.
   void reset() { way_at_scan_ = 0.0; }
 
   /// The rows that may be used; valid until the next call.
-  const RowBatch& build(const Observations& seen, const Belief& belief, UpdateReport* report) {
-    LinearizationPoint x(belief.estimate());
-    if (seen.rest) x.stand();
-    batch_.clear();
-    used_.clear();
-    was_used_.fill(false);
-    measures_landmark_.fill(false);
-    if (seen.rest) add_rest(*seen.rest, belief, x, report);
-    if (options_.use_landmarks) add_landmarks(seen, belief, x, report);
-    if (options_.use_doppler) add_doppler(seen, belief, x, report);
-    if (options_.use_trails) add_trails(seen, belief, x, report);
-    way_at_scan_ = x.estimate.way;
-    return batch_;
-  }
+  const RowBatch& build(const Observations& seen, const Belief& belief, UpdateReport* report);
 
   /// A measurement that may be used.
   struct Used {
@@ -77,109 +50,24 @@ class ScanRows {
 
  private:
   void add_rest(const RestModel::Measurement& z, const Belief& belief, const LinearizationPoint& x,
-                UpdateReport* report) {
-    batch_.begin_block();
-    const bool valid = add(RestModel{}, z, belief, x, {});
-    if (decide(RestModel::kModel, 0, valid, belief, report)) used_.push_back({RestModel::kModel});
-  }
+                UpdateReport* report);
 
   void add_doppler(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
-                   UpdateReport* report) {
-    Reliability reliability;
-    for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-      if (!tells_doppler(seen, i)) continue;
-      DopplerModel::Measurement& z = dopplers_[i];
-      z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
-      if (!options_.direction_correction) continue;
-      z.predicted_var = belief.doppler_variance(z, x);
-      reliability.add(z, x.radar_velocity_S());
-    }
-    const Matrix3d believed =
-        options_.direction_reliability ? reliability.matrix() : Matrix3d::Identity();
-    for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-      if (!tells_doppler(seen, i)) continue;
-      DopplerModel::Measurement& z = dopplers_[i];
-      z.reliability = believed;
-      batch_.begin_block();
-      const bool valid = add(doppler_, z, belief, x, {});
-      if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
-      used_.push_back({DopplerModel::kModel, i, 0, 0, weigh(repetition(way_at_scan_, x))});
-    }
-  }
+                   UpdateReport* report);
 
   bool tells_doppler(const Observations& seen, std::size_t i) const {
     return seen.is_static(i) && !measures_landmark_[i];
   }
 
   void add_trails(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
-                  UpdateReport* report) {
-    const bool joint = options_.trail_noise == TrailNoise::kCorrelated;
-    for (const Match& m : seen.matches.trails) {
-      bool open = false;
-      for (const TrailElement& past : (*seen.trails)[m.target].elements) {
-        const int clone = x.estimate.find_clone(past.scan);
-        if (clone < 0) continue;
-        const auto z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
-        if (!open) batch_.begin_block();
-        open = joint;
-        const bool valid = add(trail_, z, belief, x, {clone, 0});
-        if (joint) batch_.share_variance(trail_.shared_variance(z));
-        const Used row{TrailDistanceModel::kModel, m.detection, m.target, past.scan};
-        if (valid) used_.push_back(row);
-        if (!joint && !decide(row.model, m.detection, valid, belief, report) && valid) {
-          used_.pop_back();
-        }
-      }
-      if (joint && open) {
-        const std::size_t rows = batch_.last_block().count;
-        if (!decide(TrailDistanceModel::kModel, m.detection, rows > 0, belief, report)) {
-          used_.resize(used_.size() - rows);
-        }
-      }
-    }
-  }
+                  UpdateReport* report);
 
   void add_landmarks(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
-                     UpdateReport* report) {
-    for (const Match& m : seen.matches.landmarks) {
-      const Detection& d = seen.detection(m.detection);
-      const BlockIndex index{0, static_cast<int>(m.target)};
-      batch_.begin_block();
-      Model model = Model::kLandmarkPoint;
-      bool valid = false;
-      switch (options_.landmark_measurement) {
-        case LandmarkMeasurement::kDistance:
-          model = Model::kLandmarkDistance;
-          valid = add(landmark_, LandmarkDistanceModel::measurement(d), belief, x, index);
-          break;
-        case LandmarkMeasurement::kPosition:
-          model = Model::kLandmarkPosition;
-          valid = add(position_, LandmarkPositionModel::measurement(d), belief, x, index);
-          break;
-        case LandmarkMeasurement::kPoint:
-          valid = add_point(d, belief, x, index);
-          break;
-      }
-      const bool used = decide(model, m.detection, valid, belief, report);
-      if (used) {
-        const double way = x.estimate.landmarks[m.target].way_seen;
-        const double factor = repetition(way, x) * doubt_factor(options_.match_trust);
-        used_.push_back({model, m.detection, m.target, 0, weigh(factor)});
-      }
-      // as published, a match keeps a landmark alive
-      was_used_[m.target] = used || model == Model::kLandmarkDistance;
-      measures_landmark_[m.detection] = used && model == Model::kLandmarkPoint;
-    }
-  }
+                     UpdateReport* report);
 
   /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
   bool add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
-                 BlockIndex index) {
-    return add(point_, LandmarkPointModel::measurement(d), belief, x, index) &&
-           (!options_.use_doppler ||
-            add(landmark_doppler_, LandmarkDopplerModel::measurement(d, x.gyro_B), belief, x,
-                index));
-  }
+                 BlockIndex index);
 
   template <MeasurementModel M>
   bool add(const M& model, const typename M::Measurement& z, const Belief& belief,
@@ -193,56 +81,15 @@ class ScanRows {
   }
   /// Multiplies the variance of the last block. After the gate: by itself it is as good as any
   /// other.
-  double weigh(double factor) {
-    batch_.scale_variance(factor);
-    return factor;
-  }
+  double weigh(double factor);
 
   /// Stage 5: gates the last block, records it, and drops it unless it may be used, which is the
   /// result.
   bool decide(Model model, std::size_t detection, bool valid, const Belief& belief,
-              UpdateReport* report) {
-    ModelReport& sums = report->models[static_cast<std::size_t>(model)];
-    InnovationRecord record;
-    record.model = model;
-    record.detection = static_cast<std::uint16_t>(detection);
-    if (!valid) {
-      record.verdict = Verdict::kOutOfDomain;
-      ++sums.rows_out_of_domain;
-      batch_.drop_block();
-    } else {
-      const RowBlock& block = batch_.last_block();
-      const int rows = static_cast<int>(block.count);
-      belief.covariance().innovation_covariance(batch_, block, &S_);
-      record.dof = static_cast<std::uint16_t>(rows);
-      record.innovation = batch_.rows()[block.first].residual;
-      record.sigma = std::sqrt(S_(0, 0));
-      record.nis = normalised_innovation_squared(block);
-      record.gate = gate_.threshold(block.count);
-      if (record.nis <= record.gate) {
-        sums.rows_used += rows;
-        sums.nis += record.nis;
-      } else {
-        record.verdict = Verdict::kGated;
-        sums.rows_gated += rows;
-        batch_.drop_block();
-      }
-    }
-    if (!report->records.push_back(record)) ++report->records_dropped;
-    return record.verdict == Verdict::kUsed;
-  }
+              UpdateReport* report);
 
   /// Infinite if the innovation covariance is not positive definite.
-  double normalised_innovation_squared(const RowBlock& block) {
-    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Gate::kMaxDof, 1> r(S_.rows());
-    for (std::size_t i = 0; i < block.count; ++i) {
-      r[static_cast<Eigen::Index>(i)] = batch_.rows()[block.first + i].residual;
-    }
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S_);
-    if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-    llt.matrixL().solveInPlace(r);
-    return r.squaredNorm();
-  }
+  double normalised_innovation_squared(const RowBlock& block);
 
   UpdateOptions options_;
   double noise_distance_;

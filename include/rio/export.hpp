@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// RIO_API: what a shared library of door 1 shows; everything else is hidden. C++17.
+#pragma once
+
+#if defined(__GNUC__) || defined(__clang__)
+#define RIO_API __attribute__((visibility("default")))
+#else
+#define RIO_API
+#endif

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/ekf/ekf.hpp"
+
+namespace rio {
+
+Ekf::Ekf(const Options& options)
+    : options_(options),
+      belief_(options, options.update.max_clones),
+      rows_(options),
+      panels_(belief_.layout().capacity()),
+      dx_(Eigen::VectorXd::Zero(belief_.layout().capacity())) {}
+
+void Ekf::reset(const NavState& prior, const BodyCovariance& P0) {
+  belief_.reset(prior, P0);
+  rows_.reset();
+}
+
+void Ekf::drop_landmarks(UpdateReport* report) {
+  for (std::size_t i = estimate().landmarks.size(); i-- > 0;) {
+    belief_.remove_landmark(i);
+    ++report->landmarks_removed;
+  }
+}
+
+void Ekf::reopen_velocity(double error, double duration, UpdateReport* report) {
+  drop_landmarks(report);
+  belief_.covariance().reopen_velocity(error * error, duration);
+}
+
+Status Ekf::update(const Observations& seen, UpdateReport* report) {
+  const RowBatch& rows = rows_.build(seen, belief_, report);
+  if (!panels_.apply(rows, &belief_.covariance(), &dx_)) return Status::kNumerical;
+  before_ = belief_.estimate();
+  belief_.correct(dx_);
+  if (options_.update.consistent_covariance) {
+    reexpress(belief_.layout(), before_, belief_.estimate(), &belief_.covariance());
+  }
+  return Status::kOk;
+}
+
+void Ekf::maintain_landmarks(const Observations& seen, const Promotions& promotions,
+                             UpdateReport* report) {
+  rio::maintain_landmarks(
+      seen, rows_, promotions, options_, &belief_.estimate(), report,
+      [this](std::size_t i) { belief_.remove_landmark(i); },
+      [this](const Detection& d) { belief_.add_landmark(d); });
+}
+
+}  // namespace rio

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/eval/nees.hpp"
+
+namespace rio::eval {
+
+BodyError body_error(const NavState& estimate, const NavState& truth) {
+  BodyError error;
+  error.segment<3>(body::kAttitude) = quaternion_log(estimate.q_WB.conjugate() * truth.q_WB);
+  error.segment<3>(body::kPosition) = truth.p_WB - estimate.p_WB;
+  error.segment<3>(body::kVelocity) = truth.v_WB - estimate.v_WB;
+  error.segment<3>(body::kGyroBias) = truth.gyro_bias - estimate.gyro_bias;
+  error.segment<3>(body::kAccelBias) = truth.accel_bias - estimate.accel_bias;
+  return error;
+}
+
+StateError state_error(const NavState& estimate, const NavState& truth) {
+  const BodyError error = body_error(estimate, truth);
+  StateError reordered;
+  reordered << error.segment<3>(body::kPosition), error.segment<3>(body::kAttitude),
+      error.segment<3>(body::kVelocity);
+  return reordered;
+}
+
+double anees(const std::vector<double>& nees_of_runs) {
+  if (nees_of_runs.empty()) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0.0;
+  for (const double value : nees_of_runs) sum += value;
+  return sum / static_cast<double>(nees_of_runs.size());
+}
+
+AneesBounds anees_bounds(int dof, int runs, double probability) {
+  RIO_ASSERT(dof > 0 && runs > 0);
+  const double total = static_cast<double>(dof) * runs;
+  const double miss = 0.5 * (1.0 - probability);
+  return {chi2_quantile(miss, total) / runs, chi2_quantile(1.0 - miss, total) / runs};
+}
+
+}  // namespace rio::eval

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/association.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace rio {
+
+Association::Association(const FrontendOptions& options, std::size_t max_landmarks,
+                         double same_echo)
+    : options_(options),
+      same_echo_(same_echo),
+      gate_(chi2_quantile(options.match_probability, 3.0)),
+      core_(chi2_quantile(std::min(options.match_core, options.match_probability), 3.0)),
+      assignment_(static_cast<std::size_t>(options.max_detections) + max_landmarks,
+                  static_cast<std::size_t>(options.max_detections)) {}
+
+void Association::match(const DetectionList& scan, const std::array<bool, kMaxDetections>& usable,
+                        const Estimate& predicted, std::size_t landmarks, const TrailSet& trails,
+                        AssociationResult* out) {
+  out->landmarks.clear();
+  out->trails.clear();
+  out->near_landmark.fill(false);
+  const std::size_t rows = landmarks + trails.size();
+  assignment_.begin(rows, scan.items.size(),
+                    options_.matching == Matching::kEuclidean ? options_.match_gate : kMaxCost);
+  const RigidPose T_WB = predicted.T_WB();
+  const RigidPose T_BS(predicted.T_BS);
+  for (std::size_t i = 0; i < landmarks; ++i) {
+    const LandmarkState& landmark = predicted.landmarks[i];
+    add_row(i,
+            {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S),
+             gate_after(predicted.way - landmark.way_seen)},
+            scan, usable, &out->near_landmark);
+  }
+  for (std::size_t i = 0; i < trails.size(); ++i) {
+    const TrailElement& newest = trails[i].newest();
+    const int clone = predicted.find_clone(newest.scan);
+    if (clone < 0) continue;
+    const RigidPose& then = predicted.clones[static_cast<std::size_t>(clone)].T_WB;
+    const Vector3d point_W = to_world(then, T_BS, newest.detection.point_S);
+    const Matrix3d turn = (T_WB.R * T_BS.R).transpose() * then.R * T_BS.R;
+    add_row(landmarks + i,
+            {to_radar(T_WB, T_BS, point_W),
+             believed(turn * point_covariance(newest.detection) * turn.transpose()),
+             gate_after((T_WB.p - then.p).norm())},
+            scan, usable, nullptr);
+  }
+  assignment_.solve();
+  collect(landmarks, rows, scan.items.size(), out);
+}
+
+Matrix3d Association::believed(const Matrix3d& covariance) const {
+  if (options_.matching != Matching::kMahalanobis) return Matrix3d::Zero();
+  return covariance;
+}
+
+void Association::add_row(std::size_t row, const Known& known, const DetectionList& scan,
+                          const std::array<bool, kMaxDetections>& usable,
+                          std::array<bool, kMaxDetections>* near) {
+  for (std::size_t i = 0; i < scan.items.size(); ++i) {
+    if (!usable[i]) continue;
+    const Detection& d = scan.items[i];
+    if (options_.matching == Matching::kEuclidean) {
+      assignment_.set(row, i, (d.point_S - known.point_S).norm());  // (E1)
+      continue;
+    }
+    // cheap bound first: d2 is at least the part of the range
+    const double range = known.point_S.norm();
+    const double range_variance = d.sigma_range * d.sigma_range + known.covariance.trace();
+    if ((d.range - range) * (d.range - range) > gate_ * range_variance) continue;
+    const auto distance = mahalanobis_distance(d, known, range);
+    if (!distance) continue;
+    if (distance->d2 < known.gate) assignment_.set(row, i, distance->cost);
+    if (near != nullptr) (*near)[i] = true;
+  }
+}
+
+std::optional<Association::Distance> Association::mahalanobis_distance(const Detection& d,
+                                                                       const Known& known,
+                                                                       double range) const {
+  const double sigma_az = d.sigma_azimuth_S.norm();
+  const double sigma_el = d.sigma_elevation_S.norm();
+  const Vector3d t_az = d.sigma_azimuth_S / sigma_az;
+  const Vector3d t_el = d.sigma_elevation_S / sigma_el;
+  const Vector3d u = known.point_S / range;
+  if (u.dot(d.direction_S) <= 0.0) return std::nullopt;  // behind: tangents mean nothing there
+  const Vector3d y(d.range - range, -t_az.dot(u), -t_el.dot(u));
+  Matrix3d D;
+  D.row(0) = u.transpose();
+  D.row(1) = (t_az - t_az.dot(u) * u).transpose() / range;
+  D.row(2) = (t_el - t_el.dot(u) * u).transpose() / range;
+  const Vector3d sigmas(d.sigma_range, sigma_az, sigma_el);
+  Matrix3d S = D * known.covariance * D.transpose();
+  S.diagonal() += sigmas.cwiseAbs2();
+  const Eigen::LLT<Matrix3d> llt(S);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const double d2 = llt.matrixL().solve(y).squaredNorm();
+  if (!(d2 < gate_)) return std::nullopt;
+  const double log_det_root = Matrix3d(llt.matrixL()).diagonal().array().log().sum();
+  return Distance{d2, d2 + 2.0 * (log_det_root - sigmas.array().log().sum())};
+}
+
+void Association::collect(std::size_t landmarks, std::size_t rows, std::size_t columns,
+                          AssociationResult* out) const {
+  const bool any = options_.matching != Matching::kMahalanobis;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const int column = assignment_.column_of(row);
+    if (column == Assignment::kNone) continue;
+    const auto detection = static_cast<std::size_t>(column);
+    if (row >= landmarks) {
+      out->trails.push_back({row - landmarks, detection});
+    } else if (any || is_clear(row, detection, landmarks, columns)) {
+      out->landmarks.push_back({row, detection});
+    }
+  }
+}
+
+bool Association::is_clear(std::size_t row, std::size_t column, std::size_t landmarks,
+                           std::size_t columns) const {
+  const double limit = assignment_.cost(row, column) + options_.match_margin;
+  for (std::size_t c = 0; c < columns; ++c) {
+    if (c != column && assignment_.cost(row, c) < limit) return false;
+  }
+  for (std::size_t r = 0; r < landmarks; ++r) {
+    if (r != row && assignment_.cost(r, column) < limit) return false;
+  }
+  return true;
+}
+
+}  // namespace rio

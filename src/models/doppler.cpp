@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/models/doppler.hpp"
+
+#include <cmath>
+
+namespace rio {
+
+DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measurement& z,
+                                                                 const Vector3d& u_S,
+                                                                 const Vector3d& v_S) noexcept {
+  constexpr double kOutlier = 9.0;  // beyond three sigma it is no direction error
+  const Vector3d spread = z.direction_cov * v_S;
+  const double r = z.range_rate + u_S.dot(v_S);
+  const double R = z.sigma_doppler * z.sigma_doppler + v_S.dot(spread);
+  const double S = R + z.predicted_var;
+  if (!(r * r < kOutlier * S)) return {u_S, z.direction_cov, R};
+  return {u_S - spread * (r / S), z.direction_cov - spread * spread.transpose() / S, R};
+}
+
+bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
+                            const Vector3d& gyro_bias, const RigidPose& T_BS,
+                            const RadarErrors::Value& errors, ResidualOf<kDim>& r,
+                            JacobianOf<kDim, Blocks::kDof>* J,
+                            JacobianOf<kDim, kDim>& R) const noexcept {
+  const Vector3d w = z.gyro_B - gyro_bias;
+  const Vector3d v_B = T_WB.R.transpose() * v_WB;
+  const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
+  const double sine = std::sin(errors[RadarErrors::kElevation]);
+  const double cosine = std::cos(errors[RadarErrors::kElevation]);
+  const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
+  Vector3d u = cosine * z.direction_S - sine * z.upwards_S;
+  const Vector3d upwards = cosine * z.upwards_S + sine * z.direction_S;
+  r[0] = z.range_rate + scale * u.dot(v_S);  // (E1)
+  const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
+  R(0, 0) = direction_noise_ ? expected.variance : z.sigma_doppler * z.sigma_doppler;
+  if (J == nullptr) return true;
+
+  if (direction_correction_) u = z.reliability * expected.u_S;  // (E3) (E4)
+  const Vector3d a = scale * T_BS.R * u;                        // direction in body axes
+  J->block<1, 3>(0, Blocks::column<BodyPose>()) = -a.transpose() * skew(v_B);
+  J->block<1, 3>(0, Blocks::column<BodyPose>() + 3).setZero();
+  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
+  J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()) = -scale * u.transpose() * skew(v_S);
+  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = -a.transpose() * skew(w);
+  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), scale * upwards.dot(v_S);
+  return true;
+}
+
+}  // namespace rio

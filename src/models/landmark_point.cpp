@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/models/landmark_point.hpp"
+
+namespace rio {
+
+bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
+                                  const RigidPose& T_BS, const RadarErrors::Value& errors,
+                                  const Vector3d& p_WL, ResidualOf<kDim>& r,
+                                  JacobianOf<kDim, Blocks::kDof>* J,
+                                  JacobianOf<kDim, kDim>& R) const noexcept {
+  const ObservedPoint point(T_WB, T_BS, p_WL);
+  const double h = point.e_S.norm();
+  if (!(h > ObservedPoint::kMinRange)) return false;
+  const Vector3d u = point.e_S / h;
+  const double sigma_az = z.sigma_azimuth_S.norm();
+  const double sigma_el = z.sigma_elevation_S.norm();
+  const Vector3d t_az = z.sigma_azimuth_S / sigma_az;
+  const Vector3d t_el = z.sigma_elevation_S / sigma_el;
+  r << z.range - h, -t_az.dot(u), -t_el.dot(u) - errors[RadarErrors::kElevation];  // (E1) (E2)
+  R.setZero();
+  R.diagonal() << z.sigma_range * z.sigma_range, sigma_az * sigma_az, sigma_el * sigma_el;
+  if (J == nullptr) return true;
+
+  Matrix3d D;  // of (range, directions) in e
+  D.row(0) = u.transpose();
+  D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
+  D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;
+  J->block<3, 6>(0, Blocks::column<BodyPose>()) = D * point.d_body();
+  J->block<3, 6>(0, Blocks::column<Extrinsics>()) = D * point.d_extrinsics();
+  J->block<3, 2>(0, Blocks::column<RadarErrors>()) << 0.0, 0.0, 0.0, 0.0, 0.0, 1.0;
+  J->block<3, 3>(0, Blocks::column<Landmark>()) = D * point.d_landmark();
+  return true;
+}
+
+bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
+                                    const Vector3d& v_WB, const Vector3d& gyro_bias,
+                                    const RigidPose& T_BS, const RadarErrors::Value& errors,
+                                    const Vector3d& p_WL, ResidualOf<kDim>& r,
+                                    JacobianOf<kDim, Blocks::kDof>* J,
+                                    JacobianOf<kDim, kDim>& R) const noexcept {
+  const ObservedPoint point(T_WB, T_BS, p_WL);
+  const double h = point.e_S.norm();
+  if (!(h > ObservedPoint::kMinRange)) return false;
+  const Vector3d u = point.e_S / h;
+  const Vector3d w = z.gyro_B - gyro_bias;
+  const Vector3d v_B = T_WB.R.transpose() * v_WB;
+  const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
+  const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
+  r[0] = z.range_rate + scale * u.dot(v_S);  // (E3)
+  R(0, 0) = z.sigma_doppler * z.sigma_doppler;
+  if (J == nullptr) return true;
+
+  const Vector3d a = scale * T_BS.R * u;
+  const Eigen::RowVector3d d_h_d_e = -scale * (v_S - u.dot(v_S) * u).transpose() / h;
+  J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h_d_e * point.d_body();
+  J->block<1, 3>(0, Blocks::column<BodyPose>()) += -a.transpose() * skew(v_B);
+  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
+  J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
+  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h_d_e * point.d_extrinsics();
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()) += -scale * u.transpose() * skew(v_S);
+  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += -a.transpose() * skew(w);
+  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), 0.0;
+  J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h_d_e * point.d_landmark();
+  return true;
+}
+
+}  // namespace rio

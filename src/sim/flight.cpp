@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/sim/flight.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace rio::sim {
+
+namespace {
+
+void fly_imu(double seconds, Flight* flight) {
+  const ImuModel& model = flight->scenario.imu;
+  const double period = 1.0 / model.rate_hz;
+  ImuSimulator imu(model, flight->scenario.seed);
+  Random jitter(flight->scenario.seed, 8);
+  for (std::int64_t i = 0;; ++i) {
+    const double t = static_cast<double>(i) * period;
+    const Time time = flight->trajectory.start() + from_seconds(t);
+    if (time > flight->trajectory.start() + from_seconds(seconds)) break;
+    const Trajectory::Point point = flight->trajectory.at(time);
+    flight->truth.push_back(point.nav);
+    flight->truth.back().gyro_bias = imu.gyro_bias();
+    flight->truth.back().accel_bias = imu.accel_bias();
+    ImuSample sample = imu.sample(point);
+    // less than half a period, so that no sample overtakes another
+    const double late =
+        std::clamp(model.stamp_jitter * jitter.normal(), -0.49 * period, 0.49 * period);
+    sample.time += from_seconds(late);
+    if (flight->scenario.disturbances.imu_gaps.contain(t, seconds)) continue;
+    flight->imu.push_back(sample);
+  }
+}
+
+void fly_radar(double seconds, Flight* flight) {
+  // the radar's clock starts between two IMU samples and its period is no multiple of theirs
+  constexpr Time kFirstScan{23'456'789};
+  const RadarModel& model = flight->scenario.radar;
+  const Disturbances& disturbances = flight->scenario.disturbances;
+  RadarSimulator radar(model, flight->room, flight->scenario.seed);
+  for (std::int64_t i = 0;; ++i) {
+    const Time since = kFirstScan + from_seconds(static_cast<double>(i) / model.rate_hz);
+    const Time time = flight->trajectory.start() + since;
+    const Time stamp = time + from_seconds(model.stamp_offset);
+    if (flight->imu.empty() || std::max(time, stamp) > flight->imu.back().time) break;
+    const double t = to_seconds(since);
+    if (disturbances.outages.contain(t, seconds)) continue;
+    const double outlier_share =
+        disturbances.bursts.contain(t, seconds) ? model.burst_outlier_share : model.outlier_share;
+    LabeledScan labeled = radar.scan(flight->trajectory.at(time), outlier_share);
+    labeled.scan.time = stamp;
+    flight->scans.push_back(std::move(labeled.scan));
+    flight->arrivals.push_back(time + from_seconds(model.latency));
+    flight->labels.push_back(std::move(labeled.labels));
+  }
+}
+
+}  // namespace
+
+Pose told_mounting(const Scenario& scenario) {
+  Random random(scenario.seed, 7);
+  const Vector3d axis = random.normal3().normalized();
+  const Vector3d direction = random.normal3().normalized();
+  const Pose& T_BS = scenario.radar.T_BS;
+  return {(T_BS.rotation * quaternion_exp(scenario.told.extrinsic_angle * axis)).normalized(),
+          T_BS.translation + scenario.told.extrinsic_distance * direction};
+}
+
+NavState Flight::truth_at(Time time) const {
+  NavState state = trajectory.at(time).nav;
+  const auto later = std::upper_bound(truth.begin(), truth.end(), time,
+                                      [](Time t, const NavState& next) { return t < next.time; });
+  const NavState& period = later == truth.begin() ? truth.front() : *std::prev(later);
+  state.gyro_bias = period.gyro_bias;
+  state.accel_bias = period.accel_bias;
+  return state;
+}
+
+Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario) {
+  Flight flight;
+  flight.scenario = scenario;
+  flight.trajectory = trajectory;
+  flight.room = make_room(scenario.seed, grown(scenario.room, trajectory.low(), trajectory.high()));
+  flight.told_T_BS = told_mounting(scenario);
+  const double seconds = std::min(trajectory.duration(), scenario.max_duration);
+  fly_imu(seconds, &flight);
+  fly_radar(seconds, &flight);
+  return flight;
+}
+
+}  // namespace rio::sim

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/smoother/gauss_newton.hpp"
+
+namespace rio {
+
+void WindowPoint::save(const Window& window, const Estimate& x) {
+  for (std::size_t k = 0; k < window.size(); ++k) navs_[k] = window[k].nav;
+  estimate_ = x;
+}
+
+void WindowPoint::restore(Window* window, Estimate* x) const {
+  for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs_[k];
+  *x = estimate_;
+}
+
+GaussNewton::GaussNewton(const SmootherOptions& options, int max_states, int border)
+    : options_(options),
+      saved_(static_cast<std::size_t>(max_states)),
+      dx_(Eigen::VectorXd::Zero(body::kSize * max_states + border)),
+      tail_(Eigen::VectorXd::Zero(body::kSize + border)) {}
+
+double GaussNewton::step(const NormalEquations& system) {
+  system.solve(&dx_);
+  const auto dx = dx_.head(system.size());
+  const double squared = dx.dot(system.g());
+  return dx.allFinite() && squared >= 0.0 ? std::sqrt(squared) : kNone;
+}
+
+void GaussNewton::apply(const NormalEquations& system, Window* window, Belief* belief) {
+  for (std::size_t k = 0; k + 1 < window->size(); ++k) {
+    correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
+                &(*window)[k].nav);
+  }
+  const int size = system.tail_size();
+  tail_.head(size) = dx_.segment(system.size() - size, size);
+  belief->correct(tail_);
+  window->newest().nav = belief->estimate().nav;
+  window->publish(&belief->estimate());
+}
+
+void GaussNewton::correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {
+  nav->q_WB = (nav->q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
+  nav->p_WB += dx.segment<3>(body::kPosition);
+  nav->v_WB += dx.segment<3>(body::kVelocity);
+  nav->gyro_bias += dx.segment<3>(body::kGyroBias);
+  nav->accel_bias += dx.segment<3>(body::kAccelBias);
+}
+
+}  // namespace rio

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/smoother/prior.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace rio {
+
+Prior::Prior(const Layout& layout, int max_states)
+    : layout_(layout),
+      A_(matrix(layout, max_states)),
+      work_(A_),
+      g_(Eigen::VectorXd::Zero(A_.rows())),
+      work_g_(g_),
+      xi_(g_),
+      w_(g_),
+      A_xi_(g_) {
+  states_.reserve(static_cast<std::size_t>(max_states));
+}
+
+void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
+                   const Eigen::Ref<const Eigen::VectorXd>& g, const Window& window,
+                   std::size_t first, int leading, const Estimate& x) {
+  states_.clear();
+  for (int s = 0; s < leading; ++s) {
+    states_.push_back(window[first + static_cast<std::size_t>(s)].nav);
+  }
+  landmarks_ = x.landmarks;
+  T_BS_ = x.T_BS;
+  radar_errors_ = x.radar_errors;
+  time_offset_ = x.time_offset;
+  A_.topLeftCorner(size(), size()) = A;
+  g_.head(size()) = g;
+  for (int s = 0; s < leading; ++s) {  // the inverse of (E4) where xi = 0
+    const Matrix3d R = states_[static_cast<std::size_t>(s)].q_WB.toRotationMatrix();
+    quadratic::multiply_block(size(), body::kSize * s + body::kAttitude, R.transpose(), &A_, &g_);
+  }
+  cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+  xi_.head(size()).setZero();
+  fill_heading_part(window, first, x, Matrix3d::Identity());
+  w_ *= -1.0;
+  add_heading_part(&A_, &g_);
+}
+
+double Prior::add_to(NormalEquations* system, const Window& window, const Estimate& x) {
+  evaluate(window, x);
+  const int n = size();
+  auto xi = xi_.head(n);
+  A_xi_.head(n).noalias() = A() * xi;
+  const double cost = 0.5 * xi.dot(A_xi_.head(n)) - g().dot(xi);
+  work_.topLeftCorner(n, n) = A();
+  work_g_.head(n) = g() - A_xi_.head(n);
+  const Matrix3d Zt = gamma(0, -heading() * Vector3d::UnitZ());
+  fill_heading_part(window, 0, x, Zt);
+  add_heading_part(&work_, &work_g_);
+  for (int s = 0; s < leading_states(); ++s) {
+    const Matrix3d R = window[static_cast<std::size_t>(s)].nav.q_WB.toRotationMatrix();
+    quadratic::multiply_block(n, body::kSize * s + body::kAttitude,
+                              turn_jacobian(s).inverse() * Zt * R, &work_, &work_g_);
+  }
+  turn_back(heading());
+  if (layout_.has_extrinsics()) {
+    const int at = border(layout_.extrinsics());
+    quadratic::multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
+  }
+  system->add_quadratic(leading_states(), work_.topLeftCorner(n, n), work_g_.head(n));
+  return cost;
+}
+
+void Prior::add_landmark_noise(double variance) {
+  if (!(variance > 0.0)) return;
+  constexpr int kPanel = 3 * (cholesky::kPanel / 3);  // whole landmarks
+  const int n = size();
+  for (int at = border(layout_.landmark(0)); at < n; at += kPanel) {
+    const int width = std::min(kPanel, n - at);
+    quadratic::subtract_projection(n, at, width, 1.0 / variance, &A_, &g_, &work_);
+  }
+  cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+}
+
+void Prior::remove_landmark(std::size_t i, std::size_t last) {
+  if (i >= landmarks_.size()) return;
+  const int at = border(layout_.landmark(static_cast<int>(i)));
+  quadratic::subtract_projection(size(), at, 3, 0.0, &A_, &g_, &work_);
+  cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+  // the window's last landmark moves to i; the prior's own last one may be an earlier one
+  const std::size_t own_last = landmarks_.size() - 1;
+  if (last != own_last) {
+    forget_in_place(i);
+    return;
+  }
+  move_landmark(own_last, i);
+  landmarks_.pop_back();
+}
+
+Eigen::MatrixXd Prior::matrix(const Layout& layout, int max_states) {
+  const int size = body::kSize * (max_states - 1) + layout.capacity();
+  return Eigen::MatrixXd::Zero(size, size);
+}
+
+void Prior::evaluate(const Window& window, const Estimate& x) {
+  const Quaternion turn = window[0].nav.q_WB * states_[0].q_WB.conjugate();
+  const Quaternion back = Quaternion(turn.w(), 0.0, 0.0, -turn.z()).normalized();  // Z^T
+  for (int s = 0; s < leading_states(); ++s) {
+    const NavState& then = states_[static_cast<std::size_t>(s)];
+    const NavState& now = window[static_cast<std::size_t>(s)].nav;
+    auto xi = xi_.segment<body::kSize>(body::kSize * s);
+    xi.segment<3>(body::kAttitude) = quaternion_log(back * now.q_WB * then.q_WB.conjugate());
+    xi.segment<3>(body::kPosition) = back * now.p_WB - then.p_WB;
+    xi.segment<3>(body::kVelocity) = back * now.v_WB - then.v_WB;
+    xi.segment<3>(body::kGyroBias) = now.gyro_bias - then.gyro_bias;
+    xi.segment<3>(body::kAccelBias) = now.accel_bias - then.accel_bias;
+  }
+  xi_[kHeading] = -quaternion_log(back).z();
+  if (layout_.has_extrinsics()) {
+    const int at = border(layout_.extrinsics());
+    xi_.segment<3>(at) = quaternion_log(T_BS_.rotation.conjugate() * x.T_BS.rotation);
+    xi_.segment<3>(at + 3) = x.T_BS.translation - T_BS_.translation;
+  }
+  if (layout_.has_radar_errors()) {
+    xi_.segment<2>(border(layout_.radar_errors())) = x.radar_errors - radar_errors_;
+  }
+  if (layout_.has_time_offset()) {
+    xi_[border(layout_.time_offset())] = x.time_offset - time_offset_;
+  }
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    xi_.segment<3>(border(layout_.landmark(static_cast<int>(i)))) =
+        back * x.landmarks[i].p_W - landmarks_[i].p_W;
+  }
+}
+
+Matrix3d Prior::turn_jacobian(int s) const {
+  Vector3d phi = xi_.segment<3>(body::kSize * s + body::kAttitude);
+  if (s > 0) return gamma(1, phi);
+  phi.z() = 0.0;
+  Matrix3d J = gamma(1, phi);
+  J.col(2) = Vector3d::UnitZ();
+  return J;
+}
+
+void Prior::fill_heading_part(const Window& window, std::size_t first, const Estimate& x,
+                              const Matrix3d& Zt) {
+  const Vector3d z = Vector3d::UnitZ();
+  w_.head(size()).setZero();
+  for (int s = 0; s < leading_states(); ++s) {
+    const NavState& now = window[first + static_cast<std::size_t>(s)].nav;
+    auto w = w_.segment<body::kSize>(body::kSize * s);
+    if (s > 0) w.segment<3>(body::kAttitude) = -turn_jacobian(s).inverse() * z;
+    w.segment<3>(body::kPosition) = -z.cross(Zt * now.p_WB);
+    w.segment<3>(body::kVelocity) = -z.cross(Zt * now.v_WB);
+  }
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    w_.segment<3>(border(layout_.landmark(static_cast<int>(i)))) =
+        -z.cross(Zt * x.landmarks[i].p_W);
+  }
+}
+
+void Prior::add_heading_part(Eigen::MatrixXd* A, Eigen::VectorXd* g) {
+  const int n = size();
+  const auto w = w_.head(n);
+  auto A_w = A_xi_.head(n);
+  A_w.noalias() = A->topLeftCorner(n, n) * w;
+  const double w_A_w = w.dot(A_w);
+  A->col(kHeading).head(n) += A_w;
+  A->row(kHeading).head(n) += A_w.transpose();
+  (*A)(kHeading, kHeading) += w_A_w;
+  (*g)[kHeading] += w.dot(g->head(n));
+}
+
+void Prior::turn_back(double heading) {
+  const double cosine = std::cos(heading);
+  const double sine = std::sin(heading);
+  const auto turn = [&](double* x, double* y) {  // the columns of Z^T are the rows of Z
+    const double x_before = *x;
+    *x = cosine * x_before - sine * *y;
+    *y = sine * x_before + cosine * *y;
+  };
+  const int n = size();
+  for_each_turned([&](int at) {
+    for (int r = at; r < n; ++r) turn(&work_(r, at), &work_(r, at + 1));
+    turn(&work_g_[at], &work_g_[at + 1]);
+  });
+  for (int c = 0; c < n; ++c) {
+    for_each_turned([&](int at) {
+      if (c < at + 2) turn(&work_(at, c), &work_(at + 1, c));
+    });
+  }
+}
+
+void Prior::forget_in_place(std::size_t i) {
+  const int at = border(layout_.landmark(static_cast<int>(i)));
+  A_.middleRows(at, 3).leftCols(size()).setZero();
+  A_.middleCols(at, 3).topRows(size()).setZero();
+  g_.segment<3>(at).setZero();
+}
+
+void Prior::move_landmark(std::size_t from, std::size_t to) {
+  if (from == to) return;
+  const int n = size();
+  const int source = border(layout_.landmark(static_cast<int>(from)));
+  const int target = border(layout_.landmark(static_cast<int>(to)));
+  A_.block(target, 0, 3, n) = A_.block(source, 0, 3, n);
+  A_.block(0, target, n, 3) = A_.block(0, source, n, 3);
+  g_.segment<3>(target) = g_.segment<3>(source);
+  landmarks_[to] = landmarks_[from];
+}
+
+}  // namespace rio

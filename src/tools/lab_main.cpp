@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The `rio-lab` program, started by `rio experiment`: runs an experiment, prints its tables, writes
+// them with their data and charts. Exit codes: 0 success, 1 the experiment failed, 2 wrong command
+// line.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.hpp"
+#include "progress.hpp"
+#include "results_block.hpp"
+#include "rio/io/text_file.hpp"
+
+namespace {
+
+using rio::experiment::Experiment;
+
+struct Arguments {
+  std::string name;
+  int seeds = 0;
+  int threads = 2;
+  std::string out = "out";
+  std::string update;
+};
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  rio::io::TextFile file(path);
+  file.write(text);
+  file.close();
+}
+
+void run_experiment(const Arguments& arguments) {
+  const std::vector<Experiment>& all = rio::experiment::experiments();
+  const auto chosen = std::find_if(all.begin(), all.end(),
+                                   [&](const Experiment& e) { return e.name == arguments.name; });
+  const std::filesystem::path out(arguments.out);
+  std::filesystem::create_directories(out);
+  rio::experiment::Result result;
+  {
+    rio::tools::Progress progress(true);
+    const rio::experiment::Settings settings{
+        arguments.seeds, arguments.threads,
+        [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
+    result = chosen->run(settings);
+  }
+  std::fputs(result.markdown.c_str(), stdout);
+  write(out / (arguments.name + ".md"), result.markdown);
+  for (const rio::experiment::Attachment& file : result.attachments)
+    write(out / file.name, file.text);
+  if (!arguments.update.empty()) {
+    rio::tools::replace_results_block(arguments.update, arguments.name, result.markdown);
+  }
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Answer a question with many simulated flights", "rio experiment");
+  app.set_version_flag("--version", RIO_VERSION);
+  Arguments arguments;
+  std::vector<std::string> names;
+  std::string footer = "Experiments:\n";
+  for (const Experiment& e : rio::experiment::experiments()) {
+    names.emplace_back(e.name);
+    footer += std::string("  ") + e.name + ": " + e.summary + "\n";
+  }
+  app.footer(footer);
+  app.add_option("NAME", arguments.name, "of the experiment")
+      ->required()
+      ->check(CLI::IsMember(names));
+  app.add_option("--seeds", arguments.seeds, "flights of a kind, instead of the usual number")
+      ->check(CLI::Range(1, 10000));
+  app.add_option("--threads", arguments.threads, "flights at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--out", arguments.out, "folder for report, data and charts")
+      ->capture_default_str();
+  app.add_option("--update", arguments.update,
+                 "Markdown file in which the block of this experiment is replaced");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  run_experiment(arguments);
+  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rio experiment: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/belief.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "rio/models/doppler.hpp"
+#include "rio/models/landmark_birth.hpp"
+#include "rio/propagate/strapdown.hpp"
+
+namespace rio {
+
+namespace {
+
+/// The row of the Doppler along a direction as measured; without its residual and noise.
+LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
+                      const Layout& layout) {
+  DopplerModel::Measurement z;
+  z.direction_S = direction_S;
+  z.gyro_B = x.gyro_B;
+  Evaluation<DopplerModel> e;
+  DopplerModel(false, false)
+      .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R);
+  return state_rows<1>(e.J, DopplerModel::Blocks{}, x, {}, layout)[0];
+}
+
+}  // namespace
+
+void Acceleration::add(const Vector3d& change_W, double seconds) {
+  constexpr double kMemory = 0.05;  // rotors turn faster, bodies accelerate slower [s]
+  const double sum = kMemory + seconds;
+  once_W += (change_W - seconds * once_W) / sum;
+  smooth_W += seconds / sum * (once_W - smooth_W);
+}
+
+Belief::Belief(const Options& options, int max_clones)
+    : options_(options),
+      layout_(options.calibration, max_clones, options.update.max_landmarks),
+      covariance_(layout_) {}
+
+void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
+  estimate_ = Estimate{};
+  estimate_.nav = prior;
+  estimate_.T_BS = options_.radar.T_BS;
+  acceleration_ = {};
+  covariance_.reset(P0, options_.calibration);
+}
+
+Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
+  Propagation p;
+  p.state = estimate_.nav;
+  Acceleration acceleration = acceleration_;
+  imu.for_each_step(estimate_.nav.time, to, [&](const ImuStep& step) {
+    const Vector3d before = p.state.v_WB;
+    p.step(step, options_.imu);
+    acceleration.add(p.state.v_WB - before, to_seconds(step.end - step.begin));
+  });
+  if (!p.finite()) return Status::kNumerical;
+  *gap = p.gap;
+  acceleration_ = acceleration;
+  estimate_.accel_W = acceleration_.smooth_W;
+  const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
+  estimate_.nav = p.state;
+  estimate_.way += way;
+  const ImuSample now = imu.at(to);
+  estimate_.gyro_B = now.gyro_B;
+  covariance_.propagate(p.transition, p.noise);
+  const double walk = options_.update.landmark_walk;
+  covariance_.add_landmark_noise(walk * walk * way);
+  if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
+  return Status::kOk;
+}
+
+Matrix3d Belief::radar_velocity_covariance() const {
+  const LinearizationPoint x(estimate_);
+  std::array<LinearRow, 3> rows;
+  for (int i = 0; i < 3; ++i) {  // a Doppler along an axis is a component of the velocity
+    rows[static_cast<std::size_t>(i)] = doppler_row(Vector3d::Unit(i), x, layout_);
+  }
+  return covariance_.covariance_of(rows);
+}
+
+double Belief::doppler_variance(const Vector3d& direction_S, const LinearizationPoint& x) const {
+  const LinearRow row = doppler_row(direction_S, x, layout_);
+  return covariance_.product(row, row);
+}
+
+void Belief::clone(ScanId scan) {
+  const auto slots = static_cast<std::size_t>(layout_.max_clones());
+  if (slots == 0) return;
+  const std::size_t slot = static_cast<std::size_t>(scan % slots);
+  if (slot >= estimate_.clones.size()) estimate_.clones.resize(slot + 1);
+  estimate_.clones[slot] = {scan, estimate_.T_WB()};
+  const Eigen::Matrix<double, 6, 6> same = Eigen::Matrix<double, 6, 6>::Identity();
+  covariance_.assign_clone(
+      static_cast<int>(slot),
+      state_rows<6>(same, BlockList<BodyPose>{}, LinearizationPoint(estimate_), {}, layout_));
+}
+
+void Belief::add_landmark(const Detection& d) {
+  const LandmarkBirth birth(estimate_.T_WB(), RigidPose(estimate_.T_BS), d);
+  covariance_.add_landmark(
+      static_cast<int>(estimate_.landmarks.size()),
+      state_rows<3>(birth.d_l, LandmarkBirth::Blocks{}, LinearizationPoint(estimate_), {}, layout_),
+      birth.noise);
+  estimate_.landmarks.push_back({birth.p_WL, estimate_.nav.time, Matrix3d::Zero(), estimate_.way});
+}
+
+void Belief::remove_landmark(std::size_t i) {
+  covariance_.remove_landmark(static_cast<int>(i));
+  estimate_.landmarks[i] = estimate_.landmarks.back();
+  estimate_.landmarks.pop_back();
+}
+
+void Belief::correct(const Eigen::VectorXd& dx) {
+  NavState& nav = estimate_.nav;
+  nav.q_WB = (nav.q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
+  nav.p_WB += dx.segment<3>(body::kPosition);
+  nav.v_WB += dx.segment<3>(body::kVelocity);
+  nav.gyro_bias += dx.segment<3>(body::kGyroBias);
+  nav.accel_bias += dx.segment<3>(body::kAccelBias);
+  correct_calibration(dx);
+  for (std::size_t i = 0; layout_.max_clones() > 0 && i < estimate_.clones.size(); ++i) {
+    RigidPose& pose = estimate_.clones[i].T_WB;
+    pose = PoseBlock::retract(pose, dx.segment<6>(layout_.clone(static_cast<int>(i))));
+  }
+  for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
+    estimate_.landmarks[i].p_W += dx.segment<3>(layout_.landmark(static_cast<int>(i)));
+  }
+}
+
+void Belief::predict_landmarks() {
+  const LinearizationPoint x(estimate_);
+  for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
+    LandmarkState& landmark = estimate_.landmarks[i];
+    const ObservedPoint point(x.T_WB, x.T_BS, landmark.p_W);
+    landmark.covariance_S = covariance_.covariance_of(
+        state_rows<3>(point.d_e, ObservedPoint::Blocks{}, x, {0, static_cast<int>(i)}, layout_));
+  }
+}
+
+void Belief::correct_calibration(const Eigen::VectorXd& dx) {
+  const CalibrationOptions& priors = options_.calibration;
+  const auto limited = [](double value, double sigma) {
+    return std::clamp(value, -kCalibrationLimit * sigma, kCalibrationLimit * sigma);
+  };
+  if (layout_.has_extrinsics()) {
+    const Pose& told = options_.radar.T_BS;
+    Pose& T_BS = estimate_.T_BS;
+    const int at = layout_.extrinsics();
+    T_BS.rotation = (T_BS.rotation * quaternion_exp(dx.segment<3>(at))).normalized();
+    T_BS.translation += dx.segment<3>(at + 3);
+    Vector3d turn = quaternion_log(told.rotation.conjugate() * T_BS.rotation);
+    Vector3d shift = T_BS.translation - told.translation;
+    for (double& angle : turn) angle = limited(angle, priors.rotation_sigma);
+    for (double& length : shift) length = limited(length, priors.translation_sigma);
+    T_BS = {(told.rotation * quaternion_exp(turn)).normalized(), told.translation + shift};
+  }
+  if (layout_.has_radar_errors()) {
+    RadarErrors::Value& errors = estimate_.radar_errors;
+    errors += dx.segment<2>(layout_.radar_errors());
+    errors[RadarErrors::kDopplerScale] =
+        limited(errors[RadarErrors::kDopplerScale], priors.doppler_scale_sigma);
+    errors[RadarErrors::kElevation] =
+        limited(errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
+  }
+  if (layout_.has_time_offset()) {
+    estimate_.time_offset =
+        limited(estimate_.time_offset + dx[layout_.time_offset()], priors.time_offset_sigma);
+  }
+}
+
+}  // namespace rio

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/covariance.hpp"
+
+namespace rio {
+
+Covariance::Covariance(const Layout& layout)
+    : layout_(layout),
+      P_(Eigen::MatrixXd::Zero(layout.capacity(), layout.capacity())),
+      scratch_(Eigen::MatrixXd::Zero(body::kSize, layout.capacity())),
+      size_(layout.size(0)) {}
+
+void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& priors) {
+  P_.setZero();
+  size_ = layout_.size(0);
+  P_.topLeftCorner<body::kSize, body::kSize>() = 0.5 * (P0 + P0.transpose());
+  const auto set = [this](int at, int length, double sigma) {
+    P_.diagonal().segment(at, length).setConstant(sigma * sigma);
+  };
+  if (layout_.has_extrinsics()) {
+    set(layout_.extrinsics(), 3, priors.rotation_sigma);
+    set(layout_.extrinsics() + 3, 3, priors.translation_sigma);
+  }
+  if (layout_.has_radar_errors()) {
+    set(layout_.radar_errors() + RadarErrors::kDopplerScale, 1, priors.doppler_scale_sigma);
+    set(layout_.radar_errors() + RadarErrors::kElevation, 1, priors.elevation_bias_sigma);
+  }
+  if (layout_.has_time_offset()) set(layout_.time_offset(), 1, priors.time_offset_sigma);
+}
+
+void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (E1)
+  constexpr int kBody = body::kSize;
+  const int rest = size_ - kBody;
+  const Matrix15d propagated = congruence(phi, P_.topLeftCorner<kBody, kBody>()) + noise;
+  P_.topLeftCorner<kBody, kBody>() = 0.5 * (propagated + propagated.transpose());
+  auto cross = scratch_.leftCols(rest);
+  cross.noalias() = phi * P_.block(0, kBody, kBody, rest);
+  P_.block(0, kBody, kBody, rest) = cross;
+  P_.block(kBody, 0, rest, kBody) = cross.transpose();
+}
+
+void Covariance::reopen_velocity(double variance, double duration) {  // (E3)
+  for (int i = 0; i < 3; ++i) {
+    const int p = body::kPosition + i;
+    const int v = body::kVelocity + i;
+    P_(v, v) += variance;
+    P_(p, v) += duration * variance;
+    P_(v, p) += duration * variance;
+    P_(p, p) += duration * duration * variance;
+  }
+}
+
+void Covariance::add_landmark([[maybe_unused]] int index, const std::array<LinearRow, 3>& rows,
+                              const Matrix3d& noise) {
+  RIO_ASSERT(layout_.landmark(index) == size_ && size_ + 3 <= layout_.capacity());
+  size_ += 3;
+  assign<3>(size_ - 3, rows, noise);
+}
+
+void Covariance::remove_landmark(int index) {
+  const int at = layout_.landmark(index);
+  const int last = size_ - 3;
+  if (at != last) {
+    P_.block(at, 0, 3, size_) = P_.block(last, 0, 3, size_);
+    P_.block(0, at, size_, 3) = P_.block(0, last, size_, 3);
+  }
+  size_ = last;
+}
+
+double Covariance::product(const LinearRow& a, const LinearRow& b) const {
+  double sum = 0.0;
+  a.for_each_segment([&](int column_a, const double* h_a, int length_a) {
+    b.for_each_segment([&](int column_b, const double* h_b, int length_b) {
+      for (int j = 0; j < length_b; ++j) {
+        const double* p = &P_(column_a, column_b + j);
+        double dot = 0.0;
+        for (int i = 0; i < length_a; ++i) dot += h_a[i] * p[i];
+        sum += dot * h_b[j];
+      }
+    });
+  });
+  return sum;
+}
+
+void Covariance::innovation_covariance(const RowBatch& batch, const RowBlock& block,
+                                       BlockMatrix* S) const {
+  const auto m = static_cast<Eigen::Index>(block.count);
+  S->resize(m, m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const LinearRow& row = batch.rows()[block.first + static_cast<std::size_t>(i)];
+    (*S)(i, i) = product(row, row) + row.variance;
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const LinearRow& other = batch.rows()[block.first + static_cast<std::size_t>(j)];
+      (*S)(i, j) = (*S)(j, i) = product(row, other) + block.shared_variance;
+    }
+  }
+}
+
+}  // namespace rio
