@@ -7,14 +7,22 @@ function(rio_enable_warnings target)
     $<$<BOOL:${RIO_WARNINGS_AS_ERRORS}>:-Werror>)
 endfunction()
 
-# A part of the library: C++20, hidden symbols, fit for a shared library; Eigen is parsed once.
+# The sources of a target in groups that are compiled in one go, so that what they share is parsed and
+# instantiated once; from scratch that halves the time.
+#   rio_sources(TARGET GROUP file...)
+function(rio_sources target group)
+  target_sources(${target} PRIVATE ${ARGN})
+  set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
+  set_target_properties(${target} PROPERTIES
+    UNITY_BUILD ${RIO_UNITY_BUILD} UNITY_BUILD_MODE GROUP)
+endfunction()
+
+# A part of the library: C++20, hidden symbols, fit for a shared library.
 function(rio_library_target target)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   set_target_properties(${target} PROPERTIES
     CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  target_precompile_headers(${target} PRIVATE
-    <Eigen/Cholesky> <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <optional> <vector>)
   rio_enable_warnings(${target})
 endfunction()
