@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A hundred Monte Carlo runs with noise that matches the filter's model: the error of the default
+// Fifty Monte Carlo runs with noise that matches the filter's model: the error of the default
 // preset is as large as its covariance says. `rio experiment consistency` draws it over time.
 #include <gtest/gtest.h>
 
@@ -13,13 +13,13 @@
 namespace rio::experiment {
 namespace {
 
-constexpr int kRuns = 100;
+constexpr int kRuns = 50;
 // beside landmarks, the Doppler rows are what they leave over: no fair sample
 const std::vector<Variant> kVariants = {
     {"default", "default"},
     {"Doppler alone", "default", [](Options& o) { o.update.use_landmarks = false; }}};
 
-TEST(Consistency, HundredMatchedRuns) {
+TEST(Consistency, FiftyMatchedRuns) {
   BlockNees in_flight;  // mean over the runs and the flight
   double doppler_nis = 0.0;
   run_campaign(cases_of("monte-carlo", kRuns, 200), kVariants, {},
