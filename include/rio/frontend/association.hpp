@@ -77,6 +77,7 @@ class Association {
   /// The covariance of a known point as far as the matching minds it.
   Matrix3d believed(const Matrix3d& covariance) const;
 
+  /// The costs of one known point against every usable detection.
   void add_row(std::size_t row, const Known& known, const DetectionList& scan,
                const std::array<bool, kMaxDetections>& usable,
                std::array<bool, kMaxDetections>* near);
@@ -85,6 +86,7 @@ class Association {
   std::optional<Distance> mahalanobis_distance(const Detection& d, const Known& known,
                                                double range) const;
 
+  /// The assigned pairs; of landmarks only the clear ones.
   void collect(std::size_t landmarks, std::size_t rows, std::size_t columns,
                AssociationResult* out) const;
 

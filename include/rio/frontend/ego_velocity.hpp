@@ -85,6 +85,7 @@ class EgoVelocityRansac {
     bool fold_towards(const Vector3d& v_S, const DopplerFold& fold);
   };
 
+  /// Takes the hypothesis v if more detections support it than the best so far.
   void consider(const DetectionList& scan, const Vector3d& v,
                 const std::optional<RadarVelocity>& predicted, Best* best) const;
   /// All combinations of the measured folds and their neighbours: a start at speed.

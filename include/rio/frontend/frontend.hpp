@@ -63,6 +63,7 @@ class Frontend {
   /// A mover slow enough for the consensus shows by residuals that agree with each other.
   void find_movers(const Vector3d& v_S, Observations* out) const;
 
+  /// The scan with the Dopplers of its static set unfolded.
   void unwrap(const DetectionList& scan, Observations* out);
 
   FrontendOptions options_;

@@ -43,10 +43,13 @@ class RestDetector {
     Vector6d deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
   };
 
+  /// Of the samples after `from` up to `to`.
   static Statistics statistics(const ImuBuffer& imu, Time from, Time to);
 
+  /// (E1) (E2)
   bool is_still(const Statistics& s, double duration, const Vector3d& gyro_bias) const;
 
+  /// (E3)
   static bool without_doppler(const DetectionList& scan);
 
   static constexpr double kSpread = 2.0;  // a spread of twelve samples exceeds it once in 1e5 spans

@@ -59,8 +59,10 @@ struct Propagation {
   Matrix15d noise = Matrix15d::Zero();
   bool gap = false;
 
+  /// Every value is a number.
   bool finite() const;
 
+  /// Mean, transition and noise of one more step.
   void step(const ImuStep& step, const ImuOptions& options);
 };
 

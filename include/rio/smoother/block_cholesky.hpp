@@ -87,6 +87,7 @@ class EnvelopeFactor {
   Column below(int s) const { return {L_, column(s + 1), column(s), rows_below(s), kState}; }
   Column in_border(int s) const { return {L_, column(states_), column(s), border_, kState}; }
 
+  /// The blocks of H that factorise() reads, damped, and the floor of the pivots.
   void copy_envelope(const Eigen::Ref<const Eigen::MatrixXd>& H);
 
   /// The column of state s, and what it takes from the states after it. The corner of the border

@@ -34,6 +34,7 @@ class Covariance {
   /// Body block and calibration priors; no clones, no landmarks.
   void reset(const BodyCovariance& P0, const CalibrationOptions& priors);
 
+  /// (E1)
   void propagate(const Matrix15d& phi, const Matrix15d& noise);
 
   /// The velocity turns out to be uncertain by `variance` [m^2/s^2] per axis since `duration` [s].
