@@ -46,6 +46,7 @@ struct Outcome {
 struct Settings {
   int seeds = 0;  ///< flights of a kind; 0 = as many as the experiment takes by itself
   int threads = 2;
+  std::string data{};  ///< folder of the recordings, for experiments on real ones
   OnProgress on_progress{};
 };
 

@@ -39,6 +39,10 @@ Result iros2024(const Settings& settings);
 /// and in matching, whether its size is right, comparison of estimators, NIS, time per scan.
 Result uncertainty(const Settings& settings);
 
+/// Every real recording of a folder (Settings::data) with every preset and both back-ends, as it is
+/// and perturbed, its mounting as given and as calibrated.
+Result real(const Settings& settings);
+
 /// One experiment of the list.
 struct Experiment {
   const char* name;
@@ -57,6 +61,7 @@ inline const std::vector<Experiment>& experiments() {
       {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
       {"ablation", "the default preset with one mechanism off at a time", &ablation},
       {"robustness", "every scenario with every preset", &robustness},
+      {"real", "every recording of the folder --data, also perturbed", &real},
   };
   return all;
 }

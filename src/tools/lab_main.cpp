@@ -24,6 +24,7 @@ struct Arguments {
   std::string name;
   int seeds = 0;
   int threads = 2;
+  std::string data;
   std::string out = "out";
   std::string update;
 };
@@ -44,7 +45,7 @@ void run_experiment(const Arguments& arguments) {
   {
     rio::tools::Progress progress(true);
     const rio::experiment::Settings settings{
-        arguments.seeds, arguments.threads,
+        arguments.seeds, arguments.threads, arguments.data,
         [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
     result = chosen->run(settings);
   }
@@ -76,6 +77,7 @@ int run(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "flights at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  app.add_option("--data", arguments.data, "folder of recordings, for the experiment `real`");
   app.add_option("--out", arguments.out, "folder for report, data and charts")
       ->capture_default_str();
   app.add_option("--update", arguments.update,

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment/recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "rio/core/so3.hpp"
+#include "rio/eval/association.hpp"
+#include "rio/io/trajectory.hpp"
+#include "rio/rio.hpp"
+#include "rio/sim/random.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double heading(const Quaternion& q) {
+  const Matrix3d R = q.toRotationMatrix();
+  return std::atan2(R(1, 0), R(0, 0));
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return values.empty() ? kNaN : std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// Share of the detections that have a Doppler, within half a cell and the noise.
+double moving_share(const RadarScan& scan, double grid) {
+  const double still = 0.5 * grid + 0.03;
+  const auto moving =
+      std::count_if(scan.detections.begin(), scan.detections.end(),
+                    [still](const auto& d) { return std::abs(d.range_rate) > still; });
+  return static_cast<double>(moving) / static_cast<double>(scan.detections.size());
+}
+
+/// First and last instant of motion; people near the radar do not count.
+struct Motion {
+  Time begin;
+  Time end;
+};
+Motion motion_of(const io::Dataset& data) {
+  constexpr double kMajority = 0.5;
+  const double grid = data.radar_info.doppler_resolution.value_or(0.0);
+  Motion motion{data.scans.back().time, data.scans.front().time};
+  for (const RadarScan& scan : data.scans) {
+    if (scan.detections.size() < 3 || moving_share(scan, grid) < kMajority) continue;
+    motion.begin = std::min(motion.begin, scan.time);
+    motion.end = std::max(motion.end, scan.time);
+  }
+  return motion;
+}
+
+/// Heights above the mean of the first two seconds, each the mean of a second.
+eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
+  constexpr double kScale = 287.05 * 293.0 / 9.81;  // R T / g of dry air in a room [m]
+  eval::Trajectory heights;
+  std::size_t first = 0;
+  std::size_t end = 0;
+  double sum = 0.0;
+  double zero = 0.0;
+  for (const io::BaroSample& sample : baro) {
+    for (; end < baro.size() && to_seconds(baro[end].time - sample.time) < 0.5; ++end) {
+      sum += baro[end].pressure;
+    }
+    for (; to_seconds(sample.time - baro[first].time) > 0.5; ++first) sum -= baro[first].pressure;
+    const double mean = sum / static_cast<double>(end - first);
+    if (to_seconds(sample.time - baro.front().time) < 2.0) zero = mean;
+    heights.push_back(
+        {sample.time, Vector3d(0.0, 0.0, -kScale * std::log(mean / zero)), Quaternion::Identity()});
+  }
+  return heights;
+}
+
+eval::Trajectory poses_of(const Replay& replay) {
+  eval::Trajectory poses;
+  for (const RecordedStep& step : replay.steps) {
+    poses.push_back({step.state.time, step.state.p_WB, step.state.q_WB});
+  }
+  return poses;
+}
+
+/// Every half second, so that the jitter of the estimate is no way.
+double way_of(const eval::Trajectory& poses) {
+  double way = 0.0;
+  std::size_t last = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (to_seconds(poses[i].time - poses[last].time) < 0.5) continue;
+    way += (poses[i].p - poses[last].p).norm();
+    last = i;
+  }
+  return way;
+}
+
+void judge_against_reference(const eval::Trajectory& reference, const eval::Trajectory& poses,
+                             RealScore* score) {
+  const std::vector<eval::PosePair> pairs = eval::associate(reference, poses).pairs;
+  if (pairs.empty()) return;
+  const eval::PosePair& first = pairs.front();
+  const double turn = heading(first.truth.q) - heading(first.estimate.q);
+  const Quaternion R = quaternion_exp(Vector3d(0.0, 0.0, turn));
+  const auto laid_over = [&](const Vector3d& p) -> Vector3d {
+    return R * (p - first.estimate.p) + first.truth.p;
+  };
+  std::vector<double> errors;
+  for (const eval::PosePair& pair : pairs) {
+    errors.push_back((laid_over(pair.estimate.p) - pair.truth.p).head<2>().norm());
+  }
+  score->horizontal = root_mean_square(errors);
+  score->end = laid_over(poses.back().p);
+}
+
+void judge_height(const Recording& recording, const Replay& replay, RealScore* score) {
+  const std::vector<RecordedStep>& steps = replay.steps;
+  const eval::Trajectory heights =
+      recording.flat() ? eval::Trajectory{} : barometer_heights(recording.data.baro);
+  if (!recording.flat() && heights.empty()) return;
+  std::vector<double> errors;
+  double honest = 0.0;
+  std::optional<double> zero;
+  std::size_t next = 0;
+  for (const RecordedStep& step : steps) {
+    double truth = 0.0;
+    if (!recording.flat()) {
+      while (next < heights.size() && heights[next].time < step.state.time) ++next;
+      if (next == heights.size()) break;
+      truth = heights[next].p.z();
+    }
+    const double error = step.state.p_WB.z() - truth;
+    if (!zero) zero = error;
+    errors.push_back(error - *zero);
+    honest += std::abs(errors.back()) < 3.0 * step.sigma_height ? 1.0 : 0.0;
+  }
+  score->height = root_mean_square(errors);
+  // a barometer of its own noise of some centimetres judges no sigma
+  if (recording.flat()) score->honest = honest / static_cast<double>(errors.size());
+}
+
+void judge_rest(const Recording& recording, const Replay& replay, RealScore* score) {
+  constexpr double kSettled = 1.0;   // after the last motion [s]
+  constexpr double kShortest = 2.0;  // rest that tells of creep [s]
+  const Time rest = motion_of(recording.data).end + from_seconds(kSettled);
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const RecordedStep& step : replay.steps) {
+    if (step.state.time < rest) continue;
+    low = std::min(low, step.state.p_WB.z());
+    high = std::max(high, step.state.p_WB.z());
+  }
+  const RecordedStep& last = replay.steps.back();
+  if (to_seconds(last.state.time - rest) < kShortest) return;
+  score->creep = high - low;
+  score->creep_sigmas = score->creep / last.sigma_height;
+}
+
+Recording thinned(const Recording& recording, std::size_t first) {
+  Recording copy = recording;
+  copy.data.scans.clear();
+  for (std::size_t i = first; i < recording.data.scans.size(); i += 2) {
+    copy.data.scans.push_back(recording.data.scans[i]);
+  }
+  return copy;
+}
+
+}  // namespace
+
+bool Recording::flat() const {
+  return !reference.empty() && std::all_of(reference.begin(), reference.end(),
+                                           [](const auto& pose) { return pose.p.z() == 0.0; });
+}
+
+std::vector<Recording> find_recordings(const fs::path& folder) {
+  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + " is not a folder");
+  std::vector<fs::path> places;
+  const auto consider = [&places](const fs::path& place) {
+    if (fs::exists(place / "imu0") && fs::exists(place / "radar0")) places.push_back(place);
+  };
+  consider(folder);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_directory()) consider(entry.path());
+  }
+  if (places.empty()) {
+    throw std::runtime_error(folder.string() + ": no recording, a folder with imu0 and radar0");
+  }
+  std::sort(places.begin(), places.end());
+  std::vector<Recording> recordings;
+  for (const fs::path& place : places) {
+    Recording recording{place.filename().string(), io::read_dataset(place), {}};
+    const fs::path reference = place / "reference.tum";
+    if (fs::exists(reference)) recording.reference = io::read_trajectory(reference);
+    recordings.push_back(std::move(recording));
+  }
+  return recordings;
+}
+
+std::vector<Copy> perturbed(const Recording& recording, int draws, std::uint64_t seed) {
+  constexpr double kThreeDegrees = 0.0523599;  // [rad]
+  std::vector<Copy> copies;
+  {
+    Copy cut{"2 s of rest before the start", recording};
+    const Time begin = motion_of(recording.data).begin - std::chrono::seconds(2);
+    std::erase_if(cut.recording.data.imu, [&](const auto& s) { return s.time < begin; });
+    std::erase_if(cut.recording.data.scans, [&](const auto& s) { return s.time < begin; });
+    copies.push_back(std::move(cut));
+  }
+  copies.push_back({"every other scan", thinned(recording, 0)});
+  copies.push_back({"every other scan", thinned(recording, 1)});
+  sim::Random random(seed, 11);
+  for (int i = 0; i < draws; ++i) {
+    Copy dropped{"30 % of the points dropped", recording};
+    for (RadarScan& scan : dropped.recording.data.scans) {
+      std::erase_if(scan.detections, [&](const auto&) { return random.uniform(0.0, 1.0) < 0.3; });
+    }
+    copies.push_back(std::move(dropped));
+    Copy turned{"mounting wrong by 3 deg", recording};
+    if (std::optional<Pose>& T_BS = turned.recording.data.radar_info.T_BS) {
+      const Vector3d axis = random.normal3().normalized();
+      T_BS->rotation = (T_BS->rotation * quaternion_exp(kThreeDegrees * axis)).normalized();
+    }
+    copies.push_back(std::move(turned));
+  }
+  for (const int milliseconds : {-20, 20}) {
+    Copy late{"stamps wrong by 20 ms", recording};
+    for (RadarScan& scan : late.recording.data.scans) {
+      scan.time += std::chrono::milliseconds(milliseconds);
+    }
+    copies.push_back(std::move(late));
+  }
+  return copies;
+}
+
+Replay replay(const io::Dataset& data, const Options& options) {
+  std::string why;
+  const std::unique_ptr<Odometry> odometry = Odometry::create(options, &why);
+  if (!odometry) throw std::runtime_error(why);
+  Replay out;
+  const auto record = [&] {
+    const double variance = odometry->covariance()(body::kPosition + 2, body::kPosition + 2);
+    out.steps.push_back({odometry->at_scan(), std::sqrt(variance)});
+  };
+  std::size_t next = 0;
+  std::uint64_t recorded = 0;
+  for (const ImuSample& sample : data.imu) {
+    (void)odometry->add_imu(sample);  // what it did is counted
+    for (; next < data.scans.size() && data.scans[next].time <= sample.time; ++next) {
+      (void)odometry->add_scan(data.scans[next]);
+    }
+    if (odometry->counters().scans != recorded) record();
+    recorded = odometry->counters().scans;
+  }
+  out.T_BS = odometry->extrinsics();
+  const auto offset = static_cast<std::size_t>(Calibration::kTimeOffset);
+  out.time_offset = odometry->report().calibration[offset].value;
+  out.velocity_resets = static_cast<int>(odometry->counters().velocity_resets);
+  return out;
+}
+
+RealScore judge(const Recording& recording, const Replay& replay) {
+  RealScore score{false, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, Vector3d::Constant(kNaN)};
+  score.started = !replay.steps.empty();
+  if (!recording.reference.empty()) score.way = way_of(recording.reference);
+  if (!score.started) return score;
+  const eval::Trajectory poses = poses_of(replay);
+  if (recording.reference.empty()) score.way = way_of(poses);
+  score.closure = (poses.back().p - poses.front().p).norm();
+  score.end = poses.back().p;
+  if (!recording.reference.empty()) {
+    judge_against_reference(recording.reference, poses, &score);
+  }
+  judge_height(recording, replay, &score);
+  judge_rest(recording, replay, &score);
+  return score;
+}
+
+}  // namespace rio::experiment
