@@ -170,6 +170,8 @@ struct CalibrationOptions {
 
 /// In sigmas of the prior.
 inline constexpr double kCalibrationLimit = 5.0;
+/// Same: an estimate beyond this is doubtful (Observability in report.hpp).
+inline constexpr double kCalibrationDoubt = 3.0;
 
 /// A landmark missed for less is in view: the faintest echoes are missed that long [s].
 inline constexpr double kLandmarkInView = 8.0;

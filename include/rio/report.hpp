@@ -74,12 +74,15 @@ enum class Observability : std::uint8_t {
   kUnobserved,    ///< the flight has told nothing: sigma above 90 % of its prior
   kWeak,          ///< sigma between 50 and 90 % of its prior
   kObserved,      ///< sigma below 50 % of its prior
-  kAtLimit,       ///< the estimate has run into its limit: the prior, or the sensor, is wrong
+  kDoubtful,  ///< told, but beyond kCalibrationDoubt: the prior is wrong, or the parameter makes
+              ///< up for an error that has no model
+  kAtLimit,   ///< the estimate has run into its limit: the prior, or the sensor, is wrong
 };
 
 /// Name as in reports.
 inline const char* to_string(Observability verdict) {
-  constexpr std::array kNames = {"not estimated", "unobserved", "weak", "observed", "at its limit"};
+  constexpr std::array kNames = {"not estimated", "unobserved", "weak",
+                                 "observed",      "doubtful",   "at its limit"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 

@@ -83,7 +83,7 @@ std::string summary(const std::vector<const Run*>& runs,
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
   const double median = 0.5 * (values[(n - 1) / 2] + values[n / 2]);
-  return number(median, decimals) + " (" + number(values.back(), decimals) + ")";
+  return fmt::format("{} ({})", number(median, decimals), number(values.back(), decimals));
 }
 
 double percent(double length, const RealScore& score) {
@@ -124,7 +124,8 @@ std::string table_of_recordings(const std::vector<Recording>& recordings,
       if (run.original != i || run.estimator > 1 || !run.kind.empty() || run.calibrated) continue;
       const RealScore& s = run.score;
       table.add({recordings[i].name, number(s.way, 1),
-                 estimators()[run.estimator].name + (s.started ? "" : ": did not start"),
+                 fmt::format("{}{}", estimators()[run.estimator].name,
+                             s.started ? "" : ": did not start"),
                  number(s.closure, 3), number(percent(s.horizontal, s), 2),
                  number(percent(s.height, s), 2), number(s.height, 3),
                  number(100.0 * (1.0 - s.honest), 1), number(s.creep, 3),
@@ -141,7 +142,7 @@ std::string table_of_pairs(const std::vector<Recording>& recordings, const std::
     const std::string& a = recordings[i].name;
     if (a.size() < 2 || a.substr(a.size() - 2) != "_A") continue;
     const std::string drive = a.substr(0, a.size() - 2);
-    if (recordings[i + 1].name != drive + "_B") continue;
+    if (recordings[i + 1].name != fmt::format("{}_B", drive)) continue;
     for (std::size_t e = 0; e < 2; ++e) {
       std::array<const Run*, 2> pair{};
       for (const Run& run : runs) {

@@ -18,18 +18,20 @@ struct CalibrationName {
   const char* name;
   const char* unit;
   double scale;
+  const char* check;  ///< what may be wrong when it is doubtful
 };
+constexpr const char* kMounting = "T_BS in radar0/sensor.yaml";
 constexpr double kDegrees = 57.29577951308232;
 constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationNames = {
-    {{"radar_rotation_x", "deg", kDegrees},
-     {"radar_rotation_y", "deg", kDegrees},
-     {"radar_rotation_z", "deg", kDegrees},
-     {"radar_position_x", "cm", 100.0},
-     {"radar_position_y", "cm", 100.0},
-     {"radar_position_z", "cm", 100.0},
-     {"doppler_scale", "%", 100.0},
-     {"elevation_bias", "deg", kDegrees},
-     {"time_offset", "ms", 1000.0}}};
+    {{"radar_rotation_x", "deg", kDegrees, kMounting},
+     {"radar_rotation_y", "deg", kDegrees, kMounting},
+     {"radar_rotation_z", "deg", kDegrees, kMounting},
+     {"radar_position_x", "cm", 100.0, kMounting},
+     {"radar_position_y", "cm", 100.0, kMounting},
+     {"radar_position_z", "cm", 100.0, kMounting},
+     {"doppler_scale", "%", 100.0, "the unit and the grid of the Doppler"},
+     {"elevation_bias", "deg", kDegrees, "the elevation of the points, the tilt in T_BS"},
+     {"time_offset", "ms", 1000.0, "the stamps of the scans: the middle of the chirps?"}}};
 
 using Json = nlohmann::ordered_json;
 
@@ -159,6 +161,9 @@ std::string ReplaySummary::text() const {
     out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", name.name,
                        name.scale * c.value, name.unit, name.scale * c.sigma,
                        name.scale * c.prior_sigma, to_string(c.verdict));
+    if (c.verdict == Observability::kDoubtful || c.verdict == Observability::kAtLimit) {
+      out += fmt::format("  check {}\n", name.check);
+    }
   }
 
   const std::pair<const char*, std::uint64_t> irregular[] = {

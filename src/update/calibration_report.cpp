@@ -10,6 +10,7 @@ Observability observability(double value, double sigma, double prior_sigma) {
   constexpr double kAtLimit = 0.999;  // rounding of the rotation vector
   if (std::abs(value) >= kAtLimit * kCalibrationLimit * prior_sigma) return Observability::kAtLimit;
   if (sigma > 0.9 * prior_sigma) return Observability::kUnobserved;
+  if (std::abs(value) > kCalibrationDoubt * prior_sigma) return Observability::kDoubtful;
   return sigma > 0.5 * prior_sigma ? Observability::kWeak : Observability::kObserved;
 }
 

@@ -29,7 +29,15 @@ TEST(CalibrationReport, TheLimitOutweighsTheSigma) {
   const double limit = kCalibrationLimit * kPrior;
   EXPECT_EQ(observability(limit, 0.1 * kPrior, kPrior), Observability::kAtLimit);
   EXPECT_EQ(observability(-limit, kPrior, kPrior), Observability::kAtLimit);
-  EXPECT_EQ(observability(0.99 * limit, 0.1 * kPrior, kPrior), Observability::kObserved);
+  EXPECT_EQ(observability(0.99 * limit, 0.1 * kPrior, kPrior), Observability::kDoubtful);
+}
+
+TEST(CalibrationReport, WhatIsToldBeyondThreeSigmasIsDoubtful) {
+  const double doubt = kCalibrationDoubt * kPrior;
+  EXPECT_EQ(observability(1.01 * doubt, 0.1 * kPrior, kPrior), Observability::kDoubtful);
+  EXPECT_EQ(observability(-1.01 * doubt, 0.8 * kPrior, kPrior), Observability::kDoubtful);
+  EXPECT_EQ(observability(0.99 * doubt, 0.1 * kPrior, kPrior), Observability::kObserved);
+  EXPECT_EQ(observability(1.01 * doubt, kPrior, kPrior), Observability::kUnobserved);
 }
 
 /// Every parameter estimated, with priors and corrections that differ.
