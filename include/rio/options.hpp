@@ -179,8 +179,8 @@ struct StartOptions {
   bool static_alignment = true;    ///< align while standing; false = wait for reset(prior, P0)
   double duration = 1.5;           ///< of the standstill that is averaged [s]
   double max_wait = 0.0;           ///< for a standstill, then start in motion; 0 = for ever [s]
-  double max_gyro_std = 0.02;      ///< standstill: per-axis standard deviation of a sample [rad/s]
-  double max_accel_std = 0.2;      ///< standstill: same for the specific force [m/s^2]
+  double max_gyro_std = 0.1;       ///< standstill, engine running: deviation of a sample [rad/s]
+  double max_accel_std = 1.0;      ///< standstill: same for the specific force [m/s^2]
   double max_rate = 0.1;           ///< standstill: largest mean rate that can be a bias [rad/s]
   double sigma_position = 0.01;    ///< per axis [m]
   double sigma_yaw = 0.01;         ///< [rad]
