@@ -12,6 +12,7 @@
 #include "rio/frontend/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
+#include "rio/propagate/imu_guard.hpp"
 #include "rio/propagate/moving_start.hpp"
 #include "rio/propagate/predictor.hpp"
 #include "rio/propagate/static_alignment.hpp"
@@ -48,6 +49,7 @@ class Engine final : public Odometry::Impl {
       : options_(o),
         pipeline_(o),
         imu_(o.timing, o.imu),
+        guard_(o.imu),
         predictor_(o.imu.gravity),
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
@@ -67,6 +69,10 @@ class Engine final : public Odometry::Impl {
     if (!imu_.empty() && sample.time <= imu_.newest().time) {
       ++counters.imu_stale;
       return Status::kStale;
+    }
+    if (const ImuFault fault = guard_.check(sample); fault != ImuFault::kNone) {
+      ++(fault == ImuFault::kFrozen ? counters.imu_frozen : counters.imu_out_of_range);
+      return Status::kImplausible;
     }
     ++counters.imu_samples;
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) ++counters.imu_gaps;
@@ -129,6 +135,7 @@ class Engine final : public Odometry::Impl {
   void reset() override {
     initialized = false;
     imu_.clear();
+    guard_.reset();
     aligner_.reset();
     moving_start_.reset();
     queue_.clear();
@@ -190,6 +197,7 @@ class Engine final : public Odometry::Impl {
   Options options_;
   Pipeline<Estimator> pipeline_;
   ImuBuffer imu_;
+  ImuGuard guard_;
   Predictor predictor_;
   StaticAligner aligner_;
   MovingStart moving_start_;

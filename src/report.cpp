@@ -25,6 +25,8 @@ const char* to_string(Status status) {
       return "kNonFinite";
     case Status::kNumerical:
       return "kNumerical";
+    case Status::kImplausible:
+      return "kImplausible";
   }
   return "unknown status";
 }

@@ -45,6 +45,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Random walk of the accelerometer bias.");
   field("imu.stamp_sigma", o.imu.stamp_sigma, "s", 0, 0.1,
         "Jitter of the stamps; vibration makes noise of it.");
+  field("imu.max_rate", o.imu.max_rate, "rad/s", 0.1, 1e4,
+        "Range of the gyroscope: samples beyond it are left out.");
+  field("imu.max_accel", o.imu.max_accel, "m/s^2", 1, 1e5,
+        "Range of the accelerometer: samples beyond it are left out.");
   field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
   field("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
   field("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
@@ -109,7 +113,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
         "Undo the folding of range rates at radar.max_doppler.");
   field("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
-        "Scans that contradict the velocity for long re-open it.");
+        "Scans that contradict the velocity for long replace it.");
   field("frontend.matching", o.frontend.matching, "", 0, 2,
         "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
   field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,

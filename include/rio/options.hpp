@@ -20,6 +20,8 @@ struct ImuOptions {
   /// Jitter of the stamps; with the change from sample to sample it makes noise. Milliseconds over
   /// USB, 0 = stamped by hardware [s].
   double stamp_sigma = 0.5e-3;
+  double max_rate = 34.5;        ///< an axis that reads more is saturated: 2000 deg/s [rad/s]
+  double max_accel = 156.0;      ///< same, specific force: 16 g [m/s^2]
   double gravity = 9.81;         ///< along -z of W [m/s^2]
   double max_gap = 0.1;          ///< a longer pause between samples is a gap [s]
   double gap_rate_sigma = 0.5;   ///< unknown mean angular rate inside a gap [rad/s]
@@ -78,7 +80,7 @@ struct FrontendOptions {
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
   double ransac_min_share = 0.25;     ///< of all detections; fewer agree: the scan moves nothing
   bool detect_rest = true;            ///< standing on the ground measures velocity and gyro bias
-  bool velocity_recovery = true;      ///< scans that contradict the velocity for long re-open it
+  bool velocity_recovery = true;      ///< a second opinion on the velocity may replace it
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
   double match_probability = 0.95;  ///< else: of a right pair to be near each other
@@ -181,8 +183,8 @@ struct StartOptions {
   bool static_alignment = true;    ///< align while standing; false = wait for reset(prior, P0)
   double duration = 1.5;           ///< of the standstill that is averaged [s]
   double max_wait = 0.0;           ///< for a standstill, then start in motion; 0 = for ever [s]
-  double max_gyro_std = 0.02;      ///< standstill: per-axis standard deviation of a sample [rad/s]
-  double max_accel_std = 0.2;      ///< standstill: same for the specific force [m/s^2]
+  double max_gyro_std = 0.1;       ///< standstill, engine running: deviation of a sample [rad/s]
+  double max_accel_std = 1.0;      ///< standstill: same for the specific force [m/s^2]
   double max_rate = 0.1;           ///< standstill: largest mean rate that can be a bias [rad/s]
   double sigma_position = 0.01;    ///< per axis [m]
   double sigma_yaw = 0.01;         ///< [rad]

@@ -25,6 +25,7 @@ enum class Status : std::uint8_t {
   kQueueFull,       ///< too many scans wait for the IMU
   kNonFinite,       ///< NaN or infinity in the data
   kNumerical,       ///< the update failed numerically; state and covariance were restored
+  kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost
 };
 
 /// Name of a status, as in "kLate".
@@ -128,7 +129,7 @@ struct UpdateReport {
   int landmarks_removed = 0;
   bool imu_gap = false;         ///< the propagation to this scan crossed a gap
   bool at_rest = false;         ///< stood still for a while, by IMU and radar
-  bool velocity_reset = false;  ///< the velocity was re-opened before the update
+  bool velocity_reset = false;  ///< the velocity was replaced before the update
   Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
   Time update_time{0};          ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
@@ -142,6 +143,8 @@ struct Counters {
   std::uint64_t imu_samples = 0;
   std::uint64_t imu_stale = 0;
   std::uint64_t imu_non_finite = 0;
+  std::uint64_t imu_out_of_range = 0;  ///< saturated, or beyond what any sensor reads
+  std::uint64_t imu_frozen = 0;        ///< all values as in the sample before
   std::uint64_t imu_gaps = 0;
   std::uint64_t scans = 0;  ///< processed
   std::uint64_t scans_late = 0;

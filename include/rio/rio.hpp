@@ -32,7 +32,7 @@ class RIO_API Odometry {
 
   /// Takes one IMU sample; stamps must strictly increase (else kStale). O(1), except that a scan
   /// waiting for this sample is processed here, which shows in report().time and counters().scans.
-  /// During static alignment kMoving says that a window was refused and a new one begins, until
+  /// During static alignment kMoving says that a window was refused and a later one is tried, until
   /// StartOptions::max_wait, if given, starts it in motion.
   [[nodiscard]] Status add_imu(const ImuSample& sample) noexcept;
 

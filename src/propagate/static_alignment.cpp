@@ -17,74 +17,114 @@ Quaternion level(const Vector3d& y) {
   return Quaternion(R);
 }
 
-Status StaticAligner::add(const ImuSample& sample, std::optional<Alignment>* result) {
-  result->reset();
-  const Time half = from_seconds(0.5 * start_.duration);
-  if (halves_[0].count == 0) begin_ = sample.time;
-  halves_[sample.time - begin_ < half ? 0 : 1].add(sample);
-  if (sample.time - begin_ < 2 * half) return Status::kOk;
-  const bool still = standstill();
-  if (still) *result = align(sample.time);
-  reset();
-  return still ? Status::kOk : Status::kMoving;
+void StaticAligner::reset() {
+  for (Part& part : parts_) part = Part{};
+  begin_.reset();
 }
 
-void StaticAligner::Half::add(const ImuSample& s) {
-  Eigen::Matrix<double, 6, 1> x;
+Status StaticAligner::add(const ImuSample& sample, std::optional<Alignment>* result) {
+  result->reset();
+  const Time length = from_seconds(start_.duration / kParts);
+  const Time window = static_cast<int>(kParts) * length;
+  if (begin_ && sample.time - *begin_ > 2 * window) reset();  // the IMU paused
+  if (!begin_) begin_ = sample.time;
+  const Time elapsed = sample.time - *begin_;
+  parts_[std::min(static_cast<std::size_t>(elapsed / length), kParts - 1)].add(sample);
+  if (elapsed < window) return Status::kOk;
+  if (standstill()) {
+    *result = align(sample.time);
+    reset();
+    return Status::kOk;
+  }
+  std::rotate(parts_.begin(), parts_.begin() + 1, parts_.end());
+  parts_.back() = Part{};
+  *begin_ += length;
+  return Status::kMoving;
+}
+
+void StaticAligner::Part::add(const ImuSample& s) {
+  Vector6d x;
   x << s.gyro_B, s.accel_B;
   count += 1.0;
-  const Eigen::Matrix<double, 6, 1> delta = x - mean;
+  const Vector6d delta = x - mean;
   mean += delta / count;
   squares += delta.cwiseProduct(x - mean);
 }
 
+StaticAligner::Vector6d StaticAligner::mean() const {
+  Vector6d sum = Vector6d::Zero();
+  for (const Part& part : parts_) sum += part.mean;
+  return sum / static_cast<double>(kParts);
+}
+
+StaticAligner::Vector6d StaticAligner::scatter() const {
+  const Vector6d m = mean();
+  Vector6d sum = Vector6d::Zero();
+  for (const Part& part : parts_) sum += (part.mean - m).cwiseAbs2();
+  return sum / static_cast<double>(kParts - 1);
+}
+
 bool StaticAligner::standstill() const {
-  for (const Half& half : halves_) {
-    if (half.count < 3.0) return false;
-    if (half.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
-    if (half.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
+  for (const Part& part : parts_) {
+    if (part.count < 2.0) return false;
+    if (part.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
+    if (part.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
   }
-  const Eigen::Matrix<double, 6, 1> mean = 0.5 * (halves_[0].mean + halves_[1].mean);
+  Vector6d white = Vector6d::Zero();  // variance of the mean of a part, were its samples white
+  for (const Part& part : parts_) {
+    white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(kParts));
+  }
+  const Vector6d sway = scatter().cwiseSqrt();
+  for (int i = 0; i < 6; ++i) {
+    const double largest = kSway * (i < 3 ? start_.max_gyro_std : start_.max_accel_std);
+    if (sway[i] > std::max(largest, kWhiteSigmas * std::sqrt(white[i]))) return false;
+  }
+  const Vector6d mean = this->mean();
   if (mean.head<3>().norm() > start_.max_rate) return false;
   // an accelerometer at rest reads gravity; more than ten prior sigmas off is acceleration
-  if (std::abs(mean.tail<3>().norm() - imu_.gravity) > 10.0 * start_.sigma_accel_bias) return false;
-  // the halves agree within five sigmas of their own noise, or a tenth of the largest deviation
-  const Eigen::Matrix<double, 6, 1> difference = (halves_[1].mean - halves_[0].mean).cwiseAbs();
-  const Eigen::Matrix<double, 6, 1> noise =
-      5.0 * (halves_[0].deviation().cwiseAbs2() / halves_[0].count +
-             halves_[1].deviation().cwiseAbs2() / halves_[1].count)
-                .cwiseSqrt();
-  for (int i = 0; i < 6; ++i) {
-    const double floor = 0.1 * (i < 3 ? start_.max_gyro_std : start_.max_accel_std);
-    if (difference[i] > std::max(noise[i], floor)) return false;
-  }
-  return true;
+  return std::abs(mean.tail<3>().norm() - imu_.gravity) <= 10.0 * start_.sigma_accel_bias;
+}
+
+StaticAligner::Turn StaticAligner::slow_turn(double rate) const {  // (E5)
+  const auto density = [rate](double sigma) {
+    return std::exp(-0.5 * rate * rate / (sigma * sigma)) / sigma;
+  };
+  const double bias = std::max(kTurnOn, start_.sigma_gyro_bias);
+  const double turns = kTurning * density(std::max(start_.max_rate, 2.0 * bias));
+  const double w = turns / (turns + (1.0 - kTurning) * density(bias));
+  return {w * rate, w * (bias * bias + (1.0 - w) * rate * rate)};
 }
 
 Alignment StaticAligner::align(Time time) const {
-  const double count = halves_[0].count + halves_[1].count;
-  const Eigen::Matrix<double, 6, 1> mean =
-      (halves_[0].count * halves_[0].mean + halves_[1].count * halves_[1].mean) / count;
+  const Vector6d mean = this->mean();
+  const Vector6d scatter = this->scatter();
   const Vector3d f = mean.tail<3>();
   const Vector3d y = f.normalized();
   const double duration = start_.duration;
+  const auto noise_of_mean = [duration](double density, double variance) {  // (E4)
+    return std::max(density * density / duration, variance / static_cast<double>(kParts));
+  };
 
   Alignment out;
   out.state.time = time;
   out.state.q_WB = level(y);
-  out.state.gyro_bias = mean.head<3>();
   // scalar Kalman update of y.b_a with |f| - g; local gravity varies by some 0.02 m/s^2 on Earth
   const double prior = start_.sigma_accel_bias * start_.sigma_accel_bias;
-  const double noise = imu_.accel_noise_density * imu_.accel_noise_density / duration;
+  const double noise = noise_of_mean(imu_.accel_noise_density, scatter.tail<3>().mean());
   const double gain = prior / (prior + noise + kGravitySpread * kGravitySpread);
   out.state.accel_bias = y * (gain * (f.norm() - imu_.gravity));
+  const Turn turn = slow_turn(y.dot(mean.head<3>()));
+  out.state.gyro_bias = mean.head<3>() - turn.rate * y;
 
   using namespace body;
   const Matrix3d along = y * y.transpose();
   const Matrix3d across = Matrix3d::Identity() - along;
   const Matrix3d tilt_from_bias = skew(y) / imu_.gravity;  // (E2)
   const Matrix3d P_aa = prior * (across + (1.0 - gain) * along);
-  const double gyro_bias_sigma = imu_.gyro_noise_density / std::sqrt(duration) + kGyroBiasFloor;
+  const double gyro_bias_sigma =
+      std::sqrt(noise_of_mean(imu_.gyro_noise_density, scatter.head<3>().mean())) + kGyroBiasFloor;
+  // accelerations of that scatter, one a part, add up to a velocity over the window
+  const double sway = scatter.tail<3>().mean() * duration * duration / static_cast<double>(kParts);
   BodyCovariance& P = out.covariance;
   P.block<3, 3>(kAccelBias, kAccelBias) = P_aa;
   P.block<3, 3>(kAttitude, kAccelBias) = tilt_from_bias * P_aa;
@@ -92,10 +132,12 @@ Alignment StaticAligner::align(Time time) const {
   P.block<3, 3>(kAttitude, kAttitude) = tilt_from_bias * P_aa * tilt_from_bias.transpose() +
                                         noise / (imu_.gravity * imu_.gravity) * across +
                                         start_.sigma_yaw * start_.sigma_yaw * along;
-  P.block<3, 3>(kGyroBias, kGyroBias) = Matrix3d::Identity() * gyro_bias_sigma * gyro_bias_sigma;
+  P.block<3, 3>(kGyroBias, kGyroBias) =
+      gyro_bias_sigma * gyro_bias_sigma * Matrix3d::Identity() + turn.variance * along;
   P.block<3, 3>(kPosition, kPosition) =
       Matrix3d::Identity() * start_.sigma_position * start_.sigma_position;
-  P.block<3, 3>(kVelocity, kVelocity) = Matrix3d::Identity() * kStillVelocity * kStillVelocity;
+  P.block<3, 3>(kVelocity, kVelocity) =
+      (kStillVelocity * kStillVelocity + sway) * Matrix3d::Identity();
   return out;
 }
 

@@ -123,6 +123,8 @@ std::string ReplaySummary::json() const {
        {{"imu_samples", counters.imu_samples},
         {"imu_stale", counters.imu_stale},
         {"imu_non_finite", counters.imu_non_finite},
+        {"imu_out_of_range", counters.imu_out_of_range},
+        {"imu_frozen", counters.imu_frozen},
         {"imu_gaps", counters.imu_gaps},
         {"scans_late", counters.scans_late},
         {"scans_duplicate", counters.scans_duplicate},
@@ -177,6 +179,8 @@ std::string ReplaySummary::text() const {
       {"detections not finite", counters.detections_non_finite},
       {"IMU samples not newer than the one before", counters.imu_stale},
       {"IMU samples not finite", counters.imu_non_finite},
+      {"IMU samples out of range", counters.imu_out_of_range},
+      {"IMU samples frozen", counters.imu_frozen},
       {"gaps of the IMU", counters.imu_gaps},
       {"updates failed", counters.updates_failed},
       {"times the scans contradicted the velocity for long", counters.velocity_resets}};

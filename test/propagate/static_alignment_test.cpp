@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <functional>
 
+#include "support/measured.hpp"
 #include "support/random_state.hpp"
 
 namespace rio {
@@ -68,7 +69,9 @@ TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
     const Vector3d special[] = {Vector3d::UnitZ(),  -Vector3d::UnitZ(), Vector3d::UnitX(),
                                 -Vector3d::UnitX(), Vector3d::UnitY(),  -Vector3d::UnitY()};
     imu.up_B = run < 6 ? special[run] : random.direction();
-    imu.gyro_bias = random.uniform(0.0, 0.09) * random.direction();
+    // across the vertical any bias is one; a rate about it might be a turn
+    const Vector3d bias = random.uniform(0.0, 0.09) * random.direction();
+    imu.gyro_bias = bias - 0.9 * bias.dot(imu.up_B) * imu.up_B;
     StaticAligner aligner(StartOptions{}, ImuOptions{});
     const Outcome out = align(aligner, imu, random, 0, 400);
     ASSERT_TRUE(out.alignment) << imu.up_B.transpose();
@@ -77,7 +80,10 @@ TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
     EXPECT_EQ(x.time, imu.sample(300, random).time);
     EXPECT_LT((x.q_WB * imu.up_B - Vector3d::UnitZ()).norm(), 1e-12) << imu.up_B.transpose();
     EXPECT_NEAR(x.q_WB.norm(), 1.0, 1e-14);
-    EXPECT_LT((x.gyro_bias - imu.gyro_bias).norm(), 1e-14);
+    // 0.009 rad/s about the vertical are a turn once in 1000 starts
+    const Vector3d error = x.gyro_bias - imu.gyro_bias;
+    EXPECT_LT(error.norm(), 1e-3 * std::abs(imu.gyro_bias.dot(imu.up_B)) + 1e-14);
+    EXPECT_LT(error.cross(imu.up_B).norm(), 1e-14);
     EXPECT_LT(x.accel_bias.norm(), 1e-12);
     EXPECT_EQ(x.p_WB, Vector3d::Zero());
     EXPECT_EQ(x.v_WB, Vector3d::Zero());
@@ -153,8 +159,7 @@ Nees nees(const Imu& imu, const Alignment& alignment) {
 TEST(StaticAlignment, CovarianceIsConsistentAndItsCorrelationMatters) {
   ImuOptions options;
   options.gyro_noise_density = 4e-3;  // far above the floor of 1e-4 rad/s given to the gyro bias
-  StartOptions start;
-  start.max_gyro_std = 0.1;
+  const StartOptions start;
   test::Random random(3);
   constexpr int kRuns = 400;
   Nees mean;
@@ -198,17 +203,19 @@ TEST(StaticAlignment, CovarianceIsSymmetricPositiveDefiniteAndHasTheGivenSigmas)
   }
 }
 
-// Refused while it moves for three windows, aligned in the first window at rest.
+// Refused while it moves, with each part of a window from the end of the first one on; aligned in
+// the first window at rest, which begins with the first part at rest.
 void expect_refused_then_aligned(Imu imu, const char* what) {
   test::Random random(5);
   StaticAligner aligner(StartOptions{}, ImuOptions{});
   const Outcome moving = align(aligner, imu, random, 0, 3 * 301);
   EXPECT_FALSE(moving.alignment) << what;
-  EXPECT_EQ(moving.refusals, 3) << what;
+  EXPECT_EQ(moving.refusals, 13) << what;  // 1.5 s, 1.75 s .. 4.5 s
   imu.motion = nullptr;
-  const Outcome still = align(aligner, imu, random, moving.samples, 301);
+  const Outcome still = align(aligner, imu, random, moving.samples, 351);
   EXPECT_TRUE(still.alignment) << what;
-  EXPECT_EQ(still.refusals, 0) << what;
+  EXPECT_LE(still.refusals, 6) << what;
+  EXPECT_GT(still.samples, 280) << what;  // hardly any motion in it
 }
 
 TEST(StaticAlignment, RefusesMotionAndRecovers) {
@@ -241,6 +248,72 @@ TEST(StaticAlignment, RefusesMotionAndRecovers) {
   expect_refused_then_aligned(imu, "starting forwards at 1 m/s^2");
 }
 
+// White vibration far above the declared noise, as of an engine: what it does to the means is in
+// the covariance, though the declared densities do not know of it.
+TEST(StaticAlignment, AlignsOnAHummingVehicleAndKnowsTheNoise) {
+  using namespace body;
+  test::Random random(9);
+  constexpr int kRuns = 300;
+  double nees_bias = 0.0;
+  double nees_force = 0.0;
+  for (int run = 0; run < kRuns; ++run) {
+    Imu imu = noisy(random.direction());
+    imu.gyro_sigma = 0.03;
+    imu.accel_sigma = 0.5;
+    imu.gyro_bias = random.normal_vector(0.003);
+    imu.accel_bias = random.normal_vector(StartOptions{}.sigma_accel_bias);
+    imu.gravity = kGravity + random.normal(0.02);
+    StaticAligner aligner(StartOptions{}, ImuOptions{});
+    const Outcome out = align(aligner, imu, random, 0, 301);
+    ASSERT_TRUE(out.alignment) << run;
+    const Vector3d e = imu.gyro_bias - out.alignment->state.gyro_bias;
+    nees_bias += squared_norm(e, out.alignment->covariance.block<3, 3>(kGyroBias, kGyroBias));
+    nees_force += nees(imu, *out.alignment).force;
+  }
+  test::measured("humming start: NEES of the gyro bias / 3", nees_bias / kRuns / 3.0, "0.7 to 1.3");
+  test::measured("humming start: NEES of the force / 2", nees_force / kRuns / 2.0, "0.7 to 1.4");
+  // the scatter of six means is a variance from 15 degrees of freedom: E[1 / x] is 15 / 13
+  EXPECT_NEAR(nees_bias / kRuns / 3.0, 1.0, 0.3);
+  EXPECT_GT(nees_force / kRuns / 2.0, 0.7);
+  EXPECT_LT(nees_force / kRuns / 2.0, 1.4);
+}
+
+// A platform that turns by itself: either hypothesis must stay within three sigmas, and the sigma
+// of rates that biases have stays small.
+TEST(StaticAlignment, SlowTurnIsNoSureBias) {
+  using namespace body;
+  for (const double rate : {0.002, 0.01, 0.02, 0.03, 0.04, 0.05, 0.09}) {
+    test::Random random(10);
+    Imu imu = noisy(random.direction());
+    imu.gyro_bias = rate * imu.up_B;
+    StaticAligner aligner(StartOptions{}, ImuOptions{});
+    const Outcome out = align(aligner, imu, random, 0, 301);
+    ASSERT_TRUE(out.alignment) << rate;
+    const Vector3d y = out.alignment->state.q_WB.conjugate() * Vector3d::UnitZ();
+    const double sigma =
+        std::sqrt(y.dot(out.alignment->covariance.block<3, 3>(kGyroBias, kGyroBias) * y));
+    const double bias = y.dot(out.alignment->state.gyro_bias);
+    if (rate <= 0.01) {
+      EXPECT_LT(sigma, 1.5e-3) << rate;
+    }
+    if (rate <= 0.04) {
+      EXPECT_LT(rate - bias, 3.0 * sigma) << rate << " it stood, it is a bias";
+    }
+    if (rate >= 0.05) {
+      EXPECT_LT(bias, 3.0 * sigma) << rate << " it turned, the bias is zero";
+    }
+    if (rate == 0.05) {
+      test::measured("alignment at 0.05 rad/s of yaw: bias [rad/s]", bias, "below 3 sigma");
+      test::measured("alignment at 0.05 rad/s of yaw: sigma [rad/s]", sigma, "");
+    }
+    // nothing is lost across the vertical
+    const Vector3d level = y.unitOrthogonal();
+    EXPECT_LT(
+        std::sqrt(level.dot(out.alignment->covariance.block<3, 3>(kGyroBias, kGyroBias) * level)),
+        1e-3);
+  }
+}
+
 TEST(StaticAlignment, ResetForgetsTheWindow) {
   test::Random random(7);
   Imu moving = noisy(Vector3d::UnitZ());
@@ -257,7 +330,7 @@ TEST(StaticAlignment, ResetForgetsTheWindow) {
 TEST(StaticAlignment, StandstillGyroBiasOfARecording) {
   test::Random random(8);
   Imu imu = noisy(random.direction());
-  imu.gyro_bias = Vector3d(0.01, -0.02, 0.03);
+  imu.gyro_bias = Vector3d(0.005, -0.004, 0.003);  // too small for a turn
   imu.motion = [](double t, ImuSample& s) {
     if (t < 1.0) s.gyro_B.x() += 1.0;
   };

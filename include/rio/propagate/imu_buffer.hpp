@@ -3,12 +3,14 @@
 //
 // A step spans two neighbouring samples, or a part of that span with linearly interpolated edges,
 // and carries the mean of its two ends. Before the first sample the first sample's value is held.
+// With a sample it keeps how noisy the samples up to it were.
 #pragma once
 
 #include <algorithm>
 
 #include "rio/core/ring.hpp"
 #include "rio/options.hpp"
+#include "rio/propagate/imu_noise_meter.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -24,6 +26,7 @@ struct ImuStep {
   Vector3d gyro_change_B = Vector3d::Zero();   ///< half of that from one sample before to one after
   Vector3d accel_change_B = Vector3d::Zero();  ///< same, specific force
   double sample_interval = 1.0;                ///< between the samples at its ends [s]
+  ImuNoise measured{};                         ///< what the samples say of their noise
 };
 
 /// Linear interpolation between two samples, `time` between their stamps.
@@ -38,20 +41,31 @@ class ImuBuffer {
  public:
   ImuBuffer(const TimingOptions& timing, const ImuOptions& imu)
       : samples_(static_cast<std::size_t>(timing.imu_buffer)),
+        noise_(static_cast<std::size_t>(timing.imu_buffer)),
         max_gap_(from_seconds(imu.max_gap)) {}
 
   bool empty() const { return samples_.empty(); }
   bool full() const { return samples_.full(); }
-  void clear() { samples_.clear(); }
+  void clear() {
+    samples_.clear();
+    noise_.clear();
+    meter_.reset();
+  }
   std::size_t size() const { return samples_.size(); }
   const ImuSample& operator[](std::size_t i) const { return samples_[i]; }
   const ImuSample& newest() const { return samples_.back(); }
 
   /// Stamps must strictly increase: the caller checks.
-  void push_back(const ImuSample& sample) { samples_.push_back(sample); }
+  void push_back(const ImuSample& sample) {
+    samples_.push_back(sample);
+    noise_.push_back(meter_.add(sample));
+  }
   /// Forgets what is not needed to integrate from `time` on: keeps one sample at or before it.
   void forget_before(Time time) {
-    while (samples_.size() > 1 && samples_[1].time <= time) samples_.pop_front();
+    while (samples_.size() > 1 && samples_[1].time <= time) {
+      samples_.pop_front();
+      noise_.pop_front();
+    }
   }
   bool is_gap(const ImuSample& a, const ImuSample& b) const { return b.time - a.time > max_gap_; }
 
@@ -82,7 +96,7 @@ class ImuBuffer {
       f(ImuStep{first.time, last.time, 0.5 * (first.gyro_B + last.gyro_B),
                 0.5 * (first.accel_B + last.accel_B), gap(b.time - a.time),
                 change(i, &ImuSample::gyro_B), change(i, &ImuSample::accel_B),
-                to_seconds(b.time - a.time)});
+                to_seconds(b.time - a.time), noise_[i]});
     }
   }
 
@@ -115,6 +129,8 @@ class ImuBuffer {
   }
 
   Ring<ImuSample> samples_;
+  Ring<ImuNoise> noise_;  ///< of the step that ends with each sample
+  ImuNoiseMeter meter_;
   Time max_gap_;
 };
 

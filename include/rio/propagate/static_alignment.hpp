@@ -10,8 +10,17 @@
 //      P_theta,theta = [y] P_aa [y]^T / g^2 + (noise/g)^2 (I - y y^T) + sigma_yaw^2 y y^T
 // where s^2 is the posterior variance of b_a along y given |f| - g and the spread of local gravity.
 // Derivation: f = g exp(-theta) y_true + b_a + n to first order.
+// (E4) noise: the variance of the mean, from the declared density or from the scatter of the means
+//      m_i of the n parts of the window, whichever is more: sum (m_i - m)^2 / ((n - 1) n). A
+//      humming engine or a swaying body is in the scatter.
+// (E5) A turn about y at the rate r looks like a bias of r. Two hypotheses: at rest, the bias is r
+//      and r ~ N(0, s_b^2), biases being that large; or, with the probability p_t, on a platform
+//      that turns, r ~ N(0, s_t^2) and the bias has its prior s_b. With the posterior w of the
+//      second, moments of the mixture: b_g along y is (1 - w) r, its variance w (s_b^2 + (1 - w)
+//      r^2) in addition. w vanishes for rates that biases have.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -32,41 +41,60 @@ struct Alignment {
 /// the world's x, or, where it is vertical, the y axis along the world's y.
 Quaternion level(const Vector3d& y);
 
-/// Averages samples until `StartOptions::duration` is covered, then decides. O(1) memory: the
-/// window is split in two halves, whose means must agree, so that slow motion is noticed too.
+/// Averages samples until `StartOptions::duration` is covered, then decides; a window that is no
+/// standstill loses its oldest part and goes on. O(1) memory: the window is kept in parts, whose
+/// means must agree, so that slow motion is noticed too.
 class StaticAligner {
  public:
   StaticAligner(const StartOptions& start, const ImuOptions& imu) : start_(start), imu_(imu) {}
 
-  void reset() { halves_[0] = halves_[1] = Half{}; }
+  void reset();
 
   /// kOk: more samples are needed, or `result` holds the alignment; kMoving: the window that just
-  /// ended was not a standstill, and a new one begins.
+  /// ended was not a standstill, and the next one ends a part later.
   Status add(const ImuSample& sample, std::optional<Alignment>* result);
 
  private:
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+  static constexpr std::size_t kParts = 6;
+
   /// Running mean and sum of squares (Welford 1962).
-  struct Half {
+  struct Part {
     double count = 0.0;
-    Eigen::Matrix<double, 6, 1> mean = Eigen::Matrix<double, 6, 1>::Zero();
-    Eigen::Matrix<double, 6, 1> squares = Eigen::Matrix<double, 6, 1>::Zero();
+    Vector6d mean = Vector6d::Zero();
+    Vector6d squares = Vector6d::Zero();
 
     void add(const ImuSample& s);
-    Eigen::Matrix<double, 6, 1> deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
+    Vector6d deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
   };
 
-  bool standstill() const;
+  /// How much of the rate about the vertical is a turn (E5).
+  struct Turn {
+    double rate = 0.0;      ///< expected [rad/s]
+    double variance = 0.0;  ///< [(rad/s)^2]
+  };
 
+  Vector6d mean() const;
+  /// Variance of the means of the parts.
+  Vector6d scatter() const;
+  bool standstill() const;
+  Turn slow_turn(double rate) const;
   Alignment align(Time time) const;
 
   static constexpr double kGravitySpread = 0.02;  // [m/s^2]
   static constexpr double kGyroBiasFloor = 1e-4;  // instability of a MEMS gyro over minutes [rad/s]
   static constexpr double kStillVelocity = 0.01;  // what passes for standing [m/s]
+  /// Scatter of the means of the parts that is no motion: this share of the largest deviation of a
+  /// sample, or what white noise may show.
+  static constexpr double kSway = 0.1;
+  static constexpr double kWhiteSigmas = 3.0;
+  static constexpr double kTurning = 0.003;  // p_t: a flight deck, a hand; one start in 300
+  static constexpr double kTurnOn = 0.01;    // s_b: data sheets of MEMS, 0.5 to 1 deg/s [rad/s]
 
   StartOptions start_;
   ImuOptions imu_;
-  Time begin_{0};
-  Half halves_[2];
+  std::optional<Time> begin_;
+  std::array<Part, kParts> parts_{};
 };
 
 /// The gyro bias if the first `StartOptions::duration` of `samples` from `from` on is a standstill.

@@ -37,7 +37,8 @@ struct ProcessNoise {
   double accel_walk = 0.0;  ///< [(m/s^3)^2/Hz]
 };
 
-/// Densities of a step. Inside a gap the motion between the two samples is unknown: a constant
+/// Densities of a step: white noise as declared, or as measured if that is more
+/// (imu_noise_meter.hpp). Inside a gap the motion between the two samples is unknown: a constant
 /// error of the mean rate (acceleration) of sigma adds up over the gap T as the density sigma^2 T
 /// does, however the gap is cut into steps. A jitter delta_i of the stamps adds delta_i (a_{i-1} -
 /// a_{i+1}) / 2 to the trapezoidal sum of samples a_i: once a step, small unless something

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 1: samples that no motion has made are left out; the pause they leave is bridged as one of
+// lost samples.
+//
+// Out of range: a value beyond what the sensor reads (ImuOptions::max_rate, max_accel), or an axis
+// that stays, to the last bit, at the largest value it ever had: the range of a sensor that has
+// less.
+// Frozen: all six values as in the sample before, of a sensor whose noise hardly ever repeats.
+#pragma once
+
+#include <cstdint>
+
+#include "rio/options.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+enum class ImuFault : std::uint8_t { kNone, kOutOfRange, kFrozen };
+
+class ImuGuard {
+ public:
+  explicit ImuGuard(const ImuOptions& imu) : max_rate_(imu.max_rate), max_accel_(imu.max_accel) {}
+
+  void reset() { *this = ImuGuard(max_rate_, max_accel_); }
+
+  /// Takes one more sample, finite; what is wrong with it.
+  ImuFault check(const ImuSample& sample);
+
+ private:
+  using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+  ImuGuard(double max_rate, double max_accel) : max_rate_(max_rate), max_accel_(max_accel) {}
+  bool out_of_range(const Vector6d& x);
+
+  static constexpr double kSmallestRate = 4.3;    // least range of a gyroscope, 250 deg/s [rad/s]
+  static constexpr double kSmallestAccel = 19.0;  // same of an accelerometer, 2 g [m/s^2]
+  static constexpr double kKnown = 100.0;         // samples that tell whether noise repeats
+  static constexpr double kRarely = 0.02;  // share of samples; coarse grids repeat more often
+
+  double max_rate_;
+  double max_accel_;
+  Vector6d last_ = Vector6d::Zero();
+  Vector6d largest_ = Vector6d::Zero();  ///< magnitude so far, within the range
+  double seen_ = 0.0;                    ///< samples
+  double repeated_ = 0.0;                ///< of those, repeats that were taken
+};
+
+}  // namespace rio

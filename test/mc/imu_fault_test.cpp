@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Simulated flights whose IMU fails for a moment, with either back-end.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "experiment/campaign.hpp"
+#include "support/measured.hpp"
+
+namespace rio::experiment {
+namespace {
+
+constexpr double kFault = 8.0;  // after the first sample [s]
+
+struct Fault {
+  const char* name;
+  double duration;  ///< [s]
+  std::function<void(ImuSample&, const ImuSample& before)> apply;
+};
+
+const Fault kFaults[] = {
+    {"frozen for half a second", 0.5,
+     [](ImuSample& s, const ImuSample& before) {
+       s.gyro_B = before.gyro_B;
+       s.accel_B = before.accel_B;
+     }},
+    {"full scale for 20 ms", 0.02,
+     [](ImuSample& s, const ImuSample&) {
+       s.gyro_B.setConstant(34.9);
+       s.accel_B.setConstant(156.9);
+     }},
+    {"one sample of 1e4 m/s^2 and 1e299 rad/s", 0.005,
+     [](ImuSample& s, const ImuSample&) {
+       s.gyro_B.x() = 1e299;
+       s.accel_B.z() = 1e4;
+     }},
+};
+
+double tilt_error(const Step& step) {
+  const Vector3d up = step.estimate.q_WB.conjugate() * Vector3d::UnitZ();
+  const Vector3d truth = step.truth.q_WB.conjugate() * Vector3d::UnitZ();
+  return std::atan2(up.cross(truth).norm(), up.dot(truth));
+}
+
+TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
+  for (const Fault& fault : kFaults) {
+    double worst_tilt = 0.0;
+    double nees = 0.0;
+    int count = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      sim::Scenario scenario = cases_of("indoor-1", 1, seed).front().scenario;
+      scenario.max_duration = 25.0;
+      sim::Flight flight = sim::simulate_flight(scenario);
+      const Time first = flight.imu.front().time + from_seconds(kFault);
+      const Time last = first + from_seconds(fault.duration);
+      ImuSample before = flight.imu.front();
+      for (ImuSample& s : flight.imu) {
+        if (s.time >= first && s.time < last) fault.apply(s, before);
+        if (s.time < first) before = s;
+      }
+      for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
+        Options options = options_for(flight, "default");
+        options.backend = backend;
+        const Trial trial = fly(flight, options);
+        EXPECT_TRUE(trial.complete) << fault.name << " " << seed;
+        EXPECT_GT(trial.counters.imu_out_of_range + trial.counters.imu_frozen, 0U) << fault.name;
+        for (const Step& step : trial.steps) {
+          if (step.truth.time < last + from_seconds(10.0)) continue;
+          worst_tilt = std::max(worst_tilt, tilt_error(step));
+          nees += block_nees(step).attitude;
+          ++count;
+        }
+      }
+    }
+    ASSERT_GT(count, 0);
+    const std::string name = fault.name;
+    test::measured(name + ": tilt after 10 s, worst [deg]", worst_tilt * 180.0 / M_PI, "below 1");
+    test::measured(name + ": NEES of the attitude / 3", nees / count, "below 3");
+    EXPECT_LT(worst_tilt, M_PI / 180.0) << fault.name;
+    EXPECT_LT(nees / count, 3.0) << fault.name;
+  }
+}
+
+}  // namespace
+}  // namespace rio::experiment
