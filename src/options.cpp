@@ -45,6 +45,7 @@ std::string coherence_problem(const Options& o) {
 /// stamps.
 void publish_ekf(Options* o) {
   o->imu.stamp_sigma = 0.0;
+  o->imu.measure_noise = false;
   o->radar.weak_snr_db = -200.0;
   o->radar.noise_distance = 0.0;
   o->frontend.ransac_sigmas = 0.0;

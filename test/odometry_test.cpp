@@ -329,16 +329,31 @@ TEST_P(OdometryTest, ResetWithoutStateStartsOver) {
   EXPECT_TRUE(odometry->initialized());
 }
 
-TEST_P(OdometryTest, AbsurdImuLeavesTheEstimateFinite) {
+TEST_P(OdometryTest, AbsurdImuSamplesAreLeftOut) {
   auto odometry = started();
-  ImuSample sample = flight().imu[0];
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().scans[0].time, &next);
+  const NavState before = odometry->now();
+  ImuSample sample = flight().imu[next];
   sample.accel_B.setConstant(1e300);
-  EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
-  sample.time += milliseconds(5);
-  sample.accel_B.setConstant(-1e300);
-  sample.gyro_B.setConstant(1e200);
-  EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
-  EXPECT_EQ(odometry->add_scan({sample.time, flight().scans[0].detections}), Status::kNumerical);
+  EXPECT_EQ(odometry->add_imu(sample), Status::kImplausible);
+  sample = flight().imu[next];
+  sample.gyro_B.x() = -1e200;
+  EXPECT_EQ(odometry->add_imu(sample), Status::kImplausible);
+  EXPECT_TRUE(same(odometry->now(), before));
+  EXPECT_EQ(odometry->counters().imu_out_of_range, 2U);
+  EXPECT_EQ(odometry->add_imu(flight().imu[next]), Status::kOk);
+}
+
+TEST_P(OdometryTest, OverflowLeavesTheEstimateFinite) {
+  auto odometry = started();
+  NavState far = flight().truth.front();
+  far.p_WB.setConstant(1.797e308);  // the next metre is infinite
+  far.v_WB.setConstant(1.7e308);
+  ASSERT_EQ(odometry->reset(far, prior()), Status::kOk);
+  std::size_t next = 0;
+  feed_imu(*odometry, flight().scans[1].time, &next);
+  EXPECT_EQ(odometry->add_scan(flight().scans[0]), Status::kNumerical);
   EXPECT_EQ(odometry->at_scan().time, flight().truth.front().time);
   EXPECT_TRUE(odometry->covariance().allFinite());
   EXPECT_EQ(odometry->counters().updates_failed, 1U);

@@ -49,6 +49,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Range of the gyroscope: samples beyond it are left out.");
   field("imu.max_accel", o.imu.max_accel, "m/s^2", 1, 1e5,
         "Range of the accelerometer: samples beyond it are left out.");
+  field("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
+        "The noise seen in the samples counts if it is more than the white noise declared.");
   field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
   field("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
   field("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,

@@ -20,8 +20,11 @@ struct ImuOptions {
   /// Jitter of the stamps; with the change from sample to sample it makes noise. Milliseconds over
   /// USB, 0 = stamped by hardware [s].
   double stamp_sigma = 0.5e-3;
-  double max_rate = 34.5;        ///< an axis that reads more is saturated: 2000 deg/s [rad/s]
-  double max_accel = 156.0;      ///< same, specific force: 16 g [m/s^2]
+  double max_rate = 34.5;    ///< an axis that reads more is saturated: 2000 deg/s [rad/s]
+  double max_accel = 156.0;  ///< same, specific force: 16 g [m/s^2]
+  /// Vibration, aliasing and loss as seen in the samples count if they are more than the white
+  /// noise declared (propagate/imu_noise_meter.hpp).
+  bool measure_noise = true;
   double gravity = 9.81;         ///< along -z of W [m/s^2]
   double max_gap = 0.1;          ///< a longer pause between samples is a gap [s]
   double gap_rate_sigma = 0.5;   ///< unknown mean angular rate inside a gap [rad/s]

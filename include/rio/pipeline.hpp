@@ -10,10 +10,11 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "rio/frontend/frontend.hpp"
 #include "rio/frontend/rest_detector.hpp"
-#include "rio/frontend/velocity_monitor.hpp"
+#include "rio/frontend/velocity_pool.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/report.hpp"
@@ -26,11 +27,7 @@ class Pipeline {
  public:
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
-      : options_(options),
-        frontend_(options),
-        monitor_(options),
-        rest_(options),
-        backend_(options) {}
+      : options_(options), frontend_(options), pool_(options), rest_(options), backend_(options) {}
 
   const Estimate& estimate() const { return backend_.estimate(); }
   const BackEnd& backend() const { return backend_; }
@@ -40,7 +37,7 @@ class Pipeline {
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
     frontend_.reset();
-    monitor_.reset(prior.time);
+    pool_.reset(prior.time);
     rest_.reset();
     last_scan_ = prior.time;
     backend_.reset(prior, P0);
@@ -73,7 +70,7 @@ class Pipeline {
 
     const DetectionList& scan = corrected(received);
     forget_after_silence(scan.time);
-    observe(scan);  // (3)
+    observe(scan, last, imu);  // (3)
     seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
@@ -110,20 +107,29 @@ class Pipeline {
     last_scan_ = time;
   }
 
-  /// Stage 3. If the scans have contradicted the velocity for long it is re-opened, and the scan is
-  /// seen anew without the trails and landmarks that were placed with it.
-  void observe(const DetectionList& scan) {
-    const RadarVelocity predicted{radar_velocity(backend_.estimate()),
-                                  backend_.belief().radar_velocity_covariance()};
-    frontend_.observe(scan, backend_.estimate(), &seen_, predicted.covariance);
-    report_.velocity_reset = monitor_.contradicts(seen_, predicted);
-    if (!report_.velocity_reset) return;
-    backend_.reopen_velocity((seen_.ego_velocity.v_S - predicted.v_S).norm(),
-                             to_seconds(scan.time - monitor_.agreed()), &report_);
-    monitor_.reset(scan.time);
-    frontend_.reset();
+  /// Stage 3. If the scans have contradicted the velocity for long it is replaced, and the trails
+  /// and landmarks that were placed with it go.
+  void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
+    const double sigma = std::sqrt(backend_.belief().radar_velocity_covariance().trace());
+    const auto other =
+        pool_.observe(scan, backend_.estimate(), sigma, sigma_tilt(), last, imu, report_.imu_gap);
+    report_.velocity_reset = other.has_value();
+    if (other) {
+      backend_.restart_velocity(other->v_B, other->covariance,
+                                to_seconds(scan.time - pool_.agreed()), &report_);
+      pool_.reset(scan.time);
+      frontend_.reset();
+    }
     frontend_.observe(scan, backend_.estimate(), &seen_,
                       backend_.belief().radar_velocity_covariance());
+  }
+
+  /// Of roll and pitch together [rad].
+  double sigma_tilt() const {
+    const BodyCovariance P_body = backend_.belief().covariance().body();
+    const Matrix3d P = P_body.block<3, 3>(body::kAttitude, body::kAttitude);
+    const Vector3d up_B = estimate().nav.q_WB.conjugate() * Vector3d::UnitZ();
+    return std::sqrt(std::max(0.0, P.trace() - up_B.dot(P * up_B)));
   }
 
   void summarise(const DetectionList& scan) {
@@ -143,7 +149,7 @@ class Pipeline {
 
   Options options_;
   Frontend frontend_;
-  VelocityMonitor monitor_;
+  VelocityPool pool_;
   RestDetector rest_;
   BackEnd backend_;
   DetectionList corrected_;

@@ -22,9 +22,10 @@ void Ekf::drop_landmarks(UpdateReport* report) {
   }
 }
 
-void Ekf::reopen_velocity(double error, double duration, UpdateReport* report) {
+void Ekf::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
+                           UpdateReport* report) {
   drop_landmarks(report);
-  belief_.covariance().reopen_velocity(error * error, duration);
+  belief_.restart_velocity(v_B, covariance_B, duration);
 }
 
 Status Ekf::update(const Observations& seen, UpdateReport* report) {
@@ -34,6 +35,10 @@ Status Ekf::update(const Observations& seen, UpdateReport* report) {
   belief_.correct(dx_);
   if (options_.update.consistent_covariance) {
     reexpress(belief_.layout(), before_, belief_.estimate(), &belief_.covariance());
+  }
+  for (const Contradiction& c : belief_.contradictions()) {
+    belief_.covariance().forget(c.column, c.value, c.information, &dx_);
+    belief_.correct(dx_);
   }
   return Status::kOk;
 }

@@ -45,8 +45,10 @@ ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
   ProcessNoise n{
       o.gyro_noise_density * o.gyro_noise_density, o.accel_noise_density * o.accel_noise_density,
       o.gyro_random_walk * o.gyro_random_walk, o.accel_random_walk * o.accel_random_walk};
-  n.gyro = std::max(n.gyro, step.measured.gyro);
-  n.accel = std::max(n.accel, step.measured.accel);
+  if (o.measure_noise) {
+    n.gyro = std::max(n.gyro, step.measured.gyro);
+    n.accel = std::max(n.accel, step.measured.accel);
+  }
   n.gyro += o.gap_rate_sigma * o.gap_rate_sigma * step.gap;
   n.accel += o.gap_accel_sigma * o.gap_accel_sigma * step.gap;
   const double jitter = o.stamp_sigma * o.stamp_sigma / (3.0 * step.sample_interval);

@@ -79,6 +79,22 @@ void Prior::add_landmark_noise(double variance) {
   cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
+void Prior::forget(int column, double value, double information, const Estimate& x) {
+  double moved = 0.0;  // since the prior was made
+  if (layout_.has_extrinsics() && column < layout_.extrinsics() + Extrinsics::kDof) {
+    const int i = column - layout_.extrinsics();
+    moved = i < 3 ? quaternion_log(T_BS_.rotation.conjugate() * x.T_BS.rotation)[i]
+                  : (x.T_BS.translation - T_BS_.translation)[i - 3];
+  } else if (layout_.has_radar_errors() && column < layout_.radar_errors() + RadarErrors::kDof) {
+    const int i = column - layout_.radar_errors();
+    moved = x.radar_errors[i] - radar_errors_[i];
+  } else {
+    moved = x.time_offset - time_offset_;
+  }
+  A_(border(column), border(column)) -= information;
+  g_[border(column)] += information * (value - moved);
+}
+
 void Prior::remove_landmark(std::size_t i, std::size_t last) {
   if (i >= landmarks_.size()) return;
   const int at = border(layout_.landmark(static_cast<int>(i)));

@@ -43,13 +43,17 @@ void Smoother::drop_landmarks(UpdateReport* report) {
   }
 }
 
-void Smoother::reopen_velocity(double error, double duration, UpdateReport* report) {
+void Smoother::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
+                                UpdateReport* report) {
   drop_landmarks(report);
-  belief_.covariance().reopen_velocity(error * error, duration);
+  belief_.restart_velocity(v_B, covariance_B, duration);
   restart();
 }
 
 Status Smoother::update(const Observations& seen, UpdateReport* report) {
+  for (const Contradiction& c : belief_.contradictions()) {
+    prior_.forget(c.column, c.value, c.information, estimate());
+  }
   rows_.build(seen, belief_, report);
   const bool appended = window_.newest().nav.time != estimate().nav.time;
   if (appended && !append()) return Status::kNumerical;

@@ -12,6 +12,8 @@ namespace rio {
 
 namespace {
 
+constexpr double kToldShare = 0.5;  // k of (E1): told is usually that good
+
 /// The row of the Doppler along a direction as measured; without its residual and noise.
 LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
                       const Layout& layout) {
@@ -36,14 +38,60 @@ void Acceleration::add(const Vector3d& change_W, double seconds) {
 Belief::Belief(const Options& options, int max_clones)
     : options_(options),
       layout_(options.calibration, max_clones, options.update.max_landmarks),
-      covariance_(layout_) {}
+      covariance_(layout_),
+      dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
 
 void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_ = Estimate{};
   estimate_.nav = prior;
   estimate_.T_BS = options_.radar.T_BS;
   acceleration_ = {};
-  covariance_.reset(P0, options_.calibration);
+  CalibrationOptions told = options_.calibration;
+  for (double* sigma : {&told.rotation_sigma, &told.translation_sigma, &told.time_offset_sigma,
+                        &told.doppler_scale_sigma, &told.elevation_bias_sigma}) {
+    *sigma *= kToldShare;
+  }
+  covariance_.reset(P0, told);
+  contradicted_.fill(false);
+}
+
+StaticVector<Contradiction, kCalibrationCount> Belief::contradictions() {
+  StaticVector<Contradiction, kCalibrationCount> out;
+  const auto test = [&](Calibration parameter, int column, double value, double sigma) {
+    bool& contradicted = contradicted_[static_cast<std::size_t>(parameter)];
+    if (contradicted || !(sigma > 0.0)) return;
+    const double told = kToldShare * kToldShare * sigma * sigma;
+    const double moved = told - covariance_.matrix()(column, column);
+    if (value * value < std::max(9.0 * moved, told)) return;
+    contradicted = true;
+    (void)out.push_back({column, value, 1.0 / told - 1.0 / (sigma * sigma)});
+  };
+  const CalibrationOptions& priors = options_.calibration;
+  if (layout_.has_extrinsics()) {
+    const Pose& told = options_.radar.T_BS;
+    const Vector3d turn = quaternion_log(told.rotation.conjugate() * estimate_.T_BS.rotation);
+    const Vector3d shift = estimate_.T_BS.translation - told.translation;
+    const int column = layout_.extrinsics();
+    test(Calibration::kRotationX, column, turn.x(), priors.rotation_sigma);
+    test(Calibration::kRotationY, column + 1, turn.y(), priors.rotation_sigma);
+    test(Calibration::kRotationZ, column + 2, turn.z(), priors.rotation_sigma);
+    test(Calibration::kTranslationX, column + 3, shift.x(), priors.translation_sigma);
+    test(Calibration::kTranslationY, column + 4, shift.y(), priors.translation_sigma);
+    test(Calibration::kTranslationZ, column + 5, shift.z(), priors.translation_sigma);
+  }
+  if (layout_.has_radar_errors()) {
+    const RadarErrors::Value& errors = estimate_.radar_errors;
+    const int column = layout_.radar_errors();
+    test(Calibration::kDopplerScale, column + RadarErrors::kDopplerScale,
+         errors[RadarErrors::kDopplerScale], priors.doppler_scale_sigma);
+    test(Calibration::kElevationBias, column + RadarErrors::kElevation,
+         errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
+  }
+  if (layout_.has_time_offset()) {
+    test(Calibration::kTimeOffset, layout_.time_offset(), estimate_.time_offset,
+         priors.time_offset_sigma);
+  }
+  return out;
 }
 
 Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
@@ -69,6 +117,14 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   covariance_.add_landmark_noise(walk * walk * way);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
+}
+
+void Belief::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration) {
+  const Matrix3d R = estimate_.T_WB().R;
+  const Vector3d error = R * v_B - estimate_.nav.v_WB;
+  covariance_.reopen_velocity(error.squaredNorm() + covariance_B.trace(), duration);
+  covariance_.measure_velocity(error, R * covariance_B * R.transpose(), &dx_);
+  correct(dx_);
 }
 
 Matrix3d Belief::radar_velocity_covariance() const {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/covariance.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
 namespace rio {
 
 Covariance::Covariance(const Layout& layout)
@@ -46,6 +49,34 @@ void Covariance::reopen_velocity(double variance, double duration) {  // (E3)
     P_(p, v) += duration * variance;
     P_(v, p) += duration * variance;
     P_(p, p) += duration * duration * variance;
+  }
+}
+
+void Covariance::measure_velocity(const Vector3d& residual_W, const Matrix3d& noise_W,
+                                  Eigen::VectorXd* dx) {  // (E4)
+  auto W = scratch_.topLeftCorner(3, size_);              // L^-1 P_v, S = L L^T
+  W = P_.middleRows(body::kVelocity, 3).leftCols(size_);
+  const Matrix3d S = P_.block<3, 3>(body::kVelocity, body::kVelocity) + noise_W;
+  const Matrix3d L = Eigen::LLT<Matrix3d>(S).matrixL();
+  const Matrix3d inverse = L.inverse();
+  for (int c = 0; c < size_; ++c) W.col(c) = (inverse * W.col(c)).eval();
+  dx->setZero();
+  dx->head(size_).noalias() = W.transpose() * (inverse * residual_W).eval();
+  for (int c = 0; c < size_; ++c) {
+    for (int r = 0; r <= c; ++r) P_(c, r) = P_(r, c) -= W.col(r).dot(W.col(c));
+  }
+}
+
+void Covariance::forget(int column, double value, double information,
+                        Eigen::VectorXd* dx) {  // (E5)
+  auto row = scratch_.row(0).head(size_);
+  row = P_.row(column).head(size_);
+  const double rest = 1.0 / information - P_(column, column);
+  dx->setZero();
+  if (!(rest > 0.0)) return;
+  dx->head(size_) = row.transpose() * (value / rest);
+  for (int c = 0; c < size_; ++c) {
+    for (int r = 0; r <= c; ++r) P_(c, r) = P_(r, c) += row[r] * row[c] / rest;
   }
 }
 

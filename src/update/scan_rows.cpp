@@ -10,6 +10,7 @@ namespace rio {
 ScanRows::ScanRows(const Options& options)
     : options_(options.update),
       noise_distance_(options.radar.noise_distance),
+      doppler_grid_(options.radar.doppler_resolution),
       gate_(options.update.gate_probability),
       doppler_(options.update.direction_noise, options.update.direction_correction),
       trail_(options.update.trail_noise, options.update.sigma_trail_distance),
@@ -25,6 +26,9 @@ const RowBatch& ScanRows::build(const Observations& seen, const Belief& belief,
                                 UpdateReport* report) {
   LinearizationPoint x(belief.estimate());
   if (seen.rest) x.stand();
+  const Time now = belief.estimate().nav.time;
+  since_scan_ = last_scan_ > Time{0} ? std::min(1.0, to_seconds(now - last_scan_)) : 1.0;
+  last_scan_ = now;
   batch_.clear();
   used_.clear();
   was_used_.fill(false);
@@ -64,7 +68,8 @@ void ScanRows::add_doppler(const Observations& seen, const Belief& belief,
     batch_.begin_block();
     const bool valid = add(doppler_, z, belief, x, {});
     if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
-    used_.push_back({DopplerModel::kModel, i, 0, 0, weigh(repetition(way_at_scan_, x))});
+    used_.push_back(
+        {DopplerModel::kModel, i, 0, 0, weigh(doppler_repetition(seen.detection(i), x))});
   }
 }
 
@@ -134,6 +139,26 @@ bool ScanRows::add_point(const Detection& d, const Belief& belief, const Lineari
   return add(point_, LandmarkPointModel::measurement(d), belief, x, index) &&
          (!options_.use_doppler ||
           add(landmark_doppler_, LandmarkDopplerModel::measurement(d, x.gyro_B), belief, x, index));
+}
+
+double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint& x) const {
+  constexpr double kSameReflectors = 0.15;  // way over which they are seen [m]
+  constexpr double kCells = 6.0;  // the rounding of y and y + c cells correlate by 1 - 6 c + ...
+  const double other = repetition(way_at_scan_, x);
+  if (noise_distance_ <= 0.0) return other;  // every error is new in every scan
+  const double rounding =
+      std::min(doppler_grid_ * doppler_grid_ / 12.0, d.sigma_doppler * d.sigma_doppler) /
+      batch_.rows().back().variance;
+  if (!(rounding > 0.0)) return other;
+  // the rate changes as the direction turns and as the radar accelerates
+  const Vector3d v = x.radar_velocity_S();
+  const double radial = d.direction_S.dot(v);
+  const double turning = (v.squaredNorm() - radial * radial) / d.range;
+  const double accelerating = (x.T_WB.R * (x.T_BS.R * d.direction_S)).dot(x.accel_W);
+  const double cells = std::abs(turning - accelerating) * since_scan_ / doppler_grid_;
+  const double way = std::max(0.0, x.estimate.way - way_at_scan_);
+  const double rho = (1.0 - kFreshShare) * std::exp(-way / kSameReflectors - kCells * cells);
+  return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));
 }
 
 double ScanRows::weigh(double factor) {

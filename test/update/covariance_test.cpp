@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "support/covariance_case.hpp"
 
 namespace rio::test {
@@ -28,6 +30,36 @@ TEST_F(CovarianceTest, ReopenedVelocityTakesThePositionAlong) {
   const MatrixXd expected = dense() + 7.0 * G * G.transpose();
   covariance_.reopen_velocity(7.0, 0.2);
   expect_equal(expected, 1e-12);
+}
+
+TEST_F(CovarianceTest, MeasuredVelocityIsAKalmanUpdate) {
+  const Vector3d residual(0.3, -0.2, 0.1);
+  const Matrix3d noise = Vector3d(0.1, 0.2, 0.3).asDiagonal();
+  const MatrixXd P = dense();
+  const MatrixXd P_v = P.middleRows<3>(body::kVelocity);
+  const Matrix3d S = P_v.middleCols<3>(body::kVelocity) + noise;
+  const MatrixXd K = P_v.transpose() * S.inverse();
+  Eigen::VectorXd dx = Eigen::VectorXd::Zero(P.rows());
+  covariance_.measure_velocity(residual, noise, &dx);
+  EXPECT_LT((dx.head(P.rows()) - K * residual).norm(), 1e-12 * (1.0 + dx.norm()));
+  expect_equal(P - K * P_v, 1e-12);
+}
+
+// Measured again, P and the state are what they were.
+TEST_F(CovarianceTest, WhatIsForgottenCanBeMeasuredAgain) {
+  const MatrixXd before = dense();
+  const int c = layout_.extrinsics() + 1;
+  const double information = 0.7 / before(c, c);
+  constexpr double kValue = 0.3;
+  Eigen::VectorXd dx = Eigen::VectorXd::Zero(before.rows());
+  covariance_.forget(c, kValue, information, &dx);
+  const MatrixXd P = dense();
+  EXPECT_GT(P(c, c), 2.0 * before(c, c));
+  const Eigen::VectorXd K = P.col(c) / (P(c, c) + 1.0 / information);
+  // that it is zero, where it now is at kValue + dx
+  EXPECT_LT((dx.head(P.rows()) - K * (kValue + dx[c])).norm(), 1e-12 * (1.0 + dx.norm()));
+  const MatrixXd again = P - K * P.row(c);
+  EXPECT_LT((again - before).norm(), 1e-9 * before.norm());
 }
 
 TEST_F(CovarianceTest, BlocksEnterAsLinearFunctionsOfTheState) {

@@ -37,9 +37,10 @@ class Ekf {
   /// All landmarks leave.
   void drop_landmarks(UpdateReport* report);
 
-  /// The velocity has been off by about `error` [m/s] for `duration` [s]: P admits it, and the
-  /// landmarks seen meanwhile are dropped. The trails have to go, too.
-  void reopen_velocity(double error, double duration, UpdateReport* report);
+  /// The velocity turns out to be another one [m/s, body axes], for `duration` [s]: the position
+  /// admits it, and the landmarks seen meanwhile are dropped. The trails have to go, too.
+  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
+                        UpdateReport* report);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
   Status update(const Observations& seen, UpdateReport* report);

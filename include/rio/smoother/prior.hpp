@@ -52,6 +52,11 @@ class Prior {
   /// the other by (A^-1 + q E E^T)^-1 = A - A E (I / q + E^T A E)^-1 E^T A, three columns E each.
   void add_landmark_noise(double variance);
 
+  /// Information about a parameter of the calibration, that it is zero, is taken back.
+  /// @param column in [newest state | border]
+  /// @param value of the parameter at x, off what was told
+  void forget(int column, double value, double information, const Estimate& x);
+
   /// Landmark i is marginalised; the last one takes its place. Landmarks that came after the prior
   /// was made are none of its business.
   void remove_landmark(std::size_t i, std::size_t last);

@@ -47,9 +47,9 @@ class Smoother {
   /// All landmarks leave.
   void drop_landmarks(UpdateReport* report);
 
-  /// The velocity has been off by about `error` [m/s] for `duration` [s]: the window begins anew
-  /// from the present prediction, whose covariance admits it. The trails have to go, too.
-  void reopen_velocity(double error, double duration, UpdateReport* report);
+  /// As in the filter; the window begins anew from the result.
+  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
+                        UpdateReport* report);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, UpdateReport* report);

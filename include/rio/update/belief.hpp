@@ -5,6 +5,9 @@
 // Stages 1, 2 and 7.
 #pragma once
 
+#include <array>
+
+#include "rio/core/static_vector.hpp"
 #include "rio/frontend/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
@@ -26,6 +29,21 @@ struct Acceleration {
   void add(const Vector3d& change_W, double seconds);
 };
 
+/// A parameter of the calibration that the data move away from what was told of it.
+struct Contradiction {
+  int column = 0;            ///< in the layout
+  double value = 0.0;        ///< off what was told
+  double information = 0.0;  ///< of the tight prior, beyond that of the options
+};
+
+/// What is told of the calibration is usually as good as it can be measured, and sometimes wrong by
+/// far; the prior sigma of the options covers both. On a few noisy points a loose parameter soaks
+/// up whatever errors there are. So each is believed to a share k of its prior sigma s until the
+/// data contradict it, and to s from then on.
+///
+/// (E1) told: P_0 = (k s)^2; a right prior is moved by a value of the variance P_0 - P;
+///      contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
+/// (E2) the information 1 / (k s)^2 - 1 / s^2, that the value is zero, is taken back
 class Belief {
  public:
   /// @param max_clones past poses with a covariance
@@ -42,6 +60,13 @@ class Belief {
 
   /// To exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
+
+  /// The parameters contradicted since the last call (E1); each is reported once. The caller takes
+  /// back the information (E2).
+  StaticVector<Contradiction, kCalibrationCount> contradictions();
+
+  /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s].
+  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration);
 
   /// Of the radar's own velocity as predicted, in its axes [m^2/s^2].
   Matrix3d radar_velocity_covariance() const;
@@ -71,6 +96,8 @@ class Belief {
   Estimate estimate_;
   Covariance covariance_;
   Acceleration acceleration_;
+  Eigen::VectorXd dx_;
+  std::array<bool, kCalibrationCount> contradicted_{};
 };
 
 }  // namespace rio

@@ -5,6 +5,9 @@
 // (E1) propagate: P_bb <- Phi P_bb Phi^T + Q, P_bx <- Phi P_bx              (ICRA 2023, eq. 7)
 // (E2) assign:    a block becomes J x + n: P_kk = J P J^T + N, P_kx = J P    (ibid., eq. 5, 10, 11)
 // (E3) re-open:   P <- P + G V G^T, G = [tau I; I] on position and velocity
+// (E4) velocity measured: P <- P - P_v^T S^-1 P_v, S = P_vv + N, dx = P_v^T S^-1 r
+// (E5) forget:    information i, that a parameter c at `value` is zero, is taken back:
+//                 P <- P + P_c^T P_c / (1 / i - P_cc), dx = P_c^T value / (1 / i - P_cc)
 // ICRA 2023 is Michalczyk et al., ICRA 2023. Nothing here allocates after construction. Clones make
 // P singular by design: it is never factorised.
 #pragma once
@@ -39,6 +42,13 @@ class Covariance {
 
   /// The velocity turns out to be uncertain by `variance` [m^2/s^2] per axis since `duration` [s].
   void reopen_velocity(double variance, double duration);
+
+  /// (E4). The result corrects the state.
+  /// @param residual velocity measured minus estimated [m/s], axes of W
+  void measure_velocity(const Vector3d& residual_W, const Matrix3d& noise_W, Eigen::VectorXd* dx);
+
+  /// (E5). The result corrects the state.
+  void forget(int column, double value, double information, Eigen::VectorXd* dx);
 
   /// The pose in clone `slot` becomes the one the rows say.
   void assign_clone(int slot, const std::array<LinearRow, 6>& rows) {

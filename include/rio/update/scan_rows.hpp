@@ -30,7 +30,10 @@ class ScanRows {
   explicit ScanRows(const Options& options);
 
   /// The flight begins anew.
-  void reset() { way_at_scan_ = 0.0; }
+  void reset() {
+    way_at_scan_ = 0.0;
+    last_scan_ = Time{0};
+  }
 
   /// The rows that may be used; valid until the next call.
   const RowBatch& build(const Observations& seen, const Belief& belief, UpdateReport* report);
@@ -79,6 +82,8 @@ class ScanRows {
   double repetition(double way, const LinearizationPoint& x) const {
     return repetition_factor(std::max(0.0, x.estimate.way - way), noise_distance_);
   }
+  /// Same for a Doppler, whose rounding repeats until it has changed by a cell.
+  double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
   /// Multiplies the variance of the last block. After the gate: by itself it is as good as any
   /// other.
   double weigh(double factor);
@@ -93,7 +98,10 @@ class ScanRows {
 
   UpdateOptions options_;
   double noise_distance_;
+  double doppler_grid_;       ///< [m/s]
   double way_at_scan_ = 0.0;  ///< flown at the last scan [m]
+  double since_scan_ = 1.0;   ///< since the last scan, at most [s]
+  Time last_scan_{0};
   Gate gate_;
   DopplerModel doppler_;
   TrailDistanceModel trail_;

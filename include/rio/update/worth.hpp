@@ -20,11 +20,13 @@
 
 namespace rio {
 
+/// f: at rest a scan repeats but for a tenth of its sigma.
+inline constexpr double kFreshShare = 0.02;
+
 /// (E2): factor of the variance, 1 if `distance` is 0.
 /// @param way flown since the measurement before [m], not negative
 /// @param distance d0 [m]
 inline double repetition_factor(double way, double distance) {
-  constexpr double kFreshShare = 0.02;  // f: at rest a scan repeats but for a tenth of its sigma
   if (distance <= 0.0) return 1.0;
   const double rho = (1.0 - kFreshShare) * std::exp(-way / distance);
   return (1.0 + rho) / (1.0 - rho);

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/velocity_pool.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "rio/core/random.hpp"
+#include "rio/core/so3.hpp"
+
+namespace rio {
+
+VelocityPool::VelocityPool(const Options& options)
+    : options_(options), fold_(options.frontend.unwrap_doppler ? options.radar.max_doppler : 0.0) {
+  rows_.reserve(kMaxRows);
+}
+
+void VelocityPool::reset(Time time) {
+  rows_.clear();
+  agreed_ = since_ = time;
+  proven_ = 0.0;
+}
+
+std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, const Estimate& x,
+                                                     double sigma, double sigma_tilt, Time last,
+                                                     const ImuBuffer& imu, bool gap) {
+  if (!options_.frontend.velocity_recovery) return std::nullopt;
+  if (gap) {
+    rows_.clear();
+    proven_ = 0.0;
+  }
+  drift_ = std::hypot(kDrift, options_.imu.gravity * sigma_tilt);
+  carry(last, x, imu);
+  take(scan, x);
+  complete(x);
+  const Time now = x.nav.time;
+  const int n = static_cast<int>(rows_.size());
+  if (n < kMinRows) return abstain(now);
+  const Vector3d believed = x.nav.q_WB.conjugate() * x.nav.v_WB;
+  const double supported = static_cast<double>(support(believed)) / n;
+  const double likely = likelihood(believed);
+  const bool unique_fold = fold_.is_unique(sigma * sigma);
+  if (unique_fold && supported >= kAgreement && likely > kTelling * n) return agree(now);
+
+  Vector3d best = Vector3d::Zero();
+  const bool alone = search(believed, scan.time, &best);
+  if (unique_fold && kClearly * likely > likelihood(best)) {
+    return supported >= kMajority ? agree(now) : abstain(now);
+  }
+  if (!alone || rows_.back().time - rows_.front().time < kSpan) return std::nullopt;
+  const int count = support(best);
+  if (count < kMinRows || count < kMajority * n) return abstain(now);
+  const std::optional<VelocityOpinion> other = refine(best);
+  if (!other) return abstain(now);
+  // what the covariance admits the update corrects
+  if (unique_fold && (other->v_B - believed).norm() < 3.0 * sigma) return std::nullopt;
+  if (now - since_ < (proven_ > kProven ? kLongPatience : kPatience)) return std::nullopt;
+  return other;
+}
+
+std::nullopt_t VelocityPool::agree(Time now) {
+  proven_ = std::min(proven_ + to_seconds(now - agreed_), 2.0 * kProven);
+  agreed_ = since_ = now;
+  return std::nullopt;
+}
+
+std::nullopt_t VelocityPool::abstain(Time now) {
+  since_ = now;
+  return std::nullopt;
+}
+
+void VelocityPool::carry(Time last, const Estimate& x, const ImuBuffer& imu) {
+  Quaternion turn = Quaternion::Identity();  // axes of now to axes of `last`, at the end
+  Vector3d s = Vector3d::Zero();             // axes of `last`
+  imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
+    const double dt = to_seconds(step.end - step.begin);
+    const Vector3d phi = dt * (step.gyro_B - x.nav.gyro_bias);
+    s += turn * (gamma(1, phi) * (step.accel_B - x.nav.accel_bias)) * dt;
+    turn = turn * quaternion_exp(phi);
+  });
+  const Matrix3d C = turn.conjugate().toRotationMatrix();
+  for (Row& row : rows_) {
+    row.a = C * row.a;
+    row.s = C * (row.s + s);
+    row.age = to_seconds(x.nav.time - row.time);
+  }
+  const auto young = std::find_if(rows_.begin(), rows_.end(),
+                                  [&](const Row& row) { return x.nav.time - row.time <= kWindow; });
+  rows_.erase(rows_.begin(), young);
+}
+
+void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
+  const Matrix3d R_BS = x.T_BS.rotation.toRotationMatrix();
+  const Vector3d lever = (x.gyro_B - x.nav.gyro_bias).cross(x.T_BS.translation);
+  const std::size_t stride = 1 + scan.items.size() / kScanRows;
+  for (std::size_t i = 0; i < scan.items.size(); i += stride) {
+    if (rows_.size() == kMaxRows) {
+      rows_.erase(rows_.begin(), rows_.begin() + kMaxRows / 6);
+    }
+    const Detection& d = scan.items[i];
+    Row row;
+    row.time = x.nav.time;
+    row.a = R_BS * d.direction_S;
+    row.y = -d.range_rate - row.a.dot(lever);
+    row.sigma_doppler = d.sigma_doppler;
+    row.sigma_direction =
+        std::sqrt(0.5 * (d.sigma_azimuth_S.squaredNorm() + d.sigma_elevation_S.squaredNorm()));
+    rows_.push_back(row);
+  }
+}
+
+void VelocityPool::complete(const Estimate& x) {
+  const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
+  for (Row& row : rows_) row.a_v = row.y + row.a.dot(row.s + row.age * g_B);
+}
+
+double VelocityPool::sigma(const Row& row, double speed) const {
+  const double direction = row.sigma_direction * std::min(speed, kFastest);
+  const double own = std::sqrt(row.sigma_doppler * row.sigma_doppler + direction * direction);
+  return std::max(options_.frontend.ransac_threshold / 3.0, own) + drift_ / 3.0 * row.age;
+}
+
+int VelocityPool::support(const Vector3d& v) const {
+  const double speed = v.norm();
+  return static_cast<int>(std::count_if(rows_.begin(), rows_.end(), [&](const Row& row) {
+    return std::abs(residual(row, v)) < 3.0 * sigma(row, speed);
+  }));
+}
+
+double VelocityPool::likelihood(const Vector3d& v) const {
+  constexpr double kRootTwoPi = 2.5066282746;
+  const double speed = v.norm();
+  const double range = 2.0 * std::min(fold_.limit(), kRange);
+  double sum = 0.0;
+  for (const Row& row : rows_) {
+    const double own = sigma(row, speed);
+    const double r = residual(row, v) / own;
+    if (r * r > 9.0) continue;
+    sum += std::max(0.0, std::log(range / (kRootTwoPi * own)) - 0.5 * r * r);
+  }
+  return sum;
+}
+
+bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) const {
+  SplitMix64 random(static_cast<std::uint64_t>(seed.count()));
+  const double apart = 0.5 * std::min(fold_.limit(), 2.0);  // half a fold, 1 m/s at most
+  *best = Vector3d::Zero();
+  double most = likelihood(*best);
+  double rival = 0.0;
+  const auto consider = [&](const Vector3d& v) {
+    if (v.norm() > kFastest) return;
+    const double L = likelihood(v);
+    const bool far = (v - *best).norm() > apart;
+    if (L > most) {
+      if (far) rival = most;
+      most = L;
+      *best = v;
+    } else if (far) {
+      rival = std::max(rival, L);
+    }
+  };
+  consider(believed);
+  const auto n = static_cast<std::uint32_t>(rows_.size());
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Matrix3d A;
+    Vector3d b;
+    for (int k = 0; k < 3; ++k) {
+      const Row& row = rows_[random.below(n)];
+      A.row(k) = row.a.transpose();
+      b[k] = row.a_v;
+    }
+    if (std::abs(A.determinant()) < kLeastVolume) continue;
+    const Matrix3d inverse = A.inverse();
+    consider(inverse * b);
+    if (!fold_.ambiguous()) continue;
+    const Vector3d expected = A * believed;
+    consider(inverse * Vector3d(fold_.nearest(b[0], expected[0]), fold_.nearest(b[1], expected[1]),
+                                fold_.nearest(b[2], expected[2])));
+    if (draw % 4 != 0) continue;
+    for (int k = 0; k < 27; ++k) {  // one fold up or down in each row
+      const Vector3d folds(k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0);
+      consider(inverse * (b + 2.0 * fold_.limit() * folds));
+    }
+  }
+  return rival < kNearly * most;
+}
+
+std::optional<VelocityOpinion> VelocityPool::refine(const Vector3d& v) const {
+  const double speed = v.norm();
+  Matrix3d A = Matrix3d::Zero();
+  Vector3d b = Vector3d::Zero();
+  for (const Row& row : rows_) {
+    const double r = residual(row, v);
+    const double own = sigma(row, speed);
+    if (!(std::abs(r) < 3.0 * own)) continue;
+    A += row.a * row.a.transpose() / (own * own);
+    b += row.a * (r / (own * own));
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(A);
+  if (!(eigen.eigenvalues()[0] > 1.0 / (kWeak * kWeak))) return std::nullopt;
+  const Matrix3d inverse = A.inverse();
+  return VelocityOpinion{v + inverse * b,
+                         kRepetition * inverse + kLeastSigma * kLeastSigma * Matrix3d::Identity()};
+}
+
+}  // namespace rio
