@@ -12,7 +12,18 @@ namespace rio {
 
 namespace {
 
+constexpr double kMemory = 0.05;    // rotors turn faster, bodies accelerate slower [s]
 constexpr double kToldShare = 0.5;  // k of (E1): told is usually that good
+
+/// What white noise of that density [(m/s^2)^2/Hz] cannot have made of a smoothed acceleration. The
+/// noise is in the velocity, too, and the two would agree on a time offset that is none.
+Vector3d beyond_noise(const Vector3d& smooth_W, double density) {
+  constexpr double kSquare = 25.0;  // five sigmas
+  // variance of white noise after two low-passes of memory m: density / (4 m) an axis
+  const double noise = kSquare * 3.0 * density / (4.0 * kMemory);
+  const double square = smooth_W.squaredNorm();
+  return square > noise ? Vector3d((1.0 - noise / square) * smooth_W) : Vector3d(Vector3d::Zero());
+}
 
 /// The row of the Doppler along a direction as measured; without its residual and noise.
 LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
@@ -29,7 +40,6 @@ LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
 }  // namespace
 
 void Acceleration::add(const Vector3d& change_W, double seconds) {
-  constexpr double kMemory = 0.05;  // rotors turn faster, bodies accelerate slower [s]
   const double sum = kMemory + seconds;
   once_W += (change_W - seconds * once_W) / sum;
   smooth_W += seconds / sum * (once_W - smooth_W);
@@ -53,6 +63,10 @@ void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
   }
   covariance_.reset(P0, told);
   contradicted_.fill(false);
+}
+
+double Belief::prior_share(Calibration parameter) const {
+  return contradicted_[static_cast<std::size_t>(parameter)] ? 1.0 : kToldShare;
 }
 
 StaticVector<Contradiction, kCalibrationCount> Belief::contradictions() {
@@ -98,15 +112,17 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   Propagation p;
   p.state = estimate_.nav;
   Acceleration acceleration = acceleration_;
+  double density = options_.imu.accel_noise_density * options_.imu.accel_noise_density;
   imu.for_each_step(estimate_.nav.time, to, [&](const ImuStep& step) {
     const Vector3d before = p.state.v_WB;
     p.step(step, options_.imu);
     acceleration.add(p.state.v_WB - before, to_seconds(step.end - step.begin));
+    density = std::max(density, step.measured.accel);
   });
   if (!p.finite()) return Status::kNumerical;
   *gap = p.gap;
   acceleration_ = acceleration;
-  estimate_.accel_W = acceleration_.smooth_W;
+  estimate_.accel_W = beyond_noise(acceleration_.smooth_W, density);
   const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
   estimate_.nav = p.state;
   estimate_.way += way;

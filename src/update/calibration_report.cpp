@@ -24,8 +24,11 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief
                         int column) {
     if (!present || prior <= 0.0) return;
     const double sigma = std::sqrt(belief.covariance().matrix()(column, column));
-    report[static_cast<std::size_t>(parameter)] = {value, sigma, prior,
-                                                   observability(value, sigma, prior)};
+    Observability verdict = observability(value, sigma, prior);
+    if (verdict != Observability::kAtLimit) {
+      verdict = observability(0.0, sigma, belief.prior_share(parameter) * prior);
+    }
+    report[static_cast<std::size_t>(parameter)] = {value, sigma, prior, verdict};
   };
   const Pose& told = options.radar.T_BS;
   const Vector3d turn = quaternion_log(told.rotation.conjugate() * x.T_BS.rotation);

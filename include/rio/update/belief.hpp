@@ -64,6 +64,8 @@ class Belief {
   /// The parameters contradicted since the last call (E1); each is reported once. The caller takes
   /// back the information (E2).
   StaticVector<Contradiction, kCalibrationCount> contradictions();
+  /// Of the prior sigma of the options, to which a parameter is believed now.
+  double prior_share(Calibration parameter) const;
 
   /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s].
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration);
