@@ -191,9 +191,9 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("start.max_wait", o.start.max_wait, "s", 0, 3600,
         "Wait for a standstill, then start in motion; 0 = wait for ever.");
   field("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
-        "Standstill: largest standard deviation of a gyroscope axis.");
+        "Standstill, an engine may run: largest standard deviation of a gyroscope axis.");
   field("start.max_accel_std", o.start.max_accel_std, "m/s^2", 1e-4, 100,
-        "Standstill: largest standard deviation of an accelerometer axis.");
+        "Standstill, an engine may run: largest standard deviation of an accelerometer axis.");
   field("start.max_rate", o.start.max_rate, "rad/s", 1e-5, 10,
         "Standstill: largest mean rate that can be a bias.");
   field("start.sigma_position", o.start.sigma_position, "m", 0, 1000, "Position, per axis.");

@@ -18,7 +18,7 @@ constexpr double kToldShare = 0.5;  // k of (E1): told is usually that good
 /// What white noise of that density [(m/s^2)^2/Hz] cannot have made of a smoothed acceleration. The
 /// noise is in the velocity, too, and the two would agree on a time offset that is none.
 Vector3d beyond_noise(const Vector3d& smooth_W, double density) {
-  constexpr double kSquare = 25.0;  // five sigmas
+  constexpr double kSquare = 25.0;  // five sigmas: with three, an aliased tone is still an offset
   // variance of white noise after two low-passes of memory m: density / (4 m) an axis
   const double noise = kSquare * 3.0 * density / (4.0 * kMemory);
   const double square = smooth_W.squaredNorm();
@@ -117,7 +117,7 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
     const Vector3d before = p.state.v_WB;
     p.step(step, options_.imu);
     acceleration.add(p.state.v_WB - before, to_seconds(step.end - step.begin));
-    density = std::max(density, step.measured.accel);
+    if (options_.imu.measure_noise) density = std::max(density, step.measured.accel);
   });
   if (!p.finite()) return Status::kNumerical;
   *gap = p.gap;

@@ -25,7 +25,7 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief
     if (!present || prior <= 0.0) return;
     const double sigma = std::sqrt(belief.covariance().matrix()(column, column));
     Observability verdict = observability(value, sigma, prior);
-    if (verdict != Observability::kAtLimit) {
+    if (verdict != Observability::kAtLimit && verdict != Observability::kDoubtful) {
       verdict = observability(0.0, sigma, belief.prior_share(parameter) * prior);
     }
     report[static_cast<std::size_t>(parameter)] = {value, sigma, prior, verdict};
