@@ -69,19 +69,22 @@ class CalibrationOfBelief : public testing::Test {
   Options options_;
 };
 
+constexpr double kTold = 0.5;  // share of the prior sigma (update/belief.hpp)
 constexpr std::array kPriors = {0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.02, 0.06, 0.04};
 
 TEST_F(CalibrationOfBelief, EveryParameterStandsUnderItsName) {
   Belief belief = corrected(1e-3);
-  for (int i = 0; i < static_cast<int>(kCalibrationCount); ++i) {  // sigma: a tenth of i + 1 priors
-    const double sigma = 0.1 * (1.0 + i) * kPriors[static_cast<std::size_t>(i)];
+  // sigma: a tenth of i + 1 times what is believed, which is half the prior until it is
+  // contradicted
+  for (int i = 0; i < static_cast<int>(kCalibrationCount); ++i) {
+    const double sigma = kTold * 0.1 * (1.0 + i) * kPriors[static_cast<std::size_t>(i)];
     belief.covariance().matrix()(body::kSize + i, body::kSize + i) = sigma * sigma;
   }
   const auto all = report(belief);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const double rank = 1.0 + static_cast<double>(i);
     EXPECT_NEAR(all[i].value, 1e-3 * rank, 1e-12) << i;
-    EXPECT_NEAR(all[i].sigma, 0.1 * rank * kPriors[i], 1e-15) << i;
+    EXPECT_NEAR(all[i].sigma, kTold * 0.1 * rank * kPriors[i], 1e-15) << i;
     EXPECT_EQ(all[i].prior_sigma, kPriors[i]) << i;
     const Observability expected = i < 4 ? Observability::kObserved : Observability::kWeak;
     if (i != 4 && i != 8) {  // half and nine tenths are the bounds themselves
@@ -93,7 +96,7 @@ TEST_F(CalibrationOfBelief, EveryParameterStandsUnderItsName) {
 TEST_F(CalibrationOfBelief, BeforeTheFirstScanNothingIsKnown) {
   for (const CalibrationReport& r : report(corrected(0.0))) {
     EXPECT_NEAR(r.value, 0.0, 1e-15);
-    EXPECT_NEAR(r.sigma, r.prior_sigma, 1e-15);
+    EXPECT_NEAR(r.sigma, kTold * r.prior_sigma, 1e-15);
     EXPECT_EQ(r.verdict, Observability::kUnobserved);
   }
 }
