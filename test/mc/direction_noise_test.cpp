@@ -44,7 +44,7 @@ TEST(DirectionNoise, CostsTheDefaultLittle) {
     const std::vector<Score> coarse = select(runs, "coarse", variant);
     EXPECT_EQ(count_lost(fine), 0) << variant;
     // the naive one may lose a coarse flight: one of these eight
-    if (std::string(variant) == "default") EXPECT_EQ(count_lost(coarse), 0);
+    EXPECT_LE(count_lost(coarse), std::string(variant) == "default" ? 0 : 1) << variant;
     return Spread::of(coarse, &Score::drift).mean / Spread::of(fine, &Score::drift).mean;
   };
   EXPECT_LT(cost("default"), 3.0);  // measured: 2.5 to 2.6
