@@ -267,7 +267,8 @@ Replay replay(const io::Dataset& data, const Options& options) {
 
 RealScore judge(const Recording& recording, const Replay& replay) {
   RealScore score{false, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, Vector3d::Constant(kNaN)};
-  score.started = !replay.steps.empty();
+  score.started =
+      !replay.steps.empty() && replay.steps.front().state.time < motion_of(recording.data).end;
   if (!recording.reference.empty()) score.way = way_of(recording.reference);
   if (!score.started) return score;
   const eval::Trajectory poses = poses_of(replay);
