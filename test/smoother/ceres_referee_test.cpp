@@ -326,7 +326,8 @@ TEST_P(CeresReferee, FindsTheSameMinimum) {
   scenario.path.stand_before = 1.5;
   SmootherFlight flight(scenario);
   Options o = flight.options();
-  o.smoother = {.window = 6, .max_iterations = 1000, .tolerance = 1e-10, .kernel = GetParam().kernel};
+  o.smoother = {
+      .window = 6, .max_iterations = 1000, .tolerance = 1e-10, .kernel = GetParam().kernel};
   o.smoother.kernel_size = 1.0;   // small: many residuals are beyond it
   o.smoother.factor_reuse = 0.0;  // the covariance is of the solution
   o.update.direction_correction = GetParam().correction;
