@@ -281,8 +281,7 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
   // the velocity is the new one, the position has followed it, and their sigmas know it
   EXPECT_LT((nav.v_WB - before.estimate.nav.v_WB - error).norm(), 0.02);
   EXPECT_LT((nav.p_WB - before.estimate.nav.p_WB - kDuration * error).norm(), 0.02);
-  for (int i = 0; i < 3; ++i) {
-    const int v = body::kVelocity + i;
+  for (int v = body::kVelocity; v < body::kVelocity + 3; ++v) {
     EXPECT_LT(P(v, v), 1.01 * kSigma * kSigma);
     EXPECT_GT(P(v, v), 0.9 * kSigma * kSigma);
   }
