@@ -175,6 +175,7 @@ class Engine final : public Odometry::Impl {
     last_scan_estimate_ = at_scan().time;
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
     counters.velocity_resets += pipeline_.report().velocity_reset ? 1 : 0;
+    counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
     publish();
     return status;
   }

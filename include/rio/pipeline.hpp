@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "rio/frontend/frontend.hpp"
+#include "rio/frontend/gravity_check.hpp"
 #include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/velocity_pool.hpp"
 #include "rio/options.hpp"
@@ -27,7 +28,12 @@ class Pipeline {
  public:
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
-      : options_(options), frontend_(options), pool_(options), rest_(options), backend_(options) {}
+      : options_(options),
+        frontend_(options),
+        pool_(options),
+        gravity_(options),
+        rest_(options),
+        backend_(options) {}
 
   const Estimate& estimate() const { return backend_.estimate(); }
   const BackEnd& backend() const { return backend_; }
@@ -38,6 +44,7 @@ class Pipeline {
   void reset(const NavState& prior, const BodyCovariance& P0) {
     frontend_.reset();
     pool_.reset(prior.time);
+    gravity_.reset(prior.time);
     rest_.reset();
     last_scan_ = prior.time;
     backend_.reset(prior, P0);
@@ -107,21 +114,31 @@ class Pipeline {
     last_scan_ = time;
   }
 
-  /// Stage 3. If the scans have contradicted the velocity for long it is replaced, and the trails
-  /// and landmarks that were placed with it go.
+  /// Stage 3. If the scans have contradicted the velocity or the tilt for long they are replaced.
   void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
+    const Estimate& x = backend_.estimate();
     const double sigma = std::sqrt(backend_.belief().radar_velocity_covariance().trace());
-    const auto other =
-        pool_.observe(scan, backend_.estimate(), sigma, sigma_tilt(), last, imu, report_.imu_gap);
+    const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
-    if (other) {
-      backend_.restart_velocity(other->v_B, other->covariance,
-                                to_seconds(scan.time - pool_.agreed()), &report_);
-      pool_.reset(scan.time);
-      frontend_.reset();
-    }
-    frontend_.observe(scan, backend_.estimate(), &seen_,
-                      backend_.belief().radar_velocity_covariance());
+    if (other) restart_velocity(*other, to_seconds(scan.time - pool_.agreed()));
+    const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
+    frontend_.observe(scan, x, &seen_, velocity_covariance);
+    const auto down =
+        gravity_.observe(seen_, x, backend_.belief().covariance().body(),
+                         backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
+    report_.attitude_reset = down.has_value();
+    if (!down) return;
+    backend_.restart_attitude(down->g_B, down->sigma, to_seconds(x.nav.time - gravity_.agreed()));
+    restart_velocity(down->velocity, 0.0);  // it has run away only by and by
+    gravity_.reset(x.nav.time);
+    frontend_.observe(scan, x, &seen_, backend_.belief().radar_velocity_covariance());
+  }
+
+  /// The trails and landmarks that were placed with the wrong one go.
+  void restart_velocity(const VelocityOpinion& other, double duration) {
+    backend_.restart_velocity(other.v_B, other.covariance, duration, &report_);
+    pool_.reset(estimate().nav.time);
+    frontend_.reset();
   }
 
   /// Of roll and pitch together [rad].
@@ -150,6 +167,7 @@ class Pipeline {
   Options options_;
   Frontend frontend_;
   VelocityPool pool_;
+  GravityCheck gravity_;
   RestDetector rest_;
   BackEnd backend_;
   DetectionList corrected_;

@@ -130,6 +130,7 @@ struct UpdateReport {
   bool imu_gap = false;         ///< the propagation to this scan crossed a gap
   bool at_rest = false;         ///< stood still for a while, by IMU and radar
   bool velocity_reset = false;  ///< the velocity was replaced before the update
+  bool attitude_reset = false;  ///< tilt and biases were given up to the measurements before it
   Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
   Time update_time{0};          ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
@@ -155,6 +156,7 @@ struct Counters {
   std::uint64_t scans_uninitialized = 0;
   std::uint64_t updates_failed = 0;   ///< kNumerical
   std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long
+  std::uint64_t attitude_resets = 0;  ///< same, gravity: tilt or a bias
 };
 
 }  // namespace rio

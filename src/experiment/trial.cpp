@@ -97,14 +97,10 @@ class Replay {
 
 /// The true first state with the scenario's error, its biases unknown.
 void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometry& odometry) {
-  const sim::Told& told = flight.scenario.told;
-  NavState state = flight.truth.front();
-  state.v_WB += told.start_velocity;
-  state.gyro_bias.setZero();
-  state.accel_bias.setZero();
+  const NavState state = flight.told_start();
   BodyCovariance P = io::start_covariance(state.q_WB, start);
-  P.block<3, 3>(body::kVelocity, body::kVelocity) =
-      Matrix3d::Identity() * told.start_velocity_sigma * told.start_velocity_sigma;
+  const double sigma = flight.scenario.told.start_velocity_sigma;
+  P.block<3, 3>(body::kVelocity, body::kVelocity) = Matrix3d::Identity() * sigma * sigma;
   if (odometry.reset(state, P) != Status::kOk) throw std::runtime_error("the start was refused");
 }
 
@@ -144,7 +140,7 @@ Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& ea
 
 Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each) {
   Options used = options;
-  const bool wrong = !flight.scenario.told.start_velocity.isZero();
+  const bool wrong = flight.scenario.told.starts_wrongly();
   if (wrong) used.start.static_alignment = false;
   std::string why;
   const std::unique_ptr<Odometry> odometry = Odometry::create(used, &why);

@@ -76,6 +76,16 @@ NavState Flight::truth_at(Time time) const {
   return state;
 }
 
+NavState Flight::told_start() const {
+  const Told& told = scenario.told;
+  NavState state = truth.front();
+  state.v_WB += told.start_velocity;
+  state.q_WB = (state.q_WB * quaternion_exp(told.start_tilt * Vector3d::UnitX())).normalized();
+  state.gyro_bias.setZero();
+  state.accel_bias.setZero();
+  return state;
+}
+
 Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario) {
   Flight flight;
   flight.scenario = scenario;

@@ -50,6 +50,11 @@ void Smoother::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_
   restart();
 }
 
+void Smoother::restart_attitude(const Vector3d& g_B, double sigma, double duration) {
+  belief_.restart_attitude(g_B, sigma, duration);
+  restart();
+}
+
 Status Smoother::update(const Observations& seen, UpdateReport* report) {
   for (const Contradiction& c : belief_.contradictions()) {
     prior_.forget(c.column, c.value, c.information, estimate());

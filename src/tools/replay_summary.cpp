@@ -134,7 +134,8 @@ std::string ReplaySummary::json() const {
         {"scans_before_start", scans_before_start},
         {"scans_unprocessed", scans_unprocessed},
         {"updates_failed", counters.updates_failed},
-        {"velocity_resets", counters.velocity_resets}}},
+        {"velocity_resets", counters.velocity_resets},
+        {"attitude_resets", counters.attitude_resets}}},
   };
   return all.dump();
 }
@@ -183,7 +184,8 @@ std::string ReplaySummary::text() const {
       {"IMU samples frozen", counters.imu_frozen},
       {"gaps of the IMU", counters.imu_gaps},
       {"updates failed", counters.updates_failed},
-      {"times the scans contradicted the velocity for long", counters.velocity_resets}};
+      {"times the scans contradicted the velocity for long", counters.velocity_resets},
+      {"times the scans contradicted tilt or biases", counters.attitude_resets}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }

@@ -87,28 +87,24 @@ std::string labels_text(const sim::Flight& flight) {
   return text;
 }
 
-/// For `rio replay --init`: the true first state but for its velocity, biases unknown.
+/// For `rio replay --init`: the first state as the scenario tells it.
 std::string start_text(const sim::Flight& flight) {
-  const NavState& truth = flight.truth.front();
-  const Vector3d v = truth.v_WB + flight.scenario.told.start_velocity;
-  const Vector3d& p = truth.p_WB;
-  const Quaternion& q = truth.q_WB;
+  const NavState start = flight.told_start();
+  const Vector3d& v = start.v_WB;
+  const Vector3d& p = start.p_WB;
+  const Quaternion& q = start.q_WB;
   return fmt::format(
-      "# A start for `rio replay --init`: the velocity is wrong as the scenario says, 1-sigma per "
-      "axis.\n"
+      "# A start for `rio replay --init`: velocity or attitude are wrong as the scenario says, "
+      "1-sigma of the velocity per axis.\n"
       "time_ns: {}\nposition: [{}, {}, {}]\nquaternion_wxyz: [{}, {}, {}, {}]\n"
       "velocity: [{}, {}, {}]\nsigma:\n  velocity: {}\n",
-      truth.time.count(), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z(),
+      start.time.count(), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z(),
       flight.scenario.told.start_velocity_sigma);
-}
-
-bool starts_wrongly(const sim::Flight& flight) {
-  return !flight.scenario.told.start_velocity.isZero();
 }
 
 void write(const fs::path& out, const sim::Flight& flight) {
   const fs::path start = out / "start.yaml";
-  if (!starts_wrongly(flight) && fs::exists(start)) {
+  if (!flight.scenario.told.starts_wrongly() && fs::exists(start)) {
     throw std::runtime_error(start.string() + ": is left from another recording");
   }
   io::Dataset dataset;
@@ -120,7 +116,7 @@ void write(const fs::path& out, const sim::Flight& flight) {
   io::write_dataset(out, dataset);
   write_text(out / "radar0" / "labels.csv", labels_text(flight));
   write_text(out / "scenario.yaml", io::scenario_as_yaml(flight.scenario));
-  if (starts_wrongly(flight)) write_text(start, start_text(flight));
+  if (flight.scenario.told.starts_wrongly()) write_text(start, start_text(flight));
 }
 
 /// Of the path between the first and the last true state [m]; max_duration may have cut it.
@@ -177,7 +173,7 @@ void simulate(const SimulateArguments& arguments) {
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");
   }
-  if (starts_wrongly(flight)) {
+  if (flight.scenario.told.starts_wrongly()) {
     fmt::print("note: starts wrongly with rio replay {0} --init {0}/start.yaml\n", arguments.out);
   }
 }

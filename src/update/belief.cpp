@@ -143,6 +143,38 @@ void Belief::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B,
   correct(dx_);
 }
 
+void Belief::restart_attitude(const Vector3d& g_B, double sigma, double duration) {
+  constexpr double kBefore = 2.0;  // the error was small, but it was there [s]
+  NavState& nav = estimate_.nav;
+  const Vector3d g_W(0.0, 0.0, -options_.imu.gravity);
+  const double off = (nav.q_WB * g_B - g_W).norm();
+  const Vector3d v_B = nav.q_WB.conjugate() * nav.v_WB;
+  nav.q_WB =
+      (Quaternion::FromTwoVectors(nav.q_WB * g_B, -Vector3d::UnitZ()) * nav.q_WB).normalized();
+  nav.v_WB = nav.q_WB * v_B;
+  const double angle = sigma / options_.imu.gravity;
+  const double rate = angle / (duration + kBefore);
+  const double way = 0.5 * off * duration * duration;
+  covariance_.inflate(body::kPosition, way * way);
+  covariance_.inflate(body::kAttitude, angle * angle);
+  covariance_.inflate(body::kGyroBias, rate * rate);
+  covariance_.inflate(body::kAccelBias,
+                      options_.start.sigma_accel_bias * options_.start.sigma_accel_bias);
+}
+
+Eigen::Matrix4d Belief::velocity_calibration() const {
+  Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+  const auto all = covariance_.matrix();
+  if (layout_.has_extrinsics()) {
+    P.topLeftCorner<3, 3>() = all.block<3, 3>(layout_.extrinsics(), layout_.extrinsics());
+  }
+  if (layout_.has_radar_errors()) {
+    const int scale = layout_.radar_errors() + RadarErrors::kDopplerScale;
+    P(3, 3) = all(scale, scale);
+  }
+  return P;
+}
+
 Matrix3d Belief::radar_velocity_covariance() const {
   const LinearizationPoint x(estimate_);
   std::array<LinearRow, 3> rows;

@@ -5,15 +5,14 @@
 
 #include <Eigen/LU>
 
-#include "rio/propagate/strapdown.hpp"
 #include "support/random_state.hpp"
+#include "support/seen_vehicle.hpp"
 
 namespace rio {
 namespace {
 
 using std::chrono::milliseconds;
 
-// A vehicle that turns and accelerates as its IMU says, seen by a radar in scans of a few points.
 class PoolTest : public testing::Test {
  protected:
   PoolTest() {
@@ -24,48 +23,19 @@ class PoolTest : public testing::Test {
 
   void restart() {
     pool_.emplace(options_);
-    imu_.emplace(TimingOptions{}, options_.imu);
-    truth_ = NavState{};
-    truth_.q_WB = random_.rotation();
-    truth_.v_WB = v_;
-    imu_->push_back(sample());
-    pool_->reset(truth_.time);
+    vehicle_.emplace(options_, v_, &random_);
+    pool_->reset(vehicle_->truth.time);
   }
 
-  /// One scan later. The estimate is the truth, but for its velocity. `points` of the world and
-  /// `others` that move by `u_W` in it.
+  /// One scan later. The estimate is the truth, but for its velocity.
   std::optional<VelocityOpinion> step(const Vector3d& wrong_W, double sigma, int points,
                                       int others = 0, const Vector3d& u_W = Vector3d::Zero()) {
-    const Time last = truth_.time;
-    for (int i = 0; i < 10; ++i) {
-      const NavState before = truth_;
-      const ImuSample s = sample();
-      integrate(s.gyro_B, s.accel_B, 0.0066, options_.imu.gravity, truth_);
-      truth_.time = before.time + std::chrono::microseconds(6600);
-      imu_->push_back({truth_.time, s.gyro_B, s.accel_B});
-    }
-    Estimate x;
-    x.nav = truth_;
+    const Time last = vehicle_->truth.time;
+    vehicle_->advance();
+    Estimate x = vehicle_->estimate();
     x.nav.v_WB += wrong_W;
-    x.T_BS = options_.radar.T_BS;
-    x.gyro_B = imu_->newest().gyro_B;
-    DetectionList scan;
-    scan.time = truth_.time;
-    const Matrix3d R = truth_.q_WB.toRotationMatrix();
-    const Vector3d turn = x.gyro_B.cross(x.T_BS.translation);
-    for (int i = 0; i < points + others; ++i) {
-      const double az = random_.uniform(-1.0, 1.0);
-      const double el = random_.uniform(-0.6, 0.6);
-      RadarDetection raw;
-      raw.point_S =
-          3.0 * Vector3d(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
-      Vector3d v_B = R.transpose() * truth_.v_WB + turn;
-      if (i >= points) v_B -= R.transpose() * u_W;
-      const double rate = -raw.point_S.normalized().dot(v_B) + random_.normal(0.03);
-      raw.range_rate = DopplerFold(kLimit).wrap(rate);
-      scan.items.push_back(make_detection(raw, options_.radar));
-    }
-    return pool_->observe(scan, x, sigma, 0.002, last, *imu_, false);
+    return pool_->observe(vehicle_->scan(points, others, u_W), x, sigma, 0.002, last,
+                          vehicle_->imu(), false);
   }
 
   /// Scans until there is a verdict, at most `count`; the seconds that took, negative if none came.
@@ -73,7 +43,7 @@ class PoolTest : public testing::Test {
     for (int i = 1; i <= count; ++i) {
       const auto other = step(wrong_W, sigma, points);
       if (!other) continue;
-      const Vector3d e = other->v_B - truth_.q_WB.conjugate() * truth_.v_WB;
+      const Vector3d e = other->v_B - vehicle_->truth.q_WB.conjugate() * vehicle_->truth.v_WB;
       EXPECT_LT(e.norm(), 0.4);
       EXPECT_LT(e.dot(other->covariance.inverse() * e), 20.0);
       return i * 0.066;
@@ -85,18 +55,9 @@ class PoolTest : public testing::Test {
 
   test::Random random_{11};
   Options options_;
-  std::optional<VelocityPool> pool_;
-  std::optional<ImuBuffer> imu_;
-  NavState truth_;
   Vector3d v_{0.4, -0.3, 0.1};
-  Vector3d rate_{0.1, -0.2, 0.3};       ///< [rad/s]
-  Vector3d acceleration_{0.3, 0.2, 0};  ///< [m/s^2]
-
- private:
-  ImuSample sample() const {
-    const Vector3d f_W = acceleration_ + Vector3d(0.0, 0.0, options_.imu.gravity);
-    return {truth_.time, rate_, truth_.q_WB.conjugate() * f_W};
-  }
+  std::optional<VelocityPool> pool_;
+  std::optional<test::SeenVehicle> vehicle_;
 };
 
 TEST_F(PoolTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
@@ -120,13 +81,13 @@ TEST_F(PoolTest, ARightVelocityIsNeverContradicted) {
     restart();
     for (int i = 0; i < 300; ++i) {
       if (i % 30 == 0) {  // back and forth
-        acceleration_ = random_.normal_vector(0.3) - 0.5 * truth_.v_WB;
-        rate_ = random_.normal_vector(0.3);
+        vehicle_->acceleration = random_.normal_vector(0.3) - 0.5 * vehicle_->truth.v_WB;
+        vehicle_->rate = random_.normal_vector(0.3);
       }
       EXPECT_FALSE(step(random_.normal_vector(0.05), 0.1, points)) << points << " " << i;
     }
     if (points >= 3) {
-      EXPECT_GT(pool_->agreed(), truth_.time - milliseconds(500)) << points;
+      EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(500)) << points;
     }
   }
 }
@@ -135,9 +96,9 @@ TEST_F(PoolTest, ARightVelocityIsNeverContradicted) {
 // of the radar's: it was proven right, and they do not stay.
 TEST_F(PoolTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
   v_.setZero();
-  rate_.setZero();
-  acceleration_.setZero();
   restart();
+  vehicle_->rate.setZero();
+  vehicle_->acceleration.setZero();
   for (int i = 0; i < 45; ++i) EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 6));
   for (int i = 0; i < 45; ++i) {
     EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 1, 5, Vector3d(1.0, 0.5, 0.0))) << i;

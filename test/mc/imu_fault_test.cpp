@@ -11,30 +11,33 @@
 namespace rio::experiment {
 namespace {
 
-constexpr double kFault = 8.0;  // after the first sample [s]
+constexpr double kForGood = 1000.0;
 
 struct Fault {
   const char* name;
+  double begin;     ///< after the first sample [s]
   double duration;  ///< [s]
   std::function<void(ImuSample&, const ImuSample& before)> apply;
 };
 
 const Fault kFaults[] = {
-    {"frozen for half a second", 0.5,
+    {"frozen for half a second", 8.0, 0.5,
      [](ImuSample& s, const ImuSample& before) {
        s.gyro_B = before.gyro_B;
        s.accel_B = before.accel_B;
      }},
-    {"full scale for 20 ms", 0.02,
+    {"full scale for 20 ms", 8.0, 0.02,
      [](ImuSample& s, const ImuSample&) {
        s.gyro_B.setConstant(34.9);
        s.accel_B.setConstant(156.9);
      }},
-    {"one sample of 1e4 m/s^2 and 1e299 rad/s", 0.005,
+    {"one sample of 1e4 m/s^2 and 1e299 rad/s", 8.0, 0.005,
      [](ImuSample& s, const ImuSample&) {
        s.gyro_B.x() = 1e299;
        s.accel_B.z() = 1e4;
      }},
+    {"gyro bias steps by 0.01 rad/s", 20.0, kForGood,
+     [](ImuSample& s, const ImuSample&) { s.gyro_B.x() += 0.01; }},
 };
 
 double tilt_error(const Step& step) {
@@ -48,11 +51,12 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
     double worst_tilt = 0.0;
     double nees = 0.0;
     int count = 0;
+    const bool lasts = fault.duration == kForGood;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       sim::Scenario scenario = cases_of("indoor-1", 1, seed).front().scenario;
-      scenario.max_duration = 25.0;
+      scenario.max_duration = fault.begin + 20.0;
       sim::Flight flight = sim::simulate_flight(scenario);
-      const Time first = flight.imu.front().time + from_seconds(kFault);
+      const Time first = flight.imu.front().time + from_seconds(fault.begin);
       const Time last = first + from_seconds(fault.duration);
       ImuSample before = flight.imu.front();
       for (ImuSample& s : flight.imu) {
@@ -64,9 +68,10 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
         options.backend = backend;
         const Trial trial = fly(flight, options);
         EXPECT_TRUE(trial.complete) << fault.name << " " << seed;
-        EXPECT_GT(trial.counters.imu_out_of_range + trial.counters.imu_frozen, 0U) << fault.name;
+        const Counters& n = trial.counters;
+        EXPECT_GT(n.imu_out_of_range + n.imu_frozen + n.attitude_resets, 0U) << fault.name;
         for (const Step& step : trial.steps) {
-          if (step.truth.time < last + from_seconds(10.0)) continue;
+          if (step.truth.time < (lasts ? first : last) + from_seconds(10.0)) continue;
           worst_tilt = std::max(worst_tilt, tilt_error(step));
           nees += block_nees(step).attitude;
           ++count;

@@ -42,6 +42,11 @@ class Ekf {
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         UpdateReport* report);
 
+  /// Gravity turns out to be g_B, sigma per axis [m/s^2], for `duration` [s] (update/belief.hpp).
+  void restart_attitude(const Vector3d& g_B, double sigma, double duration) {
+    belief_.restart_attitude(g_B, sigma, duration);
+  }
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
   Status update(const Observations& seen, UpdateReport* report);
 

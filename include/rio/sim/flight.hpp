@@ -31,6 +31,8 @@ struct Flight {
 
   /// True state at any stamp; the biases are those of the latest period of the IMU.
   NavState truth_at(Time time) const;
+  /// The first one with the errors of the scenario's start, biases unknown.
+  NavState told_start() const;
 };
 
 /// The true mounting with the errors of Scenario::told, axis and direction from the seed.

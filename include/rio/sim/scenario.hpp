@@ -27,10 +27,14 @@ struct Disturbances {
 struct Told {
   double extrinsic_angle = 0.0;     ///< error of the mounting about a random axis [rad]
   double extrinsic_distance = 0.0;  ///< error of the lever arm in a random direction [m]
-  /// Error of the velocity of the start [m/s]. Not zero: the estimator is started at the first IMU
-  /// sample from the true state plus this error; zero: it aligns itself while standing.
+  /// Error of the velocity of the start [m/s], and of its attitude, about the body's x axis [rad].
+  /// One not zero: the estimator is started at the first IMU sample from the true state plus these
+  /// errors; both zero: it aligns itself while standing.
   Vector3d start_velocity = Vector3d::Zero();
-  double start_velocity_sigma = 0.05;  ///< what it is told of that error, per axis [m/s]
+  double start_tilt = 0.0;
+  double start_velocity_sigma = 0.05;  ///< what it is told of the velocity's, per axis [m/s]
+
+  bool starts_wrongly() const { return !start_velocity.isZero() || start_tilt != 0.0; }
 };
 
 /// One kind of flight. The seed varies path, room and noise.

@@ -185,6 +185,8 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
         "Error of the lever arm it is told, in a random direction.");
   field("told.start_velocity", s.told.start_velocity, "m/s", -100, 100,
         "Error of the velocity it is started with; 0 = it aligns itself while standing.");
+  field("told.start_tilt", s.told.start_tilt, "rad", -kPi, kPi,
+        "Error of the attitude it is started with, about the body's x axis.");
   field("told.start_velocity_sigma", s.told.start_velocity_sigma, "m/s", 1e-3, 100,
         "What it is told of that error, per axis.");
 }

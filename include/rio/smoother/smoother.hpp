@@ -51,6 +51,9 @@ class Smoother {
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         UpdateReport* report);
 
+  /// Same.
+  void restart_attitude(const Vector3d& g_B, double sigma, double duration);
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, UpdateReport* report);
 

@@ -70,6 +70,15 @@ class Belief {
   /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s].
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration);
 
+  /// Gravity turns out to be g_B, sigma per axis [m/s^2, body axes], for `duration` [s]: the body
+  /// is tilted to it; attitude, gyro bias and accelerometer bias become uncertain by what may have
+  /// made the difference, the position by what that has done.
+  void restart_attitude(const Vector3d& g_B, double sigma, double duration);
+
+  /// Covariance of what turns and scales a measured velocity of the radar: rotation of T_BS, axes
+  /// S, and Doppler scale. Zero what is not estimated.
+  Eigen::Matrix4d velocity_calibration() const;
+
   /// Of the radar's own velocity as predicted, in its axes [m^2/s^2].
   Matrix3d radar_velocity_covariance() const;
 

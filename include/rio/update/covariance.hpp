@@ -43,6 +43,9 @@ class Covariance {
   /// The velocity turns out to be uncertain by `variance` [m^2/s^2] per axis since `duration` [s].
   void reopen_velocity(double variance, double duration);
 
+  /// Three elements of the state from `at` on turn out to be uncertain by `variance` per axis.
+  void inflate(int at, double variance) { P_.diagonal().segment<3>(at).array() += variance; }
+
   /// (E4). The result corrects the state.
   /// @param residual velocity measured minus estimated [m/s], axes of W
   void measure_velocity(const Vector3d& residual_W, const Matrix3d& noise_W, Eigen::VectorXd* dx);

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/gravity_check.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "rio/core/so3.hpp"
+#include "rio/propagate/strapdown.hpp"
+
+namespace rio {
+
+GravityCheck::GravityCheck(const Options& options)
+    : options_(options),
+      fold_(options.frontend.unwrap_doppler ? options.radar.max_doppler : 0.0),
+      scans_(kMaxScans) {}
+
+void GravityCheck::reset(Time time) {
+  scans_.clear();
+  density_ = 0.0;
+  agreed_ = time;
+}
+
+std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, const Estimate& x,
+                                                    const BodyCovariance& P_body,
+                                                    const Matrix4d& P_radar, Time last,
+                                                    const ImuBuffer& imu, bool gap) {
+  if (!options_.frontend.velocity_recovery) return std::nullopt;
+  const Time now = x.nav.time;
+  // in the wrong fold Dopplers are wrong
+  const double variance = P_body.block<3, 3>(body::kVelocity, body::kVelocity).trace();
+  if (gap || !fold_.is_unique(variance)) reset(now);
+  carry(x, last, imu);
+  take(seen, x);
+  const double span = to_seconds(now - scans_.front().time);
+  if (span < to_seconds(kSpan)) {
+    agreed_ = now;
+    return std::nullopt;
+  }
+  const std::optional<Fit> fitted = fit_dopplers(now);
+  const Fit other = fitted ? *fitted : without_dopplers(x);
+  const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
+  const Vector3d D = other.g - g_B;  // (E3)
+  Eigen::Matrix<double, 3, body::kSize> J = Eigen::Matrix<double, 3, body::kSize>::Zero();
+  J.middleCols<3>(body::kAttitude) = skew(g_B);
+  J.middleCols<3>(body::kAccelBias) = -Matrix3d::Identity();
+  Matrix3d S = other.covariance + J * P_body * J.transpose() +  // (E4)
+               other.slope * P_radar * other.slope.transpose();
+  S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
+  if (D.dot(Eigen::LLT<Matrix3d>(S).solve(D)) < kSigmas * kSigmas) agreed_ = now;
+  if (now - agreed_ < kPatience) return std::nullopt;
+  const double bias = std::min(D.norm(), kMaxBias);
+  return GravityOpinion{other.g, std::sqrt(other.covariance.trace() / 3.0 + bias * bias),
+                        other.velocity};
+}
+
+void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu) {
+  Quaternion turn = Quaternion::Identity();  // axes of now to axes of `last`, at the end
+  Vector3d s = Vector3d::Zero();             // axes of `last`
+  double variance = 0.0;
+  imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
+    const double dt = to_seconds(step.end - step.begin);
+    const Vector3d phi = dt * (step.gyro_B - x.nav.gyro_bias);
+    s += turn * (gamma(1, phi) * (step.accel_B - x.nav.accel_bias)) * dt;
+    turn = turn * quaternion_exp(phi);
+    variance += dt * process_noise(options_.imu, step).accel;
+  });
+  const Matrix3d R = turn.conjugate().toRotationMatrix();
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    Scan& scan = scans_[i];
+    scan.N = R * scan.N * R.transpose();
+    scan.c = R * scan.c;
+    scan.s = R * (scan.s + s);
+    scan.C = R * scan.C;
+  }
+  const double seconds = to_seconds(x.nav.time - last);
+  if (seconds > 0.0) {
+    const double forgotten = std::exp(-seconds / to_seconds(kWindow));
+    density_ = std::max(forgotten * density_, variance / seconds);
+  }
+  while (!scans_.empty() && x.nav.time - scans_.front().time > kWindow) scans_.pop_front();
+}
+
+void GravityCheck::take(const Observations& seen, const Estimate& x) {
+  const Matrix3d R_BS = x.T_BS.rotation.toRotationMatrix();
+  const Vector3d lever = (x.gyro_B - x.nav.gyro_bias).cross(x.T_BS.translation);
+  const Vector3d v_S = radar_velocity(x);
+  Scan scan;
+  scan.time = x.nav.time;
+  for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
+    if (!seen.is_static(i)) continue;
+    const Detection& d = seen.detection(i);
+    const double weight = 1.0 / residual_variance(d, v_S);
+    const Vector3d a = R_BS * d.direction_S;
+    const double y = -d.range_rate - a.dot(lever);
+    const Vector3d azimuth = R_BS * d.sigma_azimuth_S;
+    const Vector3d elevation = R_BS * d.sigma_elevation_S;
+    scan.N += weight * (a * a.transpose() - azimuth * azimuth.transpose() -
+                        elevation * elevation.transpose());
+    scan.c += weight * y * a;
+    scan.square += weight * y * y;
+    ++scan.rows;
+  }
+  scan.C << R_BS * skew(v_S), R_BS * v_S;
+  scans_.push_back(scan);
+}
+
+std::optional<GravityCheck::Fit> GravityCheck::fit_dopplers(Time now) const {
+  using Matrix6d = Eigen::Matrix<double, 6, 6>;
+  Matrix6d A = Matrix6d::Zero();
+  Eigen::Matrix<double, 6, 5> B = Eigen::Matrix<double, 6, 5>::Zero();  // one per column
+  double square = 0.0;
+  int rows = 0;
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    const Scan& scan = scans_[i];
+    const double T = to_seconds(now - scan.time);
+    Eigen::Matrix<double, 3, 5> b;
+    b << scan.c + scan.N * scan.s, scan.N * scan.C;
+    A.topLeftCorner<3, 3>() += scan.N;
+    A.topRightCorner<3, 3>() -= T * scan.N;
+    A.bottomRightCorner<3, 3>() += T * T * scan.N;
+    B.topRows<3>() += b;
+    B.bottomRows<3>() -= T * b;
+    square += scan.square + scan.s.dot(2.0 * scan.c + scan.N * scan.s);
+    rows += scan.rows;
+  }
+  A.bottomLeftCorner<3, 3>() = A.topRightCorner<3, 3>().transpose();
+  const Eigen::LLT<Matrix6d> llt(A);
+  if (llt.info() != Eigen::Success || rows <= 6) return std::nullopt;
+  const Eigen::Matrix<double, 6, 5> solution = llt.solve(B);
+  const double misfit = (square - B.col(0).dot(solution.col(0))) / (rows - 6);
+  if (misfit > kBadFit) return std::nullopt;
+  const Matrix6d P = kRepetition * std::max(1.0, misfit) * llt.solve(Matrix6d::Identity());
+  Fit out;
+  out.g = solution.bottomRows<3>().col(0);
+  out.covariance = P.bottomRightCorner<3, 3>();
+  out.velocity = {solution.topRows<3>().col(0), P.topLeftCorner<3, 3>()};
+  out.slope = solution.bottomRightCorner<3, 4>();
+  if (!(out.covariance.trace() < kWeak * kWeak)) return std::nullopt;
+  // gravity has a known length: a fit that misses it is wrong, in its folds or by somebody else's
+  const double long_by = std::abs(out.g.norm() - options_.imu.gravity);
+  if (long_by > kMaxBias + 3.0 * std::sqrt(out.covariance.trace() / 3.0)) return std::nullopt;
+  return out;
+}
+
+GravityCheck::Fit GravityCheck::without_dopplers(const Estimate& x) const {
+  const double T = to_seconds(x.nav.time - scans_.front().time);
+  const double sigma = kVelocityChange / T;
+  Fit out;
+  out.g = -scans_.front().s / T;
+  out.covariance = sigma * sigma * Matrix3d::Identity();
+  const double run = options_.imu.gravity * T;  // the velocity may have run away by that
+  out.velocity = {x.nav.q_WB.conjugate() * x.nav.v_WB, run * run * Matrix3d::Identity()};
+  return out;
+}
+
+}  // namespace rio

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/gravity_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "support/measured.hpp"
+#include "support/seen_vehicle.hpp"
+
+namespace rio {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+/// A drive of `scans` scans of `points`; the estimate is the truth, changed by `wrong`.
+struct Drive {
+  int points = 20;
+  int scans = 100;
+  double sigma_tilt = 0.002;       ///< claimed [rad]
+  double sigma_accel_bias = 0.02;  ///< same [m/s^2]
+  double sigma_mounting = 0.0;     ///< same [rad]
+  double turn_mounting = 0.0;      ///< of the radar, about the body's z axis [rad]
+  std::function<void(Estimate&)> wrong = [](Estimate&) {};
+
+  struct Verdict {
+    double seconds = -1.0;  ///< until gravity was contradicted; negative: it never was
+    double error = 0.0;     ///< of the other gravity [m/s^2]
+    double sigma = 0.0;     ///< what is said of that [m/s^2]
+  };
+  Verdict run(test::Random* random) const {
+    Options options;
+    options.radar.T_BS.translation = Vector3d(0.1, 0.05, -0.1);
+    test::SeenVehicle vehicle(options, Vector3d(0.4, -0.3, 0.1), random);
+    vehicle.mounting = Quaternion(Eigen::AngleAxisd(turn_mounting, Vector3d::UnitZ()));
+    GravityCheck check(options);
+    check.reset(vehicle.truth.time);
+    BodyCovariance P = BodyCovariance::Zero();
+    P.diagonal().segment<3>(body::kAttitude).setConstant(sigma_tilt * sigma_tilt);
+    P.diagonal().segment<3>(body::kAccelBias).setConstant(sigma_accel_bias * sigma_accel_bias);
+    Eigen::Matrix4d P_radar = Eigen::Matrix4d::Zero();
+    P_radar.diagonal().head<3>().setConstant(sigma_mounting * sigma_mounting);
+    for (int i = 0; i < scans; ++i) {
+      if (i % 15 == 0) {  // back and forth
+        vehicle.acceleration = random->normal_vector(0.6) - 0.7 * vehicle.truth.v_WB;
+        vehicle.rate = random->normal_vector(0.3);
+      }
+      const Time last = vehicle.truth.time;
+      vehicle.advance();
+      Estimate x = vehicle.estimate();
+      wrong(x);
+      const DetectionList scan = vehicle.scan(points);
+      Observations seen;
+      seen.scan = &scan;
+      for (int k = 0; k < points; ++k) seen.ego_velocity.inlier[static_cast<std::size_t>(k)] = true;
+      const auto down = check.observe(seen, x, P, P_radar, last, vehicle.imu(), false);
+      if (!down) continue;
+      const Vector3d g_B = vehicle.truth.q_WB.conjugate() * Vector3d(0.0, 0.0, -9.81);
+      return {to_seconds(vehicle.truth.time), (down->g_B - g_B).norm(), down->sigma};
+    }
+    return {};
+  }
+};
+
+std::function<void(Estimate&)> tilted(const Vector3d& theta) {
+  return [theta](Estimate& x) { x.nav.q_WB = x.nav.q_WB * test::rotation_of(theta); };
+}
+/// Horizontal in the body's axes of the moment: about an axis of W.
+std::function<void(Estimate&)> tilted_in_world(double angle) {
+  return [angle](Estimate& x) {
+    x.nav.q_WB = test::rotation_of(Vector3d(angle, 0.0, 0.0)) * x.nav.q_WB;
+  };
+}
+
+TEST(GravityCheck, FindsAWrongTiltInTwoSeconds) {
+  test::Random random(3);
+  double slowest = 0.0;
+  for (const int points : {4, 8, 20}) {
+    for (const double degrees : {3.0, 10.0, 30.0}) {
+      Drive drive;
+      drive.points = points;
+      drive.wrong = tilted_in_world(degrees * kDegree);
+      const Drive::Verdict verdict = drive.run(&random);
+      EXPECT_GT(verdict.seconds, 0.0) << points << " points, " << degrees << " deg";
+      EXPECT_LT(verdict.seconds, 2.5) << points << " points, " << degrees << " deg";
+      EXPECT_LT(verdict.error, 0.3) << points << " points, " << degrees << " deg";
+      EXPECT_LT(verdict.error, 3.0 * verdict.sigma) << points << " points, " << degrees << " deg";
+      slowest = std::max(slowest, verdict.seconds);
+    }
+  }
+  test::measured("wrong tilt of 3 to 30 deg, 4 to 20 points a scan: found after at most [s]",
+                 slowest, "below 2.5");
+}
+
+TEST(GravityCheck, FindsAWrongAccelerometerBias) {
+  test::Random random(4);
+  Drive drive;
+  drive.wrong = [](Estimate& x) { x.nav.accel_bias += Vector3d(0.3, -0.4, 0.0); };
+  const Drive::Verdict verdict = drive.run(&random);
+  EXPECT_GT(verdict.seconds, 0.0);
+  EXPECT_NEAR(verdict.error, 0.5, 0.1);
+  EXPECT_GT(verdict.sigma, 0.4);
+}
+
+TEST(GravityCheck, WhatTheCovarianceAdmitsIsNoContradiction) {
+  test::Random random(5);
+  for (const int points : {3, 6, 20}) {
+    for (int run = 0; run < 20; ++run) {
+      Drive drive;
+      drive.points = points;
+      drive.sigma_tilt = 0.05;
+      drive.sigma_accel_bias = 0.1;
+      const Vector3d bias = random.normal_vector(0.1);
+      const auto tilt = tilted(random.normal_vector(0.05));
+      drive.wrong = [&](Estimate& x) {
+        tilt(x);
+        x.nav.accel_bias += bias;
+      };
+      EXPECT_LT(drive.run(&random).seconds, 0.0) << points << " " << run;
+    }
+  }
+}
+
+TEST(GravityCheck, ARightEstimateIsNeverContradicted) {
+  test::Random random(6);
+  for (const int points : {3, 6, 20}) {
+    Drive drive;
+    drive.points = points;
+    drive.scans = 2000;
+    EXPECT_LT(drive.run(&random).seconds, 0.0) << points;
+  }
+}
+
+// A radar turned by 20 deg sees turned changes of the velocity. Known as a sigma, that is no tilt.
+TEST(GravityCheck, AnUncertainMountingIsNoTilt) {
+  test::Random random(7);
+  Drive drive;
+  drive.scans = 2000;
+  drive.turn_mounting = 20.0 * kDegree;
+  EXPECT_GT(drive.run(&random).seconds, 0.0);
+  drive.sigma_mounting = 20.0 * kDegree;
+  EXPECT_LT(drive.run(&random).seconds, 0.0);
+}
+
+}  // namespace
+}  // namespace rio
