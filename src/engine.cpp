@@ -30,11 +30,25 @@ bool is_finite(const NavState& s) {
 }
 
 bool is_covariance(const BodyCovariance& P) {
-  const double scale = P.cwiseAbs().maxCoeff();
-  if ((P - P.transpose()).cwiseAbs().maxCoeff() > 1e-9 * scale) return false;
-  Matrix15d above = P;  // no eigenvalue below -1e-9 scale: this has a Cholesky factor
-  above.diagonal().array() += 1e-9 * scale + std::numeric_limits<double>::min();
-  return Eigen::LLT<Matrix15d>(above).info() == Eigen::Success;
+  if (!(P.diagonal().minCoeff() >= 0.0)) return false;
+  // of the correlations; where a variance is zero so is its row
+  const double least = std::numeric_limits<double>::min();
+  const Eigen::Matrix<double, body::kSize, 1> scale =
+      P.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
+  Matrix15d C = scale.asDiagonal() * P * scale.asDiagonal();
+  if (!((C - C.transpose()).cwiseAbs().maxCoeff() <= 1e-9)) return false;
+  C.diagonal().array() += 1e-9;  // no eigenvalue below -1e-9: this has a Cholesky factor
+  return Eigen::LLT<Matrix15d>(C).info() == Eigen::Success;
+}
+
+void add_unknown_pause(const ImuOptions& imu, double speed, BodyCovariance& P) {
+  constexpr double kPause = 0.3;  // a driver that restarts [s]
+  const auto add = [&P](int block, double sigma) {
+    P.diagonal().segment<3>(block).array() += sigma * sigma;
+  };
+  add(body::kAttitude, imu.gap_rate_sigma * kPause);
+  add(body::kPosition, speed * kPause);
+  add(body::kVelocity, imu.gap_accel_sigma * kPause);
 }
 
 }  // namespace rio

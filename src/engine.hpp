@@ -15,6 +15,7 @@
 #include "rio/propagate/imu_guard.hpp"
 #include "rio/propagate/moving_start.hpp"
 #include "rio/propagate/predictor.hpp"
+#include "rio/propagate/stamp_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
 
 namespace rio {
@@ -26,6 +27,7 @@ class ScanQueue {
 
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == scans_.size(); }
+  std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
   const DetectionList& front() const { return scans_[0]; }
   bool contains(Time time) const;
@@ -39,8 +41,10 @@ class ScanQueue {
 
 /// Every value is a number.
 bool is_finite(const NavState& state);
-/// Symmetric, and no eigenvalue below zero, both but for round-off.
+/// Symmetric, and no eigenvalue below zero, both but for round-off, whatever the units.
 bool is_covariance(const BodyCovariance& P);
+/// A pause of unknown length, some 0.3 s, added to P: how far the body may have moved and turned.
+void add_unknown_pause(const ImuOptions& imu, double speed, BodyCovariance& P);
 
 template <class Estimator>
 class Engine final : public Odometry::Impl {
@@ -49,6 +53,7 @@ class Engine final : public Odometry::Impl {
       : options_(o),
         pipeline_(o),
         imu_(o.timing, o.imu),
+        stamps_(from_seconds(o.timing.max_pause)),
         guard_(o.imu),
         predictor_(o.imu.gravity),
         aligner_(o.start, o.imu),
@@ -62,19 +67,27 @@ class Engine final : public Odometry::Impl {
   const UpdateReport& report() const override { return pipeline_.report(); }
 
   Status add_imu(const ImuSample& sample) override {
+    const StampVerdict stamp = stamps_.check(sample.time);
     if (!sample.gyro_B.allFinite() || !sample.accel_B.allFinite()) {
       ++counters.imu_non_finite;
       return Status::kNonFinite;
     }
-    if (!imu_.empty() && sample.time <= imu_.newest().time) {
+    if (stamp == StampVerdict::kOld) {
       ++counters.imu_stale;
       return Status::kStale;
+    }
+    if (stamp == StampVerdict::kAhead) {
+      ++counters.imu_ahead;
+      return Status::kAhead;
     }
     if (const ImuFault fault = guard_.check(sample); fault != ImuFault::kNone) {
       ++(fault == ImuFault::kFrozen ? counters.imu_frozen : counters.imu_out_of_range);
       return Status::kImplausible;
     }
     ++counters.imu_samples;
+    if (stamp == StampVerdict::kRestarted) restart_clock();
+    if (initialized && imu_.empty() && !is_near(sample.time)) carry_to(sample.time);
+    stamps_.take(sample.time);
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) ++counters.imu_gaps;
     if (initialized && imu_.full()) catch_up(imu_[1].time);
     imu_.push_back(sample);
@@ -101,6 +114,10 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_late;
       return Status::kLate;
     }
+    if (is_ahead(scan.time)) {
+      ++counters.scans_ahead;
+      return Status::kAhead;
+    }
     filter_detections(scan, options_.radar, options_.frontend.max_detections, filtered_);
     counters.detections_non_finite += static_cast<std::uint64_t>(filtered_.non_finite);
     if (filtered_.received > 0 && filtered_.non_finite == filtered_.received) {
@@ -120,7 +137,10 @@ class Engine final : public Odometry::Impl {
 
   Status reset(const NavState& prior, const BodyCovariance& P0) override {
     if (!is_finite(prior) || !P0.allFinite()) return Status::kNonFinite;
-    if (prior.q_WB.norm() < 0.5 || !is_covariance(P0)) return Status::kNumerical;
+    const double norm = prior.q_WB.norm();
+    if (!(norm > 0.5 && norm < 2.0) || !is_covariance(P0)) return Status::kNumerical;
+    if (is_before_buffer(prior.time)) return Status::kLate;
+    if (is_beyond_buffer(prior.time)) return Status::kAhead;
     NavState start = prior;
     start.q_WB.normalize();
     pipeline_.reset(start, P0);
@@ -135,6 +155,7 @@ class Engine final : public Odometry::Impl {
   void reset() override {
     initialized = false;
     imu_.clear();
+    stamps_.reset();
     guard_.reset();
     aligner_.reset();
     moving_start_.reset();
@@ -149,8 +170,57 @@ class Engine final : public Odometry::Impl {
   /// Measured before the estimate. Not if it follows the last scan and only a better time offset
   /// has overtaken it.
   bool is_late(Time stamp) const {
+    if (!is_stamp(stamp)) return stamp < Time{0};
     const bool follows = has_scan_ && stamp > last_scan_ && at_scan().time == last_scan_estimate_;
     return !follows && pipeline_.measured_at(stamp) < at_scan().time;
+  }
+
+  /// Not worth waiting for.
+  bool is_ahead(Time stamp) const {
+    const Time newest = imu_.empty() ? at_scan().time : imu_.newest().time;
+    return !is_stamp(stamp) || stamp - newest > from_seconds(options_.timing.max_ahead);
+  }
+
+  /// The IMU samples from there on are forgotten.
+  bool is_before_buffer(Time time) const {
+    if (!is_stamp(time)) return time < Time{0};
+    return !imu_.empty() && imu_[0].time - time > from_seconds(options_.timing.max_lag);
+  }
+  bool is_beyond_buffer(Time time) const {
+    if (!is_stamp(time)) return time > Time{0};
+    return !imu_.empty() && time - imu_.newest().time > from_seconds(options_.timing.max_ahead);
+  }
+
+  /// The first sample can be of the time of the start.
+  bool is_near(Time time) const {
+    return std::chrono::abs(time - at_scan().time) <= from_seconds(options_.timing.max_pause);
+  }
+
+  /// The stamps of the IMU go on in another clock.
+  void restart_clock() {
+    ++counters.clock_restarts;
+    ImuSample last = imu_.newest();
+    if (initialized) catch_up(last.time);
+    last.time = stamps_.newest_in_run();
+    imu_.clear();
+    aligner_.reset();
+    moving_start_.reset();
+    if (!initialized) return;
+    imu_.push_back(last);  // to the first sample of the new clock it is a gap
+    add_unknown_pause(options_.imu, at_scan().v_WB.norm(), covariance);
+    carry_to(last.time);
+  }
+
+  /// The estimate is taken to hold at `time`; what was known of other times is forgotten.
+  void carry_to(Time time) {
+    NavState state = at_scan();
+    state.time = time;
+    const BodyCovariance P = covariance;
+    counters.scans_late += queue_.size();
+    queue_.clear();
+    has_scan_ = false;
+    pipeline_.reset(state, P);
+    publish();
   }
 
   Status align(const ImuSample& sample) {
@@ -198,6 +268,7 @@ class Engine final : public Odometry::Impl {
   Options options_;
   Pipeline<Estimator> pipeline_;
   ImuBuffer imu_;
+  StampGuard stamps_;
   ImuGuard guard_;
   Predictor predictor_;
   StaticAligner aligner_;

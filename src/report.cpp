@@ -27,6 +27,8 @@ const char* to_string(Status status) {
       return "kNumerical";
     case Status::kImplausible:
       return "kImplausible";
+    case Status::kAhead:
+      return "kAhead";
   }
   return "unknown status";
 }

@@ -210,6 +210,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("timing.scan_queue", o.timing.scan_queue, "", 1, 1000, "Scans that may wait for the IMU.");
   field("timing.max_lag", o.timing.max_lag, "s", 0.01, 60,
         "The estimate follows the IMU at most this far behind.");
+  field("timing.max_ahead", o.timing.max_ahead, "s", 0.01, 60,
+        "A scan farther ahead of the IMU is not waited for.");
+  field("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
+        "A longer pause of the IMU is a jump of its clock.");
 }
 
 /// The values of an enumeration as they stand in files, in their order.

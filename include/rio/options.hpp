@@ -202,6 +202,10 @@ struct TimingOptions {
   int imu_buffer = 2048;  ///< IMU samples kept between the estimate and now
   int scan_queue = 8;     ///< scans that may wait for the IMU
   double max_lag = 1.0;   ///< the estimate follows the IMU at most this far behind [s]
+  /// A scan stamped farther ahead of the newest IMU sample than this is not waited for [s].
+  double max_ahead = 1.0;
+  /// A longer pause of the IMU is none: its clock has jumped (propagate/stamp_guard.hpp) [s].
+  double max_pause = 10.0;
   /// For profiling only: if given, the time spent is reported in UpdateReport. Not a file option.
   Time (*clock)() = nullptr;
 };

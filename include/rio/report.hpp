@@ -21,11 +21,12 @@ enum class Status : std::uint8_t {
   kMoving,          ///< static alignment was refused because the sensor moves
   kStale,           ///< IMU sample not newer than the last one
   kDuplicate,       ///< a scan with this stamp was already taken
-  kLate,            ///< scan older than the estimate
+  kLate,            ///< scan older than the estimate, start older than the buffered samples
   kQueueFull,       ///< too many scans wait for the IMU
   kNonFinite,       ///< NaN or infinity in the data
   kNumerical,       ///< the update failed numerically; state and covariance were restored
   kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost
+  kAhead,           ///< stamp too far ahead of the newest IMU sample
 };
 
 /// Name of a status, as in "kLate".
@@ -143,16 +144,19 @@ struct UpdateReport {
 struct Counters {
   std::uint64_t imu_samples = 0;
   std::uint64_t imu_stale = 0;
+  std::uint64_t imu_ahead = 0;
   std::uint64_t imu_non_finite = 0;
   std::uint64_t imu_out_of_range = 0;  ///< saturated, or beyond what any sensor reads
   std::uint64_t imu_frozen = 0;        ///< all values as in the sample before
   std::uint64_t imu_gaps = 0;
-  std::uint64_t scans = 0;  ///< processed
+  std::uint64_t clock_restarts = 0;  ///< the clock of the IMU has jumped, for good
+  std::uint64_t scans = 0;           ///< processed
   std::uint64_t scans_late = 0;
+  std::uint64_t scans_ahead = 0;
   std::uint64_t scans_duplicate = 0;
   std::uint64_t scans_overflow = 0;
   std::uint64_t scans_non_finite = 0;  ///< no finite detection although the scan was not empty
-  std::uint64_t detections_non_finite = 0;
+  std::uint64_t detections_non_finite = 0;  ///< or beyond what any radar says
   std::uint64_t scans_uninitialized = 0;
   std::uint64_t updates_failed = 0;   ///< kNumerical
   std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long

@@ -9,6 +9,23 @@
 // buffered IMU samples to now(). One thread feeds both calls; there is no lock, no thread, no
 // clock, no logging and, after create(), no allocation inside. The same binary fed in the same
 // order gives the same bytes.
+//
+// What goes in is checked in constant time. What is refused has its Status and its counter, and
+// changes nothing else:
+//   numbers     NaN and infinity (kNonFinite). An IMU sample that is frozen, or beyond what the
+//               sensor reads (ImuOptions::max_rate, max_accel), is kImplausible and bridged as if
+//               it were lost. A detection that is not finite or beyond what a radar says is left
+//               out of its scan.
+//   IMU stamps  rise strictly (else kStale), by half a second at most (else kAhead). A single odd
+//               one is dropped. Five in a row that rise one after the other have jumped for good:
+//               forwards by up to TimingOptions::max_pause it was a pause, bridged as a gap; else,
+//               once they span a tenth of a second, the clock of the sensors has started again
+//               (Counters::clock_restarts), and the estimate is carried over: it keeps its values,
+//               with the uncertainty of a pause of some 0.3 s, in the time of the new clock. The
+//               calibration and the landmarks start again. Who knows of a longer pause resets.
+//   scan stamps are in the clock of the IMU: older than the estimate is kLate, farther ahead of the
+//               newest IMU sample than TimingOptions::max_ahead kAhead. In between they wait.
+//   all stamps  within 146 years of their epoch; beyond that they are old, or ahead.
 #pragma once
 
 #include <memory>
@@ -30,19 +47,24 @@ class RIO_API Odometry {
   Odometry(const Odometry&) = delete;
   Odometry& operator=(const Odometry&) = delete;
 
-  /// Takes one IMU sample; stamps must strictly increase (else kStale). O(1), except that a scan
-  /// waiting for this sample is processed here, which shows in report().time and counters().scans.
-  /// During static alignment kMoving says that a window was refused and a later one is tried, until
-  /// StartOptions::max_wait, if given, starts it in motion.
+  /// Takes one IMU sample; refused: kStale, kAhead, kNonFinite, kImplausible. O(1), except that a
+  /// scan waiting for this sample is processed here, which shows in report().time and
+  /// counters().scans. During static alignment kMoving says that a window was refused and a later
+  /// one is tried, until StartOptions::max_wait, if given, starts it in motion.
   [[nodiscard]] Status add_imu(const ImuSample& sample) noexcept;
 
   /// Takes one radar scan. Processed at once when the IMU has reached its stamp (kOk), else queued
-  /// (kWaiting). kDuplicate, kLate, kQueueFull, kNonFinite, kNotInitialized: dropped and counted.
+  /// (kWaiting). kDuplicate, kLate, kAhead, kQueueFull, kNonFinite, kNotInitialized: dropped and
+  /// counted.
   [[nodiscard]] Status add_scan(const RadarScan& scan) noexcept;
 
   /// Starts, or starts over, from a known state. `prior.time` may lie before, at or after the
-  /// newest IMU sample. kNonFinite if a value is not finite, kNumerical if P0 is not symmetric
-  /// positive semi-definite; nothing changes then.
+  /// newest IMU sample, within what is buffered: kLate if more than TimingOptions::max_lag before
+  /// the samples since the last scan, kAhead if more than max_ahead after the newest. Without any
+  /// sample yet it may be anything: farther than max_pause from the first sample it is taken to
+  /// hold there. kNonFinite if a value is not finite, kNumerical if P0 is not symmetric positive
+  /// semi-definite or the norm of the quaternion is not near one (0.5 to 2; it is normalised);
+  /// nothing changes then.
   /// @param P0 covariance of the body error state, order of namespace body, SI units
   [[nodiscard]] Status reset(const NavState& prior, const BodyCovariance& P0) noexcept;
   /// Forgets everything and returns to the start mode of the options (static alignment).

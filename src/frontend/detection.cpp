@@ -54,10 +54,11 @@ Detection correct_detection(const Detection& received, const RadarErrors::Value&
 }
 
 bool is_valid(const RadarDetection& d) {
+  constexpr double kMost = 1e3;  // no radar says more [m/s, dB, m, rad]
   const double sigmas[] = {d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler};
-  return d.point_S.allFinite() && std::isfinite(d.range_rate + d.snr_db) &&
+  return d.point_S.allFinite() && std::abs(d.range_rate) <= kMost && std::abs(d.snr_db) <= kMost &&
          std::all_of(std::begin(sigmas), std::end(sigmas),
-                     [](double sigma) { return std::isfinite(sigma) && sigma >= 0.0; });
+                     [](double sigma) { return sigma >= 0.0 && sigma <= kMost; });
 }
 
 void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,

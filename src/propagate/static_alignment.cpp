@@ -146,7 +146,7 @@ std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& sampl
   StaticAligner aligner(options.start, options.imu);
   std::optional<Alignment> result;
   for (const ImuSample& sample : samples) {
-    if (sample.time < from) continue;
+    if (sample.time < from || !(sample.gyro_B + sample.accel_B).allFinite()) continue;
     if (aligner.add(sample, &result) == Status::kMoving) return std::nullopt;
     if (result) return result->state.gyro_bias;
   }

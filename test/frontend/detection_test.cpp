@@ -225,6 +225,19 @@ TEST(DetectionFilter, DropsImpossibleSigmas) {
   EXPECT_EQ(out.items.size(), 1U);
 }
 
+TEST(DetectionFilter, DropsWhatNoRadarSays) {
+  RadarScan scan;
+  scan.detections.assign(5, raw_detection(5.0, 0.0, 0.0));
+  scan.detections[0].range_rate = -1e299;
+  scan.detections[1].snr_db = 1e4;
+  scan.detections[2].sigma_doppler = 1e200;
+  scan.detections[3].point_S.x() = 1e200;  // beyond the range
+  DetectionList out;
+  filter_detections(scan, RadarOptions{}, 10, out);
+  EXPECT_EQ(out.items.size(), 1U);
+  EXPECT_EQ(out.non_finite, 3);
+}
+
 TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
   RadarScan scan;
   const double snr[] = {10.0, 30.0, 12.0, 25.0, 9.0, 40.0, 12.5};

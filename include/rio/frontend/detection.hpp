@@ -42,7 +42,7 @@ Matrix3d point_covariance(const Detection& d);
 struct DetectionList {
   Time time{0};
   int received = 0;    ///< detections before the filter
-  int non_finite = 0;  ///< of those, dropped because a value was not finite or a sigma negative
+  int non_finite = 0;  ///< of those, dropped by is_valid
   StaticVector<Detection, kMaxDetections> items;
 };
 
@@ -67,7 +67,7 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o);
 /// range rate divided by 1 + scale error.
 Detection correct_detection(const Detection& received, const RadarErrors::Value& errors);
 
-/// Every number finite, no sigma negative.
+/// Every number finite, no sigma negative, none beyond 1000 (SI units, dB), which no radar says.
 bool is_valid(const RadarDetection& d);
 
 /// The detection filter: finite, in range, strong enough, in the field of view. Of more than

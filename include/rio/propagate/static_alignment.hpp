@@ -98,6 +98,7 @@ class StaticAligner {
 };
 
 /// The gyro bias if the first `StartOptions::duration` of `samples` from `from` on is a standstill.
+/// Samples that are not finite are passed over.
 std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples, Time from,
                                              const Options& options);
 

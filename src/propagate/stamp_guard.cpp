@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/propagate/stamp_guard.hpp"
+
+#include <algorithm>
+
+namespace rio {
+
+StampVerdict StampGuard::check(Time stamp) {
+  if (!is_stamp(stamp)) return stamp < Time{0} ? StampVerdict::kOld : StampVerdict::kAhead;
+  if (!newest_ || (stamp > *newest_ && stamp - std::max(seen_, *newest_) <= kSudden)) {
+    seen_ = stamp;
+    return StampVerdict::kFollows;
+  }
+  if (run_ == 0 || stamp <= last_ || stamp - last_ > kSudden) {
+    first_ = stamp;
+    run_ = 0;
+  }
+  last_ = stamp;
+  run_ = std::min(run_ + 1, kMany);
+  const bool pause = first_ > *newest_ && first_ - *newest_ <= max_pause_;
+  if (run_ == kMany && pause) return StampVerdict::kFollows;
+  if (run_ == kMany && last_ - first_ >= kLasting) return StampVerdict::kRestarted;
+  return stamp > *newest_ ? StampVerdict::kAhead : StampVerdict::kOld;
+}
+
+void StampGuard::take(Time stamp) {
+  if (newest_ && run_ == 0) interval_ = stamp - *newest_;
+  newest_ = seen_ = stamp;
+  run_ = 0;
+}
+
+}  // namespace rio
