@@ -165,8 +165,12 @@ std::int64_t CsvReader::seconds_to_ns(std::size_t i) const {
   return *value;
 }
 
+std::string CsvReader::place() const {
+  return name_ + ":" + std::to_string(line_);
+}
+
 void CsvReader::fail(const std::string& what) const {
-  throw std::runtime_error(name_ + ":" + std::to_string(line_) + ": " + what);
+  throw std::runtime_error(place() + ": " + what);
 }
 
 }  // namespace rio::io

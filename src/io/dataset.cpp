@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "dataset_layout.hpp"
@@ -32,13 +33,21 @@ Vector3d vector_at(const CsvReader& rows, std::size_t i) {
   return {rows.number(i), rows.number(i + 1), rows.number(i + 2)};
 }
 
-std::vector<ImuSample> read_imu(const fs::path& path) {
+/// Samples that are not finite are kept, as they were recorded, and the first is noted.
+std::vector<ImuSample> read_imu(const fs::path& path, std::vector<std::string>* notes) {
   CsvReader rows(path);
   std::vector<ImuSample> samples;
+  int bad = 0;
+  std::string first;
   while (rows.next()) {
     samples.push_back({Time(rows.integer(0)), vector_at(rows, 1), vector_at(rows, 4)});
+    if ((samples.back().gyro_B + samples.back().accel_B).allFinite()) continue;
+    if (++bad == 1) first = rows.place();
   }
   if (samples.empty()) throw std::runtime_error(path.string() + ": holds no samples");
+  if (bad > 0) {
+    notes->push_back(fmt::format("{}: not finite, the first of {} such samples", first, bad));
+  }
   return samples;
 }
 
@@ -155,6 +164,20 @@ Pose read_pose(const YamlFile& file, const YAML::Node& node) {
   return {Quaternion(nearest).normalized(), T.topRightCorner<3, 1>()};
 }
 
+/// Of a key that nothing reads, such as a known one with a typing error.
+void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector<SensorKey>& keys,
+                  std::vector<std::string>* notes) {
+  constexpr const char* kDescriptive[] = {"T_BS", "sensor_type", "comment"};  // as in EuRoC
+  const std::string& name = key.Scalar();
+  if (std::find(std::begin(kDescriptive), std::end(kDescriptive), name) != std::end(kDescriptive)) {
+    return;
+  }
+  std::vector<std::string> names{"T_BS"};
+  for (const SensorKey& known : keys) names.emplace_back(known.key);
+  notes->push_back(fmt::format("{}:{}: unknown key \"{}\" is not used{}", file.name,
+                               key.Mark().line + 1, name, did_you_mean(name, names)));
+}
+
 /// Reads the known keys; no value may be negative.
 void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
                       std::vector<std::string>* notes) {
@@ -163,9 +186,7 @@ void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
     const auto known =
         std::find_if(keys.begin(), keys.end(), [&](const SensorKey& k) { return name == k.key; });
     if (known == keys.end()) {
-      if (name.starts_with("sigma_")) {
-        notes->push_back(file.name + ": unknown key \"" + name + "\" is not used");
-      }
+      note_unknown(file, entry.first, keys, notes);
       continue;
     }
     if (known->target->has_value()) fail_at(file, entry.first, name + ": given twice");
@@ -223,7 +244,7 @@ void note_if_cut_short(const fs::path& root, Dataset* dataset) {
 Dataset read_dataset(const fs::path& path) {
   const fs::path root = dataset_root(path);
   Dataset dataset;
-  dataset.imu = read_imu(root / kImu / kData);
+  dataset.imu = read_imu(root / kImu / kData, &dataset.notes);
   dataset.scans = read_radar(root / kRadar / kData);
   if (fs::exists(root / kBaro)) dataset.baro = read_baro(root / kBaro / kData);
   if (fs::exists(root / kTruth)) dataset.ground_truth = read_truth_file(root / kTruth / kData, 17);

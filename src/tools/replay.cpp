@@ -139,13 +139,43 @@ class Outputs {
   std::optional<io::StatesFile> states_;
 };
 
+/// When to give each scan: by its stamp, or, if that is out of order, by the next one that is not.
+/// In order is the longest rising sequence: one odd stamp holds up no other scan.
+std::vector<Time> due_times(const std::vector<RadarScan>& scans) {
+  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> ends;  // last scan of the best sequence of each length
+  std::vector<std::size_t> before(scans.size(), kNone);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const auto at =
+        std::upper_bound(ends.begin(), ends.end(), scans[i].time,
+                         [&scans](Time time, std::size_t end) { return time < scans[end].time; });
+    if (at != ends.begin()) before[i] = *(at - 1);
+    if (at == ends.end()) {
+      ends.push_back(i);
+    } else {
+      *at = i;
+    }
+  }
+  std::vector<Time> due(scans.size());
+  std::size_t in_order = ends.empty() ? kNone : ends.back();
+  Time next = in_order == kNone ? Time{0} : scans[in_order].time;
+  for (std::size_t i = scans.size(); i-- > 0;) {
+    if (i == in_order) {
+      next = scans[i].time;
+      in_order = before[i];
+    }
+    due[i] = next;
+  }
+  return due;
+}
+
 /// Feeds the samples in the order of their stamps. One scan at most waits for the IMU, so that no
 /// report is overwritten by the next before it was read; scans inside a gap of the IMU are
 /// therefore given after it, and those farther back than timing.max_lag count as late.
 class Replay {
  public:
   Replay(const ReplayArguments& arguments, const io::Dataset& dataset, const Options& options)
-      : dataset_(dataset) {
+      : dataset_(dataset), due_(due_times(dataset.scans)) {
     const std::optional<Start> start = make_start(arguments, dataset, options);
     Options used = options;
     used.start.static_alignment = !start;
@@ -165,8 +195,8 @@ class Replay {
     Progress progress(isatty(STDOUT_FILENO) == 0);
     while (imu_ < dataset_.imu.size()) {
       progress.show(imu_, dataset_.imu.size());
-      const bool scan_first = scan_ < dataset_.scans.size() && !waiting_ &&
-                              dataset_.scans[scan_].time < dataset_.imu[imu_].time;
+      const bool scan_first =
+          scan_ < dataset_.scans.size() && !waiting_ && due_[scan_] < dataset_.imu[imu_].time;
       if (scan_first) {
         give_scan(dataset_.scans[scan_++]);
       } else {
@@ -183,7 +213,7 @@ class Replay {
     if (init_velocity_) state.v_WB = *init_velocity_;
     restart(state, start.covariance);
     while (imu_ + 1 < dataset_.imu.size() && dataset_.imu[imu_ + 1].time <= state.time) ++imu_;
-    while (scan_ < dataset_.scans.size() && dataset_.scans[scan_].time < state.time) ++scan_;
+    while (scan_ < dataset_.scans.size() && due_[scan_] < state.time) ++scan_;
     summary_.scans_before_start = static_cast<int>(scan_);
   }
 
@@ -195,6 +225,7 @@ class Replay {
 
   void give_imu(const ImuSample& sample) {
     const bool was_initialized = odometry_->initialized();
+    const std::uint64_t restarts = odometry_->counters().clock_restarts;
     const Time before = steady_now();
     (void)odometry_->add_imu(sample);  // what it did is counted
     const Time after = steady_now();
@@ -208,6 +239,8 @@ class Replay {
       waiting_.reset();
       record();
     }
+    // a scan of the clock before is not waited for
+    if (odometry_->counters().clock_restarts != restarts) waiting_.reset();
   }
 
   void give_scan(const RadarScan& scan) {
@@ -247,6 +280,7 @@ class Replay {
   }
 
   const io::Dataset& dataset_;
+  std::vector<Time> due_;  ///< one a scan
   Outputs outputs_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;
@@ -267,6 +301,12 @@ void replay(const ReplayArguments& arguments) {
     fmt::print("{}\n", summary.json());
   } else {
     fmt::print("{}", summary.text());
+  }
+  if (summary.is_absurd()) {
+    throw std::runtime_error(fmt::format(
+        "the estimate is lost: {:.3g} m/s and {:.3g} m from its start, which nothing that carries "
+        "a radar does; check units, axes and the start",
+        summary.fastest, summary.farthest));
   }
 }
 

@@ -81,6 +81,8 @@ void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
     path_length += (state.p_WB - last_position).norm();
   }
   last_position = state.p_WB;
+  fastest = std::max(fastest, state.v_WB.norm());
+  farthest = std::max(farthest, (state.p_WB - first_position).norm());
   ++scans;
   if (rows_used > 0) ++updates;
   update_ms.push_back(1e3 * to_seconds(report.update_time));
@@ -88,6 +90,11 @@ void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   calibration = report.calibration;
   clones = report.clones;
   landmarks = report.landmarks;
+}
+
+bool ReplaySummary::is_absurd() const {
+  constexpr double kSound = 340.0;  // [m/s]
+  return fastest > kSound || farthest > kSound * to_seconds(span);
 }
 
 std::string ReplaySummary::json() const {
@@ -125,8 +132,11 @@ std::string ReplaySummary::json() const {
         {"imu_non_finite", counters.imu_non_finite},
         {"imu_out_of_range", counters.imu_out_of_range},
         {"imu_frozen", counters.imu_frozen},
+        {"imu_ahead", counters.imu_ahead},
         {"imu_gaps", counters.imu_gaps},
+        {"clock_restarts", counters.clock_restarts},
         {"scans_late", counters.scans_late},
+        {"scans_ahead", counters.scans_ahead},
         {"scans_duplicate", counters.scans_duplicate},
         {"scans_overflow", counters.scans_overflow},
         {"scans_non_finite", counters.scans_non_finite},
@@ -174,11 +184,14 @@ std::string ReplaySummary::text() const {
       {"scans after the last IMU sample were not processed",
        static_cast<std::uint64_t>(scans_unprocessed)},
       {"late scans", counters.scans_late},
+      {"scans stamped too far ahead of the IMU", counters.scans_ahead},
       {"duplicate scans", counters.scans_duplicate},
       {"scans lost because the queue was full", counters.scans_overflow},
       {"scans without a finite detection", counters.scans_non_finite},
       {"detections not finite", counters.detections_non_finite},
       {"IMU samples not newer than the one before", counters.imu_stale},
+      {"IMU samples stamped too far ahead", counters.imu_ahead},
+      {"times the clock of the sensors started again", counters.clock_restarts},
       {"IMU samples not finite", counters.imu_non_finite},
       {"IMU samples out of range", counters.imu_out_of_range},
       {"IMU samples frozen", counters.imu_frozen},

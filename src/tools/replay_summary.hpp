@@ -26,11 +26,16 @@ struct ReplaySummary {
   Vector3d first_position = Vector3d::Zero();
   Vector3d last_position = Vector3d::Zero();
   double path_length = 0.0;  ///< through the scans [m]
+  double fastest = 0.0;      ///< largest speed [m/s]
+  double farthest = 0.0;     ///< largest distance from the first position [m]
   Time span{0};              ///< of the data fed
   Time wall{0};              ///< spent in the estimator
   Counters counters;
 
   void add(const UpdateReport& report, const NavState& state);
+
+  /// Faster than sound, or farther off than sound would be.
+  bool is_absurd() const;
 
   /// One line of JSON.
   std::string json() const;

@@ -57,6 +57,22 @@ TEST(SensorInfo, MissingRadarPoseIsNoted) {
   EXPECT_EQ(d.radar_info.rate_hz, 10.0);
 }
 
+TEST(SensorInfo, UnknownKeysAreNamedWithASuggestion) {
+  const TempDir dir;
+  write_minimal(dir);
+  dir.write("imu0/sensor.yaml", "sensor_type: imu\nrate_hz: 200\n");
+  dir.write("radar0/sensor.yaml",
+            "comment: x\nT_BS: {data: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}\n"
+            "max_doppler_mp: 2\nlens: 4\n");
+  const Dataset d = read_dataset(dir.path());
+  ASSERT_EQ(d.notes.size(), 2U);
+  EXPECT_TRUE(test::contains(d.notes[0],
+                             "radar0/sensor.yaml:3: unknown key \"max_doppler_mp\" is "
+                             "not used, did you mean \"max_doppler_mps\"?"))
+      << d.notes[0];
+  EXPECT_TRUE(test::contains(d.notes[1], "sensor.yaml:4: unknown key \"lens\" is not used"));
+}
+
 TEST(SensorInfo, SensorFilesAreChecked) {
   const TempDir dir;
   const auto read_with = [&dir](const char* file, const std::string& text) {

@@ -35,6 +35,8 @@ class CsvReader {
   /// Decimal seconds to exact nanoseconds; further digits are rounded.
   std::int64_t seconds_to_ns(std::size_t i) const;
 
+  /// "FILE:LINE" of the current row.
+  std::string place() const;
   /// Throws "FILE:LINE: what" for the current row.
   [[noreturn]] void fail(const std::string& what) const;
 
