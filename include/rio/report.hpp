@@ -155,7 +155,7 @@ struct Counters {
   std::uint64_t scans_ahead = 0;
   std::uint64_t scans_duplicate = 0;
   std::uint64_t scans_overflow = 0;
-  std::uint64_t scans_non_finite = 0;  ///< no finite detection although the scan was not empty
+  std::uint64_t scans_non_finite = 0;       ///< no finite detection although the scan was not empty
   std::uint64_t detections_non_finite = 0;  ///< or beyond what any radar says
   std::uint64_t scans_uninitialized = 0;
   std::uint64_t updates_failed = 0;   ///< kNumerical

@@ -9,6 +9,7 @@ StampVerdict StampGuard::check(Time stamp) {
   if (!is_stamp(stamp)) return stamp < Time{0} ? StampVerdict::kOld : StampVerdict::kAhead;
   if (!newest_ || (stamp > *newest_ && stamp - std::max(seen_, *newest_) <= kSudden)) {
     seen_ = stamp;
+    run_ = 0;
     return StampVerdict::kFollows;
   }
   if (run_ == 0 || stamp <= last_ || stamp - last_ > kSudden) {

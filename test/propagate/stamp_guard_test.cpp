@@ -98,6 +98,11 @@ TEST_F(StampGuardTest, AGoodStampOrAFallEndsTheRun) {
     EXPECT_EQ(next(now_), StampVerdict::kFollows);
     now_ += kPeriod;
   }
+  for (int i = 0; i < 100; ++i) {  // the same, and no sample is taken
+    EXPECT_EQ(guard_.check(now_ + hours(1)), StampVerdict::kAhead);
+    EXPECT_EQ(guard_.check(now_), StampVerdict::kFollows);
+    now_ += kPeriod;
+  }
   for (int i = 0; i < 100; ++i) {  // no clock falls
     EXPECT_EQ(next(now_ + hours(1) - i * kPeriod), StampVerdict::kAhead);
   }
