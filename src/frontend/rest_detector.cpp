@@ -1,63 +1,118 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/rest_detector.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 namespace rio {
 
+RestDetector::RestDetector(const Options& options)
+    : options_(options), scans_(kMaxScans), samples_(kMaxSamples) {}
+
+void RestDetector::reset() {
+  scans_.clear();
+  samples_.clear();
+  calm_.reset();
+}
+
 std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList& scan, Time from,
                                                             Time to, const ImuBuffer& imu,
                                                             const Vector3d& gyro_bias) {
   if (!options_.frontend.detect_rest) return std::nullopt;
-  const Statistics s = statistics(imu, from, to);
+  const Span span = listen(from, to, imu, gyro_bias);
   const double duration = to_seconds(to - from);
-  if (s.count < kMinSamples || duration > kLongestSpan || !is_still(s, duration, gyro_bias) ||
-      !without_doppler(scan)) {
-    reset();
+  const Points points = points_of(scan, to);
+  if (span.samples == 0.0 || duration > kLongestSpan || points.still < 0.5 * points.all) {
+    scans_.clear();
     return std::nullopt;
   }
-  still_ += duration;
-  if (still_ < kDuration) return std::nullopt;
+  scans_.push_back(points);
+  while (to - scans_.front().time > kWindow) scans_.pop_front();
+  if (points.all == 0.0 || !calm_ || to - *calm_ > kCalmLasts || !without_doppler()) {
+    return std::nullopt;
+  }
   const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
-  return RestModel::Measurement{s.mean.head<3>(), kStandingVelocity,
-                                std::max(noise, kSmallestRate)};
+  const bool quiet = span.loudest < kQuiet;  // (E4)
+  return RestModel::Measurement{span.gyro_B, quiet ? kStandingVelocity : kTouchedVelocity,
+                                quiet ? std::max(noise, kSmallestRate) : kUntold};
 }
 
-void RestDetector::Statistics::add(const ImuSample& sample) {
-  Vector6d x;
-  x << sample.gyro_B, sample.accel_B;
-  count += 1.0;
-  const Vector6d delta = x - mean;
-  mean += delta / count;
-  squares += delta.cwiseProduct(x - mean);
-}
-
-RestDetector::Statistics RestDetector::statistics(const ImuBuffer& imu, Time from, Time to) {
-  Statistics s;
-  for (std::size_t i = 0; i < imu.size(); ++i) {
-    if (imu[i].time > from && imu[i].time <= to) s.add(imu[i]);
-  }
-  return s;
-}
-
-bool RestDetector::is_still(const Statistics& s, double duration, const Vector3d& gyro_bias) const {
-  const double root_rate = std::sqrt(s.count / duration);
-  const double gyro = std::max(kSpread * options_.imu.gyro_noise_density * root_rate, kGyroFloor);
-  const double accel =
-      std::max(kSpread * options_.imu.accel_noise_density * root_rate, kAccelFloor);
-  return s.deviation().head<3>().maxCoeff() < gyro &&                  // (E1)
-         s.deviation().tail<3>().maxCoeff() < accel &&                 //
-         (s.mean.head<3>() - gyro_bias).cwiseAbs().maxCoeff() < gyro;  // (E2)
-}
-
-bool RestDetector::without_doppler(const DetectionList& scan) {  // (E3)
-  std::size_t still = 0;
+RestDetector::Points RestDetector::points_of(const DetectionList& scan, Time time) {
+  Points points;
+  points.time = time;
   for (const Detection& d : scan.items) {
-    still += std::abs(d.range_rate) < kDopplerSigmas * d.sigma_doppler ? 1 : 0;
+    points.all += 1.0;
+    if (std::abs(d.range_rate) > kDopplerSigmas * d.sigma_doppler) continue;
+    points.still += 1.0;
+    const Vector3d u = d.direction_S / d.sigma_doppler;
+    points.A += u * u.transpose();
+    points.b += u * (d.range_rate / d.sigma_doppler);
   }
-  return still >= kMinDetections &&
-         static_cast<double>(still) > kShare * static_cast<double>(scan.items.size());
+  return points;
+}
+
+bool RestDetector::without_doppler() const {
+  if (scans_.back().time - scans_.front().time < kDuration) return false;
+  Points sum;
+  for (std::size_t i = 0; i < scans_.size(); ++i) {
+    sum.all += scans_[i].all;
+    sum.still += scans_[i].still;
+    sum.A += scans_[i].A;
+    sum.b += scans_[i].b;
+  }
+  if (sum.still < kMinPoints || sum.still < kShare * sum.all) return false;  // (E1)
+  const Matrix3d A = sum.A + Matrix3d::Identity() / (kSlow * kSlow);
+  const double chi2 = sum.b.dot(A.inverse() * sum.b);
+  return chi2 < kChi2 * static_cast<double>(scans_.size());  // (E2)
+}
+
+RestDetector::Span RestDetector::listen(Time from, Time to, const ImuBuffer& imu,
+                                        const Vector3d& gyro_bias) {
+  Span span;
+  for (std::size_t i = 0; i < imu.size(); ++i) {
+    if (imu[i].time <= from || imu[i].time > to) continue;
+    samples_.push_back(imu[i]);
+    span.samples += 1.0;
+    span.gyro_B += (imu[i].gyro_B - span.gyro_B) / span.samples;
+    const std::optional<Moment> now = moment(gyro_bias);
+    if (!now) continue;
+    span.loudest = std::max(span.loudest, now->spread);
+    if (now->spread < kCalm && now->vibration < kVibration) calm_ = imu[i].time;
+  }
+  return span;
+}
+
+std::optional<RestDetector::Moment> RestDetector::moment(const Vector3d& gyro_bias) const {
+  std::size_t n = std::min(kMinSamples, samples_.size());
+  const Time end = samples_.back().time;
+  while (n < samples_.size() && end - samples_[samples_.size() - n - 1].time < kMoment) ++n;
+  if (n < kMinSamples) return std::nullopt;
+  const std::size_t first = samples_.size() - n;
+  const auto values = [&](std::size_t i) {
+    Vector6d x;
+    x << samples_[first + i].gyro_B, samples_[first + i].accel_B;
+    return x;
+  };
+  Vector6d mean = Vector6d::Zero();
+  for (std::size_t i = 0; i < n; ++i) mean += values(i) / static_cast<double>(n);
+  Vector6d square = Vector6d::Zero();
+  Vector6d rough = Vector6d::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    square += (values(i) - mean).cwiseAbs2() / static_cast<double>(n - 1);
+    if (i < 4) continue;
+    const Vector6d e =
+        values(i) - 4.0 * values(i - 1) + 6.0 * values(i - 2) - 4.0 * values(i - 3) + values(i - 4);
+    rough += e.cwiseAbs2() / (70.0 * static_cast<double>(n - 4));  // 1 + 16 + 36 + 16 + 1
+  }
+  const double root_rate =
+      std::sqrt(static_cast<double>(n - 1) / to_seconds(end - samples_[first].time));
+  Vector6d white;
+  white.head<3>().setConstant(std::max(options_.imu.gyro_noise_density * root_rate, kGyroFloor));
+  white.tail<3>().setConstant(std::max(options_.imu.accel_noise_density * root_rate, kAccelFloor));
+  const double rate = (mean.head<3>() - gyro_bias).cwiseAbs().maxCoeff() / white[0];
+  return Moment{std::max(rate, square.cwiseSqrt().cwiseQuotient(white).maxCoeff()),
+                rough.cwiseSqrt().cwiseQuotient(white).maxCoeff()};
 }
 
 }  // namespace rio

@@ -94,6 +94,29 @@ TEST_F(EkfTest, LandmarksSurviveUntilTheirTimeout) {
   }
 }
 
+// Seen again from the same place a reflector repeats its error.
+TEST_F(EkfTest, AtRestLandmarksStayAndTellNothing) {
+  start(options_for(flight(), "default"));
+  constexpr auto kPoint = static_cast<std::size_t>(Model::kLandmarkPoint);
+  int rests = 0;
+  int moves = 0;
+  for (const RadarScan& scan : flight().scans) {
+    const int before = pipeline_->report().landmarks;
+    ASSERT_EQ(process(scan), Status::kOk);
+    const UpdateReport& report = pipeline_->report();
+    if (report.landmarks_matched == 0) continue;
+    if (report.at_rest) {
+      ++rests;
+      EXPECT_EQ(report.models[kPoint].rows_used + report.models[kPoint].rows_gated, 0);
+      EXPECT_GE(report.landmarks, before);
+    } else {
+      moves += report.models[kPoint].rows_used > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(rests, 5);
+  EXPECT_GT(moves, 50);
+}
+
 TEST_F(EkfTest, OutlierIsGatedAndRecorded) {
   Options o = options_for(flight(), "default");
   o.frontend.ransac_threshold = 10.0;  // nothing is sorted out before the gate

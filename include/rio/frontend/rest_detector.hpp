@@ -1,16 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 3: tells true rest, on the ground, from everything else. Hovering is no rest.
 //
-// A span between two scans is still if
-// (E1) each axis of the IMU spreads by less than kSpread times its white noise, density / sqrt(dt);
-// (E2) the gyroscope reads its bias within that noise;
-// (E3) nearly all detections have no Doppler: |d| within half a cell and 2.5 sigmas.
-// Rest is declared after kDuration of still spans. An IMU at its noise floor alone could be carried
-// at constant speed, a radar without Doppler could hover within its cell; a rotor excludes (E1).
+// It takes the points of the last scans together, so that a few points a scan are enough, and asks
+// the IMU for one calm moment in a while: on the ground a sensor may be touched and tilted, but
+// between two touches it lies still. In a hand or in the air it never does.
+//
+// (E1) The points of the last second are kMinPoints at least and cover kDuration; nearly all have
+// no
+//      Doppler: |d| < 2.5 sigmas.
+// (E2) Their mean is zero, too: with A = sum u u^T, b = sum u d over the points without Doppler, of
+//      the noise sigma, b^T A^-1 b / sigma^2 is chi-squared of three degrees of freedom, times what
+//      a point repeats its error. A Doppler that is not rounded, or not to the same cell for all
+//      points, gives away a creeping body.
+// (E3) A moment is kMoment samples. It is calm if each axis of the IMU spreads by less than kCalm
+//      times its white noise, density / sqrt(dt), the gyroscope reads its bias within as much, and
+//      nothing vibrates: the fourth differences, which do not see the motion of a body, are those
+//      of kVibration times the white noise at most. Rotors exclude that.
+// (E4) If the whole span since the last scan is as quiet as white noise (kQuiet) the mean of the
+//      gyroscope measures its bias.
+// Limit: a body that creeps below the cell of a Doppler that is rounded, without any vibration,
+// counts as resting.
 #pragma once
 
 #include <optional>
 
+#include "rio/core/ring.hpp"
 #include "rio/frontend/detection.hpp"
 #include "rio/models/rest.hpp"
 #include "rio/options.hpp"
@@ -21,9 +35,9 @@ namespace rio {
 
 class RestDetector {
  public:
-  explicit RestDetector(const Options& options) : options_(options) {}
+  explicit RestDetector(const Options& options);
 
-  void reset() { still_ = 0.0; }
+  void reset();
 
   /// The rest as a measurement, if there is one.
   /// @param from the last scan; `to`: this one; the buffer holds the samples between them
@@ -33,39 +47,61 @@ class RestDetector {
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-  /// Of the samples in a span (Welford 1962).
-  struct Statistics {
-    double count = 0.0;
-    Vector6d mean = Vector6d::Zero();
-    Vector6d squares = Vector6d::Zero();
-
-    void add(const ImuSample& sample);
-    Vector6d deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
+  /// The points of a scan.
+  struct Points {
+    Time time{0};
+    double all = 0.0;
+    double still = 0.0;             ///< without Doppler
+    Matrix3d A = Matrix3d::Zero();  ///< of those (E2) [s^2/m^2]
+    Vector3d b = Vector3d::Zero();  ///< same [s/m]
   };
+  static Points points_of(const DetectionList& scan, Time time);
+  /// (E1) (E2) over the scans kept.
+  bool without_doppler() const;
 
-  /// Of the samples after `from` up to `to`.
-  static Statistics statistics(const ImuBuffer& imu, Time from, Time to);
+  /// What the IMU did since the last scan.
+  struct Span {
+    double samples = 0.0;
+    Vector3d gyro_B = Vector3d::Zero();  ///< mean [rad/s]
+    double loudest = 0.0;                ///< spread of its moments, in sigmas of the white noise
+  };
+  Span listen(Time from, Time to, const ImuBuffer& imu, const Vector3d& gyro_bias);
 
-  /// (E1) (E2)
-  bool is_still(const Statistics& s, double duration, const Vector3d& gyro_bias) const;
+  /// In sigmas of the white noise, the worst axis.
+  struct Moment {
+    double spread = 0.0;  ///< or the rate, if that is more
+    double vibration = 0.0;
+  };
+  /// (E3) of the newest samples; none before there are enough.
+  std::optional<Moment> moment(const Vector3d& gyro_bias) const;
 
-  /// (E3)
-  static bool without_doppler(const DetectionList& scan);
-
-  static constexpr double kSpread = 2.0;  // a spread of twelve samples exceeds it once in 1e5 spans
-  static constexpr double kGyroFloor = 1e-3;   // grid of a MEMS gyroscope [rad/s]
-  static constexpr double kAccelFloor = 1e-2;  // same [m/s^2]
-  static constexpr double kMinSamples = 4.0;
-  static constexpr double kLongestSpan = 0.5;  // a radar that pauses tells nothing [s]
-  static constexpr double kDuration = 1.0;     // [s]
+  static constexpr std::size_t kMaxScans = 64;
+  static constexpr Time kWindow = std::chrono::milliseconds(1000);
+  static constexpr Time kDuration = std::chrono::milliseconds(500);
+  static constexpr double kMinPoints = 15.0;
+  static constexpr double kShare = 0.7;  // people may pass by
   static constexpr double kDopplerSigmas = 2.5;
-  static constexpr double kShare = 0.8;
-  static constexpr std::size_t kMinDetections = 5;
+  static constexpr double kSlow = 0.1;            // [m/s]
+  static constexpr double kChi2 = 11.34;          // three degrees of freedom, 99 %
+  static constexpr double kLongestSpan = 0.5;     // a radar that pauses tells nothing [s]
+  static constexpr std::size_t kMaxSamples = 64;  // of a moment
+  static constexpr std::size_t kMinSamples = 10;
+  static constexpr Time kMoment = std::chrono::milliseconds(50);
+  static constexpr Time kCalmLasts = std::chrono::milliseconds(1500);
+  static constexpr double kCalm = 5.0;  // a hand at rest on a table; in the air it is 15
+  static constexpr double kVibration = 2.0;
+  static constexpr double kQuiet = 2.0;
+  static constexpr double kGyroFloor = 5e-4;         // grid of a MEMS gyroscope [rad/s]
+  static constexpr double kAccelFloor = 5e-3;        // same [m/s^2]
   static constexpr double kStandingVelocity = 0.01;  // what passes for standing [m/s]
+  static constexpr double kTouchedVelocity = 0.05;   // same, if somebody touches it [m/s]
   static constexpr double kSmallestRate = 1e-5;  // no gyroscope is better in a tenth of a second
+  static constexpr double kUntold = 10.0;        // sigma of a rate that tells nothing [rad/s]
 
   Options options_;
-  double still_ = 0.0;  ///< time of still spans in a row [s]
+  Ring<Points> scans_;
+  Ring<ImuSample> samples_;
+  std::optional<Time> calm_;  ///< the last calm moment
 };
 
 }  // namespace rio

@@ -68,6 +68,9 @@ class ScanRows {
   void add_landmarks(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
                      UpdateReport* report);
 
+  /// At rest a landmark repeats its error: it tells nothing and stays alive.
+  void keep_landmarks(const Observations& seen);
+
   /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
   bool add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
                  BlockIndex index);
