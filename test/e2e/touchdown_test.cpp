@@ -32,9 +32,9 @@ TEST_P(Touchdown, StaysWhereItIs) {
   const experiment::RealScore score = experiment::judge(recording, replay);
   ASSERT_TRUE(score.started);
   const std::string name = GetParam() == BackEnd::kEkf ? "filter" : "window";
-  measured(name + ": creep of the height after touchdown [m]", score.creep, "below 0.04");
+  measured(name + ": creep of the height after touchdown [m]", score.creep, "at most 0.02");
   measured(name + ": creep in its sigmas", score.creep_sigmas, "below 1");
-  EXPECT_LT(score.creep, 0.04);
+  EXPECT_LE(score.creep, 0.02);
   EXPECT_LT(score.creep_sigmas, 1.0);
 }
 
