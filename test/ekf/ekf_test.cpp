@@ -163,7 +163,7 @@ TEST_F(EkfTest, EachDetectionIsUsedOnce) {
   start(options_for(flight(), "default"));
   int points = 0;
   int doppler = 0;
-  for (std::size_t i = 0; i < 120; ++i) {  // the first 60 at rest
+  for (std::size_t i = 0; i < 150; ++i) {  // the first 60 at rest
     ASSERT_EQ(process(flight().scans[i]), Status::kOk);
     std::set<int> used;
     for (const InnovationRecord& record : pipeline_->report().records) {
