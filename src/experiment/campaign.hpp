@@ -47,6 +47,8 @@ struct Settings {
   int seeds = 0;  ///< flights of a kind; 0 = as many as the experiment takes by itself
   int threads = 2;
   std::string data{};  ///< folder of the recordings, for experiments on real ones
+  std::vector<std::string> recordings{};  ///< further such folders
+  std::string scenario{};                 ///< name or file, for experiments that fly one of choice
   OnProgress on_progress{};
 };
 

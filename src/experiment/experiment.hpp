@@ -43,6 +43,10 @@ Result uncertainty(const Settings& settings);
 /// and perturbed, its mounting as given and as calibrated.
 Result real(const Settings& settings);
 
+/// Recordings (Settings::data and recordings) beside their simulated twins (Settings::scenario):
+/// rates, losses, vibration, points, and what the filter makes of them.
+Result twins(const Settings& settings);
+
 /// One experiment of the list.
 struct Experiment {
   const char* name;
@@ -62,6 +66,7 @@ inline const std::vector<Experiment>& experiments() {
       {"ablation", "the default preset with one mechanism off at a time", &ablation},
       {"robustness", "every scenario with every preset", &robustness},
       {"real", "every recording of the folder --data, also perturbed", &real},
+      {"twins", "recordings DATASET... (or --data) beside their simulated twins", &twins},
   };
   return all;
 }

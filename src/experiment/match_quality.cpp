@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 
+#include "experiment/door_two.hpp"
 #include "rio/ekf/ekf.hpp"
-#include "rio/pipeline.hpp"
-#include "rio/propagate/static_alignment.hpp"
 #include "rio/smoother/smoother.hpp"
 
 namespace rio::experiment {
@@ -50,62 +48,23 @@ class Judged : public BackEnd {
 };
 
 template <class BackEnd>
-class JudgedReplay {
- public:
-  JudgedReplay(const sim::Flight& flight, const Options& options)
-      : flight_(flight),
-        options_(options),
-        pipeline_(options),
-        imu_(options.timing, options.imu),
-        aligner_(options.start, options.imu) {}
-
-  JudgedFlight run() {
-    std::size_t next = 0;
-    for (const ImuSample& sample : flight_.imu) {
-      imu_.push_back(sample);
-      for (; next < flight_.scans.size() && is_due(next, sample.time); ++next) {
-        if (alignment_) process(next);
-      }
-      if (!alignment_) align(sample);
-    }
-    result_.matches = pipeline_.backend().judge.quality();
-    return std::move(result_);
-  }
-
- private:
-  bool is_due(std::size_t scan, Time now) const {
-    return flight_.arrivals[scan] < now && pipeline_.measured_at(flight_.scans[scan].time) <= now;
-  }
-
-  void align(const ImuSample& sample) {
-    (void)aligner_.add(sample, &alignment_);
-    if (!alignment_) return;
-    pipeline_.reset(alignment_->state, alignment_->covariance);
-    imu_.forget_before(alignment_->state.time);
-  }
-
-  void process(std::size_t scan) {
-    filter_detections(flight_.scans[scan], options_.radar, options_.frontend.max_detections,
-                      filtered_);
-    pipeline_.backend().judge.begin(
-        labels_of(filtered_, flight_.scans[scan], flight_.labels[scan]));
-    const Status status = pipeline_.process(filtered_, imu_);
-    const NavState& x = pipeline_.estimate().nav;
-    imu_.forget_before(x.time);
-    if (status != Status::kOk) return;
-    const NavState truth = flight_.truth_at(x.time);
-    result_.pairs.push_back({{truth.time, truth.p_WB, truth.q_WB}, {x.time, x.p_WB, x.q_WB}});
-  }
-
-  const sim::Flight& flight_;
-  Options options_;
-  Pipeline<Judged<BackEnd>> pipeline_;
-  ImuBuffer imu_;
-  StaticAligner aligner_;
-  std::optional<Alignment> alignment_;
-  DetectionList filtered_;
-  JudgedFlight result_;
-};
+JudgedFlight judged_replay(const sim::Flight& flight, const Options& options) {
+  JudgedFlight result;
+  DoorTwo<Judged<BackEnd>> door(options);
+  door.run(
+      flight.imu, flight.scans, [&](std::size_t i, Time now) { return flight.arrivals[i] < now; },
+      [&](std::size_t i, const DetectionList& filtered) {
+        door.backend().judge.begin(labels_of(filtered, flight.scans[i], flight.labels[i]));
+      },
+      [&](std::size_t, Status status) {
+        if (status != Status::kOk) return;
+        const NavState& x = door.pipeline().estimate().nav;
+        const NavState truth = flight.truth_at(x.time);
+        result.pairs.push_back({{truth.time, truth.p_WB, truth.q_WB}, {x.time, x.p_WB, x.q_WB}});
+      });
+  result.matches = door.backend().judge.quality();
+  return result;
+}
 
 }  // namespace
 
@@ -201,8 +160,8 @@ std::vector<sim::Label> labels_of(const DetectionList& filtered, const RadarScan
 }
 
 JudgedFlight fly_and_judge(const sim::Flight& flight, const Options& options) {
-  if (options.backend == BackEnd::kSmoother) return JudgedReplay<Smoother>(flight, options).run();
-  return JudgedReplay<Ekf>(flight, options).run();
+  if (options.backend == BackEnd::kSmoother) return judged_replay<Smoother>(flight, options);
+  return judged_replay<Ekf>(flight, options);
 }
 
 }  // namespace rio::experiment

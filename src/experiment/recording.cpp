@@ -35,30 +35,13 @@ double root_mean_square(const std::vector<double>& values) {
   return values.empty() ? kNaN : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-/// Share of the detections that have a Doppler, within half a cell and the noise.
+/// Share of the detections that have a Doppler.
 double moving_share(const RadarScan& scan, double grid) {
-  const double still = 0.5 * grid + 0.03;
+  const double still = still_bound(grid);
   const auto moving =
       std::count_if(scan.detections.begin(), scan.detections.end(),
                     [still](const auto& d) { return std::abs(d.range_rate) > still; });
   return static_cast<double>(moving) / static_cast<double>(scan.detections.size());
-}
-
-/// First and last instant of motion; people near the radar do not count.
-struct Motion {
-  Time begin;
-  Time end;
-};
-Motion motion_of(const io::Dataset& data) {
-  constexpr double kMajority = 0.5;
-  const double grid = data.radar_info.doppler_resolution.value_or(0.0);
-  Motion motion{data.scans.back().time, data.scans.front().time};
-  for (const RadarScan& scan : data.scans) {
-    if (scan.detections.size() < 3 || moving_share(scan, grid) < kMajority) continue;
-    motion.begin = std::min(motion.begin, scan.time);
-    motion.end = std::max(motion.end, scan.time);
-  }
-  return motion;
 }
 
 /// Heights above the mean of the first two seconds, each the mean of a second.
@@ -173,6 +156,18 @@ Recording thinned(const Recording& recording, std::size_t first) {
 }
 
 }  // namespace
+
+Motion motion_of(const io::Dataset& data) {
+  constexpr double kMajority = 0.5;
+  const double grid = data.radar_info.doppler_resolution.value_or(0.0);
+  Motion motion{data.scans.back().time, data.scans.front().time};
+  for (const RadarScan& scan : data.scans) {
+    if (scan.detections.size() < 3 || moving_share(scan, grid) < kMajority) continue;
+    motion.begin = std::min(motion.begin, scan.time);
+    motion.end = std::max(motion.end, scan.time);
+  }
+  return motion;
+}
 
 bool Recording::flat() const {
   return !reference.empty() && std::all_of(reference.begin(), reference.end(),

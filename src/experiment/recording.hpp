@@ -4,6 +4,7 @@
 // barometer, the return to the start, the rest at the end.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -29,6 +30,20 @@ struct Recording {
 /// Every folder below `folder` that holds imu0 and radar0, by name.
 /// @throws std::runtime_error if there is none or one cannot be read
 std::vector<Recording> find_recordings(const std::filesystem::path& folder);
+
+/// A smaller Doppler is none: half a cell and the noise [m/s].
+inline double still_bound(double grid) {
+  return 0.5 * grid + 0.03;
+}
+
+/// First and last instant of motion, by the radar; people near it do not count.
+struct Motion {
+  Time begin;
+  Time end;
+};
+Motion motion_of(const io::Dataset& data);
+/// A scan shows motion that is faster than its grid: it began earlier by up to this.
+inline constexpr Time kBeforeMotion = std::chrono::milliseconds(300);
 
 /// A recording with a fault that should not matter.
 struct Copy {

@@ -3,6 +3,72 @@
 
 namespace rio::sim {
 
+namespace {
+
+/// A radar on the front left of the frame, turned outwards and up.
+Pose kart_mount() {
+  const Quaternion turn = quaternion_exp(Vector3d(0.0, 0.0, 30.0 * kDegree)) *
+                          quaternion_exp(Vector3d(0.0, -25.0 * kDegree, 0.0));
+  return {.rotation = turn.normalized(), .translation = {1.2, 0.3, -0.4}};
+}
+
+void rough_ground(Scenario* s) {
+  s->path.ground = true;
+  s->path.length = 35.0;
+  s->path.low = {-6.0, -4.0, 0.0};
+  s->path.high = {6.0, 4.0, 0.5};
+  s->path.reach = {8.0, 6.0, 1.0};
+  s->path.min_speed = 0.7;
+  s->path.max_speed = 2.0;
+  s->path.min_leg = 2.0;
+  s->path.max_leg = 6.0;
+  s->imu.rate_hz = 100.0;
+  s->imu.accel_noise_density = 2e-3;
+  s->imu.gyro_vibration = s->imu.accel_vibration = 0.0;
+  s->imu.low = {.frequency_hz = 8.0,
+                .width_hz = 4.0,
+                .gyro_rest = 1e-3,
+                .gyro_moving = 0.05,
+                .accel_rest = 0.03,
+                .accel_moving = 1.8};
+  s->imu.high = {.frequency_hz = 28.0,
+                 .width_hz = 12.0,
+                 .gyro_rest = 1e-3,
+                 .gyro_moving = 0.1,
+                 .accel_rest = 0.04,
+                 .accel_moving = 4.5};
+  s->imu.shaking_spread = 0.25;
+  s->imu.lost_share = 0.31;
+  s->imu.lost_filled = true;
+  s->room.low_W = {-9.0, -7.0, -0.8};
+  s->room.high_W = {9.0, 7.0, 3.5};
+  s->room.floor_density = 4.0;
+  s->room.wall_density = 3.0;
+  s->room.ceiling_density = 1.0;
+  s->room.mat_density = 20.0;
+  s->room.clutter_density = 1.0;
+  s->room.rcs_sigma_db = 9.0;
+  s->radar.T_BS = kart_mount();
+  s->radar.rate_hz = 30.0;
+  s->radar.max_range = 9.78;
+  s->radar.fov_elevation = 110.0 * kDegree;
+  s->radar.range_resolution = 0.047;
+  s->radar.max_doppler = 7.862;
+  s->radar.doppler_resolution = 7.862 / 16.0;
+  s->radar.sigma_azimuth = s->radar.sigma_elevation = 3.0 * kDegree;
+  s->radar.threshold_db = 15.6;
+  s->radar.snr_1m_db = 46.0;
+  s->radar.max_static = 16;
+  s->radar.false_alarm_share = 0.0;  // its threshold is high
+  s->radar.lobe_width = 20.0 * kDegree;
+  s->radar.own_echoes = 3;
+  s->radar.own_echo_share = 0.12;
+  s->radar.doppler_slip_share = 0.15;
+  s->radar.lost_share = 0.02;
+}
+
+}  // namespace
+
 const std::vector<CatalogueEntry>& catalogue() {
   static const std::vector<CatalogueEntry> kEntries = {
       CatalogueEntry{"indoor-1", "by hand in a room, 127.5 m, motion on all axes",
@@ -95,6 +161,9 @@ const std::vector<CatalogueEntry>& catalogue() {
                        s.imu.gyro_turn_on_sigma = 0.02;
                        s.imu.accel_turn_on_sigma = 0.2;
                      }},
+      CatalogueEntry{"rough-ground",
+                     "a kart on rough ground, 35 m: vibration, lost samples, six points a scan",
+                     [](Scenario& s) { rough_ground(&s); }},
       CatalogueEntry{"outdoor", "300 m over open ground, points up to 40 m away",
                      [](Scenario& s) {
                        s.path.length = 300.0;

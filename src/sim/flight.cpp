@@ -4,16 +4,42 @@
 #include <algorithm>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 namespace rio::sim {
 
 namespace {
+
+/// Takes away what is lost, or puts it on the line between the neighbours; the first and the last
+/// sample stay.
+void lose(std::vector<bool> is_lost, bool filled, std::vector<ImuSample>* imu) {
+  if (imu->empty()) return;
+  is_lost.front() = is_lost.back() = false;
+  std::vector<ImuSample> kept;
+  std::size_t last = 0;  // there
+  for (std::size_t i = 0; i < imu->size(); ++i) {
+    if (is_lost[i]) continue;
+    const ImuSample& from = (*imu)[last];
+    const ImuSample& to = (*imu)[i];
+    for (std::size_t k = last + 1; filled && k < i; ++k) {
+      const double share = to_seconds((*imu)[k].time - from.time) / to_seconds(to.time - from.time);
+      kept.push_back({.time = (*imu)[k].time,
+                      .gyro_B = from.gyro_B + share * (to.gyro_B - from.gyro_B),
+                      .accel_B = from.accel_B + share * (to.accel_B - from.accel_B)});
+    }
+    kept.push_back(to);
+    last = i;
+  }
+  *imu = std::move(kept);
+}
 
 void fly_imu(double seconds, Flight* flight) {
   const ImuModel& model = flight->scenario.imu;
   const double period = 1.0 / model.rate_hz;
   ImuSimulator imu(model, flight->scenario.seed);
   Random jitter(flight->scenario.seed, 8);
+  Losses losses(model, flight->scenario.seed);
+  std::vector<bool> is_lost;
   for (std::int64_t i = 0;; ++i) {
     const double t = static_cast<double>(i) * period;
     const Time time = flight->trajectory.start() + from_seconds(t);
@@ -27,9 +53,12 @@ void fly_imu(double seconds, Flight* flight) {
     const double late =
         std::clamp(model.stamp_jitter * jitter.normal(), -0.49 * period, 0.49 * period);
     sample.time += from_seconds(late);
+    const bool lost = losses.next();
     if (flight->scenario.disturbances.imu_gaps.contain(t, seconds)) continue;
     flight->imu.push_back(sample);
+    is_lost.push_back(lost);
   }
+  lose(is_lost, model.lost_filled, &flight->imu);
 }
 
 void fly_radar(double seconds, Flight* flight) {
@@ -38,6 +67,7 @@ void fly_radar(double seconds, Flight* flight) {
   const RadarModel& model = flight->scenario.radar;
   const Disturbances& disturbances = flight->scenario.disturbances;
   RadarSimulator radar(model, flight->room, flight->scenario.seed);
+  Random loss(flight->scenario.seed, 14);
   for (std::int64_t i = 0;; ++i) {
     const Time since = kFirstScan + from_seconds(static_cast<double>(i) / model.rate_hz);
     const Time time = flight->trajectory.start() + since;
@@ -48,6 +78,7 @@ void fly_radar(double seconds, Flight* flight) {
     const double outlier_share =
         disturbances.bursts.contain(t, seconds) ? model.burst_outlier_share : model.outlier_share;
     LabeledScan labeled = radar.scan(flight->trajectory.at(time), outlier_share);
+    if (loss.uniform() < model.lost_share) continue;
     labeled.scan.time = stamp;
     flight->scans.push_back(std::move(labeled.scan));
     flight->arrivals.push_back(time + from_seconds(model.latency));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/sim/imu.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,10 +21,13 @@ ImuModel ImuModel::noise_free() {
 }
 
 ImuSimulator::ImuSimulator(const ImuModel& model, std::uint64_t seed)
-    : model_(model), random_(seed, 2) {
+    : model_(model), random_(seed, 2), shaking_random_(seed, 12) {
   gyro_bias_ = model_.gyro_turn_on_sigma * random_.normal3();
   accel_bias_ = model_.accel_turn_on_sigma * random_.normal3();
   for (double& phase : phases_) phase = random_.uniform(0.0, 2.0 * std::numbers::pi);
+  low_ = noise();
+  high_ = noise();
+  ground_ = shaking_random_.normal();
 }
 
 ImuSample ImuSimulator::sample(const Trajectory::Point& point) {
@@ -38,6 +42,9 @@ ImuSample ImuSimulator::sample(const Trajectory::Point& point) {
     sample.gyro_B += model_.gyro_vibration * vibration(0);
     sample.accel_B += model_.accel_vibration * vibration(3);
   }
+  const double level = roughness(point.nav.v_WB.norm());
+  shake(model_.low, level, &low_, &sample);
+  shake(model_.high, level, &high_, &sample);
   sample.gyro_B = sample.gyro_B.cwiseMax(-model_.gyro_limit).cwiseMin(model_.gyro_limit);
   sample.accel_B = sample.accel_B.cwiseMax(-model_.accel_limit).cwiseMin(model_.accel_limit);
 
@@ -45,6 +52,33 @@ ImuSample ImuSimulator::sample(const Trajectory::Point& point) {
   accel_bias_ += model_.accel_random_walk / root_rate * random_.normal3();
   ++count_;
   return sample;
+}
+
+double ImuSimulator::roughness(double speed) {
+  const double keep = std::exp(-1.0 / (model_.rate_hz * model_.shaking_time));
+  ground_ = keep * ground_ + std::sqrt(1.0 - keep * keep) * shaking_random_.normal();
+  const double spread = model_.shaking_spread;
+  const double full = std::min(1.0, speed / model_.shaking_speed);
+  return full * std::exp(spread * ground_ - spread * spread);  // (E4)
+}
+
+void ImuSimulator::shake(const Shaking& shaking, double level, Phasor* z, ImuSample* sample) {
+  const double keep = std::exp(-2.0 * std::numbers::pi * shaking.width_hz / model_.rate_hz);
+  const double turn = 2.0 * std::numbers::pi * shaking.frequency_hz / model_.rate_hz;
+  *z = std::polar(1.0, turn) * (keep * *z + std::sqrt(1.0 - keep * keep) * noise());  // (E3)
+  const auto rms = [level](double rest, double moving) {                              // (E4)
+    return std::sqrt(rest * rest + std::max(0.0, moving * moving - rest * rest) * level * level);
+  };
+  const double gyro = rms(shaking.gyro_rest, shaking.gyro_moving);
+  const double accel = rms(shaking.accel_rest, shaking.accel_moving);
+  if (gyro > 0.0) sample->gyro_B += gyro * z->head<3>().real();
+  if (accel > 0.0) sample->accel_B += accel * z->tail<3>().real();
+}
+
+ImuSimulator::Phasor ImuSimulator::noise() {
+  Phasor n;
+  for (auto& part : n) part = {shaking_random_.normal(), shaking_random_.normal()};
+  return n;
 }
 
 Vector3d ImuSimulator::vibration(std::size_t first) const {
@@ -57,6 +91,16 @@ Vector3d ImuSimulator::vibration(std::size_t first) const {
         std::sin(2.0 * std::numbers::pi * cycles + phases_[first + axis]);
   }
   return value;
+}
+
+Losses::Losses(const ImuModel& model, std::uint64_t seed)
+    : go_on_(1.0 - 1.0 / model.lost_run), random_(seed, 13) {
+  // share = begin / (begin + 1 - go_on), the balance of the two states
+  begin_ = model.lost_share * (1.0 - go_on_) / (1.0 - model.lost_share);
+}
+
+bool Losses::next() {
+  return lost_ = random_.uniform() < (lost_ ? go_on_ : begin_);
 }
 
 }  // namespace rio::sim

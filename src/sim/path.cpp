@@ -26,6 +26,28 @@ class Planner {
   double polygon() const { return polygon_; }
   double seconds() const { return options_.knot_spacing * static_cast<double>(controls_.size()); }
 
+  /// Towards `target` [m] in the plane as a vehicle steers, nose ahead: a step, at least one, lies
+  /// along the middle of the headings at its ends.
+  void drive(const Vector3d& target, double speed, double time) {
+    const double h = options_.knot_spacing;
+    const double largest = options_.max_yaw_rate * h;
+    const double near = speed / options_.max_yaw_rate;  // turning radius [m]
+    double t = 0.0;
+    do {
+      const Vector3d way = target - position();
+      const double bearing = std::atan2(way.y(), way.x());
+      const double turn =
+          std::clamp(std::remainder(bearing - yaw_, 2.0 * std::numbers::pi), -largest, largest);
+      const double middle = yaw_ + 0.5 * turn;
+      const Vector3d step = speed * h * Vector3d(std::cos(middle), std::sin(middle), 0.0);
+      yaw_ += turn;
+      const Vector3d next = position() + step;
+      controls_.emplace_back(next.x(), next.y(), 0.0, yaw_);
+      polygon_ += speed * h;
+      t += h;
+    } while (t < time && (target - position()).head<2>().norm() > near);
+  }
+
   /// Towards `target` [m] at `speed` [m/s] until it is reached or `time` [s] is over.
   void fly(const Vector3d& target, double speed, double time) {
     for (double t = 0.0; t < time && position() != target; t += options_.knot_spacing) {
@@ -59,6 +81,30 @@ class Planner {
   std::vector<Trajectory::Control> controls_;
 };
 
+/// Legs between way points until the length or the duration is reached.
+Trajectory random_drive(std::uint64_t seed, const PathOptions& options,
+                        const Trajectory::Settings& settings) {
+  constexpr double kMargin = 1.2;  // the curve is shorter than its polygon
+  Planner planner(seed, options);
+  Random& random = planner.random();
+  while (options.length > 0.0 ? planner.polygon() < kMargin * options.length
+                              : planner.seconds() < options.duration) {
+    const Vector3d from = (planner.position() - options.reach).cwiseMax(options.low);
+    const Vector3d to = (planner.position() + options.reach).cwiseMin(options.high);
+    const Vector3d target = random.in_box(from, to);
+    const double speed = random.uniform(options.min_speed, options.max_speed);
+    planner.drive(target, speed, random.uniform(options.min_leg, options.max_leg));
+  }
+  std::vector<Trajectory::Control>& controls = planner.controls();
+  controls.insert(controls.end(), 4, controls.back());
+  if (options.length > 0.0) {
+    // shrinking about the start is exact: the length is homogeneous in the control points
+    const double scale = options.length / Trajectory(controls, settings).length();
+    for (auto& control : controls) control.head<3>() *= scale;
+  }
+  return Trajectory(std::move(controls), settings);
+}
+
 }  // namespace
 
 Trajectory random_flight(std::uint64_t seed, const PathOptions& options, Time start) {
@@ -69,7 +115,9 @@ Trajectory random_flight(std::uint64_t seed, const PathOptions& options, Time st
   const Trajectory::Settings settings{.start = start,
                                       .knot_spacing = options.knot_spacing,
                                       .stand_before = options.stand_before,
-                                      .stand_after = options.stand_after};
+                                      .stand_after = options.stand_after,
+                                      .level = options.ground};
+  if (options.ground) return random_drive(seed, options, settings);
   Planner planner(seed, options);
   Random& random = planner.random();
   const double height = options.high.z() - options.low.z();

@@ -17,7 +17,18 @@ RadarSimulator::RadarSimulator(RadarModel model, Room room, std::uint64_t seed)
       sin_half_elevation_(std::sin(0.5 * model_.fov_elevation)),
       highlights_(seed),
       reflector_speckles_(fading_.make(room_.reflectors.size())),
-      highlight_speckles_(fading_.make(model_.specular ? kHighlights : 0)) {
+      highlight_speckles_(fading_.make(model_.specular ? kHighlights : 0)),
+      own_random_(seed, 15) {
+  constexpr double kBumper = 1.5;  // parts of a vehicle are within [m]
+  for (int i = 0; i < model_.own_echoes; ++i) {
+    own_.push_back({own_random_.uniform(model_.min_range, kBumper),
+                    own_random_.uniform(-0.5, 0.5) * model_.fov_azimuth,
+                    own_random_.uniform(-0.5, 0.5) * model_.fov_elevation});
+  }
+  Random facing(seed, 16);
+  for (std::size_t i = 0; model_.lobe_width > 0.0 && i < room_.reflectors.size(); ++i) {
+    facing_W_.push_back(facing.normal3().normalized());
+  }
   for (int i = 0; i < model_.people; ++i) {
     people_.emplace_back(seed, i, room_.low_W, room_.high_W);
     people_speckles_.push_back(fading_.make(Person::kCentres));
@@ -40,6 +51,7 @@ LabeledScan RadarSimulator::scan(const Trajectory::Point& body, double outlier_s
   if (model_.specular) add_highlights(view, echoes);
   add_people(view, to_seconds(body.nav.time - *first_scan_), echoes);
   echoes = peaks(std::move(echoes));
+  add_own(echoes);
   add_outliers(view, outlier_share, echoes);
 
   LabeledScan result;
@@ -84,6 +96,13 @@ void RadarSimulator::receive(Echo echo, double rcs_dbsm, const Speckle& speckle,
   if (echo.snr_db > model_.threshold_db) echoes.push_back(echo);
 }
 
+double RadarSimulator::aspect_loss(const View& view, std::size_t reflector) const {
+  if (model_.lobe_width <= 0.0) return 0.0;
+  const Vector3d to_radar_W = (view.p_WS - room_.reflectors[reflector].position_W).normalized();
+  const double aspect = std::acos(std::clamp(to_radar_W.dot(facing_W_[reflector]), -1.0, 1.0));
+  return 3.0 * std::pow(aspect / model_.lobe_width, 2);
+}
+
 void RadarSimulator::add_reflectors(const View& view, std::vector<Echo>& echoes) {
   for (std::size_t i = 0; i < room_.reflectors.size(); ++i) {
     const Reflector& reflector = room_.reflectors[i];
@@ -91,8 +110,8 @@ void RadarSimulator::add_reflectors(const View& view, std::vector<Echo>& echoes)
     const Speckle& speckle = fading_.advance(path_, reflector_speckles_[i]);
     const Vector3d centre_S =
         view.to_S(reflector.position_W + model_.wander_sigma * speckle.wander);
-    receive(echo_of(centre_S, -view.v_S, {Cause::kStatic, static_cast<int>(i)}), reflector.rcs_dbsm,
-            speckle, echoes);
+    receive(echo_of(centre_S, -view.v_S, {Cause::kStatic, static_cast<int>(i)}),
+            reflector.rcs_dbsm - aspect_loss(view, i), speckle, echoes);
   }
 }
 
@@ -119,6 +138,17 @@ void RadarSimulator::add_people(const View& view, double seconds, std::vector<Ec
               model_.person_rcs_dbsm + people_[k].rcs_db(i),
               fading_.advance(path, people_speckles_[k][i]), echoes);
     }
+  }
+}
+
+void RadarSimulator::add_own(std::vector<Echo>& echoes) {
+  for (std::size_t i = 0; i < own_.size(); ++i) {
+    if (own_random_.uniform() >= model_.own_echo_share) continue;
+    Echo echo;
+    echo.polar = own_[i];
+    echo.snr_db = model_.threshold_db + 4.0 * std::abs(own_random_.normal());
+    echo.label = {Cause::kVehicle, static_cast<int>(i)};
+    echoes.push_back(echo);
   }
 }
 
@@ -212,6 +242,12 @@ RadarDetection RadarSimulator::measure(const Echo& echo) {
   polar.elevation += growth * model_.sigma_elevation / std::cos(echo.polar.elevation) * n[2];
   polar.elevation += model_.elevation_bias;
   double doppler = echo.range_rate + model_.sigma_doppler * n[3];
+  const double in_cells = echo.range_rate / model_.doppler_resolution;
+  const double off_centre = in_cells - std::round(in_cells);  // half a cell at most
+  if (model_.doppler_slip_share > 0.0 &&
+      radar_random_.uniform() < 2.0 * std::abs(off_centre) * model_.doppler_slip_share) {
+    doppler += std::copysign(model_.doppler_resolution, off_centre);
+  }
   if (model_.quantize) {
     polar.range = model_.range_resolution * std::round(polar.range / model_.range_resolution);
     doppler = model_.doppler_resolution * std::round(doppler / model_.doppler_resolution);

@@ -34,6 +34,8 @@ const char* to_string(Cause cause) {
       return "person";
     case Cause::kFalseAlarm:
       return "false_alarm";
+    case Cause::kVehicle:
+      return "vehicle";
   }
   return "";
 }

@@ -72,7 +72,16 @@ Trajectory::Point Trajectory::at(double seconds) const {
   point.nav.v_WB = v.head<3>();
   point.accel_W = a.head<3>();
 
-  const Vector3d f = point.accel_W + settings_.gravity * Vector3d::UnitZ();
+  if (settings_.level) {
+    drive(x, v, &point);
+  } else {
+    fly(x, v, jerk, &point);
+  }
+  return point;
+}
+
+void Trajectory::fly(const Control& x, const Control& v, const Control& jerk, Point* point) const {
+  const Vector3d f = point->accel_W + settings_.gravity * Vector3d::UnitZ();
   const double thrust = f.norm();
   const Vector3d x_C(std::cos(x[3]), std::sin(x[3]), 0.0);
   const Vector3d y_C(-x_C.y(), x_C.x(), 0.0);
@@ -80,8 +89,8 @@ Trajectory::Point Trajectory::at(double seconds) const {
   R_WB.col(2) = f / thrust;
   R_WB.col(1) = R_WB.col(2).cross(x_C).normalized();
   R_WB.col(0) = R_WB.col(1).cross(R_WB.col(2));
-  point.nav.q_WB = Quaternion(R_WB);
-  point.accel_B = thrust * Vector3d::UnitZ();
+  point->nav.q_WB = Quaternion(R_WB);
+  point->accel_B = thrust * Vector3d::UnitZ();
 
   const Vector3d j = jerk.head<3>();
   const Vector3d h = (j - R_WB.col(2).dot(j) * R_WB.col(2)) / thrust;  // (E3)
@@ -89,8 +98,14 @@ Trajectory::Point Trajectory::at(double seconds) const {
   const double w_y = h.dot(R_WB.col(0));
   const double w_z =
       (v[3] * y_C.dot(R_WB.col(1)) + w_x * x_C.dot(R_WB.col(2))) / x_C.dot(R_WB.col(0));
-  point.gyro_B = {w_x, w_y, w_z};
-  return point;
+  point->gyro_B = {w_x, w_y, w_z};
+}
+
+void Trajectory::drive(const Control& x, const Control& v, Point* point) const {
+  point->nav.q_WB = Quaternion(Eigen::AngleAxisd(x[3], Vector3d::UnitZ()));
+  point->gyro_B = {0.0, 0.0, v[3]};
+  point->accel_B = point->nav.q_WB.conjugate() *
+                   Vector3d(point->accel_W + settings_.gravity * Vector3d::UnitZ());
 }
 
 Trajectory::Control Trajectory::spline(double s, int derivative) const {

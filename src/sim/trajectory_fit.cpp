@@ -229,7 +229,8 @@ TrajectoryFit fit_trajectory(const std::vector<eval::StampedPose>& poses,
   fit.trajectory = Trajectory(std::move(controls), {.start = start,
                                                     .knot_spacing = options.fit_spacing,
                                                     .stand_before = options.stand_before,
-                                                    .stand_after = options.stand_after});
+                                                    .stand_after = options.stand_after,
+                                                    .level = options.ground});
   check_thrust(fit.trajectory, options.fit_spacing / 8.0);
   return fit;
 }

@@ -25,6 +25,8 @@ struct Arguments {
   int seeds = 0;
   int threads = 2;
   std::string data;
+  std::vector<std::string> recordings;
+  std::string scenario;
   std::string out = "out";
   std::string update;
 };
@@ -44,9 +46,12 @@ void run_experiment(const Arguments& arguments) {
   rio::experiment::Result result;
   {
     rio::tools::Progress progress(true);
-    const rio::experiment::Settings settings{
-        arguments.seeds, arguments.threads, arguments.data,
-        [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
+    const rio::experiment::Settings settings{arguments.seeds,
+                                             arguments.threads,
+                                             arguments.data,
+                                             arguments.recordings,
+                                             arguments.scenario,
+                                             [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
     result = chosen->run(settings);
   }
   std::fputs(result.markdown.c_str(), stdout);
@@ -77,7 +82,9 @@ int run(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "flights at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("--data", arguments.data, "folder of recordings, for the experiment `real`");
+  app.add_option("DATASET", arguments.recordings, "recordings, for the experiment `twins`");
+  app.add_option("--data", arguments.data, "folder of recordings, for `real` and `twins`");
+  app.add_option("--scenario", arguments.scenario, "name or file of a scenario, for `twins`");
   app.add_option("--out", arguments.out, "folder for report, data and charts")
       ->capture_default_str();
   app.add_option("--update", arguments.update,

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <set>
 #include <string>
 #include <utility>
@@ -13,6 +15,7 @@
 
 #include "rio/sim/flight.hpp"
 #include "support/imu_integration.hpp"
+#include "support/measured.hpp"
 
 namespace rio::sim {
 namespace {
@@ -89,7 +92,7 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
     const Flight flight = simulate_flight(chosen);
     const std::vector<double> all = numbers(flight);
     for (const double number : all) ASSERT_TRUE(std::isfinite(number));
-    ASSERT_GT(flight.imu.size(), 1900U);
+    ASSERT_GT(static_cast<double>(flight.imu.size()), 9.5 * chosen.imu.rate_hz);
     for (std::size_t i = 1; i < flight.imu.size(); ++i) {
       ASSERT_GT(flight.imu[i].time, flight.imu[i - 1].time);
     }
@@ -164,6 +167,75 @@ TEST(Catalogue, IcraFlightsHaveTheLengthsOfTheTable) {
   for (std::size_t i = 0; i < kIcraLengths.size(); ++i) {
     const Scenario chosen = named("indoor-" + std::to_string(i + 1));
     EXPECT_NEAR(random_flight(chosen.seed, chosen.path).length(), kIcraLengths[i], 1e-6);
+  }
+}
+
+TEST(Catalogue, RoughGroundIsDrivenNoseAheadOnAFlatFloor) {
+  Scenario chosen = named("rough-ground");
+  for (chosen.seed = 1; chosen.seed <= 3; ++chosen.seed) {
+    const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
+    EXPECT_NEAR(trajectory.length(), 35.0, 1e-6);
+    double slip = 0.0;
+    double turned = 0.0;
+    for (double t = 0.0; t < trajectory.duration(); t += 0.01) {
+      const Trajectory::Point point = trajectory.at(t);
+      EXPECT_EQ(point.nav.p_WB.z(), 0.0);
+      EXPECT_EQ(point.gyro_B.head<2>().norm(), 0.0);
+      const Vector3d v_B = point.nav.q_WB.conjugate() * point.nav.v_WB;
+      if (v_B.norm() > 0.3) slip = std::max(slip, std::abs(std::atan2(v_B.y(), v_B.x())));
+      turned += 0.01 * std::abs(point.gyro_B.z());
+    }
+    test::measured("side slip of seed " + std::to_string(chosen.seed) + " [deg]", slip / kDegree,
+                   "below 6");
+    EXPECT_LT(slip, 6.0 * kDegree);
+    EXPECT_GT(turned, 2.0 * std::numbers::pi);
+  }
+}
+
+TEST(Catalogue, RoughGroundHasSparseCoarseScansAndLostSamples) {
+  const Scenario chosen = named("rough-ground");
+  const Flight flight = simulate_flight(chosen);
+  std::vector<std::size_t> points;
+  for (const RadarScan& scan : flight.scans) {
+    points.push_back(scan.detections.size());
+    for (const RadarDetection& d : scan.detections) {
+      const double cells = d.range_rate / chosen.radar.doppler_resolution;
+      EXPECT_NEAR(cells, std::round(cells), 1e-9);
+    }
+  }
+  std::sort(points.begin(), points.end());
+  const auto median = static_cast<double>(points[points.size() / 2]);
+  test::measured("points a scan, median", median, "4 to 8");
+  EXPECT_GE(median, 4.0);
+  EXPECT_LE(median, 8.0);
+  const double expected = flight.trajectory.duration() * chosen.radar.rate_hz;
+  const double lost = 1.0 - static_cast<double>(flight.scans.size()) / expected;
+  test::measured("scans lost, share", lost, "0.02 within 0.01");
+  EXPECT_NEAR(lost, chosen.radar.lost_share, 0.01);
+  double interpolated = 0.0;
+  for (std::size_t i = 1; i + 1 < flight.imu.size(); ++i) {
+    const Vector3d bend =
+        flight.imu[i - 1].accel_B - 2.0 * flight.imu[i].accel_B + flight.imu[i + 1].accel_B;
+    interpolated += bend.norm() < 1e-9 ? 1.0 / static_cast<double>(flight.imu.size()) : 0.0;
+  }
+  test::measured("samples interpolated, share", interpolated, "0.31 within 0.02");
+  EXPECT_NEAR(interpolated, 0.31, 0.02);
+}
+
+TEST(Catalogue, LostSamplesAreGoneUnlessFilled) {
+  Scenario chosen = named("rough-ground");
+  const std::size_t filled = simulate_flight(chosen).imu.size();
+  chosen.imu.lost_filled = false;
+  const Flight flight = simulate_flight(chosen);
+  EXPECT_NEAR(static_cast<double>(flight.imu.size()) / static_cast<double>(filled), 0.69, 0.02);
+  // what is left is as it would have been
+  chosen.imu.lost_share = 0.0;
+  const Flight whole = simulate_flight(chosen);
+  EXPECT_EQ(whole.imu.size(), filled);
+  std::size_t k = 0;
+  for (const ImuSample& sample : flight.imu) {
+    while (whole.imu[k].time < sample.time) ++k;
+    EXPECT_EQ(whole.imu[k].accel_B, sample.accel_B);
   }
 }
 

@@ -8,9 +8,11 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
+#include <string>
 #include <vector>
 
 #include "rio/sim/path.hpp"
+#include "support/measured.hpp"
 
 namespace rio::sim {
 namespace {
@@ -245,6 +247,130 @@ TEST(Imu, VibrationHasItsAmplitudeAndItsFrequencies) {
     for (int other = 0; other < 3 + axis; ++other) {
       EXPECT_GT(std::abs(std::arg(found[3 + axis] / found[other])), 1e-3);
     }
+  }
+}
+
+/// Shaking alone, at 10 Hz and 60 Hz, the latter beyond half the rate of 100 Hz.
+ImuModel shaking() {
+  ImuModel model = ImuModel::noise_free();
+  model.rate_hz = 100.0;
+  model.low = {.frequency_hz = 10.0,
+               .width_hz = 1.0,
+               .gyro_rest = 0.01,
+               .gyro_moving = 0.05,
+               .accel_rest = 0.1,
+               .accel_moving = 2.0};
+  model.high = {.frequency_hz = 60.0, .width_hz = 1.0, .accel_moving = 3.0};
+  return model;
+}
+
+/// What the IMU adds to the motion at a speed, y axis of the accelerometer; the rms of the
+/// gyroscope.
+std::vector<double> shaken(const ImuModel& model, double speed, std::size_t count, double* gyro) {
+  ImuSimulator imu(model, 3);
+  Trajectory::Point point = standing();
+  point.nav.v_WB.x() = speed;
+  std::vector<double> accel;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ImuSample sample = imu.sample(point);
+    accel.push_back(sample.accel_B.y());
+    squares += sample.gyro_B.squaredNorm() / 3.0;
+  }
+  *gyro = std::sqrt(squares / static_cast<double>(count));
+  return accel;
+}
+
+double root_mean_square(const std::vector<double>& x) {
+  double sum = 0.0;
+  for (const double value : x) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(x.size()));
+}
+
+TEST(Imu, ShakesAtRestAndInMotionByItsRms) {
+  constexpr std::size_t kSamples = 200000;
+  // noise 2 pi wide a second decorrelates in 0.16 s: 1 % of an rms in 2000 s is three sigmas
+  double gyro = 0.0;
+  const double rest = root_mean_square(shaken(shaking(), 0.0, kSamples, &gyro));
+  test::measured("accelerometer at rest, of 0.1 [m/s^2]", rest, "within 2 %");
+  EXPECT_NEAR(rest / 0.1, 1.0, 0.02);
+  EXPECT_NEAR(gyro / 0.01, 1.0, 0.02);
+  const double moving = root_mean_square(shaken(shaking(), 5.0, kSamples, &gyro));
+  const double both = std::hypot(2.0, 3.0);
+  test::measured("in motion, of 3.61 [m/s^2]", moving, "within 2 %");
+  EXPECT_NEAR(moving / both, 1.0, 0.02);
+  EXPECT_NEAR(gyro / 0.05, 1.0, 0.02);
+  // half the speed: (E4)
+  const double half = root_mean_square(shaken(shaking(), 0.5, kSamples, &gyro));
+  const double square = 0.01 + 0.25 * (4.0 - 0.01) + 0.25 * 9.0;
+  EXPECT_NEAR(half / std::sqrt(square), 1.0, 0.02);
+}
+
+TEST(Imu, ShakesAroundItsFrequenciesAndTheirAliases) {
+  constexpr std::size_t kWindow = 500;  // lines of 0.2 Hz
+  constexpr std::size_t kWindows = 400;
+  double gyro = 0.0;
+  const std::vector<double> x = shaken(shaking(), 5.0, kWindow * kWindows, &gyro);
+  const auto power = [&](double low, double high) {
+    double sum = 0.0;
+    for (std::size_t k = 1; k < kWindow / 2; ++k) {
+      const double frequency = static_cast<double>(k) * 100.0 / kWindow;
+      if (frequency < low || frequency >= high) continue;
+      for (std::size_t w = 0; w < kWindows; ++w) {
+        std::complex<double> line = 0.0;
+        for (std::size_t i = 0; i < kWindow; ++i) {
+          const double angle = 2.0 * std::numbers::pi * static_cast<double>(k * i) / kWindow;
+          line += x[w * kWindow + i] * std::polar(1.0, -angle);
+        }
+        sum += 2.0 * std::norm(line) / (static_cast<double>(kWindow * kWindow) * kWindows);
+      }
+    }
+    return sum;
+  };
+  // of a line of half width 1 Hz, 2 / pi atan(3) = 0.795 lies within 3 Hz
+  const double low = power(7.0, 13.0) / 4.0;
+  const double alias = power(37.0, 43.0) / 9.0;
+  test::measured("power within 3 Hz of 10 Hz, share", low, "0.80 within 0.04");
+  test::measured("power of 60 Hz within 3 Hz of 40 Hz, share", alias, "0.80 within 0.04");
+  EXPECT_NEAR(low, 0.80, 0.04);
+  EXPECT_NEAR(alias, 0.80, 0.04);
+  EXPECT_LT(power(20.0, 30.0) / 13.0, 0.05);
+}
+
+TEST(Imu, TheGroundChangesButNotTheMeanSquare) {
+  ImuModel model = shaking();
+  model.shaking_spread = 0.4;
+  double gyro = 0.0;
+  const std::vector<double> x = shaken(model, 5.0, 400000, &gyro);
+  EXPECT_NEAR(root_mean_square(x) / std::hypot(2.0, 3.0), 1.0, 0.05);
+  double fourth = 0.0;
+  for (const double value : x) fourth += std::pow(value, 4) / static_cast<double>(x.size());
+  const double kurtosis = fourth / std::pow(root_mean_square(x), 4);
+  // 3 exp(4 s^2) of a Gaussian whose logarithm of the rms has the spread s
+  test::measured("kurtosis at a spread of 0.4", kurtosis, "5.7 within 0.6");
+  EXPECT_NEAR(kurtosis, 3.0 * std::exp(4.0 * 0.16), 0.6);
+}
+
+TEST(Losses, HaveTheirShareAndTheirRuns) {
+  for (const double run : {1.0, 4.0}) {
+    ImuModel model;
+    model.lost_share = 0.3;
+    model.lost_run = run;
+    Losses losses(model, 1);
+    double lost = 0.0;
+    double runs = 0.0;
+    bool before = false;
+    constexpr int kSamples = 100000;
+    for (int i = 0; i < kSamples; ++i) {
+      const bool now = losses.next();
+      lost += now ? 1.0 : 0.0;
+      runs += now && !before ? 1.0 : 0.0;
+      before = now;
+    }
+    test::measured("share lost in runs of " + std::to_string(run), lost / kSamples,
+                   "0.30 within 0.01");
+    EXPECT_NEAR(lost / kSamples, 0.3, 0.01);
+    EXPECT_NEAR(lost / runs, run, 0.03 * run);
   }
 }
 

@@ -3,9 +3,16 @@
 //
 // (E1) sample = truth + bias + vibration + density * sqrt(rate) * n, n ~ N(0, 1) per axis
 // (E2) bias' = bias + random_walk / sqrt(rate) * n, from one sample to the next
+// (E3) a shaking frame, per axis: rms * Re z, z' = k z + sqrt(1 - k^2) n e^(i a), n complex of unit
+//      variance a part, k = exp(-2 pi b / rate), z turned by a = 2 pi f / rate from sample to
+//      sample: noise of spectrum b / ((f' - f)^2 + b^2), as it is sampled, aliases included
+// (E4) rms^2 = rest^2 + (moving^2 - rest^2) min(1, speed / shaking_speed)^2 exp(2 (s g - s^2)), g
+// of
+//      unit variance, correlated over shaking_time: the ground changes, the mean square does not
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstdint>
 
 #include "rio/sim/random.hpp"
@@ -13,6 +20,17 @@
 #include "rio/types.hpp"
 
 namespace rio::sim {
+
+/// Noise of a vehicle's frame around a resonance, (E3) and (E4). It shakes the IMU alone: its way
+/// is below what the radar resolves.
+struct Shaking {
+  double frequency_hz = 20.0;  ///< centre [Hz]; beyond half the rate it aliases
+  double width_hz = 10.0;      ///< half width at half power [Hz]
+  double gyro_rest = 0.0;      ///< rms per axis at rest, the engine hums [rad/s]
+  double gyro_moving = 0.0;    ///< same at full speed [rad/s]
+  double accel_rest = 0.0;     ///< [m/s^2]
+  double accel_moving = 0.0;   ///< [m/s^2]
+};
 
 /// The inertial sensor that is simulated. Defaults: a consumer MEMS unit on a quadrotor.
 struct ImuModel {
@@ -29,6 +47,14 @@ struct ImuModel {
   double accel_limit = 156.9;            ///< saturation [m/s^2]
   double vibration_frequency_hz = 87.0;  ///< of the first rotor; the others are 3 % apart [Hz]
   double stamp_jitter = 0.0;             ///< standard deviation of the stamps [s]
+  Shaking low{};                         ///< of the frame, beside the rotors' vibration
+  Shaking high{};                        ///< another one
+  double shaking_speed = 1.0;            ///< from which on it shakes as when moving [m/s]
+  double shaking_spread = 0.0;           ///< s of (E4), of the logarithm of the rms in motion
+  double shaking_time = 0.5;             ///< e-folding time of that [s]
+  double lost_share = 0.0;               ///< of the samples
+  double lost_run = 1.0;                 ///< mean number of neighbours lost together
+  bool lost_filled = false;  ///< with what lies on the line between the neighbours; else gone
 
   /// Only what a filter models: bias and white noise, no vibration.
   static ImuModel ideal();
@@ -49,6 +75,16 @@ class ImuSimulator {
   ImuSample sample(const Trajectory::Point& point);
 
  private:
+  /// State of a Shaking: gyro and specific force.
+  using Phasor = Eigen::Matrix<std::complex<double>, 6, 1>;
+
+  /// Advances (E3) by one sample and adds it.
+  /// @param level of the rms in motion, between rest and moving
+  void shake(const Shaking& shaking, double level, Phasor* z, ImuSample* sample);
+  /// The next level of (E4).
+  double roughness(double speed);
+  Phasor noise();
+
   /// One sinusoid of unit amplitude an axis, rotors slightly apart in speed.
   Vector3d vibration(std::size_t first) const;
 
@@ -58,6 +94,23 @@ class ImuSimulator {
   Vector3d accel_bias_;
   std::array<double, 6> phases_{};
   std::uint64_t count_ = 0;
+  Random shaking_random_;
+  Phasor low_;
+  Phasor high_;
+  double ground_ = 0.0;  ///< g of (E4)
+};
+
+/// Which samples are lost, one call a sample: runs of geometric length, `share` of all.
+class Losses {
+ public:
+  Losses(const ImuModel& model, std::uint64_t seed);
+  bool next();
+
+ private:
+  double begin_;  ///< probability that a run begins after a sample that was there
+  double go_on_;  ///< that a run goes on
+  bool lost_ = false;
+  Random random_;
 };
 
 }  // namespace rio::sim

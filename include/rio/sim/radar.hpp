@@ -8,6 +8,7 @@
 //      sigma_d n, sigmas at the true direction; then the grids, and folding into [-v_max, v_max)
 // (E6) weak echoes: g^2 = 1 + k 10^(-(SNR - threshold) / 10)
 // (E7) n = sqrt(1 - f^2) n_lasting + f n_fresh; interference lasts while the radar is at rest
+// (E8) a reflector that faces somewhere: 3 dB (aspect / lobe_width)^2 less at an aspect off that
 // One peak a range-Doppler cell. Frames W, B, S; metres, radians, m/s, dB.
 #pragma once
 
@@ -66,11 +67,17 @@ class RadarSimulator {
   /// Keeps the echo if it passes the threshold.
   void receive(Echo echo, double rcs_dbsm, const Speckle& speckle, std::vector<Echo>& echoes);
 
+  /// (E8) [dB]
+  double aspect_loss(const View& view, std::size_t reflector) const;
+
   void add_reflectors(const View& view, std::vector<Echo>& echoes);
 
   void add_highlights(const View& view, std::vector<Echo>& echoes);
 
   void add_people(const View& view, double seconds, std::vector<Echo>& echoes);
+
+  /// Those of the vehicle's own places that show.
+  void add_own(std::vector<Echo>& echoes);
 
   /// The strongest echo of each range-Doppler cell, strongest first; `max_static` of static ones.
   std::vector<Echo> peaks(std::vector<Echo> echoes) const;
@@ -102,6 +109,9 @@ class RadarSimulator {
   Highlights highlights_;
   Speckles reflector_speckles_;
   Speckles highlight_speckles_;
+  Random own_random_;
+  std::vector<Polar> own_;          ///< places of the vehicle
+  std::vector<Vector3d> facing_W_;  ///< one a reflector, if they have lobes
   std::vector<Person> people_;
   std::vector<Speckles> people_speckles_;
   std::optional<Time> first_scan_;

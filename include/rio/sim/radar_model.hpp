@@ -57,10 +57,17 @@ struct RadarModel {
   int people = 0;                    ///< who walk about, each a cloud of scatterers
   double person_rcs_dbsm = -12.0;    ///< mean of a scatterer of a person [dB(m^2)]
   double burst_outlier_share = 0.8;  ///< of all detections during a burst
-  double doppler_scale = 0.0;        ///< relative error of the reported range rates
-  double elevation_bias = 0.0;       ///< added to every elevation [rad]
-  double stamp_offset = 0.0;         ///< the stamps are late by this [s]
-  double latency = 0.0;              ///< from the measurement to the arrival of a scan [s]
+  int own_echoes = 0;                ///< places on the vehicle in view: at rest to the radar
+  double own_echo_share = 0.25;      ///< of the scans in which each of them shows
+  /// Of the points whose range rate lies on the border of two Doppler cells, the share that is read
+  /// in the wrong one; falls to zero at the centre of a cell.
+  double doppler_slip_share = 0.0;
+  double lobe_width = 0.0;      ///< aspect at which a reflector is 3 dB down; 0 = none [rad]
+  double lost_share = 0.0;      ///< of the scans: on their way to the host
+  double doppler_scale = 0.0;   ///< relative error of the reported range rates
+  double elevation_bias = 0.0;  ///< added to every elevation [rad]
+  double stamp_offset = 0.0;    ///< the stamps are late by this [s]
+  double latency = 0.0;         ///< from the measurement to the arrival of a scan [s]
 
   /// The radar's own word on its Doppler, as wrong as its range rates; 0 = none [m/s].
   double reported_max_doppler() const {
@@ -82,6 +89,7 @@ enum class Cause : std::uint8_t {
   kSpecular,      ///< highlight of a wall or an edge: static, yet it rides along with the radar
   kPerson,        ///< somebody who walks about
   kFalseAlarm,    ///< nothing: random place and Doppler
+  kVehicle,       ///< the vehicle that carries the radar: no Doppler, whatever it does
 };
 
 /// Name as in the label file.

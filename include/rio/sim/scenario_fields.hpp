@@ -33,6 +33,8 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
 
   field("path.file", s.path.file, "", 0, 0,
         "Recorded path flown instead of a random one: TUM, EuRoC csv or dataset folder.");
+  field("path.ground", s.path.ground, "", 0, 1,
+        "A vehicle that drives on level ground, nose ahead, and does not return.");
   field("path.length", s.path.length, "m", 0, 10000,
         "Length of the whole path; 0 = it ends by path.duration.");
   field("path.duration", s.path.duration, "s", 0, 86400,
@@ -79,6 +81,29 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
         "Of the first rotor; the others are 3 % apart.");
   field("imu.stamp_jitter", s.imu.stamp_jitter, "s", 0, 0.1,
         "Standard deviation of the stamps; at most half a period is used.");
+  field("imu.low.frequency_hz", s.imu.low.frequency_hz, "Hz", 0, 10000,
+        "One shaking of the frame: centre of its spectrum.");
+  field("imu.low.width_hz", s.imu.low.width_hz, "Hz", 0.01, 10000, "Half width at half power.");
+  field("imu.low.gyro_rest", s.imu.low.gyro_rest, "rad/s", 0, 100, "RMS per axis at rest.");
+  field("imu.low.gyro_moving", s.imu.low.gyro_moving, "rad/s", 0, 100, "Same in motion.");
+  field("imu.low.accel_rest", s.imu.low.accel_rest, "m/s^2", 0, 1000, "RMS per axis at rest.");
+  field("imu.low.accel_moving", s.imu.low.accel_moving, "m/s^2", 0, 1000, "Same in motion.");
+  field("imu.high.frequency_hz", s.imu.high.frequency_hz, "Hz", 0, 10000,
+        "Another one: centre of its spectrum.");
+  field("imu.high.width_hz", s.imu.high.width_hz, "Hz", 0.01, 10000, "Half width at half power.");
+  field("imu.high.gyro_rest", s.imu.high.gyro_rest, "rad/s", 0, 100, "RMS per axis at rest.");
+  field("imu.high.gyro_moving", s.imu.high.gyro_moving, "rad/s", 0, 100, "Same in motion.");
+  field("imu.high.accel_rest", s.imu.high.accel_rest, "m/s^2", 0, 1000, "RMS per axis at rest.");
+  field("imu.high.accel_moving", s.imu.high.accel_moving, "m/s^2", 0, 1000, "Same in motion.");
+  field("imu.shaking_speed", s.imu.shaking_speed, "m/s", 0.01, 100,
+        "From which on the frame shakes as when moving.");
+  field("imu.shaking_spread", s.imu.shaking_spread, "", 0, 3,
+        "Of the logarithm of the rms in motion: the ground changes.");
+  field("imu.shaking_time", s.imu.shaking_time, "s", 1e-3, 1000, "e-folding time of that.");
+  field("imu.lost_share", s.imu.lost_share, "", 0, 0.9, "Of the samples.");
+  field("imu.lost_run", s.imu.lost_run, "", 1, 1000, "Mean number of neighbours lost together.");
+  field("imu.lost_filled", s.imu.lost_filled, "", 0, 1,
+        "Lost samples are put on the line between their neighbours; else they are gone.");
 
   field("radar.T_BS.translation", s.radar.T_BS.translation, "m", -100, 100,
         "True position of the radar in the body frame.");
@@ -139,6 +164,16 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
         "Mean cross section of a scatterer of a person, over 1 m^2.");
   field("radar.burst_outlier_share", s.radar.burst_outlier_share, "", 0, 0.95,
         "Outliers of all detections during a burst.");
+  field("radar.own_echoes", s.radar.own_echoes, "", 0, 100,
+        "Places on the vehicle itself in view, at rest to the radar.");
+  field("radar.own_echo_share", s.radar.own_echo_share, "", 0, 1,
+        "Of the scans in which each of them shows.");
+  field("radar.doppler_slip_share", s.radar.doppler_slip_share, "", 0, 1,
+        "Of the points between two Doppler cells, read in the wrong one.");
+  field("radar.lobe_width", s.radar.lobe_width, "rad", 0, kPi,
+        "Aspect at which the echo of a reflector is 3 dB down; 0 = seen alike from everywhere.");
+  field("radar.lost_share", s.radar.lost_share, "", 0, 0.9,
+        "Of the scans, lost on their way to the host.");
   field("radar.doppler_scale", s.radar.doppler_scale, "", -0.5, 0.5,
         "Relative error of the reported range rates.");
   field("radar.elevation_bias", s.radar.elevation_bias, "rad", -0.5, 0.5,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Exact trajectory of a quadrotor: a quintic B-spline of position and yaw between two standstills.
+// Exact trajectory of a quadrotor, or of a vehicle on the ground: a quintic B-spline of position
+// and yaw between two standstills.
 //
 // (E1) x(s) = P_k + sum_j C_j(u) (P_{k+j} - P_{k+j-1}), j = 1..5: cumulative form, four times
 //      continuously differentiable, and exactly constant where the control points are equal.
@@ -7,6 +8,7 @@
 //      z_B = f/|f|, y_B = z_B x x_C / |.|, x_B = y_B x z_B; specific force R^T f = |f| e3.
 // (E3) h = (j - (z_B.j) z_B)/|f|: w_x = -h.y_B, w_y = h.x_B,
 //      w_z = (yaw_rate y_C.y_B + w_x x_C.z_B) / (x_C.x_B), from d/dt (x_C.y_B) = 0.
+// A vehicle on level ground instead keeps z_B = e3, x_B = x_C: gyro (0, 0, yaw_rate), R^T f.
 // Reference: Mellinger and Kumar, ICRA 2011 (flatness); Sommer et al., CVPR 2020 (cumulative form).
 // Frames W (z up) and B. Valid while thrust is upwards and pitch below 90 deg.
 #pragma once
@@ -44,6 +46,7 @@ class Trajectory {
     double stand_before = 0.0;  ///< standstill at the first control point [s]
     double stand_after = 0.0;   ///< standstill at the last control point [s]
     double gravity = 9.81;      ///< along -z of W [m/s^2]
+    bool level = false;         ///< a vehicle on the ground: yaw is all its attitude
   };
 
   /// Stands at the origin for no time.
@@ -81,6 +84,11 @@ class Trajectory {
 
   double spans() const { return static_cast<double>(controls_.size() - kOrder + 1); }
   double rate(double s) const { return spline(s, 1).head<3>().norm(); }
+
+  /// Attitude, rate and specific force of thrust along the acceleration, (E2) and (E3).
+  void fly(const Control& x, const Control& v, const Control& jerk, Point* point) const;
+  /// Same, of a vehicle on level ground.
+  void drive(const Control& x, const Control& v, Point* point) const;
 
   /// (E1) or its derivative of order 0..3 with respect to s, which counts knot spacings.
   Control spline(double s, int derivative) const;

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The simulated twin of a recording.
+#pragma once
+
+#include <string>
+
+#include "experiment/recording.hpp"
+#include "rio/sim/scenario.hpp"
+
+namespace rio::experiment {
+
+/// A scenario of the catalogue, or of a file. @throws std::runtime_error if there is no such
+sim::Scenario scenario_of(const std::string& name);
+
+/// The scenario with what a recording tells directly; vibration and strength of the echoes are as a
+/// first guess.
+sim::Scenario as_recorded(const Recording& recording, sim::Scenario scenario);
+
+/// A simulated recording; its motion is that of the truth, as fast as the radar would notice.
+struct Twin {
+  io::Dataset data;
+  Motion motion;
+};
+
+/// A flight of the scenario, as_recorded(), along the reference where there is one, whose rms of
+/// vibration and median of points a scan have been brought to those of the recording in some
+/// rounds. The estimator is told what it is told of the recording.
+/// @throws std::runtime_error if the reference is no path
+Twin twin_of(const Recording& recording, const sim::Scenario& scenario);
+
+}  // namespace rio::experiment

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment/witness.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "experiment/door_two.hpp"
+#include "experiment/signature.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double ratio(double part, double whole) {
+  return whole > 0.0 ? part / whole : kNaN;
+}
+
+bool of_landmark(const InnovationRecord& r) {
+  return r.model == Model::kLandmarkDistance || r.model == Model::kLandmarkPoint ||
+         r.model == Model::kLandmarkPosition;
+}
+
+/// Sums over the scans of the motion.
+class Sums {
+ public:
+  void add(const UpdateReport& report) {
+    ++result_.scans;
+    result_.consensus += report.ego_velocity_valid ? 1.0 : 0.0;
+    kept_ += report.detections_kept;
+    inliers_ += report.static_detections;
+    result_.velocity_resets += report.velocity_reset ? 1 : 0;
+    double sum = 0.0;
+    int count = 0;
+    for (const InnovationRecord& r : report.records) {
+      if (r.model != Model::kDoppler) continue;
+      result_.doppler.add(r);
+      if (r.verdict != Verdict::kUsed) continue;
+      squares_ += r.innovation * r.innovation;
+      sum += r.innovation / r.sigma;
+      ++count;
+    }
+    if (count > 0) correlate(sum / count);
+  }
+
+  Testimony result() {
+    result_.inlier_share = ratio(inliers_, kept_);
+    result_.consensus = ratio(result_.consensus, result_.scans);
+    result_.doppler_rms = std::sqrt(ratio(squares_, result_.doppler.used));
+    result_.doppler_lag = ratio(products_, means_);
+    return result_;
+  }
+
+ private:
+  /// (E1)
+  void correlate(double mean) {
+    products_ += mean * last_mean_;
+    means_ += mean * mean;
+    last_mean_ = mean;
+  }
+
+  Testimony result_;
+  double kept_ = 0.0;
+  double inliers_ = 0.0;
+  double squares_ = 0.0;
+  double products_ = 0.0;
+  double means_ = 0.0;
+  double last_mean_ = 0.0;
+};
+
+}  // namespace
+
+void Innovations::add(const InnovationRecord& record) {
+  if (record.verdict == Verdict::kGated) ++gated;
+  if (record.verdict != Verdict::kUsed) return;
+  ++used;
+  nis += record.nis;
+  dof += record.dof;
+}
+double Innovations::mean_nis() const {
+  return ratio(nis, dof);
+}
+double Innovations::gated_share() const {
+  return ratio(gated, used + gated);
+}
+
+Status Witness::update(const Observations& seen, UpdateReport* report) {
+  constexpr Time kPause = std::chrono::seconds(1);
+  follow();
+  std::vector<bool> after_pause(seen.scan->items.size(), false);
+  for (const Match& m : seen.matches.landmarks) {
+    after_pause[m.detection] =
+        estimate().nav.time - estimate().landmarks[m.target].last_seen > kPause;
+  }
+  const Status status = Ekf::update(seen, report);
+  for (const InnovationRecord& r : report->records) {
+    if (!listening_ || !of_landmark(r)) continue;
+    landmarks_.add(r);
+    if (after_pause[r.detection]) found_again_.add(r);
+  }
+  for (std::size_t i = 0; i < known_.size(); ++i) known_[i].p_W = estimate().landmarks[i].p_W;
+  return status;
+}
+
+void Witness::maintain_landmarks(const Observations& seen, const Promotions& promotions,
+                                 UpdateReport* report) {
+  Ekf::maintain_landmarks(seen, promotions, report);
+  follow();
+}
+
+void Witness::follow() {
+  std::vector<Known> now;
+  for (const LandmarkState& landmark : estimate().landmarks) {
+    const auto old = std::find_if(known_.begin(), known_.end(),
+                                  [&](const Known& k) { return k.p_W == landmark.p_W; });
+    if (old == known_.end()) {
+      now.push_back({landmark.p_W, estimate().nav.time, listening_, landmark.last_seen});
+      continue;
+    }
+    now.push_back({landmark.p_W, old->born, old->counts, landmark.last_seen});
+    known_.erase(old);
+  }
+  for (const Known& gone : known_) {
+    if (gone.counts) ended_.push_back(to_seconds(gone.last_seen - gone.born));
+  }
+  known_ = std::move(now);
+}
+
+std::vector<double> Witness::lives() const {
+  std::vector<double> all = ended_;
+  for (const Known& k : known_) {
+    if (k.counts) all.push_back(to_seconds(k.last_seen - k.born));
+  }
+  return all;
+}
+
+Testimony testimony(const io::Dataset& data, const Motion& motion) {
+  Options options;
+  io::apply_sensor_info(data, &options);
+  std::string why;
+  if (!options.validate(&why)) throw std::runtime_error(why);
+  Sums sums;
+  DoorTwo<Witness> door(options);
+  const auto in_motion = [&](std::size_t i) {
+    return data.scans[i].time >= motion.begin && data.scans[i].time <= motion.end;
+  };
+  door.run(
+      data.imu, data.scans, [](std::size_t, Time) { return true; },
+      [&](std::size_t i, const DetectionList&) { door.backend().listen(in_motion(i)); },
+      [&](std::size_t i, Status) {
+        if (in_motion(i)) sums.add(door.pipeline().report());
+      });
+  Testimony result = sums.result();
+  const Witness& witness = door.backend();
+  result.landmarks = witness.landmarks();
+  result.found_again = witness.found_again();
+  result.landmarks_a_scan = ratio(result.landmarks.used, result.scans);
+  result.found_again_share = ratio(result.found_again.used, result.landmarks.used);
+  result.landmark_life = Quantiles::of(witness.lives()).median;
+  return result;
+}
+
+}  // namespace rio::experiment

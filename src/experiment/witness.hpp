@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the filter of `default` makes of a recording, scan by scan: inliers of the consensus,
+// innovations of the Doppler, matches and innovations of the landmarks, how long these live.
+//
+// (E1) correlation of neighbours: sum m_k m_k+1 / sum m_k^2, m_k the mean of innovation over sigma
+//      of the Dopplers of a scan; zero if what a scan leaves over has nothing to do with the next
+#pragma once
+
+#include <vector>
+
+#include "experiment/recording.hpp"
+#include "rio/ekf/ekf.hpp"
+#include "rio/io/dataset.hpp"
+
+namespace rio::experiment {
+
+/// NIS over degrees of freedom, of rows that were used, and how many were not.
+struct Innovations {
+  double nis = 0.0;
+  int dof = 0;
+  int used = 0;   ///< blocks
+  int gated = 0;  ///< blocks
+
+  void add(const InnovationRecord& record);
+  double mean_nis() const;     ///< NaN of nothing
+  double gated_share() const;  ///< same
+};
+
+/// NaN where nothing was seen.
+struct Testimony {
+  int scans = 0;                  ///< processed, in motion
+  double inlier_share = 0.0;      ///< of the points that the consensus takes for static
+  double consensus = 0.0;         ///< share of the scans that found one
+  Innovations doppler;            ///< in motion
+  double doppler_rms = 0.0;       ///< of its innovations [m/s]
+  double doppler_lag = 0.0;       ///< (E1)
+  double landmarks_a_scan = 0.0;  ///< matches used
+  Innovations landmarks;
+  Innovations found_again;         ///< of those, after a pause of a second
+  double found_again_share = 0.0;  ///< of the matches
+  double landmark_life = 0.0;      ///< median, from birth in motion to the last match used [s]
+  int velocity_resets = 0;
+};
+
+/// The filter, and when its landmarks were born and last used.
+class Witness : public Ekf {
+ public:
+  using Ekf::Ekf;
+
+  /// Whether what follows counts; landmarks count that are born then.
+  void listen(bool on) { listening_ = on; }
+  Status update(const Observations& seen, UpdateReport* report);
+  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
+                          UpdateReport* report);
+
+  const Innovations& landmarks() const { return landmarks_; }
+  const Innovations& found_again() const { return found_again_; }
+  /// Of the landmarks that have left, and of those there are [s].
+  std::vector<double> lives() const;
+
+ private:
+  struct Known {
+    Vector3d p_W;
+    Time born;
+    bool counts;
+    Time last_seen;
+  };
+  /// The known landmarks in the order of the estimate; those that are gone have ended.
+  void follow();
+
+  bool listening_ = false;
+  Innovations landmarks_;
+  Innovations found_again_;
+  std::vector<Known> known_;
+  std::vector<double> ended_;
+};
+
+/// Static start and no option set, but for what the recording says of its sensors.
+/// @throws std::runtime_error if that makes invalid options
+Testimony testimony(const io::Dataset& data, const Motion& motion);
+
+}  // namespace rio::experiment
