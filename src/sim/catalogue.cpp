@@ -55,15 +55,14 @@ void rough_ground(Scenario* s) {
   s->radar.range_resolution = 0.047;
   s->radar.max_doppler = 7.862;
   s->radar.doppler_resolution = 7.862 / 16.0;
-  s->radar.sigma_azimuth = s->radar.sigma_elevation = 3.0 * kDegree;
+  s->radar.sigma_azimuth = s->radar.sigma_elevation = 2.5 * kDegree;
   s->radar.threshold_db = 15.6;
   s->radar.snr_1m_db = 46.0;
   s->radar.max_static = 16;
   s->radar.false_alarm_share = 0.0;  // its threshold is high
-  s->radar.lobe_width = 20.0 * kDegree;
   s->radar.own_echoes = 3;
-  s->radar.own_echo_share = 0.12;
-  s->radar.doppler_slip_share = 0.15;
+  s->radar.own_echo_share = 0.2;
+  s->radar.doppler_slip_share = 0.2;
   s->radar.lost_share = 0.02;
 }
 

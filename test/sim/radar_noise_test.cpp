@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/radar_cases.hpp"
+#include "support/measured.hpp"
 
 namespace rio::sim {
 namespace {
@@ -179,6 +180,36 @@ TEST(RadarNoise, AngleGridAddsItsUniformError) {
   }
   const auto range = select(errors, [](const Error& e) { return e.range; });
   EXPECT_LT(largest(range), 1e-12);
+}
+
+TEST(RadarNoise, SlipsIntoTheNeighbouringDopplerCell) {
+  RadarModel model = RadarModel::ideal();
+  model.quantize = true;
+  model.sigma_doppler = 1e-3;
+  model.doppler_resolution = 0.1;
+  const auto slipped = [](const std::vector<Error>& errors) {
+    double count = 0.0;
+    for (const Error& e : errors) count += std::abs(e.doppler) > 0.055 ? 1.0 : 0.0;
+    return count / static_cast<double>(errors.size());
+  };
+  EXPECT_EQ(slipped(errors_of(model)), 0.0);
+  model.doppler_slip_share = 0.4;
+  // half of it for range rates spread evenly over a cell; none at rest
+  const std::vector<Error> errors = errors_of(model);
+  double moving = 0.0;
+  double off = 0.0;
+  for (const Error& e : errors) {
+    if (e.seconds < kTakeOff) {
+      EXPECT_LT(std::abs(e.doppler), 0.055);
+      continue;
+    }
+    moving += 1.0;
+    off += std::abs(e.doppler) > 0.055 ? 1.0 : 0.0;
+    EXPECT_LT(std::abs(e.doppler), 0.105);  // one cell, beside the border it was near
+  }
+  test::measured("share of slips of 0.4 on the border", off / moving, "0.15 to 0.22");
+  EXPECT_GT(off / moving, 0.15);
+  EXPECT_LT(off / moving, 0.22);
 }
 
 TEST(RadarNoise, WanderMovesTheScatteringCentre) {

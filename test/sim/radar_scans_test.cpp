@@ -132,5 +132,45 @@ TEST(RadarScans, SameSeedSameBytesWhateverTheEpoch) {
   EXPECT_NE(a, all_numbers(3, 4, Time(0)));  // the same path and room
 }
 
+TEST(RadarScans, TheVehicleItselfHasNoDopplerAndStaysWhereItIs) {
+  RadarModel model;
+  model.own_echoes = 3;
+  model.own_echo_share = 0.5;
+  const Trajectory trajectory = random_flight(3, {.length = 40.0});
+  RadarSimulator radar(model, make_room(3), 3);
+  double scans = 0.0;
+  double seen = 0.0;
+  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
+    const LabeledScan result = radar.scan(trajectory.at(t));
+    scans += 1.0;
+    for (std::size_t i = 0; i < result.labels.size(); ++i) {
+      if (result.labels[i].cause != Cause::kVehicle) continue;
+      seen += 1.0;
+      EXPECT_LT(result.scan.detections[i].point_S.norm(), 1.7);
+      EXPECT_LT(std::abs(result.scan.detections[i].range_rate), 0.6 * model.doppler_resolution);
+    }
+  }
+  EXPECT_NEAR(seen / scans, 1.5, 0.25);  // some hide behind another peak
+}
+
+TEST(RadarScans, ALobeHidesReflectorsFromAside) {
+  const Trajectory trajectory = random_flight(3, {.length = 40.0});
+  const auto reflectors_seen = [&](double lobe) {
+    RadarModel model;
+    model.outlier_share = 0.0;
+    model.max_static = 1000;
+    model.lobe_width = lobe;
+    RadarSimulator radar(model, make_room(3), 3);
+    double count = 0.0;
+    for (double t = 4.0; t < trajectory.duration(); t += 1.0) {
+      count += static_cast<double>(radar.scan(trajectory.at(t)).labels.size());
+    }
+    return count;
+  };
+  const double all = reflectors_seen(0.0);
+  EXPECT_LT(reflectors_seen(30.0 * kDegree), 0.5 * all);
+  EXPECT_GT(reflectors_seen(170.0 * kDegree), 0.7 * all);
+}
+
 }  // namespace
 }  // namespace rio::sim
