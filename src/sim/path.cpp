@@ -26,6 +26,11 @@ class Planner {
   double polygon() const { return polygon_; }
   double seconds() const { return options_.knot_spacing * static_cast<double>(controls_.size()); }
 
+  /// A place far ahead of the nose [m].
+  Vector3d ahead() const {
+    return position() + 1000.0 * Vector3d(std::cos(yaw_), std::sin(yaw_), 0.0);
+  }
+
   /// Towards `target` [m] in the plane as a vehicle steers, nose ahead: a step, at least one, lies
   /// along the middle of the headings at its ends.
   void drive(const Vector3d& target, double speed, double time) {
@@ -85,8 +90,11 @@ class Planner {
 Trajectory random_drive(std::uint64_t seed, const PathOptions& options,
                         const Trajectory::Settings& settings) {
   constexpr double kMargin = 1.2;  // the curve is shorter than its polygon
+  // straight on where the spline gathers and loses speed: a turn would slip sideways
+  const double straight = 4.0 * options.knot_spacing;
   Planner planner(seed, options);
   Random& random = planner.random();
+  planner.drive(planner.ahead(), options.min_speed, straight);
   while (options.length > 0.0 ? planner.polygon() < kMargin * options.length
                               : planner.seconds() < options.duration) {
     const Vector3d from = (planner.position() - options.reach).cwiseMax(options.low);
@@ -95,6 +103,7 @@ Trajectory random_drive(std::uint64_t seed, const PathOptions& options,
     const double speed = random.uniform(options.min_speed, options.max_speed);
     planner.drive(target, speed, random.uniform(options.min_leg, options.max_leg));
   }
+  planner.drive(planner.ahead(), options.min_speed, straight);
   std::vector<Trajectory::Control>& controls = planner.controls();
   controls.insert(controls.end(), 4, controls.back());
   if (options.length > 0.0) {

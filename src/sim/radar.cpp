@@ -246,7 +246,8 @@ RadarDetection RadarSimulator::measure(const Echo& echo) {
   const double off_centre = in_cells - std::round(in_cells);  // half a cell at most
   if (model_.doppler_slip_share > 0.0 &&
       radar_random_.uniform() < 2.0 * std::abs(off_centre) * model_.doppler_slip_share) {
-    doppler += std::copysign(model_.doppler_resolution, off_centre);
+    const double wrong = std::round(in_cells) + std::copysign(1.0, off_centre);
+    doppler = wrong * model_.doppler_resolution;
   }
   if (model_.quantize) {
     polar.range = model_.range_resolution * std::round(polar.range / model_.range_resolution);
