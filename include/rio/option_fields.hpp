@@ -86,6 +86,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Range rates fold into plus or minus this; 0 = they do not fold.");
   field("radar.noise_distance", o.radar.noise_distance, "m", 0, 10,
         "E-folding way of the errors of a point; 0 = they are new in every scan.");
+  field("radar.time_offset", o.radar.time_offset, "s", -1, 1,
+        "The radar's stamps are late by this.");
+  field("radar.doppler_scale", o.radar.doppler_scale, "", -0.2, 0.2,
+        "The Doppler is too large by this share.");
 
   field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");

@@ -55,6 +55,9 @@ struct RadarOptions {
   /// E-folding way of the errors of a point: echoes of width w at range r keep their phases until
   /// the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
   double noise_distance = 0.02;
+  /// Known errors of the radar; what the calibration finds is on top of them.
+  double time_offset = 0.0;    ///< stamps are late by this [s]
+  double doppler_scale = 0.0;  ///< range rates are too large by this share
 };
 
 /// When a detection and a known point belong together.
@@ -177,6 +180,9 @@ struct CalibrationOptions {
 inline constexpr double kCalibrationLimit = 5.0;
 /// Same: an estimate beyond this is doubtful (Observability in report.hpp).
 inline constexpr double kCalibrationDoubt = 3.0;
+/// Same: what was told is believed to be that good until the data contradict it
+/// (update/belief.hpp).
+inline constexpr double kCalibrationToldShare = 0.5;
 
 /// A landmark missed for less is in view: the faintest echoes are missed that long [s].
 inline constexpr double kLandmarkInView = 8.0;

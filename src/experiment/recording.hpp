@@ -66,7 +66,7 @@ struct RecordedStep {
 struct Replay {
   std::vector<RecordedStep> steps;  ///< empty if it did not start
   Pose T_BS;                        ///< as estimated at the end
-  double time_offset = 0.0;         ///< same [s]
+  double time_offset = 0.0;         ///< same, beyond what was told [s]
   int velocity_resets = 0;
 };
 

@@ -178,7 +178,7 @@ void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector
                                key.Mark().line + 1, name, did_you_mean(name, names)));
 }
 
-/// Reads the known keys; no value may be negative.
+/// Reads the known keys; most values may not be negative.
 void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
                       std::vector<std::string>* notes) {
   for (const auto& entry : file.root) {
@@ -191,8 +191,9 @@ void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
     }
     if (known->target->has_value()) fail_at(file, entry.first, name + ": given twice");
     const double value = yaml_number(file, entry.second, name, known->unit) * known->factor;
-    if (!(value >= 0.0) || !std::isfinite(value)) {
-      fail_at(file, entry.second, name + ": must be a finite number not below zero");
+    if (!std::isfinite(value) || (value < 0.0 && !known->is_signed)) {
+      fail_at(file, entry.second,
+              name + ": must be a finite number" + (known->is_signed ? "" : " not below zero"));
     }
     *known->target = value;
   }

@@ -31,7 +31,15 @@ std::vector<SensorKey> radar_keys(RadarInfo* info) {
           {"sigma_azimuth_rad", "rad", 1.0, &info->sigma_azimuth},
           {"sigma_elevation_deg", "", kDegree, &info->sigma_elevation},
           {"sigma_elevation_rad", "rad", 1.0, &info->sigma_elevation},
-          {"sigma_doppler_mps", "m/s", 1.0, &info->sigma_doppler}};
+          {"sigma_doppler_mps", "m/s", 1.0, &info->sigma_doppler},
+          {"weak_snr_db", "dB", 1.0, &info->weak_snr_db, true},
+          {"time_offset_s", "s", 1.0, &info->time_offset, true},
+          {"doppler_scale", "", 1.0, &info->doppler_scale, true},
+          {"prior_rotation_deg", "", kDegree, &info->prior_rotation},
+          {"prior_rotation_rad", "rad", 1.0, &info->prior_rotation},
+          {"prior_position_m", "m", 1.0, &info->prior_position},
+          {"prior_time_offset_s", "s", 1.0, &info->prior_time_offset},
+          {"prior_doppler_scale", "", 1.0, &info->prior_doppler_scale}};
 }
 
 }  // namespace rio::io

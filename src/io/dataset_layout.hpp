@@ -24,6 +24,7 @@ struct SensorKey {
   const char* unit;
   double factor;  ///< of a value in that unit, to SI
   std::optional<double>* target;
+  bool is_signed = false;  ///< else below zero is refused
 };
 
 /// The keys of imu0/sensor.yaml.

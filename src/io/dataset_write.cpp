@@ -49,6 +49,10 @@ void write_file(const fs::path& path, const std::string& text) {
   file.close();
 }
 
+std::string comment_text(const std::string& line) {
+  return line.empty() ? line : "# " + line + "\n";
+}
+
 void append(std::string* row, const Vector3d& v) {
   fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
 }
@@ -149,13 +153,24 @@ void write_dataset(const fs::path& path, const Dataset& dataset) {
     fs::create_directories(path / folder);
     write_file(path / folder / kData, text);
   }
-  ImuInfo imu = dataset.imu_info;
-  write_file(path / kImu / kSensor,
-             "sensor_type: imu\n" + pose_text(Pose{}) + keys_text(imu_keys(&imu)));
-  RadarInfo radar = dataset.radar_info;
+  write_imu_info(path, dataset.imu_info);
+  write_radar_info(path, dataset.radar_info);
+}
+
+void write_imu_info(const fs::path& path, const ImuInfo& info, const std::string& comment) {
+  fs::create_directories(path / kImu);
+  ImuInfo imu = info;
+  write_file(path / kImu / kSensor, comment_text(comment) + "sensor_type: imu\n" +
+                                        pose_text(Pose{}) + keys_text(imu_keys(&imu)));
+}
+
+void write_radar_info(const fs::path& path, const RadarInfo& info, const std::string& comment) {
+  fs::create_directories(path / kRadar);
+  RadarInfo radar = info;
   write_file(path / kRadar / kSensor,
-             "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, positive "
-             "= receding\n" +
+             comment_text(comment) +
+                 "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, "
+                 "positive = receding\n" +
                  (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar)));
 }
 

@@ -18,6 +18,11 @@ void copy_sigma(const std::optional<double>& from, double* to) {
   if (from && *from > 0.0) *to = *from;
 }
 
+/// A prior of what is not estimated is of no use.
+void copy_prior(const std::optional<double>& from, double* to) {
+  if (from && *to > 0.0) *to = *from;
+}
+
 /// Widened by three sigmas on both sides; a sigma grows as 1/cos towards the edge.
 double widened_fov(double fov, double sigma) {
   constexpr double kMinCosine = 0.25;  // as in frontend/detection.hpp
@@ -40,9 +45,17 @@ void apply_sensor_info(const Dataset& dataset, Options* options) {
   copy_sigma(info.sigma_azimuth, &radar.sigma_azimuth);
   copy_sigma(info.sigma_elevation, &radar.sigma_elevation);
   copy_sigma(info.sigma_doppler, &radar.sigma_doppler);
+  copy(info.weak_snr_db, &radar.weak_snr_db);
   copy(info.range_resolution, &radar.range_resolution);
   copy(info.doppler_resolution, &radar.doppler_resolution);
   copy(info.max_doppler, &radar.max_doppler);
+  copy(info.time_offset, &radar.time_offset);
+  copy(info.doppler_scale, &radar.doppler_scale);
+  CalibrationOptions& calibration = options->calibration;
+  copy_prior(info.prior_rotation, &calibration.rotation_sigma);
+  copy_prior(info.prior_position, &calibration.translation_sigma);
+  copy_prior(info.prior_time_offset, &calibration.time_offset_sigma);
+  copy_prior(info.prior_doppler_scale, &calibration.doppler_scale_sigma);
   if (info.max_range) radar.max_range = *info.max_range + 3.0 * radar.sigma_range;
   if (info.fov_azimuth) radar.fov_azimuth = widened_fov(*info.fov_azimuth, radar.sigma_azimuth);
   if (info.fov_elevation) {

@@ -67,6 +67,16 @@ struct FitNoiseArguments {
 };
 void fit_noise(const FitNoiseArguments& arguments);
 
+/// `rio calibrate`: mounting, time offset, Doppler scale and noise from recordings.
+struct CalibrateArguments {
+  std::vector<std::string> datasets;
+  std::string config;
+  std::string out;
+  bool overwrite = false;
+  bool json = false;
+};
+void calibrate(const CalibrateArguments& arguments);
+
 /// `rio options`: every option with its meaning and the values of a preset.
 void print_options(const std::string& preset_name);
 /// `rio options --compare`: the options in which the presets differ, as a table.

@@ -126,6 +126,24 @@ void add_fit_noise_command(CLI::App& app) {
   command->callback([arguments] { fit_noise(*arguments); });
 }
 
+void add_calibrate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Estimate mounting, time offset and Doppler scale of the radar and the noise of the sensors");
+  auto arguments = std::make_shared<CalibrateArguments>();
+  command
+      ->add_option("DATASET", arguments->datasets,
+                   "folders in ASL/EuRoC layout, of one and the same mounting; each begins at rest")
+      ->required();
+  command->add_option("--out", arguments->out,
+                      "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
+  command->add_flag("--overwrite", arguments->overwrite, "replace sensor files in --out");
+  command->add_option("--config", arguments->config,
+                      "option file; its calibration.* are the priors");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the table");
+  command->callback([arguments] { calibrate(*arguments); });
+}
+
 void add_options_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
   auto name = std::make_shared<std::string>("default");
@@ -156,6 +174,7 @@ int run(int argc, char** argv) {
   add_experiment_command(app);
   add_plot_command(app);
   add_fit_noise_command(app);
+  add_calibrate_command(app);
   add_options_command(app);
   try {
     app.parse(argc, argv);

@@ -9,29 +9,11 @@
 #include <numeric>
 #include <utility>
 
+#include "calibration_names.hpp"
+
 namespace rio::tools {
 
 namespace {
-
-/// Order of Calibration, with the unit people read.
-struct CalibrationName {
-  const char* name;
-  const char* unit;
-  double scale;
-  const char* check;  ///< what may be wrong when it is doubtful
-};
-constexpr const char* kMounting = "T_BS in radar0/sensor.yaml";
-constexpr double kDegrees = 57.29577951308232;
-constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationNames = {
-    {{"radar_rotation_x", "deg", kDegrees, kMounting},
-     {"radar_rotation_y", "deg", kDegrees, kMounting},
-     {"radar_rotation_z", "deg", kDegrees, kMounting},
-     {"radar_position_x", "cm", 100.0, kMounting},
-     {"radar_position_y", "cm", 100.0, kMounting},
-     {"radar_position_z", "cm", 100.0, kMounting},
-     {"doppler_scale", "%", 100.0, "the unit and the grid of the Doppler"},
-     {"elevation_bias", "deg", kDegrees, "the elevation of the points, the tilt in T_BS"},
-     {"time_offset", "ms", 1000.0, "the stamps of the scans: the middle of the chirps?"}}};
 
 using Json = nlohmann::ordered_json;
 

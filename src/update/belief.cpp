@@ -12,8 +12,7 @@ namespace rio {
 
 namespace {
 
-constexpr double kMemory = 0.05;    // rotors turn faster, bodies accelerate slower [s]
-constexpr double kToldShare = 0.5;  // k of (E1): told is usually that good
+constexpr double kMemory = 0.05;  // rotors turn faster, bodies accelerate slower [s]
 
 /// What white noise of that density [(m/s^2)^2/Hz] cannot have made of a smoothed acceleration. The
 /// noise is in the velocity, too, and the two would agree on a time offset that is none.
@@ -55,18 +54,20 @@ void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_ = Estimate{};
   estimate_.nav = prior;
   estimate_.T_BS = options_.radar.T_BS;
+  estimate_.radar_errors[RadarErrors::kDopplerScale] = options_.radar.doppler_scale;
+  estimate_.time_offset = options_.radar.time_offset;
   acceleration_ = {};
   CalibrationOptions told = options_.calibration;
   for (double* sigma : {&told.rotation_sigma, &told.translation_sigma, &told.time_offset_sigma,
                         &told.doppler_scale_sigma, &told.elevation_bias_sigma}) {
-    *sigma *= kToldShare;
+    *sigma *= kCalibrationToldShare;
   }
   covariance_.reset(P0, told);
   contradicted_.fill(false);
 }
 
 double Belief::prior_share(Calibration parameter) const {
-  return contradicted_[static_cast<std::size_t>(parameter)] ? 1.0 : kToldShare;
+  return contradicted_[static_cast<std::size_t>(parameter)] ? 1.0 : kCalibrationToldShare;
 }
 
 StaticVector<Contradiction, kCalibrationCount> Belief::contradictions() {
@@ -74,7 +75,7 @@ StaticVector<Contradiction, kCalibrationCount> Belief::contradictions() {
   const auto test = [&](Calibration parameter, int column, double value, double sigma) {
     bool& contradicted = contradicted_[static_cast<std::size_t>(parameter)];
     if (contradicted || !(sigma > 0.0)) return;
-    const double told = kToldShare * kToldShare * sigma * sigma;
+    const double told = kCalibrationToldShare * kCalibrationToldShare * sigma * sigma;
     const double moved = told - covariance_.matrix()(column, column);
     if (value * value < std::max(9.0 * moved, told)) return;
     contradicted = true;
@@ -97,13 +98,14 @@ StaticVector<Contradiction, kCalibrationCount> Belief::contradictions() {
     const RadarErrors::Value& errors = estimate_.radar_errors;
     const int column = layout_.radar_errors();
     test(Calibration::kDopplerScale, column + RadarErrors::kDopplerScale,
-         errors[RadarErrors::kDopplerScale], priors.doppler_scale_sigma);
+         errors[RadarErrors::kDopplerScale] - options_.radar.doppler_scale,
+         priors.doppler_scale_sigma);
     test(Calibration::kElevationBias, column + RadarErrors::kElevation,
          errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
   }
   if (layout_.has_time_offset()) {
-    test(Calibration::kTimeOffset, layout_.time_offset(), estimate_.time_offset,
-         priors.time_offset_sigma);
+    test(Calibration::kTimeOffset, layout_.time_offset(),
+         estimate_.time_offset - options_.radar.time_offset, priors.time_offset_sigma);
   }
   return out;
 }
@@ -245,8 +247,8 @@ void Belief::predict_landmarks() {
 
 void Belief::correct_calibration(const Eigen::VectorXd& dx) {
   const CalibrationOptions& priors = options_.calibration;
-  const auto limited = [](double value, double sigma) {
-    return std::clamp(value, -kCalibrationLimit * sigma, kCalibrationLimit * sigma);
+  const auto limited = [](double value, double sigma, double told = 0.0) {
+    return std::clamp(value, told - kCalibrationLimit * sigma, told + kCalibrationLimit * sigma);
   };
   if (layout_.has_extrinsics()) {
     const Pose& told = options_.radar.T_BS;
@@ -264,13 +266,14 @@ void Belief::correct_calibration(const Eigen::VectorXd& dx) {
     RadarErrors::Value& errors = estimate_.radar_errors;
     errors += dx.segment<2>(layout_.radar_errors());
     errors[RadarErrors::kDopplerScale] =
-        limited(errors[RadarErrors::kDopplerScale], priors.doppler_scale_sigma);
+        limited(errors[RadarErrors::kDopplerScale], priors.doppler_scale_sigma,
+                options_.radar.doppler_scale);
     errors[RadarErrors::kElevation] =
         limited(errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
   }
   if (layout_.has_time_offset()) {
-    estimate_.time_offset =
-        limited(estimate_.time_offset + dx[layout_.time_offset()], priors.time_offset_sigma);
+    estimate_.time_offset = limited(estimate_.time_offset + dx[layout_.time_offset()],
+                                    priors.time_offset_sigma, options_.radar.time_offset);
   }
 }
 

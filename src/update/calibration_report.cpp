@@ -42,14 +42,15 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief
     fill(offset(Calibration::kTranslationX), shift[i], priors.translation_sigma,
          layout.has_extrinsics(), layout.extrinsics() + 3 + i);
   }
-  fill(Calibration::kDopplerScale, x.radar_errors[RadarErrors::kDopplerScale],
+  fill(Calibration::kDopplerScale,
+       x.radar_errors[RadarErrors::kDopplerScale] - options.radar.doppler_scale,
        priors.doppler_scale_sigma, layout.has_radar_errors(),
        layout.radar_errors() + RadarErrors::kDopplerScale);
   fill(Calibration::kElevationBias, x.radar_errors[RadarErrors::kElevation],
        priors.elevation_bias_sigma, layout.has_radar_errors(),
        layout.radar_errors() + RadarErrors::kElevation);
-  fill(Calibration::kTimeOffset, x.time_offset, priors.time_offset_sigma, layout.has_time_offset(),
-       layout.time_offset());
+  fill(Calibration::kTimeOffset, x.time_offset - options.radar.time_offset,
+       priors.time_offset_sigma, layout.has_time_offset(), layout.time_offset());
   return report;
 }
 

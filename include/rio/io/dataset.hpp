@@ -44,6 +44,14 @@ struct RadarInfo {
   std::optional<double> sigma_azimuth;       ///< [rad]
   std::optional<double> sigma_elevation;     ///< [rad]
   std::optional<double> sigma_doppler;       ///< [m/s]
+  std::optional<double> weak_snr_db;         ///< for these sigmas [dB]
+  std::optional<double> time_offset;         ///< stamps late by [s]
+  std::optional<double> doppler_scale;       ///< range rates too large by this share
+  /// Sigmas of CalibrationOptions: how well T_BS, time offset and Doppler scale are known.
+  std::optional<double> prior_rotation;       ///< per axis [rad]
+  std::optional<double> prior_position;       ///< per axis [m]
+  std::optional<double> prior_time_offset;    ///< [s]
+  std::optional<double> prior_doppler_scale;  ///< relative
 };
 
 /// One barometer sample.
@@ -77,10 +85,18 @@ std::vector<NavState> read_ground_truth(const std::filesystem::path& path);
 /// older recording there would mix with this one.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
-/// Copies what the recording knows about its sensors into options->imu and options->radar. The
-/// limits of range and field of view are widened by three sigmas, so that noise is not cut off. A
-/// radar sigma of zero, as of a noise-free simulation, is no noise model: the option keeps its
-/// value.
+/// Writes imu0/sensor.yaml below `path`, in place of an older one; `comment` is a line at its top.
+/// Throws if it cannot be written.
+void write_imu_info(const std::filesystem::path& path, const ImuInfo& info,
+                    const std::string& comment = {});
+/// The same for radar0/sensor.yaml.
+void write_radar_info(const std::filesystem::path& path, const RadarInfo& info,
+                      const std::string& comment = {});
+
+/// Copies what the recording knows about its sensors into options->imu and options->radar, and its
+/// priors of the calibration where the options estimate that. The limits of range and field of view
+/// are widened by three sigmas, so that noise is not cut off. A radar sigma of zero, as of a
+/// noise-free simulation, is no noise model: the option keeps its value.
 void apply_sensor_info(const Dataset& dataset, Options* options);
 
 }  // namespace rio::io

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrate/radar_calibration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "rio/core/so3.hpp"
+
+namespace rio::calibrate {
+
+namespace {
+
+constexpr double kLoose = 3.0;        // of the prior sigmas told
+constexpr double kFarApart = 3.0;     // halves, in sigmas
+constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no knowledge
+constexpr auto kRotation = static_cast<std::size_t>(Calibration::kRotationX);
+constexpr auto kTranslation = static_cast<std::size_t>(Calibration::kTranslationX);
+constexpr auto kDopplerScale = static_cast<std::size_t>(Calibration::kDopplerScale);
+constexpr auto kTimeOffset = static_cast<std::size_t>(Calibration::kTimeOffset);
+
+using Values = std::array<double, kCalibrationCount>;
+using Progress = std::function<void(const std::string&)>;
+
+Vector3d three(const Values& values, std::size_t first) {
+  return {values[first], values[first + 1], values[first + 2]};
+}
+
+/// `told` changed by `values`.
+RadarOptions moved(RadarOptions told, const Values& values) {
+  told.T_BS.rotation = (told.T_BS.rotation * quaternion_exp(three(values, kRotation))).normalized();
+  told.T_BS.translation += three(values, kTranslation);
+  told.doppler_scale += values[kDopplerScale];
+  told.time_offset += values[kTimeOffset];
+  return told;
+}
+
+/// What leads from `told` to `now`; the inverse of moved().
+Values between(const RadarOptions& told, const RadarOptions& now) {
+  Values values{};
+  const Vector3d turn = quaternion_log(told.T_BS.rotation.conjugate() * now.T_BS.rotation);
+  const Vector3d shift = now.T_BS.translation - told.T_BS.translation;
+  for (std::size_t i = 0; i < 3; ++i) {
+    values[kRotation + i] = turn[static_cast<int>(i)];
+    values[kTranslation + i] = shift[static_cast<int>(i)];
+  }
+  values[kDopplerScale] = now.doppler_scale - told.doppler_scale;
+  values[kTimeOffset] = now.time_offset - told.time_offset;
+  return values;
+}
+
+Values priors_of(const CalibrationOptions& c) {
+  return {c.rotation_sigma,      c.rotation_sigma,
+          c.rotation_sigma,      c.translation_sigma,
+          c.translation_sigma,   c.translation_sigma,
+          c.doppler_scale_sigma, 0.0,  // an elevation bias cannot be told from a pitch
+          c.time_offset_sigma};
+}
+
+/// What a run said without its prior (E1): that in force at first, or, if the sigma exceeds it, the
+/// wider one that took its place when it was contradicted.
+Measured without_prior(const CalibrationReport& report) {
+  constexpr double kSilent = 0.2;     // of the prior's information: nothing was said
+  constexpr double kNothing = 100.0;  // prior sigmas: no weight beside any that was
+  const double first = kCalibrationToldShare * report.prior_sigma;
+  const double p = report.sigma < first ? first : report.prior_sigma;
+  const double after = 1.0 / (report.sigma * report.sigma);
+  const double information = after - 1.0 / (p * p);
+  if (!(information > kSilent / (p * p))) return {report.value, kNothing * p};
+  return {report.value * after / information, 1.0 / std::sqrt(information)};
+}
+
+/// A report about `centre`, off what was told.
+MeasuredCalibration off_told(const CalibrationReports& reports, const Values& centre) {
+  MeasuredCalibration out{};
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    if (reports[i].verdict == Observability::kNotEstimated) continue;
+    out[i] = without_prior(reports[i]);
+    out[i].value += centre[i];
+  }
+  return out;
+}
+
+/// For the second half.
+Start reopened(Start start) {
+  constexpr double kVelocity = 0.5;  // far beyond any doubt of a run that works [m/s]
+  constexpr double kTilt = 0.035;    // of a mounting that is some degrees off [rad]
+  start.covariance.diagonal().segment<3>(body::kVelocity).array() += kVelocity * kVelocity;
+  start.covariance.diagonal().segment<3>(body::kAttitude).array() += kTilt * kTilt;
+  return start;
+}
+
+/// Parameter i of every recording.
+std::vector<Measured> all(const std::vector<RecordingCalibration>& runs, std::size_t i,
+                          MeasuredCalibration RecordingCalibration::*which) {
+  std::vector<Measured> out;
+  for (const RecordingCalibration& run : runs) out.push_back((run.*which)[i]);
+  return out;
+}
+
+/// One repetition: two passes over all recordings.
+class Repetition {
+ public:
+  Repetition(const std::vector<Recording>& recordings, const Options& told, const Progress& each)
+      : recordings_(recordings), told_(told.radar), options_(told), each_(each) {
+    CalibrationOptions& c = options_.calibration;
+    c.rotation_sigma = std::min(1.0, kLoose * c.rotation_sigma);
+    c.translation_sigma = std::min(10.0, kLoose * c.translation_sigma);
+    c.time_offset_sigma = std::min(0.1, kLoose * c.time_offset_sigma);
+    c.doppler_scale_sigma = std::min(0.1, kLoose * c.doppler_scale_sigma);
+    c.elevation_bias_sigma = 0.0;
+  }
+
+  std::vector<RecordingCalibration> run() {
+    std::vector<RecordingCalibration> runs = pass(false);
+    options_.radar = moved(told_, mean(runs));
+    return pass(true);
+  }
+
+ private:
+  std::vector<RecordingCalibration> pass(bool with_halves) {
+    const Values centre = between(told_, options_.radar);
+    std::vector<RecordingCalibration> out;
+    for (std::size_t i = 0; i < recordings_.size(); ++i) {
+      const std::string name = "recording " + std::to_string(i + 1);
+      const Recording& recording = recordings_[i];
+      RecordingCalibration result;
+      if (each_) each_(name + (with_halves ? ": second pass" : ": first pass"));
+      const CalibrationRun whole = run_calibration(recording, options_, recording.start);
+      result.whole = off_told(whole.calibration, centre);
+      result.velocity_resets = whole.velocity_resets;
+      result.begin = whole.states.front().state.time;
+      result.middle = reopened(half_way(whole.states));
+      if (with_halves) {
+        if (each_) each_(name + ": first half");
+        const Time end = result.middle.state.time;
+        result.first = off_told(
+            run_calibration(recording, options_, recording.start, end).calibration, centre);
+        if (each_) each_(name + ": second half");
+        result.second =
+            off_told(run_calibration(recording, options_, result.middle).calibration, centre);
+      }
+      out.push_back(result);
+    }
+    return out;
+  }
+
+  /// Of the whole runs; what they say nothing of stays as told.
+  Values mean(const std::vector<RecordingCalibration>& runs) const {
+    const Values loose = priors_of(options_.calibration);
+    Values values{};
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      if (!(runs.front().whole[i].sigma > 0.0)) continue;
+      const Combined whole = combine(all(runs, i, &RecordingCalibration::whole));
+      if (whole.sigma < kCalibrationToldShare * loose[i]) values[i] = whole.value;
+    }
+    return values;
+  }
+
+  const std::vector<Recording>& recordings_;
+  RadarOptions told_;
+  Options options_;
+  const Progress& each_;
+};
+
+/// (E2) (E3) of one parameter.
+struct Summary {
+  Combined whole;
+  Combined halves;
+  double apart = 0.0;
+
+  double spread() const { return std::sqrt(halves.chi2 / halves.dof); }
+};
+
+Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) {
+  Summary out;
+  out.whole = combine(all(runs, i, &RecordingCalibration::whole));
+  std::vector<Measured> halves = all(runs, i, &RecordingCalibration::first);
+  for (const RecordingCalibration& run : runs) {
+    halves.push_back(run.second[i]);
+    out.apart = std::max(out.apart, apart(run.first[i], run.second[i]));
+  }
+  out.halves = combine(halves);
+  return out;
+}
+
+Determination judge(const ParameterCalibration& p) {
+  if (p.halves_apart > kFarApart) return Determination::kContradictory;
+  if (!(p.sigma <= kMostOfPrior * p.prior)) return Determination::kNotDetermined;
+  return Determination::kDetermined;
+}
+
+/// (E4) and verdicts; what was not estimated is left alone.
+void judge_all(const std::vector<RecordingCalibration>& runs, const Values& priors,
+               RadarCalibration* out) {
+  std::array<Summary, kCalibrationCount> summaries{};
+  double chi2 = 0.0;
+  int dof = 0;
+  const auto estimated = [&runs](std::size_t i) { return runs.front().whole[i].sigma > 0.0; };
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    if (!estimated(i)) continue;
+    summaries[i] = summarise(runs, i);
+    chi2 += summaries[i].halves.chi2;
+    dof += summaries[i].halves.dof;
+  }
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    if (!estimated(i)) continue;
+    const Summary& s = summaries[i];
+    ParameterCalibration& p = out->parameters[i];
+    p.value = s.whole.value;
+    p.prior = priors[i];
+    p.run_sigma = s.whole.sigma;
+    p.halves_apart = s.apart;
+    p.spread = s.spread();
+    const double widened = s.whole.sigma * std::max({1.0, p.spread, std::sqrt(chi2 / dof)});
+    p.sigma = std::hypot(widened, s.whole.value - s.halves.value, kCommonError[i]);
+    p.verdict = judge(p);
+  }
+}
+
+bool determined(const RadarCalibration& c, std::size_t i) {
+  return c.parameters[i].verdict == Determination::kDetermined;
+}
+
+/// The prior of `count` parameters, which share it.
+double tightened(const RadarCalibration& c, std::size_t first, std::size_t count, double told) {
+  double largest = 0.0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    if (!determined(c, i)) return told;
+    largest = std::max(largest, c.parameters[i].sigma);
+  }
+  return std::min(told, largest / kCalibrationToldShare);
+}
+
+/// The result from the verdicts.
+void fill_result(const Options& told, RadarCalibration* out) {
+  Values values{};
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    if (determined(*out, i)) values[i] = out->parameters[i].value;
+  }
+  out->radar = moved(told.radar, values);
+  CalibrationOptions& c = out->priors;
+  c = told.calibration;
+  c.rotation_sigma = tightened(*out, kRotation, 3, c.rotation_sigma);
+  c.translation_sigma = tightened(*out, kTranslation, 3, c.translation_sigma);
+  c.doppler_scale_sigma = tightened(*out, kDopplerScale, 1, c.doppler_scale_sigma);
+  c.time_offset_sigma = tightened(*out, kTimeOffset, 1, c.time_offset_sigma);
+}
+
+}  // namespace
+
+const char* to_string(Determination verdict) {
+  constexpr std::array kNames = {"not estimated", "determined", "not determined", "contradictory"};
+  return kNames[static_cast<std::size_t>(verdict)];
+}
+
+RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const Options& options,
+                                 const Progress& each) {
+  if (recordings.empty()) throw std::runtime_error("no recording");
+  RadarCalibration out;
+  const Values priors = priors_of(options.calibration);
+  out.recordings = Repetition(recordings, options, each).run();
+  judge_all(out.recordings, priors, &out);
+  Options again = options;
+  const auto leave_out = [&](std::size_t i, double* sigma) {
+    if (*sigma > 0.0 && !determined(out, i)) *sigma = 0.0;
+    return *sigma == 0.0 && priors[i] > 0.0;
+  };
+  const bool no_scale = leave_out(kDopplerScale, &again.calibration.doppler_scale_sigma);
+  const bool no_offset = leave_out(kTimeOffset, &again.calibration.time_offset_sigma);
+  if (no_scale || no_offset) {
+    out.recordings = Repetition(recordings, again, each).run();
+    judge_all(out.recordings, priors, &out);
+  }
+  fill_result(options, &out);
+  return out;
+}
+
+}  // namespace rio::calibrate

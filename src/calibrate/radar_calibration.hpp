@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the radar is mounted, how late its stamps are and by how much its Doppler is scaled, from
+// recordings, with sigmas that the recordings themselves have been asked for.
+//
+// The estimator's own sigmas are too small where its models are wrong. So each recording is run as
+// a whole and in two halves of the way, from loose priors, about the calibration a first pass has
+// found. The second half starts where the whole run was, with velocity and tilt re-opened, which
+// lean on the calibration of the first. From each run the prior is taken out:
+// (E1) 1 / s^2 = 1 / P - 1 / p^2, x = v s^2 / P: value v off the centre, variance P, prior sigma p
+// With whole runs w and halves h of all recordings:
+// (E2) value x_w, sigma s_w: mean weighted by 1 / s^2; x_h, s_h the same of the halves
+// (E3) spread B^2 = chi^2 / dof of the halves about x_h (Birge, Phys. Rev. 40, 1932); B_all over
+// all
+//      parameters: one pair of halves that agrees by chance has proved nothing
+// (E4) sigma^2 = s_w^2 max(1, B^2, B_all^2) + (x_w - x_h)^2 + c^2, c what repeats in every half and
+//      no spread can show (kCommonError)
+// (E5) halves apart = |x_1 - x_2| / sqrt(s_1^2 + s_2^2), the worst of the recordings
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "calibrate/calibration_run.hpp"
+#include "calibrate/spread.hpp"
+#include "rio/options.hpp"
+
+namespace rio::calibrate {
+
+/// What is to be thought of a parameter.
+enum class Determination {
+  kNotEstimated,   ///< its prior is zero
+  kDetermined,     ///< told by the data
+  kNotDetermined,  ///< sigma above half its prior: the value told is kept
+  kContradictory,  ///< the data tell one thing and then another: the value told is kept
+};
+/// As in reports.
+const char* to_string(Determination verdict);
+
+/// A parameter, off what was told of it; units and order of Calibration.
+struct ParameterCalibration {
+  double value = 0.0;
+  double sigma = 0.0;         ///< (E4)
+  double prior = 0.0;         ///< sigma of what was told
+  double run_sigma = 0.0;     ///< s_w of (E2), as the estimator says
+  double halves_apart = 0.0;  ///< (E5)
+  double spread = 0.0;        ///< B of (E3)
+  Determination verdict = Determination::kNotEstimated;
+};
+
+/// What one run says, off what was told, the prior taken out; sigma 0 = not estimated.
+using MeasuredCalibration = std::array<Measured, kCalibrationCount>;
+
+/// The runs of a recording.
+struct RecordingCalibration {
+  MeasuredCalibration whole{};
+  MeasuredCalibration first{};
+  MeasuredCalibration second{};
+  Time begin{0};            ///< of the first state
+  Start middle;             ///< of the second half
+  int velocity_resets = 0;  ///< of the whole run
+};
+
+struct RadarCalibration {
+  std::array<ParameterCalibration, kCalibrationCount> parameters{};
+  std::vector<RecordingCalibration> recordings;
+  RadarOptions radar;         ///< as told, with what is determined put right
+  CalibrationOptions priors;  ///< as told, tightened where all axes are determined, so that the
+                              ///< share of it the estimator believes first is the sigma found
+
+  const ParameterCalibration& of(Calibration parameter) const {
+    return parameters[static_cast<std::size_t>(parameter)];
+  }
+};
+
+/// Errors common to all halves, of a flight of the default simulated radar (60 m, grids, fading,
+/// ghosts, highlights): its pitch 0.1 deg, its Doppler 0.3 % too large [rad, m, 1, rad, s].
+inline constexpr std::array<double, kCalibrationCount> kCommonError = {
+    0.002, 0.002, 0.002, 0.001, 0.001, 0.001, 0.003, 0.0, 0.0005};
+
+/// Calibrates options.radar as told, options.calibration its prior sigmas. The Doppler scale and
+/// the time offset, if they are not determined, are left out of a last repetition, so that they do
+/// not drag the others.
+/// @param each called before every run with what it is, for progress
+/// @throws std::runtime_error as run_calibration(); if there is no recording
+RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const Options& options,
+                                 const std::function<void(const std::string&)>& each = {});
+
+}  // namespace rio::calibrate

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio calibrate`: mounting, time offset and Doppler scale of the radar and the noise of the
+// sensors from recordings, and the files to fly with.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "calibrate_report.hpp"
+#include "calibration_names.hpp"
+#include "commands.hpp"
+#include "rio/core/so3.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/io/options_yaml.hpp"
+
+namespace rio::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using calibrate::Determination;
+
+/// Where the sensor folders of `out` are, or will be.
+fs::path sensor_root(const fs::path& out) {
+  return !fs::exists(out / "imu0") && fs::is_directory(out / "mav0") ? out / "mav0" : out;
+}
+
+/// Before the long work, not after it.
+void check_output(const CalibrateArguments& arguments) {
+  if (arguments.out.empty()) {
+    if (arguments.overwrite) throw std::runtime_error("--overwrite needs --out");
+    return;
+  }
+  const fs::path root = sensor_root(arguments.out);
+  if (fs::exists(root) && !fs::is_directory(root)) {
+    throw std::runtime_error(root.string() + ": is not a folder");
+  }
+  if (arguments.overwrite) return;
+  for (const char* sensor : {"radar0", "imu0"}) {
+    const fs::path file = root / sensor / "sensor.yaml";
+    if (fs::exists(file)) {
+      throw std::runtime_error(file.string() + ": exists; --overwrite replaces it");
+    }
+  }
+}
+
+/// The first recording's mounting is what was told; another's may differ by drawing errors only.
+void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
+                         const std::string& name, const Options& options,
+                         std::vector<std::string>* notes) {
+  if (!first.radar_info.T_BS || !other.radar_info.T_BS) return;
+  const Pose& a = *first.radar_info.T_BS;
+  const Pose& b = *other.radar_info.T_BS;
+  const double turn = quaternion_log(a.rotation.conjugate() * b.rotation).norm();
+  const double shift = (a.translation - b.translation).norm();
+  if (turn <= options.calibration.rotation_sigma &&
+      shift <= options.calibration.translation_sigma) {
+    return;
+  }
+  notes->push_back(
+      fmt::format("{} tells another T_BS ({:.1f} deg, {:.1f} cm): that of the first counts", name,
+                  kDegrees * turn, 100.0 * shift));
+}
+
+std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
+  std::vector<io::Dataset> datasets;
+  for (const std::string& name : names) {
+    datasets.push_back(io::read_dataset(name));
+    for (const std::string& note : datasets.back().notes) fmt::print(stderr, "note: {}\n", note);
+  }
+  return datasets;
+}
+
+Options make_options(const CalibrateArguments& arguments, const io::Dataset& first) {
+  Options options;
+  io::apply_sensor_info(first, &options);
+  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
+  return options;
+}
+
+/// What the file of the radar says afterwards.
+io::RadarInfo radar_info(io::RadarInfo info, const CalibrateReport& report) {
+  const RadarOptions& radar = report.radar.radar;
+  const CalibrationOptions& priors = report.radar.priors;
+  info.T_BS = radar.T_BS;
+  info.time_offset = radar.time_offset;
+  info.doppler_scale = radar.doppler_scale;
+  info.prior_rotation = priors.rotation_sigma;
+  info.prior_position = priors.translation_sigma;
+  info.prior_time_offset = priors.time_offset_sigma;
+  info.prior_doppler_scale = priors.doppler_scale_sigma;
+  const std::array<std::optional<double>*, 4> sigmas = {&info.sigma_range, &info.sigma_azimuth,
+                                                        &info.sigma_elevation, &info.sigma_doppler};
+  for (std::size_t k = 0; k < sigmas.size(); ++k) {
+    const calibrate::NoiseEstimate& noise = report.noise.radar[k];
+    if (noise.verdict == Determination::kDetermined) *sigmas[k] = noise.value;
+  }
+  if (report.noise.radar[1].verdict == Determination::kDetermined) {
+    info.weak_snr_db = report.noise.weak_snr_db;
+  }
+  return info;
+}
+
+void write_files(const CalibrateArguments& arguments, const io::Dataset& first,
+                 CalibrateReport* report) {
+  const fs::path root = sensor_root(arguments.out);
+  const std::string comment =
+      fmt::format("by `rio calibrate {}`", fmt::join(arguments.datasets, " "));
+  io::write_radar_info(root, radar_info(first.radar_info, *report), comment);
+  report->written.push_back((root / "radar0" / "sensor.yaml").string());
+  const calibrate::SensorNoise& noise = report->noise;
+  const bool gyro = noise.gyro.verdict == Determination::kDetermined;
+  const bool accel = noise.accel.verdict == Determination::kDetermined;
+  if (!gyro && !accel) return;
+  io::ImuInfo imu = first.imu_info;
+  if (gyro) imu.gyro_noise_density = noise.gyro.value;
+  if (accel) imu.accel_noise_density = noise.accel.value;
+  io::write_imu_info(root, imu, comment);
+  report->written.push_back((root / "imu0" / "sensor.yaml").string());
+}
+
+}  // namespace
+
+void calibrate(const CalibrateArguments& arguments) {
+  check_output(arguments);
+  const std::vector<io::Dataset> datasets = read_all(arguments.datasets);
+  CalibrateReport report;
+  report.datasets = arguments.datasets;
+  report.told = make_options(arguments, datasets.front());
+  std::vector<calibrate::Recording> recordings;
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    recordings.push_back({datasets[i].imu, datasets[i].scans, std::nullopt, {}});
+    note_other_mounting(datasets.front(), datasets[i], arguments.datasets[i], report.told,
+                        &report.notes);
+  }
+  const auto progress = [](const std::string& what) { fmt::print(stderr, "{}\n", what); };
+  report.radar = calibrate::calibrate_radar(recordings, report.told, progress);
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    if (report.radar.recordings[i].velocity_resets == 0) continue;
+    report.notes.push_back(fmt::format("{}: {} times the scans contradicted the velocity for long",
+                                       arguments.datasets[i],
+                                       report.radar.recordings[i].velocity_resets));
+  }
+  Options calibrated = report.told;
+  calibrated.radar = report.radar.radar;
+  report.noise =
+      calibrate::noise_over_recordings(recordings, report.radar.recordings, calibrated, progress);
+  report.notes.insert(report.notes.end(), report.noise.notes.begin(), report.noise.notes.end());
+  if (!arguments.out.empty()) write_files(arguments, datasets.front(), &report);
+  fmt::print("{}", arguments.json ? report.json() + "\n" : report.text());
+}
+
+}  // namespace rio::tools

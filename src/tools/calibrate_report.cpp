@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "calibrate_report.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "calibration_names.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+using calibrate::Determination;
+using Json = nlohmann::ordered_json;
+
+/// A line of the table, in the unit people read.
+struct Row {
+  std::string name;
+  const char* unit = "";
+  double scale = 1.0;  ///< from SI
+  double found = 0.0;  ///< SI, as all below
+  double told = 0.0;   ///< of a correction: zero
+  double sigma = 0.0;
+  double prior = 0.0;  ///< 0 = none
+  double apart = 0.0;  ///< in sigmas
+  Determination verdict = Determination::kNotEstimated;
+  std::string advice;
+};
+
+std::string advice(const calibrate::ParameterCalibration& p, const char* check) {
+  switch (p.verdict) {
+    case Determination::kDetermined:
+      if (std::abs(p.value) > kCalibrationDoubt * p.prior) {
+        return std::string("fly with it, but check ") + check;
+      }
+      return "fly with it";
+    case Determination::kNotDetermined:
+      return "told value kept; record more turns and changes of speed, or measure it";
+    case Determination::kContradictory:
+      return std::string("told value kept; check ") + check;
+    case Determination::kNotEstimated:
+      break;
+  }
+  return "";
+}
+
+std::string advice(const calibrate::NoiseEstimate& n) {
+  if (n.verdict == Determination::kDetermined) return "fly with it";
+  if (n.verdict == Determination::kContradictory) {
+    return "told value kept; the halves see different surroundings";
+  }
+  return "told value kept; hidden by the grid, or too few points";
+}
+
+/// Radar noise, IMU noise: name, unit, scale.
+struct NoiseName {
+  const char* name;
+  const char* unit;
+  double scale;
+};
+constexpr std::array<NoiseName, 4> kRadarNoise = {{{"sigma_range", "cm", 100.0},
+                                                   {"sigma_azimuth", "deg", kDegrees},
+                                                   {"sigma_elevation", "deg", kDegrees},
+                                                   {"sigma_doppler", "cm/s", 100.0}}};
+constexpr NoiseName kGyro = {"gyroscope_noise", "mdeg/s/rtHz", 1000.0 * kDegrees};
+constexpr NoiseName kAccel = {"accelerometer_noise", "mm/s2/rtHz", 1000.0};
+
+Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double told) {
+  return {name.name, name.unit,      name.scale, n.value,  told, n.value * n.relative_error,
+          0.0,       n.halves_apart, n.verdict,  advice(n)};
+}
+
+std::vector<Row> rows_of(const CalibrateReport& report) {
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const calibrate::ParameterCalibration& p = report.radar.parameters[i];
+    if (p.verdict == Determination::kNotEstimated) continue;
+    const CalibrationName& n = kCalibrationNames[i];
+    rows.push_back({n.name, n.unit, n.scale, p.value, 0.0, p.sigma, p.prior, p.halves_apart,
+                    p.verdict, advice(p, n.check)});
+  }
+  const RadarOptions& radar = report.told.radar;
+  const std::array<double, 4> told = {radar.sigma_range, radar.sigma_azimuth, radar.sigma_elevation,
+                                      radar.sigma_doppler};
+  for (std::size_t k = 0; k < told.size(); ++k) {
+    rows.push_back(noise_row(kRadarNoise[k], report.noise.radar[k], told[k]));
+  }
+  const ImuOptions& imu = report.told.imu;
+  rows.push_back(noise_row(kGyro, report.noise.gyro, imu.gyro_noise_density));
+  rows.push_back(noise_row(kAccel, report.noise.accel, imu.accel_noise_density));
+  return rows;
+}
+
+/// A number, or a dash for what is unknown.
+std::string number(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+/// JSON knows no NaN.
+Json number_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json pose_json(const Pose& pose) {
+  const Vector3d& p = pose.translation;
+  const Quaternion& q = pose.rotation;
+  return {{"translation_m", {p.x(), p.y(), p.z()}},
+          {"quaternion_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
+}
+
+Json run_json(const calibrate::MeasuredCalibration& run) {
+  Json out = Json::object();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    if (run[i].sigma > 0.0) {
+      out[kCalibrationNames[i].name] = {{"correction", run[i].value}, {"sigma", run[i].sigma}};
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string CalibrateReport::text() const {
+  std::string out =
+      fmt::format("{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6}  {:<15} {}\n", "parameter", "unit",
+                  "told", "found", "sigma", "prior", "apart", "verdict", "what to do");
+  for (const Row& row : rows_of(*this)) {
+    const bool found = row.found != 0.0 || row.prior > 0.0;
+    out +=
+        fmt::format("{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6}  {:<15} {}\n", row.name, row.unit,
+                    number(row.scale * row.told, 2), found ? number(row.scale * row.found, 2) : "-",
+                    found ? number(row.scale * row.sigma, 2) : "-",
+                    row.prior > 0.0 ? number(row.scale * row.prior, 2) : "-", number(row.apart, 1),
+                    to_string(row.verdict), row.advice);
+  }
+  out +=
+      "mounting: corrections of what was told, rotation about the radar's axes, position along "
+      "those of the body\napart: halves of a recording, in their sigmas\n";
+  for (const std::string& note : notes) out += "note: " + note + "\n";
+  for (const std::string& file : written) out += "written: " + file + "\n";
+  return out;
+}
+
+std::string CalibrateReport::json() const {
+  Json parameters = Json::object();
+  for (const Row& row : rows_of(*this)) {
+    parameters[row.name] = {{"told", row.told},
+                            {"found", number_or_null(row.found)},
+                            {"sigma", number_or_null(row.sigma)},
+                            {"prior_sigma", row.prior > 0.0 ? Json(row.prior) : Json(nullptr)},
+                            {"halves_apart", number_or_null(row.apart)},
+                            {"verdict", to_string(row.verdict)},
+                            {"advice", row.advice}};
+  }
+  Json recordings = Json::array();
+  for (std::size_t i = 0; i < datasets.size(); ++i) {
+    const calibrate::RecordingCalibration& r = radar.recordings[i];
+    recordings.push_back({{"dataset", datasets[i]},
+                          {"whole", run_json(r.whole)},
+                          {"first_half", run_json(r.first)},
+                          {"second_half", run_json(r.second)},
+                          {"velocity_resets", r.velocity_resets}});
+  }
+  const Json all = {{"parameters", parameters},
+                    {"T_BS", pose_json(radar.radar.T_BS)},
+                    {"time_offset_s", radar.radar.time_offset},
+                    {"doppler_scale", radar.radar.doppler_scale},
+                    {"recordings", recordings},
+                    {"notes", notes},
+                    {"written", written}};
+  return all.dump();
+}
+
+}  // namespace rio::tools
