@@ -57,6 +57,13 @@ inline Dataset sample_dataset() {
   r.sigma_azimuth = third / 10;
   r.sigma_elevation = 0.07;
   r.sigma_doppler = 0.04;
+  r.weak_snr_db = -2.5;
+  r.time_offset = -third / 100;
+  r.doppler_scale = -0.01;
+  r.prior_rotation = third / 20;
+  r.prior_position = 0.004;
+  r.prior_time_offset = 0.002;
+  r.prior_doppler_scale = 0.003;
   return d;
 }
 

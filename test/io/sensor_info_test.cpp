@@ -36,6 +36,13 @@ TEST(SensorInfo, RoundTrip) {
   EXPECT_EQ(q.sigma_azimuth, p.sigma_azimuth);
   EXPECT_EQ(q.sigma_elevation, p.sigma_elevation);
   EXPECT_EQ(q.sigma_doppler, p.sigma_doppler);
+  EXPECT_EQ(q.weak_snr_db, p.weak_snr_db);
+  EXPECT_EQ(q.time_offset, p.time_offset);
+  EXPECT_EQ(q.doppler_scale, p.doppler_scale);
+  EXPECT_EQ(q.prior_rotation, p.prior_rotation);
+  EXPECT_EQ(q.prior_position, p.prior_position);
+  EXPECT_EQ(q.prior_time_offset, p.prior_time_offset);
+  EXPECT_EQ(q.prior_doppler_scale, p.prior_doppler_scale);
   EXPECT_EQ(q.T_BS->translation, p.T_BS->translation);
   // the file holds the matrix: quaternion to matrix and back costs some roundings
   EXPECT_LT((q.T_BS->rotation.coeffs() - p.T_BS->rotation.coeffs()).norm(), 1e-15);
@@ -90,6 +97,8 @@ TEST(SensorInfo, SensorFilesAreChecked) {
   EXPECT_ERROR(read_with(radar, "T_BS: {data: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}\n"),
                "not a homogeneous matrix");
   EXPECT_ERROR(read_with(radar, "sigma_range_m: -1\n"), "sensor.yaml:1: sigma_range_m: must be");
+  EXPECT_ERROR(read_with(radar, "time_offset_s: .nan\n"), "time_offset_s: must be a finite number");
+  EXPECT_ERROR(read_with(radar, "prior_position_m: -1\n"), "not below zero");
   EXPECT_ERROR(read_with(radar, "sigma_range_m: two\n"), "sigma_range_m: not a number");
   EXPECT_ERROR(read_with(radar, "sigma_range_m: 2 deg\n"), "does not fit the unit [m]");
   EXPECT_ERROR(read_with(radar, "fov_azimuth_deg: 120\nazimuth_fov_rad: 2\n"),
@@ -148,7 +157,25 @@ TEST(SensorInfo, BecomesOptions) {
   // 120 deg wide, sigma at the edge 1/cos(60 deg) = 2 times that at boresight
   EXPECT_NEAR(o.radar.fov_azimuth, 2.0943951023931953 + 6.0 * 2.0 / 30.0, 1e-12);
   EXPECT_NEAR(o.radar.fov_elevation, 0.5 + 6.0 * 0.07 / std::cos(0.25), 1e-12);
+  EXPECT_EQ(o.radar.weak_snr_db, -2.5);
+  EXPECT_EQ(o.radar.time_offset, -1.0 / 300.0);
+  EXPECT_EQ(o.radar.doppler_scale, -0.01);
+  EXPECT_EQ(o.calibration.rotation_sigma, 1.0 / 60.0);
+  EXPECT_EQ(o.calibration.translation_sigma, 0.004);
+  EXPECT_EQ(o.calibration.time_offset_sigma, 0.002);
+  EXPECT_EQ(o.calibration.doppler_scale_sigma, 0.003);
   EXPECT_TRUE(o.validate());
+}
+
+TEST(SensorInfo, PriorsDoNotSwitchACalibrationOn) {
+  Options o;
+  o.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  apply_sensor_info(sample_dataset(), &o);
+  EXPECT_EQ(o.calibration.rotation_sigma, 0.0);
+  EXPECT_EQ(o.calibration.translation_sigma, 0.0);
+  EXPECT_EQ(o.calibration.time_offset_sigma, 0.0);
+  EXPECT_EQ(o.calibration.doppler_scale_sigma, 0.0);
+  EXPECT_EQ(o.radar.time_offset, -1.0 / 300.0) << "what is known is used all the same";
 }
 
 TEST(SensorInfo, UnknownLeavesTheOptions) {

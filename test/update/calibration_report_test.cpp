@@ -101,6 +101,19 @@ TEST_F(CalibrationOfBelief, BeforeTheFirstScanNothingIsKnown) {
   }
 }
 
+// What is told of the radar's errors is where their estimates start and what they are counted from.
+TEST_F(CalibrationOfBelief, CountsFromWhatWasTold) {
+  options_.radar.time_offset = -0.3;
+  options_.radar.doppler_scale = 0.15;
+  Belief belief = corrected(1e-3);
+  EXPECT_NEAR(belief.estimate().time_offset, -0.3 + 9e-3, 1e-12);
+  EXPECT_NEAR(belief.estimate().radar_errors[RadarErrors::kDopplerScale], 0.15 + 7e-3, 1e-12);
+  const auto all = report(belief);
+  EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kTimeOffset)].value, 9e-3, 1e-12);
+  EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kDopplerScale)].value, 7e-3, 1e-12);
+  EXPECT_TRUE(belief.contradictions().empty());
+}
+
 TEST_F(CalibrationOfBelief, EstimatesStopAtTheirLimit) {
   for (const double step : {10.0, -10.0}) {
     // of the rotation only one axis: turns of many radians about several do not add up

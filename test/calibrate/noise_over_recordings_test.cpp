@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The noise of simulated sensors over two flights.
+#include "calibrate/noise_over_recordings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "experiment/trial.hpp"
+#include "rio/sim/catalogue.hpp"
+#include "support/measured.hpp"
+
+namespace rio::calibrate {
+namespace {
+
+TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
+  sim::Scenario scenario;
+  ASSERT_TRUE(sim::scenario("monte-carlo", &scenario));
+  std::vector<Recording> recordings;
+  std::vector<RecordingCalibration> runs;
+  Options options;
+  for (const std::uint64_t seed : {11U, 12U}) {
+    scenario.seed = seed;
+    const sim::Flight flight = sim::simulate_flight(scenario);
+    options = experiment::options_for(flight, "default");
+    recordings.push_back({flight.imu, flight.scans, std::nullopt, {}});
+    const CalibrationRun run = run_calibration(recordings.back(), options, std::nullopt);
+    RecordingCalibration r;
+    r.begin = run.states.front().state.time;
+    r.middle = half_way(run.states);
+    runs.push_back(r);
+  }
+  const SensorNoise found = noise_over_recordings(recordings, runs, options);
+  const auto expect = [](const char* what, const NoiseEstimate& n, double truth, double allowed) {
+    test::measured(std::string(what) + ", found over true", n.value / truth,
+                   std::to_string(1.0 - allowed) + " to " + std::to_string(1.0 + allowed));
+    EXPECT_NEAR(n.value / truth, 1.0, allowed) << what;
+    EXPECT_EQ(n.verdict, Determination::kDetermined) << what;
+  };
+  // 15 % as in noise_calibration_test.cpp
+  expect("range", found.radar[0], scenario.radar.sigma_range, 0.15);
+  expect("azimuth", found.radar[1], scenario.radar.sigma_azimuth, 0.15);
+  expect("elevation", found.radar[2], scenario.radar.sigma_elevation, 0.15);
+  expect("Doppler", found.radar[3], scenario.radar.sigma_doppler, 0.15);
+  // 1.5 s of rest each
+  expect("gyro density", found.gyro, scenario.imu.gyro_noise_density,
+         3.0 * found.gyro.relative_error);
+  expect("accelerometer density", found.accel, scenario.imu.accel_noise_density,
+         3.0 * found.accel.relative_error);
+  EXPECT_LT(found.gyro.relative_error, 0.25);
+  EXPECT_TRUE(found.notes.empty());
+}
+
+TEST(NoiseOverRecordings, SaysWhichRecordingTellsNothing) {
+  sim::Scenario scenario;
+  ASSERT_TRUE(sim::scenario("monte-carlo", &scenario));
+  scenario.seed = 12;
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  const Options options = experiment::options_for(flight, "default");
+  Recording recording{flight.imu, flight.scans, std::nullopt, {}};
+  recording.scans.resize(25);  // hardly off the ground
+  RecordingCalibration run;
+  run.begin = flight.scans[2].time;
+  run.middle.state.time = flight.scans[12].time;
+  const SensorNoise found = noise_over_recordings({recording}, {run}, options);
+  for (const NoiseEstimate& n : found.radar) {
+    EXPECT_EQ(n.verdict, Determination::kNotDetermined);
+    EXPECT_EQ(n.value, 0.0);
+  }
+  ASSERT_EQ(found.notes.size(), 1U);
+  EXPECT_NE(found.notes[0].find("recording 1"), std::string::npos) << found.notes[0];
+  EXPECT_NE(found.notes[0].find("fly longer"), std::string::npos) << found.notes[0];
+}
+
+}  // namespace
+}  // namespace rio::calibrate
