@@ -11,7 +11,7 @@ namespace rio::calibrate {
 
 namespace {
 
-constexpr double kKnown = 0.5;     // largest relative error of a sigma that counts as known
+constexpr double kKnown = 0.2;     // largest relative error of what counts as known
 constexpr double kFarApart = 3.0;  // halves, in sigmas, and ...
 constexpr double kFactor = 1.5;    // ... by this factor: a nearby noise is better than a wrong one
 
@@ -45,7 +45,7 @@ NoiseEstimate over(const std::vector<Told>& recordings) {
       mean.sigma * (spread.dof > 0 ? std::sqrt(std::max(1.0, spread.chi2 / spread.dof)) : 1.0);
   if (out.halves_apart > kFarApart && factor > kFactor) {
     out.verdict = Determination::kContradictory;
-  } else if (out.relative_error < kKnown && !halves.empty()) {
+  } else if (out.relative_error < kKnown) {
     out.verdict = Determination::kDetermined;
   }
   return out;

@@ -13,7 +13,7 @@ namespace rio::calibrate {
 namespace {
 
 constexpr double kLoose = 3.0;        // of the prior sigmas told
-constexpr double kFarApart = 3.0;     // halves, in sigmas
+constexpr double kFarApart = 3.0;     // halves or recordings, in sigmas
 constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no knowledge
 constexpr auto kRotation = static_cast<std::size_t>(Calibration::kRotationX);
 constexpr auto kTranslation = static_cast<std::size_t>(Calibration::kTranslationX);
@@ -168,9 +168,13 @@ class Repetition {
 struct Summary {
   Combined whole;
   Combined halves;
-  double apart = 0.0;
+  double halves_apart = 0.0;
+  double recordings_apart = 0.0;
 
-  double spread() const { return std::sqrt(halves.chi2 / halves.dof); }
+  double spread() const {
+    const double runs = whole.dof > 0 ? whole.chi2 / whole.dof : 0.0;
+    return std::sqrt(std::max(halves.chi2 / halves.dof, runs));
+  }
 };
 
 Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) {
@@ -179,14 +183,19 @@ Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) 
   std::vector<Measured> halves = all(runs, i, &RecordingCalibration::first);
   for (const RecordingCalibration& run : runs) {
     halves.push_back(run.second[i]);
-    out.apart = std::max(out.apart, apart(run.first[i], run.second[i]));
+    out.halves_apart = std::max(out.halves_apart, apart(run.first[i], run.second[i]));
+    for (const RecordingCalibration& other : runs) {
+      out.recordings_apart = std::max(out.recordings_apart, apart(run.whole[i], other.whole[i]));
+    }
   }
   out.halves = combine(halves);
   return out;
 }
 
 Determination judge(const ParameterCalibration& p) {
-  if (p.halves_apart > kFarApart) return Determination::kContradictory;
+  if (std::max(p.halves_apart, p.recordings_apart) > kFarApart) {
+    return Determination::kContradictory;
+  }
   if (!(p.sigma <= kMostOfPrior * p.prior)) return Determination::kNotDetermined;
   return Determination::kDetermined;
 }
@@ -211,7 +220,8 @@ void judge_all(const std::vector<RecordingCalibration>& runs, const Values& prio
     p.value = s.whole.value;
     p.prior = priors[i];
     p.run_sigma = s.whole.sigma;
-    p.halves_apart = s.apart;
+    p.halves_apart = s.halves_apart;
+    p.recordings_apart = s.recordings_apart;
     p.spread = s.spread();
     const double widened = s.whole.sigma * std::max({1.0, p.spread, std::sqrt(chi2 / dof)});
     p.sigma = std::hypot(widened, s.whole.value - s.halves.value, kCommonError[i]);

@@ -9,12 +9,13 @@
 // (E1) 1 / s^2 = 1 / P - 1 / p^2, x = v s^2 / P: value v off the centre, variance P, prior sigma p
 // With whole runs w and halves h of all recordings:
 // (E2) value x_w, sigma s_w: mean weighted by 1 / s^2; x_h, s_h the same of the halves
-// (E3) spread B^2 = chi^2 / dof of the halves about x_h (Birge, Phys. Rev. 40, 1932); B_all over
-// all
-//      parameters: one pair of halves that agrees by chance has proved nothing
+// (E3) spread B^2 = chi^2 / dof of the h about x_h, or of the w about x_w, whichever is larger
+//      (Birge, Phys. Rev. 40, 1932); B_all the first of them over all parameters: one pair of
+//      halves that agrees by chance has proved nothing
 // (E4) sigma^2 = s_w^2 max(1, B^2, B_all^2) + (x_w - x_h)^2 + c^2, c what repeats in every half and
 //      no spread can show (kCommonError)
-// (E5) halves apart = |x_1 - x_2| / sqrt(s_1^2 + s_2^2), the worst of the recordings
+// (E5) apart = |x_1 - x_2| / sqrt(s_1^2 + s_2^2) of halves, the worst of the recordings, and of
+//      whole recordings, the worst pair
 #pragma once
 
 #include <array>
@@ -42,11 +43,12 @@ const char* to_string(Determination verdict);
 /// A parameter, off what was told of it; units and order of Calibration.
 struct ParameterCalibration {
   double value = 0.0;
-  double sigma = 0.0;         ///< (E4)
-  double prior = 0.0;         ///< sigma of what was told
-  double run_sigma = 0.0;     ///< s_w of (E2), as the estimator says
-  double halves_apart = 0.0;  ///< (E5)
-  double spread = 0.0;        ///< B of (E3)
+  double sigma = 0.0;             ///< (E4)
+  double prior = 0.0;             ///< sigma of what was told
+  double run_sigma = 0.0;         ///< s_w of (E2), as the estimator says
+  double halves_apart = 0.0;      ///< (E5)
+  double recordings_apart = 0.0;  ///< same; 0 if there is one
+  double spread = 0.0;            ///< B of (E3)
   Determination verdict = Determination::kNotEstimated;
 };
 

@@ -116,8 +116,8 @@ void write_files(const CalibrateArguments& arguments, const io::Dataset& first,
   io::write_radar_info(root, radar_info(first.radar_info, *report), comment);
   report->written.push_back((root / "radar0" / "sensor.yaml").string());
   const calibrate::SensorNoise& noise = report->noise;
-  const bool gyro = noise.gyro.verdict == Determination::kDetermined;
-  const bool accel = noise.accel.verdict == Determination::kDetermined;
+  const bool gyro = exceeds_told(noise.gyro, report->told.imu.gyro_noise_density);
+  const bool accel = exceeds_told(noise.accel, report->told.imu.accel_noise_density);
   if (!gyro && !accel) return;
   io::ImuInfo imu = first.imu_info;
   if (gyro) imu.gyro_noise_density = noise.gyro.value;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "calibration_names.hpp"
@@ -16,6 +17,8 @@ namespace {
 using calibrate::Determination;
 using Json = nlohmann::ordered_json;
 
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
 /// A line of the table, in the unit people read.
 struct Row {
   std::string name;
@@ -24,8 +27,9 @@ struct Row {
   double found = 0.0;  ///< SI, as all below
   double told = 0.0;   ///< of a correction: zero
   double sigma = 0.0;
-  double prior = 0.0;  ///< 0 = none
-  double apart = 0.0;  ///< in sigmas
+  double prior = 0.0;    ///< 0 = none
+  double apart = 0.0;    ///< halves, in sigmas
+  double between = 0.0;  ///< recordings, in sigmas; NaN = not compared
   Determination verdict = Determination::kNotEstimated;
   std::string advice;
 };
@@ -69,8 +73,24 @@ constexpr NoiseName kGyro = {"gyroscope_noise", "mdeg/s/rtHz", 1000.0 * kDegrees
 constexpr NoiseName kAccel = {"accelerometer_noise", "mm/s2/rtHz", 1000.0};
 
 Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double told) {
-  return {name.name, name.unit,      name.scale, n.value,  told, n.value * n.relative_error,
-          0.0,       n.halves_apart, n.verdict,  advice(n)};
+  return {.name = name.name,
+          .unit = name.unit,
+          .scale = name.scale,
+          .found = n.value,
+          .told = told,
+          .sigma = n.value * n.relative_error,
+          .apart = n.halves_apart,
+          .between = kUnknown,
+          .verdict = n.verdict,
+          .advice = advice(n)};
+}
+
+Row imu_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double told) {
+  Row row = noise_row(name, n, told);
+  if (n.verdict == Determination::kDetermined && !exceeds_told(n, told)) {
+    row.advice = "told value kept; at rest there is no vibration";
+  }
+  return row;
 }
 
 std::vector<Row> rows_of(const CalibrateReport& report) {
@@ -79,8 +99,16 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
     const calibrate::ParameterCalibration& p = report.radar.parameters[i];
     if (p.verdict == Determination::kNotEstimated) continue;
     const CalibrationName& n = kCalibrationNames[i];
-    rows.push_back({n.name, n.unit, n.scale, p.value, 0.0, p.sigma, p.prior, p.halves_apart,
-                    p.verdict, advice(p, n.check)});
+    rows.push_back({.name = n.name,
+                    .unit = n.unit,
+                    .scale = n.scale,
+                    .found = p.value,
+                    .sigma = p.sigma,
+                    .prior = p.prior,
+                    .apart = p.halves_apart,
+                    .between = report.datasets.size() > 1 ? p.recordings_apart : kUnknown,
+                    .verdict = p.verdict,
+                    .advice = advice(p, n.check)});
   }
   const RadarOptions& radar = report.told.radar;
   const std::array<double, 4> told = {radar.sigma_range, radar.sigma_azimuth, radar.sigma_elevation,
@@ -89,8 +117,8 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
     rows.push_back(noise_row(kRadarNoise[k], report.noise.radar[k], told[k]));
   }
   const ImuOptions& imu = report.told.imu;
-  rows.push_back(noise_row(kGyro, report.noise.gyro, imu.gyro_noise_density));
-  rows.push_back(noise_row(kAccel, report.noise.accel, imu.accel_noise_density));
+  rows.push_back(imu_row(kGyro, report.noise.gyro, imu.gyro_noise_density));
+  rows.push_back(imu_row(kAccel, report.noise.accel, imu.accel_noise_density));
   return rows;
 }
 
@@ -124,21 +152,23 @@ Json run_json(const calibrate::MeasuredCalibration& run) {
 }  // namespace
 
 std::string CalibrateReport::text() const {
-  std::string out =
-      fmt::format("{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6}  {:<15} {}\n", "parameter", "unit",
-                  "told", "found", "sigma", "prior", "apart", "verdict", "what to do");
+  std::string out = fmt::format("{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6} {:>7}  {:<15} {}\n",
+                                "parameter", "unit", "told", "found", "sigma", "prior", "halves",
+                                "records", "verdict", "what to do");
   for (const Row& row : rows_of(*this)) {
     const bool found = row.found != 0.0 || row.prior > 0.0;
-    out +=
-        fmt::format("{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6}  {:<15} {}\n", row.name, row.unit,
-                    number(row.scale * row.told, 2), found ? number(row.scale * row.found, 2) : "-",
-                    found ? number(row.scale * row.sigma, 2) : "-",
-                    row.prior > 0.0 ? number(row.scale * row.prior, 2) : "-", number(row.apart, 1),
-                    to_string(row.verdict), row.advice);
+    out += fmt::format(
+        "{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6} {:>7}  {:<15} {}\n", row.name, row.unit,
+        number(row.scale * row.told, 2), found ? number(row.scale * row.found, 2) : "-",
+        found ? number(row.scale * row.sigma, 2) : "-",
+        row.prior > 0.0 ? number(row.scale * row.prior, 2) : "-", number(row.apart, 1),
+        number(row.between, 1), to_string(row.verdict), row.advice);
   }
   out +=
       "mounting: corrections of what was told, rotation about the radar's axes, position along "
-      "those of the body\napart: halves of a recording, in their sigmas\n";
+      "those of the body\nhalves, records: how far halves of a recording, and recordings, are "
+      "apart, in "
+      "their sigmas\n";
   for (const std::string& note : notes) out += "note: " + note + "\n";
   for (const std::string& file : written) out += "written: " + file + "\n";
   return out;
@@ -152,6 +182,7 @@ std::string CalibrateReport::json() const {
                             {"sigma", number_or_null(row.sigma)},
                             {"prior_sigma", row.prior > 0.0 ? Json(row.prior) : Json(nullptr)},
                             {"halves_apart", number_or_null(row.apart)},
+                            {"recordings_apart", number_or_null(row.between)},
                             {"verdict", to_string(row.verdict)},
                             {"advice", row.advice}};
   }

@@ -11,6 +11,12 @@
 
 namespace rio::tools {
 
+/// The noise of an IMU at rest is the least it has: a smaller one than was told is no reason to
+/// believe the IMU more in motion.
+inline bool exceeds_told(const calibrate::NoiseEstimate& noise, double told) {
+  return noise.verdict == calibrate::Determination::kDetermined && noise.value > told;
+}
+
 /// What has been found of which recordings.
 struct CalibrateReport {
   std::vector<std::string> datasets;
