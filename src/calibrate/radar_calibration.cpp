@@ -12,9 +12,7 @@ namespace rio::calibrate {
 
 namespace {
 
-constexpr double kLoose = 3.0;        // of the prior sigmas told
-constexpr double kFarApart = 3.0;     // halves or recordings, in sigmas
-constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no knowledge
+constexpr double kLoose = 3.0;  // of the prior sigmas told
 constexpr auto kRotation = static_cast<std::size_t>(Calibration::kRotationX);
 constexpr auto kTranslation = static_cast<std::size_t>(Calibration::kTranslationX);
 constexpr auto kDopplerScale = static_cast<std::size_t>(Calibration::kDopplerScale);
@@ -170,10 +168,15 @@ struct Summary {
   Combined halves;
   double halves_apart = 0.0;
   double recordings_apart = 0.0;
+  double squares = 0.0;  ///< of the halves' (E3), over the recordings
 
-  double spread() const {
-    const double runs = whole.dof > 0 ? whole.chi2 / whole.dof : 0.0;
-    return std::sqrt(std::max(halves.chi2 / halves.dof, runs));
+  /// (E5)
+  double spread(double others) const {
+    constexpr double kWeight = 4.0;  // n
+    const auto shrunk = [&](const Combined& c) {
+      return (c.chi2 + kWeight * others * others) / (c.dof + kWeight);
+    };
+    return std::sqrt(std::max(shrunk(halves), shrunk(whole)));
   }
 };
 
@@ -183,7 +186,9 @@ Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) 
   std::vector<Measured> halves = all(runs, i, &RecordingCalibration::first);
   for (const RecordingCalibration& run : runs) {
     halves.push_back(run.second[i]);
-    out.halves_apart = std::max(out.halves_apart, apart(run.first[i], run.second[i]));
+    const double a = apart(run.first[i], run.second[i]);
+    out.squares += a * a;
+    out.halves_apart = std::max(out.halves_apart, a);
     for (const RecordingCalibration& other : runs) {
       out.recordings_apart = std::max(out.recordings_apart, apart(run.whole[i], other.whole[i]));
     }
@@ -192,40 +197,50 @@ Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) 
   return out;
 }
 
-Determination judge(const ParameterCalibration& p) {
-  if (std::max(p.halves_apart, p.recordings_apart) > kFarApart) {
+Determination judge(const ParameterCalibration& p, double others) {
+  constexpr double kFarApart = 3.0;     // of (E7)
+  constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no knowledge
+  if (std::max(p.halves_apart, p.recordings_apart) > kFarApart * others) {
     return Determination::kContradictory;
   }
   if (!(p.sigma <= kMostOfPrior * p.prior)) return Determination::kNotDetermined;
   return Determination::kDetermined;
 }
 
-/// (E4) and verdicts; what was not estimated is left alone.
+/// (E4) of a parameter with the sum of squares `own`, all together having `squares` of `count`
+/// pairs, `pairs` a parameter.
+double spread_of_others(double squares, double own, std::size_t count, std::size_t pairs) {
+  if (count <= pairs) return 1.0;
+  return std::sqrt(std::max(1.0, (squares - own) / static_cast<double>(count - pairs)));
+}
+
+/// (E6) (E7); what was not estimated is left alone.
 void judge_all(const std::vector<RecordingCalibration>& runs, const Values& priors,
                RadarCalibration* out) {
   std::array<Summary, kCalibrationCount> summaries{};
-  double chi2 = 0.0;
-  int dof = 0;
+  double squares = 0.0;
+  std::size_t count = 0;
   const auto estimated = [&runs](std::size_t i) { return runs.front().whole[i].sigma > 0.0; };
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (!estimated(i)) continue;
     summaries[i] = summarise(runs, i);
-    chi2 += summaries[i].halves.chi2;
-    dof += summaries[i].halves.dof;
+    squares += summaries[i].squares;
+    count += runs.size();
   }
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (!estimated(i)) continue;
     const Summary& s = summaries[i];
+    const double others = spread_of_others(squares, s.squares, count, runs.size());
     ParameterCalibration& p = out->parameters[i];
     p.value = s.whole.value;
     p.prior = priors[i];
     p.run_sigma = s.whole.sigma;
     p.halves_apart = s.halves_apart;
     p.recordings_apart = s.recordings_apart;
-    p.spread = s.spread();
-    const double widened = s.whole.sigma * std::max({1.0, p.spread, std::sqrt(chi2 / dof)});
-    p.sigma = std::hypot(widened, s.whole.value - s.halves.value, kCommonError[i]);
-    p.verdict = judge(p);
+    p.spread = s.spread(others);
+    p.sigma = std::hypot(s.whole.sigma * std::max(1.0, p.spread), s.whole.value - s.halves.value,
+                         kCommonError[i]);
+    p.verdict = judge(p, others);
   }
 }
 

@@ -9,13 +9,15 @@
 // (E1) 1 / s^2 = 1 / P - 1 / p^2, x = v s^2 / P: value v off the centre, variance P, prior sigma p
 // With whole runs w and halves h of all recordings:
 // (E2) value x_w, sigma s_w: mean weighted by 1 / s^2; x_h, s_h the same of the halves
-// (E3) spread B^2 = chi^2 / dof of the h about x_h, or of the w about x_w, whichever is larger
-//      (Birge, Phys. Rev. 40, 1932); B_all the first of them over all parameters: one pair of
-//      halves that agrees by chance has proved nothing
-// (E4) sigma^2 = s_w^2 max(1, B^2, B_all^2) + (x_w - x_h)^2 + c^2, c what repeats in every half and
-//      no spread can show (kCommonError)
-// (E5) apart = |x_1 - x_2| / sqrt(s_1^2 + s_2^2) of halves, the worst of the recordings, and of
-//      whole recordings, the worst pair
+// (E3) apart: |x_1 - x_2| / sqrt(s_1^2 + s_2^2) of the halves of a recording, or of two recordings
+// (E4) B_o^2: mean square of the halves' (E3) over all other parameters, not below 1
+// (E5) B^2 = (chi^2 + n B_o^2) / (dof + n), n = 4: spread of the h about x_h, or of the w about
+// x_w,
+//      whichever is larger (Birge, Phys. Rev. 40, 1932), shrunk towards that of the others (Smyth,
+//      Stat. Appl. Genet. Mol. Biol. 3, 2004): one pair that agrees by chance has proved nothing
+// (E6) sigma^2 = s_w^2 max(1, B^2) + (x_w - x_h)^2 + c^2, c what repeats in every half and no
+//      spread can show (kCommonError)
+// (E7) contradictory: halves or recordings apart by more than 3 B_o
 #pragma once
 
 #include <array>
@@ -43,12 +45,12 @@ const char* to_string(Determination verdict);
 /// A parameter, off what was told of it; units and order of Calibration.
 struct ParameterCalibration {
   double value = 0.0;
-  double sigma = 0.0;             ///< (E4)
+  double sigma = 0.0;             ///< (E6)
   double prior = 0.0;             ///< sigma of what was told
   double run_sigma = 0.0;         ///< s_w of (E2), as the estimator says
-  double halves_apart = 0.0;      ///< (E5)
-  double recordings_apart = 0.0;  ///< same; 0 if there is one
-  double spread = 0.0;            ///< B of (E3)
+  double halves_apart = 0.0;      ///< (E3), the worst of the recordings
+  double recordings_apart = 0.0;  ///< same, the worst pair; 0 if there is one
+  double spread = 0.0;            ///< B of (E5)
   Determination verdict = Determination::kNotEstimated;
 };
 
@@ -77,10 +79,11 @@ struct RadarCalibration {
   }
 };
 
-/// Errors common to all halves, of a flight of the default simulated radar (60 m, grids, fading,
-/// ghosts, highlights): its pitch 0.1 deg, its Doppler 0.3 % too large [rad, m, 1, rad, s].
+/// Errors common to all halves, of flights in the default simulated room (60 m, grids, fading,
+/// ghosts, highlights), beyond their sigmas: roll and pitch 0.1 deg, the Doppler found 0.3 % too
+/// large, the stamps 0.5 ms [rad, m, 1, rad, s].
 inline constexpr std::array<double, kCalibrationCount> kCommonError = {
-    0.002, 0.002, 0.002, 0.001, 0.001, 0.001, 0.003, 0.0, 0.0005};
+    0.002, 0.002, 0.0, 0.0, 0.0, 0.0, 0.003, 0.0, 0.0005};
 
 /// Calibrates options.radar as told, options.calibration its prior sigmas. The Doppler scale and
 /// the time offset, if they are not determined, are left out of a last repetition, so that they do

@@ -58,7 +58,7 @@ TEST(RadarCalibration, FindsWhatWasToldWrongWithHonestSigmas) {
   constexpr int kFlights = 6;
   double mean = 0.0;
   double worst = 0.0;
-  for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
+  for (std::uint64_t seed = 11; seed < 11 + kFlights; ++seed) {
     const sim::Flight flight = fly_wrong(seed, 40.0);
     const RadarCalibration found = calibrate_radar({recording_of(flight)}, told(flight));
     const std::array<double, kCalibrationCount> truth = truth_of(flight);
