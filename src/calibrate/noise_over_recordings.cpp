@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -71,15 +72,30 @@ Recording first_half(const Recording& recording, Time end) {
   return half;
 }
 
-using Fit = std::optional<eval::NoiseFit>;
+/// A fit, and which of its sigmas the last run left as they were.
+struct SettledFit {
+  eval::NoiseFit noise;
+  std::array<bool, 4> settled{};
+};
+using Fit = std::optional<SettledFit>;
 
 /// Nothing, and a note, if the recording does not tell.
 Fit fit(const Recording& recording, const Options& options, const std::string& name,
         std::vector<std::string>* notes) {
   try {
-    const NoiseCalibration c = calibrate_noise(recording, options);
-    if (!c.converged) notes->push_back(name + ": the radar's sigmas do not settle");
-    return c.fit;
+    Fit out;
+    const auto keep = [&out](const NoiseCalibration& c) {
+      SettledFit now{c.fit, {}};
+      for (int k = 0; k < 4 && out; ++k) {
+        const double change = std::log(c.fit.noise.sigma[k] / out->noise.noise.sigma[k]);
+        now.settled[static_cast<std::size_t>(k)] = std::abs(change) < c.fit.relative_error[k];
+      }
+      if (c.converged) now.settled.fill(true);
+      out = now;
+    };
+    const NoiseCalibration c = calibrate_noise(recording, options, keep);
+    if (!c.converged) notes->push_back(name + ": not all of the radar's sigmas settle");
+    return out;
   } catch (const std::runtime_error& error) {
     notes->push_back(name + ": noise of the radar: " + error.what());
     return std::nullopt;
@@ -87,8 +103,9 @@ Fit fit(const Recording& recording, const Options& options, const std::string& n
 }
 
 std::optional<Measured> told_by(const Fit& fit, int k) {
-  if (!fit || fit->at_bound[static_cast<std::size_t>(k)]) return std::nullopt;
-  return Measured{std::log(fit->noise.sigma[k]), fit->relative_error[k]};
+  const auto i = static_cast<std::size_t>(k);
+  if (!fit || !fit->settled[i] || fit->noise.at_bound[i]) return std::nullopt;
+  return Measured{std::log(fit->noise.noise.sigma[k]), fit->noise.relative_error[k]};
 }
 
 /// (E1) (E2) of three axes between two instants.
@@ -159,8 +176,9 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
           {told_by(whole, k), told_by(first, k), told_by(second, k)});
     }
     if (whole) {
-      growth_seen = growth_seen && whole->growth_seen && whole->weak_error_db > 0.0;
-      weak.push_back({whole->noise.weak_snr_db, std::max(whole->weak_error_db, 0.1)});
+      const eval::NoiseFit& noise = whole->noise;
+      growth_seen = growth_seen && noise.growth_seen && noise.weak_error_db > 0.0;
+      weak.push_back({noise.noise.weak_snr_db, std::max(noise.weak_error_db, 0.1)});
     }
     if (recording.start) continue;  // no rest to be sure of
     const double duration = options.start.duration;

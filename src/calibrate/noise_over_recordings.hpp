@@ -28,7 +28,7 @@ struct NoiseEstimate {
 
 struct SensorNoise {
   /// Range, azimuth, elevation, Doppler: order of eval::RadarNoise. Not determined: hidden by its
-  /// grid, too few matches, or known to no better than 20 %.
+  /// grid, too few matches, not settled, or known to no better than 20 %.
   std::array<NoiseEstimate, 4> radar{};
   std::optional<double> weak_snr_db;  ///< with which the radar's were fitted
   NoiseEstimate gyro;                 ///< density [rad/s/sqrt(Hz)]

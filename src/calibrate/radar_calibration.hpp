@@ -17,7 +17,8 @@
 //      Stat. Appl. Genet. Mol. Biol. 3, 2004): one pair that agrees by chance has proved nothing
 // (E6) sigma^2 = s_w^2 max(1, B^2) + (x_w - x_h)^2 + c^2, c what repeats in every half and no
 //      spread can show (kCommonError)
-// (E7) contradictory: halves or recordings apart by more than 3 B_o
+// (E7) contradictory: halves or recordings apart by more than 3 B_o; the Doppler scale and the time
+//      offset, which can be done without and make up for errors that have no model, by more than 3
 #pragma once
 
 #include <array>
