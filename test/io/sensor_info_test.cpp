@@ -97,7 +97,7 @@ TEST(SensorInfo, SensorFilesAreChecked) {
   EXPECT_ERROR(read_with(radar, "T_BS: {data: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,1,1]}\n"),
                "not a homogeneous matrix");
   EXPECT_ERROR(read_with(radar, "sigma_range_m: -1\n"), "sensor.yaml:1: sigma_range_m: must be");
-  EXPECT_ERROR(read_with(radar, "time_offset_s: .nan\n"), "time_offset_s: must be a finite number");
+  EXPECT_ERROR(read_with(radar, "time_offset_s: nan\n"), "time_offset_s: must be a finite number");
   EXPECT_ERROR(read_with(radar, "prior_position_m: -1\n"), "not below zero");
   EXPECT_ERROR(read_with(radar, "sigma_range_m: two\n"), "sigma_range_m: not a number");
   EXPECT_ERROR(read_with(radar, "sigma_range_m: 2 deg\n"), "does not fit the unit [m]");
@@ -158,7 +158,7 @@ TEST(SensorInfo, BecomesOptions) {
   EXPECT_NEAR(o.radar.fov_azimuth, 2.0943951023931953 + 6.0 * 2.0 / 30.0, 1e-12);
   EXPECT_NEAR(o.radar.fov_elevation, 0.5 + 6.0 * 0.07 / std::cos(0.25), 1e-12);
   EXPECT_EQ(o.radar.weak_snr_db, -2.5);
-  EXPECT_EQ(o.radar.time_offset, -1.0 / 300.0);
+  EXPECT_EQ(o.radar.time_offset, -1.0 / 3.0 / 100.0);
   EXPECT_EQ(o.radar.doppler_scale, -0.01);
   EXPECT_EQ(o.calibration.rotation_sigma, 1.0 / 60.0);
   EXPECT_EQ(o.calibration.translation_sigma, 0.004);
@@ -175,7 +175,7 @@ TEST(SensorInfo, PriorsDoNotSwitchACalibrationOn) {
   EXPECT_EQ(o.calibration.translation_sigma, 0.0);
   EXPECT_EQ(o.calibration.time_offset_sigma, 0.0);
   EXPECT_EQ(o.calibration.doppler_scale_sigma, 0.0);
-  EXPECT_EQ(o.radar.time_offset, -1.0 / 300.0) << "what is known is used all the same";
+  EXPECT_EQ(o.radar.time_offset, -1.0 / 3.0 / 100.0) << "what is known is used all the same";
 }
 
 TEST(SensorInfo, UnknownLeavesTheOptions) {
