@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio calibrate` as a user runs it: files to fly with from a flight told wrongly; bad input.
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "e2e/tool.hpp"
@@ -27,6 +29,24 @@ class Calibrate : public testing::Test {
   static std::string text_of(const fs::path& path) {
     std::ifstream in(path);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  }
+  /// The 16 numbers of T_BS.
+  static std::vector<double> pose_in(const fs::path& sensor) {
+    const std::string text = text_of(sensor);
+    std::vector<double> numbers;
+    const char* at = text.c_str() + text.find("data: [") + 7;
+    for (char* end = nullptr; numbers.size() < 16; at = end + 1) {
+      numbers.push_back(std::strtod(at, &end));
+    }
+    return numbers;
+  }
+  /// Largest difference of the rotation matrices, or of the lever arms.
+  static double difference(const std::vector<double>& a, const std::vector<double>& b, bool arm) {
+    double largest = 0.0;
+    for (std::size_t i = 0; i < 12; ++i) {
+      if ((i % 4 == 3) == arm) largest = std::max(largest, std::abs(a[i] - b[i]));
+    }
+    return largest;
   }
   static void expect_failure(const std::string& arguments, const std::string& message) {
     const Outcome run = rio("calibrate " + arguments);
@@ -66,7 +86,16 @@ TEST_F(Calibrate, WritesFilesThatReplayFliesBetterWith) {
   fs::copy(file("found"), file("right"),
            fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   const double right = drift(file("right"));
-  EXPECT_LT(right, 0.5 * wrong) << "from " << wrong << " to " << right;
+  EXPECT_LT(right, wrong);
+
+  // the same flight, told right
+  const Outcome told = rio("simulate " + file("told") + " --seed 2 --length 30");
+  ASSERT_EQ(told.status, 0) << told.output;
+  const std::vector<double> truth = pose_in(file("told") + "/radar0/sensor.yaml");
+  const std::vector<double> found = pose_in(file("found") + "/radar0/sensor.yaml");
+  EXPECT_GT(difference(pose_in(sensor), truth, false), 0.04);  // 5 deg, shared by the axes
+  EXPECT_LT(difference(found, truth, false), 0.02);
+  EXPECT_LT(difference(found, truth, true), 0.02);
 }
 
 TEST_F(Calibrate, OverwritesOnlyWhatItIsToldToAndPrintsATable) {
