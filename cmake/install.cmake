@@ -5,9 +5,9 @@ install(TARGETS rio_core rio_sim rio EXPORT rio-targets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-# io/ needs more than Eigen and serves the tools only
+# io/ and bag/ need more than Eigen and serve the tools only
 install(DIRECTORY include/rio DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.hpp" PATTERN "io" EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "io" EXCLUDE PATTERN "bag" EXCLUDE)
 install(EXPORT rio-targets NAMESPACE rio:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rio)
 configure_package_config_file(cmake/rio-config.cmake.in rio-config.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rio)

@@ -11,9 +11,39 @@
 
 namespace rio::tools {
 
+/// How a bag is to be read; nothing of it goes with a folder in ASL layout.
+struct RecordingArguments {
+  std::string imu;  ///< topics; empty: the only one of its type
+  std::string radar;
+  std::string imu_clock = "auto";  ///< auto, header, receive, carried
+  std::string radar_clock = "auto";
+  std::string imu_offset = "0";  ///< with a unit, or seconds
+  std::string radar_offset = "0";
+  std::string gyro_unit = "rad/s";
+  std::string accel_unit = "m/s^2";
+  std::string points;  ///< preset of fields
+  std::vector<std::string> fields;
+  std::string axes;
+  bool approaching = false;
+  bool operator==(const RecordingArguments&) const = default;
+};
+
+/// `rio info`: what is in a bag.
+void info(const std::string& path);
+
+/// `rio convert`: a bag as a folder in ASL layout.
+struct ConvertArguments {
+  std::string recording;
+  std::string out;
+  bool force = false;
+  RecordingArguments how;
+};
+void convert(const ConvertArguments& arguments);
+
 /// `rio replay`: a recording through the estimator.
 struct ReplayArguments {
   std::string dataset;
+  RecordingArguments how;
   std::string config;
   std::string preset;
   std::string backend;
@@ -61,6 +91,7 @@ void plot(const PlotArguments& arguments);
 /// `rio fit-noise`: the noise of the radar from a recording.
 struct FitNoiseArguments {
   std::string dataset;
+  RecordingArguments how;
   std::string config;
   std::string init = "static";
   bool no_truth = false;

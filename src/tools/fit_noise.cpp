@@ -11,6 +11,7 @@
 
 #include "calibrate/noise_calibration.hpp"
 #include "commands.hpp"
+#include "recording.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/options_yaml.hpp"
 #include "rio/io/start.hpp"
@@ -94,8 +95,8 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
 }  // namespace
 
 void fit_noise(const FitNoiseArguments& arguments) {
-  io::Dataset dataset = io::read_dataset(arguments.dataset);
-  for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
+  std::string damage;
+  io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
   const Options options = make_options(arguments, dataset);
   calibrate::Recording recording;
   recording.start = make_start(arguments, dataset, options);
@@ -108,6 +109,7 @@ void fit_noise(const FitNoiseArguments& arguments) {
                c.runs);
   }
   print_options(arguments, c);
+  throw_damage(damage);
 }
 
 }  // namespace rio::tools

@@ -14,10 +14,69 @@ namespace rio::tools {
 
 namespace {
 
+/// How a bag is read, for every command that takes one.
+void add_recording_options(CLI::App* command, RecordingArguments* how) {
+  const CLI::IsMember clock({"auto", "header", "receive", "carried"});
+  const std::string group = "Of a bag";
+  command->add_option("--imu", how->imu, "topic; by default the only sensor_msgs/Imu")
+      ->group(group);
+  command->add_option("--radar", how->radar, "topic; by default the only sensor_msgs/PointCloud2")
+      ->group(group);
+  command
+      ->add_option("--points", how->points,
+                   "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548 "
+                   "or altos; by default guessed from their names")
+      ->group(group);
+  command
+      ->add_option("--field", how->fields,
+                   "one field, as doppler=rdot, snr=power*0.1 or doppler=@12 (byte of a float)")
+      ->group(group);
+  command->add_option("--axes", how->axes, "of the points: flu, ti, rdf or frd; wins over --points")
+      ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))
+      ->group(group);
+  command->add_flag("--approaching", how->approaching, "the Doppler is positive towards the radar")
+      ->group(group);
+  command
+      ->add_option("--imu-clock", how->imu_clock,
+                   "stamps: header, receive, carried (headers moved onto the receive clock), auto")
+      ->check(clock)
+      ->group(group);
+  command->add_option("--radar-clock", how->radar_clock, "as --imu-clock")
+      ->check(clock)
+      ->group(group);
+  command->add_option("--imu-offset", how->imu_offset, "added to the stamps, as \"3 ms\"")
+      ->group(group);
+  command->add_option("--radar-offset", how->radar_offset, "added to the stamps, as \"-0.12 s\"")
+      ->group(group);
+  command->add_option("--gyro-unit", how->gyro_unit, "of the file, as deg/s")->group(group);
+  command->add_option("--accel-unit", how->accel_unit, "of the file, as g")->group(group);
+}
+
+void add_info_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("info", "What is in a bag: topics, rates, clocks, fields of the points");
+  auto path = std::make_shared<std::string>();
+  command->add_option("FILE", *path, "ROS 1 bag, MCAP, or .db3 of rosbag2")->required();
+  command->callback([path] { info(*path); });
+}
+
+void add_convert_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("convert", "Write a bag as a folder in ASL/EuRoC layout");
+  auto arguments = std::make_shared<ConvertArguments>();
+  command->add_option("FILE", arguments->recording, "ROS 1 bag, MCAP, or .db3 of rosbag2")
+      ->required();
+  command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
+  command->add_flag("--force", arguments->force,
+                    "overwrite a recording in OUT, with what was filled in there by hand");
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments] { convert(*arguments); });
+}
+
 void add_replay_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("replay", "Run a recording through the estimator");
   auto arguments = std::make_shared<ReplayArguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
+      ->required();
   command->add_option("--config", arguments->config, "option file; see `rio options`");
   command->add_option(
       "--preset", arguments->preset,
@@ -34,6 +93,7 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--states", arguments->states, "states with covariance to write, csv");
   command->add_flag("--json", arguments->json, "print one JSON line instead of a line per scan");
   command->add_flag("--quiet", arguments->quiet, "no line per scan");
+  add_recording_options(command, &arguments->how);
   command->callback([arguments] { replay(*arguments); });
 }
 
@@ -117,12 +177,14 @@ void add_fit_noise_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
   auto arguments = std::make_shared<FitNoiseArguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout")->required();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
+      ->required();
   command->add_option("--config", arguments->config, "option file; its sigmas are where it starts");
   command->add_option("--init", arguments->init, "static, groundtruth or a file")
       ->capture_default_str();
   command->add_flag("--no-truth", arguments->no_truth,
                     "hold the Doppler against the estimated velocity, not the true one");
+  add_recording_options(command, &arguments->how);
   command->callback([arguments] { fit_noise(*arguments); });
 }
 
@@ -167,6 +229,8 @@ int run(int argc, char** argv) {
   CLI::App app("Radar-inertial odometry: replay, simulate, evaluate and compare", "rio");
   app.set_version_flag("--version", RIO_VERSION);
   app.require_subcommand(1);
+  add_info_command(app);
+  add_convert_command(app);
   add_replay_command(app);
   add_simulate_command(app);
   add_scenarios_command(app);

@@ -13,6 +13,7 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
+#include "recording.hpp"
 #include "replay_summary.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/options_yaml.hpp"
@@ -293,8 +294,8 @@ class Replay {
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
-  const io::Dataset dataset = io::read_dataset(arguments.dataset);
-  for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
+  std::string damage;
+  const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
   const Options options = make_options(arguments, dataset);
   const ReplaySummary summary = Replay(arguments, dataset, options).run();
   if (arguments.json) {
@@ -308,6 +309,7 @@ void replay(const ReplayArguments& arguments) {
         "a radar does; check units, axes and the start",
         summary.fastest, summary.farthest));
   }
+  throw_damage(damage);
 }
 
 }  // namespace rio::tools

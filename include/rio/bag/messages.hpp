@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ROS messages an odometry needs, out of their serialised bytes: ROS 1, and CDR of ROS 2.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rio/bag/message_stream.hpp"
+#include "rio/bag/wire.hpp"
+#include "rio/types.hpp"
+
+namespace rio::bag {
+
+inline constexpr char kImuType[] = "sensor_msgs/Imu";
+inline constexpr char kCloudType[] = "sensor_msgs/PointCloud2";
+
+/// std_msgs/Header without its sequence number.
+struct Header {
+  Time stamp{0};
+  std::string frame_id;
+};
+
+/// sensor_msgs/PointField.
+struct PointField {
+  std::string name;
+  std::uint32_t offset = 0;  ///< of its first byte in a point
+  std::uint8_t datatype =
+      0;  ///< 1 to 8: int8, uint8, int16, uint16, int32, uint32, float32, float64
+  bool operator==(const PointField&) const = default;
+};
+
+/// sensor_msgs/PointCloud2; all points lie inside of `data`.
+struct PointCloud {
+  Header header;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::vector<PointField> fields;
+  bool big_endian = false;
+  std::uint32_t point_step = 0;  ///< bytes of a point
+  std::uint32_t row_step = 0;    ///< bytes of a row
+  Bytes data;                    ///< valid as long as the message
+
+  std::uint64_t size() const { return std::uint64_t{width} * height; }
+  /// The bytes of point i, row after row.
+  Bytes point(std::uint64_t i) const {
+    return data.subspan(i / width * row_step + i % width * point_step, point_step);
+  }
+};
+
+/// All decoders throw Damage with the place in the message if it is no such message.
+/// @{
+ImuSample decode_imu(Encoding encoding, Bytes message, Header* header);
+PointCloud decode_cloud(Encoding encoding, Bytes message);
+Header decode_header(Encoding encoding, Bytes message);
+/// @}
+
+/// Whether messages of this topic begin with a std_msgs/Header, as far as is known.
+bool begins_with_header(const Topic& topic);
+
+/// "float32" and so on; empty if there is no such type.
+std::string datatype_name(std::uint8_t datatype);
+/// Bytes of the type; 0 if there is no such type.
+std::uint32_t datatype_size(std::uint8_t datatype);
+/// The number of this type in the first bytes.
+double number_of_type(const std::uint8_t* bytes, std::uint8_t datatype, bool big_endian);
+
+/// "x float32 @0, y float32 @4"
+std::string fields_text(const std::vector<PointField>& fields);
+
+}  // namespace rio::bag

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The samples and scans of a recording on one clock, as a data set of rio.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "rio/bag/point_fields.hpp"
+#include "rio/io/dataset.hpp"
+
+namespace rio::bag {
+
+/// Where the stamps of a topic come from.
+enum class Clock {
+  kAuto,     ///< as RecordingRequest says
+  kHeader,   ///< the header of each message
+  kReceive,  ///< when it was recorded
+  kCarried   ///< the header, moved by the median of receive - header: the recorder's clock without
+             ///< the jitter of transport
+};
+
+/// kAuto: the headers of both topics if none is zero and both clocks agree to a second, or if the
+/// headers are asked for the other topic; else kCarried, or kReceive for a topic with zero stamps.
+struct RecordingRequest {
+  std::string imu_topic;    ///< empty: the only one of its type
+  std::string radar_topic;  ///< empty: the only one of its type
+  Clock imu_clock = Clock::kAuto;
+  Clock radar_clock = Clock::kAuto;
+  double imu_offset = 0.0;    ///< added to the stamps [s]
+  double radar_offset = 0.0;  ///< added to the stamps [s]
+  double gyro_unit = 1.0;     ///< [rad/s]
+  double accel_unit = 1.0;    ///< [m/s^2]
+  PointRequest points;
+};
+
+struct Recording {
+  io::Dataset dataset;  ///< its notes say what was matched, assumed and left out
+  std::string damage;   ///< empty, or where the file is damaged: the data set is what stands before
+};
+
+/// Reads the IMU (sensor_msgs/Imu) and the radar (sensor_msgs/PointCloud2, a scan each) of a file
+/// of open_messages(). Messages that cannot be decoded, scans with the stamp of the scan before and
+/// points that are not finite are left out and counted in the notes.
+/// @throws std::runtime_error that lists the topics if one is missing or is not the only one of its
+/// type; if points do not match; if nothing readable is left
+Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
+
+}  // namespace rio::bag

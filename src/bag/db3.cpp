@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sqlite3 storage of rosbag2, in the order of the rows: that of the recording.
+#include "formats.hpp"
+#include "rio/bag/wire.hpp"
+
+#ifdef RIO_HAS_SQLITE3
+#include <sqlite3.h>
+
+#include <map>
+#include <stdexcept>
+
+#include "file_bytes.hpp"
+
+namespace rio::bag {
+
+namespace {
+
+class Db3 final : public MessageStream {
+ public:
+  explicit Db3(const std::filesystem::path& path) : MessageStream(path), file_(path) {
+    check(sqlite3_open_v2(path.c_str(), &db_, SQLITE_OPEN_READONLY, nullptr));
+    sqlite3_limit(db_, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxRecord));
+    // a file that was cut off is read as far as it goes; its schema is not to run anything
+    sqlite3_db_config(db_, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
+    sqlite3_db_config(db_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    prepare("SELECT id, name, type, serialization_format FROM topics");
+  }
+  ~Db3() override {
+    sqlite3_finalize(statement_);
+    sqlite3_close(db_);
+  }
+
+  std::string format() const override { return "rosbag2 sqlite3"; }
+
+ private:
+  bool read(Message* message) override {
+    if (!topics_read_) {
+      while (step()) add_topic();
+      prepare("SELECT topic_id, timestamp, data, id FROM messages");
+      topics_read_ = true;
+    }
+    if (!step()) return false;
+    const auto topic = numbers_.find(sqlite3_column_int64(statement_, 0));
+    if (topic == numbers_.end()) fail("a message of an unknown topic");
+    message->topic = topic->second;
+    message->received = checked_time(sqlite3_column_int64(statement_, 1));
+    const void* data = sqlite3_column_blob(statement_, 2);
+    const int size = sqlite3_column_bytes(statement_, 2);
+    message->data = {static_cast<const std::uint8_t*>(data), static_cast<std::size_t>(size)};
+    row_ = sqlite3_column_int64(statement_, 3);
+    return true;
+  }
+
+  void add_topic() {
+    const bool cdr = column_text(3) == "cdr";
+    numbers_[sqlite3_column_int64(statement_, 0)] =
+        topic_index({column_text(1), ros1_type(column_text(2)),
+                     cdr ? Encoding::kCdr : Encoding::kOther, std::string()});
+  }
+
+  std::string column_text(int column) {
+    const unsigned char* text = sqlite3_column_text(statement_, column);
+    return text == nullptr ? "" : reinterpret_cast<const char*>(text);
+  }
+
+  void prepare(const char* sql) {
+    sqlite3_finalize(statement_);
+    statement_ = nullptr;
+    check(sqlite3_prepare_v2(db_, sql, -1, &statement_, nullptr));
+  }
+
+  bool step() {
+    const int code = sqlite3_step(statement_);
+    if (code != SQLITE_ROW && code != SQLITE_DONE) fail(sqlite3_errmsg(db_));
+    return code == SQLITE_ROW;
+  }
+
+  void check(int code) {
+    if (code == SQLITE_OK) return;
+    const std::string what = sqlite3_errmsg(db_);
+    sqlite3_finalize(statement_);
+    sqlite3_close(db_);
+    throw std::runtime_error(path().string() + ": " + what);
+  }
+
+  /// sqlite tells no place: the end of the file if it is cut off, else its begin.
+  [[noreturn]] void fail(const std::string& what) {
+    std::vector<std::uint8_t> head;
+    file_.read(0, 32, &head);
+    const std::uint32_t field = number_at<std::uint16_t>(head.data() + 16, true);
+    const std::uint64_t page = field == 1 ? 65536 : field;
+    const std::uint64_t pages = number_at<std::uint32_t>(head.data() + 28, true);
+    const bool cut = file_.size() < page * pages;
+    throw Damage(cut ? file_.size() : 0, (cut ? "the file ends here, its content does not: " : "") +
+                                             what + ", after message " + std::to_string(row_));
+  }
+
+  FileBytes file_;
+  sqlite3* db_ = nullptr;
+  sqlite3_stmt* statement_ = nullptr;
+  bool topics_read_ = false;
+  std::int64_t row_ = 0;                         ///< of the last message
+  std::map<std::int64_t, std::size_t> numbers_;  ///< number of the topic -> index
+};
+
+}  // namespace
+
+std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path) {
+  return std::make_unique<Db3>(path);
+}
+
+}  // namespace rio::bag
+
+#else
+
+#include <stdexcept>
+
+namespace rio::bag {
+
+std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path) {
+  throw std::runtime_error(path.string() +
+                           ": sqlite3 recordings need libsqlite3, which rio was built without: "
+                           "install libsqlite3-dev and build again");
+}
+
+}  // namespace rio::bag
+
+#endif

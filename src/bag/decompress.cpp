@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "decompress.hpp"
+
+#ifdef RIO_HAS_BZ2
+#include <bzlib.h>
+#endif
+#ifdef RIO_HAS_LZ4
+#include <lz4frame.h>
+#endif
+#ifdef RIO_HAS_ZSTD
+#include <zstd.h>
+#endif
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <stdexcept>
+
+#include "file_bytes.hpp"
+
+namespace rio::bag {
+
+namespace {
+
+/// The output of a decompressor, which grows up to the declared size.
+class Sink {
+ public:
+  Sink(std::uint64_t declared, std::vector<std::uint8_t>* out)
+      : declared_(static_cast<std::size_t>(declared)), out_(out) {
+    out_->clear();
+  }
+  ~Sink() { out_->resize(used_); }
+  Sink(const Sink&) = delete;
+  Sink& operator=(const Sink&) = delete;
+
+  /// Room for more; empty when all that was declared is there.
+  std::span<std::uint8_t> room() {
+    constexpr std::size_t kFirst = 1 << 16;
+    if (used_ == out_->size()) out_->resize(std::min(declared_, std::max(kFirst, 2 * used_)));
+    return std::span(*out_).subspan(used_);
+  }
+  void add(std::size_t count) { used_ += count; }
+  /// What is wrong when the compressed data is used up or over.
+  std::string verdict(bool over) const {
+    if (over && used_ == declared_) return "";
+    return "its compressed data gives " + std::to_string(used_) + " bytes instead of " +
+           std::to_string(declared_);
+  }
+
+ private:
+  std::size_t declared_;
+  std::size_t used_ = 0;
+  std::vector<std::uint8_t>* out_;
+};
+
+#ifdef RIO_HAS_BZ2
+std::string decompress_bz2(Bytes in, Sink* sink) {
+  bz_stream stream{};
+  if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return "bzip2 cannot start";
+  const std::unique_ptr<bz_stream, decltype(&BZ2_bzDecompressEnd)> end(&stream,
+                                                                       &BZ2_bzDecompressEnd);
+  stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(in.data()));
+  stream.avail_in = static_cast<unsigned>(in.size());
+  for (;;) {
+    // one byte of room past the end: the check sum is verified when the end of the stream is met
+    std::uint8_t spare = 0;
+    const std::span<std::uint8_t> room = sink->room();
+    stream.next_out = reinterpret_cast<char*>(room.empty() ? &spare : room.data());
+    const auto size = static_cast<unsigned>(std::max<std::size_t>(room.size(), 1));
+    stream.avail_out = size;
+    const unsigned before = stream.avail_in;
+    const int code = BZ2_bzDecompress(&stream);
+    const unsigned made = size - stream.avail_out;
+    if (!room.empty()) sink->add(made);
+    if (code == BZ_STREAM_END) return sink->verdict(room.empty() ? made == 0 : true);
+    if (code != BZ_OK) return "its bzip2 data is damaged";
+    if (made == 0 && before == stream.avail_in) return sink->verdict(false);
+    if (room.empty() && made > 0) return "its bzip2 data gives more bytes than declared";
+  }
+}
+#endif
+
+#ifdef RIO_HAS_LZ4
+std::string decompress_lz4(Bytes in, Sink* sink) {
+  LZ4F_dctx* context = nullptr;
+  if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0) {
+    return "lz4 cannot start";
+  }
+  const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> end(
+      context, &LZ4F_freeDecompressionContext);
+  for (std::size_t hint = 1; hint != 0;) {
+    const std::span<std::uint8_t> room = sink->room();
+    std::size_t made = room.size();
+    std::size_t taken = in.size();
+    hint = LZ4F_decompress(context, room.data(), &made, in.data(), &taken, nullptr);
+    if (LZ4F_isError(hint) != 0) return "its lz4 data is damaged";
+    sink->add(made);
+    in = in.subspan(taken);
+    if (hint != 0 && made == 0 && taken == 0) return sink->verdict(false);
+  }
+  return sink->verdict(true);
+}
+#endif
+
+#ifdef RIO_HAS_ZSTD
+std::string decompress_zstd(Bytes in, Sink* sink) {
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                     &ZSTD_freeDCtx);
+  ZSTD_inBuffer input{in.data(), in.size(), 0};
+  for (std::size_t hint = 1; hint != 0;) {
+    const std::span<std::uint8_t> room = sink->room();
+    ZSTD_outBuffer output{room.data(), room.size(), 0};
+    const std::size_t before = input.pos;
+    hint = ZSTD_decompressStream(context.get(), &output, &input);
+    if (ZSTD_isError(hint) != 0) return "its zstd data is damaged";
+    sink->add(output.pos);
+    if (hint != 0 && output.pos == 0 && input.pos == before) return sink->verdict(false);
+  }
+  return sink->verdict(true);
+}
+#endif
+
+[[noreturn]] [[maybe_unused]] void fail_without(const std::string& library) {
+  throw std::runtime_error("chunks of this recording need lib" + library +
+                           ", which rio was built without: install lib" + library +
+                           "-dev and build again");
+}
+
+}  // namespace
+
+std::string decompress(std::string_view method, Bytes in, std::uint64_t declared,
+                       std::vector<std::uint8_t>* out) {
+  out->clear();
+  if (declared > kMaxRecord) return "declares more than 1 GiB";
+  Sink sink(declared, out);
+  if (method == "bz2") {
+#ifdef RIO_HAS_BZ2
+    return decompress_bz2(in, &sink);
+#else
+    fail_without("bz2");
+#endif
+  }
+  if (method == "lz4") {
+#ifdef RIO_HAS_LZ4
+    return decompress_lz4(in, &sink);
+#else
+    fail_without("lz4");
+#endif
+  }
+  if (method == "zstd") {
+#ifdef RIO_HAS_ZSTD
+    return decompress_zstd(in, &sink);
+#else
+    fail_without("zstd");
+#endif
+  }
+  return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
+}
+
+std::uint32_t crc32(Bytes bytes) {
+  static const std::array<std::uint32_t, 256> kTable = [] {
+    std::array<std::uint32_t, 256> table{};
+    for (std::uint32_t i = 0; i < table.size(); ++i) {
+      std::uint32_t value = i;
+      for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ (value % 2 != 0 ? 0xEDB88320U : 0U);
+      table[i] = value;
+    }
+    return table;
+  }();
+  std::uint32_t crc = ~0U;
+  for (const std::uint8_t byte : bytes) crc = (crc >> 8) ^ kTable[(crc ^ byte) & 0xFFU];
+  return ~crc;
+}
+
+}  // namespace rio::bag

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reader of each format; the file must begin as the format does.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "rio/bag/message_stream.hpp"
+
+namespace rio::bag {
+
+/// ROS 1 bag 2.0 (wiki.ros.org/Bags/Format/2.0).
+std::unique_ptr<MessageStream> open_ros1_bag(const std::filesystem::path& path);
+/// MCAP, major version 0 (mcap.dev/spec).
+std::unique_ptr<MessageStream> open_mcap(const std::filesystem::path& path);
+/// The tables `topics` and `messages` of rosbag2's sqlite3 storage.
+std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path);
+
+inline constexpr char kRos1Magic[] = "#ROSBAG V2.0\n";
+inline constexpr char kMcapMagic[] = "\x89MCAP0\r\n";
+inline constexpr char kSqliteMagic[] = "SQLite format 3";
+
+/// "sensor_msgs/Imu" of "sensor_msgs/msg/Imu".
+std::string ros1_type(std::string type);
+/// A stamp of the file; throws Damage if it is below zero or beyond the year 2116.
+Time checked_time(std::int64_t nanoseconds);
+
+}  // namespace rio::bag

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/bag/message_stream.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+#include <string_view>
+
+#include "formats.hpp"
+#include "rio/bag/wire.hpp"
+
+namespace rio::bag {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string first_bytes(const fs::path& path) {
+  std::string bytes(16, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(stream.gcount()));
+  return bytes;
+}
+
+/// The files of a rosbag2 folder.
+std::vector<fs::path> files_of(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path extension = entry.path().extension();
+    if (extension == ".db3" || extension == ".mcap") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+fs::path file_of(const fs::path& path) {
+  if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such file");
+  if (!fs::is_directory(path)) return path;
+  const std::vector<fs::path> files = files_of(path);
+  if (files.size() == 1) return files.front();
+  throw std::runtime_error(path.string() + (files.empty() ? ": a folder without a recording"
+                                                          : ": holds several recordings; name one, "
+                                                            "as " +
+                                                                files.front().string()));
+}
+
+}  // namespace
+
+bool MessageStream::next(Message* message) {
+  if (!damage_.empty()) return false;
+  try {
+    return read(message);
+  } catch (const Damage& damage) {
+    damage_ = path_.string() + ": byte " + std::to_string(damage.offset) + ": " + damage.what();
+    return false;
+  }
+}
+
+std::size_t MessageStream::topic_index(Topic topic) {
+  const auto same = [&](const Topic& t) {
+    return t.name == topic.name && t.type == topic.type && t.encoding == topic.encoding;
+  };
+  const auto known = std::find_if(topics_.begin(), topics_.end(), same);
+  const auto index = static_cast<std::size_t>(known - topics_.begin());
+  if (known == topics_.end()) topics_.push_back(std::move(topic));
+  return index;
+}
+
+std::string ros1_type(std::string type) {
+  const std::size_t middle = type.find("/msg/");
+  if (middle != std::string::npos) type.erase(middle, 4);
+  return type;
+}
+
+Time checked_time(std::int64_t nanoseconds) {
+  constexpr std::int64_t kLimit = std::int64_t{1} << 62;
+  if (nanoseconds < 0 || nanoseconds > kLimit) throw Damage(0, "a stamp out of all reason");
+  return Time(nanoseconds);
+}
+
+bool is_recording(const fs::path& path) {
+  if (!fs::exists(path)) return false;
+  return fs::is_directory(path) ? !files_of(path).empty() : fs::is_regular_file(path);
+}
+
+std::unique_ptr<MessageStream> open_messages(const fs::path& path) {
+  const fs::path file = file_of(path);
+  const std::string bytes = first_bytes(file);
+  if (bytes.starts_with(kRos1Magic)) return open_ros1_bag(file);
+  if (bytes.starts_with(kMcapMagic)) return open_mcap(file);
+  if (bytes.starts_with(kSqliteMagic)) return open_db3(file);
+  if (bytes.starts_with("#ROSBAG V") || bytes.starts_with("#ROSRECORD V")) {
+    throw std::runtime_error(file.string() + ": a bag older than version 2.0: rosbag fix it first");
+  }
+  throw std::runtime_error(file.string() +
+                           ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "
+                           "MCAP file, nor as an sqlite3 file (.db3)");
+}
+
+}  // namespace rio::bag

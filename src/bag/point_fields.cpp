@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/bag/point_fields.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <initializer_list>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace rio::bag {
+
+namespace {
+
+constexpr std::array<const char*, kQuantityCount> kNames = {
+    "x",   "y",     "z",           "range",         "azimuth",         "elevation",    "doppler",
+    "snr", "noise", "sigma_range", "sigma_azimuth", "sigma_elevation", "sigma_doppler"};
+
+/// Names in lower case a quantity goes by when nothing else is known; the sigmas have none.
+const std::array<std::vector<std::string>, kNoise + 1> kAliases = {{
+    {"x"},
+    {"y"},
+    {"z"},
+    {"range", "r"},
+    {"azimuth", "azimuth_angle"},
+    {"elevation", "elevation_angle"},
+    {"doppler", "velocity", "v_doppler_mps", "doppler_velocity", "radial_velocity", "radial_speed",
+     "range_rate", "rdot", "v_r", "vr"},
+    {"snr", "snr_db", "intensity", "power"},
+    {"noise", "noise_db"},
+}};
+
+/// A known source of clouds. It is recognised when a cloud has all fields it names and none but
+/// those and `others`.
+struct Preset {
+  const char* name;
+  const char* meaning;
+  Axes axes;
+  const char* fields;  ///< QUANTITY=FIELD[*SCALE], separated by blanks
+  const char* others;
+  bool recognised;
+};
+
+constexpr Preset kPresets[] = {
+    {"ti", "TI driver ti_mmwave_rospkg: axes turned to forward, left, up; intensity is the SNR",
+     Axes::kFlu, "x=x y=y z=z doppler=velocity snr=intensity", "", true},
+    {"rio", "clouds of the ekf-rio data sets: axes of the chip", Axes::kTi,
+     "x=x y=y z=z doppler=v_doppler_mps snr=snr_db noise=noise_db", "range", true},
+    {"mav", "mav_sensors: axes of the chip, SNR and noise in 0.1 dB", Axes::kTi,
+     "x=x y=y z=z doppler=doppler snr=snr*0.1 noise=noise*0.1", "", true},
+    {"coloradar", "ColoRadar: axes of the chip", Axes::kTi,
+     "x=x y=y z=z doppler=doppler snr=intensity", "range", true},
+    {"mimosa", "x y z intensity velocity in the axes of the mounting that comes with it",
+     Axes::kFlu, "x=x y=y z=z doppler=velocity snr=intensity", "doppler_residual", false},
+    {"pointxyzi", "Doppler hidden as float32 at byte 12 of x y z intensity: axes of the chip",
+     Axes::kTi, "x=x y=y z=z doppler=@12 snr=intensity", "", false},
+    {"msc", "MSC-RAD4R (Oculii Eagle): axes of the lidar", Axes::kFlu,
+     "x=x y=y z=z doppler=doppler snr=power",
+     "alpha beta range recoveredSpeed denoiseFlag dotFlags", true},
+    {"ars548", "Continental ARS548: polar, with the sigmas of each point", Axes::kFlu,
+     "range=range azimuth=azimuth elevation=elevation doppler=velocity sigma_range=rangeSTD "
+     "sigma_azimuth=azimuthSTD sigma_elevation=elevationSTD sigma_doppler=velocitySTD",
+     "rcs", true},
+    {"altos", "Altos as PointXYZHSV: h is the Doppler", Axes::kFlu, "x=x y=y z=z doppler=h", "s v",
+     true},
+};
+
+constexpr std::array<const char*, 4> kAxesNames = {"flu", "ti", "rdf", "frd"};
+constexpr std::array<const char*, 4> kAxesMeanings = {
+    "x forward, y left, z up", "TI's: x right, y forward, z up", "x right, y down, z forward",
+    "x forward, y right, z down"};
+
+Vector3d to_flu(Axes axes, const Vector3d& p) {
+  switch (axes) {
+    case Axes::kTi:
+      return {p.y(), -p.x(), p.z()};
+    case Axes::kRdf:
+      return {p.z(), -p.x(), -p.y()};
+    case Axes::kFrd:
+      return {p.x(), -p.y(), -p.z()};
+    case Axes::kFlu:
+      break;
+  }
+  return p;
+}
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+/// "doppler" and "rdot*-1" of "doppler=rdot*-1".
+std::pair<std::string, std::string> split(const std::string& assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string::npos) {
+    throw std::runtime_error("\"" + assignment + "\": should be QUANTITY=FIELD or " +
+                             "QUANTITY=FIELD*SCALE");
+  }
+  return {assignment.substr(0, equals), assignment.substr(equals + 1)};
+}
+
+int quantity_of(const std::string& name) {
+  const auto known = std::find(kNames.begin(), kNames.end(), name);
+  if (known != kNames.end()) return static_cast<int>(known - kNames.begin());
+  std::string all;
+  for (const char* each : kNames) all += std::string(" ") + each;
+  throw std::runtime_error("\"" + name + "\" is no quantity of a point; there are" + all);
+}
+
+bool fits(const Preset& preset, const std::vector<PointField>& fields) {
+  std::set<std::string> needed;
+  for (const std::string& word : words_of(preset.fields)) {
+    const std::string source = split(word).second;
+    needed.insert(source.substr(0, source.find('*')));
+  }
+  const std::vector<std::string> others = words_of(preset.others);
+  for (const PointField& field : fields) {
+    const bool other = std::find(others.begin(), others.end(), field.name) != others.end();
+    if (needed.erase(field.name) == 0 && !other) return false;
+  }
+  return needed.empty();
+}
+
+const Preset* find_preset(const PointRequest& request, const std::vector<PointField>& fields) {
+  for (const Preset& preset : kPresets) {
+    if (request.preset.empty() ? preset.recognised && fits(preset, fields)
+                               : request.preset == preset.name) {
+      return &preset;
+    }
+  }
+  if (request.preset.empty()) return nullptr;
+  throw std::runtime_error("no such preset of points: \"" + request.preset + "\"; there are\n" +
+                           point_presets());
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+}  // namespace
+
+PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& request)
+    : fields_(fields) {
+  const Preset* preset = find_preset(request, fields);
+  origin_ = preset == nullptr ? "by their names" : std::string("preset ") + preset->name;
+  for (const std::string& assignment : request.fields) {
+    const auto [quantity, source] = split(assignment);
+    set(quantity_of(quantity), source);
+  }
+  if (preset != nullptr) {
+    axes_ = preset->axes;
+    for (const std::string& assignment : words_of(preset->fields)) {
+      const auto [quantity, source] = split(assignment);
+      const int q = quantity_of(quantity);
+      if (!sources_[static_cast<std::size_t>(q)]) set(q, source);
+    }
+  } else {
+    match_names();
+  }
+  if (!request.axes.empty()) {
+    const auto axes = std::find(kAxesNames.begin(), kAxesNames.end(), request.axes);
+    if (axes == kAxesNames.end()) fail("no such axes: \"" + request.axes + "\"");
+    axes_ = static_cast<Axes>(axes - kAxesNames.begin());
+  }
+  settle_point();
+  if (request.approaching) sources_[kDoppler]->scale *= -1.0;
+}
+
+/// @param name_and_scale "velocity", "snr*0.1", or "@12" for a float32 at byte 12
+void PointMap::set(int quantity, const std::string& name_and_scale) {
+  const std::size_t star = name_and_scale.rfind('*');
+  const std::string name = name_and_scale.substr(0, star);
+  Source source;
+  if (star != std::string::npos) {
+    std::istringstream number(name_and_scale.substr(star + 1));
+    if (!(number >> source.scale) || !number.eof()) fail("\"" + name_and_scale + "\": no scale");
+  }
+  const auto field = std::find_if(fields_.begin(), fields_.end(),
+                                  [&](const PointField& f) { return f.name == name; });
+  if (field != fields_.end()) {
+    source.field = *field;
+  } else if (name.size() > 1 && name.size() < 7 && name[0] == '@' &&
+             std::all_of(name.begin() + 1, name.end(),
+                         [](char c) { return c >= '0' && c <= '9'; })) {
+    constexpr std::uint8_t kFloat32 = 7;
+    source.field = {name, static_cast<std::uint32_t>(std::stoul(name.substr(1))), kFloat32};
+  } else {
+    fail("no field \"" + name + "\" for the " + kNames[static_cast<std::size_t>(quantity)]);
+  }
+  sources_[static_cast<std::size_t>(quantity)] = source;
+}
+
+void PointMap::match_names() {
+  for (std::size_t q = 0; q < kAliases.size(); ++q) {
+    if (sources_[q]) continue;
+    std::vector<std::string> found;
+    for (const PointField& field : fields_) {
+      const std::string name = lower(field.name);
+      if (std::find(kAliases[q].begin(), kAliases[q].end(), name) != kAliases[q].end()) {
+        found.push_back(field.name);
+      }
+    }
+    if (found.size() > 1) {
+      fail(std::string("two fields may be the ") + kNames[q] + ", \"" + found[0] + "\" and \"" +
+           found[1] + "\": choose with --field " + kNames[q] + "=" + found[0]);
+    }
+    if (found.size() == 1) set(static_cast<int>(q), found.front());
+  }
+}
+
+void PointMap::settle_point() {
+  const bool cartesian = sources_[kX] && sources_[kY] && sources_[kZ];
+  const bool polar = sources_[kRange] && sources_[kAzimuth] && sources_[kElevation];
+  if (!cartesian && !polar) fail("neither x y z nor range, azimuth and elevation");
+  for (const Quantity unused :
+       {cartesian ? kRange : kX, cartesian ? kAzimuth : kY, cartesian ? kElevation : kZ}) {
+    sources_[unused].reset();
+  }
+  if (!sources_[kDoppler]) {
+    fail("no Doppler; name it with --field doppler=NAME, or one that a driver hides with --points");
+  }
+}
+
+std::size_t PointMap::convert(const PointCloud& cloud,
+                              std::vector<RadarDetection>* detections) const {
+  for (const auto& source : sources_) {
+    if (source && cloud.size() > 0 &&
+        std::uint64_t{source->field.offset} + datatype_size(source->field.datatype) >
+            cloud.point_step) {
+      fail("field \"" + source->field.name + "\" is outside of a point");
+    }
+  }
+  std::size_t left_out = 0;
+  for (std::uint64_t i = 0; i < cloud.size(); ++i) {
+    const Bytes bytes = cloud.point(i);
+    const auto get = [&](Quantity q) {
+      const auto& source = sources_[q];
+      if (!source) return 0.0;
+      return source->scale * number_of_type(bytes.data() + source->field.offset,
+                                            source->field.datatype, cloud.big_endian);
+    };
+    RadarDetection d;
+    if (sources_[kX]) {
+      d.point_S = {get(kX), get(kY), get(kZ)};
+    } else {
+      const double flat = get(kRange) * std::cos(get(kElevation));
+      d.point_S = {flat * std::cos(get(kAzimuth)), flat * std::sin(get(kAzimuth)),
+                   get(kRange) * std::sin(get(kElevation))};
+    }
+    d.point_S = to_flu(axes_, d.point_S);
+    d.range_rate = get(kDoppler);
+    d.snr_db = get(kSnr);
+    d.noise_db = get(kNoise);
+    const std::array<double*, 4> sigmas = {&d.sigma_range, &d.sigma_azimuth, &d.sigma_elevation,
+                                           &d.sigma_doppler};
+    for (std::size_t k = 0; k < sigmas.size(); ++k) {
+      const double sigma = get(static_cast<Quantity>(kSigmaRange + k));
+      *sigmas[k] = std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0;
+    }
+    if (d.point_S.allFinite() && std::isfinite(d.range_rate + d.snr_db + d.noise_db)) {
+      detections->push_back(d);
+    } else {
+      ++left_out;
+    }
+  }
+  return left_out;
+}
+
+std::string PointMap::text() const {
+  std::string text = origin_ + ":";
+  for (std::size_t q = 0; q < sources_.size(); ++q) {
+    if (!sources_[q]) continue;
+    std::ostringstream part;
+    part << " " << kNames[q] << "=" << sources_[q]->field.name;
+    if (sources_[q]->scale != 1.0) part << "*" << sources_[q]->scale;
+    text += part.str();
+  }
+  return text + "; axes " + kAxesMeanings[static_cast<std::size_t>(axes_)] +
+         "; doppler positive = receding" + (sources_[kSnr] ? "" : "; no SNR");
+}
+
+void PointMap::fail(const std::string& what) const {
+  throw std::runtime_error("points: " + what + " (fields found: " +
+                           (fields_.empty() ? "none" : fields_text(fields_)) + ")");
+}
+
+std::string point_presets() {
+  std::string text;
+  for (const Preset& preset : kPresets) {
+    text += std::string("  ") + preset.name + ": " + preset.meaning + "\n";
+  }
+  return text;
+}
+
+}  // namespace rio::bag

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio info`, `rio convert`, and recordings for the other commands.
+#include "recording.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "rio/bag/recording.hpp"
+#include "rio/bag/summary.hpp"
+#include "rio/io/units.hpp"
+
+namespace rio::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bag::Clock clock_of(const std::string& name) {
+  if (name == "header") return bag::Clock::kHeader;
+  if (name == "receive") return bag::Clock::kReceive;
+  return name == "carried" ? bag::Clock::kCarried : bag::Clock::kAuto;
+}
+
+bag::RecordingRequest request_of(const RecordingArguments& a) {
+  bag::RecordingRequest request;
+  request.imu_topic = a.imu;
+  request.radar_topic = a.radar;
+  request.imu_clock = clock_of(a.imu_clock);
+  request.radar_clock = clock_of(a.radar_clock);
+  request.imu_offset = io::parse_quantity(a.imu_offset, "s");
+  request.radar_offset = io::parse_quantity(a.radar_offset, "s");
+  request.gyro_unit = io::parse_quantity("1 " + a.gyro_unit, "rad/s");
+  request.accel_unit = io::parse_quantity("1 " + a.accel_unit, "m/s^2");
+  request.points = {a.points, a.fields, a.axes, a.approaching};
+  return request;
+}
+
+bool is_asl_folder(const fs::path& path) {
+  return fs::exists(path / "imu0") || fs::exists(path / "mav0");
+}
+
+void print_notes(const io::Dataset& dataset) {
+  for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
+}
+
+/// What no recording of ROS tells.
+void print_what_is_missing(const fs::path& out) {
+  fmt::print(
+      "Not in the recording, so fill in by hand before the first replay:\n"
+      "  {}: T_BS, the pose of the radar in the IMU frame (until then both are taken to be one\n"
+      "    frame), and what is known of max_doppler_mps, max_range_m, fov_azimuth_deg,\n"
+      "    fov_elevation_deg\n"
+      "  {}: the noise densities of the data sheet\n",
+      (out / "radar0" / "sensor.yaml").string(), (out / "imu0" / "sensor.yaml").string());
+}
+
+}  // namespace
+
+io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
+                     std::string* damage) {
+  damage->clear();
+  if (is_asl_folder(path) || !bag::is_recording(path)) {
+    if (arguments != RecordingArguments{}) {
+      throw std::runtime_error(path + ": options of a bag are given, but it is none");
+    }
+    io::Dataset dataset = io::read_dataset(path);
+    print_notes(dataset);
+    return dataset;
+  }
+  bag::Recording recording = bag::read_recording(path, request_of(arguments));
+  *damage = recording.damage;
+  print_notes(recording.dataset);
+  return std::move(recording.dataset);
+}
+
+void throw_damage(const std::string& damage) {
+  if (!damage.empty()) throw std::runtime_error(damage + "\nWhat stands before was used.");
+}
+
+void info(const std::string& path) {
+  const bag::Summary summary = bag::summarise(bag::open_messages(path).get());
+  fmt::print("{}: {}", path, bag::summary_text(summary));
+  throw_damage(summary.damage);
+}
+
+void convert(const ConvertArguments& arguments) {
+  const fs::path out = arguments.out;
+  const bool taken = fs::exists(out / "imu0") || fs::exists(out / "radar0");
+  if (taken && !arguments.force) {
+    throw std::runtime_error(out.string() + ": holds a recording already; --force overwrites it");
+  }
+  if (!bag::is_recording(arguments.recording)) {
+    throw std::runtime_error(arguments.recording + ": no recording there");
+  }
+  std::string damage;
+  const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage);
+  io::write_dataset(out, dataset);
+  fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
+             dataset.scans.size());
+  print_what_is_missing(out);
+  throw_damage(damage);
+}
+
+}  // namespace rio::tools
