@@ -7,6 +7,7 @@
 #include <sqlite3.h>
 
 #include <map>
+#include <optional>
 #include <stdexcept>
 
 #include "file_bytes.hpp"
@@ -15,15 +16,56 @@ namespace rio::bag {
 
 namespace {
 
+/// sqlite fills what it reads past the end of the file with zeros, and a message whose last page is
+/// cut off would come out changed: make it an error.
+class NoReadPastTheEnd {
+ public:
+  explicit NoReadPastTheEnd(sqlite3* db) {
+    sqlite3_file* file = nullptr;
+    sqlite3_file_control(db, "main", SQLITE_FCNTL_FILE_POINTER, &file);
+    if (file == nullptr || file->pMethods == nullptr) return;
+    methods_ = *file->pMethods;
+    plain_read = methods_.xRead;
+    methods_.xRead = [](sqlite3_file* f, void* to, int count, sqlite3_int64 offset) {
+      const int code = plain_read(f, to, count, offset);
+      return code == SQLITE_IOERR_SHORT_READ ? SQLITE_CORRUPT : code;
+    };
+    file->pMethods = &methods_;
+  }
+
+ private:
+  using Read = int (*)(sqlite3_file*, void*, int, sqlite3_int64);
+  inline static Read plain_read = nullptr;  ///< one for all files: that of the system's file system
+  sqlite3_io_methods methods_{};            ///< outlives the file
+};
+
+/// Unless a journal of an unfinished recording is beside it, the file is said not to change, so
+/// that sqlite writes nothing into its folder.
+std::string uri_of(const std::filesystem::path& path) {
+  std::string uri = "file:";
+  for (const char c : path.string()) {
+    if (c == '%') uri += "%25";
+    if (c == '?') uri += "%3f";
+    if (c == '#') uri += "%23";
+    if (c != '%' && c != '?' && c != '#') uri += c;
+  }
+  return std::filesystem::exists(path.string() + "-wal") ? uri : uri + "?immutable=1";
+}
+
 class Db3 final : public MessageStream {
  public:
   explicit Db3(const std::filesystem::path& path) : MessageStream(path), file_(path) {
-    check(sqlite3_open_v2(path.c_str(), &db_, SQLITE_OPEN_READONLY, nullptr));
+    const int how = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+    if (sqlite3_open_v2(uri_of(path).c_str(), &db_, how, nullptr) != SQLITE_OK) {
+      const std::string what = sqlite3_errmsg(db_);
+      sqlite3_close(db_);
+      throw std::runtime_error(path.string() + ": " + what);
+    }
     sqlite3_limit(db_, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxRecord));
     // a file that was cut off is read as far as it goes; its schema is not to run anything
     sqlite3_db_config(db_, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    prepare("SELECT id, name, type, serialization_format FROM topics");
+    no_read_past_the_end_.emplace(db_);
   }
   ~Db3() override {
     sqlite3_finalize(statement_);
@@ -35,6 +77,7 @@ class Db3 final : public MessageStream {
  private:
   bool read(Message* message) override {
     if (!topics_read_) {
+      prepare("SELECT id, name, type, serialization_format FROM topics");
       while (step()) add_topic();
       prepare("SELECT topic_id, timestamp, data, id FROM messages");
       topics_read_ = true;
@@ -66,21 +109,15 @@ class Db3 final : public MessageStream {
   void prepare(const char* sql) {
     sqlite3_finalize(statement_);
     statement_ = nullptr;
-    check(sqlite3_prepare_v2(db_, sql, -1, &statement_, nullptr));
+    if (sqlite3_prepare_v2(db_, sql, -1, &statement_, nullptr) != SQLITE_OK) {
+      fail(sqlite3_errmsg(db_));
+    }
   }
 
   bool step() {
     const int code = sqlite3_step(statement_);
     if (code != SQLITE_ROW && code != SQLITE_DONE) fail(sqlite3_errmsg(db_));
     return code == SQLITE_ROW;
-  }
-
-  void check(int code) {
-    if (code == SQLITE_OK) return;
-    const std::string what = sqlite3_errmsg(db_);
-    sqlite3_finalize(statement_);
-    sqlite3_close(db_);
-    throw std::runtime_error(path().string() + ": " + what);
   }
 
   /// sqlite tells no place: the end of the file if it is cut off, else its begin.
@@ -96,6 +133,7 @@ class Db3 final : public MessageStream {
   }
 
   FileBytes file_;
+  std::optional<NoReadPastTheEnd> no_read_past_the_end_;
   sqlite3* db_ = nullptr;
   sqlite3_stmt* statement_ = nullptr;
   bool topics_read_ = false;

@@ -48,13 +48,14 @@ fs::path file_of(const fs::path& path) {
 }  // namespace
 
 bool MessageStream::next(Message* message) {
-  if (!damage_.empty()) return false;
+  if (ended_) return false;
   try {
-    return read(message);
+    ended_ = !read(message);
   } catch (const Damage& damage) {
     damage_ = path_.string() + ": byte " + std::to_string(damage.offset) + ": " + damage.what();
-    return false;
+    ended_ = true;
   }
+  return !ended_;
 }
 
 std::size_t MessageStream::topic_index(Topic topic) {

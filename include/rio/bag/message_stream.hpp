@@ -64,6 +64,7 @@ class MessageStream {
  private:
   std::filesystem::path path_;
   std::string damage_;
+  bool ended_ = false;
 };
 
 /// Whether this is a file, or a folder of rosbag2, that open_messages() may know; a guess from the

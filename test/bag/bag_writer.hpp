@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small recordings in each format, for tests of the readers; shares no code with them.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#ifdef RIO_HAS_BZ2
+#include <bzlib.h>
+#endif
+#ifdef RIO_HAS_LZ4
+#include <lz4frame.h>
+#endif
+#ifdef RIO_HAS_SQLITE3
+#include <sqlite3.h>
+#endif
+#ifdef RIO_HAS_ZSTD
+#include <zstd.h>
+#endif
+
+#include "bag/ros_message.hpp"
+
+namespace rio::test {
+
+struct Written {
+  std::string topic;
+  std::string type;
+  Time received{0};
+  std::string data;
+};
+
+/// The formats this build can read, as "ros1-bz2".
+inline std::vector<std::string> formats() {
+  std::vector<std::string> all = {"ros1-none", "mcap-none"};
+#ifdef RIO_HAS_BZ2
+  all.push_back("ros1-bz2");
+#endif
+#ifdef RIO_HAS_LZ4
+  all.push_back("ros1-lz4");
+  all.push_back("mcap-lz4");
+#endif
+#ifdef RIO_HAS_ZSTD
+  all.push_back("mcap-zstd");
+#endif
+#ifdef RIO_HAS_SQLITE3
+  all.push_back("db3");
+#endif
+  return all;
+}
+
+/// Names of the tests of a format.
+inline std::string format_name(const testing::TestParamInfo<std::string>& format) {
+  std::string name = format.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+/// How messages are serialised in a format.
+inline Wire::Kind wire_of(const std::string& format) {
+  return format.starts_with("ros1") ? Wire::kRos1 : Wire::kCdr;
+}
+
+inline std::string compressed(const std::string& method, const std::string& plain) {
+  std::string out(2 * plain.size() + 1024, '\0');
+#ifdef RIO_HAS_BZ2
+  if (method == "bz2") {
+    auto size = static_cast<unsigned>(out.size());
+    BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(plain.data()),
+                             static_cast<unsigned>(plain.size()), 9, 0, 0);
+    return out.substr(0, size);
+  }
+#endif
+#ifdef RIO_HAS_LZ4
+  if (method == "lz4") {
+    return out.substr(
+        0, LZ4F_compressFrame(out.data(), out.size(), plain.data(), plain.size(), nullptr));
+  }
+#endif
+#ifdef RIO_HAS_ZSTD
+  if (method == "zstd") {
+    return out.substr(0, ZSTD_compress(out.data(), out.size(), plain.data(), plain.size(), 3));
+  }
+#endif
+  return plain;
+}
+
+/// Numbers of topics in the order of their first message.
+inline std::map<std::string, std::uint16_t> numbered(const std::vector<Written>& messages) {
+  std::map<std::string, std::uint16_t> numbers;
+  for (const Written& m : messages) {
+    numbers.emplace(m.topic, static_cast<std::uint16_t>(numbers.size()));
+  }
+  return numbers;
+}
+
+template <class T>
+std::string raw(T value) {
+  return Wire(Wire::kRos1).put(value).bytes;
+}
+inline std::string block(const std::string& bytes) {
+  return raw(static_cast<std::uint32_t>(bytes.size())) + bytes;
+}
+
+/// A ROS 1 bag 2.0 of chunks of `per_chunk` messages.
+inline std::string ros1_bag(const std::vector<Written>& messages, const std::string& compression,
+                            std::size_t per_chunk) {
+  const auto field = [](const std::string& name, const std::string& value) {
+    return block(name + "=" + value);
+  };
+  const auto record = [](const std::string& header, const std::string& data) {
+    return block(header) + block(data);
+  };
+  const auto numbers = numbered(messages);
+  std::map<std::string, std::string> connections;
+  for (const Written& m : messages) {
+    connections[m.topic] =
+        record(field("op", "\x07") + field("conn", raw(std::uint32_t{numbers.at(m.topic)})) +
+                   field("topic", m.topic),
+               field("topic", m.topic) + field("type", m.type) + field("md5sum", "*") +
+                   field("message_definition", "# text\nHeader header\nfloat64 x\n"));
+  }
+  std::string body;
+  std::map<std::string, bool> known;
+  for (std::size_t i = 0; i < messages.size();) {
+    std::string chunk;
+    for (std::size_t end = std::min(messages.size(), i + per_chunk); i < end; ++i) {
+      const Written& m = messages[i];
+      if (!std::exchange(known[m.topic], true)) chunk += connections[m.topic];
+      const auto ns = static_cast<std::uint64_t>(m.received.count());
+      const std::string time = raw(static_cast<std::uint32_t>(ns / 1'000'000'000)) +
+                               raw(static_cast<std::uint32_t>(ns % 1'000'000'000));
+      chunk += record(field("op", "\x02") + field("conn", raw(std::uint32_t{numbers.at(m.topic)})) +
+                          field("time", time),
+                      m.data);
+    }
+    body += record(field("op", "\x05") + field("compression", compression) +
+                       field("size", raw(static_cast<std::uint32_t>(chunk.size()))),
+                   compressed(compression, chunk));
+    body += record(field("op", "\x04") + field("ver", raw(std::uint32_t{1})), "index");
+  }
+  const std::string magic = "#ROSBAG V2.0\n";
+  const auto head = [&](std::uint64_t index) {
+    return record(field("op", "\x03") + field("index_pos", raw(index)), std::string(64, ' '));
+  };
+  const std::uint64_t index = magic.size() + head(0).size() + body.size();
+  for (const auto& [topic, connection] : connections) body += connection;
+  return magic + head(index) + body;
+}
+
+inline std::string mcap(const std::vector<Written>& messages, const std::string& compression,
+                        std::size_t per_chunk, const std::string& encoding = "cdr") {
+  const auto record = [](char op, const std::string& content) {
+    return op + raw(static_cast<std::uint64_t>(content.size())) + content;
+  };
+  const auto crc = [](const std::string& bytes) {
+    std::uint32_t value = ~0U;
+    for (const char c : bytes) {
+      value ^= static_cast<std::uint8_t>(c);
+      for (int i = 0; i < 8; ++i) value = value & 1U ? (value >> 1U) ^ 0xEDB88320U : value >> 1U;
+    }
+    return ~value;
+  };
+  const auto numbers = numbered(messages);
+  std::string body = record(1, block("ros2") + block("test"));
+  std::map<std::string, bool> known;
+  for (std::size_t i = 0; i < messages.size();) {
+    std::string chunk;
+    for (std::size_t end = std::min(messages.size(), i + per_chunk); i < end; ++i) {
+      const Written& m = messages[i];
+      const std::uint16_t id = numbers.at(m.topic);
+      if (!std::exchange(known[m.topic], true)) {
+        const std::string type = encoding == "cdr" ? "sensor_msgs/msg" + m.type.substr(11) : m.type;
+        chunk += record(3, raw(static_cast<std::uint16_t>(id + 1)) + block(type) +
+                               block("ros2msg") + block("std_msgs/Header header\n"));
+        chunk += record(4, raw(id) + raw(static_cast<std::uint16_t>(id + 1)) + block(m.topic) +
+                               block(encoding) + block(""));
+      }
+      const auto time = static_cast<std::uint64_t>(m.received.count());
+      chunk += record(5, raw(id) + raw(std::uint32_t{1}) + raw(time) + raw(time) + m.data);
+    }
+    const std::string stored = compressed(compression, chunk);
+    body += record(6, raw(std::uint64_t{0}) + raw(std::uint64_t{0}) +
+                          raw(static_cast<std::uint64_t>(chunk.size())) + raw(crc(chunk)) +
+                          block(compression == "none" ? "" : compression) +
+                          raw(static_cast<std::uint64_t>(stored.size())) + stored);
+    body += record(7, "index");
+  }
+  const std::string magic = "\x89MCAP0\r\n";
+  return magic + body + record(15, raw(std::uint32_t{0})) + record(2, std::string(20, '\0')) +
+         magic;
+}
+
+inline void db3([[maybe_unused]] const std::filesystem::path& path,
+                [[maybe_unused]] const std::vector<Written>& messages) {
+#ifdef RIO_HAS_SQLITE3
+  sqlite3* db = nullptr;
+  sqlite3_open(path.c_str(), &db);
+  sqlite3_exec(db,
+               "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,"
+               " serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL);"
+               "CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL,"
+               " timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
+               "CREATE INDEX timestamp_idx ON messages (timestamp ASC); BEGIN",
+               nullptr, nullptr, nullptr);
+  std::map<std::string, bool> known;
+  const auto numbers = numbered(messages);
+  for (const Written& m : messages) {
+    const std::string id = std::to_string(numbers.at(m.topic) + 1);
+    if (!std::exchange(known[m.topic], true)) {
+      const std::string sql = "INSERT INTO topics VALUES(" + id + ",'" + m.topic +
+                              "','sensor_msgs/msg" + m.type.substr(11) + "','cdr','')";
+      sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr);
+    }
+    sqlite3_stmt* row = nullptr;
+    const std::string sql = "INSERT INTO messages(topic_id, timestamp, data) VALUES(" + id + "," +
+                            std::to_string(m.received.count()) + ",?)";
+    sqlite3_prepare_v2(db, sql.c_str(), -1, &row, nullptr);
+    sqlite3_bind_blob(row, 1, m.data.data(), static_cast<int>(m.data.size()), SQLITE_STATIC);
+    sqlite3_step(row);
+    sqlite3_finalize(row);
+  }
+  sqlite3_exec(db, "COMMIT", nullptr, nullptr, nullptr);
+  sqlite3_close(db);
+#endif
+}
+
+/// Writes the file in one of formats().
+inline void write_bag(const std::filesystem::path& path, const std::string& format,
+                      const std::vector<Written>& messages, std::size_t per_chunk = 20) {
+  if (format == "db3") return db3(path, messages);
+  const std::string compression = format.substr(5);
+  std::ofstream(path, std::ios::binary)
+      << (format.starts_with("ros1") ? ros1_bag(messages, compression, per_chunk)
+                                     : mcap(messages, compression, per_chunk));
+}
+
+/// Some seconds at rest: an IMU at 100 Hz and a radar of TI's driver at 10 Hz, stamped by headers
+/// 0.25 s before they are received.
+inline std::vector<Written> at_rest(Wire::Kind kind, int scans) {
+  const Time begin(1'600'000'000'123'456'789);
+  std::vector<Written> messages;
+  for (int i = 0; i < 10 * scans; ++i) {
+    const Time stamp = begin + i * Time(10'000'000);
+    const Time received = stamp + Time(250'000'000);
+    const ImuSample sample{stamp, {0.01, -0.02, 0.001 * i}, {0.1, 0.2, 9.81}};
+    messages.push_back({"/imu", "sensor_msgs/Imu", received, imu_message(kind, sample)});
+    if (i % 10 != 9) continue;
+    const Points points = {{1.5, 2.5, -0.5, 12.0, 0.25}, {3.0, -1.0, 0.5, 20.0, 0.1 * i}};
+    messages.push_back({"/radar", "sensor_msgs/PointCloud2", received + Time(1000),
+                        cloud_message(kind, stamp, ti_fields(), points, 32)});
+  }
+  return messages;
+}
+
+}  // namespace rio::test

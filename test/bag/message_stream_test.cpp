@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/bag/message_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "bag/bag_writer.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::bag {
+namespace {
+
+using test::TempDir;
+using test::Written;
+
+/// What a stream gives, with the topics spelled out.
+struct Reading {
+  std::vector<Written> messages;
+  std::string damage;
+};
+
+Reading read_all(const std::filesystem::path& path) {
+  const auto stream = open_messages(path);
+  Reading reading;
+  Message message;
+  while (stream->next(&message)) {
+    const Topic& topic = stream->topics()[message.topic];
+    reading.messages.push_back(
+        {topic.name, topic.type, message.received,
+         std::string(reinterpret_cast<const char*>(message.data.data()), message.data.size())});
+  }
+  EXPECT_FALSE(stream->next(&message));
+  reading.damage = stream->damage();
+  return reading;
+}
+
+void expect_prefix(const std::vector<Written>& part, const std::vector<Written>& all) {
+  ASSERT_LE(part.size(), all.size());
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    ASSERT_EQ(part[i].topic, all[i].topic) << i;
+    ASSERT_EQ(part[i].type, all[i].type) << i;
+    ASSERT_EQ(part[i].received, all[i].received) << i;
+    ASSERT_EQ(part[i].data, all[i].data) << i;
+  }
+}
+
+class Format : public testing::TestWithParam<std::string> {
+ protected:
+  Format() {
+    messages_ = test::at_rest(test::wire_of(GetParam()), 20);
+    test::write_bag(file(), GetParam(), messages_);
+    bytes_ = dir_.read("recording");
+  }
+  std::filesystem::path file() const { return dir_.path() / "recording"; }
+  Reading read(const std::string& bytes) const { return read_all(dir_.write("other", bytes)); }
+
+  TempDir dir_;
+  std::vector<Written> messages_;
+  std::string bytes_;
+};
+
+TEST_P(Format, EveryMessageComesBackInTheOrderOfTheFile) {
+  const Reading reading = read_all(file());
+  EXPECT_EQ(reading.damage, "");
+  EXPECT_EQ(reading.messages.size(), messages_.size());
+  expect_prefix(reading.messages, messages_);
+}
+
+TEST_P(Format, CutOffItGivesWhatStandsBeforeAndTheByte) {
+  std::size_t before = 0;
+  for (int part = 1; part < 20; ++part) {
+    const std::size_t size = bytes_.size() * static_cast<std::size_t>(part) / 20;
+    if (GetParam() == "db3" && size < 4096) continue;
+    const Reading reading = read(bytes_.substr(0, size));
+    EXPECT_PRED2(test::contains, reading.damage, "other: byte ");
+    expect_prefix(reading.messages, messages_);
+    EXPECT_GE(reading.messages.size(), before);
+    before = reading.messages.size();
+  }
+  EXPECT_GT(before, messages_.size() / 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bag, Format, testing::ValuesIn(test::formats()), test::format_name);
+
+TEST(MessageStream, AWrongByteInACheckedChunkEndsTheStreamBeforeThatChunk) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kCdr, 10);
+  const TempDir dir;
+  std::string bytes = test::mcap(messages, "none", 22);
+  const std::size_t place = bytes.size() / 2;
+  bytes[place] = static_cast<char>(bytes[place] ^ 1);
+  const Reading reading = read_all(dir.write("a", bytes));
+  EXPECT_PRED2(test::contains, reading.damage, "its check sum is wrong");
+  EXPECT_EQ(reading.messages.size(), 44U);  // two of five chunks
+  expect_prefix(reading.messages, messages);
+}
+
+TEST(MessageStream, SaysThatARecordingWasNotClosed) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
+  const TempDir dir;
+  std::string bytes = test::ros1_bag(messages, "none", 100);
+  const std::size_t index = bytes.find("index_pos=") + 10;
+  bytes.replace(index, 8, std::string(8, '\0'));
+  const Reading reading = read_all(dir.write("a", bytes));
+  EXPECT_EQ(reading.messages.size(), messages.size());
+  EXPECT_PRED2(test::contains, reading.damage, "was not closed");
+}
+
+TEST(MessageStream, ALengthBeyondTheFileIsDamageAtItsPlace) {
+  const std::string bytes = test::ros1_bag(test::at_rest(test::Wire::kRos1, 2), "none", 100);
+  const std::size_t head = 13;
+  std::string wrong = bytes;
+  wrong.replace(head, 4, "\xFF\xFF\xFF\x7F", 4);
+  const TempDir dir;
+  const Reading reading = read_all(dir.write("a", wrong));
+  EXPECT_TRUE(reading.messages.empty());
+  EXPECT_PRED2(test::contains, reading.damage, "byte 13: a record header of more than 1 MiB");
+}
+
+TEST(MessageStream, McapMayHoldMessagesOfRos1) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
+  const TempDir dir;
+  const auto stream = open_messages(dir.write("a", test::mcap(messages, "none", 100, "ros1")));
+  Message message;
+  ASSERT_TRUE(stream->next(&message));
+  EXPECT_EQ(stream->topics()[0].encoding, Encoding::kRos1);
+  EXPECT_EQ(stream->format(), "MCAP");
+}
+
+TEST(MessageStream, AFolderWithOneFileOfRosbag2IsThatFile) {
+  const std::string bytes = test::mcap(test::at_rest(test::Wire::kCdr, 2), "none", 100);
+  const TempDir dir;
+  dir.write("folder/metadata.yaml", "");
+  dir.write("folder/a_0.mcap", bytes);
+  EXPECT_TRUE(is_recording(dir.path() / "folder"));
+  EXPECT_EQ(read_all(dir.path() / "folder").messages.size(), 22U);
+  dir.write("folder/a_1.mcap", bytes);
+  EXPECT_ERROR(open_messages(dir.path() / "folder"), "holds several recordings; name one, as");
+}
+
+TEST(MessageStream, OtherFilesAreRefused) {
+  const TempDir dir;
+  EXPECT_ERROR(open_messages(dir.path() / "none"), "none: no such file");
+  EXPECT_ERROR(open_messages(dir.write("a", "hello")), "a: is no recording");
+  EXPECT_ERROR(open_messages(dir.write("b", "")), "b: is no recording");
+  EXPECT_ERROR(open_messages(dir.write("c", "#ROSRECORD V1.2\n")), "older than version 2.0");
+  EXPECT_ERROR(open_messages(dir.path()), "a folder without a recording");
+}
+
+}  // namespace
+}  // namespace rio::bag

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/bag/messages.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bag/ros_message.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::bag {
+namespace {
+
+using test::Wire;
+
+Bytes bytes_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+class Serialisation : public testing::TestWithParam<Wire::Kind> {
+ protected:
+  Encoding encoding() const { return GetParam() == Wire::kRos1 ? Encoding::kRos1 : Encoding::kCdr; }
+};
+
+TEST_P(Serialisation, ImuHasItsStampRatesAndForces) {
+  const ImuSample sample{Time(1'700'000'000'987'654'321), {1.25, -2.5, 3.75}, {4.0, 5.5, -6.25}};
+  const std::string bytes = imu_message(GetParam(), sample);
+  Header header;
+  const ImuSample read = decode_imu(encoding(), bytes_of(bytes), &header);
+  EXPECT_EQ(read.time, sample.time);
+  EXPECT_EQ(header.stamp, sample.time);
+  EXPECT_EQ(header.frame_id, "imu_link");
+  EXPECT_EQ(read.gyro_B, sample.gyro_B);
+  EXPECT_EQ(read.accel_B, sample.accel_B);
+}
+
+TEST_P(Serialisation, ImuWithoutAGyroscopeIsRefused) {
+  const std::string bytes = imu_message(GetParam(), {}, -1.0);
+  Header header;
+  EXPECT_ERROR(decode_imu(encoding(), bytes_of(bytes), &header), "has no gyroscope");
+}
+
+TEST_P(Serialisation, CloudHasItsFieldsAndPointsInRows) {
+  const std::vector<test::CloudField> fields = {{"x", 0, 7}, {"odd name", 5, 3}, {"d", 7, 8}};
+  const test::Points points = {{1.5, -300, 0.1}, {2.5, 7, 0.2}, {3.5, 8, 0.3}, {4.5, 9, 1e-9}};
+  const std::string bytes = cloud_message(GetParam(), Time(5), fields, points, 17, 2, 3);
+  const PointCloud cloud = decode_cloud(encoding(), bytes_of(bytes));
+  EXPECT_EQ(cloud.header.frame_id, "radar");
+  EXPECT_EQ(fields_text(cloud.fields), "x float32 @0, odd name int16 @5, d float64 @7");
+  ASSERT_EQ(cloud.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const PointField& field = cloud.fields[k];
+      EXPECT_EQ(
+          number_of_type(cloud.point(i).data() + field.offset, field.datatype, cloud.big_endian),
+          points[i][k]);
+    }
+  }
+}
+
+TEST_P(Serialisation, AShortMessageIsDamageWhereverItEnds) {
+  Header header;
+  const std::string imu = imu_message(GetParam(), {});
+  for (std::size_t size = 0; size < imu.size(); ++size) {
+    EXPECT_THROW(decode_imu(encoding(), bytes_of(imu.substr(0, size)), &header), Damage) << size;
+  }
+  const std::string cloud =
+      cloud_message(GetParam(), Time(0), test::ti_fields(), {{1, 2, 3, 4, 5}}, 32);
+  for (std::size_t size = 0; size + 1 < cloud.size(); ++size) {
+    EXPECT_THROW(decode_cloud(encoding(), bytes_of(cloud.substr(0, size))), Damage) << size;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bag, Serialisation,
+                         testing::Values(Wire::kRos1, Wire::kCdr, Wire::kCdrBig));
+
+/// The numbers of a cloud in front of its data.
+std::string cloud_of(std::uint32_t width, std::uint32_t height, std::uint32_t step,
+                     std::uint32_t row, std::uint32_t offset, std::uint8_t type) {
+  Wire wire(Wire::kRos1);
+  wire.header(Time(0), "").put(height).put(width).put(std::uint32_t{1});
+  wire.text("x").put(offset).put(type).put(std::uint32_t{1});
+  wire.put(std::uint8_t{0}).put(step).put(row).text(std::string(64, '\0')).put(std::uint8_t{1});
+  return wire.bytes;
+}
+
+TEST(PointCloud, PointsOutsideOfTheDataAreRefused) {
+  const auto decode = [](const std::string& bytes) {
+    return decode_cloud(Encoding::kRos1, bytes_of(bytes)).size();
+  };
+  EXPECT_EQ(decode(cloud_of(4, 1, 16, 0, 12, 7)), 4U);  // the step of the only row does not matter
+  EXPECT_EQ(decode(cloud_of(2, 2, 16, 32, 12, 7)), 4U);
+  EXPECT_EQ(decode(cloud_of(0, 1, 0, 0, 0, 0)), 0U);
+  EXPECT_ERROR(decode(cloud_of(5, 1, 16, 80, 0, 7)), "a cloud of 5 x 1 points");
+  EXPECT_ERROR(decode(cloud_of(2, 2, 16, 33, 0, 7)), "a cloud of 2 x 2 points");
+  EXPECT_ERROR(decode(cloud_of(4, 1, 0, 0, 0, 7)), "points of 0 bytes");
+  EXPECT_ERROR(decode(cloud_of(0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF, 0, 7)), "points");
+  EXPECT_ERROR(decode(cloud_of(4, 1, 16, 64, 13, 7)), "\"x\" is of no known type or outside");
+  EXPECT_ERROR(decode(cloud_of(4, 1, 16, 64, 0xFFFFFFFF, 7)), "\"x\" is of no known type");
+  EXPECT_ERROR(decode(cloud_of(4, 1, 16, 64, 0, 9)), "\"x\" is of no known type or outside");
+}
+
+TEST(Cdr, OtherEncapsulationsAreRefused) {
+  std::string bytes = imu_message(Wire::kCdr, {});
+  bytes[1] = 3;  // a parameter list
+  Header header;
+  EXPECT_ERROR(decode_imu(Encoding::kCdr, bytes_of(bytes), &header), "another way than plain CDR");
+}
+
+TEST(Cdr, VersionTwoAlignsToFourBytesAtMost) {
+  const std::string bytes("\0\7\0\0\1\0\0\0\0\0\0\0\0\0\xF0\x3F", 16);
+  WireReader reader = WireReader::cdr(bytes_of(bytes));
+  EXPECT_EQ(reader.read<std::uint32_t>(), 1U);
+  EXPECT_EQ(reader.read<double>(), 1.0);
+}
+
+TEST(BeginsWithHeader, IsKnownByTypeOrDefinition) {
+  EXPECT_TRUE(begins_with_header({"/a", "sensor_msgs/Imu", Encoding::kCdr, ""}));
+  EXPECT_TRUE(begins_with_header({"/a", "x/Y", Encoding::kRos1, "# A\n\nHeader header\nint8 a"}));
+  EXPECT_TRUE(begins_with_header({"/a", "x/Y", Encoding::kCdr, "std_msgs/msg/Header header"}));
+  EXPECT_FALSE(begins_with_header({"/a", "x/Y", Encoding::kRos1, "int8 a\nHeader header"}));
+  EXPECT_FALSE(begins_with_header({"/a", "sensor_msgs/Imu", Encoding::kOther, ""}));
+}
+
+}  // namespace
+}  // namespace rio::bag

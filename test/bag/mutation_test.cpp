@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Damaged recordings: whatever the bytes, the readers end, with a bounded amount of memory.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <random>
+
+#include "bag/bag_writer.hpp"
+#include "rio/bag/recording.hpp"
+#include "rio/bag/summary.hpp"
+#include "support/measured.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::bag {
+namespace {
+
+/// Flips bits, puts in numbers that are lengths at their worst, cuts, repeats and removes.
+class Mutator {
+ public:
+  explicit Mutator(unsigned seed) : random_(seed) {}
+
+  std::string operator()(std::string bytes) {
+    for (int n = 1 + below(4); n > 0 && bytes.size() > 8; --n) mutate(&bytes);
+    return bytes;
+  }
+
+ private:
+  int below(std::size_t limit) { return static_cast<int>(random_() % limit); }
+
+  void mutate(std::string* bytes) {
+    const auto place = static_cast<std::size_t>(below(bytes->size() - 4));
+    static const std::string kLengths[] = {
+        {"\xFF\xFF\xFF\xFF", 4}, {"\xFF\xFF\xFF\x7F", 4}, {"\0\0\0\x40", 4}, {"\0\0\0\0", 4}};
+    switch (below(6)) {
+      case 0:
+      case 1:
+        (*bytes)[place] = static_cast<char>((*bytes)[place] ^ (1 << below(8)));
+        break;
+      case 2:
+        (*bytes)[place] = static_cast<char>(below(256));
+        break;
+      case 3:
+        bytes->replace(place, 4, kLengths[below(4)]);
+        break;
+      case 4:
+        bytes->erase(place, 1 + static_cast<std::size_t>(below(bytes->size() - place)));
+        break;
+      default:
+        bytes->insert(place, bytes->substr(place / 2, 1 + static_cast<std::size_t>(below(200))));
+    }
+  }
+
+  std::minstd_rand random_;
+};
+
+double peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+class Mutation : public testing::TestWithParam<std::string> {};
+
+TEST_P(Mutation, DamagedFilesEndInMessagesOrAnError) {
+  const char* const asked = std::getenv("RIO_MUTATIONS");
+  const int count = asked == nullptr ? 500 : std::atoi(asked);
+  const test::TempDir dir;
+  test::write_bag(dir.path() / "good", GetParam(), test::at_rest(test::wire_of(GetParam()), 3), 11);
+  const std::string good = dir.read("good");
+  const double before = peak_megabytes();
+  int read = 0;
+  int partly = 0;
+  int refused = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto path = dir.write("bad", Mutator(static_cast<unsigned>(i + 1))(good));
+    try {
+      const Recording recording = read_recording(path, {});
+      recording.damage.empty() ? ++read : ++partly;
+      EXPECT_LE(recording.dataset.imu.size(), 200U);  // 30 in the good one; parts may be repeated
+      summary_text(summarise(open_messages(path).get()));
+    } catch (const std::runtime_error&) {
+      ++refused;
+    }
+  }
+  EXPECT_EQ(read + partly + refused, count);
+  EXPECT_GT(partly, count / 50);
+  test::measured(GetParam() + ": read in part, of " + std::to_string(count), partly, "some");
+  const double grown = peak_megabytes() - before;
+  test::measured(GetParam() + ": growth of memory [MB]", grown, "below 64 where not sanitised");
+#if !defined(__SANITIZE_ADDRESS__)
+  EXPECT_LT(grown, 64.0);
+#endif
+}
+
+INSTANTIATE_TEST_SUITE_P(Bag, Mutation, testing::ValuesIn(test::formats()), test::format_name);
+
+}  // namespace
+}  // namespace rio::bag

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/bag/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bag/bag_writer.hpp"
+#include "rio/bag/summary.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::bag {
+namespace {
+
+using test::TempDir;
+using test::Wire;
+using test::Written;
+
+constexpr Time kBegin(1'600'000'000'123'456'789);
+
+class RecordingTest : public testing::Test {
+ protected:
+  Recording read(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
+    return read_recording(dir_.write("a", test::ros1_bag(messages, "none", 20)), request);
+  }
+  /// The notes, a line each.
+  static std::string notes(const Recording& recording) {
+    std::string text;
+    for (const std::string& note : recording.dataset.notes) text += note + "\n";
+    return text;
+  }
+  /// A scan with this header stamp.
+  static Written scan(Time header, Time received, const test::Points& points = {{1, 2, 3, 4, 5}}) {
+    return {"/radar", "sensor_msgs/PointCloud2", received,
+            cloud_message(Wire::kRos1, header, test::ti_fields(), points, 32)};
+  }
+  static Written imu(Time header, Time received) {
+    return {"/imu", "sensor_msgs/Imu", received,
+            imu_message(Wire::kRos1, {header, {1, 2, 3}, {4, 5, 6}})};
+  }
+
+  TempDir dir_;
+};
+
+TEST_F(RecordingTest, EveryFormatGivesTheSameDataset) {
+  for (const std::string& format : test::formats()) {
+    const auto path = dir_.path() / format;
+    test::write_bag(path, format, test::at_rest(test::wire_of(format), 20));
+    const Recording recording = read_recording(path, {});
+    EXPECT_EQ(recording.damage, "") << format;
+    const io::Dataset& data = recording.dataset;
+    ASSERT_EQ(data.imu.size(), 200U) << format;
+    ASSERT_EQ(data.scans.size(), 20U) << format;
+    EXPECT_EQ(data.imu[7].time, kBegin + Time(70'000'000));
+    EXPECT_EQ(data.imu[7].gyro_B, Vector3d(0.01, -0.02, 0.007));
+    EXPECT_EQ(data.scans[1].time, kBegin + Time(190'000'000));
+    ASSERT_EQ(data.scans[1].detections.size(), 2U);
+    EXPECT_EQ(data.scans[1].detections[0].point_S, Vector3d(1.5, 2.5, -0.5));
+    EXPECT_EQ(data.scans[1].detections[0].snr_db, 12.0);
+    EXPECT_NEAR(*data.imu_info.rate_hz, 100.0, 1e-3);
+    EXPECT_NEAR(*data.radar_info.rate_hz, 10.0, 1e-3);
+    EXPECT_FALSE(data.radar_info.T_BS);
+  }
+}
+
+TEST_F(RecordingTest, TheClocksAreChosenByWhatTheHeadersSay) {
+  const Time gap(250'000'000);
+  const auto all = [&](Time imu_header, Time radar_header, const RecordingRequest& request = {}) {
+    std::vector<Written> messages;
+    for (int i = 0; i < 9; ++i) {
+      const Time t = kBegin + i * gap;
+      const Time jitter((i * 7 % 5 - 2) * 1'000'000);
+      messages.push_back(imu(imu_header + i * gap, t + jitter));
+      messages.push_back(scan(radar_header.count() == 0 ? Time(0) : radar_header + i * gap, t));
+    }
+    return read(messages, request);
+  };
+  const Recording same = all(kBegin - Time(1000), kBegin - Time(2000));
+  EXPECT_EQ(same.dataset.imu[3].time, kBegin - Time(1000) + 3 * gap);
+  EXPECT_EQ(same.dataset.scans[3].time, kBegin - Time(2000) + 3 * gap);
+  EXPECT_PRED2(test::contains, notes(same), "/imu: 9 messages, stamped by their headers\n");
+
+  // a zero stamp: the radar by its arrival, the IMU carried there without its jitter
+  const Recording zero = all(Time(5'000'000'000), Time(0));
+  EXPECT_EQ(zero.dataset.imu[3].time, kBegin + 3 * gap);
+  EXPECT_EQ(zero.dataset.scans[3].time, kBegin + 3 * gap);
+  EXPECT_PRED2(test::contains, notes(zero),
+               "/radar: 9 messages, stamped when they were received "
+               "(9 header stamps are zero)");
+  EXPECT_PRED2(test::contains, notes(zero), "--radar-offset");
+
+  // two clocks: both onto that of the recorder
+  const Recording two = all(Time(5'000'000'000), Time(90'000'000'000));
+  EXPECT_EQ(two.dataset.imu[3].time, kBegin + 3 * gap);
+  EXPECT_EQ(two.dataset.scans[3].time, kBegin + 3 * gap);
+  EXPECT_PRED2(test::contains, notes(two), "the header clocks of IMU and radar are 85.000 s apart");
+
+  RecordingRequest request;
+  request.radar_clock = Clock::kHeader;
+  EXPECT_ERROR(all(kBegin, Time(0), request),
+               "9 of 9 header stamps on /radar are zero; use "
+               "--radar-clock receive");
+  request.radar_clock = Clock::kReceive;
+  request.imu_clock = Clock::kReceive;
+  request.radar_offset = -0.5;
+  request.imu_offset = 0.25;
+  const Recording asked = all(kBegin, kBegin, request);
+  EXPECT_EQ(asked.dataset.imu[1].time, kBegin + 2 * gap);
+  EXPECT_EQ(asked.dataset.scans[2].time, kBegin);
+}
+
+TEST_F(RecordingTest, TopicsAreGuessedOnlyIfThereIsOne) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 2);
+  messages.push_back(messages.front());
+  messages.back().topic = "/imu2";
+  EXPECT_ERROR(read(messages),
+               "several topics of type sensor_msgs/Imu; choose with --imu:\n  /imu "
+               "sensor_msgs/Imu (20 messages)");
+  RecordingRequest request;
+  request.imu_topic = "/imu2";
+  EXPECT_EQ(read(messages, request).dataset.imu.size(), 1U);
+  request.imu_topic = "/imu3";
+  EXPECT_ERROR(read(messages, request), "no topic /imu3; there are\n  /imu sensor_msgs/Imu");
+  request.imu_topic = "/radar";
+  EXPECT_ERROR(read(messages, request), "topic /radar is of type sensor_msgs/PointCloud2");
+  messages.resize(3);
+  EXPECT_ERROR(read(messages), "no topic of type sensor_msgs/PointCloud2; there are");
+}
+
+TEST_F(RecordingTest, UnitsOfTheImuAreConverted) {
+  RecordingRequest request;
+  request.gyro_unit = 0.5;
+  request.accel_unit = 9.80665;
+  const Recording recording = read({imu(kBegin, kBegin), scan(kBegin, kBegin)}, request);
+  EXPECT_EQ(recording.dataset.imu[0].gyro_B, Vector3d(0.5, 1.0, 1.5));
+  EXPECT_EQ(recording.dataset.imu[0].accel_B, 9.80665 * Vector3d(4, 5, 6));
+}
+
+TEST_F(RecordingTest, WhatIsLeftOutIsCounted) {
+  std::vector<Written> messages = {imu(kBegin, kBegin), imu(kBegin + Time(9), kBegin)};
+  messages[1].data.resize(50);
+  messages.push_back(scan(kBegin, kBegin, {{1, 2, 3, 4, NAN}, {1, 2, 3, 4, 5}}));
+  messages.push_back(scan(kBegin, kBegin));
+  messages.push_back(scan(kBegin + Time(1), kBegin, {}));
+  const Recording recording = read(messages);
+  EXPECT_EQ(recording.dataset.imu.size(), 1U);
+  ASSERT_EQ(recording.dataset.scans.size(), 2U);
+  EXPECT_EQ(recording.dataset.scans[0].detections.size(), 1U);
+  EXPECT_TRUE(recording.dataset.scans[1].detections.empty());
+  const std::string text = notes(recording);
+  EXPECT_PRED2(test::contains, text, "1 scans have the stamp of the scan before");
+  EXPECT_PRED2(test::contains, text, "1 points are not finite");
+  EXPECT_PRED2(test::contains, text, "/imu: 1 messages cannot be read and are left out; the first");
+}
+
+TEST_F(RecordingTest, OfADamagedFileItKeepsWhatStandsBefore) {
+  const std::vector<Written> messages = test::at_rest(Wire::kRos1, 20);
+  const std::string bytes = test::ros1_bag(messages, "none", 44);
+  const auto path = dir_.write("cut", bytes.substr(0, bytes.size() / 2));
+  const Recording recording = read_recording(path, {});
+  EXPECT_PRED2(test::contains, recording.damage, "cut: byte ");
+  EXPECT_GT(recording.dataset.imu.size(), 90U);
+  EXPECT_LT(recording.dataset.imu.size(), 110U);
+  EXPECT_ERROR(read_recording(dir_.write("b", bytes.substr(0, 40)), {}), "b: byte ");
+}
+
+TEST_F(RecordingTest, TheSummaryTellsRatesClocksAndFields) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 20);
+  messages.push_back(scan(Time(0), messages.back().received));
+  const auto path = dir_.write("a", test::ros1_bag(messages, "none", 44));
+  const std::string text = summary_text(summarise(open_messages(path).get()));
+  EXPECT_PRED2(test::contains, text,
+               "ROS 1 bag, 221 messages, 1.990 s, received from "
+               "1600000000.373456789 s on\n");
+  EXPECT_PRED2(test::contains, text, "   200   100.00 Hz     1.990 s\n");
+  EXPECT_PRED2(test::contains, text,
+               "header stamps 0.250000 to 0.250000 s before they were "
+               "received; frame_id \"imu_link\"");
+  EXPECT_PRED2(test::contains, text, "; 1 of 21 are zero; frame_id \"radar\"");
+  EXPECT_PRED2(test::contains, text, "fields: x float32 @0, y float32 @4");
+  EXPECT_PRED2(test::contains, text, "points preset ti: x=x");
+}
+
+}  // namespace
+}  // namespace rio::bag

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A flight as recordings of ROS through the `rio` program: info, convert, replay; and a real bag
+// where there is one.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "bag/bag_writer.hpp"
+#include "e2e/tool.hpp"
+#include "rio/bag/messages.hpp"
+#include "rio/io/dataset.hpp"
+#include "support/measured.hpp"
+
+namespace rio::test {
+namespace {
+
+/// The flight as a node would have recorded it: received 20 ms after its stamps.
+std::vector<Written> messages_of(const io::Dataset& data, Wire::Kind kind) {
+  const Time delay(20'000'000);
+  std::vector<Written> messages;
+  std::size_t scan = 0;
+  for (const ImuSample& sample : data.imu) {
+    for (; scan < data.scans.size() && data.scans[scan].time < sample.time; ++scan) {
+      Points points;
+      for (const RadarDetection& d : data.scans[scan].detections) {
+        const Vector3d& p = d.point_S;
+        points.push_back({p.x(), p.y(), p.z(), d.snr_db, d.range_rate});
+      }
+      const Time time = data.scans[scan].time;
+      messages.push_back({"/radar", "sensor_msgs/PointCloud2", time + delay,
+                          cloud_message(kind, time, ti_fields(), points, 32)});
+    }
+    messages.push_back({"/imu", "sensor_msgs/Imu", sample.time + delay, imu_message(kind, sample)});
+  }
+  return messages;
+}
+
+class Bag : public Tool {
+ protected:
+  /// The flight in a format, and options with the mounting of its radar.
+  static std::string recorded(const std::string& format) {
+    const io::Dataset data = io::read_dataset(flight_);
+    write_bag(file(format), format, messages_of(data, wire_of(format)), 500);
+    const Pose& T = *data.radar_info.T_BS;
+    std::ofstream options(file("mounting.yaml"));
+    options.precision(17);
+    options << "radar: {T_BS: {translation: [" << T.translation.x() << ", " << T.translation.y()
+            << ", " << T.translation.z() << "], quaternion_wxyz: [" << T.rotation.w() << ", "
+            << T.rotation.x() << ", " << T.rotation.y() << ", " << T.rotation.z() << "]}}\n";
+    return file(format);
+  }
+  static Outcome replay(const std::string& recording, const std::string& out) {
+    return rio("replay " + recording + " --quiet --init static --config " + file("mounting.yaml") +
+               " --out " + file(out));
+  }
+};
+
+TEST_F(Bag, EveryFormatReplaysAsItsConvertedFolderDoes) {
+  std::string first;
+  for (const std::string& format : formats()) {
+    const std::string recording = recorded(format);
+    const std::string folder = file(format + "_asl");
+    const Outcome convert = rio("convert " + recording + " " + folder);
+    ASSERT_EQ(convert.status, 0) << convert.output;
+    EXPECT_PRED2(contains, convert.output, "T_BS");
+    ASSERT_EQ(replay(folder, "folder.tum").status, 0);
+    const Outcome run = replay(recording, "bag.tum");
+    ASSERT_EQ(run.status, 0) << run.output;
+    const std::string tum = dir_->read("bag.tum");
+    EXPECT_EQ(tum, dir_->read("folder.tum")) << format;
+    EXPECT_EQ(tum, first.empty() ? tum : first) << format;
+    first = tum;
+    EXPECT_GT(lines_of(file("bag.tum")).size(), scans() / 2);
+  }
+  const Outcome judged = rio("evaluate " + flight_ + " " + file("bag.tum") + " --align yaw --json");
+  const double error = nlohmann::json::parse(judged.output)["norm_of_rmse_m"];
+  measured("error of the replayed bag [m]", error, "below 0.5");
+  EXPECT_LT(error, 0.5);
+}
+
+TEST_F(Bag, InfoTellsTopicsAndConvertDoesNotOverwrite) {
+  const std::string recording = recorded("ros1-none");
+  const Outcome info = rio("info " + recording);
+  EXPECT_EQ(info.status, 0);
+  EXPECT_PRED2(contains, info.output, "/radar  sensor_msgs/PointCloud2");
+  EXPECT_PRED2(contains, info.output, "points preset ti");
+  const std::string folder = file("kept");
+  ASSERT_EQ(rio("convert " + recording + " " + folder).status, 0);
+  const std::string mine = dir_->read("kept/imu0/data.csv");
+  const Outcome again = rio("convert " + recording + " " + folder + " --imu-offset 1s");
+  EXPECT_NE(again.status, 0);
+  EXPECT_PRED2(contains, again.output, "holds a recording already; --force overwrites it");
+  EXPECT_EQ(dir_->read("kept/imu0/data.csv"), mine);
+  EXPECT_EQ(rio("convert " + recording + " " + folder + " --imu-offset 1s --force").status, 0);
+  EXPECT_NE(dir_->read("kept/imu0/data.csv"), mine);
+}
+
+TEST_F(Bag, ADamagedFileIsUsedAsFarAsItGoesAndIsAnError) {
+  recorded("ros1-none");
+  const std::string bytes = dir_->read("ros1-none");
+  dir_->write("cut", bytes.substr(0, bytes.size() / 2));
+  for (const std::string& command :
+       {"info " + file("cut"), "convert " + file("cut") + " " + file("c"),
+        "replay " + file("cut") + " --quiet --config " + file("mounting.yaml") + " --out " +
+            file("cut.tum")}) {
+    const Outcome run = rio(command);
+    EXPECT_NE(run.status, 0) << command;
+    EXPECT_PRED2(contains, run.output, "cut: byte ");
+    EXPECT_PRED2(contains, run.output, "What stands before was used.");
+  }
+  EXPECT_GT(io::read_dataset(file("c")).scans.size(), scans() / 3);
+  EXPECT_GT(lines_of(file("cut.tum")).size(), scans() / 4);
+}
+
+TEST_F(Bag, OptionsOfABagDoNotGoWithAFolder) {
+  const Outcome run = rio("replay " + flight_ + " --points ti");
+  EXPECT_NE(run.status, 0);
+  EXPECT_PRED2(contains, run.output, "options of a bag are given, but it is none");
+  EXPECT_NE(rio("convert " + flight_ + " " + file("x")).status, 0);
+}
+
+/// The IMU and the radar of a bag of ROS 1, serialised anew for ROS 2.
+std::vector<Written> as_ros2(const fs::path& path) {
+  const auto stream = bag::open_messages(path);
+  std::vector<Written> messages;
+  bag::Message message;
+  while (stream->next(&message)) {
+    const bag::Topic& topic = stream->topics()[message.topic];
+    if (topic.type == bag::kImuType) {
+      bag::Header header;
+      const ImuSample sample = bag::decode_imu(topic.encoding, message.data, &header);
+      messages.push_back(
+          {topic.name, topic.type, message.received, imu_message(Wire::kCdr, sample)});
+    } else if (topic.type == bag::kCloudType) {
+      const bag::PointCloud cloud = bag::decode_cloud(topic.encoding, message.data);
+      std::vector<CloudField> fields;
+      for (const bag::PointField& f : cloud.fields)
+        fields.push_back({f.name, f.offset, f.datatype});
+      Points points;
+      for (std::uint64_t i = 0; i < cloud.size(); ++i) {
+        points.emplace_back();
+        for (const CloudField& f : fields) {
+          points.back().push_back(
+              bag::number_of_type(cloud.point(i).data() + f.offset, f.type, cloud.big_endian));
+        }
+      }
+      messages.push_back(
+          {topic.name, topic.type, message.received,
+           cloud_message(Wire::kCdr, cloud.header.stamp, fields, points, cloud.point_step)});
+    }
+  }
+  EXPECT_EQ(stream->damage(), "");
+  return messages;
+}
+
+TEST_F(Bag, TheRealRecordingIsTheSameInEveryFormat) {
+  const char* const data = std::getenv("RIO_TEST_DATA");
+  const fs::path demo = fs::path(data == nullptr ? "" : data) / "ti_demo";
+  if (data == nullptr || !fs::exists(demo / "ti_demo.bag")) {
+    GTEST_SKIP() << "skipped: needs a folder RIO_TEST_DATA with ti_demo";
+  }
+  const std::string recording = (demo / "ti_demo.bag").string();
+  const Outcome info = rio("info " + recording);
+  EXPECT_EQ(info.status, 0);
+  EXPECT_PRED2(contains, info.output, "11152 messages");  // as rosbag counts them
+  EXPECT_PRED2(contains, info.output, "8270");
+  EXPECT_PRED2(contains, info.output, "412 of 412 are zero");
+
+  // the mounting and the noise of the corrected copy, and the delay of its driver
+  const std::string how = " --radar-offset \"-122 ms\"";
+  ASSERT_EQ(rio("convert " + recording + " " + file("demo") + how).status, 0);
+  for (const char* sensor : {"imu0/sensor.yaml", "radar0/sensor.yaml"}) {
+    fs::copy_file(demo / sensor, file("demo") + "/" + sensor, fs::copy_options::overwrite_existing);
+  }
+  const Outcome run = rio("replay " + file("demo") + " --quiet --json");
+  ASSERT_EQ(run.status, 0) << run.output;
+  const double off = nlohmann::json::parse(run.last_line())["first_to_last_m"];
+  measured("from the first to the last position [m]", off, "below 0.15");
+  EXPECT_LT(off, 0.15);
+
+  ASSERT_EQ(rio("replay " + recording + how + " --quiet --out " + file("a.tum")).status, 0);
+  const std::vector<Written> messages = as_ros2(recording);
+  for (const std::string& format : formats()) {
+    if (format.starts_with("ros1")) continue;
+    write_bag(file("b"), format, messages, 500);
+    ASSERT_EQ(rio("replay " + file("b") + how + " --quiet --out " + file("b.tum")).status, 0);
+    EXPECT_EQ(dir_->read("a.tum"), dir_->read("b.tum")) << format;
+    fs::remove(file("b"));
+  }
+}
+
+}  // namespace
+}  // namespace rio::test
