@@ -128,7 +128,7 @@ std::string decompress_zstd(Bytes in, Sink* sink) {
 
 }  // namespace
 
-std::string decompress(std::string_view method, Bytes in, std::uint64_t declared,
+std::string decompress(std::string_view method, [[maybe_unused]] Bytes in, std::uint64_t declared,
                        std::vector<std::uint8_t>* out) {
   out->clear();
   if (declared > kMaxRecord) return "declares more than 1 GiB";

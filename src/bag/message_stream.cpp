@@ -23,26 +23,69 @@ std::string first_bytes(const fs::path& path) {
   return bytes;
 }
 
-/// The files of a rosbag2 folder.
+/// The recordings in a folder; those of a split one in the order of their numbers.
 std::vector<fs::path> files_of(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path extension = entry.path().extension();
     if (extension == ".db3" || extension == ".mcap") files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    const std::string& x = a.native();
+    const std::string& y = b.native();
+    return x.size() != y.size() ? x.size() < y.size() : x < y;
+  });
   return files;
 }
 
-fs::path file_of(const fs::path& path) {
-  if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such file");
-  if (!fs::is_directory(path)) return path;
-  const std::vector<fs::path> files = files_of(path);
-  if (files.size() == 1) return files.front();
-  throw std::runtime_error(path.string() + (files.empty() ? ": a folder without a recording"
-                                                          : ": holds several recordings; name one, "
-                                                            "as " +
-                                                                files.front().string()));
+/// Several files as one; damage in one is the end of all.
+class Split final : public MessageStream {
+ public:
+  Split(const fs::path& folder, std::vector<fs::path> files)
+      : MessageStream(folder), files_(std::move(files)) {}
+
+  std::string format() const override {
+    return "rosbag2 folder of " + std::to_string(files_.size()) + " files";
+  }
+
+ private:
+  bool read(Message* message) override {
+    for (;;) {
+      if (part_ == nullptr) {
+        if (next_ == files_.size()) return false;
+        part_ = open_messages(files_[next_++]);
+        numbers_.clear();
+      }
+      if (part_->next(message)) break;
+      damage_ = part_->damage();
+      if (!damage_.empty()) return false;
+      part_.reset();
+    }
+    while (numbers_.size() < part_->topics().size()) {
+      numbers_.push_back(topic_index(part_->topics()[numbers_.size()]));
+    }
+    message->topic = numbers_[message->topic];
+    return true;
+  }
+
+  std::vector<fs::path> files_;
+  std::size_t next_ = 0;
+  std::unique_ptr<MessageStream> part_;
+  std::vector<std::size_t> numbers_;  ///< topic of the part -> topic
+};
+
+std::unique_ptr<MessageStream> open_folder(const fs::path& folder) {
+  std::vector<fs::path> files = files_of(folder);
+  if (files.size() == 1) return open_messages(files.front());
+  if (files.empty()) throw std::runtime_error(folder.string() + ": a folder without a recording");
+  const bool one_kind = std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
+    return file.extension() == files.front().extension();
+  });
+  if (one_kind && fs::exists(folder / "metadata.yaml")) {
+    return std::make_unique<Split>(folder, std::move(files));
+  }
+  throw std::runtime_error(folder.string() + ": holds several recordings; name one, as " +
+                           files.front().string());
 }
 
 }  // namespace
@@ -86,15 +129,16 @@ bool is_recording(const fs::path& path) {
 }
 
 std::unique_ptr<MessageStream> open_messages(const fs::path& path) {
-  const fs::path file = file_of(path);
-  const std::string bytes = first_bytes(file);
-  if (bytes.starts_with(kRos1Magic)) return open_ros1_bag(file);
-  if (bytes.starts_with(kMcapMagic)) return open_mcap(file);
-  if (bytes.starts_with(kSqliteMagic)) return open_db3(file);
+  if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such file");
+  if (fs::is_directory(path)) return open_folder(path);
+  const std::string bytes = first_bytes(path);
+  if (bytes.starts_with(kRos1Magic)) return open_ros1_bag(path);
+  if (bytes.starts_with(kMcapMagic)) return open_mcap(path);
+  if (bytes.starts_with(kSqliteMagic)) return open_db3(path);
   if (bytes.starts_with("#ROSBAG V") || bytes.starts_with("#ROSRECORD V")) {
-    throw std::runtime_error(file.string() + ": a bag older than version 2.0: rosbag fix it first");
+    throw std::runtime_error(path.string() + ": a bag older than version 2.0: rosbag fix it first");
   }
-  throw std::runtime_error(file.string() +
+  throw std::runtime_error(path.string() +
                            ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "
                            "MCAP file, nor as an sqlite3 file (.db3)");
 }

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstring>
 #include <sstream>
 
 namespace rio::bag {
@@ -98,6 +100,53 @@ PointCloud decode_cloud(Encoding encoding, Bytes message) {
   return cloud;
 }
 
+PointCloud decode_old_cloud(Encoding encoding, Bytes message) {
+  constexpr std::uint8_t kFloat32 = 7;
+  constexpr std::uint32_t kSize = 4;
+  WireReader reader = reader_of(encoding, message);
+  PointCloud cloud;
+  cloud.header = read_header(&reader);
+  cloud.height = 1;
+  cloud.width = reader.read<std::uint32_t>();
+  std::vector<std::vector<float>> columns(3);
+  for (std::uint32_t i = 0; i < cloud.width; ++i) {  // ends with the bytes
+    for (std::size_t k = 0; k < 3; ++k) columns[k].push_back(reader.read<float>());
+  }
+  std::vector<std::string> names = {"x", "y", "z"};
+  const auto channels = reader.read<std::uint32_t>();
+  for (std::uint32_t k = 0; k < channels; ++k) {
+    names.emplace_back(reader.text());
+    const std::size_t where = reader.position();
+    if (reader.read<std::uint32_t>() != cloud.width) {
+      throw Damage(where, "channel \"" + names.back() + "\" has not one number a point");
+    }
+    std::vector<float>& column = columns.emplace_back();
+    for (std::uint32_t i = 0; i < cloud.width; ++i) column.push_back(reader.read<float>());
+  }
+  cloud.point_step = static_cast<std::uint32_t>(columns.size()) * kSize;
+  auto data = std::make_shared<std::vector<std::uint8_t>>(cloud.size() * cloud.point_step);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto offset = static_cast<std::uint32_t>(k) * kSize;
+    cloud.fields.push_back({names[k], offset, kFloat32});
+    for (std::size_t i = 0; i < columns[k].size(); ++i) {
+      std::memcpy(data->data() + i * cloud.point_step + offset, &columns[k][i], kSize);
+    }
+  }
+  cloud.big_endian = std::endian::native == std::endian::big;
+  cloud.data = *data;
+  cloud.own = std::move(data);
+  return cloud;
+}
+
+bool is_cloud(const std::string& type) {
+  return type == kCloudType || type == kOldCloudType;
+}
+
+PointCloud decode_cloud_of(const Topic& topic, Bytes message) {
+  return topic.type == kOldCloudType ? decode_old_cloud(topic.encoding, message)
+                                     : decode_cloud(topic.encoding, message);
+}
+
 Header decode_header(Encoding encoding, Bytes message) {
   WireReader reader = reader_of(encoding, message);
   return read_header(&reader);
@@ -105,7 +154,7 @@ Header decode_header(Encoding encoding, Bytes message) {
 
 bool begins_with_header(const Topic& topic) {
   if (topic.encoding == Encoding::kOther) return false;
-  if (topic.type == "std_msgs/Header" || topic.type == kImuType || topic.type == kCloudType) {
+  if (topic.type == "std_msgs/Header" || topic.type == kImuType || is_cloud(topic.type)) {
     return true;
   }
   std::istringstream lines(topic.definition);

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "point_presets.hpp"
+
 namespace rio::bag {
 
 namespace {
@@ -30,41 +32,6 @@ const std::array<std::vector<std::string>, kNoise + 1> kAliases = {{
     {"snr", "snr_db", "intensity", "power"},
     {"noise", "noise_db"},
 }};
-
-/// A known source of clouds. It is recognised when a cloud has all fields it names and none but
-/// those and `others`.
-struct Preset {
-  const char* name;
-  const char* meaning;
-  Axes axes;
-  const char* fields;  ///< QUANTITY=FIELD[*SCALE], separated by blanks
-  const char* others;
-  bool recognised;
-};
-
-constexpr Preset kPresets[] = {
-    {"ti", "TI driver ti_mmwave_rospkg: axes turned to forward, left, up; intensity is the SNR",
-     Axes::kFlu, "x=x y=y z=z doppler=velocity snr=intensity", "", true},
-    {"rio", "clouds of the ekf-rio data sets: axes of the chip", Axes::kTi,
-     "x=x y=y z=z doppler=v_doppler_mps snr=snr_db noise=noise_db", "range", true},
-    {"mav", "mav_sensors: axes of the chip, SNR and noise in 0.1 dB", Axes::kTi,
-     "x=x y=y z=z doppler=doppler snr=snr*0.1 noise=noise*0.1", "", true},
-    {"coloradar", "ColoRadar: axes of the chip", Axes::kTi,
-     "x=x y=y z=z doppler=doppler snr=intensity", "range", true},
-    {"mimosa", "x y z intensity velocity in the axes of the mounting that comes with it",
-     Axes::kFlu, "x=x y=y z=z doppler=velocity snr=intensity", "doppler_residual", false},
-    {"pointxyzi", "Doppler hidden as float32 at byte 12 of x y z intensity: axes of the chip",
-     Axes::kTi, "x=x y=y z=z doppler=@12 snr=intensity", "", false},
-    {"msc", "MSC-RAD4R (Oculii Eagle): axes of the lidar", Axes::kFlu,
-     "x=x y=y z=z doppler=doppler snr=power",
-     "alpha beta range recoveredSpeed denoiseFlag dotFlags", true},
-    {"ars548", "Continental ARS548: polar, with the sigmas of each point", Axes::kFlu,
-     "range=range azimuth=azimuth elevation=elevation doppler=velocity sigma_range=rangeSTD "
-     "sigma_azimuth=azimuthSTD sigma_elevation=elevationSTD sigma_doppler=velocitySTD",
-     "rcs", true},
-    {"altos", "Altos as PointXYZHSV: h is the Doppler", Axes::kFlu, "x=x y=y z=z doppler=h", "s v",
-     true},
-};
 
 constexpr std::array<const char*, 4> kAxesNames = {"flu", "ti", "rdf", "frd"};
 constexpr std::array<const char*, 4> kAxesMeanings = {
@@ -136,6 +103,15 @@ const Preset* find_preset(const PointRequest& request, const std::vector<PointFi
                            point_presets());
 }
 
+/// The number of "@12" or "#12".
+std::optional<std::uint32_t> place_of(const std::string& name) {
+  if (name.size() < 2 || name.size() > 6 || (name[0] != '@' && name[0] != '#')) return std::nullopt;
+  if (!std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; })) {
+    return std::nullopt;
+  }
+  return static_cast<std::uint32_t>(std::stoul(name.substr(1)));
+}
+
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -170,7 +146,8 @@ PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& re
   if (request.approaching) sources_[kDoppler]->scale *= -1.0;
 }
 
-/// @param name_and_scale "velocity", "snr*0.1", or "@12" for a float32 at byte 12
+/// @param name_and_scale "velocity", "snr*0.1", "#3" for the field after three others, or "@12" for
+/// a float32 at byte 12
 void PointMap::set(int quantity, const std::string& name_and_scale) {
   const std::size_t star = name_and_scale.rfind('*');
   const std::string name = name_and_scale.substr(0, star);
@@ -183,11 +160,11 @@ void PointMap::set(int quantity, const std::string& name_and_scale) {
                                   [&](const PointField& f) { return f.name == name; });
   if (field != fields_.end()) {
     source.field = *field;
-  } else if (name.size() > 1 && name.size() < 7 && name[0] == '@' &&
-             std::all_of(name.begin() + 1, name.end(),
-                         [](char c) { return c >= '0' && c <= '9'; })) {
+  } else if (const auto place = place_of(name); place && name[0] == '@') {
     constexpr std::uint8_t kFloat32 = 7;
-    source.field = {name, static_cast<std::uint32_t>(std::stoul(name.substr(1))), kFloat32};
+    source.field = {name, *place, kFloat32};
+  } else if (place && *place < fields_.size()) {
+    source.field = fields_[*place];
   } else {
     fail("no field \"" + name + "\" for the " + kNames[static_cast<std::size_t>(quantity)]);
   }

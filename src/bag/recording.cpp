@@ -46,6 +46,10 @@ struct Source {
   Stamps stamps;
   std::size_t unreadable = 0;
   std::string first_error;
+
+  bool fits(const std::string& other) const {
+    return other == type || (type == kCloudType && is_cloud(other));
+  }
 };
 
 std::string topic_list(const Summary& summary) {
@@ -60,7 +64,7 @@ std::string topic_list(const Summary& summary) {
 std::string choose_topic(const Summary& summary, const fs::path& path, const Source& source) {
   std::string found;
   for (const TopicSummary& s : summary.topics) {
-    const bool right = s.topic.type == source.type && s.topic.encoding != Encoding::kOther;
+    const bool right = source.fits(s.topic.type) && s.topic.encoding != Encoding::kOther;
     if (!source.name.empty() && s.topic.name == source.name) {
       if (right) return source.name;
       throw std::runtime_error(fmt::format("{}: topic {} is of type {}; read is {}", path.string(),
@@ -118,7 +122,7 @@ class Reader {
         sample.accel_B *= request_.accel_unit;
         data_.imu.push_back(sample);
       } else {
-        const PointCloud cloud = decode_cloud(topic.encoding, message.data);
+        const PointCloud cloud = decode_cloud_of(topic, message.data);
         header = cloud.header;
         add_scan(cloud);
       }

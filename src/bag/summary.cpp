@@ -30,8 +30,8 @@ void add(const Message& message, TopicSummary* s) {
   s->last = std::max(s->last, message.received);
   if (!s->has_header) return;
   try {
-    if (s->topic.type == kCloudType && s->fields.empty()) {
-      s->fields = decode_cloud(s->topic.encoding, message.data).fields;
+    if (is_cloud(s->topic.type) && s->fields.empty()) {
+      s->fields = decode_cloud_of(s->topic, message.data).fields;
     }
     add_header(decode_header(s->topic.encoding, message.data), message.received, s);
   } catch (const Damage&) {

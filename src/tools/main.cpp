@@ -24,12 +24,12 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
       ->group(group);
   command
       ->add_option("--points", how->points,
-                   "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548 "
-                   "or altos; by default guessed from their names")
+                   "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548, "
+                   "eagle or altos; by default guessed from their names")
       ->group(group);
   command
       ->add_option("--field", how->fields,
-                   "one field, as doppler=rdot, snr=power*0.1 or doppler=@12 (byte of a float)")
+                   "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float)")
       ->group(group);
   command->add_option("--axes", how->axes, "of the points: flu, ti, rdf or frd; wins over --points")
       ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))

@@ -127,15 +127,31 @@ TEST(MessageStream, McapMayHoldMessagesOfRos1) {
   EXPECT_EQ(stream->format(), "MCAP");
 }
 
-TEST(MessageStream, AFolderWithOneFileOfRosbag2IsThatFile) {
-  const std::string bytes = test::mcap(test::at_rest(test::Wire::kCdr, 2), "none", 100);
+TEST(MessageStream, AFolderOfRosbag2IsReadFileByFile) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kCdr, 12);
   const TempDir dir;
+  const auto part = [&](std::size_t i) {  // one message each
+    return test::mcap({messages[i]}, "none", 1);
+  };
+  const auto folder = dir.path() / "folder";
+  dir.write("folder/a_0.mcap", part(0));
+  EXPECT_TRUE(is_recording(folder));
+  EXPECT_EQ(read_all(folder).messages.size(), 1U);
+  for (std::size_t i = 1; i < 12; ++i)
+    dir.write("folder/a_" + std::to_string(i) + ".mcap", part(i));
+  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
   dir.write("folder/metadata.yaml", "");
-  dir.write("folder/a_0.mcap", bytes);
-  EXPECT_TRUE(is_recording(dir.path() / "folder"));
-  EXPECT_EQ(read_all(dir.path() / "folder").messages.size(), 22U);
-  dir.write("folder/a_1.mcap", bytes);
-  EXPECT_ERROR(open_messages(dir.path() / "folder"), "holds several recordings; name one, as");
+  Reading reading = read_all(folder);
+  EXPECT_EQ(reading.messages.size(), 12U);
+  expect_prefix(reading.messages, messages);
+  EXPECT_EQ(open_messages(folder)->format(), "rosbag2 folder of 12 files");
+
+  dir.write("folder/a_10.mcap", part(10).substr(0, 60));
+  reading = read_all(folder);
+  EXPECT_EQ(reading.messages.size(), 10U);
+  EXPECT_PRED2(test::contains, reading.damage, "a_10.mcap: byte ");
+  dir.write("folder/a_11.db3", "");
+  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
 }
 
 TEST(MessageStream, OtherFilesAreRefused) {

@@ -56,6 +56,29 @@ TEST_P(Serialisation, CloudHasItsFieldsAndPointsInRows) {
   }
 }
 
+TEST_P(Serialisation, TheOlderCloudHasAFieldForEachChannel) {
+  Wire wire(GetParam());
+  wire.header(Time(3), "eagle").put(std::uint32_t{2});
+  for (const float value : {1.F, 2.F, 3.F, 4.F, 5.F, 6.F}) wire.put(value);
+  wire.put(std::uint32_t{2});
+  wire.text("Doppler").put(std::uint32_t{2}).put(-1.5F).put(2.5F);
+  wire.text("Power").put(std::uint32_t{2}).put(10.F).put(20.F);
+  const PointCloud cloud = decode_old_cloud(encoding(), bytes_of(wire.bytes));
+  EXPECT_EQ(fields_text(cloud.fields),
+            "x float32 @0, y float32 @4, z float32 @8, Doppler float32 @12, Power float32 @16");
+  ASSERT_EQ(cloud.size(), 2U);
+  const auto number = [&](std::uint64_t i, std::size_t k) {
+    return number_of_type(cloud.point(i).data() + cloud.fields[k].offset, 7, cloud.big_endian);
+  };
+  EXPECT_EQ(number(1, 0), 4.0);
+  EXPECT_EQ(number(0, 3), -1.5);
+  EXPECT_EQ(number(1, 4), 20.0);
+  for (std::size_t size = 0; size < wire.bytes.size(); ++size) {
+    EXPECT_THROW(decode_old_cloud(encoding(), bytes_of(wire.bytes.substr(0, size))), Damage)
+        << size;
+  }
+}
+
 TEST_P(Serialisation, AShortMessageIsDamageWhereverItEnds) {
   Header header;
   const std::string imu = imu_message(GetParam(), {});

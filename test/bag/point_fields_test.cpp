@@ -112,6 +112,17 @@ TEST(PointFields, ADopplerHiddenInThePaddingIsReadWhenAskedFor) {
   EXPECT_EQ(c.read(request).at(0).range_rate, -1.5);
 }
 
+TEST(PointFields, TheChannelsOfTheEagleAreTakenByTheirPlace) {
+  Case c = floats({"x", "y", "z", "a", "b", "c"}, {1, 2, 3, -0.5, 5, 30});
+  PointRequest request;
+  request.preset = "eagle";
+  const RadarDetection d = c.read(request).at(0);
+  EXPECT_EQ(d.point_S, Vector3d(3, -1, -2));
+  EXPECT_EQ(d.range_rate, -0.5);
+  EXPECT_EQ(d.snr_db, 30.0);
+  EXPECT_ERROR(floats({"x", "y", "z"}, {1, 2, 3}).read(request), "no field \"#3\" for the doppler");
+}
+
 TEST(PointFields, UnknownCloudsAreMatchedByName) {
   Case c = floats({"X", "Y", "Z", "rdot", "Power", "id"}, {1, 2, 3, 4, 5, 6});
   const RadarDetection d = c.read().at(0);

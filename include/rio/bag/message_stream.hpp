@@ -60,10 +60,10 @@ class MessageStream {
   /// The index of the topic of this name, type and encoding, which may be new.
   std::size_t topic_index(Topic topic);
   std::vector<Topic> topics_;
+  std::string damage_;
 
  private:
   std::filesystem::path path_;
-  std::string damage_;
   bool ended_ = false;
 };
 
@@ -71,7 +71,8 @@ class MessageStream {
 /// first bytes, never from the name.
 bool is_recording(const std::filesystem::path& path);
 
-/// Guesses the format from the first bytes. Of a rosbag2 folder, the one file in it.
+/// Guesses the format from the first bytes. Of a folder, the one file in it; of a folder of rosbag2
+/// (with metadata.yaml) all files one after the other.
 /// @throws std::runtime_error if there is no such file, it is of no known format, or the library
 /// for it was not there at build time
 std::unique_ptr<MessageStream> open_messages(const std::filesystem::path& path);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +15,7 @@ namespace rio::bag {
 
 inline constexpr char kImuType[] = "sensor_msgs/Imu";
 inline constexpr char kCloudType[] = "sensor_msgs/PointCloud2";
+inline constexpr char kOldCloudType[] = "sensor_msgs/PointCloud";
 
 /// std_msgs/Header without its sequence number.
 struct Header {
@@ -31,7 +32,8 @@ struct PointField {
   bool operator==(const PointField&) const = default;
 };
 
-/// sensor_msgs/PointCloud2; all points lie inside of `data`.
+/// sensor_msgs/PointCloud2; all points lie inside of `data`. A sensor_msgs/PointCloud is turned
+/// into one of float32 x, y, z and a field for each of its channels.
 struct PointCloud {
   Header header;
   std::uint32_t width = 0;
@@ -40,7 +42,8 @@ struct PointCloud {
   bool big_endian = false;
   std::uint32_t point_step = 0;  ///< bytes of a point
   std::uint32_t row_step = 0;    ///< bytes of a row
-  Bytes data;                    ///< valid as long as the message
+  Bytes data;                    ///< valid as long as the message, or as `own`
+  std::shared_ptr<const std::vector<std::uint8_t>> own;  ///< the data, where the message has none
 
   std::uint64_t size() const { return std::uint64_t{width} * height; }
   /// The bytes of point i, row after row.
@@ -53,8 +56,14 @@ struct PointCloud {
 /// @{
 ImuSample decode_imu(Encoding encoding, Bytes message, Header* header);
 PointCloud decode_cloud(Encoding encoding, Bytes message);
+PointCloud decode_old_cloud(Encoding encoding, Bytes message);
 Header decode_header(Encoding encoding, Bytes message);
 /// @}
+
+/// Whether it is one of the two types of clouds.
+bool is_cloud(const std::string& type);
+/// That of the two decoders that fits.
+PointCloud decode_cloud_of(const Topic& topic, Bytes message);
 
 /// Whether messages of this topic begin with a std_msgs/Header, as far as is known.
 bool begins_with_header(const Topic& topic);

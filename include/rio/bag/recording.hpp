@@ -38,9 +38,9 @@ struct Recording {
   std::string damage;   ///< empty, or where the file is damaged: the data set is what stands before
 };
 
-/// Reads the IMU (sensor_msgs/Imu) and the radar (sensor_msgs/PointCloud2, a scan each) of a file
-/// of open_messages(). Messages that cannot be decoded, scans with the stamp of the scan before and
-/// points that are not finite are left out and counted in the notes.
+/// Reads the IMU (sensor_msgs/Imu) and the radar (sensor_msgs/PointCloud2, or the older PointCloud,
+/// a scan each) of a file of open_messages(). Messages that cannot be decoded, scans with the stamp
+/// of the scan before and points that are not finite are left out and counted in the notes.
 /// @throws std::runtime_error that lists the topics if one is missing or is not the only one of its
 /// type; if points do not match; if nothing readable is left
 Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
