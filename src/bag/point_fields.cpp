@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <initializer_list>
-#include <set>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -77,22 +76,27 @@ int quantity_of(const std::string& name) {
   throw std::runtime_error("\"" + name + "\" is no quantity of a point; there are" + all);
 }
 
-bool fits(const Preset& preset, const std::vector<PointField>& fields) {
-  std::set<std::string> needed;
+bool fits(const PointPreset& preset, const std::vector<PointField>& fields) {
+  constexpr std::uint8_t kFloat32 = 7;
+  std::map<std::string, bool> needed;  // and whether it has a scale
   for (const std::string& word : words_of(preset.fields)) {
     const std::string source = split(word).second;
-    needed.insert(source.substr(0, source.find('*')));
+    const std::size_t star = source.find('*');
+    needed[source.substr(0, star)] = star != std::string::npos;
   }
   const std::vector<std::string> others = words_of(preset.others);
   for (const PointField& field : fields) {
+    const auto known = needed.find(field.name);
+    if (known != needed.end() && known->second && field.datatype >= kFloat32) return false;
     const bool other = std::find(others.begin(), others.end(), field.name) != others.end();
-    if (needed.erase(field.name) == 0 && !other) return false;
+    if (known == needed.end() && !other) return false;
+    if (known != needed.end()) needed.erase(known);
   }
   return needed.empty();
 }
 
-const Preset* find_preset(const PointRequest& request, const std::vector<PointField>& fields) {
-  for (const Preset& preset : kPresets) {
+const PointPreset* find_preset(const PointRequest& request, const std::vector<PointField>& fields) {
+  for (const PointPreset& preset : kPointPresets) {
     if (request.preset.empty() ? preset.recognised && fits(preset, fields)
                                : request.preset == preset.name) {
       return &preset;
@@ -121,7 +125,7 @@ std::string lower(std::string text) {
 
 PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& request)
     : fields_(fields) {
-  const Preset* preset = find_preset(request, fields);
+  const PointPreset* preset = find_preset(request, fields);
   origin_ = preset == nullptr ? "by their names" : std::string("preset ") + preset->name;
   for (const std::string& assignment : request.fields) {
     const auto [quantity, source] = split(assignment);
@@ -267,7 +271,7 @@ void PointMap::fail(const std::string& what) const {
 
 std::string point_presets() {
   std::string text;
-  for (const Preset& preset : kPresets) {
+  for (const PointPreset& preset : kPointPresets) {
     text += std::string("  ") + preset.name + ": " + preset.meaning + "\n";
   }
   return text;

@@ -7,8 +7,8 @@
 namespace rio::bag {
 
 /// A known source of clouds. It is recognised when a cloud has all fields it names and none but
-/// those and `others`.
-struct Preset {
+/// those and `others`, and those with a scale are integers.
+struct PointPreset {
   const char* name;
   const char* meaning;
   Axes axes;
@@ -17,7 +17,7 @@ struct Preset {
   bool recognised;
 };
 
-inline constexpr Preset kPresets[] = {
+inline constexpr PointPreset kPointPresets[] = {
     {"ti", "TI driver ti_mmwave_rospkg: axes turned to forward, left, up; intensity is the SNR",
      Axes::kFlu, "x=x y=y z=z doppler=velocity snr=intensity", "", true},
     {"rio", "clouds of the ekf-rio data sets: axes of the chip", Axes::kTi,
@@ -31,8 +31,7 @@ inline constexpr Preset kPresets[] = {
     {"pointxyzi", "Doppler hidden as float32 at byte 12 of x y z intensity: axes of the chip",
      Axes::kTi, "x=x y=y z=z doppler=@12 snr=intensity", "", false},
     {"msc", "MSC-RAD4R (Oculii Eagle): axes of the lidar", Axes::kFlu,
-     "x=x y=y z=z doppler=doppler snr=power",
-     "alpha beta range recoveredSpeed denoiseFlag dotFlags", true},
+     "x=x y=y z=z doppler=doppler snr=power", "alpha beta range recoveredSpeed denoiseFlag", true},
     {"ars548", "Continental ARS548: polar, with the sigmas of each point", Axes::kFlu,
      "range=range azimuth=azimuth elevation=elevation doppler=velocity sigma_range=rangeSTD "
      "sigma_azimuth=azimuthSTD sigma_elevation=elevationSTD sigma_doppler=velocitySTD",

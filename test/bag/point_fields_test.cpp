@@ -73,6 +73,9 @@ TEST(PointFields, MavSensorsGiveTenthsOfDecibels) {
   EXPECT_EQ(d.point_S, Vector3d(2, -1, 3));
   EXPECT_NEAR(d.snr_db, 12.5, 1e-12);
   EXPECT_NEAR(d.noise_db, 40.0, 1e-12);
+  Case decibels = floats({"x", "y", "z", "doppler", "snr", "noise"}, {1, 2, 3, -2, 12.5, 40});
+  EXPECT_EQ(decibels.read().at(0).snr_db, 12.5);  // not those of mav_sensors: floats
+  EXPECT_PRED2(test::contains, decibels.text, "by their names");
 }
 
 TEST(PointFields, ColoRadarMscAndAltos) {
