@@ -95,6 +95,20 @@ TEST(MessageStream, AWrongByteInACheckedChunkEndsTheStreamBeforeThatChunk) {
   expect_prefix(reading.messages, messages);
 }
 
+TEST(MessageStream, AChunkThatIsCutOffIsReadAsFarAsItGoes) {
+  const TempDir dir;
+  for (const std::string format : {"ros1-none", "mcap-none"}) {
+    const std::vector<Written> messages = test::at_rest(test::wire_of(format), 10);
+    test::write_bag(dir.path() / "a", format, messages, 1000);
+    const std::string bytes = dir.read("a");
+    const Reading reading = read_all(dir.write("b", bytes.substr(0, bytes.size() / 2)));
+    EXPECT_GT(reading.messages.size(), 40U) << format;
+    EXPECT_LT(reading.messages.size(), 60U) << format;
+    expect_prefix(reading.messages, messages);
+    EXPECT_PRED2(test::contains, reading.damage, "the file ends inside of this chunk") << format;
+  }
+}
+
 TEST(MessageStream, SaysThatARecordingWasNotClosed) {
   const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
   const TempDir dir;
