@@ -2,13 +2,13 @@
 # The first run: installs what is needed, builds Release, replays a flight with both presets, prints how
 # accurate they are, and leaves trajectories, pictures and a report in out/.
 #   data/demo.sh              the sample flight in data/sample_flight
-#   data/demo.sh DATASET      your own recording, a folder in ASL/EuRoC layout (data/README.md)
+#   data/demo.sh DATASET      your own recording, a folder in ASL/EuRoC layout or a bag (data/README.md)
 set -eEuo pipefail
 start=$PWD
 cd "$(dirname "$0")/.."
 dataset=data/sample_flight
 if [ $# -gt 0 ]; then
-  dataset=$(cd "$start" && realpath -e "$1") || { echo "no such folder: $1" >&2; exit 1; }
+  dataset=$(cd "$start" && realpath -e "$1") || { echo "no such recording: $1" >&2; exit 1; }
 fi
 
 cmake/install_dependencies.sh tools

@@ -37,7 +37,7 @@ Vector3d read_vector(WireReader* reader) {
 
 /// A vector and its covariance, whose first number is -1 where there is no such sensor (REP 145).
 Vector3d read_measured(WireReader* reader, const char* name) {
-  const Vector3d v = read_vector(reader);
+  Vector3d v = read_vector(reader);
   const std::size_t where = reader->position();
   const auto first = reader->read<double>();
   for (int i = 1; i < 9; ++i) (void)reader->read<double>();

@@ -47,8 +47,9 @@ struct Source {
   std::size_t unreadable = 0;
   std::string first_error;
 
-  bool fits(const std::string& other) const {
-    return other == type || (type == kCloudType && is_cloud(other));
+  bool fits(const Topic& topic) const {
+    return topic.encoding != Encoding::kOther &&
+           (topic.type == type || (type == kCloudType && is_cloud(topic.type)));
   }
 };
 
@@ -63,14 +64,11 @@ std::string topic_list(const Summary& summary) {
 /// The topic asked for, or the only one of the type.
 std::string choose_topic(const Summary& summary, const fs::path& path, const Source& source) {
   std::string found;
+  std::string wrong_type;  // of the topic asked for
   for (const TopicSummary& s : summary.topics) {
-    const bool right = source.fits(s.topic.type) && s.topic.encoding != Encoding::kOther;
-    if (!source.name.empty() && s.topic.name == source.name) {
-      if (right) return source.name;
-      throw std::runtime_error(fmt::format("{}: topic {} is of type {}; read is {}", path.string(),
-                                           s.topic.name, s.topic.type, source.type));
-    }
-    if (!source.name.empty() || !right) continue;
+    const bool named = source.name.empty() || s.topic.name == source.name;
+    if (named && !source.name.empty()) wrong_type = s.topic.type;
+    if (!named || s.messages == 0 || !source.fits(s.topic)) continue;
     if (!found.empty()) {
       throw std::runtime_error(fmt::format("{}: several topics of type {}; choose with --{}:{}",
                                            path.string(), source.type, source.role,
@@ -79,6 +77,10 @@ std::string choose_topic(const Summary& summary, const fs::path& path, const Sou
     found = s.topic.name;
   }
   if (!found.empty()) return found;
+  if (!wrong_type.empty()) {
+    throw std::runtime_error(fmt::format("{}: topic {} is of type {}; read is {}", path.string(),
+                                         source.name, wrong_type, source.type));
+  }
   throw std::runtime_error(fmt::format("{}: no topic {}; there are{}{}", path.string(),
                                        source.name.empty() ? "of type " + source.type : source.name,
                                        topic_list(summary),
@@ -101,8 +103,9 @@ class Reader {
     Message message;
     while (stream_->next(&message)) {
       const Topic& topic = stream_->topics()[message.topic];
-      if (topic.name == imu_.name) decode(&imu_, topic, message);
-      if (topic.name == radar_.name) decode(&radar_, topic, message);
+      for (Source* source : {&imu_, &radar_}) {
+        if (topic.name == source->name && source->fits(topic)) decode(source, topic, message);
+      }
     }
     for (const Source* source : {&imu_, &radar_}) require_some(*source);
     put_on_one_clock();
@@ -213,6 +216,7 @@ class Reader {
 
   /// What the sensor files would have said, and what was left out.
   void tell() {
+    note("no mounting in a recording: radar pose from the options, by default at the body origin");
     data_.imu_info.rate_hz = rate(data_.imu);
     data_.radar_info.rate_hz = rate(data_.scans);
     data_.radar_info.doppler_resolution = io::doppler_grid(data_.scans);

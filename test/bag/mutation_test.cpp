@@ -94,6 +94,48 @@ TEST_P(Mutation, DamagedFilesEndInMessagesOrAnError) {
 #endif
 }
 
+TEST(MutatedMessages, DamagedMessagesAreDecodedOrRefused) {
+  for (const test::Wire::Kind kind : {test::Wire::kRos1, test::Wire::kCdr, test::Wire::kCdrBig}) {
+    const Encoding encoding = kind == test::Wire::kRos1 ? Encoding::kRos1 : Encoding::kCdr;
+    const std::string imu = imu_message(kind, {});
+    const std::string cloud =
+        cloud_message(kind, Time(0), test::ti_fields(), {{1, 2, 3, 4, 5}, {6, 7, 8, 9, 0}}, 32);
+    test::Wire old(kind);
+    old.header(Time(0), "old").put(std::uint32_t{1}).put(1.F).put(2.F).put(3.F);
+    old.put(std::uint32_t{1}).text("Doppler").put(std::uint32_t{1}).put(4.F);
+    int refused = 0;
+    constexpr int kCount = 10'000;
+    for (int i = 0; i < kCount; ++i) {
+      Mutator mutate(static_cast<unsigned>(i + 1));
+      const auto bytes_of = [](const std::string& text) {
+        return Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+      };
+      const auto attempt = [&](const auto& decode) {
+        try {
+          decode();
+        } catch (const std::runtime_error&) {
+          ++refused;
+        }
+      };
+      const std::string imu_bytes = mutate(imu);
+      Header header;
+      attempt([&] { decode_imu(encoding, bytes_of(imu_bytes), &header); });
+      for (const char* type : {kCloudType, kOldCloudType}) {
+        const std::string bytes = mutate(type == kCloudType ? cloud : old.bytes);
+        attempt([&] {
+          const PointCloud read = decode_cloud_of({"", type, encoding, ""}, bytes_of(bytes));
+          std::vector<RadarDetection> detections;
+          PointMap(read.fields, {}).convert(read, &detections);
+          EXPECT_LE(detections.size(), bytes.size());
+        });
+      }
+    }
+    EXPECT_GT(refused, kCount / 2);
+    EXPECT_LT(refused, 3 * kCount);
+    test::measured("refused of " + std::to_string(3 * kCount), refused, "some, not all");
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Bag, Mutation, testing::ValuesIn(test::formats()), test::format_name);
 
 }  // namespace
