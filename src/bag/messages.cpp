@@ -49,7 +49,8 @@ void check_points(const PointCloud& cloud, std::size_t where) {
   if (cloud.size() == 0) return;
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
   const std::uint64_t last_row = std::uint64_t{cloud.height - 1} * cloud.row_step;
-  if (row > cloud.data.size() || last_row > cloud.data.size() - row || cloud.point_step == 0) {
+  const std::uint64_t bytes = cloud.data.size();
+  if (cloud.point_step == 0 || cloud.size() > bytes / cloud.point_step || last_row > bytes - row) {
     throw Damage(where, "a cloud of " + std::to_string(cloud.width) + " x " +
                             std::to_string(cloud.height) + " points of " +
                             std::to_string(cloud.point_step) + " bytes in " +

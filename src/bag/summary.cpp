@@ -40,7 +40,7 @@ void add(const Message& message, TopicSummary* s) {
 }
 
 std::string clock_text(const TopicSummary& s) {
-  const std::string zero =
+  std::string zero =
       s.zero_stamps == 0 ? "" : fmt::format("{} of {} are zero", s.zero_stamps, s.messages);
   if (s.min_delay > s.max_delay) return zero;
   return fmt::format("{:.6f} to {:.6f} s before they were received{}", s.min_delay, s.max_delay,

@@ -30,6 +30,7 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
   command
       ->add_option("--field", how->fields,
                    "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float)")
+      ->allow_extra_args(false)
       ->group(group);
   command->add_option("--axes", how->axes, "of the points: flu, ti, rdf or frd; wins over --points")
       ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))

@@ -114,6 +114,7 @@ TEST(PointCloud, PointsOutsideOfTheDataAreRefused) {
   EXPECT_EQ(decode(cloud_of(0, 1, 0, 0, 0, 0)), 0U);
   EXPECT_ERROR(decode(cloud_of(5, 1, 16, 80, 0, 7)), "a cloud of 5 x 1 points");
   EXPECT_ERROR(decode(cloud_of(2, 2, 16, 33, 0, 7)), "a cloud of 2 x 2 points");
+  EXPECT_ERROR(decode(cloud_of(1, 0xFFFFFFFF, 16, 0, 0, 7)), "a cloud of 1 x 4294967295 points");
   EXPECT_ERROR(decode(cloud_of(4, 1, 0, 0, 0, 7)), "points of 0 bytes");
   EXPECT_ERROR(decode(cloud_of(0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF, 0, 7)), "points");
   EXPECT_ERROR(decode(cloud_of(4, 1, 16, 64, 13, 7)), "\"x\" is of no known type or outside");

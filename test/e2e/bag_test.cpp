@@ -94,6 +94,10 @@ TEST_F(Bag, InfoTellsTopicsAndConvertDoesNotOverwrite) {
   EXPECT_EQ(dir_->read("kept/imu0/data.csv"), mine);
   EXPECT_EQ(rio("convert " + recording + " " + folder + " --imu-offset 1s --force").status, 0);
   EXPECT_NE(dir_->read("kept/imu0/data.csv"), mine);
+  const Outcome fields =
+      rio("convert --field snr=intensity*0.1 --field noise=z " + recording + " " + file("fields"));
+  EXPECT_EQ(fields.status, 0);
+  EXPECT_PRED2(contains, fields.output, "doppler=velocity snr=intensity*0.1 noise=z");
 }
 
 TEST_F(Bag, ADamagedFileIsUsedAsFarAsItGoesAndIsAnError) {
