@@ -209,7 +209,8 @@ void Belief::add_landmark(const Detection& d) {
       static_cast<int>(estimate_.landmarks.size()),
       state_rows<3>(birth.d_l, LandmarkBirth::Blocks{}, LinearizationPoint(estimate_), {}, layout_),
       birth.noise);
-  estimate_.landmarks.push_back({birth.p_WL, estimate_.nav.time, Matrix3d::Zero(), estimate_.way});
+  estimate_.landmarks.push_back(
+      {birth.p_WL, estimate_.nav.time, Matrix3d::Zero(), estimate_.way, estimate_.way});
 }
 
 void Belief::remove_landmark(std::size_t i) {

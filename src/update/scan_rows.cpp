@@ -34,8 +34,7 @@ const RowBatch& ScanRows::build(const Observations& seen, const Belief& belief,
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (seen.rest) add_rest(*seen.rest, belief, x, report);
-  if (options_.use_landmarks && !seen.rest) add_landmarks(seen, belief, x, report);
-  if (seen.rest) keep_landmarks(seen);
+  if (options_.use_landmarks) add_landmarks(seen, belief, x, report);
   if (options_.use_doppler) add_doppler(seen, belief, x, report);
   if (options_.use_trails) add_trails(seen, belief, x, report);
   way_at_scan_ = x.estimate.way;
@@ -105,6 +104,10 @@ void ScanRows::add_trails(const Observations& seen, const Belief& belief,
 void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
                              const LinearizationPoint& x, UpdateReport* report) {
   for (const Match& m : seen.matches.landmarks) {
+    if (seen.rest && x.estimate.way - x.estimate.landmarks[m.target].way_born > kHere) {
+      was_used_[m.target] = true;
+      continue;
+    }
     const Detection& d = seen.detection(m.detection);
     const BlockIndex index{0, static_cast<int>(m.target)};
     batch_.begin_block();
@@ -133,10 +136,6 @@ void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
     was_used_[m.target] = used || model == Model::kLandmarkDistance;
     measures_landmark_[m.detection] = used && model == Model::kLandmarkPoint;
   }
-}
-
-void ScanRows::keep_landmarks(const Observations& seen) {
-  for (const Match& m : seen.matches.landmarks) was_used_[m.target] = true;
 }
 
 bool ScanRows::add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,

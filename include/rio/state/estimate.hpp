@@ -35,6 +35,7 @@ struct LandmarkState {
   /// needs of the covariance.
   Matrix3d covariance_S = Matrix3d::Zero();
   double way_seen = 0.0;  ///< flown by the body when it was last measured [m]
+  double way_born = 0.0;  ///< same, when it was first measured [m]
 };
 
 /// Predicted or corrected means at one instant.

@@ -52,6 +52,8 @@ class ScanRows {
   bool was_used(std::size_t landmark) const { return was_used_[landmark]; }
 
  private:
+  static constexpr double kHere = 0.5;  // "here" at rest: flown since, noise included [m]
+
   void add_rest(const RestModel::Measurement& z, const Belief& belief, const LinearizationPoint& x,
                 UpdateReport* report);
 
@@ -65,11 +67,10 @@ class ScanRows {
   void add_trails(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
                   UpdateReport* report);
 
+  /// At rest only those first measured here: one from before repeats its error from scan to scan,
+  /// while the position does not change. It stays alive.
   void add_landmarks(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
                      UpdateReport* report);
-
-  /// At rest a landmark repeats its error: it tells nothing and stays alive.
-  void keep_landmarks(const Observations& seen);
 
   /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
   bool add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
