@@ -103,11 +103,16 @@ class Pipeline {
     return corrected_;
   }
 
-  /// After a silence of the radar the position is so uncertain that landmarks would be mistaken for
-  /// each other, one by one, each well inside its gate: they are dropped.
+  /// After a silence of the radar, or a pause of the IMU in which the body may have turned, the
+  /// pose is so uncertain that landmarks would be mistaken for each other, one by one, each well
+  /// inside its gate: they are dropped.
   void forget_after_silence(Time time) {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
-    if (time - last_scan_ > kLongest) {
+    constexpr double kTurn = 0.1;                       // half a metre at five [rad]
+    const BodyCovariance P = backend_.belief().covariance().body();
+    const double turn =
+        std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
+    if (time - last_scan_ > kLongest || (report_.imu_gap && turn > kTurn)) {
       backend_.drop_landmarks(&report_);
       frontend_.reset();
     }

@@ -20,7 +20,7 @@ namespace rio::experiment {
 
 namespace {
 
-constexpr int kDraws = 8;  // of the random perturbations
+constexpr int kDraws = 18;  // of the random perturbations
 
 /// One estimator.
 struct Estimator {
@@ -93,19 +93,28 @@ double percent(double length, const RealScore& score) {
 std::vector<std::string> summary_cells(const std::vector<const Run*>& runs) {
   const auto started =
       std::count_if(runs.begin(), runs.end(), [](const Run* r) { return r->score.started; });
-  return {fmt::format("{} of {}", started, runs.size()),
-          summary(
-              runs, [](const RealScore& s) { return percent(s.horizontal, s); }, 2),
-          summary(
-              runs, [](const RealScore& s) { return percent(s.height, s); }, 2),
-          summary(
-              runs, [](const RealScore& s) { return 100.0 * (1.0 - s.honest); }, 1),
-          summary(
-              runs, [](const RealScore& s) { return s.creep; }, 3)};
+  return {
+      fmt::format("{} of {}", started, runs.size()),
+      summary(  // where nothing else is known: it was brought back
+          runs,
+          [](const RealScore& s) { return std::isnan(s.horizontal) ? s.closure : std::nan(""); },
+          3),
+      summary(
+          runs, [](const RealScore& s) { return percent(s.horizontal, s); }, 2),
+      summary(
+          runs, [](const RealScore& s) { return percent(s.height, s); }, 2),
+      summary(
+          runs, [](const RealScore& s) { return 100.0 * (1.0 - s.honest); }, 1),
+      summary(
+          runs, [](const RealScore& s) { return s.creep; }, 3)};
 }
 
-const std::vector<std::string> kSummaryHead = {"started", "horizontal [%]", "height [%]",
-                                               "height beyond 3 sigma [% of scans]", "creep [m]"};
+const std::vector<std::string> kSummaryHead = {"started",
+                                               "first to last [m]",
+                                               "horizontal [%]",
+                                               "height [%]",
+                                               "height beyond 3 sigma [% of scans]",
+                                               "creep [m]"};
 
 std::vector<std::string> with_front(const std::vector<std::string>& front,
                                     const std::vector<std::string>& rest) {
@@ -206,12 +215,14 @@ Result real(const Settings& settings) {
   for (const Copy& copy : copies.front()) {
     if (std::find(kinds.begin(), kinds.end(), copy.kind) == kinds.end()) kinds.push_back(copy.kind);
   }
+  kinds.emplace_back();  // all of them
   for (const std::string& kind : kinds) {
     for (const std::size_t e : {0U, 1U}) {
-      perturbations.add(
-          with_front({kind, estimators()[e].name}, summary_cells(chosen([&](const Run& run) {
-                       return run.estimator == e && run.kind == kind;
-                     }))));
+      perturbations.add(with_front({kind.empty() ? "all" : kind, estimators()[e].name},
+                                   summary_cells(chosen([&](const Run& run) {
+                                     return run.estimator == e && !run.kind.empty() &&
+                                            (kind.empty() || run.kind == kind);
+                                   }))));
     }
   }
   Result result;

@@ -392,8 +392,7 @@ TEST(SmootherConsistency, NeesIsThatOfItsDimension) {
     EXPECT_GT(total / count, 0.3);
     EXPECT_LT(total / count, 1.7);
   }
-  EXPECT_GT(sum.heading / count, 0.1);  // one dimension, which walks slowly
-  EXPECT_LT(sum.heading / count, 2.5);
+  EXPECT_LT(sum.heading / count, 2.5);  // the start is exact, so it may be near to zero
 }
 
 }  // namespace

@@ -203,7 +203,7 @@ struct RestCost {
   bool operator()(const T* state, T* r) const {
     const StateOf<T> x(at, state);
     Eigen::Map<Eigen::Matrix<T, 6, 1>> out(r);
-    out.template head<3>() = -x.v / T(z.sigma_velocity);
+    out.template head<3>() = -(x.R.transpose() * x.v) / T(z.sigma_velocity);
     out.template tail<3>() = (z.gyro_B.cast<T>() - x.gyro_bias) / T(z.sigma_rate);
     return true;
   }
