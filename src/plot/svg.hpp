@@ -120,7 +120,8 @@ class Svg {
              kAnchors[static_cast<int>(style.anchor)] + "\"";
     if (style.bold) body_ += " font-weight=\"bold\"";
     if (style.upright) {
-      body_ += std::string(" transform=\"rotate(-90 ").append(fixed(at.x, 1)) + " " + fixed(at.y, 1) + ")\"";
+      body_ += std::string(" transform=\"rotate(-90 ").append(fixed(at.x, 1)) + " " +
+               fixed(at.y, 1) + ")\"";
     }
     body_ += ">" + escaped(content) + "</text>\n";
   }

@@ -15,6 +15,7 @@
 #include "calibrate_report.hpp"
 #include "calibration_names.hpp"
 #include "commands.hpp"
+#include "recording.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/options_yaml.hpp"
@@ -72,8 +73,9 @@ void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
 std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
   std::vector<io::Dataset> datasets;
   for (const std::string& name : names) {
-    datasets.push_back(io::read_dataset(name));
-    for (const std::string& note : datasets.back().notes) fmt::print(stderr, "note: {}\n", note);
+    std::string damage;
+    datasets.push_back(read_any(name, {}, &damage));
+    if (!damage.empty()) fmt::print(stderr, "note: {}; what stands before is used\n", damage);
   }
   return datasets;
 }
