@@ -69,7 +69,8 @@ inline Wire::Kind wire_of(const std::string& format) {
   return format.starts_with("ros1") ? Wire::kRos1 : Wire::kCdr;
 }
 
-inline std::string compressed(const std::string& method, const std::string& plain) {
+inline std::string compressed([[maybe_unused]] const std::string& method,
+                              const std::string& plain) {
   std::string out(2 * plain.size() + 1024, '\0');
 #ifdef RIO_HAS_BZ2
   if (method == "bz2") {
