@@ -17,6 +17,7 @@
 #include "rio/propagate/predictor.hpp"
 #include "rio/propagate/stamp_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
+#include "rio/propagate/strapdown.hpp"
 
 namespace rio {
 
@@ -65,6 +66,15 @@ class Engine final : public Odometry::Impl {
   const NavState& at_scan() const override { return pipeline_.estimate().nav; }
   const NavState& now() const override { return predictor_.state(); }
   const UpdateReport& report() const override { return pipeline_.report(); }
+  const Health& health() const override { return pipeline_.health(); }
+
+  const BodyCovariance& covariance_now() override {
+    if (imu_.empty()) return covariance;
+    imu_.for_each_step(ahead_.state.time, imu_.newest().time,
+                       [this](const ImuStep& step) { ahead_.step(step, options_.imu); });
+    covariance_now_ = congruence(ahead_.transition, covariance) + ahead_.noise;
+    return covariance_now_;
+  }
 
   Status add_imu(const ImuSample& sample) override {
     const StampVerdict stamp = stamps_.check(sample.time);
@@ -88,7 +98,10 @@ class Engine final : public Odometry::Impl {
     if (stamp == StampVerdict::kRestarted) restart_clock();
     if (initialized && imu_.empty() && !is_near(sample.time)) carry_to(sample.time);
     stamps_.take(sample.time);
-    if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) ++counters.imu_gaps;
+    if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) {
+      ++counters.imu_gaps;
+      pipeline_.add_gap(sample.time - imu_.newest().time);
+    }
     if (initialized && imu_.full()) catch_up(imu_[1].time);
     imu_.push_back(sample);
     if (!initialized) return options_.start.static_alignment ? align(sample) : Status::kOk;
@@ -98,6 +111,7 @@ class Engine final : public Odometry::Impl {
       queue_.pop_front();
     }
     catch_up(sample.time - from_seconds(options_.timing.max_lag));
+    if (sample.time >= watched_ + kWatch) watch(Time{0});
     return Status::kOk;
   }
 
@@ -125,6 +139,9 @@ class Engine final : public Odometry::Impl {
       return Status::kNonFinite;
     }
     if (imu_.empty() || pipeline_.measured_at(scan.time) > imu_.newest().time) {
+      if (!imu_.empty() && imu_.is_gap(imu_.newest(), {scan.time, {}, {}})) {
+        watch(scan.time - imu_.newest().time);
+      }
       if (queue_.full()) {
         ++counters.scans_overflow;
         return Status::kQueueFull;
@@ -250,6 +267,11 @@ class Engine final : public Odometry::Impl {
     return status;
   }
 
+  void watch(Time pause) {
+    watched_ = imu_.newest().time;
+    pipeline_.watch(watched_, pause);
+  }
+
   /// Keeps the estimate within reach of the buffered samples while no scan arrives.
   void catch_up(Time time) {
     if (at_scan().time >= time) return;
@@ -263,7 +285,11 @@ class Engine final : public Odometry::Impl {
     extrinsics = pipeline_.estimate().T_BS;
     imu_.forget_before(at_scan().time);
     predictor_.rebase(at_scan(), imu_);
+    ahead_ = Propagation{};
+    ahead_.state = at_scan();
   }
+
+  static constexpr Time kWatch = std::chrono::milliseconds(50);  // silence is told in time
 
   Options options_;
   Pipeline<Estimator> pipeline_;
@@ -271,6 +297,8 @@ class Engine final : public Odometry::Impl {
   StampGuard stamps_;
   ImuGuard guard_;
   Predictor predictor_;
+  Propagation ahead_;  ///< from the last scan towards the newest sample, as far as it was asked for
+  BodyCovariance covariance_now_ = BodyCovariance::Zero();
   StaticAligner aligner_;
   MovingStart moving_start_;
   ScanQueue queue_;
@@ -278,6 +306,7 @@ class Engine final : public Odometry::Impl {
   Time last_scan_{0};           ///< its stamp
   Time last_scan_estimate_{0};  ///< the time of the estimate after it
   bool has_scan_ = false;
+  Time watched_{0};  ///< the health was last judged between scans
 };
 
 }  // namespace rio

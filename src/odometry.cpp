@@ -43,6 +43,12 @@ const NavState& Odometry::at_scan() const noexcept {
 const BodyCovariance& Odometry::covariance() const noexcept {
   return impl_->covariance;
 }
+const BodyCovariance& Odometry::covariance_now() const noexcept {
+  return impl_->covariance_now();
+}
+const Health& Odometry::health() const noexcept {
+  return impl_->health();
+}
 const Pose& Odometry::extrinsics() const noexcept {
   return impl_->extrinsics;
 }

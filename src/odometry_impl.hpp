@@ -18,6 +18,8 @@ struct Odometry::Impl {
   virtual const NavState& at_scan() const = 0;
   virtual const NavState& now() const = 0;
   virtual const UpdateReport& report() const = 0;
+  virtual const Health& health() const = 0;
+  virtual const BodyCovariance& covariance_now() = 0;
 
   BodyCovariance covariance = BodyCovariance::Zero();
   Pose extrinsics;

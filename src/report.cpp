@@ -53,4 +53,60 @@ const char* to_string(Model model) {
   return "unknown model";
 }
 
+const char* to_string(HealthState state) {
+  switch (state) {
+    case HealthState::kInitializing:
+      return "initialising";
+    case HealthState::kOk:
+      return "ok";
+    case HealthState::kDegraded:
+      return "degraded";
+    case HealthState::kDeadReckoning:
+      return "dead reckoning";
+    case HealthState::kLost:
+      return "lost";
+  }
+  return "unknown state";
+}
+
+const char* to_string(HealthReason reason) {
+  switch (reason) {
+    case HealthReason::kRadarSilent:
+      return "radar silent";
+    case HealthReason::kFewDetections:
+      return "few measurements";
+    case HealthReason::kOutliers:
+      return "outliers";
+    case HealthReason::kGated:
+      return "measurements gated";
+    case HealthReason::kInnovations:
+      return "large innovations";
+    case HealthReason::kVelocityContradicted:
+      return "velocity contradicted";
+    case HealthReason::kTiltContradicted:
+      return "tilt contradicted";
+    case HealthReason::kReopened:
+      return "step of the estimate";
+    case HealthReason::kImuGaps:
+      return "gaps of the IMU";
+    case HealthReason::kUncertainPosition:
+      return "position uncertain";
+    case HealthReason::kUncertainVelocity:
+      return "velocity uncertain";
+    case HealthReason::kUncertainHeading:
+      return "heading uncertain";
+    case HealthReason::kUncertainTilt:
+      return "tilt uncertain";
+    case HealthReason::kTooFast:
+      return "too fast";
+    case HealthReason::kCalibration:
+      return "calibration doubtful";
+    case HealthReason::kNumerical:
+      return "update failed";
+    case HealthReason::kCount:
+      break;
+  }
+  return "unknown reason";
+}
+
 }  // namespace rio

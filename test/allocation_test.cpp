@@ -42,6 +42,7 @@ TEST_P(Allocation, NoneAfterCreate) {
       (void)odometry->add_scan(flight.scans[std::min(next, flight.scans.size() - 1)]);
     }
     (void)odometry->add_imu(sample);
+    (void)odometry->covariance_now();
     while (next < flight.scans.size() && flight.scans[next].time <= sample.time) {
       (void)odometry->add_scan(flight.scans[next++]);
       for (const ModelReport& model : odometry->report().models) rows += model.rows_used;

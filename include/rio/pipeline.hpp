@@ -20,6 +20,7 @@
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/report.hpp"
 #include "rio/update/calibration_report.hpp"
+#include "rio/update/health_monitor.hpp"
 
 namespace rio {
 
@@ -40,6 +41,7 @@ class Pipeline {
   /// For a back-end that has more to say than the stages ask.
   BackEnd& backend() { return backend_; }
   const UpdateReport& report() const { return report_; }
+  const Health& health() const { return health_.health(); }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
     frontend_.reset();
@@ -48,6 +50,7 @@ class Pipeline {
     rest_.reset();
     last_scan_ = prior.time;
     backend_.reset(prior, P0);
+    health_.reset(prior.time);
     report_ = UpdateReport{};
     next_scan_ = 0;
   }
@@ -61,6 +64,14 @@ class Pipeline {
     return backend_.propagate(time, imu, &gap);
   }
 
+  /// Judges the health between scans, when the IMU has reached `now`.
+  /// @param pause for which it has told nothing, according to the scans that wait for it
+  void watch(Time now, Time pause) {
+    health_.wait(now, pause, estimate(), backend_.belief().covariance().body());
+  }
+  /// The IMU has told nothing for so long.
+  void add_gap(Time duration) { health_.add_gap(duration); }
+
   /// One filtered scan, measured not after the newest IMU sample; one measured before the estimate
   /// counts as measured at the estimate. kNumerical: the estimate is what the IMU alone predicts,
   /// or, if that failed, unchanged.
@@ -73,7 +84,7 @@ class Pipeline {
     report_.status = backend_.propagate(measured, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
     report_.propagation_time = propagated - start;
-    if (report_.status != Status::kOk) return report_.status;
+    if (report_.status != Status::kOk) return conclude();
 
     const DetectionList& scan = corrected(received);
     forget_after_silence(scan.time);
@@ -88,7 +99,7 @@ class Pipeline {
     }
     summarise(scan);
     report_.update_time = now() - propagated;
-    return report_.status;
+    return conclude();
   }
 
  private:
@@ -125,6 +136,7 @@ class Pipeline {
     const double sigma = std::sqrt(backend_.belief().radar_velocity_covariance().trace());
     const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
+    report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
     if (other) restart_velocity(*other, to_seconds(scan.time - pool_.agreed()));
     const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
     frontend_.observe(scan, x, &seen_, velocity_covariance);
@@ -132,6 +144,7 @@ class Pipeline {
         gravity_.observe(seen_, x, backend_.belief().covariance().body(),
                          backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
     report_.attitude_reset = down.has_value();
+    report_.tilt_contradicted = to_seconds(x.nav.time - gravity_.agreed());
     if (!down) return;
     backend_.restart_attitude(down->g_B, down->sigma, to_seconds(x.nav.time - gravity_.agreed()));
     restart_velocity(down->velocity, 0.0);  // it has run away only by and by
@@ -169,6 +182,12 @@ class Pipeline {
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
   }
 
+  Status conclude() {
+    health_.observe(report_, estimate(), backend_.belief().covariance().body());
+    report_.health = health_.health();
+    return report_.status;
+  }
+
   Options options_;
   Frontend frontend_;
   VelocityPool pool_;
@@ -179,6 +198,7 @@ class Pipeline {
   Observations seen_;
   Promotions promotions_;
   UpdateReport report_;
+  HealthMonitor health_;
   Time last_scan_{0};
   ScanId next_scan_ = 0;
 };

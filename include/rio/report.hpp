@@ -8,6 +8,7 @@
 
 #include "rio/core/static_vector.hpp"
 #include "rio/export.hpp"
+#include "rio/health.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -132,8 +133,11 @@ struct UpdateReport {
   bool at_rest = false;         ///< stood still for a while, by IMU and radar
   bool velocity_reset = false;  ///< the velocity was replaced before the update
   bool attitude_reset = false;  ///< tilt and biases were given up to the measurements before it
-  Time propagation_time{0};     ///< time spent, if TimingOptions::clock is given
-  Time update_time{0};          ///< same, front-end to promotion
+  double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for so long [s]
+  double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for so long [s]
+  Health health;                       ///< after it
+  Time propagation_time{0};            ///< time spent, if TimingOptions::clock is given
+  Time update_time{0};                 ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
   std::array<CalibrationReport, kCalibrationCount> calibration{};  ///< after the update
   StaticVector<InnovationRecord, kMaxRecords> records;

@@ -32,6 +32,7 @@
 #include <string>
 
 #include "rio/export.hpp"
+#include "rio/health.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/types.hpp"
@@ -79,6 +80,12 @@ class RIO_API Odometry {
   const NavState& at_scan() const noexcept;
   /// Covariance of at_scan(), order of namespace body.
   const BodyCovariance& covariance() const noexcept;
+  /// Covariance of now(), same order. Computed when asked for, from where it was asked for last: a
+  /// few microseconds a sample in between. Valid until the next call of any function.
+  const BodyCovariance& covariance_now() const noexcept;
+  /// How far the estimate can be trusted, and why not: judged at every scan, and at least 20 times
+  /// a second while samples of the IMU arrive. report().health is that of the last scan.
+  const Health& health() const noexcept;
   /// Pose of the radar in the body frame: the option's value unless it is estimated.
   const Pose& extrinsics() const noexcept;
   /// The last processed scan, stage by stage.

@@ -25,8 +25,11 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
                                                     const BodyCovariance& P_body,
                                                     const Matrix4d& P_radar, Time last,
                                                     const ImuBuffer& imu, bool gap) {
-  if (!options_.frontend.velocity_recovery) return std::nullopt;
   const Time now = x.nav.time;
+  if (!options_.frontend.velocity_recovery) {
+    agreed_ = now;
+    return std::nullopt;
+  }
   // in the wrong fold Dopplers are wrong
   const double variance = P_body.block<3, 3>(body::kVelocity, body::kVelocity).trace();
   if (gap || !fold_.is_unique(variance)) reset(now);

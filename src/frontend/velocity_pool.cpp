@@ -25,7 +25,7 @@ void VelocityPool::reset(Time time) {
 std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, const Estimate& x,
                                                      double sigma, double sigma_tilt, Time last,
                                                      const ImuBuffer& imu, bool gap) {
-  if (!options_.frontend.velocity_recovery) return std::nullopt;
+  if (!options_.frontend.velocity_recovery) return abstain(x.nav.time);
   if (gap) {
     rows_.clear();
     proven_ = 0.0;

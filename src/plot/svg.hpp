@@ -123,7 +123,7 @@ class Svg {
       body_ += std::string(" transform=\"rotate(-90 ").append(fixed(at.x, 1)) + " " +
                fixed(at.y, 1) + ")\"";
     }
-    body_ += ">" + escaped(content) + "</text>\n";
+    body_.append(">").append(escaped(content)).append("</text>\n");
   }
   /// A curve. Points less than a pixel from the last one drawn are left out.
   void curve(const std::vector<Point>& points, const Stroke& stroke) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,11 @@ struct ConvertArguments {
 };
 void convert(const ConvertArguments& arguments);
 
+/// A replay whose estimate is lost at its end: exit status 3, everything else that fails has 1.
+struct LostEstimate : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// `rio replay`: a recording through the estimator.
 struct ReplayArguments {
   std::string dataset;
@@ -52,8 +58,10 @@ struct ReplayArguments {
   std::string out;
   std::string states;
   bool json = false;
-  bool quiet = false;
+  bool verbose = false;
+  bool quiet = false;  ///< wins over verbose
 };
+/// @throws LostEstimate after all outputs are written
 void replay(const ReplayArguments& arguments);
 
 /// `rio simulate`: a simulated flight as a recording.

@@ -92,8 +92,9 @@ void add_replay_command(CLI::App& app) {
       ->expected(3);
   command->add_option("--out", arguments->out, "trajectory to write, TUM format");
   command->add_option("--states", arguments->states, "states with covariance to write, csv");
-  command->add_flag("--json", arguments->json, "print one JSON line instead of a line per scan");
-  command->add_flag("--quiet", arguments->quiet, "no line per scan");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the summary");
+  command->add_flag("--verbose", arguments->verbose, "a line per scan before the summary");
+  command->add_flag("--quiet", arguments->quiet, "no line per scan, whatever else is given");
   add_recording_options(command, &arguments->how);
   command->callback([arguments] { replay(*arguments); });
 }
@@ -257,6 +258,9 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return rio::tools::run(argc, argv);
+  } catch (const rio::tools::LostEstimate& error) {
+    std::fprintf(stderr, "rio: %s\n", error.what());
+    return 3;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rio: %s\n", error.what());
     return 1;

@@ -100,7 +100,7 @@ class Outputs {
  public:
   void open(const ReplayArguments& arguments, Time begin) {
     begin_ = begin;
-    lines_ = !arguments.json && !arguments.quiet;
+    lines_ = arguments.verbose && !arguments.json && !arguments.quiet;
     if (!arguments.out.empty()) trajectory_.emplace(arguments.out);
     if (!arguments.states.empty()) states_.emplace(arguments.states);
   }
@@ -231,6 +231,7 @@ class Replay {
     (void)odometry_->add_imu(sample);  // what it did is counted
     const Time after = steady_now();
     summary_.wall += after - before;
+    if (odometry_->initialized()) summary_.health.add(sample.time, odometry_->health());
     if (!was_initialized && odometry_->initialized() && init_velocity_) {
       NavState state = odometry_->at_scan();
       state.v_WB = *init_velocity_;
@@ -277,6 +278,7 @@ class Replay {
         static_cast<int>(dataset_.scans.size() - scan_) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
     summary_.span = dataset_.imu.back().time - dataset_.imu.front().time;
+    summary_.health.conclude(summary_.calibration, summary_.is_absurd());
     return summary_;
   }
 
@@ -303,11 +305,11 @@ void replay(const ReplayArguments& arguments) {
   } else {
     fmt::print("{}", summary.text());
   }
-  if (summary.is_absurd()) {
-    throw std::runtime_error(fmt::format(
-        "the estimate is lost: {:.3g} m/s and {:.3g} m from its start, which nothing that carries "
-        "a radar does; check units, axes and the start",
-        summary.fastest, summary.farthest));
+  if (summary.health.lost()) {
+    throw LostEstimate(fmt::format(
+        "the estimate is lost: {}; fastest {:.3g} m/s, farthest {:.3g} m; check units, axes, "
+        "mounting and the start",
+        summary.health.lost_because(), summary.fastest, summary.farthest));
   }
   throw_damage(damage);
 }

@@ -94,6 +94,8 @@ std::string ReplaySummary::json() const {
   }
   const Vector3d& p = last_position;
   const Json all = {
+      {"verdict", health.verdict()},
+      {"health", health.json()},
       {"scans", scans},
       {"updates", updates},
       {"initialised_by", initialised_by},
@@ -136,7 +138,7 @@ std::string ReplaySummary::text() const {
   const Statistics update = statistics(update_ms);
   const Statistics propagation = statistics(propagation_ms);
   std::string out = fmt::format(
-      "\n{} scans, {} with an update; start: {}\n"
+      "{} scans, {} with an update; start: {}\n"
       "path {:.2f} m, first to last position {:.3f} m, end at [{:.3f} {:.3f} {:.3f}] m\n",
       scans, updates, initialised_by, path_length, (last_position - first_position).norm(),
       last_position.x(), last_position.y(), last_position.z());
@@ -184,6 +186,7 @@ std::string ReplaySummary::text() const {
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }
+  out += fmt::format("verdict: {}\n", health.verdict());
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "health_log.hpp"
 #include "rio/report.hpp"
 #include "rio/types.hpp"
 
@@ -31,6 +32,7 @@ struct ReplaySummary {
   Time span{0};              ///< of the data fed
   Time wall{0};              ///< spent in the estimator
   Counters counters;
+  HealthLog health;
 
   void add(const UpdateReport& report, const NavState& state);
 

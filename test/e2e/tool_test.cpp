@@ -3,6 +3,8 @@
 // and a real recording where there is one. `rio simulate` is in simulate_test.cpp.
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -83,15 +85,43 @@ TEST_F(Tool, ReplaysWithEitherBackEnd) {
   EXPECT_NE(wrong.output.find("--backend"), std::string::npos) << wrong.output;
 }
 
-TEST_F(Tool, PrintsOneLinePerScan) {
-  const Outcome run = rio("replay " + flight_);
+TEST_F(Tool, PrintsTheSummaryAndAVerdictAndALinePerScanWhenAsked) {
+  const auto count_scans = [](const std::string& output) {
+    std::istringstream in(output);
+    std::size_t count = 0;
+    for (std::string line; std::getline(in, line);) {
+      count += line.find(" s  position ") != std::string::npos ? 1 : 0;
+    }
+    return count;
+  };
+  Outcome run = rio("replay " + flight_);
   ASSERT_EQ(run.status, 0) << run.output;
-  std::istringstream in(run.output);
-  std::size_t count = 0;
-  for (std::string line; std::getline(in, line);) {
-    count += line.find(" s  position ") != std::string::npos ? 1 : 0;
+  EXPECT_EQ(count_scans(run.output), 0U);
+  EXPECT_EQ(run.last_line(), "verdict: healthy");
+  EXPECT_EQ(count_scans(rio("replay " + flight_ + " --verbose").output), scans());
+  EXPECT_EQ(count_scans(rio("replay " + flight_ + " --verbose --quiet").output), 0U);
+}
+
+TEST_F(Tool, TheVerdictSaysWhatIsWrongAndSince) {
+  const fs::path flight = copy("silent");
+  std::vector<std::string> rows = lines_of(flight / "radar0/data.csv");
+  const auto stamp = [](const std::string& row) { return row.substr(0, row.find(',')); };
+  const std::int64_t begin = std::stoll(stamp(rows[1]));
+  std::ofstream out(flight / "radar0/data.csv");
+  for (const std::string& row : rows) {  // 2 s of silence
+    const double t =
+        row[0] == '#' ? 0.0 : 1e-9 * static_cast<double>(std::stoll(stamp(row)) - begin);
+    if (t < 10.0 || t > 12.0) out << row << '\n';
   }
-  EXPECT_EQ(count, scans());
+  out.close();
+  Outcome run = rio("replay " + flight.string());
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.last_line().rfind("verdict: doubtful: radar silent for 1.", 0), 0U) << run.output;
+  run = rio("replay " + flight.string() + " --json");
+  const auto json = nlohmann::json::parse(run.last_line());
+  EXPECT_EQ(json["health"]["state"], "ok");
+  EXPECT_NEAR(json["health"]["seconds"]["dead reckoning"].get<double>(), 1.0, 0.3);
+  EXPECT_EQ(json["verdict"].get<std::string>().rfind("doubtful: ", 0), 0U);
 }
 
 TEST_F(Tool, StartsFromAFileAndWithAnotherVelocity) {
@@ -178,10 +208,11 @@ TEST_F(Tool, ValuesThatAreNoNumberAreNamedAndPassedOver) {
   EXPECT_EQ(nlohmann::json::parse(run.last_line())["scans"], scans());
 }
 
-TEST_F(Tool, AnAbsurdResultIsAnError) {
+TEST_F(Tool, ALostEstimateIsAnError) {
   const Outcome run =
       rio("replay " + flight_ + " --quiet --preset published-ekf --init-velocity 1000 0 0");
-  EXPECT_NE(run.status, 0);
+  EXPECT_EQ(WEXITSTATUS(run.status), 3);
+  EXPECT_NE(run.output.find("verdict: lost: "), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("rio: the estimate is lost: "), std::string::npos) << run.output;
 }
 

@@ -51,6 +51,8 @@ class VelocityPool {
 
   /// When the velocity believed was last supported.
   Time agreed() const { return agreed_; }
+  /// Since when it has been contradicted; the newest scan if it is not.
+  Time contradicted_since() const { return since_; }
 
   /// Takes a scan; the result is the velocity that contradicts the one believed, if one does.
   /// @param x predicted to the scan

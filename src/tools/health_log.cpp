@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "health_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "calibration_names.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+void append(std::string* list, const std::string& item) {
+  if (!list->empty()) *list += "; ";
+  *list += item;
+}
+
+HealthReason reason_at(std::size_t i) {
+  return static_cast<HealthReason>(i);
+}
+
+}  // namespace
+
+void HealthLog::add(Time time, const Health& health) {
+  if (!has_last_) begin_ = time;
+  const double seconds = has_last_ ? std::max(0.0, to_seconds(time - last_)) : 0.0;
+  has_last_ = true;
+  last_ = time;
+  health_ = health;
+  seconds_[static_cast<std::size_t>(health.state)] += seconds;
+  if (health.state == HealthState::kInitializing) return;
+  for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
+    Reason& reason = reasons_[i];
+    reason.severity = std::max(reason.severity, health.severity[i]);
+    if (!health.because(reason_at(i))) continue;
+    if (reason.seconds == 0.0) reason.first = time;
+    reason.seconds += seconds;
+  }
+}
+
+void HealthLog::conclude(const std::array<CalibrationReport, kCalibrationCount>& calibration,
+                         bool too_fast) {
+  calibration_.clear();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const Observability verdict = calibration[i].verdict;
+    if (verdict != Observability::kDoubtful && verdict != Observability::kAtLimit) continue;
+    append(&calibration_, fmt::format("{} is {}, check {}", kCalibrationNames[i].name,
+                                      to_string(verdict), kCalibrationNames[i].check));
+  }
+  lost_because_.clear();
+  if (too_fast) append(&lost_because_, "faster or farther than anything that carries a radar");
+  if (health_.state != HealthState::kLost) return;
+  for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
+    if (health_.because(reason_at(i))) append(&lost_because_, to_string(reason_at(i)));
+  }
+}
+
+std::string HealthLog::verdict() const {
+  if (lost()) return "lost: " + lost_because_;
+  std::string why;
+  if (health_.state == HealthState::kInitializing) append(&why, "no scan told anything");
+  for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
+    const Reason& reason = reasons_[i];
+    if (reason.seconds == 0.0) continue;
+    append(&why, fmt::format("{} for {:.1f} s, first at {:.1f} s", to_string(reason_at(i)),
+                             reason.seconds, to_seconds(reason.first - begin_)));
+  }
+  if (!calibration_.empty()) append(&why, calibration_);
+  return why.empty() ? "healthy" : "doubtful: " + why;
+}
+
+nlohmann::ordered_json HealthLog::json() const {
+  nlohmann::ordered_json states;
+  for (std::size_t i = 0; i < kStates; ++i) {
+    states[to_string(static_cast<HealthState>(i))] = seconds_[i];
+  }
+  nlohmann::ordered_json reasons = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
+    const Reason& reason = reasons_[i];
+    if (reason.seconds == 0.0) continue;
+    reasons[to_string(reason_at(i))] = {{"seconds", reason.seconds},
+                                        {"first_s", to_seconds(reason.first - begin_)},
+                                        {"severity", reason.severity}};
+  }
+  return {{"state", to_string(health_.state)},
+          {"position", to_string(health_.position)},
+          {"velocity", to_string(health_.velocity)},
+          {"heading", to_string(health_.heading)},
+          {"quality", health_.quality},
+          {"reset_counter", health_.reset_counter},
+          {"seconds", states},
+          {"reasons", reasons}};
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/health_monitor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+
+namespace rio {
+
+namespace {
+
+/// What a reason throws doubt on, and whether it can lose it.
+struct Effect {
+  bool position;
+  bool velocity;
+  bool heading;
+  bool loses;
+};
+
+Effect effect(HealthReason reason) {
+  switch (reason) {
+    case HealthReason::kRadarSilent:
+    case HealthReason::kFewDetections:
+    case HealthReason::kOutliers:
+    case HealthReason::kGated:
+    case HealthReason::kInnovations:
+      return {true, true, false, false};
+    case HealthReason::kVelocityContradicted:
+      return {true, true, false, true};
+    case HealthReason::kTiltContradicted:
+    case HealthReason::kReopened:
+      return {true, true, true, true};
+    case HealthReason::kImuGaps:
+      return {true, true, true, false};
+    case HealthReason::kUncertainPosition:
+      return {true, false, false, true};
+    case HealthReason::kUncertainVelocity:
+      return {true, true, false, true};
+    case HealthReason::kUncertainHeading:
+      return {true, false, true, true};
+    case HealthReason::kUncertainTilt:
+    case HealthReason::kTooFast:
+    case HealthReason::kNumerical:
+      return {true, true, true, true};
+    case HealthReason::kCalibration:
+      return {true, true, false, false};
+    case HealthReason::kCount:
+      break;
+  }
+  return {};
+}
+
+double largest_sigma(const BodyCovariance& P, int at, int size) {
+  return std::sqrt(std::max(0.0, P.diagonal().segment(at, size).maxCoeff()));
+}
+
+}  // namespace
+
+void HealthMonitor::reset(Time time) {
+  const std::uint8_t resets = health_.reset_counter;
+  *this = HealthMonitor{};
+  health_.reset_counter = static_cast<std::uint8_t>(resets + 1);
+  now_ = told_ = time;
+}
+
+void HealthMonitor::add_step() {
+  ++health_.reset_counter;
+  steps_ += 1.5;
+}
+
+void HealthMonitor::fade(Time now) {
+  const double seconds = std::max(0.0, to_seconds(now - now_));
+  if (now > now_) now_ = now;
+  const double kept = std::exp(-seconds / kMemory);
+  for (double* sum :
+       {&detections_, &static_detections_, &rows_used_, &rows_gated_, &nis_, &gaps_}) {
+    *sum *= kept;
+  }
+  const double kept_step = std::exp(-seconds / kStepMemory);
+  steps_ *= kept_step;
+  failures_ *= kept_step;
+}
+
+void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
+                            const BodyCovariance& P_body) {
+  fade(x.nav.time);
+  if (report.velocity_reset || report.attitude_reset) add_step();
+  if (report.status != Status::kOk) failures_ += 1.0;
+  int used = 0;
+  for (const ModelReport& model : report.models) {
+    used += model.rows_used;
+    rows_gated_ += model.rows_gated;
+    nis_ += model.nis;
+  }
+  rows_used_ += used;
+  detections_ += report.detections_kept;
+  static_detections_ += report.static_detections;
+  if (used > 0) told_ = x.nav.time;
+  begun_ = begun_ || rows_used_ > kFewRows;
+  severity(HealthReason::kVelocityContradicted) = report.velocity_contradicted / kVelocityTime;
+  severity(HealthReason::kTiltContradicted) = report.tilt_contradicted / kTiltTime;
+  double& calibration = severity(HealthReason::kCalibration);
+  calibration = 0.0;
+  for (const CalibrationReport& c : report.calibration) {
+    if (c.verdict == Observability::kAtLimit) calibration = 1.0;
+    if (c.verdict != Observability::kDoubtful) continue;
+    calibration = std::max(calibration, std::abs(c.value) / (kCalibrationLimit * c.prior_sigma));
+  }
+  judge_scans(x.nav.time, Time{0});
+  judge_sigmas(x, P_body);
+  conclude();
+}
+
+void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCovariance& P_body) {
+  fade(now);
+  judge_scans(now, pause);
+  judge_sigmas(x, P_body);
+  conclude();
+}
+
+void HealthMonitor::judge_scans(Time now, Time pause) {
+  severity(HealthReason::kRadarSilent) = to_seconds(now + pause - told_) / kSilence;
+  severity(HealthReason::kFewDetections) = kFewRows / std::max(rows_used_, 1e-3);
+  const double others = detections_ - static_detections_;
+  severity(HealthReason::kOutliers) = others / std::max(detections_, 10.0) / kOutliers;
+  const double rows = rows_used_ + rows_gated_;
+  severity(HealthReason::kGated) = rows_gated_ / std::max(rows, 10.0) / kGated;
+  severity(HealthReason::kInnovations) = nis_ / std::max(rows_used_, 10.0) / kInnovations;
+  severity(HealthReason::kImuGaps) = (gaps_ + to_seconds(pause)) / kLostTime;
+  severity(HealthReason::kReopened) = steps_;
+  severity(HealthReason::kNumerical) = 2.0 * failures_;
+}
+
+void HealthMonitor::judge_sigmas(const Estimate& x, const BodyCovariance& P) {
+  const Vector3d up_B = x.nav.q_WB.conjugate() * Vector3d::UnitZ();
+  const Matrix3d attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
+  const double heading = std::max(0.0, up_B.dot(attitude * up_B));
+  const double tilt = std::max(0.0, attitude.trace() - heading);
+  severity(HealthReason::kUncertainPosition) =
+      largest_sigma(P, body::kPosition, 3) / (kPosition + kPositionShare * x.way);
+  severity(HealthReason::kUncertainVelocity) = largest_sigma(P, body::kVelocity, 3) / kVelocity;
+  severity(HealthReason::kUncertainHeading) = std::sqrt(heading) / kHeading;
+  severity(HealthReason::kUncertainTilt) = std::sqrt(tilt) / kTilt;
+  severity(HealthReason::kTooFast) = x.nav.v_WB.squaredNorm() / (kFastest * kFastest);
+}
+
+void HealthMonitor::conclude() {
+  double largest = 0.0;
+  const auto worst = [&](bool Effect::*doubted) {
+    HealthState state = HealthState::kOk;
+    for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
+      const auto reason = static_cast<HealthReason>(i);
+      const double s = severity(reason);
+      const Effect of = effect(reason);
+      largest = std::max(largest, s);
+      if (!(of.*doubted) || s < 1.0) continue;
+      HealthState now = HealthState::kDegraded;
+      if (reason == HealthReason::kRadarSilent) now = HealthState::kDeadReckoning;
+      if (of.loses && s >= kLost) now = HealthState::kLost;
+      state = std::max(state, now);
+    }
+    return begun_ ? state : HealthState::kInitializing;
+  };
+  health_.position = worst(&Effect::position);
+  health_.velocity = worst(&Effect::velocity);
+  health_.heading = worst(&Effect::heading);
+  health_.state = std::max({health_.position, health_.velocity, health_.heading});
+  health_.quality = static_cast<int>(std::lround(100.0 / (1.0 + largest * largest)));
+}
+
+}  // namespace rio
