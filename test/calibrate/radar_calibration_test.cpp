@@ -55,11 +55,11 @@ std::array<double, kCalibrationCount> truth_of(const sim::Flight& flight) {
 }
 
 TEST(RadarCalibration, FindsWhatWasToldWrongWithHonestSigmas) {
-  constexpr int kFlights = 6;
+  constexpr int kFlights = 4;
   double mean = 0.0;
   double worst = 0.0;
   for (std::uint64_t seed = 11; seed < 11 + kFlights; ++seed) {
-    const sim::Flight flight = fly_wrong(seed, 40.0);
+    const sim::Flight flight = fly_wrong(seed, 25.0);
     const RadarCalibration found = calibrate_radar({recording_of(flight)}, told(flight));
     const std::array<double, kCalibrationCount> truth = truth_of(flight);
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
@@ -92,8 +92,8 @@ TEST(RadarCalibration, FindsWhatWasToldWrongWithHonestSigmas) {
 }
 
 TEST(RadarCalibration, SecondRecordingNarrowsTheSigmas) {
-  const sim::Flight a = fly_wrong(1, 40.0);
-  sim::Flight b = fly_wrong(2, 40.0);
+  const sim::Flight a = fly_wrong(1, 25.0);
+  sim::Flight b = fly_wrong(2, 25.0);
   // the same vehicle: what was told of a differs from the truth as it does of b
   b.told_T_BS = a.told_T_BS;
   const RadarCalibration one = calibrate_radar({recording_of(a)}, told(a));
@@ -109,7 +109,7 @@ TEST(RadarCalibration, SecondRecordingNarrowsTheSigmas) {
 
 // A radar that is knocked out of place half way: the turn is in neither mounting file.
 TEST(RadarCalibration, HalvesThatContradictEachOtherKeepWhatWasTold) {
-  const sim::Flight flight = fly_wrong(3, 40.0);
+  const sim::Flight flight = fly_wrong(3, 25.0);
   Recording recording = recording_of(flight);
   const Quaternion knock = quaternion_exp(Vector3d(0.0, 0.0, 6.0 * kDegree));
   const Time middle = flight.scans[flight.scans.size() / 2].time;
