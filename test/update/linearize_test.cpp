@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What happens to a model's rows on their way into the update: whitening against the Cholesky
-// factor of Eigen, and the derivative of a state stepped back against central differences.
+// factor of Eigen, the derivatives of a state stepped back and of a time offset against central
+// differences, the columns.
 #include "rio/update/linearize.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
+#include <vector>
 
+#include "rio/models/doppler.hpp"
+#include "rio/models/landmark_point.hpp"
+#include "rio/models/trail_distance.hpp"
 #include "rio/sim/random.hpp"
 
 namespace rio {
@@ -93,6 +99,111 @@ TEST(StepBack, HasTheDerivativeItSays) {
       EXPECT_LT((difference / (2.0 * kStep) - expected.col(k)).norm(), 1e-8) << k;
     }
   }
+}
+
+/// A body in motion that sees a landmark; two clones, two landmarks, everything estimated.
+class RowsOfAModel : public testing::Test {
+ protected:
+  RowsOfAModel() {
+    sim::Random random(7);
+    const Motion motion(random);
+    x_.nav = motion.nav;
+    x_.gyro_B = motion.gyro_B;
+    x_.accel_W = motion.accel_B;
+    x_.T_BS.rotation = quaternion_exp(random.in_box(-kOnes, kOnes));
+    x_.T_BS.translation = random.in_box(-kOnes, kOnes);
+    x_.landmarks.push_back({x_.nav.p_WB + Vector3d(9.0, 0.0, 0.0)});
+    x_.landmarks.push_back({x_.nav.p_WB + Vector3d(3.0, -4.0, 1.0)});
+    x_.clones.push_back({5, {Matrix3d::Identity(), Vector3d(1.0, 2.0, 3.0)}});
+    x_.clones.push_back({6, {x_.T_WB().R, x_.nav.p_WB - Vector3d(0.3, 0.2, 0.1)}});
+    const ObservedPoint point(x_.T_WB(), RigidPose(x_.T_BS), x_.landmarks[1].p_W);
+    RadarDetection raw;
+    raw.point_S = point.e_S + Vector3d(0.1, -0.1, 0.05);
+    detection_ = make_detection(raw, RadarOptions{});
+  }
+  /// The row i of a model at the state `seconds` earlier.
+  template <MeasurementModel M>
+  LinearRow row(const M& model, const typename M::Measurement& z, std::size_t i = 0,
+                double seconds = 0.0) const {
+    LinearizationPoint x(x_);
+    x.step_back(seconds);
+    RowBatch batch(8);
+    batch.begin_block();
+    EXPECT_TRUE(linearize(model, z, typename M::Blocks{}, x, {1, 1}, layout_, &batch));
+    EXPECT_EQ(batch.last_block().count, static_cast<std::size_t>(M::kDim));
+    return batch.rows()[i];
+  }
+  /// The column of the time offset against central differences (E1). The noise must not change with
+  /// the state: it whitens.
+  template <MeasurementModel M>
+  void expect_time_derivative(const M& model, const typename M::Measurement& z) const {
+    constexpr double kStep = 1e-5;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(M::kDim); ++i) {
+      double d = std::nan("");
+      const LinearRow here = row(model, z, i);
+      here.for_each_segment([&](int column, const double* h, int) {
+        if (column == layout_.time_offset()) d = h[0];
+      });
+      const double later = row(model, z, i, kStep).residual;
+      const double earlier = row(model, z, i, -kStep).residual;
+      EXPECT_NEAR(d, (earlier - later) / (2.0 * kStep), 1e-6 * (1.0 + std::abs(d))) << i;
+      EXPECT_GT(std::abs(d), 0.01);
+    }
+  }
+
+  CalibrationOptions calibration_{0.05, 0.03, 0.03, 0.02, 0.03};
+  Layout layout_{calibration_, 2, 2};
+  Estimate x_;
+  Detection detection_;
+};
+
+TEST_F(RowsOfAModel, ATimeOffsetMovesTheStateAlongItsMotion) {
+  expect_time_derivative(LandmarkPointModel{}, LandmarkPointModel::measurement(detection_));
+  // its noise without, its Jacobian with the direction as measured
+  expect_time_derivative(DopplerModel(false, false),
+                         DopplerModel::measurement(detection_, x_.gyro_B));
+  expect_time_derivative(TrailDistanceModel(TrailNoise::kIndependent, 0.1),
+                         TrailDistanceModel::measurement(detection_, detection_));
+}
+
+TEST_F(RowsOfAModel, OfAStandingBodyATimeOffsetTellsNothing) {
+  LinearizationPoint x(x_);
+  x.stand();
+  RowBatch batch(1);
+  batch.begin_block();
+  ASSERT_TRUE(linearize(DopplerModel(false, false),
+                        DopplerModel::measurement(detection_, x_.gyro_B), DopplerModel::Blocks{}, x,
+                        {}, layout_, &batch));
+  batch.rows()[0].for_each_segment([&](int column, const double* h, int) {
+    if (column == layout_.time_offset()) EXPECT_EQ(h[0], 0.0);
+  });
+}
+
+TEST_F(RowsOfAModel, BlocksStandInTheirColumns) {
+  const auto columns = [](const LinearRow& row) {
+    std::vector<int> all;
+    row.for_each_segment([&](int column, const double*, int) { all.push_back(column); });
+    return all;
+  };
+  using Columns = std::vector<int>;
+  const LinearRow trail = row(TrailDistanceModel(TrailNoise::kIndependent, 0.1),
+                              TrailDistanceModel::measurement(detection_, detection_));
+  EXPECT_EQ(columns(trail),
+            (Columns{0, layout_.clone(1), layout_.extrinsics(), layout_.time_offset()}));
+  EXPECT_NEAR(trail.variance, 0.01, 1e-15);
+  const LinearRow point = row(LandmarkPointModel{}, LandmarkPointModel::measurement(detection_), 2);
+  EXPECT_EQ(columns(point), (Columns{0, layout_.extrinsics(), layout_.radar_errors(),
+                                     layout_.landmark(1), layout_.time_offset()}));
+  EXPECT_EQ(point.variance, 1.0);  // whitened
+}
+
+// Seen from the other clone or landmark the residual is another one.
+TEST_F(RowsOfAModel, ValuesAreThoseOfTheIndex) {
+  const LinearizationPoint x(x_);
+  EXPECT_EQ(block_value<ClonePose>(x, {1, 0}).p, x_.clones[1].T_WB.p);
+  EXPECT_EQ(block_value<Landmark>(x, {0, 1}), x_.landmarks[1].p_W);
+  EXPECT_EQ(block_value<GyroBias>(x, {}), x_.nav.gyro_bias);
+  EXPECT_EQ(x.radar_velocity_S(), radar_velocity(x_));
 }
 
 }  // namespace

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The mean of the belief: what happens to it on the way, and when velocity or gravity turn out to
+// be wrong.
+#include "rio/update/belief.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rio/models/landmark_birth.hpp"
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+// A low-pass of second order with a memory of 0.05 s: 1 - (1 + t / m) exp(-t / m) of a step.
+TEST(Acceleration, FollowsAStepWithinItsMemory) {
+  constexpr double kMemory = 0.05;
+  for (const double dt : {1e-3, 0.25e-3}) {
+    Acceleration a;
+    double t = 0.0;
+    while (t < 0.3) {
+      a.add(dt * Vector3d(2.0, -1.0, 0.5), dt);
+      t += dt;
+      const double expected = 1.0 - (1.0 + t / kMemory) * std::exp(-t / kMemory);
+      // of first order in dt
+      EXPECT_NEAR(a.smooth_W.x(), 2.0 * expected, 15.0 * dt) << t;
+      EXPECT_NEAR(a.smooth_W.y() / a.smooth_W.x(), -0.5, 1e-9);
+    }
+  }
+}
+
+TEST(Acceleration, IsWithoutTheVibrationOfRotors) {
+  Acceleration a;
+  double largest = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    a.add(1e-3 * 10.0 * std::sin(2.0 * M_PI * 100.0 * i * 1e-3) * Vector3d::UnitX(), 1e-3);
+    if (i > 500) largest = std::max(largest, a.smooth_W.norm());
+  }
+  EXPECT_LT(largest, 10.0 / std::pow(2.0 * M_PI * 100.0 * 0.05, 2) * 1.2);
+}
+
+class BeliefTest : public testing::Test {
+ protected:
+  BeliefTest() {
+    test::Random random(5);
+    nav_ = random.state();
+    nav_.time = Time(1'000'000'000);
+    options_.imu.measure_noise = false;
+    options_.frontend.matching = Matching::kEuclidean;
+  }
+  Belief belief(double velocity_sigma = 0.1) const {
+    Belief b(options_, 3);
+    BodyCovariance P = 1e-6 * BodyCovariance::Identity();
+    P.block<3, 3>(body::kVelocity, body::kVelocity) *= 1e6 * velocity_sigma * velocity_sigma;
+    b.reset(nav_, P);
+    return b;
+  }
+  /// Samples at 200 Hz for a second of a body that accelerates by a_W and turns by w_B.
+  ImuBuffer samples(const Vector3d& a_W, const Vector3d& w_B) const {
+    ImuBuffer imu(options_.timing, options_.imu);
+    Quaternion q = nav_.q_WB;
+    for (int i = 0; i <= 200; ++i) {
+      const Vector3d force_W = a_W + Vector3d(0.0, 0.0, options_.imu.gravity);
+      imu.push_back({nav_.time + Time(5'000'000 * i), w_B + nav_.gyro_bias,
+                     q.conjugate() * force_W + nav_.accel_bias});
+      q = q * test::rotation_of(0.005 * w_B);
+    }
+    return imu;
+  }
+
+  Options options_;
+  NavState nav_;
+};
+
+TEST_F(BeliefTest, PropagationKeepsWayRateAndAcceleration) {
+  nav_.v_WB.setZero();
+  for (const double a : {0.07, 0.085, 1.0}) {
+    Belief b = belief();
+    const Vector3d w(0.1, 0.2, -0.3);
+    const ImuBuffer imu = samples({a, 0.0, 0.0}, w);
+    bool gap = true;
+    ASSERT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kOk);
+    EXPECT_FALSE(gap);
+    EXPECT_NEAR(b.estimate().way, 0.5 * a, 1e-3 * a);
+    EXPECT_LT((b.estimate().gyro_B - w - nav_.gyro_bias).norm(), 1e-12);
+    // five sigmas of white noise behind two low-passes: 5 sqrt(3) 4e-3 / sqrt(4 0.05) = 0.0775
+    const double noise = 25.0 * 3.0 * 4e-3 * 4e-3 / (4.0 * 0.05);
+    const double expected = a * a > noise ? a - noise / a : 0.0;
+    EXPECT_NEAR(b.estimate().accel_W.x(), expected, 1e-4) << a;
+    EXPECT_EQ(expected > 0.0, a > 0.08);
+  }
+}
+
+TEST_F(BeliefTest, LandmarksWalkWithTheWay) {
+  Belief b = belief();
+  RadarDetection raw;
+  raw.point_S = Vector3d(4.0, 1.0, 1.0);
+  b.add_landmark(make_detection(raw, options_.radar));
+  const int at = b.layout().landmark(0);
+  const double before = b.covariance().matrix()(at, at);
+  const ImuBuffer imu = samples(Vector3d::Zero(), Vector3d::Zero());
+  bool gap = false;
+  ASSERT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kOk);
+  EXPECT_NEAR(b.covariance().matrix()(at, at) - before,
+              options_.update.landmark_walk * options_.update.landmark_walk * nav_.v_WB.norm(),
+              1e-9);
+  EXPECT_EQ(b.estimate().landmarks[0].way_born, 0.0);
+}
+
+TEST_F(BeliefTest, NothingChangesIfTheResultIsNotFinite) {
+  nav_.p_WB.setConstant(1.797e308);
+  nav_.v_WB.setConstant(1.7e308);
+  Belief b = belief();
+  const ImuBuffer imu = samples(Vector3d::Zero(), Vector3d::Zero());
+  bool gap = false;
+  EXPECT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kNumerical);
+  EXPECT_EQ(b.estimate().nav.time, nav_.time);
+  EXPECT_EQ(b.estimate().way, 0.0);
+}
+
+// The velocity becomes the measured one, and the position what it would be, had it been that for
+// the duration.
+TEST_F(BeliefTest, ARestartedVelocityTakesThePositionAlong) {
+  for (const double duration : {0.0, 0.8}) {
+    Belief b = belief(0.01);
+    const Vector3d v_B(1.0, -2.0, 0.5);
+    const Matrix3d noise = 1e-4 * Matrix3d::Identity();
+    const Vector3d error = nav_.q_WB * v_B - nav_.v_WB;
+    b.restart_velocity(v_B, noise, duration);
+    EXPECT_LT((b.estimate().nav.v_WB - nav_.q_WB * v_B).norm(), 1e-3);
+    EXPECT_LT((b.estimate().nav.p_WB - nav_.p_WB - duration * error).norm(), 1e-3);
+    const auto P = b.covariance().matrix();
+    EXPECT_NEAR(P(body::kVelocity, body::kVelocity), 1e-4, 1e-6);
+    // what the velocity before did not know and what the measured one does not
+    EXPECT_NEAR(P(body::kPosition, body::kPosition), 1e-6 + duration * duration * 2e-4, 1e-6);
+  }
+}
+
+// Measured noise in body axes counts in world axes.
+TEST_F(BeliefTest, ARestartedVelocityHasTheNoiseOfItsAxes) {
+  Belief b = belief();
+  const Matrix3d noise = Vector3d(0.01, 0.04, 0.09).asDiagonal();
+  b.restart_velocity(Vector3d(40.0, 10.0, 20.0), noise, 0.1);
+  const Matrix3d R = nav_.q_WB.toRotationMatrix();
+  const Matrix3d P = b.covariance().matrix().block<3, 3>(body::kVelocity, body::kVelocity);
+  EXPECT_LT((R.transpose() * P * R - noise).norm(), 1e-4);
+}
+
+TEST_F(BeliefTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
+  constexpr double kSigma = 0.05;
+  constexpr double kDuration = 3.0;
+  Belief b = belief();
+  const Vector3d g_B = test::rotation_of({0.2, -0.1, 0.3}) *
+                       (nav_.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity));
+  const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB;
+  const double off = (nav_.q_WB * g_B + options_.imu.gravity * Vector3d::UnitZ()).norm();
+  const Matrix15d before = b.covariance().body();
+  b.restart_attitude(g_B, kSigma, kDuration);
+  const NavState& x = b.estimate().nav;
+  EXPECT_LT((x.q_WB * g_B + options_.imu.gravity * Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_LT((x.q_WB.conjugate() * x.v_WB - v_B).norm(), 1e-12);
+  EXPECT_EQ(x.p_WB, nav_.p_WB);
+  const Matrix15d grown = b.covariance().body() - before;
+  const double angle = kSigma / options_.imu.gravity;
+  const double way = 0.5 * off * kDuration * kDuration;
+  const double rate = angle / (kDuration + 2.0);
+  const double bias = options_.start.sigma_accel_bias;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(grown(body::kAttitude + i, body::kAttitude + i), angle * angle, 1e-12);
+    EXPECT_NEAR(grown(body::kPosition + i, body::kPosition + i), way * way, 1e-9);
+    EXPECT_NEAR(grown(body::kGyroBias + i, body::kGyroBias + i), rate * rate, 1e-12);
+    EXPECT_NEAR(grown(body::kAccelBias + i, body::kAccelBias + i), bias * bias, 1e-12);
+  }
+  EXPECT_NEAR(grown.trace(), 3.0 * (angle * angle + way * way + rate * rate + bias * bias), 1e-9);
+}
+
+// Of a velocity known along and across, turned with the body and the radar.
+TEST_F(BeliefTest, TheRadarsVelocityIsAsUncertainAsTheBodys) {
+  options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  options_.radar.T_BS.rotation = test::rotation_of({0.3, 0.1, -0.4});
+  Belief b(options_, 3);
+  const Matrix3d P_v = Vector3d(0.01, 0.04, 0.09).asDiagonal();
+  BodyCovariance P = BodyCovariance::Zero();
+  P.block<3, 3>(body::kVelocity, body::kVelocity) = P_v;
+  b.reset(nav_, P);
+  const Matrix3d R = (nav_.q_WB * options_.radar.T_BS.rotation).toRotationMatrix();
+  EXPECT_LT((b.radar_velocity_covariance() - R.transpose() * P_v * R).norm(), 1e-12);
+  EXPECT_TRUE(b.velocity_calibration().isZero(0.0));
+}
+
+TEST_F(BeliefTest, TheOldestCloneGivesWay) {
+  Belief b = belief();
+  for (ScanId scan = 0; scan < 5; ++scan) {
+    b.estimate().nav.p_WB.x() = static_cast<double>(scan);
+    b.clone(scan);
+  }
+  EXPECT_EQ(b.estimate().clones.size(), 3U);
+  EXPECT_LT(b.estimate().find_clone(1), 0);
+  for (ScanId scan = 2; scan < 5; ++scan) {
+    const int slot = b.estimate().find_clone(scan);
+    ASSERT_GE(slot, 0);
+    EXPECT_EQ(b.estimate().clones[static_cast<std::size_t>(slot)].T_WB.p.x(),
+              static_cast<double>(scan));
+  }
+}
+
+TEST_F(BeliefTest, CorrectionsReachEveryBlock) {
+  Belief b = belief();
+  b.clone(0);
+  RadarDetection raw;
+  raw.point_S = Vector3d(4.0, 1.0, 1.0);
+  b.add_landmark(make_detection(raw, options_.radar));
+  const Estimate before = b.estimate();
+  Eigen::VectorXd dx(b.layout().capacity());
+  for (int i = 0; i < dx.size(); ++i) dx[i] = 1e-3 * (1.0 + i);
+  b.correct(dx);
+  const Estimate& x = b.estimate();
+  EXPECT_LT((test::error_of(x.nav, before.nav) - dx.head<15>()).norm(), 1e-9);
+  const int clone = b.layout().clone(0);
+  EXPECT_LT((x.clones[0].T_WB.p - before.clones[0].T_WB.p - dx.segment<3>(clone + 3)).norm(),
+            1e-12);
+  EXPECT_LT((x.clones[0].T_WB.R -
+             before.clones[0].T_WB.R * test::rotation_of(dx.segment<3>(clone)).toRotationMatrix())
+                .norm(),
+            1e-9);
+  EXPECT_LT(
+      (x.landmarks[0].p_W - before.landmarks[0].p_W - dx.segment<3>(b.layout().landmark(0))).norm(),
+      1e-12);
+}
+
+// Told: half the prior sigma. Contradicted beyond three sigmas of what a right prior is moved by,
+// and beyond what is told itself; reported once.
+TEST_F(BeliefTest, AContradictedParameterIsBelievedToItsPrior) {
+  options_.calibration = {0.0, 0.0, 0.0, 0.02, 0.0};
+  const double told = 0.25 * 0.02 * 0.02;
+  Belief b = belief();
+  const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
+  EXPECT_NEAR(b.covariance().matrix()(scale, scale), told, 1e-15);
+  Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
+  dx[scale] = 0.99 * std::sqrt(told);
+  b.correct(dx);
+  EXPECT_TRUE(b.contradictions().empty());  // within what is told
+  b.covariance().matrix()(scale, scale) = 0.5 * told;
+  dx[scale] = (std::sqrt(4.5) - 0.99 - 0.01) * std::sqrt(told);
+  b.correct(dx);
+  EXPECT_TRUE(b.contradictions().empty());  // within three sigmas of what it has moved by
+  EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), kCalibrationToldShare);
+  dx[scale] = 0.02 * std::sqrt(told);
+  b.correct(dx);
+  const auto found = b.contradictions();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].column, scale);
+  EXPECT_NEAR(found[0].value, (std::sqrt(4.5) + 0.01) * std::sqrt(told), 1e-12);
+  EXPECT_NEAR(found[0].information, 1.0 / told - 1.0 / (0.02 * 0.02), 1e-6);
+  EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), 1.0);
+  EXPECT_TRUE(b.contradictions().empty());
+}
+
+}  // namespace
+}  // namespace rio

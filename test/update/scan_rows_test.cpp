@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stages 4 and 5 on a scan made by hand: who gives which rows, what the gate does with them, and
+// by what their variance is multiplied.
+#include "rio/update/scan_rows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <tuple>
+
+#include "support/scan_case.hpp"
+
+namespace rio {
+namespace {
+
+constexpr double kMinute = 1.0 - 1e-6;  // just inside
+
+TEST(Gate, IsTheQuantileOfEveryNumberOfRows) {
+  const Gate gate(0.99);
+  EXPECT_NEAR(gate.threshold(1), 6.6349, 1e-4);
+  EXPECT_NEAR(gate.threshold(3), 11.3449, 1e-4);
+  for (std::size_t dof = 1; dof <= Gate::kMaxDof; ++dof) {
+    EXPECT_NEAR(chi2_cdf(gate.threshold(dof), static_cast<double>(dof)), 0.99, 1e-9) << dof;
+  }
+}
+
+using ScanRowsTest = test::ScanCase;
+using test::kSpeed;
+using test::kVelocityVar;
+
+TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
+  match_landmark(1, 1);
+  ScanRows rows(options_);
+  const RowBatch& batch = build(rows, belief(2));
+  ASSERT_EQ(batch.blocks().size(), 3U);  // the landmark first
+  EXPECT_EQ(batch.blocks()[0].count, 4U);
+  EXPECT_EQ(rows.used()[0].model, Model::kLandmarkPoint);
+  EXPECT_EQ(rows.used()[0].target, 1U);
+  EXPECT_EQ(rows.used()[1].detection, 0U);
+  EXPECT_EQ(rows.used()[2].detection, 2U);
+  EXPECT_FALSE(rows.was_used(0));
+  EXPECT_TRUE(rows.was_used(1));
+  EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 4);
+  EXPECT_EQ(sums(Model::kDoppler).rows_used, 2);
+  EXPECT_EQ(report_.records.size(), 3U);
+  options_.update.use_doppler = false;
+  ScanRows places(options_);
+  build(places, belief(2));
+  EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 3);
+  EXPECT_EQ(sums(Model::kDoppler).rows_used, 0);
+}
+
+TEST_F(ScanRowsTest, APlaceOrADistanceLeavesTheDopplerToTheDetection) {
+  for (const auto& [measurement, model, count] :
+       {std::tuple{LandmarkMeasurement::kPosition, Model::kLandmarkPosition, 3},
+        std::tuple{LandmarkMeasurement::kDistance, Model::kLandmarkDistance, 1}}) {
+    options_.update.landmark_measurement = measurement;
+    seen_.matches.landmarks.clear();
+    match_landmark(0, 0);
+    ScanRows rows(options_);
+    build(rows, belief(1));
+    EXPECT_EQ(sums(model).rows_used, count);
+    EXPECT_EQ(sums(Model::kDoppler).rows_used, 3);
+  }
+}
+
+TEST_F(ScanRowsTest, WhatIsNotStaticTellsNothing) {
+  ScanRows rows(options_);
+  const Belief b = belief();
+  seen_.moves[1] = true;
+  EXPECT_EQ(build(rows, b).rows().size(), 2U);
+  options_.update.use_doppler = false;
+  ScanRows off(options_);
+  EXPECT_TRUE(build(off, b).rows().empty());
+}
+
+// S = sigma_D^2 + u^T P_v u; a residual of the gate's root times its sigma is the bound.
+TEST_F(ScanRowsTest, TheGateHoldsTheInnovationAgainstItsCovariance) {
+  const double sigma = std::hypot(options_.radar.sigma_doppler, std::sqrt(kVelocityVar + 1e-8));
+  const double bound = std::sqrt(Gate(options_.update.gate_probability).threshold(1)) * sigma;
+  const double rate = detection(0).range_rate;
+  for (const double share : {kMinute, -kMinute, 2.0 - kMinute, kMinute - 2.0}) {
+    detection(0).range_rate = rate + share * bound;
+    ScanRows rows(options_);
+    Belief b = belief();  // of a body that does not turn, known exactly
+    b.covariance().matrix().diagonal().head<6>().setZero();
+    b.covariance().matrix().diagonal().tail<6>().setZero();
+    build(rows, b);
+    const bool inside = std::abs(share) < 1.0;
+    const InnovationRecord& record = report_.records[0];
+    EXPECT_EQ(record.verdict, inside ? Verdict::kUsed : Verdict::kGated) << share;
+    EXPECT_NEAR(record.innovation, share * bound, 1e-9);
+    EXPECT_NEAR(record.sigma, sigma, 1e-7);
+    EXPECT_NEAR(record.nis / record.gate, share * share, 1e-6);
+    EXPECT_EQ(rows.used().size(), inside ? 3U : 2U);
+    EXPECT_EQ(sums(Model::kDoppler).rows_gated, inside ? 0 : 1);
+    EXPECT_NEAR(sums(Model::kDoppler).nis, inside ? record.nis : 0.0, 1e-9);
+  }
+}
+
+// It is dropped as a whole, and the detection tells its Doppler after all.
+TEST_F(ScanRowsTest, AGatedMatchGivesNoRows) {
+  for (const bool published : {false, true}) {
+    options_.update.landmark_measurement =
+        published ? LandmarkMeasurement::kDistance : LandmarkMeasurement::kPoint;
+    seen_.matches.landmarks.clear();
+    match_landmark(0, 2);  // metres away
+    ScanRows rows(options_);
+    EXPECT_EQ(build(rows, belief(1)).rows().size(), 3U);
+    EXPECT_EQ(rows.used().size(), 3U);
+    EXPECT_EQ(sums(Model::kDoppler).rows_used, 3);
+    EXPECT_EQ(report_.records[0].verdict, Verdict::kGated);
+    EXPECT_EQ(rows.was_used(0), published);  // by its match alone it stays alive
+  }
+}
+
+TEST_F(ScanRowsTest, ALandmarkAtTheRadarIsOutOfDomain) {
+  match_landmark(0, 0);
+  Belief b = belief(1);
+  b.estimate().landmarks[0].p_W.setZero();
+  ScanRows rows(options_);
+  EXPECT_EQ(build(rows, b).rows().size(), 3U);
+  EXPECT_EQ(sums(Model::kLandmarkPoint).rows_out_of_domain, 1);
+  EXPECT_EQ(report_.records[0].verdict, Verdict::kOutOfDomain);
+  EXPECT_FALSE(rows.was_used(0));
+}
+
+// Landmarks: by the way since they were seen and the trust in matches; after the gate.
+TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
+  match_landmark(0, 0);
+  Belief b = belief(1);
+  b.estimate().way = 7.0;
+  b.estimate().landmarks[0].way_seen = 6.99;
+  ScanRows plain(options_);
+  build(plain, b);
+  EXPECT_EQ(plain.used()[0].variance_factor, 1.0);
+  const double nis = report_.records[0].nis;
+  options_.radar.noise_distance = 0.02;
+  options_.update.match_trust = 0.7;
+  ScanRows rows(options_);
+  const RowBatch& batch = build(rows, b);
+  const double expected = repetition_factor(0.01, 0.02) * doubt_factor(0.7);
+  EXPECT_NEAR(rows.used()[0].variance_factor, expected, 1e-9);
+  for (int i = 0; i < 3; ++i) {  // whitened
+    EXPECT_NEAR(batch.rows()[static_cast<std::size_t>(i)].variance, expected, 1e-9);
+  }
+  EXPECT_EQ(report_.records[0].nis, nis);
+}
+
+// Nothing but rounding: it repeats until the Doppler has changed by cells.
+TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
+  constexpr double kGrid = 0.5;
+  options_.radar.noise_distance = 1e-3;
+  options_.radar.sigma_doppler = 0.0;
+  options_.radar.doppler_resolution = kGrid;
+  scan_.items.clear();
+  see({0.0, 4.0, 0.0});  // across the flight: its rate changes by v^2 / r
+  const auto factor = [&](double way, const Vector3d& accel_W, double seconds) {
+    ScanRows rows(options_);
+    Belief b = belief();
+    build(rows, b);
+    b.estimate().way = way;
+    b.estimate().accel_W = accel_W;
+    b.estimate().nav.time += from_seconds(seconds);
+    build(rows, b);
+    return rows.used()[0].variance_factor;
+  };
+  const auto expected = [&](double way, double cells) {
+    return repetition_factor(way + 0.15 * 6.0 * cells, 0.15);
+  };
+  const double turning = kSpeed * kSpeed / 4.0;
+  const Vector3d none = Vector3d::Zero();
+  EXPECT_NEAR(factor(0.1, none, 0.1), expected(0.1, turning * 0.1 / kGrid), 1e-9);
+  EXPECT_NEAR(factor(0.2, none, 0.05), expected(0.2, turning * 0.05 / kGrid), 1e-9);
+  // an acceleration towards the point makes up for the turn, and one away adds to it
+  EXPECT_NEAR(factor(0.1, {0.0, turning, 0.0}, 0.1), expected(0.1, 0.0), 1e-9);
+  EXPECT_NEAR(factor(0.1, {0.0, -turning, 0.0}, 0.1), expected(0.1, turning * 0.2 / kGrid), 1e-9);
+  EXPECT_NEAR(factor(-1.0, none, 0.0), expected(0.0, 0.0), 1e-9);
+  // half of the variance is no rounding and new after a millimetre
+  options_.radar.sigma_doppler = kGrid / std::sqrt(12.0);
+  scan_.items.clear();
+  see({0.0, 4.0, 0.0});
+  EXPECT_NEAR(factor(0.1, {0.0, turning, 0.0}, 0.1), 0.5 + 0.5 * expected(0.1, 0.0), 1e-9);
+}
+
+// The first scan after a reset has none before it: a second is what a Doppler may have changed in.
+TEST_F(ScanRowsTest, ResetForgetsTheScanBefore) {
+  options_.radar.noise_distance = 1e-3;
+  options_.radar.sigma_doppler = 0.0;
+  options_.radar.doppler_resolution = 0.5;
+  see({0.0, 4.0, 0.0});
+  ScanRows rows(options_);
+  Belief b = belief();
+  b.estimate().way = 0.05;
+  build(rows, b);
+  const double first = rows.used()[3].variance_factor;
+  EXPECT_NEAR(first, repetition_factor(0.05 + 0.15 * 6.0 * 2.0, 0.15), 1e-9);
+  build(rows, b);
+  EXPECT_NEAR(rows.used()[3].variance_factor, repetition_factor(0.0, 0.15), 1e-9);
+  rows.reset();
+  build(rows, b);
+  EXPECT_EQ(rows.used()[3].variance_factor, first);
+}
+
+// What a Doppler tells along its direction: that of the expected direction, as far as the spread of
+// the scan's directions is no error.
+TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
+  options_.update.direction_correction = options_.update.direction_noise = true;
+  for (const bool reliable : {true, false}) {
+    options_.update.direction_reliability = reliable;
+    ScanRows rows(options_);
+    const Belief b = belief();
+    detection(0).range_rate += 0.05;
+    const RowBatch& batch = build(rows, b);
+    const Vector3d v(kSpeed, 0.0, 0.0);
+    const LinearizationPoint x(b.estimate());
+    Reliability reliability;
+    DopplerModel::Measurement first;
+    for (std::size_t i = 3; i-- > 0;) {
+      first = DopplerModel::measurement(detection(i), Vector3d::Zero());
+      first.predicted_var = b.doppler_variance(first.direction_S, x);
+      reliability.add(first, v);
+    }
+    const Matrix3d L = reliable ? reliability.matrix() : Matrix3d::Identity();
+    const auto u = DopplerModel::expected_direction(first, first.direction_S, v);
+    const LinearRow& row = batch.rows()[0];
+    EXPECT_EQ(row.segments[1].column, body::kVelocity);
+    const Vector3d h(row.h[6], row.h[7], row.h[8]);
+    EXPECT_LT((h + L * u.u_S).norm(), 1e-9) << reliable;
+    EXPECT_NEAR(row.variance, u.variance, 1e-12);
+  }
+}
+
+TEST_F(ScanRowsTest, AtRestOnlyLandmarksOfHereAreMeasured) {
+  match_landmark(0, 0);
+  match_landmark(1, 1);
+  Belief b = belief(2);
+  b.estimate().way = 3.0;
+  b.estimate().landmarks[0].way_born = 2.45;
+  b.estimate().landmarks[1].way_born = 2.55;
+  seen_.rest = RestModel::Measurement{Vector3d::Zero(), 10.0, 0.01};
+  ScanRows rows(options_);
+  const RowBatch& batch = build(rows, b);
+  EXPECT_EQ(rows.used()[0].model, Model::kRest);
+  EXPECT_EQ(batch.blocks()[0].count, 6U);
+  EXPECT_EQ(sums(Model::kRest).rows_used, 6);
+  EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 4);
+  EXPECT_TRUE(rows.was_used(0));  // not measured, but alive
+  EXPECT_TRUE(rows.was_used(1));
+  EXPECT_EQ(rows.used()[1].target, 1U);
+  EXPECT_EQ(sums(Model::kDoppler).rows_used, 2);
+}
+
+/// Trails of two past detections each, of scans 0 and 1, by a radar that has not moved since.
+class TrailRowsTest : public test::ScanCase {
+ protected:
+  TrailRowsTest() {
+    options_.update.use_doppler = options_.update.use_landmarks = false;
+    options_.update.use_trails = true;
+    options_.update.sigma_trail_distance = 0.1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      trails_.create({0, detection(i)});
+      trails_.extend(i, {1, detection(i)});
+      seen_.matches.trails.push_back({i, i});
+    }
+  }
+  Belief belief(int clones = 2) const {
+    Belief b = ScanCase::belief();
+    for (int i = 0; i < clones; ++i) b.clone(static_cast<ScanId>(i));
+    return b;
+  }
+};
+
+TEST_F(TrailRowsTest, EveryPastDetectionIsARowWithAVerdict) {
+  detection(1).range += 10.0;
+  ScanRows rows(options_);
+  const RowBatch& batch = build(rows, belief());
+  EXPECT_EQ(batch.blocks().size(), 4U);
+  EXPECT_EQ(sums(Model::kTrailDistance).rows_used, 4);
+  EXPECT_EQ(sums(Model::kTrailDistance).rows_gated, 2);
+  ASSERT_EQ(rows.used().size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(rows.used()[i].target, i < 2 ? 0U : 2U);
+    EXPECT_EQ(rows.used()[i].past, i % 2);
+    EXPECT_NEAR(batch.rows()[i].variance, 0.01, 1e-12);
+  }
+}
+
+TEST_F(TrailRowsTest, CorrelatedRowsOfATrailShareVerdictAndNoise) {
+  options_.update.trail_noise = TrailNoise::kCorrelated;
+  detection(1).range += 10.0;
+  ScanRows rows(options_);
+  const RowBatch& batch = build(rows, belief());
+  ASSERT_EQ(batch.blocks().size(), 2U);
+  const double sigma = options_.radar.sigma_range;
+  for (const RowBlock& block : batch.blocks()) {
+    EXPECT_EQ(block.count, 2U);
+    EXPECT_NEAR(block.shared_variance, sigma * sigma, 1e-12);
+  }
+  EXPECT_EQ(sums(Model::kTrailDistance).rows_gated, 2);
+  ASSERT_EQ(rows.used().size(), 4U);
+  EXPECT_EQ(rows.used()[2].target, 2U);
+  EXPECT_EQ(report_.records[0].dof, 2);
+}
+
+TEST_F(TrailRowsTest, WhatHasNoCloneGivesNoRow) {
+  ScanRows rows(options_);
+  EXPECT_EQ(build(rows, belief(1)).rows().size(), 3U);
+  EXPECT_EQ(build(rows, belief(0)).rows().size(), 0U);
+  options_.update.use_trails = false;
+  ScanRows off(options_);
+  EXPECT_EQ(build(off, belief()).rows().size(), 0U);
+}
+
+}  // namespace
+}  // namespace rio
