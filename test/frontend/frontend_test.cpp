@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "support/random_state.hpp"
@@ -227,6 +228,70 @@ TEST(Frontend, SwitchesTurnTrailsAndLandmarksOff) {
   EXPECT_TRUE(trails_only.seen().matches.landmarks.empty());
   EXPECT_TRUE(trails_only.promotions().births.empty());
   EXPECT_EQ(trails_only.frontend().trails().size(), kRoom.size());
+}
+
+/// Scans of kRoom in which detection 2 recedes by some sigmas more than a static one.
+class SlowMover {
+ public:
+  explicit SlowMover(const Options& options) : walk(options) { walk.step(kRoom, 20); }
+  /// True if it is still taken for a part of the world.
+  bool scan(double sigmas) {
+    walk.move();
+    DetectionList scan = walk.scan(kRoom);
+    Detection& d = scan.items[2];
+    d.range_rate += sigmas * std::sqrt(residual_variance(d, radar_velocity(walk.estimate())));
+    walk.observe(scan);
+    const bool is_static = walk.seen().is_static(2);
+    walk.advance(20);
+    return is_static;
+  }
+
+  Walk walk;
+};
+
+// The sum of n residuals of a static point is within three times the root of n.
+TEST(Frontend, SlowMoversShowByResidualsThatAddUp) {
+  Options o = options_with(1000, 7);
+  for (const double sigmas : {1.5, -1.5}) {
+    SlowMover mover(o);
+    for (int n = 1; n <= 8; ++n) EXPECT_EQ(mover.scan(sigmas), n <= 4) << n;  // 1.5 n < 3 sqrt(n)
+  }
+  SlowMover wavering(o);  // each residual in the way of the one before: a static point
+  for (int n = 1; n <= 8; ++n) EXPECT_TRUE(wavering.scan(n % 2 == 0 ? 2.0 : -2.0)) << n;
+  o.frontend.mover_sigmas = 0.0;
+  SlowMover unseen(o);
+  for (int n = 1; n <= 8; ++n) EXPECT_TRUE(unseen.scan(1.5)) << n;
+}
+
+TEST(Frontend, AMoverIsFollowedAndNotPromoted) {
+  Options o = options_with(5, 7);
+  SlowMover mover(o);
+  for (int n = 1; n <= 5; ++n) (void)mover.scan(1.5);
+  EXPECT_EQ(mover.walk.promotions().births.size(), kRoom.size() - 1);
+  ASSERT_EQ(mover.walk.frontend().trails().size(), 1U);
+  EXPECT_EQ(mover.walk.frontend().trails()[0].matches, 5);
+  (void)mover.scan(1.5);
+  EXPECT_TRUE(mover.walk.promotions().births.empty());
+}
+
+// Of two detections within the gate of one landmark neither is clearly its match, and neither is a
+// new point.
+TEST(Frontend, WhatIsNearALandmarkBeginsNoTrail) {
+  for (const bool known : {false, true}) {
+    Options o = options_with(1000, 7);
+    o.frontend.matching = Matching::kMahalanobis;
+    Walk walk(o);
+    if (known) {
+      LandmarkState landmark{kRoom[1]};
+      landmark.covariance_S = 0.01 * Matrix3d::Identity();
+      walk.estimate().landmarks.push_back(landmark);
+    }
+    Points world = kRoom;
+    world.push_back(kRoom[1] + Vector3d(0.02, 0.0, 0.0));
+    walk.step(world);
+    EXPECT_TRUE(walk.seen().matches.landmarks.empty());
+    EXPECT_EQ(walk.frontend().trails().size(), known ? kRoom.size() - 1 : kRoom.size() + 1);
+  }
 }
 
 }  // namespace
