@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Door 1 on a body that swings along x and sees a few points: which scans are late, what a buffer
+// that is full costs, which quaternions are rotations.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "rio/rio.hpp"
+
+namespace rio::test {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+constexpr double kAmplitude = 0.5;  // [m]
+constexpr double kRate = 4.0;       // [rad/s]
+constexpr Time kStart = Time(10'000'000'000);
+constexpr Time kSample = milliseconds(5);
+
+NavState truth(Time t) {
+  const double phase = kRate * to_seconds(t);
+  NavState x;
+  x.time = t;
+  x.p_WB.x() = kAmplitude * std::sin(phase);
+  x.v_WB.x() = kAmplitude * kRate * std::cos(phase);
+  return x;
+}
+
+ImuSample imu(Time t) {
+  ImuSample s;
+  s.time = t;
+  s.accel_B = Vector3d(-kAmplitude * kRate * kRate * std::sin(kRate * to_seconds(t)), 0.0, 9.81);
+  s.gyro_B.x() = 1e-6 * to_seconds(t);  // not frozen
+  return s;
+}
+
+/// Measured at t, stamped `late` after that.
+RadarScan scan(Time t, Time late = Time(0)) {
+  RadarScan s;
+  s.time = t + late;
+  const NavState x = truth(t);
+  for (const Vector3d& p_W :
+       {Vector3d(5.0, 1.0, 0.5), Vector3d(4.0, -2.0, 1.0), Vector3d(6.0, 3.0, -1.0),
+        Vector3d(3.0, 0.5, -1.0), Vector3d(4.0, 2.0, 1.5), Vector3d(7.0, -3.0, 0.3)}) {
+    RadarDetection d;
+    d.point_S = p_W - x.p_WB;
+    d.range_rate = -d.point_S.normalized().dot(x.v_WB);
+    d.snr_db = 30.0;
+    s.detections.push_back(d);
+  }
+  return s;
+}
+
+class EngineTest : public testing::Test {
+ protected:
+  EngineTest() { options_.start.static_alignment = false; }
+  std::unique_ptr<Odometry> started() const {
+    std::string why;
+    auto odometry = Odometry::create(options_, &why);
+    EXPECT_NE(odometry, nullptr) << why;
+    EXPECT_EQ(odometry->reset(truth(kStart), 1e-6 * BodyCovariance::Identity()), Status::kOk);
+    return odometry;
+  }
+  /// Samples after the newest one up to `until`.
+  void feed(Odometry& odometry, Time until) {
+    for (; next_ <= until; next_ += kSample) {
+      EXPECT_EQ(odometry.add_imu(imu(next_)), Status::kOk);
+    }
+  }
+
+  Options options_;
+  Time next_ = kStart;
+};
+
+// Every scan is stamped late, which is found out scan by scan: one that follows at once was
+// measured before the estimate as it is now dated, and is no late scan.
+TEST_F(EngineTest, AScanThatOnlyABetterTimeOffsetHasOvertakenIsTaken) {
+  auto odometry = started();
+  bool overtaken = false;
+  for (int i = 1; i < 30; ++i) {
+    const Time t = kStart + milliseconds(50 * i);
+    feed(*odometry, t + milliseconds(30));
+    ASSERT_EQ(odometry->add_scan(scan(t, milliseconds(20))), Status::kOk);
+    const Time before = odometry->at_scan().time;
+    RadarScan twin = scan(t, milliseconds(20));
+    twin.time += microseconds(1);
+    EXPECT_EQ(odometry->add_scan(twin), Status::kOk) << i;
+    overtaken = overtaken || odometry->at_scan().time == before;
+    EXPECT_GE(odometry->at_scan().time, before);
+  }
+  EXPECT_TRUE(overtaken);
+  EXPECT_EQ(odometry->counters().scans_late, 0U);
+}
+
+// But what the estimate has been carried past without a scan is.
+TEST_F(EngineTest, AScanBehindTheLagIsLateAlsoIfItFollowsTheLastOne) {
+  options_.timing.max_lag = 0.2;
+  auto odometry = started();
+  const Time t = kStart + milliseconds(100);
+  feed(*odometry, t);
+  ASSERT_EQ(odometry->add_scan(scan(t)), Status::kOk);
+  feed(*odometry, t + milliseconds(500));
+  EXPECT_EQ(odometry->add_scan(scan(t + milliseconds(250))), Status::kLate);
+  EXPECT_EQ(odometry->counters().scans_late, 1U);
+  EXPECT_EQ(odometry->add_scan(scan(t + milliseconds(350))), Status::kOk);
+}
+
+// The estimate follows the oldest sample kept: none is lost on the way.
+TEST_F(EngineTest, AFullBufferIsCaughtUp) {
+  auto patient = started();
+  feed(*patient, kStart + milliseconds(900));
+  EXPECT_EQ(patient->at_scan().time, kStart);
+  options_.timing.imu_buffer = 32;
+  next_ = kStart;
+  auto hurried = started();
+  for (int i = 1; i <= 180; ++i) {
+    feed(*hurried, kStart + i * kSample);
+    EXPECT_LE(hurried->now().time - hurried->at_scan().time, 32 * kSample);
+  }
+  EXPECT_LT((hurried->now().p_WB - patient->now().p_WB).norm(), 1e-9);
+  EXPECT_LT((hurried->at_scan().p_WB - truth(hurried->at_scan().time).p_WB).norm(), 1e-3);
+  EXPECT_GT((hurried->at_scan().p_WB - truth(kStart).p_WB).norm(), 0.1);
+  // no sooner than needed
+  EXPECT_GE(hurried->now().time - hurried->at_scan().time, 30 * kSample);
+}
+
+TEST_F(EngineTest, AStartNeedsARotation) {
+  auto odometry = started();
+  const auto status = [&](double norm) {
+    NavState prior = truth(kStart + milliseconds(1));
+    prior.q_WB.coeffs() *= norm;
+    return odometry->reset(prior, 1e-6 * BodyCovariance::Identity());
+  };
+  for (const double norm : {0.0, 0.49, 2.01}) {
+    EXPECT_EQ(status(norm), Status::kNumerical) << norm;
+    EXPECT_EQ(odometry->now().time, kStart);
+  }
+  for (const double norm : {0.51, 1.99}) {
+    EXPECT_EQ(status(norm), Status::kOk) << norm;
+    EXPECT_NEAR(odometry->now().q_WB.norm(), 1.0, 1e-15);
+  }
+}
+
+// Before the first start, too, a state can be read.
+TEST_F(EngineTest, AfterAResetWithoutAStateNothingIsLeft) {
+  auto odometry = started();
+  feed(*odometry, kStart + milliseconds(100));
+  ASSERT_EQ(odometry->add_scan(scan(kStart + milliseconds(50))), Status::kOk);
+  odometry->reset();
+  EXPECT_FALSE(odometry->initialized());
+  EXPECT_TRUE(odometry->now().p_WB.isZero(0.0));
+  EXPECT_EQ(odometry->now().q_WB.norm(), 1.0);
+  EXPECT_TRUE(odometry->covariance().isZero(0.0));
+  EXPECT_EQ(odometry->counters().scans, 0U);
+  EXPECT_EQ(odometry->add_scan(scan(kStart + milliseconds(50))), Status::kNotInitialized);
+}
+
+}  // namespace
+}  // namespace rio::test
