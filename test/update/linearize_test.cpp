@@ -175,7 +175,9 @@ TEST_F(RowsOfAModel, OfAStandingBodyATimeOffsetTellsNothing) {
                         DopplerModel::measurement(detection_, x_.gyro_B), DopplerModel::Blocks{}, x,
                         {}, layout_, &batch));
   batch.rows()[0].for_each_segment([&](int column, const double* h, int) {
-    if (column == layout_.time_offset()) EXPECT_EQ(h[0], 0.0);
+    if (column == layout_.time_offset()) {
+      EXPECT_EQ(h[0], 0.0);
+    }
   });
 }
 
