@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "rio/rio.hpp"
+#include "support/measured.hpp"
 
 namespace rio::test {
 namespace {
@@ -125,6 +126,30 @@ TEST_F(EngineTest, AFullBufferIsCaughtUp) {
   EXPECT_GT((hurried->at_scan().p_WB - truth(kStart).p_WB).norm(), 0.1);
   // no sooner than needed
   EXPECT_GE(hurried->now().time - hurried->at_scan().time, 30 * kSample);
+}
+
+// A start that is wrong by two metres a second is found out, and what it has done to the position
+// is taken back: the restart knows since when.
+TEST_F(EngineTest, AWrongVelocityIsTakenBackFromThePosition) {
+  auto odometry = started();
+  NavState wrong = truth(kStart);
+  wrong.v_WB.y() += 2.0;
+  ASSERT_EQ(odometry->reset(wrong, 1e-6 * BodyCovariance::Identity()), Status::kOk);
+  double farthest = 0.0;
+  Time t = kStart;
+  for (int i = 1; odometry->counters().velocity_resets == 0 && i < 60; ++i) {
+    const double y = odometry->now().p_WB.y();
+    farthest = std::max(farthest, y);
+    t = kStart + milliseconds(50 * i);
+    feed(*odometry, t);
+    ASSERT_EQ(odometry->add_scan(scan(t)), Status::kOk);
+  }
+  EXPECT_EQ(odometry->counters().velocity_resets, 1U);
+  measured("position before the restart [m]", farthest, "above 0.2");
+  measured("position after it [m]", odometry->at_scan().p_WB.y(), "below a fifth");
+  EXPECT_GT(farthest, 0.2);
+  EXPECT_LT(std::abs(odometry->at_scan().p_WB.y()), 0.2 * farthest);
+  EXPECT_LT((odometry->at_scan().v_WB - truth(t).v_WB).norm(), 0.1);
 }
 
 TEST_F(EngineTest, AStartNeedsARotation) {
