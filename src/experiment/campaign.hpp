@@ -49,6 +49,8 @@ struct Settings {
   std::string data{};  ///< folder of the recordings, for experiments on real ones
   std::vector<std::string> recordings{};  ///< further such folders
   std::string scenario{};                 ///< name or file, for experiments that fly one of choice
+  double hours = 24.0;                    ///< of flight, for `soak`
+  bool smoother = false;                  ///< the back-end of `soak`
   OnProgress on_progress{};
 };
 

@@ -47,6 +47,10 @@ Result real(const Settings& settings);
 /// rates, losses, vibration, points, and what the filter makes of them.
 Result twins(const Settings& settings);
 
+/// One flight of Settings::hours: memory, errors, symmetry, norms and times, and whether runs and
+/// the orders of calls agree to the bit.
+Result soak(const Settings& settings);
+
 /// One experiment of the list.
 struct Experiment {
   const char* name;
@@ -67,6 +71,7 @@ inline const std::vector<Experiment>& experiments() {
       {"robustness", "every scenario with every preset", &robustness},
       {"real", "every recording of the folder --data, also perturbed", &real},
       {"twins", "recordings DATASET... (or --data) beside their simulated twins", &twins},
+      {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},
   };
   return all;
 }

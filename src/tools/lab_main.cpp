@@ -27,6 +27,8 @@ struct Arguments {
   std::string data;
   std::vector<std::string> recordings;
   std::string scenario;
+  double hours = 24.0;
+  std::string backend = "ekf";
   std::string out = "out";
   std::string update;
 };
@@ -46,12 +48,15 @@ void run_experiment(const Arguments& arguments) {
   rio::experiment::Result result;
   {
     rio::tools::Progress progress(true);
-    const rio::experiment::Settings settings{arguments.seeds,
-                                             arguments.threads,
-                                             arguments.data,
-                                             arguments.recordings,
-                                             arguments.scenario,
-                                             [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
+    const rio::experiment::Settings settings{
+        arguments.seeds,
+        arguments.threads,
+        arguments.data,
+        arguments.recordings,
+        arguments.scenario,
+        arguments.hours,
+        arguments.backend == "smoother",
+        [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
     result = chosen->run(settings);
   }
   std::fputs(result.markdown.c_str(), stdout);
@@ -85,6 +90,12 @@ int run(int argc, char** argv) {
   app.add_option("DATASET", arguments.recordings, "recordings, for the experiment `twins`");
   app.add_option("--data", arguments.data, "folder of recordings, for `real` and `twins`");
   app.add_option("--scenario", arguments.scenario, "name or file of a scenario, for `twins`");
+  app.add_option("--hours", arguments.hours, "of flight, for `soak`")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  app.add_option("--backend", arguments.backend, "for `soak`")
+      ->check(CLI::IsMember({"ekf", "smoother"}))
+      ->capture_default_str();
   app.add_option("--out", arguments.out, "folder for report, data and charts")
       ->capture_default_str();
   app.add_option("--update", arguments.update,

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A day in the air in one go: does anything grow, drift or depend on the order of the calls?
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.hpp"
+#include "experiment/soak_run.hpp"
+#include "experiment/spread.hpp"
+#include "rio/core/chi2.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+constexpr double kRow = 600.0;          // [s]
+constexpr double kComparison = 600.0;   // of the runs that must be the same [s]
+constexpr std::size_t kTableRows = 24;  // of the report; the csv has all
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+double largest(const std::vector<SoakRow>& rows, double SoakRow::*value) {
+  double most = 0.0;
+  for (const SoakRow& row : rows) {
+    // not max(), so that a NaN is told
+    if (!(row.*value <= most)) most = row.*value;
+  }
+  return most;
+}
+
+double mean(const std::vector<SoakRow>& rows, double SoakRow::*value) {
+  double sum = 0.0;
+  for (const SoakRow& row : rows) sum += row.*value;
+  return rows.empty() ? std::numeric_limits<double>::quiet_NaN()
+                      : sum / static_cast<double>(rows.size());
+}
+
+std::vector<std::string> cells(const SoakRow& row) {
+  return {fmt::format("{:.2f}", row.time / 3600.0),
+          fmt::format("{:.1f}", row.resident),
+          fmt::format("{:.3f} / {:.3f}", row.position_error, row.position_sigma),
+          fmt::format("{:.2f}", row.nees_position),
+          fmt::format("{:.3f}", row.velocity_error),
+          fmt::format("{:.2f}", row.nees_velocity),
+          fmt::format("{:.3f}", row.tilt_error / kDegree),
+          fmt::format("{:.2f}", row.nees_tilt),
+          fmt::format("{:.0e}", row.asymmetry),
+          fmt::format("{:.0e}", row.norm_error),
+          fmt::format("{:.2f} / {:.2f}", 1e3 * row.time_per_scan, 1e3 * row.longest_scan)};
+}
+
+std::string table_of(const std::vector<SoakRow>& rows) {
+  MarkdownTable table({"time [h]", "memory [MB]", "position error / sigma [m]", "NEES",
+                       "velocity error [m/s]", "NEES", "tilt error [deg]", "NEES", "asymmetry of P",
+                       "norm of q, less 1", "time a scan, mean / longest [ms]"});
+  const std::size_t step = (rows.size() + kTableRows - 1) / kTableRows;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if ((i + 1) % step == 0 || i + 1 == rows.size()) table.add(cells(rows[i]));
+  }
+  return table.text();
+}
+
+std::string csv_of(const std::vector<SoakRow>& rows) {
+  std::string text =
+      "t_s,resident_mb,position_error,position_sigma,nees_position,velocity_error,nees_velocity,"
+      "tilt_error,nees_tilt,asymmetry,norm_error,lag,time_per_scan,longest_scan\n";
+  for (const SoakRow& r : rows) {
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.time, r.resident,
+                        r.position_error, r.position_sigma, r.nees_position, r.velocity_error,
+                        r.nees_velocity, r.tilt_error, r.nees_tilt, r.asymmetry, r.norm_error,
+                        r.lag, r.time_per_scan, r.longest_scan);
+  }
+  return text;
+}
+
+/// The rows of the verdict: what was asked, what was found, whether it held.
+class Verdict {
+ public:
+  void add(const std::string& what, const std::string& found, const std::string& asked, bool held) {
+    table_.add({what, found, asked, held ? "yes" : "NO"});
+  }
+  const std::string& text() const { return table_.text(); }
+
+ private:
+  MarkdownTable table_{{"", "found", "asked", "held"}};
+};
+
+void judge_constancy(const SoakRun& run, Verdict* verdict) {
+  const std::vector<SoakRow>& rows = run.rows;
+  // of the second row: the first has seen the start
+  const double grown =
+      rows.back().resident - rows[std::min<std::size_t>(1, rows.size() - 1)].resident;
+  verdict->add("growth of memory [MB]", fmt::format("{:.2f}", grown), "below 1", grown < 1.0);
+  verdict->add("finite at every scan", run.finite ? "yes" : "no", "yes", run.finite);
+  const double asymmetry = largest(rows, &SoakRow::asymmetry);
+  verdict->add("asymmetry of P", fmt::format("{:.0e}", asymmetry), "0", asymmetry == 0.0);
+  const double norm = largest(rows, &SoakRow::norm_error);
+  verdict->add("norm of q, less 1", fmt::format("{:.0e}", norm), "below 1e-14", norm < 1e-14);
+  const double lag = largest(rows, &SoakRow::lag);
+  verdict->add("now() off the newest sample [s]", fmt::format("{}", lag), "0", lag == 0.0);
+  const Counters& c = run.counters;
+  verdict->add("scans processed", fmt::format("{} of {}", c.scans, run.scans), "all",
+               c.scans == run.scans);
+  const std::uint64_t failed = c.updates_failed + c.velocity_resets + c.attitude_resets;
+  verdict->add("updates failed, states replaced", fmt::format("{}", failed), "0", failed == 0);
+  const std::size_t part = std::max<std::size_t>(1, rows.size() / 4);
+  const double first =
+      mean({rows.begin(), rows.begin() + static_cast<long>(part)}, &SoakRow::time_per_scan);
+  const double last =
+      mean({rows.end() - static_cast<long>(part), rows.end()}, &SoakRow::time_per_scan);
+  verdict->add("time a scan, last quarter over first", fmt::format("{:.2f}", last / first),
+               "below 1.5", last < 1.5 * first);
+}
+
+void judge_errors(const SoakRun& run, Verdict* verdict) {
+  const std::vector<SoakRow>& rows = run.rows;
+  const double position = largest(rows, &SoakRow::nees_position);
+  const double bound = chi2_quantile(0.9999, 3.0) / 3.0;  // somewhere in the run
+  verdict->add("position: largest NEES of a row", fmt::format("{:.2f}", position),
+               fmt::format("below {:.1f}", bound), position < bound);
+  const double velocity = mean(rows, &SoakRow::nees_velocity);
+  verdict->add("velocity: mean NEES", fmt::format("{:.2f}", velocity), "below 1.5", velocity < 1.5);
+  const double tilt = mean(rows, &SoakRow::nees_tilt);
+  verdict->add("tilt: mean NEES", fmt::format("{:.2f}", tilt), "below 1.5", tilt < 1.5);
+}
+
+void judge_order(const SoakSettings& settings, Verdict* verdict) {
+  SoakSettings brief = settings;
+  brief.seconds = std::min(settings.seconds, kComparison);
+  const std::uint64_t hash = run_soak(brief).hash;
+  const auto compare = [&](const char* what, Interleaving interleaving) {
+    brief.interleaving = interleaving;
+    const bool same = run_soak(brief).hash == hash;
+    verdict->add(what, same ? "same bytes" : "other bytes", "same bytes", same);
+  };
+  compare("flown again", Interleaving::kScanFirst);
+  compare("each sample before the scan", Interleaving::kImuFirst);
+  compare("scans 0.2 s early: they wait", Interleaving::kEarly);
+  compare("scans 0.1 s late", Interleaving::kLate);
+}
+
+}  // namespace
+
+Result soak(const Settings& settings) {
+  SoakSettings chosen;
+  chosen.seconds = 3600.0 * settings.hours;
+  chosen.every = std::min(kRow, chosen.seconds);
+  chosen.backend = settings.smoother ? BackEnd::kSmoother : BackEnd::kEkf;
+  const auto total = static_cast<std::size_t>(chosen.seconds / chosen.every);
+  std::size_t done = 0;
+  const SoakRun run = run_soak(chosen, [&](const SoakRow&) {
+    if (settings.on_progress) settings.on_progress(++done, total);
+  });
+  Verdict verdict;
+  judge_constancy(run, &verdict);
+  judge_errors(run, &verdict);
+  judge_order(chosen, &verdict);
+  const char* name = settings.smoother ? "smoother" : "filter";
+  Result result;
+  result.markdown = fmt::format(
+      "`default`, {}, {:.2f} simulated hours in one go: every ten minutes from the ground and "
+      "back, "
+      "each time another way.\nTimes are of this machine. A row is at its time; NEES over its "
+      "dimension, of velocity and tilt the mean since the row before.\nThe csv has a row every "
+      "ten minutes.\n\n{}\n{}",
+      name, settings.hours, table_of(run.rows), verdict.text());
+  result.attachments.push_back(
+      {settings.smoother ? "soak-smoother.csv" : "soak.csv", csv_of(run.rows)});
+  return result;
+}
+
+}  // namespace rio::experiment

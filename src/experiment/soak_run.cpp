@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "experiment/soak_run.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "experiment/soak_flight.hpp"
+#include "experiment/trial.hpp"
+#include "rio/eval/nees.hpp"
+#include "rio/io/start.hpp"
+#include "rio/rio.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+/// Memory of this process [MB]; 0 where the system does not tell.
+double resident_megabytes() {
+  long size = 0;
+  long resident = 0;
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  if (file == nullptr) return 0.0;
+  const int read = std::fscanf(file, "%ld %ld", &size, &resident);
+  std::fclose(file);
+  const auto pages = static_cast<double>(read == 2 ? resident : 0);
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576.0;
+}
+
+/// FNV-1a.
+template <class T>
+void add_to_hash(const T& value, std::uint64_t* hash) {
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&value);
+  for (std::size_t i = 0; i < sizeof value; ++i) *hash = (*hash ^ bytes[i]) * 0x100000001b3ULL;
+}
+
+/// How long before (positive) or after its time a scan is handed over.
+Time ahead(Interleaving interleaving) {
+  using std::chrono::milliseconds;
+  if (interleaving == Interleaving::kEarly) return milliseconds(200);
+  return interleaving == Interleaving::kLate ? milliseconds(-100) : milliseconds(0);
+}
+
+/// The error of the direction of gravity, in two axes across it, and its NEES over two.
+struct Tilt {
+  double error = 0.0;  ///< [rad]
+  double nees = 0.0;
+};
+Tilt tilt_of(const eval::BodyError& e, const NavState& estimate, const BodyCovariance& P) {
+  const Vector3d up = estimate.q_WB.conjugate() * Vector3d::UnitZ();
+  Eigen::Matrix<double, 2, 3> across;
+  across.row(0) = up.unitOrthogonal();
+  across.row(1) = up.cross(Vector3d(across.row(0)));
+  const Eigen::Vector2d error = across * e.segment<3>(body::kAttitude);
+  const Eigen::Matrix2d covariance =
+      across * P.block<3, 3>(body::kAttitude, body::kAttitude) * across.transpose();
+  return {error.norm(), eval::nees(error, covariance) / 2.0};
+}
+
+class Run {
+ public:
+  Run(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each)
+      : settings_(settings), each_(each), flight_(scenario()) {
+    sim::Flight told;  // the sensors alone
+    told.scenario = scenario();
+    told.told_T_BS = told.scenario.radar.T_BS;
+    Options options = options_for(told, "default");
+    options.backend = settings.backend;
+    options.timing.clock = &steady_now;
+    std::string why;
+    odometry_ = Odometry::create(options, &why);
+    if (odometry_ == nullptr) throw std::runtime_error(why);
+    const NavState start = flight_.truth(told.scenario.start);
+    BodyCovariance P0 = io::start_covariance(start.q_WB, options.start);
+    if (odometry_->reset(start, P0) != Status::kOk) throw std::runtime_error("no start");
+  }
+
+  SoakRun fly() {
+    constexpr double kRest = 0.5;  // without a scan, so that the last is processed [s]
+    const Time begin = scenario().start;
+    const Time last_scan = begin + from_seconds(settings_.seconds - kRest);
+    const Time end = begin + from_seconds(settings_.seconds);
+    const bool imu_first = settings_.interleaving == Interleaving::kImuFirst;
+    for (Time now = begin; now < end;) {
+      const ImuSample sample = flight_.next_imu();
+      now = sample.time;
+      if (imu_first) give(sample);
+      while (flight_.next_scan_time() < std::min(last_scan, now + ahead(settings_.interleaving))) {
+        ++run_.scans;
+        (void)odometry_->add_scan(flight_.next_scan());
+        look();
+      }
+      if (!imu_first) give(sample);
+      if (to_seconds(now - begin) >= settings_.every * static_cast<double>(run_.rows.size() + 1)) {
+        end_row(to_seconds(now - begin));
+      }
+    }
+    run_.counters = odometry_->counters();
+    return run_;
+  }
+
+ private:
+  sim::Scenario scenario() const {
+    sim::Scenario scenario;
+    scenario.seed = settings_.seed;
+    return scenario;
+  }
+
+  void give(const ImuSample& sample) {
+    (void)odometry_->add_imu(sample);
+    look();
+    const double lag = std::abs(to_seconds(odometry_->now().time - sample.time));
+    row_.lag = std::max(row_.lag, lag);
+  }
+
+  /// At a new scan.
+  void look() {
+    if (odometry_->counters().scans == seen_) return;
+    seen_ = odometry_->counters().scans;
+    const NavState& x = odometry_->at_scan();
+    const BodyCovariance& P = odometry_->covariance();
+    add_to_hash(x, &run_.hash);
+    add_to_hash(P, &run_.hash);
+    const NavState truth = flight_.truth(x.time);
+    const eval::BodyError e = eval::body_error(x, truth);
+    run_.finite = run_.finite && e.allFinite() && P.allFinite();
+    const Tilt tilt = tilt_of(e, x, P);
+    const auto nees = [&](int at) {
+      return eval::nees(e.segment<3>(at).eval(), Matrix3d(P.block<3, 3>(at, at))) / 3.0;
+    };
+    const UpdateReport& report = odometry_->report();
+    const double took = to_seconds(report.propagation_time + report.update_time);
+    ++scans_in_row_;
+    row_.position_error = e.segment<3>(body::kPosition).norm();
+    row_.position_sigma = std::sqrt(P.diagonal().segment<3>(body::kPosition).sum());
+    row_.velocity_error = e.segment<3>(body::kVelocity).norm();
+    row_.tilt_error = tilt.error;
+    row_.nees_position = nees(body::kPosition);
+    row_.nees_velocity += nees(body::kVelocity);
+    row_.nees_tilt += tilt.nees;
+    row_.asymmetry = std::max(row_.asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
+    row_.norm_error = std::max(row_.norm_error, std::abs(x.q_WB.norm() - 1.0));
+    row_.time_per_scan += took;
+    row_.longest_scan = std::max(row_.longest_scan, took);
+  }
+
+  void end_row(double time) {
+    row_.time = time;
+    row_.resident = resident_megabytes();
+    for (double* sum : {&row_.nees_velocity, &row_.nees_tilt, &row_.time_per_scan}) {
+      *sum /= scans_in_row_;
+    }
+    run_.rows.push_back(row_);
+    if (each_) each_(row_);
+    row_ = {};
+    scans_in_row_ = 0;
+  }
+
+  SoakSettings settings_;
+  const std::function<void(const SoakRow&)>& each_;
+  EndlessFlight flight_;
+  std::unique_ptr<Odometry> odometry_;
+  SoakRun run_;
+  SoakRow row_;
+  int scans_in_row_ = 0;
+  std::uint64_t seen_ = 0;  ///< scans
+};
+
+}  // namespace
+
+SoakRun run_soak(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each) {
+  return Run(settings, each).fly();
+}
+
+}  // namespace rio::experiment

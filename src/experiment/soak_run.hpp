@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One long run of one estimator: what it has to show of itself every few minutes, and a hash of all
+// its estimates, by which runs are compared.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "rio/options.hpp"
+#include "rio/report.hpp"
+
+namespace rio::experiment {
+
+/// In what order samples and scans are handed over. The estimates are the same in all of them.
+enum class Interleaving {
+  kScanFirst,  ///< each scan as soon as its time has come, before the next sample
+  kImuFirst,   ///< each scan when a sample is newer than it
+  kEarly,      ///< two tenths of a second ahead of the samples: scans wait
+  kLate,       ///< a tenth of a second behind them
+};
+
+struct SoakSettings {
+  double seconds = 86'400.0;
+  double every = 600.0;  ///< time of a row [s]
+  BackEnd backend = BackEnd::kEkf;
+  Interleaving interleaving = Interleaving::kScanFirst;
+  std::uint64_t seed = 1;
+};
+
+/// At the last scan of a row; "largest" and "mean" are over its scans.
+struct SoakRow {
+  double time = 0.0;            ///< of flight [s]
+  double resident = 0.0;        ///< memory of the process [MB]
+  double position_error = 0.0;  ///< [m]
+  double position_sigma = 0.0;  ///< root of the trace of its covariance [m]
+  double velocity_error = 0.0;  ///< [m/s]
+  double tilt_error = 0.0;      ///< [rad]
+  double nees_position = 0.0;   ///< here and below, over its dimension
+  double nees_velocity = 0.0;   ///< mean
+  double nees_tilt = 0.0;       ///< mean
+  double asymmetry = 0.0;       ///< largest of P
+  double norm_error = 0.0;      ///< largest of | |q| - 1 |
+  double lag = 0.0;             ///< largest of now() to the newest sample [s]
+  double time_per_scan = 0.0;   ///< mean [s]
+  double longest_scan = 0.0;    ///< [s]
+};
+
+struct SoakRun {
+  std::vector<SoakRow> rows;
+  std::uint64_t scans = 0;                     ///< given
+  std::uint64_t hash = 0xcbf29ce484222325ULL;  ///< of state and covariance at every scan
+  bool finite = true;                          ///< all of them
+  Counters counters;
+};
+
+/// Flies the default preset from a known start. Called with each row as it ends.
+SoakRun run_soak(const SoakSettings& settings,
+                 const std::function<void(const SoakRow&)>& each = {});
+
+}  // namespace rio::experiment
