@@ -233,7 +233,9 @@ void read_radar_info(const fs::path& path, Dataset* dataset) {
 
 /// A file that was cut between two rows is whole to its reader; the other sensor tells.
 void note_if_cut_short(const fs::path& root, Dataset* dataset) {
-  const double ahead = to_seconds(dataset->imu.back().time - dataset->scans.back().time);
+  // not of the difference, which the integers may not hold
+  const double ahead =
+      to_seconds(dataset->imu.back().time) - to_seconds(dataset->scans.back().time);
   if (std::abs(ahead) < 1.0) return;
   dataset->notes.push_back(fmt::format("{} ends {:.1f} s before {}",
                                        (root / (ahead > 0.0 ? kRadar : kImu)).string(),

@@ -210,6 +210,10 @@ TEST(Dataset, NotesASensorThatEndsLongBeforeTheOther) {
   dir.write("imu0/data.csv", std::string(kImuRows) + "5000000000,1,2,3,4,5,6\n");
   EXPECT_NE(read_dataset(dir.path()).notes.back().find("radar0 ends 5.0 s before imu0"),
             std::string::npos);
+  dir.write("imu0/data.csv", "9000000000000000000,1,2,3,4,5,6\n");
+  dir.write("radar0/data.csv", "-9000000000000000000,1,2,3,4,5,6\n");
+  EXPECT_NE(read_dataset(dir.path()).notes.back().find("radar0 ends 18000000000.0 s before imu0"),
+            std::string::npos);
 }
 
 }  // namespace
