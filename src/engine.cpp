@@ -29,8 +29,27 @@ bool is_finite(const NavState& s) {
          s.gyro_bias.allFinite() && s.accel_bias.allFinite();
 }
 
+bool is_plausible(const NavState& s, const BodyCovariance& P) {
+  constexpr double kFarthest = 1e7;  // [m]
+  constexpr double kMost = 1e4;      // [m/s, rad/s, m/s^2]
+  constexpr double kSigma = 1e6;     // of anything
+  const auto largest = [](const auto& values) { return values.cwiseAbs().maxCoeff(); };
+  return largest(s.p_WB) <= kFarthest && largest(s.v_WB) <= kMost &&
+         largest(s.gyro_bias) <= kMost && largest(s.accel_bias) <= kMost &&
+         largest(P) <= kSigma * kSigma;
+}
+
+bool is_near_unit(const Quaternion& q) {
+  if (!(q.coeffs().cwiseAbs().maxCoeff() < 2.0)) return false;  // its square need not be a number
+  const double norm = q.norm();
+  return norm > 0.5 && norm < 2.0;
+}
+
 bool is_covariance(const BodyCovariance& P) {
   if (!(P.diagonal().minCoeff() >= 0.0)) return false;
+  const Eigen::Matrix<double, body::kSize, 1> sigmas = P.diagonal().cwiseSqrt();
+  const Matrix15d most = sigmas * sigmas.transpose();
+  if (!(P.cwiseAbs().array() <= (1.0 + 1e-9) * most.array()).all()) return false;
   // of the correlations; where a variance is zero so is its row
   const double least = std::numeric_limits<double>::min();
   const Eigen::Matrix<double, body::kSize, 1> scale =

@@ -42,6 +42,11 @@ class ScanQueue {
 
 /// Every value is a number.
 bool is_finite(const NavState& state);
+/// Neither a value nor a sigma is beyond what any vehicle has, so that arithmetic does not
+/// overflow.
+bool is_plausible(const NavState& state, const BodyCovariance& P);
+/// Its norm is between 0.5 and 2.
+bool is_near_unit(const Quaternion& q);
 /// Symmetric, and no eigenvalue below zero, both but for round-off, whatever the units.
 bool is_covariance(const BodyCovariance& P);
 /// A pause of unknown length, some 0.3 s, added to P: how far the body may have moved and turned.
@@ -154,8 +159,8 @@ class Engine final : public Odometry::Impl {
 
   Status reset(const NavState& prior, const BodyCovariance& P0) override {
     if (!is_finite(prior) || !P0.allFinite()) return Status::kNonFinite;
-    const double norm = prior.q_WB.norm();
-    if (!(norm > 0.5 && norm < 2.0) || !is_covariance(P0)) return Status::kNumerical;
+    if (!is_plausible(prior, P0)) return Status::kImplausible;
+    if (!is_near_unit(prior.q_WB) || !is_covariance(P0)) return Status::kNumerical;
     if (is_before_buffer(prior.time)) return Status::kLate;
     if (is_beyond_buffer(prior.time)) return Status::kAhead;
     NavState start = prior;

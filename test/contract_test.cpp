@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cfenv>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -253,6 +254,33 @@ TEST_P(ContractTest, AStartIsAUnitQuaternionAndACovariance) {
   mixed(body::kAccelBias, body::kGyroBias) = 1.1e-6;
   EXPECT_EQ(status(1.0, mixed), Status::kNumerical);
   EXPECT_EQ(status(1.0, BodyCovariance::Zero()), Status::kOk);
+}
+
+// Flight stacks that trap floating point exceptions must not end here.
+TEST_P(ContractTest, AStartThatNoVehicleHasIsRefusedWithoutOverflow) {
+  auto odometry = Odometry::create(options());
+  std::feclearexcept(FE_ALL_EXCEPT);
+  const auto status = [&](const auto& change) {
+    NavState prior = flight().truth.front();
+    BodyCovariance P = 1e-4 * BodyCovariance::Identity();
+    change(prior, P);
+    return odometry->reset(prior, P);
+  };
+  const auto none = [](NavState&, BodyCovariance&) {};
+  EXPECT_EQ(status([](NavState& x, auto&) { x.p_WB.x() = 1e300; }), Status::kImplausible);
+  EXPECT_EQ(status([](NavState& x, auto&) { x.v_WB.z() = -2e4; }), Status::kImplausible);
+  EXPECT_EQ(status([](NavState& x, auto&) { x.gyro_bias.y() = 1e155; }), Status::kImplausible);
+  EXPECT_EQ(status([](NavState& x, auto&) { x.accel_bias.y() = 2e4; }), Status::kImplausible);
+  EXPECT_EQ(status([](auto&, BodyCovariance& P) { P(4, 4) = 1e300; }), Status::kImplausible);
+  EXPECT_EQ(status([](NavState& x, auto&) { x.q_WB.w() = 1e200; }), Status::kNumerical);
+  EXPECT_EQ(status([](auto&, BodyCovariance& P) {
+              P(4, 4) = 0.0;
+              P(4, 5) = P(5, 4) = 100.0;
+            }),
+            Status::kNumerical);
+  EXPECT_FALSE(odometry->initialized());
+  EXPECT_EQ(status(none), Status::kOk);
+  EXPECT_EQ(std::fetestexcept(FE_INVALID | FE_OVERFLOW | FE_DIVBYZERO), 0);
 }
 
 // A time left at zero, and the first sample fifty years later.

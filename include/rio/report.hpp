@@ -26,7 +26,8 @@ enum class Status : std::uint8_t {
   kQueueFull,       ///< too many scans wait for the IMU
   kNonFinite,       ///< NaN or infinity in the data
   kNumerical,       ///< the update failed numerically; state and covariance were restored
-  kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost
+  kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost; a start
+                    ///< that no vehicle has
   kAhead,           ///< stamp too far ahead of the newest IMU sample
 };
 

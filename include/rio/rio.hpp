@@ -63,9 +63,10 @@ class RIO_API Odometry {
   /// newest IMU sample, within what is buffered: kLate if more than TimingOptions::max_lag before
   /// the samples since the last scan, kAhead if more than max_ahead after the newest. Without any
   /// sample yet it may be anything: farther than max_pause from the first sample it is taken to
-  /// hold there. kNonFinite if a value is not finite, kNumerical if P0 is not symmetric positive
-  /// semi-definite or the norm of the quaternion is not near one (0.5 to 2; it is normalised);
-  /// nothing changes then.
+  /// hold there. kNonFinite if a value is not finite, kImplausible if a position is beyond 1e7 m,
+  /// another value beyond 1e4 or a sigma beyond 1e6 (SI units), kNumerical if P0 is not symmetric
+  /// positive semi-definite or the norm of the quaternion is not near one (0.5 to 2; it is
+  /// normalised); nothing changes then.
   /// @param P0 covariance of the body error state, order of namespace body, SI units
   [[nodiscard]] Status reset(const NavState& prior, const BodyCovariance& P0) noexcept;
   /// Forgets everything and returns to the start mode of the options (static alignment).
