@@ -3,6 +3,7 @@
 # measured.
 #   test/run.sh             all tests
 #   test/run.sh sanitize    all but the Monte Carlo tests, with AddressSanitizer and UBSan
+#   test/run.sh thread      the test of two threads, with ThreadSanitizer
 #   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone, the benchmarks
 # Further arguments go to ctest, as in: test/run.sh -L model.  CXX=clang++ chooses the compiler.
 # RIO_TEST_DATA names a folder with real recordings; without it their tests are skipped.
@@ -10,7 +11,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 mode=test
-case "${1:-}" in sanitize | tidy) mode=$1; shift ;; esac
+case "${1:-}" in sanitize | thread | tidy) mode=$1; shift ;; esac
 cmake/install_dependencies.sh tests
 
 jobs=$(nproc)
@@ -23,6 +24,12 @@ if [ "$mode" = tidy ]; then
   git ls-files 'src/*.cpp' 'test/*.cpp' ':!test/package' |
     xargs -P "$jobs" -n 4 clang-tidy-14 --quiet -p "$build"
   cmake --build "$build" -j "$jobs" --target headers_alone update_bench
+  exit
+fi
+
+if [ "$mode" = thread ]; then
+  cmake --build "$build" -j "$jobs" --target two_threads_test
+  ctest --test-dir "$build" --output-on-failure --no-tests=error -L thread "$@"
   exit
 fi
 

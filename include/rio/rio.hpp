@@ -6,9 +6,16 @@
 //   odometry->add_scan(scan);     // each radar scan
 //
 // The estimate lives at the time of the newest processed scan; a predictor carries it through the
-// buffered IMU samples to now(). One thread feeds both calls; there is no lock, no thread, no
-// clock, no logging and, after create(), no allocation inside. The same binary fed in the same
-// order gives the same bytes.
+// buffered IMU samples to now(). There is no lock, no thread, no clock, no logging and, after
+// create(), no allocation inside. The same binary fed in the same order gives the same bytes.
+//
+// One thread feeds both calls and reads. Where the IMU and the radar have a thread each, either
+// put their data into one queue that a third thread empties into the calls, or hold one mutex
+// around every call, the accessors too: these return references to what the next call changes, so
+// copy now() and covariance() under the mutex and use the copies. A scan may then come before or
+// after the samples of its time; the estimates at the scans are the same. An update holds the mutex
+// for a millisecond or so, during which the IMU waits: with a queue it does not. Two estimators
+// share nothing; each may have a thread of its own without a lock.
 //
 // What goes in is checked in constant time. What is refused has its Status and its counter, and
 // changes nothing else:
