@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # Installs what the build needs from Debian or Ubuntu packages; asks for nothing that is there already.
-#   cmake/install_dependencies.sh [tools|tests]     tests = tools and more
+#   cmake/install_dependencies.sh [tools|tests|fuzz]     tests, fuzz = tools and more
 set -euo pipefail
 
 packages=(cmake g++ make libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
   libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
 if [ "${1:-tools}" = tests ]; then
   packages+=(libgtest-dev libbenchmark-dev libceres-dev clang-format-14 clang-tidy-14)
+fi
+if [ "${1:-tools}" = fuzz ]; then
+  packages+=(clang-14 libclang-rt-14-dev)
 fi
 
 missing=()

@@ -13,8 +13,8 @@
 
 namespace rio {
 
-/// Outcome of handing data to the estimator. Everything except kOk and kWaiting left the estimate
-/// unchanged, and is counted in Counters.
+/// Outcome of handing data to the estimator. Everything except kOk, kWaiting and kNumerical left
+/// the estimate unchanged, and all but kOk and kWaiting is counted in Counters.
 enum class Status : std::uint8_t {
   kOk,
   kWaiting,         ///< scan is newer than the IMU: queued, processed when the IMU has caught up
@@ -25,7 +25,8 @@ enum class Status : std::uint8_t {
   kLate,            ///< scan older than the estimate, start older than the buffered samples
   kQueueFull,       ///< too many scans wait for the IMU
   kNonFinite,       ///< NaN or infinity in the data
-  kNumerical,       ///< the update failed numerically; state and covariance were restored
+  kNumerical,       ///< the update failed numerically: the estimate is what the IMU alone predicts;
+                    ///< of a start: no covariance, or no quaternion
   kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost; a start
                     ///< that no vehicle has
   kAhead,           ///< stamp too far ahead of the newest IMU sample

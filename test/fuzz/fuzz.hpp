@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the fuzz targets share: bytes turned into values, a failed check, trapped floating point
+// exceptions, a folder in memory.
+#pragma once
+
+#include <fenv.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+/// A finding: says where, and ends the program in the way the fuzzer notices.
+#define RIO_FUZZ_CHECK(condition)                                                  \
+  do {                                                                             \
+    if (!(condition)) {                                                            \
+      std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); \
+      std::abort();                                                                \
+    }                                                                              \
+  } while (false)
+
+namespace rio::fuzz {
+
+/// The fuzzer's bytes, read from the front; zeros when they are used up.
+class Input {
+ public:
+  Input(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+
+  bool empty() const { return size_ == 0; }
+  std::uint8_t byte() {
+    if (size_ == 0) return 0;
+    --size_;
+    return *data_++;
+  }
+  int below(int limit) { return byte() % limit; }
+  std::int16_t word() {
+    const int low = byte();
+    return static_cast<std::int16_t>(low | byte() << 8);
+  }
+
+  /// Mostly of the size that sensors say, else one that arithmetic stumbles over.
+  double real() {
+    using Limits = std::numeric_limits<double>;
+    constexpr double kOdd[] = {0.0,
+                               -0.0,
+                               1.0,
+                               -1.0,
+                               1e-9,
+                               1e3,
+                               1.1e3,
+                               -1e4,
+                               1e9,
+                               1e154,
+                               1e300,
+                               -1e300,
+                               1e-300,
+                               Limits::denorm_min(),
+                               Limits::max(),
+                               Limits::lowest(),
+                               Limits::infinity(),
+                               -Limits::infinity(),
+                               Limits::quiet_NaN(),
+                               3.14159265358979};
+    constexpr int kOddCount = sizeof kOdd / sizeof *kOdd;
+    const int kind = byte();
+    if (kind < kOddCount) return kOdd[kind];
+    if (kind == 255) return any();
+    return word() * (kind % 2 == 0 ? 1e-3 : 1e-2);
+  }
+
+ private:
+  double any() {
+    std::uint8_t bytes[sizeof(double)];
+    for (std::uint8_t& b : bytes) b = byte();
+    double value = 0.0;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+
+  const std::uint8_t* data_;
+  std::size_t size_;
+};
+
+/// While it lives, an invalid operation, a division by zero and an overflow end the program.
+class TrapFloatingPoint {
+ public:
+  explicit TrapFloatingPoint(bool on) : on_(on) {
+    if (!on_) return;
+    feclearexcept(FE_ALL_EXCEPT);
+    feenableexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+  }
+  ~TrapFloatingPoint() {
+    if (on_) fedisableexcept(FE_ALL_EXCEPT);
+  }
+  TrapFloatingPoint(const TrapFloatingPoint&) = delete;
+  TrapFloatingPoint& operator=(const TrapFloatingPoint&) = delete;
+
+ private:
+  bool on_;
+};
+
+}  // namespace rio::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fuzz/judge.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+namespace rio::fuzz {
+
+namespace {
+
+bool finite(const NavState& x) {
+  return x.q_WB.coeffs().allFinite() && x.p_WB.allFinite() && x.v_WB.allFinite() &&
+         x.gyro_bias.allFinite() && x.accel_bias.allFinite();
+}
+
+bool finite(const RadarDetection& d) {
+  const Eigen::Vector4d sigmas(d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler);
+  const Vector3d others(d.range_rate, d.snr_db, d.noise_db);
+  return d.point_S.allFinite() && others.allFinite() && sigmas.allFinite();
+}
+
+bool unit(const Quaternion& q) {
+  return std::abs(q.norm() - 1.0) < 1e-9;
+}
+
+/// No correlation matrix with an eigenvalue below -1e-9.
+bool positive_semidefinite(const BodyCovariance& P) {
+  if (!(P.diagonal().minCoeff() >= 0.0)) return false;
+  const double least = std::numeric_limits<double>::min();
+  const Eigen::Matrix<double, body::kSize, 1> scale =
+      P.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
+  using Matrix = Eigen::Matrix<double, body::kSize, body::kSize>;
+  Matrix C = scale.asDiagonal() * P * scale.asDiagonal();
+  C.diagonal().array() += 1e-9;
+  return Eigen::LLT<Matrix>(C).info() == Eigen::Success;
+}
+
+using Totals = std::array<std::uint64_t, sizeof(Counters) / sizeof(std::uint64_t)>;
+Totals totals(const Counters& counters) {
+  Totals all;
+  std::memcpy(all.data(), &counters, sizeof counters);
+  return all;
+}
+
+/// The counter that answers for a status of add_imu.
+std::uint64_t answered(const Counters& c, Status status) {
+  switch (status) {
+    case Status::kStale:
+      return c.imu_stale;
+    case Status::kAhead:
+      return c.imu_ahead;
+    case Status::kNonFinite:
+      return c.imu_non_finite;
+    case Status::kImplausible:
+      return c.imu_out_of_range + c.imu_frozen;
+    default:
+      return c.imu_samples;
+  }
+}
+
+/// Same, of add_scan; kWaiting has none.
+std::uint64_t answered_scan(const Counters& c, Status status) {
+  switch (status) {
+    case Status::kOk:
+      return c.scans;
+    case Status::kNotInitialized:
+      return c.scans_uninitialized;
+    case Status::kDuplicate:
+      return c.scans_duplicate;
+    case Status::kLate:
+      return c.scans_late;
+    case Status::kAhead:
+      return c.scans_ahead;
+    case Status::kQueueFull:
+      return c.scans_overflow;
+    case Status::kNonFinite:
+      return c.scans_non_finite;
+    case Status::kNumerical:
+      return c.updates_failed;
+    default:
+      return 0;
+  }
+}
+
+bool same(const NavState& a, const NavState& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+}  // namespace
+
+Calls& calls() {
+  static Calls all;
+  return all;
+}
+
+Judge::Judge(std::unique_ptr<Odometry> odometry, const Options& options)
+    : odometry_(std::move(odometry)), queue_(options.timing.scan_queue) {}
+
+bool Judge::Estimate::operator==(const Estimate& other) const {
+  return same(now, other.now) && same(at_scan, other.at_scan) &&
+         std::memcmp(&covariance, &other.covariance, sizeof covariance) == 0 &&
+         std::memcmp(&extrinsics, &other.extrinsics, sizeof extrinsics) == 0 &&
+         initialized == other.initialized;
+}
+
+Judge::Estimate Judge::estimate() const {
+  return {odometry_->now(), odometry_->at_scan(), odometry_->covariance(), odometry_->extrinsics(),
+          odometry_->initialized()};
+}
+
+void Judge::check_estimate(const Counters& before) const {
+  RIO_FUZZ_CHECK(finite(odometry_->now()));
+  RIO_FUZZ_CHECK(finite(odometry_->at_scan()));
+  RIO_FUZZ_CHECK(unit(odometry_->now().q_WB));
+  RIO_FUZZ_CHECK(unit(odometry_->at_scan().q_WB));
+  const Pose& T_BS = odometry_->extrinsics();
+  RIO_FUZZ_CHECK(T_BS.translation.allFinite());
+  RIO_FUZZ_CHECK(std::abs(T_BS.rotation.norm() - 1.0) < 1e-5);
+  const BodyCovariance& P = odometry_->covariance();
+  RIO_FUZZ_CHECK(P.allFinite());
+  RIO_FUZZ_CHECK(P == P.transpose());
+  RIO_FUZZ_CHECK(positive_semidefinite(P));
+  for (const CalibrationReport& c : odometry_->report().calibration) {
+    RIO_FUZZ_CHECK(std::abs(c.value) <= std::numeric_limits<double>::max());
+    RIO_FUZZ_CHECK(c.sigma >= 0.0);
+  }
+  const Totals now = totals(odometry_->counters());
+  const Totals then = totals(before);
+  for (std::size_t i = 0; i < now.size(); ++i) RIO_FUZZ_CHECK(now[i] >= then[i]);
+}
+
+void Judge::check_scans() const {
+  const Counters& c = odometry_->counters();
+  const std::uint64_t answered = c.scans + c.scans_late + c.scans_ahead + c.scans_duplicate +
+                                 c.scans_overflow + c.scans_non_finite + c.scans_uninitialized;
+  RIO_FUZZ_CHECK(answered <= scans_given_);  // the others wait, or their update failed
+  RIO_FUZZ_CHECK(scans_given_ <= answered + static_cast<std::uint64_t>(queue_) + c.updates_failed);
+}
+
+Status Judge::add_imu(const ImuSample& sample) {
+  ++calls().add_imu;
+  const Counters before = odometry_->counters();
+  const Estimate old = estimate();
+  Status status = Status::kOk;
+  {
+    const TrapFloatingPoint trap(sample.gyro_B.allFinite() && sample.accel_B.allFinite());
+    status = odometry_->add_imu(sample);
+  }
+  check_estimate(before);
+  RIO_FUZZ_CHECK(answered(odometry_->counters(), status) == answered(before, status) + 1);
+  const bool taken = status == Status::kOk || status == Status::kMoving;
+  RIO_FUZZ_CHECK(taken || estimate() == old);
+  if (status == Status::kOk && odometry_->initialized()) {
+    RIO_FUZZ_CHECK(odometry_->now().time == std::max(sample.time, odometry_->at_scan().time));
+  }
+  calls().processed += odometry_->counters().scans - before.scans;
+  check_scans();
+  return status;
+}
+
+Status Judge::add_scan(const RadarScan& scan) {
+  ++calls().add_scan;
+  ++scans_given_;
+  const Counters before = odometry_->counters();
+  const Estimate old = estimate();
+  const bool clean = std::all_of(scan.detections.begin(), scan.detections.end(),
+                                 [](const RadarDetection& d) { return finite(d); });
+  Status status = Status::kOk;
+  {
+    const TrapFloatingPoint trap(clean);
+    status = odometry_->add_scan(scan);
+  }
+  check_estimate(before);
+  if (status == Status::kOk) {
+    RIO_FUZZ_CHECK(odometry_->report().time == scan.time);
+  } else if (status != Status::kNumerical) {  // then it is as the IMU predicts
+    RIO_FUZZ_CHECK(estimate() == old);
+  }
+  if (status != Status::kWaiting) {
+    RIO_FUZZ_CHECK(answered_scan(odometry_->counters(), status) ==
+                   answered_scan(before, status) + 1);
+  }
+  calls().processed += odometry_->counters().scans - before.scans;
+  check_scans();
+  return status;
+}
+
+Status Judge::reset(const NavState& prior, const BodyCovariance& P0) {
+  ++calls().reset;
+  const Counters before = odometry_->counters();
+  const Estimate old = estimate();
+  Status status = Status::kOk;
+  {
+    const TrapFloatingPoint trap(finite(prior) && P0.allFinite());
+    status = odometry_->reset(prior, P0);
+  }
+  if (status != Status::kOk) {
+    check_estimate(before);
+    RIO_FUZZ_CHECK(estimate() == old);
+    RIO_FUZZ_CHECK(totals(odometry_->counters()) == totals(before));
+    return status;
+  }
+  scans_given_ = 0;
+  check_estimate(Counters{});
+  RIO_FUZZ_CHECK(odometry_->initialized());
+  RIO_FUZZ_CHECK(totals(odometry_->counters()) == Totals{});
+  return status;
+}
+
+void Judge::reset() {
+  ++calls().reset;
+  {
+    const TrapFloatingPoint trap(true);
+    odometry_->reset();
+  }
+  scans_given_ = 0;
+  check_estimate(Counters{});
+  RIO_FUZZ_CHECK(!odometry_->initialized());
+  RIO_FUZZ_CHECK(totals(odometry_->counters()) == Totals{});
+}
+
+}  // namespace rio::fuzz

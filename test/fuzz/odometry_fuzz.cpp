@@ -1,0 +1,319 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The calls of rio.hpp in any order with any data. The bytes are a program: options, then commands
+// to a vehicle that flies well but for what they spoil, so that most inputs reach an estimate.
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "fuzz/judge.hpp"
+#include "fuzz/vehicle.hpp"
+#include "rio/option_fields.hpp"
+
+namespace rio::fuzz {
+
+namespace {
+
+constexpr int kMaxCalls = 3000;  // of one input
+
+/// One field to a value in its range, at its border, or anywhere.
+void mutate(Input& in, const FieldInfo& info, double* value) {
+  const int kind = in.byte();
+  if (kind < 16) {
+    *value = in.real();
+  } else if (kind < 40) {
+    *value = info.min;
+  } else if (kind < 64) {
+    *value = info.max;
+  } else if (kind < 160) {
+    *value *= std::exp2(in.word() / 8192.0);
+  } else {
+    *value = info.min + (info.max - info.min) * (in.byte() / 255.0);
+  }
+}
+
+void mutate_field(Input& in, const FieldInfo& info, double& value) {
+  mutate(in, info, &value);
+}
+void mutate_field(Input& in, const FieldInfo& info, Vector3d& value) {
+  mutate(in, info, &value[in.below(3)]);
+}
+void mutate_field(Input& in, const FieldInfo&, bool& value) {
+  value = in.byte() % 2 == 1;
+}
+void mutate_field(Input& in, const FieldInfo&, Quaternion& value) {
+  value = quaternion_exp(Vector3d(in.word(), in.word(), in.word()) * 1e-4);
+}
+void mutate_field(Input& in, const FieldInfo& info, int& value) {
+  double number = value;
+  mutate(in, info, &number);
+  const bool fits = std::abs(number) < 2e9;
+  value = fits ? static_cast<int>(number) : std::numeric_limits<int>::max();
+}
+template <class Enum>
+std::enable_if_t<std::is_enum_v<Enum>> mutate_field(Input& in, const FieldInfo& info, Enum& value) {
+  value = static_cast<Enum>(in.below(static_cast<int>(info.max) + 1));
+}
+
+Options options_of(Input& in) {
+  Options o;
+  constexpr int kPresetCount = sizeof kPresets / sizeof *kPresets;
+  const int start = in.byte();
+  RIO_FUZZ_CHECK(preset(kPresets[start % kPresetCount], &o));
+  if ((start / kPresetCount) % 2 == 1) {
+    o.backend = o.backend == BackEnd::kEkf ? BackEnd::kSmoother : BackEnd::kEkf;
+  }
+  for (int n = in.byte() % 8; n > 0; --n) {
+    int index = in.byte();
+    visit_fields(o, [&](const FieldInfo& info, auto& value) {
+      if (index-- == 0) mutate_field(in, info, value);
+    });
+  }
+  // memory and time, not correctness
+  o.timing.imu_buffer = std::min(o.timing.imu_buffer, 4096);
+  o.timing.scan_queue = std::min(o.timing.scan_queue, 16);
+  return o;
+}
+
+/// The sum, at the ends of the integers at most.
+Time later(Time time, Time by) {
+  constexpr Time::rep kMost = std::numeric_limits<Time::rep>::max();
+  constexpr Time::rep kLeast = std::numeric_limits<Time::rep>::min();
+  if (by.count() > 0 && time.count() > kMost - by.count()) return Time(kMost);
+  if (by.count() < 0 && time.count() < kLeast - by.count()) return Time(kLeast);
+  return time + by;
+}
+
+/// Of stamps: from a nanosecond to the ends of the integers.
+Time odd_duration(Input& in) {
+  constexpr Time::rep kOdd[] = {0,
+                                1,
+                                -1,
+                                1'000'000,
+                                -1'000'000,
+                                30'000'000,
+                                -30'000'000,
+                                150'000'000,
+                                -150'000'000,
+                                600'000'000,
+                                -600'000'000,
+                                1'100'000'000,
+                                -1'100'000'000,
+                                9'000'000'000,
+                                11'000'000'000,
+                                -11'000'000'000,
+                                3'600'000'000'000,
+                                -3'600'000'000'000,
+                                4'700'000'000'000'000'000,
+                                -4'700'000'000'000'000'000,
+                                std::numeric_limits<Time::rep>::max(),
+                                std::numeric_limits<Time::rep>::min()};
+  return Time(kOdd[in.below(sizeof kOdd / sizeof *kOdd)]);
+}
+
+/// Carries out the commands.
+class Program {
+ public:
+  Program(Input& in, std::unique_ptr<Odometry> odometry, const Options& options)
+      : in_(in), vehicle_(options), judge_(std::move(odometry), options) {
+    constexpr Time::rep kEpochs[] = {1'700'000'000'000'000'000, 0, -5'000'000'000,
+                                     4'611'686'018'000'000'000};
+    const int start = in_.byte();
+    clock_ = Time(kEpochs[start % 4]);
+    period_ = start & 4 ? 0.0025 : 0.01;
+    if (start & 8) return;  // aligns itself, if the options let it
+    run(5);
+    reset_to_truth();
+  }
+
+  void run_all() {
+    while (!in_.empty() && steps_ < kMaxCalls) command(in_.byte());
+  }
+
+ private:
+  void command(int code) {
+    switch (code % 16) {
+      default:
+        run(1 + in_.byte() % 100);
+        break;
+      case 4:
+        odd_imu();
+        break;
+      case 5:
+        stamp_error_ = odd_duration(in_);
+        step();
+        stamp_error_ = Time{0};
+        break;
+      case 6:
+        clock_ = later(clock_, odd_duration(in_));
+        break;
+      case 7:
+        t_ += 0.05 * in_.byte();  // silence
+        break;
+      case 8:
+        odd_scan();
+        break;
+      case 9:
+        crowded_scan();
+        break;
+      case 10:
+        judge_.reset();
+        break;
+      case 11:
+        reset_to_truth();
+        break;
+      case 12:
+        odd_reset();
+        break;
+      case 13:
+        (in_.byte() % 2 ? gyro_error_ : accel_error_)[in_.below(3)] = 1e-3 * in_.word();
+        break;
+      case 14:
+        doppler_error_[in_.below(3)] = 0.1 * static_cast<std::int8_t>(in_.byte());
+        break;
+      case 15:
+        scan_every_ = in_.byte();
+        early_ = 0.01 * in_.below(12);
+        break;
+    }
+  }
+
+  void run(int samples) {
+    for (int i = 0; i < samples && steps_ < kMaxCalls; ++i) step();
+  }
+
+  /// One period of the IMU; some periods, a scan, which may come before its time.
+  void step() {
+    ++steps_;
+    t_ += period_;
+    (void)judge_.add_imu(imu());
+    if (scan_every_ > 0 && steps_ % scan_every_ == 0) (void)judge_.add_scan(scan());
+  }
+
+  ImuSample imu() {
+    ImuSample sample = vehicle_.imu(t_);
+    sample.time = stamp(t_);
+    sample.gyro_B += gyro_error_;
+    sample.accel_B += accel_error_;
+    return sample;
+  }
+  RadarScan scan() {
+    const double t = t_ + early_ - 0.3 * period_;
+    RadarScan scan = vehicle_.scan(t, doppler_error_);
+    scan.time = stamp(t);
+    return scan;
+  }
+  Time stamp(double t) const { return later(later(clock_, from_seconds(t)), stamp_error_); }
+
+  void odd_imu() {
+    t_ += period_;
+    ImuSample sample = imu();
+    for (int n = 1 + in_.below(3); n > 0; --n) {
+      (in_.byte() % 2 ? sample.gyro_B : sample.accel_B)[in_.below(3)] = in_.real();
+    }
+    (void)judge_.add_imu(sample);
+    if (in_.byte() % 4 == 0) (void)judge_.add_imu(sample);
+  }
+
+  void odd_scan() {
+    RadarScan scan = this->scan();
+    if (in_.byte() % 2) scan.time = later(scan.time, odd_duration(in_));
+    for (int n = in_.below(16); n > 0 && !scan.detections.empty(); --n) {
+      RadarDetection& d = scan.detections[in_.byte() % scan.detections.size()];
+      double* const fields[] = {&d.point_S.x(),   &d.point_S.y(),   &d.point_S.z(),
+                                &d.range_rate,    &d.snr_db,        &d.noise_db,
+                                &d.sigma_range,   &d.sigma_azimuth, &d.sigma_elevation,
+                                &d.sigma_doppler, &d.point_S.x()};
+      *fields[in_.below(sizeof fields / sizeof *fields)] = in_.real();
+    }
+    (void)judge_.add_scan(scan);
+    if (in_.byte() % 4 == 0) (void)judge_.add_scan(scan);
+  }
+
+  /// None, one and the same, or more than any capacity.
+  void crowded_scan() {
+    RadarScan scan = this->scan();
+    const std::size_t count = in_.byte() % 4 ? in_.byte() % 8 : 300;
+    const std::vector<RadarDetection> one = std::move(scan.detections);
+    scan.detections.clear();
+    const std::size_t kinds = std::min<std::size_t>(one.size(), 1 + in_.byte() % 32);
+    for (std::size_t i = 0; kinds > 0 && i < count; ++i) {
+      scan.detections.push_back(one[i % kinds]);
+    }
+    (void)judge_.add_scan(scan);
+  }
+
+  void reset_to_truth() {
+    NavState x = vehicle_.state(t_);
+    x.time = stamp(t_);
+    (void)judge_.reset(x, start_covariance());
+  }
+
+  static BodyCovariance start_covariance() {
+    BodyCovariance P = BodyCovariance::Identity() * 1e-4;
+    P.diagonal().segment<3>(body::kVelocity).setConstant(0.01);
+    P.diagonal().segment<3>(body::kGyroBias).setConstant(1e-6);
+    return P;
+  }
+
+  void odd_reset() {
+    NavState x = vehicle_.state(t_);
+    x.time = later(stamp(t_), odd_duration(in_));
+    BodyCovariance P = start_covariance();
+    double* const fields[] = {&x.q_WB.x(),      &x.q_WB.w(),     &x.p_WB[0],      &x.p_WB[2],
+                              &x.v_WB[0],       &x.v_WB[2],      &x.gyro_bias[0], &x.gyro_bias[2],
+                              &x.accel_bias[1], &x.accel_bias[2]};
+    for (int n = in_.below(4); n > 0; --n) {
+      *fields[in_.below(sizeof fields / sizeof *fields)] = in_.real();
+    }
+    for (int n = in_.below(4); n > 0; --n) {
+      const int row = in_.below(body::kSize);
+      const int column = in_.byte() % 2 ? row : in_.below(body::kSize);
+      P(row, column) = P(column, row) = in_.real();
+    }
+    if (in_.byte() % 16 == 0) P(3, 4) = in_.real();
+    (void)judge_.reset(x, P);
+  }
+
+  Input& in_;
+  Vehicle vehicle_;
+  Judge judge_;
+  Time clock_{0};
+  Time stamp_error_{0};
+  double t_ = 0.0;  ///< [s]
+  double period_ = 0.01;
+  double early_ = 0.0;  ///< scans come before the IMU has reached them [s]
+  int scan_every_ = 7;  ///< IMU samples
+  int steps_ = 0;
+  Vector3d gyro_error_ = Vector3d::Zero();
+  Vector3d accel_error_ = Vector3d::Zero();
+  Vector3d doppler_error_ = Vector3d::Zero();
+};
+
+void print_calls() {
+  std::fprintf(stderr, "calls: %lu add_imu, %lu add_scan (%lu processed), %lu reset\n",
+               calls().add_imu, calls().add_scan, calls().processed, calls().reset);
+}
+
+}  // namespace
+
+}  // namespace rio::fuzz
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace rio::fuzz;
+  [[maybe_unused]] static const int once = std::atexit(print_calls);
+  Input in(data, size);
+  const rio::Options options = options_of(in);
+  const bool valid = options.validate();
+  std::string why;
+  std::unique_ptr<rio::Odometry> odometry;
+  {
+    const TrapFloatingPoint trap(valid);
+    odometry = rio::Odometry::create(options, &why);
+  }
+  RIO_FUZZ_CHECK((odometry != nullptr) == valid);
+  RIO_FUZZ_CHECK(valid == why.empty());
+  if (valid) Program(in, std::move(odometry), options).run_all();
+  return 0;
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A vehicle with IMU and radar whose data are right to a millimetre and cost nothing: it stands for
+// 1.6 s, then swings about, level, amid a cloud of reflectors.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "rio/core/so3.hpp"
+#include "rio/options.hpp"
+#include "rio/types.hpp"
+
+namespace rio::fuzz {
+
+class Vehicle {
+ public:
+  /// Where the radar sits, and gravity, as `options` say.
+  explicit Vehicle(const Options& options)
+      : T_BS_(options.radar.T_BS), gravity_(options.imu.gravity) {
+    for (Vector3d& point : reflectors_W_) point = 6.0 * Vector3d(noise(), noise(), 0.4 * noise());
+  }
+
+  /// True state `t` seconds after the start, without a stamp.
+  NavState state(double t) const {
+    NavState x;
+    const double s = std::fmax(0.0, t - kStand);
+    x.q_WB = quaternion_exp(Vector3d(0.0, 0.0, 0.6 * (1.0 - std::cos(0.4 * s))));
+    x.p_WB = {2.0 * (1.0 - std::cos(0.5 * s)), 1.0 - std::cos(0.7 * s),
+              0.3 * (1.0 - std::cos(0.9 * s))};
+    x.v_WB = {std::sin(0.5 * s), 0.7 * std::sin(0.7 * s), 0.27 * std::sin(0.9 * s)};
+    return x;
+  }
+
+  ImuSample imu(double t) {
+    const double s = std::fmax(0.0, t - kStand);
+    const double go = t > kStand ? 1.0 : 0.0;
+    const Vector3d a_W(go * 0.5 * std::cos(0.5 * s), go * 0.49 * std::cos(0.7 * s),
+                       go * 0.243 * std::cos(0.9 * s) + gravity_);
+    ImuSample sample;
+    sample.gyro_B = Vector3d(0.0, 0.0, 0.24 * std::sin(0.4 * s)) + 1e-3 * noise3();
+    sample.accel_B = state(t).q_WB.conjugate() * a_W + 1e-2 * noise3();
+    return sample;
+  }
+
+  /// @param v_error added to the velocity the Doppler tells [m/s]
+  RadarScan scan(double t, const Vector3d& v_error) {
+    const NavState x = state(t);
+    const double rate = 0.24 * std::sin(0.4 * std::fmax(0.0, t - kStand));
+    const Vector3d lever_B = Vector3d(0.0, 0.0, rate).cross(T_BS_.translation);
+    const Quaternion R_SB = T_BS_.rotation.conjugate();
+    const Vector3d v_S = R_SB * (x.q_WB.conjugate() * (x.v_WB + v_error) + lever_B);
+    RadarScan scan;
+    for (const Vector3d& point_W : reflectors_W_) {
+      const Vector3d point_B = x.q_WB.conjugate() * (point_W - x.p_WB);
+      const Vector3d point_S = R_SB * (point_B - T_BS_.translation);
+      if (point_S.x() < 0.3) continue;
+      RadarDetection d;
+      d.point_S = point_S + 0.01 * noise3();
+      d.range_rate = -point_S.normalized().dot(v_S) + 0.01 * noise();
+      d.snr_db = 20.0 + 4.0 * noise();
+      scan.detections.push_back(d);
+    }
+    return scan;
+  }
+
+ private:
+  static constexpr double kStand = 1.6;  // [s]
+  static constexpr int kReflectors = 28;
+
+  /// In [-1, 1).
+  double noise() {
+    random_ = random_ * 6364136223846793005ULL + 1442695040888963407ULL;
+    return static_cast<double>(random_ >> 11U) * 0x1p-52 - 1.0;
+  }
+  Vector3d noise3() {
+    const double x = noise();
+    const double y = noise();
+    return {x, y, noise()};
+  }
+
+  Pose T_BS_;
+  double gravity_;
+  std::uint64_t random_ = 1;
+  std::vector<Vector3d> reflectors_W_ = std::vector<Vector3d>(kReflectors);
+};
+
+}  // namespace rio::fuzz
