@@ -63,6 +63,7 @@ class Replay {
   void record() {
     const UpdateReport& report = odometry_.report();
     if (report.status != Status::kOk) return;
+    trial_.doubted += report.health.state > HealthState::kOk ? 1 : 0;
     const NavState& x = odometry_.at_scan();
     trial_.steps.push_back({x, flight_.truth_at(x.time), odometry_.covariance()});
     for (std::size_t i = 0; i < kModelCount; ++i) {

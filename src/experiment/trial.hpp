@@ -32,6 +32,7 @@ struct Trial {
   std::vector<Step> steps;                        ///< one a processed scan
   std::array<ModelReport, kModelCount> models{};  ///< sums over the flight
   Counters counters;
+  int doubted = 0;           ///< steps whose health was worse than ok
   Time propagation_time{0};  ///< summed over the scans, if Options::timing.clock is given
   Time update_time{0};
   /// Every estimate and covariance finite, no update failed, and no 2 s without a processed scan

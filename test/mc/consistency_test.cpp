@@ -22,8 +22,10 @@ const std::vector<Variant> kVariants = {
 TEST(Consistency, FiftyMatchedRuns) {
   BlockNees in_flight;  // mean over the runs and the flight
   double doppler_nis = 0.0;
+  int doubted = 0;
   run_campaign(cases_of("monte-carlo", kRuns, 200), kVariants, {},
                [&](const Case& c, const Variant& variant, const Trial& exact) {
+                 doubted += exact.doubted;
                  const Trial trial = with_drawn_start(exact, StartOptions{}, c.scenario.seed);
                  if (variant.change) {
                    doppler_nis += score(trial).nis_doppler / kRuns;
@@ -40,6 +42,8 @@ TEST(Consistency, FiftyMatchedRuns) {
                    in_flight.velocity += weight * nees.velocity;
                  }
                });
+  test::measured("scans at which the health of 100 flights was not ok", doubted, "0");
+  EXPECT_EQ(doubted, 0);
   const eval::AneesBounds three = eval::anees_bounds(3, kRuns, 0.99);
   const eval::AneesBounds one = eval::anees_bounds(1, kRuns, 0.99);
   const auto expect_within = [](const char* what, double nees, const eval::AneesBounds& bounds,
