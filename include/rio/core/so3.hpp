@@ -26,15 +26,32 @@ namespace so3_detail {
 
 inline constexpr std::array<double, 6> kFactorial = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0};
 
+/// Terms of a series below x = 1, and below x = 0.01, so that the rest is beyond double precision.
+inline constexpr int kTerms = 10;
+inline constexpr int kFewTerms = 5;
+inline constexpr double kSmall = 0.01;
+
+/// (-1)^k / (2k+m)! by m and k.
+inline constexpr auto kCoefficients = [] {
+  std::array<std::array<double, kTerms + 1>, 6> c{};
+  for (int m = 0; m < 6; ++m) {
+    double term = 1.0 / kFactorial[static_cast<std::size_t>(m)];
+    for (int k = 0; k <= kTerms; ++k) {
+      c[static_cast<std::size_t>(m)][static_cast<std::size_t>(k)] = term;
+      term /= -(2.0 * (k + 1) + m) * (2.0 * (k + 1) + m - 1.0);
+    }
+  }
+  return c;
+}();
+
 /// (E1) for m in 0..5.
 inline double series(int m, double x) {
   const auto index = static_cast<std::size_t>(m);
   if (x < 1.0) {
-    double term = 1.0 / kFactorial[index];
-    double sum = term;
-    for (int k = 1; k <= 9; ++k) {
-      term *= -x / ((2.0 * k + m) * (2.0 * k + m - 1.0));
-      sum += term;
+    const auto& c = kCoefficients[index];
+    double sum = 0.0;
+    for (auto k = static_cast<std::size_t>(x < kSmall ? kFewTerms : kTerms); k-- > 0;) {
+      sum = sum * x + c[k];
     }
     return sum;
   }
@@ -47,12 +64,10 @@ inline double series(int m, double x) {
 /// dS_m/dx for m in 1..4: 2 x S_m' = S_{m-1} - m S_m; its series when x is small.
 inline double series_derivative(int m, double x) {
   if (x >= 1.0) return (series(m - 1, x) - m * series(m, x)) / (2.0 * x);
-  double power_over_factorial = 1.0 / kFactorial[static_cast<std::size_t>(m)];  // k = 0
+  const auto& c = kCoefficients[static_cast<std::size_t>(m)];
   double sum = 0.0;
-  for (int k = 1; k <= 10; ++k) {
-    power_over_factorial /= -(2.0 * k + m) * (2.0 * k + m - 1.0);
-    sum += k * power_over_factorial;
-    power_over_factorial *= x;
+  for (int k = x < kSmall ? kFewTerms : kTerms; k > 0; --k) {
+    sum = sum * x + k * c[static_cast<std::size_t>(k)];
   }
   return sum;
 }
