@@ -72,6 +72,8 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
       ++out.non_finite;
       continue;
     }
+    // first, since the square of a coordinate may not be a number
+    if (raw.point_S.cwiseAbs().maxCoeff() > radar.max_range) continue;
     const double range = raw.point_S.norm();
     if (range < radar.min_range || range > radar.max_range) continue;
     if (raw.snr_db < radar.min_snr_db) continue;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cfenv>
 #include <limits>
 
 #include "support/random_state.hpp"
@@ -236,6 +237,21 @@ TEST(DetectionFilter, DropsWhatNoRadarSays) {
   filter_detections(scan, RadarOptions{}, 10, out);
   EXPECT_EQ(out.items.size(), 1U);
   EXPECT_EQ(out.non_finite, 3);
+}
+
+// Their squares are no numbers: nothing may overflow where exceptions are trapped.
+TEST(DetectionFilter, FarPointsAreLeftOutWithoutOverflow) {
+  RadarScan scan;
+  for (const double far : {1.1e4, 1e154, 1e300}) {
+    scan.detections.push_back(raw_detection(5.0, 0.0, 0.0));
+    scan.detections.back().point_S.y() = -far;
+  }
+  DetectionList out;
+  std::feclearexcept(FE_ALL_EXCEPT);
+  filter_detections(scan, RadarOptions{}, 10, out);
+  EXPECT_EQ(std::fetestexcept(FE_INVALID | FE_OVERFLOW | FE_DIVBYZERO), 0);
+  EXPECT_EQ(out.non_finite, 0);
+  EXPECT_TRUE(out.items.empty());
 }
 
 TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
