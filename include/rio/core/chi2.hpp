@@ -101,11 +101,12 @@ inline double chi2_quantile(double probability, double dof) {
     const double x = std::exp(y);
     const chi2_detail::Tails tails = chi2_detail::gamma_tails(a, x);
     const double tail = upper ? tails.above : tails.below;
-    const double error = std::log(tail) - log_target;
+    const bool gone = !(tail > 0.0);  // too small for a number: far out
+    const double error = gone ? -1.0 : std::log(tail) - log_target;
     ((error < 0.0) == upper ? high : low) = y;
-    const double slope =
-        (upper ? -a : a) * chi2_detail::gamma_density(a, x) / tail;  // d log(tail) / dy
-    double next = y - error / slope;
+    const double slope =  // d log(tail) / dy
+        gone ? 0.0 : (upper ? -a : a) * chi2_detail::gamma_density(a, x) / tail;
+    double next = slope == 0.0 ? high : y - error / slope;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     const double step = std::abs(next - y);
     y = next;
