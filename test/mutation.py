@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Mutation testing: does a test notice when one thing in the core is wrong?
 
-    test/mutation.py [--count 50] [--seed 1] [--room ROOM]... [--deep] [--jobs N]
+    test/mutation.py [--count 50] [--seed 1] [--room ROOM]... [--bodies] [--deep] [--jobs N]
                      [--results FILE] [--work DIR] [--list]
 
 Draws mutants of include/rio/ROOM and src/ROOM (frontend, update, ekf, smoother, propagate) and of
@@ -24,6 +24,7 @@ import os
 import random
 import re
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -301,13 +302,16 @@ def main():
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--room', action='append', choices=ROOMS)
     parser.add_argument('--deep', action='store_true', help='the long tests, too')
+    parser.add_argument('--bodies', action='store_true', help='no headers: these take minutes each')
     parser.add_argument('--jobs', type=int, default=os.cpu_count())
     parser.add_argument('--timeout', type=float, default=300.0, help='of a test [s]')
     parser.add_argument('--work', default=os.path.join(ROOT, 'build/mutation'))
     parser.add_argument('--results', help='default: WORK/results.jsonl')
     parser.add_argument('--list', action='store_true', help='what would be drawn')
     args = parser.parse_args()
-    drawn = draw(sites(args.room or ROOMS), args.count, args.seed)
+    found = [m for m in sites(args.room or ROOMS)
+             if not args.bodies or m['file'].endswith('.cpp')]
+    drawn = draw(found, args.count, args.seed)
     if args.list:
         for m in drawn:
             print(f"{m['file']}:{m['line']} {m['kind']}\n  {m['old'].strip()}\n  {m['new'].strip()}")
@@ -317,6 +321,7 @@ def main():
     if os.path.exists(results):
         with open(results, encoding='utf-8') as f:
             done = {(o['file'], o['old'], o['new']): o for o in map(json.loads, f)}
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # leaves the copy as it was
     bench = Bench(args.work, args.jobs, args.timeout)
     rooms = tests_by_room()
     outcomes = []
