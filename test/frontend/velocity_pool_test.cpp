@@ -116,6 +116,22 @@ TEST_F(PoolTest, OutliersAreNoVerdict) {
   }
 }
 
+// Less than what agrees at once, more than any other velocity has: the one believed stays right,
+// also where Dopplers do not fold.
+TEST_F(PoolTest, AThirdOfOutliersLeavesTheVelocitySupported) {
+  for (const double limit : {kLimit, 0.0}) {
+    options_.radar.max_doppler = limit;
+    restart();
+    for (int i = 0; i < 60; ++i) {
+      EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 4, 0)) << i;
+      for (int k = 0; k < 2; ++k) {
+        EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 0, 1, random_.normal_vector(2.0))) << i;
+      }
+    }
+    EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(200)) << limit;
+  }
+}
+
 TEST_F(PoolTest, CanBeSwitchedOff) {
   options_.frontend.velocity_recovery = false;
   restart();
