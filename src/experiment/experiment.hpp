@@ -35,6 +35,10 @@ Result robustness(const Settings& settings);
 /// convergence from a wrong velocity, time per scan; and the window's kernels under outliers.
 Result iros2024(const Settings& settings);
 
+/// Every fault of the catalogue (fault.hpp) in several flights with both back-ends: promises kept,
+/// what ends wrong, and what of that is reported.
+Result fault_campaign(const Settings& settings);
+
 /// Tables I to III, Fig. 7 and 8 of Xu et al.: what the noise of each point is worth as a weight
 /// and in matching, whether its size is right, comparison of estimators, NIS, time per scan.
 Result uncertainty(const Settings& settings);
@@ -69,6 +73,7 @@ inline const std::vector<Experiment>& experiments() {
       {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
       {"ablation", "the default preset with one mechanism off at a time", &ablation},
       {"robustness", "every scenario with every preset", &robustness},
+      {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
       {"real", "every recording of the folder --data, also perturbed", &real},
       {"twins", "recordings DATASET... (or --data) beside their simulated twins", &twins},
       {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},

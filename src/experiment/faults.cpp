@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every fault of the catalogue in several flights with both back-ends: which promises are kept,
+// what ends wrong, and whether the estimator says so.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "experiment/experiment.hpp"
+#include "experiment/fault.hpp"
+#include "experiment/spread.hpp"
+#include "experiment/survival.hpp"
+
+namespace rio::experiment {
+
+namespace {
+
+constexpr std::array kFlights = {"indoor-1", "outdoor", "hover"};
+constexpr std::array kBackEnds = {BackEnd::kEkf, BackEnd::kSmoother};
+constexpr double kLongest = 120.0;  // of the passing faults [s]
+
+/// One flight with a fault.
+struct Run {
+  const Fault* fault;
+  const sim::Flight* flight;  ///< without the fault
+  std::string flight_name;
+  BackEnd backend;
+  Survival survival{};
+};
+using Runs = std::vector<const Run*>;
+
+const char* name_of(BackEnd backend) {
+  return backend == BackEnd::kEkf ? "filter" : "smoother";
+}
+
+/// Long enough for the longest fault.
+sim::Scenario scenario_of(const char* name, std::uint64_t seed, double duration) {
+  sim::Scenario scenario = cases_of(name, 1, seed).front().scenario;
+  scenario.max_duration = duration;
+  if (scenario.path.length <= 0.0) scenario.path.duration = kFaultBegins + kLongest + kJudgedAfter;
+  return scenario;
+}
+
+Survival fly(const Run& run) {
+  Options options = options_of(*run.flight, {"default", "default"});
+  options.backend = run.backend;
+  return survive(*run.flight, options, *run.fault);
+}
+
+/// A flight whose sensors are other ones is simulated for itself.
+Survival fly_with_other_sensors(const Run& run) {
+  sim::Scenario scenario =
+      scenario_of(run.flight_name.c_str(), run.flight->scenario.seed, kFaultBegins + kJudgedAfter);
+  run.fault->sensors(scenario);
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  Run other = run;
+  other.flight = &flight;
+  return fly(other);
+}
+
+double worst(const Runs& runs, const std::function<double(const Survival&)>& value) {
+  double largest = 0.0;
+  for (const Run* run : runs) {
+    const double v = value(run->survival);
+    if (!(v <= largest)) largest = v;
+    if (std::isnan(largest)) break;
+  }
+  return largest;
+}
+
+long count(const Runs& runs, const std::function<bool(const Survival&)>& holds) {
+  return std::count_if(runs.begin(), runs.end(),
+                       [&](const Run* run) { return holds(run->survival); });
+}
+
+bool is_wrong(const Survival& s) {
+  return s.last.wrong();
+}
+
+/// Worst tilt, speed, position and sigmas at the end.
+std::vector<std::string> deviation_cells(const Runs& runs) {
+  const auto cell = [&runs](double Deviation::*value, int decimals) {
+    return number(worst(runs, [value](const Survival& s) { return s.last.*value; }), decimals);
+  };
+  return {cell(&Deviation::tilt, 2), cell(&Deviation::speed, 2), cell(&Deviation::position, 2),
+          cell(&Deviation::position_sigmas, 1)};
+}
+
+std::string table_of_faults(const std::vector<Run>& runs) {
+  MarkdownTable table({"fault", "promise", "kept", "wrong at the end", "of these reported",
+                       "tilt [deg]", "velocity [m/s]", "position [m]", "position [sigma]",
+                       "wrong until [s]", "beyond 3 sigma unreported [s]", "states"});
+  for (const Fault& fault : faults()) {
+    Runs some;
+    for (const Run& run : runs) {
+      if (run.fault == &fault) some.push_back(&run);
+    }
+    std::vector<std::string> row = {
+        fault.name, promise_text(fault),
+        fmt::format("{} of {}", count(some, [](const Survival& s) { return s.kept; }), some.size()),
+        fmt::format("{}", count(some, is_wrong)),
+        fmt::format("{}",
+                    count(some, [](const Survival& s) { return is_wrong(s) && s.reported_last; }))};
+    for (std::string& cell : deviation_cells(some)) row.push_back(cell);
+    row.push_back(number(worst(some, [](const Survival& s) { return s.wrong_until; }), 1));
+    row.push_back(number(worst(some, [](const Survival& s) { return s.outside_unreported; }), 1));
+    std::uint32_t states = 0;
+    for (const Run* run : some) states |= run->survival.states;
+    row.push_back(states_text(states));
+    table.add(row);
+  }
+  return table.text();
+}
+
+std::string table_of_wrong(const Runs& wrong) {
+  MarkdownTable table({"fault", "flight", "seed", "back-end", "wrong", "tilt [deg]",
+                       "velocity [m/s]", "position [m]", "position [sigma]", "reported"});
+  for (const Run* run : wrong) {
+    std::vector<std::string> row = {run->fault->name, run->flight_name,
+                                    fmt::format("{}", run->flight->scenario.seed),
+                                    name_of(run->backend), run->survival.last.why()};
+    for (std::string& cell : deviation_cells({run})) row.push_back(cell);
+    row.emplace_back(run->survival.reported_last ? "yes" : "no");
+    table.add(row);
+  }
+  return table.text();
+}
+
+std::string as_csv(const std::vector<Run>& runs) {
+  std::string text =
+      "fault,promise,flight,seed,backend,kept,wrong,reported,always_finite,always_covariance,"
+      "tilt [deg],velocity [m/s],position [m],tilt [sigma],velocity [sigma],position [sigma],"
+      "wrong_until [s],longest_wrong_unreported [s],beyond_3_sigma_unreported [s],states\n";
+  for (const Run& run : runs) {
+    const Survival& s = run.survival;
+    text += fmt::format(
+        "\"{}\",{},{},{},{},{:d},\"{}\",{:d},{:d},{:d},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},"
+        "{:.4g},{:.4g},{:.4g},\"{}\"\n",
+        run.fault->name, promise_text(*run.fault), run.flight_name, run.flight->scenario.seed,
+        name_of(run.backend), s.kept, s.last.why(), s.reported_last, s.always_finite,
+        s.always_covariance, s.last.tilt, s.last.speed, s.last.position, s.last.tilt_sigmas,
+        s.last.velocity_sigmas, s.last.position_sigmas, s.wrong_until, s.longest_unreported,
+        s.outside_unreported, states_text(s.states));
+  }
+  return text;
+}
+
+std::string totals(const Runs& all, const Runs& wrong) {
+  const auto reported = count(wrong, [](const Survival& s) { return s.reported_last; });
+  return fmt::format(
+      "Wrong at the end: {} of {} ({:.1f} %); of these reported while wrong: {}. Promises kept: {} "
+      "of {}. At any time\nnot finite: {}, covariance indefinite: {}; reported before the fault, "
+      "when all was well: {}.\n",
+      wrong.size(), all.size(),
+      100.0 * static_cast<double>(wrong.size()) / static_cast<double>(all.size()), reported,
+      count(all, [](const Survival& s) { return s.kept; }), all.size(),
+      count(all, [](const Survival& s) { return !s.always_finite; }),
+      count(all, [](const Survival& s) { return s.always_finite && !s.always_covariance; }),
+      count(all, [](const Survival& s) { return s.reported_before; }));
+}
+
+}  // namespace
+
+Result fault_campaign(const Settings& settings) {
+  const std::size_t seeds = static_cast<std::size_t>(std::max(1, settings.seeds));
+  std::vector<sim::Flight> flights(kFlights.size() * seeds);
+  parallel_for(flights.size(), settings.threads, {}, [&](std::size_t i) {
+    flights[i] =
+        sim::simulate_flight(scenario_of(kFlights[i % kFlights.size()], 1 + i / kFlights.size(),
+                                         kFaultBegins + kLongest + kJudgedAfter));
+  });
+  std::vector<Run> runs;
+  for (const Fault& fault : faults()) {
+    for (std::size_t i = 0; i < flights.size(); ++i) {
+      for (const BackEnd backend : kBackEnds) {
+        runs.push_back({&fault, &flights[i], kFlights[i % kFlights.size()], backend});
+      }
+    }
+  }
+  parallel_for(runs.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
+    runs[i].survival = runs[i].fault->sensors ? fly_with_other_sensors(runs[i]) : fly(runs[i]);
+  });
+
+  Runs all;
+  Runs wrong;
+  for (const Run& run : runs) {
+    all.push_back(&run);
+    if (is_wrong(run.survival)) wrong.push_back(&run);
+  }
+  Result result;
+  result.markdown = fmt::format(
+      "A fault begins {:.0f} s after the first sample of a good flight ({}) and is judged {:.0f} s "
+      "after its end, a lasting one\nafter its begin. Wrong: not finite, covariance not positive "
+      "semi-definite, tilt > 3 deg, velocity > 0.5 m/s off (body\naxes), position > 0.5 m and > 5 "
+      "sigma off, or an estimate of more than a second ago. Promises: ignored = never wrong,\n"
+      "nothing reset; bridged = never wrong; honest = degraded, never beyond 5 sigma, not wrong in "
+      "the end; recovered = not\nwrong from so long after its end on; reported = may be wrong, but "
+      "says so within a second. Errors are those at the end,\nthe worst of the runs; wrong until: "
+      "last time after the end of the fault.\n\n{}\n{}\nWhat ends wrong:\n\n{}",
+      kFaultBegins, fmt::join(kFlights, ", "), kJudgedAfter, totals(all, wrong),
+      table_of_faults(runs), table_of_wrong(wrong));
+  result.attachments.push_back({"faults.csv", as_csv(runs)});
+  return result;
+}
+
+}  // namespace rio::experiment

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The fault campaign: what a fault does to the events, what counts as wrong, and promises that are
+// kept, with either back-end.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "experiment/campaign.hpp"
+#include "experiment/survival.hpp"
+#include "support/measured.hpp"
+
+namespace rio::experiment {
+namespace {
+
+constexpr double kBegin = 8.0;   // in flight [s]
+constexpr double kAfter = 16.0;  // [s]
+
+const sim::Flight& flight() {
+  static const sim::Flight flight = [] {
+    sim::Scenario scenario = cases_of("indoor-1", 1).front().scenario;
+    scenario.max_duration = 36.0;
+    return sim::simulate_flight(scenario);
+  }();
+  return flight;
+}
+
+Stream stream_with(const char* name) {
+  return disturbed(flight(), fault_named(name), from_seconds(kBegin));
+}
+
+/// Bytes would differ in the padding.
+bool alike(const Event& a, const Event& b) {
+  const auto same = [](const auto& x, const auto& y) { return (x.array() == y.array()).all(); };
+  if (a.arrival != b.arrival || a.kind != b.kind || a.sample.time != b.sample.time ||
+      !same(a.sample.gyro_B, b.sample.gyro_B) || !same(a.sample.accel_B, b.sample.accel_B) ||
+      a.scan.time != b.scan.time || a.scan.detections.size() != b.scan.detections.size()) {
+    return false;
+  }
+  return std::equal(a.scan.detections.begin(), a.scan.detections.end(), b.scan.detections.begin(),
+                    [&](const RadarDetection& d, const RadarDetection& e) {
+                      return same(d.point_S, e.point_S) && d.range_rate == e.range_rate &&
+                             d.snr_db == e.snr_db && d.noise_db == e.noise_db &&
+                             d.sigma_range == e.sigma_range && d.sigma_azimuth == e.sigma_azimuth &&
+                             d.sigma_elevation == e.sigma_elevation &&
+                             d.sigma_doppler == e.sigma_doppler;
+                    });
+}
+
+TEST(Faults, HaveNamesOfTheirOwn) {
+  std::set<std::string> names;
+  for (const Fault& fault : faults()) EXPECT_TRUE(names.insert(fault.name).second) << fault.name;
+  EXPECT_THROW((void)fault_named("nothing of the kind"), std::runtime_error);
+}
+
+TEST(Faults, NoneIsAllEventsByArrival) {
+  const Stream all = stream_with("none");
+  EXPECT_EQ(all.size(), flight().imu.size() + flight().scans.size());
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end(),
+                             [](const Event& a, const Event& b) { return a.arrival < b.arrival; }));
+}
+
+TEST(Faults, ChangeNothingBeforeAndSomethingAfterTheirBegin) {
+  const Stream none = stream_with("none");
+  const Time begin = flight().imu.front().time + from_seconds(kBegin);
+  for (const Fault& fault : faults()) {
+    if (!fault.change) continue;
+    const Stream all = disturbed(flight(), fault, from_seconds(kBegin));
+    const std::size_t common = std::min(all.size(), none.size());
+    std::size_t i = 0;
+    while (i < common && alike(all[i], none[i])) ++i;
+    EXPECT_TRUE(i < common || all.size() != none.size()) << fault.name;
+    if (i < common) EXPECT_GE(std::max(all[i].arrival, none[i].arrival), begin) << fault.name;
+  }
+}
+
+TEST(Faults, ASilenceEnds) {
+  const Stream all = stream_with("radar silent for 2 s");
+  Time longest{0};
+  Time last{0};
+  for (const Event& e : all) {
+    if (!e.is_scan()) continue;
+    if (last > Time{0}) longest = std::max(longest, e.arrival - last);
+    last = e.arrival;
+  }
+  EXPECT_NEAR(to_seconds(longest), 2.0, 0.15);
+}
+
+TEST(Faults, OfTwoTogetherEachEndsByItself) {
+  const Stream all = disturbed(flight(),
+                               together(fault_named("radar silent for 2 s"),
+                                        fault_named("IMU silent for 0.3 s"), Promise::kBridged),
+                               from_seconds(kBegin));
+  const std::size_t scans = static_cast<std::size_t>(
+      std::count_if(all.begin(), all.end(), [](const Event& e) { return e.is_scan(); }));
+  EXPECT_NEAR(static_cast<double>(flight().scans.size() - scans), 30.0, 1.0);
+  EXPECT_NEAR(static_cast<double>(flight().imu.size() - (all.size() - scans)), 60.0, 1.0);
+}
+
+TEST(Deviation, IsWrongBeyondItsLimits) {
+  EXPECT_EQ(Deviation{}.why(), "");
+  EXPECT_EQ((Deviation{.tilt = 3.1}).why(), "tilt");
+  EXPECT_EQ((Deviation{.speed = 0.51}).why(), "speed");
+  EXPECT_EQ((Deviation{.position = 9.0, .position_sigmas = 4.9}).why(), "");
+  EXPECT_EQ((Deviation{.position = 0.4, .position_sigmas = 9.0}).why(), "");
+  EXPECT_EQ((Deviation{.position = 0.51, .position_sigmas = 5.1}).why(), "position");
+  EXPECT_EQ((Deviation{.position = 1.0, .position_sigmas = std::nan("")}).why(), "position");
+  EXPECT_EQ((Deviation{.age = 1.1}).why(), "stuck");
+  EXPECT_EQ((Deviation{.finite = false}).why(), "not finite");
+  EXPECT_EQ((Deviation{.covariance = false}).why(), "P indefinite");
+  EXPECT_FALSE((Deviation{.tilt = 9.0, .tilt_sigmas = 4.9}).dishonest());
+  EXPECT_TRUE((Deviation{.tilt = 9.0, .tilt_sigmas = 5.1}).dishonest());
+  EXPECT_TRUE((Deviation{.velocity_sigmas = 3.1}).outside_3_sigma());
+}
+
+class FaultPromises : public testing::TestWithParam<BackEnd> {};
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, FaultPromises,
+                         testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
+                         [](const auto& backend) {
+                           return backend.param == BackEnd::kEkf ? "Ekf" : "Smoother";
+                         });
+
+TEST_P(FaultPromises, AreKept) {
+  const char* const some[] = {
+      "none",
+      "IMU samples twice for 10 s",
+      "scans swapped for 10 s",
+  };
+  for (const char* name : some) {
+    Options options = options_for(flight(), "default");
+    options.backend = GetParam();
+    const Fault& fault = fault_named(name);
+    const Survival end = survive(flight(), options, fault, kBegin, kAfter);
+    test::measured(std::string(name) + ": wrong until [s]", end.wrong_until, promise_text(fault));
+    EXPECT_TRUE(end.kept) << name << ": wrong until " << end.wrong_until << ", in the end "
+                          << end.last.why();
+    EXPECT_TRUE(end.always_finite) << name;
+    EXPECT_TRUE(end.always_covariance) << name;
+  }
+}
+
+}  // namespace
+}  // namespace rio::experiment
