@@ -119,10 +119,10 @@ class Watch {
 
   Deviation deviation(Time now) const {
     const NavState& x = odometry_.now();
-    const BodyCovariance& P = odometry_.covariance();
+    const BodyCovariance& P = odometry_.covariance_now();
     Deviation d;
     d.finite = is_finite(x) && is_finite(odometry_.at_scan()) && P.allFinite();
-    d.covariance = d.finite && is_covariance(P);
+    d.covariance = d.finite && is_covariance(P) && is_covariance(odometry_.covariance());
     const Time measured = clock_.measured(x.time);
     d.age = to_seconds(now - measured);
     if (!d.finite) return d;
@@ -130,14 +130,13 @@ class Watch {
     d.tilt = tilt_error(x, truth);
     d.speed = (x.q_WB.conjugate() * x.v_WB - truth.q_WB.conjugate() * truth.v_WB).norm();
     d.position = (x.p_WB - truth.p_WB).norm();
-    const NavState& at_scan = odometry_.at_scan();
-    const auto e = eval::body_error(at_scan, flight_.truth_at(clock_.measured(at_scan.time)));
+    const auto e = eval::body_error(x, truth);
     const auto block = [&](int at) {
       return sigmas(e.segment<3>(at).eval(), P.block<3, 3>(at, at).eval());
     };
     d.position_sigmas = block(body::kPosition);
     d.velocity_sigmas = block(body::kVelocity);
-    const Vector3d up = at_scan.q_WB.conjugate() * Vector3d::UnitZ();
+    const Vector3d up = x.q_WB.conjugate() * Vector3d::UnitZ();
     const Matrix3d level = Matrix3d::Identity() - up * up.transpose();
     d.tilt_sigmas = sigmas((level * e.segment<3>(body::kAttitude)).eval(),
                            P.block<3, 3>(body::kAttitude, body::kAttitude).eval());
@@ -147,13 +146,14 @@ class Watch {
   void check(Time now) {
     const bool reported = is_reported(odometry_);
     if (now < begin_) {
-      result_.reported_before = result_.reported_before || (odometry_.initialized() && reported);
+      result_.reported_before |= odometry_.health().state > HealthState::kOk;
       return;
     }
     const double step = to_seconds(now - std::max(last_check_, begin_));
     last_check_ = now;
     const Deviation d = deviation(now);
     result_.last = d;
+    result_.states |= 1U << static_cast<std::uint32_t>(odometry_.health().state);
     result_.always_finite = result_.always_finite && d.finite;
     result_.always_covariance = result_.always_covariance && d.covariance;
     result_.outside_unreported += d.outside_3_sigma() && !reported ? step : 0.0;
@@ -226,12 +226,16 @@ bool Deviation::outside_3_sigma() const {
   return !finite || !(tilt_sigmas <= 3.0) || !(velocity_sigmas <= 3.0) || !(position_sigmas <= 3.0);
 }
 
-std::string states_text(std::uint32_t) {
-  return "";
+std::string states_text(std::uint32_t states) {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; states >> i != 0; ++i) {
+    if ((states >> i & 1U) != 0) names.emplace_back(to_string(static_cast<HealthState>(i)));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
-bool is_reported(const Odometry&) {
-  return false;
+bool is_reported(const Odometry& odometry) {
+  return odometry.health().state != HealthState::kOk;
 }
 
 Survival survive(const sim::Flight& flight, const Options& options, const Fault& fault,

@@ -43,7 +43,7 @@ struct Survival {
   Deviation last;                   ///< at the end
   bool kept = false;                ///< Fault::promise
   bool reported_last = false;       ///< at the end
-  bool reported_before = false;     ///< any time before the fault, initialised
+  bool reported_before = false;     ///< degraded or worse at any time before the fault
   bool always_finite = true;        ///< from the fault on
   bool always_covariance = true;    ///< same
   double wrong_until = 0.0;         ///< last time it was wrong, after the fault's end; or below 0
@@ -56,7 +56,7 @@ struct Survival {
 /// The names of a set of states, Survival::states.
 std::string states_text(std::uint32_t states);
 
-/// Says of itself that it is not well.
+/// Says of itself that it is not well: any state but ok.
 bool is_reported(const Odometry& odometry);
 
 /// The flight with the fault, from `begin` on, through a new estimator; judged at
