@@ -149,16 +149,17 @@ std::string as_csv(const std::vector<Run>& runs) {
   return text;
 }
 
-/// The first flight with both back-ends, the others with one of them in turn.
+/// The first flight of a seed with both back-ends; one more, flight and back-end in turn.
 std::vector<Run> runs_of(const std::vector<sim::Flight>& flights) {
   std::vector<Run> runs;
   for (std::size_t f = 0; f < faults().size(); ++f) {
-    for (std::size_t i = 0; i < flights.size(); ++i) {
-      const std::size_t kind = i % kFlights.size();
-      for (std::size_t b = 0; b < kBackEnds.size(); ++b) {
-        if (kind > 0 && (f + i + b) % 2 == 1) continue;
-        runs.push_back({&faults()[f], &flights[i], kFlights[kind], kBackEnds[b]});
-      }
+    for (std::size_t first = 0; first < flights.size(); first += kFlights.size()) {
+      const auto add = [&](std::size_t kind, BackEnd backend) {
+        runs.push_back({&faults()[f], &flights[first + kind], kFlights[kind], backend});
+      };
+      for (const BackEnd backend : kBackEnds) add(0, backend);
+      const std::size_t turn = f + first / kFlights.size();
+      add(1 + turn % 2, kBackEnds[turn / 2 % 2]);
     }
   }
   return runs;

@@ -102,17 +102,17 @@ void add_bias_steps(std::vector<Fault>& all) {
 
 std::vector<Fault> imu_faults() {
   std::vector<Fault> all = {
-      samples("gyro NaN for 0.2 s", 0.2, Promise::kBridged, 0.0,
+      samples("gyro NaN for 0.2 s", 0.2, Promise::kRecovered, 2.0,
               [](ImuSample& s, Moment&) { s.gyro_B.x() = kNaN; }),
-      samples("accel NaN for 0.2 s", 0.2, Promise::kBridged, 0.0,
+      samples("accel NaN for 0.2 s", 0.2, Promise::kRecovered, 2.0,
               [](ImuSample& s, Moment&) { s.accel_B.z() = kNaN; }),
-      samples("gyro infinite for 0.2 s", 0.2, Promise::kBridged, 0.0,
+      samples("gyro infinite for 0.2 s", 0.2, Promise::kRecovered, 2.0,
               [](ImuSample& s, Moment&) { s.gyro_B.y() = kInf; }),
-      samples("accel infinite for 0.2 s", 0.2, Promise::kBridged, 0.0,
+      samples("accel infinite for 0.2 s", 0.2, Promise::kRecovered, 2.0,
               [](ImuSample& s, Moment&) { s.accel_B.x() = -kInf; }),
       samples("IMU of NaN for 2 s", 2.0, Promise::kRecovered, 10.0,
               [](ImuSample& s, Moment&) { s.gyro_B.setConstant(kNaN); }),
-      samples("IMU frozen for 0.1 s", 0.1, Promise::kBridged, 0.0, freeze),
+      samples("IMU frozen for 0.1 s", 0.1, Promise::kRecovered, 2.0, freeze),
       samples("IMU frozen for 0.5 s", 0.5, Promise::kRecovered, 5.0, freeze),
       samples("IMU frozen for 2 s", 2.0, Promise::kRecovered, 10.0, freeze),
       samples("IMU at full scale for 0.02 s", 0.02, Promise::kBridged, 0.0, full_scale),

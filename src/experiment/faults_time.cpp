@@ -10,6 +10,9 @@ namespace rio::experiment {
 
 namespace {
 
+/// How far the body turns in a pause of the IMU of some 0.3 s nobody knows; the Dopplers tell soon.
+constexpr double kPause = 2.0;  // [s]
+
 using std::chrono::hours;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
@@ -30,6 +33,7 @@ Fault odd_stamps(const char* name, bool imu, int count, Time by,
 Fault jump(const char* name, Promise promise, Time by, bool scans_only = false) {
   return {.name = name,
           .promise = promise,
+          .within = kPause,
           .duration = kForGood,
           .change = [by, scans_only](Event& e, Moment&) {
             if (e.is_scan() || !scans_only) shift(e, by);
@@ -45,11 +49,14 @@ Fault stamps_with(const char* name, bool imu, double jitter, Promise promise) {
           }};
 }
 
-Fault late(const char* name, bool imu, double by, Promise promise) {
-  return {
-      .name = name, .promise = promise, .duration = 10.0, .change = [imu, by](Event& e, Moment&) {
-        if (e.is_imu() == imu) e.arrival += from_seconds(by);
-      }};
+Fault late(const char* name, bool imu, double by, Promise promise, double within = 0.0) {
+  return {.name = name,
+          .promise = promise,
+          .within = within,
+          .duration = 10.0,
+          .change = [imu, by](Event& e, Moment&) {
+            if (e.is_imu() == imu) e.arrival += from_seconds(by);
+          }};
 }
 
 /// All of a kind arrive together at the end of each block.
@@ -105,10 +112,9 @@ std::vector<Fault> silences() {
   constexpr Promise kHonest = Promise::kHonest;
   constexpr Promise kRecovered = Promise::kRecovered;
   std::vector<Fault> all;
-  for (const double s : {0.01, 0.03, 0.1, 0.3}) all.push_back(silence(Silent::kImu, s, kBridged));
-  for (const double s : {1.0, 2.0, 5.0}) {
-    all.push_back(silence(Silent::kImu, s, kRecovered, 10.0));
-  }
+  for (const double s : {0.01, 0.03, 0.1}) all.push_back(silence(Silent::kImu, s, kBridged));
+  all.push_back(silence(Silent::kImu, 0.3, kRecovered, kPause));
+  for (const double s : {1.0, 2.0, 5.0}) all.push_back(silence(Silent::kImu, s, kRecovered, 10.0));
   all.push_back(silence(Silent::kImu, kForGood, Promise::kReported));
   for (const double s : {0.5, 1.0, 2.0, 5.0}) {
     all.push_back(silence(Silent::kRadar, s, kBridged));
@@ -117,7 +123,7 @@ std::vector<Fault> silences() {
     all.push_back(silence(Silent::kRadar, s, kHonest));
   }
   all.push_back(silence(Silent::kRadar, kForGood, Promise::kReported));
-  all.push_back(silence(Silent::kBoth, 0.3, kBridged));
+  all.push_back(silence(Silent::kBoth, 0.3, kRecovered, kPause));
   for (const double s : {1.0, 5.0}) all.push_back(silence(Silent::kBoth, s, kRecovered, 10.0));
   return all;
 }
@@ -147,10 +153,12 @@ std::vector<Fault> time_faults() {
              if (e.is_scan() && m.n == 1) e.scan.time = Time::max();
            }},
       {.name = "all clocks start again at 0",
+       .promise = Promise::kRecovered,
+       .within = kPause,
        .duration = kForGood,
        .change = [](Event& e, Moment& m) { shift(e, -m.begin); }},
-      jump("all clocks jump by 1 h", Promise::kBridged, hours(1)),
-      jump("all clocks go back by 0.3 s", Promise::kBridged, -milliseconds(300)),
+      jump("all clocks jump by 1 h", Promise::kRecovered, hours(1)),
+      jump("all clocks go back by 0.3 s", Promise::kRecovered, -milliseconds(300)),
       jump("all clocks jump by 2 s", Promise::kHonest, seconds(2)),
       jump("the radar's clock late by 0.05 s", Promise::kHonest, milliseconds(50), true),
       jump("the radar's clock late by 0.2 s", Promise::kReported, milliseconds(200), true),
@@ -174,7 +182,7 @@ std::vector<Fault> time_faults() {
       late("scans 0.9 s late for 10 s", false, 0.9, Promise::kBridged),
       late("scans 1.5 s late for 10 s", false, 1.5, Promise::kHonest),
       late("IMU 0.1 s late for 10 s", true, 0.1, Promise::kBridged),
-      late("IMU 0.9 s late for 10 s", true, 0.9, Promise::kBridged),
+      late("IMU 0.9 s late for 10 s", true, 0.9, Promise::kRecovered, kPause),
       in_blocks("IMU in blocks of 0.1 s for 10 s", true, 0.1, Promise::kBridged),
       in_blocks("IMU in blocks of 0.5 s for 10 s", true, 0.5, Promise::kBridged),
       in_blocks("scans in blocks of 0.5 s for 10 s", false, 0.5, Promise::kBridged),
