@@ -15,6 +15,7 @@
 #include "rio/propagate/imu_guard.hpp"
 #include "rio/propagate/moving_start.hpp"
 #include "rio/propagate/predictor.hpp"
+#include "rio/propagate/restart.hpp"
 #include "rio/propagate/stamp_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"
@@ -64,6 +65,7 @@ class Engine final : public Odometry::Impl {
         predictor_(o.imu.gravity),
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
+        restart_(o.start, o.imu.gravity),
         queue_(o.timing.scan_queue) {
     extrinsics = o.radar.T_BS;
   }
@@ -117,6 +119,7 @@ class Engine final : public Odometry::Impl {
     }
     catch_up(sample.time - from_seconds(options_.timing.max_lag));
     if (sample.time >= watched_ + kWatch) watch(Time{0});
+    recover_tilt(sample);
     return Status::kOk;
   }
 
@@ -166,6 +169,7 @@ class Engine final : public Odometry::Impl {
     NavState start = prior;
     start.q_WB.normalize();
     pipeline_.reset(start, P0);
+    restart_.reset();
     counters = Counters{};
     queue_.clear();
     has_scan_ = false;
@@ -181,6 +185,7 @@ class Engine final : public Odometry::Impl {
     guard_.reset();
     aligner_.reset();
     moving_start_.reset();
+    restart_.reset();
     queue_.clear();
     counters = Counters{};
     has_scan_ = false;
@@ -237,10 +242,15 @@ class Engine final : public Odometry::Impl {
   void carry_to(Time time) {
     NavState state = at_scan();
     state.time = time;
-    const BodyCovariance P = covariance;
+    hold(state, BodyCovariance(covariance));
+  }
+
+  /// Starts over from there; the scans that wait are of another time.
+  void hold(const NavState& state, const BodyCovariance& P) {
     counters.scans_late += queue_.size();
     queue_.clear();
     has_scan_ = false;
+    restart_.reset();
     pipeline_.reset(state, P);
     publish();
   }
@@ -270,6 +280,21 @@ class Engine final : public Odometry::Impl {
     counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
     publish();
     return status;
+  }
+
+  /// Starts over from the specific force where the tilt is lost.
+  void recover_tilt(const ImuSample& sample) {
+    if (!options_.frontend.velocity_recovery) return;
+    if (!restart_.active()) {
+      const bool diverged = pipeline_.health().has_diverged();
+      if (!diverged && !pipeline_.tilt_is_lost()) return;
+      restart_.begin(at_scan(), covariance, diverged);
+    }
+    const bool pause = imu_.size() > 1 && imu_.is_gap(imu_[imu_.size() - 2], sample);
+    const std::optional<Alignment> found = restart_.add(sample, pause);
+    if (!found) return;
+    ++counters.restarts;
+    hold(found->state, found->covariance);
   }
 
   void watch(Time pause) {
@@ -306,6 +331,7 @@ class Engine final : public Odometry::Impl {
   BodyCovariance covariance_now_ = BodyCovariance::Zero();
   StaticAligner aligner_;
   MovingStart moving_start_;
+  Restart restart_;
   ScanQueue queue_;
   DetectionList filtered_;
   Time last_scan_{0};           ///< its stamp

@@ -48,6 +48,9 @@ inline constexpr std::size_t kHealthReasonCount = static_cast<std::size_t>(Healt
 /// Name of a reason, as in "radar silent".
 RIO_API const char* to_string(HealthReason reason);
 
+/// Severity from which an estimate is lost.
+inline constexpr double kHealthLost = 4.0;
+
 struct Health {
   HealthState state = HealthState::kInitializing;  ///< the worst of the three
   HealthState position = HealthState::kInitializing;
@@ -63,6 +66,14 @@ struct Health {
   /// The reason counts.
   bool because(HealthReason reason) const {
     return severity[static_cast<std::size_t>(reason)] >= 1.0;
+  }
+  /// The estimate has run away: its sigmas say nothing.
+  bool has_diverged() const {
+    const auto loses = [this](HealthReason reason) {
+      return severity[static_cast<std::size_t>(reason)] >= kHealthLost;
+    };
+    return loses(HealthReason::kTooFast) || loses(HealthReason::kTiltContradicted) ||
+           loses(HealthReason::kReopened);
   }
 };
 

@@ -58,6 +58,13 @@ class Pipeline {
   /// When a scan with that stamp was measured, as far as is known.
   Time measured_at(Time stamp) const { return stamp - from_seconds(estimate().time_offset); }
 
+  /// The tilt is more uncertain than a linearisation carries; without velocity_recovery updates
+  /// go on nevertheless.
+  bool tilt_is_lost() const {
+    constexpr double kLinear = 0.35;  // 1 - cos is 6 % [rad]
+    return options_.frontend.velocity_recovery && sigma_tilt() > kLinear;
+  }
+
   /// Carries the estimate to `time` without a scan, not beyond the newest IMU sample.
   Status propagate(Time time, const ImuBuffer& imu) {
     bool gap = false;
@@ -85,6 +92,8 @@ class Pipeline {
     const Time propagated = now();
     report_.propagation_time = propagated - start;
     if (report_.status != Status::kOk) return conclude();
+
+    if (tilt_is_lost()) return conclude();  // an update would make any tilt of it
 
     const DetectionList& scan = corrected(received);
     forget_after_silence(scan.time);

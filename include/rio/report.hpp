@@ -167,6 +167,7 @@ struct Counters {
   std::uint64_t updates_failed = 0;   ///< kNumerical
   std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long
   std::uint64_t attitude_resets = 0;  ///< same, gravity: tilt or a bias
+  std::uint64_t restarts = 0;         ///< the tilt was lost and found again from the specific force
 };
 
 }  // namespace rio

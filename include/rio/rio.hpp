@@ -25,7 +25,9 @@
 //               out of its scan.
 //   IMU stamps  rise strictly (else kStale), by half a second at most (else kAhead). A single odd
 //               one is dropped. Five in a row that rise one after the other have jumped for good:
-//               forwards by up to TimingOptions::max_pause it was a pause, bridged as a gap; else,
+//               forwards by up to TimingOptions::max_pause it was a pause, bridged as a gap (if the
+//               tilt is lost in it, the estimate starts over a second and a half later from the
+//               specific force, Counters::restarts; position and heading are carried over); else,
 //               once they span a tenth of a second, the clock of the sensors has started again
 //               (Counters::clock_restarts), and the estimate is carried over: it keeps its values,
 //               with the uncertainty of a pause of some 0.3 s, in the time of the new clock. The

@@ -30,6 +30,7 @@ void Restart::begin(const NavState& x, const BodyCovariance& P, bool diverged) {
   const double yaw = std::sqrt(std::max(0.0, up_B.dot(attitude * up_B)));
   sigma_yaw_ = diverged ? kAnyYaw : std::min(yaw, kAnyYaw);
   sigma_position_ = std::sqrt(P.diagonal().segment<3>(body::kPosition).maxCoeff());
+  if (diverged) sigma_position_ += kUnnoticed * x.v_WB.norm();
 }
 
 std::optional<Alignment> Restart::add(const ImuSample& sample, bool pause) {

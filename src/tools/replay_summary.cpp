@@ -129,7 +129,8 @@ std::string ReplaySummary::json() const {
         {"scans_unprocessed", scans_unprocessed},
         {"updates_failed", counters.updates_failed},
         {"velocity_resets", counters.velocity_resets},
-        {"attitude_resets", counters.attitude_resets}}},
+        {"attitude_resets", counters.attitude_resets},
+        {"restarts", counters.restarts}}},
   };
   return all.dump();
 }
@@ -182,7 +183,8 @@ std::string ReplaySummary::text() const {
       {"gaps of the IMU", counters.imu_gaps},
       {"updates failed", counters.updates_failed},
       {"times the scans contradicted the velocity for long", counters.velocity_resets},
-      {"times the scans contradicted tilt or biases", counters.attitude_resets}};
+      {"times the scans contradicted tilt or biases", counters.attitude_resets},
+      {"times the tilt was lost and found again", counters.restarts}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }

@@ -156,7 +156,7 @@ void HealthMonitor::conclude() {
       if (!(of.*doubted) || s < 1.0) continue;
       HealthState now = HealthState::kDegraded;
       if (reason == HealthReason::kRadarSilent) now = HealthState::kDeadReckoning;
-      if (of.loses && s >= kLost) now = HealthState::kLost;
+      if (of.loses && s >= kHealthLost) now = HealthState::kLost;
       state = std::max(state, now);
     }
     return begun_ ? state : HealthState::kInitializing;

@@ -27,6 +27,9 @@ class MovingStart {
   /// A state once `StartOptions::max_wait` is over, if there is such a time.
   std::optional<Alignment> add(const ImuSample& sample);
 
+  /// Norm of the mean specific force [m/s^2].
+  double force() const { return up_B_.norm(); }
+
  private:
   Alignment at(Time time) const;
 

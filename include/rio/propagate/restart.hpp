@@ -35,6 +35,7 @@ class Restart {
   static constexpr double kDuration = 1.5;   // as a static alignment takes [s]
   static constexpr double kSpeed = 1.0;      // gained meanwhile [m/s]
   static constexpr double kAnyYaw = 1.8;     // sigma of a heading that may be any [rad]
+  static constexpr double kUnnoticed = 2.0;  // an estimate has run away before that is clear [s]
   static constexpr double kNoGravity = 0.5;  // share of g that the mean specific force is off
 
   double gravity_;

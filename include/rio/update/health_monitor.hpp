@@ -46,7 +46,6 @@ class HealthMonitor {
 
   static constexpr double kMemory = 1.0;        // of shares: a person passes by, a fault stays [s]
   static constexpr double kStepMemory = 3.0;    // of a step [s]
-  static constexpr double kLost = 4.0;          // severity
   static constexpr double kSilence = 1.0;       // the IMU alone stays within centimetres [s]
   static constexpr double kFewRows = 3.0;       // a velocity has three components
   static constexpr double kOutliers = 0.7;      // beyond that no majority is safe
