@@ -10,7 +10,9 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <optional>
 
 #include "rio/frontend/frontend.hpp"
 #include "rio/frontend/gravity_check.hpp"
@@ -49,6 +51,7 @@ class Pipeline {
     gravity_.reset(prior.time);
     rest_.reset();
     last_scan_ = prior.time;
+    replaced_.reset();
     backend_.reset(prior, P0);
     health_.reset(prior.time);
     report_ = UpdateReport{};
@@ -142,29 +145,50 @@ class Pipeline {
   /// Stage 3. If the scans have contradicted the velocity or the tilt for long they are replaced.
   void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
     const Estimate& x = backend_.estimate();
+    constexpr double kOpen = 0.5;  // the velocity is what the next scans say [m/s]
     const double sigma = std::sqrt(backend_.belief().radar_velocity_covariance().trace());
     const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
     report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
-    if (other) restart_velocity(*other, to_seconds(scan.time - pool_.agreed()));
+    if (other) {
+      restart_velocity(*other, to_seconds(x.nav.time - pool_.agreed()), doubtful_since());
+    } else if (sigma > kOpen) {
+      replaced_ = Replaced{x.nav.time, last};
+    }
     const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
     frontend_.observe(scan, x, &seen_, velocity_covariance);
     const auto down =
         gravity_.observe(seen_, x, backend_.belief().covariance().body(),
                          backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
     report_.attitude_reset = down.has_value();
-    report_.tilt_contradicted = to_seconds(x.nav.time - gravity_.agreed());
+    report_.tilt_contradicted =
+        to_seconds(x.nav.time - gravity_.contradicted_since().value_or(x.nav.time));
     if (!down) return;
-    backend_.restart_attitude(down->g_B, down->sigma, to_seconds(x.nav.time - gravity_.agreed()));
-    restart_velocity(down->velocity, 0.0);  // it has run away only by and by
+    const Time since = std::min(gravity_.agreed(), pool_.agreed());
+    backend_.restart_attitude(down->g_B, down->sigma, down->velocity.v_B,
+                              to_seconds(x.nav.time - since));
+    restart_velocity(down->velocity, 0.0, since);  // it has run away only by and by
     gravity_.reset(x.nav.time);
     frontend_.observe(scan, x, &seen_, backend_.belief().radar_velocity_covariance());
   }
 
-  /// The trails and landmarks that were placed with the wrong one go.
-  void restart_velocity(const VelocityOpinion& other, double duration) {
-    backend_.restart_velocity(other.v_B, other.covariance, duration, &report_);
-    pool_.reset(estimate().nav.time);
+  /// Since when the velocity may have been wrong: one that took another one's place not long ago
+  /// and is contradicted in turn was wrong from the start, however well the scans supported it
+  /// meanwhile.
+  Time doubtful_since() const {
+    constexpr Time kLong = std::chrono::seconds(30);  // no crowd, no multipath lasts that long
+    const bool again = replaced_ && estimate().nav.time - replaced_->at < kLong;
+    return again ? std::min(replaced_->since, pool_.agreed()) : pool_.agreed();
+  }
+
+  /// The trails and landmarks that were placed with the wrong one go. The position may be off by
+  /// what the difference has done since it may have been wrong.
+  void restart_velocity(const VelocityOpinion& other, double duration, Time since) {
+    const Time now = estimate().nav.time;
+    backend_.restart_velocity(other.v_B, other.covariance, duration, to_seconds(now - since),
+                              &report_);
+    replaced_ = Replaced{now, since};
+    pool_.reset(now);
     frontend_.reset();
   }
 
@@ -197,6 +221,13 @@ class Pipeline {
     return report_.status;
   }
 
+  /// The velocity was replaced, by a check or by the scans after it had become uncertain, and since
+  /// when it may have been wrong by then.
+  struct Replaced {
+    Time at{0};
+    Time since{0};
+  };
+
   Options options_;
   Frontend frontend_;
   VelocityPool pool_;
@@ -209,6 +240,7 @@ class Pipeline {
   UpdateReport report_;
   HealthMonitor health_;
   Time last_scan_{0};
+  std::optional<Replaced> replaced_;
   ScanId next_scan_ = 0;
 };
 

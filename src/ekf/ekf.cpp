@@ -23,9 +23,9 @@ void Ekf::drop_landmarks(UpdateReport* report) {
 }
 
 void Ekf::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                           UpdateReport* report) {
+                           double doubtful, UpdateReport* report) {
   drop_landmarks(report);
-  belief_.restart_velocity(v_B, covariance_B, duration);
+  belief_.restart_velocity(v_B, covariance_B, duration, doubtful);
 }
 
 Status Ekf::update(const Observations& seen, UpdateReport* report) {

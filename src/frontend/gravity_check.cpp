@@ -18,7 +18,12 @@ GravityCheck::GravityCheck(const Options& options)
 void GravityCheck::reset(Time time) {
   scans_.clear();
   density_ = 0.0;
+  agree(time);
+}
+
+void GravityCheck::agree(Time time) {
   agreed_ = time;
+  since_.reset();
 }
 
 std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, const Estimate& x,
@@ -27,7 +32,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
                                                     const ImuBuffer& imu, bool gap) {
   const Time now = x.nav.time;
   if (!options_.frontend.velocity_recovery) {
-    agreed_ = now;
+    agree(now);
     return std::nullopt;
   }
   // in the wrong fold Dopplers are wrong
@@ -37,7 +42,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   take(seen, x);
   const double span = to_seconds(now - scans_.front().time);
   if (span < to_seconds(kSpan)) {
-    agreed_ = now;
+    agree(now);
     return std::nullopt;
   }
   const std::optional<Fit> fitted = fit_dopplers(now);
@@ -50,8 +55,12 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   Matrix3d S = other.covariance + J * P_body * J.transpose() +  // (E4)
                other.slope * P_radar * other.slope.transpose();
   S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
-  if (D.dot(Eigen::LLT<Matrix3d>(S).solve(D)) < kSigmas * kSigmas) agreed_ = now;
-  if (now - agreed_ < kPatience) return std::nullopt;
+  if (D.dot(Eigen::LLT<Matrix3d>(S).solve(D)) < kSigmas * kSigmas) {
+    agree(now);
+    return std::nullopt;
+  }
+  if (!since_) since_ = now;
+  if (now - *since_ < kPatience) return std::nullopt;
   const double bias = std::min(D.norm(), kMaxBias);
   return GravityOpinion{other.g, std::sqrt(other.covariance.trace() / 3.0 + bias * bias),
                         other.velocity};

@@ -44,14 +44,15 @@ void Smoother::drop_landmarks(UpdateReport* report) {
 }
 
 void Smoother::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                                UpdateReport* report) {
+                                double doubtful, UpdateReport* report) {
   drop_landmarks(report);
-  belief_.restart_velocity(v_B, covariance_B, duration);
+  belief_.restart_velocity(v_B, covariance_B, duration, doubtful);
   restart();
 }
 
-void Smoother::restart_attitude(const Vector3d& g_B, double sigma, double duration) {
-  belief_.restart_attitude(g_B, sigma, duration);
+void Smoother::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
+                                double duration) {
+  belief_.restart_attitude(g_B, sigma, v_B, duration);
   restart();
 }
 

@@ -137,26 +137,31 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   return Status::kOk;
 }
 
-void Belief::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration) {
+void Belief::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
+                              double doubtful) {
   const Matrix3d R = estimate_.T_WB().R;
   const Vector3d error = R * v_B - estimate_.nav.v_WB;
+  covariance_.inflate(body::kPosition, error.squaredNorm() * doubtful * doubtful);
   covariance_.reopen_velocity(error.squaredNorm() + covariance_B.trace(), duration);
   covariance_.measure_velocity(error, R * covariance_B * R.transpose(), &dx_);
   correct(dx_);
 }
 
-void Belief::restart_attitude(const Vector3d& g_B, double sigma, double duration) {
-  constexpr double kBefore = 2.0;  // the error was small, but it was there [s]
+void Belief::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
+                              double duration) {
+  constexpr double kBefore = 4.0;  // the error was small, but it was there [s]
   NavState& nav = estimate_.nav;
   const Vector3d g_W(0.0, 0.0, -options_.imu.gravity);
   const double off = (nav.q_WB * g_B - g_W).norm();
-  const Vector3d v_B = nav.q_WB.conjugate() * nav.v_WB;
+  const Vector3d v_before_B = nav.q_WB.conjugate() * nav.v_WB;
   nav.q_WB =
       (Quaternion::FromTwoVectors(nav.q_WB * g_B, -Vector3d::UnitZ()) * nav.q_WB).normalized();
-  nav.v_WB = nav.q_WB * v_B;
+  nav.v_WB = nav.q_WB * v_before_B;
   const double angle = sigma / options_.imu.gravity;
   const double rate = angle / (duration + kBefore);
-  const double way = 0.5 * off * duration * duration;
+  // the velocity has run away by its difference, and was turned by the tilt
+  const double speed = (v_B - v_before_B).norm() + nav.v_WB.norm() * off / options_.imu.gravity;
+  const double way = 0.5 * off * duration * duration + speed * (duration + kBefore);
   covariance_.inflate(body::kPosition, way * way);
   covariance_.inflate(body::kAttitude, angle * angle);
   covariance_.inflate(body::kGyroBias, rate * rate);

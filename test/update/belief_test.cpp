@@ -127,7 +127,7 @@ TEST_F(BeliefTest, ARestartedVelocityTakesThePositionAlong) {
     const Vector3d v_B(1.0, -2.0, 0.5);
     const Matrix3d noise = 1e-4 * Matrix3d::Identity();
     const Vector3d error = nav_.q_WB * v_B - nav_.v_WB;
-    b.restart_velocity(v_B, noise, duration);
+    b.restart_velocity(v_B, noise, duration, 0.0);
     EXPECT_LT((b.estimate().nav.v_WB - nav_.q_WB * v_B).norm(), 1e-3);
     EXPECT_LT((b.estimate().nav.p_WB - nav_.p_WB - duration * error).norm(), 1e-3);
     const auto P = b.covariance().matrix();
@@ -137,11 +137,20 @@ TEST_F(BeliefTest, ARestartedVelocityTakesThePositionAlong) {
   }
 }
 
+// The position may be off by what the difference has done since it may have been wrong.
+TEST_F(BeliefTest, ARestartedVelocityLeavesThePositionInDoubt) {
+  Belief b = belief(0.01);
+  const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB + Vector3d(0.0, 0.3, 0.4);
+  b.restart_velocity(v_B, 1e-4 * Matrix3d::Identity(), 0.0, 6.0);
+  EXPECT_LT((b.estimate().nav.p_WB - nav_.p_WB).norm(), 1e-9);
+  EXPECT_NEAR(b.covariance().matrix()(body::kPosition, body::kPosition), 9.0, 1e-3);
+}
+
 // Measured noise in body axes counts in world axes.
 TEST_F(BeliefTest, ARestartedVelocityHasTheNoiseOfItsAxes) {
   Belief b = belief();
   const Matrix3d noise = Vector3d(0.01, 0.04, 0.09).asDiagonal();
-  b.restart_velocity(Vector3d(40.0, 10.0, 20.0), noise, 0.1);
+  b.restart_velocity(Vector3d(40.0, 10.0, 20.0), noise, 0.1, 0.0);
   const Matrix3d R = nav_.q_WB.toRotationMatrix();
   const Matrix3d P = b.covariance().matrix().block<3, 3>(body::kVelocity, body::kVelocity);
   EXPECT_LT((R.transpose() * P * R - noise).norm(), 1e-4);
@@ -156,15 +165,16 @@ TEST_F(BeliefTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
   const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB;
   const double off = (nav_.q_WB * g_B + options_.imu.gravity * Vector3d::UnitZ()).norm();
   const Matrix15d before = b.covariance().body();
-  b.restart_attitude(g_B, kSigma, kDuration);
+  b.restart_attitude(g_B, kSigma, v_B + Vector3d(0.3, 0.0, 0.4), kDuration);
   const NavState& x = b.estimate().nav;
   EXPECT_LT((x.q_WB * g_B + options_.imu.gravity * Vector3d::UnitZ()).norm(), 1e-9);
   EXPECT_LT((x.q_WB.conjugate() * x.v_WB - v_B).norm(), 1e-12);
   EXPECT_EQ(x.p_WB, nav_.p_WB);
   const Matrix15d grown = b.covariance().body() - before;
   const double angle = kSigma / options_.imu.gravity;
-  const double way = 0.5 * off * kDuration * kDuration;
-  const double rate = angle / (kDuration + 2.0);
+  const double speed = 0.5 + v_B.norm() * off / options_.imu.gravity;
+  const double way = 0.5 * off * kDuration * kDuration + speed * (kDuration + 4.0);
+  const double rate = angle / (kDuration + 4.0);
   const double bias = options_.start.sigma_accel_bias;
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(grown(body::kAttitude + i, body::kAttitude + i), angle * angle, 1e-12);

@@ -40,11 +40,11 @@ class Ekf {
   /// The velocity turns out to be another one [m/s, body axes], for `duration` [s]: the position
   /// admits it, and the landmarks seen meanwhile are dropped. The trails have to go, too.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                        UpdateReport* report);
+                        double doubtful, UpdateReport* report);
 
   /// Gravity turns out to be g_B, sigma per axis [m/s^2], for `duration` [s] (update/belief.hpp).
-  void restart_attitude(const Vector3d& g_B, double sigma, double duration) {
-    belief_.restart_attitude(g_B, sigma, duration);
+  void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration) {
+    belief_.restart_attitude(g_B, sigma, v_B, duration);
   }
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.

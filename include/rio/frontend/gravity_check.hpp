@@ -54,6 +54,8 @@ class GravityCheck {
 
   /// When gravity as estimated was last supported, or could not be judged.
   Time agreed() const { return agreed_; }
+  /// The first of the scans in a row that contradict it; none if the last one does not.
+  std::optional<Time> contradicted_since() const { return since_; }
 
   /// Takes a scan; the result is gravity, if it contradicts the one estimated.
   /// @param seen its static set
@@ -87,6 +89,7 @@ class GravityCheck {
     Matrix34d slope = Matrix34d::Zero();  ///< C of (E4)
   };
 
+  void agree(Time time);
   void carry(const Estimate& x, Time last, const ImuBuffer& imu);
   void take(const Observations& seen, const Estimate& x);
   /// None if the Dopplers tell too little, or if no v and g explain them.
@@ -112,6 +115,7 @@ class GravityCheck {
   Ring<Scan> scans_;
   double density_ = 0.0;  ///< of the accelerometer, largest in the window, about [(m/s^2)^2/Hz]
   Time agreed_{0};
+  std::optional<Time> since_;
 };
 
 }  // namespace rio

@@ -49,10 +49,10 @@ class Smoother {
 
   /// As in the filter; the window begins anew from the result.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                        UpdateReport* report);
+                        double doubtful, UpdateReport* report);
 
   /// Same.
-  void restart_attitude(const Vector3d& g_B, double sigma, double duration);
+  void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, UpdateReport* report);

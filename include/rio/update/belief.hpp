@@ -67,13 +67,16 @@ class Belief {
   /// Of the prior sigma of the options, to which a parameter is believed now.
   double prior_share(Calibration parameter) const;
 
-  /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s].
-  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration);
+  /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s]; it may
+  /// have been for the time `doubtful` [s], and the position off by what that has done.
+  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
+                        double doubtful);
 
-  /// Gravity turns out to be g_B, sigma per axis [m/s^2, body axes], for `duration` [s]: the body
-  /// is tilted to it; attitude, gyro bias and accelerometer bias become uncertain by what may have
-  /// made the difference, the position by what that has done.
-  void restart_attitude(const Vector3d& g_B, double sigma, double duration);
+  /// Gravity turns out to be g_B, sigma per axis [m/s^2, body axes], and the velocity v_B [m/s],
+  /// for `duration` [s]: the body is tilted to it, and keeps its velocity; attitude, gyro bias and
+  /// accelerometer bias become uncertain by what may have made the difference, the position by what
+  /// that has done.
+  void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
   /// Covariance of what turns and scales a measured velocity of the radar: rotation of T_BS, axes
   /// S, and Doppler scale. Zero what is not estimated.
