@@ -3,6 +3,8 @@
 // where there is one.
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
+
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -183,12 +185,16 @@ TEST_F(Bag, TheRealRecordingIsTheSameInEveryFormat) {
   measured("from the first to the last position [m]", off, "below 0.4");
   EXPECT_LT(off, 0.4);  // perturbed copies of it: 0.11, worst 0.37
 
-  ASSERT_EQ(rio("replay " + recording + how + " --quiet --out " + file("a.tum")).status, 0);
+  // without its mounting, so that the estimate may end lost; the trajectory is written all the same
+  const auto replays = [](int status) { return status == 0 || WEXITSTATUS(status) == 3; };
+  ASSERT_PRED1(replays,
+               rio("replay " + recording + how + " --quiet --out " + file("a.tum")).status);
   const std::vector<Written> messages = as_ros2(recording);
   for (const std::string& format : formats()) {
     if (format.starts_with("ros1")) continue;
     write_bag(file("b"), format, messages, 500);
-    ASSERT_EQ(rio("replay " + file("b") + how + " --quiet --out " + file("b.tum")).status, 0);
+    ASSERT_PRED1(replays,
+                 rio("replay " + file("b") + how + " --quiet --out " + file("b.tum")).status);
     EXPECT_EQ(dir_->read("a.tum"), dir_->read("b.tum")) << format;
     fs::remove(file("b"));
   }

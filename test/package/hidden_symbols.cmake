@@ -5,7 +5,7 @@ if(NOT result EQUAL 0)
 endif()
 string(REGEX MATCHALL "rio::[^\n]*" shown "${symbols}")
 list(FILTER shown EXCLUDE REGEX
-  "^rio::(Odometry::|Options::validate|preset\\(|to_string\\((rio::)?(Status|Model)\\))")
+  "^rio::(Odometry::|Options::validate|preset\\(|to_string\\((rio::)?(Status|Model|HealthState|HealthReason)\\))")
 if(NOT symbols MATCHES "rio::Odometry::add_imu" OR NOT symbols MATCHES "rio::to_string")
   message(FATAL_ERROR "door 1 is missing in:\n${symbols}")
 endif()

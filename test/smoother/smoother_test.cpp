@@ -272,7 +272,7 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
   const Vector3d error(1.0, -0.7, 0.4);
   const Matrix3d R_then = before.estimate.nav.q_WB.toRotationMatrix();
   const Vector3d v_B = R_then.transpose() * (before.estimate.nav.v_WB + error);
-  smoother_.restart_velocity(v_B, kSigma * kSigma * Matrix3d::Identity(), kDuration, &report_);
+  smoother_.restart_velocity(v_B, kSigma * kSigma * Matrix3d::Identity(), kDuration, 0.0, &report_);
   EXPECT_EQ(smoother_.window().size(), 1U);
   EXPECT_EQ(smoother_.estimate().landmarks.size(), 0U);
   EXPECT_EQ(report_.landmarks_removed, 1);
