@@ -106,23 +106,22 @@ Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const V
                         double weight) {
     Q.block<3, 3>(row, column) += weight * (a_row * a_column.transpose());
   };
+  const auto add_rate = [&add](const Matrix3d& attitude, const Matrix3d& position,
+                               const Matrix3d& velocity, double weight) {
+    add(kAttitude, kAttitude, attitude, attitude, weight);
+    add(kPosition, kAttitude, position, attitude, weight);
+    add(kPosition, kPosition, position, position, weight);
+    add(kVelocity, kAttitude, velocity, attitude, weight);
+    add(kVelocity, kPosition, velocity, position, weight);
+    add(kVelocity, kVelocity, velocity, velocity, weight);
+  };
   for (std::size_t i = 0; i < kNodes.size(); ++i) {
     const double s = kNodes[i] * dt;
     const TransitionBlocks F(R * gamma(0, w * s), w, a, dt - s);
-    const double gyro = kWeights[i] * dt * density.gyro;
-    add(kAttitude, kAttitude, F.attitude_attitude, F.attitude_attitude, gyro);
-    add(kPosition, kAttitude, F.position_attitude, F.attitude_attitude, gyro);
-    add(kPosition, kPosition, F.position_attitude, F.position_attitude, gyro);
-    add(kVelocity, kAttitude, F.velocity_attitude, F.attitude_attitude, gyro);
-    add(kVelocity, kPosition, F.velocity_attitude, F.position_attitude, gyro);
-    add(kVelocity, kVelocity, F.velocity_attitude, F.velocity_attitude, gyro);
     const double gyro_walk = kWeights[i] * dt * density.gyro_walk;
-    add(kAttitude, kAttitude, F.attitude_gyro, F.attitude_gyro, gyro_walk);
-    add(kPosition, kAttitude, F.position_gyro, F.attitude_gyro, gyro_walk);
-    add(kPosition, kPosition, F.position_gyro, F.position_gyro, gyro_walk);
-    add(kVelocity, kAttitude, F.velocity_gyro, F.attitude_gyro, gyro_walk);
-    add(kVelocity, kPosition, F.velocity_gyro, F.position_gyro, gyro_walk);
-    add(kVelocity, kVelocity, F.velocity_gyro, F.velocity_gyro, gyro_walk);
+    add_rate(F.attitude_attitude, F.position_attitude, F.velocity_attitude,
+             kWeights[i] * dt * density.gyro);
+    add_rate(F.attitude_gyro, F.position_gyro, F.velocity_gyro, gyro_walk);
     Q.block<3, 3>(kGyroBias, kAttitude) += gyro_walk * F.attitude_gyro.transpose();
     Q.block<3, 3>(kGyroBias, kPosition) += gyro_walk * F.position_gyro.transpose();
     Q.block<3, 3>(kGyroBias, kVelocity) += gyro_walk * F.velocity_gyro.transpose();
