@@ -5,6 +5,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "rio/options.hpp"
+
 namespace rio {
 
 namespace {
