@@ -10,11 +10,12 @@
 
 #include "experiment/trial.hpp"
 #include "rio/sim/catalogue.hpp"
+#include "support/constants.hpp"
 
 namespace rio::calibrate {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using test::kDegree;
 
 /// Range [m], azimuth, elevation [rad], Doppler [m/s].
 using Sigmas = Eigen::Vector4d;

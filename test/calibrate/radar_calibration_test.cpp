@@ -16,12 +16,13 @@
 #include "rio/core/so3.hpp"
 #include "rio/eval/nees.hpp"
 #include "rio/sim/scenario.hpp"
+#include "support/constants.hpp"
 #include "support/measured.hpp"
 
 namespace rio::calibrate {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
+using test::kDegree;
 constexpr auto kElevationBias = static_cast<std::size_t>(Calibration::kElevationBias);
 
 /// With every effect of the default room, and told 5 deg, 5 cm, 10 ms and 1 % wrong.

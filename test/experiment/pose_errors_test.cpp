@@ -7,11 +7,12 @@
 #include <stdexcept>
 
 #include "rio/core/so3.hpp"
+#include "support/constants.hpp"
 
 namespace rio::experiment {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
+using test::kDegree;
 
 /// A body that flies 1 m forward a frame and turns left by 90 deg after each, estimated off by a
 /// constant rotation about the origin and, from the third frame on, by 0.3 m.

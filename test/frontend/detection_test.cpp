@@ -7,12 +7,13 @@
 #include <cfenv>
 #include <limits>
 
+#include "support/constants.hpp"
 #include "support/random_state.hpp"
 
 namespace rio {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
+using test::kDegree;
 
 // Turns boresight by azimuth about z after elevation about -y.
 Vector3d polar(double range, double azimuth, double elevation) {

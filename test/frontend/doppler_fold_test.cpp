@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLimit = 1.5;  // [m/s]
 
-RadarOptions fine_radar() {
+RadarOptions folding_radar() {
   RadarOptions o;
   o.sigma_azimuth = o.sigma_elevation = 0.0;
   o.max_doppler = kLimit;
@@ -29,7 +29,7 @@ double true_rate(const Detection& d, const Vector3d& v_S) {
 
 // Static points over 120 x 60 degrees, their range rates noisy and folded.
 DetectionList folded_scan(test::Random& random, int count, const Vector3d& v_S,
-                          const RadarOptions& radar = fine_radar()) {
+                          const RadarOptions& radar = folding_radar()) {
   RadarScan scan;
   scan.time = Time(static_cast<Time::rep>(random.index(1'000'000'000)));
   for (int i = 0; i < count; ++i) {
@@ -46,8 +46,9 @@ DetectionList folded_scan(test::Random& random, int count, const Vector3d& v_S,
   return list;
 }
 
-EgoVelocity estimate(const DetectionList& scan, const std::optional<RadarVelocity>& predicted,
-                     const FrontendOptions& options = {}) {
+EgoVelocity estimate_folded(const DetectionList& scan,
+                            const std::optional<RadarVelocity>& predicted,
+                            const FrontendOptions& options = {}) {
   EgoVelocity out;
   EgoVelocityRansac(options, kLimit).estimate(scan, predicted, &out);
   return out;
@@ -94,7 +95,7 @@ TEST(DopplerFold, TheTrueFoldIsRecoveredWithAPrediction) {
   for (int run = 0; run < 100; ++run) {
     const Vector3d v = 6.0 * random.direction();
     const DetectionList scan = folded_scan(random, 30, v);
-    const EgoVelocity out = estimate(scan, velocity(v + random.normal_vector(0.1), 0.1));
+    const EgoVelocity out = estimate_folded(scan, velocity(v + random.normal_vector(0.1), 0.1));
     EXPECT_TRUE(out.valid);
     EXPECT_EQ(out.inliers, 30) << run;
     EXPECT_EQ(wrong_folds(scan, out, v), 0) << run;
@@ -116,7 +117,7 @@ TEST(DopplerFold, HalfOfThePointsFoldedAndNoPrediction) {
     for (const Detection& d : scan.items) folded += std::abs(true_rate(d, v)) > kLimit ? 1 : 0;
     if (folded < 13 || folded > 17) continue;
     ++runs;
-    const EgoVelocity out = estimate(scan, std::nullopt, options);
+    const EgoVelocity out = estimate_folded(scan, std::nullopt, options);
     EXPECT_TRUE(out.valid) << seed;
     EXPECT_LT((out.v_S - v).norm(), 0.2) << seed;
     EXPECT_EQ(wrong_folds(scan, out, v), 0) << seed;
@@ -131,7 +132,7 @@ TEST(DopplerFold, AStartAtSpeedFindsTheFoldByItself) {
   for (int run = 0; run < 50; ++run) {
     const Vector3d v = Vector3d(4.0, 0.0, 0.0) + random.normal_vector(0.3);
     const DetectionList scan = folded_scan(random, 30, v);
-    const EgoVelocity out = estimate(scan, velocity(v + 3.0 * random.direction(), 2.0));
+    const EgoVelocity out = estimate_folded(scan, velocity(v + 3.0 * random.direction(), 2.0));
     EXPECT_TRUE(out.valid) << run;
     EXPECT_LT((out.v_S - v).norm(), 0.2) << run;
     EXPECT_EQ(wrong_folds(scan, out, v), 0) << run;
@@ -145,7 +146,7 @@ TEST(DopplerFold, AWrongPredictionDoesNotChooseTheFold) {
     const Vector3d v = random.normal_vector(0.4);
     const Vector3d wrong = v + 2.8 * random.direction();
     const DetectionList scan = folded_scan(random, 30, v);
-    const EgoVelocity out = estimate(scan, velocity(wrong, 0.05));
+    const EgoVelocity out = estimate_folded(scan, velocity(wrong, 0.05));
     EXPECT_LT((out.v_S - v).norm(), 0.2) << run;
     EXPECT_EQ(wrong_folds(scan, out, v), 0) << run;
   }
@@ -164,25 +165,25 @@ TEST(DopplerFold, AnAmbiguousScanIsDecidedByASurePredictionOnly) {
       RadarDetection raw;
       raw.point_S = 3.0 * directions[static_cast<std::size_t>(i % 3)];
       raw.range_rate = sim::fold(-raw.point_S.normalized().dot(v), kLimit);
-      scan.items.push_back(make_detection(raw, fine_radar()));
+      scan.items.push_back(make_detection(raw, folding_radar()));
     }
     const Vector3d off = 0.3 * random.direction();
-    const EgoVelocity sure = estimate(scan, velocity(v + off, 0.1));
+    const EgoVelocity sure = estimate_folded(scan, velocity(v + off, 0.1));
     EXPECT_TRUE(sure.valid);
     EXPECT_EQ(sure.inliers, 9) << run;
     EXPECT_LT((sure.v_S - v).norm(), 1e-9) << run;
-    const EgoVelocity vague = estimate(scan, velocity(v + off, 1.0));
+    const EgoVelocity vague = estimate_folded(scan, velocity(v + off, 1.0));
     EXPECT_EQ(wrong_folds(scan, vague, v), 0) << run;
   }
 }
 
 TEST(DopplerFold, APointThatCouldBeOnTwoFoldsIsLeftOut) {
   test::Random random(6);
-  RadarOptions radar = fine_radar();
+  RadarOptions radar = folding_radar();
   radar.sigma_azimuth = 0.06;  // beyond 47 degrees 3 * 8 * 0.06 * tan(az) exceeds the limit
   const Vector3d v(8.0, 0.0, 0.0);
   const DetectionList scan = folded_scan(random, 60, v, radar);
-  const EgoVelocity out = estimate(scan, velocity(v, 0.05));
+  const EgoVelocity out = estimate_folded(scan, velocity(v, 0.05));
   int left_out = 0;
   for (std::size_t i = 0; i < scan.items.size(); ++i) {
     const bool open = 3.0 * std::sqrt(residual_variance(scan.items[i], v)) > 1.02 * kLimit;
@@ -199,8 +200,8 @@ TEST(DopplerFold, WithoutAConsensusTheUncertaintyOfThePredictionCounts) {
   test::Random random(7);
   const Vector3d v(3.0, 0.5, -0.2);
   const DetectionList scan = folded_scan(random, 3, v);
-  EXPECT_EQ(estimate(scan, velocity(v, 0.1)).inliers, 3);
-  EXPECT_EQ(estimate(scan, velocity(v, 1.0)).inliers, 0);  // 3 sigma are two folds
+  EXPECT_EQ(estimate_folded(scan, velocity(v, 0.1)).inliers, 3);
+  EXPECT_EQ(estimate_folded(scan, velocity(v, 1.0)).inliers, 0);  // 3 sigma are two folds
 }
 
 TEST(DopplerFold, ObservationsCarryTheUnfoldedRates) {
@@ -237,7 +238,7 @@ TEST(DopplerFold, TheFoldIsScaledWithTheRates) {
   Estimate x;
   x.nav.v_WB = Vector3d(3.5, 1.0, 0.3);
   x.radar_errors[RadarErrors::kDopplerScale] = kScale - 1.0;
-  RadarOptions radar = fine_radar();
+  RadarOptions radar = folding_radar();
   radar.sigma_azimuth = radar.sigma_elevation = 1e-4;
   DetectionList scan = folded_scan(random, 30, kScale * x.nav.v_WB, radar);  // as received
   for (Detection& d : scan.items) d = correct_detection(d, x.radar_errors);

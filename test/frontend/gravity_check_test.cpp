@@ -6,13 +6,14 @@
 #include <cmath>
 #include <functional>
 
+#include "support/constants.hpp"
 #include "support/measured.hpp"
 #include "support/seen_vehicle.hpp"
 
 namespace rio {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
+using test::kDegree;
 
 /// A drive of `scans` scans of `points`; the estimate is the truth, changed by `wrong`.
 struct Drive {

@@ -15,6 +15,7 @@
 #include "rio/core/so3.hpp"
 #include "rio/frontend/detection.hpp"
 #include "rio/models/doppler.hpp"
+#include "support/constants.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {
@@ -22,7 +23,7 @@ namespace {
 
 constexpr int kDraws = 40000;
 constexpr double kTolerance = 0.04;  // 4 sqrt(2 / kDraws) = 2.8 %, and 1 % of second order
-constexpr double kDegree = M_PI / 180.0;
+using test::kDegree;
 constexpr double kMinCosine = 0.25;  // of the detection's noise model, off the view of any array
 
 struct Direction {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/propagate/moving_start.hpp"
+#include "support/constants.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 /// What an IMU measures that turns steadily and accelerates in turns forwards and backwards.
 class Turning {

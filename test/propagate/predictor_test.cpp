@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "support/constants.hpp"
 #include "support/random_state.hpp"
 
 namespace rio {
 namespace {
 
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 TEST(Predictor, SampleBySampleEqualsAllAtOnce) {
   test::Random random(6);

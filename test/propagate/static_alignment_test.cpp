@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <functional>
 
+#include "support/constants.hpp"
 #include "support/measured.hpp"
 #include "support/random_state.hpp"
 
@@ -13,7 +14,7 @@ namespace rio {
 namespace {
 
 constexpr double kRate = 200.0;  // [Hz]
-constexpr double kGravity = 9.81;
+using test::kGravity;
 
 // A resting IMU; `motion` may add to a sample what moves it, t seconds after the start.
 struct Imu {

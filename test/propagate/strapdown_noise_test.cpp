@@ -6,20 +6,16 @@
 #include <vector>
 
 #include "rio/propagate/strapdown.hpp"
+#include "support/constants.hpp"
 #include "support/random_state.hpp"
 #include "support/strapdown_case.hpp"
 
 namespace rio {
 namespace {
 
-constexpr double kGravity = 9.81;
-constexpr double kSteps[] = {0.005, 0.066, 1.0};
+using test::kGravity;
 
 using Case = test::StrapdownCase;
-
-std::vector<Case> cases() {
-  return test::strapdown_cases(3, 1.2);
-}
 
 // Largest entry of A - B, each relative to the sigmas of B.
 double relative_difference(const Matrix15d& A, const Matrix15d& B) {
@@ -74,8 +70,8 @@ Matrix15d noise_reference(const Case& c, double dt, const ProcessNoise& n) {
 
 TEST(ProcessNoise, SolvesTheLyapunovEquation) {
   const ProcessNoise n{1.6e-7, 1.6e-5, 4e-10, 4e-8};
-  for (const Case& c : cases()) {
-    for (const double dt : kSteps) {
+  for (const Case& c : test::strapdown_cases(3, 1.2)) {
+    for (const double dt : test::kStrapdownSteps) {
       const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n);
       EXPECT_LT(asymmetry(Q), 1e-15);
       // beyond degree 5 the quadrature is not exact: 1e-3 of a sigma at a whole second and 3 rad/s
@@ -92,7 +88,7 @@ TEST(ProcessNoise, EqualsMonteCarlo) {
   constexpr double dt = 0.4;
   constexpr double h = dt / kSubsteps;
   const ProcessNoise n{1e-6, 1e-4, 1e-6, 1e-4};
-  const Case c = cases().back();
+  const Case c = test::strapdown_cases(3, 1.2).back();
   test::Random random(2);
   NavState nominal = c.state;
   integrate(c.gyro, c.accel, dt, kGravity, nominal);

@@ -5,14 +5,14 @@
 
 #include <vector>
 
+#include "support/constants.hpp"
 #include "support/random_state.hpp"
 #include "support/strapdown_case.hpp"
 
 namespace rio {
 namespace {
 
-constexpr double kGravity = 9.81;
-constexpr double kSteps[] = {0.005, 0.066, 1.0};
+using test::kGravity;
 
 // Attitude, velocity and position of dq/dt = q w / 2, dv/dt = R a + g, dp/dt = v.
 struct Motion {
@@ -55,13 +55,9 @@ NavState integrate_reference(const Vector3d& gyro, const Vector3d& accel, double
 
 using Case = test::StrapdownCase;
 
-std::vector<Case> cases() {
-  return test::strapdown_cases(4, 1.5);
-}
-
 TEST(Strapdown, IntegrateEqualsRungeKutta) {
-  for (const Case& c : cases()) {
-    for (const double dt : kSteps) {
+  for (const Case& c : test::strapdown_cases(4, 1.5)) {
+    for (const double dt : test::kStrapdownSteps) {
       NavState x = c.state;
       integrate(c.gyro, c.accel, dt, kGravity, x);
       // 1e5 additions to positions of some 10 m
@@ -73,7 +69,7 @@ TEST(Strapdown, IntegrateEqualsRungeKutta) {
 }
 
 TEST(Strapdown, IntegrateOverAStepSetsTheStamp) {
-  const Case c = cases().back();
+  const Case c = test::strapdown_cases(4, 1.5).back();
   const ImuStep step{Time(7'000'000'000), Time(7'066'000'000), c.gyro, c.accel, false};
   NavState x = c.state;
   integrate(step, kGravity, x);
@@ -85,8 +81,8 @@ TEST(Strapdown, IntegrateOverAStepSetsTheStamp) {
 
 TEST(Strapdown, TransitionIsTheDerivativeOfIntegrate) {
   constexpr double h = 1e-3;  // five points: h^4/30 of truncation, 1e-12 of rounding
-  for (const Case& c : cases()) {
-    for (const double dt : kSteps) {
+  for (const Case& c : test::strapdown_cases(4, 1.5)) {
+    for (const double dt : test::kStrapdownSteps) {
       NavState nominal = c.state;
       integrate(c.gyro, c.accel, dt, kGravity, nominal);
       Matrix15d expected;
@@ -109,7 +105,7 @@ TEST(Strapdown, TransitionIsTheDerivativeOfIntegrate) {
 }
 
 TEST(Strapdown, TransitionsCompose) {
-  for (const Case& c : cases()) {
+  for (const Case& c : test::strapdown_cases(4, 1.5)) {
     const double first = 0.3;
     const double second = 0.45;
     NavState middle = c.state;

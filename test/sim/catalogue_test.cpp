@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rio/sim/flight.hpp"
+#include "support/flight_numbers.hpp"
 #include "support/imu_integration.hpp"
 #include "support/measured.hpp"
 
@@ -24,39 +25,6 @@ Scenario named(const std::string& name) {
   Scenario chosen;
   EXPECT_TRUE(scenario(name, &chosen)) << name;
   return chosen;
-}
-
-/// Every number that a user of the flight sees, and the stamps in seconds after its start.
-std::vector<double> numbers(const Flight& flight) {
-  std::vector<double> all;
-  const auto add = [&](const Vector3d& v) { all.insert(all.end(), {v.x(), v.y(), v.z()}); };
-  const auto seconds = [&](Time time) { return to_seconds(time - flight.trajectory.start()); };
-  for (const ImuSample& sample : flight.imu) {
-    all.push_back(seconds(sample.time));
-    add(sample.gyro_B);
-    add(sample.accel_B);
-  }
-  for (const NavState& truth : flight.truth) {
-    all.push_back(seconds(truth.time));
-    add(truth.p_WB);
-    add(truth.v_WB);
-    add(truth.q_WB.vec());
-    add(truth.gyro_bias);
-    add(truth.accel_bias);
-  }
-  for (std::size_t i = 0; i < flight.scans.size(); ++i) {
-    all.push_back(seconds(flight.scans[i].time));
-    all.push_back(seconds(flight.arrivals[i]));
-    for (std::size_t k = 0; k < flight.scans[i].detections.size(); ++k) {
-      const RadarDetection& detection = flight.scans[i].detections[k];
-      add(detection.point_S);
-      add({detection.range_rate, detection.snr_db, detection.noise_db});
-      all.push_back(flight.labels[i][k].reflector);
-    }
-  }
-  add(flight.told_T_BS.translation);
-  add(flight.told_T_BS.rotation.vec());
-  return all;
 }
 
 TEST(Catalogue, NamesAreUniqueAndDescribed) {
@@ -90,7 +58,7 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
     Scenario chosen = named(entry.name);
     chosen.max_duration = 10.0;  // 4 s of standstill, 6 s of flight
     const Flight flight = simulate_flight(chosen);
-    const std::vector<double> all = numbers(flight);
+    const std::vector<double> all = test::numbers_of(flight);
     for (const double number : all) ASSERT_TRUE(std::isfinite(number));
     ASSERT_GT(static_cast<double>(flight.imu.size()), 9.5 * chosen.imu.rate_hz);
     for (std::size_t i = 1; i < flight.imu.size(); ++i) {
@@ -110,11 +78,11 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
     }
     EXPECT_GT(detections, flight.scans.size());
 
-    const std::vector<double> again = numbers(simulate_flight(chosen));
+    const std::vector<double> again = test::numbers_of(simulate_flight(chosen));
     ASSERT_EQ(all.size(), again.size());
     EXPECT_EQ(std::memcmp(all.data(), again.data(), all.size() * sizeof(double)), 0);
     chosen.seed += 1;
-    EXPECT_NE(all, numbers(simulate_flight(chosen)));
+    EXPECT_NE(all, test::numbers_of(simulate_flight(chosen)));
   }
 }
 

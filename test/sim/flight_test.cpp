@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "rio/core/so3.hpp"
+#include "support/flight_numbers.hpp"
 
 namespace rio::sim {
 namespace {
@@ -20,34 +21,10 @@ Scenario short_flight(std::uint64_t seed) {
   return options;
 }
 
-/// Every number of a flight, in order.
-std::vector<double> numbers(const Flight& flight) {
-  std::vector<double> all;
-  const auto add = [&](const Vector3d& v) { all.insert(all.end(), {v.x(), v.y(), v.z()}); };
-  for (std::size_t i = 0; i < flight.imu.size(); ++i) {
-    all.push_back(to_seconds(flight.imu[i].time - flight.trajectory.start()));
-    add(flight.imu[i].gyro_B);
-    add(flight.imu[i].accel_B);
-    add(flight.truth[i].p_WB);
-    add(flight.truth[i].q_WB.vec());
-    add(flight.truth[i].gyro_bias);
-    add(flight.truth[i].accel_bias);
-  }
-  for (std::size_t i = 0; i < flight.scans.size(); ++i) {
-    all.push_back(to_seconds(flight.scans[i].time - flight.trajectory.start()));
-    for (std::size_t k = 0; k < flight.labels[i].size(); ++k) {
-      const RadarDetection& detection = flight.scans[i].detections[k];
-      add(detection.point_S);
-      add({detection.range_rate, detection.snr_db, double(flight.labels[i][k].reflector)});
-    }
-  }
-  return all;
-}
-
 TEST(Flight, SameSeedSameBytes) {
-  const std::vector<double> a = numbers(simulate_flight(short_flight(3)));
-  const std::vector<double> b = numbers(simulate_flight(short_flight(3)));
-  const std::vector<double> c = numbers(simulate_flight(short_flight(4)));
+  const std::vector<double> a = test::numbers_of(simulate_flight(short_flight(3)));
+  const std::vector<double> b = test::numbers_of(simulate_flight(short_flight(3)));
+  const std::vector<double> c = test::numbers_of(simulate_flight(short_flight(4)));
   ASSERT_EQ(a.size(), b.size());
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(double)), 0);
   EXPECT_NE(a, c);
@@ -129,7 +106,7 @@ TEST(Flight, IsCutAtTheMaximalDuration) {
   EXPECT_EQ(flight.imu.size(), 1501U);
   EXPECT_EQ(flight.imu.back().time - flight.imu.front().time, from_seconds(7.5));
   EXPECT_LE(flight.scans.back().time, flight.imu.back().time);
-  EXPECT_EQ(numbers(flight)[0], 0.0);
+  EXPECT_EQ(test::numbers_of(flight)[0], 0.0);
 }
 
 TEST(Flight, IdealHasNoOutliersNoGridsNoVibration) {

@@ -53,12 +53,12 @@ Poses mounted(Poses poses, const Matrix3d& R_FB) {
 }
 
 /// Largest distance [m] and angle [rad] between `fit` and the poses it was made from.
-struct Error {
+struct FitError {
   double position = 0.0;
   double attitude = 0.0;
 };
-Error error(const TrajectoryFit& fit, const Poses& poses) {
-  Error worst;
+FitError error(const TrajectoryFit& fit, const Poses& poses) {
+  FitError worst;
   for (const eval::StampedPose& pose : poses) {
     const double t = fit.first + to_seconds(pose.time - poses.front().time);
     const NavState nav = fit.trajectory.at(t).nav;
@@ -84,7 +84,7 @@ TEST(TrajectoryFit, RecoversAKnownFlight) {
   for (const double rate_hz : {20.0, 200.0}) {
     const Poses poses = record(truth, 0.0, truth.duration(), rate_hz);
     const TrajectoryFit fit = fit_trajectory(poses);
-    const Error worst = error(fit, poses);
+    const FitError worst = error(fit, poses);
     EXPECT_LT(worst.position, 1e-3) << rate_hz;  // finer knots than the truth's: nothing is lost
     EXPECT_LT(worst.attitude, 0.2 * kOneDegree) << rate_hz;  // second derivative of the above
     EXPECT_LT(fit.rms, 2e-4) << rate_hz;

@@ -20,6 +20,9 @@ struct StrapdownCase {
   Vector3d a() const { return accel - state.accel_bias; }
 };
 
+/// Lengths of the steps tried [s].
+inline constexpr double kStrapdownSteps[] = {0.005, 0.066, 1.0};
+
 /// At rest, hardly turning, and `turning` cases at some `rate` per axis [rad/s].
 inline std::vector<StrapdownCase> strapdown_cases(int turning, double rate) {
   Random random(1);
