@@ -50,7 +50,7 @@ class Pipeline {
     pool_.reset(prior.time);
     gravity_.reset(prior.time);
     rest_.reset();
-    last_scan_ = prior.time;
+    last_told_ = prior.time;
     replaced_.reset();
     backend_.reset(prior, P0);
     health_.reset(prior.time);
@@ -101,6 +101,7 @@ class Pipeline {
     const DetectionList& scan = corrected(received);
     forget_after_silence(scan.time);
     observe(scan, last, imu);  // (3)
+    if (seen_.ego_velocity.inliers > 0) last_told_ = scan.time;
     seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
@@ -126,20 +127,19 @@ class Pipeline {
     return corrected_;
   }
 
-  /// After a silence of the radar, or a pause of the IMU in which the body may have turned, the
-  /// pose is so uncertain that landmarks would be mistaken for each other, one by one, each well
-  /// inside its gate: they are dropped.
+  /// After a silence of the radar, scans without a static set included, or a pause of the IMU in
+  /// which the body may have turned, the pose is so uncertain that landmarks would be mistaken for
+  /// each other, one by one, each well inside its gate: they are dropped.
   void forget_after_silence(Time time) {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
     constexpr double kTurn = 0.1;                       // half a metre at five [rad]
     const BodyCovariance P = backend_.belief().covariance().body();
     const double turn =
         std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
-    if (time - last_scan_ > kLongest || (report_.imu_gap && turn > kTurn)) {
+    if (time - last_told_ > kLongest || (report_.imu_gap && turn > kTurn)) {
       backend_.drop_landmarks(&report_);
       frontend_.reset();
     }
-    last_scan_ = time;
   }
 
   /// Stage 3. If the scans have contradicted the velocity or the tilt for long they are replaced.
@@ -156,7 +156,7 @@ class Pipeline {
       replaced_ = Replaced{x.nav.time, last};
     }
     const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
-    frontend_.observe(scan, x, &seen_, velocity_covariance);
+    frontend_.observe(scan, x, &seen_, velocity_covariance, pool_.chance());
     const auto down =
         gravity_.observe(seen_, x, backend_.belief().covariance().body(),
                          backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
@@ -239,7 +239,7 @@ class Pipeline {
   Promotions promotions_;
   UpdateReport report_;
   HealthMonitor health_;
-  Time last_scan_{0};
+  Time last_told_{0};  ///< stamp of the last scan with a static set
   std::optional<Replaced> replaced_;
   ScanId next_scan_ = 0;
 };

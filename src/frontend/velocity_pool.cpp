@@ -19,12 +19,13 @@ VelocityPool::VelocityPool(const Options& options)
 void VelocityPool::reset(Time time) {
   rows_.clear();
   agreed_ = since_ = time;
-  proven_ = 0.0;
+  proven_ = chance_ = 0.0;
 }
 
 std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, const Estimate& x,
                                                      double sigma, double sigma_tilt, Time last,
                                                      const ImuBuffer& imu, bool gap) {
+  chance_ = 0.0;
   if (!options_.frontend.velocity_recovery) return abstain(x.nav.time);
   if (gap) {
     rows_.clear();
@@ -38,6 +39,7 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   const int n = static_cast<int>(rows_.size());
   if (n < kMinRows) return abstain(now);
   const Vector3d believed = x.nav.q_WB.conjugate() * x.nav.v_WB;
+  chance_ = chance_share(believed, sigma);
   const double supported = static_cast<double>(support(believed)) / n;
   const double likely = likelihood(believed);
   const bool unique_fold = fold_.is_unique(sigma * sigma);
@@ -140,6 +142,23 @@ double VelocityPool::likelihood(const Vector3d& v) const {
     sum += std::max(0.0, std::log(range / (kRootTwoPi * own)) - 0.5 * r * r);
   }
   return sum;
+}
+
+double VelocityPool::chance_share(const Vector3d& v, double sigma) const {
+  const double speed = v.norm();
+  double inside = 0.0;
+  double expected = 0.0;
+  for (const Row& row : rows_) {
+    const double bound = 3.0 * (this->sigma(row, speed) + sigma);
+    const double beside = std::min(kBeside, fold_.limit() - bound);
+    const double r = std::abs(residual(row, v));
+    if (r < bound) {
+      inside += 1.0;
+    } else if (r < bound + beside) {
+      expected += bound / beside;
+    }
+  }
+  return expected < inside ? expected / inside : 1.0;
 }
 
 bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) const {

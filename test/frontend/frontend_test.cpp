@@ -51,6 +51,19 @@ TEST(Frontend, MovingDetectionsAreNeitherMatchedNorFollowed) {
   EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
 }
 
+TEST(Frontend, AScanThatAgreesByChanceTellsNothing) {
+  Walk walk(options_with(1000, 7));
+  walk.step(kRoom);
+  walk.move();
+  for (const double chance : {0.3, 0.5}) {
+    walk.observe(walk.scan(kRoom), chance);
+    const bool tells = chance < 0.4;
+    EXPECT_EQ(walk.seen().ego_velocity.valid, tells);
+    EXPECT_EQ(walk.seen().ego_velocity.inliers, tells ? static_cast<int>(kRoom.size()) : 0);
+    EXPECT_EQ(walk.seen().matches.trails.empty(), !tells);
+  }
+}
+
 TEST(Frontend, WhatIsNearToAMoverGoesWithIt) {
   Options o = options_with(1000, 7);
   for (const double extent : {0.8, 0.0}) {

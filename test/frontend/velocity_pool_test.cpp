@@ -51,6 +51,8 @@ class PoolTest : public testing::Test {
     return -1.0;
   }
 
+  double mean_chance(int points, int others);
+
   static constexpr double kLimit = 2.6;  // [m/s]
 
   test::Random random_{11};
@@ -129,6 +131,44 @@ TEST_F(PoolTest, AThirdOfOutliersLeavesTheVelocitySupported) {
       }
     }
     EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(200)) << limit;
+  }
+}
+
+/// Mean share by chance over 60 scans of so many points of the world and others of random Doppler,
+/// once a second of them is there.
+double PoolTest::mean_chance(int points, int others) {
+  restart();
+  double sum = 0.0;
+  for (int i = -15; i < 60; ++i) {
+    step(Vector3d::Zero(), 0.02, points, others, 1e3 * random_.direction());
+    if (i >= 0) sum += pool_->chance() / 60.0;
+  }
+  return sum;
+}
+
+// Bounds are 0.2 to 0.4 m/s, of +-2.6 m/s: a random Doppler is inside with 0.08 to 0.15.
+TEST_F(PoolTest, TheShareByChanceIsThatOfRandomDopplers) {
+  EXPECT_LT(mean_chance(6, 0), 0.01);
+  const double half = mean_chance(5, 5);  // 0.08 of 1.08 to 0.15 of 1.15
+  EXPECT_GT(half, 0.07);
+  EXPECT_LT(half, 0.13);
+  EXPECT_GT(mean_chance(1, 9), 0.4);
+  EXPECT_GT(mean_chance(0, 10), 0.8);
+  pool_->reset(vehicle_->truth.time);
+  EXPECT_EQ(pool_->chance(), 0.0);
+}
+
+// What the covariance of the velocity admits is no outlier.
+TEST_F(PoolTest, AWrongVelocityWithAnHonestSigmaIsNoChance) {
+  const Vector3d wrong = random_.direction();
+  for (const double sigma : {0.02, 0.5}) {
+    restart();
+    for (int i = 0; i < 4; ++i) step(wrong, sigma, 6);
+    if (sigma > 0.1) {
+      EXPECT_EQ(pool_->chance(), 0.0);
+    } else {
+      EXPECT_GT(pool_->chance(), 0.3);
+    }
   }
 }
 

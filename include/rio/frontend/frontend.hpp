@@ -48,8 +48,10 @@ class Frontend {
   /// Static set and matches of a scan, corrected for the radar errors of the state predicted to its
   /// time. Pure.
   /// @param velocity_covariance_S of the predicted radar velocity [m^2/s^2]
+  /// @param chance share of the Dopplers that agree with the prediction by chance; if that is large
+  ///        the scan tells nothing
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
-               const Matrix3d& velocity_covariance_S = Matrix3d::Zero());
+               const Matrix3d& velocity_covariance_S = Matrix3d::Zero(), double chance = 0.0);
 
   /// Stage 7, after a successful update: extends, ends and begins trails with the scan of `id`, and
   /// proposes those matched `promote_after` times in a row, newest detection as the landmark's.

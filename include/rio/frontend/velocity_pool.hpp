@@ -16,6 +16,11 @@
 //      support v: log-likelihood over that of a Doppler anywhere in +-v_r. With (E3) alone a fast
 //      velocity, of which an uncertain direction explains anything, would win.
 //
+// (E5) share of the rows that support v which do so by chance: movers, ghosts and noise leave
+// beside
+//      the bound b of (E3) about as many a m/s as inside it. With n of them up to h beyond it and m
+//      rows inside, n b / (h m)
+//
 // Against the velocity believed compete standstill and the solutions of triples of rows, in all
 // neighbouring folds. A velocity is a verdict if for some time on
 //   - it supports most rows, over some time, and no other one far away is nearly as likely;
@@ -51,6 +56,8 @@ class VelocityPool {
 
   /// When the velocity believed was last supported.
   Time agreed() const { return agreed_; }
+  /// (E5) of the velocity believed, its sigma in the bound; 0 while there are few rows.
+  double chance() const { return chance_; }
   /// Since when it has been contradicted; the newest scan if it is not.
   Time contradicted_since() const { return since_; }
 
@@ -86,8 +93,9 @@ class VelocityPool {
   double residual(const Row& row, const Vector3d& v) const {
     return fold_.wrap(row.a_v - row.a.dot(v));
   }
-  int support(const Vector3d& v) const;        // (E3)
-  double likelihood(const Vector3d& v) const;  // (E4)
+  int support(const Vector3d& v) const;                        // (E3)
+  double likelihood(const Vector3d& v) const;                  // (E4)
+  double chance_share(const Vector3d& v, double sigma) const;  // (E5)
 
   /// The most likely velocity; none if one far away is nearly as likely.
   bool search(const Vector3d& believed, Time seed, Vector3d* best) const;
@@ -114,6 +122,7 @@ class VelocityPool {
   static constexpr double kClearly = 1.5;       // ratio of L
   static constexpr double kNearly = 0.75;       // same
   static constexpr double kDrift = 0.2;         // least e of (E3): a degree, or a MEMS bias [m/s^2]
+  static constexpr double kBeside = 1.0;        // h of (E5): pace of people [m/s]
   static constexpr double kRange = 10.0;        // v_r where Dopplers do not fold [m/s]
   static constexpr double kFastest = 30.0;      // no small robot is faster [m/s]
   static constexpr double kWeak = 1.0;          // sigma in the worst direction [m/s]
@@ -129,6 +138,7 @@ class VelocityPool {
   Time agreed_{0};
   Time since_{0};        ///< it is contradicted
   double proven_ = 0.0;  ///< time of support [s]
+  double chance_ = 0.0;
 };
 
 }  // namespace rio
