@@ -156,14 +156,18 @@ class Pipeline {
       replaced_ = Replaced{x.nav.time, last};
     }
     const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
-    frontend_.observe(scan, x, &seen_, velocity_covariance, pool_.chance());
+    frontend_.observe(scan, x, &seen_, velocity_covariance);
     const auto down =
         gravity_.observe(seen_, x, backend_.belief().covariance().body(),
                          backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
     report_.attitude_reset = down.has_value();
     report_.tilt_contradicted =
         to_seconds(x.nav.time - gravity_.contradicted_since().value_or(x.nav.time));
-    if (!down) return;
+    if (!down) {
+      constexpr double kMost = 0.4;  // beyond, some bodies move alike rather than the world
+      if (pool_.chance() > kMost) seen_.withdraw();
+      return;
+    }
     const Time since = std::min(gravity_.agreed(), pool_.agreed());
     backend_.restart_attitude(down->g_B, down->sigma, down->velocity.v_B,
                               to_seconds(x.nav.time - since));

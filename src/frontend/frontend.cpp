@@ -17,8 +17,7 @@ Frontend::Frontend(const Options& options)
                    0.5 * options.radar.noise_distance) {}
 
 void Frontend::observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
-                       const Matrix3d& velocity_covariance_S, double chance) {
-  constexpr double kMostByChance = 0.4;  // beyond, some bodies move alike rather than the world
+                       const Matrix3d& velocity_covariance_S) {
   out->scan = &scan;
   out->trails = &trails_;
   out->matches = AssociationResult{};
@@ -29,7 +28,6 @@ void Frontend::observe(const DetectionList& scan, const Estimate& predicted, Obs
   }
   ransac_.estimate(scan, predicted_velocity, &out->ego_velocity,
                    1.0 + predicted.radar_errors[RadarErrors::kDopplerScale]);
-  if (chance > kMostByChance) out->ego_velocity = EgoVelocity{};
   if (unwrap_) unwrap(scan, out);
   find_companions(out);
   if (!use_trails_) return;

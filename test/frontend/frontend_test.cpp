@@ -51,17 +51,18 @@ TEST(Frontend, MovingDetectionsAreNeitherMatchedNorFollowed) {
   EXPECT_EQ(walk.frontend().trails().size(), kRoom.size() - 1);
 }
 
-TEST(Frontend, AScanThatAgreesByChanceTellsNothing) {
+TEST(Frontend, AWithdrawnScanTellsNothing) {
   Walk walk(options_with(1000, 7));
   walk.step(kRoom);
   walk.move();
-  for (const double chance : {0.3, 0.5}) {
-    walk.observe(walk.scan(kRoom), chance);
-    const bool tells = chance < 0.4;
-    EXPECT_EQ(walk.seen().ego_velocity.valid, tells);
-    EXPECT_EQ(walk.seen().ego_velocity.inliers, tells ? static_cast<int>(kRoom.size()) : 0);
-    EXPECT_EQ(walk.seen().matches.trails.empty(), !tells);
-  }
+  walk.observe(walk.scan(kRoom));
+  Observations seen = walk.seen();
+  EXPECT_EQ(seen.ego_velocity.inliers, static_cast<int>(kRoom.size()));
+  EXPECT_EQ(seen.matches.trails.size(), kRoom.size());
+  seen.withdraw();
+  EXPECT_FALSE(seen.ego_velocity.valid);
+  EXPECT_FALSE(seen.is_static(0));
+  EXPECT_TRUE(seen.matches.trails.empty());
 }
 
 TEST(Frontend, WhatIsNearToAMoverGoesWithIt) {

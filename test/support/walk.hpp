@@ -52,9 +52,9 @@ class Walk {
     return out;
   }
 
-  void observe(const DetectionList& scan, double chance = 0.0) {
+  void observe(const DetectionList& scan) {
     current_ = scan;
-    frontend_.observe(current_, x_, &seen_, Matrix3d::Zero(), chance);
+    frontend_.observe(current_, x_, &seen_);
   }
   void advance(std::size_t room = 0) {
     frontend_.advance(seen_, id_, room, &promotions_);

@@ -31,6 +31,11 @@ struct Observations {
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }
+  /// The scan tells nothing.
+  void withdraw() {
+    ego_velocity = EgoVelocity{};
+    matches = AssociationResult{};
+  }
 };
 
 /// Detections proposed as landmarks; the back-end decides how many it has room for.
@@ -48,10 +53,8 @@ class Frontend {
   /// Static set and matches of a scan, corrected for the radar errors of the state predicted to its
   /// time. Pure.
   /// @param velocity_covariance_S of the predicted radar velocity [m^2/s^2]
-  /// @param chance share of the Dopplers that agree with the prediction by chance; if that is large
-  ///        the scan tells nothing
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
-               const Matrix3d& velocity_covariance_S = Matrix3d::Zero(), double chance = 0.0);
+               const Matrix3d& velocity_covariance_S = Matrix3d::Zero());
 
   /// Stage 7, after a successful update: extends, ends and begins trails with the scan of `id`, and
   /// proposes those matched `promote_after` times in a row, newest detection as the landmark's.
