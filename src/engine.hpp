@@ -146,6 +146,10 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
+    if (is_repeated()) {
+      ++counters.scans_duplicate;
+      return Status::kDuplicate;
+    }
     if (imu_.empty() || pipeline_.measured_at(scan.time) > imu_.newest().time) {
       if (!imu_.empty() && imu_.is_gap(imu_.newest(), {scan.time, {}, {}})) {
         watch(scan.time - imu_.newest().time);
@@ -173,6 +177,7 @@ class Engine final : public Odometry::Impl {
     counters = Counters{};
     queue_.clear();
     has_scan_ = false;
+    fingerprint_ = 0;
     initialized = true;
     publish();
     return Status::kOk;
@@ -194,6 +199,13 @@ class Engine final : public Odometry::Impl {
   }
 
  private:
+  /// The filtered scan is the one before it again: noise alone makes each another one. At rest all
+  /// Dopplers of a coarse grid may be zero.
+  bool is_repeated() {
+    const std::uint64_t before = std::exchange(fingerprint_, fingerprint(filtered_));
+    return fingerprint_ != 0 && fingerprint_ == before;
+  }
+
   /// Measured before the estimate. Not if it follows the last scan and only a better time offset
   /// has overtaken it.
   bool is_late(Time stamp) const {
@@ -337,7 +349,8 @@ class Engine final : public Odometry::Impl {
   Time last_scan_{0};           ///< its stamp
   Time last_scan_estimate_{0};  ///< the time of the estimate after it
   bool has_scan_ = false;
-  Time watched_{0};  ///< the health was last judged between scans
+  std::uint64_t fingerprint_ = 0;  ///< of the last scan taken or repeated
+  Time watched_{0};                ///< the health was last judged between scans
 };
 
 }  // namespace rio

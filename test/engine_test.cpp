@@ -88,12 +88,33 @@ TEST_F(EngineTest, AScanThatOnlyABetterTimeOffsetHasOvertakenIsTaken) {
     const Time before = odometry->at_scan().time;
     RadarScan twin = scan(t, milliseconds(20));
     twin.time += microseconds(1);
+    twin.detections[0].range_rate += 1e-9;  // or it would be a repeated one
     EXPECT_EQ(odometry->add_scan(twin), Status::kOk) << i;
     overtaken = overtaken || odometry->at_scan().time == before;
     EXPECT_GE(odometry->at_scan().time, before);
   }
   EXPECT_TRUE(overtaken);
   EXPECT_EQ(odometry->counters().scans_late, 0U);
+}
+
+// A radar that has stopped working may send its last scan for ever.
+TEST_F(EngineTest, AScanAgainIsADuplicateWhateverItsStamp) {
+  auto odometry = started();
+  feed(*odometry, kStart + milliseconds(400));
+  RadarScan seen = scan(kStart + milliseconds(50));
+  EXPECT_EQ(odometry->add_scan(seen), Status::kOk);
+  for (int i = 2; i <= 3; ++i) {
+    seen.time = kStart + milliseconds(50 * i);
+    EXPECT_EQ(odometry->add_scan(seen), Status::kDuplicate);
+  }
+  EXPECT_EQ(odometry->counters().scans_duplicate, 2U);
+  EXPECT_EQ(odometry->counters().scans, 1U);
+  EXPECT_EQ(odometry->add_scan(scan(kStart + milliseconds(200))), Status::kOk);
+  for (int i = 5; i <= 6; ++i) {  // all Dopplers in the cell of zero: it stands
+    seen.time = kStart + milliseconds(50 * i);
+    for (RadarDetection& d : seen.detections) d.range_rate = 0.0;
+    EXPECT_EQ(odometry->add_scan(seen), Status::kOk);
+  }
 }
 
 // But what the estimate has been carried past without a scan is.

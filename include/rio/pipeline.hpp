@@ -83,8 +83,8 @@ class Pipeline {
   void add_gap(Time duration) { health_.add_gap(duration); }
 
   /// One filtered scan, measured not after the newest IMU sample; one measured before the estimate
-  /// counts as measured at the estimate. kNumerical: the estimate is what the IMU alone predicts,
-  /// or, if that failed, unchanged.
+  /// counts as measured at the estimate. While tilt_is_lost() it is left out. kNumerical: the
+  /// estimate is what the IMU alone predicts, or, if that failed, unchanged.
   Status process(const DetectionList& received, const ImuBuffer& imu) {
     report_ = UpdateReport{};
     report_.time = received.time;

@@ -21,7 +21,7 @@ enum class Status : std::uint8_t {
   kNotInitialized,  ///< no state yet: static alignment has not finished or reset() was not called
   kMoving,          ///< static alignment was refused because the sensor moves
   kStale,           ///< IMU sample not newer than the last one
-  kDuplicate,       ///< a scan with this stamp was already taken
+  kDuplicate,       ///< a scan with this stamp, or these moving detections, was already taken
   kLate,            ///< scan older than the estimate, start older than the buffered samples
   kQueueFull,       ///< too many scans wait for the IMU
   kNonFinite,       ///< NaN or infinity in the data

@@ -169,7 +169,8 @@ class Watch {
     const Counters& n = result_.counters;
     switch (fault_.promise) {
       case Promise::kIgnored:
-        return !ever_wrong_ && n.velocity_resets + n.attitude_resets + n.clock_restarts == 0;
+        return !ever_wrong_ &&
+               n.velocity_resets + n.attitude_resets + n.restarts + n.clock_restarts == 0;
       case Promise::kBridged:
         return !ever_wrong_;
       case Promise::kHonest:

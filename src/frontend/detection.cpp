@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/detection.hpp"
 
+#include <algorithm>
+#include <cstring>
 #include <iterator>
 #include <limits>
 
@@ -66,6 +68,22 @@ bool are_one_echo(const Detection& a, const Detection& b) {
   const Vector3d polar(in_sigmas(b.range - a.range, a.sigma_range), angle(a.sigma_azimuth_S),
                        angle(a.sigma_elevation_S));
   return polar.squaredNorm() < 1.0;
+}
+
+std::uint64_t fingerprint(const DetectionList& scan) {
+  std::uint64_t hash = 14695981039346656037U;  // FNV-1a, by words
+  bool moves = false;
+  for (const Detection& d : scan.items) {
+    moves = moves || d.range_rate != 0.0;
+    for (const double value :
+         {d.point_S.x(), d.point_S.y(), d.point_S.z(), d.range_rate, d.snr_db}) {
+      std::uint64_t bits = 0;
+      std::memcpy(&bits, &value, sizeof bits);
+      hash = (hash ^ bits) * 1099511628211U;
+      hash ^= hash >> 32U;
+    }
+  }
+  return moves ? std::max<std::uint64_t>(hash, 1) : 0;
 }
 
 bool is_valid(const RadarDetection& d) {

@@ -187,6 +187,32 @@ TEST(Detection, OneEchoIsWithinASigmaInPlaceAndThreeInDoppler) {
   }
 }
 
+TEST(Detection, FingerprintsDifferInEveryNumberAndAreZeroAtRest) {
+  DetectionList list;
+  EXPECT_EQ(fingerprint(list), 0U);
+  for (int i = 0; i < 3; ++i) {
+    RadarDetection raw;
+    raw.point_S = {3.0 + i, 1.0, 0.5};
+    raw.range_rate = 0.1 * i;
+    list.items.push_back(make_detection(raw, fine_radar()));
+  }
+  const std::uint64_t print = fingerprint(list);
+  EXPECT_NE(print, 0U);
+  EXPECT_EQ(fingerprint(list), print);
+  for (int k = 0; k < 5; ++k) {
+    DetectionList other = list;
+    Detection& d = other.items[1];
+    double& value = k < 3 ? d.point_S[k] : k == 3 ? d.range_rate : d.snr_db;
+    value += 1e-12;
+    EXPECT_NE(fingerprint(other), print) << k;
+  }
+  DetectionList fewer = list;
+  fewer.items.erase(2);
+  EXPECT_NE(fingerprint(fewer), print);
+  for (Detection& d : list.items) d.range_rate = 0.0;
+  EXPECT_EQ(fingerprint(list), 0U);
+}
+
 TEST(DetectionFilter, RangeStrengthAndFieldOfView) {
   RadarOptions o;
   o.min_range = 1.0;

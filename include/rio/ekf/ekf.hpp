@@ -38,11 +38,13 @@ class Ekf {
   void drop_landmarks(UpdateReport* report);
 
   /// The velocity turns out to be another one [m/s, body axes], for `duration` [s]: the position
-  /// admits it, and the landmarks seen meanwhile are dropped. The trails have to go, too.
+  /// follows it, and its covariance admits what the difference does in `doubtful` [s]. The landmarks
+  /// seen meanwhile are dropped. The trails have to go, too.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         double doubtful, UpdateReport* report);
 
-  /// Gravity turns out to be g_B, sigma per axis [m/s^2], for `duration` [s] (update/belief.hpp).
+  /// Gravity turns out to be g_B, sigma per axis [m/s^2], for `duration` [s], at the velocity v_B
+  /// [m/s], both in body axes (update/belief.hpp).
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration) {
     belief_.restart_attitude(g_B, sigma, v_B, duration);
   }

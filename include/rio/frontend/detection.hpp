@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/options.hpp"
@@ -49,6 +50,10 @@ struct DetectionList {
   int non_finite = 0;  ///< of those, dropped by is_valid
   StaticVector<Detection, kMaxDetections> items;
 };
+
+/// A number that two scans of a moving radar never share: of places, Dopplers and strengths; 0 if
+/// no detection moves.
+std::uint64_t fingerprint(const DetectionList& scan);
 
 /// (E3): growth of the angle sigmas of an echo.
 inline double weak_echo_growth(double snr_db, double weak_snr_db) {
