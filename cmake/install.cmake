@@ -1,7 +1,7 @@
-# Installs rio::rio, rio::core and rio::sim so that find_package(rio) gives them.
+# Installs rio::rio, rio::core, rio::ti and rio::sim so that find_package(rio) gives them.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS rio_core rio_sim rio EXPORT rio-targets
+install(TARGETS rio_core rio_sim rio_ti rio EXPORT rio-targets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

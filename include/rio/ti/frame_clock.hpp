@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When a frame was measured: stamps in the middle of the chirp block, from arrivals that come late
+// by a jitter, or from trigger times. C++17.
+//
+//   |<-- chirp block -->|<-- processing -->|<-- UART: bytes x 10 / baud -->|
+//   start     ^stamp                       ^first byte                     ^last byte
+//
+// The radar starts its frames by its own clock: start(n) = c + n * period * (1 + drift). Bytes only
+// ever come late, by polling, USB and the scheduler. So of the points (n, arrival of the first
+// byte) those that were least late lie on a line, and all others above it; that line is taken which
+// lies below all points of the last minute and nearest to them on average, an edge of their lower
+// convex hull (for exponential jitter the most likely line; Moon, Skelly and Towsley, "Estimation
+// and removal of clock skew from network delay measurements", INFOCOM 1999), with a drift within
+// bounds.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "rio/core/ring.hpp"
+#include "rio/ti/packet.hpp"
+
+namespace rio::ti {
+
+/// What the configuration of the radar says of the time in a frame.
+struct FrameTiming {
+  Time period{0};       ///< of the frames (`frameCfg`); must be given
+  Time chirp_block{0};  ///< loops x chirps x (idle + ramp end)
+  /// From the end of the chirp block to the first byte on the wire. 7.5 ms was seen with one
+  /// IWR6843AOP at 40 points; statistics (TLV 6) name it.
+  Time processing_delay = std::chrono::microseconds(7500);
+  Time trigger_delay{0};  ///< from the edge of a hardware trigger to the first chirp
+  double baud =
+      921600.0;  ///< of the data UART, 10 bits a byte; 0: unknown, the first byte alone counts
+  double max_drift = 2e-4;                 ///< of the radar's clock against that of the arrivals
+  Time window = std::chrono::seconds(60);  ///< arrivals that the line is drawn under
+
+  /// @param why what is wrong, if anything is
+  bool validate(std::string* why = nullptr) const;
+};
+
+/// Stamps of the frames of one radar without subframes. No allocation after construction. The
+/// numbers of the window are gone through once a frame: microseconds.
+class FrameClock {
+ public:
+  /// @param timing must be valid
+  explicit FrameClock(const FrameTiming& timing);
+
+  /// The middle of the chirp block; call it once for every frame, in order. If a trigger was at the
+  /// start of the frame (within half a period of what the arrivals say) it is that trigger's.
+  /// A frame whose number or arrival contradicts the line by more than half a period is stamped by
+  /// its arrival alone if it is early or more than a second late, and by the line if it is late by
+  /// less (a host that was busy). Five such in a row that last for a second make the clock start
+  /// again from them.
+  Time stamp(const Frame& frame);
+
+  /// A pulse to the radar's trigger input; the newest 16 are kept.
+  void add_trigger(Time edge);
+
+  /// How many frames were stamped by their arrival alone.
+  int odd() const { return odd_; }
+  /// How often the line was started anew after the first time.
+  int restarts() const { return restarts_; }
+  /// The radar's period over the one given, minus one, as the line has it.
+  double drift() const { return slope_ / period_; }
+
+  void reset();
+
+ private:
+  /// A frame: x [frames], y = arrival - x * period [s], both since the origin.
+  struct Arrival {
+    double x = 0.0;
+    double y = 0.0;
+  };
+
+  Time first_byte(const Frame& frame) const;
+  void start(const Frame& frame, Time first_byte);
+  Arrival arrival(const Frame& frame, Time first_byte) const;
+  void fit();
+  bool contradicts(const Frame& frame, Time first_byte, double lateness);
+  Time triggered(Time stamp) const;
+
+  FrameTiming timing_;
+  double period_;  ///< [s]
+  Ring<Arrival> window_;
+  std::vector<Arrival> hull_;
+  double slope_ = 0.0;      ///< of the line [s a frame]
+  double intercept_ = 0.0;  ///< [s]
+  bool started_ = false;
+  std::uint32_t origin_number_ = 0;
+  Time origin_time_{0};
+  std::uint32_t newest_number_ = 0;
+  int run_ = 0;        ///< frames in a row that contradict the line
+  Time run_begin_{0};  ///< arrival of the first of them
+  int odd_ = 0;
+  int restarts_ = 0;
+  std::array<Time, 16> triggers_{};
+  std::size_t trigger_count_ = 0;
+};
+
+}  // namespace rio::ti

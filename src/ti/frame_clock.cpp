@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/ti/frame_clock.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rio/core/assert.hpp"
+
+namespace rio::ti {
+namespace {
+
+constexpr int kMany = 5;  // frames in a row that are no accident
+constexpr Time kLasting = std::chrono::seconds(1);
+constexpr double kBusy = 1.0;             // longest lateness of a busy host [s]
+constexpr double kBitsPerByte = 10.0;     // start, eight, stop
+constexpr std::size_t kLeastWindow = 16;  // [frames]
+constexpr std::size_t kMostWindow = 4096;
+constexpr Time kLongest = std::chrono::hours(1);  // of what is a part of a second
+
+std::size_t frames_in(const FrameTiming& timing) {
+  const double frames = to_seconds(timing.window) / to_seconds(timing.period);
+  const double most = static_cast<double>(kMostWindow);
+  return std::max(kLeastWindow, static_cast<std::size_t>(std::min(frames, most)));
+}
+
+bool within(Time value, Time least, Time most) {
+  return value >= least && value <= most;
+}
+
+}  // namespace
+
+bool FrameTiming::validate(std::string* why) const {
+  const char* wrong = nullptr;
+  if (!within(period, std::chrono::milliseconds(1), kLongest)) {
+    wrong = "period must be 1 ms to 1 h";
+  } else if (!within(chirp_block, Time{0}, period)) {
+    wrong = "chirp_block must be 0 to the period";
+  } else if (!within(processing_delay, Time{0}, kLongest)) {
+    wrong = "processing_delay must be 0 to 1 h";
+  } else if (!within(trigger_delay, Time{0}, kLongest)) {
+    wrong = "trigger_delay must be 0 to 1 h";
+  } else if (!(baud == 0.0 || (baud >= 1200.0 && baud <= 1e9))) {
+    wrong = "baud must be 0 or 1200 to 1e9";
+  } else if (!(max_drift >= 0.0 && max_drift <= 0.01)) {
+    wrong = "max_drift must be 0 to 0.01";
+  } else if (!within(window, Time{0}, 24 * kLongest)) {
+    wrong = "window must be 0 to 24 h";
+  }
+  if (wrong != nullptr && why != nullptr) *why = wrong;
+  return wrong == nullptr;
+}
+
+FrameClock::FrameClock(const FrameTiming& timing)
+    : timing_(timing), period_(to_seconds(timing.period)), window_(frames_in(timing)) {
+  RIO_ASSERT(timing.validate());
+  hull_.reserve(window_.capacity());
+}
+
+void FrameClock::reset() {
+  started_ = false;
+  odd_ = restarts_ = 0;
+  trigger_count_ = 0;
+}
+
+void FrameClock::add_trigger(Time edge) {
+  triggers_[trigger_count_++ % triggers_.size()] = edge;
+}
+
+Time FrameClock::stamp(const Frame& frame) {
+  const Time first = first_byte(frame);
+  const Time to_middle = timing_.processing_delay + timing_.chirp_block / 2;
+  if (!started_) start(frame, first);
+  Arrival now = arrival(frame, first);
+  const double lateness = now.y - (intercept_ + slope_ * now.x);
+  if (contradicts(frame, first, lateness)) {
+    const bool busy = frame.number > newest_number_ && lateness > 0.0 && lateness < kBusy;
+    if (run_ == kMany && first - run_begin_ >= kLasting) {
+      ++restarts_;
+      start(frame, first);
+      now = {};
+    } else if (!busy) {
+      ++odd_;
+      return triggered(first - to_middle);
+    }
+  }
+  newest_number_ = frame.number;
+  window_.push_back(now);
+  fit();
+  const double begun = intercept_ + slope_ * now.x + now.x * period_;
+  return triggered(origin_time_ + from_seconds(begun) - to_middle);
+}
+
+/// Neither estimate is ever early: the bytes came at the rate of the UART at most.
+Time FrameClock::first_byte(const Frame& frame) const {
+  if (timing_.baud == 0.0) return frame.first_arrival;
+  const Time on_wire = from_seconds(frame.bytes * kBitsPerByte / timing_.baud);
+  return std::min(frame.first_arrival, frame.last_arrival - on_wire);
+}
+
+void FrameClock::start(const Frame& frame, Time first_byte) {
+  started_ = true;
+  origin_number_ = newest_number_ = frame.number;
+  origin_time_ = first_byte;
+  slope_ = intercept_ = 0.0;
+  run_ = 0;
+  window_.clear();
+}
+
+FrameClock::Arrival FrameClock::arrival(const Frame& frame, Time first_byte) const {
+  const double x = static_cast<double>(frame.number) - static_cast<double>(origin_number_);
+  return {x, to_seconds(first_byte - origin_time_) - x * period_};
+}
+
+/// Counts the frames in a row that do.
+bool FrameClock::contradicts(const Frame& frame, Time first_byte, double lateness) {
+  const bool backwards = frame.number < newest_number_;
+  if (!backwards && std::abs(lateness) <= 0.5 * period_) {
+    run_ = 0;
+    return false;
+  }
+  if (run_ == 0) run_begin_ = first_byte;
+  run_ = std::min(run_ + 1, kMany);
+  return true;
+}
+
+/// The line below all points that is highest at their mean: the edge of the lower hull there, or,
+/// where that is steeper than a clock can be, the line of the greatest slope through its lowest
+/// point.
+void FrameClock::fit() {
+  hull_.clear();
+  double mean = 0.0;
+  for (std::size_t i = 0; i < window_.size(); ++i) {
+    const Arrival p = window_[i];
+    mean += p.x / static_cast<double>(window_.size());
+    while (hull_.size() > 1) {
+      const Arrival& a = hull_[hull_.size() - 2];
+      const Arrival& b = hull_.back();
+      if ((b.x - a.x) * (p.y - a.y) > (b.y - a.y) * (p.x - a.x)) break;
+      hull_.pop_back();
+    }
+    hull_.push_back(p);
+  }
+  std::size_t right = 1;
+  while (right + 1 < hull_.size() && hull_[right].x < mean) ++right;
+  slope_ = 0.0;
+  if (right < hull_.size() && hull_[right].x > hull_[right - 1].x) {
+    const Arrival& a = hull_[right - 1];
+    const Arrival& b = hull_[right];
+    const double most = timing_.max_drift * period_;
+    slope_ = std::clamp((b.y - a.y) / (b.x - a.x), -most, most);
+  }
+  intercept_ = hull_.front().y - slope_ * hull_.front().x;
+  for (const Arrival& p : hull_) intercept_ = std::min(intercept_, p.y - slope_ * p.x);
+}
+
+/// The stamp by the trigger that started the frame, if there was one.
+Time FrameClock::triggered(Time stamp) const {
+  const Time to_middle = timing_.trigger_delay + timing_.chirp_block / 2;
+  Time best = stamp;
+  Time nearest = timing_.period / 2;
+  for (std::size_t i = 0; i < std::min(trigger_count_, triggers_.size()); ++i) {
+    const Time candidate = triggers_[i] + to_middle;
+    const Time off = candidate > stamp ? candidate - stamp : stamp - candidate;
+    if (off > nearest) continue;
+    nearest = off;
+    best = candidate;
+  }
+  return best;
+}
+
+}  // namespace rio::ti

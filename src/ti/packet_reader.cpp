@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/ti/packet_reader.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace rio::ti {
+namespace {
+
+constexpr std::size_t kSmallestPacket = 64;
+constexpr std::size_t kPointSize = 16;
+constexpr std::uint32_t kMostLost = 10000;  // frames in a row; more are no loss
+
+/// The first magic word that begins in [from, to - 7), or to.
+std::size_t find_magic(const std::uint8_t* bytes, std::size_t from, std::size_t to) {
+  while (from + kMagicSize <= to) {
+    const void* found = std::memchr(bytes + from, kMagic[0], to - from - (kMagicSize - 1));
+    if (found == nullptr) return to;
+    from = static_cast<std::size_t>(static_cast<const std::uint8_t*>(found) - bytes);
+    if (std::memcmp(bytes + from, kMagic, kMagicSize) == 0) return from;
+    ++from;
+  }
+  return to;
+}
+
+}  // namespace
+
+const char* to_string(StreamState state) {
+  switch (state) {
+    case StreamState::kSilent:
+      return "no byte yet";
+    case StreamState::kSearching:
+      return "bytes, but no packet: another port, or another baud rate";
+    case StreamState::kFrames:
+      return "packets of SDK 3.x";
+    case StreamState::kOldSdk:
+      return "packets of SDK 1 or 2, which are not read: load a demo of SDK 3.x";
+    case StreamState::kNewSdk:
+      return "packets of SDK 4 or later, which are not read";
+  }
+  return "unknown";
+}
+
+// Twice the packet: what is moved to the front is never more than was read since the last time.
+PacketReader::PacketReader(std::size_t max_packet)
+    : max_packet_(std::max(max_packet, kSmallestPacket)),
+      buffer_(2 * max_packet_),
+      walk_(max_packet_) {
+  frame_.scan.detections.reserve(max_packet_ / kPointSize);
+}
+
+void PacketReader::drop_pending() {
+  skip_to(end_);
+  begin_ = end_ = unclaimed_ = searched_ = 0;
+  in_packet_ = false;
+}
+
+/// @return how many bytes there was room for; at least one
+std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
+  if (state_ == StreamState::kSilent) state_ = StreamState::kSearching;
+  if (end_ == buffer_.size()) {
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    searched_ -= begin_;
+    unclaimed_ -= begin_;  // next() leaves it at begin_ or behind
+    begin_ = 0;
+  }
+  const std::size_t stored = std::min(count, buffer_.size() - end_);
+  std::memcpy(buffer_.data() + end_, bytes, stored);
+  end_ += stored;
+  return stored;
+}
+
+/// The next frame that is complete, or null when the bytes are used up.
+Frame* PacketReader::next(Time arrival) {
+  while (in_packet_ || find_packet(arrival)) {
+    const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end_ - begin_);
+    if (verdict != PacketVerdict::kMore && verdict != PacketVerdict::kComplete) {
+      give_up(verdict);
+    } else if (cut_short()) {
+      give_up(PacketVerdict::kDamaged);
+    } else {
+      return verdict == PacketVerdict::kComplete ? hand_out(arrival) : nullptr;
+    }
+  }
+  return nullptr;
+}
+
+bool PacketReader::find_packet(Time arrival) {
+  const std::size_t found = find_magic(buffer_.data(), std::max(begin_, searched_), end_);
+  if (found == end_) {  // the last bytes may be the beginning of one
+    begin_ = std::max(begin_, end_ - std::min(end_, kMagicSize - 1));
+    searched_ = begin_;
+    skip_to(begin_);
+    return false;
+  }
+  begin_ = found;
+  searched_ = found + 1;
+  skip_to(found);
+  walk_ = PacketWalk(max_packet_);
+  frame_.first_arrival = arrival;
+  in_packet_ = true;
+  return true;
+}
+
+/// A magic word lies inside of the packet; notes how far that was looked for.
+bool PacketReader::cut_short() {
+  const std::size_t packet_end = walk_.size() == 0 ? end_ : begin_ + walk_.size();
+  const std::size_t end = std::min(end_, packet_end);
+  const std::size_t found = find_magic(buffer_.data(), searched_, end);
+  searched_ = found < end ? found : std::max(searched_, end - (kMagicSize - 1));
+  return found < end;
+}
+
+/// The packet is complete. Its last bytes stay: if bytes of it were lost, they are the first ones
+/// of the next magic word.
+Frame* PacketReader::hand_out(Time arrival) {
+  counters_.points_left_out += walk_.decode(buffer_.data() + begin_, &frame_);
+  frame_.last_arrival = arrival;
+  frame_.scan.time = frame_.first_arrival;
+  count_number(frame_.number);
+  unclaimed_ = begin_ + walk_.size();
+  begin_ = searched_;
+  in_packet_ = false;
+  fruitless_ = 0;
+  state_ = StreamState::kFrames;
+  return &frame_;
+}
+
+/// It was no packet of SDK 3; the search goes on one byte after.
+void PacketReader::give_up(PacketVerdict verdict) {
+  if (verdict == PacketVerdict::kDamaged) {
+    ++counters_.damaged;
+  } else {
+    ++counters_.other_sdk;
+    fruitless_ = 0;
+    state_ = verdict == PacketVerdict::kOldSdk ? StreamState::kOldSdk : StreamState::kNewSdk;
+  }
+  ++begin_;
+  in_packet_ = false;
+}
+
+/// Bytes before `index` that belong to no frame are skipped ones.
+void PacketReader::skip_to(std::size_t index) {
+  if (index <= unclaimed_) return;
+  counters_.bytes_skipped += index - unclaimed_;
+  fruitless_ += index - unclaimed_;
+  unclaimed_ = index;
+  if (fruitless_ > max_packet_) state_ = StreamState::kSearching;
+}
+
+void PacketReader::count_number(std::uint32_t number) {
+  const std::uint32_t step = number - frame_number_;
+  if (counters_.frames > 0 && step > kMostLost) ++counters_.restarts;
+  if (counters_.frames > 0 && step > 1 && step <= kMostLost) counters_.lost += step - 1;
+  frame_number_ = number;
+  ++counters_.frames;
+}
+
+}  // namespace rio::ti

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/ti/frame_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "support/allocation_guard.hpp"
+#include "support/measured.hpp"
+
+namespace rio::ti {
+namespace {
+
+using rio::test::AllocationGuard;
+using rio::test::measured;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// A radar and its cable: frames with the instants at which they were measured.
+class Radar {
+ public:
+  static constexpr std::uint32_t kBytes = 928;  // 43 points, 10 ms on the wire
+
+  explicit Radar(const FrameTiming& timing, double drift = 0.0)
+      : timing_(timing), period_(to_seconds(timing.period) * (1.0 + drift)) {}
+
+  /// Frame `index` after power-on, `pause` later than it would have come.
+  Frame frame(std::uint32_t index, Time first_late, Time last_late, Time pause = Time{0}) {
+    begun_ = Time(1'700'000'000'000'000'000) + from_seconds(index * period_) + pause;
+    Frame frame;
+    frame.number = index;
+    frame.bytes = kBytes;
+    const Time sent = begun_ + timing_.chirp_block + timing_.processing_delay;
+    frame.first_arrival = sent + first_late;
+    frame.last_arrival = sent + from_seconds(kBytes * 10 / 921600.0) + last_late;
+    return frame;
+  }
+  Time begun() const { return begun_; }  ///< the frame of the last call
+  Time middle() const { return begun_ + timing_.chirp_block / 2; }
+
+ private:
+  FrameTiming timing_;
+  double period_;
+  Time begun_{0};
+};
+
+FrameTiming usual() {
+  FrameTiming timing;
+  timing.period = microseconds(66667);
+  timing.chirp_block = microseconds(18500);
+  return timing;
+}
+
+double error_of(Time stamp, const Radar& radar) {
+  return to_seconds(stamp - radar.middle());
+}
+
+TEST(FrameClock, ExactWhereNothingIsLate) {
+  Radar radar(usual());
+  FrameClock clock(usual());
+  for (std::uint32_t n = 90; n < 500; n += 1 + n % 3) {  // with losses
+    const Time stamp = clock.stamp(radar.frame(n, Time{0}, Time{0}));
+    EXPECT_LT(std::abs(error_of(stamp, radar)), 1e-6) << n;
+  }
+  EXPECT_EQ(clock.odd() + clock.restarts(), 0);
+}
+
+// A host that reads whole packets: the time on the wire is taken off by their length.
+TEST(FrameClock, TheLastByteServesWhereTheFirstIsLate) {
+  Radar radar(usual());
+  FrameClock clock(usual());
+  FrameTiming without = usual();
+  without.baud = 0.0;
+  FrameClock first_byte_only(without);
+  for (std::uint32_t n = 0; n < 100; ++n) {
+    const Frame frame = radar.frame(n, milliseconds(10), Time{0});
+    EXPECT_LT(std::abs(error_of(clock.stamp(frame), radar)), 1e-6);
+    EXPECT_NEAR(error_of(first_byte_only.stamp(frame), radar), 0.01, 1e-6);
+  }
+}
+
+/// Absolute errors [s] from `settled` on, of five minutes with exponential jitter.
+std::vector<double> errors(double mean_jitter, double drift, unsigned seed, double settled,
+                           double* drift_error) {
+  Radar radar(usual(), drift);
+  FrameClock clock(usual());
+  std::mt19937 random(seed);
+  std::exponential_distribution<double> late(1.0 / mean_jitter);
+  std::vector<double> errors;
+  for (std::uint32_t n = 1000; n < 1000 + 4500; ++n) {
+    const Time first = from_seconds(late(random));
+    const Frame frame = radar.frame(n, first, first + from_seconds(late(random)));
+    const double error = std::abs(error_of(clock.stamp(frame), radar));
+    if ((n - 1000) * 0.0667 > settled) errors.push_back(error);
+  }
+  EXPECT_EQ(clock.restarts(), 0);
+  *drift_error = std::abs(clock.drift() - drift);
+  return errors;
+}
+
+TEST(FrameClock, JitterOfTheHostIsTakenOffAndDriftIsFollowed) {
+  for (const double settled : {0.0, 10.0}) {
+    std::vector<double> all;
+    double worst_drift = 0.0;
+    for (unsigned seed = 0; seed < 40; ++seed) {
+      double drift_error = 0.0;
+      const double drift = seed % 2 == 0 ? 5e-5 : -5e-5;
+      const std::vector<double> some = errors(0.005, drift, seed, settled, &drift_error);
+      all.insert(all.end(), some.begin(), some.end());
+      worst_drift = std::max(worst_drift, drift_error);
+    }
+    std::sort(all.begin(), all.end());
+    const double median = all[all.size() / 2];
+    if (settled == 0.0) {
+      measured("jitter 5 ms: worst stamp from the start [ms]", 1e3 * all.back(), "below 33");
+      EXPECT_LT(all.back(), 0.033);
+      continue;
+    }
+    measured("jitter 5 ms, drift 50 ppm: median stamp [ms]", 1e3 * median, "below 0.1");
+    measured("  worst after 10 s [ms]", 1e3 * all.back(), "below 1");
+    measured("  drift after 5 min, worst [ppm]", 1e6 * worst_drift, "below 10");
+    EXPECT_LT(median, 1e-4);
+    EXPECT_LT(all.back(), 1e-3);
+    EXPECT_LT(worst_drift, 1e-5);
+  }
+}
+
+TEST(FrameClock, ABusyHostDelaysNoStamp) {
+  Radar radar(usual());
+  FrameClock clock(usual());
+  for (std::uint32_t n = 0; n < 400; ++n) {
+    const bool busy = n % 100 > 90;  // nine frames come at once
+    const Time late = busy ? (100 - n % 100) * usual().period : Time{0};
+    EXPECT_LT(std::abs(error_of(clock.stamp(radar.frame(n, late, late)), radar)), 1e-6) << n;
+  }
+  EXPECT_EQ(clock.odd() + clock.restarts(), 0);
+}
+
+TEST(FrameClock, APauseOrASwitchOffStartsItAgain) {
+  // sensorStop for a while, numbers go on; power off, numbers from 0; the clock of the host is set
+  const struct {
+    std::uint32_t next;
+    Time pause;
+  } cases[] = {{500, milliseconds(200)}, {500, seconds(5)}, {0, seconds(60)}, {500, -seconds(5)}};
+  for (const auto& c : cases) {
+    Radar radar(usual());
+    FrameClock clock(usual());
+    for (std::uint32_t n = 100; n < 500; ++n) clock.stamp(radar.frame(n, Time{0}, Time{0}));
+    for (std::uint32_t n = c.next; n < c.next + 100; ++n) {
+      const Time stamp = clock.stamp(radar.frame(n, Time{0}, Time{0}, c.pause));
+      if (n >= c.next + 17) {  // a second and one frame
+        EXPECT_LT(std::abs(error_of(stamp, radar)), 1e-6) << n;
+      }
+    }
+    EXPECT_EQ(clock.restarts(), 1) << c.pause.count();
+  }
+}
+
+TEST(FrameClock, OddNumbersAreStampedByTheirArrival) {
+  Radar radar(usual());
+  FrameClock clock(usual());
+  for (std::uint32_t n = 100; n < 500; ++n) {
+    Frame frame = radar.frame(n, Time{0}, Time{0});
+    if (n % 10 == 9) frame.number ^= 1U << (n / 10 % 32);
+    EXPECT_LT(std::abs(error_of(clock.stamp(frame), radar)), 1e-6) << n;
+  }
+  EXPECT_EQ(clock.odd(), 40);
+  EXPECT_EQ(clock.restarts(), 0);
+}
+
+TEST(FrameClock, ATriggerIsTheStampOfItsFrame) {
+  FrameTiming timing = usual();
+  timing.trigger_delay = milliseconds(2);
+  Radar radar(timing);
+  FrameClock clock(timing);
+  std::mt19937 random(1);
+  std::exponential_distribution<double> late(200.0);
+  for (std::uint32_t n = 0; n < 300; ++n) {
+    const Time lateness = std::min<Time>(from_seconds(late(random)), milliseconds(30));
+    const Frame frame = radar.frame(n, lateness, lateness);
+    const bool seen = n % 7 != 0;
+    // the next trigger may come before the packet has been read
+    if (seen) clock.add_trigger(radar.begun() - timing.trigger_delay);
+    if (n % 7 != 6) clock.add_trigger(radar.begun() - timing.trigger_delay + timing.period);
+    const double error = std::abs(error_of(clock.stamp(frame), radar));
+    if (seen || n > 0) {
+      EXPECT_LT(error, seen ? 2e-9 : 0.034) << n;
+    }
+  }
+}
+
+TEST(FrameClock, TimingsAreChecked) {
+  std::string why;
+  EXPECT_TRUE(usual().validate(&why));
+  EXPECT_FALSE(FrameTiming{}.validate(&why));
+  EXPECT_EQ(why, "period must be 1 ms to 1 h");
+  const auto refused = [&why](auto change) {
+    FrameTiming timing = usual();
+    change(timing);
+    EXPECT_FALSE(timing.validate(nullptr));
+    return !timing.validate(&why);
+  };
+  EXPECT_TRUE(refused([](FrameTiming& t) { t.chirp_block = seconds(1); }));
+  EXPECT_TRUE(refused([](FrameTiming& t) { t.processing_delay = Time{-1}; }));
+  EXPECT_TRUE(refused([](FrameTiming& t) { t.trigger_delay = Time{-1}; }));
+  EXPECT_TRUE(refused([](FrameTiming& t) { t.baud = std::nan(""); }));
+  EXPECT_TRUE(refused([](FrameTiming& t) { t.max_drift = -1.0; }));
+  EXPECT_TRUE(refused([](FrameTiming& t) { t.window = Time{-1}; }));
+}
+
+TEST(FrameClock, AllocatesNothing) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "not counted under a sanitizer";
+  Radar radar(usual());
+  FrameClock clock(usual());
+  std::mt19937 random(1);
+  const AllocationGuard guard;
+  for (std::uint32_t n = 0; n < 3000; ++n) {
+    clock.add_trigger(radar.begun());
+    const Time late(random() % 30'000'000);
+    clock.stamp(radar.frame(n, late, late));
+  }
+  clock.reset();
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace rio::ti

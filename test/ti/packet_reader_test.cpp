@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/ti/packet_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/allocation_guard.hpp"
+#include "ti/reading.hpp"
+
+namespace rio::ti::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+Bytes packet(std::uint32_t number, int points = 3) {
+  return packet_of(number, some_points(number, points)).bytes();
+}
+using Numbers = std::vector<std::uint32_t>;
+
+TEST(PacketReader, SplitAnywhere) {
+  const Bytes bytes = joined({packet(1), packet(2, 0), packet(3, 5)});
+  for (std::size_t split = 0; split <= bytes.size(); ++split) {
+    Reading reading;
+    reading.push(bytes.data(), split);
+    reading.push(bytes.data() + split, bytes.size() - split);
+    ASSERT_EQ(reading.frames.size(), 3U) << split;
+    EXPECT_TRUE(is_frame_of(reading.frames[0], 1, some_points(1, 3))) << split;
+    EXPECT_TRUE(is_frame_of(reading.frames[1], 2, {})) << split;
+    EXPECT_TRUE(is_frame_of(reading.frames[2], 3, some_points(3, 5))) << split;
+    EXPECT_EQ(reading.counters().bytes_skipped + reading.counters().damaged, 0U) << split;
+  }
+}
+
+TEST(PacketReader, AFrameComesWithItsLastByte) {
+  for (const int points : {0, 1, 3, 5, 40}) {
+    const Bytes bytes = packet(1, points);
+    Reading reading;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      EXPECT_TRUE(reading.frames.empty()) << points << " at " << i;
+      reading.push(&bytes[i], 1, milliseconds(i));
+    }
+    ASSERT_EQ(reading.frames.size(), 1U) << points;
+    EXPECT_EQ(reading.frames[0].first_arrival, milliseconds(7));
+    EXPECT_EQ(reading.frames[0].last_arrival, milliseconds(bytes.size() - 1));
+  }
+}
+
+TEST(PacketReader, GarbageBetweenPackets) {
+  const std::vector<Bytes> garbage = {
+      {0},
+      {2},
+      {2, 1, 4, 3},
+      {2, 1, 4, 3, 6, 5, 8},
+      {2, 2, 1, 2, 1, 4, 2, 1, 4, 3, 2},
+      Bytes(100, 2),
+      Bytes(200000, 7),
+      {2, 1, 4, 3, 6, 5, 8, 7},
+      joined({{2, 1, 4, 3, 6, 5, 8, 7}, Bytes(31, 0)}),
+      joined({{2, 1, 4, 3, 6, 5, 8, 7}, Bytes(32, 0)}),
+  };
+  for (const Bytes& some : garbage) {
+    Reading reading;
+    reading.push(joined({some, packet(1), some, packet(2), packet(3), some, some, packet(4)}));
+    EXPECT_EQ(reading.numbers(), (Numbers{1, 2, 3, 4})) << some.size();
+    EXPECT_EQ(reading.counters().bytes_skipped, 4 * some.size());
+    EXPECT_EQ(reading.counters().damaged,
+              some.size() >= 8 && some[7] == 7 && some[0] == 2 ? 4U : 0U);
+  }
+}
+
+// Whatever is missing: the packet after it is found, and nothing waits for it.
+TEST(PacketReader, LostBytesCostOnePacket) {
+  const Bytes whole = packet(2, 2);
+  for (std::size_t at = 0; at < whole.size(); ++at) {
+    for (std::size_t count = 1; at + count <= whole.size(); ++count) {
+      Bytes cut = whole;
+      cut.erase(cut.begin() + static_cast<long>(at), cut.begin() + static_cast<long>(at + count));
+      Reading reading;
+      reading.push(joined({packet(1), cut, packet(3)}));
+      ASSERT_GE(reading.frames.size(), 2U) << at << " " << count;
+      EXPECT_TRUE(is_frame_of(reading.frames.front(), 1, some_points(1, 3)));
+      EXPECT_TRUE(is_frame_of(reading.frames.back(), 3, some_points(3, 3))) << at << " " << count;
+    }
+  }
+}
+
+TEST(PacketReader, TheRestOfAPacketThatWasLostIsNotWaitedFor) {
+  Bytes long_one = packet(1, 2000);
+  long_one.resize(100);
+  Reading reading;
+  reading.push(joined({long_one, packet(2)}));
+  EXPECT_EQ(reading.numbers(), (Numbers{2}));
+  EXPECT_EQ(reading.counters().damaged, 1U);
+  EXPECT_EQ(reading.counters().bytes_skipped, 100U);
+}
+
+TEST(PacketReader, EveryBitOfTheHeadersDamaged) {
+  const Bytes whole = packet(2);
+  const std::size_t last_header = 40 + 8 + 48 + 8;
+  for (std::size_t bit = 0; bit < 8 * last_header; ++bit) {
+    Bytes damaged = whole;
+    damaged[bit / 8] = static_cast<std::uint8_t>(damaged[bit / 8] ^ (1U << bit % 8));
+    Reading reading;
+    reading.push(joined({packet(1), damaged, packet(3)}));
+    ASSERT_GE(reading.frames.size(), 2U) << bit;
+    EXPECT_EQ(reading.frames.front().number, 1U);
+    EXPECT_TRUE(is_frame_of(reading.frames.back(), 3, some_points(3, 3))) << bit;
+    const bool length = bit / 8 >= 12 && bit / 8 < 16;
+    if (length) {
+      EXPECT_EQ(reading.counters().damaged, 1U) << bit;
+      EXPECT_EQ(reading.counters().lost, 1U) << bit;
+      EXPECT_EQ(reading.counters().bytes_skipped, whole.size()) << bit;
+    }
+  }
+}
+
+TEST(PacketReader, MissingNumbersAreCounted) {
+  Reading reading;
+  for (const std::uint32_t number : {5U, 6U, 6U, 9U, 10U, 10050U, 3U, 4U}) {
+    reading.push(packet(number));
+  }
+  EXPECT_EQ(reading.counters().frames, 8U);
+  EXPECT_EQ(reading.counters().lost, 2U);
+  EXPECT_EQ(reading.counters().restarts, 2U);
+  reading.push(packet(0xFFFFFFFE));
+  reading.push(packet(1));
+  EXPECT_EQ(reading.counters().lost, 4U);
+}
+
+TEST(PacketReader, OtherSdksAreToldAndNotRead) {
+  Reading reading;
+  EXPECT_EQ(reading.reader.state(), StreamState::kSilent);
+  WrittenPacket old = packet_of(1, some_points(1, 3));
+  old.version = 0x02010004;
+  reading.push(joined({old.bytes(), old.bytes()}));
+  EXPECT_EQ(reading.reader.state(), StreamState::kOldSdk);
+  EXPECT_EQ(reading.counters().other_sdk, 2U);
+  EXPECT_EQ(reading.counters().damaged, 0U);
+  old.version = 0x05040000;
+  reading.push(old.bytes());
+  EXPECT_EQ(reading.reader.state(), StreamState::kNewSdk);
+  EXPECT_TRUE(reading.frames.empty());
+  reading.push(packet(7));
+  EXPECT_EQ(reading.reader.state(), StreamState::kFrames);
+  reading.push(Bytes(70000, 0));
+  EXPECT_EQ(reading.reader.state(), StreamState::kSearching);
+}
+
+TEST(PacketReader, ThePacketsMayBeAsLongAsSaid) {
+  const int most = 3270;  // 40 + 8 + 16 N + 8 + 4 N <= 65536
+  Reading reading;
+  for (std::uint32_t number = 1; number < 6; ++number) reading.push(packet(number, most));
+  EXPECT_EQ(reading.frames.size(), 5U);
+  EXPECT_EQ(reading.frames.back().bytes, 65472U);
+  reading.push(packet(6, most + 10));
+  EXPECT_EQ(reading.frames.size(), 5U);
+  Reading small(1024);
+  small.push(joined({packet(1, 48), packet(2, 49), packet(3, 48)}));  // 1024, 1056
+  EXPECT_EQ(small.numbers(), (Numbers{1, 3}));
+}
+
+TEST(PacketReader, WhatIsPendingCanBeDropped) {
+  const Bytes bytes = packet(1);
+  Reading reading;
+  reading.push(bytes.data(), 50);
+  reading.reader.drop_pending();
+  EXPECT_EQ(reading.counters().bytes_skipped, 50U);
+  reading.push(joined({{bytes.begin() + 50, bytes.end()}, packet(2)}));
+  EXPECT_EQ(reading.numbers(), (Numbers{2}));
+}
+
+TEST(PacketReader, AllocatesNothing) {
+  if (!rio::test::AllocationGuard::kWorks) GTEST_SKIP() << "not counted under a sanitizer";
+  const Bytes bytes =
+      joined({packet(1, 3270), Bytes(5000, 2), packet(2), Bytes(3, 2), packet(4, 1000)});
+  PacketReader reader;
+  std::size_t points = 0;
+  const rio::test::AllocationGuard guard;
+  for (std::size_t at = 0; at < bytes.size(); at += 64) {
+    reader.push(bytes.data() + at, std::min<std::size_t>(64, bytes.size() - at), Time{0},
+                [&](const Frame& frame) { points += frame.scan.detections.size(); });
+  }
+  reader.drop_pending();
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_EQ(points, 4273U);
+}
+
+}  // namespace
+}  // namespace rio::ti::test

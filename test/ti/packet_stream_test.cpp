@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Long streams: what was not damaged is read, whatever is beside it, and fast.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <random>
+
+#include "support/allocation_guard.hpp"
+#include "support/measured.hpp"
+#include "ti/reading.hpp"
+
+namespace rio::ti::test {
+namespace {
+
+using rio::test::measured;
+
+class Cable {
+ public:
+  std::size_t below(std::size_t limit) { return random_() % limit; }
+
+  Bytes noise(std::size_t count) {
+    Bytes bytes(count);
+    for (std::uint8_t& b : bytes) {
+      b = static_cast<std::uint8_t>(below(4) == 0 ? kMagic[below(8)] : below(256));
+    }
+    return bytes;
+  }
+
+  /// A packet with something wrong with it.
+  Bytes damaged(Bytes bytes) {
+    for (std::size_t n = 1 + below(3); n > 0; --n) damage(&bytes);
+    return bytes;
+  }
+
+ private:
+  void damage(Bytes* bytes) {
+    if (bytes->size() < 48) return;
+    const std::size_t at = below(bytes->size());
+    const std::size_t count = std::min(bytes->size() - at, 1 + below(40));
+    const auto from = bytes->begin() + static_cast<long>(at);
+    const Bytes some = noise(count);
+    switch (below(6)) {
+      case 0:
+        *from = static_cast<std::uint8_t>(*from ^ (1U << below(8)));
+        break;
+      case 1:  // a field of the header
+        (*bytes)[8 + below(40)] = static_cast<std::uint8_t>(below(256));
+        break;
+      case 2:  // lost
+        bytes->erase(from, from + static_cast<long>(count));
+        break;
+      case 3:  // the rest is lost
+        bytes->resize(at);
+        break;
+      case 4:
+        bytes->insert(from, some.begin(), some.end());
+        break;
+      default:
+        std::copy(some.begin(), some.end(), from);
+    }
+  }
+
+  std::mt19937 random_{7};
+};
+
+TEST(PacketStream, EveryUndamagedPacketIsRecovered) {
+  constexpr std::uint32_t kPackets = 200000;
+  Cable cable;
+  PacketReader reader;
+  struct Sent {
+    std::uint32_t number = 0;
+    int points = 0;
+  };
+  std::vector<Sent> sent;
+  std::size_t recovered = 0, good = 0, damaged = 0;
+  const auto on_frame = [&](const Frame& frame) {
+    if (recovered < sent.size() &&
+        is_frame_of(frame, sent[recovered].number,
+                    some_points(sent[recovered].number, sent[recovered].points))) {
+      ++recovered;
+    }
+  };
+  for (std::uint32_t number = 1; number <= kPackets; ++number) {
+    const int points = static_cast<int>(cable.below(12));
+    Bytes bytes = packet_of(number, some_points(number, points)).bytes();
+    const bool bad = cable.below(3) == 0;
+    if (bad) {
+      bytes = cable.damaged(bytes);
+      ++damaged;
+    } else {
+      sent.push_back({number, points});
+      ++good;
+    }
+    if (cable.below(8) == 0) bytes = joined({cable.noise(cable.below(60)), bytes});
+    for (std::size_t at = 0; at < bytes.size();) {
+      const std::size_t piece = std::min(bytes.size() - at, 1 + cable.below(200));
+      reader.push(bytes.data() + at, piece, Time{0}, on_frame);
+      at += piece;
+    }
+    ASSERT_EQ(recovered, sent.size()) << "with its last byte, " << number;
+  }
+  measured("undamaged packets recovered [%]",
+           100.0 * static_cast<double>(recovered) / static_cast<double>(good), "100");
+  measured("damaged packets among them", static_cast<double>(damaged), "60000");
+  EXPECT_GT(damaged, 60000U);
+  EXPECT_GT(reader.counters().damaged, damaged / 2);
+}
+
+TEST(PacketStream, OfAnyBytesNothingButFinitePointsComes) {
+  Cable cable;
+  Reading reading;
+  for (int i = 0; i < 2000; ++i) reading.push(cable.noise(1000));
+  reading.push(packet_of(1, some_points(1, 4)).bytes());
+  ASSERT_FALSE(reading.frames.empty());
+  EXPECT_TRUE(is_frame_of(reading.frames.back(), 1, some_points(1, 4)));
+  for (const Frame& frame : reading.frames) {
+    for (const RadarDetection& d : frame.scan.detections) EXPECT_TRUE(d.point_S.allFinite());
+  }
+}
+
+TEST(PacketStream, Throughput) {
+  Bytes bytes;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> metres(-10.0F, 10.0F);
+  for (std::uint32_t number = 1; bytes.size() < 4000000; ++number) {
+    std::vector<WrittenPoint> points = some_points(number, 43);
+    for (WrittenPoint& p : points)
+      p = {metres(random), metres(random), metres(random), 0.5F, 99, 9};
+    const Bytes packet = packet_of(number, points).bytes();
+    bytes.insert(bytes.end(), packet.begin(), packet.end());
+  }
+  PacketReader reader;
+  std::uint64_t points = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  for (int round = 0; round < 10; ++round) {
+    for (std::size_t at = 0; at < bytes.size(); at += 4096) {
+      reader.push(bytes.data() + at, std::min<std::size_t>(4096, bytes.size() - at), Time{0},
+                  [&](const Frame& frame) { points += frame.scan.detections.size(); });
+    }
+  }
+  const double seconds = to_seconds(std::chrono::steady_clock::now() - begin);
+  EXPECT_EQ(points, 43 * reader.counters().frames);
+  EXPECT_EQ(reader.counters().bytes_skipped, 0U);
+  const double rate = 1e-6 * 10.0 * static_cast<double>(bytes.size()) / seconds;
+  measured("bytes read [MB/s], the UART gives 0.09", rate, "above 100 in Release, 20 here");
+  if (rio::test::AllocationGuard::kWorks) {  // no sanitizer
+    EXPECT_GT(rate, 20.0);
+  }
+}
+
+}  // namespace
+}  // namespace rio::ti::test
