@@ -13,4 +13,5 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/test/package/consumer -B ${WORK}/build
   -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/link)
+run(${WORK}/build/driver)
 run(${WORK}/build/research)
