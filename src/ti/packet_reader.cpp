@@ -74,14 +74,15 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
 /// The next frame that is complete, or null when the bytes are used up.
 Frame* PacketReader::next(Time arrival) {
   while (in_packet_ || find_packet(arrival)) {
-    const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end_ - begin_);
-    if (verdict != PacketVerdict::kMore && verdict != PacketVerdict::kComplete) {
-      give_up(verdict);
-    } else if (cut_short()) {
-      give_up(PacketVerdict::kDamaged);
-    } else {
-      return verdict == PacketVerdict::kComplete ? hand_out(arrival) : nullptr;
-    }
+    // what comes with the next magic word or after it is not of this packet
+    const std::size_t magic = find_magic(buffer_.data(), searched_, end_);
+    const bool cut = magic < end_;
+    const std::size_t end = cut ? magic + kMagicSize - 1 : end_;
+    searched_ = cut ? magic : std::max(searched_, end_ - (kMagicSize - 1));
+    const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end - begin_);
+    if (verdict == PacketVerdict::kComplete) return hand_out(arrival);
+    if (verdict == PacketVerdict::kMore && !cut) return nullptr;
+    give_up(verdict == PacketVerdict::kMore ? PacketVerdict::kDamaged : verdict);
   }
   return nullptr;
 }
@@ -101,15 +102,6 @@ bool PacketReader::find_packet(Time arrival) {
   frame_.first_arrival = arrival;
   in_packet_ = true;
   return true;
-}
-
-/// A magic word lies inside of the packet; notes how far that was looked for.
-bool PacketReader::cut_short() {
-  const std::size_t packet_end = walk_.size() == 0 ? end_ : begin_ + walk_.size();
-  const std::size_t end = std::min(end_, packet_end);
-  const std::size_t found = find_magic(buffer_.data(), searched_, end);
-  searched_ = found < end ? found : std::max(searched_, end - (kMagicSize - 1));
-  return found < end;
 }
 
 /// The packet is complete. Its last bytes stay: if bytes of it were lost, they are the first ones

@@ -2,7 +2,7 @@
 // Bytes of the data UART of a TI mmWave radar -> frames. C++17.
 //
 //   rio::ti::PacketReader reader;
-//   reader.push(bytes, count, now, [&](rio::ti::Frame& frame) { odometry->add_scan(frame.scan); });
+//   reader.push(bytes, count, now, [&](rio::ti::Frame& frame) { scans.take(frame.scan); });
 //
 // A frame is handed out with its last byte, not with the next one. Whatever comes before, between
 // and in place of packets: a packet of which every byte arrives is found. A magic word inside of a
@@ -74,7 +74,6 @@ class PacketReader {
   std::size_t store(const std::uint8_t* bytes, std::size_t count);
   Frame* next(Time arrival);
   bool find_packet(Time arrival);
-  bool cut_short();
   Frame* hand_out(Time arrival);
   void give_up(PacketVerdict verdict);
   void skip_to(std::size_t index);
