@@ -106,7 +106,7 @@ TEST(TiPacket, LengthsMustAgreeToTheByte) {
   for (const std::uint32_t tlvs : {0U, 1U, 3U, 1000U, ~0U}) {
     EXPECT_EQ(frames_with(bytes, 32, tlvs), 0U) << tlvs;
   }
-  for (const std::uint32_t length : {0U, 16U, 64U, 79U, 84U, 96U, 1000U, 0x7FFFFFFFU, ~0U}) {
+  for (const std::uint32_t length : {0U, 16U, 64U, 79U, 84U, 96U, 1000U, 1600U, 0x7FFFFFFFU, ~0U}) {
     EXPECT_EQ(frames_with(bytes, 44, length), 0U) << length;
   }
   for (const std::uint32_t length : {4U, 16U, 21U, 24U, 1000U, ~0U - 7U, ~0U}) {
