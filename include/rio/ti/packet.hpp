@@ -2,30 +2,30 @@
 // The packet that the demos of TI's mmWave SDK 3.x (xWR14xx, 16xx, 18xx, 68xx) write to the data
 // UART, one a frame. C++17.
 //
+// clang-format off
 // Little-endian. Left TI's layout, right what becomes of it.
 //
-//   offset  type    field             here
-//    0      u16[4]  magic word        02 01 04 03 06 05 08 07 on the wire
-//    8      u32     version           Frame::version: major << 24 | minor << 16 | bugfix << 8 |
-//    build
-//   12      u32     totalPacketLen    Frame::bytes: header, TLVs and padding up to a multiple of 32
-//   16      u32     platform          Frame::platform: 0xA1843, 0xA6843, 0xA1642, 0xA1443
-//   20      u32     frameNumber       Frame::number: counts from power-on, also over sensorStop
-//   24      u32     timeCpuCycles     Frame::cycles: when the packet was made; wraps (21.5 s at 200
-//   MHz) 28      u32     numDetectedObj    not trusted: the length of TLV 1 says it 32      u32
-//   numTLVs           how many follow 36      u32     subFrameNumber    Frame::subframe: 0 but for
-//   advanced frames; absent with 0xA1443 40              TLVs              u32 type, u32 length of
-//   what follows, as many bytes
-//                   padding           up to 31 bytes of any value
+//   offset type   field           here
+//    0     u16[4] magic word      02 01 04 03 06 05 08 07 on the wire
+//    8     u32    version         Frame::version: major << 24 | minor << 16 | bugfix << 8 | build
+//   12     u32    totalPacketLen  Frame::bytes: header, TLVs and padding up to a multiple of 32
+//   16     u32    platform        Frame::platform: 0xA1843, 0xA6843, 0xA1642, 0xA1443
+//   20     u32    frameNumber     Frame::number: counts from power-on, also over sensorStop
+//   24     u32    timeCpuCycles   Frame::cycles: when it was made; wraps (21.5 s at 200 MHz)
+//   28     u32    numDetectedObj  not trusted: the length of TLV 1 says it
+//   32     u32    numTLVs         how many follow
+//   36     u32    subFrameNumber  Frame::subframe: 0 but for advanced frames; none with 0xA1443
+//   40            TLVs            u32 type, u32 length of what follows, as many bytes
+//                 padding         up to 31 bytes of any value
 //
-//   TLV 1, detected points, 16 bytes each              TLV 7, side info, 4 bytes each, same order
-//    0  f32  x [m], right      point_S.y = -x           0  i16  snr    [0.1 dB]  snr_db
-//    4  f32  y [m], boresight  point_S.x = y            2  i16  noise  [0.1 dB]  noise_db
-//    8  f32  z [m], up         point_S.z = z
-//   12  f32  velocity [m/s],   range_rate, same sign    Others (profiles 2 and 3, heat maps 4, 5
-//   and 8,
-//            + = receding                               statistics 6, temperature 9, ...) are
-//            skipped.
+//   TLV 1, detected points, 16 bytes each           TLV 7, side info, 4 bytes each, same order
+//    0  f32  x [m], right     point_S.y = -x         0  i16  snr [0.1 dB]    snr_db
+//    4  f32  y [m], boresight point_S.x = y          2  i16  noise [0.1 dB]  noise_db
+//    8  f32  z [m], up        point_S.z = z
+//   12  f32  velocity [m/s]   range_rate, + = receding as here
+//
+//   Others (profiles 2 and 3, heat maps 4, 5 and 8, statistics 6, temperature 9) are skipped.
+// clang-format on
 //
 // TLV 1 may be empty or absent (nothing detected), TLV 7 absent (nothing detected, or `guiMonitor`
 // without it: SNR and noise are then 0); the order is free. There is no checksum: a packet is taken
@@ -78,9 +78,8 @@ class PacketWalk {
   /// @param max_packet longer packets are damaged ones [bytes]
   explicit PacketWalk(std::size_t max_packet) : max_packet_(max_packet) {}
 
-  /// @param packet its first `available` bytes, from the magic word on; at every call of a packet
-  /// at
-  ///               least as many as before
+  /// @param packet its first `available` bytes, from the magic word on; at least as many as at the
+  ///        call before
   PacketVerdict advance(const std::uint8_t* packet, std::size_t available);
 
   /// Of the packet [bytes]; 0 until the header is in.
