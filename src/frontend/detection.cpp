@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
-#include <limits>
 
 namespace rio {
 
@@ -54,20 +53,6 @@ Detection correct_detection(const Detection& received, const RadarErrors::Value&
   d.point_S = d.range * d.direction_S;
   d.range_rate = received.range_rate / (1.0 + errors[RadarErrors::kDopplerScale]);
   return d;
-}
-
-bool are_one_echo(const Detection& a, const Detection& b) {
-  if (!(std::abs(b.range_rate - a.range_rate) < 3.0 * a.sigma_doppler)) return false;
-  const auto in_sigmas = [](double difference, double sigma) {
-    return sigma > 0.0 ? difference / sigma : std::numeric_limits<double>::infinity();
-  };
-  const Vector3d apart = b.point_S - a.point_S;
-  const auto angle = [&](const Vector3d& sigma_S) {
-    return in_sigmas(apart.dot(sigma_S), a.range * sigma_S.squaredNorm());
-  };
-  const Vector3d polar(in_sigmas(b.range - a.range, a.sigma_range), angle(a.sigma_azimuth_S),
-                       angle(a.sigma_elevation_S));
-  return polar.squaredNorm() < 1.0;
 }
 
 std::uint64_t fingerprint(const DetectionList& scan) {

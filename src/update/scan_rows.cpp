@@ -68,8 +68,8 @@ void ScanRows::add_doppler(const Observations& seen, const Belief& belief,
     batch_.begin_block();
     const bool valid = add(doppler_, z, belief, x, {});
     if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
-    const double factor = doppler_repetition(seen.detection(i), x) * echo_factor(seen, i);
-    used_.push_back({DopplerModel::kModel, i, 0, 0, weigh(factor)});
+    used_.push_back(
+        {DopplerModel::kModel, i, 0, 0, weigh(doppler_repetition(seen.detection(i), x))});
   }
 }
 
@@ -163,16 +163,6 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   const double way = std::max(0.0, x.estimate.way - way_at_scan_);
   const double rho = (1.0 - kFreshShare) * std::exp(-way / kSameReflectors - kCells * cells);
   return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));
-}
-
-double ScanRows::echo_factor(const Observations& seen, std::size_t i) const {
-  if (noise_distance_ <= 0.0) return 1.0;  // every error is its own
-  double count = 1.0;
-  for (std::size_t k = 0; k < seen.scan->items.size(); ++k) {
-    if (k == i || !tells_doppler(seen, k)) continue;
-    count += are_one_echo(seen.detection(i), seen.detection(k)) ? 1.0 : 0.0;
-  }
-  return count;
 }
 
 double ScanRows::weigh(double factor) {

@@ -163,30 +163,6 @@ std::vector<double> ranges_kept(const RadarScan& scan, const RadarOptions& o, in
   return ranges;
 }
 
-TEST(Detection, OneEchoIsWithinASigmaInPlaceAndThreeInDoppler) {
-  const RadarOptions o = fine_radar();
-  RadarDetection raw;
-  raw.point_S = {4.0, 1.0, 0.5};
-  const Detection a = make_detection(raw, o);
-  EXPECT_TRUE(are_one_echo(a, a));
-  for (const double sigmas : {0.9, 1.1}) {
-    const bool same = sigmas < 1.0;
-    for (const Vector3d& off : {Vector3d(a.range * sigmas * a.sigma_azimuth_S),
-                                Vector3d(a.range * sigmas * a.sigma_elevation_S),
-                                Vector3d(sigmas * a.sigma_range * a.direction_S)}) {
-      for (const double sign : {-1.0, 1.0}) {
-        Detection b = a;
-        b.point_S += sign * off;
-        b.range = b.point_S.norm();
-        EXPECT_EQ(are_one_echo(a, b), same) << sigmas << " of " << off.transpose();
-      }
-    }
-    Detection b = a;
-    b.range_rate -= 3.0 * sigmas * a.sigma_doppler;
-    EXPECT_EQ(are_one_echo(a, b), same);
-  }
-}
-
 TEST(Detection, FingerprintsDifferInEveryNumberAndAreZeroAtRest) {
   DetectionList list;
   EXPECT_EQ(fingerprint(list), 0U);

@@ -147,28 +147,6 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   EXPECT_EQ(report_.records[0].nis, nis);
 }
 
-// Copies of a detection tell no more than one of them.
-TEST_F(ScanRowsTest, TheDopplersOfOneEchoCountOnce) {
-  options_.radar.noise_distance = 0.02;
-  seen_.matches.landmarks.clear();
-  ScanRows rows(options_);
-  build(rows, belief(0));
-  const double alone = rows.used()[0].variance_factor;
-  const double other = rows.used()[1].variance_factor;
-  for (int copies = 1; copies <= 3; ++copies) {
-    scan_.items.push_back(scan_.items[0]);
-    ScanRows again(options_);
-    build(again, belief(0));
-    EXPECT_NEAR(again.used()[0].variance_factor, (1.0 + copies) * alone, 1e-9) << copies;
-    EXPECT_NEAR(again.used()[1].variance_factor, other, 1e-9) << copies;
-    EXPECT_NEAR(again.used().back().variance_factor, (1.0 + copies) * alone, 1e-9) << copies;
-  }
-  options_.radar.noise_distance = 0.0;
-  ScanRows own(options_);
-  build(own, belief(0));
-  EXPECT_EQ(own.used()[0].variance_factor, 1.0);
-}
-
 // Nothing but rounding: it repeats until the Doppler has changed by cells.
 TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
   constexpr double kGrid = 0.5;

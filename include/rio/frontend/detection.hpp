@@ -39,10 +39,6 @@ Matrix3d direction_covariance(const Detection& d);
 /// (E2): covariance of the measured point [m^2].
 Matrix3d point_covariance(const Detection& d);
 
-/// Whether both are of one echo, which spreads over neighbouring cells: within three sigmas of each
-/// other in Doppler and one in place (Mahalanobis distance in range, azimuth and elevation).
-bool are_one_echo(const Detection& a, const Detection& b);
-
 /// The filtered scan.
 struct DetectionList {
   Time time{0};

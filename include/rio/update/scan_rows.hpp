@@ -88,8 +88,6 @@ class ScanRows {
   }
   /// Same for a Doppler, whose rounding repeats until it has changed by a cell.
   double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
-  /// Number of Dopplers of the same echo, itself included.
-  double echo_factor(const Observations& seen, std::size_t i) const;
   /// Multiplies the variance of the last block. After the gate: by itself it is as good as any
   /// other.
   double weigh(double factor);
