@@ -141,7 +141,6 @@ TEST_P(FaultPromises, AreKept) {
       "100 % random outliers for 10 s",
       "90 % movers for 10 s",
       "the same scan again for 10 s",
-      "5000 detections of the same room",
       "start in flight, 20 deg of roll off, sigma lying",
       "start in flight, 1 m/s off, sigma lying",
       "start in flight, quaternion zero",
