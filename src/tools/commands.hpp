@@ -64,6 +64,20 @@ struct ReplayArguments {
 /// @throws LostEstimate after all outputs are written
 void replay(const ReplayArguments& arguments);
 
+/// `rio check`: is a recording what an estimator takes it to be?
+struct CheckArguments {
+  std::string dataset;
+  RecordingArguments how;
+  std::string config;
+  bool json = false;
+};
+/// Something in a recording is wrong: exit status 3, too.
+struct WrongRecording : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// @throws WrongRecording after everything is printed
+void check_recording(const CheckArguments& arguments);
+
 /// `rio simulate`: a simulated flight as a recording.
 struct SimulateArguments {
   std::string out;

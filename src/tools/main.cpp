@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The `rio` program and the command line of every command. Exit codes: 0 success, 1 the command
-// failed, 2 wrong command line.
+// failed, 2 wrong command line, 3 the estimate is lost or the recording wrong.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -97,6 +97,21 @@ void add_replay_command(CLI::App& app) {
   command->add_flag("--quiet", arguments->quiet, "no line per scan, whatever else is given");
   add_recording_options(command, &arguments->how);
   command->callback([arguments] { replay(*arguments); });
+}
+
+void add_check_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "check",
+      "Is a recording what an estimator takes it to be? Stamps, units, Doppler, axes and delays,\n"
+      "each ok, doubtful or wrong, with what to change. Exit status 3 if something is wrong");
+  auto arguments = std::make_shared<CheckArguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
+      ->required();
+  command->add_option("--config", arguments->config,
+                      "option file with what you are told of the sensors, as the mounting");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments] { check_recording(*arguments); });
 }
 
 void add_simulate_command(CLI::App& app) {
@@ -233,6 +248,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   add_info_command(app);
   add_convert_command(app);
+  add_check_command(app);
   add_replay_command(app);
   add_simulate_command(app);
   add_scenarios_command(app);
@@ -259,6 +275,9 @@ int main(int argc, char** argv) {
   try {
     return rio::tools::run(argc, argv);
   } catch (const rio::tools::LostEstimate& error) {
+    std::fprintf(stderr, "rio: %s\n", error.what());
+    return 3;
+  } catch (const rio::tools::WrongRecording& error) {
     std::fprintf(stderr, "rio: %s\n", error.what());
     return 3;
   } catch (const std::exception& error) {

@@ -37,10 +37,6 @@ bag::RecordingRequest request_of(const RecordingArguments& a) {
   return request;
 }
 
-bool is_asl_folder(const fs::path& path) {
-  return fs::exists(path / "imu0") || fs::exists(path / "mav0");
-}
-
 void print_notes(const io::Dataset& dataset) {
   for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
 }
@@ -57,6 +53,10 @@ void print_what_is_missing(const fs::path& out) {
 }
 
 }  // namespace
+
+bool is_asl_folder(const fs::path& path) {
+  return fs::exists(path / "imu0") || fs::exists(path / "mav0");
+}
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
                      std::string* damage) {

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/check.hpp"
+
+#include "check/imu_check.hpp"
+#include "check/motion.hpp"
+#include "check/motion_check.hpp"
+#include "check/radar_check.hpp"
+
+namespace rio::check {
+
+Findings check_recording(const io::Dataset& dataset, const Options& options, Source source) {
+  ImuCheck imu = check_imu(dataset.imu, dataset.imu_info, source);
+  Findings out = std::move(imu.findings);
+  const auto append = [&out](const Findings& more) {
+    out.insert(out.end(), more.begin(), more.end());
+  };
+  if (dataset.imu.empty() || dataset.scans.empty()) return out;
+  append({check_clocks(dataset, source)});
+  Options read = options;  // a limit that the Dopplers exceed folds nothing
+  if (share_beyond(dataset.scans, 1.05 * read.radar.max_doppler) > 0.01) {
+    read.radar.max_doppler = 0.0;
+  }
+  const std::vector<RadarSpeed> speeds = radar_speeds(dataset.scans, read);
+  append(check_radar(dataset, speeds, options, source));
+  append(check_motion(usable(dataset.imu), speeds, imu.gyro_unit, imu.accel_unit, options, source));
+  return out;
+}
+
+}  // namespace rio::check

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio check`: is a recording what an estimator takes it to be?
+#pragma once
+
+#include "check/finding.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/options.hpp"
+
+namespace rio::check {
+
+/// All findings in the order of the sensors: IMU, clocks, radar, motion. What was found out about
+/// units is taken into account in what follows.
+/// @param options with what the recording says of its sensors
+Findings check_recording(const io::Dataset& dataset, const Options& options, Source source);
+
+}  // namespace rio::check

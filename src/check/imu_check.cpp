@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/imu_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "check/numbers.hpp"
+#include "rio/core/so3.hpp"
+
+namespace rio::check {
+
+namespace {
+
+constexpr double kStandardGravity = 9.80665;
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+/// The stamps one after the other.
+Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
+                     const io::ImuInfo& info) {
+  int repeated = 0;
+  int backwards = 0;
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    repeated += all[i].time == all[i - 1].time ? 1 : 0;
+    backwards += all[i].time < all[i - 1].time ? 1 : 0;
+  }
+  std::vector<double> periods;
+  for (std::size_t i = 1; i < good.size(); ++i) {
+    periods.push_back(to_seconds(good[i].time - good[i - 1].time));
+  }
+  const double period = median(periods);
+  const double longest = *std::max_element(periods.begin(), periods.end());
+  double lost = 0.0;
+  for (const double p : periods) lost += std::max(0.0, std::round(p / period) - 1.0);
+  const double share = lost / (lost + static_cast<double>(good.size()));
+  Finding out{
+      Verdict::kOk, "imu stamps",
+      fmt::format("{} samples in {:.1f} s, one each {:.2f} ms ({:.0f} Hz), {:.1f} % lost, "
+                  "longest gap {:.0f} ms, {} repeated, {} backwards",
+                  all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
+                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, backwards),
+      ""};
+  constexpr double kSlowest = 0.05;  // of no IMU that can be integrated in flight [s]
+  const double told = info.rate_hz.value_or(1.0 / period);
+  if (period > kSlowest) {
+    out.verdict = Verdict::kWrong;
+    out.change = "record the IMU at 100 Hz or more";
+  } else if (repeated + backwards > 0.01 * static_cast<double>(all.size())) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "look for two publishers of one topic, or samples stamped on arrival";
+  } else if (share > 0.02 || longest > 0.1) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "record with less load; the gaps are bridged, at a loss of accuracy";
+  } else if (std::abs(told * period - 1.0) > 0.1) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = fmt::format("imu0/sensor.yaml: rate_hz: {:.0f}", 1.0 / period);
+  }
+  return out;
+}
+
+/// The second in which the specific force varies least.
+struct Rest {
+  Vector3d accel = Vector3d::Zero();
+  Vector3d gyro = Vector3d::Zero();
+  double spread = std::numeric_limits<double>::infinity();  ///< of |f|, over its mean
+};
+
+Rest stillest(const std::vector<ImuSample>& samples) {
+  Rest best;
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    Rest now;
+    double squares = 0.0;
+    while (end < samples.size() && samples[end].time < samples[begin].time + from_seconds(1.0)) {
+      now.accel += samples[end].accel_B;
+      now.gyro += samples[end].gyro_B;
+      squares += samples[end].accel_B.squaredNorm();
+      ++end;
+    }
+    const auto n = static_cast<double>(end - begin);
+    now.accel /= n;
+    now.gyro /= n;
+    const double variance = std::max(0.0, squares / n - now.accel.squaredNorm());
+    now.spread = std::sqrt(variance) / now.accel.norm();
+    if (n > 10.0 && now.spread < best.spread) best = now;
+  }
+  return best;
+}
+
+Finding check_accel(const Rest& rest, Source source, double* unit) {
+  struct Unit {
+    const char* name;
+    double factor;
+  };
+  constexpr std::array<Unit, 3> kUnits = {
+      {{"g", kStandardGravity}, {"mg", 1e-3 * kStandardGravity}, {"ft/s^2", 0.3048}}};
+  const double f = rest.accel.norm();
+  Finding out{Verdict::kOk, "accelerometer unit",
+              fmt::format("in the stillest second the specific force is {:.4g} m/s^2 ({:+.3g} "
+                          "{:+.3g} {:+.3g}), {:.1f} % off gravity",
+                          f, rest.accel.x(), rest.accel.y(), rest.accel.z(),
+                          100.0 * std::abs(f / kStandardGravity - 1.0)),
+              ""};
+  const double off = std::abs(f / kStandardGravity - 1.0);
+  if (off < 0.05) return out;
+  if (off < 0.2) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "an accelerometer bias this large, or no moment of rest: begin at rest";
+    return out;
+  }
+  out.verdict = Verdict::kWrong;
+  out.change = "find the unit of the accelerometer; at rest it must read 9.81 m/s^2";
+  for (const Unit& u : kUnits) {
+    if (std::abs(f * u.factor / kStandardGravity - 1.0) > 0.1) continue;
+    *unit = u.factor;
+    out.text += fmt::format(": it is in {}", u.name);
+    out.change =
+        source == Source::kBag
+            ? fmt::format("--accel-unit {}", u.name)
+            : fmt::format("multiply the last three columns of imu0/data.csv by {:.6g}", u.factor);
+  }
+  return out;
+}
+
+/// Which way up the IMU is; no mistake, the alignment finds it.
+Finding check_up(const Rest& rest) {
+  const Vector3d up = rest.accel.normalized();
+  int axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  const char* names[] = {"x", "y", "z"};
+  std::string text =
+      fmt::format("up is the {}{} axis of the IMU, to {:.0f} deg", up[axis] < 0.0 ? "-" : "+",
+                  names[axis], std::acos(std::min(1.0, std::abs(up[axis]))) / kDegree);
+  if (axis == 2 && up[axis] < 0.0) text += " (as in FRD; it is found by the alignment at rest)";
+  return {Verdict::kOk, "imu upright", text, ""};
+}
+
+Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
+                   double* unit) {
+  constexpr double kAnywhere = 25.0 * kDegree;  // beyond the tilt any flight has in half a second
+  constexpr double kFastest = 35.0;             // 2000 deg/s, the range of most gyros [rad/s]
+  std::vector<double> rates;
+  for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
+  const double usual = median(rates);
+  const double most = *std::max_element(rates.begin(), rates.end());
+  const double told = turning_error(samples, 1.0);
+  const double scaled = turning_error(samples, kDegree);
+  Finding out{Verdict::kOk, "gyro unit",
+              fmt::format("rates of {:.3g} rad/s (median) to {:.3g} rad/s, {:.3g} rad/s in the "
+                          "stillest second; they carry the direction of the specific force over "
+                          "half a second to {:.1f} deg",
+                          usual, most, rest.gyro.norm(), told / kDegree),
+              ""};
+  const bool nonsense = told > kAnywhere && scaled < 0.5 * told;
+  if (nonsense || usual > kFastest) {
+    *unit = kDegree;
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format(", taken as deg/s to {:.1f} deg: they are in deg/s", scaled / kDegree);
+    out.change = source == Source::kBag
+                     ? "--gyro-unit deg/s"
+                     : "multiply the first three columns after the stamp of imu0/data.csv by "
+                       "0.0174533";
+  } else if (rest.gyro.norm() > 0.1 && rest.spread < 0.05) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "a bias of more than 6 deg/s at rest: let the gyro warm up, or begin at rest";
+  }
+  return out;
+}
+
+/// A sensor at its end reads the same largest value again and again.
+Finding check_saturation(const std::vector<ImuSample>& samples) {
+  std::size_t at_end = 0;
+  std::size_t frozen = 0;
+  const auto count_at_end = [&](const auto& value) {
+    double most = 0.0;
+    for (const ImuSample& s : samples) most = std::max(most, std::abs(value(s)));
+    std::size_t n = 0;
+    for (const ImuSample& s : samples) n += std::abs(value(s)) == most ? 1U : 0U;
+    if (n > 5) at_end = std::max(at_end, n);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    count_at_end([axis](const ImuSample& s) { return s.gyro_B[axis]; });
+    count_at_end([axis](const ImuSample& s) { return s.accel_B[axis]; });
+  }
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    frozen +=
+        samples[i].gyro_B == samples[i - 1].gyro_B && samples[i].accel_B == samples[i - 1].accel_B
+            ? 1U
+            : 0U;
+  }
+  const auto n = static_cast<double>(samples.size());
+  const double end = 100.0 * static_cast<double>(at_end) / n;
+  const double same = 100.0 * static_cast<double>(frozen) / n;
+  Finding out{Verdict::kOk, "imu saturation",
+              fmt::format("{:.2f} % of an axis at its largest value, {:.2f} % of the samples equal "
+                          "the one before",
+                          end, same),
+              ""};
+  if (end > 0.1 || same > 1.0) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "widen the ranges of the IMU and mount it softer; read it as often as it measures";
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
+  std::vector<ImuSample> out;
+  for (const ImuSample& s : samples) {
+    if (!s.gyro_B.allFinite() || !s.accel_B.allFinite()) continue;
+    if (out.empty() || s.time > out.back().time) out.push_back(s);
+  }
+  return out;
+}
+
+double turning_error(const std::vector<ImuSample>& samples, double factor) {
+  constexpr double kSpan = 0.5;  // [s]
+  std::vector<double> angles;
+  Vector3d before = Vector3d::Zero();
+  Quaternion turn = Quaternion::Identity();  // from the axes of the span's start to now
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = 1, begin = 0; i < samples.size(); ++i) {
+    const double dt = to_seconds(samples[i].time - samples[i - 1].time);
+    turn = turn * quaternion_exp(factor * dt * samples[i].gyro_B);
+    sum += turn * samples[i].accel_B * dt;
+    if (to_seconds(samples[i].time - samples[begin].time) < kSpan) continue;
+    const Vector3d now = sum.normalized();
+    if (before.norm() > 0.0) angles.push_back(std::acos(std::clamp(before.dot(now), -1.0, 1.0)));
+    before = turn.conjugate() * now;  // as seen when the next span begins
+    turn.setIdentity();
+    sum.setZero();
+    begin = i;
+  }
+  return angles.size() < 10 ? std::numeric_limits<double>::quiet_NaN() : median(angles);
+}
+
+ImuCheck check_imu(const std::vector<ImuSample>& samples, const io::ImuInfo& info, Source source) {
+  ImuCheck out;
+  const std::vector<ImuSample> good = usable(samples);
+  if (good.size() < 100) {
+    out.findings.push_back({Verdict::kWrong, "imu stamps",
+                            fmt::format("{} of {} samples are finite and in the order of time",
+                                        good.size(), samples.size()),
+                            "record at least some seconds"});
+    return out;
+  }
+  const Rest rest = stillest(good);
+  out.findings.push_back(check_stamps(samples, good, info));
+  out.findings.push_back(check_accel(rest, source, &out.accel_unit));
+  out.findings.push_back(check_up(rest));
+  out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));
+  out.findings.push_back(check_saturation(good));
+  return out;
+}
+
+}  // namespace rio::check

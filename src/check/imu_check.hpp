@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the samples of an IMU say of themselves: stamps, units, saturation. No motion model and no
+// radar is needed.
+//
+// The unit of the accelerometer: at rest it measures g, in flight g on average.
+// The unit of the gyro: it turns the specific force of one second into that of the next. With rates
+// too large by 57 the two point anywhere; with the right ones they agree to the tilt that
+// acceleration feigns.
+// (E1) e(k) = median angle between f_(i+1) and Exp(-k w_i dt) f_i, means over half a second
+#pragma once
+
+#include <vector>
+
+#include "check/finding.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/types.hpp"
+
+namespace rio::check {
+
+/// Samples fit to be integrated: finite, stamps strictly increasing.
+std::vector<ImuSample> usable(const std::vector<ImuSample>& samples);
+
+struct ImuCheck {
+  Findings findings;
+  double gyro_unit = 1.0;   ///< to be multiplied with the gyro to get [rad/s]
+  double accel_unit = 1.0;  ///< to be multiplied with the accelerometer to get [m/s^2]
+};
+
+/// (E1) in radians; NaN if there are not ten pairs.
+double turning_error(const std::vector<ImuSample>& samples, double factor);
+
+/// @param samples as recorded, in their order
+ImuCheck check_imu(const std::vector<ImuSample>& samples, const io::ImuInfo& info, Source source);
+
+}  // namespace rio::check

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How well the velocities a radar measures and the movement an IMU measures belong together, for
+// any axes, sign and scale of the one. No belief about the state is needed: per window velocity and
+// gravity are free, and the equations are linear in them.
+//
+// C: turn of the body since the first sample, s: specific force summed up in the axes of then, both
+// from the IMU alone. They drift, yet hardly within a window of seconds. y_S: velocity of the radar
+// in its own axes, from the Dopplers of one scan; R: axes of the radar to those of the body.
+//
+// (E1) a C R y_S = v_0 + s + g t + C (w x p), a = 1 over the scale of the Doppler
+// (E2) q = s + C (w x p) and G, with C R y_S = G vec(R), less their lines over t in the window:
+//      what v_0 and g cannot explain
+// (E3) J(a, R) = sum w |a G r - q|^2 = a^2 r^T A r - 2 a b^T r + c,  r = vec(R)
+// (E4) explained: 1 - min_a J / c = (b^T r)^2 / (c r^T A r), with a > 0
+// (E5) the scale of the Doppler is between b^T r / c (if the noise is the radar's) and
+//      r^T A r / b^T r (if it is the IMU's)
+// (E6) two hypotheses are told apart by the sum of their differences of J over its spread from
+//      window to window
+// All hypotheses share A, b and c, so that trying one costs nothing. Compare
+// frontend/velocity_pool.hpp and propagate/moving_start.hpp.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "rio/options.hpp"
+#include "rio/types.hpp"
+
+namespace rio::check {
+
+/// Velocity of the radar in its own axes, from one scan.
+struct RadarSpeed {
+  Time time{0};
+  Vector3d v_S = Vector3d::Zero();  ///< [m/s]
+  double weight = 1.0;              ///< 1 for a good scan
+  double inlier_share = 0.0;
+};
+
+/// One a scan whose Dopplers agree on a velocity. The fields of view are not applied, since the
+/// axes may be wrong.
+std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Options options);
+
+/// The IMU summed up; see C and s above.
+class ImuPath {
+ public:
+  struct Point {
+    Quaternion turn = Quaternion::Identity();  ///< C
+    Vector3d sum = Vector3d::Zero();           ///< s [m/s]
+    Vector3d rate = Vector3d::Zero();          ///< w [rad/s]
+    int piece = 0;                             ///< changes where the IMU paused
+  };
+  /// @param samples stamps strictly increasing
+  ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit);
+  /// Nothing outside of the samples.
+  std::optional<Point> at(Time time) const;
+
+ private:
+  std::vector<Time> times_;
+  std::vector<Point> points_;
+};
+
+/// (E3) of one window.
+struct Agreement {
+  Eigen::Matrix<double, 9, 9> A = Eigen::Matrix<double, 9, 9>::Zero();
+  Eigen::Matrix<double, 9, 1> b = Eigen::Matrix<double, 9, 1>::Zero();
+  double c = 0.0;
+  int scans = 0;
+
+  Agreement& operator+=(const Agreement& other);
+  /// (E3); R may be improper: mirrored axes, or the Doppler's sign.
+  double cost(double a, const Matrix3d& R) const;
+  /// The best a > 0, or 0.
+  double inverse_scale(const Matrix3d& R) const;
+  /// (E4)
+  double explained(const Matrix3d& R) const;
+};
+using Agreements = std::vector<Agreement>;
+
+Agreement total(const Agreements& windows);
+
+/// The longest time shift that is looked at [s].
+inline constexpr double kMostShift = 0.3;
+
+/// One a window of two seconds. The same scans whatever the shift, of those up to kMostShift.
+/// @param shift added to the stamps of the radar [s]
+/// @param lever_B where the radar is [m]
+Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                      const Vector3d& lever_B, double shift);
+
+/// (E6) of the costs `worse` and `better`, one a window; positive if they are rightly named so.
+double significance(const std::vector<double>& worse, const std::vector<double>& better);
+
+/// Costs of a hypothesis, its scale chosen over all windows.
+std::vector<double> costs(const Agreements& windows, const Matrix3d& R);
+
+}  // namespace rio::check

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/motion_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "rio/core/so3.hpp"
+
+namespace rio::check {
+
+namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kSure = 5.0;       // significance; windows next to each other are not independent
+constexpr double kExplained = 0.5;  // of the movement: no chance explains as much
+constexpr std::size_t kFewestWindows = 5;
+constexpr double kShiftStep = 0.01;  // [s]
+
+/// The 24 rotations by right angles.
+std::vector<Matrix3d> right_angles() {
+  std::vector<Matrix3d> out;
+  for (int x = 0; x < 3; ++x) {
+    for (int y = 0; y < 3; ++y) {
+      if (x == y) continue;
+      for (int signs = 0; signs < 4; ++signs) {
+        Matrix3d P = Matrix3d::Zero();
+        P(x, 0) = (signs & 1) != 0 ? -1.0 : 1.0;
+        P(y, 1) = (signs & 2) != 0 ? -1.0 : 1.0;
+        P.col(2) = P.col(0).cross(P.col(1));
+        out.push_back(P);
+      }
+    }
+  }
+  return out;
+}
+
+double angle_between(const Matrix3d& a, const Matrix3d& b) {
+  return quaternion_log(Quaternion(a.transpose() * b)).norm();
+}
+
+/// "90 deg about the +z axis", if it is about an axis.
+std::string turn_text(const Matrix3d& turn, const char* whose) {
+  const Vector3d phi = quaternion_log(Quaternion(turn));
+  int axis = 0;
+  const double along = phi.cwiseAbs().maxCoeff(&axis);
+  const double angle = phi.norm() / kDegree;
+  if (along < 0.99 * phi.norm()) {
+    return fmt::format("{:.0f} deg about ({:.2f} {:.2f} {:.2f}) of the {}", angle,
+                       phi.x() / phi.norm(), phi.y() / phi.norm(), phi.z() / phi.norm(), whose);
+  }
+  return fmt::format("{:.0f} deg about the {}{} axis of the {}", angle,
+                     phi[axis] < 0.0 && angle < 179.0 ? "-" : "", "xyz"[axis], whose);
+}
+
+/// Where its turn is about an axis of the radar or of the body, that.
+std::string turn_text(const Matrix3d& told, const Matrix3d& R) {
+  const Matrix3d of_body = R * told.transpose();
+  const Vector3d phi = quaternion_log(Quaternion(of_body));
+  const bool body_axis = phi.cwiseAbs().maxCoeff() > 0.99 * phi.norm();
+  return body_axis ? turn_text(of_body, "body") : turn_text(told.transpose() * R, "radar");
+}
+
+/// A mirrored radar is two of its axes swapped, or one of the wrong sign.
+std::optional<std::string> mirror_text(const Matrix3d& told, const Matrix3d& R) {
+  const Matrix3d M = told.transpose() * R;  // of the points
+  for (int i = 0; i < 3; ++i) {
+    Matrix3d flip = Matrix3d::Identity();
+    flip(i, i) = -1.0;
+    if ((M - flip).norm() < 1e-6)
+      return fmt::format("{} of the points has the wrong sign", "xyz"[i]);
+    const int j = (i + 1) % 3;
+    Matrix3d swap = Matrix3d::Identity();
+    swap.col(i).swap(swap.col(j));
+    if ((M - swap).norm() < 1e-6) {
+      return fmt::format("{} and {} of the points are swapped", "xyz"[std::min(i, j)],
+                         "xyz"[std::max(i, j)]);
+    }
+  }
+  return std::nullopt;
+}
+
+std::string describe(const Matrix3d& told, const Axes& axes) {
+  if (!axes.doppler_flipped) return "the radar is turned by " + turn_text(told, axes.R);
+  if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
+  const std::string turned =
+      "the Doppler has the wrong sign and the radar is turned by " + turn_text(told, -axes.R);
+  const std::optional<std::string> mirrored = mirror_text(told, axes.R);
+  return mirrored ? *mirrored + " (or " + turned + ")" : turned;
+}
+
+std::string mounting_line(const Matrix3d& R, const Vector3d& p) {
+  const Quaternion q(R);
+  return fmt::format(
+      "radar: {{T_BS: {{translation: [{:.4f}, {:.4f}, {:.4f}], quaternion_wxyz: [{:.6f}, {:.6f}, "
+      "{:.6f}, {:.6f}]}}}}",
+      p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+}
+
+std::string sign_line(Source source) {
+  return source == Source::kBag ? "--approaching (without it, if it is given)"
+                                : "negate the column doppler of radar0/data.csv";
+}
+
+std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options,
+                      Source source) {
+  const Vector3d& p = options.radar.T_BS.translation;
+  if (!axes.doppler_flipped) return mounting_line(axes.R, p);
+  if (axes.turn < 1e-6) return sign_line(source);
+  const std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p);
+  const std::optional<std::string> mirrored = mirror_text(told, axes.R);
+  if (!mirrored) return both;
+  const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."
+                                             : "the columns x, y, z of radar0/data.csv";
+  return fmt::format("{}, by {}", *mirrored, where);
+}
+
+struct Judge {
+  const Agreements& windows;
+  const Options& options;
+  Source source;
+  Matrix3d told = options.radar.T_BS.rotation.toRotationMatrix();
+  Agreement all = total(windows);
+
+  double doubt(const Matrix3d& worse, const Matrix3d& better) const {
+    return significance(costs(windows, worse), costs(windows, better));
+  }
+};
+
+/// The best of the candidates; of those it is not surely better than, the first.
+Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>* alike) {
+  const Axes* best = &list.front();
+  for (const Axes& axes : list) {
+    if (judge.all.explained(axes.R) > judge.all.explained(best->R)) best = &axes;
+  }
+  const double enough = 0.9 * judge.all.explained(best->R);
+  for (const Axes& axes : list) {
+    const bool known = std::any_of(alike->begin(), alike->end(),
+                                   [&](const Axes& a) { return (a.R - axes.R).norm() < 1e-6; });
+    if (known) continue;
+    if (&axes == best ||
+        (judge.all.explained(axes.R) > enough && judge.doubt(axes.R, best->R) < kSure)) {
+      alike->push_back(axes);
+    }
+  }
+  return alike->front();
+}
+
+Finding check_axes(const Judge& judge) {
+  const double as_told = judge.all.explained(judge.told);
+  std::vector<Axes> alike;
+  const Axes found = choose(judge, candidates(Quaternion(judge.told)), &alike);
+  const double best = judge.all.explained(found.R);
+  Finding out{Verdict::kOk, "axes and Doppler sign",
+              fmt::format("with mounting and Doppler as told the radar explains {:.0f} % of the "
+                          "movement the IMU measures",
+                          100.0 * as_told),
+              ""};
+  const bool is_told = !found.doppler_flipped && found.turn < 1e-6;
+  if (best < kExplained) {
+    out.text +=
+        fmt::format(", at best {:.0f} % with any other: the motion does not tell", 100.0 * best);
+    return out;
+  }
+  if (is_told) {
+    out.text += alike.size() == 1
+                    ? ", clearly more than with any other axes"
+                    : fmt::format("; {} other axes would do as well", alike.size() - 1);
+    return out;
+  }
+  if (as_told > 0.8 * best) {
+    out.verdict = Verdict::kDoubtful;
+  } else {
+    out.verdict = judge.doubt(judge.told, found.R) > kSure ? Verdict::kWrong : Verdict::kDoubtful;
+  }
+  out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.told, found));
+  for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
+    out.text += ", or as well if " + describe(judge.told, alike[i]);
+  }
+  out.change = change_of(judge.told, found, judge.options, judge.source);
+  return out;
+}
+
+/// (E5); R as found.
+Finding check_scale(const Judge& judge, const Matrix3d& R) {
+  const Eigen::Map<const Eigen::Matrix<double, 9, 1>> r(R.data());
+  const double low = judge.all.b.dot(r) / judge.all.c;
+  const double high = r.dot(judge.all.A * r) / judge.all.b.dot(r);
+  Finding out{
+      Verdict::kOk, "Doppler scale",
+      fmt::format("changes of velocity are {:.2f} to {:.2f} times those of the IMU", low, high),
+      ""};
+  constexpr double kNotable = 1.25;
+  if (low < kNotable && high > 1.0 / kNotable) return out;
+  out.verdict = Verdict::kWrong;
+  double factor = 1.0 / std::sqrt(low * high);
+  struct Unit {
+    const char* name;
+    double scale;
+  };
+  constexpr Unit kUnits[] = {{"km/h", 3.6},
+                             {"mph", 2.2369},
+                             {"knots", 1.9438},
+                             {"cm/s", 100.0},
+                             {"half of it (one way, not two)", 0.5},
+                             {"twice of it", 2.0}};
+  for (const Unit& unit : kUnits) {
+    if (std::abs(std::log(unit.scale * factor)) > 0.06) continue;
+    factor = 1.0 / unit.scale;
+    out.text += fmt::format(": the Doppler is in {}", unit.name);
+  }
+  out.change =
+      judge.source == Source::kBag
+          ? fmt::format("--field doppler=NAME*{:.4g}", factor)
+          : fmt::format("multiply the column doppler of radar0/data.csv by {:.4g}", factor);
+  return out;
+}
+
+/// The shift of the stamps that explains most.
+struct Shift {
+  double seconds = 0.0;
+  double explained = 0.0;
+};
+
+Shift best_shift(const std::vector<RadarSpeed>& speeds, const ImuPath& path, const Vector3d& lever,
+                 double told, const Matrix3d& R) {
+  std::vector<double> explained;
+  const int n = static_cast<int>(std::lround(kMostShift / kShiftStep)) - 1;
+  for (int i = -n; i <= n; ++i) {
+    explained.push_back(total(agreements(speeds, path, lever, kShiftStep * i - told)).explained(R));
+  }
+  const auto best = std::max_element(explained.begin(), explained.end());
+  Shift out{kShiftStep * static_cast<double>(std::distance(explained.begin(), best) - n), *best};
+  if (best != explained.begin() && best + 1 != explained.end()) {  // the parabola through three
+    const double curvature = best[-1] - 2.0 * best[0] + best[1];
+    if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
+  }
+  return out;
+}
+
+Finding check_delay(const Judge& judge, const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                    const Matrix3d& R) {
+  constexpr double kNotable = 0.02;  // [s]
+  constexpr double kWrong = 0.045;   // what an estimate with a prior of 30 ms does not take [s]
+  const RadarOptions& radar = judge.options.radar;
+  const Vector3d& lever = radar.T_BS.translation;
+  const Shift shift = best_shift(speeds, path, lever, radar.time_offset, R);
+  const Agreements shifted = agreements(speeds, path, lever, shift.seconds - radar.time_offset);
+  const double sure = significance(costs(judge.windows, R), costs(shifted, R));
+  Finding out{Verdict::kOk, "delay of the radar",
+              fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
+                          1e3 * shift.seconds),
+              ""};
+  if (sure < kSure) {
+    out.text += ", which is not clearly better than as they are";
+    return out;
+  }
+  if (std::abs(shift.seconds) < kNotable) return out;
+  out.verdict = std::abs(shift.seconds) < kWrong ? Verdict::kDoubtful : Verdict::kWrong;
+  out.change = fmt::format("radar: {{time_offset: {:.3f}}}", radar.time_offset - shift.seconds);
+  if (judge.source == Source::kBag) {
+    out.change += fmt::format(", or --radar-offset \"{:+.0f} ms\"", 1e3 * shift.seconds);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Axes> candidates(const Quaternion& told) {
+  const Matrix3d R = told.toRotationMatrix();
+  std::vector<Axes> out;
+  for (const bool flipped : {false, true}) {
+    const double sign = flipped ? -1.0 : 1.0;
+    for (const Matrix3d& P : right_angles()) {
+      for (const Matrix3d& turned : {Matrix3d(R * P), Matrix3d(P * R)}) {
+        out.push_back({sign * turned, flipped, angle_between(R, turned)});
+      }
+    }
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Axes& a, const Axes& b) { return a.turn < b.turn - 1e-6; });
+  return out;
+}
+
+Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
+                      double gyro_unit, double accel_unit, const Options& options, Source source) {
+  const ImuPath path(samples, gyro_unit, accel_unit);
+  const RadarOptions& radar = options.radar;
+  const Agreements windows = agreements(speeds, path, radar.T_BS.translation, -radar.time_offset);
+  if (windows.size() < kFewestWindows) {
+    return {{Verdict::kDoubtful, "motion",
+             fmt::format("{} times two seconds with velocities of the radar and without a pause of "
+                         "the IMU: axes, signs and delays cannot be told",
+                         windows.size()),
+             "fly for half a minute with changes of speed and turns"}};
+  }
+  const Judge judge{windows, options, source};
+  const Finding axes = check_axes(judge);
+  std::vector<Axes> alike;
+  const Axes found = choose(judge, candidates(radar.T_BS.rotation), &alike);
+  if (judge.all.explained(found.R) < kExplained) return {axes};
+  return {axes, check_scale(judge, found.R), check_delay(judge, speeds, path, found.R)};
+}
+
+}  // namespace rio::check

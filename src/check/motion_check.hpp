@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From the motion: the axes and the sign the radar's velocities fit the IMU with, the scale of the
+// Doppler, the delay of the stamps. Where the motion does not tell, it says so.
+//
+// Axes: the told mounting against all others by right angles, about axes of the radar or of the
+// body, each with both signs of the Doppler. Something else is wrong only if it explains the
+// movement, the told one explains it clearly worse, and by (E6) of motion.hpp that is no chance.
+#pragma once
+
+#include <vector>
+
+#include "check/finding.hpp"
+#include "check/motion.hpp"
+#include "rio/options.hpp"
+
+namespace rio::check {
+
+/// A hypothesis about what the velocities of the radar are.
+struct Axes {
+  Matrix3d R = Matrix3d::Identity();  ///< from the radar's axes to the body's; improper if mirrored
+  bool doppler_flipped = false;       ///< then R holds the sign
+  double turn = 0.0;                  ///< angle to the told mounting [rad]
+};
+
+/// The told mounting first, then it with the Doppler flipped, then by growing angle.
+std::vector<Axes> candidates(const Quaternion& told);
+
+/// @param samples usable(), @param gyro_unit, accel_unit found by check_imu()
+Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
+                      double gyro_unit, double accel_unit, const Options& options, Source source);
+
+}  // namespace rio::check

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/radar_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "check/numbers.hpp"
+
+namespace rio::check {
+
+namespace {
+
+/// Begin and end by the stamps, in whatever order they came.
+template <typename Item>
+std::pair<Time, Time> span_of(const std::vector<Item>& items) {
+  const auto [first, last] = std::minmax_element(
+      items.begin(), items.end(), [](const Item& a, const Item& b) { return a.time < b.time; });
+  return {first->time, last->time};
+}
+
+Finding check_stamps(const io::Dataset& dataset) {
+  const std::vector<RadarScan>& scans = dataset.scans;
+  std::vector<double> periods;
+  int unordered = 0;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    const double period = to_seconds(scans[i].time - scans[i - 1].time);
+    if (period > 0.0) {
+      periods.push_back(period);
+    } else {
+      ++unordered;
+    }
+  }
+  if (periods.size() < 10) {
+    return {
+        Verdict::kWrong, "radar stamps",
+        fmt::format("{} scans, {} of them not later than the one before", scans.size(), unordered),
+        "record at least some seconds; a scan needs a stamp of its own"};
+  }
+  const double period = median(periods);
+  const double longest = *std::max_element(periods.begin(), periods.end());
+  const double told = dataset.radar_info.rate_hz.value_or(1.0 / period);
+  Finding out{Verdict::kOk, "radar stamps",
+              fmt::format("{} scans, one each {:.1f} ms ({:.1f} Hz), longest gap {:.2f} s, {} not "
+                          "later than the one before",
+                          scans.size(), 1e3 * period, 1.0 / period, longest, unordered),
+              ""};
+  if (unordered > 0 || longest > std::max(1.0, 10.0 * period)) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "a scan needs a stamp of its own, and the radar no pauses";
+  } else if (std::abs(told * period - 1.0) > 0.1) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = fmt::format("radar0/sensor.yaml: rate_hz: {:.1f}", 1.0 / period);
+  }
+  return out;
+}
+
+Finding check_points(const io::Dataset& dataset, const std::vector<RadarSpeed>& speeds,
+                     const Options& options) {
+  std::vector<double> counts;
+  std::vector<double> snr;
+  for (const RadarScan& scan : dataset.scans) {
+    counts.push_back(static_cast<double>(scan.detections.size()));
+    for (const RadarDetection& d : scan.detections) snr.push_back(d.snr_db);
+  }
+  std::vector<double> shares;
+  for (const RadarSpeed& speed : speeds) shares.push_back(speed.inlier_share);
+  const double with = static_cast<double>(speeds.size()) / static_cast<double>(counts.size());
+  Finding out{
+      Verdict::kOk, "points",
+      fmt::format("{:.0f} points a scan ({:.0f} to {:.0f} in nine of ten), SNR {:.0f} dB; "
+                  "{:.0f} % of the scans agree on a velocity, with {:.0f} % of their points",
+                  median(counts), quantile(counts, 0.05), quantile(counts, 0.95), median(snr),
+                  100.0 * with, speeds.empty() ? 0.0 : 100.0 * median(shares)),
+      ""};
+  if (median(snr) < options.radar.min_snr_db) {
+    out.verdict = Verdict::kWrong;
+    out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile(snr, 0.01) - 1.0);
+  } else if (with < 0.5) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "more points a scan: lower the detection threshold of the radar (CFAR)";
+  }
+  return out;
+}
+
+Finding check_doppler(const io::Dataset& dataset, const Options& options, Source source) {
+  std::vector<double> rates;
+  for (const RadarScan& scan : dataset.scans) {
+    for (const RadarDetection& d : scan.detections) rates.push_back(std::abs(d.range_rate));
+  }
+  if (rates.empty()) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
+  const double limit = options.radar.max_doppler;
+  const double most = quantile(rates, 0.999);
+  const double still = static_cast<double>(std::count(rates.begin(), rates.end(), 0.0)) /
+                       static_cast<double>(rates.size());
+  const double grid = options.radar.doppler_resolution;
+  Finding out{Verdict::kOk, "Doppler",
+              fmt::format("up to {:.2f} m/s (half of them below {:.2f}), {:.0f} % exactly zero, {}",
+                          most, median(rates), 100.0 * still,
+                          grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid"),
+              ""};
+  if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
+  if (still > 0.999) {
+    out.verdict = Verdict::kWrong;
+    out.change = source == Source::kBag ? "--field doppler=NAME; `rio info` lists the fields"
+                                        : "fill the column doppler of radar0/data.csv";
+  } else if (limit > 0.0 && share_beyond(dataset.scans, 1.05 * limit) > 0.01) {
+    out.verdict = Verdict::kWrong;
+    out.text += ": a radar that folds there cannot say so";
+    out.change = fmt::format(
+        "the unit of the Doppler (see \"Doppler scale\"), or radar: {{max_doppler: {:.2f}}}", most);
+  } else if (limit > 0.0 && median(rates) > 0.5 * limit) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "much of it may be folded: a faster chirp, or slower flight";
+  } else if (!(limit > 0.0)) {
+    out.change = "if the radar folds below the speed flown, tell it: radar: {max_doppler: ...}";
+  }
+  return out;
+}
+
+}  // namespace
+
+double share_beyond(const std::vector<RadarScan>& scans, double limit) {
+  std::size_t all = 0;
+  std::size_t beyond = 0;
+  for (const RadarScan& scan : scans) {
+    for (const RadarDetection& d : scan.detections) {
+      ++all;
+      beyond += std::abs(d.range_rate) > limit ? 1U : 0U;
+    }
+  }
+  return all > 0 ? static_cast<double>(beyond) / static_cast<double>(all) : 0.0;
+}
+
+Finding check_clocks(const io::Dataset& dataset, Source source) {
+  const auto [imu_begin, imu_end] = span_of(dataset.imu);
+  const auto [radar_begin, radar_end] = span_of(dataset.scans);
+  const double imu = to_seconds(imu_end - imu_begin);
+  const double radar = to_seconds(radar_end - radar_begin);
+  const double both =
+      std::max(0.0, to_seconds(std::min(imu_end, radar_end) - std::max(imu_begin, radar_begin)));
+  const double late = to_seconds(radar_begin - imu_begin);
+  Finding out{Verdict::kOk, "clocks",
+              fmt::format("the IMU runs for {:.1f} s, the radar for {:.1f} s from {:.3f} s after "
+                          "its start, both for {:.1f} s",
+                          imu, radar, late, both),
+              ""};
+  const double share = both / std::max(1e-3, std::min(imu, radar));
+  if (share > 0.8) return out;
+  out.verdict = share < 0.1 ? Verdict::kWrong : Verdict::kDoubtful;
+  out.change = "both sensors need one clock; if both began together, ";
+  out.change += source == Source::kBag
+                    ? fmt::format("--radar-offset \"{:.3f} s\", or --radar-clock receive", -late)
+                    : fmt::format("add {} to the stamps of radar0/data.csv",
+                                  (imu_begin - radar_begin).count());
+  return out;
+}
+
+Findings check_radar(const io::Dataset& dataset, const std::vector<RadarSpeed>& speeds,
+                     const Options& options, Source source) {
+  return {check_stamps(dataset), check_points(dataset, speeds, options),
+          check_doppler(dataset, options, source)};
+}
+
+}  // namespace rio::check

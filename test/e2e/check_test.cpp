@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio check` as a user runs it; with RIO_TEST_DATA also on real recordings.
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "e2e/tool.hpp"
+
+namespace rio::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class Check : public Tool {
+ protected:
+  static int exit_code(const Outcome& run) { return WEXITSTATUS(run.status); }
+
+  /// The flight with the columns of a file changed by an awk program.
+  static std::string changed(const std::string& name, const std::string& csv,
+                             const std::string& awk) {
+    const fs::path folder = copy(name);
+    const std::string file = (folder / csv).string();
+    const std::string command =
+        "awk -F, -v OFS=, -v CONVFMT=%.12g -v OFMT=%.12g '/^#/ {print; "
+        "next} {" +
+        awk + "; print}' " + file + " > " + file + ".new && mv " + file + ".new " + file;
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
+    return folder.string();
+  }
+};
+
+TEST_F(Check, AFlightIsFine) {
+  const Outcome run = rio("check " + flight_);
+  EXPECT_EQ(exit_code(run), 0) << run.output;
+  for (const char* subject : {"imu stamps", "accelerometer unit", "gyro unit", "clocks", "Doppler",
+                              "axes and Doppler sign", "delay of the radar"}) {
+    EXPECT_NE(run.output.find(subject), std::string::npos) << subject << "\n" << run.output;
+  }
+  EXPECT_EQ(run.output.find("wrong "), std::string::npos) << run.output;
+}
+
+TEST_F(Check, SaysWhatIsWrongAndExitsWithThree) {
+  const std::string folder = changed("sign", "radar0/data.csv", "if ($5 != \"\") $5 = -$5");
+  const Outcome run = rio("check " + folder);
+  EXPECT_EQ(exit_code(run), 3) << run.output;
+  EXPECT_NE(run.output.find("the Doppler has the wrong sign"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("negate the column doppler"), std::string::npos) << run.output;
+}
+
+TEST_F(Check, JsonHoldsTheSame) {
+  const std::string folder =
+      changed("degrees", "imu0/data.csv", "for (i = 2; i < 5; ++i) $i = $i * 57.29578");
+  const Outcome run = rio("check --json " + folder + " 2>/dev/null");
+  EXPECT_EQ(exit_code(run), 3) << run.output;
+  const Json json = Json::parse(run.output);
+  EXPECT_EQ(json["verdict"], "wrong");
+  int wrong = 0;
+  for (const Json& finding : json["findings"]) {
+    if (finding["verdict"] != "wrong") continue;
+    ++wrong;
+    EXPECT_EQ(finding["subject"], "gyro unit") << finding;
+  }
+  EXPECT_EQ(wrong, 1);
+}
+
+TEST_F(Check, TakesTheMountingFromAFile) {
+  dir_->write("turned.yaml",
+              "radar: {T_BS: {translation: [0, 0, 0], quaternion_wxyz: [0, 0, 0, 1]}}\n");
+  const Outcome run = rio("check " + flight_ + " --config " + file("turned.yaml"));
+  EXPECT_EQ(exit_code(run), 3) << run.output;
+  EXPECT_NE(run.output.find("axes"), std::string::npos) << run.output;
+}
+
+TEST_F(Check, NothingToCheck) {
+  EXPECT_EQ(exit_code(rio("check " + file("nothing"))), 1);
+  EXPECT_EQ(exit_code(rio("check")), 2);
+}
+
+TEST_F(Check, NothingIsWrongInRealRecordings) {
+  const char* data = std::getenv("RIO_TEST_DATA");
+  if (data == nullptr) GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with recordings";
+  int count = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(data)) {
+    if (!entry.is_directory() || !fs::exists(entry.path() / "radar0/data.csv")) continue;
+    ++count;
+    const Outcome run = rio("check " + entry.path().string());
+    EXPECT_EQ(exit_code(run), 0) << entry.path() << "\n" << run.output;
+  }
+  EXPECT_GT(count, 0);
+}
+
+}  // namespace
+}  // namespace rio::test
