@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/check.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_check.hpp"
@@ -16,10 +19,9 @@ Findings check_recording(const io::Dataset& dataset, const Options& options, Sou
   };
   if (dataset.imu.empty() || dataset.scans.empty()) return out;
   append({check_clocks(dataset, source)});
-  Options read = options;  // a limit that the Dopplers exceed folds nothing
-  if (share_beyond(dataset.scans, 1.05 * read.radar.max_doppler) > 0.01) {
-    read.radar.max_doppler = 0.0;
-  }
+  Options read = options;
+  double& limit = read.radar.max_doppler;
+  if (limit > 0.0) limit = std::max(limit, fastest(dataset.scans));
   const std::vector<RadarSpeed> speeds = radar_speeds(dataset.scans, read);
   append(check_radar(dataset, speeds, options, source));
   append(check_motion(usable(dataset.imu), speeds, imu.gyro_unit, imu.accel_unit, options, source));

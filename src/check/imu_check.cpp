@@ -141,7 +141,7 @@ Finding check_up(const Rest& rest) {
 Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
                    double* unit) {
   constexpr double kAnywhere = 25.0 * kDegree;  // beyond the tilt any flight has in half a second
-  constexpr double kFastest = 35.0;             // 2000 deg/s, the range of most gyros [rad/s]
+  constexpr double kFastest = 6.3;  // a turn a second half of the time: nothing flies so [rad/s]
   std::vector<double> rates;
   for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
   const double usual = median(rates);
@@ -219,20 +219,18 @@ std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
 
 double turning_error(const std::vector<ImuSample>& samples, double factor) {
   constexpr double kSpan = 0.5;  // [s]
+  constexpr double kMean = 0.1;  // [s]
   std::vector<double> angles;
-  Vector3d before = Vector3d::Zero();
-  Quaternion turn = Quaternion::Identity();  // from the axes of the span's start to now
-  Vector3d sum = Vector3d::Zero();
+  Vector3d before = Vector3d::Zero();       // mean at the span's begin, carried to now
+  Vector3d mean = samples.front().accel_B;  // of the last kMean
   for (std::size_t i = 1, begin = 0; i < samples.size(); ++i) {
     const double dt = to_seconds(samples[i].time - samples[i - 1].time);
-    turn = turn * quaternion_exp(factor * dt * samples[i].gyro_B);
-    sum += turn * samples[i].accel_B * dt;
+    before = quaternion_exp(-factor * dt * samples[i].gyro_B) * before;
+    mean += (samples[i].accel_B - mean) * std::min(1.0, dt / kMean);
     if (to_seconds(samples[i].time - samples[begin].time) < kSpan) continue;
-    const Vector3d now = sum.normalized();
-    if (before.norm() > 0.0) angles.push_back(std::acos(std::clamp(before.dot(now), -1.0, 1.0)));
-    before = turn.conjugate() * now;  // as seen when the next span begins
-    turn.setIdentity();
-    sum.setZero();
+    const double cosine = before.dot(mean.normalized());
+    if (begin > 0) angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+    before = mean.normalized();
     begin = i;
   }
   return angles.size() < 10 ? std::numeric_limits<double>::quiet_NaN() : median(angles);

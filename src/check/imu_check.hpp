@@ -6,7 +6,7 @@
 // The unit of the gyro: it turns the specific force of one second into that of the next. With rates
 // too large by 57 the two point anywhere; with the right ones they agree to the tilt that
 // acceleration feigns.
-// (E1) e(k) = median angle between f_(i+1) and Exp(-k w_i dt) f_i, means over half a second
+// (E1) e(k) = median angle between f and the f of half a second ago, carried by Exp(-k w dt)
 #pragma once
 
 #include <vector>

@@ -2,9 +2,11 @@
 #include "check/motion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
+#include "check/numbers.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/frontend/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
@@ -65,25 +67,49 @@ Eigen::Matrix<double, 9, 1> flat(const Matrix3d& R) {
   return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(R.data());  // column after column
 }
 
+constexpr double kModels = 0.1;  // what the noise model does not know of a good scan [m/s]
+
+/// Whether the velocity is like those around it; a wrong fold, or somebody who passes by, is not.
+bool is_alike(const std::vector<RadarSpeed>& speeds, std::size_t k) {
+  constexpr double kAround = 0.25;  // [s]
+  constexpr double kNoise = 0.3;    // [m/s]
+  constexpr std::size_t kMost = 8;  // on each side
+  std::array<std::vector<double>, 3> around;
+  const std::size_t end = std::min(speeds.size(), k + kMost + 1);
+  for (std::size_t i = k - std::min(k, kMost); i < end; ++i) {
+    if (i == k || std::abs(to_seconds(speeds[i].time - speeds[k].time)) > kAround) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      around[static_cast<std::size_t>(axis)].push_back(speeds[i].v_S[axis]);
+    }
+  }
+  if (around[0].size() < 3) return false;
+  const Vector3d middle(median(around[0]), median(around[1]), median(around[2]));
+  const double sigma = kModels * std::sqrt(1.0 / speeds[k].weight - 1.0);
+  return (speeds[k].v_S - middle).norm() < kNoise + 3.0 * sigma;
+}
+
 }  // namespace
 
 std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Options options) {
-  constexpr double kWeak = 1.0;    // a velocity no better than this tells nothing [m/s]
-  constexpr double kModels = 0.1;  // what the noise model does not know of a good scan [m/s]
+  constexpr double kWeak = 1.0;  // a velocity no better than this tells nothing [m/s]
   options.radar.fov_azimuth = 7.0;
   options.radar.fov_elevation = 7.0;
   EgoVelocityRansac ransac(options.frontend, options.radar.max_doppler);
   DetectionList list;
   EgoVelocity ego;
-  std::vector<RadarSpeed> out;
+  std::vector<RadarSpeed> all;
   for (const RadarScan& scan : scans) {
     filter_detections(scan, options.radar, options.frontend.max_detections, list);
     ransac.estimate(list, std::nullopt, &ego);
     if (!ego.valid || !ego.covariance) continue;
     const double variance = ego.covariance->trace() / 3.0;
     if (!(variance < kWeak * kWeak)) continue;
-    out.push_back({scan.time, ego.v_S, kModels * kModels / (kModels * kModels + variance),
+    all.push_back({scan.time, ego.v_S, kModels * kModels / (kModels * kModels + variance),
                    static_cast<double>(ego.inliers) / static_cast<double>(list.items.size())});
+  }
+  std::vector<RadarSpeed> out;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (is_alike(all, k)) out.push_back(all[k]);
   }
   return out;
 }
@@ -180,24 +206,10 @@ Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path
   return out;
 }
 
-double significance(const std::vector<double>& worse, const std::vector<double>& better) {
-  double sum = 0.0;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < worse.size(); ++i) {
-    const double d = worse[i] - better[i];
-    sum += d;
-    squares += d * d;
-  }
-  const auto n = static_cast<double>(worse.size());
-  const double variance = squares - sum * sum / n;  // of the sum
-  return variance > 0.0 ? sum / std::sqrt(variance) : 0.0;
-}
-
-std::vector<double> costs(const Agreements& windows, const Matrix3d& R) {
-  const double a = total(windows).inverse_scale(R);
-  std::vector<double> out;
-  for (const Agreement& w : windows) out.push_back(w.cost(a, R));
-  return out;
+double significance(double worse, double better, std::size_t windows) {
+  constexpr double kNoBetter = 1e-3;  // no recording agrees more exactly
+  const double gain = std::max(0.0, better - worse);
+  return std::sqrt(static_cast<double>(windows) * gain / std::max(kNoBetter, 1.0 - better));
 }
 
 }  // namespace rio::check

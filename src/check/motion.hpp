@@ -14,12 +14,14 @@
 // (E4) explained: 1 - min_a J / c = (b^T r)^2 / (c r^T A r), with a > 0
 // (E5) the scale of the Doppler is between b^T r / c (if the noise is the radar's) and
 //      r^T A r / b^T r (if it is the IMU's)
-// (E6) two hypotheses are told apart by the sum of their differences of J over its spread from
-//      window to window
+// (E6) the better of two hypotheses, with the shares u < u' unexplained, is sure by
+//      sqrt(n (u' - u) / u) sigmas: as if each of n windows were one measurement. It has dozens,
+//      but the errors of the models repeat within it.
 // All hypotheses share A, b and c, so that trying one costs nothing. Compare
 // frontend/velocity_pool.hpp and propagate/moving_start.hpp.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -36,8 +38,8 @@ struct RadarSpeed {
   double inlier_share = 0.0;
 };
 
-/// One a scan whose Dopplers agree on a velocity. The fields of view are not applied, since the
-/// axes may be wrong.
+/// One a scan whose Dopplers agree on a velocity, and on one like that of its neighbours. The
+/// fields of view are not applied, since the axes may be wrong.
 std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Options options);
 
 /// The IMU summed up; see C and s above.
@@ -87,10 +89,7 @@ inline constexpr double kMostShift = 0.3;
 Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                       const Vector3d& lever_B, double shift);
 
-/// (E6) of the costs `worse` and `better`, one a window; positive if they are rightly named so.
-double significance(const std::vector<double>& worse, const std::vector<double>& better);
-
-/// Costs of a hypothesis, its scale chosen over all windows.
-std::vector<double> costs(const Agreements& windows, const Matrix3d& R);
+/// (E6) of shares explained, in sigmas; 0 if it is not better.
+double significance(double worse, double better, std::size_t windows);
 
 }  // namespace rio::check

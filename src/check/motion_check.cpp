@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <string>
 
@@ -16,10 +16,10 @@ namespace rio::check {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-constexpr double kSure = 5.0;       // significance; windows next to each other are not independent
+constexpr double kSure = 3.0;       // sigmas, of (E6) of motion.hpp
 constexpr double kExplained = 0.5;  // of the movement: no chance explains as much
 constexpr std::size_t kFewestWindows = 5;
-constexpr double kShiftStep = 0.01;  // [s]
+constexpr double kShiftStep = 0.02;  // [s]
 
 /// The 24 rotations by right angles.
 std::vector<Matrix3d> right_angles() {
@@ -127,7 +127,7 @@ struct Judge {
   Agreement all = total(windows);
 
   double doubt(const Matrix3d& worse, const Matrix3d& better) const {
-    return significance(costs(windows, worse), costs(windows, better));
+    return significance(all.explained(worse), all.explained(better), windows.size());
   }
 };
 
@@ -185,6 +185,40 @@ Finding check_axes(const Judge& judge) {
   return out;
 }
 
+/// The best of all candidates.
+double most_explained(const Agreements& windows, const Options& options) {
+  const Agreement all = total(windows);
+  double most = 0.0;
+  for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
+    most = std::max(most, all.explained(axes.R));
+  }
+  return most;
+}
+
+/// Whether the two go together only if the gyro has another unit, which the IMU alone did not show.
+std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<ImuSample>& samples,
+                                       const std::vector<RadarSpeed>& speeds, double gyro_unit,
+                                       double accel_unit) {
+  const double as_read = most_explained(judge.windows, judge.options);
+  if (as_read > kExplained) return std::nullopt;
+  const RadarOptions& radar = judge.options.radar;
+  for (const double factor : {kDegree, 1.0 / kDegree}) {
+    const ImuPath path(samples, factor * gyro_unit, accel_unit);
+    const double most = most_explained(
+        agreements(speeds, path, radar.T_BS.translation, -radar.time_offset), judge.options);
+    if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) continue;
+    return Finding{
+        Verdict::kWrong, "gyro unit by the radar",
+        fmt::format("with the rates as they are the radar explains at most {:.0f} % of "
+                    "the movement the IMU measures, with {:.4g} times the rates {:.0f} %",
+                    100.0 * as_read, factor, 100.0 * most),
+        fmt::format("multiply the rates of the gyro by {:.6g}: {}", factor,
+                    factor < 1.0 ? "they are in deg/s, taken as rad/s"
+                                 : "they are in rad/s, taken as deg/s")};
+  }
+  return std::nullopt;
+}
+
 /// (E5); R as found.
 Finding check_scale(const Judge& judge, const Matrix3d& R) {
   const Eigen::Map<const Eigen::Matrix<double, 9, 1>> r(R.data());
@@ -197,21 +231,24 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   constexpr double kNotable = 1.25;
   if (low < kNotable && high > 1.0 / kNotable) return out;
   out.verdict = Verdict::kWrong;
-  double factor = 1.0 / std::sqrt(low * high);
+  const double middle = std::sqrt(low * high);
   struct Unit {
     const char* name;
     double scale;
   };
-  constexpr Unit kUnits[] = {{"km/h", 3.6},
-                             {"mph", 2.2369},
-                             {"knots", 1.9438},
-                             {"cm/s", 100.0},
-                             {"half of it (one way, not two)", 0.5},
-                             {"twice of it", 2.0}};
-  for (const Unit& unit : kUnits) {
-    if (std::abs(std::log(unit.scale * factor)) > 0.06) continue;
-    factor = 1.0 / unit.scale;
-    out.text += fmt::format(": the Doppler is in {}", unit.name);
+  constexpr Unit kUnits[] = {{"in km/h", 3.6},
+                             {"in mph", 2.2369},
+                             {"in knots", 1.9438},
+                             {"in cm/s", 100.0},
+                             {"half the range rate", 0.5}};
+  const auto off = [middle](const Unit& u) { return std::abs(std::log(u.scale / middle)); };
+  const Unit* unit =
+      std::min_element(std::begin(kUnits), std::end(kUnits),
+                       [&off](const Unit& a, const Unit& b) { return off(a) < off(b); });
+  double factor = 1.0 / middle;
+  if (off(*unit) < std::max(0.05, std::log(high / middle))) {
+    factor = 1.0 / unit->scale;
+    out.text += fmt::format(": the Doppler is {}", unit->name);
   }
   out.change =
       judge.source == Source::kBag
@@ -249,8 +286,7 @@ Finding check_delay(const Judge& judge, const std::vector<RadarSpeed>& speeds, c
   const RadarOptions& radar = judge.options.radar;
   const Vector3d& lever = radar.T_BS.translation;
   const Shift shift = best_shift(speeds, path, lever, radar.time_offset, R);
-  const Agreements shifted = agreements(speeds, path, lever, shift.seconds - radar.time_offset);
-  const double sure = significance(costs(judge.windows, R), costs(shifted, R));
+  const double sure = significance(judge.all.explained(R), shift.explained, judge.windows.size());
   Finding out{Verdict::kOk, "delay of the radar",
               fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
                           1e3 * shift.seconds),
@@ -299,6 +335,9 @@ Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<R
              "fly for half a minute with changes of speed and turns"}};
   }
   const Judge judge{windows, options, source};
+  if (const auto unit = check_gyro_unit(judge, samples, speeds, gyro_unit, accel_unit)) {
+    return {*unit};
+  }
   const Finding axes = check_axes(judge);
   std::vector<Axes> alike;
   const Axes found = choose(judge, candidates(radar.T_BS.rotation), &alike);

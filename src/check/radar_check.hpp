@@ -17,7 +17,8 @@ Finding check_clocks(const io::Dataset& dataset, Source source);
 Findings check_radar(const io::Dataset& dataset, const std::vector<RadarSpeed>& speeds,
                      const Options& options, Source source);
 
-/// Share of the Dopplers beyond +-`limit` [m/s].
-double share_beyond(const std::vector<RadarScan>& scans, double limit);
+/// The largest Doppler but for one of a thousand [m/s]; where a radar folds that is told a limit in
+/// another unit.
+double fastest(const std::vector<RadarScan>& scans);
 
 }  // namespace rio::check
