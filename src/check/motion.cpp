@@ -209,7 +209,7 @@ Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path
 double significance(double worse, double better, std::size_t windows) {
   constexpr double kNoBetter = 1e-3;  // no recording agrees more exactly
   const double gain = std::max(0.0, better - worse);
-  return std::sqrt(static_cast<double>(windows) * gain / std::max(kNoBetter, 1.0 - better));
+  return std::sqrt(3.0 * static_cast<double>(windows) * gain / std::max(kNoBetter, 1.0 - better));
 }
 
 }  // namespace rio::check

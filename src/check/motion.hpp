@@ -15,8 +15,8 @@
 // (E5) the scale of the Doppler is between b^T r / c (if the noise is the radar's) and
 //      r^T A r / b^T r (if it is the IMU's)
 // (E6) the better of two hypotheses, with the shares u < u' unexplained, is sure by
-//      sqrt(n (u' - u) / u) sigmas: as if each of n windows were one measurement. It has dozens,
-//      but the errors of the models repeat within it.
+//      sqrt(3 n (u' - u) / u) sigmas: as if each axis of n windows were one measurement. A window
+//      has dozens, but the errors of the models repeat within it.
 // All hypotheses share A, b and c, so that trying one costs nothing. Compare
 // frontend/velocity_pool.hpp and propagate/moving_start.hpp.
 #pragma once

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "check/numbers.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {
@@ -195,28 +196,33 @@ double most_explained(const Agreements& windows, const Options& options) {
   return most;
 }
 
-/// Whether the two go together only if the gyro has another unit, which the IMU alone did not show.
+/// Whether the two go together only with the gyro in deg/s, which the IMU alone did not show. Not
+/// the reverse: rates that are too large turn both sides of (E1) alike, and seem to explain
+/// everything.
 std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<ImuSample>& samples,
                                        const std::vector<RadarSpeed>& speeds, double gyro_unit,
                                        double accel_unit) {
+  constexpr double kSlow = 0.3;  // deg/s of something that flies or drives are more [rad/s]
+  std::vector<double> rates;
+  for (const ImuSample& s : samples) rates.push_back(gyro_unit * s.gyro_B.norm());
   const double as_read = most_explained(judge.windows, judge.options);
-  if (as_read > kExplained) return std::nullopt;
+  if (as_read > kExplained || median(rates) < kSlow) return std::nullopt;
   const RadarOptions& radar = judge.options.radar;
-  for (const double factor : {kDegree, 1.0 / kDegree}) {
-    const ImuPath path(samples, factor * gyro_unit, accel_unit);
-    const double most = most_explained(
-        agreements(speeds, path, radar.T_BS.translation, -radar.time_offset), judge.options);
-    if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) continue;
-    return Finding{
-        Verdict::kWrong, "gyro unit by the radar",
-        fmt::format("with the rates as they are the radar explains at most {:.0f} % of "
-                    "the movement the IMU measures, with {:.4g} times the rates {:.0f} %",
-                    100.0 * as_read, factor, 100.0 * most),
-        fmt::format("multiply the rates of the gyro by {:.6g}: {}", factor,
-                    factor < 1.0 ? "they are in deg/s, taken as rad/s"
-                                 : "they are in rad/s, taken as deg/s")};
+  const ImuPath path(samples, kDegree * gyro_unit, accel_unit);
+  const double most = most_explained(
+      agreements(speeds, path, radar.T_BS.translation, -radar.time_offset), judge.options);
+  if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) {
+    return std::nullopt;
   }
-  return std::nullopt;
+  return Finding{
+      Verdict::kWrong, "gyro unit by the radar",
+      fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, "
+                  "with the rates taken as deg/s {:.0f} %",
+                  100.0 * as_read, 100.0 * most),
+      judge.source == Source::kBag
+          ? "--gyro-unit deg/s"
+          : "multiply the first three columns after the stamp of imu0/data.csv by "
+            "0.0174533"};
 }
 
 /// (E5); R as found.
@@ -282,6 +288,7 @@ Shift best_shift(const std::vector<RadarSpeed>& speeds, const ImuPath& path, con
 Finding check_delay(const Judge& judge, const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                     const Matrix3d& R) {
   constexpr double kNotable = 0.02;  // [s]
+  constexpr double kMaybe = 2.0;     // sigmas
   constexpr double kWrong = 0.045;   // what an estimate with a prior of 30 ms does not take [s]
   const RadarOptions& radar = judge.options.radar;
   const Vector3d& lever = radar.T_BS.translation;
@@ -291,12 +298,10 @@ Finding check_delay(const Judge& judge, const std::vector<RadarSpeed>& speeds, c
               fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
                           1e3 * shift.seconds),
               ""};
-  if (sure < kSure) {
-    out.text += ", which is not clearly better than as they are";
-    return out;
-  }
-  if (std::abs(shift.seconds) < kNotable) return out;
-  out.verdict = std::abs(shift.seconds) < kWrong ? Verdict::kDoubtful : Verdict::kWrong;
+  const double size = std::abs(shift.seconds);
+  out.text += fmt::format(", by {:.1f} sigmas", sure);
+  if (size < kNotable || sure < kMaybe) return out;
+  out.verdict = size > kWrong && sure > kSure ? Verdict::kWrong : Verdict::kDoubtful;
   out.change = fmt::format("radar: {{time_offset: {:.3f}}}", radar.time_offset - shift.seconds);
   if (judge.source == Source::kBag) {
     out.change += fmt::format(", or --radar-offset \"{:+.0f} ms\"", 1e3 * shift.seconds);
