@@ -21,6 +21,7 @@ constexpr double kSure = 3.0;       // sigmas, of (E6) of motion.hpp
 constexpr double kExplained = 0.5;  // of the movement: no chance explains as much
 constexpr std::size_t kFewestWindows = 5;
 constexpr double kShiftStep = 0.02;  // [s]
+constexpr int kShifts = 14;          // to each side; below kMostShift
 
 /// The 24 rotations by right angles.
 std::vector<Matrix3d> right_angles() {
@@ -263,21 +264,41 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   return out;
 }
 
+/// The windows for every shift looked at, from the most negative on.
+std::vector<Agreements> all_shifts(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                                   const RadarOptions& radar) {
+  std::vector<Agreements> out;
+  for (int i = -kShifts; i <= kShifts; ++i) {
+    out.push_back(
+        agreements(speeds, path, radar.T_BS.translation, kShiftStep * i - radar.time_offset));
+  }
+  return out;
+}
+
+/// Those in which the axes are judged: as told, unless another shift is clearly better with some
+/// axes.
+const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options) {
+  std::vector<double> most;
+  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
+  const auto best = std::max_element(most.begin(), most.end()) - most.begin();
+  const Agreements& told = shifts[kShifts];
+  return significance(most[kShifts], most[static_cast<std::size_t>(best)], told.size()) > kSure
+             ? shifts[static_cast<std::size_t>(best)]
+             : told;
+}
+
 /// The shift of the stamps that explains most.
 struct Shift {
   double seconds = 0.0;
   double explained = 0.0;
 };
 
-Shift best_shift(const std::vector<RadarSpeed>& speeds, const ImuPath& path, const Vector3d& lever,
-                 double told, const Matrix3d& R) {
+Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
   std::vector<double> explained;
-  const int n = static_cast<int>(std::lround(kMostShift / kShiftStep)) - 1;
-  for (int i = -n; i <= n; ++i) {
-    explained.push_back(total(agreements(speeds, path, lever, kShiftStep * i - told)).explained(R));
-  }
+  for (const Agreements& windows : shifts) explained.push_back(total(windows).explained(R));
   const auto best = std::max_element(explained.begin(), explained.end());
-  Shift out{kShiftStep * static_cast<double>(std::distance(explained.begin(), best) - n), *best};
+  const auto index = static_cast<int>(std::distance(explained.begin(), best));
+  Shift out{kShiftStep * (index - kShifts), *best};
   if (best != explained.begin() && best + 1 != explained.end()) {  // the parabola through three
     const double curvature = best[-1] - 2.0 * best[0] + best[1];
     if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
@@ -285,15 +306,14 @@ Shift best_shift(const std::vector<RadarSpeed>& speeds, const ImuPath& path, con
   return out;
 }
 
-Finding check_delay(const Judge& judge, const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                    const Matrix3d& R) {
+Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, const Matrix3d& R) {
   constexpr double kNotable = 0.02;  // [s]
   constexpr double kMaybe = 2.0;     // sigmas
   constexpr double kWrong = 0.045;   // what an estimate with a prior of 30 ms does not take [s]
   const RadarOptions& radar = judge.options.radar;
-  const Vector3d& lever = radar.T_BS.translation;
-  const Shift shift = best_shift(speeds, path, lever, radar.time_offset, R);
-  const double sure = significance(judge.all.explained(R), shift.explained, judge.windows.size());
+  const Shift shift = best_shift(shifts, R);
+  const double sure =
+      significance(total(shifts[kShifts]).explained(R), shift.explained, judge.windows.size());
   Finding out{Verdict::kOk, "delay of the radar",
               fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
                           1e3 * shift.seconds),
@@ -330,8 +350,8 @@ std::vector<Axes> candidates(const Quaternion& told) {
 Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
                       double gyro_unit, double accel_unit, const Options& options, Source source) {
   const ImuPath path(samples, gyro_unit, accel_unit);
-  const RadarOptions& radar = options.radar;
-  const Agreements windows = agreements(speeds, path, radar.T_BS.translation, -radar.time_offset);
+  const std::vector<Agreements> shifts = all_shifts(speeds, path, options.radar);
+  const Agreements& windows = windows_to_judge(shifts, options);
   if (windows.size() < kFewestWindows) {
     return {{Verdict::kDoubtful, "motion",
              fmt::format("{} times two seconds with velocities of the radar and without a pause of "
@@ -345,9 +365,9 @@ Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<R
   }
   const Finding axes = check_axes(judge);
   std::vector<Axes> alike;
-  const Axes found = choose(judge, candidates(radar.T_BS.rotation), &alike);
+  const Axes found = choose(judge, candidates(options.radar.T_BS.rotation), &alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
-  return {axes, check_scale(judge, found.R), check_delay(judge, speeds, path, found.R)};
+  return {axes, check_scale(judge, found.R), check_delay(judge, shifts, found.R)};
 }
 
 }  // namespace rio::check

@@ -220,6 +220,18 @@ TEST(Check, WhatItSaysToChangePutsTheMountingRight) {
   EXPECT_LT(quaternion_log(truth.conjugate() * q).norm(), 1e-3) << line;
 }
 
+TEST(Check, FindsTheAxesOfALateRadar) {
+  io::Dataset dataset = flown("indoor-1", 50.0);
+  turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
+  for (RadarScan& scan : dataset.scans) scan.time += from_seconds(0.12);
+  const Findings findings = check_it(dataset);
+  for (const char* subject : {"axes and Doppler sign", "delay of the radar"}) {
+    const Finding* said = find(findings, subject);
+    ASSERT_NE(said, nullptr) << text_of(findings);
+    EXPECT_EQ(said->verdict, Verdict::kWrong) << text_of(findings);
+  }
+}
+
 TEST(Check, AFewSamplesAreNoRecording) {
   io::Dataset dataset = flown("indoor-1", 40.0);
   dataset.imu.resize(50);
