@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -133,6 +134,35 @@ struct Judge {
   }
 };
 
+/// The mountings at any angle, without and with the Doppler flipped, that maximise b^T r of (E4)
+/// (Wahba's problem), if they are far from all right angles and clearly better than those.
+void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
+  constexpr double kFar = 20.0 * kDegree;
+  const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(judge.all.b.data()),
+                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const std::vector<Axes> right = *list;
+  for (const double sign : {1.0, -1.0}) {
+    const Matrix3d UV = svd.matrixU() * svd.matrixV().transpose();
+    const Vector3d signs(1.0, 1.0, sign * UV.determinant());
+    const Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    const double explained = judge.all.explained(R);
+    const bool better = std::none_of(right.begin(), right.end(), [&](const Axes& axes) {
+      const Matrix3d turn = axes.R.transpose() * R;
+      return (turn.determinant() > 0.0 && quaternion_log(Quaternion(turn)).norm() < kFar) ||
+             significance(judge.all.explained(axes.R), explained, judge.windows.size()) < kSure;
+    });
+    if (!better || explained < kExplained) continue;
+    list->push_back({R, sign < 0.0, angle_between(judge.told, sign * R)});
+  }
+}
+
+/// All there is to choose from.
+std::vector<Axes> hypotheses(const Judge& judge) {
+  std::vector<Axes> list = candidates(judge.options.radar.T_BS.rotation);
+  append_any_angle(judge, &list);
+  return list;
+}
+
 /// The best of the candidates; of those it is not surely better than, the first.
 Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>* alike) {
   const Axes* best = &list.front();
@@ -155,7 +185,7 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
 Finding check_axes(const Judge& judge) {
   const double as_told = judge.all.explained(judge.told);
   std::vector<Axes> alike;
-  const Axes found = choose(judge, candidates(Quaternion(judge.told)), &alike);
+  const Axes found = choose(judge, hypotheses(judge), &alike);
   const double best = judge.all.explained(found.R);
   Finding out{Verdict::kOk, "axes and Doppler sign",
               fmt::format("with mounting and Doppler as told the radar explains {:.0f} % of the "
@@ -365,7 +395,7 @@ Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<R
   }
   const Finding axes = check_axes(judge);
   std::vector<Axes> alike;
-  const Axes found = choose(judge, candidates(options.radar.T_BS.rotation), &alike);
+  const Axes found = choose(judge, hypotheses(judge), &alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
   return {axes, check_scale(judge, found.R), check_delay(judge, shifts, found.R)};
 }

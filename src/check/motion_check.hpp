@@ -3,7 +3,8 @@
 // Doppler, the delay of the stamps. Where the motion does not tell, it says so.
 //
 // Axes: the told mounting against all others by right angles, about axes of the radar or of the
-// body, each with both signs of the Doppler. Something else is wrong only if it explains the
+// body, each with both signs of the Doppler, and against the best at any angle where none of these
+// is near it, all at the delay that fits best. Something else is wrong only if it explains the
 // movement, the told one explains it clearly worse, and by (E6) of motion.hpp that is no chance.
 #pragma once
 

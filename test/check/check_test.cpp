@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <string>
 #include <vector>
@@ -75,6 +76,19 @@ void each_detection(io::Dataset* d, const std::function<void(RadarDetection*)>& 
 void turn_mounting(io::Dataset* d, const Vector3d& phi, bool in_body) {
   Quaternion& q = d->radar_info.T_BS->rotation;
   q = in_body ? quaternion_exp(phi) * q : q * quaternion_exp(phi);
+}
+
+/// The rotation in a line to paste.
+Quaternion mounting_in(const std::string& line) {
+  const std::string key = "quaternion_wxyz: [";
+  const std::size_t at = line.find(key);
+  Quaternion q = Quaternion::Identity();
+  EXPECT_NE(at, std::string::npos) << line;
+  if (at == std::string::npos) return q;
+  const int read = std::sscanf(line.c_str() + at + key.size(), "%lf, %lf, %lf, %lf", &q.w(), &q.x(),
+                               &q.y(), &q.z());
+  EXPECT_EQ(read, 4) << line;
+  return q;
 }
 
 /// A fault, and what is said of it.
@@ -211,13 +225,22 @@ TEST(Check, WhatItSaysToChangePutsTheMountingRight) {
   turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
   const Findings findings = check_it(dataset);
   const std::string& line = find(findings, "axes and Doppler sign")->change;
-  const std::string key = "quaternion_wxyz: [";
-  Quaternion q;
-  ASSERT_EQ(std::sscanf(line.c_str() + line.find(key) + key.size(), "%lf, %lf, %lf, %lf", &q.w(),
-                        &q.x(), &q.y(), &q.z()),
-            4)
-      << line;
+  const Quaternion q = mounting_in(line);
   EXPECT_LT(quaternion_log(truth.conjugate() * q).norm(), 1e-3) << line;
+}
+
+TEST(Check, FindsAMountingThatNobodyTold) {
+  io::Dataset dataset = flown("indoor-1", 50.0);
+  Quaternion& told = dataset.radar_info.T_BS->rotation;  // 45 deg down
+  const Quaternion truth = told;
+  told = quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth;
+  const Findings findings = check_it(dataset);
+  const Finding* said = find(findings, "axes and Doppler sign");
+  ASSERT_NE(said, nullptr) << text_of(findings);
+  EXPECT_EQ(said->verdict, Verdict::kWrong) << said->text;
+  const double off = quaternion_log(truth.conjugate() * mounting_in(said->change)).norm();
+  measured("mounting found at any angle, off by [deg]", off * 180.0 / kHalfTurn, "below 10");
+  EXPECT_LT(off, 10.0 * kHalfTurn / 180.0) << said->change;
 }
 
 TEST(Check, FindsTheAxesOfALateRadar) {
