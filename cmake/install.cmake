@@ -1,7 +1,12 @@
-# Installs rio::rio, rio::core, rio::ti and rio::sim so that find_package(rio) gives them.
+# Installs rio::rio, rio::core, rio::ti and rio::sim so that find_package(rio) gives them; where the
+# tests are built also rio::testing, which needs GoogleTest.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS rio_core rio_sim rio_ti rio EXPORT rio-targets
+set(installed rio_core rio_sim rio_ti rio)
+if(TARGET rio_testing)
+  list(APPEND installed rio_testing)
+endif()
+install(TARGETS ${installed} EXPORT rio-targets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})

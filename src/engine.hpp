@@ -164,6 +164,41 @@ class Engine final : public Odometry::Impl {
     return process(filtered_);
   }
 
+  Status add_measurement(const AidingMeasurement& z) override {
+    if (!initialized) return Status::kNotInitialized;
+    if (!z.is_declared(options_.auxiliary)) return Status::kUndeclared;
+    const Time delay = from_seconds(options_.timing.aiding_delay);
+    if (z.time() < at_scan().time - delay || (!imu_.empty() && z.time() < imu_[0].time)) {
+      ++counters.aiding_late;
+      return Status::kLate;
+    }
+    if (is_ahead(z.time())) {
+      ++counters.aiding_ahead;
+      return Status::kAhead;
+    }
+    if (!pipeline_.add(z)) {
+      ++counters.aiding_overflow;
+      return Status::kQueueFull;
+    }
+    ++counters.aiding;
+    return Status::kWaiting;
+  }
+
+  bool auxiliary(const char* name, double* value, double* P) const override {
+    int at = options_.auxiliary.find(name);
+    if (at < 0) return false;
+    int size = 0;
+    for (const AuxiliaryState& state : options_.auxiliary) {
+      if (options_.auxiliary.find(state.name) == at) size = state.size;
+    }
+    const Belief& belief = pipeline_.backend().belief();
+    Eigen::Map<Eigen::VectorXd>(value, size) = belief.estimate().auxiliary.segment(at, size);
+    at += belief.layout().auxiliary();
+    Eigen::Map<Eigen::MatrixXd>(P, size, size) =
+        belief.covariance().matrix().block(at, at, size, size);
+    return true;
+  }
+
   Status reset(const NavState& prior, const BodyCovariance& P0) override {
     if (!is_finite(prior) || !P0.allFinite()) return Status::kNonFinite;
     if (!is_plausible(prior, P0)) return Status::kImplausible;
@@ -316,6 +351,11 @@ class Engine final : public Odometry::Impl {
 
   /// Keeps the estimate within reach of the buffered samples while no scan arrives.
   void catch_up(Time time) {
+    while (const std::optional<Time> next = pipeline_.next_aiding()) {
+      if (*next > time) break;
+      if (pipeline_.process_aiding(*next, imu_) != Status::kOk) ++counters.updates_failed;
+      publish();
+    }
     if (at_scan().time >= time) return;
     if (pipeline_.propagate(time, imu_) != Status::kOk) ++counters.updates_failed;
     publish();
@@ -325,7 +365,7 @@ class Engine final : public Odometry::Impl {
   void publish() {
     covariance = pipeline_.backend().belief().covariance().body();
     extrinsics = pipeline_.estimate().T_BS;
-    imu_.forget_before(at_scan().time);
+    imu_.forget_before(at_scan().time - from_seconds(options_.timing.aiding_delay));
     predictor_.rebase(at_scan(), imu_);
     ahead_ = Propagation{};
     ahead_.state = at_scan();

@@ -24,6 +24,12 @@ Status Odometry::add_imu(const ImuSample& sample) noexcept {
 Status Odometry::add_scan(const RadarScan& scan) noexcept {
   return impl_->add_scan(scan);
 }
+Status Odometry::add_measurement(const AidingMeasurement& measurement) noexcept {
+  return impl_->add_measurement(measurement);
+}
+bool Odometry::auxiliary(const char* name, double* value, double* covariance) const noexcept {
+  return impl_->auxiliary(name, value, covariance);
+}
 Status Odometry::reset(const NavState& prior, const BodyCovariance& P0) noexcept {
   return impl_->reset(prior, P0);
 }

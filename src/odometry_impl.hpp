@@ -13,6 +13,8 @@ struct Odometry::Impl {
   virtual ~Impl() = default;
   virtual Status add_imu(const ImuSample& sample) = 0;
   virtual Status add_scan(const RadarScan& scan) = 0;
+  virtual Status add_measurement(const AidingMeasurement& measurement) = 0;
+  virtual bool auxiliary(const char* name, double* value, double* covariance) const = 0;
   virtual Status reset(const NavState& prior, const BodyCovariance& P0) = 0;
   virtual void reset() = 0;
   virtual const NavState& at_scan() const = 0;

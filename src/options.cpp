@@ -2,6 +2,8 @@
 // Validation of the options and the presets.
 #include "rio/options.hpp"
 
+#include <cmath>
+
 #include "rio/option_fields.hpp"
 #include "rio/state/estimate.hpp"
 
@@ -35,6 +37,11 @@ std::string coherence_problem(const Options& o) {
   }
   if (o.update.use_landmarks && o.update.max_landmarks < 1) {
     return "update.max_landmarks = 0 needs update.use_landmarks = false";
+  }
+  for (const AuxiliaryState& state : o.auxiliary) {
+    const bool good = state.sigma > 0.0 && std::isfinite(state.sigma) && state.walk >= 0.0 &&
+                      std::isfinite(state.walk);
+    if (!good) return std::string("auxiliary state ") + state.name + ": sigma or walk out of range";
   }
   return {};
 }

@@ -29,6 +29,8 @@ const char* to_string(Status status) {
       return "kImplausible";
     case Status::kAhead:
       return "kAhead";
+    case Status::kUndeclared:
+      return "kUndeclared";
   }
   return "unknown status";
 }
@@ -47,6 +49,8 @@ const char* to_string(Model model) {
       return "landmark_position";
     case Model::kRest:
       return "rest";
+    case Model::kAiding:
+      return "aiding";
     case Model::kCount:
       break;
   }

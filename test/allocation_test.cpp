@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // After create() the estimator does not touch the heap, with every option that changes the hot
 // path.
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 
 #include <gtest/gtest.h>
 

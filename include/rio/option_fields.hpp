@@ -218,6 +218,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "A scan farther ahead of the IMU is not waited for.");
   field("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
         "A longer pause of the IMU is a jump of its clock.");
+  field("timing.aiding_delay", o.timing.aiding_delay, "s", 0, 2,
+        "Measurements of other sensors may come so long after the estimate has passed their time.");
 }
 
 /// The values of an enumeration as they stand in files, in their order.

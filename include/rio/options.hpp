@@ -7,6 +7,7 @@
 #include <string>
 
 #include "rio/export.hpp"
+#include "rio/state/auxiliary.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -212,6 +213,9 @@ struct TimingOptions {
   double max_ahead = 1.0;
   /// A longer pause of the IMU is none: its clock has jumped (propagate/stamp_guard.hpp) [s].
   double max_pause = 10.0;
+  /// An aiding measurement may come so long after the estimate has passed its time: the IMU samples
+  /// are kept for it [s].
+  double aiding_delay = 0.0;
   /// For profiling only: if given, the time spent is reported in UpdateReport. Not a file option.
   Time (*clock)() = nullptr;
 };
@@ -227,6 +231,8 @@ struct Options {
   SmootherOptions smoother;
   StartOptions start;
   TimingOptions timing;
+  /// What extensions estimate beside (rio/aiding.hpp). Not a file option.
+  AuxiliaryStates auxiliary;
 
   /// True when every value is inside its documented range and the set is coherent; otherwise false
   /// and, if `why` is given, one sentence naming the first offending key.

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "rio/frontend/frontend.hpp"
 #include "rio/frontend/gravity_check.hpp"
@@ -21,6 +22,7 @@
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/report.hpp"
+#include "rio/update/aiding.hpp"
 #include "rio/update/calibration_report.hpp"
 #include "rio/update/health_monitor.hpp"
 
@@ -36,7 +38,14 @@ class Pipeline {
         pool_(options),
         gravity_(options),
         rest_(options),
-        backend_(options) {}
+        backend_(options) {
+    waiting_.reserve(kMaxWaiting);
+    aiding_.reserve(kMaxAiding);
+    seen_.aiding = &aiding_;
+    aided_.aiding = &aiding_;
+  }
+  Pipeline(const Pipeline&) = delete;  // what was seen points into it
+  Pipeline& operator=(const Pipeline&) = delete;
 
   const Estimate& estimate() const { return backend_.estimate(); }
   const BackEnd& backend() const { return backend_; }
@@ -56,6 +65,8 @@ class Pipeline {
     health_.reset(prior.time);
     report_ = UpdateReport{};
     next_scan_ = 0;
+    waiting_.clear();
+    aiding_.clear();
   }
 
   /// When a scan with that stamp was measured, as far as is known.
@@ -82,6 +93,38 @@ class Pipeline {
   /// The IMU has told nothing for so long.
   void add_gap(Time duration) { health_.add_gap(duration); }
 
+  /// A measurement of another sensor, in any order: it counts with the first scan not before its
+  /// time. False if too many wait.
+  bool add(const AidingMeasurement& measurement) {
+    if (waiting_.size() == kMaxWaiting) return false;
+    const auto at = std::upper_bound(
+        waiting_.begin(), waiting_.end(), measurement.time(),
+        [](Time time, const AidingMeasurement& other) { return time < other.time(); });
+    waiting_.insert(at, measurement);
+    return true;
+  }
+  /// Time of the oldest that waits.
+  std::optional<Time> next_aiding() const {
+    if (waiting_.empty()) return {};
+    return waiting_.front().time();
+  }
+
+  /// Those measured up to `time`, not after the newest IMU sample, without a scan: an update at
+  /// that time, or at the estimate if it is older. kNumerical as in process().
+  Status process_aiding(Time time, const ImuBuffer& imu) {
+    report_ = UpdateReport{};
+    report_.time = time;
+    const Time at = std::max(time, estimate().nav.time);
+    report_.status = backend_.propagate(at, imu, &report_.imu_gap);
+    gather(at, imu);
+    if (report_.status == Status::kOk && !tilt_is_lost()) {
+      report_.status = backend_.update(aided_, &report_);
+    }
+    summarise_state();
+    report_.health = health_.health();
+    return report_.status;
+  }
+
   /// One filtered scan, measured not after the newest IMU sample; one measured before the estimate
   /// counts as measured at the estimate. While tilt_is_lost() it is left out. kNumerical: the
   /// estimate is what the IMU alone predicts, or, if that failed, unchanged.
@@ -91,9 +134,13 @@ class Pipeline {
     const Time start = now();
     const Time last = estimate().nav.time;
     const Time measured = std::max(measured_at(received.time), last);
+    while (waiting_.size() > kMaxAiding && waiting_[kMaxAiding].time() <= measured) {
+      (void)process_aiding(waiting_[kMaxAiding - 1].time(), imu);
+    }
     report_.status = backend_.propagate(measured, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
     report_.propagation_time = propagated - start;
+    gather(measured, imu);
     if (report_.status != Status::kOk) return conclude();
 
     if (tilt_is_lost()) return conclude();  // an update would make any tilt of it
@@ -117,6 +164,22 @@ class Pipeline {
 
  private:
   Time now() const { return options_.timing.clock != nullptr ? options_.timing.clock() : Time{0}; }
+
+  /// The oldest of those that wait, measured up to `time`, with what the IMU says of the time
+  /// since.
+  void gather(Time time, const ImuBuffer& imu) {
+    aiding_.clear();
+    const NavState& x = estimate().nav;
+    for (const AidingMeasurement& z : waiting_) {
+      if (z.time() > time || aiding_.size() == kMaxAiding) break;
+      const Time anchor = backend_.anchor(z.time());
+      const MotionSince to_now = motion_since(z.time(), x.time, x, imu);
+      aiding_.push_back(
+          {z, to_now, anchor, anchor == x.time ? to_now : motion_since(z.time(), anchor, x, imu)});
+    }
+    waiting_.erase(waiting_.begin(),
+                   waiting_.begin() + static_cast<std::ptrdiff_t>(aiding_.size()));
+  }
 
   /// The scan free of the radar's errors as estimated.
   const DetectionList& corrected(const DetectionList& scan) {
@@ -214,6 +277,10 @@ class Pipeline {
     report_.trails_matched = static_cast<int>(seen_.matches.trails.size());
     report_.landmarks_matched = static_cast<int>(seen_.matches.landmarks.size());
     report_.at_rest = seen_.rest.has_value();
+    summarise_state();
+  }
+
+  void summarise_state() {
     report_.calibration = calibration_report(backend_.belief(), options_);
     report_.clones = static_cast<int>(backend_.estimate().clones.size());
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
@@ -232,6 +299,8 @@ class Pipeline {
     Time since{0};
   };
 
+  static constexpr std::size_t kMaxWaiting = 256;  // a second of a fast sensor
+
   Options options_;
   Frontend frontend_;
   VelocityPool pool_;
@@ -240,6 +309,9 @@ class Pipeline {
   BackEnd backend_;
   DetectionList corrected_;
   Observations seen_;
+  Observations aided_;                      ///< by other sensors, without a scan
+  std::vector<AidingMeasurement> waiting_;  ///< oldest first
+  std::vector<AidingObservation> aiding_;   ///< of this update
   Promotions promotions_;
   UpdateReport report_;
   HealthMonitor health_;

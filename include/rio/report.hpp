@@ -30,6 +30,7 @@ enum class Status : std::uint8_t {
   kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost; a start
                     ///< that no vehicle has
   kAhead,           ///< stamp too far ahead of the newest IMU sample
+  kUndeclared,      ///< the measurement depends on an auxiliary state that Options does not declare
 };
 
 /// Name of a status, as in "kLate".
@@ -43,6 +44,7 @@ enum class Model : std::uint8_t {
   kLandmarkPoint,
   kLandmarkPosition,
   kRest,
+  kAiding,  ///< of another sensor, InnovationRecord::name
   kCount
 };
 inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCount);
@@ -57,12 +59,13 @@ enum class Verdict : std::uint8_t { kUsed, kGated, kOutOfDomain };
 struct InnovationRecord {
   Model model = Model::kDoppler;
   Verdict verdict = Verdict::kUsed;
-  std::uint16_t detection = 0;  ///< index in the filtered scan
+  std::uint16_t detection = 0;  ///< index in the filtered scan; kAiding: in those of the update
   std::uint16_t dof = 0;        ///< rows of the block
   double innovation = 0.0;      ///< z - h(x) of its first row [unit of the model]
   double sigma = 0.0;           ///< sqrt of the innovation variance of its first row
   double nis = 0.0;             ///< normalised innovation squared of the block
   double gate = 0.0;            ///< threshold the block was held against
+  const char* name = nullptr;   ///< kAiding: of the model
 };
 
 /// Sums over the records of one model in one update.
@@ -113,7 +116,8 @@ enum class Calibration : std::uint8_t {
 };
 inline constexpr std::size_t kCalibrationCount = 9;
 
-/// The last processed scan, stage by stage.
+/// The last update, stage by stage: of a scan, or, while the radar is silent, of measurements of
+/// other sensors alone.
 struct UpdateReport {
   static constexpr std::size_t kMaxRecords = 512;
 
@@ -164,6 +168,10 @@ struct Counters {
   std::uint64_t scans_non_finite = 0;       ///< no finite detection although the scan was not empty
   std::uint64_t detections_non_finite = 0;  ///< or beyond what any radar says
   std::uint64_t scans_uninitialized = 0;
+  std::uint64_t aiding = 0;  ///< measurements of other sensors taken
+  std::uint64_t aiding_late = 0;
+  std::uint64_t aiding_ahead = 0;
+  std::uint64_t aiding_overflow = 0;  ///< more of them wait than there is room for
   std::uint64_t updates_failed = 0;   ///< kNumerical
   std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long
   std::uint64_t attitude_resets = 0;  ///< same, gravity: tilt or a bias

@@ -48,6 +48,8 @@
 
 namespace rio {
 
+class AidingMeasurement;
+
 class RIO_API Odometry {
  public:
   /// Validates the options and allocates everything. Bad options: null, and the reason in `why`.
@@ -67,6 +69,13 @@ class RIO_API Odometry {
   /// (kWaiting). kDuplicate, kLate, kAhead, kQueueFull, kNonFinite, kNotInitialized: dropped and
   /// counted.
   [[nodiscard]] Status add_scan(const RadarScan& scan) noexcept;
+
+  /// Takes a measurement of another sensor (rio/aiding.hpp), stamped in the clock of the IMU:
+  /// kWaiting, it counts with the first scan not before its time, or alone where no scan comes for
+  /// TimingOptions::max_lag. kLate: before the estimate by more than aiding_delay; kAhead as for
+  /// scans; kQueueFull; kUndeclared: it depends on an auxiliary state that the options do not
+  /// declare; kNotInitialized. What the gate says of it is in report().records.
+  [[nodiscard]] Status add_measurement(const AidingMeasurement& measurement) noexcept;
 
   /// Starts, or starts over, from a known state. `prior.time` may lie before, at or after the
   /// newest IMU sample, within what is buffered: kLate if more than TimingOptions::max_lag before
@@ -98,7 +107,10 @@ class RIO_API Odometry {
   const Health& health() const noexcept;
   /// Pose of the radar in the body frame: the option's value unless it is estimated.
   const Pose& extrinsics() const noexcept;
-  /// The last processed scan, stage by stage.
+  /// Value and covariance (column by column) of a declared auxiliary state at the last update;
+  /// false if there is none of that name. With its type: rio::auxiliary in rio/aiding.hpp.
+  bool auxiliary(const char* name, double* value, double* covariance) const noexcept;
+  /// The last update, stage by stage.
   const UpdateReport& report() const noexcept;
   const Counters& counters() const noexcept;
 

@@ -30,6 +30,7 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
   T_BS_ = x.T_BS;
   radar_errors_ = x.radar_errors;
   time_offset_ = x.time_offset;
+  auxiliary_ = x.auxiliary;
   A_.topLeftCorner(size(), size()) = A;
   g_.head(size()) = g;
   for (int s = 0; s < leading; ++s) {  // the inverse of (E4) where xi = 0
@@ -77,6 +78,18 @@ void Prior::add_landmark_noise(double variance) {
     quadratic::subtract_projection(n, at, width, 1.0 / variance, &A_, &g_, &work_);
   }
   cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+}
+
+void Prior::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
+  int at = border(layout_.auxiliary());
+  for (const AuxiliaryState& state : states) {
+    const double variance = state.walk * state.walk * seconds;
+    if (variance > 0.0) {
+      quadratic::subtract_projection(size(), at, state.size, 1.0 / variance, &A_, &g_, &work_);
+    }
+    at += state.size;
+  }
+  if (states.size() > 0) cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
 void Prior::forget(int column, double value, double information, const Estimate& x) {
@@ -140,6 +153,8 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
   if (layout_.has_time_offset()) {
     xi_[border(layout_.time_offset())] = x.time_offset - time_offset_;
   }
+  xi_.segment(border(layout_.auxiliary()), layout_.auxiliary_size()) =
+      (x.auxiliary - auxiliary_).head(layout_.auxiliary_size());
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
     xi_.segment<3>(border(layout_.landmark(static_cast<int>(i)))) =
         back * x.landmarks[i].p_W - landmarks_[i].p_W;

@@ -2,6 +2,7 @@
 #include "rio/smoother/smoother.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -36,6 +37,11 @@ Status Smoother::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   return Status::kOk;
 }
 
+Time Smoother::anchor(Time measured) const {
+  const std::size_t i = window_.first_from(measured);
+  return i < window_.size() ? window_[i].nav.time : estimate().nav.time;
+}
+
 void Smoother::drop_landmarks(UpdateReport* report) {
   for (std::size_t i = estimate().landmarks.size(); i-- > 0;) {
     remove_landmark(i);
@@ -68,6 +74,7 @@ Status Smoother::update(const Observations& seen, UpdateReport* report) {
   before_.save(window_, estimate());
   if (!solve()) {
     before_.restore(&window_, &belief_.estimate());
+    drop_aiding(seen);
     if (appended) window_.pop_newest();
     if (!appended) window_.newest().cut(mark);
     window_.newest().to_next.invalidate();
@@ -143,37 +150,66 @@ void Smoother::copy_newest() {
 
 void Smoother::take(const Observations& seen) {
   WindowState& state = window_.newest();
+  const auto detection = [&seen](const ScanRows::Used& used) -> const Detection& {
+    return seen.detection(used.detection);
+  };
   for (const ScanRows::Used& used : rows_.used()) {
-    const Detection& d = seen.detection(used.detection);  // rest comes with a scan, too
     const double weight = 1.0 / used.variance_factor;
     switch (used.model) {
       case Model::kDoppler:
-        state.dopplers.push_back({DopplerModel::measurement(d, state.gyro_B), weight});
+        state.dopplers.push_back(
+            {DopplerModel::measurement(detection(used), state.gyro_B), weight});
         break;
       case Model::kLandmarkPoint:
         state.points.push_back(
-            {used.target, weight, LandmarkPointModel::measurement(d), std::nullopt});
+            {used.target, weight, LandmarkPointModel::measurement(detection(used)), std::nullopt});
         if (options_.update.use_doppler) {
-          state.points.back().doppler = LandmarkDopplerModel::measurement(d, state.gyro_B);
+          state.points.back().doppler =
+              LandmarkDopplerModel::measurement(detection(used), state.gyro_B);
         }
         break;
       case Model::kLandmarkDistance:
-        state.distances.push_back({used.target, weight, LandmarkDistanceModel::measurement(d)});
+        state.distances.push_back(
+            {used.target, weight, LandmarkDistanceModel::measurement(detection(used))});
         break;
       case Model::kLandmarkPosition:
-        state.positions.push_back({used.target, weight, LandmarkPositionModel::measurement(d)});
+        state.positions.push_back(
+            {used.target, weight, LandmarkPositionModel::measurement(detection(used))});
         break;
       case Model::kTrailDistance:
         for (const TrailElement& past : (*seen.trails)[used.target].elements) {
           if (past.scan != used.past) continue;
-          state.trails.push_back({past.scan, TrailDistanceModel::measurement(d, past.detection)});
+          state.trails.push_back(
+              {past.scan, TrailDistanceModel::measurement(detection(used), past.detection)});
         }
         break;
       case Model::kRest:
         state.rest = seen.rest;
         break;
+      case Model::kAiding: {
+        const AidingObservation& aiding = (*seen.aiding)[used.detection];
+        std::vector<AidingFactor>& kept = keeper(aiding).aiding;
+        if (kept.size() < kMaxAiding) kept.push_back({aiding.measurement, aiding.to_anchor});
+        break;
+      }
       case Model::kCount:
         break;
+    }
+  }
+}
+
+WindowState& Smoother::keeper(const AidingObservation& aiding) {
+  return window_[std::min(window_.first_from(aiding.anchor), window_.size() - 1)];
+}
+
+void Smoother::drop_aiding(const Observations& seen) {
+  for (std::size_t i = rows_.used().size(); i-- > 0;) {
+    const ScanRows::Used& used = rows_.used()[i];
+    if (used.model != Model::kAiding) continue;
+    const AidingObservation& aiding = (*seen.aiding)[used.detection];
+    std::vector<AidingFactor>& kept = keeper(aiding).aiding;
+    if (!kept.empty() && kept.back().measurement.time() == aiding.measurement.time()) {
+      kept.pop_back();
     }
   }
 }
@@ -200,6 +236,7 @@ bool Smoother::marginalise_oldest() {
   begin_with_prior();
   factors_.add_imu(0);
   factors_.add_scan(0, estimate());
+  factors_.add_aiding(0, estimate());
   const ScanId oldest = window_[0].scan;
   for (std::size_t k = 1; k < window_.size(); ++k) {
     std::erase_if(window_[k].trails, [&](const TrailFactor& f) {
@@ -213,6 +250,8 @@ bool Smoother::marginalise_oldest() {
   prior_.assign(A_.topLeftCorner(n, n), g_.head(n), window_, 1, leading, estimate());
   const double walk = options_.update.landmark_walk;
   prior_.add_landmark_noise(walk * walk * (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
+  prior_.add_auxiliary_noise(options_.auxiliary,
+                             to_seconds(window_[1].nav.time - window_[0].nav.time));
   window_.pop_oldest();
   window_.publish(&belief_.estimate());
   return true;

@@ -29,6 +29,7 @@ void WindowState::clear() {
   distances.clear();
   positions.clear();
   trails.clear();
+  aiding.clear();
   rest.reset();
 }
 
@@ -41,6 +42,7 @@ Window::Window(std::size_t capacity, const Options& options) : slots_(capacity) 
     state.distances.reserve(detections);
     state.positions.reserve(detections);
     state.trails.reserve(detections * clones);
+    state.aiding.reserve(kMaxAiding);
   }
 }
 
@@ -54,6 +56,12 @@ WindowState& Window::push() {
 void Window::pop_oldest() {
   first_ = (first_ + 1) % slots_.size();
   --size_;
+}
+
+std::size_t Window::first_from(Time time) const {
+  std::size_t i = 0;
+  while (i < size_ && (*this)[i].nav.time < time) ++i;
+  return i;
 }
 
 int Window::find(ScanId scan) const {

@@ -6,6 +6,8 @@ namespace rio {
 WindowFactors::WindowFactors(const Options& options, const Layout& layout, const Window& window,
                              NormalEquations* system)
     : options_(options.smoother),
+      auxiliary_(options.auxiliary),
+      gravity_(options.imu.gravity),
       layout_(layout),
       window_(window),
       system_(system),
@@ -21,6 +23,7 @@ double WindowFactors::add_all(const Estimate& x) {
   for (std::size_t k = 0; k < window_.size(); ++k) {
     if (k + 1 < window_.size()) cost += add_imu(k);
     cost += add_scan(k, x);
+    cost += add_aiding(k, x);
     for (const TrailFactor& f : window_[k].trails) cost += add_trail(k, f, x);
   }
   return cost;
@@ -75,6 +78,23 @@ double WindowFactors::add_scan(std::size_t k, const Estimate& estimate) {
   }
   if (state.rest) add(RestModel{}, *state.rest, 1.0);
   return scan_.end();
+}
+
+double WindowFactors::add_aiding(std::size_t k, const Estimate& estimate) {
+  double cost = 0.0;
+  for (const AidingFactor& f : window_[k].aiding) {
+    if (!linearize(f.measurement, f.since, window_[k].nav, auxiliary_, estimate.auxiliary, gravity_,
+                   layout_of(k).aiding_columns(), &aiding_)) {
+      continue;
+    }
+    double chi_squared = 0.0;
+    for (const LinearRow& row : aiding_) chi_squared += row.residual * row.residual;
+    const KernelValue value = evaluate_kernel(
+        options_.kernel, options_.kernel_size * static_cast<double>(aiding_.size()), chi_squared);
+    for (const LinearRow& row : aiding_) system_->add(row, value.weight);
+    cost += 0.5 * value.cost;
+  }
+  return cost;
 }
 
 double WindowFactors::add_trail(std::size_t k, const TrailFactor& f, const Estimate& estimate) {

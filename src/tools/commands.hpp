@@ -57,6 +57,7 @@ struct ReplayArguments {
   std::vector<double> init_velocity;
   std::string out;
   std::string states;
+  bool barometer = false;  ///< the estimator uses that of the dataset
   bool json = false;
   bool verbose = false;
   bool quiet = false;  ///< wins over verbose

@@ -15,10 +15,13 @@
 #include "progress.hpp"
 #include "recording.hpp"
 #include "replay_summary.hpp"
+#include "rio/aiding.hpp"
+#include "rio/io/barometer.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/options_yaml.hpp"
 #include "rio/io/start.hpp"
 #include "rio/io/trajectory.hpp"
+#include "rio/models/aids.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/rio.hpp"
 
@@ -45,6 +48,7 @@ Options make_options(const ReplayArguments& arguments, const io::Dataset& datase
     name = io::preset_in_file(arguments.config).value_or("");
   }
   Options options;
+  if (arguments.barometer) (void)options.auxiliary.declare<HeightOffset>();
   if (!name.empty() && !preset(name, &options)) {
     throw std::runtime_error("no such preset: \"" + name + "\"");
   }
@@ -190,6 +194,9 @@ class Replay {
     summary_.initialised_by = start ? start->source : "static";
     if (start) begin(*start);
     outputs_.open(arguments, dataset.imu.front().time);
+    if (!arguments.barometer) return;
+    heights_ = io::barometric_heights(dataset.baro);
+    if (heights_.samples.empty()) throw std::runtime_error("--barometer: there is no baro0");
   }
 
   ReplaySummary run() {
@@ -202,6 +209,7 @@ class Replay {
         give_scan(dataset_.scans[scan_++]);
       } else {
         give_imu(dataset_.imu[imu_++]);
+        give_heights(dataset_.imu[imu_ - 1].time);
       }
     }
     while (!waiting_ && scan_ < dataset_.scans.size()) give_scan(dataset_.scans[scan_++]);
@@ -245,6 +253,15 @@ class Replay {
     if (odometry_->counters().clock_restarts != restarts) waiting_.reset();
   }
 
+  /// The barometer's, up to that time; before the start they are left out.
+  void give_heights(Time time) {
+    for (; height_ < heights_.samples.size() && heights_.samples[height_].time <= time; ++height_) {
+      const auto& sample = heights_.samples[height_];
+      const HeightModel::Measurement z{sample.height, heights_.sigma};
+      (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // what it did is counted
+    }
+  }
+
   void give_scan(const RadarScan& scan) {
     const Time before = steady_now();
     const Status status = odometry_->add_scan(scan);
@@ -277,13 +294,16 @@ class Replay {
     summary_.scans_unprocessed =
         static_cast<int>(dataset_.scans.size() - scan_) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
+    summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = dataset_.imu.back().time - dataset_.imu.front().time;
     summary_.health.conclude(summary_.calibration, summary_.is_absurd());
     return summary_;
   }
 
   const io::Dataset& dataset_;
-  std::vector<Time> due_;  ///< one a scan
+  io::BarometricHeights heights_;  ///< to give
+  std::size_t height_ = 0;         ///< next of them
+  std::vector<Time> due_;          ///< one a scan
   Outputs outputs_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;

@@ -55,6 +55,7 @@ void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   for (std::size_t i = 0; i < kModelCount; ++i) {
     models[i].rows_used += report.models[i].rows_used;
     models[i].rows_gated += report.models[i].rows_gated;
+    models[i].nis += report.models[i].nis;
     rows_used += report.models[i].rows_used;
   }
   if (scans == 0) {
@@ -144,8 +145,15 @@ std::string ReplaySummary::text() const {
       scans, updates, initialised_by, path_length, (last_position - first_position).norm(),
       last_position.x(), last_position.y(), last_position.z());
   for (std::size_t i = 0; i < kModelCount; ++i) {
+    if (model_at(i) == Model::kAiding && !height_offset) continue;
     out += fmt::format("{}: {} rows used, {} gated\n", to_string(model_at(i)), models[i].rows_used,
                        models[i].rows_gated);
+  }
+  if (height_offset) {
+    const ModelReport& aiding = models[static_cast<std::size_t>(Model::kAiding)];
+    out += fmt::format("barometer: offset {:+.2f} +- {:.2f} m at the end, NIS {:.2f} a row\n",
+                       height_offset->value[0], std::sqrt(height_offset->covariance(0, 0)),
+                       aiding.nis / std::max(1, aiding.rows_used));
   }
   out += fmt::format(
       "update {:.3f} ms mean, {:.3f} p99, {:.3f} max; propagation {:.3f} ms mean; {:.0f} x real "

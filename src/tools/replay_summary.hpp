@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "health_log.hpp"
+#include "rio/aiding.hpp"
+#include "rio/models/aids.hpp"
 #include "rio/report.hpp"
 #include "rio/types.hpp"
 
@@ -32,6 +34,7 @@ struct ReplaySummary {
   Time span{0};              ///< of the data fed
   Time wall{0};              ///< spent in the estimator
   Counters counters;
+  std::optional<AuxiliaryEstimate<HeightOffset>> height_offset;  ///< with a barometer, at the end
   HealthLog health;
 
   void add(const UpdateReport& report, const NavState& state);

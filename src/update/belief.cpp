@@ -46,7 +46,8 @@ void Acceleration::add(const Vector3d& change_W, double seconds) {
 
 Belief::Belief(const Options& options, int max_clones)
     : options_(options),
-      layout_(options.calibration, max_clones, options.update.max_landmarks),
+      layout_(options.calibration, max_clones, options.update.max_landmarks,
+              options.auxiliary.size()),
       covariance_(layout_),
       dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
 
@@ -62,7 +63,7 @@ void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
                         &told.doppler_scale_sigma, &told.elevation_bias_sigma}) {
     *sigma *= kCalibrationToldShare;
   }
-  covariance_.reset(P0, told);
+  covariance_.reset(P0, told, options_.auxiliary);
   contradicted_.fill(false);
 }
 
@@ -126,6 +127,7 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   acceleration_ = acceleration;
   estimate_.accel_W = beyond_noise(acceleration_.smooth_W, density);
   const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
+  const double seconds = to_seconds(to - estimate_.nav.time);
   estimate_.nav = p.state;
   estimate_.way += way;
   const ImuSample now = imu.at(to);
@@ -133,6 +135,7 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   covariance_.propagate(p.transition, p.noise);
   const double walk = options_.update.landmark_walk;
   covariance_.add_landmark_noise(walk * walk * way);
+  covariance_.add_auxiliary_noise(options_.auxiliary, seconds);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
 }
@@ -232,6 +235,8 @@ void Belief::correct(const Eigen::VectorXd& dx) {
   nav.gyro_bias += dx.segment<3>(body::kGyroBias);
   nav.accel_bias += dx.segment<3>(body::kAccelBias);
   correct_calibration(dx);
+  estimate_.auxiliary.head(layout_.auxiliary_size()) +=
+      dx.segment(layout_.auxiliary(), layout_.auxiliary_size());
   for (std::size_t i = 0; layout_.max_clones() > 0 && i < estimate_.clones.size(); ++i) {
     RigidPose& pose = estimate_.clones[i].T_WB;
     pose = PoseBlock::retract(pose, dx.segment<6>(layout_.clone(static_cast<int>(i))));

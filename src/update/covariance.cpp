@@ -12,7 +12,8 @@ Covariance::Covariance(const Layout& layout)
       scratch_(Eigen::MatrixXd::Zero(body::kSize, layout.capacity())),
       size_(layout.size(0)) {}
 
-void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& priors) {
+void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& priors,
+                       const AuxiliaryStates& auxiliary) {
   P_.setZero();
   size_ = layout_.size(0);
   P_.topLeftCorner<body::kSize, body::kSize>() = 0.5 * (P0 + P0.transpose());
@@ -28,6 +29,19 @@ void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& prior
     set(layout_.radar_errors() + RadarErrors::kElevation, 1, priors.elevation_bias_sigma);
   }
   if (layout_.has_time_offset()) set(layout_.time_offset(), 1, priors.time_offset_sigma);
+  int at = layout_.auxiliary();
+  for (const AuxiliaryState& state : auxiliary) {
+    set(at, state.size, state.sigma);
+    at += state.size;
+  }
+}
+
+void Covariance::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
+  int at = layout_.auxiliary();
+  for (const AuxiliaryState& state : states) {
+    P_.diagonal().segment(at, state.size).array() += state.walk * state.walk * seconds;
+    at += state.size;
+  }
 }
 
 void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (E1)

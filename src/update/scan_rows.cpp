@@ -9,6 +9,8 @@ namespace rio {
 
 ScanRows::ScanRows(const Options& options)
     : options_(options.update),
+      auxiliary_(options.auxiliary),
+      gravity_(options.imu.gravity),
       noise_distance_(options.radar.noise_distance),
       doppler_grid_(options.radar.doppler_resolution),
       gate_(options.update.gate_probability),
@@ -18,19 +20,26 @@ ScanRows::ScanRows(const Options& options)
       // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
       batch_(static_cast<std::size_t>(options.frontend.max_detections *
                                           (1 + std::max(3, options.update.max_clones)) +
-                                      RestModel::kDim)) {
+                                      RestModel::kDim) +
+             kMaxAiding * static_cast<std::size_t>(AidingMeasurement::kMaxRows)) {
   used_.reserve(batch_.capacity());
 }
 
 const RowBatch& ScanRows::build(const Observations& seen, const Belief& belief,
                                 UpdateReport* report) {
+  batch_.clear();
+  used_.clear();
+  if (seen.scan != nullptr) add_scan(seen, belief, report);
+  if (seen.aiding != nullptr) add_aiding(*seen.aiding, belief, report);
+  return batch_;
+}
+
+void ScanRows::add_scan(const Observations& seen, const Belief& belief, UpdateReport* report) {
   LinearizationPoint x(belief.estimate());
   if (seen.rest) x.stand();
   const Time now = belief.estimate().nav.time;
   since_scan_ = last_scan_ > Time{0} ? std::min(1.0, to_seconds(now - last_scan_)) : 1.0;
   last_scan_ = now;
-  batch_.clear();
-  used_.clear();
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (seen.rest) add_rest(*seen.rest, belief, x, report);
@@ -38,7 +47,6 @@ const RowBatch& ScanRows::build(const Observations& seen, const Belief& belief,
   if (options_.use_doppler) add_doppler(seen, belief, x, report);
   if (options_.use_trails) add_trails(seen, belief, x, report);
   way_at_scan_ = x.estimate.way;
-  return batch_;
 }
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const Belief& belief,
@@ -138,6 +146,22 @@ void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
   }
 }
 
+void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding, const Belief& belief,
+                          UpdateReport* report) {
+  const Estimate& x = belief.estimate();
+  for (std::size_t i = 0; i < aiding.size(); ++i) {
+    const AidingObservation& seen = aiding[i];
+    batch_.begin_block();
+    const bool valid = linearize(seen.measurement, seen.to_now, x.nav, auxiliary_, x.auxiliary,
+                                 gravity_, {0, belief.layout().auxiliary()}, &aiding_);
+    if (valid) {
+      for (const LinearRow& row : aiding_) batch_.push(row);
+    }
+    const bool used = decide(Model::kAiding, i, valid, belief, report, seen.measurement.name());
+    if (used) used_.push_back({Model::kAiding, i});
+  }
+}
+
 bool ScanRows::add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
                          BlockIndex index) {
   return add(point_, LandmarkPointModel::measurement(d), belief, x, index) &&
@@ -171,10 +195,11 @@ double ScanRows::weigh(double factor) {
 }
 
 bool ScanRows::decide(Model model, std::size_t detection, bool valid, const Belief& belief,
-                      UpdateReport* report) {
+                      UpdateReport* report, const char* name) {
   ModelReport& sums = report->models[static_cast<std::size_t>(model)];
   InnovationRecord record;
   record.model = model;
+  record.name = name;
   record.detection = static_cast<std::uint16_t>(detection);
   if (!valid) {
     record.verdict = Verdict::kOutOfDomain;

@@ -74,7 +74,9 @@ Row row_of(const Odometry& odometry, Time since_start, const Sums& sums) {
   add_vector(&row, "sigma_phi", " [rad]", "%.4e", sigma.segment<3>(body::kAttitude));
   add_vector(&row, "sigma_v", " [m/s]", "%.4e", sigma.segment<3>(body::kVelocity));
   for (std::size_t i = 0; i < kModelCount; ++i) {
-    const std::string name = to_string(static_cast<Model>(i));
+    const auto model = static_cast<Model>(i);
+    if (model == Model::kAiding) continue;  // no other sensor here
+    const std::string name = to_string(model);
     row.push_back({name + " used", std::to_string(sums[i].rows_used), true});
     row.push_back({name + " gated", std::to_string(sums[i].rows_gated), true});
   }

@@ -10,8 +10,11 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 run(${CMAKE_COMMAND} -S ${SOURCE}/test/package/consumer -B ${WORK}/build
-  -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS})
+  -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_CXX_FLAGS=${FLAGS}
+  -DEXAMPLE=${SOURCE}/src/examples/02_new_model)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/link)
 run(${WORK}/build/driver)
 run(${WORK}/build/research)
+run(${WORK}/build/new_model)
+run(${WORK}/build/new_model_test)

@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 #include "support/preintegration_cases.hpp"
 
 namespace rio {

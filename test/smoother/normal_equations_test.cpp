@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "rio/testing/allocation_guard.hpp"
 #include "smoother/linear_window.hpp"
-#include "support/allocation_guard.hpp"
 
 namespace rio::test {
 namespace {

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 #include "support/smoother_flight.hpp"
 
 namespace rio::test {

@@ -11,7 +11,7 @@
 #include "rio/models/rest.hpp"
 #include "rio/models/trail_distance.hpp"
 #include "rio/sim/radar.hpp"
-#include "support/model_suite.hpp"
+#include "rio/testing/model_suite.hpp"
 
 namespace rio::test {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 #include "support/measured.hpp"
 
 namespace rio::ti {

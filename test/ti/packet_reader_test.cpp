@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 #include "ti/reading.hpp"
 
 namespace rio::ti::test {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <random>
 
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 #include "support/measured.hpp"
 #include "ti/reading.hpp"
 

@@ -34,12 +34,15 @@ class Ekf {
     return belief_.propagate(to, imu, gap);
   }
 
+  /// Time of the state that a measurement of that time is kept with.
+  Time anchor(Time /*measured*/) const { return estimate().nav.time; }
+
   /// All landmarks leave.
   void drop_landmarks(UpdateReport* report);
 
   /// The velocity turns out to be another one [m/s, body axes], for `duration` [s]: the position
-  /// follows it, and its covariance admits what the difference does in `doubtful` [s]. The landmarks
-  /// seen meanwhile are dropped. The trails have to go, too.
+  /// follows it, and its covariance admits what the difference does in `doubtful` [s]. The
+  /// landmarks seen meanwhile are dropped. The trails have to go, too.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         double doubtful, UpdateReport* report);
 

@@ -19,9 +19,14 @@
 
 namespace rio {
 
+struct AidingObservation;
+
 /// What one scan contributes; points into the scan and the trails it was made from.
 struct Observations {
-  const DetectionList* scan = nullptr;  ///< its static detections unfolded
+  const DetectionList* scan =
+      nullptr;  ///< its static detections unfolded; null: other sensors only
+  /// What other sensors measured up to its time (update/aiding.hpp); may be null.
+  const std::vector<AidingObservation>* aiding = nullptr;
   const TrailSet* trails = nullptr;
   EgoVelocity ego_velocity;
   AssociationResult matches;

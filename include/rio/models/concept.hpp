@@ -2,7 +2,7 @@
 // Stage 4: what a measurement model is. Written once, it serves every back-end.
 //
 // A model is pure: it evaluates, and does not gate, weight, look up columns, allocate or log.
-//   kModel        its name in the report
+//   kModel        its name in the report; of another sensor than the radar (rio/aiding.hpp): kName
 //   kDim          rows of one measurement
 //   Blocks        BlockList<...> of the state blocks it touches, in Jacobian column order
 //   Measurement   what was measured, with its own noise
@@ -48,7 +48,11 @@ bool evaluate(const M& model, const typename M::Measurement& z,
 template <class M>
 concept MeasurementModel = requires(const M& model, const typename M::Measurement& z,
                                     const typename M::Blocks::Values& blocks, Evaluation<M>* out) {
-  { M::kModel } -> std::convertible_to<Model>;
+  requires requires {
+    { M::kModel } -> std::convertible_to<Model>;
+  } || requires {
+    { M::kName } -> std::convertible_to<const char*>;
+  };
   { M::kDim } -> std::convertible_to<int>;
   { evaluate(model, z, blocks, out) } -> std::same_as<bool>;
 };

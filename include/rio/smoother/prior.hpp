@@ -2,11 +2,12 @@
 // What all marginalised states say about those that are left: a quadratic in the right-invariant
 // error about the point where it was made.
 //
-// cost = xi^T A xi / 2 - g^T xi, xi over [states 0..leading-1 | calibration | landmarks], about x_l
+// cost = xi^T A xi / 2 - g^T xi, xi over [states 0..leading-1 | calibration,
+// auxiliary | landmarks], about x_l
 // (E1) R_0 R_0l^T = Z Exp(tau), Z = Exp(psi e_z), tau_z = 0: the turn of state 0, heading last
 // (E2) state 0  phi = (tau_x, tau_y, psi);  other states  phi = Log(Z^T R R_l^T)
 //      all      eta_p = Z^T p - p_l, eta_v = Z^T v - v_l, biases b - b_l;  landmarks  Z^T l - l_l
-// (E3) T_BS Log(R_l^T R), p - p_l; other calibration c - c_l
+// (E3) T_BS Log(R_l^T R), p - p_l; other calibration and auxiliary states c - c_l
 // (E4) dxi = (I + w e_psi^T) B dx with B by blocks: phi_0 [Jl(tau) e_x, Jl(tau) e_y, e_z]^-1 Z^T R,
 //      phi Jl^-1(phi) Z^T R, eta Z^T;  w: -Jl^-1(phi) e_z at phi, -e_z x (Z^T y) at the eta of y
 // A turn of everything about gravity moves psi and nothing else, a translation moves every eta by
@@ -51,6 +52,9 @@ class Prior {
   /// Every landmark walks by this variance per axis [m^2]: A <- (A^-1 + Q)^-1, some landmarks after
   /// the other by (A^-1 + q E E^T)^-1 = A - A E (I / q + E^T A E)^-1 E^T A, three columns E each.
   void add_landmark_noise(double variance);
+
+  /// The auxiliary states walk for so long [s].
+  void add_auxiliary_noise(const AuxiliaryStates& states, double seconds);
 
   /// Information about a parameter of the calibration, that it is zero, is taken back.
   /// @param column in [newest state | border]
@@ -107,6 +111,7 @@ class Prior {
   Pose T_BS_;
   RadarErrors::Value radar_errors_ = RadarErrors::Value::Zero();
   double time_offset_ = 0.0;
+  AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();
   Eigen::MatrixXd A_;
   Eigen::MatrixXd work_;
   Eigen::VectorXd g_;

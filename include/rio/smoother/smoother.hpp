@@ -44,6 +44,9 @@ class Smoother {
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
+  /// Time of the state that a measurement of that time is kept with: the first one not before it.
+  Time anchor(Time measured) const;
+
   /// All landmarks leave.
   void drop_landmarks(UpdateReport* report);
 
@@ -77,8 +80,12 @@ class Smoother {
   bool append();
   void copy_newest();
 
-  /// What passed the gates becomes factors of the newest state.
+  /// What passed the gates becomes factors of the newest state, of other sensors also of earlier
+  /// ones.
   void take(const Observations& seen);
+  WindowState& keeper(const AidingObservation& aiding);
+  /// Takes back what take() gave to the states.
+  void drop_aiding(const Observations& seen);
 
   /// The belief and the window hold the result.
   bool solve();

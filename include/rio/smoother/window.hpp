@@ -17,6 +17,7 @@
 #include "rio/smoother/imu_factor.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
+#include "rio/update/aiding.hpp"
 
 namespace rio {
 
@@ -50,6 +51,12 @@ struct TrailFactor {
   TrailDistanceModel::Measurement distance;
 };
 
+/// Of another sensor, between the state before and this one.
+struct AidingFactor {
+  AidingMeasurement measurement;
+  MotionSince since;
+};
+
 struct WindowState {
   ScanId scan = kNoScan;
   NavState nav;
@@ -63,6 +70,7 @@ struct WindowState {
   std::vector<DistanceFactor> distances;
   std::vector<PositionFactor> positions;
   std::vector<TrailFactor> trails;
+  std::vector<AidingFactor> aiding;
   std::optional<RestModel::Measurement> rest;
 
   /// How many measurements there are, to come back to.
@@ -99,6 +107,9 @@ class Window {
   void pop_oldest();
   void pop_newest() { --size_; }
 
+  /// Index of the first state not before `time`, size() if there is none.
+  std::size_t first_from(Time time) const;
+
   /// Index of the state of `scan`, or -1.
   int find(ScanId scan) const;
 
@@ -132,6 +143,9 @@ struct WindowLayout {
     return shifted(belief.column<Block>(index));
   }
   int time_offset_column() const { return shifted(belief.time_offset_column()); }
+  AidingColumns aiding_columns() const {
+    return {body::kSize * state, shifted(belief.auxiliary())};
+  }
 
  private:
   int shifted(int column) const { return column < 0 ? -1 : column - body::kSize + border_column(); }

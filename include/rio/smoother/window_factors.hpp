@@ -31,6 +31,9 @@ class WindowFactors {
   /// All that scan k measured by itself.
   double add_scan(std::size_t k, const Estimate& estimate);
 
+  /// All that other sensors measured before state k.
+  double add_aiding(std::size_t k, const Estimate& estimate);
+
   /// Measured by state k; nothing if the past state has left the window.
   double add_trail(std::size_t k, const TrailFactor& f, const Estimate& estimate);
 
@@ -42,6 +45,8 @@ class WindowFactors {
   }
 
   SmootherOptions options_;
+  AuxiliaryStates auxiliary_;
+  double gravity_;
   const Layout& layout_;
   const Window& window_;
   NormalEquations* system_;
@@ -51,6 +56,7 @@ class WindowFactors {
   LandmarkDistanceModel distance_;
   ScanInformation scan_;
   RowBatch row_;
+  AidingRows aiding_;
 };
 
 }  // namespace rio

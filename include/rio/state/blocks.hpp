@@ -52,6 +52,16 @@ struct RadarErrors : VectorBlock<2> {
   static constexpr int kElevation = 1;
 };
 
+/// Base of a state that an extension adds: additive, zero at the start, a random walk. The derived
+/// block declares, as static constexpr members,
+///   const char* kName   unique among the auxiliary states of an estimator
+///   double kSigma       prior, per element [its unit]
+///   double kWalk        density of its random walk, per element [its unit / sqrt(s)]
+/// and takes part in the estimation once Options::auxiliary.declare<Block>() was called.
+struct AuxiliaryBlockBase {};
+template <int kSize>
+struct AuxiliaryBlock : VectorBlock<kSize>, AuxiliaryBlockBase {};
+
 /// The blocks of one model, in the column order of its Jacobian.
 template <class... B>
 struct BlockList {

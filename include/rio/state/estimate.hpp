@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "rio/core/static_vector.hpp"
+#include "rio/state/auxiliary.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/types.hpp"
 
@@ -47,6 +48,7 @@ struct Estimate {
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
   double way = 0.0;                                              ///< flown since the start [m]
   double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
+  AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
   StaticVector<Clone, kMaxClones> clones;  ///< a ring: the newest overwrites the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where each block lives in the error state:
-//   [body 15 | extrinsics 0 or 6 | radar errors 0 or 2 | time offset 0 or 1 | clones 6 N |
-//    landmarks 3 M]
+//   [body 15 | extrinsics 0 or 6 | radar errors 0 or 2 | time offset 0 or 1 | auxiliary states |
+//    clones 6 N | landmarks 3 M]
 //
 // The clone region always has room for N clones; a new clone takes the place of the oldest one, so
 // marginalising a clone moves nothing. Landmarks stand last because their number changes.
@@ -14,11 +14,14 @@ namespace rio {
 
 class Layout {
  public:
-  Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks)
+  /// @param auxiliary elements of the auxiliary states
+  Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks,
+         int auxiliary = 0)
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
         radar_errors_(calibration.doppler_scale_sigma > 0.0 ||
                       calibration.elevation_bias_sigma > 0.0),
         time_offset_(calibration.time_offset_sigma > 0.0),
+        auxiliary_(auxiliary),
         max_clones_(max_clones),
         max_landmarks_(max_landmarks) {}
 
@@ -32,7 +35,9 @@ class Layout {
   int extrinsics() const { return body::kSize; }
   int radar_errors() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
   int time_offset() const { return radar_errors() + (radar_errors_ ? RadarErrors::kDof : 0); }
-  int clone(int slot) const { return time_offset() + (time_offset_ ? 1 : 0) + 6 * slot; }
+  int auxiliary() const { return time_offset() + (time_offset_ ? 1 : 0); }
+  int auxiliary_size() const { return auxiliary_; }
+  int clone(int slot) const { return auxiliary() + auxiliary_ + 6 * slot; }
   int landmark(int index) const { return clone(max_clones_) + 3 * index; }
   int size(int landmarks) const { return landmark(landmarks); }
   int capacity() const { return size(max_landmarks_); }
@@ -55,6 +60,7 @@ class Layout {
   bool extrinsics_;
   bool radar_errors_;
   bool time_offset_;
+  int auxiliary_;
   int max_clones_;
   int max_landmarks_;
 };

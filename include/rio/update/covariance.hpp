@@ -34,8 +34,9 @@ class Covariance {
   Eigen::Ref<Eigen::MatrixXd> matrix() { return P_.topLeftCorner(size_, size_); }
   auto body() const { return P_.topLeftCorner<body::kSize, body::kSize>(); }
 
-  /// Body block and calibration priors; no clones, no landmarks.
-  void reset(const BodyCovariance& P0, const CalibrationOptions& priors);
+  /// Body block and the priors of calibration and auxiliary states; no clones, no landmarks.
+  void reset(const BodyCovariance& P0, const CalibrationOptions& priors,
+             const AuxiliaryStates& auxiliary = {});
 
   /// (E1)
   void propagate(const Matrix15d& phi, const Matrix15d& noise);
@@ -67,6 +68,9 @@ class Covariance {
   void add_landmark_noise(double variance) {
     P_.diagonal().segment(layout_.landmark(0), size_ - layout_.landmark(0)).array() += variance;
   }
+
+  /// The auxiliary states walk for so long [s].
+  void add_auxiliary_noise(const AuxiliaryStates& states, double seconds);
 
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;

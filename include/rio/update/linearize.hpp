@@ -13,6 +13,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "rio/core/whiten.hpp"
 #include "rio/models/concept.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
@@ -122,24 +123,6 @@ auto state_rows(const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...
   };
   return linear_rows<kDim>(J, blocks, {column(std::type_identity<B>{})...},
                            time_derivative<kDim>(J, blocks, x), layout.time_offset_column());
-}
-
-/// r <- L^-1 r, J <- L^-1 J with R = L L^T. Loops, because the solvers of Eigen would be
-/// instantiated for every model.
-template <int kDim, int kDof>
-void whiten(JacobianOf<kDim, kDim> R, ResidualOf<kDim>* r, JacobianOf<kDim, kDof>* J) {
-  for (int i = 0; i < kDim; ++i) {
-    for (int j = 0; j < i; ++j) {
-      for (int k = 0; k < j; ++k) R(i, j) -= R(i, k) * R(j, k);
-      R(i, j) /= R(j, j);
-      R(i, i) -= R(i, j) * R(i, j);
-      (*r)[i] -= R(i, j) * (*r)[j];
-      for (int c = 0; c < kDof; ++c) (*J)(i, c) -= R(i, j) * (*J)(j, c);
-    }
-    R(i, i) = std::sqrt(R(i, i));
-    (*r)[i] /= R(i, i);
-    for (int c = 0; c < kDof; ++c) (*J)(i, c) /= R(i, i);
-  }
 }
 
 /// Model M for z at x; more than one dimension is whitened. False if x is outside its domain.

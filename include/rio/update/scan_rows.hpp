@@ -17,6 +17,7 @@
 #include "rio/models/trail_distance.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
+#include "rio/update/aiding.hpp"
 #include "rio/update/belief.hpp"
 #include "rio/update/gate.hpp"
 #include "rio/update/linearize.hpp"
@@ -41,7 +42,7 @@ class ScanRows {
   /// A measurement that may be used.
   struct Used {
     Model model = Model::kDoppler;
-    std::size_t detection = 0;
+    std::size_t detection = 0;     ///< kAiding: index in Observations::aiding
     std::size_t target = 0;        ///< index of the landmark or of the trail
     ScanId past = 0;               ///< kTrailDistance: which element of the trail
     double variance_factor = 1.0;  ///< by which its variance is multiplied (update/worth.hpp)
@@ -53,6 +54,8 @@ class ScanRows {
 
  private:
   static constexpr double kHere = 0.5;  // "here" at rest: flown since, noise included [m]
+
+  void add_scan(const Observations& seen, const Belief& belief, UpdateReport* report);
 
   void add_rest(const RestModel::Measurement& z, const Belief& belief, const LinearizationPoint& x,
                 UpdateReport* report);
@@ -71,6 +74,10 @@ class ScanRows {
   /// while the position does not change. It stays alive.
   void add_landmarks(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
                      UpdateReport* report);
+
+  /// Of other sensors.
+  void add_aiding(const std::vector<AidingObservation>& aiding, const Belief& belief,
+                  UpdateReport* report);
 
   /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
   bool add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
@@ -94,13 +101,16 @@ class ScanRows {
 
   /// Stage 5: gates the last block, records it, and drops it unless it may be used, which is the
   /// result.
+  /// @param name of the model of another sensor
   bool decide(Model model, std::size_t detection, bool valid, const Belief& belief,
-              UpdateReport* report);
+              UpdateReport* report, const char* name = nullptr);
 
   /// Infinite if the innovation covariance is not positive definite.
   double normalised_innovation_squared(const RowBlock& block);
 
   UpdateOptions options_;
+  AuxiliaryStates auxiliary_;
+  double gravity_;
   double noise_distance_;
   double doppler_grid_;       ///< [m/s]
   double way_at_scan_ = 0.0;  ///< flown at the last scan [m]
@@ -117,6 +127,7 @@ class ScanRows {
   std::vector<Used> used_;
   std::array<DopplerModel::Measurement, kMaxDetections> dopplers_{};
   Covariance::BlockMatrix S_;
+  AidingRows aiding_;
   std::array<bool, kMaxLandmarks> was_used_{};
   std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already in
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Counts heap allocations, those of Eigen included: link test/support/allocation_guard.cpp.
+// Counts heap allocations, those of Eigen included: link rio::testing.
 #pragma once
 
 // A sanitizer owns malloc: g++ tells of it by macros, clang by features.

@@ -7,6 +7,8 @@
 //   static Sample<Model> simulate(sim::Random&, bool noise)   true state, and z from sim/'s
 //   projection static std::optional<Sample<Model>> outside(sim::Random&)  a state outside the
 //   domain, if there is one
+//   static constexpr double kUnit  size of what is measured, for rounding; may be missing: 1
+// and is instantiated in namespace rio::test.
 //
 // The suite itself computes with matrices of any size, which are compiled once for all models.
 #pragma once
@@ -19,7 +21,7 @@
 
 #include "rio/models/concept.hpp"
 #include "rio/sim/random.hpp"
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 
 namespace rio::test {
 
@@ -31,7 +33,16 @@ struct Sample {
 };
 
 template <class Case>
-class ModelSuite : public testing::Test {};
+class ModelSuite : public testing::Test {
+ protected:
+  static constexpr double unit() {
+    if constexpr (requires { Case::kUnit; }) {
+      return Case::kUnit;
+    } else {
+      return 1.0;
+    }
+  }
+};
 
 /// The block values with `error` applied through each block's retraction.
 template <class... B>
@@ -83,9 +94,10 @@ TYPED_TEST_P(ModelSuite, JacobianMatchesCentralDifferences) {
       const Eigen::MatrixXd J = at.J;
       const Eigen::MatrixXd numeric = numeric_jacobian(model, sample, 1e-6);
       // 1e-6 squared times third derivatives, plus rounding 1e-16 / 1e-6
-      EXPECT_LT((J - numeric).cwiseAbs().maxCoeff(), 1e-8) << "analytic\n"
-                                                           << J << "\nnumeric\n"
-                                                           << numeric;
+      EXPECT_LT((J - numeric).cwiseAbs().maxCoeff(), 1e-8 * TestFixture::unit())
+          << "analytic\n"
+          << J << "\nnumeric\n"
+          << numeric;
     }
   }
 }
@@ -97,7 +109,7 @@ TYPED_TEST_P(ModelSuite, ResidualIsZeroAtTruth) {
     const Sample<M> sample = TypeParam::simulate(random, false);
     Evaluation<M> at;
     ASSERT_TRUE(evaluate(TypeParam::model(), sample.z, sample.x, &at));
-    EXPECT_LT(Eigen::VectorXd(at.r).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_LT(Eigen::VectorXd(at.r).cwiseAbs().maxCoeff(), 1e-12 * TestFixture::unit());
   }
 }
 

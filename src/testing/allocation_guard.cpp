@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/allocation_guard.hpp"
+#include "rio/testing/allocation_guard.hpp"
 
 #include <cerrno>
 #include <cstddef>

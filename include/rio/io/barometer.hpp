@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recorded barometer as heights for the estimator (HeightModel in models/aids.hpp).
+#pragma once
+
+#include <vector>
+
+#include "rio/io/dataset.hpp"
+
+namespace rio::io {
+
+/// Heights over that of the mean pressure of the first two seconds.
+struct BarometricHeights {
+  struct Sample {
+    Time time{0};
+    double height = 0.0;  ///< [m]
+  };
+  std::vector<Sample> samples;
+  double sigma = 0.0;  ///< of one, from sample to sample: half the mean squared difference [m]
+};
+
+/// For dry air at 20 degrees; samples that are no positive number are left out.
+BarometricHeights barometric_heights(const std::vector<BaroSample>& baro);
+
+}  // namespace rio::io

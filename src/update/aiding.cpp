@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/aiding.hpp"
+
+#include <algorithm>
+
+#include "rio/propagate/strapdown.hpp"
+
+namespace rio {
+
+MotionSince motion_since(Time from, Time to, const NavState& biases, const ImuBuffer& imu) {
+  NavState moved;
+  moved.gyro_bias = biases.gyro_bias;
+  moved.accel_bias = biases.accel_bias;
+  imu.for_each_step(from, to, [&](const ImuStep& step) { integrate(step, 0.0, moved); });
+  return {to_seconds(to - from), moved.q_WB.toRotationMatrix(), moved.v_WB, moved.p_WB};
+}
+
+bool linearize(const AidingMeasurement& z, const MotionSince& since, const NavState& nav,
+               const AuxiliaryStates& states, const AuxiliaryValues& auxiliary, double gravity,
+               AidingColumns columns, AidingRows* rows) {
+  const double s = since.seconds;
+  const Vector3d g_W(0.0, 0.0, -gravity);
+  AidedState x;
+  x.T_WB.R = nav.q_WB.toRotationMatrix() * since.turn.transpose();
+  x.v_WB = nav.v_WB - s * g_W - x.T_WB.R * since.velocity;
+  x.T_WB.p = nav.p_WB - s * x.v_WB - 0.5 * s * s * g_W - x.T_WB.R * since.position;
+  x.gyro_bias = nav.gyro_bias;
+  x.states = &states;
+  x.auxiliary = &auxiliary;
+  AidingMeasurement::Rows at_its_time;
+  if (!z.evaluate(x, &at_its_time)) return false;
+  const Vector3d turn = quaternion_log(Quaternion(since.turn));
+  const Matrix3d by_bias = s * gamma(1, turn);
+  const Matrix3d v_by_phi = x.T_WB.R * skew(since.velocity);
+  const Matrix3d p_by_phi = x.T_WB.R * skew(since.position);
+  const int size = states.size();
+  rows->clear();
+  for (int i = 0; i < at_its_time.count; ++i) {
+    const Eigen::Matrix<double, AidingMeasurement::kColumns, 1> J =
+        at_its_time.J.row(i).transpose();
+    const Vector3d p = J.segment<3>(body::kPosition);
+    const Vector3d v = J.segment<3>(body::kVelocity) - s * p;
+    const Vector3d by_u = v_by_phi.transpose() * v;
+    const Vector3d by_w = p_by_phi.transpose() * p;
+    const Vector3d phi = J.segment<3>(body::kAttitude) + by_u + by_w;
+    const Vector3d bias =
+        J.segment<3>(body::kGyroBias) + by_bias.transpose() * phi - s * (by_u / 2.0 + by_w / 3.0);
+    LinearRow row;
+    row.residual = at_its_time.r[i];
+    row.variance = 1.0;
+    row.segments[0] = {columns.body, AidingMeasurement::kBody};
+    row.segment_count = 1;
+    const auto put = [&row](int at, const Vector3d& h) {
+      std::copy(h.data(), h.data() + 3, row.h.begin() + at);
+    };
+    put(body::kAttitude, since.turn.transpose() * phi);
+    put(body::kPosition, p);
+    put(body::kVelocity, v);
+    put(body::kGyroBias, bias);
+    if (size > 0) {
+      row.segments[row.segment_count++] = {columns.auxiliary, size};
+      for (int k = 0; k < size; ++k) {
+        row.h[static_cast<std::size_t>(AidingMeasurement::kBody + k)] =
+            J[AidingMeasurement::kBody + k];
+      }
+    }
+    rows->push_back(row);
+  }
+  return true;
+}
+
+}  // namespace rio

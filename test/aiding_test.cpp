@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Other sensors beside the radar, through door 1, with either back-end.
+#include "rio/aiding.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "experiment/trial.hpp"
+#include "rio/models/aids.hpp"
+#include "rio/sim/random.hpp"
+#include "rio/testing/allocation_guard.hpp"
+#include "support/measured.hpp"
+
+namespace rio::test {
+namespace {
+
+using experiment::options_for;
+using std::chrono::milliseconds;
+
+/// What the aids of one instant add, if any.
+using Aids = std::function<void(Odometry&, const NavState& truth, sim::Random&)>;
+
+/// Position errors and normalised errors at the scans.
+struct Errors {
+  double square = 0.0;
+  double height_square = 0.0;
+  double nees = 0.0;  ///< of the position, summed, divided by its dimension
+  double last = 0.0;  ///< [m]
+  int steps = 0;
+  double rms() const { return std::sqrt(square / steps); }
+  double rms_height() const { return std::sqrt(height_square / steps); }
+  double mean_nees() const { return nees / steps; }
+};
+
+class AidingTest : public testing::TestWithParam<BackEnd> {
+ protected:
+  /// A sparse radar, so that there is something to gain.
+  static const sim::Flight& flight() {
+    static const sim::Flight flight = [] {
+      sim::Scenario o;
+      o.seed = 8;
+      o.path.length = 80.0;
+      o.max_duration = 60.0;
+      o.radar.max_static = 6;
+      o.radar.threshold_db = 13.0;
+      return sim::simulate_flight(o);
+    }();
+    return flight;
+  }
+  static Options options() {
+    Options o = options_for(flight(), "default");
+    o.backend = GetParam();
+    return o;
+  }
+  /// Flies with the aids every `period` from `late` after they were measured.
+  Errors fly(const Options& options, const Aids& aids, Time period = milliseconds(40),
+             Time delay = Time{0}, std::pair<double, double> blind = {1e9, 1e9}) {
+    odometry = Odometry::create(options);
+    sim::Random random(4);
+    Errors e;
+    std::size_t scan = 0;
+    const Time start = flight().imu.front().time;
+    Time next = start + period / 2;
+    nis = rows = 0.0;
+    gated = 0;
+    std::uint64_t done = 0;
+    for (const ImuSample& sample : flight().imu) {
+      EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
+      for (; next + delay <= sample.time; next += period) {
+        if (odometry->initialized()) aids(*odometry, flight().truth_at(next), random);
+      }
+      while (scan < flight().scans.size() && flight().arrivals[scan] <= sample.time) {
+        const double t = to_seconds(flight().scans[scan].time - start);
+        if (t < blind.first || t > blind.second) {
+          (void)odometry->add_scan(flight().scans[scan]);
+        }
+        ++scan;
+      }
+      if (odometry->counters().scans == done) continue;
+      done = odometry->counters().scans;
+      add_step(&e);
+    }
+    return e;
+  }
+  void add_step(Errors* e) {
+    const NavState& x = odometry->at_scan();
+    const Vector3d error = x.p_WB - flight().truth_at(x.time).p_WB;
+    const Matrix3d P = odometry->covariance().block<3, 3>(body::kPosition, body::kPosition);
+    e->square += error.squaredNorm();
+    e->height_square += error.z() * error.z();
+    e->nees += error.dot(P.inverse() * error) / 3.0;
+    e->last = error.norm();
+    ++e->steps;
+    for (const InnovationRecord& record : odometry->report().records) {
+      if (record.model != Model::kAiding) continue;
+      gated += record.verdict == Verdict::kUsed ? 0 : 1;
+      if (record.verdict != Verdict::kUsed) continue;
+      nis += record.nis;
+      rows += record.dof;
+    }
+  }
+
+  std::unique_ptr<Odometry> odometry;
+  double nis = 0.0;   ///< of the aids used, summed
+  double rows = 0.0;  ///< of them
+  int gated = 0;
+};
+
+const Aids kNone = [](Odometry&, const NavState&, sim::Random&) {};
+
+/// A barometer whose offset is 0.7 m and drifts.
+struct Barometer {
+  double offset = 0.7;
+  double walk = 0.02;  // [m/sqrt(s)]
+  double sigma = 0.15;
+  void operator()(Odometry& o, const NavState& x, sim::Random& random) {
+    offset += walk * std::sqrt(0.04) * random.normal();
+    const double height = x.p_WB.z() + offset + sigma * random.normal();
+    EXPECT_EQ(o.add_measurement({x.time, HeightModel{}, {height, sigma}}), Status::kWaiting);
+  }
+};
+
+TEST_P(AidingTest, ABarometerWithItsOffset) {
+  Options o = options();
+  const Errors alone = fly(o, kNone);
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>());
+  Barometer barometer;
+  const Errors aided = fly(o, std::ref(barometer));
+  const auto offset = auxiliary<HeightOffset>(*odometry);
+  ASSERT_TRUE(offset);
+  const double sigma = std::sqrt(offset->covariance(0, 0));
+  EXPECT_LT(sigma, 0.3 * HeightOffset::kSigma);
+  EXPECT_LT(std::abs(offset->value[0] - barometer.offset), 3.0 * sigma);
+  EXPECT_GT(rows, 500.0);
+  EXPECT_NEAR(nis / rows, 1.0, 0.2);
+  EXPECT_LT(gated, 0.02 * rows);
+  EXPECT_LT(aided.rms_height(), 1.05 * alone.rms_height());
+  const char* name = GetParam() == BackEnd::kEkf ? "filter" : "window";
+  measured(std::string("barometer, ") + name + ": height RMS over that without",
+           aided.rms_height() / alone.rms_height(), "<= 1.05");
+  measured(std::string("barometer, ") + name + ": NIS a row", nis / rows, "1 +- 0.2");
+}
+
+int absurd = 0;  // of the positions below
+
+/// Positions of motion capture or GNSS, some of them absurd.
+const Aids kPosition = [](Odometry& o, const NavState& x, sim::Random& random) {
+  constexpr double kSigma = 0.1;
+  PositionModel::Measurement z;
+  z.lever_B = {0.1, 0.0, 0.2};
+  z.covariance_W = kSigma * kSigma * Matrix3d::Identity();
+  const Vector3d noise(random.normal(), random.normal(), random.normal());
+  z.p_W = x.p_WB + x.q_WB * z.lever_B + kSigma * noise;
+  if (random.uniform(0.0, 1.0) < 0.05) {
+    z.p_W.x() += 20.0;
+    ++absurd;
+  }
+  EXPECT_EQ(o.add_measurement({x.time, PositionModel{}, z}), Status::kWaiting);
+};
+
+TEST_P(AidingTest, PositionBoundsTheErrorAndAbsurdOnesAreGated) {
+  absurd = 0;
+  const Errors aided = fly(options(), kPosition, milliseconds(200));
+  EXPECT_LT(aided.rms(), 0.08);
+  EXPECT_NEAR(nis / rows, 1.0, 0.2);
+  EXPECT_GT(absurd, 5);
+  EXPECT_GE(gated, absurd - 1);  // the last one may wait
+  EXPECT_LE(gated, absurd + 0.03 * rows / 3.0);
+  EXPECT_LT(aided.mean_nees(), 2.5);
+}
+
+TEST_P(AidingTest, AnAidIsLostAndComesBack) {
+  const Time start = flight().imu.front().time;
+  const Aids with_a_loss = [&](Odometry& o, const NavState& x, sim::Random& random) {
+    const double t = to_seconds(x.time - start);
+    if (t < 15.0 || t > 35.0) kPosition(o, x, random);
+  };
+  const Errors aided = fly(options(), with_a_loss, milliseconds(200));
+  EXPECT_LT(aided.last, 0.2);
+  EXPECT_LT(aided.rms(), 0.2);
+}
+
+TEST_P(AidingTest, HeadingAndVelocity) {
+  const Aids aids = [](Odometry& o, const NavState& x, sim::Random& random) {
+    const Matrix3d R = x.q_WB.toRotationMatrix();
+    const double heading = std::atan2(R(1, 0), R(0, 0)) + 0.005 * random.normal();
+    EXPECT_EQ(o.add_measurement({x.time, HeadingModel{}, {heading, 0.005}}), Status::kWaiting);
+    const Vector3d noise(random.normal(), random.normal(), random.normal());
+    BodyVelocityModel::Measurement v;
+    v.covariance_B = 4e-4 * Matrix3d::Identity();
+    v.v_B = x.q_WB.conjugate() * x.v_WB + 0.02 * noise;
+    EXPECT_EQ(o.add_measurement({x.time, BodyVelocityModel{}, v}), Status::kWaiting);
+    EXPECT_EQ(o.add_measurement({x.time,
+                                 WorldVelocityModel{},
+                                 {x.v_WB + 0.02 * noise.reverse(), 4e-4 * Matrix3d::Identity()}}),
+              Status::kWaiting);
+  };
+  const Errors alone = fly(options(), kNone);
+  const Errors aided = fly(options(), aids, milliseconds(100));
+  EXPECT_LT(aided.rms(), alone.rms());
+  EXPECT_NEAR(nis / rows, 1.0, 0.2);
+  const NavState& x = odometry->at_scan();
+  const double turn = (flight().truth_at(x.time).q_WB.conjugate() * x.q_WB).vec().norm() * 2.0;
+  EXPECT_LT(turn, 0.01);
+}
+
+TEST_P(AidingTest, WhileTheRadarIsSilentTheyCountAlone) {
+  const Errors blind = fly(options(), kNone, milliseconds(200), Time{0}, {20.0, 40.0});
+  const Errors aided = fly(options(), kPosition, milliseconds(200), Time{0}, {20.0, 40.0});
+  EXPECT_LT(aided.rms(), 0.1);
+  EXPECT_GT(blind.rms(), aided.rms());
+}
+
+TEST_P(AidingTest, LateOnesGoWhereTheyBelong) {
+  Options o = options();
+  const Errors in_time = fly(o, kPosition, milliseconds(200));
+  const Errors refused = fly(
+      o,
+      [&](Odometry& odo, const NavState& x, sim::Random&) {
+        PositionModel::Measurement z;
+        z.p_W = x.p_WB;
+        const Status status = odo.add_measurement({x.time, PositionModel{}, z});
+        EXPECT_EQ(status, x.time < odo.at_scan().time ? Status::kLate : Status::kWaiting);
+      },
+      milliseconds(200), milliseconds(300));
+  (void)refused;
+  EXPECT_GT(odometry->counters().aiding_late, 100U);
+  o.timing.aiding_delay = 0.5;
+  const Errors late = fly(o, kPosition, milliseconds(200), milliseconds(300));
+  EXPECT_EQ(odometry->counters().aiding_late, 0U);
+  EXPECT_LT(late.rms(), 1.3 * in_time.rms());
+  EXPECT_NEAR(nis / rows, 1.0, 0.2);
+}
+
+TEST_P(AidingTest, WhatIsRefusedSaysWhy) {
+  Options o = options();
+  odometry = Odometry::create(o);
+  const AidingMeasurement height(Time{0}, HeightModel{}, {1.0, 1.0});
+  EXPECT_EQ(odometry->add_measurement(height), Status::kNotInitialized);
+  o.start.static_alignment = false;
+  odometry = Odometry::create(o);
+  ASSERT_EQ(odometry->reset(flight().truth.front(), 1e-4 * BodyCovariance::Identity()),
+            Status::kOk);
+  const Time now = odometry->at_scan().time;
+  EXPECT_EQ(odometry->add_measurement({now, HeightModel{}, {1.0, 1.0}}), Status::kUndeclared);
+  EXPECT_FALSE(auxiliary<HeightOffset>(*odometry));
+  const auto at = [](Time time) { return AidingMeasurement(time, PositionModel{}, {}); };
+  EXPECT_EQ(odometry->add_measurement(at(now - milliseconds(1))), Status::kLate);
+  EXPECT_EQ(odometry->add_measurement(at(now + std::chrono::hours(1))), Status::kAhead);
+  EXPECT_EQ(odometry->add_measurement(at(Time::max())), Status::kAhead);
+  EXPECT_EQ(odometry->add_measurement(at(Time::min())), Status::kLate);
+  for (int i = 0; i < 256; ++i) {
+    EXPECT_EQ(odometry->add_measurement(at(now + milliseconds(1))), Status::kWaiting);
+  }
+  EXPECT_EQ(odometry->add_measurement(at(now + milliseconds(1))), Status::kQueueFull);
+  EXPECT_EQ(odometry->counters().aiding, 256U);
+  EXPECT_EQ(odometry->counters().aiding_late, 2U);
+  EXPECT_EQ(odometry->counters().aiding_ahead, 2U);
+  EXPECT_EQ(odometry->counters().aiding_overflow, 1U);
+}
+
+TEST_P(AidingTest, ADeclaredStateThatNothingMeasuresChangesNothing) {
+  Options o = options();
+  const Errors without = fly(o, kNone);
+  const Vector3d end = odometry->at_scan().p_WB;
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>());
+  const Errors with = fly(o, kNone);
+  EXPECT_EQ(with.steps, without.steps);
+  EXPECT_LT((odometry->at_scan().p_WB - end).norm(), 1e-6);
+  const auto offset = auxiliary<HeightOffset>(*odometry);
+  ASSERT_TRUE(offset);
+  EXPECT_EQ(offset->value[0], 0.0);
+  EXPECT_GE(offset->covariance(0, 0), HeightOffset::kSigma * HeightOffset::kSigma);
+}
+
+TEST_P(AidingTest, OptionsOfAStateAreChecked) {
+  Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>(-1.0));
+  std::string why;
+  EXPECT_EQ(Odometry::create(o, &why), nullptr);
+  EXPECT_NE(why.find("height_offset"), std::string::npos) << why;
+}
+
+TEST_P(AidingTest, AllocatesNothing) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
+  Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>());
+  o.timing.aiding_delay = 0.2;
+  odometry = Odometry::create(o);
+  std::size_t scan = 0;
+  const AllocationGuard guard;
+  for (std::size_t i = 0; i < 4000; ++i) {
+    const Time time = flight().imu[i].time;
+    (void)odometry->add_imu(flight().imu[i]);
+    (void)odometry->add_measurement({time - milliseconds(100), HeightModel{}, {1.0, 1.0}});
+    while (flight().scans[scan].time <= time) (void)odometry->add_scan(flight().scans[scan++]);
+  }
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(odometry->counters().aiding, 1000U);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, AidingTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
+                         [](const auto& instance) {
+                           return instance.param == BackEnd::kEkf ? "Ekf" : "Smoother";
+                         });
+
+}  // namespace
+}  // namespace rio::test
