@@ -22,22 +22,25 @@
 
 namespace rio {
 
-/// Filtered scans that wait for the IMU, oldest first. Few, so insertion shifts.
+/// Filtered scans that wait for the IMU or for other radars, oldest first. Few, so insertion
+/// shifts.
 class ScanQueue {
  public:
-  explicit ScanQueue(int capacity) : scans_(static_cast<std::size_t>(capacity)) {}
+  explicit ScanQueue(std::size_t capacity) : scans_(capacity), due_(capacity) {}
 
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == scans_.size(); }
   std::size_t size() const { return size_; }
   void clear() { size_ = 0; }
   const DetectionList& front() const { return scans_[0]; }
-  bool contains(Time time) const;
-  void insert(const DetectionList& scan);
+  bool contains(Time time, std::size_t radar) const;
+  /// @param measured by which they are ordered
+  void insert(const DetectionList& scan, Time measured);
   void pop_front();
 
  private:
   std::vector<DetectionList> scans_;
+  std::vector<Time> due_;
   std::size_t size_ = 0;
 };
 
@@ -66,8 +69,8 @@ class Engine final : public Odometry::Impl {
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
         restart_(o.start, o.imu.gravity),
-        queue_(o.timing.scan_queue) {
-    extrinsics = o.radar.T_BS;
+        queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars()) {
+    for (std::size_t r = 0; r < o.radars(); ++r) extrinsics[r] = o.mount(r).T_BS;
   }
 
   const NavState& at_scan() const override { return pipeline_.estimate().nav; }
@@ -113,26 +116,25 @@ class Engine final : public Odometry::Impl {
     imu_.push_back(sample);
     if (!initialized) return options_.start.static_alignment ? align(sample) : Status::kOk;
     predictor_.advance(imu_);
-    while (!queue_.empty() && pipeline_.measured_at(queue_.front().time) <= sample.time) {
-      process(queue_.front());
-      queue_.pop_front();
-    }
+    process_ready();
     catch_up(sample.time - from_seconds(options_.timing.max_lag));
     if (sample.time >= watched_ + kWatch) watch(Time{0});
     recover_tilt(sample);
     return Status::kOk;
   }
 
-  Status add_scan(const RadarScan& scan) override {
+  Status add_scan(const RadarScan& scan, std::size_t radar) override {
+    if (radar >= options_.radars()) return Status::kUndeclared;
     if (!initialized) {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
     }
-    if ((has_scan_ && scan.time == last_scan_) || queue_.contains(scan.time)) {
+    OfRadar& own = radars_[radar];
+    if ((own.has_scan && scan.time == own.last_scan) || queue_.contains(scan.time, radar)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
-    if (is_late(scan.time)) {
+    if (is_late(scan.time, radar)) {
       ++counters.scans_late;
       return Status::kLate;
     }
@@ -141,27 +143,35 @@ class Engine final : public Odometry::Impl {
       return Status::kAhead;
     }
     filter_detections(scan, options_.radar, options_.frontend.max_detections, filtered_);
+    filtered_.radar = radar;
     counters.detections_non_finite += static_cast<std::uint64_t>(filtered_.non_finite);
     if (filtered_.received > 0 && filtered_.non_finite == filtered_.received) {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
-    if (is_repeated()) {
+    if (is_repeated(own)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
-    if (imu_.empty() || pipeline_.measured_at(scan.time) > imu_.newest().time) {
-      if (!imu_.empty() && imu_.is_gap(imu_.newest(), {scan.time, {}, {}})) {
-        watch(scan.time - imu_.newest().time);
-      }
-      if (queue_.full()) {
-        ++counters.scans_overflow;
-        return Status::kQueueFull;
-      }
-      queue_.insert(filtered_);
-      return Status::kWaiting;
+    const Time measured = pipeline_.measured_at(scan.time, radar);
+    own.newest = std::max(own.newest, measured);
+    if (!imu_.empty()) own.heard = imu_.newest().time;
+    const bool next = queue_.empty() || options_.radars() == 1;
+    if (next && is_ready(measured, radar)) {
+      const Status status = process(filtered_);
+      process_ready();
+      return status;
     }
-    return process(filtered_);
+    if (!imu_.empty() && imu_.is_gap(imu_.newest(), {scan.time, {}, {}})) {
+      watch(scan.time - imu_.newest().time);
+    }
+    if (queue_.full()) {
+      ++counters.scans_overflow;
+      return Status::kQueueFull;
+    }
+    queue_.insert(filtered_, measured);
+    process_ready();  // another radar may have waited for it
+    return queue_.contains(scan.time, radar) ? Status::kWaiting : pipeline_.report().status;
   }
 
   Status add_measurement(const AidingMeasurement& z) override {
@@ -210,9 +220,8 @@ class Engine final : public Odometry::Impl {
     pipeline_.reset(start, P0);
     restart_.reset();
     counters = Counters{};
-    queue_.clear();
-    has_scan_ = false;
-    fingerprint_ = 0;
+    forget_scans();
+    for (OfRadar& own : radars_) own.fingerprint = 0;
     initialized = true;
     publish();
     return Status::kOk;
@@ -226,27 +235,69 @@ class Engine final : public Odometry::Impl {
     aligner_.reset();
     moving_start_.reset();
     restart_.reset();
-    queue_.clear();
+    forget_scans();
     counters = Counters{};
-    has_scan_ = false;
     pipeline_.reset(NavState{}, BodyCovariance::Zero());
     publish();
   }
 
  private:
+  /// What is known of one radar's scans.
+  struct OfRadar {
+    Time last_scan{0};  ///< stamp of the last one processed
+    bool has_scan = false;
+    Time newest{0};                 ///< measurement time of the newest one taken
+    Time heard{0};                  ///< newest sample of the IMU then, or at the start
+    std::uint64_t fingerprint = 0;  ///< of the last scan taken or repeated
+  };
+
+  void forget_scans() {
+    queue_.clear();
+    for (OfRadar& own : radars_) {
+      own.has_scan = false;
+      own.newest = Time{0};
+      own.heard = imu_.empty() ? Time{0} : imu_.newest().time;
+    }
+  }
+
   /// The filtered scan is the one before it again: noise alone makes each another one. At rest all
   /// Dopplers of a coarse grid may be zero.
-  bool is_repeated() {
-    const std::uint64_t before = std::exchange(fingerprint_, fingerprint(filtered_));
-    return fingerprint_ != 0 && fingerprint_ == before;
+  bool is_repeated(OfRadar& own) {
+    const std::uint64_t before = std::exchange(own.fingerprint, fingerprint(filtered_));
+    return own.fingerprint != 0 && own.fingerprint == before;
+  }
+
+  /// The IMU has reached it, and no other radar can have an earlier one: each has sent a later one,
+  /// or has had the time for it, or is silent.
+  bool is_ready(Time measured, std::size_t radar) const {
+    if (imu_.empty() || measured > imu_.newest().time) return false;
+    const Time now = imu_.newest().time;
+    if (now - measured >= from_seconds(options_.timing.scan_wait)) return true;
+    for (std::size_t r = 0; r < options_.radars(); ++r) {
+      if (r != radar && radars_[r].newest < measured && now - radars_[r].heard < kSilent) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void process_ready() {
+    while (!queue_.empty()) {
+      const DetectionList& next = queue_.front();
+      if (!is_ready(pipeline_.measured_at(next.time, next.radar), next.radar)) return;
+      process(next);
+      queue_.pop_front();
+    }
   }
 
   /// Measured before the estimate. Not if it follows the last scan and only a better time offset
   /// has overtaken it.
-  bool is_late(Time stamp) const {
+  bool is_late(Time stamp, std::size_t radar) const {
     if (!is_stamp(stamp)) return stamp < Time{0};
-    const bool follows = has_scan_ && stamp > last_scan_ && at_scan().time == last_scan_estimate_;
-    return !follows && pipeline_.measured_at(stamp) < at_scan().time;
+    const OfRadar& own = radars_[radar];
+    const bool follows = own.has_scan && radar == last_radar_ && stamp > own.last_scan &&
+                         at_scan().time == last_scan_estimate_;
+    return !follows && pipeline_.measured_at(stamp, radar) < at_scan().time;
   }
 
   /// Not worth waiting for.
@@ -295,8 +346,7 @@ class Engine final : public Odometry::Impl {
   /// Starts over from there; the scans that wait are of another time.
   void hold(const NavState& state, const BodyCovariance& P) {
     counters.scans_late += queue_.size();
-    queue_.clear();
-    has_scan_ = false;
+    forget_scans();
     restart_.reset();
     pipeline_.reset(state, P);
     publish();
@@ -311,6 +361,7 @@ class Engine final : public Odometry::Impl {
     }
     if (alignment) {
       pipeline_.reset(alignment->state, alignment->covariance);
+      forget_scans();
       initialized = true;
       publish();
     }
@@ -318,8 +369,9 @@ class Engine final : public Odometry::Impl {
   }
 
   Status process(const DetectionList& scan) {
-    last_scan_ = scan.time;
-    has_scan_ = true;
+    radars_[scan.radar].last_scan = scan.time;
+    radars_[scan.radar].has_scan = true;
+    last_radar_ = scan.radar;
     const Status status = pipeline_.process(scan, imu_);
     last_scan_estimate_ = at_scan().time;
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
@@ -364,14 +416,17 @@ class Engine final : public Odometry::Impl {
   /// Refreshes what the accessors return and forgets the samples behind the estimate.
   void publish() {
     covariance = pipeline_.backend().belief().covariance().body();
-    extrinsics = pipeline_.estimate().T_BS;
+    for (std::size_t r = 0; r < options_.radars(); ++r) {
+      extrinsics[r] = pipeline_.estimate().of_radar(r).T_BS;
+    }
     imu_.forget_before(at_scan().time - from_seconds(options_.timing.aiding_delay));
     predictor_.rebase(at_scan(), imu_);
     ahead_ = Propagation{};
     ahead_.state = at_scan();
   }
 
-  static constexpr Time kWatch = std::chrono::milliseconds(50);  // silence is told in time
+  static constexpr Time kSilent = std::chrono::milliseconds(500);  // not waited for any more
+  static constexpr Time kWatch = std::chrono::milliseconds(50);    // silence is told in time
 
   Options options_;
   Pipeline<Estimator> pipeline_;
@@ -386,11 +441,10 @@ class Engine final : public Odometry::Impl {
   Restart restart_;
   ScanQueue queue_;
   DetectionList filtered_;
-  Time last_scan_{0};           ///< its stamp
+  std::array<OfRadar, kMaxRadars> radars_;
+  std::size_t last_radar_ = 0;  ///< whose scan was processed last
   Time last_scan_estimate_{0};  ///< the time of the estimate after it
-  bool has_scan_ = false;
-  std::uint64_t fingerprint_ = 0;  ///< of the last scan taken or repeated
-  Time watched_{0};                ///< the health was last judged between scans
+  Time watched_{0};             ///< the health was last judged between scans
 };
 
 }  // namespace rio

@@ -2,6 +2,7 @@
 // Door 1.
 #include "rio/rio.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "odometry_impl.hpp"
@@ -21,8 +22,8 @@ Odometry::~Odometry() = default;
 Status Odometry::add_imu(const ImuSample& sample) noexcept {
   return impl_->add_imu(sample);
 }
-Status Odometry::add_scan(const RadarScan& scan) noexcept {
-  return impl_->add_scan(scan);
+Status Odometry::add_scan(const RadarScan& scan, std::size_t radar) noexcept {
+  return impl_->add_scan(scan, radar);
 }
 Status Odometry::add_measurement(const AidingMeasurement& measurement) noexcept {
   return impl_->add_measurement(measurement);
@@ -55,8 +56,8 @@ const BodyCovariance& Odometry::covariance_now() const noexcept {
 const Health& Odometry::health() const noexcept {
   return impl_->health();
 }
-const Pose& Odometry::extrinsics() const noexcept {
-  return impl_->extrinsics;
+const Pose& Odometry::extrinsics(std::size_t radar) const noexcept {
+  return impl_->extrinsics[std::min(radar, impl_->extrinsics.size() - 1)];
 }
 const UpdateReport& Odometry::report() const noexcept {
   return impl_->report();

@@ -2,6 +2,7 @@
 // What door 1 keeps hidden.
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "rio/rio.hpp"
@@ -12,7 +13,7 @@ namespace rio {
 struct Odometry::Impl {
   virtual ~Impl() = default;
   virtual Status add_imu(const ImuSample& sample) = 0;
-  virtual Status add_scan(const RadarScan& scan) = 0;
+  virtual Status add_scan(const RadarScan& scan, std::size_t radar) = 0;
   virtual Status add_measurement(const AidingMeasurement& measurement) = 0;
   virtual bool auxiliary(const char* name, double* value, double* covariance) const = 0;
   virtual Status reset(const NavState& prior, const BodyCovariance& P0) = 0;
@@ -24,7 +25,7 @@ struct Odometry::Impl {
   virtual const BodyCovariance& covariance_now() = 0;
 
   BodyCovariance covariance = BodyCovariance::Zero();
-  Pose extrinsics;
+  std::array<Pose, 1 + Options::kMaxOtherRadars> extrinsics;
   Counters counters;
   bool initialized = false;
 };

@@ -216,6 +216,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "The estimate follows the IMU at most this far behind.");
   field("timing.max_ahead", o.timing.max_ahead, "s", 0.01, 60,
         "A scan farther ahead of the IMU is not waited for.");
+  field("timing.scan_wait", o.timing.scan_wait, "s", 0, 1,
+        "Of several radars: a scan is held back so long for an earlier one of another radar.");
   field("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
         "A longer pause of the IMU is a jump of its clock.");
   field("timing.aiding_delay", o.timing.aiding_delay, "s", 0, 2,

@@ -211,6 +211,8 @@ struct TimingOptions {
   double max_lag = 1.0;   ///< the estimate follows the IMU at most this far behind [s]
   /// A scan stamped farther ahead of the newest IMU sample than this is not waited for [s].
   double max_ahead = 1.0;
+  /// Of several radars: a scan is held back so long for an earlier one of another radar [s].
+  double scan_wait = 0.1;
   /// A longer pause of the IMU is none: its clock has jumped (propagate/stamp_guard.hpp) [s].
   double max_pause = 10.0;
   /// An aiding measurement may come so long after the estimate has passed its time: the IMU samples
@@ -218,6 +220,13 @@ struct TimingOptions {
   double aiding_delay = 0.0;
   /// For profiling only: if given, the time spent is reported in UpdateReport. Not a file option.
   Time (*clock)() = nullptr;
+};
+
+/// What tells one radar from another of the same kind and configuration.
+struct RadarMount {
+  Pose T_BS;                   ///< pose of the radar in the body frame
+  double time_offset = 0.0;    ///< as RadarOptions::time_offset [s]
+  double doppler_scale = 0.0;  ///< as RadarOptions::doppler_scale
 };
 
 /// All of it. Obtain one from a preset, change fields, pass it to Odometry::create.
@@ -231,8 +240,19 @@ struct Options {
   SmootherOptions smoother;
   StartOptions start;
   TimingOptions timing;
+  /// The second, third and fourth radar (Odometry::add_scan), all with the noise, limits and field
+  /// of view of `radar`. Not a file option: `radar1`, ... of a dataset.
+  static constexpr std::size_t kMaxOtherRadars = 3;
+  StaticVector<RadarMount, kMaxOtherRadars> other_radars;
   /// What extensions estimate beside (rio/aiding.hpp). Not a file option.
   AuxiliaryStates auxiliary;
+
+  std::size_t radars() const { return 1 + other_radars.size(); }
+  /// Of radar 0, 1, ...
+  RadarMount mount(std::size_t r) const {
+    if (r > 0) return other_radars[r - 1];
+    return {radar.T_BS, radar.time_offset, radar.doppler_scale};
+  }
 
   /// True when every value is inside its documented range and the set is coherent; otherwise false
   /// and, if `why` is given, one sentence naming the first offending key.

@@ -34,7 +34,7 @@ class Pipeline {
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
       : options_(options),
-        frontend_(options),
+        frontends_(options.radars(), Frontend(options)),
         pool_(options),
         gravity_(options),
         rest_(options),
@@ -55,7 +55,7 @@ class Pipeline {
   const Health& health() const { return health_.health(); }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
-    frontend_.reset();
+    reset_frontends();
     pool_.reset(prior.time);
     gravity_.reset(prior.time);
     rest_.reset();
@@ -70,7 +70,9 @@ class Pipeline {
   }
 
   /// When a scan with that stamp was measured, as far as is known.
-  Time measured_at(Time stamp) const { return stamp - from_seconds(estimate().time_offset); }
+  Time measured_at(Time stamp, std::size_t radar = 0) const {
+    return stamp - from_seconds(estimate().of_radar(radar).time_offset);
+  }
 
   /// The tilt is more uncertain than a linearisation carries; without velocity_recovery updates
   /// go on nevertheless.
@@ -131,9 +133,11 @@ class Pipeline {
   Status process(const DetectionList& received, const ImuBuffer& imu) {
     report_ = UpdateReport{};
     report_.time = received.time;
+    report_.radar = received.radar;
+    backend_.select_radar(received.radar);
     const Time start = now();
     const Time last = estimate().nav.time;
-    const Time measured = std::max(measured_at(received.time), last);
+    const Time measured = taken_at(received, last);
     while (waiting_.size() > kMaxAiding && waiting_[kMaxAiding].time() <= measured) {
       (void)process_aiding(waiting_[kMaxAiding - 1].time(), imu);
     }
@@ -152,7 +156,7 @@ class Pipeline {
     seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
-      frontend_.advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
+      frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
       backend_.clone(next_scan_);  // (2)
       ++next_scan_;
@@ -164,6 +168,21 @@ class Pipeline {
 
  private:
   Time now() const { return options_.timing.clock != nullptr ? options_.timing.clock() : Time{0}; }
+
+  /// When a scan counts as measured: not before the estimate, and with it if another radar's scan
+  /// was taken so shortly before that the IMU has nothing to say in between.
+  Time taken_at(const DetectionList& scan, Time estimate_time) const {
+    constexpr Time kTogether = std::chrono::milliseconds(2);
+    const Time measured = measured_at(scan.time, scan.radar);
+    const bool together = options_.radars() > 1 && measured - estimate_time < kTogether;
+    return together ? estimate_time : std::max(measured, estimate_time);
+  }
+
+  /// That of the radar whose scan is at hand.
+  Frontend& frontend() { return frontends_[estimate().radar]; }
+  void reset_frontends() {
+    for (Frontend& frontend : frontends_) frontend.reset();
+  }
 
   /// The oldest of those that wait, measured up to `time`, with what the IMU says of the time
   /// since.
@@ -201,7 +220,7 @@ class Pipeline {
         std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
     if (time - last_told_ > kLongest || (report_.imu_gap && turn > kTurn)) {
       backend_.drop_landmarks(&report_);
-      frontend_.reset();
+      reset_frontends();
     }
   }
 
@@ -219,7 +238,7 @@ class Pipeline {
       replaced_ = Replaced{x.nav.time, last};
     }
     const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
-    frontend_.observe(scan, x, &seen_, velocity_covariance);
+    frontend().observe(scan, x, &seen_, velocity_covariance);
     const auto down =
         gravity_.observe(seen_, x, backend_.belief().covariance().body(),
                          backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
@@ -236,7 +255,7 @@ class Pipeline {
                               to_seconds(x.nav.time - since));
     restart_velocity(down->velocity, 0.0, since);  // it has run away only by and by
     gravity_.reset(x.nav.time);
-    frontend_.observe(scan, x, &seen_, backend_.belief().radar_velocity_covariance());
+    frontend().observe(scan, x, &seen_, backend_.belief().radar_velocity_covariance());
   }
 
   /// Since when the velocity may have been wrong: one that took another one's place not long ago
@@ -256,7 +275,7 @@ class Pipeline {
                               &report_);
     replaced_ = Replaced{now, since};
     pool_.reset(now);
-    frontend_.reset();
+    reset_frontends();
   }
 
   /// Of roll and pitch together [rad].
@@ -273,7 +292,7 @@ class Pipeline {
     report_.static_detections = seen_.ego_velocity.inliers;
     report_.ego_velocity_S = seen_.ego_velocity.v_S;
     report_.ego_velocity_valid = seen_.ego_velocity.valid;
-    report_.trails = static_cast<int>(frontend_.trails().size());
+    report_.trails = static_cast<int>(frontend().trails().size());
     report_.trails_matched = static_cast<int>(seen_.matches.trails.size());
     report_.landmarks_matched = static_cast<int>(seen_.matches.landmarks.size());
     report_.at_rest = seen_.rest.has_value();
@@ -302,7 +321,7 @@ class Pipeline {
   static constexpr std::size_t kMaxWaiting = 256;  // a second of a fast sensor
 
   Options options_;
-  Frontend frontend_;
+  std::vector<Frontend> frontends_;  ///< one a radar
   VelocityPool pool_;
   GravityCheck gravity_;
   RestDetector rest_;

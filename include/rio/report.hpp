@@ -30,7 +30,8 @@ enum class Status : std::uint8_t {
   kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost; a start
                     ///< that no vehicle has
   kAhead,           ///< stamp too far ahead of the newest IMU sample
-  kUndeclared,      ///< the measurement depends on an auxiliary state that Options does not declare
+  kUndeclared,      ///< the options know no such radar, or not an auxiliary state that the
+                    ///< measurement depends on
 };
 
 /// Name of a status, as in "kLate".
@@ -121,7 +122,8 @@ inline constexpr std::size_t kCalibrationCount = 9;
 struct UpdateReport {
   static constexpr std::size_t kMaxRecords = 512;
 
-  Time time{0};  ///< stamp of the scan
+  Time time{0};           ///< stamp of the scan
+  std::size_t radar = 0;  ///< whose scan; the calibration is its
   Status status = Status::kOk;
   int detections = 0;                          ///< in the scan as received
   int detections_kept = 0;                     ///< after the filter

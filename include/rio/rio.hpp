@@ -67,8 +67,10 @@ class RIO_API Odometry {
 
   /// Takes one radar scan. Processed at once when the IMU has reached its stamp (kOk), else queued
   /// (kWaiting). kDuplicate, kLate, kAhead, kQueueFull, kNonFinite, kNotInitialized: dropped and
-  /// counted.
-  [[nodiscard]] Status add_scan(const RadarScan& scan) noexcept;
+  /// counted. Of several radars (Options::other_radars) each scan waits until the others have sent
+  /// a later one, TimingOptions::scan_wait at most, so that the order of arrival does not matter;
+  /// kUndeclared: the options know no such radar.
+  [[nodiscard]] Status add_scan(const RadarScan& scan, std::size_t radar = 0) noexcept;
 
   /// Takes a measurement of another sensor (rio/aiding.hpp), stamped in the clock of the IMU:
   /// kWaiting, it counts with the first scan not before its time, or alone where no scan comes for
@@ -105,8 +107,8 @@ class RIO_API Odometry {
   /// How far the estimate can be trusted, and why not: judged at every scan, and at least 20 times
   /// a second while samples of the IMU arrive. report().health is that of the last scan.
   const Health& health() const noexcept;
-  /// Pose of the radar in the body frame: the option's value unless it is estimated.
-  const Pose& extrinsics() const noexcept;
+  /// Pose of a radar in the body frame: the option's value unless it is estimated.
+  const Pose& extrinsics(std::size_t radar = 0) const noexcept;
   /// Value and covariance (column by column) of a declared auxiliary state at the last update;
   /// false if there is none of that name. With its type: rio::auxiliary in rio/aiding.hpp.
   bool auxiliary(const char* name, double* value, double* covariance) const noexcept;

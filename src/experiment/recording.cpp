@@ -2,6 +2,7 @@
 #include "experiment/recording.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -243,12 +244,19 @@ Replay replay(const io::Dataset& data, const Options& options) {
     const double variance = odometry->covariance()(body::kPosition + 2, body::kPosition + 2);
     out.steps.push_back({odometry->at_scan(), std::sqrt(variance)});
   };
-  std::size_t next = 0;
+  std::array<std::size_t, 1 + Options::kMaxOtherRadars> next{};
   std::uint64_t recorded = 0;
+  const auto give = [&](const std::vector<RadarScan>& scans, std::size_t radar, Time until) {
+    std::size_t& i = next[radar];
+    for (; i < scans.size() && scans[i].time <= until; ++i) {
+      (void)odometry->add_scan(scans[i], radar);
+    }
+  };
   for (const ImuSample& sample : data.imu) {
     (void)odometry->add_imu(sample);  // what it did is counted
-    for (; next < data.scans.size() && data.scans[next].time <= sample.time; ++next) {
-      (void)odometry->add_scan(data.scans[next]);
+    give(data.scans, 0, sample.time);
+    for (std::size_t r = 0; r < data.other_radars.size(); ++r) {
+      give(data.other_radars[r].scans, r + 1, sample.time);
     }
     if (odometry->counters().scans != recorded) record();
     recorded = odometry->counters().scans;

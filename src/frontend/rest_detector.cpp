@@ -23,6 +23,10 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   const Span span = listen(from, to, imu, gyro_bias);
   const double duration = to_seconds(to - from);
   const Points points = points_of(scan, to);
+  if (span.samples == 0.0 && duration < kSameInstant && !scans_.empty()) {
+    scans_.push_back(points);  // of another radar; the next one tells
+    return std::nullopt;
+  }
   if (span.samples == 0.0 || duration > kLongestSpan || points.still < 0.5 * points.all) {
     scans_.clear();
     return std::nullopt;

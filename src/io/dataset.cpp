@@ -215,19 +215,19 @@ void read_imu_info(const fs::path& path, Dataset* dataset) {
   }
 }
 
-void read_radar_info(const fs::path& path, Dataset* dataset) {
+void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::string>* notes) {
   const char* const consequence = ": radar pose from the options, by default at the body origin";
   if (!fs::exists(path)) {
-    dataset->notes.push_back(path.string() + " missing" + consequence);
+    notes->push_back(path.string() + " missing" + consequence);
     return;
   }
   const YamlFile file = load_yaml(path);
-  read_sensor_keys(file, radar_keys(&dataset->radar_info), &dataset->notes);
+  read_sensor_keys(file, radar_keys(info), notes);
   for (const auto& entry : file.root) {
-    if (entry.first.Scalar() == "T_BS") dataset->radar_info.T_BS = read_pose(file, entry.second);
+    if (entry.first.Scalar() == "T_BS") info->T_BS = read_pose(file, entry.second);
   }
-  if (!dataset->radar_info.T_BS) {
-    dataset->notes.push_back(path.string() + " has no T_BS" + consequence);
+  if (!info->T_BS) {
+    notes->push_back(path.string() + " has no T_BS" + consequence);
   }
 }
 
@@ -252,7 +252,13 @@ Dataset read_dataset(const fs::path& path) {
   if (fs::exists(root / kBaro)) dataset.baro = read_baro(root / kBaro / kData);
   if (fs::exists(root / kTruth)) dataset.ground_truth = read_truth_file(root / kTruth / kData, 17);
   read_imu_info(root / kImu / kSensor, &dataset);
-  read_radar_info(root / kRadar / kSensor, &dataset);
+  read_radar_info(root / kRadar / kSensor, &dataset.radar_info, &dataset.notes);
+  for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
+    const fs::path folder = root / other_radar(r);
+    if (!fs::exists(folder)) break;
+    dataset.other_radars.push_back({read_radar(folder / kData), {}});
+    read_radar_info(folder / kSensor, &dataset.other_radars.back().info, &dataset.notes);
+  }
   note_if_cut_short(root, &dataset);
   std::optional<double>& grid = dataset.radar_info.doppler_resolution;
   if (!grid && (grid = doppler_grid(dataset.scans))) {

@@ -3,7 +3,9 @@
 // rio_io.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "rio/io/dataset.hpp"
@@ -12,6 +14,10 @@ namespace rio::io {
 
 inline constexpr const char* kImu = "imu0";
 inline constexpr const char* kRadar = "radar0";
+/// r = 1, 2, 3
+inline std::string other_radar(std::size_t r) {
+  return "radar" + std::to_string(r);
+}
 inline constexpr const char* kBaro = "baro0";
 inline constexpr const char* kTruth = "state_groundtruth_estimate0";
 inline constexpr const char* kData = "data.csv";

@@ -127,14 +127,34 @@ std::string truth_text(const std::vector<NavState>& states) {
   return text;
 }
 
+std::string radar_info_text(const RadarInfo& info, const std::string& comment) {
+  RadarInfo radar = info;
+  return comment_text(comment) +
+         "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, "
+         "positive = receding\n" +
+         (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar));
+}
+
+/// Two neighbouring scans of one stamp would be read as one.
+void check_stamps(const fs::path& folder, const std::vector<RadarScan>& scans) {
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    if (scans[i].time != scans[i - 1].time) continue;
+    throw std::runtime_error(fmt::format("{}: scans {} and {} have the same stamp {}",
+                                         folder.string(), i - 1, i, scans[i].time.count()));
+  }
+}
+
 }  // namespace
 
 void write_dataset(const fs::path& path, const Dataset& dataset) {
-  for (std::size_t i = 1; i < dataset.scans.size(); ++i) {
-    if (dataset.scans[i].time != dataset.scans[i - 1].time) continue;
-    throw std::runtime_error(fmt::format("{}: scans {} and {} have the same stamp {}",
-                                         (path / kRadar).string(), i - 1, i,
-                                         dataset.scans[i].time.count()));
+  check_stamps(path / kRadar, dataset.scans);
+  for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
+    const fs::path folder = path / other_radar(r);
+    if (r <= dataset.other_radars.size()) {
+      check_stamps(folder, dataset.other_radars[r - 1].scans);
+    } else if (fs::exists(folder)) {
+      throw std::runtime_error(folder.string() + ": is left from another recording");
+    }
   }
   const std::pair<const char*, std::string> optional_files[] = {
       {kBaro, dataset.baro.empty() ? "" : baro_text(dataset.baro)},
@@ -153,6 +173,12 @@ void write_dataset(const fs::path& path, const Dataset& dataset) {
     fs::create_directories(path / folder);
     write_file(path / folder / kData, text);
   }
+  for (std::size_t r = 1; r <= dataset.other_radars.size(); ++r) {
+    const Dataset::OtherRadar& other = dataset.other_radars[r - 1];
+    fs::create_directories(path / other_radar(r));
+    write_file(path / other_radar(r) / kData, radar_text(other.scans));
+    write_file(path / other_radar(r) / kSensor, radar_info_text(other.info, {}));
+  }
   write_imu_info(path, dataset.imu_info);
   write_radar_info(path, dataset.radar_info);
 }
@@ -166,12 +192,7 @@ void write_imu_info(const fs::path& path, const ImuInfo& info, const std::string
 
 void write_radar_info(const fs::path& path, const RadarInfo& info, const std::string& comment) {
   fs::create_directories(path / kRadar);
-  RadarInfo radar = info;
-  write_file(path / kRadar / kSensor,
-             comment_text(comment) +
-                 "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, "
-                 "positive = receding\n" +
-                 (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar)));
+  write_file(path / kRadar / kSensor, radar_info_text(info, comment));
 }
 
 }  // namespace rio::io

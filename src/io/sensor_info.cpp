@@ -51,6 +51,14 @@ void apply_sensor_info(const Dataset& dataset, Options* options) {
   copy(info.max_doppler, &radar.max_doppler);
   copy(info.time_offset, &radar.time_offset);
   copy(info.doppler_scale, &radar.doppler_scale);
+  options->other_radars.clear();
+  for (const Dataset::OtherRadar& other : dataset.other_radars) {
+    RadarMount mount = options->mount(0);
+    if (other.info.T_BS) mount.T_BS = *other.info.T_BS;
+    copy(other.info.time_offset, &mount.time_offset);
+    copy(other.info.doppler_scale, &mount.doppler_scale);
+    (void)options->other_radars.push_back(mount);
+  }
   CalibrationOptions& calibration = options->calibration;
   copy_prior(info.prior_rotation, &calibration.rotation_sigma);
   copy_prior(info.prior_position, &calibration.translation_sigma);

@@ -11,6 +11,21 @@ Pose default_radar_mount(double pitch) {
           .translation = {0.10, 0.0, -0.05}};
 }
 
+std::vector<Pose> radar_mounts(const Pose& first, std::size_t count) {
+  std::vector<Pose> out = {first};
+  for (std::size_t r = 1; r < count; ++r) {
+    if (count == 2) {
+      const Quaternion down(Eigen::AngleAxisd(90.0 * kDegree, Vector3d::UnitY()));
+      out.push_back({down, Vector3d(0.0, 0.0, -0.05)});
+      continue;
+    }
+    const double share = static_cast<double>(r) / static_cast<double>(count);
+    const Quaternion turn(Eigen::AngleAxisd(360.0 * kDegree * share, Vector3d::UnitZ()));
+    out.push_back({(turn * first.rotation).normalized(), turn * first.translation});
+  }
+  return out;
+}
+
 RadarModel RadarModel::ideal() {
   RadarModel model;
   model.quantize = model.ambiguous = model.specular = false;

@@ -27,9 +27,7 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
     states_.push_back(window[first + static_cast<std::size_t>(s)].nav);
   }
   landmarks_ = x.landmarks;
-  T_BS_ = x.T_BS;
-  radar_errors_ = x.radar_errors;
-  time_offset_ = x.time_offset;
+  for (std::size_t r = 0; r < layout_.radars(); ++r) radars_[r] = x.of_radar(r);
   auxiliary_ = x.auxiliary;
   A_.topLeftCorner(size(), size()) = A;
   g_.head(size()) = g;
@@ -61,8 +59,8 @@ double Prior::add_to(NormalEquations* system, const Window& window, const Estima
                               turn_jacobian(s).inverse() * Zt * R, &work_, &work_g_);
   }
   turn_back(heading());
-  if (layout_.has_extrinsics()) {
-    const int at = border(layout_.extrinsics());
+  for (std::size_t r = 0; layout_.has_extrinsics() && r < layout_.radars(); ++r) {
+    const int at = border(layout_.of_radar(r).extrinsics());
     quadratic::multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
   }
   system->add_quadratic(leading_states(), work_.topLeftCorner(n, n), work_g_.head(n));
@@ -94,15 +92,19 @@ void Prior::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
 
 void Prior::forget(int column, double value, double information, const Estimate& x) {
   double moved = 0.0;  // since the prior was made
-  if (layout_.has_extrinsics() && column < layout_.extrinsics() + Extrinsics::kDof) {
-    const int i = column - layout_.extrinsics();
-    moved = i < 3 ? quaternion_log(T_BS_.rotation.conjugate() * x.T_BS.rotation)[i]
-                  : (x.T_BS.translation - T_BS_.translation)[i - 3];
-  } else if (layout_.has_radar_errors() && column < layout_.radar_errors() + RadarErrors::kDof) {
-    const int i = column - layout_.radar_errors();
-    moved = x.radar_errors[i] - radar_errors_[i];
+  const std::size_t r = layout_.radar_of(column);
+  const Layout layout = layout_.of_radar(r);
+  const RadarState& then = radars_[r];
+  const RadarState now = x.of_radar(r);
+  if (layout.has_extrinsics() && column < layout.extrinsics() + Extrinsics::kDof) {
+    const int i = column - layout.extrinsics();
+    moved = i < 3 ? quaternion_log(then.T_BS.rotation.conjugate() * now.T_BS.rotation)[i]
+                  : (now.T_BS.translation - then.T_BS.translation)[i - 3];
+  } else if (layout.has_radar_errors() && column < layout.radar_errors() + RadarErrors::kDof) {
+    const int i = column - layout.radar_errors();
+    moved = now.errors[i] - then.errors[i];
   } else {
-    moved = x.time_offset - time_offset_;
+    moved = now.time_offset - then.time_offset;
   }
   A_(border(column), border(column)) -= information;
   g_[border(column)] += information * (value - moved);
@@ -142,16 +144,21 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
     xi.segment<3>(body::kAccelBias) = now.accel_bias - then.accel_bias;
   }
   xi_[kHeading] = -quaternion_log(back).z();
-  if (layout_.has_extrinsics()) {
-    const int at = border(layout_.extrinsics());
-    xi_.segment<3>(at) = quaternion_log(T_BS_.rotation.conjugate() * x.T_BS.rotation);
-    xi_.segment<3>(at + 3) = x.T_BS.translation - T_BS_.translation;
-  }
-  if (layout_.has_radar_errors()) {
-    xi_.segment<2>(border(layout_.radar_errors())) = x.radar_errors - radar_errors_;
-  }
-  if (layout_.has_time_offset()) {
-    xi_[border(layout_.time_offset())] = x.time_offset - time_offset_;
+  for (std::size_t r = 0; r < layout_.radars(); ++r) {
+    const Layout layout = layout_.of_radar(r);
+    const RadarState& then = radars_[r];
+    const RadarState now = x.of_radar(r);
+    if (layout.has_extrinsics()) {
+      const int at = border(layout.extrinsics());
+      xi_.segment<3>(at) = quaternion_log(then.T_BS.rotation.conjugate() * now.T_BS.rotation);
+      xi_.segment<3>(at + 3) = now.T_BS.translation - then.T_BS.translation;
+    }
+    if (layout.has_radar_errors()) {
+      xi_.segment<2>(border(layout.radar_errors())) = now.errors - then.errors;
+    }
+    if (layout.has_time_offset()) {
+      xi_[border(layout.time_offset())] = now.time_offset - then.time_offset;
+    }
   }
   xi_.segment(border(layout_.auxiliary()), layout_.auxiliary_size()) =
       (x.auxiliary - auxiliary_).head(layout_.auxiliary_size());

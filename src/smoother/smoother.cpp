@@ -93,8 +93,9 @@ void Smoother::maintain_landmarks(const Observations& seen, const Promotions& pr
       seen, rows_, promotions, options_, &belief_.estimate(), report,
       [this](std::size_t i) { remove_landmark(i); },
       [this](const Detection& d) {
-        window_.newest().points.push_back(
-            {estimate().landmarks.size(), 1.0, LandmarkPointModel::measurement(d), std::nullopt});
+        window_.newest().points.push_back({estimate().landmarks.size(), 1.0,
+                                           LandmarkPointModel::measurement(d), std::nullopt,
+                                           estimate().radar});
         belief_.add_landmark(d);
       });
 }
@@ -144,12 +145,18 @@ void Smoother::copy_newest() {
   state.nav = estimate().nav;
   state.gyro_B = estimate().gyro_B;
   state.accel_B = state.nav.q_WB.conjugate() * estimate().accel_W;
-  state.time_offset = estimate().time_offset;
-  state.radar_errors = estimate().radar_errors;
 }
 
 void Smoother::take(const Observations& seen) {
   WindowState& state = window_.newest();
+  const std::size_t radar = estimate().radar;
+  WindowState::Scanned& scanned = state.scanned[radar];
+  if (seen.scan != nullptr && !scanned.here) {
+    scanned = {true, estimate().time_offset, estimate().radar_errors};
+    // of two radars at nearly one time the second was measured a little later than the state
+    const double offset = to_seconds(seen.scan->time - state.nav.time);
+    if (belief_.layout().radars() > 1) scanned.time_offset = offset;
+  }
   const auto detection = [&seen](const ScanRows::Used& used) -> const Detection& {
     return seen.detection(used.detection);
   };
@@ -158,11 +165,12 @@ void Smoother::take(const Observations& seen) {
     switch (used.model) {
       case Model::kDoppler:
         state.dopplers.push_back(
-            {DopplerModel::measurement(detection(used), state.gyro_B), weight});
+            {DopplerModel::measurement(detection(used), state.gyro_B), weight, radar});
         break;
       case Model::kLandmarkPoint:
-        state.points.push_back(
-            {used.target, weight, LandmarkPointModel::measurement(detection(used)), std::nullopt});
+        state.points.push_back({used.target, weight,
+                                LandmarkPointModel::measurement(detection(used)), std::nullopt,
+                                radar});
         if (options_.update.use_doppler) {
           state.points.back().doppler =
               LandmarkDopplerModel::measurement(detection(used), state.gyro_B);
@@ -170,17 +178,17 @@ void Smoother::take(const Observations& seen) {
         break;
       case Model::kLandmarkDistance:
         state.distances.push_back(
-            {used.target, weight, LandmarkDistanceModel::measurement(detection(used))});
+            {used.target, weight, LandmarkDistanceModel::measurement(detection(used)), radar});
         break;
       case Model::kLandmarkPosition:
         state.positions.push_back(
-            {used.target, weight, LandmarkPositionModel::measurement(detection(used))});
+            {used.target, weight, LandmarkPositionModel::measurement(detection(used)), radar});
         break;
       case Model::kTrailDistance:
         for (const TrailElement& past : (*seen.trails)[used.target].elements) {
           if (past.scan != used.past) continue;
           state.trails.push_back(
-              {past.scan, TrailDistanceModel::measurement(detection(used), past.detection)});
+              {past.scan, TrailDistanceModel::measurement(detection(used), past.detection), radar});
         }
         break;
       case Model::kRest:

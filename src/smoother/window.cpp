@@ -23,6 +23,7 @@ void WindowState::cut(const Mark& mark) {
 
 void WindowState::clear() {
   scan = kNoScan;
+  scanned = {};
   to_next.invalidate();
   dopplers.clear();
   points.clear();

@@ -40,8 +40,21 @@ double WindowFactors::add_imu(std::size_t k) {
 
 double WindowFactors::add_scan(std::size_t k, const Estimate& estimate) {
   const WindowState& state = window_[k];
-  const LinearizationPoint x = point(state, estimate);
-  const WindowLayout layout = layout_of(k);
+  double cost = 0.0;
+  bool rest = state.rest.has_value();
+  for (std::size_t r = 0; r < layout_.radars(); ++r) {
+    if (!state.scanned[r].here) continue;
+    cost += add_scan_of(k, r, rest, estimate);
+    rest = false;
+  }
+  return cost;
+}
+
+double WindowFactors::add_scan_of(std::size_t k, std::size_t r, bool rest,
+                                  const Estimate& estimate) {
+  const WindowState& state = window_[k];
+  const LinearizationPoint x = point(state, r, estimate);
+  const WindowLayout layout = layout_of(k, r);
   const auto add = [&](const auto& model, const auto& z, double weight) {
     if (scan_.push(model, z, x, {})) scan_.close(weight);
   };
@@ -53,30 +66,36 @@ double WindowFactors::add_scan(std::size_t k, const Estimate& estimate) {
   scan_.begin(layout);
   Reliability reliability;
   if (reliable_) {
-    for (const DopplerFactor& f : state.dopplers) reliability.add(f.doppler, x.radar_velocity_S());
+    for (const DopplerFactor& f : state.dopplers) {
+      if (f.radar == r) reliability.add(f.doppler, x.radar_velocity_S());
+    }
   }
   const Matrix3d believed = reliability.matrix();
   for (const DopplerFactor& f : state.dopplers) {
+    if (f.radar != r) continue;
     DopplerModel::Measurement z = f.doppler;
     z.reliability = believed;
     add(doppler_, z, f.weight);
   }
   for (const PointFactor& f : state.points) {
+    if (f.radar != r) continue;
     add_of_landmark(f, [&](BlockIndex index) {
       return scan_.push(LandmarkPointModel{}, f.point, x, index) &&
              (!f.doppler || scan_.push(LandmarkDopplerModel{}, *f.doppler, x, index));
     });
   }
   for (const DistanceFactor& f : state.distances) {
+    if (f.radar != r) continue;
     add_of_landmark(f,
                     [&](BlockIndex index) { return scan_.push(distance_, f.distance, x, index); });
   }
   for (const PositionFactor& f : state.positions) {
+    if (f.radar != r) continue;
     add_of_landmark(f, [&](BlockIndex index) {
       return scan_.push(LandmarkPositionModel{}, f.position, x, index);
     });
   }
-  if (state.rest) add(RestModel{}, *state.rest, 1.0);
+  if (rest) add(RestModel{}, *state.rest, 1.0);
   return scan_.end();
 }
 
@@ -102,8 +121,8 @@ double WindowFactors::add_trail(std::size_t k, const TrailFactor& f, const Estim
   if (past < 0) return 0.0;
   row_.clear();
   row_.begin_block();
-  if (!linearize(trail_, f.distance, TrailDistanceModel::Blocks{}, point(window_[k], estimate),
-                 {past, 0}, layout_of(k), &row_)) {
+  if (!linearize(trail_, f.distance, TrailDistanceModel::Blocks{},
+                 point(window_[k], f.radar, estimate), {past, 0}, layout_of(k, f.radar), &row_)) {
     return 0.0;
   }
   const LinearRow& row = row_.rows().front();
@@ -113,10 +132,14 @@ double WindowFactors::add_trail(std::size_t k, const TrailFactor& f, const Estim
   return 0.5 * value.cost;
 }
 
-LinearizationPoint WindowFactors::point(const WindowState& state, const Estimate& estimate) {
+LinearizationPoint WindowFactors::point(const WindowState& state, std::size_t r,
+                                        const Estimate& estimate) {
   LinearizationPoint x(estimate, state.nav, state.gyro_B, state.nav.q_WB * state.accel_B);
-  x.radar_errors = estimate.radar_errors - state.radar_errors;
-  const double later = estimate.time_offset - state.time_offset;
+  const RadarState now = estimate.of_radar(r);
+  const WindowState::Scanned& scanned = state.scanned[r];
+  x.T_BS = RigidPose(now.T_BS);
+  x.radar_errors = now.errors - scanned.radar_errors;
+  const double later = now.time_offset - scanned.time_offset;
   if (state.rest) {
     x.stand();
   } else if (later != 0.0) {

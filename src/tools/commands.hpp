@@ -86,6 +86,7 @@ struct SimulateArguments {
   std::optional<std::uint64_t> seed;
   std::optional<double> length;
   std::string trajectory;
+  std::size_t radars = 1;
   bool ideal = false;
 };
 void simulate(const SimulateArguments& arguments);

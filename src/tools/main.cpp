@@ -132,6 +132,11 @@ void add_simulate_command(CLI::App& app) {
       ->add_option("--trajectory", arguments->trajectory,
                    "recorded path to fly: TUM file, EuRoC csv or dataset folder")
       ->excludes(length);
+  command
+      ->add_option(
+          "--radars", arguments->radars,
+          "on the body, radar0, radar1, ...: two look ahead and down, three or four around")
+      ->check(CLI::Range(1, 4));
   command->add_flag("--ideal", arguments->ideal,
                     "ideal sensors instead of the scenario's: Gaussian noise only, no grids, "
                     "folding, outliers or vibration");

@@ -174,13 +174,36 @@ std::vector<Time> due_times(const std::vector<RadarScan>& scans) {
   return due;
 }
 
+/// A scan, whose it is, and when to give it.
+struct Given {
+  const RadarScan* scan = nullptr;
+  std::size_t radar = 0;
+  Time due{0};
+};
+/// Of all radars, in the order in which they are given.
+std::vector<Given> schedule(const io::Dataset& dataset) {
+  std::vector<Given> out;
+  const auto add = [&out](const std::vector<RadarScan>& scans, std::size_t radar) {
+    const std::vector<Time> due = due_times(scans);
+    for (std::size_t i = 0; i < scans.size(); ++i) out.push_back({&scans[i], radar, due[i]});
+  };
+  add(dataset.scans, 0);
+  for (std::size_t r = 0; r < dataset.other_radars.size(); ++r) {
+    add(dataset.other_radars[r].scans, r + 1);
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Given& a, const Given& b) { return a.due < b.due; });
+  return out;
+}
+
 /// Feeds the samples in the order of their stamps. One scan at most waits for the IMU, so that no
 /// report is overwritten by the next before it was read; scans inside a gap of the IMU are
-/// therefore given after it, and those farther back than timing.max_lag count as late.
+/// therefore given after it, and those farther back than timing.max_lag count as late. Those of
+/// several radars wait for each other.
 class Replay {
  public:
   Replay(const ReplayArguments& arguments, const io::Dataset& dataset, const Options& options)
-      : dataset_(dataset), due_(due_times(dataset.scans)) {
+      : dataset_(dataset), scans_(schedule(dataset)), several_(!dataset.other_radars.empty()) {
     const std::optional<Start> start = make_start(arguments, dataset, options);
     Options used = options;
     used.start.static_alignment = !start;
@@ -204,15 +227,15 @@ class Replay {
     while (imu_ < dataset_.imu.size()) {
       progress.show(imu_, dataset_.imu.size());
       const bool scan_first =
-          scan_ < dataset_.scans.size() && !waiting_ && due_[scan_] < dataset_.imu[imu_].time;
+          scan_ < scans_.size() && !waiting_ && scans_[scan_].due < dataset_.imu[imu_].time;
       if (scan_first) {
-        give_scan(dataset_.scans[scan_++]);
+        give_scan(scans_[scan_++]);
       } else {
         give_imu(dataset_.imu[imu_++]);
         give_heights(dataset_.imu[imu_ - 1].time);
       }
     }
-    while (!waiting_ && scan_ < dataset_.scans.size()) give_scan(dataset_.scans[scan_++]);
+    while (!waiting_ && scan_ < scans_.size()) give_scan(scans_[scan_++]);
     return finish();
   }
 
@@ -222,7 +245,7 @@ class Replay {
     if (init_velocity_) state.v_WB = *init_velocity_;
     restart(state, start.covariance);
     while (imu_ + 1 < dataset_.imu.size() && dataset_.imu[imu_ + 1].time <= state.time) ++imu_;
-    while (scan_ < dataset_.scans.size() && due_[scan_] < state.time) ++scan_;
+    while (scan_ < scans_.size() && scans_[scan_].due < state.time) ++scan_;
     summary_.scans_before_start = static_cast<int>(scan_);
   }
 
@@ -249,6 +272,7 @@ class Replay {
       waiting_.reset();
       record();
     }
+    if (several_) record_new();
     // a scan of the clock before is not waited for
     if (odometry_->counters().clock_restarts != restarts) waiting_.reset();
   }
@@ -262,13 +286,24 @@ class Replay {
     }
   }
 
-  void give_scan(const RadarScan& scan) {
+  void give_scan(const Given& given) {
     const Time before = steady_now();
-    const Status status = odometry_->add_scan(scan);
+    const Status status = odometry_->add_scan(*given.scan, given.radar);
     summary_.wall += steady_now() - before;
-    if (status == Status::kWaiting) waiting_ = scan.time;
     if (status == Status::kNotInitialized) ++summary_.scans_before_start;
+    if (several_) {
+      record_new();
+      return;
+    }
+    if (status == Status::kWaiting) waiting_ = given.scan->time;
     if (status == Status::kOk) record();
+  }
+
+  /// Of several radars any call may process scans; of two in one call the last is seen.
+  void record_new() {
+    if (odometry_->counters().scans == recorded_) return;
+    recorded_ = odometry_->counters().scans;
+    record();
   }
 
   /// A failed update has no row: its estimate is not at the scan.
@@ -291,8 +326,7 @@ class Replay {
           "static alignment failed: the sensor moves, or the recording is shorter than "
           "start.duration; give a start with --init");
     }
-    summary_.scans_unprocessed =
-        static_cast<int>(dataset_.scans.size() - scan_) + (waiting_ ? 1 : 0);
+    summary_.scans_unprocessed = static_cast<int>(scans_.size() - scan_) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = dataset_.imu.back().time - dataset_.imu.front().time;
@@ -303,7 +337,9 @@ class Replay {
   const io::Dataset& dataset_;
   io::BarometricHeights heights_;  ///< to give
   std::size_t height_ = 0;         ///< next of them
-  std::vector<Time> due_;          ///< one a scan
+  std::vector<Given> scans_;
+  bool several_ = false;        ///< radars
+  std::uint64_t recorded_ = 0;  ///< scans of several radars
   Outputs outputs_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;

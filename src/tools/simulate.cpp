@@ -102,7 +102,15 @@ std::string start_text(const sim::Flight& flight) {
       flight.scenario.told.start_velocity_sigma);
 }
 
-void write(const fs::path& out, const sim::Flight& flight) {
+/// What another radar on the same flight sees.
+io::Dataset::OtherRadar other_radar(const sim::Flight& flight, const Pose& T_BS) {
+  sim::Scenario scenario = flight.scenario;
+  scenario.radar.T_BS = T_BS;
+  const sim::Flight other = sim::simulate_flight(flight.trajectory, scenario);
+  return {other.scans, describe(scenario.radar, other.told_T_BS)};
+}
+
+void write(const fs::path& out, const sim::Flight& flight, std::size_t radars) {
   const fs::path start = out / "start.yaml";
   if (!flight.scenario.told.starts_wrongly() && fs::exists(start)) {
     throw std::runtime_error(start.string() + ": is left from another recording");
@@ -113,6 +121,10 @@ void write(const fs::path& out, const sim::Flight& flight) {
   dataset.ground_truth = flight.truth;
   dataset.imu_info = describe(flight.scenario.imu);
   dataset.radar_info = describe(flight.scenario.radar, flight.told_T_BS);
+  const std::vector<Pose> mounts = sim::radar_mounts(flight.scenario.radar.T_BS, radars);
+  for (std::size_t r = 1; r < radars; ++r) {
+    dataset.other_radars.push_back(other_radar(flight, mounts[r]));
+  }
   io::write_dataset(out, dataset);
   write_text(out / "radar0" / "labels.csv", labels_text(flight));
   write_text(out / "scenario.yaml", io::scenario_as_yaml(flight.scenario));
@@ -168,7 +180,7 @@ void print_summary(const SimulateArguments& arguments, const sim::Flight& flight
 
 void simulate(const SimulateArguments& arguments) {
   const sim::Flight flight = io::fly_scenario(make_scenario(arguments));
-  write(arguments.out, flight);
+  write(arguments.out, flight, arguments.radars);
   print_summary(arguments, flight);
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");

@@ -47,16 +47,18 @@ void Acceleration::add(const Vector3d& change_W, double seconds) {
 Belief::Belief(const Options& options, int max_clones)
     : options_(options),
       layout_(options.calibration, max_clones, options.update.max_landmarks,
-              options.auxiliary.size()),
+              options.auxiliary.size(), options.radars()),
       covariance_(layout_),
       dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
 
 void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_ = Estimate{};
   estimate_.nav = prior;
-  estimate_.T_BS = options_.radar.T_BS;
-  estimate_.radar_errors[RadarErrors::kDopplerScale] = options_.radar.doppler_scale;
-  estimate_.time_offset = options_.radar.time_offset;
+  for (std::size_t r = 0; r < options_.radars(); ++r) {
+    const RadarMount told = options_.mount(r);
+    estimate_.set_radar(r, {told.T_BS, {told.doppler_scale, 0.0}, told.time_offset});
+  }
+  layout_ = layout_.of_radar(0);
   acceleration_ = {};
   CalibrationOptions told = options_.calibration;
   for (double* sigma : {&told.rotation_sigma, &told.translation_sigma, &told.time_offset_sigma,
@@ -64,49 +66,58 @@ void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
     *sigma *= kCalibrationToldShare;
   }
   covariance_.reset(P0, told, options_.auxiliary);
-  contradicted_.fill(false);
+  contradicted_ = {};
+}
+
+void Belief::select_radar(std::size_t r) {
+  estimate_.select_radar(r);
+  layout_ = layout_.of_radar(r);
 }
 
 double Belief::prior_share(Calibration parameter) const {
-  return contradicted_[static_cast<std::size_t>(parameter)] ? 1.0 : kCalibrationToldShare;
+  const bool contradicted = contradicted_[estimate_.radar][static_cast<std::size_t>(parameter)];
+  return contradicted ? 1.0 : kCalibrationToldShare;
 }
 
-StaticVector<Contradiction, kCalibrationCount> Belief::contradictions() {
-  StaticVector<Contradiction, kCalibrationCount> out;
-  const auto test = [&](Calibration parameter, int column, double value, double sigma) {
-    bool& contradicted = contradicted_[static_cast<std::size_t>(parameter)];
-    if (contradicted || !(sigma > 0.0)) return;
-    const double told = kCalibrationToldShare * kCalibrationToldShare * sigma * sigma;
-    const double moved = told - covariance_.matrix()(column, column);
-    if (value * value < std::max(9.0 * moved, told)) return;
-    contradicted = true;
-    (void)out.push_back({column, value, 1.0 / told - 1.0 / (sigma * sigma)});
-  };
-  const CalibrationOptions& priors = options_.calibration;
-  if (layout_.has_extrinsics()) {
-    const Pose& told = options_.radar.T_BS;
-    const Vector3d turn = quaternion_log(told.rotation.conjugate() * estimate_.T_BS.rotation);
-    const Vector3d shift = estimate_.T_BS.translation - told.translation;
-    const int column = layout_.extrinsics();
-    test(Calibration::kRotationX, column, turn.x(), priors.rotation_sigma);
-    test(Calibration::kRotationY, column + 1, turn.y(), priors.rotation_sigma);
-    test(Calibration::kRotationZ, column + 2, turn.z(), priors.rotation_sigma);
-    test(Calibration::kTranslationX, column + 3, shift.x(), priors.translation_sigma);
-    test(Calibration::kTranslationY, column + 4, shift.y(), priors.translation_sigma);
-    test(Calibration::kTranslationZ, column + 5, shift.z(), priors.translation_sigma);
-  }
-  if (layout_.has_radar_errors()) {
-    const RadarErrors::Value& errors = estimate_.radar_errors;
-    const int column = layout_.radar_errors();
-    test(Calibration::kDopplerScale, column + RadarErrors::kDopplerScale,
-         errors[RadarErrors::kDopplerScale] - options_.radar.doppler_scale,
-         priors.doppler_scale_sigma);
-    test(Calibration::kElevationBias, column + RadarErrors::kElevation,
-         errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
-  }
-  if (layout_.has_time_offset()) {
-    test(Calibration::kTimeOffset, layout_.time_offset(),
-         estimate_.time_offset - options_.radar.time_offset, priors.time_offset_sigma);
+StaticVector<Contradiction, kMaxRadars * kCalibrationCount> Belief::contradictions() {
+  StaticVector<Contradiction, kMaxRadars * kCalibrationCount> out;
+  for (std::size_t r = 0; r < layout_.radars(); ++r) {
+    const Layout layout = layout_.of_radar(r);
+    const RadarState x = estimate_.of_radar(r);
+    const RadarMount told_x = options_.mount(r);
+    const auto test = [&](Calibration parameter, int column, double value, double sigma) {
+      bool& contradicted = contradicted_[r][static_cast<std::size_t>(parameter)];
+      if (contradicted || !(sigma > 0.0)) return;
+      const double told = kCalibrationToldShare * kCalibrationToldShare * sigma * sigma;
+      const double moved = told - covariance_.matrix()(column, column);
+      if (value * value < std::max(9.0 * moved, told)) return;
+      contradicted = true;
+      (void)out.push_back({column, value, 1.0 / told - 1.0 / (sigma * sigma)});
+    };
+    const CalibrationOptions& priors = options_.calibration;
+    if (layout.has_extrinsics()) {
+      const Pose& told = told_x.T_BS;
+      const Vector3d turn = quaternion_log(told.rotation.conjugate() * x.T_BS.rotation);
+      const Vector3d shift = x.T_BS.translation - told.translation;
+      const int column = layout.extrinsics();
+      test(Calibration::kRotationX, column, turn.x(), priors.rotation_sigma);
+      test(Calibration::kRotationY, column + 1, turn.y(), priors.rotation_sigma);
+      test(Calibration::kRotationZ, column + 2, turn.z(), priors.rotation_sigma);
+      test(Calibration::kTranslationX, column + 3, shift.x(), priors.translation_sigma);
+      test(Calibration::kTranslationY, column + 4, shift.y(), priors.translation_sigma);
+      test(Calibration::kTranslationZ, column + 5, shift.z(), priors.translation_sigma);
+    }
+    if (layout.has_radar_errors()) {
+      const int column = layout.radar_errors();
+      test(Calibration::kDopplerScale, column + RadarErrors::kDopplerScale,
+           x.errors[RadarErrors::kDopplerScale] - told_x.doppler_scale, priors.doppler_scale_sigma);
+      test(Calibration::kElevationBias, column + RadarErrors::kElevation,
+           x.errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
+    }
+    if (layout.has_time_offset()) {
+      test(Calibration::kTimeOffset, layout.time_offset(), x.time_offset - told_x.time_offset,
+           priors.time_offset_sigma);
+    }
   }
   return out;
 }
@@ -234,7 +245,7 @@ void Belief::correct(const Eigen::VectorXd& dx) {
   nav.v_WB += dx.segment<3>(body::kVelocity);
   nav.gyro_bias += dx.segment<3>(body::kGyroBias);
   nav.accel_bias += dx.segment<3>(body::kAccelBias);
-  correct_calibration(dx);
+  for (std::size_t r = 0; r < layout_.radars(); ++r) correct_calibration(r, dx);
   estimate_.auxiliary.head(layout_.auxiliary_size()) +=
       dx.segment(layout_.auxiliary(), layout_.auxiliary_size());
   for (std::size_t i = 0; layout_.max_clones() > 0 && i < estimate_.clones.size(); ++i) {
@@ -256,36 +267,38 @@ void Belief::predict_landmarks() {
   }
 }
 
-void Belief::correct_calibration(const Eigen::VectorXd& dx) {
+void Belief::correct_calibration(std::size_t r, const Eigen::VectorXd& dx) {
   const CalibrationOptions& priors = options_.calibration;
-  const auto limited = [](double value, double sigma, double told = 0.0) {
-    return std::clamp(value, told - kCalibrationLimit * sigma, told + kCalibrationLimit * sigma);
+  const Layout layout = layout_.of_radar(r);
+  const RadarMount told = options_.mount(r);
+  RadarState x = estimate_.of_radar(r);
+  const auto limited = [](double value, double sigma, double told_value = 0.0) {
+    const double limit = kCalibrationLimit * sigma;
+    return std::clamp(value, told_value - limit, told_value + limit);
   };
-  if (layout_.has_extrinsics()) {
-    const Pose& told = options_.radar.T_BS;
-    Pose& T_BS = estimate_.T_BS;
-    const int at = layout_.extrinsics();
-    T_BS.rotation = (T_BS.rotation * quaternion_exp(dx.segment<3>(at))).normalized();
-    T_BS.translation += dx.segment<3>(at + 3);
-    Vector3d turn = quaternion_log(told.rotation.conjugate() * T_BS.rotation);
-    Vector3d shift = T_BS.translation - told.translation;
+  if (layout.has_extrinsics()) {
+    const int at = layout.extrinsics();
+    x.T_BS.rotation = (x.T_BS.rotation * quaternion_exp(dx.segment<3>(at))).normalized();
+    x.T_BS.translation += dx.segment<3>(at + 3);
+    Vector3d turn = quaternion_log(told.T_BS.rotation.conjugate() * x.T_BS.rotation);
+    Vector3d shift = x.T_BS.translation - told.T_BS.translation;
     for (double& angle : turn) angle = limited(angle, priors.rotation_sigma);
     for (double& length : shift) length = limited(length, priors.translation_sigma);
-    T_BS = {(told.rotation * quaternion_exp(turn)).normalized(), told.translation + shift};
+    x.T_BS = {(told.T_BS.rotation * quaternion_exp(turn)).normalized(),
+              told.T_BS.translation + shift};
   }
-  if (layout_.has_radar_errors()) {
-    RadarErrors::Value& errors = estimate_.radar_errors;
-    errors += dx.segment<2>(layout_.radar_errors());
-    errors[RadarErrors::kDopplerScale] =
-        limited(errors[RadarErrors::kDopplerScale], priors.doppler_scale_sigma,
-                options_.radar.doppler_scale);
-    errors[RadarErrors::kElevation] =
-        limited(errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
+  if (layout.has_radar_errors()) {
+    x.errors += dx.segment<2>(layout.radar_errors());
+    double& scale = x.errors[RadarErrors::kDopplerScale];
+    double& elevation = x.errors[RadarErrors::kElevation];
+    scale = limited(scale, priors.doppler_scale_sigma, told.doppler_scale);
+    elevation = limited(elevation, priors.elevation_bias_sigma);
   }
-  if (layout_.has_time_offset()) {
-    estimate_.time_offset = limited(estimate_.time_offset + dx[layout_.time_offset()],
-                                    priors.time_offset_sigma, options_.radar.time_offset);
+  if (layout.has_time_offset()) {
+    x.time_offset = limited(x.time_offset + dx[layout.time_offset()], priors.time_offset_sigma,
+                            told.time_offset);
   }
+  estimate_.set_radar(r, x);
 }
 
 }  // namespace rio

@@ -30,7 +30,8 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief
     }
     report[static_cast<std::size_t>(parameter)] = {value, sigma, prior, verdict};
   };
-  const Pose& told = options.radar.T_BS;
+  const RadarMount mount = options.mount(x.radar);
+  const Pose& told = mount.T_BS;
   const Vector3d turn = quaternion_log(told.rotation.conjugate() * x.T_BS.rotation);
   const Vector3d shift = x.T_BS.translation - told.translation;
   for (int i = 0; i < 3; ++i) {
@@ -42,15 +43,14 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief
     fill(offset(Calibration::kTranslationX), shift[i], priors.translation_sigma,
          layout.has_extrinsics(), layout.extrinsics() + 3 + i);
   }
-  fill(Calibration::kDopplerScale,
-       x.radar_errors[RadarErrors::kDopplerScale] - options.radar.doppler_scale,
+  fill(Calibration::kDopplerScale, x.radar_errors[RadarErrors::kDopplerScale] - mount.doppler_scale,
        priors.doppler_scale_sigma, layout.has_radar_errors(),
        layout.radar_errors() + RadarErrors::kDopplerScale);
   fill(Calibration::kElevationBias, x.radar_errors[RadarErrors::kElevation],
        priors.elevation_bias_sigma, layout.has_radar_errors(),
        layout.radar_errors() + RadarErrors::kElevation);
-  fill(Calibration::kTimeOffset, x.time_offset - options.radar.time_offset,
-       priors.time_offset_sigma, layout.has_time_offset(), layout.time_offset());
+  fill(Calibration::kTimeOffset, x.time_offset - mount.time_offset, priors.time_offset_sigma,
+       layout.has_time_offset(), layout.time_offset());
   return report;
 }
 

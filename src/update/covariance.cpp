@@ -20,15 +20,18 @@ void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& prior
   const auto set = [this](int at, int length, double sigma) {
     P_.diagonal().segment(at, length).setConstant(sigma * sigma);
   };
-  if (layout_.has_extrinsics()) {
-    set(layout_.extrinsics(), 3, priors.rotation_sigma);
-    set(layout_.extrinsics() + 3, 3, priors.translation_sigma);
+  for (std::size_t r = 0; r < layout_.radars(); ++r) {
+    const Layout own = layout_.of_radar(r);
+    if (own.has_extrinsics()) {
+      set(own.extrinsics(), 3, priors.rotation_sigma);
+      set(own.extrinsics() + 3, 3, priors.translation_sigma);
+    }
+    if (own.has_radar_errors()) {
+      set(own.radar_errors() + RadarErrors::kDopplerScale, 1, priors.doppler_scale_sigma);
+      set(own.radar_errors() + RadarErrors::kElevation, 1, priors.elevation_bias_sigma);
+    }
+    if (own.has_time_offset()) set(own.time_offset(), 1, priors.time_offset_sigma);
   }
-  if (layout_.has_radar_errors()) {
-    set(layout_.radar_errors() + RadarErrors::kDopplerScale, 1, priors.doppler_scale_sigma);
-    set(layout_.radar_errors() + RadarErrors::kElevation, 1, priors.elevation_bias_sigma);
-  }
-  if (layout_.has_time_offset()) set(layout_.time_offset(), 1, priors.time_offset_sigma);
   int at = layout_.auxiliary();
   for (const AuxiliaryState& state : auxiliary) {
     set(at, state.size, state.sigma);

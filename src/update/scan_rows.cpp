@@ -38,15 +38,16 @@ void ScanRows::add_scan(const Observations& seen, const Belief& belief, UpdateRe
   LinearizationPoint x(belief.estimate());
   if (seen.rest) x.stand();
   const Time now = belief.estimate().nav.time;
-  since_scan_ = last_scan_ > Time{0} ? std::min(1.0, to_seconds(now - last_scan_)) : 1.0;
-  last_scan_ = now;
+  Time& last_scan = last_scan_[x.estimate.radar];
+  since_scan_ = last_scan > Time{0} ? std::min(1.0, to_seconds(now - last_scan)) : 1.0;
+  last_scan = now;
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (seen.rest) add_rest(*seen.rest, belief, x, report);
   if (options_.use_landmarks) add_landmarks(seen, belief, x, report);
   if (options_.use_doppler) add_doppler(seen, belief, x, report);
   if (options_.use_trails) add_trails(seen, belief, x, report);
-  way_at_scan_ = x.estimate.way;
+  way_at_scan_[x.estimate.radar] = x.estimate.way;
 }
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const Belief& belief,
@@ -172,7 +173,8 @@ bool ScanRows::add_point(const Detection& d, const Belief& belief, const Lineari
 double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint& x) const {
   constexpr double kSameReflectors = 0.15;  // way over which they are seen [m]
   constexpr double kCells = 6.0;  // the rounding of y and y + c cells correlate by 1 - 6 c + ...
-  const double other = repetition(way_at_scan_, x);
+  const double way_at_scan = way_at_scan_[x.estimate.radar];
+  const double other = repetition(way_at_scan, x);
   if (noise_distance_ <= 0.0) return other;  // every error is new in every scan
   const double rounding =
       std::min(doppler_grid_ * doppler_grid_ / 12.0, d.sigma_doppler * d.sigma_doppler) /
@@ -184,7 +186,7 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   const double turning = (v.squaredNorm() - radial * radial) / d.range;
   const double accelerating = (x.T_WB.R * (x.T_BS.R * d.direction_S)).dot(x.accel_W);
   const double cells = std::abs(turning - accelerating) * since_scan_ / doppler_grid_;
-  const double way = std::max(0.0, x.estimate.way - way_at_scan_);
+  const double way = std::max(0.0, x.estimate.way - way_at_scan);
   const double rho = (1.0 - kFreshShare) * std::exp(-way / kSameReflectors - kCells * cells);
   return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));
 }

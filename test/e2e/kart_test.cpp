@@ -69,6 +69,44 @@ TEST_P(Kart, FindsItsWay) {
   EXPECT_GT(honest, 95.0);
 }
 
+TEST_P(Kart, TwoRadarsOfADriveAreBetterThanEither) {
+  const char* data = std::getenv("RIO_TEST_DATA");
+  const fs::path folder = fs::path(data != nullptr ? data : "") / "kart";
+  if (data == nullptr || !fs::exists(folder)) {
+    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recordings kart";
+  }
+  std::vector<double> horizontal[2];  // of one radar, of both
+  std::vector<double> height[2];
+  const auto fly = [&](const experiment::Recording& recording) {
+    Options options;
+    io::apply_sensor_info(recording.data, &options);
+    options.backend = GetParam().backend;
+    const experiment::RealScore score =
+        experiment::judge(recording, experiment::replay(recording.data, options));
+    EXPECT_TRUE(score.started) << recording.name;
+    const std::size_t many = recording.data.other_radars.size();
+    horizontal[many].push_back(100.0 * score.horizontal / score.way);
+    height[many].push_back(100.0 * score.height / score.way);
+  };
+  const std::vector<experiment::Recording> recordings = experiment::find_recordings(folder);
+  for (std::size_t i = 0; i + 1 < recordings.size(); i += 2) {  // NAME_A, NAME_B
+    experiment::Recording both = recordings[i];
+    const io::Dataset& other = recordings[i + 1].data;
+    both.data.other_radars.push_back({other.scans, other.radar_info});
+    fly(recordings[i]);
+    fly(recordings[i + 1]);
+    fly(both);
+  }
+  const std::string name = GetParam().name;
+  const auto compare = [&](const char* what, const std::vector<double>* of) {
+    measured(name + ", one radar: " + what + ", median [%]", median(of[0]), "");
+    measured(name + ", both radars: " + what + ", median [%]", median(of[1]), "below one");
+    EXPECT_LT(median(of[1]), median(of[0])) << what;
+  };
+  compare("horizontal", horizontal);
+  compare("height", height);
+}
+
 INSTANTIATE_TEST_SUITE_P(BackEnds, Kart,
                          testing::Values(Bounds{BackEnd::kEkf, "filter", 1.6},
                                          Bounds{BackEnd::kSmoother, "window", 1.5}),

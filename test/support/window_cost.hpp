@@ -90,7 +90,7 @@ struct ScanCost {
   Radar<T> radar(const T* state, const T* mount, const T* errors, const T* offset) const {
     StateOf<T> x(scan.nav, state);
     const MountOf<T> m(T_BS, mount);
-    T later = offset[0] + time_offset - scan.time_offset;
+    T later = offset[0] + time_offset - scan.scanned[0].time_offset;
     if (scan.rest) later = T(0.0);  // it stands
     const Vector3<T> w = scan.gyro_B.cast<T>() - x.gyro_bias;
     const Vector3<T> accel_W = x.R * scan.accel_B.cast<T>();
@@ -101,8 +101,8 @@ struct ScanCost {
     out.R_WS = x.R * m.R;
     out.p_WS = x.R * m.p + x.p;
     out.v_S = m.R.transpose() * (x.R.transpose() * x.v + w.cross(m.p));
-    out.scale = 1.0 + errors[0] + radar_errors[0] - scan.radar_errors[0];
-    out.elevation = errors[1] + radar_errors[1] - scan.radar_errors[1];
+    out.scale = 1.0 + errors[0] + radar_errors[0] - scan.scanned[0].radar_errors[0];
+    out.elevation = errors[1] + radar_errors[1] - scan.scanned[0].radar_errors[1];
     return out;
   }
 };

@@ -34,6 +34,9 @@ class Ekf {
     return belief_.propagate(to, imu, gap);
   }
 
+  /// A scan of that radar is at hand.
+  void select_radar(std::size_t r) { belief_.select_radar(r); }
+
   /// Time of the state that a measurement of that time is kept with.
   Time anchor(Time /*measured*/) const { return estimate().nav.time; }
 

@@ -42,6 +42,7 @@ Matrix3d point_covariance(const Detection& d);
 /// The filtered scan.
 struct DetectionList {
   Time time{0};
+  std::size_t radar = 0;
   int received = 0;    ///< detections before the filter
   int non_finite = 0;  ///< of those, dropped by is_valid
   StaticVector<Detection, kMaxDetections> items;

@@ -83,6 +83,7 @@ class RestDetector {
   static constexpr double kDopplerSigmas = 2.5;
   static constexpr double kSlow = 0.1;            // [m/s]
   static constexpr double kChi2 = 11.34;          // three degrees of freedom, 99 %
+  static constexpr double kSameInstant = 5e-3;    // less than a sample of the IMU [s]
   static constexpr double kLongestSpan = 0.5;     // a radar that pauses tells nothing [s]
   static constexpr std::size_t kMaxSamples = 64;  // of a moment
   static constexpr std::size_t kMinSamples = 10;

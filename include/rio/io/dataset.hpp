@@ -4,6 +4,7 @@
 //   imu0/data.csv      t [ns], gyro x y z [rad/s], accel x y z [m/s^2]
 //   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row a detection,
 //                      and, if the sensor knows them, sigmas of range, azimuth, elevation, doppler
+//   radar1, radar2, radar3                further radars of the same kind               (optional)
 //   baro0/data.csv     t [ns], pressure [Pa]                                            (optional)
 //   state_groundtruth_estimate0/data.csv   t, p xyz, q wxyz, v xyz, bg xyz, ba xyz      (optional)
 //
@@ -65,6 +66,12 @@ struct BaroSample {
 struct Dataset {
   std::vector<ImuSample> imu;
   std::vector<RadarScan> scans;
+  /// radar1, radar2, radar3: others of the same kind on the same body.
+  struct OtherRadar {
+    std::vector<RadarScan> scans;
+    RadarInfo info;  ///< its T_BS, time_offset and doppler_scale count, the rest is that of radar0
+  };
+  std::vector<OtherRadar> other_radars;
   std::vector<BaroSample> baro;
   std::vector<NavState> ground_truth;
   ImuInfo imu_info;

@@ -19,6 +19,10 @@ inline constexpr double kDegree = std::numbers::pi / 180.0;
 /// Mounted at the front and pitched down by an angle [rad].
 Pose default_radar_mount(double pitch = 45.0 * kDegree);
 
+/// Of several radars on one body, the first of them given: two look ahead and straight down, three
+/// or four evenly around the vertical.
+std::vector<Pose> radar_mounts(const Pose& first, std::size_t count);
+
 /// The radar that is simulated. Defaults: AWR1843-like, indoor chirp.
 struct RadarModel {
   Pose T_BS = default_radar_mount();        ///< pose of the radar in the body frame [m]

@@ -108,9 +108,7 @@ class Prior {
   Layout layout_;
   std::vector<NavState> states_;
   StaticVector<LandmarkState, kMaxLandmarks> landmarks_;
-  Pose T_BS_;
-  RadarErrors::Value radar_errors_ = RadarErrors::Value::Zero();
-  double time_offset_ = 0.0;
+  std::array<RadarState, kMaxRadars> radars_;
   AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();
   Eigen::MatrixXd A_;
   Eigen::MatrixXd work_;

@@ -44,6 +44,9 @@ class Smoother {
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
+  /// A scan of that radar is at hand.
+  void select_radar(std::size_t r) { belief_.select_radar(r); }
+
   /// Time of the state that a measurement of that time is kept with: the first one not before it.
   Time anchor(Time measured) const;
 

@@ -3,6 +3,7 @@
 // the next one. Storage for all of it is allocated once.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -25,6 +26,7 @@ namespace rio {
 struct DopplerFactor {
   DopplerModel::Measurement doppler;
   double weight = 1.0;
+  std::size_t radar = 0;
 };
 /// A detection of a landmark.
 struct PointFactor {
@@ -32,23 +34,27 @@ struct PointFactor {
   double weight = 1.0;
   LandmarkPointModel::Measurement point;
   std::optional<LandmarkDopplerModel::Measurement> doppler;
+  std::size_t radar = 0;
 };
 /// A range to a landmark.
 struct DistanceFactor {
   std::size_t landmark = 0;
   double weight = 1.0;
   LandmarkDistanceModel::Measurement distance;
+  std::size_t radar = 0;
 };
 /// The place of a landmark.
 struct PositionFactor {
   std::size_t landmark = 0;
   double weight = 1.0;
   LandmarkPositionModel::Measurement position;
+  std::size_t radar = 0;
 };
 /// A range to a point detected at a past scan of the window.
 struct TrailFactor {
   ScanId past = 0;
   TrailDistanceModel::Measurement distance;
+  std::size_t radar = 0;
 };
 
 /// Of another sensor, between the state before and this one.
@@ -62,9 +68,14 @@ struct WindowState {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();   ///< measured [rad/s]
   Vector3d accel_B = Vector3d::Zero();  ///< of the body, in axes that turn with it [m/s^2]
-  double time_offset = 0.0;             ///< with which its time was chosen [s]
-  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< with which it was corrected
-  ImuFactor to_next;                                             ///< not valid for the newest
+  /// How a radar's scan of this state was taken.
+  struct Scanned {
+    bool here = false;         ///< it has one
+    double time_offset = 0.0;  ///< with which its time was chosen [s]
+    RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< with which it was corrected
+  };
+  std::array<Scanned, kMaxRadars> scanned;
+  ImuFactor to_next;  ///< not valid for the newest
   std::vector<DopplerFactor> dopplers;
   std::vector<PointFactor> points;
   std::vector<DistanceFactor> distances;
@@ -127,7 +138,7 @@ class Window {
 
 /// Columns of [states | border] for the models: `state` is the one that measures.
 struct WindowLayout {
-  const Layout& belief;  ///< [newest state | border] without clones
+  Layout belief;  ///< [newest state | border] without clones, of the radar that measures
   int states = 0;
   int state = 0;
 

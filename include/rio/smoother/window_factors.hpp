@@ -38,10 +38,14 @@ class WindowFactors {
   double add_trail(std::size_t k, const TrailFactor& f, const Estimate& estimate);
 
  private:
-  /// A state, moved to what its scan's calibration is known to be now.
-  static LinearizationPoint point(const WindowState& state, const Estimate& estimate);
-  WindowLayout layout_of(std::size_t k) const {
-    return {layout_, static_cast<int>(window_.size()), static_cast<int>(k)};
+  /// All that radar r measured at state k; `rest` with it.
+  double add_scan_of(std::size_t k, std::size_t r, bool rest, const Estimate& estimate);
+
+  /// A state, moved to what the calibration of its scan by radar r is known to be now.
+  static LinearizationPoint point(const WindowState& state, std::size_t r,
+                                  const Estimate& estimate);
+  WindowLayout layout_of(std::size_t k, std::size_t r = 0) const {
+    return {layout_.of_radar(r), static_cast<int>(window_.size()), static_cast<int>(k)};
   }
 
   SmootherOptions options_;

@@ -2,10 +2,12 @@
 // The mean of everything estimated, shared by both back-ends and read by the front-end.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 
 #include "rio/core/static_vector.hpp"
+#include "rio/options.hpp"
 #include "rio/state/auxiliary.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/types.hpp"
@@ -16,6 +18,9 @@ namespace rio {
 inline constexpr std::size_t kMaxClones = 20;
 inline constexpr std::size_t kMaxLandmarks = 64;
 inline constexpr std::size_t kMaxDetections = 256;
+
+/// Radars on one body.
+inline constexpr std::size_t kMaxRadars = 1 + Options::kMaxOtherRadars;
 
 /// Scans are numbered in the order they are processed.
 using ScanId = std::uint64_t;
@@ -39,7 +44,15 @@ struct LandmarkState {
   double way_born = 0.0;  ///< same, when it was first measured [m]
 };
 
-/// Predicted or corrected means at one instant.
+/// What is estimated of one radar.
+struct RadarState {
+  Pose T_BS;
+  RadarErrors::Value errors = RadarErrors::Value::Zero();  ///< of the detections as received
+  double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
+};
+
+/// Predicted or corrected means at one instant. Of several radars the one whose scan is at hand
+/// stands in T_BS, radar_errors and time_offset.
 struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
@@ -48,9 +61,31 @@ struct Estimate {
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
   double way = 0.0;                                              ///< flown since the start [m]
   double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
+  std::size_t radar = 0;     ///< whose scan is at hand
+  std::array<RadarState, kMaxRadars> others;            ///< by radar; that of `radar` is void
   AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
   StaticVector<Clone, kMaxClones> clones;  ///< a ring: the newest overwrites the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
+
+  RadarState of_radar(std::size_t r) const {
+    return r == radar ? RadarState{T_BS, radar_errors, time_offset} : others[r];
+  }
+  void set_radar(std::size_t r, const RadarState& state) {
+    if (r != radar) {
+      others[r] = state;
+      return;
+    }
+    T_BS = state.T_BS;
+    radar_errors = state.errors;
+    time_offset = state.time_offset;
+  }
+  /// A scan of radar r is at hand.
+  void select_radar(std::size_t r) {
+    if (r == radar) return;
+    others[radar] = of_radar(radar);
+    radar = r;
+    set_radar(r, RadarState(others[r]));
+  }
 
   /// Body pose as matrices.
   RigidPose T_WB() const { return {nav.q_WB.toRotationMatrix(), nav.p_WB}; }

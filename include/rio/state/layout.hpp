@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where each block lives in the error state:
-//   [body 15 | extrinsics 0 or 6 | radar errors 0 or 2 | time offset 0 or 1 | auxiliary states |
-//    clones 6 N | landmarks 3 M]
+//   [body 15 | of each radar: extrinsics 0 or 6, radar errors 0 or 2, time offset 0 or 1 |
+//    auxiliary states | clones 6 N | landmarks 3 M]
 //
 // The clone region always has room for N clones; a new clone takes the place of the oldest one, so
 // marginalising a clone moves nothing. Landmarks stand last because their number changes.
@@ -16,14 +16,27 @@ class Layout {
  public:
   /// @param auxiliary elements of the auxiliary states
   Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks,
-         int auxiliary = 0)
+         int auxiliary = 0, std::size_t radars = 1)
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
         radar_errors_(calibration.doppler_scale_sigma > 0.0 ||
                       calibration.elevation_bias_sigma > 0.0),
         time_offset_(calibration.time_offset_sigma > 0.0),
+        radars_(static_cast<int>(radars)),
         auxiliary_(auxiliary),
         max_clones_(max_clones),
         max_landmarks_(max_landmarks) {}
+
+  /// The same with the calibration of radar r.
+  Layout of_radar(std::size_t r) const {
+    Layout out = *this;
+    out.radar_ = static_cast<int>(r);
+    return out;
+  }
+  std::size_t radars() const { return static_cast<std::size_t>(radars_); }
+  /// Whose calibration a column before the auxiliary states is of.
+  std::size_t radar_of(int column) const {
+    return static_cast<std::size_t>((column - body::kSize) / calibration_size());
+  }
 
   bool has_extrinsics() const { return extrinsics_; }
   bool has_radar_errors() const { return radar_errors_; }
@@ -31,11 +44,12 @@ class Layout {
   int max_clones() const { return max_clones_; }
   int max_landmarks() const { return max_landmarks_; }
 
-  // First columns; only those of blocks that are there mean anything.
-  int extrinsics() const { return body::kSize; }
+  // First columns, the calibration that of one radar; only those of blocks that are there mean
+  // anything.
+  int extrinsics() const { return body::kSize + radar_ * calibration_size(); }
   int radar_errors() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
   int time_offset() const { return radar_errors() + (radar_errors_ ? RadarErrors::kDof : 0); }
-  int auxiliary() const { return time_offset() + (time_offset_ ? 1 : 0); }
+  int auxiliary() const { return body::kSize + radars_ * calibration_size(); }
   int auxiliary_size() const { return auxiliary_; }
   int clone(int slot) const { return auxiliary() + auxiliary_ + 6 * slot; }
   int landmark(int index) const { return clone(max_clones_) + 3 * index; }
@@ -57,9 +71,17 @@ class Layout {
   int time_offset_column() const { return time_offset_ ? time_offset() : -1; }
 
  private:
+  /// Of one radar.
+  int calibration_size() const {
+    return (extrinsics_ ? Extrinsics::kDof : 0) + (radar_errors_ ? RadarErrors::kDof : 0) +
+           (time_offset_ ? 1 : 0);
+  }
+
   bool extrinsics_;
   bool radar_errors_;
   bool time_offset_;
+  int radars_;
+  int radar_ = 0;
   int auxiliary_;
   int max_clones_;
   int max_landmarks_;

@@ -58,13 +58,16 @@ class Belief {
 
   void reset(const NavState& prior, const BodyCovariance& P0);
 
+  /// A scan of radar r is at hand: its calibration is that of the estimate and of the layout.
+  void select_radar(std::size_t r);
+
   /// To exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
   /// The parameters contradicted since the last call (E1); each is reported once. The caller takes
   /// back the information (E2).
-  StaticVector<Contradiction, kCalibrationCount> contradictions();
-  /// Of the prior sigma of the options, to which a parameter is believed now.
+  StaticVector<Contradiction, kMaxRadars * kCalibrationCount> contradictions();
+  /// Of the prior sigma of the options, to which a parameter of the radar at hand is believed now.
   double prior_share(Calibration parameter) const;
 
   /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s]; it may
@@ -103,7 +106,7 @@ class Belief {
   /// Fills what matching needs to know of the landmarks.
   void predict_landmarks();
 
-  void correct_calibration(const Eigen::VectorXd& dx);
+  void correct_calibration(std::size_t r, const Eigen::VectorXd& dx);
 
   Options options_;
   Layout layout_;
@@ -111,7 +114,7 @@ class Belief {
   Covariance covariance_;
   Acceleration acceleration_;
   Eigen::VectorXd dx_;
-  std::array<bool, kCalibrationCount> contradicted_{};
+  std::array<std::array<bool, kCalibrationCount>, kMaxRadars> contradicted_{};
 };
 
 }  // namespace rio

@@ -32,8 +32,8 @@ class ScanRows {
 
   /// The flight begins anew.
   void reset() {
-    way_at_scan_ = 0.0;
-    last_scan_ = Time{0};
+    way_at_scan_.fill(0.0);
+    last_scan_.fill(Time{0});
   }
 
   /// The rows that may be used; valid until the next call.
@@ -112,10 +112,10 @@ class ScanRows {
   AuxiliaryStates auxiliary_;
   double gravity_;
   double noise_distance_;
-  double doppler_grid_;       ///< [m/s]
-  double way_at_scan_ = 0.0;  ///< flown at the last scan [m]
-  double since_scan_ = 1.0;   ///< since the last scan, at most [s]
-  Time last_scan_{0};
+  double doppler_grid_;                           ///< [m/s]
+  std::array<double, kMaxRadars> way_at_scan_{};  ///< flown at the last scan of a radar [m]
+  double since_scan_ = 1.0;                       ///< since the last scan, at most [s]
+  std::array<Time, kMaxRadars> last_scan_{};
   Gate gate_;
   DopplerModel doppler_;
   TrailDistanceModel trail_;

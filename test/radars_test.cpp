@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several radars on one body, through door 1, with either back-end. Their scans have the same
+// stamps, which is the hardest case; the drives of test/e2e/kart_test.cpp have them interleaved.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "experiment/trial.hpp"
+#include "rio/testing/allocation_guard.hpp"
+#include "support/measured.hpp"
+
+namespace rio::test {
+namespace {
+
+using experiment::options_for;
+using std::chrono::milliseconds;
+
+const Pose kFirst = sim::default_radar_mount(0.3);
+const std::vector<Pose> kFrontAndDown = sim::radar_mounts(kFirst, 2);
+const std::vector<Pose> kAround = sim::radar_mounts(kFirst, 4);
+
+/// The same flight as each radar sees it.
+std::vector<sim::Flight> flights(std::uint64_t seed, const std::vector<Pose>& mounts,
+                                 double told_wrong = 0.0) {
+  std::vector<sim::Flight> out;
+  for (const Pose& T_BS : mounts) {
+    sim::Scenario o;
+    o.seed = seed;
+    o.path.length = 25.0;
+    o.max_duration = 25.0;
+    o.radar.T_BS = T_BS;
+    o.radar.max_static = 12;
+    o.told.extrinsic_angle = told_wrong;
+    out.push_back(sim::simulate_flight(o));
+  }
+  return out;
+}
+
+struct Result {
+  double rms = 0.0;   ///< of the position [m]
+  double nees = 0.0;  ///< of position and attitude, mean, a dimension
+  double last = 0.0;  ///< position error at the end [m]
+  int steps = 0;
+  NavState end;
+};
+
+class RadarsTest : public testing::TestWithParam<BackEnd> {
+ protected:
+  static Options options(const std::vector<sim::Flight>& all) {
+    Options o = options_for(all.front(), "default");
+    o.backend = GetParam();
+    for (std::size_t r = 1; r < all.size(); ++r) {
+      EXPECT_TRUE(o.other_radars.push_back({all[r].told_T_BS}));
+    }
+    return o;
+  }
+  /// @param delays of the arrivals, by radar
+  /// @param until radar 0 sends nothing from there on [s]
+  Result fly(const std::vector<sim::Flight>& all, std::vector<Time> delays = {},
+             double until = 1e9) {
+    const sim::Flight& flight = all.front();
+    delays.resize(all.size(), Time{0});
+    odometry = Odometry::create(options(all));
+    std::vector<std::size_t> next(all.size(), 0);
+    Result out;
+    std::uint64_t done = 0;
+    for (const ImuSample& sample : flight.imu) {
+      EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
+      for (std::size_t r = 0; r < all.size(); ++r) {
+        const auto& scans = all[r].scans;
+        for (; next[r] < scans.size() && scans[next[r]].time + delays[r] <= sample.time;
+             ++next[r]) {
+          const double t = to_seconds(scans[next[r]].time - flight.imu.front().time);
+          if (r == 0 && t > until) continue;
+          (void)odometry->add_scan(scans[next[r]], r);
+        }
+      }
+      if (odometry->counters().scans == done) continue;
+      done = odometry->counters().scans;
+      const NavState& x = odometry->at_scan();
+      const NavState truth = flight.truth_at(x.time);
+      out.last = (x.p_WB - truth.p_WB).norm();
+      out.rms += out.last * out.last;
+      Eigen::Matrix<double, 6, 1> e;
+      e << quaternion_log(x.q_WB.conjugate() * truth.q_WB), truth.p_WB - x.p_WB;
+      const Eigen::Matrix<double, 6, 6> P = odometry->covariance().topLeftCorner<6, 6>();
+      out.nees += e.dot(P.inverse() * e) / 6.0;
+      ++out.steps;
+    }
+    out.rms = std::sqrt(out.rms / out.steps);
+    out.nees /= out.steps;
+    out.end = odometry->at_scan();
+    return out;
+  }
+  static std::string name() { return GetParam() == BackEnd::kEkf ? "filter" : "window"; }
+
+  std::unique_ptr<Odometry> odometry;
+};
+
+TEST_P(RadarsTest, MoreRadarsAreBetterThanOne) {
+  double one = 0.0;
+  double two = 0.0;
+  double four = 0.0;
+  double nees = 0.0;
+  constexpr int kSeeds = 2;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    const auto both = flights(seed, kFrontAndDown);
+    one += fly({both.front()}).rms / kSeeds;
+    const Result result = fly(both);
+    two += result.rms / kSeeds;
+    nees += result.nees / kSeeds;
+    EXPECT_EQ(odometry->counters().scans_late, 0U);
+    EXPECT_EQ(odometry->counters().scans_duplicate, 0U);
+    EXPECT_EQ(odometry->counters().updates_failed, 0U);
+    four += fly(flights(seed, kAround)).rms / kSeeds;
+  }
+  measured(name() + ", one radar: RMSE [m]", one, "");
+  measured(name() + ", front and down: RMSE over that of one", two / one, "below 1");
+  measured(name() + ", four around: RMSE over that of one", four / one, "below 1");
+  measured(name() + ", front and down: NEES of the pose a dimension", nees, "below 2");
+  EXPECT_LT(two, one);
+  EXPECT_LT(four, one);
+  EXPECT_LT(nees, 2.0);
+}
+
+TEST_P(RadarsTest, OneOfThemFailsInFlight) {
+  for (const auto& mounts : {kFrontAndDown, kAround}) {
+    const auto all = flights(3, mounts);
+    const Result result = fly(all, {}, 10.0);
+    EXPECT_LT(result.last, 0.3);
+    EXPECT_LT(result.nees, 3.0);
+    EXPECT_EQ(odometry->health().state, HealthState::kOk);
+  }
+}
+
+TEST_P(RadarsTest, TheOrderOfArrivalDoesNotMatter) {
+  const auto both = flights(2, kFrontAndDown);
+  const Result first = fly(both, {milliseconds(80), milliseconds(60)});
+  const std::uint64_t late = odometry->counters().scans_late;  // of before the start
+  const Result second = fly(both, {milliseconds(60), milliseconds(80)});
+  EXPECT_LE(late, 4U);
+  EXPECT_EQ(odometry->counters().scans_late, late);
+  EXPECT_EQ(first.end.time, second.end.time);
+  EXPECT_EQ(first.end.p_WB, second.end.p_WB);
+  EXPECT_EQ(first.end.q_WB.coeffs(), second.end.q_WB.coeffs());
+}
+
+TEST_P(RadarsTest, EachHasItsOwnMounting) {
+  const auto both = flights(4, kFrontAndDown, 0.05);
+  fly(both);
+  for (std::size_t r = 0; r < both.size(); ++r) {
+    const Pose& truth = both[r].scenario.radar.T_BS;
+    const auto off = [&truth](const Pose& T) {
+      return quaternion_log(truth.rotation.conjugate() * T.rotation).norm();
+    };
+    EXPECT_NEAR(off(both[r].told_T_BS), 0.05, 1e-9);
+    EXPECT_LT(off(odometry->extrinsics(r)), 0.02) << r;
+  }
+}
+
+TEST_P(RadarsTest, WhatIsRefused) {
+  const auto both = flights(1, kFrontAndDown);
+  Options o = options(both);
+  o.start.static_alignment = false;
+  odometry = Odometry::create(o);
+  EXPECT_EQ(odometry->add_scan(both[0].scans[0], 2), Status::kUndeclared);
+  EXPECT_EQ(odometry->add_scan(both[1].scans[0], 1), Status::kNotInitialized);
+  ASSERT_EQ(odometry->reset(both[0].truth.front(), 1e-4 * BodyCovariance::Identity()), Status::kOk);
+  EXPECT_EQ(odometry->add_scan(both[0].scans[0], 0), Status::kWaiting);
+  EXPECT_EQ(odometry->add_scan(both[1].scans[0], 1), Status::kWaiting);  // of the same stamp
+  EXPECT_EQ(odometry->add_scan(both[1].scans[0], 1), Status::kDuplicate);
+  EXPECT_EQ(odometry->add_scan(both[0].scans[0], 0), Status::kDuplicate);
+}
+
+TEST_P(RadarsTest, AllocateNothing) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
+  const auto all = flights(1, kAround);
+  odometry = Odometry::create(options(all));
+  std::size_t scan = 0;
+  const AllocationGuard guard;
+  for (std::size_t i = 0; i < 3000; ++i) {
+    const Time time = all[0].imu[i].time;
+    (void)odometry->add_imu(all[0].imu[i]);
+    for (; all[0].scans[scan].time <= time; ++scan) {
+      for (std::size_t r = 0; r < all.size(); ++r) (void)odometry->add_scan(all[r].scans[scan], r);
+    }
+  }
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(odometry->counters().scans, 400U);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, RadarsTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
+                         [](const auto& instance) {
+                           return instance.param == BackEnd::kEkf ? "Ekf" : "Smoother";
+                         });
+
+}  // namespace
+}  // namespace rio::test
