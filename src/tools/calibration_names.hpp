@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <string>
 
 #include "rio/report.hpp"
 
@@ -28,5 +30,20 @@ inline constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationName
      {"doppler_scale", "%", 100.0, "the unit and the grid of the Doppler"},
      {"elevation_bias", "deg", kDegrees, "the elevation of the points, the tilt in T_BS"},
      {"time_offset", "ms", 1000.0, "the stamps of the scans: the middle of the chirps?"}}};
+
+/// Of radar r: "radar_rotation_x" is "radar1_rotation_x", "time_offset" is "radar1_time_offset".
+inline std::string calibration_name(std::size_t i, std::size_t r) {
+  const std::string name = kCalibrationNames[i].name;
+  if (r == 0) return name;
+  const std::string own = "radar" + std::to_string(r) + "_";
+  return own + (name.rfind("radar_", 0) == 0 ? name.substr(6) : name);
+}
+/// What to check of radar r.
+inline std::string calibration_check(std::size_t i, std::size_t r) {
+  std::string check = kCalibrationNames[i].check;
+  const std::size_t at = check.find("radar0");
+  if (at != std::string::npos) check.replace(at, 6, "radar" + std::to_string(r));
+  return check;
+}
 
 }  // namespace rio::tools

@@ -40,14 +40,17 @@ void HealthLog::add(Time time, const Health& health) {
   }
 }
 
-void HealthLog::conclude(const std::array<CalibrationReport, kCalibrationCount>& calibration,
-                         bool too_fast) {
+void HealthLog::conclude(
+    const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration,
+    bool too_fast) {
   calibration_.clear();
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const Observability verdict = calibration[i].verdict;
-    if (verdict != Observability::kDoubtful && verdict != Observability::kAtLimit) continue;
-    append(&calibration_, fmt::format("{} is {}, check {}", kCalibrationNames[i].name,
-                                      to_string(verdict), kCalibrationNames[i].check));
+  for (std::size_t r = 0; r < calibration.size(); ++r) {
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      const Observability verdict = calibration[r][i].verdict;
+      if (verdict != Observability::kDoubtful && verdict != Observability::kAtLimit) continue;
+      append(&calibration_, fmt::format("{} is {}, check {}", calibration_name(i, r),
+                                        to_string(verdict), calibration_check(i, r)));
+    }
   }
   lost_because_.clear();
   if (too_fast) append(&lost_because_, "faster or farther than anything that carries a radar");

@@ -5,6 +5,7 @@
 #include <array>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "rio/health.hpp"
 #include "rio/report.hpp"
@@ -19,7 +20,9 @@ class HealthLog {
 
   /// Of the calibration at the end: doubtful parameters make the verdict doubtful.
   /// @param too_fast the path is one that no vehicle takes
-  void conclude(const std::array<CalibrationReport, kCalibrationCount>& calibration, bool too_fast);
+  /// @param calibration by radar
+  void conclude(const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration,
+                bool too_fast);
 
   bool lost() const { return !lost_because_.empty(); }
   /// What the estimate is lost for; empty if it is not.

@@ -328,6 +328,7 @@ class Replay {
     }
     summary_.scans_unprocessed = static_cast<int>(scans_.size() - scan_) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
+    if (several_) summary_.scans = static_cast<int>(summary_.counters.scans);
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = dataset_.imu.back().time - dataset_.imu.front().time;
     summary_.health.conclude(summary_.calibration, summary_.is_absurd());

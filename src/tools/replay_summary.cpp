@@ -48,6 +48,23 @@ Model model_at(std::size_t i) {
   return static_cast<Model>(i);
 }
 
+std::string calibration_text(const std::array<CalibrationReport, kCalibrationCount>& of_radar,
+                             std::size_t r) {
+  std::string out;
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = of_radar[i];
+    if (c.verdict == Observability::kNotEstimated) continue;
+    const CalibrationName& name = kCalibrationNames[i];
+    out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", calibration_name(i, r),
+                       name.scale * c.value, name.unit, name.scale * c.sigma,
+                       name.scale * c.prior_sigma, to_string(c.verdict));
+    if (c.verdict == Observability::kDoubtful || c.verdict == Observability::kAtLimit) {
+      out += fmt::format("  check {}\n", calibration_check(i, r));
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
@@ -70,7 +87,8 @@ void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   if (rows_used > 0) ++updates;
   update_ms.push_back(1e3 * to_seconds(report.update_time));
   propagation_ms.push_back(1e3 * to_seconds(report.propagation_time));
-  calibration = report.calibration;
+  if (calibration.size() <= report.radar) calibration.resize(report.radar + 1);
+  calibration[report.radar] = report.calibration;
   clones = report.clones;
   landmarks = report.landmarks;
 }
@@ -87,11 +105,13 @@ std::string ReplaySummary::json() const {
                                         {"rows_gated", models[i].rows_gated}};
   }
   Json calibrated = Json::object();
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const CalibrationReport& c = calibration[i];
-    if (c.verdict == Observability::kNotEstimated) continue;
-    calibrated[kCalibrationNames[i].name] = {
-        {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.verdict)}};
+  for (std::size_t r = 0; r < calibration.size(); ++r) {
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      const CalibrationReport& c = calibration[r][i];
+      if (c.verdict == Observability::kNotEstimated) continue;
+      calibrated[calibration_name(i, r)] = {
+          {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.verdict)}};
+    }
   }
   const Vector3d& p = last_position;
   const Json all = {
@@ -160,17 +180,7 @@ std::string ReplaySummary::text() const {
       "time\n",
       update.mean, update.p99, update.max, propagation.mean, realtime_factor(*this));
 
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const CalibrationReport& c = calibration[i];
-    if (c.verdict == Observability::kNotEstimated) continue;
-    const CalibrationName& name = kCalibrationNames[i];
-    out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", name.name,
-                       name.scale * c.value, name.unit, name.scale * c.sigma,
-                       name.scale * c.prior_sigma, to_string(c.verdict));
-    if (c.verdict == Observability::kDoubtful || c.verdict == Observability::kAtLimit) {
-      out += fmt::format("  check {}\n", name.check);
-    }
-  }
+  for (std::size_t r = 0; r < calibration.size(); ++r) out += calibration_text(calibration[r], r);
 
   const std::pair<const char*, std::uint64_t> irregular[] = {
       {"scans before the start", static_cast<std::uint64_t>(scans_before_start)},

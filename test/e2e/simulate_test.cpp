@@ -58,6 +58,18 @@ TEST_F(Tool, ScenarioFileOfAFlightReproducesIt) {
   expect_equal(file("storm"), file("storm2"));
 }
 
+TEST_F(Tool, SeveralRadarsOfOneFlight) {
+  const Outcome written = rio("simulate " + file("two") + " --length 20 --radars 2");
+  ASSERT_EQ(written.status, 0) << written.output;
+  const Outcome run = rio("replay " + file("two") + " --json");
+  ASSERT_EQ(run.status, 0) << run.output;
+  const auto json = nlohmann::json::parse(run.last_line());
+  EXPECT_GT(json["scans"], 500);
+  EXPECT_EQ(json["counters"]["updates_failed"], 0);
+  EXPECT_TRUE(json["calibration"].contains("radar1_rotation_x"));
+  EXPECT_NE(rio("replay " + flight_ + " --barometer").status, 0);  // it has none
+}
+
 TEST_F(Tool, FliesARecordedTrajectoryWhereverScenarioAndOutputLie) {
   fs::create_directories(file("elsewhere"));
   fs::copy_file(fs::path(flight_) / "state_groundtruth_estimate0/data.csv", file("walk.csv"));

@@ -173,6 +173,30 @@ TEST(Dataset, GroundTruthMustBeSound) {
                "data.csv:2: time does not increase");
 }
 
+TEST(Dataset, FurtherRadarsHaveFoldersOfTheirOwn) {
+  const TempDir dir;
+  Dataset a = sample_dataset();
+  Dataset::OtherRadar other{a.scans, a.radar_info};
+  other.scans.pop_back();
+  other.info.T_BS->translation = Vector3d(0.5, -0.25, 0.125);
+  other.info.time_offset = 0.004;
+  a.other_radars = {other, other};
+  write_dataset(dir.path(), a);
+  const Dataset b = read_dataset(dir.path());
+  ASSERT_EQ(b.other_radars.size(), 2U);
+  EXPECT_EQ(b.other_radars[1].scans.size(), a.scans.size() - 1);
+  Options options;
+  apply_sensor_info(b, &options);
+  ASSERT_EQ(options.radars(), 3U);
+  EXPECT_EQ(options.mount(0).T_BS.translation, a.radar_info.T_BS->translation);
+  EXPECT_EQ(options.mount(2).T_BS.translation, other.info.T_BS->translation);
+  EXPECT_EQ(options.mount(2).time_offset, 0.004);
+  a.other_radars.pop_back();
+  EXPECT_ERROR(write_dataset(dir.path(), a), "radar2: is left from another recording");
+  std::ofstream(dir.path() / "radar1" / "data.csv") << "#timestamp [ns],x\n1,x\n";
+  EXPECT_ERROR(read_dataset(dir.path()), "radar1/data.csv:2");
+}
+
 TEST(Dataset, WriterRefusesWhatItCouldNotReadBack) {
   const TempDir dir;
   Dataset d = sample_dataset();

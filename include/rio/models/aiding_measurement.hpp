@@ -44,6 +44,7 @@ class AidingMeasurement {
   static constexpr int kColumns = kBody + AuxiliaryStates::kMaxSize;
   /// Room for model and measurement [bytes].
   static constexpr std::size_t kCapacity = 320;
+  static constexpr std::size_t kAlignment = 32;
 
   /// r = J dx + n, n white with variance 1.
   struct Rows {
@@ -57,8 +58,8 @@ class AidingMeasurement {
       : time_(time), table_(&kTable<Model>) {
     using Both = Held<Model>;
     static_assert(Model::kDim <= kMaxRows, "at most six rows");
-    static_assert(sizeof(Both) <= kCapacity && alignof(Both) <= alignof(AidingMeasurement),
-                  "model and measurement are too large");
+    static_assert(sizeof(Both) <= kCapacity, "model and measurement are too large");
+    static_assert(alignof(Both) <= kAlignment, "model and measurement are aligned too widely");
     static_assert(std::is_trivially_destructible_v<Both>, "neither may own anything");
     new (storage_) Both{model, z};
   }
@@ -163,7 +164,7 @@ class AidingMeasurement {
 
   Time time_;
   const Table* table_;
-  alignas(32) std::byte storage_[kCapacity];
+  alignas(kAlignment) std::byte storage_[kCapacity];
 };
 
 }  // namespace rio
