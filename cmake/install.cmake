@@ -1,8 +1,8 @@
-# Installs rio::rio, rio::core, rio::ti and rio::sim so that find_package(rio) gives them; where the
-# tests are built also rio::testing, which needs GoogleTest.
+# Installs rio::rio, rio::core, rio::ti, rio::mavlink and rio::sim so that find_package(rio) gives
+# them; where the tests are built also rio::testing, which needs GoogleTest.
 include(CMakePackageConfigHelpers)
 
-set(installed rio_core rio_sim rio_ti rio)
+set(installed rio_core rio_sim rio_ti rio_mavlink rio)
 if(TARGET rio_testing)
   list(APPEND installed rio_testing)
 endif()

@@ -15,6 +15,7 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/test/package/consumer -B ${WORK}/build
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/link)
 run(${WORK}/build/driver)
+run(${WORK}/build/autopilot)
 run(${WORK}/build/research)
 run(${WORK}/build/new_model)
 run(${WORK}/build/new_model_test)
