@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fuzzes every target for some time with libFuzzer, AddressSanitizer and UBSan; installs what that needs.
-#   test/fuzz/run.sh [seconds [target...]]     60 s each; odometry, options, dataset, trajectory, ti
+#   test/fuzz/run.sh [seconds [target...]]     60 s each; odometry, options, dataset, trajectory, ti, mavlink
 # Prints a table of executions and findings; exits with 1 if there is a finding. The inputs that grew
 # stay in build/fuzz/corpus, findings in build/fuzz/findings: give such a file to the program to see it
 # again, as in  build/fuzz/test/fuzz/fuzz_odometry build/fuzz/findings/odometry/crash-...
@@ -9,7 +9,7 @@ cd "$(dirname "$0")/../.."
 
 seconds=${1:-60}
 targets=("${@:2}")
-[ ${#targets[@]} -eq 0 ] && targets=(odometry options dataset trajectory ti)
+[ ${#targets[@]} -eq 0 ] && targets=(odometry options dataset trajectory ti mavlink)
 cmake/install_dependencies.sh fuzz
 
 build=$PWD/build/fuzz
