@@ -18,9 +18,8 @@
 //              relative, drifting.
 //   covariance PX4 uses the diagonals, with EKF2_EVP_NOISE and so on as lower bounds; ArduPilot
 //              has its own noise parameters.
-//   NaN        is MAVLink's "unknown". PX4 leaves out what is not finite; ArduPilot is not known
-//   to:
-//              send it whole messages.
+//   NaN        is MAVLink's "unknown". PX4 leaves out what is not finite; whether ArduPilot does is
+//              not known: send it whole messages.
 //   time       in the clock of the estimate. Both move it onto their own: PX4 needs answers to its
 //              TIMESYNC for that (timesync.hpp).
 #pragma once
