@@ -5,6 +5,9 @@
 //   odometry->add_imu(sample);    // each IMU sample
 //   odometry->add_scan(scan);     // each radar scan
 //
+// and, where there are more: add_scan(scan, 1) of a second radar (Options::other_radars),
+// add_measurement() of other sensors (rio/aiding.hpp).
+//
 // The estimate lives at the time of the newest processed scan; a predictor carries it through the
 // buffered IMU samples to now(). There is no lock, no thread, no clock, no logging and, after
 // create(), no allocation inside. The same binary fed in the same order gives the same bytes.
