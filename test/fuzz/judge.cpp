@@ -97,7 +97,9 @@ Calls& calls() {
 }
 
 Judge::Judge(std::unique_ptr<Odometry> odometry, const Options& options)
-    : odometry_(std::move(odometry)), queue_(options.timing.scan_queue) {}
+    : odometry_(std::move(odometry)),
+      queue_(options.timing.scan_queue * static_cast<int>(options.radars())),
+      several_(options.radars() > 1) {}
 
 bool Judge::Estimate::operator==(const Estimate& other) const {
   return same(now, other.now) && same(at_scan, other.at_scan) &&
@@ -161,7 +163,7 @@ Status Judge::add_imu(const ImuSample& sample) {
   return status;
 }
 
-Status Judge::add_scan(const RadarScan& scan) {
+Status Judge::add_scan(const RadarScan& scan, std::size_t radar) {
   ++calls().add_scan;
   ++scans_given_;
   const Counters before = odometry_->counters();
@@ -171,20 +173,44 @@ Status Judge::add_scan(const RadarScan& scan) {
   Status status = Status::kOk;
   {
     const TrapFloatingPoint trap(clean);
-    status = odometry_->add_scan(scan);
+    status = odometry_->add_scan(scan, radar);
   }
   check_estimate(before);
-  if (status == Status::kOk) {
+  if (status == Status::kUndeclared) {  // no such radar
+    --scans_given_;
+    RIO_FUZZ_CHECK(estimate() == old && totals(odometry_->counters()) == totals(before));
+    return status;
+  }
+  // of several radars one call may process the scans of others
+  const bool others = several_ && (status == Status::kOk || status == Status::kWaiting);
+  if (status == Status::kOk && !others) {
     RIO_FUZZ_CHECK(odometry_->report().time == scan.time);
-  } else if (status != Status::kNumerical) {  // then it is as the IMU predicts
+  } else if (status != Status::kNumerical && !others) {  // then it is as the IMU predicts
     RIO_FUZZ_CHECK(estimate() == old);
   }
   if (status != Status::kWaiting) {
-    RIO_FUZZ_CHECK(answered_scan(odometry_->counters(), status) ==
-                   answered_scan(before, status) + 1);
+    const std::uint64_t more =
+        answered_scan(odometry_->counters(), status) - answered_scan(before, status);
+    RIO_FUZZ_CHECK(others || status == Status::kNumerical ? more >= 1 : more == 1);
   }
   calls().processed += odometry_->counters().scans - before.scans;
   check_scans();
+  return status;
+}
+
+Status Judge::add_measurement(const AidingMeasurement& measurement) {
+  ++calls().aiding;
+  const Counters before = odometry_->counters();
+  const Estimate old = estimate();
+  const Status status = odometry_->add_measurement(measurement);
+  check_estimate(before);
+  RIO_FUZZ_CHECK(estimate() == old);  // it counts with a scan
+  const Counters& now = odometry_->counters();
+  const std::uint64_t answered = now.aiding + now.aiding_late + now.aiding_ahead +
+                                 now.aiding_overflow - before.aiding - before.aiding_late -
+                                 before.aiding_ahead - before.aiding_overflow;
+  const bool counted = status != Status::kNotInitialized && status != Status::kUndeclared;
+  RIO_FUZZ_CHECK(answered == (counted ? 1 : 0));
   return status;
 }
 

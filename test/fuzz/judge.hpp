@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "fuzz/fuzz.hpp"
+#include "rio/aiding.hpp"
 #include "rio/rio.hpp"
 
 namespace rio::fuzz {
@@ -14,6 +15,7 @@ struct Calls {
   unsigned long add_imu = 0;
   unsigned long add_scan = 0;
   unsigned long processed = 0;  ///< scans
+  unsigned long aiding = 0;     ///< add_measurement
   unsigned long reset = 0;
 };
 Calls& calls();
@@ -24,7 +26,8 @@ class Judge {
   Judge(std::unique_ptr<Odometry> odometry, const Options& options);
 
   Status add_imu(const ImuSample& sample);
-  Status add_scan(const RadarScan& scan);
+  Status add_scan(const RadarScan& scan, std::size_t radar = 0);
+  Status add_measurement(const AidingMeasurement& measurement);
   Status reset(const NavState& prior, const BodyCovariance& P0);
   void reset();
 
@@ -46,6 +49,7 @@ class Judge {
 
   std::unique_ptr<Odometry> odometry_;
   int queue_;
+  bool several_;                   ///< radars
   std::uint64_t scans_given_ = 0;  ///< since the last reset
 };
 

@@ -9,6 +9,7 @@
 
 #include "fuzz/judge.hpp"
 #include "fuzz/vehicle.hpp"
+#include "rio/models/aids.hpp"
 #include "rio/option_fields.hpp"
 
 namespace rio::fuzz {
@@ -64,6 +65,11 @@ Options options_of(Input& in) {
   if ((start / kPresetCount) % 2 == 1) {
     o.backend = o.backend == BackEnd::kEkf ? BackEnd::kSmoother : BackEnd::kEkf;
   }
+  if ((start & 32) != 0) {  // further sensors
+    RIO_FUZZ_CHECK(o.other_radars.push_back({{Quaternion(0.0, 0.0, 0.0, 1.0), {-0.1, 0.0, 0.0}}}));
+    RIO_FUZZ_CHECK(o.auxiliary.declare<HeightOffset>());
+    o.timing.aiding_delay = (start & 64) != 0 ? 0.3 : 0.0;
+  }
   for (int n = in.byte() % 8; n > 0; --n) {
     int index = in.byte();
     visit_fields(o, [&](const FieldInfo& info, auto& value) {
@@ -116,7 +122,10 @@ Time odd_duration(Input& in) {
 class Program {
  public:
   Program(Input& in, std::unique_ptr<Odometry> odometry, const Options& options)
-      : in_(in), vehicle_(options), judge_(std::move(odometry), options) {
+      : in_(in),
+        vehicle_(options),
+        judge_(std::move(odometry), options),
+        further_(options.radars() > 1) {
     constexpr Time::rep kEpochs[] = {1'700'000'000'000'000'000, 0, -5'000'000'000,
                                      4'611'686'018'000'000'000};
     const int start = in_.byte();
@@ -189,6 +198,41 @@ class Program {
     t_ += period_;
     (void)judge_.add_imu(imu());
     if (scan_every_ > 0 && steps_ % scan_every_ == 0) (void)judge_.add_scan(scan());
+    if (!further_) return;
+    if (steps_ % 5 == 0) further_scan();
+    if (steps_ % 4 == 0) aid();
+  }
+
+  /// Of the second radar, which looks backwards: its points turned, not its Dopplers.
+  void further_scan() {
+    RadarScan scan = this->scan();
+    scan.time = later(scan.time, Time(-1'000'000 * (steps_ % 40)));
+    (void)judge_.add_scan(scan, 1 + (steps_ % 50 == 0 ? 1 : 0));
+  }
+
+  /// A height, a position, a heading or a velocity, some of them absurd or late.
+  void aid() {
+    const double wrong = steps_ % 28 == 0 ? 1e3 * (doppler_error_.x() + 1.0) : 0.0;
+    const double t = t_ - (steps_ % 24 == 0 ? 0.2 : 0.0);
+    const NavState x = vehicle_.state(t);
+    const Time time = stamp(t);
+    switch (steps_ / 4 % 5) {
+      case 0:
+        (void)judge_.add_measurement({time, HeightModel{}, {x.p_WB.z() + wrong, 0.1}});
+        break;
+      case 1:
+        (void)judge_.add_measurement({time, PositionModel{}, {x.p_WB}});
+        break;
+      case 2:
+        (void)judge_.add_measurement({time, HeadingModel{}, {wrong, 0.1 + wrong * wrong}});
+        break;
+      case 3:
+        (void)judge_.add_measurement({time, WorldVelocityModel{}, {x.v_WB}});
+        break;
+      default:
+        (void)judge_.add_measurement({time, GroundRangeModel{}, {wrong, 0.1}});  // undeclared
+        break;
+    }
   }
 
   ImuSample imu() {
@@ -279,6 +323,7 @@ class Program {
   Input& in_;
   Vehicle vehicle_;
   Judge judge_;
+  bool further_;  ///< sensors
   Time clock_{0};
   Time stamp_error_{0};
   double t_ = 0.0;  ///< [s]
@@ -292,8 +337,9 @@ class Program {
 };
 
 void print_calls() {
-  std::fprintf(stderr, "calls: %lu add_imu, %lu add_scan (%lu processed), %lu reset\n",
-               calls().add_imu, calls().add_scan, calls().processed, calls().reset);
+  std::fprintf(stderr,
+               "calls: %lu add_imu, %lu add_scan (%lu processed), %lu add_measurement, %lu reset\n",
+               calls().add_imu, calls().add_scan, calls().processed, calls().aiding, calls().reset);
 }
 
 }  // namespace
