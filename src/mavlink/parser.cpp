@@ -71,9 +71,8 @@ void Parser::plan() {
 bool Parser::judge() {
   for (std::size_t i = 0; i < candidates_.size();) {
     Candidate& candidate = candidates_[i];
-    if (candidate.look != stored_) {
-      ++i;
-    } else if (candidate.end == 0 && read_header(&candidate)) {
+    const bool waits = candidate.look != stored_ || (candidate.end == 0 && read_header(&candidate));
+    if (waits) {
       ++i;
     } else if (candidate.end == stored_ && read_frame(candidate)) {
       drop_pending();
