@@ -1,0 +1,433 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+#include "rio/ti/config.hpp"
+
+namespace rio::ti {
+namespace {
+
+constexpr double kHighCfar = 15.0;       // [dB]
+constexpr double kCoarseGrid = 0.25;     // [m/s]
+constexpr double kNarrowAzimuth = 90.0;  // full width [deg]
+constexpr double kNarrowElevation = 30.0;
+constexpr std::size_t kLongestLine = 255;  // of the demo's reader
+
+/// A command of the demo. Those with a rank come in its order.
+struct Known {
+  const char* name;
+  std::size_t least;  ///< arguments
+  std::size_t most;
+  bool required;
+  int rank;
+};
+constexpr Known kKnown[] = {
+    {"sensorStop", 0, 0, false, 1},
+    {"flushCfg", 0, 0, true, 2},
+    {"dfeDataOutputMode", 1, 1, true, 3},
+    {"channelCfg", 3, 3, true, 4},
+    {"adcCfg", 2, 2, true, 5},
+    {"adcbufCfg", 5, 5, true, 6},
+    {"profileCfg", 14, 14, true, 7},
+    {"chirpCfg", 8, 8, true, 8},
+    {"frameCfg", 7, 7, true, 9},
+    {"sensorStart", 0, 1, true, 10},
+    {"configDataPort", 2, 2, false, 0},
+    {"lowPower", 2, 2, true, 0},
+    {"guiMonitor", 7, 7, true, 0},
+    {"cfarCfg", 9, 9, true, 0},
+    {"multiObjBeamForming", 3, 3, true, 0},
+    {"clutterRemoval", 2, 2, true, 0},
+    {"calibDcRangeSig", 5, 5, true, 0},
+    {"extendedMaxVelocity", 2, 2, true, 0},
+    {"lvdsStreamCfg", 4, 4, true, 0},
+    {"compRangeBiasAndRxChanPhase", 9, 25, true, 0},
+    {"measureRangeBiasAndRxChanPhase", 3, 3, true, 0},
+    {"CQRxSatMonitor", 5, 5, true, 0},
+    {"CQSigImgMonitor", 3, 3, true, 0},
+    {"analogMonitor", 2, 2, true, 0},
+    {"aoaFovCfg", 5, 5, true, 0},
+    {"cfarFovCfg", 4, 4, true, 0},
+    {"bpmCfg", 4, 4, false, 0},
+    {"calibData", 2, 3, false, 0},
+    {"advFrameCfg", 5, 5, false, 0},
+    {"subFrameCfg", 10, 10, false, 0},
+    {"queryDemoStatus", 0, 0, false, 0},
+    {"version", 0, 0, false, 0},
+};
+
+const Known* find_known(const std::string& name) {
+  for (const Known& known : kKnown) {
+    if (name == known.name) return &known;
+  }
+  return nullptr;
+}
+
+__attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
+  char text[400];
+  va_list arguments;
+  va_start(arguments, pattern);
+  std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return text;
+}
+
+/// The command with one argument replaced.
+std::string with(const ConfigCommand& command, std::size_t i, const std::string& value) {
+  std::string line = command.name;
+  for (std::size_t k = 0; k < command.arguments.size(); ++k) {
+    line += " " + (k == i ? value : command.arguments[k]);
+  }
+  return line;
+}
+
+std::string number(double value) {
+  return format("%g", value);
+}
+
+class Linter {
+ public:
+  Linter(const Config& config, const RadarUse& use) : config_(config), use_(use) {}
+
+  std::vector<LintFinding> run() {
+    check_commands();
+    check_order();
+    check_missing();
+    check_output();
+    check_detection();
+    check_hardware();
+    std::string why;
+    if (derive(config_, &figures_, &why)) {
+      check_profile();
+      check_chirps();
+      check_speed();
+      check_time();
+      check_memory();
+    } else {
+      add(LintKind::kInconsistent, true, nullptr, "no figures follow: " + why, "");
+    }
+    std::stable_sort(findings_.begin(), findings_.end(),
+                     [](const LintFinding& a, const LintFinding& b) {
+                       return (a.line == 0 ? 1 << 30 : a.line) < (b.line == 0 ? 1 << 30 : b.line);
+                     });
+    return findings_;
+  }
+
+ private:
+  void add(LintKind kind, bool wrong, const ConfigCommand* where, const std::string& text,
+           const std::string& change) {
+    findings_.push_back({kind, wrong, where == nullptr ? 0 : where->line, text, change});
+  }
+
+  template <class Check>
+  void each(const char* name, Check&& check) {
+    for (std::size_t n = 0; const ConfigCommand* command = config_.find(name, n); ++n) {
+      check(*command);
+    }
+  }
+
+  void check_commands() {
+    for (const ConfigCommand& command : config_.commands) {
+      const Known* known = find_known(command.name);
+      if (known == nullptr) {
+        add(LintKind::kUnknownCommand, true, &command,
+            "the demo of SDK 3.x does not know " + command.name, "take the line out");
+        continue;
+      }
+      check_arguments(command, *known);
+    }
+  }
+
+  void check_arguments(const ConfigCommand& command, const Known& known) {
+    const std::size_t count = command.arguments.size();
+    if (count < known.least || count > known.most) {
+      add(LintKind::kWrongArguments, true, &command,
+          format("%s has %zu arguments and needs %zu", known.name, count,
+                 count < known.least ? known.least : known.most),
+          "");
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!std::isnan(command.number(i))) continue;
+      add(LintKind::kWrongArguments, true, &command,
+          format("argument %zu of %s is no number: %.40s", i + 1, known.name,
+                 command.arguments[i].c_str()),
+          "");
+    }
+    if (with(command, count, "").size() > kLongestLine) {
+      add(LintKind::kWrongArguments, true, &command,
+          format("the line of %s is longer than the %zu characters the demo reads", known.name,
+                 kLongestLine),
+          "");
+    }
+  }
+
+  void check_order() {
+    const Known* latest = nullptr;
+    for (const ConfigCommand& command : config_.commands) {
+      const Known* known = find_known(command.name);
+      if (known == nullptr) continue;
+      const bool started = latest != nullptr && latest->rank == 10;
+      if (started || (known->rank > 0 && latest != nullptr && known->rank < latest->rank)) {
+        add(LintKind::kWrongOrder, true, &command,
+            format("%s stands behind %s", known->name, latest->name),
+            format("move it in front of %s", latest->name));
+      }
+      if (known->rank > 0 && (latest == nullptr || known->rank > latest->rank)) latest = known;
+    }
+  }
+
+  void check_missing() {
+    for (const Known& known : kKnown) {
+      if (!known.required || config_.find(known.name) != nullptr) continue;
+      add(LintKind::kMissingCommand, true, nullptr,
+          format("%s is missing: the demo does not start without it", known.name), "");
+    }
+    for (const char* direction : {"range", "Doppler"}) {
+      const double wanted = direction[0] == 'r' ? 0.0 : 1.0;
+      int found = 0;
+      each("cfarCfg", [&](const ConfigCommand& c) { found += c.number(1) == wanted ? 1 : 0; });
+      if (found == 0 && config_.find("cfarCfg") != nullptr) {
+        add(LintKind::kMissingCommand, true, nullptr,
+            format("there is no cfarCfg for %s", direction), format("cfarCfg -1 %g ...", wanted));
+      }
+    }
+  }
+
+  void check_output() {
+    each("guiMonitor", [&](const ConfigCommand& c) {
+      if (!(c.number(1) > 0.0)) {
+        add(LintKind::kNoPoints, true, &c, "the detected points are not sent", with(c, 1, "1"));
+      } else if (c.number(1) != 1.0) {
+        add(LintKind::kNoSideInfo, true, &c,
+            "SNR and noise of the points are not sent (side info, TLV 7)", with(c, 1, "1"));
+      }
+    });
+    each("lvdsStreamCfg", [&](const ConfigCommand& c) {
+      if (c.number(2) == 0.0 && c.number(3) == 0.0) return;
+      add(LintKind::kLvdsOn, false, &c, "raw data are streamed over LVDS, and need a capture card",
+          "lvdsStreamCfg -1 0 0 0");
+    });
+  }
+
+  void check_detection() {
+    each("clutterRemoval", [&](const ConfigCommand& c) {
+      if (c.number(1) == 0.0) return;
+      add(LintKind::kClutterRemoval, true, &c,
+          "clutter removal deletes what has no Doppler: all of the world when the vehicle stands, "
+          "what is abeam when it moves",
+          with(c, 1, "0"));
+    });
+    each("cfarCfg", [&](const ConfigCommand& c) {
+      if (!(c.number(7) > kHighCfar)) return;
+      add(LintKind::kCfarTooHigh, true, &c,
+          format("a CFAR threshold of %g dB in %s leaves few points of walls and ground",
+                 c.number(7), c.number(1) == 0.0 ? "range" : "Doppler"),
+          with(c, 7, "10"));
+    });
+    each("extendedMaxVelocity", [&](const ConfigCommand& c) {
+      if (c.number(1) == 0.0) return;
+      add(LintKind::kExtendedVelocity, false, &c,
+          "the extended velocity is right for one target in a range cell only; the estimator "
+          "unfolds by its own prediction",
+          with(c, 1, "0"));
+    });
+    each("aoaFovCfg", [&](const ConfigCommand& c) {
+      const double azimuth = c.number(2) - c.number(1);
+      const double elevation = c.number(4) - c.number(3);
+      if (azimuth >= kNarrowAzimuth && elevation >= kNarrowElevation) return;
+      add(LintKind::kNarrowView, false, &c,
+          format("only %g x %g deg are used: velocity across is told by wide angles", azimuth,
+                 elevation),
+          "aoaFovCfg -1 -70 70 -45 45");
+    });
+  }
+
+  void check_hardware() {
+    each("frameCfg", [&](const ConfigCommand& c) {
+      if (c.number(5) == 2.0) {
+        add(LintKind::kHardwareTrigger, false, &c,
+            "frames wait for pulses at the SYNC_IN pin: without them there is no scan",
+            with(c, 5, "1"));
+      }
+      if (c.number(3) > 0.0) {
+        add(LintKind::kInconsistent, true, &c,
+            format("the radar stops after %g frames", c.number(3)), with(c, 3, "0"));
+      }
+    });
+    each("dfeDataOutputMode", [&](const ConfigCommand& c) {
+      if (c.number(0) == 1.0) return;
+      add(LintKind::kInconsistent, true, &c,
+          format("mode %g is not one frame a period, which is understood here", c.number(0)),
+          "dfeDataOutputMode 1");
+    });
+  }
+
+  void check_profile() {
+    const ConfigCommand& p = *config_.find("profileCfg");
+    const double start = p.number(1), adc_start = p.number(3), ramp = p.number(4);
+    const double slope = p.number(7), sampling = 1e3 * p.number(9) / p.number(10);
+    if (adc_start + sampling > ramp) {
+      add(LintKind::kSamplesOutsideRamp, true, &p,
+          format("the samples end %.2f us after the start of the ramp, which ends after %g us",
+                 adc_start + sampling, ramp),
+          with(p, 4, number(std::ceil(adc_start + sampling + 1.0))));
+    }
+    const bool high = start >= 70.0;
+    const double low_edge = high ? 76.0 : 60.0, high_edge = high ? 81.0 : 64.0;
+    const double end = start + 1e-3 * slope * ramp;
+    if (start < low_edge || end > high_edge) {
+      const double fitting = 1e3 * (high_edge - std::max(start, low_edge)) / ramp;
+      add(LintKind::kBandExceeded, true, &p,
+          format("the ramp goes from %g to %.3f GHz, the band from %g to %g GHz", start, end,
+                 low_edge, high_edge),
+          with(p, 7, number(std::floor(10.0 * std::min(slope, fitting)) / 10.0)));
+    }
+    if (config_.find("profileCfg", 1) != nullptr) {
+      add(LintKind::kInconsistent, true, config_.find("profileCfg", 1),
+          "a second profile: the figures are those of the first", "take the line out");
+    }
+  }
+
+  /// Each chirp of the frame is defined once, by the profile, with one transmitter that is on.
+  void check_chirps() {
+    const ConfigCommand& frame = *config_.find("frameCfg");
+    const int on = config_.find("channelCfg")->whole(1);
+    for (int chirp = frame.whole(0); chirp <= frame.number(1); ++chirp) {
+      int found = 0;
+      each("chirpCfg", [&](const ConfigCommand& c) {
+        if (!(c.number(0) <= chirp && chirp <= c.number(1))) return;
+        ++found;
+        check_chirp(c, on);
+      });
+      if (found == 1) continue;
+      add(LintKind::kInconsistent, true, &frame,
+          format("chirp %d of the frame is defined %d times", chirp, found), "");
+    }
+    if (figures_.transmitters < 3) {
+      add(LintKind::kFlatElevation, false, &frame,
+          format("%d transmitters take turns: an xWR1843BOOST tells no elevation by them",
+                 figures_.transmitters),
+          "chirps 0, 1, 2 with the transmitters 1, 4, 2, and frameCfg 0 2 ...");
+    }
+  }
+
+  void check_chirp(const ConfigCommand& c, int on) {
+    if (c.number(2) != config_.find("profileCfg")->number(0)) {
+      add(LintKind::kInconsistent, true, &c,
+          format("the chirp uses profile %g, which is not defined", c.number(2)),
+          with(c, 2, config_.find("profileCfg")->arguments[0]));
+    }
+    const int mask = c.whole(7);
+    if (mask == 0 || (mask & ~on) != 0) {
+      add(LintKind::kInconsistent, true, &c,
+          format("the chirp uses transmitters %d, channelCfg switches on %d", mask, on), "");
+    }
+  }
+
+  void check_speed() {
+    const ConfigCommand& profile = *config_.find("profileCfg");
+    if (figures_.max_speed < use_.speed) {
+      const double share = figures_.max_speed / use_.speed;
+      add(LintKind::kTooSlow, true, &profile,
+          format("Dopplers fold at +-%.2f m/s, the vehicle flies %g m/s", figures_.max_speed,
+                 use_.speed),
+          format("a loop of %d chirps must take %.0f us instead of %.0f: shorter idle time and "
+                 "ramp, or fewer chirps",
+                 figures_.chirps, std::floor(1e6 * share * loop_time()), 1e6 * loop_time()));
+    }
+    if (figures_.speed_grid > kCoarseGrid) {
+      add(LintKind::kCoarseSpeed, false, config_.find("frameCfg"),
+          format("the grid of the Doppler is %.2f m/s", figures_.speed_grid),
+          format("more than %d loops", figures_.loops));
+    }
+    each("cfarFovCfg", [&](const ConfigCommand& c) {
+      if (c.number(1) != 1.0) return;
+      const double least = std::min(use_.speed, figures_.max_speed - figures_.speed_grid);
+      if (c.number(2) <= -least && c.number(3) >= least) return;
+      add(LintKind::kSpeedCut, true, &c,
+          format("Dopplers beyond %g to %g m/s are cut off, the vehicle flies %g m/s", c.number(2),
+                 c.number(3), use_.speed),
+          format("cfarFovCfg -1 1 %.2f %.2f", -figures_.max_speed, figures_.max_speed));
+    });
+  }
+
+  double loop_time() const { return to_seconds(figures_.chirp_block) / figures_.loops; }
+
+  void check_time() {
+    const ConfigCommand& frame = *config_.find("frameCfg");
+    const double period = 1e3 * to_seconds(figures_.period);  // [ms]
+    const double block = 1e3 * to_seconds(figures_.chirp_block);
+    const double wire = 1e3 * to_seconds(figures_.packet_time(use_.points));
+    if (block >= period) {
+      add(LintKind::kFrameTooShort, true, &frame,
+          format("the chirps take %.2f ms of a period of %g ms", block, period),
+          with(frame, 4, number(std::ceil(block / 0.5))));
+      return;
+    }
+    if (wire < period - block) return;
+    const double free = 1e-4 * (period - block) * figures_.baud;  // [bytes]
+    const double room = free - static_cast<double>(figures_.fixed_bytes) - 31.0;
+    const double fit = room > 0.0 && figures_.point_bytes > 0
+                           ? std::floor(room / static_cast<double>(figures_.point_bytes))
+                           : 0.0;
+    const ConfigCommand* gui = config_.find("guiMonitor");
+    add(LintKind::kUartTooSlow, wire >= period, gui == nullptr ? &frame : gui,
+        format("a packet of %zu points has %zu bytes and takes %.1f ms at %.0f baud; the chirps "
+               "leave %.1f ms of %g, enough for %.0f points",
+               use_.points, figures_.packet_bytes(use_.points), wire, figures_.baud, period - block,
+               period, fit),
+        "guiMonitor -1 1 0 0 0 0 0, a longer period, or a faster configDataPort");
+  }
+
+  void check_memory() {
+    if (figures_.cube_bytes <= use_.memory) return;
+    add(LintKind::kTooMuchMemory, true, config_.find("frameCfg"),
+        format("the radar cube of %d range bins, %d loops, %d chirps and %d receivers has %zu kB, "
+               "the memory %zu kB",
+               figures_.range_bins, figures_.loops, figures_.chirps, figures_.receivers,
+               figures_.cube_bytes / 1024, use_.memory / 1024),
+        "half the samples, or half the loops");
+  }
+
+  const Config& config_;
+  RadarUse use_;
+  ConfigFigures figures_;
+  std::vector<LintFinding> findings_;
+};
+
+}  // namespace
+
+const char* to_string(LintKind kind) {
+  static constexpr const char* kNames[] = {"unknown command",
+                                           "arguments",
+                                           "missing command",
+                                           "order",
+                                           "clutter removal",
+                                           "no points",
+                                           "no side info",
+                                           "unambiguous speed",
+                                           "grid of the speed",
+                                           "extended velocity",
+                                           "CFAR threshold",
+                                           "UART",
+                                           "frame period",
+                                           "sampling",
+                                           "band",
+                                           "consistency",
+                                           "memory",
+                                           "LVDS",
+                                           "hardware trigger",
+                                           "field of view",
+                                           "limits of the speed",
+                                           "elevation"};
+  static_assert(sizeof kNames / sizeof *kNames == static_cast<std::size_t>(LintKind::kCount));
+  return kind < LintKind::kCount ? kNames[static_cast<std::size_t>(kind)] : "unknown";
+}
+
+std::vector<LintFinding> lint(const Config& config, const RadarUse& use) {
+  return Linter(config, use).run();
+}
+
+}  // namespace rio::ti

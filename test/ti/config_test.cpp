@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Figures against arithmetic by hand, and mistakes planted one by one into the configuration of the
+// project, which has none.
+#include "rio/ti/config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "support/measured.hpp"
+
+namespace rio::ti::test {
+namespace {
+
+std::string committed() {
+  std::ifstream file(RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg");
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find("\n" + what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return at == std::string::npos ? text : text.replace(at + 1, what.size(), by);
+}
+
+ConfigFigures figures_of(const std::string& text) {
+  ConfigFigures figures;
+  std::string why;
+  EXPECT_TRUE(derive(parse_config(text), &figures, &why)) << why;
+  return figures;
+}
+
+std::string all(const std::vector<LintFinding>& findings) {
+  std::string text;
+  for (const LintFinding& f : findings) {
+    text += std::string(to_string(f.kind)) + ", line " + std::to_string(f.line) + ": " + f.text +
+            " -> " + f.change + "\n";
+  }
+  return text;
+}
+
+bool has(const std::vector<LintFinding>& findings, LintKind kind) {
+  return std::any_of(findings.begin(), findings.end(),
+                     [kind](const LintFinding& f) { return f.kind == kind; });
+}
+
+TEST(TiConfig, FiguresOfTheCommittedOne) {
+  const ConfigFigures f = figures_of(committed());
+  // sampled from 7 to 47 us of 23.4 MHz/us from 77 GHz on; a loop takes 3 (10 + 50) us
+  const double wavelength = 299792458.0 / (77e9 + 23.4e12 * 27e-6);
+  EXPECT_NEAR(f.max_speed, wavelength / (4 * 180e-6), 1e-9);
+  EXPECT_NEAR(f.speed_grid, wavelength / (2 * 180e-6 * 128), 1e-9);
+  EXPECT_NEAR(f.range_resolution, 299792458.0 / (2 * 23.4e12 * 40e-6), 1e-9);
+  EXPECT_NEAR(f.range_grid, f.range_resolution, 1e-9);
+  EXPECT_NEAR(f.max_range, 0.8 * 128 * f.range_resolution, 1e-9);
+  EXPECT_EQ(f.chirp_block, std::chrono::microseconds(128 * 180));
+  EXPECT_DOUBLE_EQ(f.frame_rate(), 20.0);
+  EXPECT_EQ(f.receivers, 4);
+  EXPECT_EQ(f.transmitters, 3);
+  EXPECT_TRUE(f.side_info);
+  EXPECT_EQ(f.cube_bytes, 4U * 128 * 128 * 12 + 2U * 128 * 128);
+  // 40 + 8 + 16 N + 8 + 4 N, padded to 32: 916 for 43 points
+  EXPECT_EQ(f.packet_bytes(0), 64U);
+  EXPECT_EQ(f.packet_bytes(43), 928U);
+  EXPECT_NEAR(to_seconds(f.packet_time(43)), 928 * 10 / 921600.0, 1e-9);
+  rio::test::measured("unambiguous speed, m/s", f.max_speed, "at least 5");
+  rio::test::measured("grid of the speed, m/s", f.speed_grid, "below 0.1");
+  EXPECT_GE(f.max_speed, 5.0);
+}
+
+/// The set-up of the 2023 paper: 0.039 m, 16.28 m, +-1.51 m/s, 32 bins of 0.094 m/s. A chirp of it
+/// from these by hand: Tl = lambda / (4 v), with three transmitters.
+TEST(TiConfig, FiguresOfAPublishedSetUp) {
+  std::string text = replaced(committed(), "profileCfg 0 77 10 7 50 0 0 23.4 1 128 3200 0 0 30",
+                              "profileCfg 0 77 151 7 60 0 0 75 1 512 10240 0 0 30");
+  text = replaced(text, "frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 32 0 66.667 1 0");
+  const ConfigFigures f = figures_of(text);
+  EXPECT_NEAR(f.range_resolution, 0.0400, 0.0005);
+  EXPECT_NEAR(f.max_range, 16.37, 0.01);
+  EXPECT_NEAR(f.max_speed, 1.50, 0.02);
+  EXPECT_NEAR(f.speed_grid, 0.094, 0.001);
+}
+
+TEST(TiConfig, GridsArePowersOfTwo) {
+  std::string text = replaced(committed(), "profileCfg 0 77 10 7 50 0 0 23.4 1 128 3200",
+                              "profileCfg 0 77 10 7 50 0 0 23.4 1 100 3200");
+  text = replaced(text, "frameCfg 0 2 128", "frameCfg 0 2 96");
+  const ConfigFigures f = figures_of(text);
+  EXPECT_EQ(f.range_bins, 128);
+  EXPECT_EQ(f.doppler_bins, 128);
+  EXPECT_NEAR(f.range_grid / f.range_resolution, 100.0 / 128, 1e-12);
+  EXPECT_NEAR(f.speed_grid, f.max_speed / 64, 1e-12);
+}
+
+TEST(TiConfig, TheCommittedOneHasNoMistake) {
+  for (const std::size_t points : {60U, 100U}) {
+    RadarUse use;
+    use.points = points;
+    EXPECT_EQ(all(lint(parse_config(committed()), use)), "");
+  }
+  EXPECT_EQ(to_seconds(figures_of(committed()).period), 0.05);
+}
+
+struct Mistake {
+  const char* what;
+  const char* by;
+  LintKind kind;
+  const char* advice;  ///< a part of the text or the change
+};
+
+TEST(TiConfig, EveryPlantedMistakeIsFound) {
+  const Mistake mistakes[] = {
+      {"clutterRemoval -1 0", "clutterRemoval -1 1", LintKind::kClutterRemoval,
+       "clutterRemoval -1 0"},
+      {"guiMonitor -1 1 0", "guiMonitor -1 2 0", LintKind::kNoSideInfo,
+       "guiMonitor -1 1 0 0 0 0 0"},
+      {"guiMonitor -1 1 0", "guiMonitor -1 0 0", LintKind::kNoPoints, "guiMonitor -1 1 0 0 0 0 0"},
+      {"guiMonitor -1 1 0 0 0 0 0", "", LintKind::kMissingCommand, "guiMonitor is missing"},
+      {"profileCfg 0 77 10", "profileCfg 0 77 100", LintKind::kTooSlow, "193 us instead of 450"},
+      {"cfarCfg -1 0 2 8 4 3 0 10 1", "cfarCfg -1 0 2 8 4 3 0 20 1", LintKind::kCfarTooHigh,
+       "cfarCfg -1 0 2 8 4 3 0 10 1"},
+      {"cfarCfg -1 1 0 8 4 4 1 10 1", "", LintKind::kMissingCommand, "no cfarCfg for Doppler"},
+      {"guiMonitor -1 1 0 0 0 0 0", "guiMonitor -1 1 0 0 0 1 0", LintKind::kUartTooSlow,
+       "at 921600 baud"},
+      {"frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 128 0 20 1 0", LintKind::kFrameTooShort,
+       "take 23.04 ms of a period of 20 ms"},
+      {"frameCfg 0 2 128", "frameCfg 0 3 128", LintKind::kInconsistent, "chirp 3"},
+      {"chirpCfg 1 1 0", "chirpCfg 1 1 1", LintKind::kInconsistent, "chirpCfg 1 1 0 0 0 0 0 4"},
+      {"channelCfg 15 7 0", "channelCfg 15 3 0", LintKind::kInconsistent, "switches on 3"},
+      {"dfeDataOutputMode 1", "dfeDataOutputMode 3", LintKind::kInconsistent,
+       "dfeDataOutputMode 1"},
+      {"profileCfg 0 77 10 7 50", "profileCfg 0 77 10 7 40", LintKind::kSamplesOutsideRamp,
+       "profileCfg 0 77 10 7 48"},
+      {"profileCfg 0 77 10 7 50 0 0 23.4", "profileCfg 0 77 10 7 50 0 0 90",
+       LintKind::kBandExceeded, "0 0 80 1"},
+      {"frameCfg 0 2 128", "frameCfg 0 2 255", LintKind::kTooMuchMemory, "the memory 1024 kB"},
+      {"lvdsStreamCfg -1 0 0 0", "lvdsStreamCfg -1 0 1 0", LintKind::kLvdsOn,
+       "lvdsStreamCfg -1 0 0 0"},
+      {"sensorStart", "sensorStart\nanalogMonitor 0 0", LintKind::kWrongOrder, "sensorStart"},
+      {"flushCfg", "frameCfg 0 2 128 0 50 1 0\nflushCfg", LintKind::kWrongOrder,
+       "flushCfg stands behind frameCfg"},
+      {"bpmCfg", "bmpCfg", LintKind::kUnknownCommand, "bmpCfg"},
+      {"lowPower 0 0", "lowPower 0", LintKind::kWrongArguments, "has 1 arguments and needs 2"},
+      {"lowPower 0 0", "lowPower 0 O", LintKind::kWrongArguments, "is no number: O"},
+      {"extendedMaxVelocity -1 0", "extendedMaxVelocity -1 1", LintKind::kExtendedVelocity,
+       "extendedMaxVelocity -1 0"},
+      {"aoaFovCfg -1 -70 70", "aoaFovCfg -1 -20 20", LintKind::kNarrowView, "40 x 90 deg"},
+      {"cfarFovCfg -1 1 -5.36 5.36", "cfarFovCfg -1 1 -1 1", LintKind::kSpeedCut,
+       "cfarFovCfg -1 1 -5.36 5.36"},
+      {"frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 128 0 50 2 0", LintKind::kHardwareTrigger,
+       "frameCfg 0 2 128 0 50 1 0"},
+      {"frameCfg 0 2 128 0", "frameCfg 0 2 128 100", LintKind::kInconsistent,
+       "stops after 100 frames"},
+      {"frameCfg 0 2 128", "frameCfg 0 1 128", LintKind::kFlatElevation, "2 transmitters"},
+      {"frameCfg 0 2 128", "frameCfg 0 2 16", LintKind::kCoarseSpeed, "more than 16 loops"},
+      {"frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 abc 0 50 1 0", LintKind::kInconsistent,
+       "argument 3 must be 1 to 255"},
+  };
+  int found = 0;
+  for (const Mistake& mistake : mistakes) {
+    const std::string text = replaced(committed(), mistake.what, mistake.by);
+    const std::vector<LintFinding> findings = lint(parse_config(text));
+    EXPECT_TRUE(has(findings, mistake.kind)) << mistake.by << "\n" << all(findings);
+    EXPECT_NE(all(findings).find(mistake.advice), std::string::npos) << mistake.advice << "\n"
+                                                                     << all(findings);
+    found += has(findings, mistake.kind) ? 1 : 0;
+  }
+  rio::test::measured("planted mistakes found", found, "all of 30");
+  EXPECT_EQ(found, 30);
+}
+
+TEST(TiConfig, TheAdviceHelps) {
+  for (const auto& [what, by] : {std::pair{"profileCfg 0 77 10 7 50", "profileCfg 0 77 10 7 40"},
+                                 std::pair{"frameCfg 0 2 128 0 50", "frameCfg 0 2 128 0 20"},
+                                 std::pair{"clutterRemoval -1 0", "clutterRemoval -1 1"},
+                                 std::pair{"cfarFovCfg -1 1 -5.36 5.36", "cfarFovCfg -1 1 -1 1"}}) {
+    std::string text = replaced(committed(), what, by);
+    const std::vector<LintFinding> findings = lint(parse_config(text));
+    ASSERT_EQ(findings.size(), 1U) << all(findings);
+    const std::size_t begin = text.find(std::string("\n") + by) + 1;
+    text.replace(begin, text.find('\n', begin) - begin, findings[0].change);
+    EXPECT_EQ(all(lint(parse_config(text))), "") << findings[0].change;
+  }
+}
+
+TEST(TiConfig, TheVehicleDecides) {
+  RadarUse slow, fast;
+  slow.speed = 2.0;
+  fast.speed = 8.0;
+  EXPECT_TRUE(lint(parse_config(committed()), slow).empty());
+  ASSERT_EQ(lint(parse_config(committed()), fast).size(), 1U);
+  EXPECT_EQ(lint(parse_config(committed()), fast)[0].kind, LintKind::kTooSlow);
+  RadarUse crowded;
+  crowded.points = 200;
+  const auto findings = lint(parse_config(committed()), crowded);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].kind, LintKind::kUartTooSlow);
+  EXPECT_FALSE(findings[0].wrong);
+  const std::string faster =
+      replaced(committed(), "flushCfg", "flushCfg\nconfigDataPort 3125000 1");
+  EXPECT_EQ(all(lint(parse_config(faster), crowded)), "");
+}
+
+TEST(TiConfig, LinesAsPeopleWriteThem) {
+  const Config config = parse_config("\r\n% a comment\r\n\tframeCfg  0 2   16\t0 50 1 0\r\n# more");
+  ASSERT_EQ(config.commands.size(), 1U);
+  EXPECT_EQ(config.commands[0].line, 3);
+  EXPECT_EQ(config.commands[0].number(4), 50.0);
+  EXPECT_TRUE(std::isnan(config.commands[0].number(7)));
+}
+
+TEST(TiConfig, AnyTextIsTaken) {
+  std::minstd_rand random(1);
+  for (int n = 0; n < 3000; ++n) {
+    std::string text = committed();
+    for (int k = 0; k < 4; ++k) {
+      const std::size_t at = random() % text.size();
+      const char some[] = {'-', '9', ' ', '\n', '.', 'e', 'x', static_cast<char>(random() % 256)};
+      random() % 2 == 0 ? text.erase(at, random() % 30) : text.insert(at, 1, some[random() % 8]);
+    }
+    const Config config = parse_config(text);
+    for (const LintFinding& finding : lint(config)) EXPECT_FALSE(finding.text.empty());
+    ConfigFigures figures;
+    if (!derive(config, &figures)) continue;
+    EXPECT_TRUE(figures.max_speed > 0.0 && std::isfinite(figures.max_range));
+    EXPECT_FALSE(as_options(figures).empty());
+  }
+}
+
+}  // namespace
+}  // namespace rio::ti::test
