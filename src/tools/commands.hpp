@@ -79,6 +79,20 @@ struct WrongRecording : std::runtime_error {
 /// @throws WrongRecording after everything is printed
 void check_recording(const CheckArguments& arguments);
 
+/// `rio ti-config`: is the configuration of a TI radar fit for odometry?
+struct TiConfigArguments {
+  std::string file;
+  double speed = 5.0;       ///< of the vehicle [m/s]
+  std::size_t points = 60;  ///< in a frame
+  bool json = false;
+};
+/// Something in a configuration is wrong: exit status 3, too.
+struct WrongConfiguration : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// @throws WrongConfiguration after everything is printed
+void ti_config(const TiConfigArguments& arguments);
+
 /// `rio simulate`: a simulated flight as a recording.
 struct SimulateArguments {
   std::string out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The `rio` program and the command line of every command. Exit codes: 0 success, 1 the command
-// failed, 2 wrong command line, 3 the estimate is lost or the recording wrong.
+// failed, 2 wrong command line, 3 the estimate is lost, or the recording or configuration wrong.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
@@ -114,6 +114,23 @@ void add_check_command(CLI::App& app) {
   command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
   add_recording_options(command, &arguments->how);
   command->callback([arguments] { check_recording(*arguments); });
+}
+
+void add_ti_config_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "ti-config",
+      "Is the configuration of a TI radar (.cfg, SDK 3.x) fit for odometry? What it will measure,\n"
+      "what is wrong, what to write instead, the options. Exit status 3 if something is wrong");
+  auto arguments = std::make_shared<TiConfigArguments>();
+  command->add_option("FILE", arguments->file, "configuration, as sent to the radar")->required();
+  command->add_option("--speed", arguments->speed, "of the vehicle at most [m/s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--points", arguments->points, "of a frame that must get through the UART")
+      ->check(CLI::Range(1, 2000))
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
+  command->callback([arguments] { ti_config(*arguments); });
 }
 
 void add_simulate_command(CLI::App& app) {
@@ -256,6 +273,7 @@ int run(int argc, char** argv) {
   add_info_command(app);
   add_convert_command(app);
   add_check_command(app);
+  add_ti_config_command(app);
   add_replay_command(app);
   add_simulate_command(app);
   add_scenarios_command(app);
@@ -285,6 +303,9 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "rio: %s\n", error.what());
     return 3;
   } catch (const rio::tools::WrongRecording& error) {
+    std::fprintf(stderr, "rio: %s\n", error.what());
+    return 3;
+  } catch (const rio::tools::WrongConfiguration& error) {
     std::fprintf(stderr, "rio: %s\n", error.what());
     return 3;
   } catch (const std::exception& error) {
