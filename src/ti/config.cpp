@@ -42,6 +42,10 @@ int power_of_two_from(int n) {
   return power;
 }
 
+std::size_t size_of(int count) {
+  return static_cast<std::size_t>(count);
+}
+
 int bits_in(int mask) {
   int count = 0;
   for (; mask > 0; mask >>= 1) count += mask & 1;
@@ -121,15 +125,15 @@ void read_packet(const Config& config, ConfigFigures* f) {
   f->fixed_bytes = kPacketHeader;
   if (gui == nullptr) return;
   const auto on = [gui](std::size_t i) { return gui->number(i) > 0.0; };
-  const auto bins = static_cast<std::size_t>(f->range_bins);
-  const auto antennas = static_cast<std::size_t>(f->receivers * f->transmitters);
+  const auto bins = size_of(f->range_bins);
+  const auto antennas = size_of(f->receivers) * size_of(f->transmitters);
   f->side_info = gui->number(1) == 1.0;
   if (on(1)) f->fixed_bytes += kTlv + (f->side_info ? kTlv : 0);
   f->point_bytes = on(1) ? (f->side_info ? 20 : 16) : 0;
   if (on(2)) f->fixed_bytes += kTlv + 2 * bins;
   if (on(3)) f->fixed_bytes += kTlv + 2 * bins;
   if (on(4)) f->fixed_bytes += kTlv + 4 * bins * antennas;
-  if (on(5)) f->fixed_bytes += kTlv + 2 * bins * static_cast<std::size_t>(f->doppler_bins);
+  if (on(5)) f->fixed_bytes += kTlv + 2 * bins * size_of(f->doppler_bins);
   if (on(6)) f->fixed_bytes += kStatistics;
 }
 
@@ -208,9 +212,9 @@ bool derive(const Config& config, ConfigFigures* figures, std::string* why) {
   f.range_grid = band / f.range_bins;
   f.max_range = kUsableBand * band;
   f.chirp_block = from_seconds(f.loops * loop);
-  const auto cells = static_cast<std::size_t>(f.range_bins * f.doppler_bins);
-  const auto chirp_cells = static_cast<std::size_t>(f.range_bins * f.loops * f.chirps);
-  f.cube_bytes = 4 * chirp_cells * static_cast<std::size_t>(f.receivers) + 2 * cells;
+  const auto cells = size_of(f.range_bins) * size_of(f.doppler_bins);
+  const auto chirp_cells = size_of(f.range_bins) * size_of(f.loops) * size_of(f.chirps);
+  f.cube_bytes = 4 * chirp_cells * size_of(f.receivers) + 2 * cells;
   read_packet(config, &f);
   if (!(f.baud >= 1200.0)) f.baud = 921600.0;
   *figures = f;
