@@ -69,42 +69,33 @@ TEST_P(Kart, FindsItsWay) {
   EXPECT_GT(honest, 95.0);
 }
 
-TEST_P(Kart, TwoRadarsOfADriveAreBetterThanEither) {
+TEST_P(Kart, TwoRadarsOfADriveAreBetterThanOne) {
   const char* data = std::getenv("RIO_TEST_DATA");
   const fs::path folder = fs::path(data != nullptr ? data : "") / "kart";
   if (data == nullptr || !fs::exists(folder)) {
     GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recordings kart";
   }
-  std::vector<double> horizontal[2];  // of one radar, of both
-  std::vector<double> height[2];
-  const auto fly = [&](const experiment::Recording& recording) {
-    Options options;
-    io::apply_sensor_info(recording.data, &options);
-    options.backend = GetParam().backend;
-    const experiment::RealScore score =
-        experiment::judge(recording, experiment::replay(recording.data, options));
-    EXPECT_TRUE(score.started) << recording.name;
-    const std::size_t many = recording.data.other_radars.size();
-    horizontal[many].push_back(100.0 * score.horizontal / score.way);
-    height[many].push_back(100.0 * score.height / score.way);
-  };
+  std::vector<double> horizontal;
+  std::vector<double> height;
   const std::vector<experiment::Recording> recordings = experiment::find_recordings(folder);
   for (std::size_t i = 0; i + 1 < recordings.size(); i += 2) {  // NAME_A, NAME_B
     experiment::Recording both = recordings[i];
     const io::Dataset& other = recordings[i + 1].data;
     both.data.other_radars.push_back({other.scans, other.radar_info});
-    fly(recordings[i]);
-    fly(recordings[i + 1]);
-    fly(both);
+    Options options;
+    io::apply_sensor_info(both.data, &options);
+    options.backend = GetParam().backend;
+    const experiment::RealScore score =
+        experiment::judge(both, experiment::replay(both.data, options));
+    ASSERT_TRUE(score.started) << both.name;
+    horizontal.push_back(100.0 * score.horizontal / score.way);
+    height.push_back(100.0 * score.height / score.way);
   }
-  const std::string name = GetParam().name;
-  const auto compare = [&](const char* what, const std::vector<double>* of) {
-    measured(name + ", one radar: " + what + ", median [%]", median(of[0]), "");
-    measured(name + ", both radars: " + what + ", median [%]", median(of[1]), "below one");
-    EXPECT_LT(median(of[1]), median(of[0])) << what;
-  };
-  compare("horizontal", horizontal);
-  compare("height", height);
+  const std::string name = GetParam().name;  // one radar: 1.4 and 1.1 to 1.3
+  measured(name + ", both radars: horizontal, median [%]", median(horizontal), "below 1");
+  measured(name + ", both radars: height, median [%]", median(height), "below 1");
+  EXPECT_LT(median(horizontal), 1.0);
+  EXPECT_LT(median(height), 1.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, Kart,
