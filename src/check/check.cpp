@@ -11,8 +11,10 @@
 
 namespace rio::check {
 
-Findings check_recording(const io::Dataset& dataset, const Options& options, Source source) {
-  ImuCheck imu = check_imu(dataset.imu, dataset.imu_info, source);
+Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
+                         const std::filesystem::path& imu_csv) {
+  const std::vector<ImuSample> samples = usable(dataset.imu);
+  ImuCheck imu = check_imu(dataset.imu, samples, dataset.imu_info, source, imu_csv);
   Findings out = std::move(imu.findings);
   const auto append = [&out](const Findings& more) {
     out.insert(out.end(), more.begin(), more.end());
@@ -24,7 +26,7 @@ Findings check_recording(const io::Dataset& dataset, const Options& options, Sou
   if (limit > 0.0) limit = std::max(limit, fastest(dataset.scans));
   const std::vector<RadarSpeed> speeds = radar_speeds(dataset.scans, read);
   append(check_radar(dataset, speeds, options, source));
-  append(check_motion(usable(dataset.imu), speeds, imu.gyro_unit, imu.accel_unit, options, source));
+  append(check_motion(samples, speeds, imu.gyro_unit, imu.accel_unit, options, source));
   return out;
 }
 

@@ -2,6 +2,8 @@
 // `rio check`: is a recording what an estimator takes it to be?
 #pragma once
 
+#include <filesystem>
+
 #include "check/finding.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/options.hpp"
@@ -11,6 +13,8 @@ namespace rio::check {
 /// All findings in the order of the sensors: IMU, clocks, radar, motion. What was found out about
 /// units is taken into account in what follows.
 /// @param options with what the recording says of its sensors
-Findings check_recording(const io::Dataset& dataset, const Options& options, Source source);
+/// @param imu_csv where its samples stand, to name lines of it; may be empty
+Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
+                         const std::filesystem::path& imu_csv = {});
 
 }  // namespace rio::check

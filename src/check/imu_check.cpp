@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <string>
 
 #include "check/numbers.hpp"
+#include "check/order.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {
@@ -19,15 +21,48 @@ namespace {
 constexpr double kStandardGravity = 9.80665;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
+/// "FILE:LINE" of a row, from 0, of a csv file; its number where the file cannot be read.
+std::string place_of(const std::filesystem::path& csv, std::size_t row) {
+  std::ifstream file(csv);
+  std::size_t line = 1;
+  for (std::string text; std::getline(file, text); ++line) {
+    const std::size_t first = text.find_first_not_of(" \t\r");
+    if (first == std::string::npos || text[first] == '#') continue;
+    if (row-- == 0) return fmt::format("{}:{}", csv.string(), line);
+  }
+  return "";
+}
+
+/// The first sample whose stamp fits neither that before nor that after it, if the two fit each
+/// other, and how many there are.
+struct Strays {
+  std::size_t count = 0;
+  std::size_t first = 0;
+};
+
+Strays strays(const std::vector<ImuSample>& all) {
+  Strays out;
+  const std::vector<std::size_t> order = in_order(all);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (next < order.size() && order[next] == i) {
+      ++next;
+      continue;
+    }
+    const bool repeated = i > 0 && all[i].time == all[i - 1].time;
+    if (!repeated && out.count++ == 0) out.first = i;
+  }
+  return out;
+}
+
 /// The stamps one after the other.
 Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
-                     const io::ImuInfo& info) {
+                     const io::ImuInfo& info, const std::filesystem::path& csv) {
   int repeated = 0;
-  int backwards = 0;
   for (std::size_t i = 1; i < all.size(); ++i) {
     repeated += all[i].time == all[i - 1].time ? 1 : 0;
-    backwards += all[i].time < all[i - 1].time ? 1 : 0;
   }
+  const Strays stray = strays(all);
   std::vector<double> periods;
   for (std::size_t i = 1; i < good.size(); ++i) {
     periods.push_back(to_seconds(good[i].time - good[i - 1].time));
@@ -40,16 +75,23 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   Finding out{
       Verdict::kOk, "imu stamps",
       fmt::format("{} samples in {:.1f} s, one each {:.2f} ms ({:.0f} Hz), {:.1f} % lost, "
-                  "longest gap {:.0f} ms, {} repeated, {} backwards",
+                  "longest gap {:.0f} ms, {} repeated, {} out of order",
                   all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
-                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, backwards),
+                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, stray.count),
       ""};
+  const std::string place = stray.count > 0 ? place_of(csv, stray.first) : "";
+  if (stray.count > 0) {
+    out.text += fmt::format(", the first of them sample {} with the stamp {} ns", stray.first + 1,
+                            all[stray.first].time.count());
+    if (!place.empty()) out.text += fmt::format(" ({})", place);
+  }
   constexpr double kSlowest = 0.05;  // of no IMU that can be integrated in flight [s]
   const double told = info.rate_hz.value_or(1.0 / period);
   if (period > kSlowest) {
     out.verdict = Verdict::kWrong;
     out.change = "record the IMU at 100 Hz or more";
-  } else if (repeated + backwards > 0.01 * static_cast<double>(all.size())) {
+  } else if (static_cast<double>(repeated) + static_cast<double>(stray.count) >
+             0.01 * static_cast<double>(all.size())) {
     out.verdict = Verdict::kDoubtful;
     out.change = "look for two publishers of one topic, or samples stamped on arrival";
   } else if (share > 0.02 || longest > 0.1) {
@@ -58,6 +100,9 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   } else if (std::abs(told * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("imu0/sensor.yaml: rate_hz: {:.0f}", 1.0 / period);
+  } else if (stray.count > 0) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = place.empty() ? "leave these samples out" : "remove the line " + place;
   }
   return out;
 }
@@ -209,11 +254,12 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
 }  // namespace
 
 std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
-  std::vector<ImuSample> out;
+  std::vector<ImuSample> finite;
   for (const ImuSample& s : samples) {
-    if (!s.gyro_B.allFinite() || !s.accel_B.allFinite()) continue;
-    if (out.empty() || s.time > out.back().time) out.push_back(s);
+    if (s.gyro_B.allFinite() && s.accel_B.allFinite()) finite.push_back(s);
   }
+  std::vector<ImuSample> out;
+  for (const std::size_t i : in_order(finite)) out.push_back(finite[i]);
   return out;
 }
 
@@ -236,9 +282,9 @@ double turning_error(const std::vector<ImuSample>& samples, double factor) {
   return angles.size() < 10 ? std::numeric_limits<double>::quiet_NaN() : median(angles);
 }
 
-ImuCheck check_imu(const std::vector<ImuSample>& samples, const io::ImuInfo& info, Source source) {
+ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
+                   const io::ImuInfo& info, Source source, const std::filesystem::path& csv) {
   ImuCheck out;
-  const std::vector<ImuSample> good = usable(samples);
   if (good.size() < 100) {
     out.findings.push_back({Verdict::kWrong, "imu stamps",
                             fmt::format("{} of {} samples are finite and in the order of time",
@@ -247,7 +293,7 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const io::ImuInfo& inf
     return out;
   }
   const Rest rest = stillest(good);
-  out.findings.push_back(check_stamps(samples, good, info));
+  out.findings.push_back(check_stamps(samples, good, info, csv));
   out.findings.push_back(check_accel(rest, source, &out.accel_unit));
   out.findings.push_back(check_up(rest));
   out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));

@@ -9,6 +9,7 @@
 // (E1) e(k) = median angle between f and the f of half a second ago, carried by Exp(-k w dt)
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "check/finding.hpp"
@@ -17,7 +18,7 @@
 
 namespace rio::check {
 
-/// Samples fit to be integrated: finite, stamps strictly increasing.
+/// Samples fit to be integrated: finite, in_order() of order.hpp.
 std::vector<ImuSample> usable(const std::vector<ImuSample>& samples);
 
 struct ImuCheck {
@@ -30,6 +31,9 @@ struct ImuCheck {
 double turning_error(const std::vector<ImuSample>& samples, double factor);
 
 /// @param samples as recorded, in their order
-ImuCheck check_imu(const std::vector<ImuSample>& samples, const io::ImuInfo& info, Source source);
+/// @param good usable() of them
+/// @param csv the file they come from, to name lines of it; may be empty
+ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
+                   const io::ImuInfo& info, Source source, const std::filesystem::path& csv);
 
 }  // namespace rio::check

@@ -15,53 +15,63 @@ namespace rio::check {
 
 namespace {
 
-using Map9 = Eigen::Matrix<double, 3, 9>;
-
-/// A scan within a window.
-struct Entry {
-  double t = 0.0;  ///< since the window's first scan [s]
-  double weight = 0.0;
-  Map9 G = Map9::Zero();
-  Vector3d q = Vector3d::Zero();
-};
-
-/// Takes the line over t out of one quantity of all entries; `get` gives a reference to it.
-template <typename Get>
-void remove_line(std::vector<Entry>* entries, const Get& get) {
+/// What (E3) needs of the scans of a window: sums over w times products of G = [y_x C, y_y C, y_z
+/// C], q, 1 and t.
+struct Sums {
+  using Map9 = Eigen::Matrix<double, 3, 9>;
+  int scans = 0;
+  double last = 0.0;  ///< t of the last scan [s]
   double w = 0.0;
   double wt = 0.0;
   double wtt = 0.0;
-  using Value = std::decay_t<decltype(get(entries->front()))>;
-  Value y = Value::Zero();
-  Value ty = Value::Zero();
-  for (Entry& e : *entries) {
-    w += e.weight;
-    wt += e.weight * e.t;
-    wtt += e.weight * e.t * e.t;
-    y += e.weight * get(e);
-    ty += e.weight * e.t * get(e);
-  }
-  const double det = w * wtt - wt * wt;
-  const Value slope = (w * ty - wt * y) / det;
-  const Value start = (wtt * y - wt * ty) / det;
-  for (Entry& e : *entries) get(e) -= start + e.t * slope;
-}
+  double qq = 0.0;
+  Vector3d q = Vector3d::Zero();
+  Vector3d tq = Vector3d::Zero();
+  Matrix3d yy = Matrix3d::Zero();
+  Matrix3d Cq_y = Matrix3d::Zero();  ///< column after column G^T q
+  Map9 G = Map9::Zero();
+  Map9 tG = Map9::Zero();
 
-Agreement sum_up(std::vector<Entry>* entries) {
-  Agreement out;
-  constexpr std::size_t kFewest = 8;  // beside the six unknowns of v_0 and g
-  constexpr double kShortest = 1.0;   // [s]
-  if (entries->size() < kFewest || entries->back().t < kShortest) return out;
-  remove_line(entries, [](Entry& e) -> Map9& { return e.G; });
-  remove_line(entries, [](Entry& e) -> Vector3d& { return e.q; });
-  for (const Entry& e : *entries) {
-    out.A += e.weight * e.G.transpose() * e.G;
-    out.b += e.weight * e.G.transpose() * e.q;
-    out.c += e.weight * e.q.squaredNorm();
+  void add(double t, double weight, const Vector3d& y, const Matrix3d& C, const Vector3d& value) {
+    const Vector3d wy = weight * y;
+    ++scans;
+    last = t;
+    w += weight;
+    wt += weight * t;
+    wtt += weight * t * t;
+    qq += weight * value.squaredNorm();
+    q += weight * value;
+    tq += weight * t * value;
+    yy += wy * y.transpose();
+    Cq_y += (C.transpose() * value) * wy.transpose();
+    for (int k = 0; k < 3; ++k) {
+      const Matrix3d part = wy[k] * C;
+      G.block<3, 3>(0, 3 * k) += part;
+      tG.block<3, 3>(0, 3 * k) += t * part;
+    }
   }
-  out.scans = static_cast<int>(entries->size());
-  return out;
-}
+
+  /// Less the lines over t, as normal equations: with N the inverse of [w, wt; wt, wtt], the
+  /// products of the lines of a and b are [sum a, sum ta]^T N [sum b, sum tb].
+  Agreement less_lines() const {
+    Agreement out;
+    const double det = w * wtt - wt * wt;
+    const Map9 start = (wtt * G - wt * tG) / det;
+    const Map9 slope = (w * tG - wt * G) / det;
+    for (int j = 0; j < 3; ++j) {
+      for (int k = 0; k < 3; ++k) {
+        out.A.block<3, 3>(3 * j, 3 * k).diagonal().setConstant(yy(j, k));
+      }
+    }
+    out.A -= G.transpose() * start + tG.transpose() * slope;
+    out.b = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(Cq_y.data());
+    out.b -= start.transpose() * q + slope.transpose() * tq;
+    out.c = qq - (q.dot(wtt * q - wt * tq) + tq.dot(w * tq - wt * q)) / det;
+    out.weight = w;
+    out.scans = scans;
+    return out;
+  }
+};
 
 Eigen::Matrix<double, 9, 1> flat(const Matrix3d& R) {
   return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(R.data());  // column after column
@@ -88,6 +98,18 @@ bool is_alike(const std::vector<RadarSpeed>& speeds, std::size_t k) {
   return (speeds[k].v_S - middle).norm() < kNoise + 3.0 * sigma;
 }
 
+/// Like that of the scan before, if it is not long ago. It is one hypothesis more, and spares
+/// trying all folds of every triple; the scan alone decides whether it is believed.
+std::optional<RadarVelocity> as_before(const std::vector<RadarSpeed>& speeds, Time time) {
+  constexpr double kLong = 0.25;         // [s]
+  constexpr double kAcceleration = 2.0;  // [m/s^2]
+  if (speeds.empty()) return std::nullopt;
+  const double dt = to_seconds(time - speeds.back().time);
+  if (dt <= 0.0 || dt > kLong) return std::nullopt;
+  const double sigma = kModels + kAcceleration * dt;
+  return RadarVelocity{speeds.back().v_S, Matrix3d::Identity() * sigma * sigma};
+}
+
 }  // namespace
 
 std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Options options) {
@@ -100,7 +122,7 @@ std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Option
   std::vector<RadarSpeed> all;
   for (const RadarScan& scan : scans) {
     filter_detections(scan, options.radar, options.frontend.max_detections, list);
-    ransac.estimate(list, std::nullopt, &ego);
+    ransac.estimate(list, as_before(all, scan.time), &ego);
     if (!ego.valid || !ego.covariance) continue;
     const double variance = ego.covariance->trace() / 3.0;
     if (!(variance < kWeak * kWeak)) continue;
@@ -132,15 +154,25 @@ ImuPath::ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double
   }
 }
 
-std::optional<ImuPath::Point> ImuPath::at(Time time) const {
+std::optional<std::size_t> ImuPath::before(Time time) const {
   if (times_.empty() || time < times_.front() || time >= times_.back()) return std::nullopt;
   const auto after = std::upper_bound(times_.begin(), times_.end(), time);
-  const auto i = static_cast<std::size_t>(std::distance(times_.begin(), after)) - 1;
-  const double dt = to_seconds(time - times_[i]);
-  Point out = points_[i];
+  return static_cast<std::size_t>(std::distance(times_.begin(), after)) - 1;
+}
+
+std::optional<int> ImuPath::piece_at(Time time) const {
+  const auto i = before(time);
+  return i ? std::optional<int>(points_[*i].piece) : std::nullopt;
+}
+
+std::optional<ImuPath::Point> ImuPath::at(Time time) const {
+  const auto i = before(time);
+  if (!i) return std::nullopt;
+  const double dt = to_seconds(time - times_[*i]);
+  Point out = points_[*i];
   out.turn = out.turn * quaternion_exp(dt * out.rate);
-  const double share = dt / to_seconds(times_[i + 1] - times_[i]);
-  out.sum += share * (points_[i + 1].sum - out.sum);
+  const double share = dt / to_seconds(times_[*i + 1] - times_[*i]);
+  out.sum += share * (points_[*i + 1].sum - out.sum);
   return out;
 }
 
@@ -148,6 +180,7 @@ Agreement& Agreement::operator+=(const Agreement& other) {
   A += other.A;
   b += other.b;
   c += other.c;
+  weight += other.weight;
   scans += other.scans;
   return *this;
 }
@@ -167,6 +200,24 @@ double Agreement::explained(const Matrix3d& R) const {
   return c > 0.0 ? 1.0 - cost(inverse_scale(R), R) / c : 0.0;
 }
 
+double Agreement::movement() const {
+  // r^T A r of a rotation r, in the mean over all
+  return weight > 0.0 ? std::sqrt(A.trace() / (3.0 * weight)) : 0.0;
+}
+
+double noise(const std::vector<RadarSpeed>& speeds) {
+  constexpr double kNear = 0.25;  // [s]
+  double sum = 0.0;
+  double weight = 0.0;
+  for (std::size_t k = 2; k < speeds.size(); ++k) {
+    if (!(to_seconds(speeds[k].time - speeds[k - 2].time) < kNear)) continue;
+    const Vector3d bend = speeds[k].v_S - 2.0 * speeds[k - 1].v_S + speeds[k - 2].v_S;
+    sum += speeds[k - 1].weight * bend.squaredNorm() / 6.0;
+    weight += speeds[k - 1].weight;
+  }
+  return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
+}
+
 Agreement total(const Agreements& windows) {
   Agreement sum;
   for (const Agreement& w : windows) sum += w;
@@ -175,32 +226,33 @@ Agreement total(const Agreements& windows) {
 
 Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                       const Vector3d& lever_B, double shift) {
-  constexpr double kLength = 2.0;  // [s]
+  constexpr double kLength = 2.0;    // [s]
+  constexpr int kFewest = 8;         // beside the six unknowns of v_0 and g
+  constexpr double kShortest = 1.0;  // [s]
   Agreements out;
-  std::vector<Entry> entries;
+  Sums sums;
   Time begin{0};
+  Vector3d first_sum = Vector3d::Zero();
   int piece = 0;
   const auto close = [&] {
-    const Agreement window = sum_up(&entries);
-    if (window.scans > 0) out.push_back(window);
-    entries.clear();
+    if (sums.scans >= kFewest && sums.last >= kShortest) out.push_back(sums.less_lines());
+    sums = Sums();
   };
   for (const RadarSpeed& speed : speeds) {
-    const auto first = path.at(speed.time - from_seconds(kMostShift));
-    const auto last = path.at(speed.time + from_seconds(kMostShift));
-    if (!first || !last || first->piece != last->piece) continue;
+    const auto first = path.piece_at(speed.time - from_seconds(kMostShift));
+    const auto last = path.piece_at(speed.time + from_seconds(kMostShift));
+    if (!first || !last || *first != *last) continue;
     const double since = to_seconds(speed.time - begin);
-    if (!entries.empty() && (since > kLength || since < 0.0 || first->piece != piece)) close();
-    if (entries.empty()) begin = speed.time;
-    piece = first->piece;
+    if (sums.scans > 0 && (since > kLength || since < 0.0 || *first != piece)) close();
     const ImuPath::Point p = *path.at(speed.time + from_seconds(shift));
+    if (sums.scans == 0) {
+      begin = speed.time;
+      first_sum = p.sum;
+    }
+    piece = *first;
     const Matrix3d C = p.turn.toRotationMatrix();
-    Entry e;
-    e.t = to_seconds(speed.time - begin);
-    e.weight = speed.weight;
-    for (int k = 0; k < 3; ++k) e.G.block<3, 3>(0, 3 * k) = speed.v_S[k] * C;
-    e.q = p.sum + C * p.rate.cross(lever_B);
-    entries.push_back(e);
+    sums.add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C,
+             p.sum - first_sum + C * p.rate.cross(lever_B));
   }
   close();
   return out;

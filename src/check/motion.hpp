@@ -55,8 +55,12 @@ class ImuPath {
   ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit);
   /// Nothing outside of the samples.
   std::optional<Point> at(Time time) const;
+  /// Point::piece alone.
+  std::optional<int> piece_at(Time time) const;
 
  private:
+  std::optional<std::size_t> before(Time time) const;
+
   std::vector<Time> times_;
   std::vector<Point> points_;
 };
@@ -66,6 +70,7 @@ struct Agreement {
   Eigen::Matrix<double, 9, 9> A = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> b = Eigen::Matrix<double, 9, 1>::Zero();
   double c = 0.0;
+  double weight = 0.0;  ///< sum of w
   int scans = 0;
 
   Agreement& operator+=(const Agreement& other);
@@ -75,10 +80,15 @@ struct Agreement {
   double inverse_scale(const Matrix3d& R) const;
   /// (E4)
   double explained(const Matrix3d& R) const;
+  /// How much the velocity of the radar changes beside v_0 and g, whatever its axes: rms [m/s].
+  double movement() const;
 };
 using Agreements = std::vector<Agreement>;
 
 Agreement total(const Agreements& windows);
+
+/// Noise of the velocities, from how three that follow each other differ from a line: rms [m/s].
+double noise(const std::vector<RadarSpeed>& speeds);
 
 /// The longest time shift that is looked at [s].
 inline constexpr double kMostShift = 0.3;

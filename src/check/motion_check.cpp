@@ -69,19 +69,18 @@ std::string turn_text(const Matrix3d& told, const Matrix3d& R) {
 }
 
 /// A mirrored radar is two of its axes swapped, or one of the wrong sign.
-std::optional<std::string> mirror_text(const Matrix3d& told, const Matrix3d& R) {
-  const Matrix3d M = told.transpose() * R;  // of the points
+std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose) {
   for (int i = 0; i < 3; ++i) {
     Matrix3d flip = Matrix3d::Identity();
     flip(i, i) = -1.0;
     if ((M - flip).norm() < 1e-6)
-      return fmt::format("{} of the points has the wrong sign", "xyz"[i]);
+      return fmt::format("{} of {} has the wrong sign", "xyz"[i], whose);
     const int j = (i + 1) % 3;
     Matrix3d swap = Matrix3d::Identity();
     swap.col(i).swap(swap.col(j));
     if ((M - swap).norm() < 1e-6) {
-      return fmt::format("{} and {} of the points are swapped", "xyz"[std::min(i, j)],
-                         "xyz"[std::max(i, j)]);
+      return fmt::format("{} and {} of {} are swapped", "xyz"[std::min(i, j)],
+                         "xyz"[std::max(i, j)], whose);
     }
   }
   return std::nullopt;
@@ -92,7 +91,7 @@ std::string describe(const Matrix3d& told, const Axes& axes) {
   if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
   const std::string turned =
       "the Doppler has the wrong sign and the radar is turned by " + turn_text(told, -axes.R);
-  const std::optional<std::string> mirrored = mirror_text(told, axes.R);
+  const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
   return mirrored ? *mirrored + " (or " + turned + ")" : turned;
 }
 
@@ -115,7 +114,7 @@ std::string change_of(const Matrix3d& told, const Axes& axes, const Options& opt
   if (!axes.doppler_flipped) return mounting_line(axes.R, p);
   if (axes.turn < 1e-6) return sign_line(source);
   const std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p);
-  const std::optional<std::string> mirrored = mirror_text(told, axes.R);
+  const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
   if (!mirrored) return both;
   const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."
                                              : "the columns x, y, z of radar0/data.csv";
@@ -126,6 +125,7 @@ struct Judge {
   const Agreements& windows;
   const Options& options;
   Source source;
+  double noise;  ///< of the radar's velocities [m/s]
   Matrix3d told = options.radar.T_BS.rotation.toRotationMatrix();
   Agreement all = total(windows);
 
@@ -179,7 +179,33 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
       alike->push_back(axes);
     }
   }
+  // the same matrix but for a tilt of the mounting; mirrored points are the likelier mistake
+  const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6;
+  const auto mirrored = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
+    return mirror_text(judge.told.transpose() * axes.R, "the points").has_value();
+  });
+  if (strange && mirrored != alike->end()) std::iter_swap(alike->begin(), mirrored);
   return alike->front();
+}
+
+/// Where even the best explains little: is there nothing to explain, or is something else wrong?
+void say_nothing_explains(const Judge& judge, double best, Finding* out) {
+  constexpr double kMuch = 0.1;   // [m/s]
+  constexpr double kClear = 2.0;  // times the noise
+  const double movement = judge.all.movement();
+  out->text += fmt::format(
+      ", at best {:.0f} % with any other; the velocity of the radar changes by {:.2f} m/s (rms, "
+      "noise {:.2f})",
+      100.0 * best, movement, judge.noise);
+  if (movement < kMuch || movement < kClear * judge.noise) {
+    out->text += ": the motion does not tell";
+    return;
+  }
+  out->verdict = Verdict::kDoubtful;
+  out->text += ": no mounting explains it";
+  out->change =
+      "look at the axes of the IMU (swapped columns, a left-handed axis), the clocks, and the "
+      "fields of the points";
 }
 
 Finding check_axes(const Judge& judge) {
@@ -194,8 +220,7 @@ Finding check_axes(const Judge& judge) {
               ""};
   const bool is_told = !found.doppler_flipped && found.turn < 1e-6;
   if (best < kExplained) {
-    out.text +=
-        fmt::format(", at best {:.0f} % with any other: the motion does not tell", 100.0 * best);
+    say_nothing_explains(judge, best, &out);
     return out;
   }
   if (is_told) {
@@ -254,6 +279,41 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
           ? "--gyro-unit deg/s"
           : "multiply the first three columns after the stamp of imu0/data.csv by "
             "0.0174533"};
+}
+
+/// Whether the two go together only with the rates negated: mirrored axes of the IMU, in which
+/// rates turn the wrong way and the radar looks mirrored, too.
+std::optional<Finding> check_handedness(const Judge& judge, const std::vector<ImuSample>& samples,
+                                        const std::vector<RadarSpeed>& speeds, double gyro_unit,
+                                        double accel_unit) {
+  double as_read = 0.0;
+  for (const Axes& axes : hypotheses(judge)) {
+    as_read = std::max(as_read, judge.all.explained(axes.R));
+  }
+  const RadarOptions& radar = judge.options.radar;
+  const ImuPath path(samples, -gyro_unit, accel_unit);
+  const Agreements mirrored = agreements(speeds, path, radar.T_BS.translation, -radar.time_offset);
+  const Agreement all = total(mirrored);
+  const std::vector<Axes> list = candidates(radar.T_BS.rotation);
+  const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
+    return all.explained(a.R) < all.explained(b.R);
+  });
+  const double most = all.explained(best->R);
+  if (most < kExplained || !best->doppler_flipped ||
+      significance(as_read, most, mirrored.size()) < kSure) {
+    return std::nullopt;
+  }
+  const Matrix3d of_body = best->R * judge.told.transpose();
+  const std::string how =
+      mirror_text(of_body, "the IMU").value_or("an odd number of axes of the IMU is mirrored");
+  const char* where = judge.source == Source::kBag
+                          ? "the driver of the IMU, or the file of `rio convert`"
+                          : "the columns of gyro and accelerometer of imu0/data.csv";
+  return Finding{Verdict::kWrong, "axes of the IMU",
+                 fmt::format("the radar explains at most {:.0f} % of the movement the IMU "
+                             "measures, with the axes of the IMU mirrored {:.0f} %: {}",
+                             100.0 * as_read, 100.0 * most, how),
+                 fmt::format("{}, in {}", how, where)};
 }
 
 /// (E5); R as found.
@@ -389,9 +449,12 @@ Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<R
                          windows.size()),
              "fly for half a minute with changes of speed and turns"}};
   }
-  const Judge judge{windows, options, source};
+  const Judge judge{windows, options, source, noise(speeds)};
   if (const auto unit = check_gyro_unit(judge, samples, speeds, gyro_unit, accel_unit)) {
     return {*unit};
+  }
+  if (const auto mirrored = check_handedness(judge, samples, speeds, gyro_unit, accel_unit)) {
+    return {*mirrored};
   }
   const Finding axes = check_axes(judge);
   std::vector<Axes> alike;

@@ -7,17 +7,17 @@
 #include <cmath>
 
 #include "check/numbers.hpp"
+#include "check/order.hpp"
 
 namespace rio::check {
 
 namespace {
 
-/// Begin and end by the stamps, in whatever order they came.
+/// Begin and end of those in order.
 template <typename Item>
 std::pair<Time, Time> span_of(const std::vector<Item>& items) {
-  const auto [first, last] = std::minmax_element(
-      items.begin(), items.end(), [](const Item& a, const Item& b) { return a.time < b.time; });
-  return {first->time, last->time};
+  const std::vector<std::size_t> order = in_order(items);
+  return {items[order.front()].time, items[order.back()].time};
 }
 
 Finding check_stamps(const io::Dataset& dataset) {

@@ -5,26 +5,19 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdio>
-#include <functional>
 #include <string>
-#include <vector>
 
+#include "check/faults.hpp"
+#include "check/imu_check.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "rio/sim/flight.hpp"
 #include "support/measured.hpp"
+#include "support/temp_dir.hpp"
 
 namespace rio::test {
 namespace {
-
-using check::Finding;
-using check::Findings;
-using check::Source;
-using check::Verdict;
-
-constexpr double kHalfTurn = 3.14159265358979323846;
 
 io::Dataset flown(const sim::Scenario& scenario) {
   const sim::Flight flight = sim::simulate_flight(scenario);
@@ -45,39 +38,6 @@ io::Dataset flown(const std::string& name, double length) {
   return flown(scenario);
 }
 
-Findings check_it(const io::Dataset& dataset, Source source = Source::kBag) {
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  return check::check_recording(dataset, options, source);
-}
-
-std::string text_of(const Findings& findings) {
-  std::string text;
-  for (const Finding& f : findings) {
-    text += std::string(to_string(f.verdict)) + " " + f.subject + ": " + f.text + " -> " +
-            f.change + "\n";
-  }
-  return text;
-}
-
-const Finding* find(const Findings& findings, const std::string& subject) {
-  for (const Finding& f : findings) {
-    if (f.subject == subject) return &f;
-  }
-  return nullptr;
-}
-
-void each_detection(io::Dataset* d, const std::function<void(RadarDetection*)>& change) {
-  for (RadarScan& scan : d->scans) {
-    for (RadarDetection& detection : scan.detections) change(&detection);
-  }
-}
-
-void turn_mounting(io::Dataset* d, const Vector3d& phi, bool in_body) {
-  Quaternion& q = d->radar_info.T_BS->rotation;
-  q = in_body ? quaternion_exp(phi) * q : q * quaternion_exp(phi);
-}
-
 /// The rotation in a line to paste.
 Quaternion mounting_in(const std::string& line) {
   const std::string key = "quaternion_wxyz: [";
@@ -89,87 +49,6 @@ Quaternion mounting_in(const std::string& line) {
                                &q.y(), &q.z());
   EXPECT_EQ(read, 4) << line;
   return q;
-}
-
-/// A fault, and what is said of it.
-struct Fault {
-  const char* name;
-  std::function<void(io::Dataset*)> make;
-  const char* subject;
-  const char* text;    ///< in the sentence
-  const char* change;  ///< in what is to be changed
-};
-
-std::vector<Fault> faults() {
-  const double quarter = 0.5 * kHalfTurn;
-  return {
-      {"DopplerSign",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { r->range_rate = -r->range_rate; });
-       },
-       "axes and Doppler sign", "the Doppler has the wrong sign", "--approaching"},
-      {"MountingTurned90AboutTheBody",
-       [=](io::Dataset* d) {
-         turn_mounting(d, {0.0, 0.0, quarter}, true);
-       },
-       "axes and Doppler sign", "turned by 90 deg about the -z axis of the body", "quaternion"},
-      {"MountingTurned180AboutTheBody",
-       [](io::Dataset* d) {
-         turn_mounting(d, {0.0, 0.0, kHalfTurn}, true);
-       },
-       "axes and Doppler sign", "turned by 180 deg about the z axis of the body", "quaternion"},
-      {"MountingUpsideDown",
-       [](io::Dataset* d) {
-         turn_mounting(d, {kHalfTurn, 0.0, 0.0}, false);
-       },
-       "axes and Doppler sign", "turned by 180 deg about the x axis of the radar", "quaternion"},
-      {"AxesOfTheChip",  // right, forward, up for forward, left, up
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) {
-           const Vector3d p = r->point_S;
-           r->point_S = {-p.y(), p.x(), p.z()};
-         });
-       },
-       "axes and Doppler sign", "turned by 90 deg about the -z axis of the radar", "quaternion"},
-      {"AxesSwapped",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { std::swap(r->point_S.x(), r->point_S.y()); });
-       },
-       "axes and Doppler sign", "x and y of the points are swapped", "--axes"},
-      {"AxisMirrored",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { r->point_S.y() = -r->point_S.y(); });
-       },
-       "axes and Doppler sign", "y of the points has the wrong sign", "--axes"},
-      {"GyroInDegrees",
-       [](io::Dataset* d) {
-         for (ImuSample& s : d->imu) s.gyro_B *= 180.0 / kHalfTurn;
-       },
-       "gyro unit", "deg/s", "--gyro-unit deg/s"},
-      {"AccelerometerInG",
-       [](io::Dataset* d) {
-         for (ImuSample& s : d->imu) s.accel_B /= 9.80665;
-       },
-       "accelerometer unit", "it is in g", "--accel-unit g"},
-      {"AccelerometerInMilliG",
-       [](io::Dataset* d) {
-         for (ImuSample& s : d->imu) s.accel_B *= 1e3 / 9.80665;
-       },
-       "accelerometer unit", "it is in mg", "--accel-unit mg"},
-      {"DopplerInKilometresPerHour",
-       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->range_rate *= 3.6; }); },
-       "Doppler scale", "km/h", "*0.27"},
-      {"NoOverlap",
-       [](io::Dataset* d) {
-         for (RadarScan& scan : d->scans) scan.time += from_seconds(4000.0);
-       },
-       "clocks", "both for 0.0 s", "--radar-offset"},
-      {"RadarAFrameLate",
-       [](io::Dataset* d) {
-         for (RadarScan& scan : d->scans) scan.time += from_seconds(1.0 / 15.0);
-       },
-       "delay of the radar", "moved by -", "time_offset: 0.0"},
-  };
 }
 
 struct FaultyFlight {
@@ -253,6 +132,72 @@ TEST(Check, FindsTheAxesOfALateRadar) {
     ASSERT_NE(said, nullptr) << text_of(findings);
     EXPECT_EQ(said->verdict, Verdict::kWrong) << text_of(findings);
   }
+}
+
+/// Whatever is not ok, by its subject.
+const Finding* only_fault(const Findings& findings) {
+  const Finding* only = nullptr;
+  for (const Finding& f : findings) {
+    if (f.verdict == Verdict::kOk) continue;
+    EXPECT_EQ(only, nullptr) << text_of(findings);
+    only = &f;
+  }
+  return only;
+}
+
+TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
+  const io::Dataset healthy = flown("indoor-1", 40.0);
+  const std::size_t n = healthy.imu.size();
+  for (const std::size_t row : {std::size_t{0}, n / 2, n - 1}) {
+    io::Dataset dataset = healthy;
+    dataset.imu[row].time += from_seconds(1e9);
+    EXPECT_EQ(check::usable(dataset.imu).size(), n - 1);
+    const TempDir dir;
+    io::write_dataset(dir.path(), dataset);
+    Options options;
+    io::apply_sensor_info(dataset, &options);
+    const std::filesystem::path csv = dir.path() / "imu0/data.csv";
+    const Findings findings = check::check_recording(dataset, options, Source::kFolder, csv);
+    const Finding* said = only_fault(findings);
+    ASSERT_NE(said, nullptr) << text_of(findings);
+    EXPECT_EQ(said->subject, "imu stamps");
+    EXPECT_EQ(said->verdict, Verdict::kDoubtful);
+    const std::string line = csv.string() + ":" + std::to_string(row + 2);  // below the heading
+    EXPECT_EQ(said->change, "remove the line " + line);
+    EXPECT_NE(said->text.find(", 1 out of order"), std::string::npos) << said->text;
+  }
+}
+
+TEST(Check, MirroredAxesOfTheImu) {
+  const io::Dataset healthy = flown("indoor-1", 50.0);
+  const auto with = [&healthy](const Matrix3d& M) {
+    io::Dataset dataset = healthy;
+    for (ImuSample& s : dataset.imu) s = {s.time, M * s.gyro_B, M * s.accel_B};
+    return check_it(dataset);
+  };
+  Matrix3d swapped;
+  swapped << 0, 1, 0, 1, 0, 0, 0, 0, 1;
+  const Matrix3d left_handed = Vector3d(1, -1, 1).asDiagonal();
+  const std::pair<Matrix3d, const char*> cases[] = {{swapped, "x and y of the IMU are swapped"},
+                                                    {left_handed, "y of the IMU has the wrong"}};
+  for (const auto& [M, text] : cases) {
+    const Findings findings = with(M);
+    const Finding* said = find(findings, "axes of the IMU");
+    ASSERT_NE(said, nullptr) << text << "\n" << text_of(findings);
+    EXPECT_EQ(said->verdict, Verdict::kWrong);
+    EXPECT_NE(said->text.find(text), std::string::npos) << said->text;
+    EXPECT_NE(said->change.find(text), std::string::npos) << said->change;
+  }
+}
+
+TEST(Check, MuchMotionThatNoMountingExplainsIsDoubtful) {
+  io::Dataset dataset = flown("indoor-1", 50.0);
+  for (ImuSample& s : dataset.imu) s.gyro_B = Vector3d(s.gyro_B.z(), s.gyro_B.x(), s.gyro_B.y());
+  const Findings findings = check_it(dataset);
+  const Finding* said = find(findings, "axes and Doppler sign");
+  ASSERT_NE(said, nullptr) << text_of(findings);
+  EXPECT_EQ(said->verdict, Verdict::kDoubtful) << text_of(findings);
+  EXPECT_NE(said->text.find("no mounting explains it"), std::string::npos) << said->text;
 }
 
 TEST(Check, AFewSamplesAreNoRecording) {

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which items of a recording are in the order of time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "rio/types.hpp"
+
+namespace rio::check {
+
+/// The longest sequence of strictly rising stamps, as indices: one corrupt stamp, wherever it
+/// points, costs its own item and no other. Of equal stamps the first counts. At either end an item
+/// farther off than all others together last is left out, too.
+template <typename Item>
+std::vector<std::size_t> in_order(const std::vector<Item>& items) {
+  constexpr auto kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> ends;  // last item of the best sequence of each length
+  std::vector<std::size_t> before(items.size(), kNone);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    const auto at =
+        std::lower_bound(ends.begin(), ends.end(), items[i].time,
+                         [&items](std::size_t end, Time time) { return items[end].time < time; });
+    if (at != ends.begin()) before[i] = *(at - 1);
+    if (at == ends.end()) {
+      ends.push_back(i);
+    } else if (items[i].time < items[*at].time) {
+      *at = i;
+    }
+  }
+  std::vector<std::size_t> order;
+  for (std::size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) {
+    order.push_back(i);
+  }
+  std::reverse(order.begin(), order.end());
+  // of differences in seconds, which any two stamps have
+  const auto span = [&](std::size_t a, std::size_t b) {
+    return to_seconds(items[order[b]].time) - to_seconds(items[order[a]].time);
+  };
+  const std::size_t n = order.size();
+  if (n > 3 && span(n - 2, n - 1) > span(0, n - 2)) order.pop_back();
+  if (order.size() > 3 && span(0, 1) > span(1, order.size() - 1)) order.erase(order.begin());
+  return order;
+}
+
+}  // namespace rio::check
