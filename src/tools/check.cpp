@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "check/check.hpp"
+#include "check/finding.hpp"
 #include "commands.hpp"
+#include "findings.hpp"
 #include "recording.hpp"
-#include "rio/io/options_yaml.hpp"
 
 namespace rio::tools {
 
@@ -25,14 +24,8 @@ void print(const Finding& finding) {
 }
 
 void print_json(const check::Findings& findings) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const Finding& f : findings) {
-    list.push_back({{"verdict", to_string(f.verdict)},
-                    {"subject", f.subject},
-                    {"text", f.text},
-                    {"change", f.change}});
-  }
-  const nlohmann::json all = {{"verdict", to_string(worst(findings))}, {"findings", list}};
+  const nlohmann::ordered_json all = {{"verdict", to_string(worst(findings))},
+                                      {"findings", findings_json(findings)}};
   fmt::print("{}\n", all.dump());
 }
 
@@ -41,12 +34,7 @@ void print_json(const check::Findings& findings) {
 void check_recording(const CheckArguments& arguments) {
   std::string damage;
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
-  const check::Source source =
-      is_asl_folder(arguments.dataset) ? check::Source::kFolder : check::Source::kBag;
-  const check::Findings findings = check::check_recording(dataset, options, source);
+  const check::Findings findings = findings_of(arguments.dataset, dataset, arguments.config);
   if (arguments.json) {
     print_json(findings);
   } else {

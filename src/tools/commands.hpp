@@ -58,6 +58,7 @@ struct ReplayArguments {
   std::string out;
   std::string states;
   bool barometer = false;  ///< the estimator uses that of the dataset
+  bool no_check = false;   ///< of the recording, at the end
   bool json = false;
   bool verbose = false;
   bool quiet = false;  ///< wins over verbose

@@ -94,6 +94,8 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--states", arguments->states, "states with covariance to write, csv");
   command->add_flag("--barometer", arguments->barometer,
                     "use the heights of baro0, their offset estimated");
+  command->add_flag("--no-check", arguments->no_check,
+                    "do not check the recording at the end, as `rio check` does");
   command->add_flag("--json", arguments->json, "print one JSON line instead of the summary");
   command->add_flag("--verbose", arguments->verbose, "a line per scan before the summary");
   command->add_flag("--quiet", arguments->quiet, "no line per scan, whatever else is given");

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "commands.hpp"
+#include "findings.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
 #include "replay_summary.hpp"
@@ -356,11 +358,18 @@ void replay(const ReplayArguments& arguments) {
   std::string damage;
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
   const Options options = make_options(arguments, dataset);
-  const ReplaySummary summary = Replay(arguments, dataset, options).run();
+  ReplaySummary summary = Replay(arguments, dataset, options).run();
+  if (!arguments.no_check) {
+    summary.data = not_ok(findings_of(arguments.dataset, dataset, arguments.config));
+  }
   if (arguments.json) {
     fmt::print("{}\n", summary.json());
   } else {
     fmt::print("{}", summary.text());
+  }
+  if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
+    std::fflush(stdout);
+    fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }
   if (summary.health.lost()) {
     throw LostEstimate(fmt::format(

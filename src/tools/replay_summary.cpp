@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "calibration_names.hpp"
+#include "findings.hpp"
 
 namespace rio::tools {
 
@@ -114,7 +115,7 @@ std::string ReplaySummary::json() const {
     }
   }
   const Vector3d& p = last_position;
-  const Json all = {
+  Json all = {
       {"verdict", health.verdict()},
       {"health", health.json()},
       {"scans", scans},
@@ -153,6 +154,7 @@ std::string ReplaySummary::json() const {
         {"attitude_resets", counters.attitude_resets},
         {"restarts", counters.restarts}}},
   };
+  if (data) all["data"] = findings_json(*data);
   return all.dump();
 }
 
@@ -207,6 +209,7 @@ std::string ReplaySummary::text() const {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }
   out += fmt::format("verdict: {}\n", health.verdict());
+  if (data) out += findings_text(*data);
   return out;
 }
 

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "check/finding.hpp"
 #include "health_log.hpp"
 #include "rio/aiding.hpp"
 #include "rio/models/aids.hpp"
@@ -36,6 +38,7 @@ struct ReplaySummary {
   Counters counters;
   std::optional<AuxiliaryEstimate<HeightOffset>> height_offset;  ///< with a barometer, at the end
   HealthLog health;
+  std::optional<check::Findings> data;  ///< of `rio check`, not ok; none if it was not asked for
 
   void add(const UpdateReport& report, const NavState& state);
 

@@ -77,6 +77,36 @@ TEST_F(Check, TakesTheMountingFromAFile) {
   EXPECT_NE(turned.output.find(nothing), std::string::npos) << turned.output;
 }
 
+TEST_F(Check, AReplayEndsWithWhatIsNotOk) {
+  const Outcome fine = rio("replay " + flight_);
+  EXPECT_EQ(exit_code(fine), 0) << fine.output;
+  EXPECT_EQ(fine.last_line(), "data: nothing found");
+  EXPECT_EQ(rio("replay --no-check " + flight_).last_line(), "verdict: healthy");
+  // whatever becomes of the estimate, the checks do not change the exit status
+  const std::string folder =
+      changed("milli", "imu0/data.csv", "for (i = 5; i < 8; ++i) $i = $i * 101.97");
+  const Outcome wrong = rio("replay --init groundtruth " + folder);
+  EXPECT_EQ(exit_code(wrong), exit_code(rio("replay --no-check --init groundtruth " + folder)));
+  EXPECT_NE(wrong.output.find("\ndata wrong: accelerometer unit: "), std::string::npos)
+      << wrong.output;
+  EXPECT_NE(wrong.output.find(" -> multiply the last three columns"), std::string::npos);
+  EXPECT_NE(wrong.output.find("note: something is wrong with the recording"), std::string::npos);
+}
+
+TEST_F(Check, AReplayGivesWhatIsNotOkAsJson) {
+  const Json fine = Json::parse(rio("replay --json " + flight_).last_line());
+  EXPECT_EQ(fine["data"], Json::array());
+  EXPECT_FALSE(
+      Json::parse(rio("replay --json --no-check " + flight_).last_line()).contains("data"));
+  const std::string folder = changed("repeated", "imu0/data.csv", "if (NR % 20 == 0) print");
+  const Outcome run = rio("replay --json " + folder);
+  EXPECT_EQ(exit_code(run), 0) << run.output;  // doubtful
+  const Json json = Json::parse(run.last_line());
+  ASSERT_EQ(json["data"].size(), 1U) << run.output;
+  EXPECT_EQ(json["data"][0]["verdict"], "doubtful");
+  EXPECT_EQ(json["data"][0]["subject"], "imu stamps");
+}
+
 TEST_F(Check, NothingToCheck) {
   EXPECT_EQ(exit_code(rio("check " + file("nothing"))), 1);
   EXPECT_EQ(exit_code(rio("check")), 2);

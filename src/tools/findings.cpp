@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "check/check.hpp"
+#include "recording.hpp"
+#include "rio/io/options_yaml.hpp"
+
+namespace rio::tools {
+
+namespace fs = std::filesystem;
+
+check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
+                            const std::string& config) {
+  Options options;
+  io::apply_sensor_info(dataset, &options);
+  if (!config.empty()) io::load_option_values(config, &options);
+  if (!is_asl_folder(path)) {
+    return check::check_recording(dataset, options, check::Source::kBag);
+  }
+  fs::path root = path;
+  if (!fs::exists(root / "imu0")) root /= "mav0";
+  return check::check_recording(dataset, options, check::Source::kFolder,
+                                root / "imu0" / "data.csv");
+}
+
+nlohmann::ordered_json findings_json(const check::Findings& findings) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const check::Finding& f : findings) {
+    list.push_back({{"verdict", to_string(f.verdict)},
+                    {"subject", f.subject},
+                    {"text", f.text},
+                    {"change", f.change}});
+  }
+  return list;
+}
+
+check::Findings not_ok(const check::Findings& findings) {
+  check::Findings out;
+  std::copy_if(findings.begin(), findings.end(), std::back_inserter(out),
+               [](const check::Finding& f) { return f.verdict != check::Verdict::kOk; });
+  return out;
+}
+
+std::string findings_text(const check::Findings& findings) {
+  std::string text;
+  for (const check::Finding& f : findings) {
+    text +=
+        fmt::format("data {}: {}: {} -> {}\n", to_string(f.verdict), f.subject, f.text, f.change);
+  }
+  return text.empty() ? "data: nothing found\n" : text;
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The findings of `rio check` for the commands that print them.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "check/finding.hpp"
+#include "commands.hpp"
+#include "rio/io/dataset.hpp"
+
+namespace rio::tools {
+
+/// Checks what read_any() gave for `path`, with the values of an option file if one is named.
+check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
+                            const std::string& config);
+
+/// One object a finding.
+nlohmann::ordered_json findings_json(const check::Findings& findings);
+
+/// Those that are doubtful or wrong.
+check::Findings not_ok(const check::Findings& findings);
+
+/// One line each, "data: nothing found" without any.
+std::string findings_text(const check::Findings& findings);
+
+}  // namespace rio::tools
