@@ -208,8 +208,8 @@ std::string ReplaySummary::text() const {
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }
-  out += fmt::format("verdict: {}\n", health.verdict());
   if (data) out += findings_text(*data);
+  out += fmt::format("verdict: {}\n", health.verdict());
   return out;
 }
 
