@@ -362,14 +362,13 @@ void replay(const ReplayArguments& arguments) {
   if (!arguments.no_check) {
     summary.data = not_ok(findings_of(arguments.dataset, dataset, arguments.config));
   }
+  if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
+    fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
+  }
   if (arguments.json) {
     fmt::print("{}\n", summary.json());
   } else {
     fmt::print("{}", summary.text());
-  }
-  if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
-    std::fflush(stdout);
-    fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }
   if (summary.health.lost()) {
     throw LostEstimate(fmt::format(
