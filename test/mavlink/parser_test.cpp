@@ -58,7 +58,7 @@ TEST(MavlinkParser, ThePiecesDoNotMatter) {
     append(&bytes, noise(&random, random.next() % 60));
     append(&bytes, some_frame(&random, &writer));
   }
-  for (const std::size_t piece : {1, 2, 7, 100, 5000}) {
+  for (const std::size_t piece : {1U, 2U, 7U, 100U, 5000U}) {
     Parser parser;
     const std::vector<Packet> packets = parse(&parser, bytes, piece);
     ASSERT_EQ(packets.size(), 60U) << piece;
