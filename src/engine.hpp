@@ -3,6 +3,7 @@
 // in a file of its own.
 #pragma once
 
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -195,18 +196,21 @@ class Engine final : public Odometry::Impl {
   }
 
   bool auxiliary(const char* name, double* value, double* P) const override {
-    int at = options_.auxiliary.find(name);
-    if (at < 0) return false;
-    int size = 0;
+    int first = 0;
     for (const AuxiliaryState& state : options_.auxiliary) {
-      if (options_.auxiliary.find(state.name) == at) size = state.size;
+      const int size = state.size;
+      if (std::strcmp(state.name, name) != 0) {
+        first += size;
+        continue;
+      }
+      const Belief& belief = pipeline_.backend().belief();
+      const int at = belief.layout().auxiliary() + first;
+      Eigen::Map<Eigen::VectorXd>(value, size) = belief.estimate().auxiliary.segment(first, size);
+      Eigen::Map<Eigen::MatrixXd>(P, size, size) =
+          belief.covariance().matrix().block(at, at, size, size);
+      return true;
     }
-    const Belief& belief = pipeline_.backend().belief();
-    Eigen::Map<Eigen::VectorXd>(value, size) = belief.estimate().auxiliary.segment(at, size);
-    at += belief.layout().auxiliary();
-    Eigen::Map<Eigen::MatrixXd>(P, size, size) =
-        belief.covariance().matrix().block(at, at, size, size);
-    return true;
+    return false;
   }
 
   Status reset(const NavState& prior, const BodyCovariance& P0) override {

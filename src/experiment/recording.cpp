@@ -13,6 +13,7 @@
 
 #include "rio/core/so3.hpp"
 #include "rio/eval/association.hpp"
+#include "rio/io/barometer.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/rio.hpp"
 #include "rio/sim/random.hpp"
@@ -47,7 +48,6 @@ double moving_share(const RadarScan& scan, double grid) {
 
 /// Heights above the mean of the first two seconds, each the mean of a second.
 eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
-  constexpr double kScale = 287.05 * 293.0 / 9.81;  // R T / g of dry air in a room [m]
   eval::Trajectory heights;
   std::size_t first = 0;
   std::size_t end = 0;
@@ -60,8 +60,8 @@ eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
     for (; to_seconds(sample.time - baro[first].time) > 0.5; ++first) sum -= baro[first].pressure;
     const double mean = sum / static_cast<double>(end - first);
     if (to_seconds(sample.time - baro.front().time) < 2.0) zero = mean;
-    heights.push_back(
-        {sample.time, Vector3d(0.0, 0.0, -kScale * std::log(mean / zero)), Quaternion::Identity()});
+    heights.push_back({sample.time, Vector3d(0.0, 0.0, -io::kPressureScale * std::log(mean / zero)),
+                       Quaternion::Identity()});
   }
   return heights;
 }

@@ -7,9 +7,8 @@
 namespace rio::io {
 
 BarometricHeights barometric_heights(const std::vector<BaroSample>& baro) {
-  constexpr double kScale = 287.05 * 293.0 / 9.81;  // R T / g of dry air in a room [m]
-  constexpr double kLeast = 0.01;                   // no barometer is better [m]
-  constexpr double kZero = 2.0;                     // the height there is zero [s]
+  constexpr double kLeast = 0.01;  // no barometer is better [m]
+  constexpr double kZero = 2.0;    // the height there is zero [s]
   BarometricHeights out;
   double sum = 0.0;
   double count = 0.0;
@@ -17,7 +16,7 @@ BarometricHeights barometric_heights(const std::vector<BaroSample>& baro) {
   for (const BaroSample& sample : baro) {
     if (!(std::isfinite(sample.pressure) && sample.pressure > 0.0)) continue;
     if (out.samples.empty()) first = sample.time;
-    out.samples.push_back({sample.time, -kScale * std::log(sample.pressure)});
+    out.samples.push_back({sample.time, -kPressureScale * std::log(sample.pressure)});
     if (to_seconds(sample.time - first) > kZero) continue;
     sum += out.samples.back().height;
     count += 1.0;

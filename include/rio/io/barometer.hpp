@@ -8,6 +8,10 @@
 
 namespace rio::io {
 
+/// R T / g of dry air at 20 degrees: heights are minus this times the logarithm of the pressure
+/// [m].
+inline constexpr double kPressureScale = 287.05 * 293.0 / 9.81;
+
 /// Heights over that of the mean pressure of the first two seconds.
 struct BarometricHeights {
   struct Sample {
