@@ -143,6 +143,22 @@ TEST_P(AidingTest, ABarometerWithItsOffset) {
   measured(std::string("barometer, ") + name + ": NIS a row", nis / rows, "1 +- 0.2");
 }
 
+// What left the window long ago is still known.
+TEST_P(AidingTest, ABarometerThatFellSilentIsRemembered) {
+  Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>());
+  Barometer barometer;
+  const Time end = flight().imu.front().time + std::chrono::seconds(15);
+  fly(o, [&](Odometry& odo, const NavState& x, sim::Random& random) {
+    if (x.time < end) barometer(odo, x, random);
+  });
+  const auto offset = auxiliary<HeightOffset>(*odometry);
+  ASSERT_TRUE(offset);
+  const double sigma = std::sqrt(offset->covariance(0, 0));
+  EXPECT_LT(sigma, 0.3 * HeightOffset::kSigma);
+  EXPECT_LT(std::abs(offset->value[0] - barometer.offset), 3.0 * sigma);
+}
+
 int absurd = 0;  // of the positions below
 
 /// Positions of motion capture or GNSS, some of them absurd.
