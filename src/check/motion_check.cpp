@@ -113,7 +113,7 @@ std::string change_of(const Matrix3d& told, const Axes& axes, const Options& opt
   const Vector3d& p = options.radar.T_BS.translation;
   if (!axes.doppler_flipped) return mounting_line(axes.R, p);
   if (axes.turn < 1e-6) return sign_line(source);
-  const std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p);
+  std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p);
   const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
   if (!mirrored) return both;
   const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."

@@ -53,7 +53,7 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   if (!alone || rows_.back().time - rows_.front().time < kSpan) return std::nullopt;
   const int count = support(best);
   if (count < kMinRows || count < kMajority * n) return abstain(now);
-  const std::optional<VelocityOpinion> other = refine(best);
+  std::optional<VelocityOpinion> other = refine(best);
   if (!other) return abstain(now);
   // what the covariance admits the update corrects
   if (unique_fold && (other->v_B - believed).norm() < 3.0 * sigma) return std::nullopt;
@@ -198,8 +198,8 @@ bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) c
                                 fold_.nearest(b[2], expected[2])));
     if (draw % 4 != 0) continue;
     for (int k = 0; k < 27; ++k) {  // one fold up or down in each row
-      const Vector3d folds(k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0);
-      consider(inverse * (b + 2.0 * fold_.limit() * folds));
+      const Eigen::Vector3i folds(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      consider(inverse * (b + 2.0 * fold_.limit() * folds.cast<double>()));
     }
   }
   return rival < kNearly * most;

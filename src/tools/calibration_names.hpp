@@ -33,7 +33,7 @@ inline constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationName
 
 /// Of radar r: "radar_rotation_x" is "radar1_rotation_x", "time_offset" is "radar1_time_offset".
 inline std::string calibration_name(std::size_t i, std::size_t r) {
-  const std::string name = kCalibrationNames[i].name;
+  std::string name = kCalibrationNames[i].name;
   if (r == 0) return name;
   const std::string own = "radar" + std::to_string(r) + "_";
   return own + (name.rfind("radar_", 0) == 0 ? name.substr(6) : name);

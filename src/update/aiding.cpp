@@ -59,9 +59,8 @@ bool linearize(const AidingMeasurement& z, const MotionSince& since, const NavSt
     put(body::kGyroBias, bias);
     if (size > 0) {
       row.segments[row.segment_count++] = {columns.auxiliary, size};
-      for (int k = 0; k < size; ++k) {
-        row.h[static_cast<std::size_t>(AidingMeasurement::kBody + k)] =
-            J[AidingMeasurement::kBody + k];
+      for (int k = AidingMeasurement::kBody; k < AidingMeasurement::kBody + size; ++k) {
+        row.h[static_cast<std::size_t>(k)] = J[k];
       }
     }
     rows->push_back(row);

@@ -18,7 +18,7 @@ class TiConfigTool : public Tool {
 
   /// The good one with a line more.
   static std::string spoiled(const std::string& line) {
-    const std::string path = file("spoiled.cfg");
+    std::string path = file("spoiled.cfg");
     fs::copy_file(good(), path, fs::copy_options::overwrite_existing);
     std::ofstream(path, std::ios::app) << line << "\n";
     return path;
