@@ -57,7 +57,8 @@ class NoiseProbe : public Ekf {
     const auto rows = state_rows<M::kDim>(e.J, M::Blocks{}, x, index, belief().layout());
     eval::NoiseSample sample;
     sample.innovation = e.r;
-    sample.predicted = belief().covariance().covariance_of(rows);
+    gathered_.begin(belief().covariance());
+    sample.predicted = gathered_.product(rows);
     sample.grid = Vector3d(range_grid(), 0.0, 0.0);
     const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
     const double az = d.sigma_azimuth_S.norm() / (growth * radar_.sigma_azimuth);
@@ -111,6 +112,7 @@ class NoiseProbe : public Ekf {
 
   double range_grid() const { return radar_.range_resolution * radar_.range_resolution / 12.0; }
 
+  GatheredCovariance gathered_;
   RadarOptions radar_;
   Innovations* out_ = nullptr;
   TruthAt truth_;

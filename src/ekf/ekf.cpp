@@ -5,9 +5,12 @@ namespace rio {
 
 Ekf::Ekf(const Options& options)
     : options_(options),
-      belief_(options, options.update.max_clones),
+      // without trails nothing is measured from a past pose
+      belief_(options, options.update.use_trails ? options.update.max_clones : 0),
       rows_(options),
+      compression_(rows_.capacity()),
       panels_(belief_.layout().capacity()),
+      reexpression_(belief_.layout().capacity()),
       dx_(Eigen::VectorXd::Zero(belief_.layout().capacity())) {}
 
 void Ekf::reset(const NavState& prior, const BodyCovariance& P0) {
@@ -30,11 +33,12 @@ void Ekf::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, do
 
 Status Ekf::update(const Observations& seen, UpdateReport* report) {
   const RowBatch& rows = rows_.build(seen, belief_, report);
-  if (!panels_.apply(rows, &belief_.covariance(), &dx_)) return Status::kNumerical;
+  if (!panels_.apply(compression_.compress(rows), &belief_.covariance(), &dx_))
+    return Status::kNumerical;
   before_ = belief_.estimate();
   belief_.correct(dx_);
   if (options_.update.consistent_covariance) {
-    reexpress(belief_.layout(), before_, belief_.estimate(), &belief_.covariance());
+    reexpression_.apply(belief_.layout(), before_, belief_.estimate(), &belief_.covariance());
   }
   for (const Contradiction& c : belief_.contradictions()) {
     belief_.covariance().forget(c.column, c.value, c.information, &dx_);

@@ -3,31 +3,35 @@
 
 #include <Eigen/Cholesky>
 
+#include "rio/core/mirror.hpp"
+
 namespace rio {
 
 PanelUpdate::PanelUpdate(int capacity)
     : backup_(Eigen::MatrixXd::Zero(capacity, capacity)),
-      W_(Eigen::MatrixXd::Zero(capacity, kPanel)) {}
+      W_(Eigen::MatrixXd::Zero(capacity, kPanel)),
+      diagonal_(Eigen::VectorXd::Zero(capacity)) {}
 
 bool PanelUpdate::apply(const RowBatch& batch, Covariance* covariance, Eigen::VectorXd* dx) {
   Eigen::Ref<Eigen::MatrixXd> P = covariance->matrix();
   const Eigen::Index size = P.rows();
   auto backup = backup_.topLeftCorner(size, size);
-  backup = P;
+  const bool several = batch.rows().size() > kPanel;  // one alone fails before it changes anything
+  if (several) backup = P;
   dx->head(size).setZero();
   std::size_t block = 0;
-  bool ok = true;
-  while (ok && block < batch.blocks().size()) {
+  while (block < batch.blocks().size()) {
     const std::size_t begin = block;
     std::size_t rows = 0;
     while (block < batch.blocks().size() && rows + batch.blocks()[block].count <= kPanel) {
       rows += batch.blocks()[block++].count;
     }
-    ok = panel(batch, begin, block, static_cast<Eigen::Index>(rows), P, dx);
+    if (!panel(batch, begin, block, static_cast<Eigen::Index>(rows), P, dx)) {
+      if (several) P = backup;
+      return false;
+    }
   }
-  ok = ok && dx->head(size).allFinite() && P.allFinite() && P.diagonal().minCoeff() >= 0.0;
-  if (!ok) P = backup;
-  return ok;
+  return true;
 }
 
 bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
@@ -36,7 +40,7 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
   const std::size_t first = batch.blocks()[first_block].first;
   auto W = W_.topLeftCorner(size, m);
   Eigen::Matrix<double, kPanel, 1> innovation = Eigen::Matrix<double, kPanel, 1>::Zero();
-  Eigen::Matrix<double, kPanel, kPanel> S = Eigen::Matrix<double, kPanel, kPanel>::Identity();
+  PanelMatrix S(m, m);
   for (Eigen::Index k = 0; k < m; ++k) {
     const LinearRow& row = batch.rows()[first + static_cast<std::size_t>(k)];
     auto w = W.col(k);
@@ -59,21 +63,27 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S);
   if (llt.info() != Eigen::Success) return false;
   for (Eigen::Index k = 0; k < m; ++k) {  // W <- W L^-T, innovation <- L^-1 innovation
-    const Eigen::Matrix<double, kPanel, 1> l = S.row(k).transpose();
+    Eigen::Matrix<double, kPanel, 1> l;
+    l.head(k) = S.row(k).head(k).transpose();
     W.col(k).noalias() -= W.leftCols(k) * l.head(k);
-    innovation[k] = (innovation[k] - l.head(k).dot(innovation.head(k))) / l[k];
-    W.col(k) /= l[k];
+    innovation[k] = (innovation[k] - l.head(k).dot(innovation.head(k))) / S(k, k);
+    W.col(k) *= 1.0 / S(k, k);
   }
-  for (Eigen::Index k = 0; k < m; ++k) dx->head(size) += innovation[k] * W.col(k);
+  auto diagonal = diagonal_.head(size);  // bounds all of P: if it is finite, P is
+  diagonal = P.diagonal();
+  for (Eigen::Index k = 0; k < m; ++k) diagonal -= W.col(k).cwiseAbs2();
+  dx->head(size).noalias() += W * innovation.head(m);
+  if (!diagonal.allFinite() || diagonal.minCoeff() < 0.0 || !dx->head(size).allFinite()) {
+    return false;
+  }
   P.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
-  for (Eigen::Index c = 1; c < size; ++c) {
-    for (Eigen::Index r = 0; r < c; ++r) P(r, c) = P(c, r);
-  }
+  P.diagonal() = diagonal;
+  mirror_lower(P);
   return true;
 }
 
 void PanelUpdate::add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
-                            Eigen::Matrix<double, kPanel, kPanel>* S) {
+                            PanelMatrix* S) {
   Eigen::Index at = 0;
   for (std::size_t b = first_block; b < end_block; ++b) {
     const RowBlock& block = batch.blocks()[b];

@@ -1,53 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ekf/reexpression.hpp"
 
+#include "rio/core/mirror.hpp"
+
 namespace rio {
 
-namespace {
+Reexpression::Reexpression(int capacity) : U_(capacity, 3), V_(capacity, 3) {}
 
-/// P <- M P.
-void apply(const Layout& layout, const Estimate& before, const Estimate& after,
-           Eigen::Ref<Eigen::MatrixXd> P) {
-  const Matrix3d R_before = before.nav.q_WB.toRotationMatrix();
-  const auto carry = [&P](int row, const Vector3d& shift, const Matrix3d& R, int theta) {
-    const Matrix3d A = skew(shift) * R;
-    for (Eigen::Index c = 0; c < P.cols(); ++c) {
-      const Vector3d old = P.col(c).segment<3>(theta);
-      P.col(c).segment<3>(row) -= A * old;
-    }
+void Reexpression::apply(const Layout& layout, const Estimate& before, const Estimate& after,
+                         Covariance* covariance) {
+  Eigen::Ref<Eigen::MatrixXd> P = covariance->matrix();
+  const auto carry = [this](int row, const Vector3d& shift, const Matrix3d& R) {
+    U_.middleRows<3>(row) = -skew(shift) * R;
   };
-  const auto rotate = [&P](int theta, const Matrix3d& A) {
-    for (Eigen::Index c = 0; c < P.cols(); ++c) {
-      const Vector3d old = P.col(c).segment<3>(theta);
-      P.col(c).segment<3>(theta) = A * old;
-    }
+  const auto turn = [this](int theta, const Matrix3d& R_after, const Matrix3d& R_before) {
+    U_.middleRows<3>(theta) = R_after.transpose() * R_before - Matrix3d::Identity();
   };
-  carry(body::kPosition, after.nav.p_WB - before.nav.p_WB, R_before, body::kAttitude);
-  carry(body::kVelocity, after.nav.v_WB - before.nav.v_WB, R_before, body::kAttitude);
-  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
-    carry(layout.landmark(static_cast<int>(i)), after.landmarks[i].p_W - before.landmarks[i].p_W,
-          R_before, body::kAttitude);
-  }
-  rotate(body::kAttitude, after.nav.q_WB.toRotationMatrix().transpose() * R_before);
-  for (std::size_t i = 0; i < before.clones.size(); ++i) {
+  for (std::size_t i = 0; layout.max_clones() > 0 && i < before.clones.size(); ++i) {
     const RigidPose& from = before.clones[i].T_WB;
     const RigidPose& to = after.clones[i].T_WB;
     const int theta = layout.clone(static_cast<int>(i));
-    carry(theta + 3, to.p - from.p, from.R, theta);
-    rotate(theta, to.R.transpose() * from.R);
+    U_.topRows(P.rows()).setZero();
+    turn(theta, to.R, from.R);
+    carry(theta + 3, to.p - from.p, from.R);
+    transform(theta, P);
   }
+  const Matrix3d R = before.nav.q_WB.toRotationMatrix();
+  U_.topRows(P.rows()).setZero();
+  turn(body::kAttitude, after.nav.q_WB.toRotationMatrix(), R);
+  carry(body::kPosition, after.nav.p_WB - before.nav.p_WB, R);
+  carry(body::kVelocity, after.nav.v_WB - before.nav.v_WB, R);
+  for (std::size_t i = 0; i < before.landmarks.size(); ++i) {
+    carry(layout.landmark(static_cast<int>(i)), after.landmarks[i].p_W - before.landmarks[i].p_W,
+          R);
+  }
+  transform(body::kAttitude, P);
+  mirror_lower(P);
 }
 
-}  // namespace
-
-void reexpress(const Layout& layout, const Estimate& before, const Estimate& after,
-               Covariance* covariance) {
-  Eigen::Ref<Eigen::MatrixXd> P = covariance->matrix();
-  apply(layout, before, after, P);
-  P.transposeInPlace();
-  apply(layout, before, after, P);
-  for (Eigen::Index c = 1; c < P.cols(); ++c) {
-    for (Eigen::Index r = 0; r < c; ++r) P(r, c) = P(c, r);
+void Reexpression::transform(int theta, Eigen::Ref<Eigen::MatrixXd> P) {
+  const Eigen::Index n = P.rows();
+  auto U = U_.topRows(n);
+  auto V = V_.topRows(n);
+  V.topRows(theta) = P.block(theta, 0, 3, theta).transpose();
+  V.bottomRows(n - theta) = P.block(theta, theta, n - theta, 3);
+  const Matrix3d own = Matrix3d(V.middleRows<3>(theta)).selfadjointView<Eigen::Lower>();
+  V.middleRows<3>(theta) = own;
+  V.noalias() += U * (0.5 * own);
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const Eigen::Index rest = n - c;
+    auto column = P.col(c).tail(rest);
+    column += U(c, 0) * V.col(0).tail(rest) + V(c, 0) * U.col(0).tail(rest) +
+              U(c, 1) * V.col(1).tail(rest) + V(c, 1) * U.col(1).tail(rest) +
+              U(c, 2) * V.col(2).tail(rest) + V(c, 2) * U.col(2).tail(rest);
   }
 }
 

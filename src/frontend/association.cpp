@@ -58,6 +58,8 @@ Matrix3d Association::believed(const Matrix3d& covariance) const {
 void Association::add_row(std::size_t row, const Known& known, const DetectionList& scan,
                           const std::array<bool, kMaxDetections>& usable,
                           std::array<bool, kMaxDetections>* near) {
+  const double range = known.point_S.norm();
+  const double trace = known.covariance.trace();
   for (std::size_t i = 0; i < scan.items.size(); ++i) {
     if (!usable[i]) continue;
     const Detection& d = scan.items[i];
@@ -65,10 +67,12 @@ void Association::add_row(std::size_t row, const Known& known, const DetectionLi
       assignment_.set(row, i, (d.point_S - known.point_S).norm());  // (E1)
       continue;
     }
-    // cheap bound first: d2 is at least the part of the range
-    const double range = known.point_S.norm();
-    const double range_variance = d.sigma_range * d.sigma_range + known.covariance.trace();
-    if ((d.range - range) * (d.range - range) > gate_ * range_variance) continue;
+    // cheap bounds first: d2 is at least the part of the range, and that of the azimuth
+    const double off = d.range - range;
+    if (off * off > gate_ * (d.sigma_range * d.sigma_range + trace)) continue;
+    const double square = d.sigma_azimuth_S.squaredNorm();
+    const double across = d.sigma_azimuth_S.dot(known.point_S);
+    if (across * across > gate_ * square * (square * range * range + trace)) continue;
     const auto distance = mahalanobis_distance(d, known, range);
     if (!distance) continue;
     if (distance->d2 < known.gate) assignment_.set(row, i, distance->cost);

@@ -25,58 +25,75 @@ void integrate(const ImuStep& step, double gravity, NavState& state) {
 
 namespace {
 
-/// The blocks of (E2) that are neither zero nor the identity; that of position by velocity is dt.
-struct TransitionBlocks {
-  Matrix3d attitude_attitude, attitude_gyro;
-  Matrix3d velocity_attitude, velocity_gyro, velocity_accel;
-  Matrix3d position_attitude, position_gyro, position_accel;
-  double dt;
+/// What a step of constant w and a does to an error in the attitude or a bias at its begin.
+struct ErrorGrowth {
+  Matrix3d attitude_gyro;
+  Matrix3d velocity_gyro, velocity_accel;
+  Matrix3d position_gyro, position_accel;
+  Vector3d velocity;  ///< -R Gamma_1 a dt: what turns with the attitude error
+  Vector3d position;  ///< -R Gamma_2 a dt^2: same
 
-  TransitionBlocks(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double step);
+  ErrorGrowth(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt)
+      : ErrorGrowth(R, w * dt, a, dt, GammaSeries((w * dt).squaredNorm())) {}
+  ErrorGrowth(const Matrix3d& R, const Vector3d& phi, const Vector3d& a, double dt,
+              const GammaSeries& S) {
+    const Matrix3d gamma_1 = gamma(1, phi, S);
+    attitude_gyro = -dt * gamma_1.transpose();  // Gamma_1(-phi)
+    velocity_accel = -dt * (R * gamma_1);
+    position_accel = -(dt * dt) * (R * gamma(2, phi, S));
+    velocity_gyro = R * d_gamma_a_d_phi(1, phi, a, S) * -(dt * dt);
+    position_gyro = R * d_gamma_a_d_phi(2, phi, a, S) * -(dt * dt * dt);
+    velocity = velocity_accel * a;
+    position = position_accel * a;
+  }
 };
 
-TransitionBlocks::TransitionBlocks(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
-                                   double step)
-    : dt(step) {
-  const Vector3d phi = w * dt;
-  const Matrix3d gamma_1 = gamma(1, phi);
-  const Matrix3d R_gamma_1 = R * gamma_1;
-  const Matrix3d R_gamma_2 = R * gamma(2, phi);
-  attitude_attitude = gamma(0, phi).transpose();
-  attitude_gyro = -dt * gamma_1.transpose();  // Gamma_1(-phi)
-  velocity_accel = -dt * R_gamma_1;
-  position_accel = -(dt * dt) * R_gamma_2;
-  velocity_gyro = R * d_gamma_a_d_phi(1, phi, a) * -(dt * dt);
-  position_gyro = R * d_gamma_a_d_phi(2, phi, a) * -(dt * dt * dt);
-  // R [Gamma a] = [R Gamma a] R
-  velocity_attitude = skew(R_gamma_1 * a * -dt) * R;
-  position_attitude = skew(R_gamma_2 * a * -(dt * dt)) * R;
-}
+/// The blocks of (E2) that are neither zero nor the identity; that of position by velocity is dt.
+struct TransitionBlocks : ErrorGrowth {
+  Matrix3d attitude_attitude, velocity_attitude, position_attitude;
+  double dt;
 
-/// M <- Phi M, M of any width.
+  TransitionBlocks(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double step)
+      : ErrorGrowth(R, w, a, step),
+        attitude_attitude(gamma(0, w * step).transpose()),
+        velocity_attitude(skew(velocity) * R),  // R [Gamma a] = [R Gamma a] R
+        position_attitude(skew(position) * R),
+        dt(step) {}
+};
+
+/// M <- M Phi^T, M of any height: column by column, each from those that are still old.
 template <class Matrix>
-void premultiply(const TransitionBlocks& F, Matrix& M) {
+void postmultiply_transposed(const TransitionBlocks& F, Matrix& M) {
   using namespace body;
-  for (Eigen::Index c = 0; c < M.cols(); ++c) {
-    auto m = M.col(c);
-    const Vector3d attitude = m.template segment<3>(kAttitude);
-    const Vector3d velocity = m.template segment<3>(kVelocity);
-    const Vector3d gyro = m.template segment<3>(kGyroBias);
-    const Vector3d accel = m.template segment<3>(kAccelBias);
-    m.template segment<3>(kAttitude) = F.attitude_attitude * attitude + F.attitude_gyro * gyro;
-    m.template segment<3>(kVelocity) +=
-        F.velocity_attitude * attitude + F.velocity_gyro * gyro + F.velocity_accel * accel;
-    m.template segment<3>(kPosition) += F.position_attitude * attitude + F.dt * velocity +
-                                        F.position_gyro * gyro + F.position_accel * accel;
+  for (int i = 0; i < 3; ++i) {
+    auto position = M.col(kPosition + i);
+    position += F.dt * M.col(kVelocity + i);
+    for (int k = 0; k < 3; ++k) {
+      position += F.position_attitude(i, k) * M.col(kAttitude + k) +
+                  F.position_gyro(i, k) * M.col(kGyroBias + k) +
+                  F.position_accel(i, k) * M.col(kAccelBias + k);
+    }
   }
+  for (int i = 0; i < 3; ++i) {
+    auto velocity = M.col(kVelocity + i);
+    for (int k = 0; k < 3; ++k) {
+      velocity += F.velocity_attitude(i, k) * M.col(kAttitude + k) +
+                  F.velocity_gyro(i, k) * M.col(kGyroBias + k) +
+                  F.velocity_accel(i, k) * M.col(kAccelBias + k);
+    }
+  }
+  auto attitude = M.template middleCols<3>(kAttitude);
+  attitude = (attitude * F.attitude_attitude.transpose() +
+              M.template middleCols<3>(kGyroBias) * F.attitude_gyro.transpose())
+                 .eval();
 }
 
 }  // namespace
 
 Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt) {
   Matrix15d m = Matrix15d::Identity();
-  premultiply(TransitionBlocks(R, w, a, dt), m);
-  return m;
+  postmultiply_transposed(TransitionBlocks(R, w, a, dt), m);
+  return m.transpose();
 }
 
 ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
@@ -104,24 +121,31 @@ Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const V
   Matrix15d Q = Matrix15d::Zero();
   const auto add = [&Q](int row, int column, const Matrix3d& a_row, const Matrix3d& a_column,
                         double weight) {
-    Q.block<3, 3>(row, column) += weight * (a_row * a_column.transpose());
+    Q.block<3, 3>(row, column) += weight * a_row.lazyProduct(a_column.transpose());
   };
-  const auto add_rate = [&add](const Matrix3d& attitude, const Matrix3d& position,
-                               const Matrix3d& velocity, double weight) {
-    add(kAttitude, kAttitude, attitude, attitude, weight);
-    add(kPosition, kAttitude, position, attitude, weight);
-    add(kPosition, kPosition, position, position, weight);
-    add(kVelocity, kAttitude, velocity, attitude, weight);
-    add(kVelocity, kPosition, velocity, position, weight);
-    add(kVelocity, kVelocity, velocity, velocity, weight);
+  // [u][v]^T of errors that turn with the attitude
+  const auto add_turn = [&Q](int row, int column, const Vector3d& u, const Vector3d& v,
+                             double weight) {
+    Q.block<3, 3>(row, column) += weight * (u.dot(v) * Matrix3d::Identity() - v * u.transpose());
   };
+  Vector3d velocity = Vector3d::Zero();  // sums over the nodes
+  Vector3d position = Vector3d::Zero();
   for (std::size_t i = 0; i < kNodes.size(); ++i) {
     const double s = kNodes[i] * dt;
-    const TransitionBlocks F(R * gamma(0, w * s), w, a, dt - s);
+    const ErrorGrowth F(R * gamma(0, w * s), w, a, dt - s);
+    const double gyro = kWeights[i] * dt * density.gyro;
+    velocity += gyro * F.velocity;
+    position += gyro * F.position;
+    add_turn(kPosition, kPosition, F.position, F.position, gyro);
+    add_turn(kVelocity, kPosition, F.velocity, F.position, gyro);
+    add_turn(kVelocity, kVelocity, F.velocity, F.velocity, gyro);
     const double gyro_walk = kWeights[i] * dt * density.gyro_walk;
-    add_rate(F.attitude_attitude, F.position_attitude, F.velocity_attitude,
-             kWeights[i] * dt * density.gyro);
-    add_rate(F.attitude_gyro, F.position_gyro, F.velocity_gyro, gyro_walk);
+    add(kAttitude, kAttitude, F.attitude_gyro, F.attitude_gyro, gyro_walk);
+    add(kPosition, kAttitude, F.position_gyro, F.attitude_gyro, gyro_walk);
+    add(kPosition, kPosition, F.position_gyro, F.position_gyro, gyro_walk);
+    add(kVelocity, kAttitude, F.velocity_gyro, F.attitude_gyro, gyro_walk);
+    add(kVelocity, kPosition, F.velocity_gyro, F.position_gyro, gyro_walk);
+    add(kVelocity, kVelocity, F.velocity_gyro, F.velocity_gyro, gyro_walk);
     Q.block<3, 3>(kGyroBias, kAttitude) += gyro_walk * F.attitude_gyro.transpose();
     Q.block<3, 3>(kGyroBias, kPosition) += gyro_walk * F.position_gyro.transpose();
     Q.block<3, 3>(kGyroBias, kVelocity) += gyro_walk * F.velocity_gyro.transpose();
@@ -132,6 +156,11 @@ Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const V
     Q.block<3, 3>(kAccelBias, kPosition) += accel_walk * F.position_accel.transpose();
     Q.block<3, 3>(kAccelBias, kVelocity) += accel_walk * F.velocity_accel.transpose();
   }
+  // an attitude error of any time turns the body at the end: [u] R_s (R_s^T R_end) = [u] R_end
+  const Matrix3d R_end = R * gamma(0, w * dt);
+  Q.block<3, 3>(kPosition, kAttitude) += skew(position) * R_end;
+  Q.block<3, 3>(kVelocity, kAttitude) += skew(velocity) * R_end;
+  Q.diagonal().segment<3>(kAttitude).array() += density.gyro * dt;
   // of the accelerometer the integral is exact
   Q.diagonal().segment<3>(kPosition).array() += density.accel * dt * dt * dt / 3.0;
   Q.block<3, 3>(kVelocity, kPosition).diagonal().array() += density.accel * dt * dt / 2.0;
@@ -148,7 +177,7 @@ Matrix15d congruence(const Matrix15d& F, const Matrix15d& P) {
 
 bool Propagation::finite() const {
   return state.p_WB.allFinite() && state.v_WB.allFinite() && state.q_WB.coeffs().allFinite() &&
-         transition.allFinite() && noise.allFinite();
+         transposed_transition.allFinite() && noise.allFinite();
 }
 
 void Propagation::step(const ImuStep& step, const ImuOptions& options) {
@@ -157,10 +186,10 @@ void Propagation::step(const ImuStep& step, const ImuOptions& options) {
   const Vector3d w = step.gyro_B - state.gyro_bias;
   const Vector3d a = step.accel_B - state.accel_bias;
   const TransitionBlocks phi(R, w, a, dt);
-  premultiply(phi, transition);
-  premultiply(phi, noise);
+  postmultiply_transposed(phi, transposed_transition);
+  postmultiply_transposed(phi, noise);
   noise.transposeInPlace();
-  premultiply(phi, noise);
+  postmultiply_transposed(phi, noise);
   noise += process_noise_covariance(R, w, a, dt, process_noise(options, step));
   integrate(step, options.gravity, state);
   gap = gap || step.gap > 0.0;

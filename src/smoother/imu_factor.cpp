@@ -63,11 +63,13 @@ void ImuFactor::differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, c
   J->block<3, 3>(kPosition, kAttitude) = skew(u_p);
   J->block<3, 3>(kPosition, kPosition) = -R_i.transpose();
   J->block<3, 3>(kPosition, kVelocity) = -T * R_i.transpose();
-  J->block<3, 6>(kPosition, kGyroBias) = -imu_.transition().block<3, 6>(kPosition, kGyroBias);
+  J->block<3, 3>(kPosition, kGyroBias) = -imu_.jacobian(kPosition, kGyroBias);
+  J->block<3, 3>(kPosition, kAccelBias) = -imu_.jacobian(kPosition, kAccelBias);
   J->block<3, 3>(kPosition, kJ + kPosition) = R_i.transpose();
   J->block<3, 3>(kVelocity, kAttitude) = skew(u_v);
   J->block<3, 3>(kVelocity, kVelocity) = -R_i.transpose();
-  J->block<3, 6>(kVelocity, kGyroBias) = -imu_.transition().block<3, 6>(kVelocity, kGyroBias);
+  J->block<3, 3>(kVelocity, kGyroBias) = -imu_.jacobian(kVelocity, kGyroBias);
+  J->block<3, 3>(kVelocity, kAccelBias) = -imu_.jacobian(kVelocity, kAccelBias);
   J->block<3, 3>(kVelocity, kJ + kVelocity) = R_i.transpose();
 }
 

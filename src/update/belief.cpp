@@ -7,6 +7,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/propagate/strapdown.hpp"
+#include "rio/update/gathered_covariance.hpp"
 
 namespace rio {
 
@@ -24,11 +25,12 @@ Vector3d beyond_noise(const Vector3d& smooth_W, double density) {
   return square > noise ? Vector3d((1.0 - noise / square) * smooth_W) : Vector3d(Vector3d::Zero());
 }
 
-/// The row of the Doppler along a direction as measured; without its residual and noise.
+/// The row of the Doppler along a direction without an error; without its residual and noise.
 LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
                       const Layout& layout) {
   DopplerModel::Measurement z;
   z.direction_S = direction_S;
+  z.upwards_S.setZero();
   z.gyro_B = x.gyro_B;
   Evaluation<DopplerModel> e;
   DopplerModel(false, false)
@@ -143,7 +145,7 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   estimate_.way += way;
   const ImuSample now = imu.at(to);
   estimate_.gyro_B = now.gyro_B;
-  covariance_.propagate(p.transition, p.noise);
+  covariance_.propagate(p.transition(), p.noise);
   const double walk = options_.update.landmark_walk;
   covariance_.add_landmark_noise(walk * walk * way);
   covariance_.add_auxiliary_noise(options_.auxiliary, seconds);
@@ -196,26 +198,28 @@ Eigen::Matrix4d Belief::velocity_calibration() const {
   return P;
 }
 
-Matrix3d Belief::radar_velocity_covariance() const {
-  const LinearizationPoint x(estimate_);
-  std::array<LinearRow, 3> rows;
+Eigen::Matrix4d Belief::doppler_covariance(const LinearizationPoint& x) const {
+  std::array<LinearRow, 4> rows;
   for (int i = 0; i < 3; ++i) {  // a Doppler along an axis is a component of the velocity
     rows[static_cast<std::size_t>(i)] = doppler_row(Vector3d::Unit(i), x, layout_);
   }
-  return covariance_.covariance_of(rows);
-}
-
-double Belief::doppler_variance(const Vector3d& direction_S, const LinearizationPoint& x) const {
-  const LinearRow row = doppler_row(direction_S, x, layout_);
-  return covariance_.product(row, row);
+  if (layout_.has_radar_errors()) {
+    rows[3].segments[0] = {layout_.radar_errors() + RadarErrors::kElevation, 1};
+    rows[3].segment_count = 1;
+    rows[3].h[0] = 1.0;
+  }
+  GatheredCovariance gathered;
+  gathered.begin(covariance_);
+  return gathered.product(rows);
 }
 
 void Belief::clone(ScanId scan) {
-  const auto slots = static_cast<std::size_t>(layout_.max_clones());
+  const auto slots = static_cast<std::size_t>(options_.update.max_clones);
   if (slots == 0) return;
   const std::size_t slot = static_cast<std::size_t>(scan % slots);
   if (slot >= estimate_.clones.size()) estimate_.clones.resize(slot + 1);
   estimate_.clones[slot] = {scan, estimate_.T_WB()};
+  if (layout_.max_clones() == 0) return;
   const Eigen::Matrix<double, 6, 6> same = Eigen::Matrix<double, 6, 6>::Identity();
   covariance_.assign_clone(
       static_cast<int>(slot),
@@ -258,12 +262,39 @@ void Belief::correct(const Eigen::VectorXd& dx) {
 }
 
 void Belief::predict_landmarks() {
+  constexpr int kShared = 13;  // columns of all landmarks: pose, extrinsics, time offset
   const LinearizationPoint x(estimate_);
+  const auto P = covariance_.matrix();
+  struct Part {
+    int column, at, size;
+  };
+  StaticVector<Part, 3> parts;
+  (void)parts.push_back({body::kAttitude, 0, 6});
+  if (layout_.has_extrinsics()) (void)parts.push_back({layout_.extrinsics(), 6, 6});
+  if (layout_.has_time_offset()) (void)parts.push_back({layout_.time_offset(), 12, 1});
+  Eigen::Matrix<double, kShared, kShared> shared = Eigen::Matrix<double, kShared, kShared>::Zero();
+  for (const Part& row : parts) {
+    for (const Part& column : parts) {
+      shared.block(row.at, column.at, row.size, column.size) =
+          P.block(row.column, column.column, row.size, column.size);
+    }
+  }
+  Eigen::Matrix<double, kShared, 3> cross = Eigen::Matrix<double, kShared, 3>::Zero();
   for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
     LandmarkState& landmark = estimate_.landmarks[i];
     const ObservedPoint point(x.T_WB, x.T_BS, landmark.p_W);
-    landmark.covariance_S = covariance_.covariance_of(
-        state_rows<3>(point.d_e, ObservedPoint::Blocks{}, x, {0, static_cast<int>(i)}, layout_));
+    const int own = layout_.landmark(static_cast<int>(i));
+    for (const Part& row : parts) {
+      cross.middleRows(row.at, row.size) = P.block(row.column, own, row.size, 3);
+    }
+    Eigen::Matrix<double, 3, kShared> J;
+    J << point.d_body(), point.d_extrinsics(), -point.d_body() * x.pose_rate;
+    const Matrix3d J_own = point.d_landmark();
+    const Eigen::Matrix<double, 3, kShared> JP = J.lazyProduct(shared);
+    const Matrix3d mixed = J.lazyProduct(cross) * J_own.transpose();
+    const Matrix3d rest = J_own * P.block<3, 3>(own, own) * J_own.transpose();
+    landmark.covariance_S =
+        Matrix3d(JP.lazyProduct(J.transpose())) + mixed + mixed.transpose() + rest;
   }
 }
 

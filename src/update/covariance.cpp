@@ -52,10 +52,10 @@ void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (
   const int rest = size_ - kBody;
   const Matrix15d propagated = congruence(phi, P_.topLeftCorner<kBody, kBody>()) + noise;
   P_.topLeftCorner<kBody, kBody>() = 0.5 * (propagated + propagated.transpose());
-  auto cross = scratch_.leftCols(rest);
-  cross.noalias() = phi * P_.block(0, kBody, kBody, rest);
-  P_.block(0, kBody, kBody, rest) = cross;
-  P_.block(kBody, 0, rest, kBody) = cross.transpose();
+  auto cross = scratch_.topLeftCorner(body::kGyroBias, rest);  // the biases stay what they are
+  cross.noalias() = phi.topRows<body::kGyroBias>() * P_.block(0, kBody, kBody, rest);
+  P_.block(0, kBody, body::kGyroBias, rest) = cross;
+  P_.block(kBody, 0, rest, body::kGyroBias) = cross.transpose();
 }
 
 void Covariance::reopen_velocity(double variance, double duration) {  // (E3)
@@ -127,20 +127,6 @@ double Covariance::product(const LinearRow& a, const LinearRow& b) const {
     });
   });
   return sum;
-}
-
-void Covariance::innovation_covariance(const RowBatch& batch, const RowBlock& block,
-                                       BlockMatrix* S) const {
-  const auto m = static_cast<Eigen::Index>(block.count);
-  S->resize(m, m);
-  for (Eigen::Index i = 0; i < m; ++i) {
-    const LinearRow& row = batch.rows()[block.first + static_cast<std::size_t>(i)];
-    (*S)(i, i) = product(row, row) + row.variance;
-    for (Eigen::Index j = 0; j < i; ++j) {
-      const LinearRow& other = batch.rows()[block.first + static_cast<std::size_t>(j)];
-      (*S)(i, j) = (*S)(j, i) = product(row, other) + block.shared_variance;
-    }
-  }
 }
 
 }  // namespace rio

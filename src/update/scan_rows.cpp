@@ -29,6 +29,7 @@ const RowBatch& ScanRows::build(const Observations& seen, const Belief& belief,
                                 UpdateReport* report) {
   batch_.clear();
   used_.clear();
+  gathered_.begin(belief.covariance());
   if (seen.scan != nullptr) add_scan(seen, belief, report);
   if (seen.aiding != nullptr) add_aiding(*seen.aiding, belief, report);
   return batch_;
@@ -54,19 +55,23 @@ void ScanRows::add_rest(const RestModel::Measurement& z, const Belief& belief,
                         const LinearizationPoint& x, UpdateReport* report) {
   batch_.begin_block();
   const bool valid = add(RestModel{}, z, belief, x, {});
-  if (decide(RestModel::kModel, 0, valid, belief, report)) used_.push_back({RestModel::kModel});
+  if (decide(RestModel::kModel, 0, valid, report)) used_.push_back({RestModel::kModel});
 }
 
 void ScanRows::add_doppler(const Observations& seen, const Belief& belief,
                            const LinearizationPoint& x, UpdateReport* report) {
   Reliability reliability;
+  const Vector3d v_S = x.radar_velocity_S();
+  const Eigen::Matrix4d V = belief.doppler_covariance(x);
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
     z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
     if (!options_.direction_correction) continue;
-    z.predicted_var = belief.doppler_variance(z.direction_S, x);
-    reliability.add(z, x.radar_velocity_S());
+    Eigen::Vector4d c;
+    c << z.direction_S, z.upwards_S.dot(v_S);
+    z.predicted_var = c.dot(V * c);
+    reliability.add(z, v_S);
   }
   const Matrix3d believed =
       options_.direction_reliability ? reliability.matrix() : Matrix3d::Identity();
@@ -76,7 +81,7 @@ void ScanRows::add_doppler(const Observations& seen, const Belief& belief,
     z.reliability = believed;
     batch_.begin_block();
     const bool valid = add(doppler_, z, belief, x, {});
-    if (!decide(DopplerModel::kModel, i, valid, belief, report)) continue;
+    if (!decide(DopplerModel::kModel, i, valid, report)) continue;
     used_.push_back(
         {DopplerModel::kModel, i, 0, 0, weigh(doppler_repetition(seen.detection(i), x))});
   }
@@ -97,13 +102,13 @@ void ScanRows::add_trails(const Observations& seen, const Belief& belief,
       if (joint) batch_.share_variance(trail_.shared_variance(z));
       const Used row{TrailDistanceModel::kModel, m.detection, m.target, past.scan};
       if (valid) used_.push_back(row);
-      if (!joint && !decide(row.model, m.detection, valid, belief, report) && valid) {
+      if (!joint && !decide(row.model, m.detection, valid, report) && valid) {
         used_.pop_back();
       }
     }
     if (joint && open) {
       const std::size_t rows = batch_.last_block().count;
-      if (!decide(TrailDistanceModel::kModel, m.detection, rows > 0, belief, report)) {
+      if (!decide(TrailDistanceModel::kModel, m.detection, rows > 0, report)) {
         used_.resize(used_.size() - rows);
       }
     }
@@ -135,7 +140,7 @@ void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
         valid = add_point(d, belief, x, index);
         break;
     }
-    const bool used = decide(model, m.detection, valid, belief, report);
+    const bool used = decide(model, m.detection, valid, report);
     if (used) {
       const double way = x.estimate.landmarks[m.target].way_seen;
       const double factor = repetition(way, x) * doubt_factor(options_.match_trust);
@@ -158,7 +163,7 @@ void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding, const Be
     if (valid) {
       for (const LinearRow& row : aiding_) batch_.push(row);
     }
-    const bool used = decide(Model::kAiding, i, valid, belief, report, seen.measurement.name());
+    const bool used = decide(Model::kAiding, i, valid, report, seen.measurement.name());
     if (used) used_.push_back({Model::kAiding, i});
   }
 }
@@ -196,8 +201,8 @@ double ScanRows::weigh(double factor) {
   return factor;
 }
 
-bool ScanRows::decide(Model model, std::size_t detection, bool valid, const Belief& belief,
-                      UpdateReport* report, const char* name) {
+bool ScanRows::decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
+                      const char* name) {
   ModelReport& sums = report->models[static_cast<std::size_t>(model)];
   InnovationRecord record;
   record.model = model;
@@ -210,7 +215,7 @@ bool ScanRows::decide(Model model, std::size_t detection, bool valid, const Beli
   } else {
     const RowBlock& block = batch_.last_block();
     const int rows = static_cast<int>(block.count);
-    belief.covariance().innovation_covariance(batch_, block, &S_);
+    gathered_.innovation_covariance(batch_, block, &S_);
     record.dof = static_cast<std::uint16_t>(rows);
     record.innovation = batch_.rows()[block.first].residual;
     record.sigma = std::sqrt(S_(0, 0));

@@ -102,7 +102,7 @@ TEST_F(ReexpressionTest, ReexpressionMovesTheUnobservableDirectionsAlong) {
   };
   ASSERT_LT((without_calibration(c.matrix()) - before * before.transpose()).cwiseAbs().maxCoeff(),
             1e-10);
-  reexpress(layout_, x.before, x.after, &c);
+  Reexpression(layout_.capacity()).apply(layout_, x.before, x.after, &c);
   EXPECT_LT((without_calibration(c.matrix()) - after * after.transpose()).cwiseAbs().maxCoeff(),
             1e-10);
 }
@@ -128,7 +128,7 @@ TEST_F(ReexpressionTest, ReexpressionKeepsTheRightInvariantError) {
     return T;
   };
   const MatrixXd before = invariant_map(x.before) * dense() * invariant_map(x.before).transpose();
-  reexpress(layout_, x.before, x.after, &covariance_);
+  Reexpression(layout_.capacity()).apply(layout_, x.before, x.after, &covariance_);
   const MatrixXd after = invariant_map(x.after) * dense() * invariant_map(x.after).transpose();
   EXPECT_LT((before - after).cwiseAbs().maxCoeff(), 1e-10 * before.cwiseAbs().maxCoeff());
   expect_equal(dense(), 0.0);

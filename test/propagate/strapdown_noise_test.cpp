@@ -190,7 +190,7 @@ TEST(Propagation, AccumulatesTheProductChain) {
   }
   EXPECT_EQ(p.state.time, x.time);
   EXPECT_LT(test::error_of(x, p.state).norm(), 1e-15);
-  const Matrix15d once = p.transition * P0 * p.transition.transpose() + p.noise;
+  const Matrix15d once = p.transition() * P0 * p.transition().transpose() + p.noise;
   EXPECT_LT(relative_difference(once, P), 1e-12);  // 30 products
   EXPECT_LT(asymmetry(p.noise), 1e-14);
   EXPECT_EQ(Eigen::LLT<Matrix15d>(p.noise).info(), Eigen::Success);

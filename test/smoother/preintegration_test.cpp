@@ -60,7 +60,7 @@ TEST(Preintegration, TransitionAndCovarianceEqualPropagation) {
     const Preintegration imu = preintegrate(steps, from.gyro_bias, from.accel_bias);
     const Matrix15d M = to_world(from.q_WB);
     // the entries of the transition are below 10
-    EXPECT_LT((M * imu.transition() * M.transpose() - reference.transition).cwiseAbs().maxCoeff(),
+    EXPECT_LT((M * imu.transition() * M.transpose() - reference.transition()).cwiseAbs().maxCoeff(),
               1e-13);
     EXPECT_LT(relative_difference(M * imu.covariance() * M.transpose(), reference.noise), 1e-12);
     EXPECT_TRUE(imu.gap());

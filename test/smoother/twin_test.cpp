@@ -40,7 +40,8 @@ LinearRow random_row(sim::Random& random) {
 
 Happening random_happening(sim::Random& random) {
   Happening h;
-  h.phi = Matrix15d::Identity() + 0.1 * random_matrix(random, 15, 15);
+  h.phi = Matrix15d::Identity();
+  h.phi.topRows<body::kGyroBias>() += 0.1 * random_matrix(random, body::kGyroBias, 15);
   const MatrixXd L = 0.1 * random_matrix(random, 15, 15);
   h.noise = L * L.transpose() + 1e-2 * Matrix15d::Identity();
   for (int i = 0; i < kRows; ++i) h.rows.push_back(random_row(random));

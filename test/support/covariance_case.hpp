@@ -50,8 +50,11 @@ class CovarianceCase : public testing::Test {
   }
 
   static CalibrationOptions calibration() { return {0.05, 0.03, 0.02, 0.02, 0.03}; }
+  /// Of all but the biases, which stay what they are.
   Matrix15d random_transition() {
-    return Matrix15d::Identity() + 0.1 * random_matrix(random_, 15, 15);
+    Matrix15d phi = Matrix15d::Identity();
+    phi.topRows<body::kGyroBias>() += 0.1 * random_matrix(random_, body::kGyroBias, 15);
+    return phi;
   }
   static Matrix15d noise() { return 1e-3 * Matrix15d::Identity(); }
   /// The body's pose, early by the time offset.

@@ -7,6 +7,7 @@
 
 #include <cmath>
 
+#include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "support/random_state.hpp"
 
@@ -183,6 +184,28 @@ TEST_F(BeliefTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
     EXPECT_NEAR(grown(body::kAccelBias + i, body::kAccelBias + i), bias * bias, 1e-12);
   }
   EXPECT_NEAR(grown.trace(), 3.0 * (angle * angle + way * way + rate * rate + bias * bias), 1e-9);
+}
+
+// That of the model's own row, elevation error included.
+TEST_F(BeliefTest, TheVarianceOfADopplerIsThatOfItsRow) {
+  options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};
+  Belief b(options_, 3);
+  b.reset(nav_, BodyCovariance(0.01 * BodyCovariance::Identity()));
+  const LinearizationPoint x(b.estimate());
+  DopplerModel::Measurement z;
+  z.direction_S = Vector3d(0.8, -0.36, 0.48);
+  z.upwards_S = z.direction_S.cross(Vector3d::UnitY()).normalized();
+  z.gyro_B = x.gyro_B;
+  Evaluation<DopplerModel> e;
+  ASSERT_TRUE(
+      DopplerModel(false, false)
+          .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R));
+  const LinearRow row = state_rows<1>(e.J, DopplerModel::Blocks{}, x, {}, b.layout())[0];
+  Eigen::Vector4d c;
+  c << z.direction_S, z.upwards_S.dot(x.radar_velocity_S());
+  const double variance = b.covariance().product(row, row);
+  EXPECT_NEAR(c.dot(b.doppler_covariance(x) * c), variance, 1e-12);
+  EXPECT_GT(c[3] * c[3] * 0.03 * 0.03, 1e-3 * variance);  // it matters
 }
 
 // Of a velocity known along and across, turned with the body and the radar.

@@ -98,14 +98,6 @@ TEST_F(CovarianceTest, CloneWithoutTimeOffsetIsAnExactCopy) {
   EXPECT_EQ(dense().block(at, at, 6, 6), dense().topLeftCorner(6, 6));
 }
 
-TEST_F(CovarianceTest, CovarianceOfRowsEqualsTheDenseProduct) {
-  const std::array<LinearRow, 3> rows = landmark_rows();
-  const MatrixXd H = dense_rows(rows, covariance_.size());
-  const Matrix3d expected = H * dense() * H.transpose();
-  EXPECT_LE((covariance_.covariance_of(rows) - expected).cwiseAbs().maxCoeff(),
-            1e-12 * expected.norm());
-}
-
 TEST_F(CovarianceTest, LandmarkNoiseReachesLandmarksOnly) {
   MatrixXd expected = dense();
   expected.diagonal().tail(6).array() += 0.25;
@@ -124,14 +116,6 @@ TEST_F(CovarianceTest, RemovedLandmarkIsReplacedByTheLast) {
   expect_equal(expected, 0.0);
   covariance_.remove_landmark(0);
   expect_equal(expected.topLeftCorner(n - 6, n - 6), 0.0);
-}
-
-TEST_F(CovarianceTest, InnovationCovarianceOfABlock) {
-  RowBatch batch(10);
-  const DenseRows d = fill(random_, layout_, covariance_.size(), {5}, &batch);
-  Covariance::BlockMatrix S;
-  covariance_.innovation_covariance(batch, batch.blocks()[0], &S);
-  EXPECT_LT((S - (d.H * dense() * d.H.transpose() + d.R)).cwiseAbs().maxCoeff(), 1e-11);
 }
 
 }  // namespace

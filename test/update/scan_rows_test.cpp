@@ -218,7 +218,9 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
     DopplerModel::Measurement first;
     for (std::size_t i = 3; i-- > 0;) {
       first = DopplerModel::measurement(detection(i), Vector3d::Zero());
-      first.predicted_var = b.doppler_variance(first.direction_S, x);
+      Eigen::Vector4d c;
+      c << first.direction_S, first.upwards_S.dot(v);
+      first.predicted_var = c.dot(b.doppler_covariance(x) * c);
       reliability.add(first, v);
     }
     const Matrix3d L = reliable ? reliability.matrix() : Matrix3d::Identity();

@@ -2,6 +2,7 @@
 // Rotations: skew matrix, Exp, Log, and the integrals of Exp that strapdown integration needs.
 //
 // (E1) S_m(x) = sum_k (-x)^k / (2k+m)!, x = |phi|^2: S_0 = cos t, S_1 = sin t / t, ...
+//      S_m = 1/m! - x S_{m+2},  dS_m/dx = (m S_{m+2} - S_{m+1}) / 2
 // (E2) Gamma_m(phi) = sum_k [phi]^k / (k+m)! = I/m! + S_{m+1} [phi] + S_{m+2} [phi]^2
 //      Gamma_0 = Exp, Gamma_1 = left Jacobian, Gamma_2 = the double integral's kernel.
 // Reference: Bloesch et al., 2012 (Gamma_m); Solà et al., 2018, eq. 143-147 (Jacobians of SO(3)).
@@ -24,7 +25,7 @@ inline Matrix3d skew(const Vector3d& v) {
 
 namespace so3_detail {
 
-inline constexpr std::array<double, 6> kFactorial = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0};
+inline constexpr std::array<double, 7> kFactorial = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0};
 
 /// Terms of a series below x = 1, and below x = 0.01, so that the rest is beyond double precision.
 inline constexpr int kTerms = 10;
@@ -33,8 +34,8 @@ inline constexpr double kSmall = 0.01;
 
 /// (-1)^k / (2k+m)! by m and k.
 inline constexpr auto kCoefficients = [] {
-  std::array<std::array<double, kTerms + 1>, 6> c{};
-  for (int m = 0; m < 6; ++m) {
+  std::array<std::array<double, kTerms + 1>, 7> c{};
+  for (int m = 0; m < 7; ++m) {
     double term = 1.0 / kFactorial[static_cast<std::size_t>(m)];
     for (int k = 0; k <= kTerms; ++k) {
       c[static_cast<std::size_t>(m)][static_cast<std::size_t>(k)] = term;
@@ -44,7 +45,7 @@ inline constexpr auto kCoefficients = [] {
   return c;
 }();
 
-/// (E1) for m in 0..5.
+/// (E1) for m in 0..6.
 inline double series(int m, double x) {
   const auto index = static_cast<std::size_t>(m);
   if (x < 1.0) {
@@ -61,38 +62,49 @@ inline double series(int m, double x) {
   return (1.0 / kFactorial[index - 2] - series(m - 2, x)) / x;
 }
 
-/// dS_m/dx for m in 1..4: 2 x S_m' = S_{m-1} - m S_m; its series when x is small.
-inline double series_derivative(int m, double x) {
-  if (x >= 1.0) return (series(m - 1, x) - m * series(m, x)) / (2.0 * x);
-  const auto& c = kCoefficients[static_cast<std::size_t>(m)];
-  double sum = 0.0;
-  for (int k = x < kSmall ? kFewTerms : kTerms; k > 0; --k) {
-    sum = sum * x + k * c[static_cast<std::size_t>(k)];
-  }
-  return sum;
-}
-
 }  // namespace so3_detail
 
+/// S_1 to S_6 at one x >= 0: all that (E2) and its derivatives need.
+class GammaSeries {
+ public:
+  explicit GammaSeries(double x) {
+    s_[6] = so3_detail::series(6, x);
+    s_[5] = so3_detail::series(5, x);
+    for (std::size_t m = 4; m > 0; --m) s_[m] = 1.0 / so3_detail::kFactorial[m] - x * s_[m + 2];
+  }
+  double operator[](int m) const { return s_[static_cast<std::size_t>(m)]; }
+  /// dS_m/dx for m in 1..4.
+  double derivative(int m) const { return 0.5 * (m * (*this)[m + 2] - (*this)[m + 1]); }
+
+ private:
+  std::array<double, 7> s_;
+};
+
 /// (E2) for m in 0..2; Gamma_0(phi) is the rotation matrix Exp(phi).
+inline Matrix3d gamma(int m, const Vector3d& phi, double next, double after) {
+  const Matrix3d k = skew(phi);
+  return Matrix3d::Identity() / so3_detail::kFactorial[static_cast<std::size_t>(m)] + next * k +
+         after * k * k;
+}
+/// @param S at |phi|^2
+inline Matrix3d gamma(int m, const Vector3d& phi, const GammaSeries& S) {
+  return gamma(m, phi, S[m + 1], S[m + 2]);
+}
 inline Matrix3d gamma(int m, const Vector3d& phi) {
   const double x = phi.squaredNorm();
-  const Matrix3d k = skew(phi);
-  return Matrix3d::Identity() / so3_detail::kFactorial[static_cast<std::size_t>(m)] +
-         so3_detail::series(m + 1, x) * k + so3_detail::series(m + 2, x) * k * k;
+  return gamma(m, phi, so3_detail::series(m + 1, x), so3_detail::series(m + 2, x));
 }
 
 /// d(Gamma_m(phi) a)/dphi, 3x3, for m in 0..2: product rule on (E2).
-inline Matrix3d d_gamma_a_d_phi(int m, const Vector3d& phi, const Vector3d& a) {
-  const double x = phi.squaredNorm();
+/// @param S at |phi|^2
+inline Matrix3d d_gamma_a_d_phi(int m, const Vector3d& phi, const Vector3d& a,
+                                const GammaSeries& S) {
   const Vector3d cross = phi.cross(a);
-  const Vector3d double_cross = phi.cross(cross);
-  return -so3_detail::series(m + 1, x) * skew(a) -
-         so3_detail::series(m + 2, x) * (skew(cross) + skew(phi) * skew(a)) +
-         2.0 *
-             (so3_detail::series_derivative(m + 1, x) * cross +
-              so3_detail::series_derivative(m + 2, x) * double_cross) *
-             phi.transpose();
+  // d([phi]^2 a)/dphi = phi a^T + (phi . a) I - 2 a phi^T
+  const Vector3d along =
+      2.0 * (S.derivative(m + 1) * cross + S.derivative(m + 2) * phi.cross(cross) - S[m + 2] * a);
+  return along * phi.transpose() - S[m + 1] * skew(a) +
+         S[m + 2] * (phi * a.transpose() + phi.dot(a) * Matrix3d::Identity());
 }
 
 /// Rotation of the rotation vector phi [rad].

@@ -7,6 +7,7 @@
 
 #include "rio/ekf/panel_update.hpp"
 #include "rio/ekf/reexpression.hpp"
+#include "rio/ekf/row_compression.hpp"
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
@@ -70,7 +71,9 @@ class Ekf {
   Belief belief_;
   Estimate before_;
   ScanRows rows_;
+  RowCompression compression_;
   PanelUpdate panels_;
+  Reexpression reexpression_;
   Eigen::VectorXd dx_;
 };
 

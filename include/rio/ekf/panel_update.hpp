@@ -22,16 +22,19 @@ class PanelUpdate {
 
  private:
   static constexpr int kPanel = 32;  // rows per rank update: the packing buffers stay on the stack
+  using PanelMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kPanel, kPanel>;
 
+  /// One panel; false, with P unchanged.
   bool panel(const RowBatch& batch, std::size_t first_block, std::size_t end_block, Eigen::Index m,
              Eigen::Ref<Eigen::MatrixXd> P, Eigen::VectorXd* dx);
 
   /// R on the lower triangle of S.
   static void add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
-                        Eigen::Matrix<double, kPanel, kPanel>* S);
+                        PanelMatrix* S);
 
   Eigen::MatrixXd backup_;
   Eigen::MatrixXd W_;
+  Eigen::VectorXd diagonal_;
 };
 
 }  // namespace rio

@@ -4,7 +4,9 @@
 // unobservable although the linearisation points have moved.
 //
 // (E1) theta <- R+^T R- theta;  dp <- dp - [p+ - p-] R- theta, likewise v and landmarks;
-//      a clone's own rotation error carries the clone;  P <- M P M^T
+//      a clone's own rotation error carries the clone
+// (E2) So P <- (I + U E^T) P (I + U E^T)^T = P + U V^T + V U^T, V = P E + U (E^T P E) / 2, where E
+//      selects theta; for each theta in turn
 // Reference: Hao, Tian and He 2025 (transformation of the error state after each correction).
 #pragma once
 
@@ -15,8 +17,21 @@
 
 namespace rio {
 
-/// (E1): the errors of `before` re-expressed for `after`, the same state after a correction.
-void reexpress(const Layout& layout, const Estimate& before, const Estimate& after,
-               Covariance* covariance);
+class Reexpression {
+ public:
+  /// @param capacity columns of the error state
+  explicit Reexpression(int capacity);
+
+  /// (E1): the errors of `before` re-expressed for `after`, the same state after a correction.
+  void apply(const Layout& layout, const Estimate& before, const Estimate& after,
+             Covariance* covariance);
+
+ private:
+  /// (E2) on the lower triangle.
+  void transform(int theta, Eigen::Ref<Eigen::MatrixXd> P);
+
+  Eigen::Matrix<double, Eigen::Dynamic, 3> U_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> V_;
+};
 
 }  // namespace rio

@@ -56,9 +56,11 @@ Matrix15d congruence(const Matrix15d& F, const Matrix15d& P);
 /// Mean, transition and noise accumulated over several steps, to be applied to a covariance once.
 struct Propagation {
   NavState state;
-  Matrix15d transition = Matrix15d::Identity();
+  Matrix15d transposed_transition = Matrix15d::Identity();
   Matrix15d noise = Matrix15d::Zero();
   bool gap = false;
+
+  Matrix15d transition() const { return transposed_transition.transpose(); }
 
   /// Every value is a number.
   bool finite() const;

@@ -60,7 +60,7 @@ class Preintegration {
   const Vector3d& gyro_bias() const { return chain_.state.gyro_bias; }    ///< of reset() [rad/s]
   const Vector3d& accel_bias() const { return chain_.state.accel_bias; }  ///< of reset() [m/s^2]
   /// A, 15x15, order of namespace body. (E2)
-  const Matrix15d& transition() const { return chain_.transition; }
+  Matrix15d transition() const { return chain_.transition(); }
   /// S, 15x15, order of namespace body, bias walk included. (E2)
   const Matrix15d& covariance() const { return chain_.noise; }
   /// A step lay in a pause of the IMU longer than ImuOptions::max_gap.
@@ -80,8 +80,8 @@ class Preintegration {
   ImuIncrement corrected(const Vector3d& gyro_bias, const Vector3d& accel_bias) const;
 
   /// 3x3 block of A: rows and columns by offsets of namespace body.
-  Eigen::Block<const Matrix15d, 3, 3> jacobian(int row, int column) const {
-    return chain_.transition.block<3, 3>(row, column);
+  Matrix3d jacobian(int row, int column) const {
+    return chain_.transposed_transition.block<3, 3>(column, row).transpose();
   }
 
   /// The state after the last step, started `from` the state of the first, at the biases of `from`

@@ -46,7 +46,7 @@ struct Contradiction {
 /// (E2) the information 1 / (k s)^2 - 1 / s^2, that the value is zero, is taken back
 class Belief {
  public:
-  /// @param max_clones past poses with a covariance
+  /// @param max_clones past poses with a covariance: none, or as many as the options keep
   Belief(const Options& options, int max_clones);
 
   const Layout& layout() const { return layout_; }
@@ -85,13 +85,17 @@ class Belief {
   /// S, and Doppler scale. Zero what is not estimated.
   Eigen::Matrix4d velocity_calibration() const;
 
-  /// Of the radar's own velocity as predicted, in its axes [m^2/s^2].
-  Matrix3d radar_velocity_covariance() const;
+  /// Of the radar's own velocity as predicted, in its axes [m/s], and of the error of elevations
+  /// [rad]. A Doppler along u, of an echo that would rise along the unit tangent t, has the
+  /// variance c^T V c with c = [u, t . v_S] by the error of the state.
+  Eigen::Matrix4d doppler_covariance(const LinearizationPoint& x) const;
+  /// The velocity's part of it [m^2/s^2].
+  Matrix3d radar_velocity_covariance() const {
+    return doppler_covariance(LinearizationPoint(estimate_)).topLeftCorner<3, 3>();
+  }
 
-  /// Variance of the Doppler predicted at x along a direction as measured [m^2/s^2].
-  double doppler_variance(const Vector3d& direction_S, const LinearizationPoint& x) const;
-
-  /// The pose of now is kept as the clone of `scan`, in place of the oldest one.
+  /// The pose of now is kept as the clone of `scan`, in place of the oldest one; for matching alone
+  /// if the layout has no clones.
   void clone(ScanId scan);
 
   void add_landmark(const Detection& d);

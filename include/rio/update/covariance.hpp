@@ -18,7 +18,6 @@
 #include "rio/options.hpp"
 #include "rio/propagate/strapdown.hpp"
 #include "rio/state/layout.hpp"
-#include "rio/update/gate.hpp"
 #include "rio/update/linear_rows.hpp"
 
 namespace rio {
@@ -39,6 +38,7 @@ class Covariance {
              const AuxiliaryStates& auxiliary = {});
 
   /// (E1)
+  /// @param phi its rows of the biases are those of the identity
   void propagate(const Matrix15d& phi, const Matrix15d& noise);
 
   /// The velocity turns out to be uncertain by `variance` [m^2/s^2] per axis since `duration` [s].
@@ -74,24 +74,6 @@ class Covariance {
 
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;
-  /// H P H^T of a few rows.
-  template <std::size_t kRows>
-  auto covariance_of(const std::array<LinearRow, kRows>& rows) const {
-    constexpr int kSize = static_cast<int>(kRows);
-    Eigen::Matrix<double, kSize, kSize> S;
-    for (int i = 0; i < kSize; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        S(i, j) = S(j, i) =
-            product(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
-      }
-    }
-    return S;
-  }
-
-  /// Innovation covariance of a block, at most Gate::kMaxDof rows.
-  using BlockMatrix =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Gate::kMaxDof, Gate::kMaxDof>;
-  void innovation_covariance(const RowBatch& batch, const RowBlock& block, BlockMatrix* S) const;
 
  private:
   /// (E2) for the block at column `at`, which none of the rows touches.

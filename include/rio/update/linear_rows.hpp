@@ -26,7 +26,7 @@ struct LinearRow {
 
   std::array<Segment, kMaxSegments> segments;
   std::size_t segment_count = 0;
-  std::array<double, kMaxColumns> h;  ///< coefficients of the segments, one after the other
+  std::array<double, kMaxColumns> h{};  ///< coefficients of the segments in turn, then zeros
   double residual = 0.0;
   double variance = 0.0;  ///< total noise variance, the shared part included
 

@@ -20,6 +20,7 @@
 #include "rio/update/aiding.hpp"
 #include "rio/update/belief.hpp"
 #include "rio/update/gate.hpp"
+#include "rio/update/gathered_covariance.hpp"
 #include "rio/update/linearize.hpp"
 #include "rio/update/reliability.hpp"
 #include "rio/update/worth.hpp"
@@ -35,6 +36,9 @@ class ScanRows {
     way_at_scan_.fill(0.0);
     last_scan_.fill(Time{0});
   }
+
+  /// Most rows of one update.
+  std::size_t capacity() const { return batch_.capacity(); }
 
   /// The rows that may be used; valid until the next call.
   const RowBatch& build(const Observations& seen, const Belief& belief, UpdateReport* report);
@@ -102,8 +106,8 @@ class ScanRows {
   /// Stage 5: gates the last block, records it, and drops it unless it may be used, which is the
   /// result.
   /// @param name of the model of another sensor
-  bool decide(Model model, std::size_t detection, bool valid, const Belief& belief,
-              UpdateReport* report, const char* name = nullptr);
+  bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
+              const char* name = nullptr);
 
   /// Infinite if the innovation covariance is not positive definite.
   double normalised_innovation_squared(const RowBlock& block);
@@ -126,7 +130,8 @@ class ScanRows {
   RowBatch batch_;
   std::vector<Used> used_;
   std::array<DopplerModel::Measurement, kMaxDetections> dopplers_{};
-  Covariance::BlockMatrix S_;
+  GatheredCovariance gathered_;
+  GatheredCovariance::BlockMatrix S_;
   AidingRows aiding_;
   std::array<bool, kMaxLandmarks> was_used_{};
   std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already in

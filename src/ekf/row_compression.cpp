@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/ekf/row_compression.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rio {
+
+namespace {
+
+/// The two touch the same columns.
+bool alike(const LinearRow& a, const LinearRow& b) {
+  return a.segment_count == b.segment_count &&
+         std::equal(a.segments.begin(), a.segments.begin() + a.segment_count, b.segments.begin(),
+                    [](const LinearRow::Segment& x, const LinearRow::Segment& y) {
+                      return x.column == y.column && x.length == y.length;
+                    });
+}
+
+}  // namespace
+
+RowCompression::RowCompression(std::size_t capacity)
+    : out_(capacity),
+      rows_(kColumns, static_cast<Eigen::Index>(capacity)),
+      factor_(static_cast<Eigen::Index>(capacity), kMaxRank),
+      residual_(static_cast<Eigen::Index>(capacity)) {}
+
+const RowBatch& RowCompression::compress(const RowBatch& batch) {
+  out_.clear();
+  const std::vector<RowBlock>& blocks = batch.blocks();
+  std::size_t b = 0;
+  while (b < blocks.size()) {
+    const std::size_t begin = b++;
+    const LinearRow& first = batch.rows()[blocks[begin].first];
+    while (blocks[begin].count == 1 && b < blocks.size() && blocks[b].count == 1 &&
+           alike(first, batch.rows()[blocks[b].first])) {
+      ++b;
+    }
+    if (b - begin > kMaxRank &&
+        compress_run(batch, blocks[begin].first, blocks[begin].first + b - begin)) {
+      continue;
+    }
+    for (std::size_t i = begin; i < b; ++i) {
+      out_.begin_block();
+      for (std::size_t k = 0; k < blocks[i].count; ++k)
+        out_.push(batch.rows()[blocks[i].first + k]);
+      out_.share_variance(blocks[i].shared_variance);
+    }
+  }
+  return out_;
+}
+
+bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std::size_t end) {
+  constexpr double kRounding = 1e-24;  // square of what rounding leaves of a row
+  const auto m = static_cast<Eigen::Index>(end - begin);
+  auto rows = rows_.leftCols(m);
+  auto residual = residual_.head(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const LinearRow& row = batch.rows()[begin + static_cast<std::size_t>(i)];
+    if (!(row.variance > 0.0)) return false;  // the update has to fail with it
+    const double weight = 1.0 / std::sqrt(row.variance);
+    rows.col(i) = weight * Eigen::Map<const Eigen::Matrix<double, kColumns, 1>>(row.h.data());
+    residual[i] = weight * row.residual;
+  }
+  int rank = 0;
+  double enough = 0.0;
+  for (;; ++rank) {  // (E1)
+    Eigen::Index longest = 0;
+    const double square = rows.colwise().squaredNorm().maxCoeff(&longest);
+    if (rank == 0) enough = kRounding * square;
+    if (!(square > enough)) break;
+    if (rank == kMaxRank) return false;
+    auto b = basis_.col(rank);
+    b = rows.col(longest) / std::sqrt(square);
+    for (Eigen::Index i = 0; i < m; ++i) {
+      factor_(i, rank) = b.dot(rows.col(i));
+      rows.col(i) -= factor_(i, rank) * b;
+    }
+  }
+  LinearRow row = batch.rows()[begin];
+  row.variance = 1.0;
+  for (int k = 0; k < rank; ++k) {  // (E2)
+    auto q = factor_.col(k).head(m);
+    const double length = q.norm();
+    if (!(length > 0.0)) continue;
+    q /= length;
+    Eigen::Map<Eigen::Matrix<double, kColumns, 1>> h(row.h.data());
+    h = length * basis_.col(k);
+    for (int j = k + 1; j < rank; ++j) {
+      const double t = q.dot(factor_.col(j).head(m));
+      factor_.col(j).head(m) -= t * q;
+      h += t * basis_.col(j);
+    }
+    row.residual = q.dot(residual);
+    residual -= row.residual * q;
+    out_.begin_block();
+    out_.push(row);
+  }
+  return true;
+}
+
+}  // namespace rio
