@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "rio/core/mirror.hpp"
+
 namespace rio {
 
 namespace cholesky {
@@ -21,12 +23,6 @@ void divide_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::
     l.head(k) = L.row(k).head(k).transpose();
     X.col(k).noalias() -= X.leftCols(k) * l.head(k);
     X.col(k) *= 1.0 / L(k, k);
-  }
-}
-
-void mirror_lower(Eigen::Ref<Eigen::MatrixXd> A) {
-  for (Eigen::Index c = 1; c < A.cols(); ++c) {
-    for (Eigen::Index r = 0; r < c; ++r) A(r, c) = A(c, r);
   }
 }
 
@@ -49,20 +45,27 @@ void invert_product(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen
 }  // namespace cholesky
 
 EnvelopeFactor::EnvelopeFactor(int max_states, int max_border)
-    : L_(Eigen::MatrixXd::Zero(kState * max_states + max_border, kState * max_states + max_border)),
+    : L_(Eigen::MatrixXd::Zero(kState * (max_states + 1) + max_border,
+                               kState * (max_states + 1) + max_border)),
+      far_Z_(Eigen::MatrixXd::Zero(max_border, kState)),
       floor_(Eigen::VectorXd::Zero(L_.rows())),
-      inverse_(Eigen::MatrixXd::Zero(kState + max_border, kState + max_border)) {
+      inverse_(Eigen::MatrixXd::Zero(kState + max_border, kState + max_border)),
+      tail_(inverse_),
+      x_(floor_) {
   reach_.reserve(static_cast<std::size_t>(max_states));
+  order_.reserve(static_cast<std::size_t>(max_border));
 }
 
 bool EnvelopeFactor::factorise(const Eigen::Ref<const Eigen::MatrixXd>& H,
-                               const std::vector<int>& reach, double damping) {
-  RIO_ASSERT(reach.size() <= reach_.capacity() && H.rows() <= L_.rows());
+                               const std::vector<int>& reach, const std::vector<int>& border_reach,
+                               double damping) {
+  RIO_ASSERT(reach.size() <= reach_.capacity() && border_reach.size() <= order_.capacity());
   valid_ = false;
   damping_ = damping;
   reach_ = reach;
   states_ = static_cast<int>(reach.size());
-  border_ = static_cast<int>(H.rows()) - column(states_);
+  border_ = static_cast<int>(border_reach.size());
+  order_border(border_reach);
   copy_envelope(H);
   for (int s = 0; s < states_; ++s) {
     if (!factorise_state(s)) return false;
@@ -73,44 +76,93 @@ bool EnvelopeFactor::factorise(const Eigen::Ref<const Eigen::MatrixXd>& H,
 
 void EnvelopeFactor::solve(Eigen::Ref<Eigen::VectorXd> x) const {
   RIO_ASSERT(valid_ && x.size() == column(states_) + border_);
-  auto border = x.tail(border_);
-  const auto corner =
-      L_.block(column(states_), column(states_), border_, border_).triangularView<Eigen::Lower>();
+  const int first = column(states_);
+  auto border = x_.head(border_);
+  auto last_x = x_.segment(far_, last_rows());  // near unknowns, then Y
+  for (int i = 0; i < border_; ++i) border[i] = x[first + order_[static_cast<std::size_t>(i)]];
+  auto y = x_.segment(border_, kState);
+  y.setZero();
+  const auto corner = L_.block(first, first, border_, border_).triangularView<Eigen::Lower>();
   for (int s = 0; s < states_; ++s) {
     auto own = x.segment<kState>(column(s));
     own_block(s).triangularView<Eigen::Lower>().solveInPlace(own);
     x.segment(column(s + 1), rows_below(s)).noalias() -= below(s) * own;
-    border.noalias() -= in_border(s) * own;
+    last_x.noalias() -= last(s) * own;
   }
+  border.head(far_).noalias() += far_coupling() * y;
   corner.solveInPlace(border);
   corner.adjoint().solveInPlace(border);
+  y.noalias() = far_coupling().transpose() * border.head(far_);
   for (int s = states_ - 1; s >= 0; --s) {
     auto own = x.segment<kState>(column(s));
-    own.noalias() -= in_border(s).transpose() * border;
+    own.noalias() -= last(s).transpose() * last_x;
     own.noalias() -= below(s).transpose() * x.segment(column(s + 1), rows_below(s));
     own_block(s).transpose().triangularView<Eigen::Upper>().solveInPlace(own);
   }
+  for (int i = 0; i < border_; ++i) x[first + order_[static_cast<std::size_t>(i)]] = border[i];
 }
 
 bool EnvelopeFactor::tail_inverse(const Eigen::Ref<Eigen::MatrixXd>& P) {
   if (!valid_ || damping_ != 0.0) return false;
   const Eigen::Index tail = kState + border_;
-  const Eigen::Index at = column(states_ - 1);
-  cholesky::invert_product(L_.block(at, at, tail, tail), inverse_.topLeftCorner(tail, tail), P);
+  const int at = column(states_ - 1);
+  // L_ds of the last state, in the place of H_d0: that of a single state is no far unknown
+  if (far_ > 0) {
+    L_.block(far_row(), at, far_, kState).noalias() =
+        far_coupling() * L_.block<kState, kState>(near_row() + near(), at);
+  }
+  auto permuted = tail_.topLeftCorner(tail, tail);
+  cholesky::invert_product(L_.block(at, at, tail, tail), inverse_.topLeftCorner(tail, tail),
+                           permuted);
+  Eigen::Ref<Eigen::MatrixXd> out(P);
+  const auto place = [this](Eigen::Index i) {
+    return i < kState ? i : kState + order_[static_cast<std::size_t>(i - kState)];
+  };
+  for (Eigen::Index c = 0; c < tail; ++c) {
+    double* column = &out(0, place(c));
+    for (Eigen::Index r = 0; r < tail; ++r) column[place(r)] = permuted(r, c);
+  }
   return true;
 }
 
+void EnvelopeFactor::order_border(const std::vector<int>& border_reach) {
+  const auto is_far = [](int reach) { return reach <= 0; };
+  far_ = static_cast<int>(std::count_if(border_reach.begin(), border_reach.end(), is_far));
+  if (far_ <= kState || states_ == 1) far_ = 0;  // Y costs as much
+  order_.clear();
+  for (const bool far : {true, false}) {
+    for (int i = 0; i < border_; ++i) {
+      if ((far_ > 0 && is_far(border_reach[static_cast<std::size_t>(i)])) == far)
+        order_.push_back(i);
+    }
+  }
+}
+
 void EnvelopeFactor::copy_envelope(const Eigen::Ref<const Eigen::MatrixXd>& H) {
+  const int first = column(states_);
+  const auto unknown = [&](int i) { return first + order_[static_cast<std::size_t>(i)]; };
   for (int s = 0; s < states_; ++s) {
     const int c = column(s);
     const int rows = kState + rows_below(s);
     L_.block(c, c, rows, kState) = H.block(c, c, rows, kState);
-    L_.block(column(states_), c, border_, kState) = H.block(column(states_), c, border_, kState);
+    for (int i = s == 0 ? 0 : far_; i < border_; ++i) {
+      L_.row(first + i).segment<kState>(c) = H.row(unknown(i)).segment<kState>(c);
+    }
+    if (far_ > 0) {
+      auto y = L_.block<kState, kState>(first + border_, c);
+      if (s == 0) y.setIdentity();
+      if (s > 0) y.setZero();
+    }
   }
-  const int at = column(states_);
-  L_.block(at, at, border_, border_) = H.block(at, at, border_, border_);
-  L_.diagonal().head(H.rows()) *= 1.0 + damping_;
-  floor_.head(H.rows()) = cholesky::kPivotTolerance * L_.diagonal().head(H.rows());
+  for (int c = 0; c < border_; ++c) {
+    for (int r = c; r < border_; ++r) {
+      L_(first + r, first + c) =
+          H(std::max(unknown(r), unknown(c)), std::min(unknown(r), unknown(c)));
+    }
+  }
+  if (far_ > 0) L_.block(first + border_, near_row(), kState, near() + kState).setZero();
+  L_.diagonal().head(first + border_) *= 1.0 + damping_;
+  floor_.head(first + border_) = cholesky::kPivotTolerance * L_.diagonal().head(first + border_);
 }
 
 bool EnvelopeFactor::factorise_state(int s) {
@@ -119,24 +171,37 @@ bool EnvelopeFactor::factorise_state(int s) {
   const int rows = rows_below(s);
   auto own = L_.block<kState, kState>(c, c);
   auto states = L_.block(next, c, rows, kState);
-  auto border = L_.block(column(states_), c, border_, kState);
+  auto border = L_.block(near_row(), c, last_rows(), kState);
   if (!cholesky::factorise(own, floor_.segment<kState>(c))) return false;
   cholesky::divide_right(own, states);
   cholesky::divide_right(own, border);
   L_.block(next, next, rows, rows).selfadjointView<Eigen::Lower>().rankUpdate(states, -1.0);
-  L_.block(column(states_), next, border_, rows).noalias() -= border * states.transpose();
+  L_.block(near_row(), next, last_rows(), rows).noalias() -= border * states.transpose();
   return true;
 }
 
 bool EnvelopeFactor::factorise_border() {
-  const int at = column(states_);
-  auto corner = L_.block(at, at, border_, border_);
+  auto corner = L_.block(near_row(), near_row(), last_rows(), last_rows());
   for (int s = 0; s < states_; s += kStatesPerPanel) {
     const int width = column(std::min(kStatesPerPanel, states_ - s));
-    corner.selfadjointView<Eigen::Lower>().rankUpdate(L_.block(at, column(s), border_, width),
-                                                      -1.0);
+    corner.selfadjointView<Eigen::Lower>().rankUpdate(
+        L_.block(near_row(), column(s), last_rows(), width), -1.0);
   }
-  return cholesky::factorise(corner, floor_.segment(at, border_));
+  if (far_ > 0) subtract_far();
+  const int at = column(states_);
+  return cholesky::factorise(L_.block(at, at, border_, border_), floor_.segment(at, border_));
+}
+
+void EnvelopeFactor::subtract_far() {
+  const int y = near_row() + near();  // there the corner holds -Z and -sum_s Y_s L_as^T
+  auto far_Z = far_Z_.topRows(far_);
+  far_Z.noalias() =
+      far_coupling() * Eigen::Matrix<double, kState, kState>(
+                           L_.block<kState, kState>(y, y).selfadjointView<Eigen::Lower>());
+  L_.block(far_row(), far_row(), far_, far_).triangularView<Eigen::Lower>() +=
+      far_Z * far_coupling().transpose();
+  L_.block(near_row(), far_row(), near(), far_).noalias() +=
+      L_.block(y, near_row(), kState, near()).transpose() * far_coupling().transpose();
 }
 
 }  // namespace rio

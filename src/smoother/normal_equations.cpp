@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "rio/core/mirror.hpp"
+
 namespace rio {
 
 NormalEquations::NormalEquations(int max_states, int max_border)
@@ -15,6 +17,7 @@ NormalEquations::NormalEquations(int max_states, int max_border)
       factor_(max_states, max_border) {
   RIO_ASSERT(max_states > 0 && max_border >= 0);
   reach_.reserve(static_cast<std::size_t>(max_states));
+  border_reach_.reserve(static_cast<std::size_t>(max_border));
 }
 
 void NormalEquations::clear(int states, int border) {
@@ -25,6 +28,7 @@ void NormalEquations::clear(int states, int border) {
   highest_ = -1;
   reach_.resize(static_cast<std::size_t>(states));
   std::iota(reach_.begin(), reach_.end(), 0);
+  border_reach_.assign(static_cast<std::size_t>(border), -1);
   for (int s = 0; s < states_; ++s) {  // the lower triangle
     H_.block(column(s), column(s), size() - column(s), kState).setZero();
   }
@@ -53,7 +57,10 @@ void NormalEquations::add(const LinearRow& row, double weight) {
       }
     });
   });
-  if (highest >= 0) couple(lowest, highest);
+  if (highest < 0) return;
+  couple(lowest, highest);
+  row.for_each_segment(
+      [&](int column, const double*, int length) { touch(column, length, highest); });
 }
 
 void NormalEquations::add_between(int state, const BetweenJacobian& J, const StateVector& r) {
@@ -73,6 +80,7 @@ void NormalEquations::add_quadratic(int leading_states, const Eigen::Ref<const E
   RIO_ASSERT(leading_states <= states_ && rest >= 0 && rest <= border_);
   RIO_ASSERT(A.cols() == A.rows() && g.size() == A.rows());
   if (leading_states > 0) couple(0, leading_states - 1);
+  touch(border_column(), static_cast<int>(rest), leading_states - 1);
   for (Eigen::Index c = 0; c < m; ++c) {
     H_.col(c).segment(c, m - c) += A.col(c).segment(c, m - c);
     H_.col(c).segment(at, rest) += A.col(c).tail(rest);
@@ -116,7 +124,7 @@ bool NormalEquations::eliminate_oldest(int* leading_states, Eigen::MatrixXd* A,
   rest.bottomLeftCorner(border_, m) = H_.block(at, kState, border_, m);
   rest.bottomRightCorner(border_, border_) = H_.block(at, at, border_, border_);
   rest.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
-  cholesky::mirror_lower(rest);
+  mirror_lower(rest);
   g->head(m) = g_.segment(kState, m);
   g->segment(m, border_) = g_.segment(at, border_);
   g->head(size).noalias() -= W * y;

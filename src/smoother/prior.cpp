@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/mirror.hpp"
+
 namespace rio {
 
 Prior::Prior(const Layout& layout, int max_states)
@@ -26,6 +28,7 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
   for (int s = 0; s < leading; ++s) {
     states_.push_back(window[first + static_cast<std::size_t>(s)].nav);
   }
+  std::fill(owed_.begin() + static_cast<std::ptrdiff_t>(landmarks_.size()), owed_.end(), 0.0);
   landmarks_ = x.landmarks;
   for (std::size_t r = 0; r < layout_.radars(); ++r) radars_[r] = x.of_radar(r);
   auxiliary_ = x.auxiliary;
@@ -35,7 +38,7 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
     const Matrix3d R = states_[static_cast<std::size_t>(s)].q_WB.toRotationMatrix();
     quadratic::multiply_block(size(), body::kSize * s + body::kAttitude, R.transpose(), &A_, &g_);
   }
-  cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+  mirror_lower(A_.topLeftCorner(size(), size()));
   xi_.head(size()).setZero();
   fill_heading_part(window, first, x, Matrix3d::Identity());
   w_ *= -1.0;
@@ -68,14 +71,21 @@ double Prior::add_to(NormalEquations* system, const Window& window, const Estima
 }
 
 void Prior::add_landmark_noise(double variance) {
-  if (!(variance > 0.0)) return;
-  constexpr int kPanel = 3 * (cholesky::kPanel / 3);  // whole landmarks
-  const int n = size();
-  for (int at = border(layout_.landmark(0)); at < n; at += kPanel) {
-    const int width = std::min(kPanel, n - at);
-    quadratic::subtract_projection(n, at, width, 1.0 / variance, &A_, &g_, &work_);
+  if (!(variance > 0.0) || landmarks_.empty()) return;
+  constexpr std::size_t kTogether = cholesky::kPanel / Landmark::kDof;
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) owed_[i] += variance;
+  if (turn_ >= landmarks_.size()) turn_ = 0;
+  const std::size_t first = turn_;
+  turn_ = std::min(first + kTogether, landmarks_.size());
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, cholesky::kPanel, 1> own(
+      Landmark::kDof * static_cast<Eigen::Index>(turn_ - first));
+  for (std::size_t i = first; i < turn_; ++i) {
+    own.segment<3>(3 * static_cast<Eigen::Index>(i - first)).setConstant(1.0 / owed_[i]);
+    owed_[i] = 0.0;
   }
-  cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+  const int at = border(layout_.landmark(static_cast<int>(first)));
+  quadratic::subtract_projection(size(), at, own, &A_, &g_, &work_);
+  mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
 void Prior::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
@@ -83,11 +93,12 @@ void Prior::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
   for (const AuxiliaryState& state : states) {
     const double variance = state.walk * state.walk * seconds;
     if (variance > 0.0) {
-      quadratic::subtract_projection(size(), at, state.size, 1.0 / variance, &A_, &g_, &work_);
+      const AuxiliaryValues own = AuxiliaryValues::Constant(1.0 / variance);
+      quadratic::subtract_projection(size(), at, own.head(state.size), &A_, &g_, &work_);
     }
     at += state.size;
   }
-  if (states.size() > 0) cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+  if (states.size() > 0) mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
 void Prior::forget(int column, double value, double information, const Estimate& x) {
@@ -113,8 +124,9 @@ void Prior::forget(int column, double value, double information, const Estimate&
 void Prior::remove_landmark(std::size_t i, std::size_t last) {
   if (i >= landmarks_.size()) return;
   const int at = border(layout_.landmark(static_cast<int>(i)));
-  quadratic::subtract_projection(size(), at, 3, 0.0, &A_, &g_, &work_);
-  cholesky::mirror_lower(A_.topLeftCorner(size(), size()));
+  const Vector3d nothing = Vector3d::Zero();
+  quadratic::subtract_projection(size(), at, nothing, &A_, &g_, &work_);
+  mirror_lower(A_.topLeftCorner(size(), size()));
   // the window's last landmark moves to i; the prior's own last one may be an earlier one
   const std::size_t own_last = landmarks_.size() - 1;
   if (last != own_last) {
@@ -231,6 +243,7 @@ void Prior::forget_in_place(std::size_t i) {
   A_.middleRows(at, 3).leftCols(size()).setZero();
   A_.middleCols(at, 3).topRows(size()).setZero();
   g_.segment<3>(at).setZero();
+  owed_[i] = 0.0;
 }
 
 void Prior::move_landmark(std::size_t from, std::size_t to) {
@@ -242,6 +255,7 @@ void Prior::move_landmark(std::size_t from, std::size_t to) {
   A_.block(0, target, n, 3) = A_.block(0, source, n, 3);
   g_.segment<3>(target) = g_.segment<3>(source);
   landmarks_[to] = landmarks_[from];
+  owed_[to] = owed_[from];
 }
 
 }  // namespace rio

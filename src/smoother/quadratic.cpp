@@ -16,15 +16,16 @@ void multiply_block(int n, int at, const Matrix3d& own, Eigen::MatrixXd* A, Eige
   g->segment<3>(at) = (own.transpose() * g->segment<3>(at)).eval();
 }
 
-void subtract_projection(int n, int at, int width, double own, Eigen::MatrixXd* A,
-                         Eigen::VectorXd* g, Eigen::MatrixXd* scratch) {
+void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>& own,
+                         Eigen::MatrixXd* A, Eigen::VectorXd* g, Eigen::MatrixXd* scratch) {
+  const auto width = static_cast<int>(own.size());
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, cholesky::kPanel, cholesky::kPanel> L =
       A->block(at, at, width, width).selfadjointView<Eigen::Lower>();
   auto W = scratch->topLeftCorner(n, width);  // A E
   W.topRows(at) = A->block(at, 0, width, at).transpose();
   W.middleRows(at, width) = L;
   W.bottomRows(n - at - width) = A->block(at + width, at, n - at - width, width);
-  L.diagonal().array() += own;
+  L.diagonal() += own;
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(L);
   if (llt.info() != Eigen::Success) return;
   cholesky::divide_right(L, W);

@@ -62,7 +62,7 @@ void ScanInformation::add_landmark(int column, int first, int count) {
     A_ll += L_.col(i) * L_.col(i).transpose();
     g_l += L_.col(i) * r_[i];
   }
-  system_->add_coupled(column, columns_, A_ll, A_ly, g_l);
+  system_->add_coupled(state_, column, columns_, A_ll, A_ly, g_l);
 }
 
 void ScanInformation::flush() {

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <vector>
 
 #include "support/covariance_case.hpp"
 #include "support/random_state.hpp"
@@ -286,6 +288,42 @@ TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
   EXPECT_LE((prior.A() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
   EXPECT_LE((prior.g() - expected * mean).cwiseAbs().maxCoeff(),
             1e-9 * before.g.cwiseAbs().maxCoeff());
+}
+
+// Ten at a call: each has walked as far as all the others when its turn comes, wherever it stands.
+TEST_F(PriorTest, ManyLandmarksWalkInTurn) {
+  constexpr int kMany = 25;
+  constexpr double kVariance = 0.3;
+  const int n = kSize + 3 * (kMany - kKnown);
+  const int first = n - 3 * kMany;
+  const Layout layout(calibration(), 0, kMany);
+  for (int i = kKnown; i < kMany; ++i) made_.x.landmarks.push_back({random_.normal_vector(5.0)});
+  MatrixXd L(n, n);
+  for (int c = 0; c < n; ++c) L.col(c) = random_vector(n);
+  Prior prior(layout, kStates);
+  prior.assign(L * L.transpose() + MatrixXd::Identity(n, n), random_vector(n), made_.window, 0,
+               kLeading, made_.x);
+  const auto expect_walk = [&](const MatrixXd& A_before, const std::vector<double>& walked) {
+    MatrixXd P = A_before.inverse();
+    for (std::size_t i = 0; i < walked.size(); ++i) {
+      P.diagonal().segment<3>(first + 3 * static_cast<int>(i)).array() += kVariance * walked[i];
+    }
+    const MatrixXd expected = P.inverse();
+    EXPECT_LE((prior.A() - expected).cwiseAbs().maxCoeff(), 1e-8 * expected.cwiseAbs().maxCoeff());
+  };
+  std::vector<double> walked(kMany, 1.0);
+  std::fill(walked.begin() + 10, walked.end(), 2.0);
+  std::fill(walked.begin() + 20, walked.end(), 3.0);
+  const MatrixXd A = prior.A();
+  for (int call = 0; call < 3; ++call) prior.add_landmark_noise(kVariance);
+  expect_walk(A, walked);
+  // the last one, whose walk is done, takes the place of one that two steps are owed
+  prior.remove_landmark(0, kMany - 1);
+  const MatrixXd A_rest = prior.A();
+  walked.assign(kMany - 1, 3.0);
+  walked[0] = 1.0;
+  for (int call = 0; call < 3; ++call) prior.add_landmark_noise(kVariance);
+  expect_walk(A_rest, walked);
 }
 
 }  // namespace

@@ -10,6 +10,11 @@
 //      block; state k has blocks up to the state reach(k) and in the border, no others
 //                                                       (George and Liu 1981, ch. 4)
 //
+// (E5) Most of the border, the landmarks out of view, is coupled with state 0 alone: H_ds = 0 for
+//      s > 0. Then L_ds = H_d0 Y_s with Y = [I 0 .. 0] L^-T, and the corner loses H_d0 Z H_d0^T,
+//      Z = sum_s Y_s Y_s^T, whatever the number of states. Y is computed as fifteen more rows of
+//      the border, coupled with state 0 by the identity.
+//
 // Only the lower triangle of a symmetric matrix is read and written. No product is deeper than
 // kPanel, so that the packing buffers of Eigen stay on the stack: nothing allocates after
 // construction.
@@ -41,9 +46,6 @@ bool factorise(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Ref<const Eigen::Vect
 /// @param L lower triangular, at most kPanel wide
 void divide_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> X);
 
-/// Upper triangle <- lower triangle: symmetric to the last bit.
-void mirror_lower(Eigen::Ref<Eigen::MatrixXd> A);
-
 /// P <- (L L^T)^-1 (E3), both triangles.
 /// @param X scratch of the size of L
 void invert_product(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::MatrixXd> X,
@@ -61,11 +63,12 @@ class EnvelopeFactor {
   /// No factor.
   void clear() { valid_ = false; }
 
-  /// (E4). False if the damped matrix is not positive definite.
+  /// (E4) (E5). False if the damped matrix is not positive definite.
   /// @param reach the last state with a block below each state; never less than that of the state
   ///   before, so that what is eliminated fills in nothing outside
+  /// @param border_reach the last state that each unknown of the border is coupled with
   bool factorise(const Eigen::Ref<const Eigen::MatrixXd>& H, const std::vector<int>& reach,
-                 double damping);
+                 const std::vector<int>& border_reach, double damping);
 
   /// x <- (L L^T)^-1 x. Precondition: the last factorise() was true.
   void solve(Eigen::Ref<Eigen::VectorXd> x) const;
@@ -82,10 +85,21 @@ class EnvelopeFactor {
 
   static int column(int state) { return kState * state; }
   int rows_below(int s) const { return column(reach_[static_cast<std::size_t>(s)] - s); }
+  // The order in L: states, the border's unknowns of state 0 alone ("far"), its others ("near"),
+  // the rows Y.
+  int near() const { return border_ - far_; }
+  int far_row() const { return column(states_); }
+  int near_row() const { return far_row() + far_; }
+  int last_rows() const { return near() + (far_ > 0 ? kState : 0); }
   // The blocks of the column of state s.
   Square own_block(int s) const { return {L_, column(s), column(s)}; }
   Column below(int s) const { return {L_, column(s + 1), column(s), rows_below(s), kState}; }
-  Column in_border(int s) const { return {L_, column(states_), column(s), border_, kState}; }
+  Column last(int s) const { return {L_, near_row(), column(s), last_rows(), kState}; }
+  /// H_d0, in the place of L_d0.
+  Column far_coupling() const { return {L_, far_row(), 0, far_, kState}; }
+
+  /// Which unknown of the border stands where.
+  void order_border(const std::vector<int>& border_reach);
 
   /// The blocks of H that factorise() reads, damped, and the floor of the pivots.
   void copy_envelope(const Eigen::Ref<const Eigen::MatrixXd>& H);
@@ -97,14 +111,22 @@ class EnvelopeFactor {
   /// All states at once, as many at a time as a product may be deep: fewer passes over the corner.
   bool factorise_border();
 
+  /// (E5): what the far unknowns lose.
+  void subtract_far();
+
   int states_ = 0;
   int border_ = 0;
   bool valid_ = false;
   double damping_ = 0.0;
   std::vector<int> reach_;
+  int far_ = 0;
+  std::vector<int> order_;  ///< index in the border by place
   Eigen::MatrixXd L_;
+  Eigen::MatrixXd far_Z_;  ///< H_d0 Z
   Eigen::VectorXd floor_;
   Eigen::MatrixXd inverse_;
+  Eigen::MatrixXd tail_;       ///< covariance in the order of L
+  mutable Eigen::VectorXd x_;  ///< scratch of solve()
 };
 
 }  // namespace rio

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -51,6 +52,9 @@ class NormalEquations {
   Eigen::Ref<const Eigen::MatrixXd> H() const { return H_.topLeftCorner(size(), size()); }
   Eigen::Ref<const Eigen::VectorXd> g() const { return g_.head(size()); }
 
+  /// The highest state that an unknown of the border is coupled with by a measurement; -1 = none.
+  int border_reach(int i) const { return border_reach_[static_cast<std::size_t>(i)]; }
+
   /// An empty system. The factor of one of the same size stays.
   void clear(int states, int border);
 
@@ -66,6 +70,7 @@ class NormalEquations {
     for (int j = 0; j < kSize; ++j) {
       const int to = columns[static_cast<std::size_t>(j)];
       if (to < 0) continue;
+      touch(to, 1, state);
       g_[to] += g[j];
       for (int i = j; i < kSize; ++i) {
         const int row = columns[static_cast<std::size_t>(i)];
@@ -74,12 +79,15 @@ class NormalEquations {
     }
   }
 
-  /// Information A of the unknowns from `at` on, coupled by C with those of `columns` before them.
+  /// Information A of the unknowns of the border from `at` on, coupled by C with those of `columns`
+  /// before them, of state `state` or the border.
   template <int kOwn, int kSize>
-  void add_coupled(int at, const std::array<int, static_cast<std::size_t>(kSize)>& columns,
+  void add_coupled(int state, int at,
+                   const std::array<int, static_cast<std::size_t>(kSize)>& columns,
                    const Eigen::Matrix<double, kOwn, kOwn>& A,
                    const Eigen::Matrix<double, kOwn, kSize>& C,
                    const Eigen::Matrix<double, kOwn, 1>& g) {
+    touch(at, kOwn, state);
     H_.block<kOwn, kOwn>(at, at) += A;
     g_.segment<kOwn>(at) += g;
     for (int j = 0; j < kSize; ++j) {
@@ -98,7 +106,9 @@ class NormalEquations {
 
   /// L of (E2); H stays, for another try with more damping. False if the damped H is not positive
   /// definite. An unknown that nothing touches makes it so: damping is relative.
-  bool factorise(double damping = 0.0) { return factor_.factorise(H(), reach_, damping); }
+  bool factorise(double damping = 0.0) {
+    return factor_.factorise(H(), reach_, border_reach_, damping);
+  }
 
   /// dx by the factor as it is, damping included: of the system that was factorised, or, if it has
   /// been built anew since, a step of the simplified Newton method. Precondition: factorise() was
@@ -120,12 +130,22 @@ class NormalEquations {
   /// One measurement touches states from `lowest` to `highest`.
   void couple(int lowest, int highest);
 
+  /// A measurement of states up to `state` touches unknowns of the border, too.
+  void touch(int column, int length, int state) {
+    for (int i = column - border_column(); i < column + length - border_column(); ++i) {
+      if (i < 0) continue;
+      int& reach = border_reach_[static_cast<std::size_t>(i)];
+      reach = std::max(reach, state);
+    }
+  }
+
   int max_states_;
   int max_border_;
   int states_ = 0;
   int border_ = 0;
   int highest_ = -1;  ///< the highest state that anything touches
   std::vector<int> reach_;
+  std::vector<int> border_reach_;
   Eigen::MatrixXd H_;
   Eigen::VectorXd g_;
   Eigen::MatrixXd W_;

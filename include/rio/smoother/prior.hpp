@@ -49,8 +49,8 @@ class Prior {
   /// Adds it to the system at the present point; the result is its cost.
   double add_to(NormalEquations* system, const Window& window, const Estimate& x);
 
-  /// Every landmark walks by this variance per axis [m^2]: A <- (A^-1 + Q)^-1, some landmarks after
-  /// the other by (A^-1 + q E E^T)^-1 = A - A E (I / q + E^T A E)^-1 E^T A, three columns E each.
+  /// Every landmark walks by this variance per axis [m^2]: A <- (A^-1 + Q)^-1. Ten landmarks at a
+  /// call, in turn, each by what has come together since its last turn.
   void add_landmark_noise(double variance);
 
   /// The auxiliary states walk for so long [s].
@@ -108,6 +108,8 @@ class Prior {
   Layout layout_;
   std::vector<NavState> states_;
   StaticVector<LandmarkState, kMaxLandmarks> landmarks_;
+  std::array<double, kMaxLandmarks> owed_{};  ///< walk of each landmark since its last turn [m^2]
+  std::size_t turn_ = 0;                      ///< the landmark whose turn is next
   std::array<RadarState, kMaxRadars> radars_;
   AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();
   Eigen::MatrixXd A_;

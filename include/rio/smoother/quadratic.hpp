@@ -17,10 +17,10 @@ namespace rio::quadratic {
 /// (E1) for a B that is I but for the 3x3 block `own` at `at`.
 void multiply_block(int n, int at, const Matrix3d& own, Eigen::MatrixXd* A, Eigen::VectorXd* g);
 
-/// (E2), E the `width` columns from `at` on, at most cholesky::kPanel, C^-1 = `own` I. Nothing, if
-/// C^-1 + E^T A E is not positive definite: A knows nothing of them.
-/// @param scratch of at least n rows and width + 1 columns
-void subtract_projection(int n, int at, int width, double own, Eigen::MatrixXd* A,
-                         Eigen::VectorXd* g, Eigen::MatrixXd* scratch);
+/// (E2), E the columns from `at` on, at most cholesky::kPanel, C^-1 = diag(own) of as many.
+/// Nothing, if C^-1 + E^T A E is not positive definite: A knows nothing of them.
+/// @param scratch of at least n rows and one column more than E
+void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>& own,
+                         Eigen::MatrixXd* A, Eigen::VectorXd* g, Eigen::MatrixXd* scratch);
 
 }  // namespace rio::quadratic
