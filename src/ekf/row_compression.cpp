@@ -92,7 +92,6 @@ bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std:
       h += t * basis_.col(j);
     }
     row.residual = q.dot(residual);
-    residual -= row.residual * q;
     out_.begin_block();
     out_.push(row);
   }

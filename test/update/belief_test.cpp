@@ -9,6 +9,7 @@
 
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
+#include "rio/update/gathered_covariance.hpp"
 #include "support/random_state.hpp"
 
 namespace rio {
@@ -90,6 +91,36 @@ TEST_F(BeliefTest, PropagationKeepsWayRateAndAcceleration) {
     const double expected = a * a > noise ? a - noise / a : 0.0;
     EXPECT_NEAR(b.estimate().accel_W.x(), expected, 1e-4) << a;
     EXPECT_EQ(expected > 0.0, a > 0.08);
+  }
+}
+
+// What matching is told of a landmark is the covariance of the model's own rows.
+TEST_F(BeliefTest, LandmarksArePredictedInTheRadarsAxes) {
+  options_.frontend.matching = Matching::kMahalanobis;
+  for (const CalibrationOptions& calibration : {CalibrationOptions{0.05, 0.03, 0.02, 0.02, 0.0},
+                                                CalibrationOptions{0.0, 0.0, 0.02, 0.0, 0.0},
+                                                CalibrationOptions{0.05, 0.03, 0.0, 0.0, 0.0}}) {
+    options_.calibration = calibration;
+    options_.radar.T_BS.translation = Vector3d(0.1, -0.2, 0.05);
+    Belief b = belief(0.5);
+    for (const double y : {-2.0, 0.0, 3.0}) {
+      RadarDetection raw;
+      raw.point_S = Vector3d(4.0, y, 1.0);
+      b.add_landmark(make_detection(raw, options_.radar));
+    }
+    const ImuBuffer imu = samples({1.0, -2.0, 0.5}, {0.4, -0.2, 0.7});
+    bool gap = false;
+    ASSERT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kOk);
+    const LinearizationPoint x(b.estimate());
+    for (int i = 0; i < 3; ++i) {
+      const LandmarkState& landmark = b.estimate().landmarks[static_cast<std::size_t>(i)];
+      const ObservedPoint point(x.T_WB, x.T_BS, landmark.p_W);
+      const auto rows = state_rows<3>(point.d_e, ObservedPoint::Blocks{}, x, {0, i}, b.layout());
+      GatheredCovariance gathered;
+      gathered.begin(b.covariance());
+      const Matrix3d expected = gathered.product(rows);
+      EXPECT_LT((landmark.covariance_S - expected).norm(), 1e-12 * expected.norm()) << i;
+    }
   }
 }
 
