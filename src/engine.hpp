@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "odometry_impl.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/imu_guard.hpp"

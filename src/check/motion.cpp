@@ -8,7 +8,7 @@
 
 #include "check/numbers.hpp"
 #include "rio/core/so3.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 
 namespace rio::check {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"

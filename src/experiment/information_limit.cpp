@@ -22,7 +22,7 @@
 #include <stdexcept>
 
 #include "rio/core/so3.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"

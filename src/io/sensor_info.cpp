@@ -25,7 +25,7 @@ void copy_prior(const std::optional<double>& from, double* to) {
 
 /// Widened by three sigmas on both sides; a sigma grows as 1/cos towards the edge.
 double widened_fov(double fov, double sigma) {
-  constexpr double kMinCosine = 0.25;  // as in frontend/detection.hpp
+  constexpr double kMinCosine = 0.25;  // as in models/detection.hpp
   return std::min(std::numbers::pi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
 }
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "experiment/campaign.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/propagate/strapdown.hpp"
 
 namespace rio::experiment {

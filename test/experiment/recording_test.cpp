@@ -17,8 +17,6 @@
 namespace rio::experiment {
 namespace {
 
-namespace fs = std::filesystem;
-
 /// A short flight with its truth as the reference.
 Recording simulated() {
   sim::Scenario scenario;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <utility>
 
 namespace rio::fuzz {
@@ -85,8 +86,11 @@ std::uint64_t answered_scan(const Counters& c, Status status) {
   }
 }
 
-bool same(const NavState& a, const NavState& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+/// To the last bit; a value that is no number is the same as itself.
+template <class T>
+bool same(const T& a, const T& b) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(&a);
+  return std::equal(bytes, bytes + sizeof a, reinterpret_cast<const std::byte*>(&b));
 }
 
 }  // namespace
@@ -103,8 +107,7 @@ Judge::Judge(std::unique_ptr<Odometry> odometry, const Options& options)
 
 bool Judge::Estimate::operator==(const Estimate& other) const {
   return same(now, other.now) && same(at_scan, other.at_scan) &&
-         std::memcmp(&covariance, &other.covariance, sizeof covariance) == 0 &&
-         std::memcmp(&extrinsics, &other.extrinsics, sizeof extrinsics) == 0 &&
+         same(covariance, other.covariance) && same(extrinsics, other.extrinsics) &&
          initialized == other.initialized;
 }
 

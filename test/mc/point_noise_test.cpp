@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "rio/core/so3.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/doppler.hpp"
 #include "support/constants.hpp"
 #include "support/random_state.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/frontend/doppler_fold.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"

@@ -5,7 +5,7 @@
 // Of sample i the filter predicts nu ~ N(0, S_i), S_i = C_i + diag(q_i + G_i s^2), with C_i = H P
 // H^T, q_i the variance of the grids, s the sigmas (range, azimuth, elevation, Doppler), G_i how
 // their variances enter, the columns of the angles times
-// (E1) g^2 = 1 + min(1, 10^(-(SNR_i - w) / 10))                 as frontend/detection.hpp (E3)
+// (E1) g^2 = 1 + min(1, 10^(-(SNR_i - w) / 10))                 as models/detection.hpp (E3)
 // (E2) score in x_k (ln s_k, or w): sum_i [nu^T A_k nu / c - tr(A_k S)] / 2,
 //      A_k = S^-1 dS/dx_k S^-1, summed over the samples with nu^T S^-1 nu below its 95 % quantile:
 //      outliers do not enter

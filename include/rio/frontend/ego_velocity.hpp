@@ -21,7 +21,7 @@
 #include <optional>
 
 #include "rio/core/random.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/frontend/doppler_fold.hpp"
 #include "rio/options.hpp"
 

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "rio/frontend/association.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/frontend/trails.hpp"
 #include "rio/models/rest.hpp"

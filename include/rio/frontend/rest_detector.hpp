@@ -25,7 +25,7 @@
 #include <optional>
 
 #include "rio/core/ring.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/rest.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/state/estimate.hpp"
 
 namespace rio {

@@ -32,7 +32,7 @@
 #include <optional>
 #include <vector>
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/frontend/doppler_fold.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"

@@ -13,7 +13,7 @@
 // (errors in variables). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
 #pragma once
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
 #include "rio/state/blocks.hpp"
 

@@ -5,7 +5,7 @@
 // (E1) h = |e|                                       Michalczyk et al. 2023, eq. 13-14
 #pragma once
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"

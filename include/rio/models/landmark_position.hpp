@@ -8,7 +8,7 @@
 // leaves the weighted norm as it is.
 #pragma once
 
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/state/blocks.hpp"

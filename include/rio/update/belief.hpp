@@ -8,7 +8,7 @@
 #include <array>
 
 #include "rio/core/static_vector.hpp"
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/report.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/frontend/detection.hpp"
+#include "rio/models/detection.hpp"
 
 #include <gtest/gtest.h>
 
