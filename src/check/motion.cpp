@@ -8,8 +8,8 @@
 
 #include "check/numbers.hpp"
 #include "rio/core/so3.hpp"
-#include "rio/models/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
+#include "rio/models/detection.hpp"
 
 namespace rio::check {
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "rio/models/detection.hpp"
 #include "rio/frontend/doppler_fold.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/strapdown.hpp"

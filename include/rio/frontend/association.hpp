@@ -22,8 +22,8 @@
 
 #include "rio/core/chi2.hpp"
 #include "rio/frontend/assignment.hpp"
-#include "rio/models/detection.hpp"
 #include "rio/frontend/trails.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/state/estimate.hpp"
 

@@ -21,8 +21,8 @@
 #include <optional>
 
 #include "rio/core/random.hpp"
-#include "rio/models/detection.hpp"
 #include "rio/frontend/doppler_fold.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 
 namespace rio {

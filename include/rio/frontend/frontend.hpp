@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "rio/frontend/association.hpp"
-#include "rio/models/detection.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/frontend/trails.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/rest.hpp"
 #include "rio/options.hpp"
 #include "rio/state/estimate.hpp"

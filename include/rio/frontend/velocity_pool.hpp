@@ -32,8 +32,8 @@
 #include <optional>
 #include <vector>
 
-#include "rio/models/detection.hpp"
 #include "rio/frontend/doppler_fold.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/state/estimate.hpp"

@@ -13,8 +13,8 @@
 // (errors in variables). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
 #pragma once
 
-#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/state/blocks.hpp"
 
 namespace rio {

@@ -8,8 +8,8 @@
 // (E3) e = R_BS^T (R_WB^T (l - p_WB) - p_BS)                ibid., eq. 13
 #pragma once
 
-#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"
 

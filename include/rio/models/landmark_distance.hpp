@@ -5,8 +5,8 @@
 // (E1) h = |e|                                       Michalczyk et al. 2023, eq. 13-14
 #pragma once
 
-#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"
 

@@ -12,8 +12,8 @@
 // Reference: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone.
 #pragma once
 
-#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"

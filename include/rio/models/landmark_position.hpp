@@ -8,8 +8,8 @@
 // leaves the weighted norm as it is.
 #pragma once
 
-#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"

@@ -9,8 +9,8 @@
 // Reference: Michalczyk et al. 2023, eq. 8-9.
 #pragma once
 
-#include "rio/models/detection.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/state/blocks.hpp"
 
