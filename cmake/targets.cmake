@@ -24,5 +24,8 @@ function(rio_library_target target)
   set_target_properties(${target} PROPERTIES
     CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(RIO_NATIVE)  # public: Eigen aligns its types by it
+    target_compile_options(${target} PUBLIC -march=native)
+  endif()
   rio_enable_warnings(${target})
 endfunction()
