@@ -254,7 +254,7 @@ Dataset read_dataset(const fs::path& path) {
   read_imu_info(root / kImu / kSensor, &dataset);
   read_radar_info(root / kRadar / kSensor, &dataset.radar_info, &dataset.notes);
   for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
-    const fs::path folder = root / other_radar(r);
+    const fs::path folder = root / radar_folder(r);
     if (!fs::exists(folder)) break;
     dataset.other_radars.push_back({read_radar(folder / kData), {}});
     read_radar_info(folder / kSensor, &dataset.other_radars.back().info, &dataset.notes);
@@ -265,6 +265,20 @@ Dataset read_dataset(const fs::path& path) {
     dataset.notes.push_back(
         fmt::format("{}: no doppler_resolution_mps; the data has steps of {:.4f} m/s",
                     (root / kRadar / kSensor).string(), *grid));
+  }
+  return dataset;
+}
+
+Dataset read_sensor_info(const fs::path& path) {
+  const fs::path root = dataset_root(path);
+  Dataset dataset;
+  read_imu_info(root / kImu / kSensor, &dataset);
+  read_radar_info(root / kRadar / kSensor, &dataset.radar_info, &dataset.notes);
+  for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
+    if (!fs::exists(root / radar_folder(r))) break;
+    dataset.other_radars.emplace_back();
+    read_radar_info(root / radar_folder(r) / kSensor, &dataset.other_radars.back().info,
+                    &dataset.notes);
   }
   return dataset;
 }

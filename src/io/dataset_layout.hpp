@@ -14,8 +14,8 @@ namespace rio::io {
 
 inline constexpr const char* kImu = "imu0";
 inline constexpr const char* kRadar = "radar0";
-/// r = 1, 2, 3
-inline std::string other_radar(std::size_t r) {
+/// r = 0 to 3
+inline std::string radar_folder(std::size_t r) {
   return "radar" + std::to_string(r);
 }
 inline constexpr const char* kBaro = "baro0";

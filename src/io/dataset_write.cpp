@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "dataset_layout.hpp"
+#include "dataset_rows.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/text_file.hpp"
 
@@ -53,20 +53,9 @@ std::string comment_text(const std::string& line) {
   return line.empty() ? line : "# " + line + "\n";
 }
 
-void append(std::string* row, const Vector3d& v) {
-  fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
-}
-
 std::string imu_text(const std::vector<ImuSample>& samples) {
-  std::string text =
-      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
-      "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
-  for (const ImuSample& sample : samples) {
-    text += fmt::format("{}", sample.time.count());
-    append(&text, sample.gyro_B);
-    append(&text, sample.accel_B);
-    text += '\n';
-  }
+  std::string text = kImuHeader;
+  for (const ImuSample& sample : samples) append_row(&text, sample);
   return text;
 }
 
@@ -78,25 +67,8 @@ std::string radar_text(const std::vector<RadarScan>& scans) {
   const bool sigmas = std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
     return std::any_of(scan.detections.begin(), scan.detections.end(), has_sigmas);
   });
-  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]";
-  if (sigmas)
-    text += ",sigma range [m],sigma azimuth [rad],sigma elevation [rad],sigma doppler [m s^-1]";
-  text += '\n';
-  for (const RadarScan& scan : scans) {
-    if (scan.detections.empty()) {
-      text += fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
-    }
-    for (const RadarDetection& d : scan.detections) {
-      text += fmt::format("{}", scan.time.count());
-      append(&text, d.point_S);
-      text += fmt::format(",{},{},{}", d.range_rate, d.snr_db, d.noise_db);
-      if (sigmas) {
-        text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
-                            d.sigma_doppler);
-      }
-      text += '\n';
-    }
-  }
+  std::string text = radar_header(sigmas);
+  for (const RadarScan& scan : scans) append_rows(&text, scan, sigmas);
   return text;
 }
 
@@ -149,7 +121,7 @@ void check_stamps(const fs::path& folder, const std::vector<RadarScan>& scans) {
 void write_dataset(const fs::path& path, const Dataset& dataset) {
   check_stamps(path / kRadar, dataset.scans);
   for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
-    const fs::path folder = path / other_radar(r);
+    const fs::path folder = path / radar_folder(r);
     if (r <= dataset.other_radars.size()) {
       check_stamps(folder, dataset.other_radars[r - 1].scans);
     } else if (fs::exists(folder)) {
@@ -175,9 +147,9 @@ void write_dataset(const fs::path& path, const Dataset& dataset) {
   }
   for (std::size_t r = 1; r <= dataset.other_radars.size(); ++r) {
     const Dataset::OtherRadar& other = dataset.other_radars[r - 1];
-    fs::create_directories(path / other_radar(r));
-    write_file(path / other_radar(r) / kData, radar_text(other.scans));
-    write_file(path / other_radar(r) / kSensor, radar_info_text(other.info, {}));
+    fs::create_directories(path / radar_folder(r));
+    write_file(path / radar_folder(r) / kData, radar_text(other.scans));
+    write_radar_info(path, other.info, {}, r);
   }
   write_imu_info(path, dataset.imu_info);
   write_radar_info(path, dataset.radar_info);
@@ -190,9 +162,11 @@ void write_imu_info(const fs::path& path, const ImuInfo& info, const std::string
                                         pose_text(Pose{}) + keys_text(imu_keys(&imu)));
 }
 
-void write_radar_info(const fs::path& path, const RadarInfo& info, const std::string& comment) {
-  fs::create_directories(path / kRadar);
-  write_file(path / kRadar / kSensor, radar_info_text(info, comment));
+void write_radar_info(const fs::path& path, const RadarInfo& info, const std::string& comment,
+                      std::size_t radar) {
+  const fs::path folder = path / radar_folder(radar);
+  fs::create_directories(folder);
+  write_file(folder / kSensor, radar_info_text(info, comment));
 }
 
 }  // namespace rio::io

@@ -15,6 +15,11 @@ void TextFile::write(std::string_view text) {
   if (!stream_) fail();
 }
 
+void TextFile::flush() {
+  stream_.flush();
+  if (!stream_) fail();
+}
+
 void TextFile::close() {
   stream_.close();
   if (!stream_) fail();

@@ -83,6 +83,10 @@ struct Dataset {
 /// is to blame, if anything is missing, empty or damaged: never a silently shorter result.
 Dataset read_dataset(const std::filesystem::path& path);
 
+/// What the sensor.yaml below `path` say, without any data: for who has yet to record them. As many
+/// radars as there are folders radar0, radar1, ...; a file that is missing is a note.
+Dataset read_sensor_info(const std::filesystem::path& path);
+
 /// The ground truth of a dataset folder, or of one of its csv files; at least eight columns
 /// (t, p xyz, q wxyz), velocity and biases zero if absent. Stamps must strictly increase.
 std::vector<NavState> read_ground_truth(const std::filesystem::path& path);
@@ -96,9 +100,9 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 /// Throws if it cannot be written.
 void write_imu_info(const std::filesystem::path& path, const ImuInfo& info,
                     const std::string& comment = {});
-/// The same for radar0/sensor.yaml.
+/// The same for radar0/sensor.yaml, or that of another radar.
 void write_radar_info(const std::filesystem::path& path, const RadarInfo& info,
-                      const std::string& comment = {});
+                      const std::string& comment = {}, std::size_t radar = 0);
 
 /// Copies what the recording knows about its sensors into options->imu and options->radar, and its
 /// priors of the calibration where the options estimate that. The limits of range and field of view

@@ -14,6 +14,8 @@ class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path);
   void write(std::string_view text);
+  /// What was written so far is the system's.
+  void flush();
   void close();
 
  private:
