@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "estimator_options.hpp"
+#include "live/cable.hpp"
+
 namespace rio::tools {
 
 /// How a bag is to be read; nothing of it goes with a folder in ASL layout.
@@ -50,9 +53,7 @@ struct LostEstimate : std::runtime_error {
 struct ReplayArguments {
   std::string dataset;
   RecordingArguments how;
-  std::string config;
-  std::string preset;
-  std::string backend;
+  EstimatorArguments estimator;
   std::string init;
   std::vector<double> init_velocity;
   std::string out;
@@ -65,6 +66,31 @@ struct ReplayArguments {
 };
 /// @throws LostEstimate after all outputs are written
 void replay(const ReplayArguments& arguments);
+
+/// `rio live`: sensors on ports through the estimator, to an autopilot, into a recording.
+struct LiveArguments {
+  std::vector<std::string> radars;  ///< ports
+  std::string imu;                  ///< port
+  std::string imu_format = "binary";
+  std::string imu_clock = "own";
+  std::string sensors;  ///< folder with imu0/sensor.yaml, radar0/sensor.yaml
+  EstimatorArguments estimator;
+  std::string radar_cfg;         ///< configuration of the radars
+  std::vector<std::string> cli;  ///< ports to send it to, one a radar
+  std::string out;               ///< TUM
+  std::string states;
+  std::string json_lines;
+  std::string record;
+  std::string mavlink;  ///< port
+  double mavlink_rate = 30.0;
+  int mavlink_system = 1;
+  bool velocity_only = false;
+  double patience = std::numeric_limits<double>::infinity();  ///< with a port that vanished [s]
+  double speed = 1.0;                                         ///< of the clock
+  bool json = false;                                          ///< the summary
+};
+/// @throws LostEstimate after all outputs are written
+void live(const LiveArguments& arguments);
 
 /// `rio check`: is a recording what an estimator takes it to be?
 struct CheckArguments {
@@ -103,6 +129,9 @@ struct SimulateArguments {
   std::string trajectory;
   std::size_t radars = 1;
   bool ideal = false;
+  bool live = false;         ///< play it on pseudo-terminals as well
+  double speed = 1.0;        ///< of the time, while it is played
+  live::CableNoise cable{};  ///< its seed is not looked at
 };
 void simulate(const SimulateArguments& arguments);
 

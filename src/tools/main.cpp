@@ -53,6 +53,16 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
   command->add_option("--accel-unit", how->accel_unit, "of the file, as g")->group(group);
 }
 
+/// Which options, for every command that runs the estimator.
+void add_estimator_options(CLI::App* command, EstimatorArguments* estimator) {
+  command->add_option("--config", estimator->config, "option file; see `rio options`");
+  command->add_option(
+      "--preset", estimator->preset,
+      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
+  command->add_option("--backend", estimator->backend, "ekf or smoother, whatever the preset says")
+      ->check(CLI::IsMember({"ekf", "smoother"}));
+}
+
 void add_info_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("info", "What is in a bag: topics, rates, clocks, fields of the points");
@@ -78,12 +88,7 @@ void add_replay_command(CLI::App& app) {
   auto arguments = std::make_shared<ReplayArguments>();
   command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
       ->required();
-  command->add_option("--config", arguments->config, "option file; see `rio options`");
-  command->add_option(
-      "--preset", arguments->preset,
-      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
-  command->add_option("--backend", arguments->backend, "ekf or smoother, whatever the preset says")
-      ->check(CLI::IsMember({"ekf", "smoother"}));
+  add_estimator_options(command, &arguments->estimator);
   command->add_option("--init", arguments->init,
                       "groundtruth, static or a file; by default groundtruth if there is one");
   command
@@ -101,6 +106,92 @@ void add_replay_command(CLI::App& app) {
   command->add_flag("--quiet", arguments->quiet, "no line per scan, whatever else is given");
   add_recording_options(command, &arguments->how);
   command->callback([arguments] { replay(*arguments); });
+}
+
+/// Files and links that the estimates go to.
+void add_live_outputs(CLI::App* command, LiveArguments* to) {
+  const std::string group = "Outputs";
+  command->add_option("--out", to->out, "trajectory to write, TUM format")->group(group);
+  command->add_option("--states", to->states, "states with covariance to write, csv")->group(group);
+  command->add_option("--json-lines", to->json_lines, "a line of JSON a scan; - is standard output")
+      ->group(group);
+  command->add_option("--record", to->record, "folder of a new dataset, for `rio replay`")
+      ->group(group);
+  CLI::Option* link =
+      command
+          ->add_option("--mavlink", to->mavlink,
+                       "port of the autopilot, as udp:127.0.0.1:14550 or /dev/ttyAMA0@921600; may "
+                       "be the IMU's")
+          ->group(group);
+  command->add_option("--mavlink-rate", to->mavlink_rate, "of ODOMETRY [Hz]")
+      ->check(CLI::Range(0.1, 1000.0))
+      ->needs(link)
+      ->group(group)
+      ->capture_default_str();
+  command->add_option("--mavlink-system", to->mavlink_system, "number of the vehicle")
+      ->check(CLI::Range(1, 255))
+      ->needs(link)
+      ->group(group)
+      ->capture_default_str();
+  command
+      ->add_flag("--velocity-only", to->velocity_only, "tell the autopilot no position or attitude")
+      ->needs(link)
+      ->group(group);
+  command->add_flag("--json", to->json, "print one JSON line instead of the summary")->group(group);
+}
+
+void add_live_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "live",
+      "Sensors on ports through the estimator, to an autopilot, into a recording.\n"
+      "A port: /dev/ttyACM1, with a baud rate /dev/ttyACM1@3000000, a file or pipe, - for standard "
+      "input,\nudp:PORT (on this machine) or udp:ADDRESS:PORT. Ends with its streams, or on "
+      "Ctrl-C");
+  auto arguments = std::make_shared<LiveArguments>();
+  command
+      ->add_option("--radar", arguments->radars,
+                   "data port of a TI radar with a demo of SDK 3.x (921600 baud); up to four")
+      ->required()
+      ->expected(1, 4);
+  command->add_option("--imu", arguments->imu, "port of the IMU (921600 baud)")->required();
+  command
+      ->add_option("--imu-format", arguments->imu_format,
+                   "binary or csv (see data/INTEGRATION.md); mavlink: HIGHRES_IMU of an autopilot, "
+                   "mavlink-raw: its RAW_IMU")
+      ->check(CLI::IsMember({"binary", "csv", "mavlink", "mavlink-raw"}))
+      ->capture_default_str();
+  command
+      ->add_option("--imu-clock", arguments->imu_clock,
+                   "of the IMU's stamps: own, found from the arrivals or by TIMESYNC, or host, "
+                   "CLOCK_MONOTONIC of this machine")
+      ->check(CLI::IsMember({"own", "host"}))
+      ->capture_default_str();
+  command
+      ->add_option("--sensors", arguments->sensors,
+                   "folder with imu0/sensor.yaml, radar0/sensor.yaml, as `rio calibrate --out` "
+                   "writes it: mounting and noise")
+      ->check(CLI::ExistingDirectory);
+  add_estimator_options(command, &arguments->estimator);
+  CLI::Option* cfg =
+      command
+          ->add_option("--radar-cfg", arguments->radar_cfg,
+                       "configuration of the radars (.cfg): times, grids and limits from it")
+          ->check(CLI::ExistingFile);
+  command
+      ->add_option("--cli", arguments->cli,
+                   "CLI port of a radar (115200 baud), to send it to; as many as there are radars")
+      ->expected(1, 4)
+      ->needs(cfg);
+  command
+      ->add_option("--patience", arguments->patience,
+                   "how long a port that vanished is waited for [s]; by default for ever")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--speed", arguments->speed,
+                   "of the clock: that of `rio simulate --live --speed` at the other end")
+      ->check(CLI::Range(0.1, 100.0));
+  add_live_outputs(command, arguments.get());
+  command->callback([arguments] { live(*arguments); });
 }
 
 void add_check_command(CLI::App& app) {
@@ -135,6 +226,22 @@ void add_ti_config_command(CLI::App& app) {
   command->callback([arguments] { ti_config(*arguments); });
 }
 
+/// What becomes of a simulated flight on the way to `rio live`.
+void add_cable_options(CLI::App* command, CLI::Option* live, SimulateArguments* to) {
+  const std::string group = "With --live";
+  command->add_option("--speed", to->speed, "of the time")
+      ->check(CLI::Range(0.1, 100.0))
+      ->needs(live)
+      ->group(group);
+  const auto add = [&](const char* name, double* share, const char* what) {
+    command->add_option(name, *share, what)->check(CLI::Range(0.0, 1.0))->needs(live)->group(group);
+  };
+  add("--dropped", &to->cable.dropped, "share of the packets that never arrive");
+  add("--damaged", &to->cable.damaged, "share that lose some of their bytes");
+  add("--delayed", &to->cable.delayed, "share that come late, by 20 ms on average");
+  add("--split", &to->cable.split, "share that come in pieces");
+}
+
 void add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simulate", "Write a simulated flight");
   auto arguments = std::make_shared<SimulateArguments>();
@@ -159,6 +266,11 @@ void add_simulate_command(CLI::App& app) {
   command->add_flag("--ideal", arguments->ideal,
                     "ideal sensors instead of the scenario's: Gaussian noise only, no grids, "
                     "folding, outliers or vibration");
+  CLI::Option* live = command->add_flag(
+      "--live", arguments->live,
+      "then play it: OUT/radar0/port and OUT/imu0/port are serial lines for `rio live` until it is "
+      "over");
+  add_cable_options(command, live, arguments.get());
   command->callback([arguments] { simulate(*arguments); });
 }
 
@@ -277,6 +389,7 @@ int run(int argc, char** argv) {
   add_check_command(app);
   add_ti_config_command(app);
   add_replay_command(app);
+  add_live_command(app);
   add_simulate_command(app);
   add_scenarios_command(app);
   add_evaluate_command(app);

@@ -20,7 +20,6 @@
 #include "rio/aiding.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/options_yaml.hpp"
 #include "rio/io/start.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/models/aids.hpp"
@@ -42,23 +41,10 @@ Time steady_now() {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
-/// Preset, then what the dataset knows of its sensors, then the values of the file, then the
-/// back-end of the command line.
 Options make_options(const ReplayArguments& arguments, const io::Dataset& dataset) {
-  std::string name = arguments.preset;
-  if (name.empty() && !arguments.config.empty()) {
-    name = io::preset_in_file(arguments.config).value_or("");
-  }
-  Options options;
-  if (arguments.barometer) (void)options.auxiliary.declare<HeightOffset>();
-  if (!name.empty() && !preset(name, &options)) {
-    throw std::runtime_error("no such preset: \"" + name + "\"");
-  }
-  io::apply_sensor_info(dataset, &options);
-  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
-  if (!arguments.backend.empty()) {
-    options.backend = arguments.backend == "smoother" ? BackEnd::kSmoother : BackEnd::kEkf;
-  }
+  Options base;
+  if (arguments.barometer) (void)base.auxiliary.declare<HeightOffset>();
+  Options options = make_options(arguments.estimator, dataset, base);
   options.timing.clock = &steady_now;
   return options;
 }
@@ -360,7 +346,7 @@ void replay(const ReplayArguments& arguments) {
   const Options options = make_options(arguments, dataset);
   ReplaySummary summary = Replay(arguments, dataset, options).run();
   if (!arguments.no_check) {
-    summary.data = not_ok(findings_of(arguments.dataset, dataset, arguments.config));
+    summary.data = not_ok(findings_of(arguments.dataset, dataset, arguments.estimator.config));
   }
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");

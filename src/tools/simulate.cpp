@@ -11,6 +11,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "play.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/scenario_yaml.hpp"
 #include "rio/io/text_file.hpp"
@@ -110,11 +111,7 @@ io::Dataset::OtherRadar other_radar(const sim::Flight& flight, const Pose& T_BS)
   return {other.scans, describe(scenario.radar, other.told_T_BS)};
 }
 
-void write(const fs::path& out, const sim::Flight& flight, std::size_t radars) {
-  const fs::path start = out / "start.yaml";
-  if (!flight.scenario.told.starts_wrongly() && fs::exists(start)) {
-    throw std::runtime_error(start.string() + ": is left from another recording");
-  }
+io::Dataset dataset_of(const sim::Flight& flight, std::size_t radars) {
   io::Dataset dataset;
   dataset.imu = flight.imu;
   dataset.scans = flight.scans;
@@ -124,6 +121,14 @@ void write(const fs::path& out, const sim::Flight& flight, std::size_t radars) {
   const std::vector<Pose> mounts = sim::radar_mounts(flight.scenario.radar.T_BS, radars);
   for (std::size_t r = 1; r < radars; ++r) {
     dataset.other_radars.push_back(other_radar(flight, mounts[r]));
+  }
+  return dataset;
+}
+
+void write(const fs::path& out, const sim::Flight& flight, const io::Dataset& dataset) {
+  const fs::path start = out / "start.yaml";
+  if (!flight.scenario.told.starts_wrongly() && fs::exists(start)) {
+    throw std::runtime_error(start.string() + ": is left from another recording");
   }
   io::write_dataset(out, dataset);
   write_text(out / "radar0" / "labels.csv", labels_text(flight));
@@ -180,7 +185,8 @@ void print_summary(const SimulateArguments& arguments, const sim::Flight& flight
 
 void simulate(const SimulateArguments& arguments) {
   const sim::Flight flight = io::fly_scenario(make_scenario(arguments));
-  write(arguments.out, flight, arguments.radars);
+  const io::Dataset dataset = dataset_of(flight, arguments.radars);
+  write(arguments.out, flight, dataset);
   print_summary(arguments, flight);
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");
@@ -188,6 +194,10 @@ void simulate(const SimulateArguments& arguments) {
   if (flight.scenario.told.starts_wrongly()) {
     fmt::print("note: starts wrongly with rio replay {0} --init {0}/start.yaml\n", arguments.out);
   }
+  if (!arguments.live) return;
+  live::CableNoise noise = arguments.cable;
+  noise.seed = flight.scenario.seed;
+  play_live(arguments.out, dataset, noise, arguments.speed);
 }
 
 }  // namespace rio::tools

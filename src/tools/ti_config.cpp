@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "commands.hpp"
 #include "rio/ti/config.hpp"
+#include "text_of.hpp"
 
 namespace rio::tools {
 
@@ -17,13 +16,6 @@ namespace {
 
 using ti::ConfigFigures;
 using ti::LintFinding;
-
-std::string text_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw std::runtime_error(path + ": cannot be read");
-  return text;
-}
 
 double milliseconds(Time t) {
   return 1e3 * to_seconds(t);

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The link to an autopilot: ODOMETRY and HEARTBEAT to it, its clock and its IMU back.
+//
+// All that is sent is stamped in the clock of this machine (CLOCK_MONOTONIC), and the autopilot's
+// TIMESYNC questions are answered by the same clock: so it can move the stamps onto its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "live/session.hpp"
+#include "rio/mavlink/imu.hpp"
+#include "rio/mavlink/odometry.hpp"
+#include "rio/mavlink/parser.hpp"
+#include "rio/mavlink/timesync.hpp"
+
+namespace rio::live {
+
+class MavlinkLink : public Listener {
+ public:
+  struct Settings {
+    double rate = 30.0;  ///< of ODOMETRY [Hz]; 0: neither it nor HEARTBEAT is sent
+    mavlink::Content content = mavlink::Content::kAll;
+    std::uint8_t system = 1;   ///< that of the vehicle
+    bool raw_imu = false;      ///< RAW_IMU instead of HIGHRES_IMU
+    bool asks_clock = false;   ///< TIMESYNC questions, for who uses the IMU
+    double gyro_sigma = 0.01;  ///< noise of a sample [rad/s]
+  };
+  /// Sends a whole frame, or drops it.
+  using Send = std::function<void(const std::uint8_t* bytes, std::size_t count)>;
+  using OnImu = std::function<void(const ImuSample& sample)>;
+
+  MavlinkLink(const Settings& settings, Send send);
+
+  /// Bytes of the autopilot. Questions are answered at once.
+  /// @param on_imu called for each sample of its first IMU, in its clock
+  void receive(const std::uint8_t* bytes, std::size_t count, Time arrival, const OnImu& on_imu);
+  /// To be called ten times a second or so: HEARTBEAT, questions.
+  void tick(const Session& session, Time now);
+
+  /// ODOMETRY at the rate asked for, if the health allows it.
+  void on_imu(const Session& session, const ImuSample& sample) override;
+
+  /// This machine's clock minus the autopilot's, once its answers tell it.
+  std::optional<Time> host_offset() const;
+  std::uint64_t sent() const { return sent_; }
+  const mavlink::ParserCounters& counters() const { return parser_.counters(); }
+
+ private:
+  template <class Message>
+  void send(const Message& message);
+  std::optional<ImuSample> sample_of(const mavlink::Packet& packet) const;
+
+  Settings settings_;
+  Send send_;
+  mavlink::Writer writer_;
+  mavlink::Parser parser_;
+  mavlink::TimesyncClient timesync_;
+  mavlink::RateLimiter odometry_due_;
+  mavlink::RateLimiter second_{1.0};
+  std::uint64_t imu_samples_ = 0;  ///< a second ago
+  std::uint64_t sent_ = 0;         ///< ODOMETRY
+};
+
+}  // namespace rio::live

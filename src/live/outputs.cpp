@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace rio::live {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json numbers(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json sigmas(const BodyCovariance& P, int block) {
+  return numbers(P.diagonal().segment<3>(block).cwiseMax(0.0).cwiseSqrt());
+}
+
+}  // namespace
+
+std::string json_line(const Odometry& odometry) {
+  const NavState& state = odometry.at_scan();
+  const UpdateReport& report = odometry.report();
+  const BodyCovariance& P = odometry.covariance();
+  const Quaternion& q = state.q_WB;
+  const Json line = {{"t_ns", state.time.count()},
+                     {"p", numbers(state.p_WB)},
+                     {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}},
+                     {"v", numbers(state.v_WB)},
+                     {"sigma_p", sigmas(P, body::kPosition)},
+                     {"sigma_phi", sigmas(P, body::kAttitude)},
+                     {"sigma_v", sigmas(P, body::kVelocity)},
+                     {"health", to_string(report.health.state)},
+                     {"quality", report.health.quality},
+                     {"reset_counter", report.health.reset_counter},
+                     {"radar", report.radar},
+                     {"detections", report.detections},
+                     {"static", report.static_detections}};
+  return line.dump();
+}
+
+EstimateFiles::EstimateFiles(const Names& names) : to_stdout_(names.json == "-") {
+  if (!names.tum.empty()) tum_.emplace(names.tum);
+  if (!names.states.empty()) states_.emplace(names.states);
+  if (!names.json.empty() && !to_stdout_) json_.emplace(names.json);
+}
+
+void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {
+  const Odometry& odometry = session.odometry();
+  const NavState& state = odometry.at_scan();
+  if (tum_) tum_->write(io::tum_line({state.time, state.p_WB, state.q_WB}) + "\n");
+  if (states_) states_->add(state, odometry.covariance());
+  if (json_) json_->write(json_line(odometry) + "\n");
+  if (!to_stdout_) return;
+  fmt::print("{}\n", json_line(odometry));
+  std::fflush(stdout);  // who reads it waits for it
+}
+
+void EstimateFiles::close() {
+  if (tum_) tum_->close();
+  if (states_) states_->close();
+  if (json_) json_->close();
+}
+
+/// Once a second what was recorded is handed to the system: a crash costs no more.
+void Recorder::on_imu(const Session& /*session*/, const ImuSample& sample) {
+  stream_.add(sample);
+  if (sample.time - flushed_ < std::chrono::seconds(1)) return;
+  flushed_ = sample.time;
+  stream_.flush();
+}
+
+void Recorder::on_scan(const Session& /*session*/, const RadarScan& scan, std::size_t radar) {
+  stream_.add(scan, radar);
+}
+
+}  // namespace rio::live

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/port.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include "live/serial.hpp"
+
+namespace rio::live {
+namespace {
+
+[[noreturn]] void fail(const std::string& name, const std::string& why) {
+  throw std::runtime_error(name + ": " + why);
+}
+[[noreturn]] void fail_errno(const std::string& name) {
+  fail(name, std::strerror(errno));
+}
+
+/// All of the text; -1 if it is none.
+int number(const std::string& text) {
+  int value = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? value : -1;
+}
+
+/// "PORT" or "ADDRESS:PORT".
+sockaddr_in address_of(const std::string& name, const std::string& text) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  const std::size_t colon = text.rfind(':');
+  const std::string host = colon == std::string::npos ? "127.0.0.1" : text.substr(0, colon);
+  const int port = number(colon == std::string::npos ? text : text.substr(colon + 1));
+  if (port < 1 || port > 65535 || inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1) {
+    fail(name, "must be udp:PORT or udp:ADDRESS:PORT, the address in numbers");
+  }
+  address.sin_port = htons(static_cast<std::uint16_t>(port));
+  return address;
+}
+
+bool is_gone(int error) {
+  return error == ENOENT || error == ENXIO || error == ENODEV || error == EIO;
+}
+
+}  // namespace
+
+Port::Port(const std::string& name, int default_baud)
+    : name_(name), path_(name), baud_(default_baud) {
+  if (name.rfind("udp:", 0) == 0) {
+    is_udp_ = true;
+    peer_ = address_of(name, name.substr(4));
+    listens_ = name.find(':', 4) == std::string::npos;
+    return;
+  }
+  if (const std::size_t at = name.rfind('@'); at != std::string::npos) {
+    baud_ = number(name.substr(at + 1));
+    path_ = name.substr(0, at);
+  }
+  if (path_.empty()) fail(name, "is no port");
+  if (!is_baud(baud_)) fail(name, "no such baud rate");
+}
+
+Port::Port(Port&& other) noexcept
+    : name_(other.name_),
+      path_(other.path_),
+      baud_(other.baud_),
+      is_udp_(other.is_udp_),
+      listens_(other.listens_),
+      peer_(other.peer_),
+      fd_(std::exchange(other.fd_, -1)),
+      is_line_(other.is_line_),
+      state_(other.state_) {}
+
+bool Port::open() {
+  if (fd_ >= 0) return true;
+  is_udp_ ? open_udp() : open_path();
+  state_ = fd_ >= 0 ? State::kOpen : State::kVanished;
+  return fd_ >= 0;
+}
+
+void Port::open_path() {
+  if (path_ == "-") {
+    fd_ = dup(STDIN_FILENO);
+    if (fd_ < 0) fail_errno(name_);
+    return;
+  }
+  struct stat status {};
+  const bool exists = stat(path_.c_str(), &status) == 0;
+  const bool is_device = exists && S_ISCHR(status.st_mode);
+  fd_ = ::open(path_.c_str(), (is_device ? O_RDWR : O_RDONLY) | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd_ < 0 && is_gone(errno)) return;
+  if (fd_ < 0) fail_errno(name_);
+  is_line_ = isatty(fd_) != 0;
+  if (is_line_) (void)ioctl(fd_, TIOCEXCL);  // two readers would share the bytes
+  if (make_raw(fd_, baud_)) return;
+  const int error = errno;
+  close();
+  if (!is_gone(error)) fail(name_, std::strerror(error));
+}
+
+void Port::open_udp() {
+  fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  if (fd_ < 0) fail_errno(name_);
+  const auto* address = reinterpret_cast<const sockaddr*>(&peer_);
+  if (listens_ && bind(fd_, address, sizeof peer_) != 0) fail_errno(name_);
+  if (!listens_ && connect(fd_, address, sizeof peer_) != 0) fail_errno(name_);
+}
+
+void Port::close() {
+  if (fd_ >= 0) ::close(fd_);
+  fd_ = -1;
+}
+
+void Port::lose(State state) {
+  close();
+  state_ = state;
+}
+
+std::size_t Port::read(std::uint8_t* buffer, std::size_t size) {
+  if (fd_ < 0) return 0;
+  sockaddr_in from{};
+  socklen_t length = sizeof from;
+  const ssize_t count =
+      listens_ ? recvfrom(fd_, buffer, size, 0, reinterpret_cast<sockaddr*>(&from), &length)
+               : ::read(fd_, buffer, size);
+  if (count > 0) {
+    if (listens_) peer_ = from;
+    return static_cast<std::size_t>(count);
+  }
+  // nobody listens at the other end of UDP (yet): the next datagram may find one
+  const bool nothing_now =
+      count < 0 && (errno == EAGAIN || errno == EINTR || errno == ECONNREFUSED);
+  if (!nothing_now && !is_udp_) lose(is_line_ ? State::kVanished : State::kEnded);
+  return 0;
+}
+
+bool Port::write(const std::uint8_t* bytes, std::size_t count) {
+  if (fd_ < 0) return false;
+  const ssize_t written = listens_ ? sendto(fd_, bytes, count, 0,
+                                            reinterpret_cast<const sockaddr*>(&peer_), sizeof peer_)
+                                   : ::write(fd_, bytes, count);
+  return written == static_cast<ssize_t>(count);
+}
+
+}  // namespace rio::live

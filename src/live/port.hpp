@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where bytes come from and go to: a serial line or pseudo-terminal, a file or pipe, standard
+// input, UDP. Nothing blocks. POSIX.
+//
+//   /dev/ttyACM1           a serial line at the default baud rate
+//   /dev/ttyACM1@3000000   at another
+//   flight.bin             any other path: a file, a pipe (mkfifo), a link to one of these
+//   -                      standard input
+//   udp:14551              datagrams to 127.0.0.1:14551; answers go to who sent last
+//   udp:10.0.0.2:14550     datagrams to there, and from there
+#pragma once
+
+#include <netinet/in.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace rio::live {
+
+class Port {
+ public:
+  enum class State {
+    kOpen,
+    kVanished,  ///< not there, or not any more; may come back
+    kEnded,     ///< a file or a pipe that has ended
+  };
+
+  /// Throws std::runtime_error if the name makes no sense.
+  Port(const std::string& name, int default_baud);
+  ~Port() { close(); }
+  Port(Port&& other) noexcept;
+  Port(const Port&) = delete;
+  Port& operator=(const Port&) = delete;
+  Port& operator=(Port&&) = delete;
+
+  /// Opens it if it is there. Throws if it is there and cannot be used, as for want of permission.
+  /// @return it is open
+  bool open();
+  void close();
+
+  State state() const { return state_; }
+  /// For poll(2); -1 unless open.
+  int fd() const { return fd_; }
+  const std::string& name() const { return name_; }
+  /// Of a serial line.
+  int baud() const { return baud_; }
+
+  /// What is there, at most `size` bytes; call it when poll(2) says so. The state may change.
+  std::size_t read(std::uint8_t* buffer, std::size_t size);
+  /// Passes bytes on if there is room for all of them now.
+  /// @return they were
+  bool write(const std::uint8_t* bytes, std::size_t count);
+
+ private:
+  void open_path();
+  void open_udp();
+  void lose(State state);
+
+  std::string name_;
+  std::string path_;
+  int baud_;
+  bool is_udp_ = false;
+  bool listens_ = false;  ///< UDP without a given peer
+  sockaddr_in peer_{};
+  int fd_ = -1;
+  bool is_line_ = false;  ///< a terminal: may come back
+  State state_ = State::kVanished;
+};
+
+}  // namespace rio::live

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several ports, watched by one thread with poll(2): bytes are handed on as they come, a port that
+// vanished is opened again when it is back.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "live/host_clock.hpp"
+#include "live/port.hpp"
+
+namespace rio::live {
+
+/// A port, and what is done about it.
+struct Watched {
+  Port port;
+  std::string what;    ///< for messages, as "radar 0"
+  bool needed = true;  ///< the set is over when all needed ports are
+  std::function<void(const std::uint8_t* bytes, std::size_t count, Time arrival)> on_bytes;
+  std::function<void()> on_reopened = [] {};
+};
+
+class PortSet {
+ public:
+  using OnMessage = std::function<void(const std::string& message)>;
+
+  /// @param patience  how long a port that is not there is waited for [s]
+  /// @param on_message told when a port vanishes, comes back, ends
+  PortSet(const HostClock& clock, double patience, OnMessage on_message);
+
+  /// Ports are asked in this order. The port stays where it is.
+  Port& add(Watched watched);
+
+  /// Waits for bytes, 50 ms at most, and hands on what there is.
+  /// @return false when all needed ports are over: ended, or vanished for too long
+  bool wait();
+
+ private:
+  struct Entry {
+    Watched watched;
+    bool was_open = false;
+    bool over = false;
+    Time since{0};  ///< not there
+    Time next_try{0};
+  };
+
+  void reopen(Entry* entry);
+  void read(Entry* entry);
+
+  const HostClock& clock_;
+  Time patience_;
+  OnMessage on_message_;
+  std::deque<Entry> entries_;
+  std::vector<std::uint8_t> buffer_;
+};
+
+}  // namespace rio::live

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/session.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace rio::live {
+namespace {
+
+/// Whether the bytes took longer than on the wire by more than half of the pause between packets.
+bool is_made_up(const ti::Frame& frame, const ti::FrameTiming& timing) {
+  constexpr double kBitsPerByte = 10.0;
+  const double wire = timing.baud > 0.0 ? frame.bytes * kBitsPerByte / timing.baud : 0.0;
+  const double period = to_seconds(timing.period);
+  return to_seconds(frame.last_arrival - frame.first_arrival) >
+         0.5 * (std::min(wire, period) + period);
+}
+
+}  // namespace
+
+Session::Session(const SessionSetup& setup, std::vector<Listener*> listeners)
+    : listeners_(std::move(listeners)), imu_on_host_clock_(setup.imu_on_host_clock) {
+  std::string why;
+  odometry_ = Odometry::create(setup.options, &why);
+  if (odometry_ == nullptr) throw std::runtime_error(why);
+  if (setup.radars.size() != setup.options.radars()) {
+    throw std::runtime_error("not as many radars as the sensor files and options tell of");
+  }
+  for (const ti::FrameTiming& timing : setup.radars) {
+    if (!timing.validate(&why)) throw std::runtime_error("timing of the radar: " + why);
+    radars_.push_back({timing, ti::PacketReader(), ti::FrameClock(timing)});
+  }
+}
+
+void Session::radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival) {
+  radars_[r].reader.push(bytes, count, arrival, [this, r](ti::Frame& frame) { take(r, &frame); });
+}
+
+/// Stamps it, in the clock of the arrivals.
+bool Session::is_left_out(Radar* radar, ti::Frame* frame) {
+  const int odd = radar->clock.odd();
+  frame->scan.time = radar->clock.stamp(*frame);
+  const bool untimed = radar->clock.odd() != odd;
+  const bool made_up = is_made_up(*frame, radar->timing);
+  if (untimed) ++frames_untimed_;
+  if (made_up) ++frames_made_up_;
+  if (imu_samples_ == 0) ++frames_without_imu_;
+  return untimed || made_up || imu_samples_ == 0;
+}
+
+void Session::take(std::size_t r, ti::Frame* frame) {
+  if (is_left_out(&radars_[r], frame)) return;
+  frame->scan.time -= host_offset();
+  pending_[next_pending_++ % pending_.size()] = {frame->scan.time, frame->last_arrival};
+  (void)odometry_->add_scan(frame->scan, r);  // what it did is counted
+  tell_estimate();
+  for (Listener* listener : listeners_) listener->on_scan(*this, frame->scan, r);
+}
+
+void Session::imu(const ImuSample& sample, Time arrival) {
+  ++imu_samples_;
+  offset_.add(sample.time, arrival);
+  (void)odometry_->add_imu(sample);  // what it did is counted
+  tell_estimate();
+  for (Listener* listener : listeners_) listener->on_imu(*this, sample);
+}
+
+/// Of several scans in one call the last is told.
+void Session::tell_estimate() {
+  const std::uint64_t scans = odometry_->counters().scans;
+  const UpdateReport& report = odometry_->report();
+  if (scans == scans_told_) return;
+  scans_told_ = scans;
+  if (report.status != Status::kOk) return;
+  const auto of_it = [&report](const Pending& scan) { return scan.stamp == report.time; };
+  const auto scan = std::find_if(pending_.begin(), pending_.end(), of_it);
+  if (scan == pending_.end()) return;
+  for (Listener* listener : listeners_) listener->on_estimate(*this, scan->arrival);
+}
+
+Time Session::host_offset() const {
+  if (imu_on_host_clock_) return Time{0};
+  return told_offset_.value_or(offset_.offset());
+}
+
+}  // namespace rio::live

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bytes of radars and samples of an IMU, as they arrive -> estimates. Knows no port and no clock:
+// every arrival is told.
+//
+// The estimator lives in the clock of the IMU. A radar's frame is stamped in the clock of the
+// arrivals (ti/frame_clock.hpp) and moved onto that of the IMU by what the samples' own arrivals
+// say (clock_offset.hpp).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "live/clock_offset.hpp"
+#include "rio/rio.hpp"
+#include "rio/ti/frame_clock.hpp"
+#include "rio/ti/packet_reader.hpp"
+
+namespace rio::live {
+
+class Session;
+
+/// Who wants to know what happens in a session.
+class Listener {
+ public:
+  virtual ~Listener() = default;
+  /// The estimator has taken, or refused, a sample.
+  virtual void on_imu(const Session& /*session*/, const ImuSample& /*sample*/) {}
+  /// The same of a scan, in the clock of the IMU.
+  virtual void on_scan(const Session& /*session*/, const RadarScan& /*scan*/,
+                       std::size_t /*radar*/) {}
+  /// A scan was processed; the estimate is odometry().at_scan().
+  /// @param arrival of the last byte of that scan
+  virtual void on_estimate(const Session& /*session*/, Time /*arrival*/) {}
+};
+
+struct SessionSetup {
+  Options options;
+  std::vector<ti::FrameTiming> radars;  ///< one for each radar of the options
+  bool imu_on_host_clock = false;       ///< the samples are stamped in the clock of the arrivals
+};
+
+class Session {
+ public:
+  /// Throws std::runtime_error if options or timing are not valid.
+  /// @param listeners are told in this order, and must outlive the session
+  Session(const SessionSetup& setup, std::vector<Listener*> listeners);
+
+  /// Bytes of a radar's data port.
+  void radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival);
+  /// The port of a radar was opened anew.
+  void radar_reopened(std::size_t r) { radars_[r].reader.drop_pending(); }
+  /// A sample of the IMU.
+  void imu(const ImuSample& sample, Time arrival);
+  /// The offset of the clocks, where something better than the arrivals of the samples tells it.
+  void tell_host_offset(Time offset) { told_offset_ = offset; }
+
+  const Odometry& odometry() const { return *odometry_; }
+  std::size_t radars() const { return radars_.size(); }
+  const ti::PacketReader& reader(std::size_t r) const { return radars_[r].reader; }
+  const ti::FrameClock& frame_clock(std::size_t r) const { return radars_[r].clock; }
+  /// Clock of the arrivals minus that of the IMU.
+  Time host_offset() const;
+  /// Frames that came before any sample of the IMU: nothing can be done with them.
+  std::uint64_t frames_without_imu() const { return frames_without_imu_; }
+  /// Frames left out because their last bytes came so late that they are those of the next packet:
+  /// up to seven lost bytes show in no other way, the packets have no checksum.
+  std::uint64_t frames_made_up() const { return frames_made_up_; }
+  /// Frames left out because nobody knows when they were measured (FrameClock::odd): the host stood
+  /// still for a second, or the radar has just started again.
+  std::uint64_t frames_untimed() const { return frames_untimed_; }
+  std::uint64_t imu_samples() const { return imu_samples_; }
+
+ private:
+  struct Radar {
+    ti::FrameTiming timing;
+    ti::PacketReader reader;
+    ti::FrameClock clock;
+  };
+  /// A scan that may still be waiting in the estimator.
+  struct Pending {
+    Time stamp{0};
+    Time arrival{0};
+  };
+
+  void take(std::size_t r, ti::Frame* frame);
+  bool is_left_out(Radar* radar, ti::Frame* frame);
+  void tell_estimate();
+
+  std::unique_ptr<Odometry> odometry_;
+  std::vector<Radar> radars_;
+  std::vector<Listener*> listeners_;
+  bool imu_on_host_clock_;
+  ClockOffset offset_;
+  std::optional<Time> told_offset_;
+  std::array<Pending, 64> pending_{};  ///< a ring
+  std::size_t next_pending_ = 0;
+  std::uint64_t scans_told_ = 0;
+  std::uint64_t imu_samples_ = 0;
+  std::uint64_t frames_without_imu_ = 0;
+  std::uint64_t frames_made_up_ = 0;
+  std::uint64_t frames_untimed_ = 0;
+};
+
+}  // namespace rio::live

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The options that a command line, an option file and the sensor files make together.
+#pragma once
+
+#include <string>
+
+#include "rio/io/dataset.hpp"
+#include "rio/options.hpp"
+
+namespace rio::tools {
+
+struct EstimatorArguments {
+  std::string config;   ///< option file
+  std::string preset;   ///< wins over the file's
+  std::string backend;  ///< ekf or smoother; wins over both
+};
+
+/// Preset, then what is known of the sensors, then the values of the file, then the back-end of the
+/// command line. Throws std::runtime_error.
+/// @param base what the preset is put on
+Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
+                     Options base = {});
+
+}  // namespace rio::tools

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio live`: sensors on ports through the estimator. One thread: poll, read, estimate, tell.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "live/host_clock.hpp"
+#include "live/imu_stream.hpp"
+#include "live/mavlink_link.hpp"
+#include "live/outputs.hpp"
+#include "live/port_set.hpp"
+#include "live/session.hpp"
+#include "live_ports.hpp"
+#include "live_summary.hpp"
+#include "stop_signal.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+using live::MavlinkLink;
+using live::Port;
+
+constexpr int kImuBaud = 921600;
+
+/// On stderr: what happens, and, on a terminal, a line that is written over twice a second.
+class Screen {
+ public:
+  void say(const std::string& message) {
+    clear();
+    fmt::print(stderr, "{}\n", message);
+  }
+  bool due() {
+    const Time now = live::HostClock::real();
+    if (!is_terminal_ || now - last_ < std::chrono::milliseconds(500)) return false;
+    last_ = now;
+    return true;
+  }
+  void show(const std::string& line) {
+    clear();
+    fmt::print(stderr, "{}", line);
+    shown_ = true;
+  }
+  void clear() {
+    if (shown_) fmt::print(stderr, "\r\x1b[K");
+    shown_ = false;
+  }
+
+ private:
+  bool is_terminal_ = isatty(STDERR_FILENO) != 0;
+  bool shown_ = false;
+  Time last_{0};
+};
+
+class LiveRun {
+ public:
+  explicit LiveRun(const LiveArguments& arguments)
+      : arguments_(arguments),
+        clock_(arguments.speed),
+        summary_(clock_),
+        files_({arguments.out, arguments.states, arguments.json_lines}),
+        ports_(clock_, arguments.patience,
+               [this](const std::string& message) { screen_.say(message); }) {
+    LiveSensors sensors = find_sensors(arguments);
+    if (!arguments.record.empty()) recorder_.emplace(arguments.record, sensors.info);
+    add_links(sensors.setup.options.imu, sensors.info.imu_info.rate_hz.value_or(200.0));
+    std::vector<live::Listener*> listeners;
+    if (link_) listeners.push_back(&*link_);  // first: the autopilot waits
+    listeners.push_back(&summary_);
+    listeners.push_back(&files_);
+    if (recorder_) listeners.push_back(&*recorder_);
+    session_.emplace(sensors.setup, std::move(listeners));
+    add_radars(sensors.setup);
+    for (const std::string& cli : arguments.cli) send_config(cli, sensors.config);
+  }
+
+  void run() {
+    while (stop_requested == 0 && ports_.wait()) {
+      if (link_) link_->tick(*session_, clock_.now());
+      if (link_ && link_->host_offset()) session_->tell_host_offset(*link_->host_offset());
+      if (screen_.due()) screen_.show(summary_.line(*session_));
+    }
+    screen_.clear();
+    for (const std::string& cli : arguments_.cli) stop_radar(cli);
+    files_.close();
+    if (recorder_) recorder_->close();
+  }
+
+  /// @return the estimate is lost
+  bool conclude() {
+    const live::ImuCounters imu = imu_counters();
+    return summary_.conclude(*session_, imu, link_ ? link_->sent() : 0);
+  }
+  const LiveSummary& summary() const { return summary_; }
+  const live::Session& session() const { return *session_; }
+
+ private:
+  bool imu_is_mavlink() const { return arguments_.imu_format.starts_with("mavlink"); }
+
+  /// The ports of the IMU and of the autopilot, which may be one.
+  void add_links(const ImuOptions& imu, double imu_rate) {
+    const bool same = imu_is_mavlink() && arguments_.mavlink == arguments_.imu;
+    Port* to_autopilot = nullptr;
+    if (imu_is_mavlink()) {
+      to_autopilot = &add_mavlink_port("IMU", arguments_.imu, true);
+    } else {
+      ports_.add({Port(arguments_.imu, kImuBaud), "IMU", true,
+                  [this](const std::uint8_t* bytes, std::size_t count, Time arrival) {
+                    take_imu(bytes, count, arrival);
+                  }});
+    }
+    if (!arguments_.mavlink.empty() && !same) {
+      if (imu_is_mavlink()) {
+        throw std::runtime_error("--mavlink must be the port of --imu where that is an autopilot");
+      }
+      to_autopilot = &add_mavlink_port("autopilot", arguments_.mavlink, false);
+    }
+    if (to_autopilot == nullptr) return;
+    MavlinkLink::Settings settings;
+    settings.rate = arguments_.mavlink.empty() ? 0.0 : arguments_.mavlink_rate;
+    settings.content =
+        arguments_.velocity_only ? mavlink::Content::kVelocity : mavlink::Content::kAll;
+    settings.system = static_cast<std::uint8_t>(arguments_.mavlink_system);
+    settings.raw_imu = arguments_.imu_format == "mavlink-raw";
+    settings.asks_clock = imu_is_mavlink();
+    settings.gyro_sigma = imu.gyro_noise_density * std::sqrt(imu_rate);
+    link_.emplace(settings, [to_autopilot](const std::uint8_t* bytes, std::size_t count) {
+      (void)to_autopilot->write(bytes, count);  // a full line: the next message is newer
+    });
+  }
+
+  Port& add_mavlink_port(const char* what, const std::string& name, bool needed) {
+    return ports_.add({Port(name, kImuBaud), what, needed,
+                       [this](const std::uint8_t* bytes, std::size_t count, Time arrival) {
+                         link_->receive(bytes, count, arrival, [&](const ImuSample& sample) {
+                           if (imu_is_mavlink()) session_->imu(sample, arrival);
+                         });
+                       }});
+  }
+
+  void add_radars(const live::SessionSetup& setup) {
+    for (std::size_t r = 0; r < arguments_.radars.size(); ++r) {
+      ports_.add({Port(arguments_.radars[r], static_cast<int>(setup.radars[r].baud)),
+                  fmt::format("radar {}", r), true,
+                  [this, r](const std::uint8_t* bytes, std::size_t count, Time arrival) {
+                    session_->radar(r, bytes, count, arrival);
+                  },
+                  [this, r] { session_->radar_reopened(r); }});
+    }
+  }
+
+  void take_imu(const std::uint8_t* bytes, std::size_t count, Time arrival) {
+    const auto on_sample = [&](const ImuSample& sample) { session_->imu(sample, arrival); };
+    if (arguments_.imu_format == "csv") {
+      lines_.push(bytes, count, on_sample);
+    } else {
+      frames_.push(bytes, count, on_sample);
+    }
+  }
+
+  live::ImuCounters imu_counters() const {
+    if (imu_is_mavlink()) return {session_->imu_samples(), 0, link_->counters().damaged};
+    return arguments_.imu_format == "csv" ? lines_.counters() : frames_.counters();
+  }
+
+  const LiveArguments& arguments_;
+  live::HostClock clock_;
+  Screen screen_;
+  LiveSummary summary_;
+  live::EstimateFiles files_;
+  std::optional<live::Recorder> recorder_;
+  live::PortSet ports_;
+  std::optional<MavlinkLink> link_;
+  live::ImuFrameReader frames_;
+  live::ImuLineReader lines_;
+  std::optional<live::Session> session_;
+};
+
+}  // namespace
+
+void live(const LiveArguments& arguments) {
+  if (!arguments.cli.empty() && arguments.cli.size() != arguments.radars.size()) {
+    throw std::runtime_error("--cli: as many ports as there are radars");
+  }
+  catch_stop_signals();
+  LiveRun run(arguments);
+  run.run();
+  const bool lost = run.conclude();
+  fmt::print("{}{}", arguments.json ? run.summary().json() : run.summary().text(),
+             arguments.json ? "\n" : "");
+  if (run.session().imu_samples() == 0) throw std::runtime_error("no sample of the IMU");
+  if (!run.session().odometry().initialized()) {
+    throw std::runtime_error("no start: hold it still at first, or give start.max_wait");
+  }
+  if (lost) throw LostEstimate("the estimate is lost: " + run.summary().lost_because());
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live_ports.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <stdexcept>
+
+#include "live/host_clock.hpp"
+#include "live/port.hpp"
+#include "rio/ti/config_sender.hpp"
+#include "stop_signal.hpp"
+#include "text_of.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+constexpr int kCliBaud = 115200;
+
+/// What a configuration says of the radar, where the sensor file does not.
+void complete(io::RadarInfo* info, const ti::ConfigFigures& figures) {
+  const auto set = [](std::optional<double>* to, double value) {
+    if (!to->has_value()) *to = value;
+  };
+  set(&info->rate_hz, figures.frame_rate());
+  set(&info->max_doppler, figures.max_speed);
+  set(&info->doppler_resolution, figures.speed_grid);
+  set(&info->range_resolution, figures.range_grid);
+  set(&info->max_range, figures.max_range);
+}
+
+ti::FrameTiming timing_of(const ti::ConfigFigures& figures) {
+  ti::FrameTiming timing;
+  timing.period = figures.period;
+  timing.chirp_block = figures.chirp_block;
+  timing.baud = figures.baud;
+  return timing;
+}
+
+ti::FrameTiming timing_of(const io::RadarInfo& info) {
+  if (!info.rate_hz || *info.rate_hz <= 0.0) {
+    throw std::runtime_error(
+        "the frame rate of the radar is not known: give --radar-cfg, or rate_hz in "
+        "radar0/sensor.yaml of --sensors");
+  }
+  ti::FrameTiming timing;
+  timing.period = from_seconds(1.0 / *info.rate_hz);
+  return timing;
+}
+
+/// The figures of a configuration; what is wrong with it for odometry is a note.
+ti::ConfigFigures read_config(const std::string& path, ti::Config* config) {
+  *config = ti::parse_config(text_of(path));
+  ti::ConfigFigures figures;
+  std::string why;
+  if (!ti::derive(*config, &figures, &why)) throw std::runtime_error(path + ": " + why);
+  for (const ti::LintFinding& finding : ti::lint(*config)) {
+    if (!finding.wrong) continue;
+    fmt::print(stderr, "note: {}:{}: {}: {}\n", path, finding.line, to_string(finding.kind),
+               finding.text);
+  }
+  return figures;
+}
+
+/// Hands on what the port says within a tenth of a second.
+void listen(live::Port* port, ti::ConfigSender* sender) {
+  pollfd ask{port->fd(), POLLIN, 0};
+  if (poll(&ask, 1, 100) != 1) return;
+  std::uint8_t buffer[4096];
+  const std::size_t count = port->read(buffer, sizeof buffer);
+  if (port->fd() < 0) throw std::runtime_error(port->name() + ": vanished");
+  sender->receive(buffer, count);
+}
+
+bool write(live::Port* port, const std::string& text) {
+  return port->write(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+}
+
+}  // namespace
+
+LiveSensors find_sensors(const LiveArguments& arguments) {
+  LiveSensors sensors;
+  if (!arguments.sensors.empty()) sensors.info = io::read_sensor_info(arguments.sensors);
+  for (const std::string& note : sensors.info.notes) fmt::print(stderr, "note: {}\n", note);
+  if (arguments.sensors.empty())
+    fmt::print(stderr, "note: no --sensors: mounting and noise by the options\n");
+  sensors.info.other_radars.resize(arguments.radars.size() - 1);
+  ti::FrameTiming timing;
+  if (!arguments.radar_cfg.empty()) {
+    const ti::ConfigFigures figures = read_config(arguments.radar_cfg, &sensors.config);
+    complete(&sensors.info.radar_info, figures);
+    timing = timing_of(figures);
+  } else {
+    timing = timing_of(sensors.info.radar_info);
+  }
+  sensors.setup.options = make_options(arguments.estimator, sensors.info);
+  sensors.setup.options.timing.clock = &live::HostClock::real;
+  for (const std::string& name : arguments.radars) {
+    sensors.setup.radars.push_back(timing);
+    sensors.setup.radars.back().baud = live::Port(name, static_cast<int>(timing.baud)).baud();
+  }
+  sensors.setup.imu_on_host_clock = arguments.imu_clock == "host";
+  return sensors;
+}
+
+void send_config(const std::string& port_name, const ti::Config& config) {
+  live::Port port(port_name, kCliBaud);
+  if (!port.open()) throw std::runtime_error(port_name + ": is not there");
+  ti::ConfigSender sender(config);
+  while (!sender.over() && stop_requested == 0) {
+    const std::string line = sender.to_send(live::HostClock::real());
+    if (!line.empty() && !write(&port, line))
+      throw std::runtime_error(port_name + ": takes nothing");
+    if (!sender.over()) listen(&port, &sender);
+  }
+  if (!sender.error().empty()) throw std::runtime_error(port_name + ": " + sender.error());
+}
+
+void stop_radar(const std::string& port_name) {
+  live::Port port(port_name, kCliBaud);
+  if (port.open()) (void)write(&port, "sensorStop\n");
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `rio live` has seen: the line while it runs, and the summary at its end.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "live/host_clock.hpp"
+#include "live/imu_stream.hpp"
+#include "live/latencies.hpp"
+#include "live/session.hpp"
+#include "replay_summary.hpp"
+
+namespace rio::tools {
+
+class LiveSummary : public live::Listener {
+ public:
+  explicit LiveSummary(const live::HostClock& clock) : clock_(clock) {}
+
+  void on_imu(const live::Session& session, const ImuSample& sample) override;
+  void on_estimate(const live::Session& session, Time arrival) override;
+
+  /// One line for a person, without its end.
+  std::string line(const live::Session& session) const;
+
+  /// After the last byte; @return the estimate is lost
+  bool conclude(const live::Session& session, const live::ImuCounters& imu,
+                std::uint64_t odometry_sent);
+  std::string text() const;
+  std::string json() const;
+  const std::string& lost_because() const { return replay_.health.lost_because(); }
+
+ private:
+  const live::HostClock& clock_;
+  ReplaySummary replay_;
+  live::Latencies latencies_;
+  Time first_{0};
+  double cpu_share_ = 0.0;
+  ti::PacketCounters packets_;  ///< of all radars
+  live::ImuCounters imu_;
+  std::uint64_t frames_made_up_ = 0;
+  std::uint64_t frames_untimed_ = 0;
+  std::uint64_t odometry_sent_ = 0;
+};
+
+}  // namespace rio::tools

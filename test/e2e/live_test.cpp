@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio simulate --live` and `rio live` as a user runs them, side by side, on pseudo-terminals.
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <future>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "e2e/tool.hpp"
+#include "live/pty.hpp"
+#include "support/measured.hpp"
+
+namespace rio::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kSpeed = " --speed 8";  // 40 s of flight in 5
+
+class Live : public Tool {
+ protected:
+  static bool appears(const std::string& path) {
+    for (int i = 0; i < 1000 && !fs::exists(path); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return fs::exists(path);
+  }
+
+  /// A flight played while the program listens; both programs' outputs.
+  static std::pair<Outcome, Outcome> fly(const std::string& name, const std::string& simulate,
+                                         const std::string& live) {
+    const std::string out = file(name);
+    auto player = std::async(std::launch::async, [&] {
+      return rio("simulate " + out + " --seed 9 --length 20 --live" + kSpeed + simulate);
+    });
+    EXPECT_TRUE(appears(out + "/radar0/port"));
+    Outcome run = rio("live --sensors " + out + " --radar " + out + "/radar0/port --imu " + out +
+                      "/imu0/port --patience 0 --json" + kSpeed + live + " 2>/dev/null");
+    return {player.get(), run};
+  }
+
+  /// States by stamp.
+  static std::map<std::string, std::string> states_of(const std::string& path) {
+    std::map<std::string, std::string> rows;
+    for (const std::string& line : lines_of(path)) {
+      const std::size_t comma = line.find(',');
+      rows[line.substr(0, comma)] = line.substr(comma);
+    }
+    return rows;
+  }
+
+  /// Rows of `a` that `b` has to the last digit.
+  static std::size_t equal_rows(const std::string& a, const std::string& b) {
+    const auto other = states_of(b);
+    std::size_t equal = 0;
+    for (const auto& [stamp, row] : states_of(a)) {
+      const auto found = other.find(stamp);
+      equal += found != other.end() && found->second == row ? 1 : 0;
+    }
+    return equal;
+  }
+};
+
+TEST_F(Live, IsTheReplayOfWhatItRecorded) {
+  const auto [player, run] = fly(
+      "clean", "",
+      " --record " + file("clean_rec") + " --states " + file("a.csv") + " --out " + file("a.tum"));
+  ASSERT_EQ(player.status, 0) << player.output;
+  ASSERT_EQ(run.status, 0) << run.output;
+  const Json json = Json::parse(run.last_line());
+  EXPECT_EQ(json["live"]["packets_damaged"], 0);
+  EXPECT_EQ(json["live"]["packets_lost"], 0);
+  EXPECT_EQ(json["live"]["imu_lost"], 0);
+  measured("last byte to estimate, median, ms", json["live"]["latency_median_ms"], "1");
+  measured("last byte to estimate, p99, ms", json["live"]["latency_p99_ms"],
+           "3 without other load");
+  measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 8.0,
+           "0.03 at real speed");
+  const Outcome replay =
+      rio("replay " + file("clean_rec") + " --init static --no-check --states " + file("b.csv"));
+  ASSERT_EQ(replay.status, 0) << replay.output;
+  const std::size_t rows = lines_of(file("a.csv")).size();
+  EXPECT_GT(rows, 300U);
+  EXPECT_EQ(equal_rows(file("a.csv"), file("b.csv")), rows);
+  EXPECT_EQ(lines_of(file("a.tum")).size(), rows);
+}
+
+/// Every scan that was recorded is one that was sent: its points, to float precision.
+TEST_F(Live, ABadCableInventsNothing) {
+  const auto [player, run] = fly(
+      "bad", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2",
+      " --record " + file("bad_rec") + " --states " + file("c.csv") + " --out " + file("c.tum"));
+  ASSERT_EQ(run.status, 0) << run.output;
+  const Json json = Json::parse(run.last_line());
+  EXPECT_GT(json["live"]["packets_lost"], 0);
+  EXPECT_GT(json["live"]["imu_lost"], 0);
+  EXPECT_FALSE(json["verdict"].get<std::string>().starts_with("lost"));
+  const auto points = [](const fs::path& dataset) {
+    std::map<std::string, std::vector<std::array<float, 4>>> scans;
+    for (const std::string& line : lines_of(dataset / "radar0/data.csv")) {
+      std::array<float, 4> point{};
+      std::istringstream fields(line);
+      std::string stamp, field;
+      std::getline(fields, stamp, ',');
+      for (float& value : point) {
+        std::getline(fields, field, ',');
+        value = field.empty() ? 0.0F : std::stof(field);
+      }
+      scans[stamp].push_back(point);
+    }
+    std::vector<std::vector<std::array<float, 4>>> sorted;
+    for (auto& [stamp, scan] : scans) sorted.push_back(std::move(scan));
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  const auto sent = points(file("bad"));
+  const auto came = points(file("bad_rec"));
+  EXPECT_GT(came.size(), sent.size() * 9 / 10);
+  EXPECT_LT(came.size(), sent.size());
+  EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
+  ASSERT_EQ(rio("replay " + file("bad_rec") + " --init static --no-check --states " + file("d.csv"))
+                .status,
+            0);
+  EXPECT_EQ(equal_rows(file("c.csv"), file("d.csv")), lines_of(file("c.csv")).size());
+}
+
+/// The CLI port of a radar: what was sent to it, and an answer to every line.
+class CliRadar {
+ public:
+  explicit CliRadar(std::string refused = "none") : refused_(std::move(refused)) {}
+  ~CliRadar() { (void)lines(); }
+  const std::string& path() const { return pty_.path(); }
+  /// Ends it.
+  std::string lines() {
+    over_ = true;
+    if (thread_.joinable()) thread_.join();
+    return lines_;
+  }
+
+ private:
+  void talk() {
+    std::string line;
+    while (true) {
+      const bool last = over_;
+      std::uint8_t byte = 0;
+      if (pty_.read(&byte, 1) == 0) {
+        if (last) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        continue;
+      }
+      line += static_cast<char>(byte);
+      if (byte != '\n') continue;
+      lines_ += line == "\n" ? "" : line;
+      const bool no = line.starts_with(refused_);
+      answer(line + (no ? "Error: Invalid range\r\nError -1\r\n" : "Done\r\n") + "mmwDemo:/>");
+      line.clear();
+    }
+  }
+  void answer(const std::string& text) {
+    (void)pty_.write(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  }
+
+  std::string refused_;
+  live::Pty pty_;
+  std::string lines_;
+  std::atomic<bool> over_ = false;
+  std::thread thread_{[this] { talk(); }};  // last: it uses the others
+};
+
+TEST_F(Live, SendsTheConfigurationFirst) {
+  const std::string cfg = RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg";
+  const std::string live = "live --patience 0 --radar " + file("nothing") + " --imu " +
+                           file("nothing") + " --radar-cfg " + cfg + " --cli ";
+  CliRadar radar;
+  (void)rio(live + radar.path());
+  std::string wanted;
+  for (const std::string& line : lines_of(cfg)) {
+    if (!line.starts_with('%')) wanted += line + "\n";
+  }
+  EXPECT_EQ(radar.lines(), wanted + "sensorStop\n");
+  CliRadar strict("profileCfg");
+  const Outcome refused = rio(live + strict.path());
+  EXPECT_EQ(WEXITSTATUS(refused.status), 1);
+  EXPECT_NE(refused.output.find("profileCfg: the radar says \"Error: Invalid range; Error -1\""),
+            std::string::npos)
+      << refused.output;
+}
+
+TEST_F(Live, WrongCommandLines) {
+  const std::string imu = "--imu " + file("nothing") + " --patience 0";
+  EXPECT_EQ(WEXITSTATUS(rio("live " + imu).status), 2);
+  const Outcome no_rate = rio("live --radar " + file("nothing") + " " + imu);
+  EXPECT_NE(no_rate.output.find("frame rate of the radar is not known"), std::string::npos)
+      << no_rate.output;
+  const Outcome nothing =
+      rio("live --radar " + file("nothing") + " " + imu + " --sensors " + flight_);
+  EXPECT_EQ(WEXITSTATUS(nothing.status), 1);
+  EXPECT_NE(nothing.output.find("nothing is not there"), std::string::npos) << nothing.output;
+  EXPECT_NE(nothing.output.find("no sample of the IMU"), std::string::npos) << nothing.output;
+}
+
+}  // namespace
+}  // namespace rio::test

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "live/port.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <memory>
+#include <string>
+
+#include "live/pty.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::live::test {
+namespace {
+
+using rio::test::TempDir;
+
+/// What comes within a second, up to `count` bytes.
+std::string read(Port* port, std::size_t count) {
+  std::string text;
+  std::uint8_t buffer[256];
+  while (text.size() < count && port->fd() >= 0) {
+    pollfd ask{port->fd(), POLLIN, 0};
+    if (poll(&ask, 1, 1000) != 1) break;
+    const std::size_t n = port->read(buffer, sizeof buffer);
+    text.append(buffer, buffer + n);
+  }
+  return text;
+}
+
+template <class Writer>
+bool write(Writer* to, const std::string& text) {
+  return to->write(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+}
+
+TEST(Port, OfAPseudoTerminalPassesEveryByteBothWays) {
+  std::string all;
+  for (int i = 0; i < 256; ++i) all += static_cast<char>(i);
+  Pty device;
+  EXPECT_FALSE(device.is_open());
+  Port port(device.path(), 115200);
+  ASSERT_TRUE(port.open());
+  EXPECT_TRUE(device.is_open());
+  ASSERT_TRUE(write(&device, all));
+  EXPECT_EQ(read(&port, 256), all);
+  ASSERT_TRUE(write(&port, all));
+  std::uint8_t back[256];
+  EXPECT_EQ(device.read(back, sizeof back), 256U);
+  EXPECT_EQ(std::string(back, back + 256), all);
+}
+
+TEST(Port, ThatVanishesComesBackAsAnotherUnderTheSameName) {
+  TempDir dir;
+  auto device = std::make_unique<Pty>(dir.path() / "radar0" / "port");
+  Port port((dir.path() / "radar0" / "port").string(), 921600);
+  ASSERT_TRUE(port.open());
+  ASSERT_TRUE(write(device.get(), "one"));
+  EXPECT_EQ(read(&port, 3), "one");
+  device.reset();
+  EXPECT_EQ(read(&port, 1), "");
+  EXPECT_EQ(port.state(), Port::State::kVanished);
+  EXPECT_FALSE(port.open());
+  device = std::make_unique<Pty>(dir.path() / "radar0" / "port");
+  ASSERT_TRUE(port.open());
+  ASSERT_TRUE(write(device.get(), "two"));
+  EXPECT_EQ(read(&port, 3), "two");
+}
+
+TEST(Port, OfAFileEnds) {
+  TempDir dir;
+  Port port(dir.write("bytes", "abc").string(), 921600);
+  ASSERT_TRUE(port.open());
+  EXPECT_EQ(read(&port, 100), "abc");
+  EXPECT_EQ(port.state(), Port::State::kEnded);
+}
+
+TEST(Port, OfUdpHearsAndAnswers) {
+  Port here("udp:34551", 0);
+  Port there("udp:127.0.0.1:34551", 0);
+  ASSERT_TRUE(here.open());
+  ASSERT_TRUE(there.open());
+  ASSERT_TRUE(write(&there, "question"));
+  EXPECT_EQ(read(&here, 8), "question");
+  ASSERT_TRUE(write(&here, "answer"));
+  EXPECT_EQ(read(&there, 6), "answer");
+}
+
+TEST(Port, NamesThatMakeNoSense) {
+  for (const char* name : {"", "@9600", "/dev/ttyS0@12345", "/dev/ttyS0@", "udp:", "udp:70000",
+                           "udp:localhost:14550", "udp:127.0.0.1:"}) {
+    EXPECT_THROW(Port(name, 115200), std::runtime_error) << name;
+  }
+  EXPECT_EQ(Port("/dev/ttyACM1@3000000", 921600).baud(), 3000000);
+  EXPECT_EQ(Port("/dev/ttyACM1", 921600).baud(), 921600);
+}
+
+}  // namespace
+}  // namespace rio::live::test

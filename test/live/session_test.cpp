@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A session against the estimator fed in the order of the stamps, and against what was sent.
+#include "live/session.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <vector>
+
+#include "live/live_flight.hpp"
+#include "live/outputs.hpp"
+#include "rio/io/dataset.hpp"
+#include "support/measured.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::live::test {
+namespace {
+
+using rio::test::measured;
+using rio::test::TempDir;
+
+/// The same data in the order of their stamps, as a replay gives them.
+std::map<Time, NavState> replayed(const Options& options, const std::vector<ImuSample>& imu,
+                                  const std::vector<RadarScan>& scans) {
+  const auto odometry = Odometry::create(options);
+  std::map<Time, NavState> states;
+  std::size_t next = 0;
+  std::uint64_t seen = 0;
+  for (const ImuSample& sample : imu) {
+    while (next < scans.size() && scans[next].time < sample.time) {
+      (void)odometry->add_scan(scans[next++]);
+    }
+    (void)odometry->add_imu(sample);
+    if (odometry->counters().scans == seen) continue;
+    seen = odometry->counters().scans;
+    states[odometry->report().time] = odometry->at_scan();
+  }
+  return states;
+}
+
+/// Largest distance at the stamps of `a`, all of which must be in `b`.
+double worst_distance(const std::map<Time, NavState>& a, const std::map<Time, NavState>& b) {
+  double worst = 0.0;
+  for (const auto& [time, state] : a) {
+    const auto other = b.find(time);
+    if (other == b.end()) {
+      ADD_FAILURE() << "no estimate at " << time.count();
+      return 1e9;
+    }
+    worst = std::max(worst, (state.p_WB - other->second.p_WB).norm());
+  }
+  return worst;
+}
+
+/// The points of a scan as numbers that were on the wire.
+using Points = std::vector<double>;
+Points points_of(const RadarScan& scan) {
+  Points points;
+  for (const RadarDetection& d : scan.detections) {
+    const sim::WrittenPoint p = sim::written(d);
+    points.insert(points.end(), {p.x, p.y, p.z, p.velocity, static_cast<double>(p.snr)});
+  }
+  return points;
+}
+std::multiset<Points> points_of(const std::vector<RadarScan>& scans) {
+  std::multiset<Points> all;
+  for (const RadarScan& scan : scans) all.insert(points_of(scan));
+  return all;
+}
+
+double drift(const sim::Flight& flight, const std::map<Time, NavState>& states) {
+  const NavState& end = states.rbegin()->second;
+  const NavState& begin = states.begin()->second;
+  const Vector3d true_way = flight.truth_at(end.time).p_WB - flight.truth_at(begin.time).p_WB;
+  return (end.p_WB - begin.p_WB - true_way).norm() / 25.0;
+}
+
+TEST(Session, IsTheReplayOfItsData) {
+  const sim::Flight flight = short_flight();
+  Estimates live;
+  Session session(setup_of(flight), {&live});
+  fly(flight, {}, &session);
+  EXPECT_EQ(live.imu.size(), flight.imu.size());
+  EXPECT_EQ(points_of(live.scans), points_of(flight.scans));
+  ASSERT_GT(live.states.size(), 200U);
+  const double apart =
+      worst_distance(live.states, replayed(options_of(flight), live.imu, live.scans));
+  measured("live and replay apart, m", apart, "0");
+  EXPECT_EQ(apart, 0.0);
+  Time off{0};
+  for (std::size_t i = 0; i < live.scans.size(); ++i) {
+    off = std::max({off, live.scans[i].time - flight.scans[i].time,
+                    flight.scans[i].time - live.scans[i].time});
+  }
+  measured("stamps of the scans off by, ms", 1e3 * to_seconds(off), "0.5, the delay of the IMU");
+  EXPECT_LT(off, std::chrono::microseconds(600));
+}
+
+TEST(Session, NothingIsInventedWhereBytesAreLost) {
+  const sim::Flight flight = short_flight();
+  for (const CableNoise& noise :
+       {CableNoise{.damaged = 0.01, .seed = 3}, CableNoise{.damaged = 0.2, .seed = 4},
+        CableNoise{.dropped = 0.1, .damaged = 0.1, .delayed = 0.2, .split = 0.5, .seed = 5}}) {
+    Estimates live;
+    Session session(setup_of(flight), {&live});
+    fly(flight, noise, &session);
+    const std::multiset<Points> sent = points_of(flight.scans);
+    const std::multiset<Points> came = points_of(live.scans);
+    EXPECT_LT(came.size(), sent.size());
+    EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
+    ASSERT_FALSE(live.states.empty());
+    // drift as with those scans and samples left out: it is the same estimate
+    EXPECT_EQ(worst_distance(live.states, replayed(options_of(flight), live.imu, live.scans)), 0.0);
+    if (noise.damaged > 0.05) continue;
+    measured("drift with 1 % of the packets damaged, %", 100.0 * drift(flight, live.states),
+             "below 0.5");
+    EXPECT_LT(drift(flight, live.states), 0.005);
+  }
+}
+
+TEST(Session, RecordsWhatReplaysAsItFlew) {
+  const sim::Flight flight = short_flight();
+  TempDir dir;
+  Estimates live;
+  Recorder recorder(dir.path() / "flight", {});
+  Session session(setup_of(flight), {&live, &recorder});
+  fly(flight, {.dropped = 0.01, .damaged = 0.01, .delayed = 0.1}, &session);
+  recorder.close();
+  const io::Dataset recorded = io::read_dataset(dir.path() / "flight");
+  ASSERT_EQ(recorded.imu.size(), live.imu.size());
+  ASSERT_EQ(recorded.scans.size(), live.scans.size());
+  EXPECT_EQ(worst_distance(live.states, replayed(options_of(flight), recorded.imu, recorded.scans)),
+            0.0);
+  EXPECT_ERROR(Recorder(dir.path() / "flight", {}), "is another recording");
+}
+
+TEST(Session, WantsATimingForEveryRadar) {
+  SessionSetup setup = setup_of(short_flight());
+  setup.radars.push_back(setup.radars.front());
+  EXPECT_ERROR(Session(setup, {}), "not as many radars");
+  setup.radars = {ti::FrameTiming{}};
+  EXPECT_ERROR(Session(setup, {}), "period");
+}
+
+}  // namespace
+}  // namespace rio::live::test
