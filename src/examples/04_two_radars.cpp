@@ -46,7 +46,7 @@ double fly(const rio::sim::Flight& flight, const std::vector<rio::Pose>& mounts,
 int main() {
   rio::sim::Scenario scenario;
   scenario.seed = 5;
-  scenario.path.length = 30.0;
+  scenario.path.length = 20.0;
   const rio::sim::Flight first = rio::sim::simulate_flight(scenario);
   const std::vector<rio::Pose> mounts = rio::sim::radar_mounts(scenario.radar.T_BS, 2);
   scenario.radar.T_BS = mounts[1];

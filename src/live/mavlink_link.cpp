@@ -14,9 +14,9 @@ MavlinkLink::MavlinkLink(const Settings& settings, Send send)
       odometry_due_(settings.rate) {}
 
 template <class Message>
-void MavlinkLink::send(const Message& message) {
+bool MavlinkLink::send(const Message& message) {
   std::uint8_t frame[mavlink::kMaxFrame];
-  send_(frame, writer_.write(message, frame, sizeof frame));
+  return send_(frame, writer_.write(message, frame, sizeof frame));
 }
 
 void MavlinkLink::receive(const std::uint8_t* bytes, std::size_t count, Time arrival,
@@ -62,9 +62,7 @@ void MavlinkLink::on_imu(const Session& session, const ImuSample& sample) {
   const auto message =
       mavlink::odometry_message(now, odometry.covariance_now(), odometry.health(), sample.gyro_B,
                                 settings_.gyro_sigma, settings_.content);
-  if (!message) return;
-  send(*message);
-  ++sent_;
+  if (message && send(*message)) ++sent_;
 }
 
 std::optional<Time> MavlinkLink::host_offset() const {

@@ -28,8 +28,8 @@ class MavlinkLink : public Listener {
     bool asks_clock = false;   ///< TIMESYNC questions, for who uses the IMU
     double gyro_sigma = 0.01;  ///< noise of a sample [rad/s]
   };
-  /// Sends a whole frame, or drops it.
-  using Send = std::function<void(const std::uint8_t* bytes, std::size_t count)>;
+  /// Sends a whole frame, or drops it and returns false.
+  using Send = std::function<bool(const std::uint8_t* bytes, std::size_t count)>;
   using OnImu = std::function<void(const ImuSample& sample)>;
 
   MavlinkLink(const Settings& settings, Send send);
@@ -50,7 +50,7 @@ class MavlinkLink : public Listener {
 
  private:
   template <class Message>
-  void send(const Message& message);
+  bool send(const Message& message);
   std::optional<ImuSample> sample_of(const mavlink::Packet& packet) const;
 
   Settings settings_;

@@ -45,7 +45,7 @@ bool make_raw(int fd, int baud) {
   line.c_cc[VMIN] = 0;
   line.c_cc[VTIME] = 0;
   return cfsetispeed(&line, known->code) == 0 && cfsetospeed(&line, known->code) == 0 &&
-         tcsetattr(fd, TCSANOW, &line) == 0;
+         tcsetattr(fd, TCSANOW, &line) == 0 && tcflush(fd, TCIFLUSH) == 0;
 }
 
 }  // namespace rio::live

@@ -132,7 +132,7 @@ class LiveRun {
     settings.asks_clock = imu_is_mavlink();
     settings.gyro_sigma = imu.gyro_noise_density * std::sqrt(imu_rate);
     link_.emplace(settings, [to_autopilot](const std::uint8_t* bytes, std::size_t count) {
-      (void)to_autopilot->write(bytes, count);  // a full line: the next message is newer
+      return to_autopilot->write(bytes, count);  // a full line: the next message is newer
     });
   }
 

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "e2e/tool.hpp"
+#include "examples/03_live_loop/hardware.hpp"
 #include "live/pty.hpp"
 #include "support/measured.hpp"
 
@@ -21,7 +22,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr const char* kSpeed = " --speed 8";  // 40 s of flight in 5
+constexpr const char* kSpeed = " --speed 3";  // 12 s of flight in 4
 
 class Live : public Tool {
  protected:
@@ -36,13 +37,23 @@ class Live : public Tool {
   static std::pair<Outcome, Outcome> fly(const std::string& name, const std::string& simulate,
                                          const std::string& live) {
     const std::string out = file(name);
+    std::ofstream(file("short.yaml")) << "seed: 9\nmax_duration: 12 s\n";
     auto player = std::async(std::launch::async, [&] {
-      return rio("simulate " + out + " --seed 9 --length 20 --live" + kSpeed + simulate);
+      return rio("simulate " + out + " --scenario " + file("short.yaml") + " --live" + kSpeed +
+                 simulate);
     });
     EXPECT_TRUE(appears(out + "/radar0/port"));
     Outcome run = rio("live --sensors " + out + " --radar " + out + "/radar0/port --imu " + out +
                       "/imu0/port --patience 0 --json" + kSpeed + live + " 2>/dev/null");
     return {player.get(), run};
+  }
+
+  /// The machine stood still for so long that data came too late for the estimator: a replay, which
+  /// is never late, is another flight then. One scan may be of before the start.
+  static bool too_busy(const Json& json) {
+    const Json& counters = json["counters"];
+    return counters["scans_late"] > 1 || counters["scans_ahead"] > 0 ||
+           counters["scans_overflow"] > 0;
   }
 
   /// States by stamp.
@@ -80,13 +91,14 @@ TEST_F(Live, IsTheReplayOfWhatItRecorded) {
   measured("last byte to estimate, median, ms", json["live"]["latency_median_ms"], "1");
   measured("last byte to estimate, p99, ms", json["live"]["latency_p99_ms"],
            "3 without other load");
-  measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 8.0,
+  measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 3.0,
            "0.03 at real speed");
   const Outcome replay =
       rio("replay " + file("clean_rec") + " --init static --no-check --states " + file("b.csv"));
   ASSERT_EQ(replay.status, 0) << replay.output;
+  if (too_busy(json)) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
   const std::size_t rows = lines_of(file("a.csv")).size();
-  EXPECT_GT(rows, 300U);
+  EXPECT_GT(rows, 50U);
   EXPECT_EQ(equal_rows(file("a.csv"), file("b.csv")), rows);
   EXPECT_EQ(lines_of(file("a.tum")).size(), rows);
 }
@@ -121,9 +133,14 @@ TEST_F(Live, ABadCableInventsNothing) {
   };
   const auto sent = points(file("bad"));
   const auto came = points(file("bad_rec"));
-  EXPECT_GT(came.size(), sent.size() * 9 / 10);
+  std::size_t accounted = came.size();
+  for (const char* what : {"packets_lost", "packets_made_up", "packets_untimed"}) {
+    accounted += json["live"][what].get<std::size_t>();
+  }
+  EXPECT_GT(accounted + 10, sent.size());  // before the IMU, and at the end
   EXPECT_LT(came.size(), sent.size());
   EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
+  if (too_busy(json)) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
   ASSERT_EQ(rio("replay " + file("bad_rec") + " --init static --no-check --states " + file("d.csv"))
                 .status,
             0);
@@ -190,6 +207,21 @@ TEST_F(Live, SendsTheConfigurationFirst) {
   EXPECT_NE(refused.output.find("profileCfg: the radar says \"Error: Invalid range; Error -1\""),
             std::string::npos)
       << refused.output;
+}
+
+/// One line to the autopilot, both ways; the program ends by a signal.
+TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
+  Hardware hardware;
+  const std::string line = hardware.autopilot_port();
+  const Outcome run =
+      run_command("timeout --preserve-status -s INT 5 " RIO_TOOL " live --sensors " + flight_ +
+                  " --radar " + hardware.radar_port() + " --imu " + line +
+                  " --imu-format mavlink --mavlink " + line + " --speed 5 --json 2>/dev/null");
+  ASSERT_EQ(run.status, 0) << run.output;
+  const Json json = Json::parse(run.last_line());
+  EXPECT_GT(json["scans"], 30);
+  EXPECT_GT(hardware.odometry_received(), 200);
+  EXPECT_EQ(json["live"]["odometry_sent"], hardware.odometry_received());
 }
 
 TEST_F(Live, WrongCommandLines) {

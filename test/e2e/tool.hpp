@@ -26,9 +26,9 @@ struct Outcome {
   }
 };
 
-/// Runs the program.
-inline Outcome rio(const std::string& arguments) {
-  FILE* pipe = popen((std::string(RIO_TOOL) + " " + arguments + " 2>&1").c_str(), "r");
+/// Runs a command of the shell.
+inline Outcome run_command(const std::string& command) {
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
   Outcome run;
   std::array<char, 4096> buffer{};
   std::size_t n = 0;
@@ -36,6 +36,10 @@ inline Outcome rio(const std::string& arguments) {
     run.output.append(buffer.data(), n);
   run.status = pclose(pipe);
   return run;
+}
+/// Runs the program.
+inline Outcome rio(const std::string& arguments) {
+  return run_command(std::string(RIO_TOOL) + " " + arguments);
 }
 
 /// Lines that are no comments.

@@ -25,6 +25,7 @@ struct Autopilot {
   MavlinkLink::Send hear() {
     return [this](const std::uint8_t* bytes, std::size_t count) {
       parser.push(bytes, count, Time{0}, [this](const mavlink::Packet& packet) { take(packet); });
+      return true;
     };
   }
   void take(const mavlink::Packet& packet) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <string>
 #include <thread>
@@ -80,6 +81,10 @@ class Hardware {
                       hear();
                       return !over_;
                     });
+    while (!over_) {
+      hear();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
 
   /// Counts the ODOMETRY that the autopilot gets.
