@@ -3,6 +3,7 @@
 // described in main.cpp. Every command throws std::runtime_error on failure.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -119,6 +120,16 @@ struct WrongConfiguration : std::runtime_error {
 };
 /// @throws WrongConfiguration after everything is printed
 void ti_config(const TiConfigArguments& arguments);
+
+/// `rio bench`: what the estimator costs on this machine.
+struct BenchArguments {
+  std::size_t detections = 30;  ///< in a scan
+  double seconds = 20.0;        ///< of simulated flight
+  bool growth = false;          ///< over detections, landmarks, clones, window instead
+  std::string out;              ///< SVG of the growth; empty: none
+  bool json = false;
+};
+void measure_cost(const BenchArguments& arguments);
 
 /// `rio simulate`: a simulated flight as a recording.
 struct SimulateArguments {

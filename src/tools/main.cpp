@@ -242,6 +242,27 @@ void add_cable_options(CLI::App* command, CLI::Option* live, SimulateArguments* 
   add("--split", &to->cable.split, "share that come in pieces");
 }
 
+void add_bench_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "bench",
+      "What the estimator costs on this machine, for every preset and back-end: time of an "
+      "update,\n"
+      "of an IMU step and of the start, memory, times real time; on a simulated flight");
+  auto arguments = std::make_shared<BenchArguments>();
+  command->add_option("--detections", arguments->detections, "of a scan")
+      ->check(CLI::Range(10, 100000))
+      ->capture_default_str();
+  command->add_option("--seconds", arguments->seconds, "of flight for each figure")
+      ->check(CLI::Range(2.0, 600.0))
+      ->capture_default_str();
+  CLI::Option* growth = command->add_flag(
+      "--growth", arguments->growth,
+      "how an update grows with detections, landmarks, clones and window instead");
+  command->add_option("--out", arguments->out, "SVG file to write of the growth")->needs(growth);
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the table");
+  command->callback([arguments] { measure_cost(*arguments); });
+}
+
 void add_simulate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simulate", "Write a simulated flight");
   auto arguments = std::make_shared<SimulateArguments>();
@@ -390,6 +411,7 @@ int run(int argc, char** argv) {
   add_ti_config_command(app);
   add_replay_command(app);
   add_live_command(app);
+  add_bench_command(app);
   add_simulate_command(app);
   add_scenarios_command(app);
   add_evaluate_command(app);

@@ -12,7 +12,7 @@
 
 #include "commands.hpp"
 #include "play.hpp"
-#include "rio/io/dataset.hpp"
+#include "rio/io/flight_dataset.hpp"
 #include "rio/io/scenario_yaml.hpp"
 #include "rio/io/text_file.hpp"
 
@@ -42,32 +42,6 @@ sim::Scenario make_scenario(const SimulateArguments& arguments) {
     scenario.path.file = fs::absolute(scenario.path.file).lexically_normal().string();
   }
   return scenario;
-}
-
-io::ImuInfo describe(const sim::ImuModel& model) {
-  return {.rate_hz = model.rate_hz,
-          .gyro_noise_density = model.gyro_noise_density,
-          .gyro_random_walk = model.gyro_random_walk,
-          .accel_noise_density = model.accel_noise_density,
-          .accel_random_walk = model.accel_random_walk};
-}
-
-/// @param told_T_BS the mounting as the estimator is told
-io::RadarInfo describe(const sim::RadarModel& model, const Pose& told_T_BS) {
-  io::RadarInfo info;
-  info.T_BS = told_T_BS;
-  info.rate_hz = model.rate_hz;
-  info.max_range = model.max_range;
-  info.fov_azimuth = model.fov_azimuth;
-  info.fov_elevation = model.fov_elevation;
-  info.sigma_range = model.sigma_range;
-  info.sigma_azimuth = model.sigma_azimuth;
-  info.sigma_elevation = model.sigma_elevation;
-  info.sigma_doppler = model.sigma_doppler;
-  if (model.ambiguous) info.max_doppler = model.reported_max_doppler();
-  info.range_resolution = model.quantize ? model.range_resolution : 0.0;
-  info.doppler_resolution = model.reported_doppler_resolution();
-  return info;
 }
 
 void write_text(const fs::path& path, const std::string& text) {
@@ -108,16 +82,11 @@ io::Dataset::OtherRadar other_radar(const sim::Flight& flight, const Pose& T_BS)
   sim::Scenario scenario = flight.scenario;
   scenario.radar.T_BS = T_BS;
   const sim::Flight other = sim::simulate_flight(flight.trajectory, scenario);
-  return {other.scans, describe(scenario.radar, other.told_T_BS)};
+  return {other.scans, io::radar_info_of(scenario.radar, other.told_T_BS)};
 }
 
 io::Dataset dataset_of(const sim::Flight& flight, std::size_t radars) {
-  io::Dataset dataset;
-  dataset.imu = flight.imu;
-  dataset.scans = flight.scans;
-  dataset.ground_truth = flight.truth;
-  dataset.imu_info = describe(flight.scenario.imu);
-  dataset.radar_info = describe(flight.scenario.radar, flight.told_T_BS);
+  io::Dataset dataset = io::dataset_of(flight);
   const std::vector<Pose> mounts = sim::radar_mounts(flight.scenario.radar.T_BS, radars);
   for (std::size_t r = 1; r < radars; ++r) {
     dataset.other_radars.push_back(other_radar(flight, mounts[r]));

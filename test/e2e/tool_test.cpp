@@ -301,6 +301,25 @@ TEST_F(Tool, PlotsAPicture) {
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
 }
 
+TEST_F(Tool, BenchMeasuresEveryPresetWithEitherBackEnd) {
+  const Outcome run = rio("bench --seconds 2 --detections 20 --json");
+  ASSERT_EQ(run.status, 0) << run.output;
+  const auto json = nlohmann::json::parse(run.last_line());
+  ASSERT_EQ(json["rows"].size(), 8U);
+  for (const auto& row : json["rows"]) {
+    for (const char* figure :
+         {"updates", "update_median_ms", "update_p99_ms", "imu_step_us", "create_ms"}) {
+      EXPECT_GT(row[figure], 0.0) << figure << " of " << row;
+    }
+    EXPECT_GT(row["real_time_factor"], 1.0) << row;
+  }
+  EXPECT_EQ(json["rows"][1]["backend"], "smoother");
+  const Outcome table = rio("bench --seconds 2 --detections 20");
+  EXPECT_PRED2(contains, table.output, "published-uncertainty smoother");
+  EXPECT_NE(rio("bench --detections 257").status, 0);  // more than the options allow
+  EXPECT_NE(rio("bench --out chart.svg").status, 0);   // without --growth
+}
+
 TEST(RealRecording, RunsThroughAndReturnsToItsStart) {
   const char* data = std::getenv("RIO_TEST_DATA");
   const fs::path recording = fs::path(data != nullptr ? data : "") / "ti_demo";
