@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/io/csv.hpp"
 
+#include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -12,12 +12,14 @@ namespace rio::io {
 
 namespace {
 
-constexpr std::string_view kBlanks = " \t";
+constexpr bool is_blank(char c) {
+  return c == ' ' || c == '\t';
+}
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 /// std::from_chars takes no leading plus.
@@ -77,36 +79,67 @@ std::optional<std::int64_t> scaled_by_1e9(std::string_view text) {
   return negative ? -value : value;
 }
 
+[[noreturn]] void fail_on(const std::filesystem::path& path, const char* what) {
+  throw std::runtime_error(path.string() + ": " + what);
+}
+
+/// Says what is wrong with a path that is no file.
+std::ifstream open_text(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) fail_on(path, "no such file");
+  if (std::filesystem::is_directory(path, ignored)) fail_on(path, "is a folder, not a file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) fail_on(path, "cannot be opened");
+  return stream;
+}
+
 }  // namespace
 
 std::string read_text(const std::filesystem::path& path) {
-  const auto fail = [&path](const char* what) {
-    throw std::runtime_error(path.string() + ": " + what);
-  };
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) fail("no such file");
-  if (std::filesystem::is_directory(path, ignored)) fail("is a folder, not a file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail("cannot be opened");
+  std::ifstream stream = open_text(path);
   std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (stream.bad()) fail("cannot be read");
-  if (text.empty()) fail("is empty");
+  if (stream.bad()) fail_on(path, "cannot be read");
+  if (text.empty()) fail_on(path, "is empty");
   return text;
 }
 
 CsvReader::CsvReader(const std::filesystem::path& path, char separator)
-    : name_(path.string()), text_(read_text(path)), separator_(separator) {
+    : name_(path.string()), stream_(open_text(path)), separator_(separator) {
+  read_on();
+  if (text_.empty()) fail_on(path, "is empty");
   if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // byte order mark of spreadsheet programs
 }
 
+void CsvReader::read_on() {
+  constexpr std::size_t kPiece = 64 * 1024;
+  text_.erase(0, position_);
+  position_ = 0;
+  const std::size_t kept = text_.size();
+  text_.resize(kept + kPiece);
+  stream_.read(text_.data() + kept, kPiece);
+  if (stream_.bad()) fail_on(name_, "cannot be read");
+  text_.resize(kept + static_cast<std::size_t>(stream_.gcount()));
+}
+
+bool CsvReader::next_line(std::string_view* line) {
+  std::size_t end = text_.find('\n', position_);
+  while (end == std::string::npos && stream_) {
+    const std::size_t searched = text_.size() - position_;
+    read_on();
+    end = text_.find('\n', searched);
+  }
+  if (end == std::string::npos) end = text_.size();
+  if (position_ >= text_.size()) return false;
+  *line = std::string_view(text_).substr(position_, end - position_);
+  position_ = std::min(end + 1, text_.size());
+  ++line_;
+  if (line->ends_with('\r')) line->remove_suffix(1);
+  return true;
+}
+
 bool CsvReader::next() {
-  while (position_ < text_.size()) {
-    std::size_t end = text_.find('\n', position_);
-    if (end == std::string::npos) end = text_.size();
-    std::string_view line(text_.data() + position_, end - position_);
-    position_ = end + 1;
-    ++line_;
-    if (line.ends_with('\r')) line.remove_suffix(1);
+  std::string_view line;
+  while (next_line(&line)) {
     line = trimmed(line);
     if (line.empty() || line.front() == '#') continue;
     split(line);
@@ -122,10 +155,8 @@ bool CsvReader::next() {
 
 void CsvReader::split(std::string_view line) {
   cells_.clear();
-  const std::string_view separators =
-      separator_ == ' ' ? kBlanks : std::string_view(&separator_, 1);
   while (true) {
-    const std::size_t end = line.find_first_of(separators);
+    const std::size_t end = separator_ == ' ' ? line.find_first_of(" \t") : line.find(separator_);
     cells_.push_back(trimmed(line.substr(0, end)));
     if (end == std::string_view::npos) return;
     line.remove_prefix(end + 1);

@@ -6,6 +6,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <stdexcept>
 
@@ -116,33 +117,58 @@ std::vector<BaroSample> read_baro(const fs::path& path) {
   return samples;
 }
 
-std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_columns) {
+NavState truth_at(const CsvReader& rows) {
   constexpr std::size_t kEurocColumns = 17;
+  NavState state;
+  state.time = Time(rows.integer(0));
+  state.p_WB = vector_at(rows, 1);
+  const auto q = unit_quaternion(rows.number(4), rows.number(5), rows.number(6), rows.number(7));
+  if (!q) rows.fail("not a unit quaternion");
+  state.q_WB = *q;
+  if (rows.columns() >= 11) state.v_WB = vector_at(rows, 8);
+  if (rows.columns() == kEurocColumns) {  // a states file has its covariance here
+    state.gyro_bias = vector_at(rows, 11);
+    state.accel_bias = vector_at(rows, 14);
+  }
+  if (!(state.p_WB + state.v_WB + state.gyro_bias + state.accel_bias).allFinite()) {
+    rows.fail("a value is not finite");
+  }
+  return state;
+}
+
+/// Hands over every state.
+void read_truth_file(const fs::path& path, std::size_t min_columns,
+                     const std::function<void(const NavState&)>& keep) {
   CsvReader rows(path);
-  std::vector<NavState> states;
+  std::optional<Time> last;
   while (rows.next()) {
     if (rows.columns() < min_columns) {
       rows.fail(fmt::format("has {} columns, {} are needed", rows.columns(), min_columns));
     }
-    NavState state;
-    state.time = Time(rows.integer(0));
-    state.p_WB = vector_at(rows, 1);
-    const auto q = unit_quaternion(rows.number(4), rows.number(5), rows.number(6), rows.number(7));
-    if (!q) rows.fail("not a unit quaternion");
-    state.q_WB = *q;
-    if (rows.columns() >= 11) state.v_WB = vector_at(rows, 8);
-    if (rows.columns() == kEurocColumns) {  // a states file has its covariance here
-      state.gyro_bias = vector_at(rows, 11);
-      state.accel_bias = vector_at(rows, 14);
-    }
-    if (!(state.p_WB + state.v_WB + state.gyro_bias + state.accel_bias).allFinite()) {
-      rows.fail("a value is not finite");
-    }
-    if (!states.empty() && state.time <= states.back().time) rows.fail("time does not increase");
-    states.push_back(state);
+    const NavState state = truth_at(rows);
+    if (last && state.time <= *last) rows.fail("time does not increase");
+    last = state.time;
+    keep(state);
   }
-  if (states.empty()) throw std::runtime_error(path.string() + ": holds no states");
+  if (!last) throw std::runtime_error(path.string() + ": holds no states");
+}
+
+std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_columns) {
+  std::vector<NavState> states;
+  read_truth_file(path, min_columns, [&states](const NavState& state) { states.push_back(state); });
   return states;
+}
+
+/// The first state within the span of the IMU; the last one if there is none.
+NavState read_start_of_truth(const fs::path& path, const std::vector<ImuSample>& imu) {
+  std::optional<NavState> start;
+  const auto within = [&imu](const NavState& state) {
+    return state.time >= imu.front().time && state.time <= imu.back().time;
+  };
+  read_truth_file(path, 17, [&](const NavState& state) {
+    if (!start || !within(*start)) start = state;
+  });
+  return *start;
 }
 
 /// Reads a 4x4 homogeneous matrix in EuRoC's {cols, rows, data}.
@@ -244,13 +270,18 @@ void note_if_cut_short(const fs::path& root, Dataset* dataset) {
 
 }  // namespace
 
-Dataset read_dataset(const fs::path& path) {
+Dataset read_dataset(const fs::path& path, Truth truth) {
   const fs::path root = dataset_root(path);
   Dataset dataset;
   dataset.imu = read_imu(root / kImu / kData, &dataset.notes);
   dataset.scans = read_radar(root / kRadar / kData);
   if (fs::exists(root / kBaro)) dataset.baro = read_baro(root / kBaro / kData);
-  if (fs::exists(root / kTruth)) dataset.ground_truth = read_truth_file(root / kTruth / kData, 17);
+  if (fs::exists(root / kTruth)) {
+    const fs::path file = root / kTruth / kData;
+    dataset.ground_truth = truth == Truth::kAll
+                               ? read_truth_file(file, 17)
+                               : std::vector<NavState>{read_start_of_truth(file, dataset.imu)};
+  }
   read_imu_info(root / kImu / kSensor, &dataset);
   read_radar_info(root / kRadar / kSensor, &dataset.radar_info, &dataset.notes);
   for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {

@@ -59,13 +59,13 @@ bool is_asl_folder(const fs::path& path) {
 }
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage) {
+                     std::string* damage, io::Truth truth) {
   damage->clear();
   if (is_asl_folder(path) || !bag::is_recording(path)) {
     if (arguments != RecordingArguments{}) {
       throw std::runtime_error(path + ": options of a bag are given, but it is none");
     }
-    io::Dataset dataset = io::read_dataset(path);
+    io::Dataset dataset = io::read_dataset(path, truth);
     print_notes(dataset);
     return dataset;
   }

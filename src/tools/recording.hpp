@@ -16,7 +16,7 @@ bool is_asl_folder(const std::filesystem::path& path);
 /// Reads it and prints its notes on stderr.
 /// @param damage where the file is damaged, else empty; the data set is what stands before
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage);
+                     std::string* damage, io::Truth truth = io::Truth::kAll);
 
 /// Throws what read_any() left in `damage`, if anything: what was readable has been used by then.
 void throw_damage(const std::string& damage);

@@ -342,7 +342,8 @@ class Replay {
 
 void replay(const ReplayArguments& arguments) {
   std::string damage;
-  const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
+  const io::Dataset dataset =
+      read_any(arguments.dataset, arguments.how, &damage, io::Truth::kStart);
   const Options options = make_options(arguments, dataset);
   ReplaySummary summary = Replay(arguments, dataset, options).run();
   if (!arguments.no_check) {

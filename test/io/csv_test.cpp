@@ -35,6 +35,28 @@ TEST(Csv, ToleratesCrlfByteOrderMarkAndMissingLastNewline) {
   EXPECT_FALSE(rows.next());
 }
 
+/// The file is read in pieces: rows of all lengths lie across their borders.
+TEST(Csv, ReadsRowsOfAnyLengthFromALongFile) {
+  const TempDir dir;
+  std::string text;
+  const auto padding = [](int row) {
+    return std::string(static_cast<std::size_t>(row) * 7 % 90, ' ');
+  };
+  for (int row = 0; row < 9000; ++row) {
+    text += std::to_string(row) + "," + padding(row) + std::to_string(0.5 * row) + "\r\n";
+  }
+  text += "#" + std::string(200'000, 'x') + "\n9000," + std::string(200'000, ' ') + "4500";
+  CsvReader rows(dir.write("a.csv", text));
+  for (int row = 0; row <= 9000; ++row) {
+    ASSERT_TRUE(rows.next());
+    ASSERT_EQ(rows.integer(0), row);
+    ASSERT_EQ(rows.number(1), 0.5 * row);
+  }
+  EXPECT_NE(rows.place().find("a.csv:9002"), std::string::npos);
+  EXPECT_FALSE(rows.next());
+  EXPECT_FALSE(rows.next());
+}
+
 TEST(Csv, AcceptsNonFiniteNumbersAndPlusSigns) {
   const TempDir dir;
   CsvReader rows(dir.write("a.csv", "nan,-inf,+2.5\n"));

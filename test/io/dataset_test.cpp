@@ -55,6 +55,30 @@ TEST(Dataset, RoundTripIsExact) {
   EXPECT_TRUE(b.notes.empty());
 }
 
+TEST(Dataset, KeepsOfTheTruthWhatAReplayStartsFrom) {
+  const TempDir dir;
+  Dataset d = sample_dataset();
+  ASSERT_GE(d.imu.size(), 2U);
+  NavState state;
+  d.ground_truth.clear();
+  for (const Time time : {d.imu.front().time - Time(1), d.imu.front().time, d.imu.back().time,
+                          d.imu.back().time + Time(1)}) {
+    state.time = time;
+    d.ground_truth.push_back(state);
+  }
+  write_dataset(dir.path() / "in", d);
+  const Dataset in = read_dataset(dir.path() / "in", Truth::kStart);
+  ASSERT_EQ(in.ground_truth.size(), 1U);
+  EXPECT_EQ(in.ground_truth.front().time, d.imu.front().time);
+  EXPECT_EQ(read_dataset(dir.path() / "in").ground_truth.size(), 4U);
+
+  d.ground_truth.erase(d.ground_truth.begin() + 1, d.ground_truth.begin() + 3);
+  write_dataset(dir.path() / "out", d);
+  const Dataset out = read_dataset(dir.path() / "out", Truth::kStart);
+  ASSERT_EQ(out.ground_truth.size(), 1U);
+  EXPECT_GT(out.ground_truth.front().time, d.imu.back().time);
+}
+
 TEST(Dataset, FindsMav0) {
   const TempDir dir;
   write_minimal(dir, "mav0/");

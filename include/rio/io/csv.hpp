@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads tables of numbers row by row. Nothing is skipped silently but blank lines and # comments.
+// Reads tables of numbers row by row, without holding the file in memory. Nothing is skipped
+// silently but blank lines and # comments.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,12 +43,16 @@ class CsvReader {
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
+  /// The next line, without its end; false at the end of the file. Valid until the next call.
+  bool next_line(std::string_view* line);
+  void read_on();
   void split(std::string_view line);
 
   std::string name_;
-  std::string text_;
+  std::ifstream stream_;
+  std::string text_;  ///< read and not yet forgotten
   char separator_;
-  std::size_t position_ = 0;
+  std::size_t position_ = 0;  ///< in text_, of the next line
   std::size_t line_ = 0;
   std::size_t expected_columns_ = 0;
   std::vector<std::string_view> cells_;

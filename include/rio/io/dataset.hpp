@@ -12,6 +12,7 @@
 // are empty. The body frame is the IMU frame; T_BS of radar0/sensor.yaml is the radar's pose in it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -79,9 +80,14 @@ struct Dataset {
   std::vector<std::string> notes;  ///< what a user should know, such as a missing sensor.yaml
 };
 
+/// All of the ground truth, or what a replay starts from: the first state within the span of the
+/// IMU, the last one if there is none.
+enum class Truth : std::uint8_t { kAll, kStart };
+
 /// Reads the folder, or `mav0` inside it. Throws std::runtime_error, "FILE:LINE: ..." where a line
 /// is to blame, if anything is missing, empty or damaged: never a silently shorter result.
-Dataset read_dataset(const std::filesystem::path& path);
+/// @param truth what is kept of the ground truth; all of it is read and looked at
+Dataset read_dataset(const std::filesystem::path& path, Truth truth = Truth::kAll);
 
 /// What the sensor.yaml below `path` say, without any data: for who has yet to record them. As many
 /// radars as there are folders radar0, radar1, ...; a file that is missing is a note.
