@@ -6,7 +6,8 @@ set -euo pipefail
 packages=(cmake g++ make libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
   libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
 if [ "${1:-tools}" = tests ]; then
-  packages+=(libgtest-dev libbenchmark-dev libceres-dev clang-format-14 clang-tidy-14)
+  packages+=(libgtest-dev libbenchmark-dev libceres-dev clang-format-14 clang-tidy-14
+    valgrind)
 fi
 if [ "${1:-tools}" = fuzz ]; then
   packages+=(clang-14 libclang-rt-14-dev)
