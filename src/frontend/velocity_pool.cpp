@@ -114,7 +114,21 @@ void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
 
 void VelocityPool::complete(const Estimate& x) {
   const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
-  for (Row& row : rows_) row.a_v = row.y + row.a.dot(row.s + row.age * g_B);
+  const auto n = static_cast<Eigen::Index>(rows_.size());
+  columns_.a.resize(n, 3);
+  for (RowArray* column : {&columns_.a_v, &columns_.variance_doppler, &columns_.variance_direction,
+                           &columns_.allowance}) {
+    column->resize(n);
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Row& row = rows_[static_cast<std::size_t>(i)];
+    row.a_v = row.y + row.a.dot(row.s + row.age * g_B);
+    columns_.a.row(i) = row.a.transpose().array();
+    columns_.a_v[i] = row.a_v;
+    columns_.variance_doppler[i] = row.sigma_doppler * row.sigma_doppler;
+    columns_.variance_direction[i] = row.sigma_direction * row.sigma_direction;
+    columns_.allowance[i] = drift_ / 3.0 * row.age;
+  }
 }
 
 double VelocityPool::sigma(const Row& row, double speed) const {
@@ -130,16 +144,29 @@ int VelocityPool::support(const Vector3d& v) const {
   }));
 }
 
-double VelocityPool::likelihood(const Vector3d& v) const {
+double VelocityPool::likelihood(const Vector3d& v, double needed) const {
   constexpr double kRootTwoPi = 2.5066282746;
-  const double speed = v.norm();
-  const double range = 2.0 * std::min(fold_.limit(), kRange);
+  const double speed = std::min(v.norm(), kFastest);
+  const double range = 2.0 * std::min(fold_.limit(), kRange) / kRootTwoPi;
+  const Columns& c = columns_;
+  const RowArray own = (c.variance_doppler + speed * speed * c.variance_direction)
+                           .sqrt()
+                           .max(options_.frontend.ransac_threshold / 3.0) +
+                       c.allowance;
+  RowArray r = c.a_v - (c.a.col(0) * v.x() + c.a.col(1) * v.y() + c.a.col(2) * v.z());
+  if (fold_.ambiguous()) {  // all of them wrapped
+    const double period = 2.0 * fold_.limit();
+    r -= period * (r * (1.0 / period)).rint();
+  }
+  // no row brings more than a residual of zero at the least sigma
+  const double most = std::log(range / own.minCoeff());
+  if (static_cast<double>((r.abs() <= 3.0 * own).count()) * most < needed) return 0.0;
   double sum = 0.0;
-  for (const Row& row : rows_) {
-    const double own = sigma(row, speed);
-    const double r = residual(row, v) / own;
-    if (r * r > 9.0) continue;
-    sum += std::max(0.0, std::log(range / (kRootTwoPi * own)) - 0.5 * r * r);
+  for (Eigen::Index i = 0; i < r.size(); ++i) {
+    const double square = r[i] * r[i];
+    const double variance = own[i] * own[i];
+    if (square > 9.0 * variance) continue;
+    sum += std::max(0.0, std::log(range / own[i]) - 0.5 * square / variance);
   }
   return sum;
 }
@@ -169,7 +196,7 @@ bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) c
   double rival = 0.0;
   const auto consider = [&](const Vector3d& v) {
     if (v.norm() > kFastest) return;
-    const double L = likelihood(v);
+    const double L = likelihood(v, kNearly * most);
     const bool far = (v - *best).norm() > apart;
     if (L > most) {
       if (far) rival = most;

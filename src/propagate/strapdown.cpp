@@ -2,8 +2,7 @@
 #include "rio/propagate/strapdown.hpp"
 
 #include <algorithm>
-#include <array>
-#include <utility>
+#include <cmath>
 
 namespace rio {
 
@@ -25,40 +24,27 @@ void integrate(const ImuStep& step, double gravity, NavState& state) {
 
 namespace {
 
-/// What a step of constant w and a does to an error in the attitude or a bias at its begin.
-struct ErrorGrowth {
-  Matrix3d attitude_gyro;
-  Matrix3d velocity_gyro, velocity_accel;
-  Matrix3d position_gyro, position_accel;
-  Vector3d velocity;  ///< -R Gamma_1 a dt: what turns with the attitude error
-  Vector3d position;  ///< -R Gamma_2 a dt^2: same
-
-  ErrorGrowth(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt)
-      : ErrorGrowth(R, w * dt, a, dt, GammaSeries((w * dt).squaredNorm())) {}
-  ErrorGrowth(const Matrix3d& R, const Vector3d& phi, const Vector3d& a, double dt,
-              const GammaSeries& S) {
-    const Matrix3d gamma_1 = gamma(1, phi, S);
-    attitude_gyro = -dt * gamma_1.transpose();  // Gamma_1(-phi)
-    velocity_accel = -dt * (R * gamma_1);
-    position_accel = -(dt * dt) * (R * gamma(2, phi, S));
-    velocity_gyro = R * d_gamma_a_d_phi(1, phi, a, S) * -(dt * dt);
-    position_gyro = R * d_gamma_a_d_phi(2, phi, a, S) * -(dt * dt * dt);
-    velocity = velocity_accel * a;
-    position = position_accel * a;
-  }
-};
-
 /// The blocks of (E2) that are neither zero nor the identity; that of position by velocity is dt.
-struct TransitionBlocks : ErrorGrowth {
+struct TransitionBlocks {
   Matrix3d attitude_attitude, velocity_attitude, position_attitude;
+  Matrix3d attitude_gyro, velocity_gyro, position_gyro;
+  Matrix3d velocity_accel, position_accel;
   double dt;
 
   TransitionBlocks(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double step)
-      : ErrorGrowth(R, w, a, step),
-        attitude_attitude(gamma(0, w * step).transpose()),
-        velocity_attitude(skew(velocity) * R),  // R [Gamma a] = [R Gamma a] R
-        position_attitude(skew(position) * R),
-        dt(step) {}
+      : dt(step) {
+    const Vector3d phi = w * dt;
+    const GammaSeries S(phi.squaredNorm());
+    const Matrix3d gamma_1 = gamma(1, phi, S);
+    attitude_attitude = gamma(0, phi, S).transpose();
+    attitude_gyro = -dt * gamma_1.transpose();  // Gamma_1(-phi)
+    velocity_accel = -dt * (R * gamma_1);
+    velocity_attitude = skew(velocity_accel * a) * R;  // -R [Gamma_1 a] = -[R Gamma_1 a] R
+    velocity_gyro = R * d_gamma_a_d_phi(1, phi, a, S) * -(dt * dt);
+    position_accel = -(dt * dt) * (R * gamma(2, phi, S));
+    position_attitude = skew(position_accel * a) * R;
+    position_gyro = R * d_gamma_a_d_phi(2, phi, a, S) * -(dt * dt * dt);
+  }
 };
 
 /// M <- M Phi^T, M of any height: column by column, each from those that are still old.
@@ -88,6 +74,18 @@ void postmultiply_transposed(const TransitionBlocks& F, Matrix& M) {
                  .eval();
 }
 
+/// Q <- Phi Q Phi^T + q, both symmetric; the rows of the biases are those of the identity.
+void add_noise_step(const TransitionBlocks& F, const Matrix15d& q, Matrix15d& Q) {
+  constexpr int kNav = body::kGyroBias;
+  constexpr int kBiases = body::kSize - kNav;
+  postmultiply_transposed(F, Q);
+  Q.transposeInPlace();
+  auto moved = Q.topRows<kNav>();
+  postmultiply_transposed(F, moved);
+  Q.bottomLeftCorner<kBiases, kNav>() = Q.topRightCorner<kNav, kBiases>().transpose();
+  Q += q;
+}
+
 }  // namespace
 
 Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt) {
@@ -112,62 +110,64 @@ ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
   return n;
 }
 
+namespace {
+
+/// (E3) of a step that hardly turns.
+Matrix15d noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double t,
+                              const ProcessNoise& density) {
+  using namespace body;
+  const Matrix3d half_turn = gamma(0, (0.5 * t) * w);
+  const Matrix3d R_mid = R * half_turn;
+  const Matrix3d R_end = R_mid * half_turn;
+  const Vector3d f = R_mid * a;
+  const Matrix3d F = skew(f);
+  const Matrix3d FR = F * R_end;
+  const Matrix3d FF = f.squaredNorm() * Matrix3d::Identity() - f * f.transpose();  // F F^T
+  const Matrix3d I = Matrix3d::Identity();
+  const double t2 = t * t;
+  const double t3 = t2 * t;
+  const auto [gyro, accel, gyro_walk, accel_walk] = density;
+
+  Matrix15d Q = Matrix15d::Zero();  // below the diagonal
+  Q.block<3, 3>(kAttitude, kAttitude) = (gyro * t + gyro_walk * t3 / 3.0) * I;
+  Q.block<3, 3>(kPosition, kAttitude) = -(gyro * t3 / 6.0 + gyro_walk * t3 * t2 / 30.0) * FR;
+  Q.block<3, 3>(kVelocity, kAttitude) = -(gyro * t2 / 2.0 + gyro_walk * t2 * t2 / 8.0) * FR;
+  Q.block<3, 3>(kPosition, kPosition) =
+      (accel * t3 / 3.0 + accel_walk * t3 * t2 / 20.0) * I +
+      (gyro * t3 * t2 / 20.0 + gyro_walk * t3 * t3 * t / 252.0) * FF;
+  Q.block<3, 3>(kVelocity, kPosition) = (accel * t2 / 2.0 + accel_walk * t2 * t2 / 8.0) * I +
+                                        (gyro * t2 * t2 / 8.0 + gyro_walk * t3 * t3 / 72.0) * FF;
+  Q.block<3, 3>(kVelocity, kVelocity) =
+      (accel * t + accel_walk * t3 / 3.0) * I + (gyro * t3 / 3.0 + gyro_walk * t3 * t2 / 20.0) * FF;
+  const Matrix3d FR_mid_T = (F * R_mid).transpose();
+  Q.block<3, 3>(kGyroBias, kAttitude) = -(gyro_walk * t2 / 2.0) * half_turn;
+  Q.block<3, 3>(kGyroBias, kPosition) = (gyro_walk * t2 * t2 / 24.0) * FR_mid_T;
+  Q.block<3, 3>(kGyroBias, kVelocity) = (gyro_walk * t3 / 6.0) * FR_mid_T;
+  Q.block<3, 3>(kGyroBias, kGyroBias) = (gyro_walk * t) * I;
+  Q.block<3, 3>(kAccelBias, kPosition) = -(accel_walk * t3 / 6.0) * R_mid.transpose();
+  Q.block<3, 3>(kAccelBias, kVelocity) = -(accel_walk * t2 / 2.0) * R_mid.transpose();
+  Q.block<3, 3>(kAccelBias, kAccelBias) = (accel_walk * t) * I;
+  return Q.selfadjointView<Eigen::Lower>();
+}
+
+}  // namespace
+
 Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
                                    double dt, const ProcessNoise& density) {
-  using namespace body;
-  constexpr double kNode = 0.38729833462074170;  // sqrt(3/5) / 2
-  constexpr std::array<double, 3> kNodes = {0.5 - kNode, 0.5, 0.5 + kNode};
-  constexpr std::array<double, 3> kWeights = {5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0};
+  constexpr double kShort = 0.05;  // [rad]: 2e-4 of a variance
+  const double angle = w.norm() * dt;
+  if (angle <= kShort) return noise_of_short_step(R, w, a, dt, density);
+  const int parts = static_cast<int>(std::ceil(angle / kShort));
+  const double t = dt / parts;
+  const Matrix3d turn = gamma(0, w * t);
+  Matrix3d R_part = R;
   Matrix15d Q = Matrix15d::Zero();
-  const auto add = [&Q](int row, int column, const Matrix3d& a_row, const Matrix3d& a_column,
-                        double weight) {
-    Q.block<3, 3>(row, column) += weight * a_row.lazyProduct(a_column.transpose());
-  };
-  // [u][v]^T of errors that turn with the attitude
-  const auto add_turn = [&Q](int row, int column, const Vector3d& u, const Vector3d& v,
-                             double weight) {
-    Q.block<3, 3>(row, column) += weight * (u.dot(v) * Matrix3d::Identity() - v * u.transpose());
-  };
-  Vector3d velocity = Vector3d::Zero();  // sums over the nodes
-  Vector3d position = Vector3d::Zero();
-  for (std::size_t i = 0; i < kNodes.size(); ++i) {
-    const double s = kNodes[i] * dt;
-    const ErrorGrowth F(R * gamma(0, w * s), w, a, dt - s);
-    const double gyro = kWeights[i] * dt * density.gyro;
-    velocity += gyro * F.velocity;
-    position += gyro * F.position;
-    add_turn(kPosition, kPosition, F.position, F.position, gyro);
-    add_turn(kVelocity, kPosition, F.velocity, F.position, gyro);
-    add_turn(kVelocity, kVelocity, F.velocity, F.velocity, gyro);
-    const double gyro_walk = kWeights[i] * dt * density.gyro_walk;
-    add(kAttitude, kAttitude, F.attitude_gyro, F.attitude_gyro, gyro_walk);
-    add(kPosition, kAttitude, F.position_gyro, F.attitude_gyro, gyro_walk);
-    add(kPosition, kPosition, F.position_gyro, F.position_gyro, gyro_walk);
-    add(kVelocity, kAttitude, F.velocity_gyro, F.attitude_gyro, gyro_walk);
-    add(kVelocity, kPosition, F.velocity_gyro, F.position_gyro, gyro_walk);
-    add(kVelocity, kVelocity, F.velocity_gyro, F.velocity_gyro, gyro_walk);
-    Q.block<3, 3>(kGyroBias, kAttitude) += gyro_walk * F.attitude_gyro.transpose();
-    Q.block<3, 3>(kGyroBias, kPosition) += gyro_walk * F.position_gyro.transpose();
-    Q.block<3, 3>(kGyroBias, kVelocity) += gyro_walk * F.velocity_gyro.transpose();
-    const double accel_walk = kWeights[i] * dt * density.accel_walk;
-    add(kPosition, kPosition, F.position_accel, F.position_accel, accel_walk);
-    add(kVelocity, kPosition, F.velocity_accel, F.position_accel, accel_walk);
-    add(kVelocity, kVelocity, F.velocity_accel, F.velocity_accel, accel_walk);
-    Q.block<3, 3>(kAccelBias, kPosition) += accel_walk * F.position_accel.transpose();
-    Q.block<3, 3>(kAccelBias, kVelocity) += accel_walk * F.velocity_accel.transpose();
+  for (int i = 0; i < parts; ++i) {
+    add_noise_step(TransitionBlocks(R_part, w, a, t), noise_of_short_step(R_part, w, a, t, density),
+                   Q);
+    R_part = R_part * turn;
   }
-  // an attitude error of any time turns the body at the end: [u] R_s (R_s^T R_end) = [u] R_end
-  const Matrix3d R_end = R * gamma(0, w * dt);
-  Q.block<3, 3>(kPosition, kAttitude) += skew(position) * R_end;
-  Q.block<3, 3>(kVelocity, kAttitude) += skew(velocity) * R_end;
-  Q.diagonal().segment<3>(kAttitude).array() += density.gyro * dt;
-  // of the accelerometer the integral is exact
-  Q.diagonal().segment<3>(kPosition).array() += density.accel * dt * dt * dt / 3.0;
-  Q.block<3, 3>(kVelocity, kPosition).diagonal().array() += density.accel * dt * dt / 2.0;
-  Q.diagonal().segment<3>(kVelocity).array() += density.accel * dt;
-  Q.diagonal().segment<3>(kGyroBias).array() += density.gyro_walk * dt;
-  Q.diagonal().segment<3>(kAccelBias).array() += density.accel_walk * dt;
-  return Q.selfadjointView<Eigen::Lower>();
+  return Q;
 }
 
 Matrix15d congruence(const Matrix15d& F, const Matrix15d& P) {
@@ -187,10 +187,7 @@ void Propagation::step(const ImuStep& step, const ImuOptions& options) {
   const Vector3d a = step.accel_B - state.accel_bias;
   const TransitionBlocks phi(R, w, a, dt);
   postmultiply_transposed(phi, transposed_transition);
-  postmultiply_transposed(phi, noise);
-  noise.transposeInPlace();
-  postmultiply_transposed(phi, noise);
-  noise += process_noise_covariance(R, w, a, dt, process_noise(options, step));
+  add_noise_step(phi, process_noise_covariance(R, w, a, dt, process_noise(options, step)), noise);
   integrate(step, options.gravity, state);
   gap = gap || step.gap > 0.0;
 }

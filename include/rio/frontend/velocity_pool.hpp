@@ -84,6 +84,16 @@ class VelocityPool {
     double sigma_direction = 0.0;   ///< [rad]
   };
 
+  static constexpr std::size_t kMaxRows = 96;
+  using RowArray = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
+
+  /// The rows side by side, for the one function that is called hundreds of times a search.
+  struct Columns {
+    Eigen::Array<double, Eigen::Dynamic, 3, 0, kMaxRows, 3> a;
+    RowArray a_v, variance_doppler, variance_direction;
+    RowArray allowance;  ///< e T / 3 of (E3) [m/s]
+  };
+
   /// The rows to the time of x (E1).
   void carry(Time last, const Estimate& x, const ImuBuffer& imu);
   void take(const DetectionList& scan, const Estimate& x);
@@ -93,8 +103,9 @@ class VelocityPool {
   double residual(const Row& row, const Vector3d& v) const {
     return fold_.wrap(row.a_v - row.a.dot(v));
   }
-  int support(const Vector3d& v) const;                        // (E3)
-  double likelihood(const Vector3d& v) const;                  // (E4)
+  int support(const Vector3d& v) const;  // (E3)
+  /// (E4); 0 where it cannot reach `needed`.
+  double likelihood(const Vector3d& v, double needed = 0.0) const;
   double chance_share(const Vector3d& v, double sigma) const;  // (E5)
 
   /// The most likely velocity; none if one far away is nearly as likely.
@@ -110,9 +121,8 @@ class VelocityPool {
 
   static constexpr Time kWindow = std::chrono::milliseconds(1000);  // the IMU alone stays good
   static constexpr Time kSpan = std::chrono::milliseconds(250);     // that rows must cover
-  static constexpr std::size_t kMaxRows = 96;
-  static constexpr int kMinRows = 12;   // four times the unknowns
-  static constexpr int kScanRows = 12;  // of a dense scan, about
+  static constexpr int kMinRows = 12;                               // four times the unknowns
+  static constexpr int kScanRows = 12;                              // of a dense scan, about
   static constexpr Time kPatience = std::chrono::milliseconds(250);
   static constexpr Time kLongPatience = std::chrono::milliseconds(4000);  // a person passes by
   static constexpr double kProven = 1.0;        // seconds of support that prove a velocity
@@ -135,6 +145,7 @@ class VelocityPool {
   DopplerFold fold_;
   double drift_ = kDrift;  ///< e of (E3) [m/s^2]
   std::vector<Row> rows_;  ///< oldest first
+  Columns columns_;        ///< of rows_, after complete()
   Time agreed_{0};
   Time since_{0};        ///< it is contradicted
   double proven_ = 0.0;  ///< time of support [s]

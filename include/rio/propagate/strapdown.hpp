@@ -6,7 +6,9 @@
 // core/so3.hpp: (E1) R+ = R Gamma_0(phi),  v+ = v + R Gamma_1(phi) a dt + g dt,
 //      p+ = p + v dt + R Gamma_2(phi) a dt^2 + g dt^2 / 2
 // (E2) Phi: the exact derivative of (E1) in the error of namespace body
-// (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, three-point Gauss-Legendre
+// (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, in closed form with the attitude of the
+//      middle of the step (relative error below |phi|^2 / 12); a step that turns by more than 0.05
+//      rad is cut
 // Reference: Michalczyk et al. 2023, eq. 2 and 6 (with the sign of gravity corrected: W is z up).
 #pragma once
 
