@@ -28,9 +28,9 @@ bool finite(const Step& step) {
 }
 
 /// Feeds one flight.
-class Replay {
+class FlightReplay {
  public:
-  Replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each)
+  FlightReplay(const sim::Flight& flight, Odometry& odometry, const EachReport& each)
       : flight_(flight), odometry_(odometry), each_(each) {}
 
   Trial run() {
@@ -136,7 +136,7 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
 }
 
 Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each) {
-  return Replay(flight, odometry, each).run();
+  return FlightReplay(flight, odometry, each).run();
 }
 
 Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each) {
