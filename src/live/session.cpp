@@ -9,6 +9,9 @@
 namespace rio::live {
 namespace {
 
+/// Bytes of one packet are not as far apart, USB included.
+constexpr Time kPause = std::chrono::milliseconds(5);
+
 /// Whether the bytes took longer than on the wire by more than half of the pause between packets.
 bool is_made_up(const ti::Frame& frame, const ti::FrameTiming& timing) {
   constexpr double kBitsPerByte = 10.0;
@@ -59,7 +62,17 @@ void Session::take(std::size_t r, ti::Frame* frame) {
   for (Listener* listener : listeners_) listener->on_scan(*this, frame->scan, r);
 }
 
+/// A frame that waits for the next bytes of its radar does not wait longer than a pause.
+void Session::flush_held(Time now) {
+  for (std::size_t r = 0; r < radars_.size(); ++r) {
+    const std::optional<Time> since = radars_[r].reader.held_since();
+    if (!since || now - *since <= kPause) continue;
+    radars_[r].reader.flush([this, r](ti::Frame& frame) { take(r, &frame); });
+  }
+}
+
 void Session::imu(const ImuSample& sample, Time arrival) {
+  flush_held(arrival);
   ++imu_samples_;
   offset_.add(sample.time, arrival);
   (void)odometry_->add_imu(sample);  // what it did is counted

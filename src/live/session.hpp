@@ -66,8 +66,9 @@ class Session {
   Time host_offset() const;
   /// Frames that came before any sample of the IMU: nothing can be done with them.
   std::uint64_t frames_without_imu() const { return frames_without_imu_; }
-  /// Frames left out because their last bytes came so late that they are those of the next packet:
-  /// up to seven lost bytes show in no other way, the packets have no checksum.
+  /// Frames left out because their last bytes came so late that they may be those of the next
+  /// packet: lost bytes show in no other way if the magic word behind them is damaged as well, the
+  /// packets have no checksum.
   std::uint64_t frames_made_up() const { return frames_made_up_; }
   /// Frames left out because nobody knows when they were measured (FrameClock::odd): the host stood
   /// still for a second, or the radar has just started again.
@@ -87,6 +88,7 @@ class Session {
   };
 
   void take(std::size_t r, ti::Frame* frame);
+  void flush_held(Time now);
   bool is_left_out(Radar* radar, ti::Frame* frame);
   void tell_estimate();
 

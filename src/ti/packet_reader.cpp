@@ -52,7 +52,7 @@ PacketReader::PacketReader(std::size_t max_packet)
 void PacketReader::drop_pending() {
   skip_to(end_);
   begin_ = end_ = unclaimed_ = searched_ = 0;
-  in_packet_ = false;
+  in_packet_ = held_ = false;
 }
 
 /// @return how many bytes there was room for; at least one
@@ -74,17 +74,37 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
 /// The next frame that is complete, or null when the bytes are used up.
 Frame* PacketReader::next(Time arrival) {
   while (in_packet_ || find_packet(arrival)) {
-    // what comes with the next magic word or after it is not of this packet
     const std::size_t magic = find_magic(buffer_.data(), searched_, end_);
     const bool cut = magic < end_;
+    // seen before the magic word was whole, so that the verdict does not hang on the pieces
     const std::size_t end = cut ? magic + kMagicSize - 1 : end_;
     searched_ = cut ? magic : std::max(searched_, end_ - (kMagicSize - 1));
     const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end - begin_);
-    if (verdict == PacketVerdict::kComplete) return hand_out(arrival);
+    if (verdict == PacketVerdict::kComplete && begin_ + walk_.size() <= magic) {
+      if (!held_) frame_.last_arrival = arrival;
+      held_ = !cut && may_end_in_magic();
+      return held_ ? nullptr : hand_out();
+    }
     if (verdict == PacketVerdict::kMore && !cut) return nullptr;
-    give_up(verdict == PacketVerdict::kMore ? PacketVerdict::kDamaged : verdict);
+    const bool wrong = verdict == PacketVerdict::kMore || verdict == PacketVerdict::kComplete;
+    give_up(wrong ? PacketVerdict::kDamaged : verdict);
   }
   return nullptr;
+}
+
+/// Whether a magic word may begin in the last bytes of the packet, which is complete, and end
+/// behind them, by all bytes there are.
+bool PacketReader::may_end_in_magic() const {
+  const std::size_t packet_end = begin_ + walk_.size();
+  for (std::size_t at = packet_end - (kMagicSize - 1); at < packet_end; ++at) {
+    const std::size_t there = std::min(end_ - at, kMagicSize);
+    if (std::memcmp(buffer_.data() + at, kMagic, there) == 0) return true;
+  }
+  return false;
+}
+
+std::optional<Time> PacketReader::held_since() const {
+  return held_ ? std::optional<Time>(frame_.last_arrival) : std::nullopt;
 }
 
 bool PacketReader::find_packet(Time arrival) {
@@ -104,16 +124,15 @@ bool PacketReader::find_packet(Time arrival) {
   return true;
 }
 
-/// The packet is complete. Its last bytes stay: if bytes of it were lost, they are the first ones
-/// of the next magic word.
-Frame* PacketReader::hand_out(Time arrival) {
+/// The packet is complete. Its last bytes stay, they may be the first ones of a magic word after
+/// all: flush() may have come too early.
+Frame* PacketReader::hand_out() {
   counters_.points_left_out += walk_.decode(buffer_.data() + begin_, &frame_);
-  frame_.last_arrival = arrival;
   frame_.scan.time = frame_.first_arrival;
   count_number(frame_.number);
   unclaimed_ = begin_ + walk_.size();
   begin_ = searched_;
-  in_packet_ = false;
+  in_packet_ = held_ = false;
   fruitless_ = 0;
   state_ = StreamState::kFrames;
   return &frame_;
@@ -129,7 +148,7 @@ void PacketReader::give_up(PacketVerdict verdict) {
     state_ = verdict == PacketVerdict::kOldSdk ? StreamState::kOldSdk : StreamState::kNewSdk;
   }
   ++begin_;
-  in_packet_ = false;
+  in_packet_ = held_ = false;
 }
 
 /// Bytes before `index` that belong to no frame are skipped ones.

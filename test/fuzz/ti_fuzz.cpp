@@ -84,6 +84,11 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     });
     at += piece;
   }
+  reader.flush([&](const Frame& frame) { whole.push_back(seen(frame)); });
+  other.flush([&](Frame& frame) {
+    pieces.push_back(seen(frame));
+    stamp(&clock, now, &frame);
+  });
   RIO_FUZZ_CHECK(whole == pieces && same(reader.counters(), other.counters()));
   std::size_t claimed = 0;
   for (const Seen& frame : whole) claimed += frame.bytes - (kMagicSize - 1);

@@ -119,6 +119,32 @@ TEST(Session, NothingIsInventedWhereBytesAreLost) {
   }
 }
 
+/// Packets without padding whose last byte may be that of a magic word: the reader waits for the
+/// next bytes, the session no longer than for a pause.
+TEST(Session, AFrameThatEndsAsAMagicWordBeginsDoesNotWaitForTheNext) {
+  struct Lags : Listener {
+    Time imu{0}, worst{0};
+    int scans = 0;
+    void on_imu(const Session& /*session*/, const ImuSample& sample) override { imu = sample.time; }
+    void on_scan(const Session& /*session*/, const RadarScan& scan,
+                 std::size_t /*radar*/) override {
+      worst = std::max(worst, imu - scan.time);
+      ++scans;
+    }
+  };
+  sim::Flight flight = short_flight();
+  for (RadarScan& scan : flight.scans) {
+    scan.detections.resize(10);
+    scan.detections.back().noise_db = 60.0;
+  }
+  Lags lags;
+  Session session(setup_of(flight), {&lags});
+  fly(flight, {}, &session);
+  EXPECT_GE(lags.scans, static_cast<int>(flight.scans.size()) - 1);
+  measured("from the chirps to the scan, worst, ms", 1e3 * to_seconds(lags.worst), "below 30");
+  EXPECT_LT(lags.worst, std::chrono::milliseconds(30));
+}
+
 TEST(Session, RecordsWhatReplaysAsItFlew) {
   const sim::Flight flight = short_flight();
   TempDir dir;

@@ -83,6 +83,79 @@ TEST(PacketReader, LostBytesCostOnePacket) {
   }
 }
 
+// The head of the next packet would complete it, to the byte.
+TEST(PacketReader, LastBytesThatWereLostAreNotThoseOfTheNextPacket) {
+  for (std::size_t lost = 1; lost < kMagicSize; ++lost) {
+    const Bytes whole = packet(2, 2);
+    for (std::size_t at = whole.size() - lost; at >= kMagicSize; at -= 3) {
+      Bytes cut = whole;
+      cut.erase(cut.begin() + static_cast<long>(at), cut.begin() + static_cast<long>(at + lost));
+      const Bytes bytes = joined({packet(1), cut, packet(3), packet(4)});
+      for (std::size_t split = packet(1).size(); split < bytes.size(); ++split) {
+        Reading reading;
+        reading.push(bytes.data(), split);
+        reading.push(bytes.data() + split, bytes.size() - split);
+        ASSERT_EQ(reading.numbers(), (Numbers{1, 3, 4})) << lost << " at " << at << ", " << split;
+        ASSERT_EQ(reading.counters().damaged, 1U) << lost << " at " << at << ", " << split;
+        ASSERT_EQ(reading.counters().bytes_skipped, cut.size()) << lost << " at " << at;
+      }
+    }
+  }
+}
+
+TEST(PacketReader, AFrameThatEndsAsAMagicWordBeginsWaitsForTheByteThatDecides) {
+  for (std::size_t tail = 1; tail < kMagicSize; ++tail) {
+    const Bytes first = ending_in_magic(packet(1), tail);
+    const Bytes bytes = joined({first, ending_in_magic(packet(2, 40), tail)});
+    for (std::size_t split = 1; split < bytes.size(); ++split) {
+      Reading reading;
+      reading.push(bytes.data(), split, milliseconds(10));
+      ASSERT_EQ(reading.frames.size(), split > first.size() ? 1U : 0U) << tail << " " << split;
+      EXPECT_EQ(reading.reader.held_since().has_value(), split == first.size());
+      reading.push(bytes.data() + split, bytes.size() - split, milliseconds(20));
+      ASSERT_EQ(reading.frames.size(), 1U) << tail << " " << split;
+      EXPECT_TRUE(is_frame_of(reading.frames[0], 1, some_points(1, 3)));
+      EXPECT_EQ(reading.frames[0].first_arrival, milliseconds(split < kMagicSize ? 20 : 10));
+      EXPECT_EQ(reading.frames[0].last_arrival, milliseconds(split < first.size() ? 20 : 10));
+      EXPECT_EQ(reading.reader.held_since(), milliseconds(20));
+      const Bytes garbage(3, kMagic[tail] == 8 ? 9 : 8);
+      reading.push(garbage, milliseconds(30));
+      ASSERT_EQ(reading.numbers(), (Numbers{1, 2})) << tail << " " << split;
+      EXPECT_EQ(reading.frames[1].last_arrival, milliseconds(20));
+      EXPECT_EQ(reading.counters().damaged + reading.counters().lost, 0U);
+    }
+  }
+}
+
+TEST(PacketReader, AHeldFrameIsHandedOutWhenTheStreamPauses) {
+  for (std::size_t tail = 1; tail < kMagicSize; ++tail) {
+    Reading reading;
+    reading.push(ending_in_magic(packet(1), tail), milliseconds(10));
+    EXPECT_TRUE(reading.frames.empty());
+    reading.flush();
+    reading.flush();
+    ASSERT_EQ(reading.numbers(), (Numbers{1})) << tail;
+    EXPECT_EQ(reading.frames[0].last_arrival, milliseconds(10));
+    EXPECT_FALSE(reading.reader.held_since().has_value());
+    reading.push(packet(2), milliseconds(60));
+    reading.flush();
+    EXPECT_EQ(reading.numbers(), (Numbers{1, 2})) << tail;
+    EXPECT_EQ(reading.counters().bytes_skipped + reading.counters().damaged, 0U);
+  }
+}
+
+// Flushed too early: the next packet is found all the same.
+TEST(PacketReader, TheMagicWordIsFoundAlsoWhereItCompletedAFrame) {
+  Bytes cut = packet(1);
+  cut.resize(cut.size() - 3);
+  Reading reading;
+  reading.push(joined({cut, Bytes(kMagic, kMagic + 3)}));
+  reading.flush();
+  const Bytes next = packet(2);
+  reading.push({next.begin() + 3, next.end()});
+  EXPECT_EQ(reading.numbers(), (Numbers{1, 2}));
+}
+
 TEST(PacketReader, TheRestOfAPacketThatWasLostIsNotWaitedFor) {
   Bytes long_one = packet(1, 2000);
   long_one.resize(100);
@@ -164,6 +237,10 @@ TEST(PacketReader, WhatIsPendingCanBeDropped) {
   reading.push(bytes.data(), 50);
   reading.reader.drop_pending();
   EXPECT_EQ(reading.counters().bytes_skipped, 50U);
+  reading.push(ending_in_magic(bytes, 2));
+  reading.reader.drop_pending();
+  reading.flush();
+  EXPECT_TRUE(reading.frames.empty());
   reading.push(joined({{bytes.begin() + 50, bytes.end()}, packet(2)}));
   EXPECT_EQ(reading.numbers(), (Numbers{2}));
 }

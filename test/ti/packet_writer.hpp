@@ -2,10 +2,13 @@
 // Packets as the simulated radar writes them, and points for them.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "rio/sim/ti_packet.hpp"
+#include "rio/ti/packet.hpp"
 
 namespace rio::ti::test {
 
@@ -27,6 +30,13 @@ inline std::vector<WrittenPoint> some_points(std::uint32_t number, int count) {
                       static_cast<std::int16_t>(500 + i)});
   }
   return points;
+}
+
+/// The packet with the first `count` bytes of a magic word as its last ones. They are padding if
+/// there is as much of it (three points: 12 bytes).
+inline Bytes ending_in_magic(Bytes packet, std::size_t count) {
+  std::copy_n(kMagic, count, packet.end() - static_cast<long>(count));
+  return packet;
 }
 
 inline Bytes joined(const std::vector<Bytes>& parts) {

@@ -22,6 +22,9 @@ struct Reading {
   void push(const Bytes& bytes, Time arrival = Time{0}) {
     push(bytes.data(), bytes.size(), arrival);
   }
+  void flush() {
+    reader.flush([this](const Frame& frame) { frames.push_back(frame); });
+  }
   const PacketCounters& counters() const { return reader.counters(); }
   std::vector<std::uint32_t> numbers() const {
     std::vector<std::uint32_t> numbers;
