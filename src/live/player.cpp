@@ -22,8 +22,7 @@ ti::FrameTiming simulated_timing(double rate_hz) {
   return timing;
 }
 
-std::vector<Piece> radar_line(const std::vector<RadarScan>& scans, const ti::FrameTiming& timing,
-                              Cable cable) {
+Cable radar_line(const std::vector<RadarScan>& scans, const ti::FrameTiming& timing, Cable cable) {
   std::uint32_t number = 0;
   for (const RadarScan& scan : scans) {
     const double frames = to_seconds(scan.time - scans.front().time) / to_seconds(timing.period);
@@ -34,16 +33,16 @@ std::vector<Piece> radar_line(const std::vector<RadarScan>& scans, const ti::Fra
         scan.time + timing.chirp_block / 2 + timing.processing_delay + from_seconds(on_wire);
     cable.send(std::move(packet), due);
   }
-  return cable.pieces();
+  return cable;
 }
 
-std::vector<Piece> imu_line(const std::vector<ImuSample>& samples, Cable cable) {
+Cable imu_line(const std::vector<ImuSample>& samples, Cable cable) {
   std::uint8_t sequence = 0;
   for (const ImuSample& sample : samples) {
     const auto frame = imu_frame(sample, sequence++);
     cable.send(Bytes(frame.begin(), frame.end()), sample.time + kImuDelay);
   }
-  return cable.pieces();
+  return cable;
 }
 
 std::vector<Event> in_order(const std::vector<std::vector<Piece>>& lines) {

@@ -19,11 +19,10 @@ ti::FrameTiming simulated_timing(double rate_hz);
 
 /// The packets of a radar: sent `processing_delay` after the stamps at the rate of the UART. Frames
 /// that are missing among the scans are missing in the numbers.
-std::vector<Piece> radar_line(const std::vector<RadarScan>& scans, const ti::FrameTiming& timing,
-                              Cable cable);
+Cable radar_line(const std::vector<RadarScan>& scans, const ti::FrameTiming& timing, Cable cable);
 
 /// The binary frames of an IMU (imu_stream.hpp), half a millisecond after their stamps.
-std::vector<Piece> imu_line(const std::vector<ImuSample>& samples, Cable cable);
+Cable imu_line(const std::vector<ImuSample>& samples, Cable cable);
 
 /// A piece, and whose it is.
 struct Event {

@@ -26,13 +26,15 @@ using live::Pty;
 struct Lines {
   std::vector<std::vector<live::Piece>> pieces;
   std::vector<fs::path> ports;
+  std::vector<live::CableCounters> counters;
 };
 
 Lines lines_of(const fs::path& out, const io::Dataset& flight, CableNoise noise) {
   Lines lines;
   const auto timing = live::simulated_timing(flight.radar_info.rate_hz.value());
-  const auto add = [&](const std::string& name, std::vector<live::Piece> pieces) {
-    lines.pieces.push_back(std::move(pieces));
+  const auto add = [&](const std::string& name, const Cable& cable) {
+    lines.pieces.push_back(cable.pieces());
+    lines.counters.push_back(cable.counters());
     lines.ports.push_back(out / name / "port");
     ++noise.seed;
   };
@@ -43,6 +45,11 @@ Lines lines_of(const fs::path& out, const io::Dataset& flight, CableNoise noise)
         live::radar_line(flight.other_radars[r].scans, timing, Cable(noise)));
   }
   return lines;
+}
+
+void print(const fs::path& port, const live::CableCounters& cable) {
+  fmt::print("{}: {} packets, {} dropped, {} damaged, {} delayed, {} split\n", port.string(),
+             cable.packets, cable.dropped, cable.damaged, cable.delayed, cable.split);
 }
 
 void pause(int milliseconds) {
@@ -75,6 +82,7 @@ void play_live(const fs::path& out, const io::Dataset& flight, const CableNoise&
     return true;
   });
   pause(200);  // what was not read when a pseudo-terminal is closed is lost
+  for (std::size_t i = 0; i < lines.ports.size(); ++i) print(lines.ports[i], lines.counters[i]);
 }
 
 }  // namespace rio::tools

@@ -58,8 +58,9 @@ inline void fly(const sim::Flight& flight, const CableNoise& noise, Session* ses
   const auto timing = simulated_timing(flight.scenario.radar.rate_hz);
   CableNoise imu_noise = noise;
   imu_noise.seed += 1;
-  const std::vector<std::vector<Piece>> lines = {radar_line(flight.scans, timing, Cable(noise)),
-                                                 imu_line(flight.imu, Cable(imu_noise))};
+  const std::vector<std::vector<Piece>> lines = {
+      radar_line(flight.scans, timing, Cable(noise)).pieces(),
+      imu_line(flight.imu, Cable(imu_noise)).pieces()};
   ImuFrameReader imu;
   for (const Event& event : in_order(lines)) {
     const Bytes& bytes = event.piece->bytes;

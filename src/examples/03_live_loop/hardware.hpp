@@ -71,7 +71,7 @@ class Hardware {
 
   void fly() {
     const std::vector<std::vector<rio::live::Piece>> lines = {
-        imu_line(), rio::live::radar_line(flight_.scans, timing(), rio::live::Cable({}))};
+        imu_line(), rio::live::radar_line(flight_.scans, timing(), rio::live::Cable({})).pieces()};
     while (!over_ && !(radar_.is_open() && autopilot_.is_open())) std::this_thread::yield();
     const volatile std::sig_atomic_t never = 0;
     rio::live::play(rio::live::in_order(lines), kSpeed, never,
