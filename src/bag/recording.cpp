@@ -216,7 +216,10 @@ class Reader {
 
   /// What the sensor files would have said, and what was left out.
   void tell() {
-    note("no mounting in a recording: radar pose from the options, by default at the body origin");
+    if (!request_.mounting_is_known) {
+      note(
+          "no mounting in a recording: radar pose from the options, by default at the body origin");
+    }
     data_.imu_info.rate_hz = rate(data_.imu);
     data_.radar_info.rate_hz = rate(data_.scans);
     data_.radar_info.doppler_resolution = io::doppler_grid(data_.scans);

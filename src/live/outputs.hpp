@@ -7,6 +7,7 @@
 #include <string>
 
 #include "live/session.hpp"
+#include "rio/bag/recording_writer.hpp"
 #include "rio/io/dataset_stream.hpp"
 #include "rio/io/trajectory.hpp"
 
@@ -48,6 +49,20 @@ class Recorder : public Listener {
 
  private:
   io::DatasetStream stream_;
+  Time flushed_{0};
+};
+
+/// The same as MCAP of ROS 2.
+class McapRecorder : public Listener {
+ public:
+  McapRecorder(const std::filesystem::path& path, std::size_t radars) : file_(path, radars) {}
+
+  void on_imu(const Session& session, const ImuSample& sample) override;
+  void on_scan(const Session& session, const RadarScan& scan, std::size_t radar) override;
+  void close() { file_.close(); }
+
+ private:
+  bag::RecordingWriter file_;
   Time flushed_{0};
 };
 

@@ -30,6 +30,7 @@ struct RecordingArguments {
   std::vector<std::string> fields;
   std::string axes;
   bool approaching = false;
+  std::string sensors;  ///< folder with imu0/sensor.yaml, radar0/sensor.yaml
   bool operator==(const RecordingArguments&) const = default;
 };
 
@@ -81,8 +82,8 @@ struct LiveArguments {
   std::string out;               ///< TUM
   std::string states;
   std::string json_lines;
-  std::string record;
-  std::string mavlink;  ///< port
+  std::vector<std::string> record;  ///< folders, and files *.mcap
+  std::string mavlink;              ///< port
   double mavlink_rate = 30.0;
   int mavlink_system = 1;
   bool velocity_only = false;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <list>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -69,13 +70,14 @@ class LiveRun {
         ports_(clock_, arguments.patience,
                [this](const std::string& message) { screen_.say(message); }) {
     LiveSensors sensors = find_sensors(arguments);
-    if (!arguments.record.empty()) recorder_.emplace(arguments.record, sensors.info);
+    for (const std::string& to : arguments.record) record(to, sensors.info);
     add_links(sensors.setup.options.imu, sensors.info.imu_info.rate_hz.value_or(200.0));
     std::vector<live::Listener*> listeners;
     if (link_) listeners.push_back(&*link_);  // first: the autopilot waits
     listeners.push_back(&summary_);
     listeners.push_back(&files_);
-    if (recorder_) listeners.push_back(&*recorder_);
+    for (live::Recorder& recorder : recorders_) listeners.push_back(&recorder);
+    for (live::McapRecorder& recorder : mcap_recorders_) listeners.push_back(&recorder);
     session_.emplace(sensors.setup, std::move(listeners));
     add_radars(sensors.setup);
     for (const std::string& cli : arguments.cli) send_config(cli, sensors.config);
@@ -90,7 +92,8 @@ class LiveRun {
     screen_.clear();
     for (const std::string& cli : arguments_.cli) stop_radar(cli);
     files_.close();
-    if (recorder_) recorder_->close();
+    for (live::Recorder& recorder : recorders_) recorder.close();
+    for (live::McapRecorder& recorder : mcap_recorders_) recorder.close();
   }
 
   /// @return the estimate is lost
@@ -103,6 +106,14 @@ class LiveRun {
 
  private:
   bool imu_is_mavlink() const { return arguments_.imu_format.starts_with("mavlink"); }
+
+  void record(const std::string& to, const io::Dataset& info) {
+    if (to.ends_with(".mcap")) {
+      mcap_recorders_.emplace_back(to, arguments_.radars.size());
+    } else {
+      recorders_.emplace_back(to, info);
+    }
+  }
 
   /// The ports of the IMU and of the autopilot, which may be one.
   void add_links(const ImuOptions& imu, double imu_rate) {
@@ -175,7 +186,8 @@ class LiveRun {
   Screen screen_;
   LiveSummary summary_;
   live::EstimateFiles files_;
-  std::optional<live::Recorder> recorder_;
+  std::list<live::Recorder> recorders_;
+  std::list<live::McapRecorder> mcap_recorders_;
   live::PortSet ports_;
   std::optional<MavlinkLink> link_;
   live::ImuFrameReader frames_;

@@ -50,6 +50,11 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
   command->add_option("--radar-offset", how->radar_offset, "added to the stamps, as \"-0.12 s\"")
       ->group(group);
   command->add_option("--gyro-unit", how->gyro_unit, "of the file, as deg/s")->group(group);
+  command
+      ->add_option("--sensors", how->sensors,
+                   "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise")
+      ->check(CLI::ExistingDirectory)
+      ->group(group);
   command->add_option("--accel-unit", how->accel_unit, "of the file, as g")->group(group);
 }
 
@@ -115,7 +120,11 @@ void add_live_outputs(CLI::App* command, LiveArguments* to) {
   command->add_option("--states", to->states, "states with covariance to write, csv")->group(group);
   command->add_option("--json-lines", to->json_lines, "a line of JSON a scan; - is standard output")
       ->group(group);
-  command->add_option("--record", to->record, "folder of a new dataset, for `rio replay`")
+  command
+      ->add_option("--record", to->record,
+                   "folder of a new dataset, for `rio replay`, or FILE.mcap (ROS 2); may be given "
+                   "twice")
+      ->allow_extra_args(false)
       ->group(group);
   CLI::Option* link =
       command

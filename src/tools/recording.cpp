@@ -33,12 +33,23 @@ bag::RecordingRequest request_of(const RecordingArguments& a) {
   request.radar_offset = io::parse_quantity(a.radar_offset, "s");
   request.gyro_unit = io::parse_quantity("1 " + a.gyro_unit, "rad/s");
   request.accel_unit = io::parse_quantity("1 " + a.accel_unit, "m/s^2");
+  request.mounting_is_known = !a.sensors.empty();
   request.points = {a.points, a.fields, a.axes, a.approaching};
   return request;
 }
 
 void print_notes(const io::Dataset& dataset) {
   for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
+}
+
+/// In place of what the recording says of its sensors, but for what is read off the data.
+void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
+  io::Dataset info = io::read_sensor_info(folder);
+  auto& grid = info.radar_info.doppler_resolution;
+  if (!grid) grid = dataset->radar_info.doppler_resolution;
+  dataset->imu_info = info.imu_info;
+  dataset->radar_info = info.radar_info;
+  dataset->notes.insert(dataset->notes.end(), info.notes.begin(), info.notes.end());
 }
 
 /// What no recording of ROS tells.
@@ -71,6 +82,7 @@ io::Dataset read_any(const std::string& path, const RecordingArguments& argument
   }
   bag::Recording recording = bag::read_recording(path, request_of(arguments));
   *damage = recording.damage;
+  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &recording.dataset);
   print_notes(recording.dataset);
   return std::move(recording.dataset);
 }

@@ -103,6 +103,41 @@ TEST_F(Live, IsTheReplayOfWhatItRecorded) {
   EXPECT_EQ(lines_of(file("a.tum")).size(), rows);
 }
 
+/// As a folder and as MCAP: one trajectory.
+TEST_F(Live, RecordsMcapThatReplaysAsTheFolder) {
+  const auto [player, run] = fly("flown", " --damaged 0.02 --split 0.2",
+                                 " --record " + file("f") + " --record " + file("f.mcap"));
+  ASSERT_EQ(run.status, 0) << run.output;
+  const auto replay = [](const std::string& recording, const std::string& states) {
+    return rio("replay " + recording + " --init static --no-check --states " + file(states));
+  };
+  ASSERT_EQ(replay(file("f"), "f.csv").status, 0);
+  const Outcome mcap = replay(file("f.mcap") + " --sensors " + file("f"), "m.csv");
+  ASSERT_EQ(mcap.status, 0) << mcap.output;
+  EXPECT_EQ(mcap.output.find("mounting"), std::string::npos) << mcap.output;
+  EXPECT_GT(lines_of(file("f.csv")).size(), 50U);
+  EXPECT_EQ(dir_->read("f.csv"), dir_->read("m.csv"));
+  const Outcome info = rio("info " + file("f.mcap"));
+  EXPECT_EQ(info.status, 0) << info.output;
+  EXPECT_NE(info.output.find("/radar0  sensor_msgs/PointCloud2"), std::string::npos) << info.output;
+  EXPECT_NE(info.output.find("points preset mav"), std::string::npos) << info.output;
+}
+
+/// Killed in flight: all but the last second is there.
+TEST_F(Live, AnMcapOfAKilledRunIsReadable) {
+  const auto [player, run] =
+      fly("killed", "", " --record " + file("k.mcap") + " & sleep 3; kill -9 $!; wait $!; true");
+  ASSERT_TRUE(fs::exists(file("k.mcap"))) << run.output;
+  const Outcome info = rio("info " + file("k.mcap"));
+  EXPECT_EQ(WEXITSTATUS(info.status), 1);
+  EXPECT_NE(info.output.find("What stands before was used."), std::string::npos) << info.output;
+  const Outcome convert = rio("convert " + file("k.mcap") + " " + file("k"));
+  EXPECT_EQ(WEXITSTATUS(convert.status), 1);
+  measured("seconds of IMU in 3 s at three times the speed, killed",
+           static_cast<double>(lines_of(file("k") + "/imu0/data.csv").size()) / 200.0, "4 to 10");
+  EXPECT_GT(lines_of(file("k") + "/imu0/data.csv").size(), 4U * 200);
+}
+
 /// Every scan that was recorded is one that was sent: its points, to float precision.
 TEST_F(Live, ABadCableInventsNothing) {
   const auto [player, run] = fly(

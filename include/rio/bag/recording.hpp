@@ -31,6 +31,7 @@ struct RecordingRequest {
   double gyro_unit = 1.0;     ///< [rad/s]
   double accel_unit = 1.0;    ///< [m/s^2]
   PointRequest points;
+  bool mounting_is_known = false;  ///< from elsewhere: no note about it
 };
 
 struct Recording {

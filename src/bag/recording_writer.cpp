@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/bag/recording_writer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "mcap_writer.hpp"
+#include "ros2_types.hpp"
+
+namespace rio::bag {
+
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::uint8_t kInt16 = 3, kFloat32 = 7;  // sensor_msgs/PointField
+constexpr std::uint32_t kPoint = 20;              // [bytes]
+
+CdrWriter begin_message(Time stamp, const std::string& frame) {
+  const std::int64_t ns = stamp.count();
+  if (ns < 0 || ns / kSecond > UINT32_MAX) {
+    throw std::runtime_error("stamp " + std::to_string(ns) + " ns is not one of ROS");
+  }
+  CdrWriter message;
+  message.put(static_cast<std::uint32_t>(ns / kSecond));
+  message.put(static_cast<std::uint32_t>(ns % kSecond)).text(frame);
+  return message;
+}
+
+void put_vector(CdrWriter* message, const Vector3d& v) {
+  for (const double value : v) message->put(value);
+}
+void put_covariance(CdrWriter* message, double first) {
+  for (int i = 0; i < 9; ++i) message->put(i == 0 ? first : 0.0);
+}
+
+std::string imu_message(const ImuSample& sample) {
+  CdrWriter message = begin_message(sample.time, "imu");
+  for (const double value : {0.0, 0.0, 0.0, 1.0}) message.put(value);
+  put_covariance(&message, -1.0);  // no orientation (REP 145)
+  put_vector(&message, sample.gyro_B);
+  put_covariance(&message, 0.0);  // not known
+  put_vector(&message, sample.accel_B);
+  put_covariance(&message, 0.0);
+  return message.bytes();
+}
+
+std::int16_t tenths(double db) {
+  return static_cast<std::int16_t>(std::clamp(std::round(10.0 * db), -32768.0, 32767.0));
+}
+
+std::string points_of(const RadarScan& scan) {
+  ByteWriter points;
+  for (const RadarDetection& d : scan.detections) {
+    const Vector3d& p = d.point_S;
+    for (const double value : {-p.y(), p.x(), p.z(), d.range_rate}) {
+      points.put(static_cast<float>(value));
+    }
+    points.put(tenths(d.snr_db)).put(tenths(d.noise_db));
+  }
+  return points.bytes();
+}
+
+std::string cloud_message(const RadarScan& scan, const std::string& frame) {
+  struct Field {
+    const char* name;
+    std::uint32_t offset;
+    std::uint8_t type;
+  };
+  constexpr Field kFields[] = {{"x", 0, kFloat32},  {"y", 4, kFloat32},
+                               {"z", 8, kFloat32},  {"doppler", 12, kFloat32},
+                               {"snr", 16, kInt16}, {"noise", 18, kInt16}};
+  const auto count = static_cast<std::uint32_t>(scan.detections.size());
+  CdrWriter message = begin_message(scan.time, frame);
+  message.put(std::uint32_t{1}).put(count);  // height, width
+  message.put(static_cast<std::uint32_t>(std::size(kFields)));
+  for (const Field& field : kFields) {
+    message.text(field.name).put(field.offset).put(field.type).put(std::uint32_t{1});
+  }
+  message.put(std::uint8_t{0}).put(kPoint).put(count * kPoint);  // little-endian
+  return message.block(points_of(scan)).put(std::uint8_t{1}).bytes();
+}
+
+McapWriter new_file(const std::filesystem::path& path) {
+  if (std::filesystem::exists(path)) throw std::runtime_error(path.string() + ": is another file");
+  return McapWriter(path);
+}
+
+std::string radar_name(std::size_t radar) {
+  return "radar" + std::to_string(radar);
+}
+
+}  // namespace
+
+struct RecordingWriter::Impl {
+  Impl(const std::filesystem::path& path, std::size_t count)
+      : file(new_file(path)),
+        imu(file.add_channel("/imu", "sensor_msgs/msg/Imu", std::string(kImuText) + kHeaderText)) {
+    for (std::size_t r = 0; r < count; ++r) {
+      radars.push_back(file.add_channel("/" + radar_name(r), "sensor_msgs/msg/PointCloud2",
+                                        std::string(kCloudText) + kHeaderText));
+    }
+  }
+  void add(std::uint16_t channel, Time time, const std::string& message) {
+    file.add(channel, static_cast<std::uint64_t>(time.count()), message);
+  }
+
+  McapWriter file;
+  std::uint16_t imu;
+  std::vector<std::uint16_t> radars;
+};
+
+RecordingWriter::RecordingWriter(const std::filesystem::path& path, std::size_t radars)
+    : impl_(std::make_unique<Impl>(path, radars)) {}
+
+RecordingWriter::~RecordingWriter() = default;
+
+void RecordingWriter::add(const ImuSample& sample) {
+  impl_->add(impl_->imu, sample.time, imu_message(sample));
+}
+
+void RecordingWriter::add(const RadarScan& scan, std::size_t radar) {
+  impl_->add(impl_->radars.at(radar), scan.time, cloud_message(scan, radar_name(radar)));
+}
+
+void RecordingWriter::flush() {
+  impl_->file.flush();
+}
+
+void RecordingWriter::close() {
+  impl_->file.close();
+}
+
+}  // namespace rio::bag

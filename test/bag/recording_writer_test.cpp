@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is written as MCAP, read back: by the reader of this library, and, where it is installed, by
+// @mcap/core (found through NODE_PATH).
+#include "rio/bag/recording_writer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "rio/bag/recording.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::bag {
+namespace {
+
+using std::chrono::milliseconds;
+using test::TempDir;
+
+constexpr int kSeconds = 20;
+
+std::vector<ImuSample> some_imu() {
+  std::vector<ImuSample> samples;
+  for (int i = 0; i < 100 * kSeconds; ++i) {
+    samples.push_back({Time(1'700'000'000'123'456'789) + i * milliseconds(10),
+                       {0.1 * i, -1.0 / 3.0, 1e-9},
+                       {0.7, 1e3 / 7.0, 9.81}});
+  }
+  return samples;
+}
+
+/// A scan each 100 ms with numbers as a TI packet has them; some are empty.
+std::vector<RadarScan> some_scans() {
+  std::vector<RadarScan> scans;
+  for (int i = 0; i < 10 * kSeconds; ++i) {
+    RadarScan scan{Time(1'700'000'000'123'456'789) + i * milliseconds(100) - milliseconds(30), {}};
+    for (int k = 0; k < i % 9; ++k) {
+      RadarDetection d;
+      d.point_S = Vector3d(1.1F + static_cast<float>(k), -0.3F * static_cast<float>(i), 0.7F);
+      d.range_rate = -0.1F * static_cast<float>(k);
+      d.snr_db = 0.1 * (61 + k);
+      d.noise_db = 0.1 * (599 - i);
+      scan.detections.push_back(d);
+    }
+    scans.push_back(scan);
+  }
+  return scans;
+}
+
+/// Both in the order in which they come, a chunk a second.
+void write(const std::filesystem::path& path, bool closed = true) {
+  RecordingWriter file(path, 1);
+  const std::vector<RadarScan> scans = some_scans();
+  std::size_t scan = 0;
+  int count = 0;
+  for (const ImuSample& sample : some_imu()) {
+    file.add(sample);
+    if (scan < scans.size() && scans[scan].time + milliseconds(50) < sample.time) {
+      file.add(scans[scan++]);
+    }
+    if (++count % 100 == 0) file.flush();
+  }
+  while (scan < scans.size()) file.add(scans[scan++]);
+  if (closed) file.close();
+}
+
+bool same(const RadarDetection& a, const RadarDetection& b) {
+  return a.point_S == b.point_S && a.range_rate == b.range_rate && a.snr_db == b.snr_db &&
+         a.noise_db == b.noise_db;
+}
+
+TEST(RecordingWriter, ReadsBackToTheLastBit) {
+  const TempDir dir;
+  write(dir.path() / "a.mcap");
+  const Recording read = read_recording(dir.path() / "a.mcap", {});
+  EXPECT_EQ(read.damage, "");
+  const std::vector<ImuSample> imu = some_imu();
+  ASSERT_EQ(read.dataset.imu.size(), imu.size());
+  for (std::size_t i = 0; i < imu.size(); ++i) {
+    ASSERT_EQ(read.dataset.imu[i].time, imu[i].time);
+    ASSERT_EQ(read.dataset.imu[i].gyro_B, imu[i].gyro_B);
+    ASSERT_EQ(read.dataset.imu[i].accel_B, imu[i].accel_B);
+  }
+  const std::vector<RadarScan> scans = some_scans();
+  ASSERT_EQ(read.dataset.scans.size(), scans.size());
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const RadarScan& got = read.dataset.scans[i];
+    ASSERT_EQ(got.time, scans[i].time) << i;
+    ASSERT_TRUE(std::equal(got.detections.begin(), got.detections.end(),
+                           scans[i].detections.begin(), scans[i].detections.end(), same))
+        << i;
+  }
+}
+
+TEST(RecordingWriter, WholeChunksAreReadWhereverTheFileEnds) {
+  const TempDir dir;
+  write(dir.path() / "open.mcap", false);
+  EXPECT_GT(read_recording(dir.path() / "open.mcap", {}).dataset.imu.size(), 100U * kSeconds - 1);
+  write(dir.path() / "a.mcap");
+  const std::string bytes = dir.read("a.mcap");
+  std::size_t least = 0;
+  const std::size_t first_chunks = 100'000;
+  for (std::size_t size = first_chunks; size < bytes.size(); size += 9973) {
+    const auto cut = dir.write("cut.mcap", bytes.substr(0, size));
+    const Recording read = read_recording(cut, {});
+    EXPECT_NE(read.damage, "") << size;
+    EXPECT_GE(read.dataset.imu.size(), least) << size;
+    // a second is less than 60 kB: all but the last one are there
+    EXPECT_GE(read.dataset.imu.size() + 100, 100 * (size / 60'000)) << size;
+    least = read.dataset.imu.size();
+  }
+  EXPECT_GT(least, 100U * (kSeconds - 2));
+}
+
+TEST(RecordingWriter, Refuses) {
+  const TempDir dir;
+  write(dir.path() / "a.mcap");
+  EXPECT_ERROR(RecordingWriter(dir.path() / "a.mcap", 1), "is another file");
+  EXPECT_ERROR(RecordingWriter(dir.path() / "no/such/folder.mcap", 1), "folder.mcap");
+  RecordingWriter file(dir.path() / "b.mcap", 2);
+  EXPECT_ERROR(file.add(ImuSample{Time(-1), {}, {}}), "not one of ROS");
+  file.add(RadarScan{Time(1), {}}, 1);
+  file.close();
+}
+
+TEST(RecordingWriter, TheRefereeReadsTheSame) {
+  if (std::system("node -e 'require(\"@mcap/core\")' >/dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "skipped: needs node and @mcap/core in NODE_PATH";
+  }
+  const TempDir dir;
+  write(dir.path() / "a.mcap");
+  const std::string out = (dir.path() / "out").string();
+  ASSERT_EQ(std::system(("node " RIO_SOURCE_DIR "/test/bag/read_mcap.cjs " +
+                         (dir.path() / "a.mcap").string() + " >" + out)
+                            .c_str()),
+            0);
+  EXPECT_EQ(dir.read("out"),
+            "/imu sensor_msgs/msg/Imu ros2msg cdr 2000\n"
+            "/radar0 sensor_msgs/msg/PointCloud2 ros2msg cdr 200\n"
+            "chunks 20, with an index 20, messages by the index 2200\n");
+}
+
+}  // namespace
+}  // namespace rio::bag
