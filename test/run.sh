@@ -38,8 +38,8 @@ cmake --build "$build" -j "$jobs"
 RIO_MEASURED=$PWD/$build/measured.txt
 export RIO_MEASURED
 : >"$RIO_MEASURED"
-status=0
-ctest --test-dir "$build" -j "$jobs" --output-on-failure --no-tests=error "$@" || status=$?
+status=0  # one job more than cores: the soak waits
+ctest --test-dir "$build" -j $((jobs + 1)) --output-on-failure --no-tests=error "$@" || status=$?
 if [ -s "$RIO_MEASURED" ]; then
   printf '\nWhat the tests measured:\n'
   sort "$RIO_MEASURED"
