@@ -39,8 +39,10 @@ enum class HealthReason : std::uint8_t {
   kUncertainHeading,      ///< sigma above 10 deg
   kUncertainTilt,         ///< sigma above 3 deg
   kTooFast,               ///< no small robot is that fast
-  kCalibration,  ///< a parameter of the calibration has run to its limit, five prior sigmas
-  kNumerical,    ///< an update failed and was taken back
+  /// A parameter of the calibration has run to its limit, five prior sigmas; or the time offset of
+  /// a radar moved in ten seconds by more than five sigmas of before: its clock was changed.
+  kCalibration,
+  kNumerical,  ///< an update failed and was taken back
   kCount
 };
 inline constexpr std::size_t kHealthReasonCount = static_cast<std::size_t>(HealthReason::kCount);

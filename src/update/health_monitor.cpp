@@ -101,16 +101,33 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   begun_ = begun_ || rows_used_ > kFewRows;
   severity(HealthReason::kVelocityContradicted) = report.velocity_contradicted / kVelocityTime;
   severity(HealthReason::kTiltContradicted) = report.tilt_contradicted / kTiltTime;
-  double& calibration = severity(HealthReason::kCalibration);
-  calibration = 0.0;
-  for (const CalibrationReport& c : report.calibration) {
-    if (c.verdict == Observability::kAtLimit) calibration = 1.0;
-    if (c.verdict != Observability::kDoubtful) continue;
-    calibration = std::max(calibration, std::abs(c.value) / (kCalibrationLimit * c.prior_sigma));
-  }
+  calibration_[report.radar] = std::max(calibration_doubt(report), clock_doubt(report, x.nav.time));
+  severity(HealthReason::kCalibration) =
+      *std::max_element(calibration_.begin(), calibration_.end());
   judge_scans(x.nav.time, Time{0});
   judge_sigmas(x, P_body);
   conclude();
+}
+
+double HealthMonitor::calibration_doubt(const UpdateReport& report) const {
+  double doubt = 0.0;
+  for (const CalibrationReport& c : report.calibration) {
+    if (c.verdict == Observability::kAtLimit) return 1.0;
+    if (c.verdict != Observability::kDoubtful) continue;
+    doubt = std::max(doubt, std::abs(c.value) / (kCalibrationLimit * c.prior_sigma));
+  }
+  return doubt;
+}
+
+double HealthMonitor::clock_doubt(const UpdateReport& report, Time now) {
+  const CalibrationReport& c =
+      report.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)];
+  if (c.verdict == Observability::kNotEstimated) return 0.0;
+  PastOffsets& past = offsets_[report.radar];
+  if (past.count == 0 || now - past.newest().time >= kClockStep) {
+    past.ring[past.count++ % kClockSteps] = {now, c.value, c.sigma};
+  }
+  return std::abs(c.value - past.oldest().value) / (kClockSigmas * past.oldest().sigma);
 }
 
 void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCovariance& P_body) {

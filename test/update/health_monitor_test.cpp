@@ -171,6 +171,31 @@ TEST_F(HealthMonitorTest, PausesOfTheImu) {
   EXPECT_TRUE(health().because(HealthReason::kImuGaps));
 }
 
+TEST_F(HealthMonitorTest, AClockThatWasChanged) {
+  CalibrationReport& offset = scan_.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)];
+  offset = {0.0, 0.03, 0.03, Observability::kUnobserved};
+  fly(seconds(3));
+  offset = {0.02, 0.002, 0.03, Observability::kObserved};  // found: within the sigma of before
+  fly(seconds(12));
+  EXPECT_EQ(health().state, HealthState::kOk);
+  offset.value = 0.029;  // 4.5 sigmas
+  fly(kPeriod);
+  EXPECT_EQ(health().state, HealthState::kOk);
+  offset.value = 0.031;
+  fly(kPeriod);
+  EXPECT_TRUE(health().because(HealthReason::kCalibration));
+  EXPECT_EQ(health().position, HealthState::kDegraded);
+  EXPECT_EQ(health().heading, HealthState::kOk);
+  scan_.radar = 1;  // another radar does not take it back
+  offset.value = 0.0;
+  fly(seconds(5));
+  EXPECT_TRUE(health().because(HealthReason::kCalibration));
+  scan_.radar = 0;
+  offset.value = 0.031;
+  fly(seconds(12));
+  EXPECT_EQ(health().state, HealthState::kOk);
+}
+
 TEST_F(HealthMonitorTest, TheRest) {
   fly(seconds(3));
   CalibrationReport& scale =

@@ -6,7 +6,11 @@
 // reckoning.
 #pragma once
 
+#include <array>
+#include <cstddef>
+
 #include "rio/health.hpp"
+#include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/types.hpp"
@@ -40,6 +44,8 @@ class HealthMonitor {
   double& severity(HealthReason reason) {
     return health_.severity[static_cast<std::size_t>(reason)];
   }
+  double calibration_doubt(const UpdateReport& report) const;
+  double clock_doubt(const UpdateReport& report, Time now);
   void judge_scans(Time now, Time pause);
   void judge_sigmas(const Estimate& x, const BodyCovariance& P_body);
   void conclude();
@@ -60,6 +66,23 @@ class HealthMonitor {
   static constexpr double kHeading = 0.17;  // [rad]
   static constexpr double kTilt = 0.05;     // [rad]
   static constexpr double kFastest = 30.0;  // [m/s]
+  static constexpr double kClockSigmas = 5.0;
+  static constexpr Time kClockStep = std::chrono::seconds(1);
+  static constexpr std::size_t kClockSteps = 10;
+
+  /// The time offset of a radar in the last seconds; it is a constant, unless the clock is changed.
+  struct PastOffsets {
+    struct Offset {
+      Time time{0};
+      double value = 0.0;
+      double sigma = 0.0;
+    };
+    std::array<Offset, kClockSteps> ring;
+    std::size_t count = 0;  ///< taken so far
+
+    const Offset& newest() const { return ring[(count + kClockSteps - 1) % kClockSteps]; }
+    const Offset& oldest() const { return ring[count < kClockSteps ? 0 : count % kClockSteps]; }
+  };
 
   Health health_;
   Time now_{0};         ///< to which everything has faded
@@ -74,6 +97,8 @@ class HealthMonitor {
   double gaps_ = 0.0;  ///< [s]
   double steps_ = 0.0;
   double failures_ = 0.0;
+  std::array<PastOffsets, kMaxRadars> offsets_{};
+  std::array<double, kMaxRadars> calibration_{};  ///< severity of kCalibration, by radar
 };
 
 }  // namespace rio
