@@ -20,7 +20,7 @@ WireReader reader_of(Encoding encoding, Bytes message) {
 Header read_header(WireReader* reader) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   Header header;
-  if (!reader->is_cdr()) (void)reader->read<std::uint32_t>();  // sequence number
+  if (!reader->is_cdr()) header.sequence = reader->read<std::uint32_t>();
   // seconds: unsigned in ROS 1, signed in ROS 2; both are beyond 2038 where they differ
   const auto seconds = reader->read<std::uint32_t>();
   const auto nanoseconds = reader->read<std::uint32_t>();
@@ -155,7 +155,7 @@ Header decode_header(Encoding encoding, Bytes message) {
 
 bool begins_with_header(const Topic& topic) {
   if (topic.encoding == Encoding::kOther) return false;
-  if (topic.type == "std_msgs/Header" || topic.type == kImuType || is_cloud(topic.type)) {
+  if (topic.type == kHeaderType || topic.type == kImuType || is_cloud(topic.type)) {
     return true;
   }
   std::istringstream lines(topic.definition);

@@ -116,6 +116,23 @@ std::optional<std::uint32_t> place_of(const std::string& name) {
   return static_cast<std::uint32_t>(std::stoul(name.substr(1)));
 }
 
+/// "rdot*-1" and "velocity" of "rdot*-1,velocity".
+std::vector<std::string> alternatives(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ' ');
+  return words_of(text);
+}
+
+/// Whatever `work` throws, with the place in front.
+template <class Work>
+void naming(const std::string& where, const Work& work) {
+  if (where.empty()) return work();
+  try {
+    work();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(where + ": " + error.what());
+  }
+}
+
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -125,18 +142,20 @@ std::string lower(std::string text) {
 
 PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& request)
     : fields_(fields) {
-  const PointPreset* preset = find_preset(request, fields);
-  origin_ = preset == nullptr ? "by their names" : std::string("preset ") + preset->name;
-  for (const std::string& assignment : request.fields) {
-    const auto [quantity, source] = split(assignment);
-    set(quantity_of(quantity), source);
+  for (auto rule = request.fields.rbegin(); rule != request.fields.rend(); ++rule) {
+    naming(rule->where, [&] { set_by_rule(rule->text); });
   }
+  naming(request.where, [&] { set_by(request); });
+}
+
+/// What no rule has set.
+void PointMap::set_by(const PointRequest& request) {
+  const PointPreset* preset = find_preset(request, fields_);
+  origin_ = preset == nullptr ? "by their names" : std::string("preset ") + preset->name;
   if (preset != nullptr) {
     axes_ = preset->axes;
     for (const std::string& assignment : words_of(preset->fields)) {
-      const auto [quantity, source] = split(assignment);
-      const int q = quantity_of(quantity);
-      if (!sources_[static_cast<std::size_t>(q)]) set(q, source);
+      set_by_rule(assignment);
     }
   } else {
     match_names();
@@ -150,28 +169,43 @@ PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& re
   if (request.approaching) sources_[kDoppler]->scale *= -1.0;
 }
 
-/// @param name_and_scale "velocity", "snr*0.1", "#3" for the field after three others, or "@12" for
-/// a float32 at byte 12
+/// Unless the quantity is set.
+void PointMap::set_by_rule(const std::string& rule) {
+  const auto [name, sources] = split(rule);
+  const int quantity = quantity_of(name);
+  if (sources_[static_cast<std::size_t>(quantity)]) return;
+  std::vector<std::string> there;
+  for (const std::string& source : alternatives(sources)) {
+    if (find(source.substr(0, source.rfind('*')))) there.push_back(source);
+  }
+  if (there.empty()) fail("no field \"" + sources + "\" for the " + name);
+  if (there.size() > 1) {
+    fail("two fields may be the " + name + ", \"" + there[0] + "\" and \"" + there[1] + "\"");
+  }
+  set(quantity, there.front());
+}
+
+/// @param name "velocity", "#3" for the field after three others, or "@12" for a float32 at byte 12
+std::optional<PointField> PointMap::find(const std::string& name) const {
+  constexpr std::uint8_t kFloat32 = 7;
+  for (const PointField& field : fields_) {
+    if (field.name == name) return field;
+  }
+  const auto place = place_of(name);
+  if (place && name[0] == '@') return PointField{name, *place, kFloat32};
+  if (place && *place < fields_.size()) return fields_[*place];
+  return std::nullopt;
+}
+
+/// @param name_and_scale "velocity" or "snr*0.1", of a field that is there
 void PointMap::set(int quantity, const std::string& name_and_scale) {
   const std::size_t star = name_and_scale.rfind('*');
-  const std::string name = name_and_scale.substr(0, star);
   Source source;
   if (star != std::string::npos) {
     std::istringstream number(name_and_scale.substr(star + 1));
     if (!(number >> source.scale) || !number.eof()) fail("\"" + name_and_scale + "\": no scale");
   }
-  const auto field = std::find_if(fields_.begin(), fields_.end(),
-                                  [&](const PointField& f) { return f.name == name; });
-  if (field != fields_.end()) {
-    source.field = *field;
-  } else if (const auto place = place_of(name); place && name[0] == '@') {
-    constexpr std::uint8_t kFloat32 = 7;
-    source.field = {name, *place, kFloat32};
-  } else if (place && *place < fields_.size()) {
-    source.field = fields_[*place];
-  } else {
-    fail("no field \"" + name + "\" for the " + kNames[static_cast<std::size_t>(quantity)]);
-  }
+  source.field = *find(name_and_scale.substr(0, star));
   sources_[static_cast<std::size_t>(quantity)] = source;
 }
 

@@ -16,16 +16,20 @@
 
 namespace rio::tools {
 
-/// How a bag is to be read; nothing of it goes with a folder in ASL layout.
+/// How a bag is to be read; nothing of it goes with a folder in ASL layout. What is empty is not
+/// said: then the map counts, and else bag::RecordingRequest{}.
 struct RecordingArguments {
-  std::string imu;  ///< topics; empty: the only one of its type
+  std::string map;  ///< file
+  std::string imu;  ///< topics
   std::string radar;
-  std::string imu_clock = "auto";  ///< auto, header, receive, carried
-  std::string radar_clock = "auto";
-  std::string imu_offset = "0";  ///< with a unit, or seconds
-  std::string radar_offset = "0";
-  std::string gyro_unit = "rad/s";
-  std::string accel_unit = "m/s^2";
+  std::string imu_clock;    ///< auto, header, receive, carried
+  std::string radar_clock;  ///< or trigger
+  std::string trigger;      ///< topic
+  std::string trigger_match;
+  std::string imu_offset;  ///< with a unit, or seconds
+  std::string radar_offset;
+  std::string gyro_unit;
+  std::string accel_unit;
   std::string points;  ///< preset of fields
   std::vector<std::string> fields;
   std::string axes;

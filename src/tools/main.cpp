@@ -16,8 +16,12 @@ namespace {
 
 /// How a bag is read, for every command that takes one.
 void add_recording_options(CLI::App* command, RecordingArguments* how) {
-  const CLI::IsMember clock({"auto", "header", "receive", "carried"});
   const std::string group = "Of a bag";
+  command
+      ->add_option("--map", how->map,
+                   "file that says what follows, for recordings of one kind; the command line wins")
+      ->check(CLI::ExistingFile)
+      ->group(group);
   command->add_option("--imu", how->imu, "topic; by default the only sensor_msgs/Imu")
       ->group(group);
   command->add_option("--radar", how->radar, "topic; by default the only sensor_msgs/PointCloud2")
@@ -29,7 +33,8 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
       ->group(group);
   command
       ->add_option("--field", how->fields,
-                   "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float)")
+                   "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float), or\n"
+                   "doppler=rdot,velocity: the one that is there")
       ->allow_extra_args(false)
       ->group(group);
   command->add_option("--axes", how->axes, "of the points: flu, ti, rdf or frd; wins over --points")
@@ -40,10 +45,20 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
   command
       ->add_option("--imu-clock", how->imu_clock,
                    "stamps: header, receive, carried (headers moved onto the receive clock), auto")
-      ->check(clock)
+      ->check(CLI::IsMember({"auto", "header", "receive", "carried"}))
       ->group(group);
-  command->add_option("--radar-clock", how->radar_clock, "as --imu-clock")
-      ->check(clock)
+  command
+      ->add_option("--radar-clock", how->radar_clock,
+                   "as --imu-clock; or trigger: headers of the messages of what triggers the scans")
+      ->check(CLI::IsMember({"auto", "header", "receive", "carried", "trigger"}))
+      ->group(group);
+  command->add_option("--trigger", how->trigger, "topic; by default the only std_msgs/Header")
+      ->group(group);
+  command
+      ->add_option("--trigger-match", how->trigger_match,
+                   "the last trigger before a scan: sequence, of those with its number (default), "
+                   "or earlier, of all")
+      ->check(CLI::IsMember({"sequence", "earlier"}))
       ->group(group);
   command->add_option("--imu-offset", how->imu_offset, "added to the stamps, as \"3 ms\"")
       ->group(group);

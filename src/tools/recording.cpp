@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
 #include "rio/bag/recording.hpp"
+#include "rio/bag/recording_map.hpp"
 #include "rio/bag/summary.hpp"
 #include "rio/io/units.hpp"
 
@@ -17,24 +19,42 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bag::Clock clock_of(const std::string& name) {
-  if (name == "header") return bag::Clock::kHeader;
-  if (name == "receive") return bag::Clock::kReceive;
-  return name == "carried" ? bag::Clock::kCarried : bag::Clock::kAuto;
+void set(const std::string& said, std::string* value) {
+  if (!said.empty()) *value = said;
 }
 
+/// @param said one of the names, as the command line has seen to
+template <class Enum>
+void set_named(const std::string& said, Enum* value) {
+  const auto names = names_of(*value);
+  const auto name = std::find(names.begin(), names.end(), said);
+  if (name != names.end()) *value = static_cast<Enum>(name - names.begin());
+}
+
+void set_quantity(const std::string& said, const char* si_unit, double* value) {
+  if (!said.empty()) *value = io::parse_quantity(said, si_unit);
+}
+
+/// The map, and over it what the command line says.
 bag::RecordingRequest request_of(const RecordingArguments& a) {
   bag::RecordingRequest request;
-  request.imu_topic = a.imu;
-  request.radar_topic = a.radar;
-  request.imu_clock = clock_of(a.imu_clock);
-  request.radar_clock = clock_of(a.radar_clock);
-  request.imu_offset = io::parse_quantity(a.imu_offset, "s");
-  request.radar_offset = io::parse_quantity(a.radar_offset, "s");
-  request.gyro_unit = io::parse_quantity("1 " + a.gyro_unit, "rad/s");
-  request.accel_unit = io::parse_quantity("1 " + a.accel_unit, "m/s^2");
+  if (!a.map.empty()) request = bag::load_recording_map(a.map);
+  set(a.imu, &request.imu_topic);
+  set(a.radar, &request.radar_topic);
+  set_named(a.imu_clock, &request.imu_clock);
+  set_named(a.radar_clock, &request.radar_clock);
+  set(a.trigger, &request.trigger_topic);
+  set_named(a.trigger_match, &request.trigger_match);
+  set_quantity(a.imu_offset, "s", &request.imu_offset);
+  set_quantity(a.radar_offset, "s", &request.radar_offset);
+  if (!a.gyro_unit.empty()) set_quantity("1 " + a.gyro_unit, "rad/s", &request.gyro_unit);
+  if (!a.accel_unit.empty()) set_quantity("1 " + a.accel_unit, "m/s^2", &request.accel_unit);
   request.mounting_is_known = !a.sensors.empty();
-  request.points = {a.points, a.fields, a.axes, a.approaching};
+  bag::PointRequest& points = request.points;
+  set(a.points, &points.preset);
+  for (const std::string& field : a.fields) points.fields.push_back({field, ""});
+  set(a.axes, &points.axes);
+  points.approaching = points.approaching || a.approaching;
   return request;
 }
 

@@ -64,6 +64,12 @@ inline std::string format_name(const testing::TestParamInfo<std::string>& format
   return name;
 }
 
+/// "sensor_msgs/msg/Imu" of "sensor_msgs/Imu".
+inline std::string ros2_type(const std::string& type) {
+  const std::size_t slash = type.find('/');
+  return type.substr(0, slash) + "/msg" + type.substr(slash);
+}
+
 /// How messages are serialised in a format.
 inline Wire::Kind wire_of(const std::string& format) {
   return format.starts_with("ros1") ? Wire::kRos1 : Wire::kCdr;
@@ -179,7 +185,7 @@ inline std::string mcap(const std::vector<Written>& messages, const std::string&
       const Written& m = messages[i];
       const std::uint16_t id = numbers.at(m.topic);
       if (!std::exchange(known[m.topic], true)) {
-        const std::string type = encoding == "cdr" ? "sensor_msgs/msg" + m.type.substr(11) : m.type;
+        const std::string type = encoding == "cdr" ? ros2_type(m.type) : m.type;
         chunk += record(3, raw(static_cast<std::uint16_t>(id + 1)) + block(type) +
                                block("ros2msg") + block("std_msgs/Header header\n"));
         chunk += record(4, raw(id) + raw(static_cast<std::uint16_t>(id + 1)) + block(m.topic) +
@@ -217,8 +223,8 @@ inline void db3([[maybe_unused]] const std::filesystem::path& path,
   for (const Written& m : messages) {
     const std::string id = std::to_string(numbers.at(m.topic) + 1);
     if (!std::exchange(known[m.topic], true)) {
-      const std::string sql = "INSERT INTO topics VALUES(" + id + ",'" + m.topic +
-                              "','sensor_msgs/msg" + m.type.substr(11) + "','cdr','')";
+      const std::string sql = "INSERT INTO topics VALUES(" + id + ",'" + m.topic + "','" +
+                              ros2_type(m.type) + "','cdr','')";
       sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr);
     }
     sqlite3_stmt* row = nullptr;

@@ -144,14 +144,14 @@ TEST(PointFields, WhatIsMissingOrAmbiguousIsAnErrorWithTheFields) {
   Case two = floats({"x", "y", "z", "doppler", "velocity"}, {1, 2, 3, 4, 5});
   EXPECT_ERROR(two.read(), "two fields may be the doppler, \"doppler\" and \"velocity\"");
   PointRequest request;
-  request.fields = {"doppler=velocity"};
+  request.fields = {{"doppler=velocity", ""}};
   EXPECT_EQ(two.read(request).at(0).range_rate, 5.0);
 }
 
 TEST(PointFields, WhatTheUserSaysWins) {
   Case c = floats({"x", "y", "z", "a", "b"}, {1, 2, 3, 4, 5});
   PointRequest request;
-  request.fields = {"doppler=a*0.5", "snr=b*0.1"};
+  request.fields = {{"doppler=a*0.5", ""}, {"snr=b*0.1", ""}};
   request.approaching = true;
   request.axes = "rdf";
   const RadarDetection d = c.read(request).at(0);
@@ -163,19 +163,35 @@ TEST(PointFields, WhatTheUserSaysWins) {
   request.axes = "xyz";
   EXPECT_ERROR(c.read(request), "no such axes");
   request.axes = "";
-  request.fields = {"speed=a"};
+  request.fields = {{"speed=a", ""}};
   EXPECT_ERROR(c.read(request), "\"speed\" is no quantity");
-  request.fields = {"doppler"};
+  request.fields = {{"doppler", ""}};
   EXPECT_ERROR(c.read(request), "should be QUANTITY=FIELD");
-  request.fields = {"doppler=c"};
+  request.fields = {{"doppler=c", ""}};
   EXPECT_ERROR(c.read(request), "no field \"c\" for the doppler");
-  request.fields = {"doppler=a*b"};
+  request.fields = {{"doppler=a*b", ""}};
   EXPECT_ERROR(c.read(request), "no scale");
-  request.fields = {"doppler=@62"};
+  request.fields = {{"doppler=@62", ""}};
   EXPECT_ERROR(c.read(request), "\"@62\" is outside of a point");
   request.fields.clear();
   request.preset = "none";
   EXPECT_ERROR(c.read(request), "no such preset of points");
+}
+
+TEST(PointFields, OfSeveralNamesTheOneThatIsThereCounts) {
+  PointRequest request;
+  request.where = "map.yaml:2";
+  request.fields = {{"doppler=v", ""}, {"doppler=rdot*-1,speed", "map.yaml:7"}};
+  Case c = floats({"x", "y", "z", "v", "rdot"}, {1, 2, 3, 4, 5});
+  EXPECT_EQ(c.read(request).at(0).range_rate, -5.0);
+  Case s = floats({"x", "y", "z", "v", "speed"}, {1, 2, 3, 4, 5});
+  EXPECT_EQ(s.read(request).at(0).range_rate, 5.0);
+  EXPECT_ERROR(floats({"x", "y", "z", "v"}, {1, 2, 3, 4}).read(request),
+               "map.yaml:7: points: no field \"rdot*-1,speed\" for the doppler (fields found: x f");
+  EXPECT_ERROR(floats({"x", "y", "z", "rdot", "speed"}, {1, 2, 3, 4, 5}).read(request),
+               "map.yaml:7: points: two fields may be the doppler, \"rdot*-1\" and \"speed\"");
+  EXPECT_ERROR(floats({"x", "y", "rdot"}, {1, 2, 3}).read(request),
+               "map.yaml:2: points: neither x y z nor range");
 }
 
 TEST(PointFields, PointsThatAreNotFiniteAreLeftOut) {

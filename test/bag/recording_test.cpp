@@ -107,6 +107,83 @@ TEST_F(RecordingTest, TheClocksAreChosenByWhatTheHeadersSay) {
   EXPECT_EQ(asked.dataset.scans[2].time, kBegin);
 }
 
+/// Ten triggers 100 ms apart on a clock of their own; of all but the last one a scan with their
+/// number 126 ms later, hence after the next trigger.
+std::vector<Written> triggered(Wire::Kind kind) {
+  constexpr Time kOwn(77'000'000'000);
+  std::vector<Written> messages;
+  for (int i = 0; i < 10; ++i) {
+    const Time t = kBegin + i * Time(100'000'000);
+    const auto number = static_cast<std::uint32_t>(40 + i);
+    const Time stamp = kOwn + (t - kBegin);
+    messages.push_back({"/imu", "sensor_msgs/Imu", t, imu_message(kind, {stamp, {}, {0, 0, 9.8}})});
+    messages.push_back({"/tick", "std_msgs/Header", t, Wire(kind).header(stamp, "", number).bytes});
+    if (i == 9) break;
+    messages.push_back(
+        {"/radar", "sensor_msgs/PointCloud2", t + Time(126'000'000),
+         cloud_message(kind, Time(0), test::ti_fields(), {{1, 2, 3, 4, 5}}, 32, 1, 0, number)});
+  }
+  return messages;
+}
+
+TEST_F(RecordingTest, ScansAreStampedByTheirTriggers) {
+  constexpr Time kFrame(100'000'000);
+  std::vector<Written> messages = triggered(Wire::kRos1);
+  RecordingRequest request;
+  request.radar_clock = Clock::kTrigger;
+  request.radar_offset = 9e-3;
+  const auto time = [](const Recording& r, std::size_t i) {
+    return r.dataset.scans.at(i).time - r.dataset.imu.at(i).time;
+  };
+  const Recording same = read(messages, request);
+  ASSERT_EQ(same.dataset.scans.size(), 9U);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(time(same, i), Time(9'000'000)) << i;
+  EXPECT_PRED2(test::contains, notes(same),
+               "/radar: 9 messages, 9 stamped by the last trigger before on /tick, of the same "
+               "number, and moved by 0.009 s; 0 without one are left out");
+  request.trigger_match = TriggerMatch::kEarlier;
+  EXPECT_EQ(time(read(messages, request), 4), kFrame + Time(9'000'000));
+
+  // a trigger that is missing costs its scan; one of a second run with the same number is later
+  request.trigger_match = TriggerMatch::kSequence;
+  messages.push_back(messages[10]);
+  messages.back().received += Time(50'000'000'000);
+  messages.erase(messages.begin() + 4);  // the second one
+  const Recording lost = read(messages, request);
+  ASSERT_EQ(lost.dataset.scans.size(), 8U);
+  EXPECT_EQ(lost.dataset.scans[1].time - lost.dataset.imu[2].time, Time(9'000'000));
+  EXPECT_PRED2(test::contains, notes(lost), "1 without one are left out");
+}
+
+TEST_F(RecordingTest, TriggersThatDoNotFitAreErrors) {
+  RecordingRequest request;
+  request.radar_clock = Clock::kTrigger;
+  std::vector<Written> messages = triggered(Wire::kRos1);
+  request.trigger_topic = "/imu";  // begins with a header, too; all numbers are 7
+  EXPECT_ERROR(read(messages, request), "no scan on /radar has a trigger on /imu");
+  request.trigger_topic = "/none";
+  EXPECT_ERROR(read(messages, request), "no topic /none; there are\n  /imu");
+  request.trigger_topic = "";
+  messages.push_back({"/tock", "std_msgs/Header", kBegin, messages[1].data});
+  EXPECT_ERROR(read(messages, request),
+               "several topics of type std_msgs/Header; choose with --trig");
+  messages.back() = {"/tick", "std_msgs/Header", kBegin,
+                     Wire(Wire::kRos1).header(Time(0), "").bytes};
+  EXPECT_ERROR(read(messages, request), "1 of 11 header stamps on /tick are zero");
+  EXPECT_ERROR(read(test::at_rest(Wire::kRos1, 2), request), "no topic of type std_msgs/Header");
+  request.radar_clock = Clock::kAuto;
+  request.imu_clock = Clock::kTrigger;
+  EXPECT_ERROR(read(messages, request), "is for the radar alone");
+
+  request = {};
+  request.radar_clock = Clock::kTrigger;
+  const auto path = dir_.path() / "ros2";
+  test::write_bag(path, "mcap-none", triggered(Wire::kCdr));
+  EXPECT_ERROR(read_recording(path, request), "/tick have no sequence numbers, as in ROS 2");
+  request.trigger_match = TriggerMatch::kEarlier;
+  EXPECT_EQ(read_recording(path, request).dataset.scans.size(), 9U);
+}
+
 TEST_F(RecordingTest, TopicsAreGuessedOnlyIfThereIsOne) {
   std::vector<Written> messages = test::at_rest(Wire::kRos1, 2);
   messages.push_back(messages.front());

@@ -37,8 +37,8 @@ class Wire {
     bytes += tail;
     return *this;
   }
-  Wire& header(Time stamp, const std::string& frame_id) {
-    if (kind_ == kRos1) put(std::uint32_t{7});
+  Wire& header(Time stamp, const std::string& frame_id, std::uint32_t sequence = 7) {
+    if (kind_ == kRos1) put(sequence);
     put(static_cast<std::uint32_t>(stamp.count() / 1'000'000'000));
     put(static_cast<std::uint32_t>(stamp.count() % 1'000'000'000));
     return text(frame_id);
@@ -75,7 +75,7 @@ using Points = std::vector<std::vector<double>>;  ///< a number for each field
 /// A cloud of `step` bytes a point in `height` rows, of which each ends with `gap` unused bytes.
 inline std::string cloud_message(Wire::Kind kind, Time stamp, const std::vector<CloudField>& fields,
                                  const Points& points, std::uint32_t step, std::uint32_t height = 1,
-                                 std::uint32_t gap = 0) {
+                                 std::uint32_t gap = 0, std::uint32_t sequence = 7) {
   const bool big = kind == Wire::kCdrBig;
   const auto width = static_cast<std::uint32_t>(points.size()) / height;
   std::string data(height * (width * step + gap), '\x55');
@@ -90,7 +90,7 @@ inline std::string cloud_message(Wire::Kind kind, Time stamp, const std::vector<
     }
   }
   Wire wire(kind);
-  wire.header(stamp, "radar").put(height).put(width);
+  wire.header(stamp, "radar", sequence).put(height).put(width);
   wire.put(static_cast<std::uint32_t>(fields.size()));
   for (const CloudField& field : fields) {
     wire.text(field.name).put(field.offset).put(field.type).put(std::uint32_t{1});

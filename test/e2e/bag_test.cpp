@@ -102,6 +102,53 @@ TEST_F(Bag, InfoTellsTopicsAndConvertDoesNotOverwrite) {
   EXPECT_PRED2(contains, fields.output, "doppler=velocity snr=intensity*0.1 noise=z");
 }
 
+TEST_F(Bag, AMapSaysWhatTheCommandLineWouldAndTheCommandLineWins) {
+  const std::string recording = recorded("ros1-none");
+  const std::string map = dir_->write("map.yaml",
+                                      "imu: {offset: 1 s, clock: receive}\n"
+                                      "radar:\n  topic: /radar\n  fields:\n"
+                                      "    snr: [power, intensity*0.1]\n    noise: z\n");
+  const auto same = [](const std::string& a, const std::string& b) {
+    for (const char* data : {"/radar0/data.csv", "/imu0/data.csv"}) {
+      EXPECT_EQ(lines_of(file(a) + data), lines_of(file(b) + data)) << data;
+    }
+  };
+  const std::string convert = "convert " + recording + " ";
+  const std::string fields = " --field snr=intensity*0.1 --field noise=z";
+  const Outcome by_map = rio(convert + file("by_map") + " --map " + map);
+  ASSERT_EQ(by_map.status, 0) << by_map.output;
+  EXPECT_PRED2(contains, by_map.output, "doppler=velocity snr=intensity*0.1 noise=z");
+  EXPECT_PRED2(contains, by_map.output, "stamped when they were received, and by 1 s");
+  ASSERT_EQ(rio(convert + file("by_line") + " --imu-clock receive --imu-offset 1s" + fields).status,
+            0);
+  same("by_map", "by_line");
+  ASSERT_EQ(
+      rio(convert + file("both") + " --imu-clock auto --imu-offset 0 --field noise=x --map " + map)
+          .status,
+      0);
+  ASSERT_EQ(rio(convert + file("won") + fields + " --field noise=x").status, 0);
+  same("both", "won");
+}
+
+TEST_F(Bag, AMapThatDoesNotFitIsAnErrorWithItsLineAndTheFieldsFound) {
+  const std::string convert = "convert " + recorded("ros1-none") + " " + file("bad") + " --map ";
+  const auto error = [&](const std::string& text) {
+    const Outcome run = rio(convert + dir_->write("bad.yaml", text).string());
+    EXPECT_NE(run.status, 0) << text;
+    EXPECT_FALSE(fs::exists(file("bad"))) << text;
+    return run.output;
+  };
+  EXPECT_PRED2(contains, error("radar:\n  clock: mine\n"), "bad.yaml:2: radar.clock: auto or ");
+  EXPECT_PRED2(
+      contains, error("radar:\n  fields:\n    doppler: [rdot, speed]\n"),
+      "bad.yaml:3: points: no field \"rdot,speed\" for the doppler (fields found: x float32 "
+      "@0, y float32 @4, z float32 @8, intensity float32 @16, velocity float32 @20)");
+  EXPECT_PRED2(contains, error("radar:\n  fields:\n    doppler: [velocity, intensity]\n"),
+               "bad.yaml:3: points: two fields may be the doppler, \"velocity\" and \"intensity\"");
+  EXPECT_PRED2(contains, error("radar:\n  points: mine\n"),
+               "bad.yaml:2: no such preset of points: \"mine\"");
+}
+
 TEST_F(Bag, ADamagedFileIsUsedAsFarAsItGoesAndIsAnError) {
   recorded("ros1-none");
   const std::string bytes = dir_->read("ros1-none");
@@ -124,6 +171,42 @@ TEST_F(Bag, OptionsOfABagDoNotGoWithAFolder) {
   EXPECT_NE(run.status, 0);
   EXPECT_PRED2(contains, run.output, "options of a bag are given, but it is none");
   EXPECT_NE(rio("convert " + flight_ + " " + file("x")).status, 0);
+}
+
+TEST_F(Bag, TheTriggersOfTheRealRecordingGiveTheTimesOfItsCorrectedCopy) {
+  const char* const data = std::getenv("RIO_TEST_DATA");
+  const fs::path demo = fs::path(data == nullptr ? "" : data) / "ti_demo";
+  if (data == nullptr || !fs::exists(demo / "ti_demo.bag")) {
+    GTEST_SKIP() << "skipped: needs a folder RIO_TEST_DATA with ti_demo";
+  }
+  const std::string map = std::string(RIO_SOURCE_DIR) + "/data/config/map_ti_triggered.yaml";
+  const Outcome run =
+      rio("convert " + (demo / "ti_demo.bag").string() + " " + file("triggered") + " --map " + map);
+  ASSERT_EQ(run.status, 0) << run.output;
+  const io::Dataset copy = io::read_dataset(demo);
+  const io::Dataset bag = io::read_dataset(file("triggered"));
+  ASSERT_EQ(bag.imu.size(), copy.imu.size());
+  ASSERT_EQ(bag.scans.size(), copy.scans.size());
+  double apart = 0.0;
+  for (std::size_t i = 0; i < copy.imu.size(); ++i) {
+    apart = std::max(apart, std::abs(to_seconds(bag.imu[i].time - copy.imu[i].time)));
+  }
+  for (std::size_t i = 0; i < copy.scans.size(); ++i) {
+    apart = std::max(apart, std::abs(to_seconds(bag.scans[i].time - copy.scans[i].time)));
+    EXPECT_EQ(bag.scans[i].detections.size(), copy.scans[i].detections.size()) << i;
+  }
+  measured("stamps off those of the copy at most [s]", apart, "below 1e-6");
+  EXPECT_LT(apart, 1e-6);
+  for (const char* sensor : {"imu0/sensor.yaml", "radar0/sensor.yaml"}) {
+    fs::copy_file(demo / sensor, file("triggered") + "/" + sensor,
+                  fs::copy_options::overwrite_existing);
+  }
+  ASSERT_EQ(rio("replay " + file("triggered") + " --quiet --out " + file("bag.tum")).status, 0);
+  ASSERT_EQ(rio("replay " + demo.string() + " --quiet --out " + file("copy.tum")).status, 0);
+  const Outcome judged = rio("evaluate " + file("copy.tum") + " " + file("bag.tum") + " --json");
+  const double error = nlohmann::json::parse(judged.output)["norm_of_rmse_m"];
+  measured("trajectory off that of the copy [m]", error, "below 1e-4");
+  EXPECT_LT(error, 1e-4);  // the copy holds nine digits
 }
 
 /// The IMU and the radar of a bag of ROS 1, serialised anew for ROS 2.

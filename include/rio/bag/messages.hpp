@@ -16,10 +16,12 @@ namespace rio::bag {
 inline constexpr char kImuType[] = "sensor_msgs/Imu";
 inline constexpr char kCloudType[] = "sensor_msgs/PointCloud2";
 inline constexpr char kOldCloudType[] = "sensor_msgs/PointCloud";
+inline constexpr char kHeaderType[] = "std_msgs/Header";
 
-/// std_msgs/Header without its sequence number.
+/// std_msgs/Header.
 struct Header {
   Time stamp{0};
+  std::uint32_t sequence = 0;  ///< ROS 1 alone counts
   std::string frame_id;
 };
 

@@ -39,16 +39,23 @@ enum class Axes { kFlu, kTi, kRdf, kFrd };
 /// What the user says of the points. All of it may be left empty: then a preset whose fields are
 /// exactly those found is taken, and else every quantity whose name is the only known one.
 struct PointRequest {
-  std::string preset;               ///< one of point_presets()
-  std::vector<std::string> fields;  ///< "doppler=rdot" or "snr=power*0.1"; wins over the preset
-  std::string axes;                 ///< "flu", "ti", "rdf", "frd"; wins over the preset
-  bool approaching = false;         ///< the Doppler is positive towards the radar
+  /// What a quantity is made of: "doppler=rdot", "snr=power*0.1", or one of several that a cloud
+  /// may have, "doppler=rdot*-1,velocity".
+  struct Rule {
+    std::string text;
+    std::string where;  ///< "FILE:LINE" for messages; empty: of the command line
+  };
+  std::string preset;        ///< one of point_presets()
+  std::vector<Rule> fields;  ///< of two for a quantity the last one counts; wins over the preset
+  std::string axes;          ///< "flu", "ti", "rdf", "frd"; wins over the preset
+  bool approaching = false;  ///< the Doppler is positive towards the radar
+  std::string where;         ///< "FILE:LINE" for messages; empty: of the command line
 };
 
 class PointMap {
  public:
   /// @throws std::runtime_error that lists the fields found: a quantity that is needed has none, or
-  /// has several; a name, preset or axes that are not known
+  /// has several; a name, preset or axes that are not known; with file and line where there are any
   PointMap(const std::vector<PointField>& fields, const PointRequest& request);
 
   /// Appends the detections [m, m/s, dB], axes x forward, y left, z up. Points that are not finite
@@ -66,7 +73,10 @@ class PointMap {
     PointField field;
     double scale = 1.0;
   };
+  void set_by(const PointRequest& request);
+  void set_by_rule(const std::string& rule);
   void set(int quantity, const std::string& name_and_scale);
+  std::optional<PointField> find(const std::string& name) const;
   void match_names();
   void settle_point();  ///< keeps x y z, or else the polar ones
   [[noreturn]] void fail(const std::string& what) const;

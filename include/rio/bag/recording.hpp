@@ -2,8 +2,10 @@
 // The samples and scans of a recording on one clock, as a data set of rio.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "rio/bag/point_fields.hpp"
 #include "rio/io/dataset.hpp"
@@ -15,17 +17,31 @@ enum class Clock {
   kAuto,     ///< as RecordingRequest says
   kHeader,   ///< the header of each message
   kReceive,  ///< when it was recorded
-  kCarried   ///< the header, moved by the median of receive - header: the recorder's clock without
+  kCarried,  ///< the header, moved by the median of receive - header: the recorder's clock without
              ///< the jitter of transport
+  kTrigger   ///< of a scan: the header of the message of what triggered it
 };
+constexpr std::array<std::string_view, 5> names_of(Clock) {
+  return {"auto", "header", "receive", "carried", "trigger"};
+}
+
+/// Which trigger a scan belongs to: the last one received before it, of those with its sequence
+/// number (ROS 1) or of all. A driver that hands scans over a frame late makes `earlier` wrong.
+enum class TriggerMatch { kSequence, kEarlier };
+constexpr std::array<std::string_view, 2> names_of(TriggerMatch) {
+  return {"sequence", "earlier"};
+}
 
 /// kAuto: the headers of both topics if none is zero and both clocks agree to a second, or if the
-/// headers are asked for the other topic; else kCarried, or kReceive for a topic with zero stamps.
+/// headers or triggers are asked for the other topic; else kCarried, or kReceive for a topic with
+/// zero stamps.
 struct RecordingRequest {
   std::string imu_topic;    ///< empty: the only one of its type
   std::string radar_topic;  ///< empty: the only one of its type
   Clock imu_clock = Clock::kAuto;
   Clock radar_clock = Clock::kAuto;
+  std::string trigger_topic;  ///< for kTrigger; empty: the only std_msgs/Header
+  TriggerMatch trigger_match = TriggerMatch::kSequence;
   double imu_offset = 0.0;    ///< added to the stamps [s]
   double radar_offset = 0.0;  ///< added to the stamps [s]
   double gyro_unit = 1.0;     ///< [rad/s]
@@ -41,7 +57,8 @@ struct Recording {
 
 /// Reads the IMU (sensor_msgs/Imu) and the radar (sensor_msgs/PointCloud2, or the older PointCloud,
 /// a scan each) of a file of open_messages(). Messages that cannot be decoded, scans with the stamp
-/// of the scan before and points that are not finite are left out and counted in the notes.
+/// of the scan before, scans without a trigger and points that are not finite are left out and
+/// counted in the notes.
 /// @throws std::runtime_error that lists the topics if one is missing or is not the only one of its
 /// type; if points do not match; if nothing readable is left
 Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
