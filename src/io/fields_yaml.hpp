@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <string>
@@ -193,12 +194,16 @@ void read_fields(const YamlFile& file, const std::string& base_key, Object* obje
 }
 
 /// Every field with its unit and meaning as a comment; reads back to the same values.
+/// @param unsaid keys whose lines are commented out
 template <class Object>
-std::string fields_text(const Object& object) {
+std::string fields_text(const Object& object, const std::vector<std::string>& unsaid = {}) {
   std::string text;
   std::string_view previous;
   visit_fields(object, [&](const FieldInfo& info, const auto& field) {
-    const std::string label = fields_yaml_detail::open_sections(info.key, previous, &text);
+    std::string label = fields_yaml_detail::open_sections(info.key, previous, &text);
+    if (std::find(unsaid.begin(), unsaid.end(), info.key) != unsaid.end()) {
+      label.insert(label.find_first_not_of(' '), "# ");
+    }
     const std::string unit = *info.unit == '\0' ? "" : fmt::format("[{}] ", info.unit);
     text += fmt::format("{}: {}  # {}{}\n", label, PrintField{}(field), unit, info.doc);
     previous = info.key;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fields_yaml.hpp"
+#include "rio/io/dataset.hpp"
 #include "rio/option_fields.hpp"
 #include "yaml.hpp"
 
@@ -17,6 +18,8 @@ namespace rio::io {
 namespace {
 
 constexpr const char* kPresetKey = "preset";
+const std::string kUnits =
+    "# All options. Numbers are in the unit shown; \"2 deg\", \"5 cm\" also work.\n";
 
 void apply_preset(const YamlFile& file, Options* options) {
   const YAML::Node node = base_node(file, kPresetKey);
@@ -39,15 +42,19 @@ void apply_file(const YamlFile& file, Options* options) {
   *options = changed;
 }
 
-/// Value and meaning of every option of a preset.
+Options preset_named(const std::string& name) {
+  Options options;
+  if (!preset(name, &options)) throw std::runtime_error("no such preset: \"" + name + "\"");
+  return options;
+}
+
+/// Value and meaning of every option.
 struct OptionText {
   std::string key;
   std::string value;
   std::string meaning;
 };
-std::vector<OptionText> option_texts(const char* name) {
-  Options options;
-  if (!preset(name, &options)) throw std::runtime_error(std::string("no such preset: ") + name);
+std::vector<OptionText> option_texts(const Options& options) {
   std::vector<OptionText> texts;
   visit_fields(options, [&texts](const FieldInfo& info, const auto& value) {
     const std::string unit = *info.unit == '\0' ? "" : fmt::format(" [{}]", info.unit);
@@ -82,8 +89,29 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 }
 
 std::string options_as_yaml(const Options& options) {
-  return "# All options. Numbers are in the unit shown; \"2 deg\", \"5 cm\" also work.\n" +
-         fields_text(options);
+  return kUnits + fields_text(options);
+}
+
+std::string option_file(const std::string& preset_name) {
+  return kUnits +
+         "# What is commented out comes from the sensor.yaml of a recording; said here, it wins "
+         "over "
+         "that.\n" +
+         fmt::format("{}: {}\n", kPresetKey, preset_name) +
+         fields_text(preset_named(preset_name), sensor_option_keys());
+}
+
+std::vector<std::string> changed_options(const Options& before, const Options& after,
+                                         const std::vector<std::string>& keys) {
+  const std::vector<OptionText> old = option_texts(before);
+  const std::vector<OptionText> now = option_texts(after);
+  std::vector<std::string> changed;
+  for (std::size_t i = 0; i < old.size(); ++i) {
+    const bool asked = std::find(keys.begin(), keys.end(), old[i].key) != keys.end();
+    if (!asked || old[i].value == now[i].value) continue;
+    changed.push_back(fmt::format("{} = {} ({})", old[i].key, now[i].value, old[i].value));
+  }
+  return changed;
 }
 
 std::string presets_as_table() {
@@ -91,7 +119,7 @@ std::string presets_as_table() {
   std::string text = "| option |";
   std::string rule = "| --- |";
   for (const char* name : kPresets) {
-    presets.push_back(option_texts(name));
+    presets.push_back(option_texts(preset_named(name)));
     text += fmt::format(" {} |", name);
     rule += " --- |";
   }

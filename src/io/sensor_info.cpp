@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "rio/io/dataset.hpp"
 
@@ -11,16 +13,36 @@ namespace rio::io {
 
 namespace {
 
-void copy(const std::optional<double>& from, double* to) {
-  if (from) *to = *from;
-}
-void copy_sigma(const std::optional<double>& from, double* to) {
-  if (from && *from > 0.0) *to = *from;
-}
+/// What sensor files tell, option by option.
+class Teller {
+ public:
+  Teller(std::vector<std::string>* told, std::vector<std::string>* all) : told_(told), all_(all) {}
 
-/// A prior of what is not estimated is of no use.
-void copy_prior(const std::optional<double>& from, double* to) {
-  if (from && *to > 0.0) *to = *from;
+  template <class Value, class Option>
+  void copy(const char* key, const std::optional<Value>& from, Option* to) {
+    if (all_ != nullptr) all_->emplace_back(key);
+    if (!from) return;
+    if (told_ != nullptr) told_->emplace_back(key);
+    *to = *from;
+  }
+  /// Zero is no noise model.
+  void copy_sigma(const char* key, const std::optional<double>& from, double* to) {
+    copy(key, from && *from > 0.0 ? from : std::nullopt, to);
+  }
+  /// A prior of what is not estimated is of no use.
+  void copy_prior(const char* key, const std::optional<double>& from, double* to) {
+    copy(key, *to > 0.0 ? from : std::nullopt, to);
+  }
+
+ private:
+  std::vector<std::string>* told_;
+  std::vector<std::string>* all_;
+};
+
+template <class Function>
+std::optional<double> changed(const std::optional<double>& value, const Function& function) {
+  if (!value) return std::nullopt;
+  return function(*value);
 }
 
 /// Widened by three sigmas on both sides; a sigma grows as 1/cos towards the edge.
@@ -29,46 +51,72 @@ double widened_fov(double fov, double sigma) {
   return std::min(std::numbers::pi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
 }
 
-}  // namespace
-
-void apply_sensor_info(const Dataset& dataset, Options* options) {
-  const ImuInfo& imu = dataset.imu_info;
-  copy(imu.gyro_noise_density, &options->imu.gyro_noise_density);
-  copy(imu.gyro_random_walk, &options->imu.gyro_random_walk);
-  copy(imu.accel_noise_density, &options->imu.accel_noise_density);
-  copy(imu.accel_random_walk, &options->imu.accel_random_walk);
+void tell(const Dataset& dataset, Options* options, Teller teller) {
+  const ImuInfo& info_imu = dataset.imu_info;
+  ImuOptions& imu = options->imu;
+  teller.copy("imu.gyro_noise_density", info_imu.gyro_noise_density, &imu.gyro_noise_density);
+  teller.copy("imu.gyro_random_walk", info_imu.gyro_random_walk, &imu.gyro_random_walk);
+  teller.copy("imu.accel_noise_density", info_imu.accel_noise_density, &imu.accel_noise_density);
+  teller.copy("imu.accel_random_walk", info_imu.accel_random_walk, &imu.accel_random_walk);
 
   const RadarInfo& info = dataset.radar_info;
   RadarOptions& radar = options->radar;
-  if (info.T_BS) radar.T_BS = *info.T_BS;
-  copy_sigma(info.sigma_range, &radar.sigma_range);
-  copy_sigma(info.sigma_azimuth, &radar.sigma_azimuth);
-  copy_sigma(info.sigma_elevation, &radar.sigma_elevation);
-  copy_sigma(info.sigma_doppler, &radar.sigma_doppler);
-  copy(info.weak_snr_db, &radar.weak_snr_db);
-  copy(info.range_resolution, &radar.range_resolution);
-  copy(info.doppler_resolution, &radar.doppler_resolution);
-  copy(info.max_doppler, &radar.max_doppler);
-  copy(info.time_offset, &radar.time_offset);
-  copy(info.doppler_scale, &radar.doppler_scale);
+  std::optional<Vector3d> translation;
+  std::optional<Quaternion> rotation;
+  if (info.T_BS) translation = info.T_BS->translation;
+  if (info.T_BS) rotation = info.T_BS->rotation;
+  teller.copy("radar.T_BS.translation", translation, &radar.T_BS.translation);
+  teller.copy("radar.T_BS.quaternion_wxyz", rotation, &radar.T_BS.rotation);
+  teller.copy_sigma("radar.sigma_range", info.sigma_range, &radar.sigma_range);
+  teller.copy_sigma("radar.sigma_azimuth", info.sigma_azimuth, &radar.sigma_azimuth);
+  teller.copy_sigma("radar.sigma_elevation", info.sigma_elevation, &radar.sigma_elevation);
+  teller.copy_sigma("radar.sigma_doppler", info.sigma_doppler, &radar.sigma_doppler);
+  teller.copy("radar.weak_snr_db", info.weak_snr_db, &radar.weak_snr_db);
+  teller.copy("radar.range_resolution", info.range_resolution, &radar.range_resolution);
+  teller.copy("radar.doppler_resolution", info.doppler_resolution, &radar.doppler_resolution);
+  teller.copy("radar.max_doppler", info.max_doppler, &radar.max_doppler);
+  teller.copy("radar.time_offset", info.time_offset, &radar.time_offset);
+  teller.copy("radar.doppler_scale", info.doppler_scale, &radar.doppler_scale);
+  const auto range = [&](double limit) { return limit + 3.0 * radar.sigma_range; };
+  const auto azimuth = [&](double fov) { return widened_fov(fov, radar.sigma_azimuth); };
+  const auto elevation = [&](double fov) { return widened_fov(fov, radar.sigma_elevation); };
+  teller.copy("radar.max_range", changed(info.max_range, range), &radar.max_range);
+  teller.copy("radar.fov_azimuth", changed(info.fov_azimuth, azimuth), &radar.fov_azimuth);
+  teller.copy("radar.fov_elevation", changed(info.fov_elevation, elevation), &radar.fov_elevation);
+
+  CalibrationOptions& prior = options->calibration;
+  teller.copy_prior("calibration.rotation_sigma", info.prior_rotation, &prior.rotation_sigma);
+  teller.copy_prior("calibration.translation_sigma", info.prior_position, &prior.translation_sigma);
+  teller.copy_prior("calibration.time_offset_sigma", info.prior_time_offset,
+                    &prior.time_offset_sigma);
+  teller.copy_prior("calibration.doppler_scale_sigma", info.prior_doppler_scale,
+                    &prior.doppler_scale_sigma);
+}
+
+/// All radars but the first, from what is known of that one and their own files.
+void tell_other_radars(const Dataset& dataset, Options* options) {
   options->other_radars.clear();
   for (const Dataset::OtherRadar& other : dataset.other_radars) {
     RadarMount mount = options->mount(0);
     if (other.info.T_BS) mount.T_BS = *other.info.T_BS;
-    copy(other.info.time_offset, &mount.time_offset);
-    copy(other.info.doppler_scale, &mount.doppler_scale);
+    mount.time_offset = other.info.time_offset.value_or(mount.time_offset);
+    mount.doppler_scale = other.info.doppler_scale.value_or(mount.doppler_scale);
     (void)options->other_radars.push_back(mount);
   }
-  CalibrationOptions& calibration = options->calibration;
-  copy_prior(info.prior_rotation, &calibration.rotation_sigma);
-  copy_prior(info.prior_position, &calibration.translation_sigma);
-  copy_prior(info.prior_time_offset, &calibration.time_offset_sigma);
-  copy_prior(info.prior_doppler_scale, &calibration.doppler_scale_sigma);
-  if (info.max_range) radar.max_range = *info.max_range + 3.0 * radar.sigma_range;
-  if (info.fov_azimuth) radar.fov_azimuth = widened_fov(*info.fov_azimuth, radar.sigma_azimuth);
-  if (info.fov_elevation) {
-    radar.fov_elevation = widened_fov(*info.fov_elevation, radar.sigma_elevation);
-  }
+}
+
+}  // namespace
+
+void apply_sensor_info(const Dataset& dataset, Options* options, std::vector<std::string>* told) {
+  tell(dataset, options, Teller(told, nullptr));
+  tell_other_radars(dataset, options);
+}
+
+std::vector<std::string> sensor_option_keys() {
+  std::vector<std::string> keys;
+  Options scratch;
+  tell({}, &scratch, Teller(nullptr, &keys));
+  return keys;
 }
 
 }  // namespace rio::io

@@ -16,7 +16,8 @@ struct EstimatorArguments {
 };
 
 /// Preset, then what is known of the sensors, then the values of the file, then the back-end of the
-/// command line. Throws std::runtime_error.
+/// command line. What the file changes of what is known of the sensors is noted on stderr. Throws
+/// std::runtime_error.
 /// @param base what the preset is put on
 Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
                      Options base = {});

@@ -2,7 +2,6 @@
 // `rio options`: all options with units, meaning and the values of a preset.
 #include <fmt/format.h>
 
-#include <stdexcept>
 #include <string>
 
 #include "commands.hpp"
@@ -11,10 +10,7 @@
 namespace rio::tools {
 
 void print_options(const std::string& preset_name) {
-  Options options;
-  if (!preset(preset_name, &options))
-    throw std::runtime_error("no such preset: \"" + preset_name + "\"");
-  fmt::print("{}", io::options_as_yaml(options));
+  fmt::print("{}", io::option_file(preset_name));
 }
 
 void compare_presets() {

@@ -237,6 +237,36 @@ TEST_F(Tool, PrintedOptionsLoadAgain) {
   }
 }
 
+TEST_F(Tool, PrintedOptionsLeaveTheSensorFilesAloneAndWhatOverridesThemIsSaid) {
+  const std::string replay = "replay " + flight_ + " --quiet --no-check --out ";
+  ASSERT_EQ(rio(replay + file("plain.tum")).status, 0);
+  const std::string printed = rio("options").output;
+  std::ofstream(file("my.yaml")) << printed;
+  const Outcome with = rio(replay + file("with.tum") + " --config " + file("my.yaml"));
+  ASSERT_EQ(with.status, 0) << with.output;
+  EXPECT_EQ(lines_of(file("with.tum")), lines_of(file("plain.tum")));
+  EXPECT_EQ(with.output.find("overrides"), std::string::npos) << with.output;
+
+  std::string said = printed;  // two lines of sensors, and one of something else
+  const auto say = [&said](const std::string& line, const std::string& instead) {
+    ASSERT_NE(said.find(line), std::string::npos) << line;
+    said.replace(said.find(line), line.size(), instead);
+  };
+  say("# sigma_range: ", "sigma_range: 0.2  # ");
+  say("# translation: ", "translation: ");
+  say(" min_range: ", " min_range: 0.3  # ");
+  std::ofstream(file("said.yaml")) << said;
+  const Outcome over = rio(replay + file("over.tum") + " --config " + file("said.yaml"));
+  EXPECT_NE(
+      over.output.find("said.yaml overrides the sensor files: radar.sigma_range = 0.2 (0.03)"),
+      std::string::npos)
+      << over.output;
+  EXPECT_NE(over.output.find("overrides the sensor files: radar.T_BS.translation = [0, 0, 0] (["),
+            std::string::npos)
+      << over.output;
+  EXPECT_EQ(over.output.find("min_range"), std::string::npos) << over.output;
+}
+
 TEST_F(Tool, PageOfPresetsIsWhatTheProgramSays) {
   const Outcome table = rio("options --compare");
   ASSERT_EQ(table.status, 0);

@@ -84,6 +84,27 @@ TEST(OptionsYaml, EveryFieldRoundTripsAlone) {
   }
 }
 
+TEST(OptionsYaml, AFileToStartFromSaysNothingOfTheSensors) {
+  for (const char* name : kPresets) {
+    const std::string text = option_file(name);
+    Options expected;
+    ASSERT_TRUE(preset(name, &expected));
+    EXPECT_EQ(values(parsed(text)), values(expected)) << name;
+    Options other = expected;  // what a recording says of its sensors
+    other.radar.sigma_range = 0.123;
+    other.radar.T_BS.translation = {1, 2, 3};
+    const test::TempDir dir;
+    load_option_values(dir.write("my.yaml", text), &other);
+    EXPECT_EQ(other.radar.sigma_range, 0.123) << name;
+    EXPECT_EQ(other.radar.T_BS.translation, Vector3d(1, 2, 3)) << name;
+  }
+  const std::string text = option_file("default");
+  EXPECT_PRED2(test::contains, text, "\npreset: default\n");
+  EXPECT_PRED2(test::contains, text, "\n  # gyro_noise_density: 0.0004  # [rad/s/sqrt(Hz)] White");
+  EXPECT_PRED2(test::contains, text, "\n    # translation: [0, 0, 0]  # [m] ");
+  EXPECT_PRED2(test::contains, text, "\n  min_range: 0.2  # [m] Nearer");
+}
+
 TEST(OptionsYaml, PrintsUnitAndMeaning) {
   const std::string text = options_as_yaml(Options{});
   EXPECT_TRUE(test::contains(

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "io/sample_dataset.hpp"
+#include "rio/io/options_yaml.hpp"
+#include "rio/option_fields.hpp"
 
 namespace rio::io {
 namespace {
@@ -165,6 +167,27 @@ TEST(SensorInfo, BecomesOptions) {
   EXPECT_EQ(o.calibration.time_offset_sigma, 0.002);
   EXPECT_EQ(o.calibration.doppler_scale_sigma, 0.003);
   EXPECT_TRUE(o.validate());
+}
+
+TEST(SensorInfo, ExactlyTheOptionsThatAreToldHaveChanged) {
+  Options o;
+  std::vector<std::string> told;
+  apply_sensor_info(sample_dataset(), &o, &told);
+  EXPECT_EQ(told, sensor_option_keys());
+  std::vector<std::string> every;
+  visit_fields(o, [&](const FieldInfo& info, const auto&) { every.push_back(info.key); });
+  EXPECT_EQ(changed_options(Options{}, o, every), changed_options(Options{}, o, told));
+  EXPECT_GE(changed_options(Options{}, o, told).size(), 20U);
+
+  Dataset little;
+  little.radar_info.sigma_range = 0.0;  // no noise model
+  little.radar_info.max_range = 20.0;
+  little.radar_info.prior_rotation = 0.1;
+  Options fixed;
+  fixed.calibration.rotation_sigma = 0.0;
+  told.clear();
+  apply_sensor_info(little, &fixed, &told);
+  EXPECT_EQ(told, std::vector<std::string>{"radar.max_range"});
 }
 
 TEST(SensorInfo, PriorsDoNotSwitchACalibrationOn) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rio/options.hpp"
 
@@ -26,6 +27,15 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
+
+/// The same as a file to start from: it names the preset, and what sensor files tell is commented
+/// out, since an option file wins over them.
+/// @throws std::runtime_error if there is no such preset
+std::string option_file(const std::string& preset_name);
+
+/// "KEY = VALUE (BEFORE)" of those of the keys whose values differ.
+std::vector<std::string> changed_options(const Options& before, const Options& after,
+                                         const std::vector<std::string>& keys);
 
 /// A Markdown table of the options in which the presets differ: a row an option, a column a preset.
 std::string presets_as_table();
