@@ -9,6 +9,7 @@
 #include <string>
 
 #include "commands.hpp"
+#include "describe.hpp"
 
 namespace rio::tools {
 
@@ -444,6 +445,7 @@ int run(int argc, char** argv) {
   add_fit_noise_command(app);
   add_calibrate_command(app);
   add_options_command(app);
+  add_describe_command(app);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The manual page and the completions that the program writes of itself.
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "e2e/tool.hpp"
+
+namespace rio::test {
+namespace {
+
+/// All that fits, without repetition.
+std::set<std::string> matches(const std::string& text, const char* pattern) {
+  const std::regex regex(pattern);
+  std::set<std::string> all;
+  for (std::sregex_iterator i(text.begin(), text.end(), regex), end; i != end; ++i) {
+    all.insert((*i)[1]);
+  }
+  return all;
+}
+
+/// As the help lists them.
+std::set<std::string> commands() {
+  const std::string help = rio("--help").output;
+  return matches(help.substr(help.find("Subcommands:")), "\n  ([a-z-]+) ");
+}
+
+TEST(Describe, TheManualNamesEveryCommandAndFlag) {
+  const Outcome manual = rio("describe man");
+  ASSERT_EQ(manual.status, 0);
+  std::string text = manual.output;
+  for (std::size_t at; (at = text.find("\\-")) != std::string::npos;) text.erase(at, 1);
+  EXPECT_GT(commands().size(), 12U);
+  EXPECT_EQ(commands().count("describe"), 0U);
+  for (const std::string& command : commands()) {
+    const std::size_t begin = text.find(".SS rio " + command + " ");
+    ASSERT_NE(begin, std::string::npos) << command;
+    const std::string section = text.substr(begin, text.find("\n.S", begin) - begin);
+    if (command == "experiment") continue;  // has a help of its own
+    const auto flags = matches(rio(command + " --help").output, "\n  (?:-h,)?(--[a-z-]+)");
+    EXPECT_FALSE(flags.empty()) << command;
+    for (const std::string& flag : flags) {
+      EXPECT_PRED2(contains, section, "\n.B " + flag + " ") << command;
+    }
+  }
+  // troff knows the requests that are used, and no line of text is taken for one
+  const std::set<std::string> requests = matches(text, "\n\\.([A-Z]+)");
+  EXPECT_EQ(requests, (std::set<std::string>{"B", "SH", "SS", "TP"}));
+}
+
+/// What bash offers for the last word of a line.
+std::string completed(const std::string& words) {
+  const std::string script = std::string(RIO_TOOL) + " describe bash";
+  return run_command("bash -c 'source <(" + script + "); COMP_WORDS=(" + words +
+                     "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _rio; echo ${COMPREPLY[@]}'")
+      .output;
+}
+
+TEST(Describe, BashCompletesCommandsFlagsAndTheirWords) {
+  EXPECT_EQ(run_command(std::string("bash -c '") + RIO_TOOL + " describe bash | bash -n'").status,
+            0);
+  EXPECT_EQ(completed("rio rep"), "replay\n");
+  EXPECT_EQ(completed("rio replay --bar"), "--barometer\n");
+  EXPECT_EQ(completed("rio replay --backend sm"), "smoother\n");
+  EXPECT_EQ(completed("rio info some"), "\n");
+  std::istringstream all(completed("rio \"\""));
+  std::set<std::string> words;
+  for (std::string word; all >> word;) words.insert(word);
+  for (const std::string& command : commands()) EXPECT_EQ(words.count(command), 1U) << command;
+}
+
+}  // namespace
+}  // namespace rio::test
