@@ -2,7 +2,10 @@
 #include "check/check.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
@@ -11,22 +14,68 @@
 
 namespace rio::check {
 
-Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
-                         const std::filesystem::path& imu_csv) {
-  const std::vector<ImuSample> samples = usable(dataset.imu);
-  ImuCheck imu = check_imu(dataset.imu, samples, dataset.imu_info, source, imu_csv);
-  Findings out = std::move(imu.findings);
+namespace {
+
+/// What the other checks need of the IMU.
+struct CheckedImu {
+  const std::vector<ImuSample>& all;
+  std::vector<ImuSample> good;  ///< usable()
+  ImuCheck check;
+};
+
+/// A radar, told of in `options` as if it were the first one.
+Findings check_one_radar(const CheckedImu& imu, const std::vector<RadarScan>& scans,
+                         const io::RadarInfo& info, std::size_t radar, const Options& options,
+                         Source source, const std::filesystem::path& folder) {
+  const std::string name = "radar" + std::to_string(radar);
+  if (scans.empty()) return {};
+  Options read = options;
+  double& limit = read.radar.max_doppler;
+  if (limit > 0.0) limit = std::max(limit, fastest(scans));
+  const std::vector<RadarSpeed> speeds = radar_speeds(scans, read);
+  Findings out = {check_clocks(imu.all, scans, source)};
   const auto append = [&out](const Findings& more) {
     out.insert(out.end(), more.begin(), more.end());
   };
-  if (dataset.imu.empty() || dataset.scans.empty()) return out;
-  append({check_clocks(dataset, source)});
-  Options read = options;
-  double& limit = read.radar.max_doppler;
-  if (limit > 0.0) limit = std::max(limit, fastest(dataset.scans));
-  const std::vector<RadarSpeed> speeds = radar_speeds(dataset.scans, read);
-  append(check_radar(dataset, speeds, options, source));
-  append(check_motion(samples, speeds, imu.gyro_unit, imu.accel_unit, options, source));
+  append(check_radar(scans, info, speeds, options, source, folder / name / "data.csv"));
+  append(check_motion(imu.good, speeds, imu.check.gyro_unit, imu.check.accel_unit, options, source,
+                      radar));
+  return out;
+}
+
+/// Named after the radar, as are its files.
+Finding of_radar(std::size_t radar, Finding finding) {
+  const std::string name = "radar" + std::to_string(radar);
+  for (std::size_t at = 0; (at = finding.change.find("radar0/", at)) != std::string::npos; ++at) {
+    finding.change.replace(at, name.size(), name);
+  }
+  finding.subject = name + ": " + finding.subject;
+  return finding;
+}
+
+}  // namespace
+
+Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
+                         const std::filesystem::path& folder) {
+  CheckedImu imu{dataset.imu, usable(dataset.imu), {}};
+  imu.check =
+      check_imu(dataset.imu, imu.good, dataset.imu_info, source, folder / "imu0" / "data.csv");
+  Findings out = std::move(imu.check.findings);
+  if (dataset.imu.empty()) return out;
+  const Findings first =
+      check_one_radar(imu, dataset.scans, dataset.radar_info, 0, options, source, folder);
+  out.insert(out.end(), first.begin(), first.end());
+  for (std::size_t r = 1; r < options.radars() && r <= dataset.other_radars.size(); ++r) {
+    const io::Dataset::OtherRadar& other = dataset.other_radars[r - 1];
+    Options told = options;
+    told.radar.T_BS = options.mount(r).T_BS;
+    told.radar.time_offset = options.mount(r).time_offset;
+    told.radar.doppler_scale = options.mount(r).doppler_scale;
+    for (Finding& finding :
+         check_one_radar(imu, other.scans, other.info, r, told, source, folder)) {
+      out.push_back(of_radar(r, std::move(finding)));
+    }
+  }
   return out;
 }
 

@@ -10,11 +10,12 @@
 
 namespace rio::check {
 
-/// All findings in the order of the sensors: IMU, clocks, radar, motion. What was found out about
-/// units is taken into account in what follows.
+/// All findings in the order of the sensors: IMU, clocks, radar, motion, and the last three of
+/// every further radar with "radar1: " before the subject. What was found out about units is taken
+/// into account in what follows.
 /// @param options with what the recording says of its sensors
-/// @param imu_csv where its samples stand, to name lines of it; may be empty
+/// @param folder of the recording, to name lines of its files; may be empty
 Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
-                         const std::filesystem::path& imu_csv = {});
+                         const std::filesystem::path& folder = {});
 
 }  // namespace rio::check

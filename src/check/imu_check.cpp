@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <string>
 
@@ -20,40 +19,6 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-/// "FILE:LINE" of a row, from 0, of a csv file; its number where the file cannot be read.
-std::string place_of(const std::filesystem::path& csv, std::size_t row) {
-  std::ifstream file(csv);
-  std::size_t line = 1;
-  for (std::string text; std::getline(file, text); ++line) {
-    const std::size_t first = text.find_first_not_of(" \t\r");
-    if (first == std::string::npos || text[first] == '#') continue;
-    if (row-- == 0) return fmt::format("{}:{}", csv.string(), line);
-  }
-  return "";
-}
-
-/// The first sample whose stamp fits neither that before nor that after it, if the two fit each
-/// other, and how many there are.
-struct Strays {
-  std::size_t count = 0;
-  std::size_t first = 0;
-};
-
-Strays strays(const std::vector<ImuSample>& all) {
-  Strays out;
-  const std::vector<std::size_t> order = in_order(all);
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (next < order.size() && order[next] == i) {
-      ++next;
-      continue;
-    }
-    const bool repeated = i > 0 && all[i].time == all[i - 1].time;
-    if (!repeated && out.count++ == 0) out.first = i;
-  }
-  return out;
-}
 
 /// The stamps one after the other.
 Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,

@@ -95,12 +95,15 @@ std::string describe(const Matrix3d& told, const Axes& axes) {
   return mirrored ? *mirrored + " (or " + turned + ")" : turned;
 }
 
-std::string mounting_line(const Matrix3d& R, const Vector3d& p) {
+/// An option for the first radar, for another one a line of its file.
+std::string mounting_line(const Matrix3d& R, const Vector3d& p, std::size_t radar) {
   const Quaternion q(R);
-  return fmt::format(
-      "radar: {{T_BS: {{translation: [{:.4f}, {:.4f}, {:.4f}], quaternion_wxyz: [{:.6f}, {:.6f}, "
-      "{:.6f}, {:.6f}]}}}}",
+  const std::string line = fmt::format(
+      "T_BS: {{translation: [{:.4f}, {:.4f}, {:.4f}], quaternion_wxyz: [{:.6f}, {:.6f}, {:.6f}, "
+      "{:.6f}]}}",
       p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+  if (radar > 0) return fmt::format("radar{}/sensor.yaml: {}", radar, line);
+  return "radar: {" + line + "}";
 }
 
 std::string sign_line(Source source) {
@@ -108,12 +111,12 @@ std::string sign_line(Source source) {
                                 : "negate the column doppler of radar0/data.csv";
 }
 
-std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options,
-                      Source source) {
+std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options, Source source,
+                      std::size_t radar) {
   const Vector3d& p = options.radar.T_BS.translation;
-  if (!axes.doppler_flipped) return mounting_line(axes.R, p);
+  if (!axes.doppler_flipped) return mounting_line(axes.R, p, radar);
   if (axes.turn < 1e-6) return sign_line(source);
-  std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p);
+  std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p, radar);
   const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
   if (!mirrored) return both;
   const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."
@@ -125,6 +128,7 @@ struct Judge {
   const Agreements& windows;
   const Options& options;
   Source source;
+  std::size_t radar;
   double noise;  ///< of the radar's velocities [m/s]
   Matrix3d told = options.radar.T_BS.rotation.toRotationMatrix();
   Agreement all = total(windows);
@@ -238,7 +242,7 @@ Finding check_axes(const Judge& judge) {
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
     out.text += ", or as well if " + describe(judge.told, alike[i]);
   }
-  out.change = change_of(judge.told, found, judge.options, judge.source);
+  out.change = change_of(judge.told, found, judge.options, judge.source, judge.radar);
   return out;
 }
 
@@ -412,7 +416,10 @@ Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, c
   out.text += fmt::format(", by {:.1f} sigmas", sure);
   if (size < kNotable || sure < kMaybe) return out;
   out.verdict = size > kWrong && sure > kSure ? Verdict::kWrong : Verdict::kDoubtful;
-  out.change = fmt::format("radar: {{time_offset: {:.3f}}}", radar.time_offset - shift.seconds);
+  const double offset = radar.time_offset - shift.seconds;
+  out.change = judge.radar == 0
+                   ? fmt::format("radar: {{time_offset: {:.3f}}}", offset)
+                   : fmt::format("radar{}/sensor.yaml: time_offset_s: {:.3f}", judge.radar, offset);
   if (judge.source == Source::kBag) {
     out.change += fmt::format(", or --radar-offset \"{:+.0f} ms\"", 1e3 * shift.seconds);
   }
@@ -438,7 +445,8 @@ std::vector<Axes> candidates(const Quaternion& told) {
 }
 
 Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
-                      double gyro_unit, double accel_unit, const Options& options, Source source) {
+                      double gyro_unit, double accel_unit, const Options& options, Source source,
+                      std::size_t radar) {
   const ImuPath path(samples, gyro_unit, accel_unit);
   const std::vector<Agreements> shifts = all_shifts(speeds, path, options.radar);
   const Agreements& windows = windows_to_judge(shifts, options);
@@ -449,7 +457,7 @@ Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<R
                          windows.size()),
              "fly for half a minute with changes of speed and turns"}};
   }
-  const Judge judge{windows, options, source, noise(speeds)};
+  const Judge judge{windows, options, source, radar, noise(speeds)};
   if (const auto unit = check_gyro_unit(judge, samples, speeds, gyro_unit, accel_unit)) {
     return {*unit};
   }

@@ -8,6 +8,7 @@
 // movement, the told one explains it clearly worse, and by (E6) of motion.hpp that is no chance.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "check/finding.hpp"
@@ -27,7 +28,9 @@ struct Axes {
 std::vector<Axes> candidates(const Quaternion& told);
 
 /// @param samples usable(), @param gyro_unit, accel_unit found by check_imu()
+/// @param radar its number; the options have its mounting as that of the first one
 Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
-                      double gyro_unit, double accel_unit, const Options& options, Source source);
+                      double gyro_unit, double accel_unit, const Options& options, Source source,
+                      std::size_t radar);
 
 }  // namespace rio::check

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which items of a recording are in the order of time.
+// Which items of a recording are in the order of time, and where those stand that are not.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
 #include "rio/types.hpp"
@@ -42,6 +45,39 @@ std::vector<std::size_t> in_order(const std::vector<Item>& items) {
   if (n > 3 && span(n - 2, n - 1) > span(0, n - 2)) order.pop_back();
   if (order.size() > 3 && span(0, 1) > span(1, order.size() - 1)) order.erase(order.begin());
   return order;
+}
+
+/// The items that are not in_order(), those aside that repeat the stamp before them.
+struct Strays {
+  std::size_t count = 0;
+  std::size_t first = 0;
+};
+template <typename Item>
+Strays strays(const std::vector<Item>& all) {
+  Strays out;
+  const std::vector<std::size_t> order = in_order(all);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (next < order.size() && order[next] == i) {
+      ++next;
+      continue;
+    }
+    const bool repeated = i > 0 && all[i].time == all[i - 1].time;
+    if (!repeated && out.count++ == 0) out.first = i;
+  }
+  return out;
+}
+
+/// "FILE:LINE" of a row, from 0, of a csv file; empty where the file cannot be read.
+inline std::string place_of(const std::filesystem::path& csv, std::size_t row) {
+  std::ifstream file(csv);
+  std::size_t line = 1;
+  for (std::string text; std::getline(file, text); ++line) {
+    const std::size_t first = text.find_first_not_of(" \t\r");
+    if (first == std::string::npos || text[first] == '#') continue;
+    if (row-- == 0) return csv.string() + ":" + std::to_string(line);
+  }
+  return "";
 }
 
 }  // namespace rio::check

@@ -20,18 +20,22 @@ std::pair<Time, Time> span_of(const std::vector<Item>& items) {
   return {items[order.front()].time, items[order.back()].time};
 }
 
-Finding check_stamps(const io::Dataset& dataset) {
-  const std::vector<RadarScan>& scans = dataset.scans;
+/// The row of a file at which a scan begins: one a detection, or one that says that there is none.
+std::size_t row_of(const std::vector<RadarScan>& scans, std::size_t scan) {
+  std::size_t row = 0;
+  for (std::size_t i = 0; i < scan; ++i)
+    row += std::max<std::size_t>(1, scans[i].detections.size());
+  return row;
+}
+
+Finding check_stamps(const std::vector<RadarScan>& scans, const io::RadarInfo& info,
+                     const std::filesystem::path& csv) {
   std::vector<double> periods;
-  int unordered = 0;
-  for (std::size_t i = 1; i < scans.size(); ++i) {
-    const double period = to_seconds(scans[i].time - scans[i - 1].time);
-    if (period > 0.0) {
-      periods.push_back(period);
-    } else {
-      ++unordered;
-    }
+  const std::vector<std::size_t> order = in_order(scans);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    periods.push_back(to_seconds(scans[order[i]].time - scans[order[i - 1]].time));
   }
+  const std::size_t unordered = scans.size() - order.size();
   if (periods.size() < 10) {
     return {
         Verdict::kWrong, "radar stamps",
@@ -40,15 +44,22 @@ Finding check_stamps(const io::Dataset& dataset) {
   }
   const double period = median(periods);
   const double longest = *std::max_element(periods.begin(), periods.end());
-  const double told = dataset.radar_info.rate_hz.value_or(1.0 / period);
+  const double told = info.rate_hz.value_or(1.0 / period);
   Finding out{Verdict::kOk, "radar stamps",
               fmt::format("{} scans, one each {:.1f} ms ({:.1f} Hz), longest gap {:.2f} s, {} not "
-                          "later than the one before",
+                          "in the order of time",
                           scans.size(), 1e3 * period, 1.0 / period, longest, unordered),
               ""};
+  const Strays stray = strays(scans);
+  const std::string place = stray.count > 0 ? place_of(csv, row_of(scans, stray.first)) : "";
+  if (stray.count > 0) {
+    out.text += fmt::format(", the first of them scan {} with the stamp {} ns", stray.first + 1,
+                            scans[stray.first].time.count());
+  }
   if (unordered > 0 || longest > std::max(1.0, 10.0 * period)) {
     out.verdict = Verdict::kDoubtful;
     out.change = "a scan needs a stamp of its own, and the radar no pauses";
+    if (!place.empty()) out.change += "; see " + place;
   } else if (std::abs(told * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("radar0/sensor.yaml: rate_hz: {:.1f}", 1.0 / period);
@@ -56,11 +67,11 @@ Finding check_stamps(const io::Dataset& dataset) {
   return out;
 }
 
-Finding check_points(const io::Dataset& dataset, const std::vector<RadarSpeed>& speeds,
+Finding check_points(const std::vector<RadarScan>& scans, const std::vector<RadarSpeed>& speeds,
                      const Options& options) {
   std::vector<double> counts;
   std::vector<double> snr;
-  for (const RadarScan& scan : dataset.scans) {
+  for (const RadarScan& scan : scans) {
     counts.push_back(static_cast<double>(scan.detections.size()));
     for (const RadarDetection& d : scan.detections) snr.push_back(d.snr_db);
   }
@@ -94,8 +105,8 @@ std::vector<double> magnitudes(const std::vector<RadarScan>& scans) {
   return rates;
 }
 
-Finding check_doppler(const io::Dataset& dataset, const Options& options, Source source) {
-  const std::vector<double> rates = magnitudes(dataset.scans);
+Finding check_doppler(const std::vector<RadarScan>& scans, const Options& options, Source source) {
+  const std::vector<double> rates = magnitudes(scans);
   if (rates.empty()) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
   const double limit = options.radar.max_doppler;
   const double most = quantile(rates, 0.999);
@@ -133,9 +144,10 @@ double fastest(const std::vector<RadarScan>& scans) {
   return rates.empty() ? 0.0 : quantile(rates, 0.999);
 }
 
-Finding check_clocks(const io::Dataset& dataset, Source source) {
-  const auto [imu_begin, imu_end] = span_of(dataset.imu);
-  const auto [radar_begin, radar_end] = span_of(dataset.scans);
+Finding check_clocks(const std::vector<ImuSample>& samples, const std::vector<RadarScan>& scans,
+                     Source source) {
+  const auto [imu_begin, imu_end] = span_of(samples);
+  const auto [radar_begin, radar_end] = span_of(scans);
   const double imu = to_seconds(imu_end - imu_begin);
   const double radar = to_seconds(radar_end - radar_begin);
   const double both =
@@ -157,10 +169,11 @@ Finding check_clocks(const io::Dataset& dataset, Source source) {
   return out;
 }
 
-Findings check_radar(const io::Dataset& dataset, const std::vector<RadarSpeed>& speeds,
-                     const Options& options, Source source) {
-  return {check_stamps(dataset), check_points(dataset, speeds, options),
-          check_doppler(dataset, options, source)};
+Findings check_radar(const std::vector<RadarScan>& scans, const io::RadarInfo& info,
+                     const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
+                     const std::filesystem::path& csv) {
+  return {check_stamps(scans, info, csv), check_points(scans, speeds, options),
+          check_doppler(scans, options, source)};
 }
 
 }  // namespace rio::check

@@ -2,6 +2,7 @@
 // What the scans say of themselves: clock, rate, points, Doppler.
 #pragma once
 
+#include <filesystem>
 #include <vector>
 
 #include "check/finding.hpp"
@@ -11,11 +12,14 @@
 namespace rio::check {
 
 /// Whether both sensors were there at the same time, by their stamps.
-Finding check_clocks(const io::Dataset& dataset, Source source);
+Finding check_clocks(const std::vector<ImuSample>& imu, const std::vector<RadarScan>& scans,
+                     Source source);
 
 /// @param speeds of radar_speeds()
-Findings check_radar(const io::Dataset& dataset, const std::vector<RadarSpeed>& speeds,
-                     const Options& options, Source source);
+/// @param csv the file the scans come from, to name lines of it; may be empty
+Findings check_radar(const std::vector<RadarScan>& scans, const io::RadarInfo& info,
+                     const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
+                     const std::filesystem::path& csv);
 
 /// The largest Doppler but for one of a thousand [m/s]; where a radar folds that is told a limit in
 /// another unit.

@@ -171,8 +171,19 @@ NavState read_start_of_truth(const fs::path& path, const std::vector<ImuSample>&
   return *start;
 }
 
-/// Reads a 4x4 homogeneous matrix in EuRoC's {cols, rows, data}.
+/// Reads a 4x4 homogeneous matrix in EuRoC's {cols, rows, data}, or {translation, quaternion_wxyz}
+/// as in option files.
 Pose read_pose(const YamlFile& file, const YAML::Node& node) {
+  if (node.IsMap() && node["quaternion_wxyz"].IsDefined()) {
+    const std::vector<double> q =
+        yaml_numbers(file, node["quaternion_wxyz"], "T_BS: quaternion_wxyz", "", 4);
+    const auto rotation = unit_quaternion(q[0], q[1], q[2], q[3]);
+    if (!rotation) fail_at(file, node["quaternion_wxyz"], "T_BS: not a unit quaternion");
+    if (!node["translation"].IsDefined()) fail_at(file, node, "T_BS: no translation");
+    const std::vector<double> p =
+        yaml_numbers(file, node["translation"], "T_BS: translation", "m", 3);
+    return {*rotation, Vector3d(p[0], p[1], p[2])};
+  }
   const YAML::Node data = node.IsMap() ? node["data"] : node;
   const std::vector<double> m = yaml_numbers(file, data.IsDefined() ? data : node, "T_BS", "", 16);
   const Eigen::Matrix4d T =

@@ -26,8 +26,7 @@ check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
   }
   fs::path root = path;
   if (!fs::exists(root / "imu0")) root /= "mav0";
-  return check::check_recording(dataset, options, check::Source::kFolder,
-                                root / "imu0" / "data.csv");
+  return check::check_recording(dataset, options, check::Source::kFolder, root);
 }
 
 nlohmann::ordered_json findings_json(const check::Findings& findings) {

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <string>
 
 #include "check/faults.hpp"
@@ -157,7 +159,7 @@ TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
     Options options;
     io::apply_sensor_info(dataset, &options);
     const std::filesystem::path csv = dir.path() / "imu0/data.csv";
-    const Findings findings = check::check_recording(dataset, options, Source::kFolder, csv);
+    const Findings findings = check::check_recording(dataset, options, Source::kFolder, dir.path());
     const Finding* said = only_fault(findings);
     ASSERT_NE(said, nullptr) << text_of(findings);
     EXPECT_EQ(said->subject, "imu stamps");
@@ -166,6 +168,69 @@ TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
     EXPECT_EQ(said->change, "remove the line " + line);
     EXPECT_NE(said->text.find(", 1 out of order"), std::string::npos) << said->text;
   }
+}
+
+TEST(Check, ACorruptStampOfTheRadarIsNamedWithItsLine) {
+  io::Dataset dataset = flown("indoor-1", 40.0);
+  const std::size_t scan = dataset.scans.size() / 2;
+  std::size_t line = 2;  // below the heading
+  for (std::size_t i = 0; i < scan; ++i) {
+    line += std::max<std::size_t>(1, dataset.scans[i].detections.size());
+  }
+  for (const double jump : {1e9, -20.0}) {
+    const TempDir dir;
+    io::write_dataset(dir.path(), dataset);
+    std::ifstream in(dir.path() / "radar0/data.csv");
+    std::string text;
+    std::size_t number = 1;
+    for (std::string row; std::getline(in, row); ++number) {
+      const std::size_t comma = row.find(',');
+      if (number == line) {
+        const Time stamp = dataset.scans[scan].time + from_seconds(jump);
+        row = std::to_string(stamp.count()) + row.substr(comma);
+      }
+      text += row + "\n";
+    }
+    const auto csv = dir.write("radar0/data.csv", text);
+    const io::Dataset corrupt = io::read_dataset(dir.path());
+    Options options;
+    io::apply_sensor_info(corrupt, &options);
+    const Findings findings = check::check_recording(corrupt, options, Source::kFolder, dir.path());
+    const Finding* said = only_fault(findings);
+    ASSERT_NE(said, nullptr) << text_of(findings);
+    EXPECT_EQ(said->subject, "radar stamps");
+    EXPECT_PRED2(contains, said->change, "; see " + csv.string() + ":" + std::to_string(line));
+  }
+}
+
+TEST(Check, EveryRadarIsNamed) {
+  io::Dataset dataset = flown("indoor-1", 60.0);
+  const io::Dataset healthy = dataset;
+  for (int r = 1; r <= 2; ++r) dataset.other_radars.push_back({healthy.scans, healthy.radar_info});
+  const auto check = [&dataset] {
+    Options options;
+    io::apply_sensor_info(dataset, &options);
+    return check::check_recording(dataset, options, Source::kFolder);
+  };
+  const Findings fine = check();
+  EXPECT_NE(worst(fine), Verdict::kWrong) << text_of(fine);
+  EXPECT_NE(find(fine, "radar1: axes and Doppler sign"), nullptr) << text_of(fine);
+  for (RadarScan& scan : dataset.other_radars[0].scans) {
+    for (RadarDetection& d : scan.detections) d.range_rate = -d.range_rate;
+  }
+  Quaternion& turned = dataset.other_radars[1].info.T_BS->rotation;
+  turned = quaternion_exp(Vector3d(0.0, 0.0, 0.5 * kHalfTurn)) * turned;
+  const Findings findings = check();
+  int wrong = 0;
+  for (const Finding& f : findings) wrong += f.verdict == Verdict::kWrong ? 1 : 0;
+  EXPECT_EQ(wrong, 2) << text_of(findings);
+  const Finding* sign = find(findings, "radar1: axes and Doppler sign");
+  const Finding* mounting = find(findings, "radar2: axes and Doppler sign");
+  ASSERT_TRUE(sign != nullptr && mounting != nullptr) << text_of(findings);
+  EXPECT_EQ(sign->change, "negate the column doppler of radar1/data.csv");
+  EXPECT_EQ(mounting->change.rfind("radar2/sensor.yaml: T_BS: {translation: [", 0), 0U)
+      << mounting->change;
+  EXPECT_LT(mounting_in(mounting->change).angularDistance(healthy.radar_info.T_BS->rotation), 0.02);
 }
 
 TEST(Check, MirroredAxesOfTheImu) {

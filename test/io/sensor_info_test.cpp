@@ -139,6 +139,22 @@ TEST(SensorInfo, AlmostOrthonormalPoseIsNormalised) {
   EXPECT_EQ(T_BS.translation, Vector3d(0.1, 0.2, 0.3));
 }
 
+TEST(SensorInfo, APoseMayBeAQuaternion) {
+  const TempDir dir;
+  write_minimal(dir);
+  const auto read = [&](const std::string& pose) {
+    dir.write("radar0/sensor.yaml", "T_BS: " + pose + "\n");
+    return read_dataset(dir.path()).radar_info.T_BS.value();
+  };
+  const Pose T_BS = read("{translation: [10 cm, 0, -0.2], quaternion_wxyz: [0, 0, 0.6, 0.8]}");
+  EXPECT_EQ(T_BS.translation, Vector3d(0.1, 0.0, -0.2));
+  EXPECT_NEAR(T_BS.rotation.y(), 0.6, 1e-15);
+  EXPECT_NEAR(T_BS.rotation.z(), 0.8, 1e-15);
+  EXPECT_ERROR(read("{quaternion_wxyz: [1, 0, 0, 0]}"), "sensor.yaml:1: T_BS: no translation");
+  EXPECT_ERROR(read("{translation: [0, 0, 0], quaternion_wxyz: [1, 0, 0, 1]}"),
+               "sensor.yaml:1: T_BS: not a unit quaternion");
+}
+
 TEST(SensorInfo, BecomesOptions) {
   const Dataset d = sample_dataset();
   Options o;
