@@ -122,6 +122,15 @@ Finding check_accel(const Rest& rest, Source source, double* unit) {
     return out;
   }
   out.verdict = Verdict::kWrong;
+  if (std::abs(rest.gyro.norm() / kStandardGravity - 1.0) < 0.05) {
+    out.text += fmt::format(", but the gyro reads {:.4g}: gyro and accelerometer are exchanged",
+                            rest.gyro.norm());
+    out.change =
+        source == Source::kBag
+            ? "exchange angular_velocity and linear_acceleration where they are recorded"
+            : "exchange the two groups of three columns of imu0/data.csv: the gyro is first";
+    return out;
+  }
   out.change = "find the unit of the accelerometer; at rest it must read 9.81 m/s^2";
   for (const Unit& u : kUnits) {
     if (std::abs(f * u.factor / kStandardGravity - 1.0) > 0.1) continue;

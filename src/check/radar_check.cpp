@@ -105,6 +105,21 @@ std::vector<double> magnitudes(const std::vector<RadarScan>& scans) {
   return rates;
 }
 
+/// Approaching targets have a Doppler below zero, but no detection has an SNR much below it.
+bool looks_exchanged(const std::vector<RadarScan>& scans) {
+  constexpr double kShare = 0.1;
+  std::size_t all = 0;
+  std::size_t weak = 0;
+  for (const RadarScan& scan : scans) {
+    for (const RadarDetection& d : scan.detections) {
+      if (d.range_rate < 0.0) return false;
+      ++all;
+      weak += d.snr_db < 0.0 ? 1U : 0U;
+    }
+  }
+  return static_cast<double>(weak) > kShare * static_cast<double>(all);
+}
+
 Finding check_doppler(const std::vector<RadarScan>& scans, const Options& options, Source source) {
   const std::vector<double> rates = magnitudes(scans);
   if (rates.empty()) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
@@ -119,7 +134,13 @@ Finding check_doppler(const std::vector<RadarScan>& scans, const Options& option
                           grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid"),
               ""};
   if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
-  if (still > 0.999) {
+  if (looks_exchanged(scans)) {
+    out.verdict = Verdict::kWrong;
+    out.text += ", never negative, while the SNR is: the two are exchanged";
+    out.change = source == Source::kBag
+                     ? "--field doppler=NAME --field snr=NAME, the other way round"
+                     : "exchange the columns doppler and snr of radar0/data.csv";
+  } else if (still > 0.999) {
     out.verdict = Verdict::kWrong;
     out.change = source == Source::kBag ? "--field doppler=NAME; `rio info` lists the fields"
                                         : "fill the column doppler of radar0/data.csv";

@@ -51,6 +51,9 @@ Result real(const Settings& settings);
 /// rates, losses, vibration, points, and what the filter makes of them.
 Result twins(const Settings& settings);
 
+/// What `rio check` says of recordings (Settings::data) and flights with a fault, and without.
+Result checks(const Settings& settings);
+
 /// One flight of Settings::hours: memory, errors, symmetry, norms and times, and whether runs and
 /// the orders of calls agree to the bit.
 Result soak(const Settings& settings);
@@ -76,6 +79,7 @@ inline const std::vector<Experiment>& experiments() {
       {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
       {"real", "every recording of the folder --data, also perturbed", &real},
       {"twins", "recordings DATASET... (or --data) beside their simulated twins", &twins},
+      {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
       {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},
   };
   return all;

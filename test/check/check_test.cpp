@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "check/faults.hpp"
+#include "check/check_it.hpp"
 #include "check/imu_check.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/sim/catalogue.hpp"

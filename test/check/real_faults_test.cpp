@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The faults of faults.hpp in a real recording, ti_demo: carried by hand, a few points a scan.
-// Skipped without RIO_TEST_DATA, a folder with it.
+// The faults of check/faults.hpp in a real recording, ti_demo: carried by hand, a few points a
+// scan. Skipped without RIO_TEST_DATA, a folder with it.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-#include "check/faults.hpp"
+#include "check/check_it.hpp"
 #include "support/measured.hpp"
 
 namespace rio::test {
@@ -31,10 +31,7 @@ TEST(CheckOfARealRecording, NamesTheFaultsItsMotionTells) {
     io::Dataset damaged = healthy;
     fault.make(&damaged);
     const Findings findings = check_it(damaged);
-    const Finding* said = find(findings, fault.subject);
-    const bool is_named = said != nullptr && said->verdict != Verdict::kOk &&
-                          said->text.find(fault.text) != std::string::npos &&
-                          said->change.find(fault.change) != std::string::npos;
+    const bool is_named = check::naming(findings, fault) != nullptr;
     EXPECT_EQ(is_named, kNotTold.count(fault.name) == 0) << fault.name << "\n" << text_of(findings);
     named += is_named ? 1 : 0;
   }

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/faults.hpp"
+
+#include <string>
+#include <utility>
+
+#include "rio/core/so3.hpp"
+
+namespace rio::check {
+
+namespace {
+
+constexpr double kHalfTurn = 3.14159265358979323846;
+
+void each_detection(io::Dataset* d, const std::function<void(RadarDetection*)>& change) {
+  for (RadarScan& scan : d->scans) {
+    for (RadarDetection& detection : scan.detections) change(&detection);
+  }
+}
+
+void each_sample(io::Dataset* d, const std::function<void(ImuSample*)>& change) {
+  for (ImuSample& sample : d->imu) change(&sample);
+}
+
+std::vector<Fault> make_faults() {
+  const double quarter = 0.5 * kHalfTurn;
+  return {
+      {"DopplerSign", "Doppler of the other sign",
+       [](io::Dataset* d) {
+         each_detection(d, [](RadarDetection* r) { r->range_rate = -r->range_rate; });
+       },
+       "axes and Doppler sign", "the Doppler has the wrong sign", "--approaching"},
+      {"MountingTurned90AboutTheBody", "mounting turned by 90 deg about the vertical",
+       [=](io::Dataset* d) {
+         turn_mounting(d, {0.0, 0.0, quarter}, true);
+       },
+       "axes and Doppler sign", "turned by 90 deg about the -z axis of the body", "quaternion"},
+      {"MountingTurned180AboutTheBody", "mounting turned by 180 deg about the vertical",
+       [](io::Dataset* d) {
+         turn_mounting(d, {0.0, 0.0, kHalfTurn}, true);
+       },
+       "axes and Doppler sign", "turned by 180 deg about the z axis of the body", "quaternion"},
+      {"MountingUpsideDown", "radar upside down",
+       [](io::Dataset* d) {
+         turn_mounting(d, {kHalfTurn, 0.0, 0.0}, false);
+       },
+       "axes and Doppler sign", "turned by 180 deg about the x axis of the radar", "quaternion"},
+      {"AxesOfTheChip",
+       "points in the axes of the chip",  // right, forward, up for forward, left, up
+       [](io::Dataset* d) {
+         each_detection(d, [](RadarDetection* r) {
+           const Vector3d p = r->point_S;
+           r->point_S = {-p.y(), p.x(), p.z()};
+         });
+       },
+       "axes and Doppler sign", "turned by 90 deg about the -z axis of the radar", "quaternion"},
+      {"AxesSwapped", "x and y of the points swapped",
+       [](io::Dataset* d) {
+         each_detection(d, [](RadarDetection* r) { std::swap(r->point_S.x(), r->point_S.y()); });
+       },
+       "axes and Doppler sign", "x and y of the points are swapped", "--axes"},
+      {"AxisMirrored", "y of the points mirrored",
+       [](io::Dataset* d) {
+         each_detection(d, [](RadarDetection* r) { r->point_S.y() = -r->point_S.y(); });
+       },
+       "axes and Doppler sign", "y of the points has the wrong sign", "--axes"},
+      {"GyroInDegrees", "gyro in deg/s",
+       [](io::Dataset* d) {
+         for (ImuSample& s : d->imu) s.gyro_B *= 180.0 / kHalfTurn;
+       },
+       "gyro unit", "deg/s", "--gyro-unit deg/s"},
+      {"AccelerometerInG", "accelerometer in g",
+       [](io::Dataset* d) {
+         for (ImuSample& s : d->imu) s.accel_B /= 9.80665;
+       },
+       "accelerometer unit", "it is in g", "--accel-unit g"},
+      {"AccelerometerInMilliG", "accelerometer in mg",
+       [](io::Dataset* d) {
+         for (ImuSample& s : d->imu) s.accel_B *= 1e3 / 9.80665;
+       },
+       "accelerometer unit", "it is in mg", "--accel-unit mg"},
+      {"DopplerInKilometresPerHour", "Doppler in km/h",
+       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->range_rate *= 3.6; }); },
+       "Doppler scale", "km/h", "*0.27"},
+      {"ImuInForwardRightDown", "IMU in forward, right, down",
+       [](io::Dataset* d) {
+         each_sample(d, [](ImuSample* s) {
+           for (Vector3d* v : {&s->gyro_B, &s->accel_B}) *v = {v->x(), -v->y(), -v->z()};
+         });
+       },
+       "axes and Doppler sign", "turned by 180 deg about the x axis of the body", "quaternion"},
+      {"ImuColumnsSwapped", "x and y of the IMU swapped",
+       [](io::Dataset* d) {
+         each_sample(d, [](ImuSample* s) {
+           for (Vector3d* v : {&s->gyro_B, &s->accel_B}) *v = {v->y(), v->x(), v->z()};
+         });
+       },
+       "axes of the IMU", "x and y of the IMU are swapped", "x and y of the IMU are swapped"},
+      {"AccelerometerFirst", "accelerometer before the gyro",
+       [](io::Dataset* d) {
+         each_sample(d, [](ImuSample* s) { std::swap(s->gyro_B, s->accel_B); });
+       },
+       "accelerometer unit", "gyro and accelerometer are exchanged", "exchange"},
+      {"DopplerAndSnrSwapped", "Doppler and SNR swapped",
+       [](io::Dataset* d) {
+         each_detection(d, [](RadarDetection* r) { std::swap(r->range_rate, r->snr_db); });
+       },
+       "Doppler", "the SNR is: the two are exchanged", "doppler="},
+      {"NoOverlap", "radar on another clock",
+       [](io::Dataset* d) {
+         for (RadarScan& scan : d->scans) scan.time += from_seconds(4000.0);
+       },
+       "clocks", "both for 0.0 s", "--radar-offset"},
+      {"RadarAFrameLate", "scans 67 ms late, a frame at 15 Hz",
+       [](io::Dataset* d) {
+         for (RadarScan& scan : d->scans) scan.time += from_seconds(1.0 / 15.0);
+       },
+       "delay of the radar", "moved by -", "time_offset: 0.0"},
+  };
+}
+
+}  // namespace
+
+void turn_mounting(io::Dataset* dataset, const Vector3d& phi, bool in_body) {
+  Quaternion& q = dataset->radar_info.T_BS->rotation;
+  q = in_body ? quaternion_exp(phi) * q : q * quaternion_exp(phi);
+}
+
+const std::vector<Fault>& faults() {
+  static const std::vector<Fault> all = make_faults();
+  return all;
+}
+
+const Finding* naming(const Findings& findings, const Fault& fault) {
+  for (const Finding& f : findings) {
+    const bool says = f.text.find(fault.text) != std::string::npos &&
+                      f.change.find(fault.change) != std::string::npos;
+    if (f.subject == fault.subject && f.verdict != Verdict::kOk && says) return &f;
+  }
+  return nullptr;
+}
+
+}  // namespace rio::check

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `rio check` says of recordings, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "check/check.hpp"
+#include "check/faults.hpp"
+#include "rio/io/dataset.hpp"
+
+namespace rio::test {
+
+using check::Fault;
+using check::faults;
+using check::Finding;
+using check::Findings;
+using check::Source;
+using check::turn_mounting;
+using check::Verdict;
+
+inline constexpr double kHalfTurn = 3.14159265358979323846;
+
+inline Findings check_it(const io::Dataset& dataset, Source source = Source::kBag) {
+  Options options;
+  io::apply_sensor_info(dataset, &options);
+  return check::check_recording(dataset, options, source);
+}
+
+inline std::string text_of(const Findings& findings) {
+  std::string text;
+  for (const Finding& f : findings) {
+    text += std::string(to_string(f.verdict)) + " " + f.subject + ": " + f.text + " -> " +
+            f.change + "\n";
+  }
+  return text;
+}
+
+inline const Finding* find(const Findings& findings, const std::string& subject) {
+  for (const Finding& f : findings) {
+    if (f.subject == subject) return &f;
+  }
+  return nullptr;
+}
+
+}  // namespace rio::test
