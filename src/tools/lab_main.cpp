@@ -15,9 +15,11 @@
 #include "progress.hpp"
 #include "results_block.hpp"
 #include "rio/io/text_file.hpp"
+#include "written_tables.hpp"
 
 namespace {
 
+namespace fs = std::filesystem;
 using rio::experiment::Experiment;
 
 struct Arguments {
@@ -33,21 +35,23 @@ struct Arguments {
   std::string update;
 };
 
-void write(const std::filesystem::path& path, const std::string& text) {
+void write(const fs::path& path, const std::string& text) {
   rio::io::TextFile file(path);
   file.write(text);
   file.close();
 }
 
-void run_experiment(const Arguments& arguments) {
+/// @param name of the lines of progress where there is no terminal; empty: none
+void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   const std::vector<Experiment>& all = rio::experiment::experiments();
   const auto chosen = std::find_if(all.begin(), all.end(),
                                    [&](const Experiment& e) { return e.name == arguments.name; });
-  const std::filesystem::path out(arguments.out);
-  std::filesystem::create_directories(out);
+  if (chosen == all.end()) throw std::runtime_error("no such experiment: " + arguments.name);
+  const fs::path out(arguments.out);
+  fs::create_directories(out);
   rio::experiment::Result result;
   {
-    rio::tools::Progress progress(true);
+    rio::tools::Progress progress(true, name);
     const rio::experiment::Settings settings{
         arguments.seeds,
         arguments.threads,
@@ -63,8 +67,29 @@ void run_experiment(const Arguments& arguments) {
   write(out / (arguments.name + ".md"), result.markdown);
   for (const rio::experiment::Attachment& file : result.attachments)
     write(out / file.name, file.text);
-  if (!arguments.update.empty()) {
-    rio::tools::replace_results_block(arguments.update, arguments.name, result.markdown);
+  if (arguments.update.empty()) return;
+  rio::tools::replace_results_block(arguments.update, arguments.name, result.markdown);
+  for (const rio::experiment::Attachment& file : result.attachments) {
+    const fs::path beside = fs::path(arguments.update).parent_path() / file.name;
+    if (fs::exists(beside)) write(beside, file.text);  // a chart of the page
+  }
+}
+
+/// Every table of the page that this program has not written yet, asked in the same way.
+void run_all(Arguments arguments) {
+  if (arguments.update.empty()) throw std::runtime_error("all needs --update PAGE");
+  fs::create_directories(arguments.out);
+  const std::string how = rio::tools::fingerprint("/proc/self/exe") + " seeds " +
+                          std::to_string(arguments.seeds) + " of " + arguments.update;
+  rio::tools::WrittenTables written(fs::path(arguments.out) / "written.txt", how);
+  for (const std::string& name : rio::tools::results_blocks(arguments.update)) {
+    if (written.has(name)) {
+      std::fprintf(stderr, "%s: written by this program already\n", name.c_str());
+      continue;
+    }
+    arguments.name = name;
+    run_experiment(arguments, name);
+    written.add(name);
   }
 }
 
@@ -78,6 +103,8 @@ int run(int argc, char** argv) {
     names.emplace_back(e.name);
     footer += std::string("  ") + e.name + ": " + e.summary + "\n";
   }
+  footer += "  all: every table of the page --update that this program has not written yet\n";
+  names.emplace_back("all");
   app.footer(footer);
   app.add_option("NAME", arguments.name, "of the experiment")
       ->required()
@@ -88,7 +115,8 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("DATASET", arguments.recordings, "recordings, for the experiment `twins`");
-  app.add_option("--data", arguments.data, "folder of recordings, for `real` and `twins`");
+  app.add_option("--data", arguments.data,
+                 "folder of recordings, for `real`, `twins` and `checks`");
   app.add_option("--scenario", arguments.scenario, "name or file of a scenario, for `twins`");
   app.add_option("--hours", arguments.hours, "of flight, for `soak`")
       ->check(CLI::Range(0.01, 1000.0))
@@ -98,14 +126,19 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--out", arguments.out, "folder for report, data and charts")
       ->capture_default_str();
-  app.add_option("--update", arguments.update,
-                 "Markdown file in which the block of this experiment is replaced");
+  app.add_option(
+      "--update", arguments.update,
+      "Markdown file in which the block of this experiment is replaced, and its charts beside it");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  run_experiment(arguments);
+  if (arguments.name == "all") {
+    run_all(arguments);
+  } else {
+    run_experiment(arguments);
+  }
   if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
   return 0;
 }

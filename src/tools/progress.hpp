@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A progress bar on stderr, shown only when stderr is a terminal.
+// A progress bar on stderr; where stderr is no terminal none, or a line every ten percent.
 #pragma once
 
 #include <unistd.h>
@@ -7,13 +7,16 @@
 #include <cstddef>
 #include <cstdio>
 #include <string>
+#include <utility>
 
 namespace rio::tools {
 
 class Progress {
  public:
   /// @param wanted false: never shown, as when other lines go to the same terminal
-  explicit Progress(bool wanted) : shown_(wanted && isatty(STDERR_FILENO) != 0) {}
+  /// @param name in front of the lines where there is no terminal; empty: no lines
+  explicit Progress(bool wanted, std::string name = {})
+      : shown_(wanted && isatty(STDERR_FILENO) != 0), name_(shown_ ? "" : std::move(name)) {}
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() {
@@ -22,10 +25,15 @@ class Progress {
 
   /// Draws only when the percentage changes.
   void show(std::size_t done, std::size_t total) {
-    if (!shown_ || total == 0) return;
-    const auto percent = static_cast<int>(100 * done / total);
+    if ((!shown_ && name_.empty()) || total == 0) return;
+    auto percent = static_cast<int>(100 * done / total);
+    if (!shown_) percent -= percent % 10;
     if (percent == percent_) return;
     percent_ = percent;
+    if (!shown_) {
+      std::fprintf(stderr, "%s: %d %%\n", name_.c_str(), percent);
+      return;
+    }
     const std::string bar(static_cast<std::size_t>(percent * kWidth / 100), '#');
     std::fprintf(stderr, "\r[%-*s] %3d %%", kWidth, bar.c_str(), percent);
   }
@@ -34,6 +42,7 @@ class Progress {
   static constexpr int kWidth = 50;
 
   bool shown_;
+  std::string name_;
   int percent_ = -1;
 };
 

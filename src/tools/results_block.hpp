@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A block of a Markdown file that a command generates, between two comment lines.
+// Blocks of a Markdown file that commands generate, each between two comment lines.
 #pragma once
 
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "rio/io/csv.hpp"
 #include "rio/io/text_file.hpp"
@@ -28,6 +29,18 @@ inline void replace_results_block(const std::filesystem::path& path, const std::
   io::TextFile file(path);
   file.write(text);
   file.close();
+}
+
+/// The experiments that have a block, in the order of the file.
+inline std::vector<std::string> results_blocks(const std::filesystem::path& path) {
+  const std::string begin = "<!-- rio experiment ";
+  const std::string text = io::read_text(path);
+  std::vector<std::string> names;
+  for (std::size_t at = 0; (at = text.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    names.push_back(text.substr(at, text.find(" -->", at) - at));
+  }
+  return names;
 }
 
 }  // namespace rio::tools
