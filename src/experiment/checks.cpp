@@ -19,7 +19,6 @@ namespace rio::experiment {
 
 namespace {
 
-using check::Fault;
 using check::Finding;
 using check::Findings;
 using check::Verdict;
@@ -55,7 +54,7 @@ std::vector<Healthy> to_damage(const std::string& folder) {
 }
 
 /// The verdict that names the fault; else what else is not ok, in brackets.
-std::string said_of(const Healthy& healthy, const Fault& fault) {
+std::string said_of(const Healthy& healthy, const check::Fault& fault) {
   io::Dataset damaged = healthy.data;
   fault.make(&damaged);
   const Findings findings = checked(damaged);
@@ -85,7 +84,7 @@ std::string row(const std::string& head, const std::vector<std::string>& cells) 
 
 Result checks(const Settings& settings) {
   const std::vector<Healthy> recordings = to_damage(settings.data);
-  const std::vector<Fault>& faults = check::faults();
+  const std::vector<check::Fault>& faults = check::faults();
   const std::vector<sim::CatalogueEntry>& catalogue = sim::catalogue();
   const std::size_t columns = recordings.size();
   const std::size_t damaged = faults.size() * columns;

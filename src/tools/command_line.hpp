@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command line of every command of `rio`, each added to the program by a function.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace rio::tools {
+
+struct EstimatorArguments;
+
+/// Which options, for every command that runs the estimator.
+void add_estimator_options(CLI::App* command, EstimatorArguments* estimator);
+
+void add_info_command(CLI::App& app);
+void add_convert_command(CLI::App& app);
+void add_check_command(CLI::App& app);
+void add_replay_command(CLI::App& app);
+void add_fit_noise_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
+
+void add_live_command(CLI::App& app);
+void add_ti_config_command(CLI::App& app);
+void add_simulate_command(CLI::App& app);
+void add_bench_command(CLI::App& app);
+
+}  // namespace rio::tools

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The command line of what takes a recording.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+
+#include "command_line.hpp"
+#include "commands.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+/// How a bag is read, for every command that takes one.
+void add_recording_options(CLI::App* command, RecordingArguments* how) {
+  const std::string group = "Of a bag";
+  command
+      ->add_option("--map", how->map,
+                   "file that says what follows, for recordings of one kind; the command line wins")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  command->add_option("--imu", how->imu, "topic; by default the only sensor_msgs/Imu")
+      ->group(group);
+  command->add_option("--radar", how->radar, "topic; by default the only sensor_msgs/PointCloud2")
+      ->group(group);
+  command
+      ->add_option("--points", how->points,
+                   "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548, "
+                   "eagle or altos; by default guessed from their names")
+      ->group(group);
+  command
+      ->add_option("--field", how->fields,
+                   "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float), or\n"
+                   "doppler=rdot,velocity: the one that is there")
+      ->allow_extra_args(false)
+      ->group(group);
+  command->add_option("--axes", how->axes, "of the points: flu, ti, rdf or frd; wins over --points")
+      ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))
+      ->group(group);
+  command->add_flag("--approaching", how->approaching, "the Doppler is positive towards the radar")
+      ->group(group);
+  command
+      ->add_option("--imu-clock", how->imu_clock,
+                   "stamps: header, receive, carried (headers moved onto the receive clock), auto")
+      ->check(CLI::IsMember({"auto", "header", "receive", "carried"}))
+      ->group(group);
+  command
+      ->add_option("--radar-clock", how->radar_clock,
+                   "as --imu-clock; or trigger: headers of the messages of what triggers the scans")
+      ->check(CLI::IsMember({"auto", "header", "receive", "carried", "trigger"}))
+      ->group(group);
+  command->add_option("--trigger", how->trigger, "topic; by default the only std_msgs/Header")
+      ->group(group);
+  command
+      ->add_option("--trigger-match", how->trigger_match,
+                   "the last trigger before a scan: sequence, of those with its number (default), "
+                   "or earlier, of all")
+      ->check(CLI::IsMember({"sequence", "earlier"}))
+      ->group(group);
+  command->add_option("--imu-offset", how->imu_offset, "added to the stamps, as \"3 ms\"")
+      ->group(group);
+  command->add_option("--radar-offset", how->radar_offset, "added to the stamps, as \"-0.12 s\"")
+      ->group(group);
+  command->add_option("--gyro-unit", how->gyro_unit, "of the file, as deg/s")->group(group);
+  command
+      ->add_option("--sensors", how->sensors,
+                   "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise")
+      ->check(CLI::ExistingDirectory)
+      ->group(group);
+  command->add_option("--accel-unit", how->accel_unit, "of the file, as g")->group(group);
+}
+
+}  // namespace
+
+void add_estimator_options(CLI::App* command, EstimatorArguments* estimator) {
+  command->add_option("--config", estimator->config, "option file; see `rio options`");
+  command->add_option(
+      "--preset", estimator->preset,
+      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
+  command->add_option("--backend", estimator->backend, "ekf or smoother, whatever the preset says")
+      ->check(CLI::IsMember({"ekf", "smoother"}));
+}
+
+void add_info_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("info", "What is in a bag: topics, rates, clocks, fields of the points");
+  auto path = std::make_shared<std::string>();
+  command->add_option("FILE", *path, "ROS 1 bag, MCAP, or .db3 of rosbag2")->required();
+  command->callback([path] { info(*path); });
+}
+
+void add_convert_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("convert", "Write a bag as a folder in ASL/EuRoC layout");
+  auto arguments = std::make_shared<ConvertArguments>();
+  command->add_option("FILE", arguments->recording, "ROS 1 bag, MCAP, or .db3 of rosbag2")
+      ->required();
+  command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
+  command->add_flag("--force", arguments->force,
+                    "overwrite a recording in OUT, with what was filled in there by hand");
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments] { convert(*arguments); });
+}
+
+void add_check_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "check",
+      "Is a recording what an estimator takes it to be? Stamps, units, Doppler, axes and delays,\n"
+      "each ok, doubtful or wrong, with what to change. Exit status 3 if something is wrong");
+  auto arguments = std::make_shared<CheckArguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
+      ->required();
+  command->add_option("--config", arguments->config,
+                      "option file with what you are told of the sensors, as the mounting");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments] { check_recording(*arguments); });
+}
+
+void add_replay_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("replay", "Run a recording through the estimator");
+  auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
+      ->required();
+  add_estimator_options(command, &arguments->estimator);
+  command->add_option("--init", arguments->init,
+                      "groundtruth, static or a file; by default groundtruth if there is one");
+  command
+      ->add_option("--init-velocity", arguments->init_velocity,
+                   "velocity of the start in the world [m/s]; its covariance stays")
+      ->expected(3);
+  command->add_option("--out", arguments->out, "trajectory to write, TUM format");
+  command->add_option("--states", arguments->states, "states with covariance to write, csv");
+  command->add_flag("--barometer", arguments->barometer,
+                    "use the heights of baro0, their offset estimated");
+  command->add_flag("--no-check", arguments->no_check,
+                    "do not check the recording at the end, as `rio check` does");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the summary");
+  command->add_flag("--verbose", arguments->verbose, "a line per scan before the summary");
+  command->add_flag("--quiet", arguments->quiet, "no line per scan, whatever else is given");
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments] { replay(*arguments); });
+}
+
+void add_fit_noise_command(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
+  auto arguments = std::make_shared<FitNoiseArguments>();
+  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
+      ->required();
+  command->add_option("--config", arguments->config, "option file; its sigmas are where it starts");
+  command->add_option("--init", arguments->init, "static, groundtruth or a file")
+      ->capture_default_str();
+  command->add_flag("--no-truth", arguments->no_truth,
+                    "hold the Doppler against the estimated velocity, not the true one");
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments] { fit_noise(*arguments); });
+}
+
+void add_calibrate_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "calibrate",
+      "Estimate mounting, time offset and Doppler scale of the radar and the noise of the sensors");
+  auto arguments = std::make_shared<CalibrateArguments>();
+  command
+      ->add_option("DATASET", arguments->datasets,
+                   "folders in ASL/EuRoC layout, of one and the same mounting; each begins at rest")
+      ->required();
+  command->add_option("--out", arguments->out,
+                      "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
+  command->add_flag("--overwrite", arguments->overwrite, "replace sensor files in --out");
+  command->add_option("--config", arguments->config,
+                      "option file; its calibration.* are the priors");
+  command->add_flag("--json", arguments->json, "print one JSON line instead of the table");
+  command->callback([arguments] { calibrate(*arguments); });
+}
+
+}  // namespace rio::tools
