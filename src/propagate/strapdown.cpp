@@ -112,17 +112,21 @@ ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
 
 namespace {
 
-/// (E3) of a step that hardly turns.
+/// (E3) of a step that hardly turns: each integral over a force or an attitude that turns is that
+/// of its value at the centroid of the weight. The walks take the centroids of the white noise.
 Matrix15d noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double t,
                               const ProcessNoise& density) {
   using namespace body;
-  const Matrix3d half_turn = gamma(0, (0.5 * t) * w);
+  const Vector3d phi = t * w;
+  const Matrix3d half_turn = gamma(0, Vector3d(0.5 * phi));
   const Matrix3d R_mid = R * half_turn;
   const Matrix3d R_end = R_mid * half_turn;
   const Vector3d f = R_mid * a;
-  const Matrix3d F = skew(f);
-  const Matrix3d FR = F * R_end;
-  const Matrix3d FF = f.squaredNorm() * Matrix3d::Identity() - f * f.transpose();  // F F^T
+  const Vector3d d = R_mid * phi.cross(a);  // change of the force over the step
+  const Matrix3d turn = skew(phi);
+  const auto square = [](const Vector3d& v) -> Matrix3d {  // [v] [v]^T
+    return v.squaredNorm() * Matrix3d::Identity() - v * v.transpose();
+  };
   const Matrix3d I = Matrix3d::Identity();
   const double t2 = t * t;
   const double t3 = t2 * t;
@@ -130,22 +134,28 @@ Matrix15d noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector
 
   Matrix15d Q = Matrix15d::Zero();  // below the diagonal
   Q.block<3, 3>(kAttitude, kAttitude) = (gyro * t + gyro_walk * t3 / 3.0) * I;
-  Q.block<3, 3>(kPosition, kAttitude) = -(gyro * t3 / 6.0 + gyro_walk * t3 * t2 / 30.0) * FR;
-  Q.block<3, 3>(kVelocity, kAttitude) = -(gyro * t2 / 2.0 + gyro_walk * t2 * t2 / 8.0) * FR;
+  Q.block<3, 3>(kPosition, kAttitude) =
+      -(gyro * t3 / 6.0 + gyro_walk * t3 * t2 / 30.0) * (skew(f) * R_end);
+  Q.block<3, 3>(kVelocity, kAttitude) =
+      -(gyro * t2 / 2.0 + gyro_walk * t2 * t2 / 8.0) * (skew(f + d / 6.0) * R_end);
   Q.block<3, 3>(kPosition, kPosition) =
       (accel * t3 / 3.0 + accel_walk * t3 * t2 / 20.0) * I +
-      (gyro * t3 * t2 / 20.0 + gyro_walk * t3 * t3 * t / 252.0) * FF;
+      (gyro * t3 * t2 / 20.0 + gyro_walk * t3 * t3 * t / 252.0) * square(f - d / 18.0);
   Q.block<3, 3>(kVelocity, kPosition) = (accel * t2 / 2.0 + accel_walk * t2 * t2 / 8.0) * I +
-                                        (gyro * t2 * t2 / 8.0 + gyro_walk * t3 * t3 / 72.0) * FF;
+                                        (gyro * t2 * t2 / 8.0 + gyro_walk * t3 * t3 / 72.0) *
+                                            (skew(f + d / 10.0) * skew(f - d / 30.0).transpose());
   Q.block<3, 3>(kVelocity, kVelocity) =
-      (accel * t + accel_walk * t3 / 3.0) * I + (gyro * t3 / 3.0 + gyro_walk * t3 * t2 / 20.0) * FF;
-  const Matrix3d FR_mid_T = (F * R_mid).transpose();
-  Q.block<3, 3>(kGyroBias, kAttitude) = -(gyro_walk * t2 / 2.0) * half_turn;
-  Q.block<3, 3>(kGyroBias, kPosition) = (gyro_walk * t2 * t2 / 24.0) * FR_mid_T;
-  Q.block<3, 3>(kGyroBias, kVelocity) = (gyro_walk * t3 / 6.0) * FR_mid_T;
+      (accel * t + accel_walk * t3 / 3.0) * I +
+      (gyro * t3 / 3.0 + gyro_walk * t3 * t2 / 20.0) * square(f + d / 8.0);
+  Q.block<3, 3>(kGyroBias, kAttitude) = -(gyro_walk * t2 / 2.0) * (I + turn / 3.0);
+  Q.block<3, 3>(kGyroBias, kPosition) =
+      (gyro_walk * t2 * t2 / 24.0) * (skew(f + d / 10.0) * R_mid * (I - turn / 10.0)).transpose();
+  Q.block<3, 3>(kGyroBias, kVelocity) =
+      (gyro_walk * t3 / 6.0) * (skew(f + d / 4.0) * R_mid).transpose();
   Q.block<3, 3>(kGyroBias, kGyroBias) = (gyro_walk * t) * I;
   Q.block<3, 3>(kAccelBias, kPosition) = -(accel_walk * t3 / 6.0) * R_mid.transpose();
-  Q.block<3, 3>(kAccelBias, kVelocity) = -(accel_walk * t2 / 2.0) * R_mid.transpose();
+  Q.block<3, 3>(kAccelBias, kVelocity) =
+      -(accel_walk * t2 / 2.0) * (R_mid * (I + turn / 6.0)).transpose();
   Q.block<3, 3>(kAccelBias, kAccelBias) = (accel_walk * t) * I;
   return Q.selfadjointView<Eigen::Lower>();
 }
@@ -154,10 +164,11 @@ Matrix15d noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector
 
 Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
                                    double dt, const ProcessNoise& density) {
-  constexpr double kShort = 0.05;  // [rad]: 2e-4 of a variance
+  constexpr double kMostParts = 100.0;  // five radians in one step: much else is unknown
+  constexpr double kShort = 0.05;       // [rad]: 2e-4 of a variance
   const double angle = w.norm() * dt;
   if (angle <= kShort) return noise_of_short_step(R, w, a, dt, density);
-  const int parts = static_cast<int>(std::ceil(angle / kShort));
+  const int parts = static_cast<int>(std::ceil(std::min(angle / kShort, kMostParts)));
   const double t = dt / parts;
   const Matrix3d turn = gamma(0, w * t);
   Matrix3d R_part = R;

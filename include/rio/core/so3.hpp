@@ -70,7 +70,10 @@ class GammaSeries {
   explicit GammaSeries(double x) {
     s_[6] = so3_detail::series(6, x);
     s_[5] = so3_detail::series(5, x);
-    for (std::size_t m = 4; m > 0; --m) s_[m] = 1.0 / so3_detail::kFactorial[m] - x * s_[m + 2];
+    for (int m = 4; m > 0; --m) {  // downwards, beyond one: there the differences cancel
+      const auto i = static_cast<std::size_t>(m);
+      s_[i] = x < 1.0 ? 1.0 / so3_detail::kFactorial[i] - x * s_[i + 2] : so3_detail::series(m, x);
+    }
   }
   double operator[](int m) const { return s_[static_cast<std::size_t>(m)]; }
   /// dS_m/dx for m in 1..4.

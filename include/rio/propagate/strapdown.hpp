@@ -6,9 +6,10 @@
 // core/so3.hpp: (E1) R+ = R Gamma_0(phi),  v+ = v + R Gamma_1(phi) a dt + g dt,
 //      p+ = p + v dt + R Gamma_2(phi) a dt^2 + g dt^2 / 2
 // (E2) Phi: the exact derivative of (E1) in the error of namespace body
-// (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, in closed form with the attitude of the
-//      middle of the step (relative error below |phi|^2 / 12); a step that turns by more than 0.05
-//      rad is cut
+// (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, in closed form to the first
+//      order of phi (relative error below |phi|^2 / 12, of the
+//      walks' share |phi| / 3); a step that turns by more than 0.05
+//      rad is cut, into 100 parts at most
 // Reference: Michalczyk et al. 2023, eq. 2 and 6 (with the sign of gravity corrected: W is z up).
 #pragma once
 
