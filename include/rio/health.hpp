@@ -32,7 +32,7 @@ enum class HealthReason : std::uint8_t {
   kInnovations,           ///< innovations are larger than their sigmas
   kVelocityContradicted,  ///< another velocity explains the Dopplers of a second far better
   kTiltContradicted,      ///< the Dopplers of two seconds show another gravity
-  kReopened,              ///< velocity or tilt were replaced: a step
+  kReopened,              ///< velocity, tilt or heading were replaced: a step
   kImuGaps,               ///< samples were lost, or refused: part of the motion is guessed
   kUncertainPosition,     ///< sigma above 1 m + 5 % of the distance travelled
   kUncertainVelocity,     ///< sigma of an axis above 0.5 m/s

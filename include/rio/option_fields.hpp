@@ -119,7 +119,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
         "Undo the folding of range rates at radar.max_doppler.");
   field("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
-        "Scans that contradict velocity or tilt for long replace them.");
+        "Scans that contradict velocity, tilt or heading rate for long replace them.");
   field("frontend.matching", o.frontend.matching, "", 0, 2,
         "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
   field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,

@@ -87,7 +87,7 @@ struct FrontendOptions {
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
   double ransac_min_share = 0.25;     ///< of all detections; fewer agree: the scan moves nothing
   bool detect_rest = true;            ///< standing on the ground measures velocity and gyro bias
-  bool velocity_recovery = true;  ///< velocity or tilt that are contradicted or lost are replaced
+  bool velocity_recovery = true;  ///< velocity, tilt, heading if contradicted or lost start over
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
   double match_probability = 0.95;  ///< else: of a right pair to be near each other

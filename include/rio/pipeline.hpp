@@ -24,6 +24,7 @@
 #include "rio/report.hpp"
 #include "rio/update/aiding.hpp"
 #include "rio/update/calibration_report.hpp"
+#include "rio/update/gyro_bias_check.hpp"
 #include "rio/update/health_monitor.hpp"
 
 namespace rio {
@@ -37,6 +38,7 @@ class Pipeline {
         frontends_(options.radars(), Frontend(options)),
         pool_(options),
         gravity_(options),
+        gyro_bias_(options),
         rest_(options),
         backend_(options) {
     waiting_.reserve(kMaxWaiting);
@@ -58,6 +60,7 @@ class Pipeline {
     reset_frontends();
     pool_.reset(prior.time);
     gravity_.reset(prior.time);
+    gyro_bias_.reset();
     rest_.reset();
     last_told_ = prior.time;
     replaced_.reset();
@@ -154,10 +157,12 @@ class Pipeline {
     observe(scan, last, imu);  // (3)
     if (seen_.ego_velocity.inliers > 0) last_told_ = scan.time;
     seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
+    gyro_bias_.predicted(estimate(), backend_.belief().covariance().body());
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
       frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
+      check_gyro_bias();
       backend_.clone(next_scan_);  // (2)
       ++next_scan_;
     }
@@ -255,7 +260,19 @@ class Pipeline {
                               to_seconds(x.nav.time - since));
     restart_velocity(down->velocity, 0.0, since);  // it has run away only by and by
     gravity_.reset(x.nav.time);
+    gyro_bias_.reset();
     frontend().observe(scan, x, &seen_, backend_.belief().radar_velocity_covariance());
+  }
+
+  /// A gyro bias that the scans have contradicted starts over, and with it the heading; landmarks
+  /// and trails that turned with it go.
+  void check_gyro_bias() {
+    const auto opinion = gyro_bias_.corrected(estimate(), backend_.belief().covariance().body());
+    if (!opinion) return;
+    backend_.restart_heading(*opinion, &report_);
+    report_.attitude_reset = true;
+    gyro_bias_.reset();
+    reset_frontends();
   }
 
   /// Since when the velocity may have been wrong: one that took another one's place not long ago
@@ -324,6 +341,7 @@ class Pipeline {
   std::vector<Frontend> frontends_;  ///< one a radar
   VelocityPool pool_;
   GravityCheck gravity_;
+  GyroBiasCheck gyro_bias_;
   RestDetector rest_;
   BackEnd backend_;
   DetectionList corrected_;

@@ -140,7 +140,7 @@ struct UpdateReport {
   bool imu_gap = false;         ///< the propagation to this scan crossed a gap
   bool at_rest = false;         ///< stood still for a while, by IMU and radar
   bool velocity_reset = false;  ///< the velocity was replaced before the update
-  bool attitude_reset = false;  ///< tilt and biases were given up to the measurements before it
+  bool attitude_reset = false;  ///< tilt, heading or biases were given up to the measurements
   double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for so long [s]
   double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for so long [s]
   Health health;                       ///< after it
@@ -176,7 +176,7 @@ struct Counters {
   std::uint64_t aiding_overflow = 0;  ///< more of them wait than there is room for
   std::uint64_t updates_failed = 0;   ///< kNumerical
   std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long
-  std::uint64_t attitude_resets = 0;  ///< same, gravity: tilt or a bias
+  std::uint64_t attitude_resets = 0;  ///< same, gravity or landmarks: attitude or a bias
   std::uint64_t restarts = 0;         ///< the tilt was lost and found again from the specific force
 };
 

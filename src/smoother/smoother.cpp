@@ -62,6 +62,12 @@ void Smoother::restart_attitude(const Vector3d& g_B, double sigma, const Vector3
   restart();
 }
 
+void Smoother::restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
+  drop_landmarks(report);
+  belief_.restart_heading(opinion);
+  restart();
+}
+
 Status Smoother::update(const Observations& seen, UpdateReport* report) {
   for (const Contradiction& c : belief_.contradictions()) {
     prior_.forget(c.column, c.value, c.information, estimate());

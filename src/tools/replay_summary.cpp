@@ -203,7 +203,7 @@ std::string ReplaySummary::text() const {
       {"gaps of the IMU", counters.imu_gaps},
       {"updates failed", counters.updates_failed},
       {"times the scans contradicted the velocity for long", counters.velocity_resets},
-      {"times the scans contradicted tilt or biases", counters.attitude_resets},
+      {"times the scans contradicted attitude or biases", counters.attitude_resets},
       {"times the tilt was lost and found again", counters.restarts}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);

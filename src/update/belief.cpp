@@ -185,6 +185,18 @@ void Belief::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d&
                       options_.start.sigma_accel_bias * options_.start.sigma_accel_bias);
 }
 
+void Belief::restart_heading(const GyroBiasOpinion& opinion) {
+  constexpr double kStep = 2.0;  // a step over the mean of the window it began in
+  const Vector3d up_B = estimate_.nav.q_WB.conjugate() * Vector3d::UnitZ();
+  const double heading = kStep * std::abs(opinion.error) * opinion.duration;
+  const double speed = heading * estimate_.nav.v_WB.norm();
+  const double way = 0.5 * heading * opinion.moved_W.norm();
+  covariance_.inflate_along(body::kGyroBias, kStep * opinion.error * up_B);
+  covariance_.inflate_along(body::kAttitude, heading * up_B);
+  covariance_.inflate(body::kVelocity, speed * speed);
+  covariance_.inflate(body::kPosition, way * way);
+}
+
 Eigen::Matrix4d Belief::velocity_calibration() const {
   Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
   const auto all = covariance_.matrix();

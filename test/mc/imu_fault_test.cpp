@@ -87,6 +87,48 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
   }
 }
 
+// No gravity tells a heading: only landmarks that turn, scan after scan the same way.
+TEST(ImuFault, AStepOfTheGyroBiasAboutTheVerticalIsFoundAndLearned) {
+  constexpr double kStep = 0.01;  // [rad/s]
+  double worst_bias = 0.0;
+  double nees = 0.0;
+  int count = 0;
+  int found = 0;
+  int flights = 0;
+  for (const char* name : {"indoor-1", "outdoor"}) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      sim::Scenario scenario = cases_of(name, 1, seed).front().scenario;
+      scenario.max_duration = 60.0;
+      sim::Flight flight = sim::simulate_flight(scenario);
+      const Time begin = flight.imu.front().time + from_seconds(20.0);
+      for (ImuSample& s : flight.imu) {
+        if (s.time >= begin) s.gyro_B.z() += kStep;
+      }
+      for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
+        Options options = options_for(flight, "default");
+        options.backend = backend;
+        const Trial trial = fly(flight, options);
+        found += trial.counters.attitude_resets > 0 ? 1 : 0;
+        ++flights;
+        for (const Step& step : trial.steps) {
+          if (step.truth.time < begin + from_seconds(30.0)) continue;
+          const Vector3d truth = step.truth.gyro_bias + kStep * Vector3d::UnitZ();
+          worst_bias = std::max(worst_bias, std::abs((step.estimate.gyro_bias - truth).z()));
+          nees += block_nees(step).attitude;
+          ++count;
+        }
+      }
+    }
+  }
+  ASSERT_GT(count, 0);
+  test::measured("flights whose step is found", found, "8 of 8");
+  test::measured("gyro bias after 30 s, worst [rad/s]", worst_bias, "below 0.005");
+  test::measured("NEES of the attitude / 3 from 30 s on", nees / count, "below 3");
+  EXPECT_EQ(found, flights);
+  EXPECT_LT(worst_bias, 0.5 * kStep);
+  EXPECT_LT(nees / count, 3.0);  // 40 and more with the bias of before
+}
+
 // How far the body has turned in a pause nobody knows: landmarks matched one by one after it would
 // be taken for their neighbours, each well inside its gate.
 TEST(ImuFault, APauseLeavesAnHonestPosition) {

@@ -217,6 +217,25 @@ TEST_F(BeliefTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
   EXPECT_NEAR(grown.trace(), 3.0 * (angle * angle + way * way + rate * rate + bias * bias), 1e-9);
 }
 
+TEST_F(BeliefTest, ARestartedHeadingKeepsTheTilt) {
+  GyroBiasOpinion opinion;
+  opinion.error = -0.004;
+  opinion.duration = 20.0;
+  opinion.moved_W = Vector3d(3.0, 4.0, 0.0);
+  Belief b = belief();
+  const Matrix15d before = b.covariance().body();
+  b.restart_heading(opinion);
+  const Matrix15d grown = b.covariance().body() - before;
+  const Vector3d up_B = nav_.q_WB.conjugate() * Vector3d::UnitZ();
+  Matrix15d expected = Matrix15d::Zero();
+  expected.block<3, 3>(body::kGyroBias, body::kGyroBias) = 0.008 * 0.008 * up_B * up_B.transpose();
+  expected.block<3, 3>(body::kAttitude, body::kAttitude) = 0.16 * 0.16 * up_B * up_B.transpose();
+  expected.diagonal().segment<3>(body::kVelocity).setConstant(0.0256 * nav_.v_WB.squaredNorm());
+  expected.diagonal().segment<3>(body::kPosition).setConstant(0.4 * 0.4);
+  EXPECT_LT((grown - expected).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(b.estimate().nav.q_WB.coeffs(), nav_.q_WB.coeffs());
+}
+
 // That of the model's own row, elevation error included.
 TEST_F(BeliefTest, TheVarianceOfADopplerIsThatOfItsRow) {
   options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};

@@ -56,6 +56,13 @@ class Ekf {
     belief_.restart_attitude(g_B, sigma, v_B, duration);
   }
 
+  /// The gyro bias about the vertical turns out to be wrong, and the heading with it. The landmarks
+  /// are dropped; the trails have to go, too.
+  void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
+    drop_landmarks(report);
+    belief_.restart_heading(opinion);
+  }
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
   Status update(const Observations& seen, UpdateReport* report);
 

@@ -60,6 +60,9 @@ class Smoother {
   /// Same.
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
+  /// Same.
+  void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report);
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, UpdateReport* report);
 

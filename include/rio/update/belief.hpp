@@ -15,6 +15,7 @@
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
 #include "rio/update/covariance.hpp"
+#include "rio/update/gyro_bias_check.hpp"
 #include "rio/update/linearize.hpp"
 
 namespace rio {
@@ -80,6 +81,10 @@ class Belief {
   /// accelerometer bias become uncertain by what may have made the difference, the position by what
   /// that has done.
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
+
+  /// The gyro bias turns out to be wrong about the vertical: it becomes uncertain, and with it
+  /// heading, velocity and position by what it has done to them meanwhile.
+  void restart_heading(const GyroBiasOpinion& opinion);
 
   /// Covariance of what turns and scales a measured velocity of the radar: rotation of T_BS, axes
   /// S, and Doppler scale. Zero what is not estimated.

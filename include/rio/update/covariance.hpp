@@ -47,6 +47,11 @@ class Covariance {
   /// Three elements of the state from `at` on turn out to be uncertain by `variance` per axis.
   void inflate(int at, double variance) { P_.diagonal().segment<3>(at).array() += variance; }
 
+  /// Same along one axis alone; its length is a sigma.
+  void inflate_along(int at, const Vector3d& axis) {
+    P_.block<3, 3>(at, at) += axis * axis.transpose();
+  }
+
   /// (E4). The result corrects the state.
   /// @param residual velocity measured minus estimated [m/s], axes of W
   void measure_velocity(const Vector3d& residual_W, const Matrix3d& noise_W, Eigen::VectorXd* dx);

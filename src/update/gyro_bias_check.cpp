@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/gyro_bias_check.hpp"
+
+#include <cmath>
+
+namespace rio {
+
+void GyroBiasCheck::predicted(const Estimate& x, const BodyCovariance& P_body) {
+  if (!enabled_) return;
+  bias_ = x.nav.gyro_bias;
+  variance_ = P_body.block<3, 3>(body::kGyroBias, body::kGyroBias);
+  if (parts_.empty() || x.nav.time - parts_.back().begin >= kPart) {
+    Part part;
+    part.begin = x.nav.time;
+    part.p_WB = x.nav.p_WB;
+    parts_.push_back(part);
+  }
+}
+
+std::optional<GyroBiasOpinion> GyroBiasCheck::corrected(const Estimate& x,
+                                                        const BodyCovariance& P_body) {
+  if (!enabled_) return {};
+  const Matrix3d P = P_body.block<3, 3>(body::kGyroBias, body::kGyroBias);
+  Part& newest = parts_[parts_.size() - 1];
+  newest.d += x.nav.gyro_bias - bias_;
+  newest.S += variance_ - P;
+  Vector3d d = Vector3d::Zero();
+  Matrix3d S = Matrix3d::Zero();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    d += parts_[i].d;
+    S += parts_[i].S;
+  }
+  const Vector3d up_B = x.nav.q_WB.conjugate() * Vector3d::UnitZ();
+  const double change = up_B.dot(d);
+  const double variance = up_B.dot(S * up_B);
+  if (variance <= 0.0 || change * change <= kSigmas * kSigmas * variance) return {};  // (E2)
+  const double per_change = up_B.dot(P * up_B) / variance;                            // (E3)
+  if (per_change * std::sqrt(variance) > kWeak) return {};
+  GyroBiasOpinion opinion;
+  opinion.error = change * per_change;
+  opinion.duration = to_seconds(x.nav.time - parts_.front().begin);
+  opinion.moved_W = x.nav.p_WB - parts_.front().p_WB;
+  return opinion;
+}
+
+}  // namespace rio

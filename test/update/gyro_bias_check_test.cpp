@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/gyro_bias_check.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/constants.hpp"
+#include "support/measured.hpp"
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+/// A filter of the bias alone, ten updates a second, each a measurement of it with sigma kNoise.
+class BiasFilter {
+ public:
+  static constexpr double kNoise = 0.02;    // [rad/s]
+  static constexpr double kSigma = 1.5e-4;  // of the bias, at the start
+  static constexpr double kRate = 10.0;     // [Hz]
+
+  explicit BiasFilter(test::Random* random) : random_(random) {
+    truth_ = random->normal_vector(kSigma);
+    x_.nav.q_WB = test::rotation_of({0.1, -0.2, 0.7});
+    P_.diagonal().segment<3>(body::kGyroBias).setConstant(kSigma * kSigma);
+  }
+
+  Vector3d up_B() const { return x_.nav.q_WB.conjugate() * Vector3d::UnitZ(); }
+  void step(const Vector3d& by) { truth_ += by; }
+
+  /// What the check says in so many seconds, the first time.
+  std::optional<GyroBiasOpinion> run(double seconds, GyroBiasCheck* check) {
+    for (int i = 0; i < static_cast<int>(seconds * kRate); ++i) {
+      x_.nav.time += from_seconds(1.0 / kRate);
+      x_.nav.p_WB.x() += 0.5 / kRate;
+      check->predicted(x_, P_);
+      const Vector3d z = truth_ + random_->normal_vector(kNoise);
+      auto P = P_.block<3, 3>(body::kGyroBias, body::kGyroBias);
+      const Matrix3d K = P * (P + kNoise * kNoise * Matrix3d::Identity()).inverse();
+      x_.nav.gyro_bias += K * (z - x_.nav.gyro_bias);
+      P -= (K * P).eval();
+      if (const auto opinion = check->corrected(x_, P_)) return opinion;
+    }
+    return {};
+  }
+
+ private:
+  test::Random* random_;
+  Vector3d truth_;
+  Estimate x_;
+  BodyCovariance P_ = BodyCovariance::Zero();
+};
+
+TEST(GyroBiasCheck, IsSilentOnARightBias) {
+  test::Random random(1);
+  int contradicted = 0;
+  for (int i = 0; i < 100; ++i) {
+    BiasFilter filter(&random);
+    GyroBiasCheck check{Options{}};
+    contradicted += filter.run(60.0, &check).has_value() ? 1 : 0;
+  }
+  test::measured("windows of 100 minutes that contradict", contradicted, "at most 2");
+  EXPECT_LE(contradicted, 2);  // 0.2 expected; with two sigmas it would be most of them
+}
+
+TEST(GyroBiasCheck, FindsAStepAboutTheVertical) {
+  constexpr double kStep = 0.02;
+  test::Random random(2);
+  double error = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    BiasFilter filter(&random);
+    GyroBiasCheck check{Options{}};
+    ASSERT_FALSE(filter.run(30.0, &check));
+    filter.step(kStep * filter.up_B());
+    const auto opinion = filter.run(20.0, &check);
+    ASSERT_TRUE(opinion);
+    EXPECT_NEAR(opinion->duration, 20.0, 1.01);
+    EXPECT_NEAR(opinion->moved_W.norm(), 0.5 * opinion->duration, 0.1);
+    error += opinion->error / 20.0;
+  }
+  test::measured("mean error of the window [rad/s]", error, "0.25 to 1 of the step");
+  EXPECT_GT(error, 0.25 * kStep);
+  EXPECT_LT(error, kStep);
+}
+
+TEST(GyroBiasCheck, LeavesTheOtherAxesToGravity) {
+  test::Random random(3);
+  BiasFilter filter(&random);
+  GyroBiasCheck check{Options{}};
+  filter.step(0.02 * filter.up_B().unitOrthogonal());
+  EXPECT_FALSE(filter.run(20.0, &check));
+}
+
+TEST(GyroBiasCheck, ForgetsWhenItStartsOverAndIsOffWithTheRecovery) {
+  test::Random random(4);
+  BiasFilter filter(&random);
+  GyroBiasCheck check{Options{}};
+  filter.step(0.02 * filter.up_B());
+  ASSERT_TRUE(filter.run(20.0, &check));
+  check.reset();
+  EXPECT_FALSE(filter.run(0.2, &check));
+  Options options;
+  options.frontend.velocity_recovery = false;
+  GyroBiasCheck off(options);
+  EXPECT_FALSE(filter.run(20.0, &off));
+}
+
+}  // namespace
+}  // namespace rio
