@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/gyro_bias_check.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rio {
@@ -15,6 +16,19 @@ void GyroBiasCheck::predicted(const Estimate& x, const BodyCovariance& P_body) {
     part.p_WB = x.nav.p_WB;
     parts_.push_back(part);
   }
+}
+
+double GyroBiasCheck::scatter(const Vector3d& up_B, double slope) const {
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const double variance = up_B.dot(parts_[i].S * up_B);
+    if (variance <= 0.0) continue;
+    const double off = up_B.dot(parts_[i].d) - slope * variance;
+    sum += off * off / variance;
+    ++count;
+  }
+  return count > 1 ? sum / (count - 1) : 0.0;
 }
 
 std::optional<GyroBiasOpinion> GyroBiasCheck::corrected(const Estimate& x,
@@ -33,8 +47,10 @@ std::optional<GyroBiasOpinion> GyroBiasCheck::corrected(const Estimate& x,
   const Vector3d up_B = x.nav.q_WB.conjugate() * Vector3d::UnitZ();
   const double change = up_B.dot(d);
   const double variance = up_B.dot(S * up_B);
-  if (variance <= 0.0 || change * change <= kSigmas * kSigmas * variance) return {};  // (E2)
-  const double per_change = up_B.dot(P * up_B) / variance;                            // (E3)
+  if (variance <= 0.0 || parts_.size() < kEnough) return {};
+  const double allowed = variance * std::max(1.0, scatter(up_B, change / variance));  // (E3)
+  if (change * change <= kSigmas * kSigmas * allowed) return {};                      // (E2)
+  const double per_change = up_B.dot(P * up_B) / variance;                            // (E4)
   if (per_change * std::sqrt(variance) > kWeak) return {};
   GyroBiasOpinion opinion;
   opinion.error = change * per_change;

@@ -7,9 +7,12 @@
 // update reduces P (innovations are orthogonal). So, summed over the scans of a window,
 // (E1) d = sum of db,  S = sum of P(before) - P(after),  d ~ N(0, S)
 // (E2) along the vertical u: (u . d)^2 > 16 u^T S u contradicts the estimate
-// (E3) the updates alone have seen the error e = u . d (u^T P u) / (u^T S u): S = P^2 I, d = P I e
-//      for a small share I of the information, mean over the window; its sigma is that of a
-//      window which tells enough: with less, errors that no model has would decide
+// (E3) errors that repeat, echoes counted twice, a wrong mounting, throw the parts of the window
+//      about: chi^2 = sum (u . d_i - m u^T S_i u)^2 / u^T S_i u, m of (E1), n parts; where
+//      chi^2 / (n - 1) is above 1 it scales S
+// (E4) the updates alone have seen the error e = u . d (u^T P u) / (u^T S u): S = P^2 I, d = P I e
+//      for a small share I of the information, mean over the window. Its sigma is that of a window
+//      which tells enough: with less, errors that no model has would decide.
 #pragma once
 
 #include <optional>
@@ -51,10 +54,14 @@ class GyroBiasCheck {
     Matrix3d S = Matrix3d::Zero();     ///< (E1) [(rad/s)^2]
   };
 
+  /// (E3): chi^2 a degree of freedom; slope is m.
+  double scatter(const Vector3d& up_B, double slope) const;
+
   static constexpr Time kPart = std::chrono::seconds(1);
-  static constexpr std::size_t kParts = 20;  // a landmark is seen for so long; a take-off is over
-  static constexpr double kSigmas = 4.0;     // one window in sixteen thousand
-  static constexpr double kWeak = 0.005;     // sigma of (E3), beyond any step of a bias [rad/s]
+  static constexpr std::size_t kParts = 20;   // a landmark is seen for so long; a take-off is over
+  static constexpr std::size_t kEnough = 10;  // make a chi^2
+  static constexpr double kSigmas = 4.0;      // one window in sixteen thousand
+  static constexpr double kWeak = 0.005;      // sigma of (E4), beyond any step of a bias [rad/s]
 
   bool enabled_;
   Ring<Part> parts_;
