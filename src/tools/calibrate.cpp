@@ -15,10 +15,10 @@
 #include "calibrate_report.hpp"
 #include "calibration_names.hpp"
 #include "commands.hpp"
+#include "estimator_options.hpp"
 #include "recording.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/options_yaml.hpp"
 
 namespace rio::tools {
 
@@ -80,13 +80,6 @@ std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
   return datasets;
 }
 
-Options make_options(const CalibrateArguments& arguments, const io::Dataset& first) {
-  Options options;
-  io::apply_sensor_info(first, &options);
-  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
-  return options;
-}
-
 /// What the file of the radar says afterwards.
 io::RadarInfo radar_info(io::RadarInfo info, const CalibrateReport& report) {
   const RadarOptions& radar = report.radar.radar;
@@ -135,7 +128,7 @@ void calibrate(const CalibrateArguments& arguments) {
   const std::vector<io::Dataset> datasets = read_all(arguments.datasets);
   CalibrateReport report;
   report.datasets = arguments.datasets;
-  report.told = make_options(arguments, datasets.front());
+  report.told = options_of(datasets.front(), arguments.config);
   std::vector<calibrate::Recording> recordings;
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     recordings.push_back({datasets[i].imu, datasets[i].scans, std::nullopt, {}});

@@ -8,6 +8,7 @@
 
 #include "check/finding.hpp"
 #include "commands.hpp"
+#include "estimator_options.hpp"
 #include "findings.hpp"
 #include "recording.hpp"
 
@@ -34,7 +35,8 @@ void print_json(const check::Findings& findings) {
 void check_recording(const CheckArguments& arguments) {
   std::string damage;
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
-  const check::Findings findings = findings_of(arguments.dataset, dataset, arguments.config);
+  const check::Findings findings =
+      findings_of(arguments.dataset, dataset, options_of(dataset, arguments.config));
   if (arguments.json) {
     print_json(findings);
   } else {

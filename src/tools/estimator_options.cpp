@@ -11,6 +11,32 @@
 
 namespace rio::tools {
 
+namespace {
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
+}
+
+}  // namespace
+
+std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
+                                               Options* options) {
+  std::vector<std::string> told;
+  io::apply_sensor_info(sensors, options, &told);
+  if (file.empty()) return {};
+  const Options before = *options;
+  io::load_option_values(file, options);
+  std::vector<std::string> changed = io::changed_options(before, *options, told);
+  for (std::string& text : changed) text = file + " overrides the sensor files: " + text;
+  return changed;
+}
+
+Options options_of(const io::Dataset& sensors, const std::string& file) {
+  Options options;
+  print_notes(tell_sensors_and_file(sensors, file, &options));
+  return options;
+}
+
 Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
                      Options base) {
   std::string name = arguments.preset;
@@ -21,15 +47,7 @@ Options make_options(const EstimatorArguments& arguments, const io::Dataset& sen
   if (!name.empty() && !preset(name, &options)) {
     throw std::runtime_error("no such preset: \"" + name + "\"");
   }
-  std::vector<std::string> told;
-  io::apply_sensor_info(sensors, &options, &told);
-  if (!arguments.config.empty()) {
-    const Options before = options;
-    io::load_option_values(arguments.config, &options);
-    for (const std::string& changed : io::changed_options(before, options, told)) {
-      fmt::print(stderr, "note: {} overrides the sensor files: {}\n", arguments.config, changed);
-    }
-  }
+  print_notes(tell_sensors_and_file(sensors, arguments.config, &options));
   if (!arguments.backend.empty()) {
     options.backend = arguments.backend == "smoother" ? BackEnd::kSmoother : BackEnd::kEkf;
   }

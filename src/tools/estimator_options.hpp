@@ -3,11 +3,23 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "rio/io/dataset.hpp"
 #include "rio/options.hpp"
 
 namespace rio::tools {
+
+/// Puts on top of `options` what is known of the sensors, then the values of the file, if one is
+/// named. Throws std::runtime_error.
+/// @return of each value of the file that differs from what the sensors tell, "FILE overrides the
+/// sensor files: KEY = NEW (OLD)"
+std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
+                                               Options* options);
+
+/// The defaults with these on top, for commands that know no preset; what is overridden is noted on
+/// stderr.
+Options options_of(const io::Dataset& sensors, const std::string& file);
 
 struct EstimatorArguments {
   std::string config;   ///< option file

@@ -10,17 +10,13 @@
 
 #include "check/check.hpp"
 #include "recording.hpp"
-#include "rio/io/options_yaml.hpp"
 
 namespace rio::tools {
 
 namespace fs = std::filesystem;
 
 check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
-                            const std::string& config) {
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  if (!config.empty()) io::load_option_values(config, &options);
+                            const Options& options) {
   if (!is_asl_folder(path)) {
     return check::check_recording(dataset, options, check::Source::kBag);
   }

@@ -8,12 +8,13 @@
 #include "check/finding.hpp"
 #include "commands.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/options.hpp"
 
 namespace rio::tools {
 
-/// Checks what read_any() gave for `path`, with the values of an option file if one is named.
+/// Checks what read_any() gave for `path`.
 check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
-                            const std::string& config);
+                            const Options& options);
 
 /// One object a finding.
 nlohmann::ordered_json findings_json(const check::Findings& findings);

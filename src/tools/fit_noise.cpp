@@ -11,9 +11,9 @@
 
 #include "calibrate/noise_calibration.hpp"
 #include "commands.hpp"
+#include "estimator_options.hpp"
 #include "recording.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/options_yaml.hpp"
 #include "rio/io/start.hpp"
 #include "rio/propagate/static_alignment.hpp"
 
@@ -22,14 +22,6 @@ namespace rio::tools {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-/// The default preset, then what the dataset knows of its sensors, then the values of the file.
-Options make_options(const FitNoiseArguments& arguments, const io::Dataset& dataset) {
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  if (!arguments.config.empty()) io::load_option_values(arguments.config, &options);
-  return options;
-}
 
 /// The first true state inside the span of the IMU, its biases unknown.
 calibrate::Start start_from_truth(const io::Dataset& dataset, const Options& options) {
@@ -97,7 +89,7 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
 void fit_noise(const FitNoiseArguments& arguments) {
   std::string damage;
   io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
-  const Options options = make_options(arguments, dataset);
+  const Options options = options_of(dataset, arguments.config);
   calibrate::Recording recording;
   recording.start = make_start(arguments, dataset, options);
   recording.imu = std::move(dataset.imu);

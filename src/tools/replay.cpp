@@ -347,7 +347,9 @@ void replay(const ReplayArguments& arguments) {
   const Options options = make_options(arguments, dataset);
   ReplaySummary summary = Replay(arguments, dataset, options).run();
   if (!arguments.no_check) {
-    summary.data = not_ok(findings_of(arguments.dataset, dataset, arguments.estimator.config));
+    Options checked;  // what is overridden has been noted
+    (void)tell_sensors_and_file(dataset, arguments.estimator.config, &checked);
+    summary.data = not_ok(findings_of(arguments.dataset, dataset, checked));
   }
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");

@@ -267,6 +267,28 @@ TEST_F(Tool, PrintedOptionsLeaveTheSensorFilesAloneAndWhatOverridesThemIsSaid) {
   EXPECT_EQ(over.output.find("min_range"), std::string::npos) << over.output;
 }
 
+TEST_F(Tool, EveryCommandWithAnOptionFileSaysWhatItOverrides) {
+  const fs::path recording = file("two_seconds");  // the note comes before the work
+  for (const char* sensor : {"imu0", "radar0"}) {
+    fs::create_directories(recording / sensor);
+    fs::copy(fs::path(flight_) / sensor / "sensor.yaml", recording / sensor);
+    std::vector<std::string> lines = lines_of((fs::path(flight_) / sensor / "data.csv").string());
+    lines.resize(401);
+    std::ofstream out(recording / sensor / "data.csv");
+    for (const std::string& line : lines) out << line << "\n";
+  }
+  std::ofstream(file("range.yaml")) << "radar: {sigma_range: 0.2}\n";
+  const std::string how = " " + recording.string() + " --config " + file("range.yaml");
+  for (const char* command : {"replay", "check", "fit-noise", "calibrate"}) {
+    const std::string output = rio(command + how).output;
+    const std::string note = "note: " + file("range.yaml") +
+                             " overrides the sensor files: radar.sigma_range = 0.2 (0.03)";
+    const std::size_t at = output.find(note);
+    EXPECT_NE(at, std::string::npos) << command << "\n" << output;
+    EXPECT_EQ(output.find(note, at + 1), std::string::npos) << command << "\n" << output;
+  }
+}
+
 TEST_F(Tool, PageOfPresetsIsWhatTheProgramSays) {
   const Outcome table = rio("options --compare");
   ASSERT_EQ(table.status, 0);
