@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings of ROS in any of the formats: a data set, whatever of it is readable, or a
+// std::runtime_error that says why not; bounded time and memory.
+#include <stdexcept>
+#include <string>
+
+#include "fuzz/fuzz.hpp"
+#include "rio/bag/recording.hpp"
+#include "rio/bag/summary.hpp"
+#include "support/temp_dir.hpp"
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const rio::test::TempDir dir;
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  const std::string file = dir.write("recording", text);
+  try {
+    const rio::bag::Recording recording = rio::bag::read_recording(file, {});
+    RIO_FUZZ_CHECK(!recording.dataset.imu.empty());
+    const auto summary = rio::bag::summarise(rio::bag::open_messages(file).get());
+    RIO_FUZZ_CHECK(!rio::bag::summary_text(summary).empty());
+  } catch (const std::runtime_error& error) {
+    RIO_FUZZ_CHECK(!std::string(error.what()).empty());
+  }
+  return 0;
+}
