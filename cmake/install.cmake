@@ -20,3 +20,15 @@ write_basic_package_version_file(rio-config-version.cmake COMPATIBILITY SameMino
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/rio-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/rio-config-version.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/rio)
+
+# For those who build without CMake; the prefix is where the file lies
+file(RELATIVE_PATH RIO_PC_TO_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" RIO_PC_TO_PREFIX "${RIO_PC_TO_PREFIX}")
+configure_file(cmake/rio.pc.in rio.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/rio.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# Files to start from: options, maps of recordings, a scenario, a radar's configuration
+if(TARGET rio_tool)
+  install(DIRECTORY data/config DESTINATION ${CMAKE_INSTALL_DATADIR}/rio)
+  install(FILES data/awr1843boost_odometry.cfg DESTINATION ${CMAKE_INSTALL_DATADIR}/rio/config)
+endif()
