@@ -86,8 +86,10 @@ void publish_ekf(Options* o) {
 /// Michalczyk et al., IROS 2024: the same front-end and models with N = 10 in both places, in a
 /// sliding window whose kernels take the place of the gates. It differs from the paper
 ///   - where that is silent: the kernel's size is the one with which the published convergence from
-///     a wrong velocity comes out (with 1, as in Agarwal et al. 2013, it diverges), the
-///     sigmas are those of the filter of 2023, and a landmark leaves at its first miss as there;
+///     a wrong velocity comes out (with 1, as in Agarwal et al. 2013, it diverges; the authors'
+///     public code has 4 for the Doppler, 1 for landmarks), the sigmas are those of the filter of
+///     2023, and a landmark leaves at its first miss as there;
+///   - in the solver: damped Gauss-Newton instead of Levenberg-Marquardt;
 ///   - in the prior, which is kept in the right-invariant error (smoother/prior.hpp): in the
 ///     paper's error its linearisation points would make the heading observable.
 void publish_smoother(Options* o) {
