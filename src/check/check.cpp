@@ -10,11 +10,14 @@
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_check.hpp"
+#include "check/points_check.hpp"
 #include "check/radar_check.hpp"
 
 namespace rio::check {
 
 namespace {
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// What the other checks need of the IMU.
 struct CheckedImu {
@@ -38,8 +41,15 @@ Findings check_one_radar(const CheckedImu& imu, const std::vector<RadarScan>& sc
     out.insert(out.end(), more.begin(), more.end());
   };
   append(check_radar(scans, info, speeds, options, source, folder / name / "data.csv"));
-  append(check_motion(imu.good, speeds, imu.check.gyro_unit, imu.check.accel_unit, options, source,
-                      radar));
+  out.push_back(check_ranges(scans, options, source));
+  double gyro_unit = imu.check.gyro_unit;
+  if (gyro_unit == 1.0) {
+    if (const auto unit = check_rates(imu.good, scans, options, source)) {
+      out.push_back(*unit);
+      gyro_unit = kDegree;
+    }
+  }
+  append(check_motion(imu.good, speeds, gyro_unit, imu.check.accel_unit, options, source, radar));
   return out;
 }
 

@@ -29,7 +29,8 @@ std::vector<Fault> make_faults() {
        [](io::Dataset* d) {
          each_detection(d, [](RadarDetection* r) { r->range_rate = -r->range_rate; });
        },
-       "axes and Doppler sign", "the Doppler has the wrong sign", "--approaching"},
+       "axes and Doppler sign", "the Doppler has the wrong sign", "--approaching",
+       "Doppler by the ranges"},
       {"MountingTurned90AboutTheBody", "mounting turned by 90 deg about the vertical",
        [=](io::Dataset* d) {
          turn_mounting(d, {0.0, 0.0, quarter}, true);
@@ -68,7 +69,7 @@ std::vector<Fault> make_faults() {
        [](io::Dataset* d) {
          for (ImuSample& s : d->imu) s.gyro_B *= 180.0 / kHalfTurn;
        },
-       "gyro unit", "deg/s", "--gyro-unit deg/s"},
+       "gyro unit", "deg/s", "--gyro-unit deg/s", "gyro unit by the points"},
       {"AccelerometerInG", "accelerometer in g",
        [](io::Dataset* d) {
          for (ImuSample& s : d->imu) s.accel_B /= 9.80665;
@@ -81,7 +82,7 @@ std::vector<Fault> make_faults() {
        "accelerometer unit", "it is in mg", "--accel-unit mg"},
       {"DopplerInKilometresPerHour", "Doppler in km/h",
        [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->range_rate *= 3.6; }); },
-       "Doppler scale", "km/h", "*0.27"},
+       "Doppler scale", "km/h", "*0.27", "Doppler by the ranges"},
       {"ImuInForwardRightDown", "IMU in forward, right, down",
        [](io::Dataset* d) {
          each_sample(d, [](ImuSample* s) {
@@ -135,7 +136,8 @@ const Finding* naming(const Findings& findings, const Fault& fault) {
   for (const Finding& f : findings) {
     const bool says = f.text.find(fault.text) != std::string::npos &&
                       f.change.find(fault.change) != std::string::npos;
-    if (f.subject == fault.subject && f.verdict != Verdict::kOk && says) return &f;
+    const bool subject = f.subject == fault.subject || f.subject == fault.also;
+    if (subject && f.verdict != Verdict::kOk && says) return &f;
   }
   return nullptr;
 }

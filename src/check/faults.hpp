@@ -17,8 +17,9 @@ struct Fault {
   const char* meaning;
   std::function<void(io::Dataset*)> make;
   const char* subject;
-  const char* text;    ///< in the sentence
-  const char* change;  ///< in what is to be changed
+  const char* text;       ///< in the sentence
+  const char* change;     ///< in what is to be changed
+  const char* also = "";  ///< another subject that may say it
 };
 
 /// All of them; what is said is that of a bag.

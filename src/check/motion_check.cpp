@@ -11,6 +11,7 @@
 #include <string>
 
 #include "check/numbers.hpp"
+#include "check/units.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {
@@ -333,19 +334,10 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   if (low < kNotable && high > 1.0 / kNotable) return out;
   out.verdict = Verdict::kWrong;
   const double middle = std::sqrt(low * high);
-  struct Unit {
-    const char* name;
-    double scale;
-  };
-  constexpr Unit kUnits[] = {{"in km/h", 3.6},
-                             {"in mph", 2.2369},
-                             {"in knots", 1.9438},
-                             {"in cm/s", 100.0},
-                             {"half the range rate", 0.5}};
-  const auto off = [middle](const Unit& u) { return std::abs(std::log(u.scale / middle)); };
-  const Unit* unit =
-      std::min_element(std::begin(kUnits), std::end(kUnits),
-                       [&off](const Unit& a, const Unit& b) { return off(a) < off(b); });
+  const auto off = [middle](const DopplerUnit& u) { return std::abs(std::log(u.scale / middle)); };
+  const auto* const unit = std::min_element(
+      kDopplerUnits.begin(), kDopplerUnits.end(),
+      [&off](const DopplerUnit& a, const DopplerUnit& b) { return off(a) < off(b); });
   double factor = 1.0 / middle;
   if (off(*unit) < std::max(0.05, std::log(high / middle))) {
     factor = 1.0 / unit->scale;

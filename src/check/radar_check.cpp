@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "check/bridge.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
 
@@ -18,6 +19,11 @@ template <typename Item>
 std::pair<Time, Time> span_of(const std::vector<Item>& items) {
   const std::vector<std::size_t> order = in_order(items);
   return {items[order.front()].time, items[order.back()].time};
+}
+
+double duration(const std::vector<RadarScan>& scans) {
+  const auto [begin, end] = span_of(scans);
+  return std::max(1e-3, to_seconds(end - begin));
 }
 
 /// The row of a file at which a scan begins: one a detection, or one that says that there is none.
@@ -56,10 +62,17 @@ Finding check_stamps(const std::vector<RadarScan>& scans, const io::RadarInfo& i
     out.text += fmt::format(", the first of them scan {} with the stamp {} ns", stray.first + 1,
                             scans[stray.first].time.count());
   }
-  if (unordered > 0 || longest > std::max(1.0, 10.0 * period)) {
+  if (longest > kLongestSilence) {
+    out.text +=
+        fmt::format(", in which the IMU alone may run away by {:.1f} m/s", kFeigned * longest);
+  }
+  if (unordered > 0) {
     out.verdict = Verdict::kDoubtful;
-    out.change = "a scan needs a stamp of its own, and the radar no pauses";
+    out.change = "a scan needs a stamp of its own";
     if (!place.empty()) out.change += "; see " + place;
+  } else if (longest > kLongestSilence) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "look for what silenced the radar; the estimate is uncertain meanwhile";
   } else if (std::abs(told * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("radar0/sensor.yaml: rate_hz: {:.1f}", 1.0 / period);
@@ -78,17 +91,19 @@ Finding check_points(const std::vector<RadarScan>& scans, const std::vector<Rada
   std::vector<double> shares;
   for (const RadarSpeed& speed : speeds) shares.push_back(speed.inlier_share);
   const double with = static_cast<double>(speeds.size()) / static_cast<double>(counts.size());
+  const double rate = static_cast<double>(speeds.size()) / duration(scans);
   Finding out{
       Verdict::kOk, "points",
       fmt::format("{:.0f} points a scan ({:.0f} to {:.0f} in nine of ten), SNR {:.0f} dB; "
-                  "{:.0f} % of the scans agree on a velocity, with {:.0f} % of their points",
+                  "{:.0f} % of the scans ({:.1f} a second) agree on a velocity, with {:.0f} % of "
+                  "their points",
                   median(counts), quantile(counts, 0.05), quantile(counts, 0.95), median(snr),
-                  100.0 * with, speeds.empty() ? 0.0 : 100.0 * median(shares)),
+                  100.0 * with, rate, speeds.empty() ? 0.0 : 100.0 * median(shares)),
       ""};
   if (median(snr) < options.radar.min_snr_db) {
     out.verdict = Verdict::kWrong;
     out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile(snr, 0.01) - 1.0);
-  } else if (with < 0.5) {
+  } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     out.change = "more points a scan: lower the detection threshold of the radar (CFAR)";
   }

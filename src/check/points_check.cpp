@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/points_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "check/motion.hpp"
+#include "check/motion_check.hpp"
+#include "check/units.hpp"
+#include "rio/core/so3.hpp"
+
+namespace rio::check {
+
+namespace {
+
+constexpr double kSure = 3.0;             // of (E3)
+constexpr std::size_t kFewestBlocks = 8;  // for a t of kSure to be no chance: 1 in 100
+constexpr double kBlock = 2.0;            // [s]
+constexpr double kLongest = 0.5;          // between the scans of a pair [s]
+constexpr double kRange = 0.05;           // sigma_r: a range bin [m]
+constexpr double kAngle = 0.05;           // sigma_u, of four antennas [rad]
+
+double sum(const std::vector<double>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), 0.0);
+}
+
+/// Of the pairs that tell two hypotheses apart, in each block: those that support the one.
+struct Support {
+  std::vector<double> first;
+  std::vector<double> second;
+
+  void add(std::size_t block, bool supports_first, bool supports_second) {
+    if (first.size() <= block) {
+      first.resize(block + 1);
+      second.resize(block + 1);
+    }
+    first[block] += supports_first ? 1.0 : 0.0;
+    second[block] += supports_second ? 1.0 : 0.0;
+  }
+  double lead() const { return sum(first) - sum(second); }
+  /// (E3), in favour of the first; 0 if there are too few blocks.
+  double sure() const {
+    double mean = 0.0;
+    double square = 0.0;
+    double n = 0.0;
+    for (std::size_t b = 0; b < first.size(); ++b) {
+      if (first[b] + second[b] == 0.0) continue;
+      const double difference = first[b] - second[b];
+      mean += difference;
+      square += difference * difference;
+      n += 1.0;
+    }
+    if (n < static_cast<double>(kFewestBlocks)) return 0.0;
+    mean /= n;
+    const double variance = (square / n - mean * mean) / (n - 1.0);
+    return mean / std::sqrt(std::max(variance, 1e-12));
+  }
+};
+
+/// Of any two stamps [s].
+double between(const RadarScan& from, const RadarScan& to) {
+  return to_seconds(to.time) - to_seconds(from.time);
+}
+
+/// Calls use(scan, later scan, dt) for the scans up to kLongest after this one.
+template <typename Use>
+void each_later_scan(const std::vector<RadarScan>& scans, std::size_t i, Use&& use) {
+  for (std::size_t j = i + 1; j < scans.size(); ++j) {
+    const double dt = between(scans[i], scans[j]);
+    if (!(dt > 0.0) || dt > kLongest) return;
+    use(scans[i], scans[j], dt);
+  }
+}
+
+/// Calls use(scan, later scan, dt, block); where there are many points, not for all scans.
+template <typename Use>
+void each_pair_of_scans(const std::vector<RadarScan>& scans, Use&& use) {
+  constexpr double kMost = 5e6;  // pairs of points
+  double pairs = 0.0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    each_later_scan(scans, i, [&](const RadarScan& from, const RadarScan& to, double) {
+      pairs += static_cast<double>(from.detections.size() * to.detections.size());
+    });
+  }
+  const auto stride = static_cast<std::size_t>(1.0 + pairs / kMost);
+  std::size_t block = 0;
+  std::size_t begin = 0;  // of the block
+  for (std::size_t i = 0; i < scans.size(); i += stride) {
+    if (std::abs(between(scans[begin], scans[i])) > kBlock) {
+      begin = i;
+      ++block;
+    }
+    each_later_scan(scans, i, [&](const RadarScan& from, const RadarScan& to, double dt) {
+      use(from, to, dt, block);
+    });
+  }
+}
+
+struct Rate {
+  double k = 1.0;         ///< (E1)
+  const char* unit = "";  ///< of the Doppler; empty for [m/s]
+};
+
+/// As told first, then no connection, then the other sign and the units with both.
+std::vector<Rate> rates() {
+  std::vector<Rate> out = {{1.0, ""}, {0.0, ""}, {-1.0, ""}};
+  for (const DopplerUnit& unit : kDopplerUnits) {
+    for (const double sign : {1.0, -1.0}) out.push_back({sign / unit.scale, unit.name});
+  }
+  return out;
+}
+
+/// (E1) of every two hypotheses.
+class RangeVotes {
+ public:
+  explicit RangeVotes(std::vector<Rate> all)
+      : all_(std::move(all)), supported_(all_.size()), votes_(all_.size() * all_.size()) {}
+
+  void add(double moved, double told, std::size_t block) {
+    constexpr double kBound = 3.0 * kRange;
+    for (std::size_t a = 0; a < all_.size(); ++a) {
+      supported_[a] = std::abs(moved - all_[a].k * told) < kBound;
+    }
+    for (std::size_t a = 0; a < all_.size(); ++a) {
+      for (std::size_t b = a + 1; b < all_.size(); ++b) {
+        if (supported_[a] == supported_[b]) continue;
+        if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be right
+        votes_[a * all_.size() + b].add(block, supported_[a], supported_[b]);
+      }
+    }
+  }
+  const Support& of(std::size_t a, std::size_t b) const { return votes_[a * all_.size() + b]; }
+  /// Better than every other one; the first where there is none.
+  std::size_t winner() const {
+    for (std::size_t a = 1; a < all_.size(); ++a) {
+      bool best = true;
+      for (std::size_t b = 0; b < all_.size() && best; ++b) {
+        if (a == b) continue;
+        const Support& votes = of(std::min(a, b), std::max(a, b));
+        best = a < b ? votes.lead() > 0.0 : votes.lead() < 0.0;
+      }
+      if (best) return a;
+    }
+    return 0;
+  }
+
+ private:
+  std::vector<Rate> all_;
+  std::vector<bool> supported_;  ///< by the pair at hand
+  std::vector<Support> votes_;
+};
+
+bool look_alike(const RadarDetection& a, const RadarDetection& b) {
+  constexpr double kCosine = 0.95;  // of their directions
+  if (!(std::abs(a.range_rate - b.range_rate) <= 0.3 * std::abs(a.range_rate))) return false;
+  return a.point_S.dot(b.point_S) > kCosine * a.point_S.norm() * b.point_S.norm();
+}
+
+std::string change_of(const Rate& rate, Source source) {
+  std::string change;
+  if (rate.k < 0.0) {
+    change = source == Source::kBag ? "--approaching (without it, if it is given)"
+                                    : "negate the column doppler of radar0/data.csv";
+  }
+  const double factor = std::abs(rate.k);
+  if (factor == 1.0) return change;
+  if (!change.empty()) change += ", and ";
+  return change +
+         (source == Source::kBag
+              ? fmt::format("--field doppler=NAME*{:.4g}", factor)
+              : fmt::format("multiply the column doppler of radar0/data.csv by {:.4g}", factor));
+}
+
+std::string meaning_of(const Rate& rate) {
+  const std::string sign = rate.k < 0.0 ? "the Doppler has the wrong sign" : "";
+  if (*rate.unit == '\0') return sign;
+  const std::string unit = fmt::format("the Doppler is {}", rate.unit);
+  return sign.empty() ? unit : sign + " and " + unit;
+}
+
+/// (E2) of the rates taken as deg/s against those as told, with every mounting.
+class TurnVotes {
+ public:
+  explicit TurnVotes(const Quaternion& told) {
+    for (const Axes& axes : candidates(told)) {
+      const bool known = std::any_of(mountings_.begin(), mountings_.end(),
+                                     [&](const Matrix3d& R) { return (R - axes.R).norm() < 1e-6; });
+      if (!known) mountings_.push_back(axes.R);
+    }
+    votes_.resize(mountings_.size());
+    turns_.resize(mountings_.size());
+  }
+
+  /// @param told, in_degrees turn of the body from the one scan to the other, in its axes
+  void add(const RadarScan& from, const RadarScan& to, const Quaternion& told,
+           const Quaternion& in_degrees, std::size_t block) {
+    const Vector3d phi = quaternion_log(told);
+    if (phi.norm() < 2.0 * kBound) return;  // both would be right
+    for (std::size_t m = 0; m < turns_.size(); ++m) {
+      turns_[m] = quaternion_exp(-(mountings_[m].transpose() * phi)).toRotationMatrix();
+    }
+    const Matrix3d& R = mountings_.front();
+    const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
+    for (const RadarDetection& a : from.detections) {
+      for (const RadarDetection& b : to.detections) add(a.point_S, b.point_S, small, block);
+    }
+  }
+  /// Of that mounting with which the rates as told do best.
+  const Support& best() const {
+    return *std::min_element(votes_.begin(), votes_.end(), [](const Support& a, const Support& b) {
+      return a.lead() < b.lead();
+    });
+  }
+
+ private:
+  static constexpr double kBound = 3.0 * kAngle;
+
+  void add(const Vector3d& a, const Vector3d& b, const Matrix3d& small, std::size_t block) {
+    const double range = a.norm();
+    const double other = b.norm();
+    if (!(std::abs(other - range) < 6.0 * kRange) || !(std::min(range, other) > 0.1)) return;
+    const Vector3d u = a / range;
+    const Vector3d v = b / other;
+    const bool in_degrees = (small * u - v).norm() < kBound;
+    for (std::size_t m = 0; m < turns_.size(); ++m) {
+      const bool told = (turns_[m] * u - v).norm() < kBound;
+      if (told || in_degrees) votes_[m].add(block, in_degrees, told);
+    }
+  }
+
+  std::vector<Matrix3d> mountings_;
+  std::vector<Support> votes_;
+  std::vector<Matrix3d> turns_;  ///< of the scene between two scans
+};
+
+}  // namespace
+
+Finding check_ranges(const std::vector<RadarScan>& scans, const Options& options, Source source) {
+  const std::vector<Rate> all = rates();
+  RangeVotes votes(all);
+  const double least = options.radar.min_range;
+  each_pair_of_scans(scans,
+                     [&](const RadarScan& from, const RadarScan& to, double dt, std::size_t block) {
+                       for (const RadarDetection& a : from.detections) {
+                         if (a.range_rate == 0.0 || !(a.point_S.norm() > least)) continue;
+                         for (const RadarDetection& b : to.detections) {
+                           if (!look_alike(a, b)) continue;
+                           votes.add(b.point_S.norm() - a.point_S.norm(),
+                                     0.5 * (a.range_rate + b.range_rate) * dt, block);
+                         }
+                       }
+                     });
+  const Support& signs = votes.of(0, 2);
+  Finding out{Verdict::kOk, "Doppler by the ranges",
+              fmt::format("between scans the range changes as the Doppler says in {:.0f} pairs of "
+                          "points, as with the other sign in {:.0f}",
+                          sum(signs.first), sum(signs.second)),
+              ""};
+  const std::size_t best = votes.winner();
+  const Rate& rate = all[best];
+  if (best == 0 || rate.k == 0.0) return out;
+  const Support& against = votes.of(0, best);
+  const double sure = -against.sure();
+  if (!(sure > kSure)) return out;
+  out.verdict = Verdict::kWrong;
+  out.text = fmt::format(
+      "between scans the range changes as the Doppler says in {:.0f} pairs of "
+      "points, in {:.0f} by {:.4g} times that, by {:.1f} sigmas: {}",
+      sum(against.first), sum(against.second), rate.k, sure, meaning_of(rate));
+  out.change = change_of(rate, source);
+  return out;
+}
+
+std::optional<Finding> check_rates(const std::vector<ImuSample>& samples,
+                                   const std::vector<RadarScan>& scans, const Options& options,
+                                   Source source) {
+  constexpr double kDegree = 3.14159265358979323846 / 180.0;
+  const ImuPath told(samples, 1.0, 1.0);
+  const ImuPath in_degrees(samples, kDegree, 1.0);
+  TurnVotes votes(options.radar.T_BS.rotation);
+  each_pair_of_scans(scans,
+                     [&](const RadarScan& from, const RadarScan& to, double, std::size_t block) {
+                       const auto turn = [&](const ImuPath& path) -> std::optional<Quaternion> {
+                         const auto first = path.at(from.time);
+                         const auto last = path.at(to.time);
+                         if (!first || !last) return std::nullopt;
+                         return first->turn.conjugate() * last->turn;
+                       };
+                       const auto whole = turn(told);
+                       if (whole) votes.add(from, to, *whole, *turn(in_degrees), block);
+                     });
+  const Support& best = votes.best();
+  if (!(best.sure() > kSure)) return std::nullopt;
+  return Finding{Verdict::kWrong, "gyro unit by the points",
+                 fmt::format("between scans the points turn as the gyro says in {:.0f} pairs of "
+                             "points, with the rates taken as deg/s in {:.0f}, by {:.1f} sigmas: "
+                             "they are in deg/s",
+                             sum(best.second), sum(best.first), best.sure()),
+                 source == Source::kBag
+                     ? "--gyro-unit deg/s"
+                     : "multiply the first three columns after the stamp of imu0/data.csv by "
+                       "0.0174533"};
+}
+
+}  // namespace rio::check

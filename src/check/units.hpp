@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace rio::check {
+
+/// What a Doppler may be mistaken for, and how much larger it reads than [m/s].
+struct DopplerUnit {
+  const char* name;
+  double scale;
+};
+inline constexpr std::array<DopplerUnit, 5> kDopplerUnits = {{{"in km/h", 3.6},
+                                                              {"in mph", 2.2369},
+                                                              {"in knots", 1.9438},
+                                                              {"in cm/s", 100.0},
+                                                              {"half the range rate", 0.5}}};
+
+}  // namespace rio::check
