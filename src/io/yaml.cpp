@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "yaml.hpp"
 
+#include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "rio/io/csv.hpp"
@@ -42,6 +45,30 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+/// Passes over a document.
+class NoEvents : public YAML::EventHandler {
+ public:
+  using Style = YAML::EmitterStyle::value;
+  void OnDocumentStart(const YAML::Mark&) override {}
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, Style) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, Style) override {}
+  void OnMapEnd() override {}
+};
+
+/// No YAML::LoadAll: where the parser makes no progress, as before a comma, it never ends.
+bool has_two_documents(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  NoEvents none;
+  return parser.HandleNextDocument(none) && parser.HandleNextDocument(none);
+}
+
 std::string last_part(const std::string& key) {
   return key.substr(key.rfind('.') + 1);
 }
@@ -51,9 +78,9 @@ std::string last_part(const std::string& key) {
 YamlFile parse_yaml(const std::string& text, const std::string& name) {
   YamlFile file{name, {}};
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() > 1) throw std::runtime_error(name + ": holds more than one document");
-    if (!documents.empty()) file.root = documents.front();
+    if (has_two_documents(text))
+      throw std::runtime_error(name + ": holds more than one document, or a comma in place of one");
+    file.root = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     throw std::runtime_error(name + ":" + std::to_string(error.mark.line + 1) + ": " + error.msg);
   }

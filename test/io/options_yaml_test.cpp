@@ -175,6 +175,7 @@ TEST(OptionsYaml, WrongValuesNameFileAndLine) {
   EXPECT_ERROR(parsed("imu:\n  max_gap: [1\n"), "o.yaml:");
   EXPECT_ERROR(parsed("- 1\n"), "o.yaml:1: not a map of keys");
   EXPECT_ERROR(parsed("imu: {}\n---\nimu: {}\n"), "more than one document");
+  EXPECT_ERROR(parsed(",\n"), "more than one document, or a comma");  // the parser stays there
 }
 
 TEST(OptionsYaml, ErrorsChangeNothing) {
