@@ -26,7 +26,8 @@ void print(const Finding& finding) {
 
 void print_json(const check::Findings& findings) {
   const nlohmann::ordered_json all = {{"verdict", to_string(worst(findings))},
-                                      {"findings", findings_json(findings)}};
+                                      {"findings", findings_json(findings)},
+                                      {"options", proposed_options(findings)}};
   fmt::print("{}\n", all.dump());
 }
 
@@ -41,6 +42,8 @@ void check_recording(const CheckArguments& arguments) {
     print_json(findings);
   } else {
     for (const Finding& finding : findings) print(finding);
+    const std::string options = proposed_options(findings);
+    if (!options.empty()) fmt::print("As an option file, for --config:\n{}\n", options);
   }
   throw_damage(damage);
   const auto wrong = std::count_if(findings.begin(), findings.end(),

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "check/check.hpp"
 #include "recording.hpp"
@@ -34,6 +35,22 @@ nlohmann::ordered_json findings_json(const check::Findings& findings) {
                     {"change", f.change}});
   }
   return list;
+}
+
+std::string proposed_options(const check::Findings& findings) {
+  constexpr std::string_view kHead = "radar: {";
+  std::string all;
+  for (const check::Finding& f : not_ok(findings)) {
+    if (f.change.rfind(kHead, 0) != 0) continue;
+    int depth = 1;
+    std::size_t end = kHead.size();
+    for (; end < f.change.size() && depth > 0; ++end) {
+      depth += f.change[end] == '{' ? 1 : f.change[end] == '}' ? -1 : 0;
+    }
+    const std::string option = f.change.substr(kHead.size(), end - 1 - kHead.size());
+    all += (all.empty() ? "" : ", ") + option;
+  }
+  return all.empty() ? "" : std::string(kHead) + all + "}";
 }
 
 check::Findings not_ok(const check::Findings& findings) {

@@ -19,6 +19,10 @@ check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
 /// One object a finding.
 nlohmann::ordered_json findings_json(const check::Findings& findings);
 
+/// The options that the findings begin their changes with, as one line of an option file; empty
+/// without any. "radar: {a: 1}" and "radar: {b: 2}, or ..." make "radar: {a: 1, b: 2}".
+std::string proposed_options(const check::Findings& findings);
+
 /// Those that are doubtful or wrong.
 check::Findings not_ok(const check::Findings& findings);
 

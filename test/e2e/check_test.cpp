@@ -48,6 +48,28 @@ TEST_F(Check, SaysWhatIsWrongAndExitsWithThree) {
   EXPECT_NE(run.output.find("negate the column doppler"), std::string::npos) << run.output;
 }
 
+TEST_F(Check, WhatItProposesIsAnOptionFileThatPutsItRight) {
+  const fs::path folder = copy("late_and_turned");
+  const std::vector<std::string> rows = lines_of((folder / "radar0/data.csv").string());
+  std::ofstream csv(folder / "radar0/data.csv");
+  for (const std::string& row : rows) {
+    const std::size_t comma = row.find(',');
+    csv << (row[0] == '#' ? row : std::to_string(std::stoll(row) + 100'000'000) + row.substr(comma))
+        << "\n";
+  }
+  csv.close();
+  std::ofstream(folder / "radar0/sensor.yaml") << "rate_hz: 15\n";  // nothing of the mounting
+  const std::string before = rio("check " + folder.string()).output;
+  const std::size_t at = before.find("\nradar: {");
+  ASSERT_NE(at, std::string::npos) << before;
+  const std::string line = before.substr(at + 1, before.find('\n', at + 1) - at);
+  EXPECT_NE(line.find("time_offset: 0."), std::string::npos) << line;
+  EXPECT_NE(line.find("T_BS: "), std::string::npos) << line;
+  std::ofstream(file("proposed.yaml")) << line;
+  const Outcome after = rio("check " + folder.string() + " --config " + file("proposed.yaml"));
+  EXPECT_EQ(exit_code(after), 0) << after.output;
+}
+
 TEST_F(Check, JsonHoldsTheSame) {
   const std::string folder =
       changed("degrees", "imu0/data.csv", "for (i = 2; i < 5; ++i) $i = $i * 57.29578");
