@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The figures of README.md are those of data/results/README.md.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace rio {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const char* name) {
+  std::ostringstream text;
+  text << std::ifstream(fs::path(RIO_SOURCE_DIR) / name).rdbuf();
+  return text.str();
+}
+
+/// Line breaks are spaces.
+std::string readme() {
+  return std::regex_replace(text_of("README.md"), std::regex("\\s+"), " ");
+}
+
+using Cells = std::vector<std::string>;
+
+/// The rows of the tables in a section or block of the results that begin with these cells.
+std::vector<Cells> rows(const std::string& begin, const Cells& first) {
+  static const std::string results = text_of("data/results/README.md");
+  const std::size_t at = results.find(begin);
+  EXPECT_NE(at, std::string::npos) << begin;
+  std::istringstream text(results.substr(at, results.find("\n## ", at + begin.size()) - at));
+  std::vector<Cells> found;
+  for (std::string line; std::getline(text, line);) {
+    if (line.rfind("| ", 0) != 0) continue;
+    Cells cells;
+    std::istringstream row(line.substr(2));
+    for (std::string cell; std::getline(row, cell, '|');) {
+      while (!cell.empty() && cell.back() == ' ') cell.pop_back();
+      cells.push_back(cell.substr(std::min(cell.find_first_not_of(' '), cell.size())));
+    }
+    bool fits = cells.size() > first.size();
+    for (std::size_t i = 0; i < first.size() && fits; ++i) fits = cells[i] == first[i];
+    if (fits) found.push_back(cells);
+  }
+  EXPECT_FALSE(found.empty()) << begin;
+  return found;
+}
+
+Cells row(const std::string& begin, const Cells& first) {
+  const std::vector<Cells> found = rows(begin, first);
+  return found.empty() ? Cells(20, "nothing") : found.front();
+}
+
+double mean(const std::string& cell) {
+  return std::atof(cell.c_str());
+}
+/// In brackets.
+double worst(const std::string& cell) {
+  return std::atof(cell.c_str() + cell.find('(') + 1);
+}
+
+/// The pattern, in which groups are figures, stands in the README, and each is the value rounded.
+void expect_figures(const std::string& pattern, const std::vector<double>& values) {
+  const std::string text = readme();
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(text, match, std::regex(pattern))) << pattern;
+  ASSERT_EQ(match.size(), values.size() + 1) << pattern;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::string said = match[i + 1];
+    const std::size_t point = said.find('.');
+    const std::size_t decimals = point == std::string::npos ? 0 : said.size() - point - 1;
+    const double unit = std::pow(10.0, -static_cast<double>(decimals));
+    EXPECT_NEAR(std::atof(said.c_str()), values[i], 0.501 * unit) << match[0];
+  }
+}
+
+constexpr const char* kFlights = "## The flights of the 2023 paper";
+constexpr const char* kReal = "All recordings, median (worst)";
+constexpr const char* kNumber = "([0-9.]*[0-9])";
+
+/// "#" is a figure.
+std::string pattern(std::string text) {
+  for (const char* special : {"(", ")", "*", "+"}) {
+    for (std::size_t at = 0; (at = text.find(special, at)) != std::string::npos; at += 2) {
+      text.insert(at, "\\");
+    }
+  }
+  for (std::size_t at = 0; (at = text.find('#', at)) != std::string::npos;) {
+    text.replace(at, 1, kNumber);
+  }
+  return text;
+}
+
+TEST(Readme, AccuracyOfItsFirstScreenIsThatOfTheResults) {
+  const std::string flights = row(kFlights, {"all"}).at(3);
+  expect_figures(pattern("**Accuracy**, error in % of the way: # % at the end of simulated flights "
+                         "of 128 to 175 m (worst # %)"),
+                 {mean(flights), worst(flights)});
+  const Cells real = row(kReal, {"default, filter", "as given"});
+  expect_figures(pattern("kart with six points a scan # % horizontally (median; worst # %), # % in "
+                         "height (worst # %); # m after # m carried by hand"),
+                 {mean(real[4]), worst(real[4]), mean(real[5]), worst(real[5]), mean(real[3]),
+                  mean(row("## Real recordings", {"ti_demo"})[1])});
+}
+
+TEST(Readme, CostOfItsFirstScreenIsThatOfTheResults) {
+  const double filter = mean(row("## Speed", {"filter: update, median"})[2]);
+  const double window = mean(row("## Speed", {"window: update, median"})[2]);
+  const std::string results = text_of("data/results/README.md");
+  std::smatch memory;
+  ASSERT_TRUE(std::regex_search(results, memory,
+                                std::regex("takes ([0-9.]+) MB with the filter and ([0-9.]+) MB")));
+  expect_figures(
+      pattern("# ms a scan with the filter, # ms with the smoother; # and # MB of memory"),
+      {filter, window, std::stod(memory[1]), std::stod(memory[2])});
+}
+
+TEST(Readme, LimitsOfItsFirstScreenAreThoseOfTheResults) {
+  const auto nees = [](const char* scenario) {
+    return mean(row("<!-- rio experiment robustness", {scenario}).at(5));
+  };
+  EXPECT_NEAR(nees("people"), 4.0, 0.5);  // "a factor of four and two in variance"
+  EXPECT_NEAR(nees("rough-imu"), 2.0, 0.5);
+  EXPECT_NE(readme().find("overconfident by a factor of four and two in variance"),
+            std::string::npos);
+  const Cells moving = row("Perturbed copies", {"2 s of rest before the start", "default, filter"});
+  EXPECT_EQ(moving[2], "8 of 9");     // "some do not start"
+  EXPECT_GT(worst(moving[4]), 10.0);  // "or on a wrong heading"
+}
+
+TEST(Readme, FlightsOfThePaperAreThoseOfTheResults) {
+  const Cells all = row(kFlights, {"all"});
+  expect_figures(pattern("`default` ends off by # % of the way on average (worst # %), "
+                         "`published-ekf` by # % (# %)"),
+                 {mean(all[3]), worst(all[3]), mean(all[5]), worst(all[5])});
+  const double times = std::atof(all[6].c_str() + all[6].find("default") + 8);
+  expect_figures(pattern("`default` is # times what the same data would allow"), {times});
+}
+
+TEST(Readme, TableOfRealRecordingsIsThatOfTheResults) {
+  const std::string text = readme();
+  for (const char* estimator :
+       {"default, filter", "default, smoother", "published-smoother", "published-ekf"}) {
+    const Cells cells = row(kReal, {estimator, "as given"});
+    const std::string name = std::regex_replace(estimator, std::regex("([a-z-]+)(.*)"), "`$1`$2");
+    const std::string expected =
+        "| " + name + " | " + cells[4] + " | " + cells[5] + " | " + cells[6] + " |";
+    EXPECT_NE(text.find(expected), std::string::npos) << expected;
+  }
+  const Cells filter = row("Perturbed copies", {"all", "default, filter"});
+  const Cells smoother = row("Perturbed copies", {"all", "default, smoother"});
+  expect_figures(
+      pattern("perturbed copies # m with the filter, # with the smoother (worst #)"),
+      {mean(filter[3]), mean(smoother[3]), std::max(worst(filter[3]), worst(smoother[3]))});
+}
+
+TEST(Readme, ScenariosAreThoseOfTheResults) {
+  double least = 1e9;
+  double most = 0.0;
+  double all = 0.0;
+  for (const Cells& cells : rows("<!-- rio experiment robustness", {})) {
+    if (cells[0] == "scenario" || cells[0] == "---" || cells[0] == "hover") continue;
+    least = std::min(least, mean(cells[3]));
+    most = std::max(most, mean(cells[3]));
+    all = std::max(all, worst(cells[3]));
+  }
+  expect_figures(pattern("twenty seeds each: # to # % of the way on average (worst flight # %)"),
+                 {least, most, all});
+  const std::string hover = row("<!-- rio experiment robustness", {"hover"})[2];
+  expect_figures(pattern("hover end # m off (worst # m)"), {mean(hover), worst(hover)});
+}
+
+}  // namespace
+}  // namespace rio
