@@ -203,11 +203,12 @@ class Engine final : public Odometry::Impl {
         first += size;
         continue;
       }
-      const Belief& belief = pipeline_.backend().belief();
-      const int at = belief.layout().auxiliary() + first;
-      Eigen::Map<Eigen::VectorXd>(value, size) = belief.estimate().auxiliary.segment(first, size);
+      const StateEstimate& state_estimate = pipeline_.backend().state_estimate();
+      const int at = state_estimate.layout().auxiliary() + first;
+      Eigen::Map<Eigen::VectorXd>(value, size) =
+          state_estimate.estimate().auxiliary.segment(first, size);
       Eigen::Map<Eigen::MatrixXd>(P, size, size) =
-          belief.covariance().matrix().block(at, at, size, size);
+          state_estimate.covariance().matrix().block(at, at, size, size);
       return true;
     }
     return false;
@@ -419,7 +420,7 @@ class Engine final : public Odometry::Impl {
 
   /// Refreshes what the accessors return and forgets the samples behind the estimate.
   void publish() {
-    covariance = pipeline_.backend().belief().covariance().body();
+    covariance = pipeline_.backend().state_estimate().covariance().body();
     for (std::size_t r = 0; r < options_.radars(); ++r) {
       extrinsics[r] = pipeline_.estimate().of_radar(r).T_BS;
     }

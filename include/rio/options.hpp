@@ -129,7 +129,7 @@ struct UpdateOptions {
   LandmarkMeasurement landmark_measurement = LandmarkMeasurement::kPoint;
   double sigma_landmark_distance = 0.2;  ///< for kDistance; same reason: it was a trail [m]
   /// Probability that a match with a landmark is right: where reflectors are closer to each other
-  /// than angles can tell, about a third are not. 1 = all are (update/worth.hpp).
+  /// than angles can tell, about a third are not. 1 = all are (update/noise_inflation.hpp).
   double match_trust = 0.68;
   /// Walk of a landmark with the way flown: the scattering centre moves with the aspect, by
   /// a centimetre a metre [m/sqrt(m)].
@@ -182,7 +182,7 @@ inline constexpr double kCalibrationLimit = 5.0;
 /// Same: an estimate beyond this is doubtful (Observability in report.hpp).
 inline constexpr double kCalibrationDoubt = 3.0;
 /// Same: what was told is believed to be that good until the data contradict it
-/// (update/belief.hpp).
+/// (update/state_estimate.hpp).
 inline constexpr double kCalibrationToldShare = 0.5;
 
 /// A landmark missed for less is in view: the faintest echoes are missed that long [s].

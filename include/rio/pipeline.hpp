@@ -93,7 +93,7 @@ class Pipeline {
   /// Judges the health between scans, when the IMU has reached `now`.
   /// @param pause for which it has told nothing, according to the scans that wait for it
   void watch(Time now, Time pause) {
-    health_.wait(now, pause, estimate(), backend_.belief().covariance().body());
+    health_.wait(now, pause, estimate(), backend_.state_estimate().covariance().body());
   }
   /// The IMU has told nothing for so long.
   void add_gap(Time duration) { health_.add_gap(duration); }
@@ -157,7 +157,7 @@ class Pipeline {
     observe(scan, last, imu);  // (3)
     if (seen_.ego_velocity.inliers > 0) last_told_ = scan.time;
     seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
-    gyro_bias_.predicted(estimate(), backend_.belief().covariance().body());
+    gyro_bias_.predicted(estimate(), backend_.state_estimate().covariance().body());
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     if (report_.status == Status::kOk) {
       frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
@@ -220,7 +220,7 @@ class Pipeline {
   void forget_after_silence(Time time) {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
     constexpr double kTurn = 0.1;                       // half a metre at five [rad]
-    const BodyCovariance P = backend_.belief().covariance().body();
+    const BodyCovariance P = backend_.state_estimate().covariance().body();
     const double turn =
         std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
     if (time - last_told_ > kLongest || (report_.imu_gap && turn > kTurn)) {
@@ -233,7 +233,7 @@ class Pipeline {
   void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
     const Estimate& x = backend_.estimate();
     constexpr double kOpen = 0.5;  // the velocity is what the next scans say [m/s]
-    const double sigma = std::sqrt(backend_.belief().radar_velocity_covariance().trace());
+    const double sigma = std::sqrt(backend_.state_estimate().radar_velocity_covariance().trace());
     const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
     report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
@@ -242,11 +242,11 @@ class Pipeline {
     } else if (sigma > kOpen) {
       replaced_ = Replaced{x.nav.time, last};
     }
-    const Matrix3d velocity_covariance = backend_.belief().radar_velocity_covariance();
+    const Matrix3d velocity_covariance = backend_.state_estimate().radar_velocity_covariance();
     frontend().observe(scan, x, &seen_, velocity_covariance);
-    const auto down =
-        gravity_.observe(seen_, x, backend_.belief().covariance().body(),
-                         backend_.belief().velocity_calibration(), last, imu, report_.imu_gap);
+    const auto down = gravity_.observe(seen_, x, backend_.state_estimate().covariance().body(),
+                                       backend_.state_estimate().velocity_calibration(), last, imu,
+                                       report_.imu_gap);
     report_.attitude_reset = down.has_value();
     report_.tilt_contradicted =
         to_seconds(x.nav.time - gravity_.contradicted_since().value_or(x.nav.time));
@@ -261,13 +261,14 @@ class Pipeline {
     restart_velocity(down->velocity, 0.0, since);  // it has run away only by and by
     gravity_.reset(x.nav.time);
     gyro_bias_.reset();
-    frontend().observe(scan, x, &seen_, backend_.belief().radar_velocity_covariance());
+    frontend().observe(scan, x, &seen_, backend_.state_estimate().radar_velocity_covariance());
   }
 
   /// A gyro bias that the scans have contradicted starts over, and with it the heading; landmarks
   /// and trails that turned with it go.
   void check_gyro_bias() {
-    const auto opinion = gyro_bias_.corrected(estimate(), backend_.belief().covariance().body());
+    const auto opinion =
+        gyro_bias_.corrected(estimate(), backend_.state_estimate().covariance().body());
     if (!opinion) return;
     backend_.restart_heading(*opinion, &report_);
     report_.attitude_reset = true;
@@ -297,7 +298,7 @@ class Pipeline {
 
   /// Of roll and pitch together [rad].
   double sigma_tilt() const {
-    const BodyCovariance P_body = backend_.belief().covariance().body();
+    const BodyCovariance P_body = backend_.state_estimate().covariance().body();
     const Matrix3d P = P_body.block<3, 3>(body::kAttitude, body::kAttitude);
     const Vector3d up_B = estimate().nav.q_WB.conjugate() * Vector3d::UnitZ();
     return std::sqrt(std::max(0.0, P.trace() - up_B.dot(P * up_B)));
@@ -317,13 +318,13 @@ class Pipeline {
   }
 
   void summarise_state() {
-    report_.calibration = calibration_report(backend_.belief(), options_);
+    report_.calibration = calibration_report(backend_.state_estimate(), options_);
     report_.clones = static_cast<int>(backend_.estimate().clones.size());
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
   }
 
   Status conclude() {
-    health_.observe(report_, estimate(), backend_.belief().covariance().body());
+    health_.observe(report_, estimate(), backend_.state_estimate().covariance().body());
     report_.health = health_.health();
     return report_.status;
   }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The Kalman filter as a back-end that keeps its innovations: before each update every landmark
 // match gives range, azimuth and elevation, every static detection its Doppler, with the covariance
-// the belief predicts for it.
+// the state estimate predicts for it.
 //
-// With a true velocity at hand the Doppler is held against that instead of the belief's. What
-// repeats a measurement made a few centimetres before is left out: its error is in the estimate.
+// With a true velocity at hand the Doppler is held against that instead of the state estimate's.
+// What repeats a measurement made a few centimetres before is left out: its error is in the
+// estimate.
 #pragma once
 
 #include <functional>
@@ -54,10 +55,10 @@ class NoiseProbe : public Ekf {
       return;
     }
     const BlockIndex index{0, static_cast<int>(landmark)};
-    const auto rows = state_rows<M::kDim>(e.J, M::Blocks{}, x, index, belief().layout());
+    const auto rows = state_rows<M::kDim>(e.J, M::Blocks{}, x, index, state_estimate().layout());
     eval::NoiseSample sample;
     sample.innovation = e.r;
-    gathered_.begin(belief().covariance());
+    gathered_.begin(state_estimate().covariance());
     sample.predicted = gathered_.product(rows);
     sample.grid = Vector3d(range_grid(), 0.0, 0.0);
     const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
@@ -94,14 +95,14 @@ class NoiseProbe : public Ekf {
       e.J.middleCols<6>(M::Blocks::column<BodyPose>()).setZero();
       e.J.middleCols<3>(M::Blocks::column<BodyVelocity>()).setZero();
     }
-    const LinearRow row = state_rows<1>(e.J, M::Blocks{}, x, {}, belief().layout())[0];
+    const LinearRow row = state_rows<1>(e.J, M::Blocks{}, x, {}, state_estimate().layout())[0];
     const Vector3d v_S = x.radar_velocity_S();
     const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
     const double az = d.sigma_azimuth_S.dot(v_S) / (growth * radar_.sigma_azimuth);
     const double el = d.sigma_elevation_S.dot(v_S) / (growth * radar_.sigma_elevation);
     eval::NoiseSample sample;
     sample.innovation = e.r;
-    sample.predicted.setConstant(1, 1, belief().covariance().product(row, row));
+    sample.predicted.setConstant(1, 1, state_estimate().covariance().product(row, row));
     sample.grid.setConstant(1, radar_.doppler_resolution * radar_.doppler_resolution / 12.0);
     sample.gain.resize(1, 4);
     sample.gain << 0.0, az * az, el * el, 1.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How well the velocities a radar measures and the movement an IMU measures belong together, for
-// any axes, sign and scale of the one. No belief about the state is needed: per window velocity and
+// any axes, sign and scale of the one. No state estimate is needed: per window velocity and
 // gravity are free, and the equations are linear in them.
 //
 // C: turn of the body since the first sample, s: specific force summed up in the axes of then, both

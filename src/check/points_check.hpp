@@ -8,10 +8,9 @@
 // supports some of the pairs:
 // (E1) |r_j - r_i - k d dt| < 3 sigma_r: k d is the range rate, d the mean of both Dopplers
 // (E2) |Exp(-k w dt) u_i - u_j| < 3 sigma_u: k w is the rate, in the axes of the radar
-// (E3) of two hypotheses, over the pairs of which both cannot be right, a block of two seconds
-// gives
-//      the difference of the counts: the better is sure by the mean of these over its own standard
-//      error (Student's t), whatever ties pairs of the same points together
+// (E3) two hypotheses are compared by the pairs of which both cannot be right: in each block of two
+//      seconds by the difference of their counts, over all blocks by Student's t of these, whatever
+//      ties pairs of the same points together
 #pragma once
 
 #include <optional>

@@ -26,16 +26,17 @@ double GaussNewton::step(const NormalEquations& system) {
   return dx.allFinite() && squared >= 0.0 ? std::sqrt(squared) : kNone;
 }
 
-void GaussNewton::apply(const NormalEquations& system, Window* window, Belief* belief) {
+void GaussNewton::apply(const NormalEquations& system, Window* window,
+                        StateEstimate* state_estimate) {
   for (std::size_t k = 0; k + 1 < window->size(); ++k) {
     correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
                 &(*window)[k].nav);
   }
   const int size = system.tail_size();
   tail_.head(size) = dx_.segment(system.size() - size, size);
-  belief->correct(tail_);
-  window->newest().nav = belief->estimate().nav;
-  window->publish(&belief->estimate());
+  state_estimate->correct(tail_);
+  window->newest().nav = state_estimate->estimate().nav;
+  window->publish(&state_estimate->estimate());
 }
 
 void GaussNewton::correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {

@@ -10,28 +10,30 @@ namespace rio {
 
 Smoother::Smoother(const Options& options)
     : options_(options),
-      belief_(options, 0),
+      state_estimate_(options, 0),
       rows_(options),
       window_(capacity(options), options),
-      system_(static_cast<int>(capacity(options)), belief_.layout().capacity() - body::kSize),
-      prior_(belief_.layout(), static_cast<int>(capacity(options))),
-      factors_(options, belief_.layout(), window_, &system_),
+      system_(static_cast<int>(capacity(options)),
+              state_estimate_.layout().capacity() - body::kSize),
+      prior_(state_estimate_.layout(), static_cast<int>(capacity(options))),
+      factors_(options, state_estimate_.layout(), window_, &system_),
       solver_(options.smoother, static_cast<int>(capacity(options)),
-              belief_.layout().capacity() - body::kSize),
+              state_estimate_.layout().capacity() - body::kSize),
       before_(capacity(options)),
       g_(Eigen::VectorXd::Zero(system_.capacity())),
       A_(Eigen::MatrixXd::Zero(system_.capacity(), system_.capacity())),
-      P_(Eigen::MatrixXd::Zero(belief_.layout().capacity(), belief_.layout().capacity())) {}
+      P_(Eigen::MatrixXd::Zero(state_estimate_.layout().capacity(),
+                               state_estimate_.layout().capacity())) {}
 
 void Smoother::reset(const NavState& prior, const BodyCovariance& P0) {
-  belief_.reset(prior, P0);
+  state_estimate_.reset(prior, P0);
   rows_.reset();
   restart();
 }
 
 Status Smoother::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   const Time from = estimate().nav.time;
-  const Status status = belief_.propagate(to, imu, gap);
+  const Status status = state_estimate_.propagate(to, imu, gap);
   if (status != Status::kOk) return status;
   imu.for_each_step(from, to, [&](const ImuStep& step) { since_.step(step, options_.imu); });
   return Status::kOk;
@@ -52,34 +54,34 @@ void Smoother::drop_landmarks(UpdateReport* report) {
 void Smoother::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                                 double doubtful, UpdateReport* report) {
   drop_landmarks(report);
-  belief_.restart_velocity(v_B, covariance_B, duration, doubtful);
+  state_estimate_.restart_velocity(v_B, covariance_B, duration, doubtful);
   restart();
 }
 
 void Smoother::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
                                 double duration) {
-  belief_.restart_attitude(g_B, sigma, v_B, duration);
+  state_estimate_.restart_attitude(g_B, sigma, v_B, duration);
   restart();
 }
 
 void Smoother::restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
   drop_landmarks(report);
-  belief_.restart_heading(opinion);
+  state_estimate_.restart_heading(opinion);
   restart();
 }
 
 Status Smoother::update(const Observations& seen, UpdateReport* report) {
-  for (const Contradiction& c : belief_.contradictions()) {
+  for (const Contradiction& c : state_estimate_.contradictions()) {
     prior_.forget(c.column, c.value, c.information, estimate());
   }
-  rows_.build(seen, belief_, report);
+  rows_.build(seen, state_estimate_, report);
   const bool appended = window_.newest().nav.time != estimate().nav.time;
   if (appended && !append()) return Status::kNumerical;
   const WindowState::Mark mark = window_.newest().mark();
   take(seen);
   before_.save(window_, estimate());
   if (!solve()) {
-    before_.restore(&window_, &belief_.estimate());
+    before_.restore(&window_, &state_estimate_.estimate());
     drop_aiding(seen);
     if (appended) window_.pop_newest();
     if (!appended) window_.newest().cut(mark);
@@ -96,19 +98,19 @@ Status Smoother::update(const Observations& seen, UpdateReport* report) {
 void Smoother::maintain_landmarks(const Observations& seen, const Promotions& promotions,
                                   UpdateReport* report) {
   rio::maintain_landmarks(
-      seen, rows_, promotions, options_, &belief_.estimate(), report,
+      seen, rows_, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { remove_landmark(i); },
       [this](const Detection& d) {
         window_.newest().points.push_back({estimate().landmarks.size(), 1.0,
                                            LandmarkPointModel::measurement(d), std::nullopt,
                                            estimate().radar});
-        belief_.add_landmark(d);
+        state_estimate_.add_landmark(d);
       });
 }
 
 void Smoother::clone(ScanId scan) {
   window_.newest().scan = scan;
-  window_.publish(&belief_.estimate());
+  window_.publish(&state_estimate_.estimate());
 }
 
 void Smoother::restart() {
@@ -116,9 +118,9 @@ void Smoother::restart() {
   window_.push();
   copy_newest();
   since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
-  const int n = belief_.covariance().size();
+  const int n = state_estimate_.covariance().size();
   Eigen::Ref<Eigen::MatrixXd> P = P_.topLeftCorner(n, n);
-  P = belief_.covariance().matrix();
+  P = state_estimate_.covariance().matrix();
   P.diagonal().head<body::kSize>().array() += kExact * kExact;
   P.diagonal().tail(n - body::kSize).array() += kExact * kExact;
   auto A = A_.topLeftCorner(n, n);
@@ -129,7 +131,7 @@ void Smoother::restart() {
   for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();
   g_.head(n).setZero();
   prior_.assign(A, g_.head(n), window_, 0, 1, estimate());
-  window_.publish(&belief_.estimate());
+  window_.publish(&state_estimate_.estimate());
 }
 
 Status Smoother::restart_after_failure() {
@@ -161,7 +163,7 @@ void Smoother::take(const Observations& seen) {
     scanned = {true, estimate().time_offset, estimate().radar_errors};
     // of two radars at nearly one time the second was measured a little later than the state
     const double offset = to_seconds(seen.scan->time - state.nav.time);
-    if (belief_.layout().radars() > 1) scanned.time_offset = offset;
+    if (state_estimate_.layout().radars() > 1) scanned.time_offset = offset;
   }
   const auto detection = [&seen](const ScanRows::Used& used) -> const Detection& {
     return seen.detection(used.detection);
@@ -229,10 +231,11 @@ void Smoother::drop_aiding(const Observations& seen) {
 }
 
 bool Smoother::solve() {
-  if (!solver_.minimise([this] { return build(); }, &system_, &window_, &belief_)) return false;
+  if (!solver_.minimise([this] { return build(); }, &system_, &window_, &state_estimate_))
+    return false;
   auto P = P_.topLeftCorner(system_.tail_size(), system_.tail_size());
   if (!system_.tail_covariance(&P_) || !P.allFinite()) return false;
-  belief_.covariance().matrix() = P;
+  state_estimate_.covariance().matrix() = P;
   return true;
 }
 
@@ -242,7 +245,8 @@ double Smoother::build() {
 }
 
 double Smoother::begin_with_prior() {
-  system_.clear(static_cast<int>(window_.size()), belief_.covariance().size() - body::kSize);
+  system_.clear(static_cast<int>(window_.size()),
+                state_estimate_.covariance().size() - body::kSize);
   return prior_.add_to(&system_, window_, estimate());
 }
 
@@ -267,7 +271,7 @@ bool Smoother::marginalise_oldest() {
   prior_.add_auxiliary_noise(options_.auxiliary,
                              to_seconds(window_[1].nav.time - window_[0].nav.time));
   window_.pop_oldest();
-  window_.publish(&belief_.estimate());
+  window_.publish(&state_estimate_.estimate());
   return true;
 }
 
@@ -275,7 +279,7 @@ void Smoother::remove_landmark(std::size_t i) {
   const std::size_t last = estimate().landmarks.size() - 1;
   prior_.remove_landmark(i, last);
   window_.forget_landmark(i, last);
-  belief_.remove_landmark(i);
+  state_estimate_.remove_landmark(i);
 }
 
 }  // namespace rio

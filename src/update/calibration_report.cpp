@@ -14,19 +14,19 @@ Observability observability(double value, double sigma, double prior_sigma) {
   return sigma > 0.5 * prior_sigma ? Observability::kWeak : Observability::kObserved;
 }
 
-std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief& belief,
-                                                                    const Options& options) {
+std::array<CalibrationReport, kCalibrationCount> calibration_report(
+    const StateEstimate& state_estimate, const Options& options) {
   std::array<CalibrationReport, kCalibrationCount> report{};
-  const Layout& layout = belief.layout();
-  const Estimate& x = belief.estimate();
+  const Layout& layout = state_estimate.layout();
+  const Estimate& x = state_estimate.estimate();
   const CalibrationOptions& priors = options.calibration;
   const auto fill = [&](Calibration parameter, double value, double prior, bool present,
                         int column) {
     if (!present || prior <= 0.0) return;
-    const double sigma = std::sqrt(belief.covariance().matrix()(column, column));
+    const double sigma = std::sqrt(state_estimate.covariance().matrix()(column, column));
     Observability verdict = observability(value, sigma, prior);
     if (verdict != Observability::kAtLimit && verdict != Observability::kDoubtful) {
-      verdict = observability(0.0, sigma, belief.prior_share(parameter) * prior);
+      verdict = observability(0.0, sigma, state_estimate.prior_share(parameter) * prior);
     }
     report[static_cast<std::size_t>(parameter)] = {value, sigma, prior, verdict};
   };

@@ -25,44 +25,45 @@ ScanRows::ScanRows(const Options& options)
   used_.reserve(batch_.capacity());
 }
 
-const RowBatch& ScanRows::build(const Observations& seen, const Belief& belief,
+const RowBatch& ScanRows::build(const Observations& seen, const StateEstimate& state_estimate,
                                 UpdateReport* report) {
   batch_.clear();
   used_.clear();
-  gathered_.begin(belief.covariance());
-  if (seen.scan != nullptr) add_scan(seen, belief, report);
-  if (seen.aiding != nullptr) add_aiding(*seen.aiding, belief, report);
+  gathered_.begin(state_estimate.covariance());
+  if (seen.scan != nullptr) add_scan(seen, state_estimate, report);
+  if (seen.aiding != nullptr) add_aiding(*seen.aiding, state_estimate, report);
   return batch_;
 }
 
-void ScanRows::add_scan(const Observations& seen, const Belief& belief, UpdateReport* report) {
-  LinearizationPoint x(belief.estimate());
+void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_estimate,
+                        UpdateReport* report) {
+  LinearizationPoint x(state_estimate.estimate());
   if (seen.rest) x.stand();
-  const Time now = belief.estimate().nav.time;
+  const Time now = state_estimate.estimate().nav.time;
   Time& last_scan = last_scan_[x.estimate.radar];
   since_scan_ = last_scan > Time{0} ? std::min(1.0, to_seconds(now - last_scan)) : 1.0;
   last_scan = now;
   was_used_.fill(false);
   measures_landmark_.fill(false);
-  if (seen.rest) add_rest(*seen.rest, belief, x, report);
-  if (options_.use_landmarks) add_landmarks(seen, belief, x, report);
-  if (options_.use_doppler) add_doppler(seen, belief, x, report);
-  if (options_.use_trails) add_trails(seen, belief, x, report);
+  if (seen.rest) add_rest(*seen.rest, state_estimate, x, report);
+  if (options_.use_landmarks) add_landmarks(seen, state_estimate, x, report);
+  if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
+  if (options_.use_trails) add_trails(seen, state_estimate, x, report);
   way_at_scan_[x.estimate.radar] = x.estimate.way;
 }
 
-void ScanRows::add_rest(const RestModel::Measurement& z, const Belief& belief,
+void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                         const LinearizationPoint& x, UpdateReport* report) {
   batch_.begin_block();
-  const bool valid = add(RestModel{}, z, belief, x, {});
+  const bool valid = add(RestModel{}, z, state_estimate, x, {});
   if (decide(RestModel::kModel, 0, valid, report)) used_.push_back({RestModel::kModel});
 }
 
-void ScanRows::add_doppler(const Observations& seen, const Belief& belief,
+void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_estimate,
                            const LinearizationPoint& x, UpdateReport* report) {
   Reliability reliability;
   const Vector3d v_S = x.radar_velocity_S();
-  const Eigen::Matrix4d V = belief.doppler_covariance(x);
+  const Eigen::Matrix4d V = state_estimate.doppler_covariance(x);
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
@@ -80,14 +81,14 @@ void ScanRows::add_doppler(const Observations& seen, const Belief& belief,
     DopplerModel::Measurement& z = dopplers_[i];
     z.reliability = believed;
     batch_.begin_block();
-    const bool valid = add(doppler_, z, belief, x, {});
+    const bool valid = add(doppler_, z, state_estimate, x, {});
     if (!decide(DopplerModel::kModel, i, valid, report)) continue;
     used_.push_back(
         {DopplerModel::kModel, i, 0, 0, weigh(doppler_repetition(seen.detection(i), x))});
   }
 }
 
-void ScanRows::add_trails(const Observations& seen, const Belief& belief,
+void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_estimate,
                           const LinearizationPoint& x, UpdateReport* report) {
   const bool joint = options_.trail_noise == TrailNoise::kCorrelated;
   for (const Match& m : seen.matches.trails) {
@@ -98,7 +99,7 @@ void ScanRows::add_trails(const Observations& seen, const Belief& belief,
       const auto z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
       if (!open) batch_.begin_block();
       open = joint;
-      const bool valid = add(trail_, z, belief, x, {clone, 0});
+      const bool valid = add(trail_, z, state_estimate, x, {clone, 0});
       if (joint) batch_.share_variance(trail_.shared_variance(z));
       const Used row{TrailDistanceModel::kModel, m.detection, m.target, past.scan};
       if (valid) used_.push_back(row);
@@ -115,7 +116,7 @@ void ScanRows::add_trails(const Observations& seen, const Belief& belief,
   }
 }
 
-void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
+void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& state_estimate,
                              const LinearizationPoint& x, UpdateReport* report) {
   for (const Match& m : seen.matches.landmarks) {
     if (seen.rest && x.estimate.way - x.estimate.landmarks[m.target].way_born > kHere) {
@@ -130,20 +131,20 @@ void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
     switch (options_.landmark_measurement) {
       case LandmarkMeasurement::kDistance:
         model = Model::kLandmarkDistance;
-        valid = add(landmark_, LandmarkDistanceModel::measurement(d), belief, x, index);
+        valid = add(landmark_, LandmarkDistanceModel::measurement(d), state_estimate, x, index);
         break;
       case LandmarkMeasurement::kPosition:
         model = Model::kLandmarkPosition;
-        valid = add(position_, LandmarkPositionModel::measurement(d), belief, x, index);
+        valid = add(position_, LandmarkPositionModel::measurement(d), state_estimate, x, index);
         break;
       case LandmarkMeasurement::kPoint:
-        valid = add_point(d, belief, x, index);
+        valid = add_point(d, state_estimate, x, index);
         break;
     }
     const bool used = decide(model, m.detection, valid, report);
     if (used) {
       const double way = x.estimate.landmarks[m.target].way_seen;
-      const double factor = repetition(way, x) * doubt_factor(options_.match_trust);
+      const double factor = repetition(way, x) * mismatch_factor(options_.match_trust);
       used_.push_back({model, m.detection, m.target, 0, weigh(factor)});
     }
     // as published, a match keeps a landmark alive
@@ -152,14 +153,14 @@ void ScanRows::add_landmarks(const Observations& seen, const Belief& belief,
   }
 }
 
-void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding, const Belief& belief,
-                          UpdateReport* report) {
-  const Estimate& x = belief.estimate();
+void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,
+                          const StateEstimate& state_estimate, UpdateReport* report) {
+  const Estimate& x = state_estimate.estimate();
   for (std::size_t i = 0; i < aiding.size(); ++i) {
     const AidingObservation& seen = aiding[i];
     batch_.begin_block();
     const bool valid = linearize(seen.measurement, seen.to_now, x.nav, auxiliary_, x.auxiliary,
-                                 gravity_, {0, belief.layout().auxiliary()}, &aiding_);
+                                 gravity_, {0, state_estimate.layout().auxiliary()}, &aiding_);
     if (valid) {
       for (const LinearRow& row : aiding_) batch_.push(row);
     }
@@ -168,11 +169,12 @@ void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding, const Be
   }
 }
 
-bool ScanRows::add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
-                         BlockIndex index) {
-  return add(point_, LandmarkPointModel::measurement(d), belief, x, index) &&
+bool ScanRows::add_point(const Detection& d, const StateEstimate& state_estimate,
+                         const LinearizationPoint& x, BlockIndex index) {
+  return add(point_, LandmarkPointModel::measurement(d), state_estimate, x, index) &&
          (!options_.use_doppler ||
-          add(landmark_doppler_, LandmarkDopplerModel::measurement(d, x.gyro_B), belief, x, index));
+          add(landmark_doppler_, LandmarkDopplerModel::measurement(d, x.gyro_B), state_estimate, x,
+              index));
 }
 
 double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint& x) const {

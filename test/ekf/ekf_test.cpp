@@ -241,7 +241,7 @@ TEST_F(EkfTest, CovarianceStaysSymmetricAndPositiveSemiDefinite) {
   for (std::size_t i = 0; i < flight().scans.size(); ++i) {
     ASSERT_EQ(process(flight().scans[i]), Status::kOk);
     if (i % 50 != 0) continue;
-    const Eigen::MatrixXd P = pipeline_->backend().belief().covariance().matrix();
+    const Eigen::MatrixXd P = pipeline_->backend().state_estimate().covariance().matrix();
     ASSERT_EQ(P, P.transpose());
     const double smallest =
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().minCoeff();

@@ -64,7 +64,7 @@ MatrixXd null_space(const Layout& layout, const Estimate& x) {
 
 double heading_variance(const Pipeline<Ekf>& pipeline) {
   const Vector3d up_B = pipeline.estimate().nav.q_WB.conjugate() * Vector3d::UnitZ();
-  const Covariance& P = pipeline.backend().belief().covariance();
+  const Covariance& P = pipeline.backend().state_estimate().covariance();
   return up_B.dot(P.body().block<3, 3>(body::kAttitude, body::kAttitude) * up_B);
 }
 
@@ -84,7 +84,8 @@ class ObservabilityTest : public testing::Test {
     first.p_WB += Vector3d(3.0, -2.0, 1.0);  // away from the axis that the rotation is about
     Estimate x;
     x.nav = first;
-    const MatrixXd N = null_space(pipeline->backend().belief().layout(), x).topRows(body::kSize);
+    const MatrixXd N =
+        null_space(pipeline->backend().state_estimate().layout(), x).topRows(body::kSize);
     BodyCovariance P0 = kSigma * kSigma * BodyCovariance::Identity();
     P0.block<3, 3>(body::kAccelBias, body::kAccelBias) *= 25.0;
     pipeline->reset(first, P0 + alpha * N * N.transpose());
@@ -116,8 +117,8 @@ class ObservabilityTest : public testing::Test {
       c.rest_scans += a->report().at_rest ? 1 : 0;
     }
     c.last = a->report();
-    const Belief& of_a = a->backend().belief();
-    const Belief& of_b = b->backend().belief();
+    const StateEstimate& of_a = a->backend().state_estimate();
+    const StateEstimate& of_b = b->backend().state_estimate();
     c.same_size = of_a.covariance().size() == of_b.covariance().size();
     const int size = std::min(of_a.covariance().size(), of_b.covariance().size());
     const MatrixXd N = null_space(of_a.layout(), of_a.estimate()).topRows(size);

@@ -90,7 +90,8 @@ TEST(TimeOffset, AliasedVibrationIsNone) {
       s.imu.gyro_vibration = 0.05;
       s.imu.accel_vibration = 2.0;
     });
-    // one and a half sigmas of its prior; without the low-pass of update/belief.hpp it is three
+    // one and a half sigmas of its prior; without the low-pass of update/state_estimate.hpp it is
+    // three
     EXPECT_LT(std::abs(result.of(Calibration::kTimeOffset).value), 0.045) << seed;
     EXPECT_LT(result.score.drift, 1.0) << seed;
   }

@@ -350,7 +350,7 @@ TEST_P(CeresReferee, FindsTheSameMinimum) {
     if (referee.has_uncorrected_doppler()) continue;
     const double ours = referee.cost_of_the_smoother();
     if (o.smoother.kernel == Kernel::kNone) {
-      const Eigen::MatrixXd P = flight.smoother().belief().covariance().body();
+      const Eigen::MatrixXd P = flight.smoother().state_estimate().covariance().body();
       EXPECT_LE((P - referee.covariance()).cwiseAbs().maxCoeff(), 1e-6 * P.cwiseAbs().maxCoeff());
     }
     const double least = referee.least_cost(random);

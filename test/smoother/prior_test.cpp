@@ -164,7 +164,7 @@ TEST_F(PriorTest, IsWhatItWasMadeOfWhereItWasMade) {
   EXPECT_LE((system.g().head(states) - g.head(states)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// Belief's (E2): the information that a parameter, off by kValue now, is zero.
+// StateEstimate's (E2): the information that a parameter, off by kValue now, is zero.
 TEST_F(PriorTest, WhatIsForgottenOfTheCalibrationIsASquareInItsValue) {
   constexpr double kValue = 0.3;
   constexpr double kInformation = 2.5;

@@ -159,7 +159,7 @@ struct Shown {
   explicit Shown(const Smoother& s)
       : window(s.window()),
         estimate(s.estimate()),
-        P(s.belief().covariance().matrix()),
+        P(s.state_estimate().covariance().matrix()),
         A(s.prior().A()) {}
 
   Window window;
@@ -276,7 +276,7 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
   EXPECT_EQ(smoother_.window().size(), 1U);
   EXPECT_EQ(smoother_.estimate().landmarks.size(), 0U);
   EXPECT_EQ(report_.landmarks_removed, 1);
-  const Eigen::MatrixXd P = smoother_.belief().covariance().matrix();
+  const Eigen::MatrixXd P = smoother_.state_estimate().covariance().matrix();
   const NavState& nav = smoother_.estimate().nav;
   // the velocity is the new one, the position has followed it, and their sigmas know it
   EXPECT_LT((nav.v_WB - before.estimate.nav.v_WB - error).norm(), 0.02);
@@ -300,19 +300,20 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
 }
 
 TEST_F(BlindSmootherTest, WithoutMeasurementsItIsDeadReckoning) {
-  Belief belief(flight_.options(), 0);
-  belief.reset(flight_.flight().truth.front(), flight_.start_covariance());
+  StateEstimate state_estimate(flight_.options(), 0);
+  state_estimate.reset(flight_.flight().truth.front(), flight_.start_covariance());
   for (std::size_t i = 0; i < 40; ++i) {
     ASSERT_EQ(step(), Status::kOk);
     bool gap = false;
-    ASSERT_EQ(belief.propagate(flight_.flight().scans[i].time, flight_.imu(), &gap), Status::kOk);
+    ASSERT_EQ(state_estimate.propagate(flight_.flight().scans[i].time, flight_.imu(), &gap),
+              Status::kOk);
   }
   // means: as good as the information matrices, whose condition is some 1e10, let it be
-  EXPECT_LT((smoother_.estimate().nav.p_WB - belief.estimate().nav.p_WB).norm(), 1e-6);
-  EXPECT_LT((smoother_.estimate().nav.v_WB - belief.estimate().nav.v_WB).norm(), 1e-6);
+  EXPECT_LT((smoother_.estimate().nav.p_WB - state_estimate.estimate().nav.p_WB).norm(), 1e-6);
+  EXPECT_LT((smoother_.estimate().nav.v_WB - state_estimate.estimate().nav.v_WB).norm(), 1e-6);
   // covariance: the start adds 1e-5 squared to each variance
-  const BodyCovariance expected = belief.covariance().body();
-  const BodyCovariance P = smoother_.belief().covariance().body();
+  const BodyCovariance expected = state_estimate.covariance().body();
+  const BodyCovariance P = smoother_.state_estimate().covariance().body();
   for (int i = 0; i < body::kSize; ++i) EXPECT_NEAR(P(i, i), expected(i, i), 1e-4 * expected(i, i));
 }
 
@@ -336,7 +337,7 @@ TEST_F(SmootherTest, CovarianceStaysSymmetricAndPositiveDefinite) {
   while (!flight_.over()) {
     fly(1);
     if (flight_.next() % 50 != 0) continue;
-    const Eigen::MatrixXd P = flight_.smoother().belief().covariance().matrix();
+    const Eigen::MatrixXd P = flight_.smoother().state_estimate().covariance().matrix();
     ASSERT_EQ(P, P.transpose());
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(P).eigenvalues().minCoeff(), 0.0);
   }
@@ -353,7 +354,7 @@ TEST_F(SmootherTest, AReusedFactorChangesTheSigmasByPercents) {
     fly(1);
     ASSERT_EQ(reference.step(), Status::kOk);
     const auto sigmas = [](const SmootherFlight& flight) -> Eigen::VectorXd {
-      return flight.smoother().belief().covariance().body().diagonal().cwiseSqrt();
+      return flight.smoother().state_estimate().covariance().body().diagonal().cwiseSqrt();
     };
     const Eigen::VectorXd sigma = sigmas(reference);
     const Eigen::VectorXd ratio = sigmas(flight_).cwiseQuotient(sigma);
@@ -379,7 +380,7 @@ TEST(SmootherConsistency, NeesIsThatOfItsDimension) {
       const NavState& nav = flight.estimate().nav;
       const experiment::BlockNees nees =
           experiment::block_nees({nav, flight.flight().truth_at(nav.time),
-                                  flight.smoother().belief().covariance().body()});
+                                  flight.smoother().state_estimate().covariance().body()});
       sum.position += nees.position;
       sum.attitude += nees.attitude;
       sum.heading += nees.heading;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A scan made by hand, with what the front-end has seen in it and the belief it is held against.
+// A scan made by hand, with what the front-end has seen in it and the state estimate it is held
+// against.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 namespace rio::test {
 
 inline constexpr double kSpeed = 2.0;         // along x [m/s]
-inline constexpr double kVelocityVar = 0.04;  // of the belief, an axis [m^2/s^2]
+inline constexpr double kVelocityVar = 0.04;  // of the state estimate, an axis [m^2/s^2]
 inline constexpr Time kStart = Time(1'000'000'000);
 
 /// A radar at the body, without a turn, that flies along x; landmarks where the first detections
@@ -39,9 +40,9 @@ class ScanCase : public testing::Test {
     seen_.matches.landmarks.push_back({target, detection});
   }
 
-  /// The belief with a landmark at each of the first detections.
-  Belief belief(std::size_t landmarks = 0) const {
-    Belief b(options_, options_.update.max_clones);
+  /// The state estimate with a landmark at each of the first detections.
+  StateEstimate state_estimate(std::size_t landmarks = 0) const {
+    StateEstimate b(options_, options_.update.max_clones);
     NavState nav;
     nav.time = kStart;
     nav.v_WB = Vector3d(kSpeed, 0.0, 0.0);
@@ -51,12 +52,12 @@ class ScanCase : public testing::Test {
     for (std::size_t i = 0; i < landmarks; ++i) b.add_landmark(scan_.items[i]);
     return b;
   }
-  const RowBatch& build(ScanRows& rows, const Belief& belief) {
+  const RowBatch& build(ScanRows& rows, const StateEstimate& state_estimate) {
     seen_.scan = &scan_;
     seen_.trails = &trails_;
     for (std::size_t i = 0; i < scan_.items.size(); ++i) seen_.ego_velocity.inlier[i] = true;
     report_ = UpdateReport{};
-    return rows.build(seen_, belief, &report_);
+    return rows.build(seen_, state_estimate, &report_);
   }
   const ModelReport& sums(Model model) const {
     return report_.models[static_cast<std::size_t>(model)];

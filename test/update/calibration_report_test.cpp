@@ -41,9 +41,9 @@ TEST(CalibrationReport, WhatIsToldBeyondThreeSigmasIsDoubtful) {
 }
 
 /// Every parameter estimated, with priors and corrections that differ.
-class CalibrationOfBelief : public testing::Test {
+class CalibrationOfAnEstimate : public testing::Test {
  protected:
-  CalibrationOfBelief() {
+  CalibrationOfAnEstimate() {
     options_.radar.T_BS.rotation = quaternion_exp(Vector3d(0.4, -0.7, 0.2));
     options_.radar.T_BS.translation = Vector3d(0.1, 0.2, -0.3);
     options_.calibration = {.rotation_sigma = 0.05,
@@ -52,35 +52,37 @@ class CalibrationOfBelief : public testing::Test {
                             .doppler_scale_sigma = 0.02,
                             .elevation_bias_sigma = 0.06};
   }
-  /// A belief that has been corrected by `step` times 1, 2, ... in the parameters as laid out.
-  Belief corrected(double step) const {
-    Belief belief(options_, 0);
-    belief.reset(NavState{}, BodyCovariance::Identity());
-    Eigen::VectorXd dx = Eigen::VectorXd::Zero(belief.layout().capacity());
-    const int count = belief.layout().clone(0) - body::kSize;
+  /// A state estimate that has been corrected by `step` times 1, 2, ... in the parameters as laid
+  /// out.
+  StateEstimate corrected(double step) const {
+    StateEstimate state_estimate(options_, 0);
+    state_estimate.reset(NavState{}, BodyCovariance::Identity());
+    Eigen::VectorXd dx = Eigen::VectorXd::Zero(state_estimate.layout().capacity());
+    const int count = state_estimate.layout().clone(0) - body::kSize;
     for (int i = 0; i < count; ++i) dx[body::kSize + i] = step * (1.0 + i);
-    belief.correct(dx);
-    return belief;
+    state_estimate.correct(dx);
+    return state_estimate;
   }
-  std::array<CalibrationReport, kCalibrationCount> report(const Belief& belief) const {
-    return calibration_report(belief, options_);
+  std::array<CalibrationReport, kCalibrationCount> report(
+      const StateEstimate& state_estimate) const {
+    return calibration_report(state_estimate, options_);
   }
 
   Options options_;
 };
 
-constexpr double kTold = 0.5;  // share of the prior sigma (update/belief.hpp)
+constexpr double kTold = 0.5;  // share of the prior sigma (update/state_estimate.hpp)
 constexpr std::array kPriors = {0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.02, 0.06, 0.04};
 
-TEST_F(CalibrationOfBelief, EveryParameterStandsUnderItsName) {
-  Belief belief = corrected(1e-3);
+TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
+  StateEstimate state_estimate = corrected(1e-3);
   // sigma: a tenth of i + 1 times what is believed, which is half the prior until it is
   // contradicted
   for (int i = 0; i < static_cast<int>(kCalibrationCount); ++i) {
     const double sigma = kTold * 0.1 * (1.0 + i) * kPriors[static_cast<std::size_t>(i)];
-    belief.covariance().matrix()(body::kSize + i, body::kSize + i) = sigma * sigma;
+    state_estimate.covariance().matrix()(body::kSize + i, body::kSize + i) = sigma * sigma;
   }
-  const auto all = report(belief);
+  const auto all = report(state_estimate);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const double rank = 1.0 + static_cast<double>(i);
     EXPECT_NEAR(all[i].value, 1e-3 * rank, 1e-12) << i;
@@ -93,7 +95,7 @@ TEST_F(CalibrationOfBelief, EveryParameterStandsUnderItsName) {
   }
 }
 
-TEST_F(CalibrationOfBelief, BeforeTheFirstScanNothingIsKnown) {
+TEST_F(CalibrationOfAnEstimate, BeforeTheFirstScanNothingIsKnown) {
   for (const CalibrationReport& r : report(corrected(0.0))) {
     EXPECT_NEAR(r.value, 0.0, 1e-15);
     EXPECT_NEAR(r.sigma, kTold * r.prior_sigma, 1e-15);
@@ -102,27 +104,28 @@ TEST_F(CalibrationOfBelief, BeforeTheFirstScanNothingIsKnown) {
 }
 
 // What is told of the radar's errors is where their estimates start and what they are counted from.
-TEST_F(CalibrationOfBelief, CountsFromWhatWasTold) {
+TEST_F(CalibrationOfAnEstimate, CountsFromWhatWasTold) {
   options_.radar.time_offset = -0.3;
   options_.radar.doppler_scale = 0.15;
-  Belief belief = corrected(1e-3);
-  EXPECT_NEAR(belief.estimate().time_offset, -0.3 + 9e-3, 1e-12);
-  EXPECT_NEAR(belief.estimate().radar_errors[RadarErrors::kDopplerScale], 0.15 + 7e-3, 1e-12);
-  const auto all = report(belief);
+  StateEstimate state_estimate = corrected(1e-3);
+  EXPECT_NEAR(state_estimate.estimate().time_offset, -0.3 + 9e-3, 1e-12);
+  EXPECT_NEAR(state_estimate.estimate().radar_errors[RadarErrors::kDopplerScale], 0.15 + 7e-3,
+              1e-12);
+  const auto all = report(state_estimate);
   EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kTimeOffset)].value, 9e-3, 1e-12);
   EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kDopplerScale)].value, 7e-3, 1e-12);
-  EXPECT_TRUE(belief.contradictions().empty());
+  EXPECT_TRUE(state_estimate.contradictions().empty());
 }
 
-TEST_F(CalibrationOfBelief, EstimatesStopAtTheirLimit) {
+TEST_F(CalibrationOfAnEstimate, EstimatesStopAtTheirLimit) {
   for (const double step : {10.0, -10.0}) {
     // of the rotation only one axis: turns of many radians about several do not add up
-    Belief belief(options_, 0);
-    belief.reset(NavState{}, BodyCovariance::Identity());
-    Eigen::VectorXd dx = Eigen::VectorXd::Constant(belief.layout().capacity(), step);
-    dx.segment<3>(belief.layout().extrinsics()) = Vector3d(0.0, step / 10.0, 0.0);
-    belief.correct(dx);
-    const auto all = report(belief);
+    StateEstimate state_estimate(options_, 0);
+    state_estimate.reset(NavState{}, BodyCovariance::Identity());
+    Eigen::VectorXd dx = Eigen::VectorXd::Constant(state_estimate.layout().capacity(), step);
+    dx.segment<3>(state_estimate.layout().extrinsics()) = Vector3d(0.0, step / 10.0, 0.0);
+    state_estimate.correct(dx);
+    const auto all = report(state_estimate);
     for (std::size_t i = 1; i < kCalibrationCount; ++i) {
       if (i == 2) continue;
       EXPECT_NEAR(all[i].value, (step > 0.0 ? 1.0 : -1.0) * kCalibrationLimit * kPriors[i], 1e-12)
@@ -132,7 +135,7 @@ TEST_F(CalibrationOfBelief, EstimatesStopAtTheirLimit) {
   }
 }
 
-TEST_F(CalibrationOfBelief, WhatHasNoPriorIsNotReported) {
+TEST_F(CalibrationOfAnEstimate, WhatHasNoPriorIsNotReported) {
   options_.calibration = {.rotation_sigma = 0.05,
                           .translation_sigma = 0.0,
                           .time_offset_sigma = 0.0,

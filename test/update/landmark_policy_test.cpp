@@ -80,7 +80,7 @@ TEST_F(LandmarkPolicyTest, OnlyAUsedMatchKeepsALandmarkAlive) {
   match_landmark(0, 0);
   match_landmark(1, 2);  // far off: gated
   ScanRows rows(options_);
-  build(rows, belief(2));
+  build(rows, state_estimate(2));
   const Time before = x_.landmarks[1].last_seen;
   maintain(rows);
   EXPECT_EQ(x_.landmarks[0].last_seen, x_.nav.time);

@@ -31,7 +31,7 @@ using test::kVelocityVar;
 TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   match_landmark(1, 1);
   ScanRows rows(options_);
-  const RowBatch& batch = build(rows, belief(2));
+  const RowBatch& batch = build(rows, state_estimate(2));
   ASSERT_EQ(batch.blocks().size(), 3U);  // the landmark first
   EXPECT_EQ(batch.blocks()[0].count, 4U);
   EXPECT_EQ(rows.used()[0].model, Model::kLandmarkPoint);
@@ -45,7 +45,7 @@ TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   EXPECT_EQ(report_.records.size(), 3U);
   options_.update.use_doppler = false;
   ScanRows places(options_);
-  build(places, belief(2));
+  build(places, state_estimate(2));
   EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 3);
   EXPECT_EQ(sums(Model::kDoppler).rows_used, 0);
 }
@@ -58,7 +58,7 @@ TEST_F(ScanRowsTest, APlaceOrADistanceLeavesTheDopplerToTheDetection) {
     seen_.matches.landmarks.clear();
     match_landmark(0, 0);
     ScanRows rows(options_);
-    build(rows, belief(1));
+    build(rows, state_estimate(1));
     EXPECT_EQ(sums(model).rows_used, count);
     EXPECT_EQ(sums(Model::kDoppler).rows_used, 3);
   }
@@ -66,7 +66,7 @@ TEST_F(ScanRowsTest, APlaceOrADistanceLeavesTheDopplerToTheDetection) {
 
 TEST_F(ScanRowsTest, WhatIsNotStaticTellsNothing) {
   ScanRows rows(options_);
-  const Belief b = belief();
+  const StateEstimate b = state_estimate();
   seen_.moves[1] = true;
   EXPECT_EQ(build(rows, b).rows().size(), 2U);
   options_.update.use_doppler = false;
@@ -82,7 +82,7 @@ TEST_F(ScanRowsTest, TheGateHoldsTheInnovationAgainstItsCovariance) {
   for (const double share : {kMinute, -kMinute, 2.0 - kMinute, kMinute - 2.0}) {
     detection(0).range_rate = rate + share * bound;
     ScanRows rows(options_);
-    Belief b = belief();  // of a body that does not turn, known exactly
+    StateEstimate b = state_estimate();  // of a body that does not turn, known exactly
     b.covariance().matrix().diagonal().head<6>().setZero();
     b.covariance().matrix().diagonal().tail<6>().setZero();
     build(rows, b);
@@ -106,7 +106,7 @@ TEST_F(ScanRowsTest, AGatedMatchGivesNoRows) {
     seen_.matches.landmarks.clear();
     match_landmark(0, 2);  // metres away
     ScanRows rows(options_);
-    EXPECT_EQ(build(rows, belief(1)).rows().size(), 3U);
+    EXPECT_EQ(build(rows, state_estimate(1)).rows().size(), 3U);
     EXPECT_EQ(rows.used().size(), 3U);
     EXPECT_EQ(sums(Model::kDoppler).rows_used, 3);
     EXPECT_EQ(report_.records[0].verdict, Verdict::kGated);
@@ -116,7 +116,7 @@ TEST_F(ScanRowsTest, AGatedMatchGivesNoRows) {
 
 TEST_F(ScanRowsTest, ALandmarkAtTheRadarIsOutOfDomain) {
   match_landmark(0, 0);
-  Belief b = belief(1);
+  StateEstimate b = state_estimate(1);
   b.estimate().landmarks[0].p_W.setZero();
   ScanRows rows(options_);
   EXPECT_EQ(build(rows, b).rows().size(), 3U);
@@ -128,7 +128,7 @@ TEST_F(ScanRowsTest, ALandmarkAtTheRadarIsOutOfDomain) {
 // Landmarks: by the way since they were seen and the trust in matches; after the gate.
 TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   match_landmark(0, 0);
-  Belief b = belief(1);
+  StateEstimate b = state_estimate(1);
   b.estimate().way = 7.0;
   b.estimate().landmarks[0].way_seen = 6.99;
   ScanRows plain(options_);
@@ -139,7 +139,7 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   options_.update.match_trust = 0.7;
   ScanRows rows(options_);
   const RowBatch& batch = build(rows, b);
-  const double expected = repetition_factor(0.01, 0.02) * doubt_factor(0.7);
+  const double expected = repetition_factor(0.01, 0.02) * mismatch_factor(0.7);
   EXPECT_NEAR(rows.used()[0].variance_factor, expected, 1e-9);
   for (int i = 0; i < 3; ++i) {  // whitened
     EXPECT_NEAR(batch.rows()[static_cast<std::size_t>(i)].variance, expected, 1e-9);
@@ -157,7 +157,7 @@ TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
   see({0.0, 4.0, 0.0});  // across the flight: its rate changes by v^2 / r
   const auto factor = [&](double way, const Vector3d& accel_W, double seconds) {
     ScanRows rows(options_);
-    Belief b = belief();
+    StateEstimate b = state_estimate();
     build(rows, b);
     b.estimate().way = way;
     b.estimate().accel_W = accel_W;
@@ -190,7 +190,7 @@ TEST_F(ScanRowsTest, ResetForgetsTheScanBefore) {
   options_.radar.doppler_resolution = 0.5;
   see({0.0, 4.0, 0.0});
   ScanRows rows(options_);
-  Belief b = belief();
+  StateEstimate b = state_estimate();
   b.estimate().way = 0.05;
   build(rows, b);
   const double first = rows.used()[3].variance_factor;
@@ -209,7 +209,7 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
   for (const bool reliable : {true, false}) {
     options_.update.direction_reliability = reliable;
     ScanRows rows(options_);
-    const Belief b = belief();
+    const StateEstimate b = state_estimate();
     detection(0).range_rate += 0.05;
     const RowBatch& batch = build(rows, b);
     const Vector3d v(kSpeed, 0.0, 0.0);
@@ -236,7 +236,7 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
 TEST_F(ScanRowsTest, AtRestOnlyLandmarksOfHereAreMeasured) {
   match_landmark(0, 0);
   match_landmark(1, 1);
-  Belief b = belief(2);
+  StateEstimate b = state_estimate(2);
   b.estimate().way = 3.0;
   b.estimate().landmarks[0].way_born = 2.45;
   b.estimate().landmarks[1].way_born = 2.55;
@@ -266,8 +266,8 @@ class TrailRowsTest : public test::ScanCase {
       seen_.matches.trails.push_back({i, i});
     }
   }
-  Belief belief(int clones = 2) const {
-    Belief b = ScanCase::belief();
+  StateEstimate state_estimate(int clones = 2) const {
+    StateEstimate b = ScanCase::state_estimate();
     for (int i = 0; i < clones; ++i) b.clone(static_cast<ScanId>(i));
     return b;
   }
@@ -276,7 +276,7 @@ class TrailRowsTest : public test::ScanCase {
 TEST_F(TrailRowsTest, EveryPastDetectionIsARowWithAVerdict) {
   detection(1).range += 10.0;
   ScanRows rows(options_);
-  const RowBatch& batch = build(rows, belief());
+  const RowBatch& batch = build(rows, state_estimate());
   EXPECT_EQ(batch.blocks().size(), 4U);
   EXPECT_EQ(sums(Model::kTrailDistance).rows_used, 4);
   EXPECT_EQ(sums(Model::kTrailDistance).rows_gated, 2);
@@ -292,7 +292,7 @@ TEST_F(TrailRowsTest, CorrelatedRowsOfATrailShareVerdictAndNoise) {
   options_.update.trail_noise = TrailNoise::kCorrelated;
   detection(1).range += 10.0;
   ScanRows rows(options_);
-  const RowBatch& batch = build(rows, belief());
+  const RowBatch& batch = build(rows, state_estimate());
   ASSERT_EQ(batch.blocks().size(), 2U);
   const double sigma = options_.radar.sigma_range;
   for (const RowBlock& block : batch.blocks()) {
@@ -307,11 +307,11 @@ TEST_F(TrailRowsTest, CorrelatedRowsOfATrailShareVerdictAndNoise) {
 
 TEST_F(TrailRowsTest, WhatHasNoCloneGivesNoRow) {
   ScanRows rows(options_);
-  EXPECT_EQ(build(rows, belief(1)).rows().size(), 3U);
-  EXPECT_EQ(build(rows, belief(0)).rows().size(), 0U);
+  EXPECT_EQ(build(rows, state_estimate(1)).rows().size(), 3U);
+  EXPECT_EQ(build(rows, state_estimate(0)).rows().size(), 0U);
   options_.update.use_trails = false;
   ScanRows off(options_);
-  EXPECT_EQ(build(off, belief()).rows().size(), 0U);
+  EXPECT_EQ(build(off, state_estimate()).rows().size(), 0U);
 }
 
 }  // namespace

@@ -11,9 +11,9 @@
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
-#include "rio/update/belief.hpp"
 #include "rio/update/landmark_policy.hpp"
 #include "rio/update/scan_rows.hpp"
+#include "rio/update/state_estimate.hpp"
 
 namespace rio {
 
@@ -21,8 +21,8 @@ class Ekf {
  public:
   explicit Ekf(const Options& options);
 
-  const Estimate& estimate() const { return belief_.estimate(); }
-  const Belief& belief() const { return belief_; }
+  const Estimate& estimate() const { return state_estimate_.estimate(); }
+  const StateEstimate& state_estimate() const { return state_estimate_; }
   /// New landmarks that can be taken (update/landmark_policy.hpp).
   std::size_t landmark_room(const Observations& seen) const {
     return rio::landmark_room(estimate(), seen, options_);
@@ -32,11 +32,11 @@ class Ekf {
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
-    return belief_.propagate(to, imu, gap);
+    return state_estimate_.propagate(to, imu, gap);
   }
 
   /// A scan of that radar is at hand.
-  void select_radar(std::size_t r) { belief_.select_radar(r); }
+  void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
 
   /// Time of the state that a measurement of that time is kept with.
   Time anchor(Time /*measured*/) const { return estimate().nav.time; }
@@ -51,16 +51,16 @@ class Ekf {
                         double doubtful, UpdateReport* report);
 
   /// Gravity turns out to be g_B, sigma per axis [m/s^2], for `duration` [s], at the velocity v_B
-  /// [m/s], both in body axes (update/belief.hpp).
+  /// [m/s], both in body axes (update/state_estimate.hpp).
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration) {
-    belief_.restart_attitude(g_B, sigma, v_B, duration);
+    state_estimate_.restart_attitude(g_B, sigma, v_B, duration);
   }
 
   /// The gyro bias about the vertical turns out to be wrong, and the heading with it. The landmarks
   /// are dropped; the trails have to go, too.
   void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
     drop_landmarks(report);
-    belief_.restart_heading(opinion);
+    state_estimate_.restart_heading(opinion);
   }
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
@@ -71,11 +71,11 @@ class Ekf {
                           UpdateReport* report);
 
   /// Stage 2: the corrected pose becomes the clone of this scan, in place of the oldest one.
-  void clone(ScanId scan) { belief_.clone(scan); }
+  void clone(ScanId scan) { state_estimate_.clone(scan); }
 
  private:
   Options options_;
-  Belief belief_;
+  StateEstimate state_estimate_;
   Estimate before_;
   ScanRows rows_;
   RowCompression compression_;

@@ -25,8 +25,9 @@
 // neighbouring folds. A velocity is a verdict if for some time on
 //   - it supports most rows, over some time, and no other one far away is nearly as likely;
 //   - it is kClearly times as likely as the one believed, and beyond its three sigmas;
-// where "some time" is short at the start, long if the belief was supported before: the velocity
-// does not change unnoticed by the IMU, but somebody who passes close by may fill the view.
+// where "some time" is short at the start, long if the state estimate was supported before: the
+// velocity does not change unnoticed by the IMU, but somebody who passes close by may fill the
+// view.
 #pragma once
 
 #include <optional>
@@ -114,7 +115,7 @@ class VelocityPool {
   /// Least squares over the rows that support v; none if it is weak in a direction.
   std::optional<VelocityOpinion> refine(const Vector3d& v) const;
 
-  /// The belief is supported.
+  /// The state estimate is supported.
   std::nullopt_t agree(Time now);
   /// Neither supported nor contradicted.
   std::nullopt_t abstain(Time now);

@@ -19,7 +19,7 @@
 #include "rio/options.hpp"
 #include "rio/smoother/normal_equations.hpp"
 #include "rio/smoother/window.hpp"
-#include "rio/update/belief.hpp"
+#include "rio/update/state_estimate.hpp"
 
 namespace rio {
 
@@ -41,11 +41,12 @@ class GaussNewton {
   /// @param border largest size of calibration and landmarks
   GaussNewton(const SmootherOptions& options, int max_states, int border);
 
-  /// Moves window and belief to the minimum; the newest state is the belief's. The factor of the
-  /// system is undamped afterwards. False if a system cannot be solved.
+  /// Moves window and state estimate to the minimum; the newest state is the state estimate's. The
+  /// factor of the system is undamped afterwards. False if a system cannot be solved.
   /// @param build makes the system at the present point; its result is the cost
   template <class Build>
-  bool minimise(const Build& build, NormalEquations* system, Window* window, Belief* belief) {
+  bool minimise(const Build& build, NormalEquations* system, Window* window,
+                StateEstimate* state_estimate) {
     double damping = 0.0;
     double last = kNone;  // length of the step before, if it is undamped
     double cost = build();
@@ -57,8 +58,8 @@ class GaussNewton {
         length = step(*system);
       }
       if (!(length < kNone)) return false;
-      saved_.save(*window, belief->estimate());
-      apply(*system, window, belief);
+      saved_.save(*window, state_estimate->estimate());
+      apply(*system, window, state_estimate);
       converged = length < options_.tolerance;
       if (converged) break;
       const double next = build();
@@ -67,7 +68,7 @@ class GaussNewton {
         last = damping == 0.0 ? length : kNone;
         damping = damping > kLeastDamping ? 0.1 * damping : 0.0;
       } else {
-        saved_.restore(window, &belief->estimate());
+        saved_.restore(window, &state_estimate->estimate());
         cost = build();
         last = kNone;
         damping = std::max(kLeastDamping, 10.0 * damping);
@@ -85,7 +86,7 @@ class GaussNewton {
   /// finite.
   double step(const NormalEquations& system);
 
-  void apply(const NormalEquations& system, Window* window, Belief* belief);
+  void apply(const NormalEquations& system, Window* window, StateEstimate* state_estimate);
   static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav);
 
   SmootherOptions options_;

@@ -2,11 +2,11 @@
 // Back-end 2: a sliding window of states at the last scans, solved anew with each scan
 // (Michalczyk et al., IROS 2024). Same front-end, models and gates as the filter.
 //
-// A new state is predicted by the IMU from the solution (belief_), its measurements are gated
-// there; then Gauss-Newton over [states | calibration, landmarks] on
+// A new state is predicted by the IMU from the solution (state_estimate_), its measurements are
+// gated there; then Gauss-Newton over [states | calibration, landmarks] on
 //   prior + preintegrated IMU + all measurements of the window, robust kernels included,
 // and the oldest state is marginalised into the prior. The tail of the factorisation is the joint
-// covariance of the newest state and the border: the belief the next scan begins with.
+// covariance of the newest state and the border: the state estimate the next scan begins with.
 #pragma once
 
 #include "rio/frontend/frontend.hpp"
@@ -18,9 +18,9 @@
 #include "rio/smoother/prior.hpp"
 #include "rio/smoother/window.hpp"
 #include "rio/smoother/window_factors.hpp"
-#include "rio/update/belief.hpp"
 #include "rio/update/landmark_policy.hpp"
 #include "rio/update/scan_rows.hpp"
+#include "rio/update/state_estimate.hpp"
 
 namespace rio {
 
@@ -30,8 +30,8 @@ class Smoother {
   Smoother& operator=(const Smoother&) = delete;
   explicit Smoother(const Options& options);
 
-  const Estimate& estimate() const { return belief_.estimate(); }
-  const Belief& belief() const { return belief_; }
+  const Estimate& estimate() const { return state_estimate_.estimate(); }
+  const StateEstimate& state_estimate() const { return state_estimate_; }
   const Window& window() const { return window_; }
   const Prior& prior() const { return prior_; }
   /// New landmarks that can be taken (update/landmark_policy.hpp).
@@ -45,7 +45,7 @@ class Smoother {
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
   /// A scan of that radar is at hand.
-  void select_radar(std::size_t r) { belief_.select_radar(r); }
+  void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
 
   /// Time of the state that a measurement of that time is kept with: the first one not before it.
   Time anchor(Time measured) const;
@@ -78,7 +78,7 @@ class Smoother {
     return static_cast<std::size_t>(options.smoother.window) + 1;
   }
 
-  /// One state, the belief's; its covariance becomes the prior.
+  /// One state, the state estimate's; its covariance becomes the prior.
   void restart();
   Status restart_after_failure();
 
@@ -93,7 +93,7 @@ class Smoother {
   /// Takes back what take() gave to the states.
   void drop_aiding(const Observations& seen);
 
-  /// The belief and the window hold the result.
+  /// The state estimate and the window hold the result.
   bool solve();
 
   /// The system at the present point; the result is its cost.
@@ -109,7 +109,7 @@ class Smoother {
   static constexpr double kExact = 1e-5;  // sigma that passes for exactly known, in SI units
 
   Options options_;
-  Belief belief_;
+  StateEstimate state_estimate_;
   ScanRows rows_;
   Window window_;
   NormalEquations system_;

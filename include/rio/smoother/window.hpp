@@ -138,7 +138,7 @@ class Window {
 
 /// Columns of [states | border] for the models: `state` is the one that measures.
 struct WindowLayout {
-  Layout belief;  ///< [newest state | border] without clones, of the radar that measures
+  Layout newest;  ///< [newest state | border] without clones, of the radar that measures
   int states = 0;
   int state = 0;
 
@@ -151,11 +151,11 @@ struct WindowLayout {
     if constexpr (std::is_same_v<Block, BodyVelocity>) return own + body::kVelocity;
     if constexpr (std::is_same_v<Block, GyroBias>) return own + body::kGyroBias;
     if constexpr (std::is_same_v<Block, ClonePose>) return body::kSize * index + body::kAttitude;
-    return shifted(belief.column<Block>(index));
+    return shifted(newest.column<Block>(index));
   }
-  int time_offset_column() const { return shifted(belief.time_offset_column()); }
+  int time_offset_column() const { return shifted(newest.time_offset_column()); }
   AidingColumns aiding_columns() const {
-    return {body::kSize * state, shifted(belief.auxiliary())};
+    return {body::kSize * state, shifted(newest.auxiliary())};
   }
 
  private:

@@ -10,13 +10,13 @@
 
 #include "rio/options.hpp"
 #include "rio/report.hpp"
-#include "rio/update/belief.hpp"
+#include "rio/update/state_estimate.hpp"
 
 namespace rio {
 
 Observability observability(double value, double sigma, double prior_sigma);
 
-std::array<CalibrationReport, kCalibrationCount> calibration_report(const Belief& belief,
-                                                                    const Options& options);
+std::array<CalibrationReport, kCalibrationCount> calibration_report(
+    const StateEstimate& state_estimate, const Options& options);
 
 }  // namespace rio

@@ -18,12 +18,12 @@
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/update/aiding.hpp"
-#include "rio/update/belief.hpp"
 #include "rio/update/gate.hpp"
 #include "rio/update/gathered_covariance.hpp"
 #include "rio/update/linearize.hpp"
+#include "rio/update/noise_inflation.hpp"
 #include "rio/update/reliability.hpp"
-#include "rio/update/worth.hpp"
+#include "rio/update/state_estimate.hpp"
 
 namespace rio {
 
@@ -41,15 +41,17 @@ class ScanRows {
   std::size_t capacity() const { return batch_.capacity(); }
 
   /// The rows that may be used; valid until the next call.
-  const RowBatch& build(const Observations& seen, const Belief& belief, UpdateReport* report);
+  const RowBatch& build(const Observations& seen, const StateEstimate& state_estimate,
+                        UpdateReport* report);
 
   /// A measurement that may be used.
   struct Used {
     Model model = Model::kDoppler;
-    std::size_t detection = 0;     ///< kAiding: index in Observations::aiding
-    std::size_t target = 0;        ///< index of the landmark or of the trail
-    ScanId past = 0;               ///< kTrailDistance: which element of the trail
-    double variance_factor = 1.0;  ///< by which its variance is multiplied (update/worth.hpp)
+    std::size_t detection = 0;  ///< kAiding: index in Observations::aiding
+    std::size_t target = 0;     ///< index of the landmark or of the trail
+    ScanId past = 0;            ///< kTrailDistance: which element of the trail
+    double variance_factor =
+        1.0;  ///< by which its variance is multiplied (update/noise_inflation.hpp)
   };
   const std::vector<Used>& used() const { return used_; }
 
@@ -59,38 +61,39 @@ class ScanRows {
  private:
   static constexpr double kHere = 0.5;  // "here" at rest: flown since, noise included [m]
 
-  void add_scan(const Observations& seen, const Belief& belief, UpdateReport* report);
-
-  void add_rest(const RestModel::Measurement& z, const Belief& belief, const LinearizationPoint& x,
+  void add_scan(const Observations& seen, const StateEstimate& state_estimate,
                 UpdateReport* report);
 
-  void add_doppler(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
-                   UpdateReport* report);
+  void add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
+                const LinearizationPoint& x, UpdateReport* report);
+
+  void add_doppler(const Observations& seen, const StateEstimate& state_estimate,
+                   const LinearizationPoint& x, UpdateReport* report);
 
   bool tells_doppler(const Observations& seen, std::size_t i) const {
     return seen.is_static(i) && !measures_landmark_[i];
   }
 
-  void add_trails(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
-                  UpdateReport* report);
+  void add_trails(const Observations& seen, const StateEstimate& state_estimate,
+                  const LinearizationPoint& x, UpdateReport* report);
 
   /// At rest only those first measured here: one from before repeats its error from scan to scan,
   /// while the position does not change. It stays alive.
-  void add_landmarks(const Observations& seen, const Belief& belief, const LinearizationPoint& x,
-                     UpdateReport* report);
+  void add_landmarks(const Observations& seen, const StateEstimate& state_estimate,
+                     const LinearizationPoint& x, UpdateReport* report);
 
   /// Of other sensors.
-  void add_aiding(const std::vector<AidingObservation>& aiding, const Belief& belief,
+  void add_aiding(const std::vector<AidingObservation>& aiding, const StateEstimate& state_estimate,
                   UpdateReport* report);
 
   /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
-  bool add_point(const Detection& d, const Belief& belief, const LinearizationPoint& x,
-                 BlockIndex index);
+  bool add_point(const Detection& d, const StateEstimate& state_estimate,
+                 const LinearizationPoint& x, BlockIndex index);
 
   template <MeasurementModel M>
-  bool add(const M& model, const typename M::Measurement& z, const Belief& belief,
+  bool add(const M& model, const typename M::Measurement& z, const StateEstimate& state_estimate,
            const LinearizationPoint& x, BlockIndex index) {
-    return linearize(model, z, typename M::Blocks{}, x, index, belief.layout(), &batch_);
+    return linearize(model, z, typename M::Blocks{}, x, index, state_estimate.layout(), &batch_);
   }
 
   /// Factor of the variance of what repeats a measurement at `way`.

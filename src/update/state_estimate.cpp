@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/belief.hpp"
+#include "rio/update/state_estimate.hpp"
 
 #include <algorithm>
 #include <array>
@@ -46,14 +46,14 @@ void Acceleration::add(const Vector3d& change_W, double seconds) {
   smooth_W += seconds / sum * (once_W - smooth_W);
 }
 
-Belief::Belief(const Options& options, int max_clones)
+StateEstimate::StateEstimate(const Options& options, int max_clones)
     : options_(options),
       layout_(options.calibration, max_clones, options.update.max_landmarks,
               options.auxiliary.size(), options.radars()),
       covariance_(layout_),
       dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
 
-void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
+void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_ = Estimate{};
   estimate_.nav = prior;
   for (std::size_t r = 0; r < options_.radars(); ++r) {
@@ -71,17 +71,17 @@ void Belief::reset(const NavState& prior, const BodyCovariance& P0) {
   contradicted_ = {};
 }
 
-void Belief::select_radar(std::size_t r) {
+void StateEstimate::select_radar(std::size_t r) {
   estimate_.select_radar(r);
   layout_ = layout_.of_radar(r);
 }
 
-double Belief::prior_share(Calibration parameter) const {
+double StateEstimate::prior_share(Calibration parameter) const {
   const bool contradicted = contradicted_[estimate_.radar][static_cast<std::size_t>(parameter)];
   return contradicted ? 1.0 : kCalibrationToldShare;
 }
 
-StaticVector<Contradiction, kMaxRadars * kCalibrationCount> Belief::contradictions() {
+StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contradictions() {
   StaticVector<Contradiction, kMaxRadars * kCalibrationCount> out;
   for (std::size_t r = 0; r < layout_.radars(); ++r) {
     const Layout layout = layout_.of_radar(r);
@@ -124,7 +124,7 @@ StaticVector<Contradiction, kMaxRadars * kCalibrationCount> Belief::contradictio
   return out;
 }
 
-Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
+Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   Propagation p;
   p.state = estimate_.nav;
   Acceleration acceleration = acceleration_;
@@ -153,8 +153,8 @@ Status Belief::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   return Status::kOk;
 }
 
-void Belief::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                              double doubtful) {
+void StateEstimate::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B,
+                                     double duration, double doubtful) {
   const Matrix3d R = estimate_.T_WB().R;
   const Vector3d error = R * v_B - estimate_.nav.v_WB;
   covariance_.inflate(body::kPosition, error.squaredNorm() * doubtful * doubtful);
@@ -163,8 +163,8 @@ void Belief::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B,
   correct(dx_);
 }
 
-void Belief::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
-                              double duration) {
+void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
+                                     double duration) {
   constexpr double kBefore = 4.0;  // the error was small, but it was there [s]
   NavState& nav = estimate_.nav;
   const Vector3d g_W(0.0, 0.0, -options_.imu.gravity);
@@ -185,7 +185,7 @@ void Belief::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d&
                       options_.start.sigma_accel_bias * options_.start.sigma_accel_bias);
 }
 
-void Belief::restart_heading(const GyroBiasOpinion& opinion) {
+void StateEstimate::restart_heading(const GyroBiasOpinion& opinion) {
   constexpr double kStep = 2.0;  // a step over the mean of the window it began in
   const Vector3d up_B = estimate_.nav.q_WB.conjugate() * Vector3d::UnitZ();
   const double heading = kStep * std::abs(opinion.error) * opinion.duration;
@@ -197,7 +197,7 @@ void Belief::restart_heading(const GyroBiasOpinion& opinion) {
   covariance_.inflate(body::kPosition, way * way);
 }
 
-Eigen::Matrix4d Belief::velocity_calibration() const {
+Eigen::Matrix4d StateEstimate::velocity_calibration() const {
   Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
   const auto all = covariance_.matrix();
   if (layout_.has_extrinsics()) {
@@ -210,7 +210,7 @@ Eigen::Matrix4d Belief::velocity_calibration() const {
   return P;
 }
 
-Eigen::Matrix4d Belief::doppler_covariance(const LinearizationPoint& x) const {
+Eigen::Matrix4d StateEstimate::doppler_covariance(const LinearizationPoint& x) const {
   std::array<LinearRow, 4> rows;
   for (int i = 0; i < 3; ++i) {  // a Doppler along an axis is a component of the velocity
     rows[static_cast<std::size_t>(i)] = doppler_row(Vector3d::Unit(i), x, layout_);
@@ -225,7 +225,7 @@ Eigen::Matrix4d Belief::doppler_covariance(const LinearizationPoint& x) const {
   return gathered.product(rows);
 }
 
-void Belief::clone(ScanId scan) {
+void StateEstimate::clone(ScanId scan) {
   const auto slots = static_cast<std::size_t>(options_.update.max_clones);
   if (slots == 0) return;
   const std::size_t slot = static_cast<std::size_t>(scan % slots);
@@ -238,7 +238,7 @@ void Belief::clone(ScanId scan) {
       state_rows<6>(same, BlockList<BodyPose>{}, LinearizationPoint(estimate_), {}, layout_));
 }
 
-void Belief::add_landmark(const Detection& d) {
+void StateEstimate::add_landmark(const Detection& d) {
   const LandmarkBirth birth(estimate_.T_WB(), RigidPose(estimate_.T_BS), d);
   covariance_.add_landmark(
       static_cast<int>(estimate_.landmarks.size()),
@@ -248,13 +248,13 @@ void Belief::add_landmark(const Detection& d) {
       {birth.p_WL, estimate_.nav.time, Matrix3d::Zero(), estimate_.way, estimate_.way});
 }
 
-void Belief::remove_landmark(std::size_t i) {
+void StateEstimate::remove_landmark(std::size_t i) {
   covariance_.remove_landmark(static_cast<int>(i));
   estimate_.landmarks[i] = estimate_.landmarks.back();
   estimate_.landmarks.pop_back();
 }
 
-void Belief::correct(const Eigen::VectorXd& dx) {
+void StateEstimate::correct(const Eigen::VectorXd& dx) {
   NavState& nav = estimate_.nav;
   nav.q_WB = (nav.q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
   nav.p_WB += dx.segment<3>(body::kPosition);
@@ -273,7 +273,7 @@ void Belief::correct(const Eigen::VectorXd& dx) {
   }
 }
 
-void Belief::predict_landmarks() {
+void StateEstimate::predict_landmarks() {
   constexpr int kShared = 13;  // columns of all landmarks: pose, extrinsics, time offset
   const LinearizationPoint x(estimate_);
   const auto P = covariance_.matrix();
@@ -310,7 +310,7 @@ void Belief::predict_landmarks() {
   }
 }
 
-void Belief::correct_calibration(std::size_t r, const Eigen::VectorXd& dx) {
+void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx) {
   const CalibrationOptions& priors = options_.calibration;
   const Layout layout = layout_.of_radar(r);
   const RadarMount told = options_.mount(r);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The mean of the belief: what happens to it on the way, and when velocity or gravity turn out to
-// be wrong.
-#include "rio/update/belief.hpp"
+// The mean of the state estimate: what happens to it on the way, and when velocity or gravity turn
+// out to be wrong.
+#include "rio/update/state_estimate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -42,17 +42,17 @@ TEST(Acceleration, IsWithoutTheVibrationOfRotors) {
   EXPECT_LT(largest, 10.0 / std::pow(2.0 * M_PI * 100.0 * 0.05, 2) * 1.2);
 }
 
-class BeliefTest : public testing::Test {
+class StateEstimateTest : public testing::Test {
  protected:
-  BeliefTest() {
+  StateEstimateTest() {
     test::Random random(5);
     nav_ = random.state();
     nav_.time = Time(1'000'000'000);
     options_.imu.measure_noise = false;
     options_.frontend.matching = Matching::kEuclidean;
   }
-  Belief belief(double velocity_sigma = 0.1) const {
-    Belief b(options_, 3);
+  StateEstimate state_estimate(double velocity_sigma = 0.1) const {
+    StateEstimate b(options_, 3);
     BodyCovariance P = 1e-6 * BodyCovariance::Identity();
     P.block<3, 3>(body::kVelocity, body::kVelocity) *= 1e6 * velocity_sigma * velocity_sigma;
     b.reset(nav_, P);
@@ -75,10 +75,10 @@ class BeliefTest : public testing::Test {
   NavState nav_;
 };
 
-TEST_F(BeliefTest, PropagationKeepsWayRateAndAcceleration) {
+TEST_F(StateEstimateTest, PropagationKeepsWayRateAndAcceleration) {
   nav_.v_WB.setZero();
   for (const double a : {0.07, 0.085, 1.0}) {
-    Belief b = belief();
+    StateEstimate b = state_estimate();
     const Vector3d w(0.1, 0.2, -0.3);
     const ImuBuffer imu = samples({a, 0.0, 0.0}, w);
     bool gap = true;
@@ -95,14 +95,14 @@ TEST_F(BeliefTest, PropagationKeepsWayRateAndAcceleration) {
 }
 
 // What matching is told of a landmark is the covariance of the model's own rows.
-TEST_F(BeliefTest, LandmarksArePredictedInTheRadarsAxes) {
+TEST_F(StateEstimateTest, LandmarksArePredictedInTheRadarsAxes) {
   options_.frontend.matching = Matching::kMahalanobis;
   for (const CalibrationOptions& calibration : {CalibrationOptions{0.05, 0.03, 0.02, 0.02, 0.0},
                                                 CalibrationOptions{0.0, 0.0, 0.02, 0.0, 0.0},
                                                 CalibrationOptions{0.05, 0.03, 0.0, 0.0, 0.0}}) {
     options_.calibration = calibration;
     options_.radar.T_BS.translation = Vector3d(0.1, -0.2, 0.05);
-    Belief b = belief(0.5);
+    StateEstimate b = state_estimate(0.5);
     for (const double y : {-2.0, 0.0, 3.0}) {
       RadarDetection raw;
       raw.point_S = Vector3d(4.0, y, 1.0);
@@ -124,8 +124,8 @@ TEST_F(BeliefTest, LandmarksArePredictedInTheRadarsAxes) {
   }
 }
 
-TEST_F(BeliefTest, LandmarksWalkWithTheWay) {
-  Belief b = belief();
+TEST_F(StateEstimateTest, LandmarksWalkWithTheWay) {
+  StateEstimate b = state_estimate();
   RadarDetection raw;
   raw.point_S = Vector3d(4.0, 1.0, 1.0);
   b.add_landmark(make_detection(raw, options_.radar));
@@ -140,10 +140,10 @@ TEST_F(BeliefTest, LandmarksWalkWithTheWay) {
   EXPECT_EQ(b.estimate().landmarks[0].way_born, 0.0);
 }
 
-TEST_F(BeliefTest, NothingChangesIfTheResultIsNotFinite) {
+TEST_F(StateEstimateTest, NothingChangesIfTheResultIsNotFinite) {
   nav_.p_WB.setConstant(1.797e308);
   nav_.v_WB.setConstant(1.7e308);
-  Belief b = belief();
+  StateEstimate b = state_estimate();
   const ImuBuffer imu = samples(Vector3d::Zero(), Vector3d::Zero());
   bool gap = false;
   EXPECT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kNumerical);
@@ -153,9 +153,9 @@ TEST_F(BeliefTest, NothingChangesIfTheResultIsNotFinite) {
 
 // The velocity becomes the measured one, and the position what it would be, had it been that for
 // the duration.
-TEST_F(BeliefTest, ARestartedVelocityTakesThePositionAlong) {
+TEST_F(StateEstimateTest, ARestartedVelocityTakesThePositionAlong) {
   for (const double duration : {0.0, 0.8}) {
-    Belief b = belief(0.01);
+    StateEstimate b = state_estimate(0.01);
     const Vector3d v_B(1.0, -2.0, 0.5);
     const Matrix3d noise = 1e-4 * Matrix3d::Identity();
     const Vector3d error = nav_.q_WB * v_B - nav_.v_WB;
@@ -170,8 +170,8 @@ TEST_F(BeliefTest, ARestartedVelocityTakesThePositionAlong) {
 }
 
 // The position may be off by what the difference has done since it may have been wrong.
-TEST_F(BeliefTest, ARestartedVelocityLeavesThePositionInDoubt) {
-  Belief b = belief(0.01);
+TEST_F(StateEstimateTest, ARestartedVelocityLeavesThePositionInDoubt) {
+  StateEstimate b = state_estimate(0.01);
   const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB + Vector3d(0.0, 0.3, 0.4);
   b.restart_velocity(v_B, 1e-4 * Matrix3d::Identity(), 0.0, 6.0);
   EXPECT_LT((b.estimate().nav.p_WB - nav_.p_WB).norm(), 1e-9);
@@ -179,8 +179,8 @@ TEST_F(BeliefTest, ARestartedVelocityLeavesThePositionInDoubt) {
 }
 
 // Measured noise in body axes counts in world axes.
-TEST_F(BeliefTest, ARestartedVelocityHasTheNoiseOfItsAxes) {
-  Belief b = belief();
+TEST_F(StateEstimateTest, ARestartedVelocityHasTheNoiseOfItsAxes) {
+  StateEstimate b = state_estimate();
   const Matrix3d noise = Vector3d(0.01, 0.04, 0.09).asDiagonal();
   b.restart_velocity(Vector3d(40.0, 10.0, 20.0), noise, 0.1, 0.0);
   const Matrix3d R = nav_.q_WB.toRotationMatrix();
@@ -188,10 +188,10 @@ TEST_F(BeliefTest, ARestartedVelocityHasTheNoiseOfItsAxes) {
   EXPECT_LT((R.transpose() * P * R - noise).norm(), 1e-4);
 }
 
-TEST_F(BeliefTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
+TEST_F(StateEstimateTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
   constexpr double kSigma = 0.05;
   constexpr double kDuration = 3.0;
-  Belief b = belief();
+  StateEstimate b = state_estimate();
   const Vector3d g_B = test::rotation_of({0.2, -0.1, 0.3}) *
                        (nav_.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity));
   const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB;
@@ -217,12 +217,12 @@ TEST_F(BeliefTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
   EXPECT_NEAR(grown.trace(), 3.0 * (angle * angle + way * way + rate * rate + bias * bias), 1e-9);
 }
 
-TEST_F(BeliefTest, ARestartedHeadingKeepsTheTilt) {
+TEST_F(StateEstimateTest, ARestartedHeadingKeepsTheTilt) {
   GyroBiasOpinion opinion;
   opinion.error = -0.004;
   opinion.duration = 20.0;
   opinion.moved_W = Vector3d(3.0, 4.0, 0.0);
-  Belief b = belief();
+  StateEstimate b = state_estimate();
   const Matrix15d before = b.covariance().body();
   b.restart_heading(opinion);
   const Matrix15d grown = b.covariance().body() - before;
@@ -237,9 +237,9 @@ TEST_F(BeliefTest, ARestartedHeadingKeepsTheTilt) {
 }
 
 // That of the model's own row, elevation error included.
-TEST_F(BeliefTest, TheVarianceOfADopplerIsThatOfItsRow) {
+TEST_F(StateEstimateTest, TheVarianceOfADopplerIsThatOfItsRow) {
   options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};
-  Belief b(options_, 3);
+  StateEstimate b(options_, 3);
   b.reset(nav_, BodyCovariance(0.01 * BodyCovariance::Identity()));
   const LinearizationPoint x(b.estimate());
   DopplerModel::Measurement z;
@@ -259,10 +259,10 @@ TEST_F(BeliefTest, TheVarianceOfADopplerIsThatOfItsRow) {
 }
 
 // Of a velocity known along and across, turned with the body and the radar.
-TEST_F(BeliefTest, TheRadarsVelocityIsAsUncertainAsTheBodys) {
+TEST_F(StateEstimateTest, TheRadarsVelocityIsAsUncertainAsTheBodys) {
   options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
   options_.radar.T_BS.rotation = test::rotation_of({0.3, 0.1, -0.4});
-  Belief b(options_, 3);
+  StateEstimate b(options_, 3);
   const Matrix3d P_v = Vector3d(0.01, 0.04, 0.09).asDiagonal();
   BodyCovariance P = BodyCovariance::Zero();
   P.block<3, 3>(body::kVelocity, body::kVelocity) = P_v;
@@ -272,8 +272,8 @@ TEST_F(BeliefTest, TheRadarsVelocityIsAsUncertainAsTheBodys) {
   EXPECT_TRUE(b.velocity_calibration().isZero(0.0));
 }
 
-TEST_F(BeliefTest, TheOldestCloneGivesWay) {
-  Belief b = belief();
+TEST_F(StateEstimateTest, TheOldestCloneGivesWay) {
+  StateEstimate b = state_estimate();
   for (ScanId scan = 0; scan < 5; ++scan) {
     b.estimate().nav.p_WB.x() = static_cast<double>(scan);
     b.clone(scan);
@@ -288,8 +288,8 @@ TEST_F(BeliefTest, TheOldestCloneGivesWay) {
   }
 }
 
-TEST_F(BeliefTest, CorrectionsReachEveryBlock) {
-  Belief b = belief();
+TEST_F(StateEstimateTest, CorrectionsReachEveryBlock) {
+  StateEstimate b = state_estimate();
   b.clone(0);
   RadarDetection raw;
   raw.point_S = Vector3d(4.0, 1.0, 1.0);
@@ -314,10 +314,10 @@ TEST_F(BeliefTest, CorrectionsReachEveryBlock) {
 
 // Told: half the prior sigma. Contradicted beyond three sigmas of what a right prior is moved by,
 // and beyond what is told itself; reported once.
-TEST_F(BeliefTest, AContradictedParameterIsBelievedToItsPrior) {
+TEST_F(StateEstimateTest, AContradictedParameterIsBelievedToItsPrior) {
   options_.calibration = {0.0, 0.0, 0.0, 0.02, 0.0};
   const double told = 0.25 * 0.02 * 0.02;
-  Belief b = belief();
+  StateEstimate b = state_estimate();
   const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
   EXPECT_NEAR(b.covariance().matrix()(scale, scale), told, 1e-15);
   Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mean and covariance at one instant, and what happens to both alike: start, propagation, blocks
-// that enter and leave. Either back-end predicts, matches and gates with a belief.
+// that enter and leave. Either back-end predicts, matches and gates with a state estimate.
 //
 // Stages 1, 2 and 7.
 #pragma once
@@ -45,10 +45,10 @@ struct Contradiction {
 /// (E1) told: P_0 = (k s)^2; a right prior is moved by a value of the variance P_0 - P;
 ///      contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
 /// (E2) the information 1 / (k s)^2 - 1 / s^2, that the value is zero, is taken back
-class Belief {
+class StateEstimate {
  public:
   /// @param max_clones past poses with a covariance: none, or as many as the options keep
-  Belief(const Options& options, int max_clones);
+  StateEstimate(const Options& options, int max_clones);
 
   const Layout& layout() const { return layout_; }
   const Estimate& estimate() const { return estimate_; }

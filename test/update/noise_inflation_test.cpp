@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/worth.hpp"
+#include "rio/update/noise_inflation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace rio {
 namespace {
 
 // What n repetitive errors tell of a constant is 1^T C^-1 1 of their covariance C.
-TEST(Worth, RepetitionIsTheInformationOfAnAutocorrelatedSeries) {
+TEST(NoiseInflation, RepetitionIsTheInformationOfAnAutocorrelatedSeries) {
   constexpr int kN = 2000;
   for (const double way : {0.0, 0.005, 0.02, 0.1}) {
     const double rho = 0.98 * std::exp(-way / 0.02);
@@ -29,16 +29,16 @@ TEST(Worth, RepetitionIsTheInformationOfAnAutocorrelatedSeries) {
   }
 }
 
-TEST(Worth, WhatIsNewCountsInFull) {
+TEST(NoiseInflation, WhatIsNewCountsInFull) {
   EXPECT_EQ(repetition_factor(0.0, 0.0), 1.0);
   EXPECT_NEAR(repetition_factor(10.0, 0.02), 1.0, 1e-12);
   EXPECT_LT(repetition_factor(0.02, 0.02), repetition_factor(0.01, 0.02));
-  EXPECT_EQ(doubt_factor(1.0), 1.0);
+  EXPECT_EQ(mismatch_factor(1.0), 1.0);
 }
 
 // A scalar with many measurements of which a share p is right, and the others have residuals as
 // large that tell nothing: the variance of a filter that knows p is its mean square error.
-TEST(Worth, DoubtMakesTheVarianceOfAFilterWithWrongMatchesHonest) {
+TEST(NoiseInflation, MismatchFactorMakesTheVarianceHonest) {
   constexpr int kRuns = 2000;
   constexpr int kMatches = 1000;
   constexpr double kPrior = 0.1;  // R = 1
@@ -61,7 +61,7 @@ TEST(Worth, DoubtMakesTheVarianceOfAFilterWithWrongMatchesHonest) {
     return sum / kRuns;
   };
   // 2000 runs scatter by 3 %; what is left of the prior adds a little
-  for (const double p : {1.0, 0.85, 0.7}) EXPECT_NEAR(nees(p, doubt_factor(p)), 1.0, 0.12) << p;
+  for (const double p : {1.0, 0.85, 0.7}) EXPECT_NEAR(nees(p, mismatch_factor(p)), 1.0, 0.12) << p;
   EXPECT_GT(nees(0.7, 1.0), 2.0);
 }
 
