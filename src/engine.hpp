@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Behind door 1: the pipeline with its time semantics, for any back-end. Each back-end is compiled
-// in a file of its own.
+// Behind the odometry API: the pipeline with its time semantics, for any back-end. Each back-end is
+// compiled in a file of its own.
 #pragma once
 
 #include <cstring>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Door 1.
+// The odometry API.
 #include "rio/rio.hpp"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What door 1 keeps hidden.
+// What the odometry API keeps hidden.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace rio {
 
-/// What door 1 asks of the estimator, whichever back-end it has.
+/// What the odometry API asks of the estimator, whichever back-end it has.
 struct Odometry::Impl {
   virtual ~Impl() = default;
   virtual Status add_imu(const ImuSample& sample) = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Other sensors beside the radar, through door 1, with either back-end.
+// Other sensors beside the radar, through the odometry API, with either back-end.
 #include "rio/aiding.hpp"
 
 #include <gtest/gtest.h>

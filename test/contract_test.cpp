@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The input contract of door 1: data that break it are refused and counted, and ten seconds later
-// the estimate is as good as ever. With either back-end.
+// The input contract of the odometry API: data that break it are refused and counted, and ten
+// seconds later the estimate is as good as ever. With either back-end.
 #include <gtest/gtest.h>
 
 #include <algorithm>

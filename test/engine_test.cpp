@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Door 1 on a body that swings along x and sees a few points: which scans are late, what a buffer
-// that is full costs, which quaternions are rotations.
+// The odometry API on a body that swings along x and sees a few points: which scans are late, what
+// a buffer that is full costs, which quaternions are rotations.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Door 1: the covariance of now, and the health of a flight that is well and of one that is not.
+// The odometry API: the covariance of now, and the health of a flight that is well and of one that
+// is not.
 #include <gtest/gtest.h>
 
 #include "experiment/campaign.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Door 1: time semantics, bad data, start, reset, repeatability; the same with either back-end.
+// The odometry API: time semantics, bad data, start, reset, repeatability; the same with either
+// back-end.
 #include "rio/rio.hpp"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several radars on one body, through door 1, with either back-end. Their scans have the same
-// stamps, which is the hardest case; the drives of test/e2e/kart_test.cpp have them interleaved.
+// Several radars on one body, through the odometry API, with either back-end. Their scans have the
+// same stamps, which is the hardest case; the drives of test/e2e/kart_test.cpp have them
+// interleaved.
 #include <gtest/gtest.h>
 
 #include <cmath>

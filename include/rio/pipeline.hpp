@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DOOR 2, for researchers: the data flow of one scan, one call per stage, for any back-end
+// The research API: the data flow of one scan, one call per stage, for any back-end
 // (ekf/ekf.hpp, smoother/smoother.hpp, or yours). C++20.
 //
 //   (1) propagate, (3) front-end, (4) models, (5) gate, (6) update, (7) promote, (2) clone

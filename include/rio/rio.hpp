@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DOOR 1, for flight stacks: radar-inertial odometry behind two calls a loop. C++17.
+// The odometry API, for flight stacks: radar-inertial odometry behind two calls a loop. C++17.
 //
 //   auto odometry = rio::Odometry::create(options, &why);
 //   odometry->add_imu(sample);    // each IMU sample

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults: what may go wrong between the sensors and door 1, and what is promised of each.
+// Faults: what may go wrong between the sensors and the odometry API, and what is promised of each.
 //
 // A fault changes the events of a flight, IMU samples and scans in the order in which they are at
 // hand, from some instant on. Or it lies in the sensors, or in what the estimator is told, from the
@@ -22,7 +22,7 @@
 
 namespace rio::experiment {
 
-/// One call of door 1.
+/// One call of the odometry API.
 struct Event {
   enum class Kind : std::uint8_t { kImu, kScan, kReset };
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "experiment/door_two.hpp"
+#include "experiment/pipeline_drive.hpp"
 #include "rio/ekf/ekf.hpp"
 #include "rio/smoother/smoother.hpp"
 
@@ -50,19 +50,19 @@ class Judged : public BackEnd {
 template <class BackEnd>
 JudgedFlight judged_replay(const sim::Flight& flight, const Options& options) {
   JudgedFlight result;
-  DoorTwo<Judged<BackEnd>> door(options);
-  door.run(
+  PipelineDrive<Judged<BackEnd>> drive(options);
+  drive.run(
       flight.imu, flight.scans, [&](std::size_t i, Time now) { return flight.arrivals[i] < now; },
       [&](std::size_t i, const DetectionList& filtered) {
-        door.backend().judge.begin(labels_of(filtered, flight.scans[i], flight.labels[i]));
+        drive.backend().judge.begin(labels_of(filtered, flight.scans[i], flight.labels[i]));
       },
       [&](std::size_t, Status status) {
         if (status != Status::kOk) return;
-        const NavState& x = door.pipeline().estimate().nav;
+        const NavState& x = drive.pipeline().estimate().nav;
         const NavState truth = flight.truth_at(x.time);
         result.pairs.push_back({{truth.time, truth.p_WB, truth.q_WB}, {x.time, x.p_WB, x.q_WB}});
       });
-  result.matches = door.backend().judge.quality();
+  result.matches = drive.backend().judge.quality();
   return result;
 }
 

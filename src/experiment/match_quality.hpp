@@ -89,8 +89,8 @@ struct JudgedFlight {
   MatchQuality matches;
 };
 
-/// Flies through door 2 with what Odometry makes of these options: the same estimates, for a radar
-/// without latency and an estimator that aligns itself.
+/// Flies through the research API with what Odometry makes of these options: the same estimates,
+/// for a radar without latency and an estimator that aligns itself.
 JudgedFlight fly_and_judge(const sim::Flight& flight, const Options& options);
 
 }  // namespace rio::experiment

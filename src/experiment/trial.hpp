@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One trial: a simulated flight through door 1, with everything that judges it.
+// One trial: a simulated flight through the odometry API, with everything that judges it.
 #pragma once
 
 #include <array>

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "experiment/door_two.hpp"
+#include "experiment/pipeline_drive.hpp"
 #include "experiment/signature.hpp"
 
 namespace rio::experiment {
@@ -144,18 +144,18 @@ Testimony testimony(const io::Dataset& data, const Motion& motion) {
   std::string why;
   if (!options.validate(&why)) throw std::runtime_error(why);
   Sums sums;
-  DoorTwo<Witness> door(options);
+  PipelineDrive<Witness> drive(options);
   const auto in_motion = [&](std::size_t i) {
     return data.scans[i].time >= motion.begin && data.scans[i].time <= motion.end;
   };
-  door.run(
+  drive.run(
       data.imu, data.scans, [](std::size_t, Time) { return true; },
-      [&](std::size_t i, const DetectionList&) { door.backend().listen(in_motion(i)); },
+      [&](std::size_t i, const DetectionList&) { drive.backend().listen(in_motion(i)); },
       [&](std::size_t i, Status) {
-        if (in_motion(i)) sums.add(door.pipeline().report());
+        if (in_motion(i)) sums.add(drive.pipeline().report());
       });
   Testimony result = sums.result();
-  const Witness& witness = door.backend();
+  const Witness& witness = drive.backend();
   result.landmarks = witness.landmarks();
   result.found_again = witness.found_again();
   result.landmarks_a_scan = ratio(result.landmarks.used, result.scans);

@@ -160,7 +160,8 @@ sim::Flight short_flight() {
   return sim::simulate_flight(s);
 }
 
-// Door 2 as driven here is door 1: a judged flight tells of the estimator that users get.
+// The research API as driven here is the odometry API: a judged flight tells of the estimator that
+// users get.
 TEST(FlyAndJudge, GivesTheEstimatesOfDoorOne) {
   const sim::Flight flight = short_flight();
   for (const char* name : {"published-uncertainty", "published-ekf", "default"}) {

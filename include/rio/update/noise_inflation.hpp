@@ -10,10 +10,12 @@
 //      independent ones do (n large), so each counts with its variance times (1 + rho) / (1 - rho)
 //
 // A measurement may be of a neighbour of the landmark, whose residual the same gate makes as large
-// but which tells nothing of this one. (E3) A match that is right with probability p has E[r] = p h
-// dx and var(r) = R, h P h^T small. A
+// but which tells nothing of this one.
+//
+// (E3) A match that is right with probability p has E[r] = p h dx and var(r) = R, h P h^T small. A
 //      filter told c R claims c R / n after n matches. Its gain is 1 / n, so that its error obeys
 //      e_n = (1 - p / n) e_(n-1) + r / n and has the variance R / (n (2 p - 1)): c = 1 / (2 p - 1)
+//
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2).
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Door 1 and all it includes must stay C++17: compiled as such, never run.
+// The odometry API and all it includes must stay C++17: compiled as such, never run.
 #include "rio/option_fields.hpp"
 #include "rio/rio.hpp"
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording through door 2, for a back-end that looks over the shoulder of the real one. Does
-// what Odometry does with a radar without latency and an estimator that aligns itself at rest.
+// A recording through the research API, for a back-end that looks over the shoulder of the real
+// one. Does what Odometry does with a radar without latency and an estimator that aligns itself at
+// rest.
 #pragma once
 
 #include <optional>
@@ -14,10 +15,10 @@
 namespace rio::experiment {
 
 template <class BackEnd>
-class DoorTwo {
+class PipelineDrive {
  public:
   /// `options` must be valid.
-  explicit DoorTwo(const Options& options)
+  explicit PipelineDrive(const Options& options)
       : options_(options),
         pipeline_(options),
         imu_(options.timing, options.imu),
