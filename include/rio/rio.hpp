@@ -48,6 +48,7 @@
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/types.hpp"
+#include "rio/version.hpp"
 
 namespace rio {
 

@@ -37,14 +37,10 @@ void ImuNoiseMeter::enter(std::size_t l, const Vector6d& y) {
   o.size = std::min(o.size + 1, 5);
   if (l > 0 && o.size == 5) {
     const Vector6d e = o.y[0] - 4.0 * o.y[1] + 6.0 * o.y[2] - 4.0 * o.y[3] + o.y[4];  // (E3)
-    const double gyro = e.head<3>().squaredNorm() / 3.0;
-    const double accel = e.tail<3>().squaredNorm() / 3.0;
-    const bool louder = gyro > kOnset * o.gyro || accel > kOnset * o.accel;
-    if (l == 1 && o.count >= kEnough && louder) begin_anew();  // (E7)
     o.count += 1.0;
     const double weight = std::max(1.0 / o.count, interval(l) / (kMemory + interval(l)));
-    o.gyro += weight * (gyro - o.gyro);
-    o.accel += weight * (accel - o.accel);
+    o.gyro += weight * (e.head<3>().squaredNorm() / 3.0 - o.gyro);
+    o.accel += weight * (e.tail<3>().squaredNorm() / 3.0 - o.accel);
   }
   o.odd = !o.odd;
   if (o.size >= 3 && o.odd && l + 1 < kOctaves) {
@@ -52,19 +48,12 @@ void ImuNoiseMeter::enter(std::size_t l, const Vector6d& y) {
   }
 }
 
-void ImuNoiseMeter::begin_anew() {
-  onset_ = true;
-  octaves_[1].count = 0.0;
-  for (std::size_t l = 2; l < kOctaves; ++l) octaves_[l] = Octave{};
-}
-
 ImuNoise ImuNoiseMeter::density() const {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   ImuNoise q{kInfinite, kInfinite};
   for (std::size_t l = 1; l < kOctaves; ++l) {
     const Octave& o = octaves_[l];
-    if (l > 1 && interval(l) > kLongest) break;
-    if (o.count < kEnough && !(l == 1 && onset_)) break;
+    if ((l > 1 && interval(l) > kLongest) || o.count < kEnough) break;
     q.gyro = std::min(q.gyro, interval_ * o.gyro / kGain[l]);
     q.accel = std::min(q.accel, interval_ * o.accel / kGain[l]);
   }

@@ -47,10 +47,17 @@ std::optional<GyroBiasOpinion> GyroBiasCheck::corrected(const Estimate& x,
   const Vector3d up_B = x.nav.q_WB.conjugate() * Vector3d::UnitZ();
   const double change = up_B.dot(d);
   const double variance = up_B.dot(S * up_B);
-  if (variance <= 0.0 || parts_.size() < kEnough) return {};
+  if (variance <= 0.0 || parts_.size() < kEnough) {
+    agreed_ = x.nav.time;
+    return {};
+  }
   const double allowed = variance * std::max(1.0, scatter(up_B, change / variance));  // (E3)
-  if (change * change <= kSigmas * kSigmas * allowed) return {};                      // (E2)
-  const double per_change = up_B.dot(P * up_B) / variance;                            // (E4)
+  if (change * change <= kSigmas * kSigmas * allowed) {                               // (E2)
+    agreed_ = x.nav.time;
+    return {};
+  }
+  if (x.nav.time - agreed_ < kPatience) return {};
+  const double per_change = up_B.dot(P * up_B) / variance;  // (E4)
   if (per_change * std::sqrt(variance) > kWeak) return {};
   GyroBiasOpinion opinion;
   opinion.error = change * per_change;

@@ -17,10 +17,6 @@
 //      what was lost, silences it.
 // (E6) a step over m intervals, whose samples between are lost, has the density m S(0): one value
 //      stands for m.
-// (E7) What begins at once, an engine, a rough road, would show in the lowest octave after a third
-// of
-//      a second: an e of octave 1 beyond ten sigmas is none of the noise before. The octaves begin
-//      anew, and octave 1 alone counts until the others have enough.
 // Limits: a tone that folds onto the motion, below the lowest octave, cannot be told from it; of
 // white noise of which 30 % of the samples were interpolated on the way, half the density shows;
 // one density serves the three axes, as in the process noise.
@@ -57,7 +53,6 @@ class ImuNoiseMeter {
   static constexpr double kPause = 0.5;       // of the samples: what was before does not count [s]
   static constexpr double kIntervals = 64.0;  // averaged to the nominal one
   static constexpr double kEnough = 8.0;      // values of e make a variance known to a half
-  static constexpr double kOnset = 100.0;     // ten sigmas, squared
 
   struct Octave {
     std::array<Vector6d, 5> y{};
@@ -70,8 +65,6 @@ class ImuNoiseMeter {
 
   /// A value of octave l, and what it completes below.
   void enter(std::size_t l, const Vector6d& y);
-  /// (E7)
-  void begin_anew();
   /// (E4) (E5)
   ImuNoise density() const;
   double interval(std::size_t l) const { return interval_ * static_cast<double>(1 << l); }
@@ -80,7 +73,6 @@ class ImuNoiseMeter {
   Time newest_{0};
   double count_ = 0.0;     ///< samples
   double interval_ = 0.0;  ///< h, mean [s]
-  bool onset_ = false;     ///< the octaves have begun anew
 };
 
 }  // namespace rio

@@ -60,10 +60,12 @@ class GyroBiasCheck {
   static constexpr Time kPart = std::chrono::seconds(1);
   static constexpr std::size_t kParts = 20;   // a landmark is seen for so long; a take-off is over
   static constexpr std::size_t kEnough = 10;  // make a chi^2
-  static constexpr double kSigmas = 4.0;      // one window in sixteen thousand
-  static constexpr double kWeak = 0.005;      // sigma of (E4), beyond any step of a bias [rad/s]
+  static constexpr Time kPatience = std::chrono::seconds(2);  // chance does not last
+  static constexpr double kSigmas = 4.0;                      // one window in sixteen thousand
+  static constexpr double kWeak = 0.005;  // sigma of (E4), beyond any step of a bias [rad/s]
 
   bool enabled_;
+  Time agreed_{0};  ///< the last window that did not contradict
   Ring<Part> parts_;
   Vector3d bias_ = Vector3d::Zero();      ///< before the update
   Matrix3d variance_ = Matrix3d::Zero();  ///< same
