@@ -67,11 +67,8 @@ void publish_ekf(Options* o) {
   o->frontend.promote_after = 7;
   o->frontend.landmark_timeout = 0.0;
   o->update.use_trails = true;
-  o->update.direction_correction = false;
-  o->update.direction_reliability = false;
-  o->update.direction_noise = false;
+  o->update.doppler_directions = DopplerDirections::kExact;
   o->update.consistent_covariance = false;
-  o->update.trail_noise = TrailNoise::kIndependent;
   o->update.sigma_trail_distance = 0.04;
   o->update.landmark_measurement = LandmarkMeasurement::kDistance;
   o->update.match_trust = 1.0;
@@ -119,7 +116,7 @@ void publish_uncertainty(Options* o) {
   o->frontend.promote_after = 4;
   o->frontend.landmark_timeout = 1.0;
   o->update.use_trails = false;
-  o->update.direction_noise = true;
+  o->update.doppler_directions = DopplerDirections::kNoisy;
   o->update.landmark_measurement = LandmarkMeasurement::kPosition;
   o->smoother.kernel = Kernel::kNone;
 }

@@ -94,7 +94,6 @@ INSTANTIATE_TEST_SUITE_P(
                       o->frontend.landmark_timeout = 1000.0;
                       o->frontend.promote_after = 1;
                     },
-                    [](Options* o) { o->update.trail_noise = TrailNoise::kCorrelated; },
                     [](Options* o) { EXPECT_TRUE(preset("published-ekf", o)); },
                     [](Options* o) { o->backend = BackEnd::kSmoother; },
                     [](Options* o) {  // many landmarks, a long window, few iterations

@@ -2,6 +2,9 @@
 // The one table of all option fields: key, unit, meaning, allowed range. Validation, option files
 // and `rio options` are loops over it. TimingOptions::clock is not listed: a function is no file
 // option. C++17.
+//
+// Two layers: `field` is what a user knows (sensors, mounting, priors, start, budgets), `inner`
+// what the presets own (the algorithm).
 #pragma once
 
 #include <array>
@@ -32,6 +35,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
                               double max, const char* doc) {
     visit(FieldInfo{key, unit, doc, min, max}, value);
   };
+  const auto inner = [&visit](const char* key, auto& value, const char* unit, double min,
+                              double max, const char* doc) {
+    visit(FieldInfo{key, unit, doc, min, max, Layer::kAlgorithm}, value);
+  };
 
   field("backend", o.backend, "", 0, 1, "ekf or smoother.");
 
@@ -49,13 +56,13 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Range of the gyroscope: samples beyond it are left out.");
   field("imu.max_accel", o.imu.max_accel, "m/s^2", 1, 1e5,
         "Range of the accelerometer: samples beyond it are left out.");
-  field("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
+  inner("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
         "The noise seen in the samples counts if it is more than the white noise declared.");
   field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
-  field("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
-  field("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
+  inner("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
+  inner("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
         "Unknown mean angular rate inside a gap.");
-  field("imu.gap_accel_sigma", o.imu.gap_accel_sigma, "m/s^2", 0, 1000,
+  inner("imu.gap_accel_sigma", o.imu.gap_accel_sigma, "m/s^2", 0, 1000,
         "Unknown mean acceleration inside a gap.");
 
   field("radar.T_BS.translation", o.radar.T_BS.translation, "m", -100, 100,
@@ -84,7 +91,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Grid of the Doppler, adds grid^2/12 to the variance; 0 = none.");
   field("radar.max_doppler", o.radar.max_doppler, "m/s", 0, 1000,
         "Range rates fold into plus or minus this; 0 = they do not fold.");
-  field("radar.noise_distance", o.radar.noise_distance, "m", 0, 10,
+  inner("radar.noise_distance", o.radar.noise_distance, "m", 0, 10,
         "E-folding way of the errors of a point; 0 = they are new in every scan.");
   field("radar.time_offset", o.radar.time_offset, "s", -1, 1,
         "The radar's stamps are late by this.");
@@ -93,73 +100,68 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
 
   field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");
-  field("frontend.ransac_threshold", o.frontend.ransac_threshold, "m/s", 1e-3, 10,
+  inner("frontend.ransac_threshold", o.frontend.ransac_threshold, "m/s", 1e-3, 10,
         "The Doppler residual of an inlier is below this or ransac_sigmas.");
-  field("frontend.ransac_sigmas", o.frontend.ransac_sigmas, "", 0, 100,
+  inner("frontend.ransac_sigmas", o.frontend.ransac_sigmas, "", 0, 100,
         "Inlier bound in sigmas, direction error included; 0 = off.");
-  field("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
+  inner("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
         "The velocity predicted by the IMU is one more hypothesis.");
-  field("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
+  inner("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
         "Doppler residuals along a trail that add up to this many sigmas: it moves; 0 = off.");
-  field("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
+  inner("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
         "What is this near to an outlier may be part of the same body; 0 = off.");
-  field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
+  inner("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
         "Share of outliers the iteration count is sized for.");
-  field("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
+  inner("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
         "Probability of drawing one clean triple.");
-  field("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
+  inner("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
         option_limits::kDetections,
         "With fewer there is no static set and the scan moves nothing.");
-  field("frontend.ransac_min_share", o.frontend.ransac_min_share, "", 0, 1,
+  inner("frontend.ransac_min_share", o.frontend.ransac_min_share, "", 0, 1,
         "Same, as a share of the detections of a scan.");
-  field("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
+  inner("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
         "Standing on the ground measures velocity and gyroscope bias.");
-  field("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
+  inner("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
-  field("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
+  inner("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
         "Undo the folding of range rates at radar.max_doppler.");
-  field("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
+  inner("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
         "Scans that contradict velocity, tilt or heading rate for long replace them.");
-  field("frontend.matching", o.frontend.matching, "", 0, 2,
+  inner("frontend.matching", o.frontend.matching, "", 0, 2,
         "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
-  field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
+  inner("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
         "Euclidean matching: largest distance after alignment.");
-  field("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
+  inner("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
         "Probability and Mahalanobis matching: of a right pair to pass the gate.");
-  field("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
+  inner("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
         "Mahalanobis matching: of a right pair to match once the radar has moved on.");
-  field(
+  inner(
       "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
       "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
-  field("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
+  inner("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
         "Consecutive matches that make a trail a landmark.");
-  field("frontend.landmark_timeout", o.frontend.landmark_timeout, "s", 0, 1000,
+  inner("frontend.landmark_timeout", o.frontend.landmark_timeout, "s", 0, 1000,
         "A landmark not seen for longer is dropped; 0 = at its first miss.");
 
-  field("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
-  field("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
-  field("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
-  field("update.direction_correction", o.update.direction_correction, "", 0, 1,
-        "Doppler: errors-in-variables correction of the direction.");
-  field("update.direction_reliability", o.update.direction_reliability, "", 0, 1,
-        "Doppler: leave out what of a scan's directions is error; needs the correction.");
-  field("update.direction_noise", o.update.direction_noise, "", 0, 1,
-        "Doppler: the direction error adds to the variance.");
-  field("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
+  inner("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
+  inner("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
+  inner("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
+  inner("update.doppler_directions", o.update.doppler_directions, "", 0, 3,
+        "exact, noisy (their error adds to the variance), corrected (for it, too) or reliable "
+        "(what of their spread is error is left out, too).");
+  inner("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
         "Re-express the covariance so that yaw and position stay unobservable.");
-  field("update.trail_noise", o.update.trail_noise, "", 0, 1,
-        "Noise of the rows of one trail: independent or correlated.");
-  field("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
-        "Noise of a trail distance when rows are independent.");
-  field("update.landmark_measurement", o.update.landmark_measurement, "", 0, 2,
+  inner("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
+        "Noise of a distance to an element of a trail.");
+  inner("update.landmark_measurement", o.update.landmark_measurement, "", 0, 2,
         "distance (Michalczyk et al.), position (Xu et al.) or point: range, direction, Doppler.");
-  field("update.match_trust", o.update.match_trust, "", 0.51, 1,
+  inner("update.match_trust", o.update.match_trust, "", 0.51, 1,
         "Probability that a match with a landmark is right.");
-  field("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
+  inner("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
         "Walk of a landmark with the way flown.");
-  field("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
+  inner("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
         "Noise of a landmark distance, if that is the measurement.");
-  field("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
+  inner("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
         "Probability of passing the chi-squared gate; 1 = no gate.");
   field("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
         "Past poses kept.");
@@ -179,14 +181,14 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
 
   field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
         "States of the sliding window.");
-  field("smoother.max_iterations", o.smoother.max_iterations, "", 1, 100,
+  inner("smoother.max_iterations", o.smoother.max_iterations, "", 1, 100,
         "Gauss-Newton steps per scan, at most.");
-  field("smoother.tolerance", o.smoother.tolerance, "", 1e-12, 10,
+  inner("smoother.tolerance", o.smoother.tolerance, "", 1e-12, 10,
         "Length of a step that counts as converged, in sigmas.");
-  field("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
-  field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
+  inner("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
+  inner("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
-  field("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
+  inner("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
         "A step shorter than this share of the one before reuses its factor; 0 = never.");
 
   field("start.static_alignment", o.start.static_alignment, "", 0, 1,
@@ -194,11 +196,11 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("start.duration", o.start.duration, "s", 0.1, 600, "Length of the standstill averaged.");
   field("start.max_wait", o.start.max_wait, "s", 0, 3600,
         "Wait for a standstill, then start in motion; 0 = wait for ever.");
-  field("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
+  inner("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
         "Standstill, an engine may run: largest standard deviation of a gyroscope axis.");
-  field("start.max_accel_std", o.start.max_accel_std, "m/s^2", 1e-4, 100,
+  inner("start.max_accel_std", o.start.max_accel_std, "m/s^2", 1e-4, 100,
         "Standstill, an engine may run: largest standard deviation of an accelerometer axis.");
-  field("start.max_rate", o.start.max_rate, "rad/s", 1e-5, 10,
+  inner("start.max_rate", o.start.max_rate, "rad/s", 1e-5, 10,
         "Standstill: largest mean rate that can be a bias.");
   field("start.sigma_position", o.start.sigma_position, "m", 0, 1000, "Position, per axis.");
   field("start.sigma_yaw", o.start.sigma_yaw, "rad", 0, kPi, "Heading.");
@@ -214,20 +216,17 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("timing.scan_queue", o.timing.scan_queue, "", 1, 1000, "Scans that may wait for the IMU.");
   field("timing.max_lag", o.timing.max_lag, "s", 0.01, 60,
         "The estimate follows the IMU at most this far behind.");
-  field("timing.max_ahead", o.timing.max_ahead, "s", 0.01, 60,
+  inner("timing.max_ahead", o.timing.max_ahead, "s", 0.01, 60,
         "A scan farther ahead of the IMU is not waited for.");
   field("timing.scan_wait", o.timing.scan_wait, "s", 0, 1,
         "Of several radars: a scan is held back so long for an earlier one of another radar.");
-  field("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
+  inner("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
         "A longer pause of the IMU is a jump of its clock.");
   field("timing.aiding_delay", o.timing.aiding_delay, "s", 0, 2,
         "Measurements of other sensors may come so long after the estimate has passed their time.");
 }
 
 /// The values of an enumeration as they stand in files, in their order.
-constexpr std::array<std::string_view, 2> names_of(TrailNoise) {
-  return {"independent", "correlated"};
-}
 constexpr std::array<std::string_view, 3> names_of(Matching) {
   return {"euclidean", "probability", "mahalanobis"};
 }
@@ -236,6 +235,9 @@ constexpr std::array<std::string_view, 4> names_of(Kernel) {
 }
 constexpr std::array<std::string_view, 2> names_of(BackEnd) {
   return {"ekf", "smoother"};
+}
+constexpr std::array<std::string_view, 4> names_of(DopplerDirections) {
+  return {"exact", "noisy", "corrected", "reliable"};
 }
 constexpr std::array<std::string_view, 3> names_of(LandmarkMeasurement) {
   return {"distance", "position", "point"};

@@ -99,12 +99,6 @@ struct FrontendOptions {
   double landmark_timeout = 20.0;  ///< a landmark not seen for longer is dropped [s]
 };
 
-/// How the rows of one trail share their noise.
-enum class TrailNoise {
-  kIndependent,  ///< as published: one constant sigma, rows independent
-  kCorrelated,   ///< noise of each past detection, plus the current range shared by all rows
-};
-
 /// What a match with a landmark measures.
 enum class LandmarkMeasurement {
   kDistance,  ///< Michalczyk et al.: the range, with a constant sigma
@@ -112,18 +106,23 @@ enum class LandmarkMeasurement {
   kPoint,     ///< range and direction with the noise of the detection, Doppler along the landmark
 };
 
+/// What the Doppler takes the measured directions of its points for; each includes those before it
+/// (models/doppler.hpp, update/reliability.hpp).
+enum class DopplerDirections {
+  kExact,      ///< Michalczyk et al.: without error
+  kNoisy,      ///< Xu et al.: their error adds to the variance
+  kCorrected,  ///< errors in variables: the expected direction given the innovation
+  kReliable,   ///< the spread of a scan's directions, as far as it is error, counts for nothing
+};
+
 /// Stages 4 to 6: measurement models, gates, update.
 struct UpdateOptions {
   bool use_doppler = true;
   bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case
   bool use_landmarks = true;
-  bool direction_correction = true;   ///< Doppler: errors-in-variables correction of the direction
-  bool direction_reliability = true;  ///< and the directions' spread, as far as it is error, counts
-                                      ///< for nothing; needs direction_correction
-  bool direction_noise = true;        ///< Doppler: direction error adds to the variance
+  DopplerDirections doppler_directions = DopplerDirections::kReliable;
   bool consistent_covariance = true;  ///< re-express P so that yaw and position stay unobservable
-  TrailNoise trail_noise = TrailNoise::kIndependent;
-  /// For kIndependent [m]. The residuals spread by some 0.08 m, and each detection enters up to
+  /// Rows independent [m]. The residuals spread by some 0.08 m, and each detection enters up to
   /// N = 7 updates: counting it once takes sqrt(7) times that.
   double sigma_trail_distance = 0.2;
   LandmarkMeasurement landmark_measurement = LandmarkMeasurement::kPoint;

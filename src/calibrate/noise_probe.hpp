@@ -88,7 +88,7 @@ class NoiseProbe : public Ekf {
   void add_doppler(const Detection& d, const LinearizationPoint& x, bool exact) {
     using M = DopplerModel;
     Evaluation<M> e;
-    M(true, false)
+    M(DopplerDirections::kNoisy)
         .evaluate(M::measurement(d, x.gyro_B), x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors,
                   e.r, &e.J, e.R);
     if (exact) {

@@ -84,15 +84,12 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
 
 void PanelUpdate::add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
                             PanelMatrix* S) {
-  Eigen::Index at = 0;
+  Eigen::Index k = 0;
   for (std::size_t b = first_block; b < end_block; ++b) {
     const RowBlock& block = batch.blocks()[b];
-    for (std::size_t i = 0; i < block.count; ++i) {
-      const auto k = at + static_cast<Eigen::Index>(i);
+    for (std::size_t i = 0; i < block.count; ++i, ++k) {
       (*S)(k, k) += batch.rows()[block.first + i].variance;
-      for (Eigen::Index j = at; j < k; ++j) (*S)(k, j) += block.shared_variance;
     }
-    at += static_cast<Eigen::Index>(block.count);
   }
 }
 

@@ -44,7 +44,6 @@ const RowBatch& RowCompression::compress(const RowBatch& batch) {
       out_.begin_block();
       for (std::size_t k = 0; k < blocks[i].count; ++k)
         out_.push(batch.rows()[blocks[i].first + k]);
-      out_.share_variance(blocks[i].shared_variance);
     }
   }
   return out_;

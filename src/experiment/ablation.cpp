@@ -17,7 +17,7 @@ namespace rio::experiment {
 
 namespace {
 
-constexpr int kSeeds = 20;
+constexpr int kSeeds = 14;  // twice the seven lengths
 
 /// One mechanism off, or one that is off by default on. Flown indoors and where it should matter.
 struct Switch {
@@ -28,15 +28,15 @@ struct Switch {
 
 const std::vector<Switch>& switches() {
   static const std::vector<Switch> all = {
-      {"no direction correction in Doppler",
+      {"directions in the Doppler exact",
        {"hover"},
-       [](Options& o) { o.update.direction_correction = false; }},
+       [](Options& o) { o.update.doppler_directions = DopplerDirections::kExact; }},
+      {"directions in the Doppler noisy, not corrected",
+       {"hover"},
+       [](Options& o) { o.update.doppler_directions = DopplerDirections::kNoisy; }},
       {"spread of the directions taken for true",
-       {"hover"},
-       [](Options& o) { o.update.direction_reliability = false; }},
-      {"no direction noise in Doppler",
-       {"hover"},
-       [](Options& o) { o.update.direction_noise = false; }},
+       {"hover", "sparse"},
+       [](Options& o) { o.update.doppler_directions = DopplerDirections::kCorrected; }},
       {"weak echoes as good as strong ones",
        {"outdoor"},
        [](Options& o) { o.radar.weak_snr_db = -200.0; }},
@@ -51,22 +51,24 @@ const std::vector<Switch>& switches() {
       {"time offset not estimated",
        {"late-stamps"},
        [](Options& o) { o.calibration.time_offset_sigma = 0.0; }},
-      {"Doppler scale estimated, prior 2 %",
+      {"Doppler scale not estimated",
        {"miscalibrated"},
-       [](Options& o) { o.calibration.doppler_scale_sigma = 0.02; }},
+       [](Options& o) { o.calibration.doppler_scale_sigma = 0.0; }},
       {"elevation bias estimated, prior 2 deg",
        {"miscalibrated"},
        [](Options& o) { o.calibration.elevation_bias_sigma = 0.035; }},
       {"RANSAC without prediction",
-       {"people"},
+       {"people", "sparse"},
        [](Options& o) { o.frontend.ransac_use_prediction = false; }},
       {"RANSAC with a constant bound",
-       {"people"},
+       {"people", "sparse"},
        [](Options& o) { o.frontend.ransac_sigmas = 0.0; }},
       {"any share of a scan may move the state",
-       {"storm"},
+       {"storm", "people", "sparse"},
        [](Options& o) { o.frontend.ransac_min_share = 0.0; }},
-      {"slow movers not sought", {"people"}, [](Options& o) { o.frontend.mover_sigmas = 0.0; }},
+      {"slow movers not sought",
+       {"people", "sparse"},
+       [](Options& o) { o.frontend.mover_sigmas = 0.0; }},
       {"what is near to a mover used",
        {"people"},
        [](Options& o) { o.frontend.mover_extent = 0.0; }},
@@ -80,7 +82,16 @@ const std::vector<Switch>& switches() {
       {"Euclidean matching",
        {"people"},
        [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
-      {"ambiguous matches used", {"hover"}, [](Options& o) { o.frontend.match_margin = 0.0; }},
+      {"ambiguous matches used",
+       {"hover", "sparse"},
+       [](Options& o) { o.frontend.match_margin = 0.0; }},
+      {"RANSAC bound, share, slow movers, margin and spread of directions off",
+       {"hover", "people", "sparse"},
+       [](Options& o) {
+         o.update.doppler_directions = DopplerDirections::kCorrected;
+         o.frontend.ransac_sigmas = o.frontend.ransac_min_share = 0.0;
+         o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
+       }},
       {"every match taken for right", {"hover"}, [](Options& o) { o.update.match_trust = 1.0; }},
       {"landmarks dropped at the first miss",
        {"hover"},

@@ -99,7 +99,7 @@ const std::vector<Variant>& estimators() {
       {"published-ekf", "published-ekf"},
       {"published-smoother", "published-smoother"},
       {"full, directions in the Doppler corrected", kPreset,
-       [](Options& o) { o.update.direction_correction = true; }},
+       [](Options& o) { o.update.doppler_directions = DopplerDirections::kCorrected; }},
       {"default, filter", "default"},
       {"default, window", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }}};
   return all;

@@ -48,6 +48,16 @@ Options preset_named(const std::string& name) {
   return options;
 }
 
+/// The keys that sensor files or the preset tell.
+std::vector<std::string> not_of_the_user() {
+  std::vector<std::string> keys = sensor_option_keys();
+  const Options options;
+  visit_fields(options, [&keys](const FieldInfo& info, const auto&) {
+    if (info.layer == Layer::kAlgorithm) keys.emplace_back(info.key);
+  });
+  return keys;
+}
+
 /// Value and meaning of every option.
 struct OptionText {
   std::string key;
@@ -94,11 +104,11 @@ std::string options_as_yaml(const Options& options) {
 
 std::string option_file(const std::string& preset_name) {
   return kUnits +
-         "# What is commented out comes from the sensor.yaml of a recording; said here, it wins "
-         "over "
-         "that.\n" +
+         "# What is commented out comes from the sensor.yaml of a recording (imu, radar) or "
+         "belongs "
+         "to the\n# preset, the algorithm; said here, it wins over either.\n" +
          fmt::format("{}: {}\n", kPresetKey, preset_name) +
-         fields_text(preset_named(preset_name), sensor_option_keys());
+         fields_text(preset_named(preset_name), not_of_the_user());
 }
 
 std::vector<std::string> changed_options(const Options& before, const Options& after,

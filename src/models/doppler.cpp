@@ -32,11 +32,12 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   const Vector3d upwards = cosine * z.upwards_S + sine * z.direction_S;
   r[0] = z.range_rate + scale * u.dot(v_S);  // (E1)
   const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
-  R(0, 0) = direction_noise_ ? expected.variance : z.sigma_doppler * z.sigma_doppler;
+  R(0, 0) = directions_ != DopplerDirections::kExact ? expected.variance
+                                                     : z.sigma_doppler * z.sigma_doppler;
   if (J == nullptr) return true;
 
-  if (direction_correction_) u = z.reliability * expected.u_S;  // (E3) (E4)
-  const Vector3d a = scale * T_BS.R * u;                        // direction in body axes
+  if (directions_ >= DopplerDirections::kCorrected) u = z.reliability * expected.u_S;  // (E3) (E4)
+  const Vector3d a = scale * T_BS.R * u;  // direction in body axes
   J->block<1, 3>(0, Blocks::column<BodyPose>()) = -a.transpose() * skew(v_B);
   J->block<1, 3>(0, Blocks::column<BodyPose>() + 3).setZero();
   J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();

@@ -17,12 +17,7 @@ bool TrailDistanceModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Eigen::RowVector3d a_W = (T_WB.R * a).transpose();
   const Eigen::RowVector3d a_clone = a_W * clone_T_WB.R;
   r[0] = z.range - h;  // (E1)
-  if (noise_ == TrailNoise::kCorrelated) {
-    const Eigen::RowVector3d d_h_d_m = a_clone * T_BS.R;
-    R(0, 0) = d_h_d_m * z.past_cov * d_h_d_m.transpose() + shared_variance(z);
-  } else {
-    R(0, 0) = sigma_distance_ * sigma_distance_;
-  }
+  R(0, 0) = sigma_distance_ * sigma_distance_;
   if (J == nullptr) return true;
 
   J->block<1, 3>(0, Blocks::column<BodyPose>()) = a.transpose() * skew(from_body);

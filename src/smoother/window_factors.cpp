@@ -11,9 +11,9 @@ WindowFactors::WindowFactors(const Options& options, const Layout& layout, const
       layout_(layout),
       window_(window),
       system_(system),
-      reliable_(options.update.direction_correction && options.update.direction_reliability),
-      doppler_(options.update.direction_noise, options.update.direction_correction),
-      trail_(options.update.trail_noise, options.update.sigma_trail_distance),
+      reliable_(options.update.doppler_directions == DopplerDirections::kReliable),
+      doppler_(options.update.doppler_directions),
+      trail_(options.update.sigma_trail_distance),
       distance_(options.update.sigma_landmark_distance),
       scan_(options.smoother, system),
       row_(1) {}

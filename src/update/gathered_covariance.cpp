@@ -16,11 +16,7 @@ void GatheredCovariance::innovation_covariance(const RowBatch& batch, const RowB
   const LinearRow* rows = &batch.rows()[block.first];
   S->resize(m, m);
   multiply(rows, block.count, *S);
-  for (Eigen::Index i = 0; i < m; ++i) {
-    for (Eigen::Index j = 0; j < m; ++j) {
-      (*S)(i, j) += i == j ? rows[i].variance : block.shared_variance;
-    }
-  }
+  for (Eigen::Index i = 0; i < m; ++i) (*S)(i, i) += rows[i].variance;
 }
 
 void GatheredCovariance::multiply(const LinearRow* rows, std::size_t count,

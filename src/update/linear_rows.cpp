@@ -14,8 +14,7 @@ void RowBatch::clear() {
 }
 
 void RowBatch::scale_variance(double factor) {
-  RowBlock& block = blocks_.back();
-  block.shared_variance *= factor;
+  const RowBlock& block = blocks_.back();
   for (std::size_t i = 0; i < block.count; ++i) rows_[block.first + i].variance *= factor;
 }
 

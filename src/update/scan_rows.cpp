@@ -14,8 +14,8 @@ ScanRows::ScanRows(const Options& options)
       noise_distance_(options.radar.noise_distance),
       doppler_grid_(options.radar.doppler_resolution),
       gate_(options.update.gate_probability),
-      doppler_(options.update.direction_noise, options.update.direction_correction),
-      trail_(options.update.trail_noise, options.update.sigma_trail_distance),
+      doppler_(options.update.doppler_directions),
+      trail_(options.update.sigma_trail_distance),
       landmark_(options.update.sigma_landmark_distance),
       // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
       batch_(static_cast<std::size_t>(options.frontend.max_detections *
@@ -68,14 +68,15 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
     z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
-    if (!options_.direction_correction) continue;
+    if (options_.doppler_directions < DopplerDirections::kCorrected) continue;
     Eigen::Vector4d c;
     c << z.direction_S, z.upwards_S.dot(v_S);
     z.predicted_var = c.dot(V * c);
     reliability.add(z, v_S);
   }
-  const Matrix3d believed =
-      options_.direction_reliability ? reliability.matrix() : Matrix3d::Identity();
+  const Matrix3d believed = options_.doppler_directions == DopplerDirections::kReliable
+                                ? reliability.matrix()
+                                : Matrix3d::Identity();
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
@@ -90,28 +91,15 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
 
 void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_estimate,
                           const LinearizationPoint& x, UpdateReport* report) {
-  const bool joint = options_.trail_noise == TrailNoise::kCorrelated;
   for (const Match& m : seen.matches.trails) {
-    bool open = false;
     for (const TrailElement& past : (*seen.trails)[m.target].elements) {
       const int clone = x.estimate.find_clone(past.scan);
       if (clone < 0) continue;
       const auto z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
-      if (!open) batch_.begin_block();
-      open = joint;
+      batch_.begin_block();
       const bool valid = add(trail_, z, state_estimate, x, {clone, 0});
-      if (joint) batch_.share_variance(trail_.shared_variance(z));
-      const Used row{TrailDistanceModel::kModel, m.detection, m.target, past.scan};
-      if (valid) used_.push_back(row);
-      if (!joint && !decide(row.model, m.detection, valid, report) && valid) {
-        used_.pop_back();
-      }
-    }
-    if (joint && open) {
-      const std::size_t rows = batch_.last_block().count;
-      if (!decide(TrailDistanceModel::kModel, m.detection, rows > 0, report)) {
-        used_.resize(used_.size() - rows);
-      }
+      if (!decide(TrailDistanceModel::kModel, m.detection, valid, report)) continue;
+      used_.push_back({TrailDistanceModel::kModel, m.detection, m.target, past.scan});
     }
   }
 }

@@ -33,7 +33,7 @@ LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
   z.upwards_S.setZero();
   z.gyro_B = x.gyro_B;
   Evaluation<DopplerModel> e;
-  DopplerModel(false, false)
+  DopplerModel(DopplerDirections::kExact)
       .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R);
   return state_rows<1>(e.J, DopplerModel::Blocks{}, x, {}, layout)[0];
 }

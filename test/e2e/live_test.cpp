@@ -23,6 +23,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* kSpeed = " --speed 3";  // 12 s of flight in 4
+constexpr int kTries = 3;                     // of a flight that a busy machine made another
 
 class Live : public Tool {
  protected:
@@ -48,12 +49,22 @@ class Live : public Tool {
     return {player.get(), run};
   }
 
-  /// The machine stood still for so long that data came too late for the estimator: a replay, which
-  /// is never late, is another flight then. One scan may be of before the start.
-  static bool too_busy(const Json& json) {
-    const Json& counters = json["counters"];
-    return counters["scans_late"] > 1 || counters["scans_ahead"] > 0 ||
-           counters["scans_overflow"] > 0;
+  /// Rows of the live run and those that its replay has to the last digit.
+  struct Compared {
+    std::size_t rows = 0;
+    std::size_t equal = 0;
+    /// The live run processed other scans: the machine stood still for so long that some came too
+    /// late for the estimator, which happens in no replay.
+    bool busy = false;
+  };
+  static Compared compare(const Json& live, const std::string& recording,
+                          const std::string& states) {
+    const std::string again = file("again.csv");
+    const Outcome replay =
+        rio("replay " + recording + " --init static --no-check --json --states " + again);
+    EXPECT_EQ(replay.status, 0) << replay.output;
+    const Json replayed = Json::parse(replay.last_line());
+    return {lines_of(states).size(), equal_rows(states, again), replayed["scans"] != live["scans"]};
   }
 
   /// States by stamp.
@@ -79,28 +90,31 @@ class Live : public Tool {
 };
 
 TEST_F(Live, IsTheReplayOfWhatItRecorded) {
-  const auto [player, run] = fly(
-      "clean", "",
-      " --record " + file("clean_rec") + " --states " + file("a.csv") + " --out " + file("a.tum"));
-  ASSERT_EQ(player.status, 0) << player.output;
-  ASSERT_EQ(run.status, 0) << run.output;
-  const Json json = Json::parse(run.last_line());
-  EXPECT_EQ(json["live"]["packets_damaged"], 0);
-  EXPECT_EQ(json["live"]["packets_lost"], 0);
-  EXPECT_EQ(json["live"]["imu_lost"], 0);
-  measured("last byte to estimate, median, ms", json["live"]["latency_median_ms"], "1");
-  measured("last byte to estimate, p99, ms", json["live"]["latency_p99_ms"],
-           "3 without other load");
-  measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 3.0,
-           "0.03 at real speed");
-  const Outcome replay =
-      rio("replay " + file("clean_rec") + " --init static --no-check --states " + file("b.csv"));
-  ASSERT_EQ(replay.status, 0) << replay.output;
-  if (too_busy(json)) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
-  const std::size_t rows = lines_of(file("a.csv")).size();
-  EXPECT_GT(rows, 50U);
-  EXPECT_EQ(equal_rows(file("a.csv"), file("b.csv")), rows);
-  EXPECT_EQ(lines_of(file("a.tum")).size(), rows);
+  for (int tries = 1;; ++tries) {
+    const std::string name = "clean" + std::to_string(tries);
+    const std::string recording = file(name + "_rec");
+    const auto [player, run] = fly(name, "",
+                                   " --record " + recording + " --states " + file(name + ".csv") +
+                                       " --out " + file(name + ".tum"));
+    ASSERT_EQ(player.status, 0) << player.output;
+    ASSERT_EQ(run.status, 0) << run.output;
+    const Json json = Json::parse(run.last_line());
+    EXPECT_EQ(json["live"]["packets_damaged"], 0);
+    EXPECT_EQ(json["live"]["packets_lost"], 0);
+    EXPECT_EQ(json["live"]["imu_lost"], 0);
+    const Compared with_replay = compare(json, recording, file(name + ".csv"));
+    if (with_replay.busy && tries < kTries) continue;
+    measured("last byte to estimate, median, ms", json["live"]["latency_median_ms"], "1");
+    measured("last byte to estimate, p99, ms", json["live"]["latency_p99_ms"],
+             "3 without other load");
+    measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 3.0,
+             "0.03 at real speed");
+    if (with_replay.busy) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
+    EXPECT_GT(with_replay.rows, 50U);
+    EXPECT_EQ(with_replay.equal, with_replay.rows);
+    EXPECT_EQ(lines_of(file(name + ".tum")).size(), with_replay.rows);
+    return;
+  }
 }
 
 /// As a folder and as MCAP: one trajectory.
@@ -175,11 +189,9 @@ TEST_F(Live, ABadCableInventsNothing) {
   EXPECT_GT(accounted + 10, sent.size());  // before the IMU, and at the end
   EXPECT_LT(came.size(), sent.size());
   EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
-  if (too_busy(json)) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
-  ASSERT_EQ(rio("replay " + file("bad_rec") + " --init static --no-check --states " + file("d.csv"))
-                .status,
-            0);
-  EXPECT_EQ(equal_rows(file("c.csv"), file("d.csv")), lines_of(file("c.csv")).size());
+  const Compared with_replay = compare(json, file("bad_rec"), file("c.csv"));
+  if (with_replay.busy) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
+  EXPECT_EQ(with_replay.equal, with_replay.rows);
 }
 
 /// The CLI port of a radar: what was sent to it, and an answer to every line.

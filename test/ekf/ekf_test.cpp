@@ -142,23 +142,6 @@ TEST_F(EkfTest, OutlierIsGatedAndRecorded) {
   EXPECT_EQ(doppler.rows_used + doppler.rows_gated, static_cast<int>(scan.detections.size()));
 }
 
-TEST_F(EkfTest, JointTrailBlocksHaveOneVerdict) {
-  Options o = options_for(flight(), "default");
-  o.update.use_trails = true;
-  o.update.max_clones = 7;
-  o.update.trail_noise = TrailNoise::kCorrelated;
-  start(o);
-  for (std::size_t i = 0; i < 5; ++i) ASSERT_EQ(process(flight().scans[i]), Status::kOk);
-  int blocks = 0;
-  for (const InnovationRecord& record : pipeline_->report().records) {
-    if (record.model != Model::kTrailDistance) continue;
-    ++blocks;
-    EXPECT_GE(record.dof, 1);
-    EXPECT_LE(record.dof, 4);  // four past scans
-  }
-  EXPECT_EQ(blocks, pipeline_->report().trails_matched);
-}
-
 TEST_F(EkfTest, EachDetectionIsUsedOnce) {
   start(options_for(flight(), "default"));
   int points = 0;

@@ -29,7 +29,7 @@ class RowCompressionTest : public CovarianceCase {
       batch_.push(row);
     }
   }
-  /// H^T R^-1 [H r], blocks with a shared noise included.
+  /// H^T R^-1 [H r].
   MatrixXd information(const RowBatch& batch) const {
     const int n = covariance_.size();
     MatrixXd sum = MatrixXd::Zero(n, n + 1);
@@ -37,7 +37,7 @@ class RowCompressionTest : public CovarianceCase {
       const auto m = static_cast<Eigen::Index>(block.count);
       MatrixXd H(m, n);
       VectorXd r(m);
-      MatrixXd R = MatrixXd::Constant(m, m, block.shared_variance);
+      MatrixXd R = MatrixXd::Zero(m, m);
       for (Eigen::Index i = 0; i < m; ++i) {
         const LinearRow& row = batch.rows()[block.first + static_cast<std::size_t>(i)];
         H.row(i) = dense_rows(std::array<LinearRow, 1>{row}, n);

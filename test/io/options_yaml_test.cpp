@@ -105,6 +105,19 @@ TEST(OptionsYaml, AFileToStartFromSaysNothingOfTheSensors) {
   EXPECT_PRED2(test::contains, text, "\n  min_range: 0.2  # [m] Nearer");
 }
 
+TEST(OptionsYaml, AFileToStartFromLeavesTheAlgorithmToThePreset) {
+  const std::string text = option_file("default");
+  EXPECT_PRED2(test::contains, text, "\n  # ransac_threshold: 0.15  # [m/s] The Doppler");
+  EXPECT_PRED2(test::contains, text, "\n  max_clones: 3  # Past");
+  Options options;  // another preset with the values of the user
+  ASSERT_TRUE(preset("published-ekf", &options));
+  const double gate = options.update.gate_probability;
+  const test::TempDir dir;
+  load_option_values(dir.write("my.yaml", text), &options);
+  EXPECT_EQ(options.update.gate_probability, gate);
+  EXPECT_EQ(options.update.max_clones, Options{}.update.max_clones);
+}
+
 TEST(OptionsYaml, PrintsUnitAndMeaning) {
   const std::string text = options_as_yaml(Options{});
   EXPECT_TRUE(test::contains(
@@ -114,7 +127,7 @@ TEST(OptionsYaml, PrintsUnitAndMeaning) {
   EXPECT_TRUE(test::contains(text, "\nradar:\n  T_BS:\n    translation: [0, 0, 0]  # [m] "))
       << text;
   EXPECT_TRUE(test::contains(text, "\n  min_range: 0.2  # [m] Nearer detections")) << text;
-  EXPECT_TRUE(test::contains(text, "\n  trail_noise: independent  # Noise of")) << text;
+  EXPECT_TRUE(test::contains(text, "\n  doppler_directions: reliable  # exact, ")) << text;
 }
 
 TEST(OptionsYaml, ReadsValuesWithUnits) {
@@ -127,7 +140,7 @@ TEST(OptionsYaml, ReadsValuesWithUnits) {
       "    translation: [10 cm, 0, -0.02]\n"
       "    quaternion_wxyz: [0, 0, 0.6, 0.8]\n"
       "frontend:\n"  // a section whose values are all commented out
-      "update: {trail_noise: correlated, use_trails: false, max_clones: 3}\n"
+      "update: {doppler_directions: corrected, use_trails: false, max_clones: 3}\n"
       "start: {max_rate: 10 deg/s}\n");
   EXPECT_EQ(o.imu.gyro_noise_density, 4e-3);
   EXPECT_EQ(o.imu.max_gap, 0.03);
@@ -135,7 +148,7 @@ TEST(OptionsYaml, ReadsValuesWithUnits) {
   EXPECT_EQ(o.radar.sigma_range, 0.05);
   EXPECT_EQ(o.radar.T_BS.translation, Vector3d(0.1, 0.0, -0.02));
   EXPECT_EQ(o.radar.T_BS.rotation.z(), 0.8);
-  EXPECT_EQ(o.update.trail_noise, TrailNoise::kCorrelated);
+  EXPECT_EQ(o.update.doppler_directions, DopplerDirections::kCorrected);
   EXPECT_FALSE(o.update.use_trails);
   EXPECT_EQ(o.update.max_clones, 3);
   EXPECT_NEAR(o.start.max_rate, 0.17453292519943295, 1e-16);
@@ -167,7 +180,8 @@ TEST(OptionsYaml, WrongValuesNameFileAndLine) {
   EXPECT_ERROR(parsed("update: {max_clones: [3]}\n"), "max_clones: a whole number is expected");
   EXPECT_ERROR(parsed("update: {max_clones: 21}\n"), "update.max_clones = 21 is outside [0, 20]");
   EXPECT_ERROR(parsed("update: {use_trails: 1}\n"), "use_trails: true or false is expected");
-  EXPECT_ERROR(parsed("update: {trail_noise: white}\n"), "independent or correlated is expected");
+  EXPECT_ERROR(parsed("update: {doppler_directions: white}\n"),
+               "exact, noisy, corrected or reliable is expected");
   EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2]}}\n"), "a list of 3 numbers");
   EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2, 3 s]}}\n"), "does not fit the unit [m]");
   EXPECT_ERROR(parsed("radar: {T_BS: {quaternion_wxyz: [1, 1, 0, 0]}}\n"), "not a unit quaternion");
@@ -194,9 +208,9 @@ TEST(OptionsYaml, ErrorsChangeNothing) {
 TEST(OptionsYaml, PresetComesFirstWhereverItStands) {
   Options options;
   options.imu.gravity = 9.8;
-  parse_options("update: {direction_noise: true}\npreset: published-ekf\n", "o.yaml", &options);
-  EXPECT_TRUE(options.update.direction_noise);
-  EXPECT_FALSE(options.update.direction_correction);
+  parse_options("update: {doppler_directions: noisy}\npreset: published-ekf\n", "o.yaml", &options);
+  EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kNoisy);
+  EXPECT_FALSE(options.update.consistent_covariance);
   EXPECT_EQ(options.imu.gravity, Options{}.imu.gravity);
   EXPECT_ERROR(parsed("imu: {}\npreset: none\n"), "o.yaml:2: preset: no such preset: \"none\"");
 }
@@ -209,10 +223,10 @@ TEST(OptionsYaml, FilesWithAndWithoutPreset) {
   EXPECT_EQ(preset_in_file(comments), std::nullopt);
   Options options;
   load_option_values(with, &options);
-  EXPECT_TRUE(options.update.direction_correction);
+  EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kReliable);
   EXPECT_EQ(options.imu.max_gap, 0.2);
   load_options(with, &options);
-  EXPECT_FALSE(options.update.direction_correction);
+  EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kExact);
   const Values before = values(options);
   load_options(comments, &options);
   EXPECT_EQ(values(options), before);
@@ -279,9 +293,9 @@ TEST(Options, ValidateChecksVectorsQuaternionsAndEnums) {
   o.radar.T_BS.rotation.w() = std::nan("");
   EXPECT_FALSE(o.validate());
   o = Options{};
-  o.update.trail_noise = static_cast<TrailNoise>(2);
+  o.update.doppler_directions = static_cast<DopplerDirections>(4);
   EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "update.trail_noise = 2 is outside [0, 1]");
+  EXPECT_EQ(why, "update.doppler_directions = 4 is outside [0, 3]");
 }
 
 TEST(Options, ValidateChecksCoherence) {

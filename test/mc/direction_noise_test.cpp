@@ -21,8 +21,7 @@ const std::vector<Variant> kVariants = {{"default", "default"},
                                         {"naive", "default", [](Options& o) {
                                            o.update.use_landmarks =
                                                false;  // they average the directions of many scans
-                                           o.update.direction_correction = false;
-                                           o.update.direction_noise = false;
+                                           o.update.doppler_directions = DopplerDirections::kExact;
                                          }}};
 
 std::vector<Case> flights(const char* group, double sigma_elevation) {

@@ -99,7 +99,7 @@ TEST(PointNoise, CovarianceIsThatOfTheErrorsInEveryDirection) {
 }
 
 TEST(PointNoise, DopplerVarianceIsThatOfTheResidualInEveryDirection) {
-  const DopplerModel model(true, false);
+  const DopplerModel model(DopplerDirections::kNoisy);
   for (const Direction& at : kDirections) {
     for (const Vector3d& v_S : {Vector3d(1.5, 0.0, 0.0), Vector3d(0.0, 1.5, 0.0),
                                 Vector3d(0.0, 0.0, 1.5), Vector3d(0.8, -0.6, 1.1)}) {

@@ -13,7 +13,7 @@ namespace {
 /// r^2 / (2 R): what the corrected Jacobian is the gradient of when P_h = 0.
 double cost(const DopplerModel::Measurement& z, const DopplerModel::Blocks::Values& x) {
   Evaluation<DopplerModel> at;
-  EXPECT_TRUE(evaluate(DopplerModel(true, true), z, x, &at));
+  EXPECT_TRUE(evaluate(DopplerModel(DopplerDirections::kCorrected), z, x, &at));
   return 0.5 * at.r[0] * at.r[0] / at.R(0, 0);
 }
 
@@ -22,7 +22,7 @@ TEST(DopplerModel, CorrectedJacobianIsTheGradientOfTheWeightedSquare) {
   for (int i = 0; i < 200; ++i) {
     const Sample<DopplerModel> sample = DopplerCase::simulate(random, true);
     Evaluation<DopplerModel> at;
-    ASSERT_TRUE(evaluate(DopplerModel(true, true), sample.z, sample.x, &at));
+    ASSERT_TRUE(evaluate(DopplerModel(DopplerDirections::kCorrected), sample.z, sample.x, &at));
     if (at.r[0] * at.r[0] > 8.0 * at.R(0, 0)) continue;  // near the outlier bound
     const Eigen::RowVectorXd analytic = -at.r[0] / at.R(0, 0) * at.J;
     for (int k = 0; k < DopplerModel::Blocks::kDof; ++k) {
@@ -43,7 +43,7 @@ Vector3d solve_velocity(bool correction, double sigma_elevation) {
   options.sigma_azimuth = 0.02;
   options.sigma_elevation = sigma_elevation;
   options.weak_snr_db = -200.0;  // all echoes are alike
-  const DopplerModel model(true, correction);
+  const DopplerModel model(correction ? DopplerDirections::kCorrected : DopplerDirections::kNoisy);
   std::vector<DopplerModel::Measurement> all;
   for (int i = 0; i < 20000; ++i) {
     const sim::Polar polar{3.0, random.uniform(-0.9, 0.9), random.uniform(-0.26, 0.26)};
@@ -80,7 +80,7 @@ TEST(DopplerModel, DirectionErrorShrinksTheVelocityUnlessCorrected) {
 }
 
 TEST(DopplerModel, ReceedingIsPositive) {
-  const DopplerModel model(true, true);
+  const DopplerModel model(DopplerDirections::kCorrected);
   DopplerModel::Measurement z;
   z.sigma_doppler = 0.03;
   Evaluation<DopplerModel> at;
@@ -101,7 +101,7 @@ TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
   const auto tilt = [&](double predicted_var) {
     z.predicted_var = predicted_var;
     Evaluation<DopplerModel> at;
-    EXPECT_TRUE(evaluate(DopplerModel(true, true), z, x, &at));
+    EXPECT_TRUE(evaluate(DopplerModel(DopplerDirections::kCorrected), z, x, &at));
     return std::abs(at.J(0, DopplerModel::Blocks::column<BodyVelocity>() + 2));
   };
   EXPECT_GT(tilt(0.0), 0.1);

@@ -5,9 +5,8 @@
 namespace rio::test {
 
 using Cases =
-    testing::Types<DopplerCase, TrailDistanceCase<TrailNoise::kIndependent>,
-                   TrailDistanceCase<TrailNoise::kCorrelated>, LandmarkDistanceCase,
-                   LandmarkPositionCase, LandmarkPointCase, LandmarkDopplerCase, RestCase>;
+    testing::Types<DopplerCase, TrailDistanceCase, LandmarkDistanceCase, LandmarkPositionCase,
+                   LandmarkPointCase, LandmarkDopplerCase, RestCase>;
 INSTANTIATE_TYPED_TEST_SUITE_P(AllModels, ModelSuite, Cases);
 
 }  // namespace rio::test

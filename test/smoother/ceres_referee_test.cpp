@@ -213,15 +213,16 @@ class Referee {
   }
 
   void add_doppler(std::size_t k, const DopplerFactor& f) {
-    DopplerCost cost{base(k), f.doppler, options_.update.direction_noise, std::nullopt};
+    DopplerCost cost{base(k), f.doppler,
+                     options_.update.doppler_directions != DopplerDirections::kExact, std::nullopt};
     const auto radar =
         cost.base.radar(states_[k].data(), mount_.data(), errors_.data(), offset_.data());
     double r = 0.0;
     (void)cost(states_[k].data(), mount_.data(), errors_.data(), offset_.data(), &r);
-    uncorrected_ = uncorrected_ || (options_.update.direction_correction && std::abs(r) > 2.999);
+    const bool corrected = options_.update.doppler_directions >= DopplerDirections::kCorrected;
+    uncorrected_ = uncorrected_ || (corrected && std::abs(r) > 2.999);
     // without the correction the Jacobian leaves the change of the variance out
-    if (!options_.update.direction_correction)
-      cost.frozen_variance = cost.variance<double>(radar.scale * radar.v_S);
+    if (!corrected) cost.frozen_variance = cost.variance<double>(radar.scale * radar.v_S);
     add(cost, 1, f.weight, &states_[k], &mount_, &errors_, &offset_);
   }
 
@@ -330,9 +331,9 @@ TEST_P(CeresReferee, FindsTheSameMinimum) {
       .window = 6, .max_iterations = 1000, .tolerance = 1e-10, .kernel = GetParam().kernel};
   o.smoother.kernel_size = 1.0;   // small: many residuals are beyond it
   o.smoother.factor_reuse = 0.0;  // the covariance is of the solution
-  o.update.direction_correction = GetParam().correction;
-  o.update.direction_reliability = false;  // what it leaves out of the score is of no cost
-  o.update.direction_noise = GetParam().correction;
+  // what kReliable leaves out of the score is of no cost
+  o.update.doppler_directions =
+      GetParam().correction ? DopplerDirections::kCorrected : DopplerDirections::kExact;
   o.calibration = GetParam().calibration;
   if (GetParam().distances) {
     o.update.use_trails = true;

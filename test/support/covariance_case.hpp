@@ -96,9 +96,7 @@ inline DenseRows fill(sim::Random& random, const Layout& layout, int n,
   DenseRows d{MatrixXd::Zero(count, n), MatrixXd::Zero(count, count), VectorXd::Zero(count)};
   int at = 0;
   for (const int size : block_sizes) {
-    const double shared = size > 1 ? 0.3 : 0.0;
     batch->begin_block();
-    batch->share_variance(shared);
     for (int i = 0; i < size; ++i, ++at) {
       auto row = linear_rows<1>(random_matrix(random, 1, 15),
                                 BlockList<BodyPose, ClonePose, BodyVelocity>{},
@@ -109,8 +107,6 @@ inline DenseRows fill(sim::Random& random, const Layout& layout, int n,
       batch->push(row[0]);
       d.H.row(at) = dense_rows(row, n);
       d.r[at] = row[0].residual;
-      d.R.block(at - i, at, i, 1).setConstant(shared);
-      d.R.block(at, at - i, 1, i).setConstant(shared);
       d.R(at, at) = row[0].variance;
     }
   }

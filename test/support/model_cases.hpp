@@ -82,7 +82,7 @@ struct RandomBody {
 
 struct DopplerCase {
   using Model = DopplerModel;
-  static Model model() { return {true, false}; }
+  static Model model() { return Model(DopplerDirections::kNoisy); }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Detection d = body.detect(body.place(random), random, noise);
@@ -92,11 +92,10 @@ struct DopplerCase {
   static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
 
-template <TrailNoise kNoise>
 struct TrailDistanceCase {
   using Model = TrailDistanceModel;
   static constexpr double kSigma = 0.05;
-  static Model model() { return {kNoise, kSigma}; }
+  static Model model() { return Model(kSigma); }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     RandomBody now(random);
     RandomBody then(random);
@@ -106,10 +105,9 @@ struct TrailDistanceCase {
         now.point.nav.q_WB * quaternion_exp(0.1 * random.in_box(-now.kOnes, now.kOnes));
     then.point.nav.p_WB = now.point.nav.p_WB + 0.2 * random.in_box(-now.kOnes, now.kOnes);
     const Vector3d place = now.place(random);
-    const bool point_noise = noise && kNoise == TrailNoise::kCorrelated;
-    Detection current = now.detect(place, random, point_noise);
-    if (noise && !point_noise) current.range += kSigma * random.normal();
-    const Detection past = then.detect(place, random, point_noise);
+    Detection current = now.detect(place, random, false);
+    if (noise) current.range += kSigma * random.normal();
+    const Detection past = then.detect(place, random, false);
     return {TrailDistanceModel::measurement(current, past), {now.pose(), then.pose(), now.mount()}};
   }
   static std::optional<Sample<Model>> outside(sim::Random& random) {

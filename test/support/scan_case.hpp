@@ -20,8 +20,7 @@ class ScanCase : public testing::Test {
   ScanCase() {
     options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
     options_.radar.noise_distance = 0.0;
-    options_.update.direction_correction = false;
-    options_.update.direction_noise = false;
+    options_.update.doppler_directions = DopplerDirections::kExact;
     options_.update.match_trust = 1.0;
     see({4.0, 1.0, 0.5});
     see({3.0, -2.0, 1.0});

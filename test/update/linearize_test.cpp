@@ -160,9 +160,9 @@ class RowsOfAModel : public testing::Test {
 TEST_F(RowsOfAModel, ATimeOffsetMovesTheStateAlongItsMotion) {
   expect_time_derivative(LandmarkPointModel{}, LandmarkPointModel::measurement(detection_));
   // its noise without, its Jacobian with the direction as measured
-  expect_time_derivative(DopplerModel(false, false),
+  expect_time_derivative(DopplerModel(DopplerDirections::kExact),
                          DopplerModel::measurement(detection_, x_.gyro_B));
-  expect_time_derivative(TrailDistanceModel(TrailNoise::kIndependent, 0.1),
+  expect_time_derivative(TrailDistanceModel(0.1),
                          TrailDistanceModel::measurement(detection_, detection_));
 }
 
@@ -171,7 +171,7 @@ TEST_F(RowsOfAModel, OfAStandingBodyATimeOffsetTellsNothing) {
   x.stand();
   RowBatch batch(1);
   batch.begin_block();
-  ASSERT_TRUE(linearize(DopplerModel(false, false),
+  ASSERT_TRUE(linearize(DopplerModel(DopplerDirections::kExact),
                         DopplerModel::measurement(detection_, x_.gyro_B), DopplerModel::Blocks{}, x,
                         {}, layout_, &batch));
   batch.rows()[0].for_each_segment([&](int column, const double* h, int) {
@@ -188,8 +188,8 @@ TEST_F(RowsOfAModel, BlocksStandInTheirColumns) {
     return all;
   };
   using Columns = std::vector<int>;
-  const LinearRow trail = row(TrailDistanceModel(TrailNoise::kIndependent, 0.1),
-                              TrailDistanceModel::measurement(detection_, detection_));
+  const LinearRow trail =
+      row(TrailDistanceModel(0.1), TrailDistanceModel::measurement(detection_, detection_));
   EXPECT_EQ(columns(trail),
             (Columns{0, layout_.clone(1), layout_.extrinsics(), layout_.time_offset()}));
   EXPECT_NEAR(trail.variance, 0.01, 1e-15);

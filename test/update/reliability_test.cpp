@@ -53,7 +53,7 @@ struct Solution {
 
 /// Gauss-Newton from the truth on; the reliability is that of the last step.
 Solution solve(Scan scan, const Vector3d& v_S, bool reliable) {
-  const DopplerModel model(true, true);
+  const DopplerModel model(DopplerDirections::kCorrected);
   Solution x;
   x.v = v_S;
   for (int step = 0; step < 8; ++step) {

@@ -205,9 +205,9 @@ TEST_F(ScanRowsTest, ResetForgetsTheScanBefore) {
 // What a Doppler tells along its direction: that of the expected direction, as far as the spread of
 // the scan's directions is no error.
 TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
-  options_.update.direction_correction = options_.update.direction_noise = true;
   for (const bool reliable : {true, false}) {
-    options_.update.direction_reliability = reliable;
+    options_.update.doppler_directions =
+        reliable ? DopplerDirections::kReliable : DopplerDirections::kCorrected;
     ScanRows rows(options_);
     const StateEstimate b = state_estimate();
     detection(0).range_rate += 0.05;
@@ -286,23 +286,6 @@ TEST_F(TrailRowsTest, EveryPastDetectionIsARowWithAVerdict) {
     EXPECT_EQ(rows.used()[i].past, i % 2);
     EXPECT_NEAR(batch.rows()[i].variance, 0.01, 1e-12);
   }
-}
-
-TEST_F(TrailRowsTest, CorrelatedRowsOfATrailShareVerdictAndNoise) {
-  options_.update.trail_noise = TrailNoise::kCorrelated;
-  detection(1).range += 10.0;
-  ScanRows rows(options_);
-  const RowBatch& batch = build(rows, state_estimate());
-  ASSERT_EQ(batch.blocks().size(), 2U);
-  const double sigma = options_.radar.sigma_range;
-  for (const RowBlock& block : batch.blocks()) {
-    EXPECT_EQ(block.count, 2U);
-    EXPECT_NEAR(block.shared_variance, sigma * sigma, 1e-12);
-  }
-  EXPECT_EQ(sums(Model::kTrailDistance).rows_gated, 2);
-  ASSERT_EQ(rows.used().size(), 4U);
-  EXPECT_EQ(rows.used()[2].target, 2U);
-  EXPECT_EQ(report_.records[0].dof, 2);
 }
 
 TEST_F(TrailRowsTest, WhatHasNoCloneGivesNoRow) {

@@ -248,7 +248,7 @@ TEST_F(StateEstimateTest, TheVarianceOfADopplerIsThatOfItsRow) {
   z.gyro_B = x.gyro_B;
   Evaluation<DopplerModel> e;
   ASSERT_TRUE(
-      DopplerModel(false, false)
+      DopplerModel(DopplerDirections::kExact)
           .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R));
   const LinearRow row = state_rows<1>(e.J, DopplerModel::Blocks{}, x, {}, b.layout())[0];
   Eigen::Vector4d c;

@@ -12,6 +12,9 @@
 
 namespace rio {
 
+/// Who chooses the value of a field: whoever has the sensors, or whoever designs the algorithm.
+enum class Layer : std::uint8_t { kUser, kAlgorithm };
+
 /// One row of the table; `min` and `max` are allowed values (numbers only), `unit` is SI or "".
 struct FieldInfo {
   const char* key;
@@ -19,6 +22,7 @@ struct FieldInfo {
   const char* doc;
   double min;
   double max;
+  Layer layer = Layer::kUser;
 };
 
 namespace field_detail {

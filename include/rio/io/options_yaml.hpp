@@ -28,8 +28,8 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
 
-/// The same as a file to start from: it names the preset, and what sensor files tell is commented
-/// out, since an option file wins over them.
+/// The same as a file to start from: it names the preset, and what sensor files tell or the preset
+/// owns (Layer::kAlgorithm) is commented out, since an option file wins over both.
 /// @throws std::runtime_error if there is no such preset
 std::string option_file(const std::string& preset_name);
 

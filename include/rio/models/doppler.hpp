@@ -46,10 +46,9 @@ class DopplerModel {
   static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
                                               const Vector3d& v_S) noexcept;
 
-  /// @param direction_noise (E2), else R = sigma_D^2
-  /// @param direction_correction (E3), else u itself is used in the Jacobian
-  DopplerModel(bool direction_noise, bool direction_correction)
-      : direction_noise_(direction_noise), direction_correction_(direction_correction) {}
+  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3), before
+  /// it u itself is used in the Jacobian; L of the measurement says the rest
+  explicit DopplerModel(DopplerDirections directions) : directions_(directions) {}
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
     return {d.range_rate,
@@ -68,8 +67,7 @@ class DopplerModel {
                 JacobianOf<kDim, kDim>& R) const noexcept;
 
  private:
-  bool direction_noise_;
-  bool direction_correction_;
+  DopplerDirections directions_;
 };
 
 static_assert(MeasurementModel<DopplerModel>);

@@ -4,8 +4,7 @@
 // q = R_BS m + p_BS (past detection m in the body axes of then),  W = R_c q + p_c,
 // e = R_BS^T (R_WB^T (W - p_WB) - p_BS),  u = e/|e|,  a = R_BS u
 // (E1) h = |e|
-// (E2) R = sigma_d^2, or u^T D Sigma_m D^T u + sigma_r^2 with D = de/dm; sigma_r, that of the
-//      current range, is the same for all elements of a trail: shared_variance()
+// (E2) R = sigma_d^2, the rows of a trail independent
 // Reference: Michalczyk et al. 2023, eq. 8-9.
 #pragma once
 
@@ -23,23 +22,15 @@ class TrailDistanceModel {
   using Blocks = BlockList<BodyPose, ClonePose, Extrinsics>;
 
   struct Measurement {
-    double range = 0.0;                    ///< now [m]
-    double sigma_range = 0.0;              ///< now [m]
-    Vector3d past_S = Vector3d::Zero();    ///< past detection, radar axes of then [m]
-    Matrix3d past_cov = Matrix3d::Zero();  ///< its covariance [m^2]
+    double range = 0.0;                  ///< now [m]
+    Vector3d past_S = Vector3d::Zero();  ///< past detection, radar axes of then [m]
   };
 
-  /// @param sigma_distance constant sigma of TrailNoise::kIndependent [m]
-  TrailDistanceModel(TrailNoise noise, double sigma_distance)
-      : noise_(noise), sigma_distance_(sigma_distance) {}
+  /// @param sigma_distance constant sigma [m]
+  explicit TrailDistanceModel(double sigma_distance) : sigma_distance_(sigma_distance) {}
 
   static Measurement measurement(const Detection& now, const Detection& past) {
-    return {now.range, now.sigma_range, past.point_S, point_covariance(past)};
-  }
-
-  /// Covariance between any two rows of one trail [m^2].
-  double shared_variance(const Measurement& z) const {
-    return noise_ == TrailNoise::kCorrelated ? z.sigma_range * z.sigma_range : 0.0;
+    return {now.range, past.point_S};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& clone_T_WB,
@@ -49,7 +40,6 @@ class TrailDistanceModel {
  private:
   static constexpr double kMinRange = 1e-3;  // the direction to a point at the radar is undefined
 
-  TrailNoise noise_;
   double sigma_distance_;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 5: linearised measurement rows that know which columns of the error state they touch.
 //
-// A row is r = h . dx + n with a few non-zero segments in h. The rows of one block share a verdict
-// and may share a noise: R_block = diag(own) + shared 1 1^T.
+// A row is r = h . dx + n with a few non-zero segments in h and a noise of its own. The rows of one
+// block share a verdict.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ struct LinearRow {
   std::size_t segment_count = 0;
   std::array<double, kMaxColumns> h{};  ///< coefficients of the segments in turn, then zeros
   double residual = 0.0;
-  double variance = 0.0;  ///< total noise variance, the shared part included
+  double variance = 0.0;  ///< of the noise
 
   /// f(first column, its coefficients, length) for every segment.
   template <class F>
@@ -76,7 +76,6 @@ std::array<LinearRow, static_cast<std::size_t>(kDim)> linear_rows(
 struct RowBlock {
   std::size_t first = 0;
   std::size_t count = 0;
-  double shared_variance = 0.0;
 };
 
 /// Rows of one update; storage allocated once.
@@ -90,9 +89,8 @@ class RowBatch {
   void clear();
 
   /// Opens a block; the rows pushed after this belong to it.
-  void begin_block() { blocks_.push_back({rows_.size(), 0, 0.0}); }
+  void begin_block() { blocks_.push_back({rows_.size(), 0}); }
   const RowBlock& last_block() const { return blocks_.back(); }
-  void share_variance(double variance) { blocks_.back().shared_variance = variance; }
   /// Multiplies the noise variance of the last block.
   void scale_variance(double factor);
   /// Takes the last block and its rows back.
