@@ -83,7 +83,7 @@ class Engine final : public Odometry::Impl {
     if (imu_.empty()) return covariance;
     imu_.for_each_step(ahead_.state.time, imu_.newest().time,
                        [this](const ImuStep& step) { ahead_.step(step, options_.imu); });
-    covariance_now_ = congruence(ahead_.transition(), covariance) + ahead_.noise;
+    covariance_now_ = congruence(ahead_.transition(), covariance) + ahead_.noise();
     return covariance_now_;
   }
 

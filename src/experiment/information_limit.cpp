@@ -347,7 +347,7 @@ std::vector<LimitStep> information_limit(const sim::Flight& flight, const Option
     p.state = truth.nav;
     imu.for_each_step(truth.nav.time, time,
                       [&](const ImuStep& step) { p.step(step, options.imu); });
-    recursion.propagate(p.transition(), p.noise);
+    recursion.propagate(p.transition(), p.noise());
     truth = flight.trajectory.at(time);
     recursion.update(static_echoes(flight, i, truth, options.radar), time);
     steps.push_back(limit_step(truth.nav, recursion.body()));

@@ -24,74 +24,127 @@ void integrate(const ImuStep& step, double gravity, NavState& state) {
 
 namespace {
 
-/// The blocks of (E2) that are neither zero nor the identity; that of position by velocity is dt.
-struct TransitionBlocks {
-  Matrix3d attitude_attitude, velocity_attitude, position_attitude;
-  Matrix3d attitude_gyro, velocity_gyro, position_gyro;
-  Matrix3d velocity_accel, position_accel;
-  double dt;
-
-  TransitionBlocks(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double step)
-      : dt(step) {
-    const Vector3d phi = w * dt;
-    const GammaSeries S(phi.squaredNorm());
-    const Matrix3d gamma_1 = gamma(1, phi, S);
-    attitude_attitude = gamma(0, phi, S).transpose();
-    attitude_gyro = -dt * gamma_1.transpose();  // Gamma_1(-phi)
-    velocity_accel = -dt * (R * gamma_1);
-    velocity_attitude = skew(velocity_accel * a) * R;  // -R [Gamma_1 a] = -[R Gamma_1 a] R
-    velocity_gyro = R * d_gamma_a_d_phi(1, phi, a, S) * -(dt * dt);
-    position_accel = -(dt * dt) * (R * gamma(2, phi, S));
-    position_attitude = skew(position_accel * a) * R;
-    position_gyro = R * d_gamma_a_d_phi(2, phi, a, S) * -(dt * dt * dt);
-  }
-};
-
-/// M <- M Phi^T, M of any height: column by column, each from those that are still old.
-template <class Matrix>
-void postmultiply_transposed(const TransitionBlocks& F, Matrix& M) {
-  using namespace body;
-  for (int i = 0; i < 3; ++i) {
-    auto position = M.col(kPosition + i);
-    position += F.dt * M.col(kVelocity + i);
-    for (int k = 0; k < 3; ++k) {
-      position += F.position_attitude(i, k) * M.col(kAttitude + k) +
-                  F.position_gyro(i, k) * M.col(kGyroBias + k) +
-                  F.position_accel(i, k) * M.col(kAccelBias + k);
-    }
-  }
-  for (int i = 0; i < 3; ++i) {
-    auto velocity = M.col(kVelocity + i);
-    for (int k = 0; k < 3; ++k) {
-      velocity += F.velocity_attitude(i, k) * M.col(kAttitude + k) +
-                  F.velocity_gyro(i, k) * M.col(kGyroBias + k) +
-                  F.velocity_accel(i, k) * M.col(kAccelBias + k);
-    }
-  }
-  auto attitude = M.template middleCols<3>(kAttitude);
-  attitude = (attitude * F.attitude_attitude.transpose() +
-              M.template middleCols<3>(kGyroBias) * F.attitude_gyro.transpose())
-                 .eval();
-}
-
-/// Q <- Phi Q Phi^T + q, both symmetric; the rows of the biases are those of the identity.
-void add_noise_step(const TransitionBlocks& F, const Matrix15d& q, Matrix15d& Q) {
-  constexpr int kNav = body::kGyroBias;
-  constexpr int kBiases = body::kSize - kNav;
-  postmultiply_transposed(F, Q);
-  Q.transposeInPlace();
-  auto moved = Q.topRows<kNav>();
-  postmultiply_transposed(F, moved);
-  Q.bottomLeftCorner<kBiases, kNav>() = Q.topRightCorner<kNav, kBiases>().transpose();
-  Q += q;
+/// [v]x M.
+Matrix3d crossed(const Vector3d& v, const Matrix3d& M) {
+  Matrix3d out;
+  for (int i = 0; i < 3; ++i) out.col(i) = v.cross(M.col(i));
+  return out;
 }
 
 }  // namespace
 
-Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt) {
+BodyTransition::BodyTransition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double step)
+    : dt(step) {
+  const Vector3d phi = w * dt;
+  const GammaSeries S(phi.squaredNorm());
+  const Matrix3d gamma_1 = gamma(1, phi, S);
+  attitude_attitude = gamma(0, phi, S).transpose();
+  attitude_gyro = -dt * gamma_1.transpose();  // Gamma_1(-phi)
+  velocity_accel = -dt * (R * gamma_1);
+  velocity_attitude = crossed(velocity_accel * a, R);  // -R [Gamma_1 a] = -[R Gamma_1 a] R
+  velocity_gyro = R * d_gamma_a_d_phi(1, phi, a, S) * -(dt * dt);
+  position_accel = -(dt * dt) * (R * gamma(2, phi, S));
+  position_attitude = crossed(position_accel * a, R);
+  position_gyro = R * d_gamma_a_d_phi(2, phi, a, S) * -(dt * dt * dt);
+}
+
+void BodyTransition::advance(const BodyTransition& F) {
+  position_attitude += F.dt * velocity_attitude + F.position_attitude * attitude_attitude;
+  position_gyro += F.dt * velocity_gyro + F.position_attitude * attitude_gyro + F.position_gyro;
+  position_accel += F.dt * velocity_accel + F.position_accel;
+  velocity_attitude += F.velocity_attitude * attitude_attitude;
+  velocity_gyro += F.velocity_attitude * attitude_gyro + F.velocity_gyro;
+  velocity_accel += F.velocity_accel;
+  attitude_gyro = (F.attitude_attitude * attitude_gyro + F.attitude_gyro).eval();
+  attitude_attitude = (F.attitude_attitude * attitude_attitude).eval();
+  dt += F.dt;
+}
+
+Matrix15d BodyTransition::matrix() const {
+  using namespace body;
   Matrix15d m = Matrix15d::Identity();
-  postmultiply_transposed(TransitionBlocks(R, w, a, dt), m);
-  return m.transpose();
+  m.block<3, 3>(kAttitude, kAttitude) = attitude_attitude;
+  m.block<3, 3>(kAttitude, kGyroBias) = attitude_gyro;
+  m.block<3, 3>(kPosition, kAttitude) = position_attitude;
+  m.block<3, 3>(kPosition, kVelocity) = dt * Matrix3d::Identity();
+  m.block<3, 3>(kPosition, kGyroBias) = position_gyro;
+  m.block<3, 3>(kPosition, kAccelBias) = position_accel;
+  m.block<3, 3>(kVelocity, kAttitude) = velocity_attitude;
+  m.block<3, 3>(kVelocity, kGyroBias) = velocity_gyro;
+  m.block<3, 3>(kVelocity, kAccelBias) = velocity_accel;
+  return m;
+}
+
+void BodyNoise::advance(const BodyTransition& F, const BodyNoise& q) {
+  const double dt = F.dt;
+  // columns of the biases of F Q
+  const Matrix3d ag = F.attitude_attitude * attitude_gyro + gyro * F.attitude_gyro;
+  const Matrix3d pg = position_gyro + dt * velocity_gyro + F.position_attitude * attitude_gyro +
+                      gyro * F.position_gyro;
+  const Matrix3d vg = velocity_gyro + F.velocity_attitude * attitude_gyro + gyro * F.velocity_gyro;
+  const Matrix3d pa = position_accel + dt * velocity_accel + accel * F.position_accel;
+  const Matrix3d va = velocity_accel + accel * F.velocity_accel;
+  // its other columns, as far as the blocks below the diagonal need them
+  const Matrix3d aa = F.attitude_attitude * attitude + F.attitude_gyro * attitude_gyro.transpose();
+  const Matrix3d p_a = position_attitude + dt * velocity_attitude + F.position_attitude * attitude +
+                       F.position_gyro * attitude_gyro.transpose();
+  const Matrix3d v_a = velocity_attitude + F.velocity_attitude * attitude +
+                       F.velocity_gyro * attitude_gyro.transpose();
+  const Matrix3d pp =
+      position + dt * velocity_position + F.position_attitude * position_attitude.transpose() +
+      F.position_gyro * position_gyro.transpose() + F.position_accel * position_accel.transpose();
+  const Matrix3d pv = velocity_position.transpose() + dt * velocity +
+                      F.position_attitude * velocity_attitude.transpose() +
+                      F.position_gyro * velocity_gyro.transpose() +
+                      F.position_accel * velocity_accel.transpose();
+  const Matrix3d vp = velocity_position + F.velocity_attitude * position_attitude.transpose() +
+                      F.velocity_gyro * position_gyro.transpose() +
+                      F.velocity_accel * position_accel.transpose();
+  const Matrix3d vv = velocity + F.velocity_attitude * velocity_attitude.transpose() +
+                      F.velocity_gyro * velocity_gyro.transpose() +
+                      F.velocity_accel * velocity_accel.transpose();
+  // times F^T
+  attitude = q.attitude + aa * F.attitude_attitude.transpose() + ag * F.attitude_gyro.transpose();
+  position_attitude = q.position_attitude + p_a * F.attitude_attitude.transpose() +
+                      pg * F.attitude_gyro.transpose();
+  velocity_attitude = q.velocity_attitude + v_a * F.attitude_attitude.transpose() +
+                      vg * F.attitude_gyro.transpose();
+  position = q.position + pp + dt * pv + p_a * F.position_attitude.transpose() +
+             pg * F.position_gyro.transpose() + pa * F.position_accel.transpose();
+  velocity_position = q.velocity_position + vp + dt * vv + v_a * F.position_attitude.transpose() +
+                      vg * F.position_gyro.transpose() + va * F.position_accel.transpose();
+  velocity = q.velocity + vv + v_a * F.velocity_attitude.transpose() +
+             vg * F.velocity_gyro.transpose() + va * F.velocity_accel.transpose();
+  attitude_gyro = q.attitude_gyro + ag;
+  position_gyro = q.position_gyro + pg;
+  velocity_gyro = q.velocity_gyro + vg;
+  position_accel = q.position_accel + pa;
+  velocity_accel = q.velocity_accel + va;
+  gyro += q.gyro;
+  accel += q.accel;
+}
+
+Matrix15d BodyNoise::matrix() const {
+  using namespace body;
+  Matrix15d m = Matrix15d::Zero();  // below the diagonal
+  m.block<3, 3>(kAttitude, kAttitude) = attitude;
+  m.block<3, 3>(kPosition, kAttitude) = position_attitude;
+  m.block<3, 3>(kVelocity, kAttitude) = velocity_attitude;
+  m.block<3, 3>(kPosition, kPosition) = position;
+  m.block<3, 3>(kVelocity, kPosition) = velocity_position;
+  m.block<3, 3>(kVelocity, kVelocity) = velocity;
+  m.block<3, 3>(kGyroBias, kAttitude) = attitude_gyro.transpose();
+  m.block<3, 3>(kGyroBias, kPosition) = position_gyro.transpose();
+  m.block<3, 3>(kGyroBias, kVelocity) = velocity_gyro.transpose();
+  m.block<3, 3>(kAccelBias, kPosition) = position_accel.transpose();
+  m.block<3, 3>(kAccelBias, kVelocity) = velocity_accel.transpose();
+  m.diagonal().segment<3>(kGyroBias).setConstant(gyro);
+  m.diagonal().segment<3>(kAccelBias).setConstant(accel);
+  return m.selfadjointView<Eigen::Lower>();
+}
+
+Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt) {
+  return BodyTransition(R, w, a, dt).matrix();
 }
 
 ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
@@ -114,17 +167,16 @@ namespace {
 
 /// (E3) of a step that hardly turns: each integral over a force or an attitude that turns is that
 /// of its value at the centroid of the weight. The walks take the centroids of the white noise.
-Matrix15d noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double t,
+BodyNoise noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double t,
                               const ProcessNoise& density) {
-  using namespace body;
   const Vector3d phi = t * w;
   const Matrix3d half_turn = gamma(0, Vector3d(0.5 * phi));
   const Matrix3d R_mid = R * half_turn;
   const Matrix3d R_end = R_mid * half_turn;
   const Vector3d f = R_mid * a;
-  const Vector3d d = R_mid * phi.cross(a);  // change of the force over the step
-  const Matrix3d turn = skew(phi);
-  const auto square = [](const Vector3d& v) -> Matrix3d {  // [v] [v]^T
+  const Vector3d d = R_mid * phi.cross(a);                  // change of the force over the step
+  const Matrix3d R_mid_turn = crossed(R_mid * phi, R_mid);  // R_mid [phi]
+  const auto square = [](const Vector3d& v) -> Matrix3d {   // [v] [v]^T
     return v.squaredNorm() * Matrix3d::Identity() - v * v.transpose();
   };
   const Matrix3d I = Matrix3d::Identity();
@@ -132,37 +184,33 @@ Matrix15d noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector
   const double t3 = t2 * t;
   const auto [gyro, accel, gyro_walk, accel_walk] = density;
 
-  Matrix15d Q = Matrix15d::Zero();  // below the diagonal
-  Q.block<3, 3>(kAttitude, kAttitude) = (gyro * t + gyro_walk * t3 / 3.0) * I;
-  Q.block<3, 3>(kPosition, kAttitude) =
-      -(gyro * t3 / 6.0 + gyro_walk * t3 * t2 / 30.0) * (skew(f) * R_end);
-  Q.block<3, 3>(kVelocity, kAttitude) =
-      -(gyro * t2 / 2.0 + gyro_walk * t2 * t2 / 8.0) * (skew(f + d / 6.0) * R_end);
-  Q.block<3, 3>(kPosition, kPosition) =
-      (accel * t3 / 3.0 + accel_walk * t3 * t2 / 20.0) * I +
-      (gyro * t3 * t2 / 20.0 + gyro_walk * t3 * t3 * t / 252.0) * square(f - d / 18.0);
-  Q.block<3, 3>(kVelocity, kPosition) = (accel * t2 / 2.0 + accel_walk * t2 * t2 / 8.0) * I +
-                                        (gyro * t2 * t2 / 8.0 + gyro_walk * t3 * t3 / 72.0) *
-                                            (skew(f + d / 10.0) * skew(f - d / 30.0).transpose());
-  Q.block<3, 3>(kVelocity, kVelocity) =
-      (accel * t + accel_walk * t3 / 3.0) * I +
-      (gyro * t3 / 3.0 + gyro_walk * t3 * t2 / 20.0) * square(f + d / 8.0);
-  Q.block<3, 3>(kGyroBias, kAttitude) = -(gyro_walk * t2 / 2.0) * (I + turn / 3.0);
-  Q.block<3, 3>(kGyroBias, kPosition) =
-      (gyro_walk * t2 * t2 / 24.0) * (skew(f + d / 10.0) * R_mid * (I - turn / 10.0)).transpose();
-  Q.block<3, 3>(kGyroBias, kVelocity) =
-      (gyro_walk * t3 / 6.0) * (skew(f + d / 4.0) * R_mid).transpose();
-  Q.block<3, 3>(kGyroBias, kGyroBias) = (gyro_walk * t) * I;
-  Q.block<3, 3>(kAccelBias, kPosition) = -(accel_walk * t3 / 6.0) * R_mid.transpose();
-  Q.block<3, 3>(kAccelBias, kVelocity) =
-      -(accel_walk * t2 / 2.0) * (R_mid * (I + turn / 6.0)).transpose();
-  Q.block<3, 3>(kAccelBias, kAccelBias) = (accel_walk * t) * I;
-  return Q.selfadjointView<Eigen::Lower>();
+  BodyNoise Q;
+  Q.attitude = (gyro * t + gyro_walk * t3 / 3.0) * I;
+  Q.position_attitude = -(gyro * t3 / 6.0 + gyro_walk * t3 * t2 / 30.0) * crossed(f, R_end);
+  Q.velocity_attitude =
+      -(gyro * t2 / 2.0 + gyro_walk * t2 * t2 / 8.0) * crossed(f + d / 6.0, R_end);
+  Q.position = (accel * t3 / 3.0 + accel_walk * t3 * t2 / 20.0) * I +
+               (gyro * t3 * t2 / 20.0 + gyro_walk * t3 * t3 * t / 252.0) * square(f - d / 18.0);
+  const Vector3d early = f + d / 10.0;
+  const Vector3d late = f - d / 30.0;  // [early] [late]^T
+  Q.velocity_position = (accel * t2 / 2.0 + accel_walk * t2 * t2 / 8.0) * I +
+                        (gyro * t2 * t2 / 8.0 + gyro_walk * t3 * t3 / 72.0) *
+                            (early.dot(late) * I - late * early.transpose());
+  Q.velocity = (accel * t + accel_walk * t3 / 3.0) * I +
+               (gyro * t3 / 3.0 + gyro_walk * t3 * t2 / 20.0) * square(f + d / 8.0);
+  Q.attitude_gyro = -(gyro_walk * t2 / 2.0) * (I - skew(phi) / 3.0);
+  Q.position_gyro = (gyro_walk * t2 * t2 / 24.0) * crossed(early, R_mid - R_mid_turn / 10.0);
+  Q.velocity_gyro = (gyro_walk * t3 / 6.0) * crossed(f + d / 4.0, R_mid);
+  Q.position_accel = -(accel_walk * t3 / 6.0) * R_mid;
+  Q.velocity_accel = -(accel_walk * t2 / 2.0) * (R_mid + R_mid_turn / 6.0);
+  Q.gyro = gyro_walk * t;
+  Q.accel = accel_walk * t;
+  return Q;
 }
 
 }  // namespace
 
-Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
+BodyNoise process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
                                    double dt, const ProcessNoise& density) {
   constexpr double kMostParts = 100.0;  // five radians in one step: much else is unknown
   constexpr double kShort = 0.05;       // [rad]: 2e-4 of a variance
@@ -172,10 +220,9 @@ Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const V
   const double t = dt / parts;
   const Matrix3d turn = gamma(0, w * t);
   Matrix3d R_part = R;
-  Matrix15d Q = Matrix15d::Zero();
+  BodyNoise Q;
   for (int i = 0; i < parts; ++i) {
-    add_noise_step(TransitionBlocks(R_part, w, a, t), noise_of_short_step(R_part, w, a, t, density),
-                   Q);
+    Q.advance(BodyTransition(R_part, w, a, t), noise_of_short_step(R_part, w, a, t, density));
     R_part = R_part * turn;
   }
   return Q;
@@ -188,7 +235,7 @@ Matrix15d congruence(const Matrix15d& F, const Matrix15d& P) {
 
 bool Propagation::finite() const {
   return state.p_WB.allFinite() && state.v_WB.allFinite() && state.q_WB.coeffs().allFinite() &&
-         transposed_transition.allFinite() && noise.allFinite();
+         transition().allFinite() && noise().allFinite();
 }
 
 void Propagation::step(const ImuStep& step, const ImuOptions& options) {
@@ -196,9 +243,9 @@ void Propagation::step(const ImuStep& step, const ImuOptions& options) {
   const Matrix3d R = state.q_WB.toRotationMatrix();
   const Vector3d w = step.gyro_B - state.gyro_bias;
   const Vector3d a = step.accel_B - state.accel_bias;
-  const TransitionBlocks phi(R, w, a, dt);
-  postmultiply_transposed(phi, transposed_transition);
-  add_noise_step(phi, process_noise_covariance(R, w, a, dt, process_noise(options, step)), noise);
+  const BodyTransition phi(R, w, a, dt);
+  from_start.advance(phi);
+  added.advance(phi, process_noise_covariance(R, w, a, dt, process_noise(options, step)));
   integrate(step, options.gravity, state);
   gap = gap || step.gap > 0.0;
 }

@@ -54,7 +54,7 @@ void ImuFactor::differentiate_attitude(const Matrix3d& R_ij, const Vector3d& r_p
   J->block<3, 3>(kAttitude, kAttitude) = -inverse_Jr * R_ij.transpose();
   J->block<3, 3>(kAttitude, kJ + kAttitude) = inverse_Jr;
   J->block<3, 3>(kAttitude, kGyroBias) =
-      -inverse_Jr * gamma(0, -r_phi) * gamma(1, -c) * imu_.jacobian(kAttitude, kGyroBias);
+      -inverse_Jr * gamma(0, -r_phi) * gamma(1, -c) * imu_.jacobians().attitude_gyro;
 }
 
 void ImuFactor::differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, const Vector3d& u_v,
@@ -63,13 +63,13 @@ void ImuFactor::differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, c
   J->block<3, 3>(kPosition, kAttitude) = skew(u_p);
   J->block<3, 3>(kPosition, kPosition) = -R_i.transpose();
   J->block<3, 3>(kPosition, kVelocity) = -T * R_i.transpose();
-  J->block<3, 3>(kPosition, kGyroBias) = -imu_.jacobian(kPosition, kGyroBias);
-  J->block<3, 3>(kPosition, kAccelBias) = -imu_.jacobian(kPosition, kAccelBias);
+  J->block<3, 3>(kPosition, kGyroBias) = -imu_.jacobians().position_gyro;
+  J->block<3, 3>(kPosition, kAccelBias) = -imu_.jacobians().position_accel;
   J->block<3, 3>(kPosition, kJ + kPosition) = R_i.transpose();
   J->block<3, 3>(kVelocity, kAttitude) = skew(u_v);
   J->block<3, 3>(kVelocity, kVelocity) = -R_i.transpose();
-  J->block<3, 3>(kVelocity, kGyroBias) = -imu_.jacobian(kVelocity, kGyroBias);
-  J->block<3, 3>(kVelocity, kAccelBias) = -imu_.jacobian(kVelocity, kAccelBias);
+  J->block<3, 3>(kVelocity, kGyroBias) = -imu_.jacobians().velocity_gyro;
+  J->block<3, 3>(kVelocity, kAccelBias) = -imu_.jacobians().velocity_accel;
   J->block<3, 3>(kVelocity, kJ + kVelocity) = R_i.transpose();
 }
 

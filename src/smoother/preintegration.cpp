@@ -19,13 +19,12 @@ void Preintegration::step(const ImuStep& step, const ImuOptions& options) {
 
 ImuIncrement Preintegration::corrected(const Vector3d& gyro_bias,
                                        const Vector3d& accel_bias) const {
-  using namespace body;
   const Vector3d dbg = gyro_bias - chain_.state.gyro_bias;
   const Vector3d dba = accel_bias - chain_.state.accel_bias;
   ImuIncrement out = increment();
   out.delta_q = (out.delta_q * quaternion_exp(rotation_correction(gyro_bias))).normalized();
-  out.delta_v += jacobian(kVelocity, kGyroBias) * dbg + jacobian(kVelocity, kAccelBias) * dba;
-  out.delta_p += jacobian(kPosition, kGyroBias) * dbg + jacobian(kPosition, kAccelBias) * dba;
+  out.delta_v += jacobians().velocity_gyro * dbg + jacobians().velocity_accel * dba;
+  out.delta_p += jacobians().position_gyro * dbg + jacobians().position_accel * dba;
   return out;
 }
 

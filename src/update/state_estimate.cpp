@@ -145,7 +145,7 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   estimate_.way += way;
   const ImuSample now = imu.at(to);
   estimate_.gyro_B = now.gyro_B;
-  covariance_.propagate(p.transition(), p.noise);
+  covariance_.propagate(p.transition(), p.noise());
   const double walk = options_.update.landmark_walk;
   covariance_.add_landmark_noise(walk * walk * way);
   covariance_.add_auxiliary_noise(options_.auxiliary, seconds);

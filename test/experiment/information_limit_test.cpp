@@ -170,7 +170,7 @@ Matrix15d batch_covariance(const sim::Flight& flight, const Options& o, const Li
     Propagation p;
     p.state = flight.trajectory.at(last).nav;
     imu.for_each_step(last, scan.time, [&](const ImuStep& step) { p.step(step, o.imu); });
-    const Eigen::MatrixXd root = inverse_root(p.noise);
+    const Eigen::MatrixXd root = inverse_root(p.noise());
     batch.add({{body_at(k), root * p.transition()}, {body_at(k + 1), -root}});
     const sim::Trajectory::Point truth = flight.trajectory.at(scan.time);
     for (const sim::Label& label : flight.labels[scans[k]]) {

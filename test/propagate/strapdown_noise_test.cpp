@@ -87,7 +87,7 @@ TEST(ProcessNoise, SolvesTheLyapunovEquation) {
   for (const ProcessNoise& n : {usual, gyro, gyro_walk, accel_walk}) {
     const bool walks = n.gyro < 1e-10;
     for (const auto& [c, dt] : cases_and_steps()) {
-      const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n);
+      const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n).matrix();
       EXPECT_LT(asymmetry(Q), 1e-15);
       // exact without rotation; steps are cut at 0.05 rad
       const double phi = std::min(0.05, c.w().norm() * dt);
@@ -102,7 +102,7 @@ TEST(ProcessNoise, OfALongStepCostsNoMore) {
   const ProcessNoise n{1.6e-7, 1.6e-5, 4e-10, 4e-8};
   const Case c = test::strapdown_cases(1, 1.2).back();
   const auto begin = std::chrono::steady_clock::now();
-  const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), 1e7, n);
+  const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), 1e7, n).matrix();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   EXPECT_LT(took.count(), 0.5);  // 4e8 parts of 0.05 rad would take minutes
   EXPECT_TRUE(Q.allFinite());
@@ -134,7 +134,7 @@ TEST(ProcessNoise, EqualsMonteCarlo) {
     const test::BodyVector e = test::error_of(x, nominal);
     sum += e * e.transpose();
   }
-  const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n);
+  const Matrix15d Q = process_noise_covariance(c.rotation(), c.w(), c.a(), dt, n).matrix();
   const Eigen::LLT<Matrix15d> llt(Q);
   ASSERT_EQ(llt.info(), Eigen::Success);
   const Matrix15d inverse = llt.matrixL().solve(Matrix15d::Identity());
@@ -163,7 +163,7 @@ TEST(ProcessNoise, InAGapEqualsMonteCarlo) {
   EXPECT_EQ(process_noise(o, quiet).gyro, 0.0);
   EXPECT_EQ(process_noise(o, quiet).accel, 0.0);
   const Matrix15d Q =
-      process_noise_covariance(c.rotation(), c.w(), c.a(), dt, process_noise(o, step));
+      process_noise_covariance(c.rotation(), c.w(), c.a(), dt, process_noise(o, step)).matrix();
 
   constexpr int kRuns = 10000;
   test::Random random(3);
@@ -211,17 +211,18 @@ TEST(Propagation, AccumulatesTheProductChain) {
     const Vector3d w = step.gyro_B - x.gyro_bias;
     const Vector3d a = step.accel_B - x.accel_bias;
     const Matrix15d phi = transition(R, w, a, dt);
-    P = (phi * P * phi.transpose() + process_noise_covariance(R, w, a, dt, process_noise(o, step)))
+    P = (phi * P * phi.transpose() +
+         process_noise_covariance(R, w, a, dt, process_noise(o, step)).matrix())
             .eval();
     integrate(step, o.gravity, x);
     p.step(step, o);
   }
   EXPECT_EQ(p.state.time, x.time);
   EXPECT_LT(test::error_of(x, p.state).norm(), 1e-15);
-  const Matrix15d once = p.transition() * P0 * p.transition().transpose() + p.noise;
+  const Matrix15d once = p.transition() * P0 * p.transition().transpose() + p.noise();
   EXPECT_LT(relative_difference(once, P), 1e-12);  // 30 products
-  EXPECT_LT(asymmetry(p.noise), 1e-14);
-  EXPECT_EQ(Eigen::LLT<Matrix15d>(p.noise).info(), Eigen::Success);
+  EXPECT_LT(asymmetry(p.noise()), 1e-14);
+  EXPECT_EQ(Eigen::LLT<Matrix15d>(p.noise()).info(), Eigen::Success);
   EXPECT_FALSE(p.gap);
   EXPECT_TRUE(p.finite());
 }
@@ -236,7 +237,7 @@ TEST(Propagation, GapCutByScansIsNoLessUncertain) {
       imu.for_each_step(p.state.time, from_seconds(1.0) * i / pieces,
                         [&p](const ImuStep& step) { p.step(step, ImuOptions{}); });
     }
-    return p.noise;
+    return p.noise();
   };
   const Matrix15d whole = noise(1);
   const Matrix15d pieces = noise(15);

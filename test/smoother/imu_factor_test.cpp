@@ -39,7 +39,7 @@ TEST(ImuFactor, IsRegularWithoutNoise) {
         steps.front().end = steps.front().begin + from_seconds(0.005);
         const Preintegration imu = preintegrate(steps, Vector3d::Zero(), Vector3d::Zero(), options);
         EXPECT_TRUE(ImuFactor(imu, 9.81).valid());
-        const Matrix15d& S = imu.covariance();
+        const Matrix15d S = imu.covariance();
         const Matrix15d I = Matrix15d::Identity();
         EXPECT_LT((whitened(S, S) - I).cwiseAbs().maxCoeff(), 1e-12) << zeros << ' ' << count;
         EXPECT_LT(Eigen::LLT<Matrix15d>(S).solve(I).diagonal().maxCoeff(), 1e17);

@@ -62,7 +62,7 @@ TEST(Preintegration, TransitionAndCovarianceEqualPropagation) {
     // the entries of the transition are below 10
     EXPECT_LT((M * imu.transition() * M.transpose() - reference.transition()).cwiseAbs().maxCoeff(),
               1e-13);
-    EXPECT_LT(relative_difference(M * imu.covariance() * M.transpose(), reference.noise), 1e-12);
+    EXPECT_LT(relative_difference(M * imu.covariance() * M.transpose(), reference.noise()), 1e-12);
     EXPECT_TRUE(imu.gap());
     EXPECT_TRUE(imu.finite());
   }

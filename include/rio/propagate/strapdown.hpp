@@ -29,6 +29,50 @@ void integrate(const Vector3d& gyro_B, const Vector3d& accel_B, double dt, doubl
 /// (E1) over one step, stamp included.
 void integrate(const ImuStep& step, double gravity, NavState& state);
 
+/// (E2) as its blocks that are neither zero nor the identity; that of position by velocity is
+/// dt I. Products of such transitions have the same form.
+struct BodyTransition {
+  Matrix3d attitude_attitude = Matrix3d::Identity();
+  Matrix3d velocity_attitude = Matrix3d::Zero();
+  Matrix3d position_attitude = Matrix3d::Zero();
+  Matrix3d attitude_gyro = Matrix3d::Zero();
+  Matrix3d velocity_gyro = Matrix3d::Zero();
+  Matrix3d position_gyro = Matrix3d::Zero();
+  Matrix3d velocity_accel = Matrix3d::Zero();
+  Matrix3d position_accel = Matrix3d::Zero();
+  double dt = 0.0;  ///< [s]
+
+  /// The identity.
+  BodyTransition() = default;
+  /// From a state with attitude R over dt seconds at constant w [rad/s] and a [m/s^2].
+  BodyTransition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt);
+
+  /// Over one more step: F times this.
+  void advance(const BodyTransition& F);
+  Matrix15d matrix() const;
+};
+
+/// (E3) as its blocks: attitude and accelerometer bias never correlate, the biases are isotropic.
+struct BodyNoise {
+  Matrix3d attitude = Matrix3d::Zero();
+  Matrix3d position_attitude = Matrix3d::Zero();
+  Matrix3d velocity_attitude = Matrix3d::Zero();
+  Matrix3d position = Matrix3d::Zero();
+  Matrix3d velocity_position = Matrix3d::Zero();
+  Matrix3d velocity = Matrix3d::Zero();
+  Matrix3d attitude_gyro = Matrix3d::Zero();
+  Matrix3d position_gyro = Matrix3d::Zero();
+  Matrix3d velocity_gyro = Matrix3d::Zero();
+  Matrix3d position_accel = Matrix3d::Zero();
+  Matrix3d velocity_accel = Matrix3d::Zero();
+  double gyro = 0.0;   ///< of each axis of the bias [rad^2/s^2]
+  double accel = 0.0;  ///< same [m^2/s^4]
+
+  /// Over one more step with the noise q: F this F^T + q.
+  void advance(const BodyTransition& F, const BodyNoise& q);
+  Matrix15d matrix() const;
+};
+
 /// (E2) from a state with attitude R over dt seconds at constant w [rad/s] and a [m/s^2].
 Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt);
 
@@ -50,7 +94,7 @@ ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step);
 
 /// (E3). The sensor noises are isotropic, so each enters by three columns of Phi: attitude (gyro),
 /// velocity (accelerometer), and the two biases.
-Matrix15d process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
+BodyNoise process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
                                    double dt, const ProcessNoise& density);
 
 /// F P F^T.
@@ -59,11 +103,12 @@ Matrix15d congruence(const Matrix15d& F, const Matrix15d& P);
 /// Mean, transition and noise accumulated over several steps, to be applied to a covariance once.
 struct Propagation {
   NavState state;
-  Matrix15d transposed_transition = Matrix15d::Identity();
-  Matrix15d noise = Matrix15d::Zero();
+  BodyTransition from_start;
+  BodyNoise added;
   bool gap = false;
 
-  Matrix15d transition() const { return transposed_transition.transpose(); }
+  Matrix15d transition() const { return from_start.matrix(); }
+  Matrix15d noise() const { return added.matrix(); }
 
   /// Every value is a number.
   bool finite() const;

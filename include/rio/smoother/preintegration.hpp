@@ -62,14 +62,14 @@ class Preintegration {
   /// A, 15x15, order of namespace body. (E2)
   Matrix15d transition() const { return chain_.transition(); }
   /// S, 15x15, order of namespace body, bias walk included. (E2)
-  const Matrix15d& covariance() const { return chain_.noise; }
+  Matrix15d covariance() const { return chain_.noise(); }
   /// A step lay in a pause of the IMU longer than ImuOptions::max_gap.
   bool gap() const { return chain_.gap; }
   bool finite() const { return chain_.finite(); }
 
   /// d(rotation vector of delta_q) at another gyro bias [rad]: the Exp argument of (E3).
   Vector3d rotation_correction(const Vector3d& gyro_bias) const {
-    return jacobian(body::kAttitude, body::kGyroBias) * (gyro_bias - chain_.state.gyro_bias);
+    return jacobians().attitude_gyro * (gyro_bias - chain_.state.gyro_bias);
   }
 
   /// The increment at other biases (E3). Its error grows with the square of the change; at constant
@@ -79,10 +79,8 @@ class Preintegration {
   /// accelerometer bias alone.
   ImuIncrement corrected(const Vector3d& gyro_bias, const Vector3d& accel_bias) const;
 
-  /// 3x3 block of A: rows and columns by offsets of namespace body.
-  Matrix3d jacobian(int row, int column) const {
-    return chain_.transposed_transition.block<3, 3>(column, row).transpose();
-  }
+  /// The blocks of A.
+  const BodyTransition& jacobians() const { return chain_.from_start; }
 
   /// The state after the last step, started `from` the state of the first, at the biases of `from`
   /// (E3, E1); the stamp advances by duration(). Gravity along -z of W [m/s^2].
