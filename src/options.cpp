@@ -62,7 +62,6 @@ void publish_ekf(Options* o) {
   o->frontend.unwrap_doppler = false;
   o->frontend.velocity_recovery = false;
   o->frontend.detect_rest = false;
-  o->frontend.ransac_min_share = 0.0;
   o->frontend.matching = Matching::kEuclidean;
   o->frontend.promote_after = 7;
   o->frontend.landmark_timeout = 0.0;

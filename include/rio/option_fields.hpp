@@ -117,8 +117,6 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
         option_limits::kDetections,
         "With fewer there is no static set and the scan moves nothing.");
-  inner("frontend.ransac_min_share", o.frontend.ransac_min_share, "", 0, 1,
-        "Same, as a share of the detections of a scan.");
   inner("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
         "Standing on the ground measures velocity and gyroscope bias.");
   inner("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,

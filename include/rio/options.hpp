@@ -85,7 +85,6 @@ struct FrontendOptions {
   int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
   int ransac_seed = 1;                ///< of the deterministic generator
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
-  double ransac_min_share = 0.25;     ///< of all detections; fewer agree: the scan moves nothing
   bool detect_rest = true;            ///< standing on the ground measures velocity and gyro bias
   bool velocity_recovery = true;  ///< velocity, tilt, heading if contradicted or lost start over
   Matching matching = Matching::kMahalanobis;

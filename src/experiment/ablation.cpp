@@ -63,9 +63,6 @@ const std::vector<Switch>& switches() {
       {"RANSAC with a constant bound",
        {"people", "sparse"},
        [](Options& o) { o.frontend.ransac_sigmas = 0.0; }},
-      {"any share of a scan may move the state",
-       {"storm", "people", "sparse"},
-       [](Options& o) { o.frontend.ransac_min_share = 0.0; }},
       {"slow movers not sought",
        {"people", "sparse"},
        [](Options& o) { o.frontend.mover_sigmas = 0.0; }},
@@ -85,12 +82,11 @@ const std::vector<Switch>& switches() {
       {"ambiguous matches used",
        {"hover", "sparse"},
        [](Options& o) { o.frontend.match_margin = 0.0; }},
-      {"RANSAC bound, share, slow movers, margin and spread of directions off",
+      {"RANSAC bound, slow movers, margin and spread of directions off",
        {"hover", "people", "sparse"},
        [](Options& o) {
          o.update.doppler_directions = DopplerDirections::kCorrected;
-         o.frontend.ransac_sigmas = o.frontend.ransac_min_share = 0.0;
-         o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
+         o.frontend.ransac_sigmas = o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
        }},
       {"every match taken for right", {"hover"}, [](Options& o) { o.update.match_trust = 1.0; }},
       {"landmarks dropped at the first miss",

@@ -49,10 +49,6 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
     }
   }
   out->valid = best.count >= options_.ransac_min_inliers && !best.rival;
-  if (best.count < options_.ransac_min_share * static_cast<double>(n)) {
-    out->valid = false;
-    return;  // whatever agrees here agrees by chance
-  }
   if (!out->valid) {
     if (predicted) mark(scan, predicted->v_S, predicted->covariance, out);
     return;

@@ -182,7 +182,6 @@ TEST(EgoVelocity, SameScanSameResultWhateverCameBefore) {
 TEST(EgoVelocity, SmallScansFallBackOnThePrediction) {
   test::Random random(3);
   FrontendOptions options;
-  options.ransac_min_share = 0.0;  // of one detection that is off, none agrees
   const Vector3d v(1.0, -0.4, 0.3);
   for (int count = 0; count <= 4; ++count) {
     std::vector<RadarDetection> raw = static_points(random, count, v);
@@ -239,7 +238,6 @@ TEST(EgoVelocity, WrongPredictionDoesNotWinOverAClearConsensus) {
 TEST(EgoVelocity, GoodPredictionWinsWhereDrawingFails) {
   // four in five are outliers: a clean triple has the odds 0.008, so 38 draws mostly miss
   FrontendOptions options;
-  options.ransac_min_share = 0.0;
   int without = 0;
   int with = 0;
   for (unsigned seed = 1; seed <= 50; ++seed) {
@@ -278,7 +276,6 @@ TEST(EgoVelocity, InlierBoundIsTheWiderOfThresholdAndSigmas) {
     scan.items.push_back(d);
     FrontendOptions options;
     options.ransac_threshold = 0.15;
-    options.ransac_min_share = 0.0;
     options.ransac_sigmas = sigmas;
     return estimate(scan, v, options).inlier[0];
   };
@@ -288,28 +285,6 @@ TEST(EgoVelocity, InlierBoundIsTheWiderOfThresholdAndSigmas) {
   // across the motion 0.1 rad are 0.4 m/s: 3 * hypot(0.03, 0.4) = 1.203
   EXPECT_TRUE(inlier(1.20, 3.0, 0.1));
   EXPECT_FALSE(inlier(-1.21, 3.0, 0.1));
-}
-
-// Enough points for a consensus, but a small part of the scan: chance, or somebody who walks by.
-TEST(EgoVelocity, ASmallShareOfTheScanIsNoConsensus) {
-  constexpr int kSupporters = 9;  // of 40, less than a quarter
-  FrontendOptions free;
-  free.ransac_min_share = 0.0;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    test::Random random(seed);
-    const Vector3d v = random.normal_vector(1.0);
-    std::vector<RadarDetection> raw = static_points(random, 40, v);
-    for (std::size_t i = kSupporters; i < raw.size(); ++i) {  // no two of them agree
-      raw[i].range_rate += static_cast<double>(i) * (i % 2 == 0 ? 1.0 : -1.0);
-    }
-    const DetectionList scan = list_of(raw, Time(seed));
-    const EgoVelocity refused = estimate(scan, v);
-    EXPECT_FALSE(refused.valid) << seed;
-    EXPECT_EQ(refused.inliers, 0) << seed;  // not even by the word of the IMU
-    const EgoVelocity accepted = estimate(scan, v, free);
-    EXPECT_TRUE(accepted.valid) << seed;
-    EXPECT_EQ(accepted.inliers, kSupporters) << seed;
-  }
 }
 
 TEST(EgoVelocity, TheShareIsOfAllDetections) {
