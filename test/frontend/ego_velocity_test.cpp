@@ -287,17 +287,5 @@ TEST(EgoVelocity, InlierBoundIsTheWiderOfThresholdAndSigmas) {
   EXPECT_FALSE(inlier(-1.21, 3.0, 0.1));
 }
 
-TEST(EgoVelocity, TheShareIsOfAllDetections) {
-  test::Random random(7);
-  const Vector3d v(1.0, -0.4, 0.3);
-  for (const int count : {36, 37}) {  // nine in 36 are a quarter, nine in 37 are less
-    std::vector<RadarDetection> raw = static_points(random, count, v);
-    for (std::size_t i = 9; i < raw.size(); ++i) {
-      raw[i].range_rate += static_cast<double>(i) * (i % 2 == 0 ? 1.0 : -1.0);
-    }
-    EXPECT_EQ(estimate(list_of(raw), v).valid, count == 36) << count;
-  }
-}
-
 }  // namespace
 }  // namespace rio

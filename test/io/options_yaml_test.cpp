@@ -181,7 +181,7 @@ TEST(OptionsYaml, WrongValuesNameFileAndLine) {
   EXPECT_ERROR(parsed("update: {max_clones: 21}\n"), "update.max_clones = 21 is outside [0, 20]");
   EXPECT_ERROR(parsed("update: {use_trails: 1}\n"), "use_trails: true or false is expected");
   EXPECT_ERROR(parsed("update: {doppler_directions: white}\n"),
-               "exact, noisy, corrected or reliable is expected");
+               "exact or noisy or corrected or reliable is expected");
   EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2]}}\n"), "a list of 3 numbers");
   EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2, 3 s]}}\n"), "does not fit the unit [m]");
   EXPECT_ERROR(parsed("radar: {T_BS: {quaternion_wxyz: [1, 1, 0, 0]}}\n"), "not a unit quaternion");
