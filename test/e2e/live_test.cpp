@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <future>
+#include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -49,22 +50,34 @@ class Live : public Tool {
     return {player.get(), run};
   }
 
-  /// Rows of the live run and those that its replay has to the last digit.
-  struct Compared {
-    std::size_t rows = 0;
-    std::size_t equal = 0;
-    /// The live run processed other scans: the machine stood still for so long that some came too
-    /// late for the estimator, which happens in no replay.
-    bool busy = false;
-  };
-  static Compared compare(const Json& live, const std::string& recording,
-                          const std::string& states) {
-    const std::string again = file("again.csv");
-    const Outcome replay =
-        rio("replay " + recording + " --init static --no-check --json --states " + again);
-    EXPECT_EQ(replay.status, 0) << replay.output;
-    const Json replayed = Json::parse(replay.last_line());
-    return {lines_of(states).size(), equal_rows(states, again), replayed["scans"] != live["scans"]};
+  /// Flies until a replay of the recording is the live trajectory to the last digit: a machine that
+  /// stands still for long makes data come too late, which happens in no replay. Gives up after
+  /// kTries flights, with what the last one and its replay said.
+  /// @param run the outputs of the flight that is the replay
+  static bool is_its_replay(const std::string& name, const std::string& simulate, Json* run) {
+    for (int i = 1; i <= kTries; ++i) {
+      const std::string recording = file(name + std::to_string(i));
+      const std::string states = recording + ".csv";
+      const auto [player, live] =
+          fly(name + std::to_string(i) + "_flown", simulate,
+              " --record " + recording + " --states " + states + " --out " + recording + ".tum");
+      const std::string again = file("again.csv");
+      const Outcome replay =
+          rio("replay " + recording + " --init static --no-check --states " + again);
+      if (player.status != 0 || live.status != 0 || replay.status != 0) {
+        std::cerr << player.output << live.output << replay.output;
+        continue;
+      }
+      *run = Json::parse(live.last_line());
+      const std::size_t rows = lines_of(states).size();
+      if (rows > 50 && equal_rows(states, again) == rows &&
+          lines_of(recording + ".tum").size() == rows) {
+        return true;
+      }
+      std::cerr << equal_rows(states, again) << " of " << rows << " rows are those of the replay, "
+                << (*run)["counters"] << "\n";
+    }
+    return false;
   }
 
   /// States by stamp.
@@ -90,31 +103,16 @@ class Live : public Tool {
 };
 
 TEST_F(Live, IsTheReplayOfWhatItRecorded) {
-  for (int tries = 1;; ++tries) {
-    const std::string name = "clean" + std::to_string(tries);
-    const std::string recording = file(name + "_rec");
-    const auto [player, run] = fly(name, "",
-                                   " --record " + recording + " --states " + file(name + ".csv") +
-                                       " --out " + file(name + ".tum"));
-    ASSERT_EQ(player.status, 0) << player.output;
-    ASSERT_EQ(run.status, 0) << run.output;
-    const Json json = Json::parse(run.last_line());
-    EXPECT_EQ(json["live"]["packets_damaged"], 0);
-    EXPECT_EQ(json["live"]["packets_lost"], 0);
-    EXPECT_EQ(json["live"]["imu_lost"], 0);
-    const Compared with_replay = compare(json, recording, file(name + ".csv"));
-    if (with_replay.busy && tries < kTries) continue;
-    measured("last byte to estimate, median, ms", json["live"]["latency_median_ms"], "1");
-    measured("last byte to estimate, p99, ms", json["live"]["latency_p99_ms"],
-             "3 without other load");
-    measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 3.0,
-             "0.03 at real speed");
-    if (with_replay.busy) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
-    EXPECT_GT(with_replay.rows, 50U);
-    EXPECT_EQ(with_replay.equal, with_replay.rows);
-    EXPECT_EQ(lines_of(file(name + ".tum")).size(), with_replay.rows);
-    return;
-  }
+  Json json;
+  ASSERT_TRUE(is_its_replay("clean", "", &json));
+  EXPECT_EQ(json["live"]["packets_damaged"], 0);
+  EXPECT_EQ(json["live"]["packets_lost"], 0);
+  EXPECT_EQ(json["live"]["imu_lost"], 0);
+  measured("last byte to estimate, median, ms", json["live"]["latency_median_ms"], "1");
+  measured("last byte to estimate, p99, ms", json["live"]["latency_p99_ms"],
+           "3 without other load");
+  measured("CPU, share of a core", json["live"]["cpu_share"].get<double>() / 3.0,
+           "0.03 at real speed");
 }
 
 /// As a folder and as MCAP: one trajectory.
@@ -154,9 +152,8 @@ TEST_F(Live, AnMcapOfAKilledRunIsReadable) {
 
 /// Every scan that was recorded is one that was sent: its points, to float precision.
 TEST_F(Live, ABadCableInventsNothing) {
-  const auto [player, run] = fly(
-      "bad", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2",
-      " --record " + file("bad_rec") + " --states " + file("c.csv") + " --out " + file("c.tum"));
+  const auto [player, run] = fly("bad", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2",
+                                 " --record " + file("bad_rec"));
   ASSERT_EQ(run.status, 0) << run.output;
   const Json json = Json::parse(run.last_line());
   EXPECT_GT(json["live"]["packets_lost"], 0);
@@ -189,9 +186,12 @@ TEST_F(Live, ABadCableInventsNothing) {
   EXPECT_GT(accounted + 10, sent.size());  // before the IMU, and at the end
   EXPECT_LT(came.size(), sent.size());
   EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
-  const Compared with_replay = compare(json, file("bad_rec"), file("c.csv"));
-  if (with_replay.busy) GTEST_SKIP() << "the machine is too busy: " << json["counters"];
-  EXPECT_EQ(with_replay.equal, with_replay.rows);
+}
+
+TEST_F(Live, OverABadCableIsTheReplayOfWhatItRecorded) {
+  Json json;
+  EXPECT_TRUE(
+      is_its_replay("worn", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2", &json));
 }
 
 /// The CLI port of a radar: what was sent to it, and an answer to every line.
