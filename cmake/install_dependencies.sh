@@ -3,7 +3,7 @@
 #   cmake/install_dependencies.sh [tools|tests|fuzz]     tests, fuzz = tools and more
 set -euo pipefail
 
-packages=(cmake g++ make libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
+packages=(cmake g++ make ninja-build libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
   libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
 if [ "${1:-tools}" = tests ]; then
   packages+=(libgtest-dev libbenchmark-dev libceres-dev clang-format-14 clang-tidy-14

@@ -17,6 +17,7 @@ cmake/install_dependencies.sh tests
 jobs=$(nproc)
 compiler=$(basename "${CXX:-g++}")
 build=build/$mode-$compiler
+grep -qs Makefiles "$build/CMakeCache.txt" || export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"
 cmake --preset "$mode" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" >/dev/null
 
 if [ "$mode" = tidy ]; then
