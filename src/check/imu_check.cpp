@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -290,14 +291,24 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
 
 }  // namespace
 
-std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
-  std::vector<ImuSample> finite;
-  for (const ImuSample& s : samples) {
-    if (s.gyro_B.allFinite() && s.accel_B.allFinite()) finite.push_back(s);
-  }
+std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples) {
+  const auto is_finite = [](const ImuSample& s) {
+    return s.gyro_B.allFinite() && s.accel_B.allFinite();
+  };
+  const bool all_finite = std::all_of(samples.begin(), samples.end(), is_finite);
+  std::vector<ImuSample> some;
+  if (!all_finite)
+    std::copy_if(samples.begin(), samples.end(), std::back_inserter(some), is_finite);
+  const std::vector<ImuSample>& finite = all_finite ? samples : some;
+  const std::vector<std::size_t> order = in_order(finite);
+  if (order.size() == samples.size()) return std::nullopt;
   std::vector<ImuSample> out;
-  for (const std::size_t i : in_order(finite)) out.push_back(finite[i]);
+  for (const std::size_t i : order) out.push_back(finite[i]);
   return out;
+}
+
+std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
+  return usable_if_not_all(samples).value_or(samples);
 }
 
 double turning_error(const std::vector<ImuSample>& samples, double factor) {

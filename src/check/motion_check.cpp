@@ -270,8 +270,9 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
   if (as_read > kExplained || median(rates) < kSlow) return std::nullopt;
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(samples, kDegree * gyro_unit, accel_unit);
-  const double most = most_explained(
-      agreements(speeds, path, radar.T_BS.translation, -radar.time_offset), judge.options);
+  const double most =
+      most_explained(agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front(),
+                     judge.options);
   if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) {
     return std::nullopt;
   }
@@ -297,7 +298,8 @@ std::optional<Finding> check_handedness(const Judge& judge, const std::vector<Im
   }
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(samples, -gyro_unit, accel_unit);
-  const Agreements mirrored = agreements(speeds, path, radar.T_BS.translation, -radar.time_offset);
+  const Agreements mirrored =
+      agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front();
   const Agreement all = total(mirrored);
   const std::vector<Axes> list = candidates(radar.T_BS.rotation);
   const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
@@ -353,12 +355,9 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
 /// The windows for every shift looked at, from the most negative on.
 std::vector<Agreements> all_shifts(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                    const RadarOptions& radar) {
-  std::vector<Agreements> out;
-  for (int i = -kShifts; i <= kShifts; ++i) {
-    out.push_back(
-        agreements(speeds, path, radar.T_BS.translation, kShiftStep * i - radar.time_offset));
-  }
-  return out;
+  std::vector<double> shifts;
+  for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
+  return agreements(speeds, path, radar.T_BS.translation, shifts);
 }
 
 /// Those in which the axes are judged: as told, unless another shift is clearly better with some

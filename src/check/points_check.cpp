@@ -64,13 +64,13 @@ struct Support {
 };
 
 /// Of any two stamps [s].
-double between(const RadarScan& from, const RadarScan& to) {
+double between(const ScanView& from, const ScanView& to) {
   return to_seconds(to.time) - to_seconds(from.time);
 }
 
 /// Calls use(scan, later scan, dt) for the scans up to kLongest after this one.
 template <typename Use>
-void each_later_scan(const std::vector<RadarScan>& scans, std::size_t i, Use&& use) {
+void each_later_scan(const Scans& scans, std::size_t i, Use&& use) {
   for (std::size_t j = i + 1; j < scans.size(); ++j) {
     const double dt = between(scans[i], scans[j]);
     if (!(dt > 0.0) || dt > kLongest) return;
@@ -80,11 +80,11 @@ void each_later_scan(const std::vector<RadarScan>& scans, std::size_t i, Use&& u
 
 /// Calls use(scan, later scan, dt, block); where there are many points, not for all scans.
 template <typename Use>
-void each_pair_of_scans(const std::vector<RadarScan>& scans, Use&& use) {
+void each_pair_of_scans(const Scans& scans, Use&& use) {
   constexpr double kMost = 5e6;  // pairs of points
   double pairs = 0.0;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    each_later_scan(scans, i, [&](const RadarScan& from, const RadarScan& to, double) {
+    each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double) {
       pairs += static_cast<double>(from.detections.size() * to.detections.size());
     });
   }
@@ -96,7 +96,7 @@ void each_pair_of_scans(const std::vector<RadarScan>& scans, Use&& use) {
       begin = i;
       ++block;
     }
-    each_later_scan(scans, i, [&](const RadarScan& from, const RadarScan& to, double dt) {
+    each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double dt) {
       use(from, to, dt, block);
     });
   }
@@ -156,7 +156,7 @@ class RangeVotes {
   std::vector<Support> votes_;
 };
 
-bool look_alike(const RadarDetection& a, const RadarDetection& b) {
+bool look_alike(const Point& a, const Point& b) {
   constexpr double kCosine = 0.95;  // of their directions
   if (!(std::abs(a.range_rate - b.range_rate) <= 0.3 * std::abs(a.range_rate))) return false;
   return a.point_S.dot(b.point_S) > kCosine * a.point_S.norm() * b.point_S.norm();
@@ -198,7 +198,7 @@ class TurnVotes {
   }
 
   /// @param told, in_degrees turn of the body from the one scan to the other, in its axes
-  void add(const RadarScan& from, const RadarScan& to, const Quaternion& told,
+  void add(const ScanView& from, const ScanView& to, const Quaternion& told,
            const Quaternion& in_degrees, std::size_t block) {
     const Vector3d phi = quaternion_log(told);
     if (phi.norm() < 2.0 * kBound) return;  // both would be right
@@ -207,8 +207,8 @@ class TurnVotes {
     }
     const Matrix3d& R = mountings_.front();
     const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
-    for (const RadarDetection& a : from.detections) {
-      for (const RadarDetection& b : to.detections) add(a.point_S, b.point_S, small, block);
+    for (const Point& a : from.detections) {
+      for (const Point& b : to.detections) add(a.point_S, b.point_S, small, block);
     }
   }
   /// Of that mounting with which the rates as told do best.
@@ -241,15 +241,15 @@ class TurnVotes {
 
 }  // namespace
 
-Finding check_ranges(const std::vector<RadarScan>& scans, const Options& options, Source source) {
+Finding check_ranges(const Scans& scans, const Options& options, Source source) {
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);
   const double least = options.radar.min_range;
   each_pair_of_scans(scans,
-                     [&](const RadarScan& from, const RadarScan& to, double dt, std::size_t block) {
-                       for (const RadarDetection& a : from.detections) {
+                     [&](const ScanView& from, const ScanView& to, double dt, std::size_t block) {
+                       for (const Point& a : from.detections) {
                          if (a.range_rate == 0.0 || !(a.point_S.norm() > least)) continue;
-                         for (const RadarDetection& b : to.detections) {
+                         for (const Point& b : to.detections) {
                            if (!look_alike(a, b)) continue;
                            votes.add(b.point_S.norm() - a.point_S.norm(),
                                      0.5 * (a.range_rate + b.range_rate) * dt, block);
@@ -277,15 +277,14 @@ Finding check_ranges(const std::vector<RadarScan>& scans, const Options& options
   return out;
 }
 
-std::optional<Finding> check_rates(const std::vector<ImuSample>& samples,
-                                   const std::vector<RadarScan>& scans, const Options& options,
-                                   Source source) {
+std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
+                                   const Options& options, Source source) {
   constexpr double kDegree = 3.14159265358979323846 / 180.0;
   const ImuPath told(samples, 1.0, 1.0);
   const ImuPath in_degrees(samples, kDegree, 1.0);
   TurnVotes votes(options.radar.T_BS.rotation);
   each_pair_of_scans(scans,
-                     [&](const RadarScan& from, const RadarScan& to, double, std::size_t block) {
+                     [&](const ScanView& from, const ScanView& to, double, std::size_t block) {
                        const auto turn = [&](const ImuPath& path) -> std::optional<Quaternion> {
                          const auto first = path.at(from.time);
                          const auto last = path.at(to.time);
