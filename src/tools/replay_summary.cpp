@@ -155,6 +155,7 @@ std::string ReplaySummary::json() const {
         {"restarts", counters.restarts}}},
   };
   if (data) all["data"] = findings_json(*data);
+  if (data && checked_seconds) all["data_checked_s"] = *checked_seconds;
   return all.dump();
 }
 
@@ -207,6 +208,10 @@ std::string ReplaySummary::text() const {
       {"times the tilt was lost and found again", counters.restarts}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
+  }
+  if (data && checked_seconds) {
+    out += fmt::format("data: the first {:.0f} s are checked; `rio check` looks at all of it\n",
+                       *checked_seconds);
   }
   if (data) out += findings_text(*data);
   out += fmt::format("verdict: {}\n", health.verdict());
