@@ -20,8 +20,7 @@ class BagStream final : public io::RecordingStream {
   BagStream(fs::path path, RecordingRequest request)
       : path_(std::move(path)), request_(std::move(request)), survey_(survey(path_, request_)) {
     outline_ = std::move(survey_.outline);
-    clouds_.emplace(request_.points);
-    common_ = open_messages(path_);
+    start_over();
   }
 
  private:
@@ -54,7 +53,7 @@ class BagStream final : public io::RecordingStream {
   bool read(io::BaroSample* /*sample*/) override { return false; }
 
   void start_over() override {
-    common_ = open_messages(path_);
+    common_.reset();
     imu_ = {};
     radar_ = {};
     clouds_.emplace(request_.points);
@@ -65,6 +64,7 @@ class BagStream final : public io::RecordingStream {
   template <class Item>
   bool wait_for(const Sensor<Item>& sensor) {
     Message message;
+    if (!common_) common_ = open_messages(path_);
     while (sensor.waiting.empty()) {
       MessageStream* from = reader_of(sensor);
       if (!from->next(&message)) return false;

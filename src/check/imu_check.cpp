@@ -88,10 +88,11 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   }
   const Strays stray = strays(all);
   std::vector<double> periods;
+  periods.reserve(good.size());
   for (std::size_t i = 1; i < good.size(); ++i) {
     periods.push_back(to_seconds(good[i].time - good[i - 1].time));
   }
-  const double period = median(periods);
+  const double period = quantile_of(&periods, 0.5);
   const double longest = *std::max_element(periods.begin(), periods.end());
   double lost = 0.0;
   for (const double p : periods) lost += std::max(0.0, std::round(p / period) - 1.0);
@@ -226,8 +227,9 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   constexpr double kAnywhere = 25.0 * kDegree;  // beyond the tilt any flight has in half a second
   constexpr double kFastest = 6.3;  // a turn a second half of the time: nothing flies so [rad/s]
   std::vector<double> rates;
+  rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
-  const double usual = median(rates);
+  const double usual = quantile_of(&rates, 0.5);
   const double most = *std::max_element(rates.begin(), rates.end());
   const double told = turning_error(samples, 1.0);
   const double scaled = turning_error(samples, kDegree);

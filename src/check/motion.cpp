@@ -244,12 +244,6 @@ double noise(const std::vector<RadarSpeed>& speeds) {
   return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
 }
 
-Agreement total(const Agreements& windows) {
-  Agreement sum;
-  for (const Agreement& w : windows) sum += w;
-  return sum;
-}
-
 std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                    const Vector3d& lever_B, const std::vector<double>& shifts) {
   constexpr double kLength = 2.0;    // [s]
@@ -263,7 +257,7 @@ std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const 
   const auto close = [&] {
     for (std::size_t s = 0; s < shifts.size(); ++s) {
       if (sums[s].scans >= kFewest && sums[s].last >= kShortest) {
-        out[s].push_back(sums[s].less_lines());
+        out[s].add(sums[s].less_lines());
       }
       sums[s] = Sums();
     }

@@ -102,9 +102,21 @@ struct Agreement {
   /// How much the velocity of the radar changes beside v_0 and g, whatever its axes: rms [m/s].
   double movement() const;
 };
-using Agreements = std::vector<Agreement>;
 
-Agreement total(const Agreements& windows);
+/// Those of several windows; kept is their sum.
+class Agreements {
+ public:
+  void add(const Agreement& window) {
+    sum_ += window;
+    ++windows_;
+  }
+  std::size_t size() const { return windows_; }
+  const Agreement& total() const { return sum_; }
+
+ private:
+  Agreement sum_;
+  std::size_t windows_ = 0;
+};
 
 /// Noise of the velocities, from how three that follow each other differ from a line: rms [m/s].
 double noise(const std::vector<RadarSpeed>& speeds);

@@ -132,7 +132,7 @@ struct Judge {
   std::size_t radar;
   double noise;  ///< of the radar's velocities [m/s]
   Matrix3d told = options.radar.T_BS.rotation.toRotationMatrix();
-  Agreement all = total(windows);
+  Agreement all = windows.total();
 
   double doubt(const Matrix3d& worse, const Matrix3d& better) const {
     return significance(all.explained(worse), all.explained(better), windows.size());
@@ -249,7 +249,7 @@ Finding check_axes(const Judge& judge) {
 
 /// The best of all candidates.
 double most_explained(const Agreements& windows, const Options& options) {
-  const Agreement all = total(windows);
+  const Agreement all = windows.total();
   double most = 0.0;
   for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
     most = std::max(most, all.explained(axes.R));
@@ -265,9 +265,10 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
                                        double accel_unit) {
   constexpr double kSlow = 0.3;  // deg/s of something that flies or drives are more [rad/s]
   std::vector<double> rates;
+  rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(gyro_unit * s.gyro_B.norm());
   const double as_read = most_explained(judge.windows, judge.options);
-  if (as_read > kExplained || median(rates) < kSlow) return std::nullopt;
+  if (as_read > kExplained || quantile_of(&rates, 0.5) < kSlow) return std::nullopt;
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(samples, kDegree * gyro_unit, accel_unit);
   const double most =
@@ -300,7 +301,7 @@ std::optional<Finding> check_handedness(const Judge& judge, const std::vector<Im
   const ImuPath path(samples, -gyro_unit, accel_unit);
   const Agreements mirrored =
       agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front();
-  const Agreement all = total(mirrored);
+  const Agreement all = mirrored.total();
   const std::vector<Axes> list = candidates(radar.T_BS.rotation);
   const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
     return all.explained(a.R) < all.explained(b.R);
@@ -380,7 +381,7 @@ struct Shift {
 
 Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
   std::vector<double> explained;
-  for (const Agreements& windows : shifts) explained.push_back(total(windows).explained(R));
+  for (const Agreements& windows : shifts) explained.push_back(windows.total().explained(R));
   const auto best = std::max_element(explained.begin(), explained.end());
   const auto index = static_cast<int>(std::distance(explained.begin(), best));
   Shift out{kShiftStep * (index - kShifts), *best};
@@ -398,7 +399,7 @@ Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, c
   const RadarOptions& radar = judge.options.radar;
   const Shift shift = best_shift(shifts, R);
   const double sure =
-      significance(total(shifts[kShifts]).explained(R), shift.explained, judge.windows.size());
+      significance(shifts[kShifts].total().explained(R), shift.explained, judge.windows.size());
   Finding out{Verdict::kOk, "delay of the radar",
               fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
                           1e3 * shift.seconds),

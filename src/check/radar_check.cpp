@@ -83,12 +83,15 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
 Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
                      const Options& options) {
   std::vector<double> counts;
-  std::vector<double> snr;
   for (const ScanView scan : scans) {
     counts.push_back(static_cast<double>(scan.detections.size()));
-    for (const Point& d : scan.detections) snr.push_back(d.snr_db);
   }
-  const double usual_snr = quantile_of(&snr, 0.5);
+  const auto each_snr = [&scans](const auto& use) {
+    for (const ScanView scan : scans) {
+      for (const Point& d : scan.detections) use(d.snr_db);
+    }
+  };
+  const double usual_snr = quantile_of_each(each_snr, 0.5);
   std::vector<double> shares;
   for (const RadarSpeed& speed : speeds) shares.push_back(speed.inlier_share);
   const double with = static_cast<double>(speeds.size()) / static_cast<double>(counts.size());
@@ -103,7 +106,8 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
       ""};
   if (usual_snr < options.radar.min_snr_db) {
     out.verdict = Verdict::kWrong;
-    out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile_of(&snr, 0.01) - 1.0);
+    out.change =
+        fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile_of_each(each_snr, 0.01) - 1.0);
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     out.change = "more points a scan: lower the detection threshold of the radar (CFAR)";
@@ -111,14 +115,18 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   return out;
 }
 
-std::vector<double> magnitudes(const Scans& scans) {
-  std::vector<double> rates;
+/// Calls use(|Doppler|) for all that are finite.
+template <typename Use>
+void each_magnitude(const Scans& scans, Use&& use) {
   for (const ScanView scan : scans) {
     for (const Point& d : scan.detections) {
-      if (std::isfinite(d.range_rate)) rates.push_back(std::abs(d.range_rate));
+      if (std::isfinite(d.range_rate)) use(std::abs(d.range_rate));
     }
   }
-  return rates;
+}
+
+double quantile_of_magnitudes(const Scans& scans, double share) {
+  return quantile_of_each([&scans](const auto& use) { each_magnitude(scans, use); }, share);
 }
 
 /// Approaching targets have a Doppler below zero, but no detection has an SNR much below it.
@@ -137,13 +145,17 @@ bool looks_exchanged(const Scans& scans) {
 }
 
 Finding check_doppler(const Scans& scans, const Options& options, Source source) {
-  std::vector<double> rates = magnitudes(scans);
-  if (rates.empty()) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
+  std::size_t count = 0;
+  std::size_t zeros = 0;
+  each_magnitude(scans, [&](double rate) {
+    ++count;
+    zeros += rate == 0.0 ? 1U : 0U;
+  });
+  if (count == 0) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
   const double limit = options.radar.max_doppler;
-  const double most = quantile_of(&rates, 0.999);
-  const double middle = quantile_of(&rates, 0.5);
-  const double still = static_cast<double>(std::count(rates.begin(), rates.end(), 0.0)) /
-                       static_cast<double>(rates.size());
+  const double most = quantile_of_magnitudes(scans, 0.999);
+  const double middle = quantile_of_magnitudes(scans, 0.5);
+  const double still = static_cast<double>(zeros) / static_cast<double>(count);
   const double grid = options.radar.doppler_resolution;
   Finding out{Verdict::kOk, "Doppler",
               fmt::format("up to {:.2f} m/s (half of them below {:.2f}), {:.0f} % exactly zero, {}",
@@ -178,8 +190,8 @@ Finding check_doppler(const Scans& scans, const Options& options, Source source)
 }  // namespace
 
 double fastest(const Scans& scans) {
-  std::vector<double> rates = magnitudes(scans);
-  return rates.empty() ? 0.0 : quantile_of(&rates, 0.999);
+  const double most = quantile_of_magnitudes(scans, 0.999);
+  return std::isnan(most) ? 0.0 : most;
 }
 
 Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans, Source source) {

@@ -171,6 +171,7 @@ class Replay {
     }
     summary_.initialised_by = start ? start->source : "static";
     feed_.emplace(samples_, kept);
+    summary_.reserve(feed_->scans_left());
     if (start) begin(*start);
     outputs_.open(arguments, outline_.imu_begin);
     if (arguments.barometer) open_barometer(recording);
@@ -349,7 +350,8 @@ void replay(const ReplayArguments& arguments) {
   if (part) {
     Options checked;  // what is overridden has been noted
     (void)tell_sensors_and_file(recording.sensors, arguments.estimator.config, &checked);
-    summary.data = not_ok(findings_of(arguments.dataset, part->data(), checked));
+    summary.data =
+        not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
     summary.checked_seconds = part->seconds();
   }
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {

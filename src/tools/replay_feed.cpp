@@ -7,7 +7,7 @@ namespace rio::tools {
 
 namespace {
 
-constexpr double kLongest = 605.0;              // ten minutes, and what a clock may be off [s]
+constexpr double kLongest = 600.1;              // ten minutes, and what a clock may be off [s]
 constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
 
 }  // namespace
@@ -15,7 +15,6 @@ constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
 CheckedPart::CheckedPart(const io::Dataset& sensors, const io::RecordingOutline& outline)
     : data_{sensors, {}, {}} {
   // once for all: a vector that grows is there twice; what is never written to costs nothing
-  data_.imu.reserve(std::min(outline.imu_samples, kMostBytes / sizeof(ImuSample)));
   for (const std::vector<Time>& stamps : outline.scan_times) {
     data_.radars.emplace_back().reserve(stamps.size(), kMostBytes / sizeof(check::Point));
   }
@@ -24,13 +23,14 @@ CheckedPart::CheckedPart(const io::Dataset& sensors, const io::RecordingOutline&
 void CheckedPart::add(const ImuSample& sample) {
   constexpr double kPause = 1.0;  // [s]
   if (full_) return;
-  if (!data_.imu.empty()) {
-    const double step = to_seconds(sample.time) - to_seconds(data_.imu.back().time);
+  if (imu_samples_ > 0) {
+    const double step = to_seconds(sample.time) - to_seconds(last_);
     if (step > 0.0 && step < kPause) seconds_ += step;
   }
   bytes_ += sizeof(ImuSample);
   full_ = seconds_ > kLongest || bytes_ > kMostBytes;
-  if (!full_) data_.imu.push_back(sample);
+  last_ = sample.time;
+  imu_samples_ += full_ ? 0 : 1;
 }
 
 void CheckedPart::add(const RadarScan& scan, std::size_t radar) {
@@ -40,12 +40,22 @@ void CheckedPart::add(const RadarScan& scan, std::size_t radar) {
   if (!full_) data_.radars[radar].push_back(scan);
 }
 
+const check::CheckedData& CheckedPart::read(io::RecordingStream* stream) {
+  stream->rewind();
+  data_.imu.resize(imu_samples_);
+  std::size_t count = 0;
+  while (count < imu_samples_ && stream->next(&data_.imu[count])) ++count;
+  data_.imu.resize(count);
+  stream->rewind();  // closes the files
+  return data_;
+}
+
 std::optional<double> CheckedPart::seconds() const {
   return full_ ? std::optional<double>(seconds_) : std::nullopt;
 }
 
-std::vector<Time> due_times(const std::vector<Time>& stamps) {
-  if (std::is_sorted(stamps.begin(), stamps.end())) return stamps;
+std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
+  if (std::is_sorted(stamps.begin(), stamps.end())) return std::nullopt;
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> ends;  // last scan of the best sequence of each length
   std::vector<std::size_t> before(stamps.size(), kNone);
@@ -76,7 +86,7 @@ std::vector<Time> due_times(const std::vector<Time>& stamps) {
 ReplayFeed::ReplayFeed(io::RecordingStream* stream, CheckedPart* kept)
     : stream_(stream), kept_(kept) {
   for (const std::vector<Time>& stamps : stream->outline().scan_times) {
-    radars_.push_back({due_times(stamps)});
+    radars_.push_back({&stamps, due_times(stamps)});
   }
   stream->rewind();
 }
@@ -97,11 +107,8 @@ const ImuSample* ReplayFeed::imu(std::size_t ahead) {
 std::size_t ReplayFeed::first_due() const {
   std::size_t first = radars_.size();
   for (std::size_t r = 0; r < radars_.size(); ++r) {
-    if (radars_[r].next == radars_[r].due.size()) continue;
-    if (first == radars_.size() ||
-        radars_[r].due[radars_[r].next] < radars_[first].due[radars_[first].next]) {
-      first = r;
-    }
+    if (!radars_[r].any()) continue;
+    if (first == radars_.size() || radars_[r].due() < radars_[first].due()) first = r;
   }
   return first;
 }
@@ -109,7 +116,7 @@ std::size_t ReplayFeed::first_due() const {
 std::optional<Time> ReplayFeed::due() const {
   const std::size_t r = first_due();
   if (r == radars_.size()) return std::nullopt;
-  return radars_[r].due[radars_[r].next];
+  return radars_[r].due();
 }
 
 const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
@@ -117,7 +124,7 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
   Radar& of = radars_[*radar];
   if (!stream_->next(&scan_, *radar)) {  // the file has been cut meanwhile
     scan_ = {};
-    of.due.resize(of.next + 1);
+    of.count = of.next + 1;
   }
   ++of.next;
   if (kept_ != nullptr) kept_->add(scan_, *radar);
@@ -126,7 +133,7 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
 
 std::size_t ReplayFeed::scans_left() const {
   std::size_t left = 0;
-  for (const Radar& radar : radars_) left += radar.due.size() - radar.next;
+  for (const Radar& radar : radars_) left += radar.count - radar.next;
   return left;
 }
 

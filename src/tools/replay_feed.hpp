@@ -14,7 +14,8 @@
 
 namespace rio::tools {
 
-/// The begin of a recording, for `rio check`: all of one of ten minutes.
+/// The begin of a recording, for `rio check`: all of one of ten minutes. While the estimator runs,
+/// the samples of the IMU are only counted.
 class CheckedPart {
  public:
   /// @param sensors what is told of them
@@ -29,18 +30,22 @@ class CheckedPart {
   bool open() const { return !full_; }
   /// How much of the recording it is [s]; nothing: all.
   std::optional<double> seconds() const;
-  const check::CheckedData& data() const { return data_; }
+  /// Reads the samples of the IMU again.
+  const check::CheckedData& read(io::RecordingStream* stream);
 
  private:
   check::CheckedData data_;
   bool full_ = false;
   double seconds_ = 0.0;  ///< of the IMU, without pauses
+  std::size_t imu_samples_ = 0;
+  Time last_{0};  ///< sample
   std::size_t bytes_ = 0;
 };
 
 /// When to give each scan: by its stamp, or, if that is out of order, by the next one that is not.
 /// In order is the longest rising sequence: one odd stamp holds up no other scan.
-std::vector<Time> due_times(const std::vector<Time>& stamps);
+/// Nothing where these are the stamps themselves.
+std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps);
 
 class ReplayFeed {
  public:
@@ -62,8 +67,13 @@ class ReplayFeed {
 
  private:
   struct Radar {
-    std::vector<Time> due;
+    const std::vector<Time>* stamps;
+    std::optional<std::vector<Time>> odd;  ///< due_times()
     std::size_t next = 0;
+    std::size_t count = stamps->size();
+
+    bool any() const { return next < count; }
+    Time due() const { return odd ? (*odd)[next] : (*stamps)[next]; }
   };
   std::size_t first_due() const;  ///< radar; the number of radars if none has a scan
 

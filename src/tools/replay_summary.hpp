@@ -42,6 +42,8 @@ struct ReplaySummary {
 
   std::optional<double> checked_seconds;  ///< where that is not all of the recording [s]
 
+  /// As many scans will be added at most.
+  void reserve(std::size_t scans);
   void add(const UpdateReport& report, const NavState& state);
 
   /// Faster than sound, or farther off than sound would be.
