@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -120,18 +121,23 @@ std::vector<Rate> rates() {
 class RangeVotes {
  public:
   explicit RangeVotes(std::vector<Rate> all)
-      : all_(std::move(all)), supported_(all_.size()), votes_(all_.size() * all_.size()) {}
+      : all_(std::move(all)), votes_(all_.size() * all_.size()) {}
 
   void add(double moved, double told, std::size_t block) {
     constexpr double kBound = 3.0 * kRange;
+    std::uint32_t supported = 0;  // a bit each
     for (std::size_t a = 0; a < all_.size(); ++a) {
-      supported_[a] = std::abs(moved - all_[a].k * told) < kBound;
+      const bool fits = std::abs(moved - all_[a].k * told) < kBound;
+      supported |= static_cast<std::uint32_t>(fits) << a;
     }
+    if (supported == 0) return;
     for (std::size_t a = 0; a < all_.size(); ++a) {
+      const bool first = (supported >> a & 1U) != 0;
       for (std::size_t b = a + 1; b < all_.size(); ++b) {
-        if (supported_[a] == supported_[b]) continue;
+        const bool second = (supported >> b & 1U) != 0;
+        if (first == second) continue;
         if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be right
-        votes_[a * all_.size() + b].add(block, supported_[a], supported_[b]);
+        votes_[a * all_.size() + b].add(block, first, second);
       }
     }
   }
@@ -152,14 +158,19 @@ class RangeVotes {
 
  private:
   std::vector<Rate> all_;
-  std::vector<bool> supported_;  ///< by the pair at hand
   std::vector<Support> votes_;
 };
 
-bool look_alike(const Point& a, const Point& b) {
+/// @param a_range,b_range of the points
+bool look_alike(const Point& a, const Point& b, double a_range, double b_range) {
   constexpr double kCosine = 0.95;  // of their directions
   if (!(std::abs(a.range_rate - b.range_rate) <= 0.3 * std::abs(a.range_rate))) return false;
-  return a.point_S.dot(b.point_S) > kCosine * a.point_S.norm() * b.point_S.norm();
+  return a.point_S.dot(b.point_S) > kCosine * a_range * b_range;
+}
+
+void ranges_of(const ScanView& scan, std::vector<double>* ranges) {
+  ranges->clear();
+  for (const Point& point : scan.detections) ranges->push_back(point.point_S.norm());
 }
 
 std::string change_of(const Rate& rate, Source source) {
@@ -207,8 +218,13 @@ class TurnVotes {
     }
     const Matrix3d& R = mountings_.front();
     const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
+    ranges_of(to, &ranges_);
     for (const Point& a : from.detections) {
-      for (const Point& b : to.detections) add(a.point_S, b.point_S, small, block);
+      const double range = a.point_S.norm();
+      for (std::size_t k = 0; k < ranges_.size(); ++k) {
+        if (!(std::abs(ranges_[k] - range) < 6.0 * kRange)) continue;
+        add(a.point_S, to.detections[k].point_S, range, ranges_[k], small, block);
+      }
     }
   }
   /// Of that mounting with which the rates as told do best.
@@ -221,10 +237,10 @@ class TurnVotes {
  private:
   static constexpr double kBound = 3.0 * kAngle;
 
-  void add(const Vector3d& a, const Vector3d& b, const Matrix3d& small, std::size_t block) {
-    const double range = a.norm();
-    const double other = b.norm();
-    if (!(std::abs(other - range) < 6.0 * kRange) || !(std::min(range, other) > 0.1)) return;
+  /// @param range,other of the points
+  void add(const Vector3d& a, const Vector3d& b, double range, double other, const Matrix3d& small,
+           std::size_t block) {
+    if (!(std::min(range, other) > 0.1)) return;
     const Vector3d u = a / range;
     const Vector3d v = b / other;
     const bool in_degrees = (small * u - v).norm() < kBound;
@@ -237,6 +253,7 @@ class TurnVotes {
   std::vector<Matrix3d> mountings_;
   std::vector<Support> votes_;
   std::vector<Matrix3d> turns_;  ///< of the scene between two scans
+  std::vector<double> ranges_;   ///< of the points of the later scan
 };
 
 }  // namespace
@@ -245,17 +262,20 @@ Finding check_ranges(const Scans& scans, const Options& options, Source source) 
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);
   const double least = options.radar.min_range;
-  each_pair_of_scans(scans,
-                     [&](const ScanView& from, const ScanView& to, double dt, std::size_t block) {
-                       for (const Point& a : from.detections) {
-                         if (a.range_rate == 0.0 || !(a.point_S.norm() > least)) continue;
-                         for (const Point& b : to.detections) {
-                           if (!look_alike(a, b)) continue;
-                           votes.add(b.point_S.norm() - a.point_S.norm(),
-                                     0.5 * (a.range_rate + b.range_rate) * dt, block);
-                         }
-                       }
-                     });
+  std::vector<double> ranges;
+  each_pair_of_scans(
+      scans, [&](const ScanView& from, const ScanView& to, double dt, std::size_t block) {
+        ranges_of(to, &ranges);
+        for (const Point& a : from.detections) {
+          const double range = a.point_S.norm();
+          if (a.range_rate == 0.0 || !(range > least)) continue;
+          for (std::size_t k = 0; k < ranges.size(); ++k) {
+            const Point& b = to.detections[k];
+            if (!look_alike(a, b, range, ranges[k])) continue;
+            votes.add(ranges[k] - range, 0.5 * (a.range_rate + b.range_rate) * dt, block);
+          }
+        }
+      });
   const Support& signs = votes.of(0, 2);
   Finding out{Verdict::kOk, "Doppler by the ranges",
               fmt::format("between scans the range changes as the Doppler says in {:.0f} pairs of "
