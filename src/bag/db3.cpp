@@ -55,6 +55,8 @@ std::string uri_of(const std::filesystem::path& path) {
 class Db3 final : public MessageStream {
  public:
   explicit Db3(const std::filesystem::path& path) : MessageStream(path), file_(path) {
+    constexpr sqlite3_int64 kCache = 512 * 1024;  // of all files: pages are read once, in order
+    sqlite3_soft_heap_limit64(kCache);
     const int how = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
     if (sqlite3_open_v2(uri_of(path).c_str(), &db_, how, nullptr) != SQLITE_OK) {
       const std::string what = sqlite3_errmsg(db_);

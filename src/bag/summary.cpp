@@ -77,7 +77,7 @@ std::string topic_text(const TopicSummary& s, std::size_t width) {
 
 }  // namespace
 
-Summary summarise(MessageStream* stream) {
+Summary summarise(MessageStream* stream, const std::function<void(const Message&)>& use) {
   Summary summary;
   summary.format = stream->format();
   Message message;
@@ -89,6 +89,7 @@ Summary summarise(MessageStream* stream) {
       summary.topics.push_back(std::move(s));
     }
     add(message, &summary.topics[message.topic]);
+    if (use) use(message);
   }
   summary.damage = stream->damage();
   return summary;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,14 +23,14 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 /// What the other checks need of the IMU.
 struct CheckedImu {
   const std::vector<ImuSample>& all;
-  std::vector<ImuSample> good;  ///< usable()
+  const std::vector<ImuSample>& good;  ///< usable()
   ImuCheck check;
 };
 
 /// A radar, told of in `options` as if it were the first one.
-Findings check_one_radar(const CheckedImu& imu, const std::vector<RadarScan>& scans,
-                         const io::RadarInfo& info, std::size_t radar, const Options& options,
-                         Source source, const std::filesystem::path& folder) {
+Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::RadarInfo& info,
+                         std::size_t radar, const Options& options, Source source,
+                         const std::filesystem::path& folder) {
   const std::string name = "radar" + std::to_string(radar);
   if (scans.empty()) return {};
   Options read = options;
@@ -63,30 +64,45 @@ Finding of_radar(std::size_t radar, Finding finding) {
   return finding;
 }
 
-}  // namespace
-
-Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
-                         const std::filesystem::path& folder) {
-  CheckedImu imu{dataset.imu, usable(dataset.imu), {}};
-  imu.check =
-      check_imu(dataset.imu, imu.good, dataset.imu_info, source, folder / "imu0" / "data.csv");
+Findings check_all(const std::vector<ImuSample>& samples, const std::vector<Scans>& radars,
+                   const io::Dataset& sensors, const Options& options, Source source,
+                   const std::filesystem::path& folder) {
+  const std::optional<std::vector<ImuSample>> fewer = usable_if_not_all(samples);
+  CheckedImu imu{samples, fewer ? *fewer : samples, {}};
+  imu.check = check_imu(samples, imu.good, sensors.imu_info, source, folder / "imu0" / "data.csv");
   Findings out = std::move(imu.check.findings);
-  if (dataset.imu.empty()) return out;
+  if (samples.empty()) return out;
   const Findings first =
-      check_one_radar(imu, dataset.scans, dataset.radar_info, 0, options, source, folder);
+      check_one_radar(imu, radars[0], sensors.radar_info, 0, options, source, folder);
   out.insert(out.end(), first.begin(), first.end());
-  for (std::size_t r = 1; r < options.radars() && r <= dataset.other_radars.size(); ++r) {
-    const io::Dataset::OtherRadar& other = dataset.other_radars[r - 1];
+  for (std::size_t r = 1; r < options.radars() && r < radars.size(); ++r) {
     Options told = options;
     told.radar.T_BS = options.mount(r).T_BS;
     told.radar.time_offset = options.mount(r).time_offset;
     told.radar.doppler_scale = options.mount(r).doppler_scale;
-    for (Finding& finding :
-         check_one_radar(imu, other.scans, other.info, r, told, source, folder)) {
+    for (Finding& finding : check_one_radar(imu, radars[r], sensors.other_radars[r - 1].info, r,
+                                            told, source, folder)) {
       out.push_back(of_radar(r, std::move(finding)));
     }
   }
   return out;
+}
+
+}  // namespace
+
+Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
+                         const std::filesystem::path& folder) {
+  std::vector<Scans> radars;
+  radars.emplace_back(dataset.scans);
+  for (const io::Dataset::OtherRadar& other : dataset.other_radars) {
+    radars.emplace_back(other.scans);
+  }
+  return check_all(dataset.imu, radars, dataset, options, source, folder);
+}
+
+Findings check_recording(const CheckedData& data, const Options& options, Source source,
+                         const std::filesystem::path& folder) {
+  return check_all(data.imu, data.radars, data.sensors, options, source, folder);
 }
 
 }  // namespace rio::check

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "check/finding.hpp"
+#include "check/scans.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/options.hpp"
 
@@ -16,6 +18,15 @@ namespace rio::check {
 /// @param options with what the recording says of its sensors
 /// @param folder of the recording, to name lines of its files; may be empty
 Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
+                         const std::filesystem::path& folder = {});
+
+/// What is checked of a recording, where that is not in a data set.
+struct CheckedData {
+  io::Dataset sensors;  ///< what is told of them
+  std::vector<ImuSample> imu;
+  std::vector<Scans> radars;  ///< radar0, radar1, ...; those of `sensors`
+};
+Findings check_recording(const CheckedData& data, const Options& options, Source source,
                          const std::filesystem::path& folder = {});
 
 }  // namespace rio::check

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -87,10 +88,11 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   }
   const Strays stray = strays(all);
   std::vector<double> periods;
+  periods.reserve(good.size());
   for (std::size_t i = 1; i < good.size(); ++i) {
     periods.push_back(to_seconds(good[i].time - good[i - 1].time));
   }
-  const double period = median(periods);
+  const double period = quantile_of(&periods, 0.5);
   const double longest = *std::max_element(periods.begin(), periods.end());
   double lost = 0.0;
   for (const double p : periods) lost += std::max(0.0, std::round(p / period) - 1.0);
@@ -225,8 +227,9 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   constexpr double kAnywhere = 25.0 * kDegree;  // beyond the tilt any flight has in half a second
   constexpr double kFastest = 6.3;  // a turn a second half of the time: nothing flies so [rad/s]
   std::vector<double> rates;
+  rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
-  const double usual = median(rates);
+  const double usual = quantile_of(&rates, 0.5);
   const double most = *std::max_element(rates.begin(), rates.end());
   const double told = turning_error(samples, 1.0);
   const double scaled = turning_error(samples, kDegree);
@@ -290,14 +293,24 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
 
 }  // namespace
 
-std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
-  std::vector<ImuSample> finite;
-  for (const ImuSample& s : samples) {
-    if (s.gyro_B.allFinite() && s.accel_B.allFinite()) finite.push_back(s);
-  }
+std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples) {
+  const auto is_finite = [](const ImuSample& s) {
+    return s.gyro_B.allFinite() && s.accel_B.allFinite();
+  };
+  const bool all_finite = std::all_of(samples.begin(), samples.end(), is_finite);
+  std::vector<ImuSample> some;
+  if (!all_finite)
+    std::copy_if(samples.begin(), samples.end(), std::back_inserter(some), is_finite);
+  const std::vector<ImuSample>& finite = all_finite ? samples : some;
+  const std::vector<std::size_t> order = in_order(finite);
+  if (order.size() == samples.size()) return std::nullopt;
   std::vector<ImuSample> out;
-  for (const std::size_t i : in_order(finite)) out.push_back(finite[i]);
+  for (const std::size_t i : order) out.push_back(finite[i]);
   return out;
+}
+
+std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
+  return usable_if_not_all(samples).value_or(samples);
 }
 
 double turning_error(const std::vector<ImuSample>& samples, double factor) {

@@ -20,6 +20,8 @@ namespace rio::check {
 
 /// Samples fit to be integrated: finite, in_order() of order.hpp.
 std::vector<ImuSample> usable(const std::vector<ImuSample>& samples);
+/// The same; nothing if they all are.
+std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
 
 struct ImuCheck {
   Findings findings;

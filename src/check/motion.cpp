@@ -112,7 +112,7 @@ std::optional<RadarVelocity> as_before(const std::vector<RadarSpeed>& speeds, Ti
 
 }  // namespace
 
-std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Options options) {
+std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options) {
   constexpr double kWeak = 1.0;  // a velocity no better than this tells nothing [m/s]
   options.radar.fov_azimuth = 7.0;
   options.radar.fov_elevation = 7.0;
@@ -120,7 +120,9 @@ std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Option
   DetectionList list;
   EgoVelocity ego;
   std::vector<RadarSpeed> all;
-  for (const RadarScan& scan : scans) {
+  RadarScan scan;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    scans.get(i, &scan);
     filter_detections(scan, options.radar, options.frontend.max_detections, list);
     ransac.estimate(list, as_before(all, scan.time), &ego);
     if (!ego.valid || !ego.covariance) continue;
@@ -136,43 +138,67 @@ std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Option
   return out;
 }
 
-ImuPath::ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit) {
+void ImuPath::advance(std::size_t i, Point* now) const {
   constexpr double kPause = 0.1;  // [s]
-  Point now;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (i > 0) {
-      const double dt = to_seconds(samples[i].time - samples[i - 1].time);
-      const Vector3d before = now.turn * samples[i - 1].accel_B;
-      now.rate = 0.5 * gyro_unit * (samples[i - 1].gyro_B + samples[i].gyro_B);
-      points_.back().rate = now.rate;  // of the interval that begins there
-      now.turn = (now.turn * quaternion_exp(dt * now.rate)).normalized();
-      now.sum += 0.5 * dt * accel_unit * (before + now.turn * samples[i].accel_B);
-      if (dt > kPause) ++now.piece;
+  const ImuSample& last = samples_[i - 1];
+  const ImuSample& sample = samples_[i];
+  const double dt = to_seconds(sample.time - last.time);
+  const Vector3d before = now->turn * last.accel_B;
+  now->rate = 0.5 * gyro_unit_ * (last.gyro_B + sample.gyro_B);
+  now->turn = (now->turn * quaternion_exp(dt * now->rate)).normalized();
+  now->sum += 0.5 * dt * accel_unit_ * (before + now->turn * sample.accel_B);
+  if (dt > kPause) ++now->piece;
+}
+
+const std::vector<ImuPath::Point>& ImuPath::part(std::size_t k) const {
+  Part& out = parts_[k % kParts];
+  if (out.k == k) return out.points;
+  if (marks_.empty()) marks_.emplace_back();
+  for (std::size_t from = std::min(k, marks_.size() - 1); from <= k; ++from) {
+    Part& now = parts_[from % kParts];
+    const std::size_t begin = from * kPart;
+    const std::size_t end = std::min(begin + kPart, samples_.size() - 1);
+    now.k = from;
+    now.points.assign(1, marks_[from]);
+    for (std::size_t i = begin + 1; i <= end; ++i) {
+      Point next = now.points.back();
+      advance(i, &next);
+      now.points.back().rate = next.rate;  // of the interval that begins there
+      now.points.push_back(next);
     }
-    times_.push_back(samples[i].time);
-    points_.push_back(now);
+    if (marks_.size() == from + 1) marks_.push_back(now.points.back());
   }
+  return out.points;
+}
+
+const ImuPath::Point& ImuPath::point(std::size_t i) const {
+  return part(i / kPart)[i % kPart];
 }
 
 std::optional<std::size_t> ImuPath::before(Time time) const {
-  if (times_.empty() || time < times_.front() || time >= times_.back()) return std::nullopt;
-  const auto after = std::upper_bound(times_.begin(), times_.end(), time);
-  return static_cast<std::size_t>(std::distance(times_.begin(), after)) - 1;
+  if (samples_.empty() || time < samples_.front().time || time >= samples_.back().time) {
+    return std::nullopt;
+  }
+  const auto after =
+      std::upper_bound(samples_.begin(), samples_.end(), time,
+                       [](Time t, const ImuSample& sample) { return t < sample.time; });
+  return static_cast<std::size_t>(std::distance(samples_.begin(), after)) - 1;
 }
 
 std::optional<int> ImuPath::piece_at(Time time) const {
   const auto i = before(time);
-  return i ? std::optional<int>(points_[*i].piece) : std::nullopt;
+  return i ? std::optional<int>(point(*i).piece) : std::nullopt;
 }
 
 std::optional<ImuPath::Point> ImuPath::at(Time time) const {
   const auto i = before(time);
   if (!i) return std::nullopt;
-  const double dt = to_seconds(time - times_[*i]);
-  Point out = points_[*i];
+  const double dt = to_seconds(time - samples_[*i].time);
+  const std::vector<Point>& points = part(*i / kPart);  // and the first one of the next part
+  Point out = points[*i % kPart];
   out.turn = out.turn * quaternion_exp(dt * out.rate);
-  const double share = dt / to_seconds(times_[*i + 1] - times_[*i]);
-  out.sum += share * (points_[*i + 1].sum - out.sum);
+  const double share = dt / to_seconds(samples_[*i + 1].time - samples_[*i].time);
+  out.sum += share * (points[*i % kPart + 1].sum - out.sum);
   return out;
 }
 
@@ -218,41 +244,41 @@ double noise(const std::vector<RadarSpeed>& speeds) {
   return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
 }
 
-Agreement total(const Agreements& windows) {
-  Agreement sum;
-  for (const Agreement& w : windows) sum += w;
-  return sum;
-}
-
-Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                      const Vector3d& lever_B, double shift) {
+std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                                   const Vector3d& lever_B, const std::vector<double>& shifts) {
   constexpr double kLength = 2.0;    // [s]
   constexpr int kFewest = 8;         // beside the six unknowns of v_0 and g
   constexpr double kShortest = 1.0;  // [s]
-  Agreements out;
-  Sums sums;
+  std::vector<Agreements> out(shifts.size());
+  std::vector<Sums> sums(shifts.size());
+  std::vector<Vector3d> first_sum(shifts.size(), Vector3d::Zero());
   Time begin{0};
-  Vector3d first_sum = Vector3d::Zero();
   int piece = 0;
   const auto close = [&] {
-    if (sums.scans >= kFewest && sums.last >= kShortest) out.push_back(sums.less_lines());
-    sums = Sums();
+    for (std::size_t s = 0; s < shifts.size(); ++s) {
+      if (sums[s].scans >= kFewest && sums[s].last >= kShortest) {
+        out[s].add(sums[s].less_lines());
+      }
+      sums[s] = Sums();
+    }
   };
   for (const RadarSpeed& speed : speeds) {
     const auto first = path.piece_at(speed.time - from_seconds(kMostShift));
     const auto last = path.piece_at(speed.time + from_seconds(kMostShift));
     if (!first || !last || *first != *last) continue;
     const double since = to_seconds(speed.time - begin);
-    if (sums.scans > 0 && (since > kLength || since < 0.0 || *first != piece)) close();
-    const ImuPath::Point p = *path.at(speed.time + from_seconds(shift));
-    if (sums.scans == 0) {
-      begin = speed.time;
-      first_sum = p.sum;
-    }
+    const bool some = sums.front().scans > 0;
+    if (some && (since > kLength || since < 0.0 || *first != piece)) close();
+    const bool opens = sums.front().scans == 0;
+    if (opens) begin = speed.time;
     piece = *first;
-    const Matrix3d C = p.turn.toRotationMatrix();
-    sums.add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C,
-             p.sum - first_sum + C * p.rate.cross(lever_B));
+    for (std::size_t s = 0; s < shifts.size(); ++s) {
+      const ImuPath::Point p = *path.at(speed.time + from_seconds(shifts[s]));
+      if (opens) first_sum[s] = p.sum;
+      const Matrix3d C = p.turn.toRotationMatrix();
+      sums[s].add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C,
+                  p.sum - first_sum[s] + C * p.rate.cross(lever_B));
+    }
   }
   close();
   return out;

@@ -21,10 +21,12 @@
 // frontend/velocity_pool.hpp and propagate/moving_start.hpp.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
 
+#include "check/scans.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
 
@@ -40,9 +42,10 @@ struct RadarSpeed {
 
 /// One a scan whose Dopplers agree on a velocity, and on one like that of its neighbours. The
 /// fields of view are not applied, since the axes may be wrong.
-std::vector<RadarSpeed> radar_speeds(const std::vector<RadarScan>& scans, Options options);
+std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options);
 
-/// The IMU summed up; see C and s above.
+/// The IMU summed up; see C and s above. Kept of it are marks, and what was asked for last: it is
+/// asked in the order of time.
 class ImuPath {
  public:
   struct Point {
@@ -51,18 +54,34 @@ class ImuPath {
     Vector3d rate = Vector3d::Zero();          ///< w [rad/s]
     int piece = 0;                             ///< changes where the IMU paused
   };
-  /// @param samples stamps strictly increasing
-  ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit);
+  /// @param samples stamps strictly increasing; they outlive the path
+  ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit)
+      : samples_(samples), gyro_unit_(gyro_unit), accel_unit_(accel_unit) {}
   /// Nothing outside of the samples.
   std::optional<Point> at(Time time) const;
   /// Point::piece alone.
   std::optional<int> piece_at(Time time) const;
 
  private:
-  std::optional<std::size_t> before(Time time) const;
+  static constexpr std::size_t kPart = 128;  ///< points from mark to mark
+  static constexpr std::size_t kParts = 16;  ///< that are kept: a second, and more
 
-  std::vector<Time> times_;
-  std::vector<Point> points_;
+  std::optional<std::size_t> before(Time time) const;
+  /// The point at sample i, and the rate of the interval that begins there.
+  const Point& point(std::size_t i) const;
+  const std::vector<Point>& part(std::size_t k) const;
+  /// From the point at sample i - 1 to that at i.
+  void advance(std::size_t i, Point* now) const;
+
+  const std::vector<ImuSample>& samples_;
+  double gyro_unit_;
+  double accel_unit_;
+  mutable std::vector<Point> marks_;  ///< at every kPart-th sample, as far as it was asked for
+  struct Part {
+    std::size_t k = static_cast<std::size_t>(-1);
+    std::vector<Point> points;
+  };
+  mutable std::array<Part, kParts> parts_;  ///< part k in place k modulo kParts
 };
 
 /// (E3) of one window.
@@ -83,9 +102,21 @@ struct Agreement {
   /// How much the velocity of the radar changes beside v_0 and g, whatever its axes: rms [m/s].
   double movement() const;
 };
-using Agreements = std::vector<Agreement>;
 
-Agreement total(const Agreements& windows);
+/// Those of several windows; kept is their sum.
+class Agreements {
+ public:
+  void add(const Agreement& window) {
+    sum_ += window;
+    ++windows_;
+  }
+  std::size_t size() const { return windows_; }
+  const Agreement& total() const { return sum_; }
+
+ private:
+  Agreement sum_;
+  std::size_t windows_ = 0;
+};
 
 /// Noise of the velocities, from how three that follow each other differ from a line: rms [m/s].
 double noise(const std::vector<RadarSpeed>& speeds);
@@ -93,11 +124,12 @@ double noise(const std::vector<RadarSpeed>& speeds);
 /// The longest time shift that is looked at [s].
 inline constexpr double kMostShift = 0.3;
 
-/// One a window of two seconds. The same scans whatever the shift, of those up to kMostShift.
-/// @param shift added to the stamps of the radar [s]
+/// For every shift, one a window of two seconds. The same scans whatever the shift, of those up to
+/// kMostShift.
+/// @param shifts added to the stamps of the radar [s]
 /// @param lever_B where the radar is [m]
-Agreements agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                      const Vector3d& lever_B, double shift);
+std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                                   const Vector3d& lever_B, const std::vector<double>& shifts);
 
 /// (E6) of shares explained, in sigmas; 0 if it is not better.
 double significance(double worse, double better, std::size_t windows);

@@ -132,7 +132,7 @@ struct Judge {
   std::size_t radar;
   double noise;  ///< of the radar's velocities [m/s]
   Matrix3d told = options.radar.T_BS.rotation.toRotationMatrix();
-  Agreement all = total(windows);
+  Agreement all = windows.total();
 
   double doubt(const Matrix3d& worse, const Matrix3d& better) const {
     return significance(all.explained(worse), all.explained(better), windows.size());
@@ -249,7 +249,7 @@ Finding check_axes(const Judge& judge) {
 
 /// The best of all candidates.
 double most_explained(const Agreements& windows, const Options& options) {
-  const Agreement all = total(windows);
+  const Agreement all = windows.total();
   double most = 0.0;
   for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
     most = std::max(most, all.explained(axes.R));
@@ -265,13 +265,15 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
                                        double accel_unit) {
   constexpr double kSlow = 0.3;  // deg/s of something that flies or drives are more [rad/s]
   std::vector<double> rates;
+  rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(gyro_unit * s.gyro_B.norm());
   const double as_read = most_explained(judge.windows, judge.options);
-  if (as_read > kExplained || median(rates) < kSlow) return std::nullopt;
+  if (as_read > kExplained || quantile_of(&rates, 0.5) < kSlow) return std::nullopt;
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(samples, kDegree * gyro_unit, accel_unit);
-  const double most = most_explained(
-      agreements(speeds, path, radar.T_BS.translation, -radar.time_offset), judge.options);
+  const double most =
+      most_explained(agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front(),
+                     judge.options);
   if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) {
     return std::nullopt;
   }
@@ -297,8 +299,9 @@ std::optional<Finding> check_handedness(const Judge& judge, const std::vector<Im
   }
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(samples, -gyro_unit, accel_unit);
-  const Agreements mirrored = agreements(speeds, path, radar.T_BS.translation, -radar.time_offset);
-  const Agreement all = total(mirrored);
+  const Agreements mirrored =
+      agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front();
+  const Agreement all = mirrored.total();
   const std::vector<Axes> list = candidates(radar.T_BS.rotation);
   const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
     return all.explained(a.R) < all.explained(b.R);
@@ -353,12 +356,9 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
 /// The windows for every shift looked at, from the most negative on.
 std::vector<Agreements> all_shifts(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                    const RadarOptions& radar) {
-  std::vector<Agreements> out;
-  for (int i = -kShifts; i <= kShifts; ++i) {
-    out.push_back(
-        agreements(speeds, path, radar.T_BS.translation, kShiftStep * i - radar.time_offset));
-  }
-  return out;
+  std::vector<double> shifts;
+  for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
+  return agreements(speeds, path, radar.T_BS.translation, shifts);
 }
 
 /// Those in which the axes are judged: as told, unless another shift is clearly better with some
@@ -381,7 +381,7 @@ struct Shift {
 
 Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
   std::vector<double> explained;
-  for (const Agreements& windows : shifts) explained.push_back(total(windows).explained(R));
+  for (const Agreements& windows : shifts) explained.push_back(windows.total().explained(R));
   const auto best = std::max_element(explained.begin(), explained.end());
   const auto index = static_cast<int>(std::distance(explained.begin(), best));
   Shift out{kShiftStep * (index - kShifts), *best};
@@ -399,7 +399,7 @@ Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, c
   const RadarOptions& radar = judge.options.radar;
   const Shift shift = best_shift(shifts, R);
   const double sure =
-      significance(total(shifts[kShifts]).explained(R), shift.explained, judge.windows.size());
+      significance(shifts[kShifts].total().explained(R), shift.explained, judge.windows.size());
   Finding out{Verdict::kOk, "delay of the radar",
               fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
                           1e3 * shift.seconds),

@@ -6,7 +6,9 @@
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rio/types.hpp"
@@ -16,12 +18,21 @@ namespace rio::check {
 /// The longest sequence of strictly rising stamps, as indices: one corrupt stamp, wherever it
 /// points, costs its own item and no other. Of equal stamps the first counts. At either end an item
 /// farther off than all others together last is left out, too.
-template <typename Item>
-std::vector<std::size_t> in_order(const std::vector<Item>& items) {
+template <typename Items>
+std::vector<std::size_t> in_order(const Items& items) {
   constexpr auto kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> ends;  // last item of the best sequence of each length
-  std::vector<std::size_t> before(items.size(), kNone);
-  for (std::size_t i = 0; i < items.size(); ++i) {
+  std::size_t rising = 0;  // items before which all stamps rise
+  while (rising < items.size() && (rising == 0 || items[rising - 1].time < items[rising].time)) {
+    ++rising;
+  }
+  std::vector<std::size_t> ends(rising);  // last item of the best sequence of each length
+  std::iota(ends.begin(), ends.end(), std::size_t{0});
+  std::vector<std::size_t> before;
+  if (rising < items.size()) {
+    before.assign(items.size(), kNone);
+    for (std::size_t i = 1; i < rising; ++i) before[i] = i - 1;
+  }
+  for (std::size_t i = rising; i < items.size(); ++i) {
     const auto at =
         std::lower_bound(ends.begin(), ends.end(), items[i].time,
                          [&items](std::size_t end, Time time) { return items[end].time < time; });
@@ -33,10 +44,12 @@ std::vector<std::size_t> in_order(const std::vector<Item>& items) {
     }
   }
   std::vector<std::size_t> order;
-  for (std::size_t i = ends.empty() ? kNone : ends.back(); i != kNone; i = before[i]) {
-    order.push_back(i);
+  if (before.empty()) {
+    order = std::move(ends);
+  } else {
+    for (std::size_t i = ends.back(); i != kNone; i = before[i]) order.push_back(i);
+    std::reverse(order.begin(), order.end());
   }
-  std::reverse(order.begin(), order.end());
   // of differences in seconds, which any two stamps have
   const auto span = [&](std::size_t a, std::size_t b) {
     return to_seconds(items[order[b]].time) - to_seconds(items[order[a]].time);
@@ -52,8 +65,8 @@ struct Strays {
   std::size_t count = 0;
   std::size_t first = 0;
 };
-template <typename Item>
-Strays strays(const std::vector<Item>& all) {
+template <typename Items>
+Strays strays(const Items& all) {
   Strays out;
   const std::vector<std::size_t> order = in_order(all);
   std::size_t next = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -64,13 +65,13 @@ struct Support {
 };
 
 /// Of any two stamps [s].
-double between(const RadarScan& from, const RadarScan& to) {
+double between(const ScanView& from, const ScanView& to) {
   return to_seconds(to.time) - to_seconds(from.time);
 }
 
 /// Calls use(scan, later scan, dt) for the scans up to kLongest after this one.
 template <typename Use>
-void each_later_scan(const std::vector<RadarScan>& scans, std::size_t i, Use&& use) {
+void each_later_scan(const Scans& scans, std::size_t i, Use&& use) {
   for (std::size_t j = i + 1; j < scans.size(); ++j) {
     const double dt = between(scans[i], scans[j]);
     if (!(dt > 0.0) || dt > kLongest) return;
@@ -80,11 +81,11 @@ void each_later_scan(const std::vector<RadarScan>& scans, std::size_t i, Use&& u
 
 /// Calls use(scan, later scan, dt, block); where there are many points, not for all scans.
 template <typename Use>
-void each_pair_of_scans(const std::vector<RadarScan>& scans, Use&& use) {
+void each_pair_of_scans(const Scans& scans, Use&& use) {
   constexpr double kMost = 5e6;  // pairs of points
   double pairs = 0.0;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    each_later_scan(scans, i, [&](const RadarScan& from, const RadarScan& to, double) {
+    each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double) {
       pairs += static_cast<double>(from.detections.size() * to.detections.size());
     });
   }
@@ -96,7 +97,7 @@ void each_pair_of_scans(const std::vector<RadarScan>& scans, Use&& use) {
       begin = i;
       ++block;
     }
-    each_later_scan(scans, i, [&](const RadarScan& from, const RadarScan& to, double dt) {
+    each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double dt) {
       use(from, to, dt, block);
     });
   }
@@ -120,18 +121,23 @@ std::vector<Rate> rates() {
 class RangeVotes {
  public:
   explicit RangeVotes(std::vector<Rate> all)
-      : all_(std::move(all)), supported_(all_.size()), votes_(all_.size() * all_.size()) {}
+      : all_(std::move(all)), votes_(all_.size() * all_.size()) {}
 
   void add(double moved, double told, std::size_t block) {
     constexpr double kBound = 3.0 * kRange;
+    std::uint32_t supported = 0;  // a bit each
     for (std::size_t a = 0; a < all_.size(); ++a) {
-      supported_[a] = std::abs(moved - all_[a].k * told) < kBound;
+      const bool fits = std::abs(moved - all_[a].k * told) < kBound;
+      supported |= static_cast<std::uint32_t>(fits) << a;
     }
+    if (supported == 0) return;
     for (std::size_t a = 0; a < all_.size(); ++a) {
+      const bool first = (supported >> a & 1U) != 0;
       for (std::size_t b = a + 1; b < all_.size(); ++b) {
-        if (supported_[a] == supported_[b]) continue;
+        const bool second = (supported >> b & 1U) != 0;
+        if (first == second) continue;
         if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be right
-        votes_[a * all_.size() + b].add(block, supported_[a], supported_[b]);
+        votes_[a * all_.size() + b].add(block, first, second);
       }
     }
   }
@@ -152,14 +158,19 @@ class RangeVotes {
 
  private:
   std::vector<Rate> all_;
-  std::vector<bool> supported_;  ///< by the pair at hand
   std::vector<Support> votes_;
 };
 
-bool look_alike(const RadarDetection& a, const RadarDetection& b) {
+/// @param a_range,b_range of the points
+bool look_alike(const Point& a, const Point& b, double a_range, double b_range) {
   constexpr double kCosine = 0.95;  // of their directions
   if (!(std::abs(a.range_rate - b.range_rate) <= 0.3 * std::abs(a.range_rate))) return false;
-  return a.point_S.dot(b.point_S) > kCosine * a.point_S.norm() * b.point_S.norm();
+  return a.point_S.dot(b.point_S) > kCosine * a_range * b_range;
+}
+
+void ranges_of(const ScanView& scan, std::vector<double>* ranges) {
+  ranges->clear();
+  for (const Point& point : scan.detections) ranges->push_back(point.point_S.norm());
 }
 
 std::string change_of(const Rate& rate, Source source) {
@@ -198,7 +209,7 @@ class TurnVotes {
   }
 
   /// @param told, in_degrees turn of the body from the one scan to the other, in its axes
-  void add(const RadarScan& from, const RadarScan& to, const Quaternion& told,
+  void add(const ScanView& from, const ScanView& to, const Quaternion& told,
            const Quaternion& in_degrees, std::size_t block) {
     const Vector3d phi = quaternion_log(told);
     if (phi.norm() < 2.0 * kBound) return;  // both would be right
@@ -207,8 +218,13 @@ class TurnVotes {
     }
     const Matrix3d& R = mountings_.front();
     const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
-    for (const RadarDetection& a : from.detections) {
-      for (const RadarDetection& b : to.detections) add(a.point_S, b.point_S, small, block);
+    ranges_of(to, &ranges_);
+    for (const Point& a : from.detections) {
+      const double range = a.point_S.norm();
+      for (std::size_t k = 0; k < ranges_.size(); ++k) {
+        if (!(std::abs(ranges_[k] - range) < 6.0 * kRange)) continue;
+        add(a.point_S, to.detections[k].point_S, range, ranges_[k], small, block);
+      }
     }
   }
   /// Of that mounting with which the rates as told do best.
@@ -221,10 +237,10 @@ class TurnVotes {
  private:
   static constexpr double kBound = 3.0 * kAngle;
 
-  void add(const Vector3d& a, const Vector3d& b, const Matrix3d& small, std::size_t block) {
-    const double range = a.norm();
-    const double other = b.norm();
-    if (!(std::abs(other - range) < 6.0 * kRange) || !(std::min(range, other) > 0.1)) return;
+  /// @param range,other of the points
+  void add(const Vector3d& a, const Vector3d& b, double range, double other, const Matrix3d& small,
+           std::size_t block) {
+    if (!(std::min(range, other) > 0.1)) return;
     const Vector3d u = a / range;
     const Vector3d v = b / other;
     const bool in_degrees = (small * u - v).norm() < kBound;
@@ -237,25 +253,29 @@ class TurnVotes {
   std::vector<Matrix3d> mountings_;
   std::vector<Support> votes_;
   std::vector<Matrix3d> turns_;  ///< of the scene between two scans
+  std::vector<double> ranges_;   ///< of the points of the later scan
 };
 
 }  // namespace
 
-Finding check_ranges(const std::vector<RadarScan>& scans, const Options& options, Source source) {
+Finding check_ranges(const Scans& scans, const Options& options, Source source) {
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);
   const double least = options.radar.min_range;
-  each_pair_of_scans(scans,
-                     [&](const RadarScan& from, const RadarScan& to, double dt, std::size_t block) {
-                       for (const RadarDetection& a : from.detections) {
-                         if (a.range_rate == 0.0 || !(a.point_S.norm() > least)) continue;
-                         for (const RadarDetection& b : to.detections) {
-                           if (!look_alike(a, b)) continue;
-                           votes.add(b.point_S.norm() - a.point_S.norm(),
-                                     0.5 * (a.range_rate + b.range_rate) * dt, block);
-                         }
-                       }
-                     });
+  std::vector<double> ranges;
+  each_pair_of_scans(
+      scans, [&](const ScanView& from, const ScanView& to, double dt, std::size_t block) {
+        ranges_of(to, &ranges);
+        for (const Point& a : from.detections) {
+          const double range = a.point_S.norm();
+          if (a.range_rate == 0.0 || !(range > least)) continue;
+          for (std::size_t k = 0; k < ranges.size(); ++k) {
+            const Point& b = to.detections[k];
+            if (!look_alike(a, b, range, ranges[k])) continue;
+            votes.add(ranges[k] - range, 0.5 * (a.range_rate + b.range_rate) * dt, block);
+          }
+        }
+      });
   const Support& signs = votes.of(0, 2);
   Finding out{Verdict::kOk, "Doppler by the ranges",
               fmt::format("between scans the range changes as the Doppler says in {:.0f} pairs of "
@@ -277,15 +297,14 @@ Finding check_ranges(const std::vector<RadarScan>& scans, const Options& options
   return out;
 }
 
-std::optional<Finding> check_rates(const std::vector<ImuSample>& samples,
-                                   const std::vector<RadarScan>& scans, const Options& options,
-                                   Source source) {
+std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
+                                   const Options& options, Source source) {
   constexpr double kDegree = 3.14159265358979323846 / 180.0;
   const ImuPath told(samples, 1.0, 1.0);
   const ImuPath in_degrees(samples, kDegree, 1.0);
   TurnVotes votes(options.radar.T_BS.rotation);
   each_pair_of_scans(scans,
-                     [&](const RadarScan& from, const RadarScan& to, double, std::size_t block) {
+                     [&](const ScanView& from, const ScanView& to, double, std::size_t block) {
                        const auto turn = [&](const ImuPath& path) -> std::optional<Quaternion> {
                          const auto first = path.at(from.time);
                          const auto last = path.at(to.time);

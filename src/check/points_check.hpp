@@ -17,19 +17,19 @@
 #include <vector>
 
 #include "check/finding.hpp"
+#include "check/scans.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
 
 namespace rio::check {
 
 /// Sign and unit of the Doppler by (E1), subject "Doppler by the ranges".
-Finding check_ranges(const std::vector<RadarScan>& scans, const Options& options, Source source);
+Finding check_ranges(const Scans& scans, const Options& options, Source source);
 
 /// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; nothing if it is not.
 /// The rates as told may be right with any mounting and handedness by right angles.
 /// @param samples usable()
-std::optional<Finding> check_rates(const std::vector<ImuSample>& samples,
-                                   const std::vector<RadarScan>& scans, const Options& options,
-                                   Source source);
+std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
+                                   const Options& options, Source source);
 
 }  // namespace rio::check

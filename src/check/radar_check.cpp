@@ -15,26 +15,26 @@ namespace rio::check {
 namespace {
 
 /// Begin and end of those in order.
-template <typename Item>
-std::pair<Time, Time> span_of(const std::vector<Item>& items) {
+template <typename Items>
+std::pair<Time, Time> span_of(const Items& items) {
   const std::vector<std::size_t> order = in_order(items);
   return {items[order.front()].time, items[order.back()].time};
 }
 
-double duration(const std::vector<RadarScan>& scans) {
+double duration(const Scans& scans) {
   const auto [begin, end] = span_of(scans);
   return std::max(1e-3, to_seconds(end - begin));
 }
 
 /// The row of a file at which a scan begins: one a detection, or one that says that there is none.
-std::size_t row_of(const std::vector<RadarScan>& scans, std::size_t scan) {
+std::size_t row_of(const Scans& scans, std::size_t scan) {
   std::size_t row = 0;
   for (std::size_t i = 0; i < scan; ++i)
     row += std::max<std::size_t>(1, scans[i].detections.size());
   return row;
 }
 
-Finding check_stamps(const std::vector<RadarScan>& scans, const io::RadarInfo& info,
+Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
                      const std::filesystem::path& csv) {
   std::vector<double> periods;
   const std::vector<std::size_t> order = in_order(scans);
@@ -80,14 +80,18 @@ Finding check_stamps(const std::vector<RadarScan>& scans, const io::RadarInfo& i
   return out;
 }
 
-Finding check_points(const std::vector<RadarScan>& scans, const std::vector<RadarSpeed>& speeds,
+Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
                      const Options& options) {
   std::vector<double> counts;
-  std::vector<double> snr;
-  for (const RadarScan& scan : scans) {
+  for (const ScanView scan : scans) {
     counts.push_back(static_cast<double>(scan.detections.size()));
-    for (const RadarDetection& d : scan.detections) snr.push_back(d.snr_db);
   }
+  const auto each_snr = [&scans](const auto& use) {
+    for (const ScanView scan : scans) {
+      for (const Point& d : scan.detections) use(d.snr_db);
+    }
+  };
+  const double usual_snr = quantile_of_each(each_snr, 0.5);
   std::vector<double> shares;
   for (const RadarSpeed& speed : speeds) shares.push_back(speed.inlier_share);
   const double with = static_cast<double>(speeds.size()) / static_cast<double>(counts.size());
@@ -97,12 +101,13 @@ Finding check_points(const std::vector<RadarScan>& scans, const std::vector<Rada
       fmt::format("{:.0f} points a scan ({:.0f} to {:.0f} in nine of ten), SNR {:.0f} dB; "
                   "{:.0f} % of the scans ({:.1f} a second) agree on a velocity, with {:.0f} % of "
                   "their points",
-                  median(counts), quantile(counts, 0.05), quantile(counts, 0.95), median(snr),
+                  median(counts), quantile(counts, 0.05), quantile(counts, 0.95), usual_snr,
                   100.0 * with, rate, speeds.empty() ? 0.0 : 100.0 * median(shares)),
       ""};
-  if (median(snr) < options.radar.min_snr_db) {
+  if (usual_snr < options.radar.min_snr_db) {
     out.verdict = Verdict::kWrong;
-    out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile(snr, 0.01) - 1.0);
+    out.change =
+        fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile_of_each(each_snr, 0.01) - 1.0);
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     out.change = "more points a scan: lower the detection threshold of the radar (CFAR)";
@@ -110,23 +115,27 @@ Finding check_points(const std::vector<RadarScan>& scans, const std::vector<Rada
   return out;
 }
 
-std::vector<double> magnitudes(const std::vector<RadarScan>& scans) {
-  std::vector<double> rates;
-  for (const RadarScan& scan : scans) {
-    for (const RadarDetection& d : scan.detections) {
-      if (std::isfinite(d.range_rate)) rates.push_back(std::abs(d.range_rate));
+/// Calls use(|Doppler|) for all that are finite.
+template <typename Use>
+void each_magnitude(const Scans& scans, Use&& use) {
+  for (const ScanView scan : scans) {
+    for (const Point& d : scan.detections) {
+      if (std::isfinite(d.range_rate)) use(std::abs(d.range_rate));
     }
   }
-  return rates;
+}
+
+double quantile_of_magnitudes(const Scans& scans, double share) {
+  return quantile_of_each([&scans](const auto& use) { each_magnitude(scans, use); }, share);
 }
 
 /// Approaching targets have a Doppler below zero, but no detection has an SNR much below it.
-bool looks_exchanged(const std::vector<RadarScan>& scans) {
+bool looks_exchanged(const Scans& scans) {
   constexpr double kShare = 0.1;
   std::size_t all = 0;
   std::size_t weak = 0;
-  for (const RadarScan& scan : scans) {
-    for (const RadarDetection& d : scan.detections) {
+  for (const ScanView scan : scans) {
+    for (const Point& d : scan.detections) {
       if (d.range_rate < 0.0) return false;
       ++all;
       weak += d.snr_db < 0.0 ? 1U : 0U;
@@ -135,17 +144,22 @@ bool looks_exchanged(const std::vector<RadarScan>& scans) {
   return static_cast<double>(weak) > kShare * static_cast<double>(all);
 }
 
-Finding check_doppler(const std::vector<RadarScan>& scans, const Options& options, Source source) {
-  const std::vector<double> rates = magnitudes(scans);
-  if (rates.empty()) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
+Finding check_doppler(const Scans& scans, const Options& options, Source source) {
+  std::size_t count = 0;
+  std::size_t zeros = 0;
+  each_magnitude(scans, [&](double rate) {
+    ++count;
+    zeros += rate == 0.0 ? 1U : 0U;
+  });
+  if (count == 0) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
   const double limit = options.radar.max_doppler;
-  const double most = quantile(rates, 0.999);
-  const double still = static_cast<double>(std::count(rates.begin(), rates.end(), 0.0)) /
-                       static_cast<double>(rates.size());
+  const double most = quantile_of_magnitudes(scans, 0.999);
+  const double middle = quantile_of_magnitudes(scans, 0.5);
+  const double still = static_cast<double>(zeros) / static_cast<double>(count);
   const double grid = options.radar.doppler_resolution;
   Finding out{Verdict::kOk, "Doppler",
               fmt::format("up to {:.2f} m/s (half of them below {:.2f}), {:.0f} % exactly zero, {}",
-                          most, median(rates), 100.0 * still,
+                          most, middle, 100.0 * still,
                           grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid"),
               ""};
   if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
@@ -164,7 +178,7 @@ Finding check_doppler(const std::vector<RadarScan>& scans, const Options& option
     out.text += ": a radar that folds there cannot say so";
     out.change = fmt::format(
         "the unit of the Doppler (see \"Doppler scale\"), or radar: {{max_doppler: {:.2f}}}", most);
-  } else if (limit > 0.0 && median(rates) > 0.5 * limit) {
+  } else if (limit > 0.0 && middle > 0.5 * limit) {
     out.verdict = Verdict::kDoubtful;
     out.change = "much of it may be folded: a faster chirp, or slower flight";
   } else if (!(limit > 0.0)) {
@@ -175,13 +189,12 @@ Finding check_doppler(const std::vector<RadarScan>& scans, const Options& option
 
 }  // namespace
 
-double fastest(const std::vector<RadarScan>& scans) {
-  const std::vector<double> rates = magnitudes(scans);
-  return rates.empty() ? 0.0 : quantile(rates, 0.999);
+double fastest(const Scans& scans) {
+  const double most = quantile_of_magnitudes(scans, 0.999);
+  return std::isnan(most) ? 0.0 : most;
 }
 
-Finding check_clocks(const std::vector<ImuSample>& samples, const std::vector<RadarScan>& scans,
-                     Source source) {
+Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans, Source source) {
   const auto [imu_begin, imu_end] = span_of(samples);
   const auto [radar_begin, radar_end] = span_of(scans);
   const double imu = to_seconds(imu_end - imu_begin);
@@ -205,7 +218,7 @@ Finding check_clocks(const std::vector<ImuSample>& samples, const std::vector<Ra
   return out;
 }
 
-Findings check_radar(const std::vector<RadarScan>& scans, const io::RadarInfo& info,
+Findings check_radar(const Scans& scans, const io::RadarInfo& info,
                      const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
                      const std::filesystem::path& csv) {
   return {check_stamps(scans, info, csv), check_points(scans, speeds, options),

@@ -7,22 +7,22 @@
 
 #include "check/finding.hpp"
 #include "check/motion.hpp"
+#include "check/scans.hpp"
 #include "rio/io/dataset.hpp"
 
 namespace rio::check {
 
 /// Whether both sensors were there at the same time, by their stamps.
-Finding check_clocks(const std::vector<ImuSample>& imu, const std::vector<RadarScan>& scans,
-                     Source source);
+Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, Source source);
 
 /// @param speeds of radar_speeds()
 /// @param csv the file the scans come from, to name lines of it; may be empty
-Findings check_radar(const std::vector<RadarScan>& scans, const io::RadarInfo& info,
+Findings check_radar(const Scans& scans, const io::RadarInfo& info,
                      const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
                      const std::filesystem::path& csv);
 
 /// The largest Doppler but for one of a thousand [m/s]; where a radar folds that is told a limit in
 /// another unit.
-double fastest(const std::vector<RadarScan>& scans);
+double fastest(const Scans& scans);
 
 }  // namespace rio::check

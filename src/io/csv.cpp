@@ -38,6 +38,24 @@ std::optional<Number> parse(std::string_view text) {
   return value;
 }
 
+/// -12.5, 3, 1e-05, as far as no double overflows.
+bool is_plain(std::string_view text) {
+  constexpr std::size_t kLongest = 32;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (text.size() > kLongest) return false;
+  const char* c = text.data();
+  const char* const end = c + text.size();
+  if (c != end && *c == '-') ++c;
+  if (c == end || !digit(*c)) return false;
+  while (c != end && digit(*c)) ++c;
+  if (c != end && *c == '.') ++c;
+  while (c != end && digit(*c)) ++c;
+  if (c == end) return true;
+  if (*c++ != 'e') return false;
+  if (c != end && (*c == '-' || *c == '+')) ++c;
+  return (end - c == 1 || end - c == 2) && std::all_of(c, end, digit);
+}
+
 /// A decimal number, exponent allowed, times 1e9, rounded half away from zero; without floating
 /// point.
 std::optional<std::int64_t> scaled_by_1e9(std::string_view text) {
@@ -177,6 +195,12 @@ double CsvReader::number(std::size_t i) const {
   if (!value)
     fail("column " + std::to_string(i + 1) + ": not a number: \"" + std::string(cell(i)) + "\"");
   return *value;
+}
+
+bool CsvReader::is_plain_number(std::size_t i) const {
+  if (is_plain(cell(i))) return true;
+  (void)number(i);
+  return false;
 }
 
 std::int64_t CsvReader::integer(std::size_t i) const {

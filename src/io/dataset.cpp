@@ -9,10 +9,13 @@
 #include <functional>
 #include <iterator>
 #include <stdexcept>
+#include <utility>
 
 #include "dataset_layout.hpp"
+#include "dataset_survey.hpp"
 #include "doppler_grid.hpp"
 #include "rio/io/csv.hpp"
+#include "sensor_rows.hpp"
 #include "unit_quaternion.hpp"
 #include "yaml.hpp"
 
@@ -20,9 +23,6 @@ namespace rio::io {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-/// The folder that holds the sensor folders.
 fs::path dataset_root(const fs::path& path) {
   if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such folder");
   if (!fs::is_directory(path)) throw std::runtime_error(path.string() + ": is not a folder");
@@ -30,95 +30,11 @@ fs::path dataset_root(const fs::path& path) {
   return path;
 }
 
-Vector3d vector_at(const CsvReader& rows, std::size_t i) {
-  return {rows.number(i), rows.number(i + 1), rows.number(i + 2)};
-}
+namespace {
 
-/// Samples that are not finite are kept, as they were recorded, and the first is noted.
-std::vector<ImuSample> read_imu(const fs::path& path, std::vector<std::string>* notes) {
-  CsvReader rows(path);
-  std::vector<ImuSample> samples;
-  int bad = 0;
-  std::string first;
-  while (rows.next()) {
-    samples.push_back({Time(rows.integer(0)), vector_at(rows, 1), vector_at(rows, 4)});
-    if ((samples.back().gyro_B + samples.back().accel_B).allFinite()) continue;
-    if (++bad == 1) first = rows.place();
-  }
-  if (samples.empty()) throw std::runtime_error(path.string() + ": holds no samples");
-  if (bad > 0) {
-    notes->push_back(fmt::format("{}: not finite, the first of {} such samples", first, bad));
-  }
-  return samples;
-}
-
-/// A trailing column that may be missing or empty.
-double number_or_zero(const CsvReader& rows, std::size_t i) {
-  return i >= rows.columns() || rows.is_empty(i) ? 0.0 : rows.number(i);
-}
-
-bool is_empty_scan(const CsvReader& rows) {
-  if (rows.columns() < 5) return false;
-  for (std::size_t i = 1; i < rows.columns(); ++i) {
-    if (!rows.is_empty(i)) return false;
-  }
-  return true;
-}
-
-constexpr std::size_t kRadarColumns = 7;  ///< without the sigmas of each detection
-
-/// Cell i, 0 if it is empty.
-double sigma_at(const CsvReader& rows, std::size_t i) {
-  const double sigma = number_or_zero(rows, i);
-  if (!(std::isfinite(sigma) && sigma >= 0.0)) rows.fail("a sigma is negative or not finite");
-  return sigma;
-}
-
-RadarDetection detection_at(const CsvReader& rows) {
-  RadarDetection d;
-  d.point_S = vector_at(rows, 1);
-  d.range_rate = rows.number(4);
-  d.snr_db = number_or_zero(rows, 5);
-  d.noise_db = number_or_zero(rows, 6);
-  if (rows.columns() >= kRadarColumns + 4) {
-    d.sigma_range = sigma_at(rows, kRadarColumns);
-    d.sigma_azimuth = sigma_at(rows, kRadarColumns + 1);
-    d.sigma_elevation = sigma_at(rows, kRadarColumns + 2);
-    d.sigma_doppler = sigma_at(rows, kRadarColumns + 3);
-  }
-  return d;
-}
-
-std::vector<RadarScan> read_radar(const fs::path& path) {
-  CsvReader rows(path);
-  std::vector<RadarScan> scans;
-  while (rows.next()) {
-    const Time time(rows.integer(0));
-    const bool same_scan = !scans.empty() && scans.back().time == time;
-    if (is_empty_scan(rows)) {
-      if (same_scan) rows.fail("an empty scan has the stamp of the row before");
-      scans.push_back({time, {}});
-      continue;
-    }
-    if (same_scan && scans.back().detections.empty()) {
-      rows.fail("a detection has the stamp of an empty scan");
-    }
-    if (!same_scan) scans.push_back({time, {}});
-    scans.back().detections.push_back(detection_at(rows));
-  }
-  if (scans.empty()) throw std::runtime_error(path.string() + ": holds no scans");
-  return scans;
-}
-
-std::vector<BaroSample> read_baro(const fs::path& path) {
-  CsvReader rows(path);
-  std::vector<BaroSample> samples;
-  while (rows.next()) samples.push_back({Time(rows.integer(0)), rows.number(1)});
-  return samples;
-}
+constexpr std::size_t kEurocColumns = 17;  ///< of the ground truth
 
 NavState truth_at(const CsvReader& rows) {
-  constexpr std::size_t kEurocColumns = 17;
   NavState state;
   state.time = Time(rows.integer(0));
   state.p_WB = vector_at(rows, 1);
@@ -136,37 +52,54 @@ NavState truth_at(const CsvReader& rows) {
   return state;
 }
 
-/// Hands over every state.
+/// The stamp; throws as truth_at(), and is faster where all numbers are usual ones.
+Time look_at_truth(const CsvReader& rows) {
+  const auto plain = [&rows](std::size_t begin, std::size_t end) {
+    while (begin < end && rows.is_plain_number(begin)) ++begin;
+    return begin == end;
+  };
+  const Time time(rows.integer(0));
+  const bool usual =
+      plain(1, 4) &&
+      unit_quaternion(rows.number(4), rows.number(5), rows.number(6), rows.number(7)) &&
+      (rows.columns() < 11 || plain(8, 11)) &&
+      (rows.columns() != kEurocColumns || plain(11, kEurocColumns));
+  return usual ? time : truth_at(rows).time;
+}
+
+/// @param take gets every row and returns its stamp
 void read_truth_file(const fs::path& path, std::size_t min_columns,
-                     const std::function<void(const NavState&)>& keep) {
+                     const std::function<Time(const CsvReader&)>& take) {
   CsvReader rows(path);
   std::optional<Time> last;
   while (rows.next()) {
     if (rows.columns() < min_columns) {
       rows.fail(fmt::format("has {} columns, {} are needed", rows.columns(), min_columns));
     }
-    const NavState state = truth_at(rows);
-    if (last && state.time <= *last) rows.fail("time does not increase");
-    last = state.time;
-    keep(state);
+    const Time time = take(rows);
+    if (last && time <= *last) rows.fail("time does not increase");
+    last = time;
   }
   if (!last) throw std::runtime_error(path.string() + ": holds no states");
 }
 
 std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_columns) {
   std::vector<NavState> states;
-  read_truth_file(path, min_columns, [&states](const NavState& state) { states.push_back(state); });
+  read_truth_file(path, min_columns, [&states](const CsvReader& rows) {
+    return states.emplace_back(truth_at(rows)).time;
+  });
   return states;
 }
 
 /// The first state within the span of the IMU; the last one if there is none.
-NavState read_start_of_truth(const fs::path& path, const std::vector<ImuSample>& imu) {
+NavState read_start_of_truth(const fs::path& path, const RecordingOutline& outline) {
   std::optional<NavState> start;
-  const auto within = [&imu](const NavState& state) {
-    return state.time >= imu.front().time && state.time <= imu.back().time;
-  };
-  read_truth_file(path, 17, [&](const NavState& state) {
-    if (!start || !within(*start)) start = state;
+  bool within = false;
+  read_truth_file(path, kEurocColumns, [&](const CsvReader& rows) {
+    if (within) return look_at_truth(rows);
+    start = truth_at(rows);
+    within = start->time >= outline.imu_begin && start->time <= outline.imu_end;
+    return start->time;
   });
   return *start;
 }
@@ -268,47 +201,119 @@ void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::str
   }
 }
 
+/// Samples that are not finite are kept, as they were recorded, and the first is noted.
+void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
+  ImuRows rows(path, samples != nullptr ? Numbers::kRead : Numbers::kLookAt);
+  ImuSample sample;
+  int bad = 0;
+  std::string first;
+  while (rows.next(&sample)) {
+    if (outline->imu_samples++ == 0) outline->imu_begin = sample.time;
+    outline->imu_end = sample.time;
+    if (samples != nullptr) samples->imu.push_back(sample);
+    if (rows.is_finite()) continue;
+    if (++bad == 1) first = rows.place();
+  }
+  if (outline->imu_samples == 0) throw std::runtime_error(path.string() + ": holds no samples");
+  if (bad > 0) {
+    outline->sensors.notes.push_back(
+        fmt::format("{}: not finite, the first of {} such samples", first, bad));
+  }
+}
+
+/// The stamps of the scans.
+/// @param scans,grid get the scans, if they are not null
+std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* scans,
+                               DopplerGrid* grid) {
+  RadarRows rows(path, scans != nullptr ? Numbers::kRead : Numbers::kLookAt);
+  std::vector<Time> times;
+  RadarScan scan;
+  while (rows.next(&scan)) {
+    times.push_back(scan.time);
+    if (grid != nullptr) grid->add(scan);
+    if (scans != nullptr) scans->push_back(std::move(scan));
+  }
+  if (times.empty()) throw std::runtime_error(path.string() + ": holds no scans");
+  return times;
+}
+
+void survey_baro(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
+  BaroRows rows(path);
+  BaroSample sample;
+  while (rows.next(&sample)) {
+    ++outline->baro_samples;
+    if (samples != nullptr) samples->baro.push_back(sample);
+  }
+}
+
 /// A file that was cut between two rows is whole to its reader; the other sensor tells.
-void note_if_cut_short(const fs::path& root, Dataset* dataset) {
+void note_if_cut_short(const fs::path& root, RecordingOutline* outline) {
   // not of the difference, which the integers may not hold
-  const double ahead =
-      to_seconds(dataset->imu.back().time) - to_seconds(dataset->scans.back().time);
+  const double ahead = to_seconds(outline->imu_end) - to_seconds(outline->scan_times[0].back());
   if (std::abs(ahead) < 1.0) return;
-  dataset->notes.push_back(fmt::format("{} ends {:.1f} s before {}",
-                                       (root / (ahead > 0.0 ? kRadar : kImu)).string(),
-                                       std::abs(ahead), ahead > 0.0 ? kImu : kRadar));
+  outline->sensors.notes.push_back(fmt::format("{} ends {:.1f} s before {}",
+                                               (root / (ahead > 0.0 ? kRadar : kImu)).string(),
+                                               std::abs(ahead), ahead > 0.0 ? kImu : kRadar));
+}
+
+/// Read off the data, where the sensor file does not tell.
+void survey_doppler_grid(const fs::path& root, DopplerGrid* grid, Dataset* sensors) {
+  std::optional<double>& step = sensors->radar_info.doppler_resolution;
+  if (step) return;
+  step = grid->step([&root](const auto& use) {
+    RadarRows rows(root / kRadar / kData, Numbers::kLookAt);
+    RadarScan scan;
+    while (rows.next(&scan) && use(scan)) {
+    }
+  });
+  if (!step) return;
+  sensors->notes.push_back(
+      fmt::format("{}: no doppler_resolution_mps; the data has steps of {:.4f} m/s",
+                  (root / kRadar / kSensor).string(), *step));
 }
 
 }  // namespace
 
-Dataset read_dataset(const fs::path& path, Truth truth) {
-  const fs::path root = dataset_root(path);
-  Dataset dataset;
-  dataset.imu = read_imu(root / kImu / kData, &dataset.notes);
-  dataset.scans = read_radar(root / kRadar / kData);
-  if (fs::exists(root / kBaro)) dataset.baro = read_baro(root / kBaro / kData);
+RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
+  RecordingOutline outline;
+  Dataset& sensors = outline.sensors;
+  DopplerGrid grid;
+  survey_imu(root / kImu / kData, &outline, samples);
+  outline.scan_times.push_back(
+      survey_radar(root / kRadar / kData, samples != nullptr ? &samples->scans : nullptr, &grid));
+  if (fs::exists(root / kBaro)) survey_baro(root / kBaro / kData, &outline, samples);
   if (fs::exists(root / kTruth)) {
     const fs::path file = root / kTruth / kData;
-    dataset.ground_truth = truth == Truth::kAll
-                               ? read_truth_file(file, 17)
-                               : std::vector<NavState>{read_start_of_truth(file, dataset.imu)};
+    sensors.ground_truth = truth == Truth::kAll
+                               ? read_truth_file(file, kEurocColumns)
+                               : std::vector<NavState>{read_start_of_truth(file, outline)};
   }
-  read_imu_info(root / kImu / kSensor, &dataset);
-  read_radar_info(root / kRadar / kSensor, &dataset.radar_info, &dataset.notes);
+  read_imu_info(root / kImu / kSensor, &sensors);
+  read_radar_info(root / kRadar / kSensor, &sensors.radar_info, &sensors.notes);
   for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
     const fs::path folder = root / radar_folder(r);
     if (!fs::exists(folder)) break;
-    dataset.other_radars.push_back({read_radar(folder / kData), {}});
-    read_radar_info(folder / kSensor, &dataset.other_radars.back().info, &dataset.notes);
+    std::vector<RadarScan>* scans = nullptr;
+    if (samples != nullptr) scans = &samples->other_radars.emplace_back().scans;
+    outline.scan_times.push_back(survey_radar(folder / kData, scans, nullptr));
+    sensors.other_radars.emplace_back();
+    read_radar_info(folder / kSensor, &sensors.other_radars.back().info, &sensors.notes);
   }
-  note_if_cut_short(root, &dataset);
-  std::optional<double>& grid = dataset.radar_info.doppler_resolution;
-  if (!grid && (grid = doppler_grid(dataset.scans))) {
-    dataset.notes.push_back(
-        fmt::format("{}: no doppler_resolution_mps; the data has steps of {:.4f} m/s",
-                    (root / kRadar / kSensor).string(), *grid));
+  note_if_cut_short(root, &outline);
+  survey_doppler_grid(root, &grid, &sensors);
+  return outline;
+}
+
+Dataset read_dataset(const fs::path& path, Truth truth) {
+  Dataset all;
+  Dataset sensors = survey(dataset_root(path), truth, &all).sensors;
+  sensors.imu = std::move(all.imu);
+  sensors.scans = std::move(all.scans);
+  sensors.baro = std::move(all.baro);
+  for (std::size_t i = 0; i < all.other_radars.size(); ++i) {
+    sensors.other_radars[i].scans = std::move(all.other_radars[i].scans);
   }
-  return dataset;
+  return sensors;
 }
 
 Dataset read_sensor_info(const fs::path& path) {

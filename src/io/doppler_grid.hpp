@@ -2,7 +2,9 @@
 // The Doppler grid of a recording whose sensor.yaml does not tell it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -12,36 +14,70 @@
 namespace rio::io {
 
 /// Step of the Doppler [m/s] if nearly all values are multiples of the smallest one, as those of an
-/// FFT are; nothing if they are not, or if there are too few to tell.
-inline std::optional<double> doppler_grid(const std::vector<RadarScan>& scans) {
-  constexpr double kNoise = 1e-3;     // rounding of a recorded number [m/s]
-  constexpr double kTolerance = 0.1;  // of a step; a random value has a chance of 0.2 to be so near
-  constexpr int kEnough = 200;
-  const auto each = [&scans](const auto& f) {
-    for (const RadarScan& scan : scans) {
-      for (const RadarDetection& d : scan.detections) {
-        if (std::abs(d.range_rate) > kNoise) f(std::abs(d.range_rate));
-      }
+/// FFT are; nothing if they are not, or if there are too few to tell. All values are needed twice:
+/// those of a short recording are kept.
+class DopplerGrid {
+ public:
+  void add(const RadarScan& scan) {
+    for (const RadarDetection& d : scan.detections) {
+      const double speed = std::abs(d.range_rate);
+      if (!(speed > kNoise)) continue;
+      smallest_ = std::min(smallest_, speed);
+      if (count_++ < kKept) kept_.push_back(speed);
     }
-  };
-  double smallest = std::numeric_limits<double>::infinity();
-  each([&](double speed) { smallest = std::min(smallest, speed); });
-  int count = 0;
-  int on_grid = 0;
-  int beyond_first = 0;
-  double sum = 0.0;
-  double multiples = 0.0;
-  each([&](double speed) {
-    ++count;
-    const double multiple = std::round(speed / smallest);
-    if (std::abs(speed / smallest - multiple) > kTolerance) return;
-    ++on_grid;
-    beyond_first += multiple > 1.0 ? 1 : 0;
-    sum += speed;
-    multiples += multiple;
-  });
-  if (count < kEnough || on_grid < 0.99 * count || beyond_first < kEnough / 2) return std::nullopt;
-  return sum / multiples;
-}
+  }
+
+  /// @param each_scan calls its argument with all scans again, in the same order, until that
+  /// returns false; only for long recordings
+  template <class EachScan>
+  std::optional<double> step(EachScan&& each_scan) {
+    if (count_ == kept_.size()) {
+      for (const double speed : kept_) take(speed);
+    } else {
+      each_scan([this](const RadarScan& scan) {
+        for (const RadarDetection& d : scan.detections) {
+          if (std::abs(d.range_rate) > kNoise) take(std::abs(d.range_rate));
+        }
+        return may_be_grid(off_grid_);
+      });
+    }
+    if (count_ < kEnough || !may_be_grid(count_ - on_grid_) || beyond_first_ < kEnough / 2) {
+      return std::nullopt;
+    }
+    return sum_ / multiples_;
+  }
+
+ private:
+  static constexpr double kNoise = 1e-3;  // rounding of a recorded number [m/s]
+  static constexpr std::size_t kEnough = 200;
+  static constexpr std::size_t kKept = 1 << 16;
+
+  bool may_be_grid(std::size_t off_grid) const {
+    return static_cast<double>(count_ - off_grid) >= 0.99 * static_cast<double>(count_);
+  }
+
+  void take(double speed) {
+    constexpr double kTolerance =
+        0.1;  // of a step; a random value has a chance of 0.2 to be so near
+    const double multiple = std::round(speed / smallest_);
+    if (std::abs(speed / smallest_ - multiple) > kTolerance) {
+      ++off_grid_;
+      return;
+    }
+    ++on_grid_;
+    beyond_first_ += multiple > 1.0 ? 1 : 0;
+    sum_ += speed;
+    multiples_ += multiple;
+  }
+
+  double smallest_ = std::numeric_limits<double>::infinity();
+  std::size_t count_ = 0;
+  std::vector<double> kept_;  ///< the first of them
+  std::size_t on_grid_ = 0;
+  std::size_t off_grid_ = 0;
+  std::size_t beyond_first_ = 0;
+  double sum_ = 0.0;
+  double multiples_ = 0.0;
+};
 
 }  // namespace rio::io

@@ -16,14 +16,26 @@ namespace rio::tools {
 
 namespace fs = std::filesystem;
 
-check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
-                            const Options& options) {
-  if (!is_asl_folder(path)) {
-    return check::check_recording(dataset, options, check::Source::kBag);
-  }
+namespace {
+
+template <class Data>
+check::Findings findings(const std::string& path, const Data& data, const Options& options) {
+  if (!is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
   fs::path root = path;
   if (!fs::exists(root / "imu0")) root /= "mav0";
-  return check::check_recording(dataset, options, check::Source::kFolder, root);
+  return check::check_recording(data, options, check::Source::kFolder, root);
+}
+
+}  // namespace
+
+check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
+                            const Options& options) {
+  return findings(path, dataset, options);
+}
+
+check::Findings findings_of(const std::string& path, const check::CheckedData& data,
+                            const Options& options) {
+  return findings(path, data, options);
 }
 
 nlohmann::ordered_json findings_json(const check::Findings& findings) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "check/check.hpp"
 #include "check/finding.hpp"
 #include "commands.hpp"
 #include "rio/io/dataset.hpp"
@@ -12,8 +13,11 @@
 
 namespace rio::tools {
 
-/// Checks what read_any() gave for `path`.
+/// Checks what read_any() gave for `path`, or a part of it.
 check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
+                            const Options& options);
+
+check::Findings findings_of(const std::string& path, const check::CheckedData& data,
                             const Options& options);
 
 /// One object a finding.

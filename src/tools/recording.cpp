@@ -72,6 +72,15 @@ void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   dataset->notes.insert(dataset->notes.end(), info.notes.begin(), info.notes.end());
 }
 
+/// Whether it is a recording of ROS; throws if it is none, but options of one are given.
+bool is_bag(const std::string& path, const RecordingArguments& arguments) {
+  if (!is_asl_folder(path) && bag::is_recording(path)) return true;
+  if (arguments != RecordingArguments{}) {
+    throw std::runtime_error(path + ": options of a bag are given, but it is none");
+  }
+  return false;
+}
+
 /// What no recording of ROS tells.
 void print_what_is_missing(const fs::path& out) {
   fmt::print(
@@ -90,13 +99,10 @@ bool is_asl_folder(const fs::path& path) {
 }
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage, io::Truth truth) {
+                     std::string* damage) {
   damage->clear();
-  if (is_asl_folder(path) || !bag::is_recording(path)) {
-    if (arguments != RecordingArguments{}) {
-      throw std::runtime_error(path + ": options of a bag are given, but it is none");
-    }
-    io::Dataset dataset = io::read_dataset(path, truth);
+  if (!is_bag(path, arguments)) {
+    io::Dataset dataset = io::read_dataset(path);
     print_notes(dataset);
     return dataset;
   }
@@ -105,6 +111,16 @@ io::Dataset read_any(const std::string& path, const RecordingArguments& argument
   if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &recording.dataset);
   print_notes(recording.dataset);
   return std::move(recording.dataset);
+}
+
+OpenRecording open_any(const std::string& path, const RecordingArguments& arguments) {
+  OpenRecording out;
+  out.samples = is_bag(path, arguments) ? bag::open_recording(path, request_of(arguments))
+                                        : io::open_dataset(path);
+  out.sensors = out.samples->outline().sensors;
+  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &out.sensors);
+  print_notes(out.sensors);
+  return out;
 }
 
 void throw_damage(const std::string& damage) {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "commands.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/io/recording_stream.hpp"
 
 namespace rio::tools {
 
@@ -16,7 +18,15 @@ bool is_asl_folder(const std::filesystem::path& path);
 /// Reads it and prints its notes on stderr.
 /// @param damage where the file is damaged, else empty; the data set is what stands before
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage, io::Truth truth = io::Truth::kAll);
+                     std::string* damage);
+
+/// The same, to be read while it is used.
+struct OpenRecording {
+  std::unique_ptr<io::RecordingStream> samples;
+  io::Dataset sensors;  ///< what is told of them, and the start of the ground truth; no samples
+};
+/// Looks at all of it and prints its notes on stderr. Damage is in the outline of the samples.
+OpenRecording open_any(const std::string& path, const RecordingArguments& arguments);
 
 /// Throws what read_any() left in `damage`, if anything: what was readable has been used by then.
 void throw_damage(const std::string& damage);

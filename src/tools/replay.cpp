@@ -16,6 +16,7 @@
 #include "findings.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
+#include "replay_feed.hpp"
 #include "replay_summary.hpp"
 #include "rio/aiding.hpp"
 #include "rio/io/barometer.hpp"
@@ -41,30 +42,45 @@ Time steady_now() {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
-Options make_options(const ReplayArguments& arguments, const io::Dataset& dataset) {
+Options make_options(const ReplayArguments& arguments, const io::Dataset& sensors) {
   Options base;
   if (arguments.barometer) (void)base.auxiliary.declare<HeightOffset>();
-  Options options = make_options(arguments.estimator, dataset, base);
+  Options options = make_options(arguments.estimator, sensors, base);
   options.timing.clock = &steady_now;
   return options;
 }
 
+/// As standstill_gyro_bias() of static_alignment.hpp, reading no farther than it needs.
+std::optional<Vector3d> gyro_bias_at_rest(io::RecordingStream* samples, Time from,
+                                          const Options& options) {
+  StaticAligner aligner(options.start, options.imu);
+  std::optional<Alignment> result;
+  samples->rewind();
+  for (ImuSample sample; samples->next(&sample);) {
+    if (sample.time < from || !(sample.gyro_B + sample.accel_B).allFinite()) continue;
+    if (aligner.add(sample, &result) == Status::kMoving) return std::nullopt;
+    if (result) return result->state.gyro_bias;
+  }
+  return std::nullopt;
+}
+
 /// The first pose and velocity of the ground truth inside the span of the IMU. Biases start at
 /// zero, except that a standstill right there measures the gyro bias.
-Start start_from_truth(const io::Dataset& dataset, const Options& options) {
-  const auto row = std::find_if(
-      dataset.ground_truth.begin(), dataset.ground_truth.end(), [&](const NavState& state) {
-        return state.time >= dataset.imu.front().time && state.time <= dataset.imu.back().time;
-      });
-  if (row == dataset.ground_truth.end()) {
+Start start_from_truth(const OpenRecording& recording, const Options& options) {
+  const io::RecordingOutline& outline = recording.samples->outline();
+  const std::vector<NavState>& truth = recording.sensors.ground_truth;
+  const auto row = std::find_if(truth.begin(), truth.end(), [&](const NavState& state) {
+    return state.time >= outline.imu_begin && state.time <= outline.imu_end;
+  });
+  if (row == truth.end()) {
     throw std::runtime_error(
         "--init groundtruth: the dataset has no ground truth " +
-        std::string(dataset.ground_truth.empty() ? "at all" : "within the time span of its IMU"));
+        std::string(truth.empty() ? "at all" : "within the time span of its IMU"));
   }
   Start start{*row, io::start_covariance(row->q_WB, options.start), "groundtruth"};
   start.state.gyro_bias.setZero();
   start.state.accel_bias.setZero();
-  const auto bias = standstill_gyro_bias(dataset.imu, row->time, options);
+  const auto bias = gyro_bias_at_rest(recording.samples.get(), row->time, options);
   if (bias) {
     constexpr double kGyroBiasFloor = 1e-4;  // instability over minutes [rad/s]
     const double sigma =
@@ -77,13 +93,14 @@ Start start_from_truth(const io::Dataset& dataset, const Options& options) {
 }
 
 /// Nothing for a static start.
-std::optional<Start> make_start(const ReplayArguments& arguments, const io::Dataset& dataset,
+std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
                                 const Options& options) {
   std::string init = arguments.init;
-  if (init.empty()) init = dataset.ground_truth.empty() ? "static" : "groundtruth";
+  if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
   if (init == "static") return std::nullopt;
-  if (init == "groundtruth") return start_from_truth(dataset, options);
-  const io::StartFile file = io::load_start(init, options.start, dataset.imu.front().time);
+  if (init == "groundtruth") return start_from_truth(recording, options);
+  const io::StartFile file =
+      io::load_start(init, options.start, recording.samples->outline().imu_begin);
   return Start{file.state, file.covariance, "file"};
 }
 
@@ -132,67 +149,17 @@ class Outputs {
   std::optional<io::StatesFile> states_;
 };
 
-/// When to give each scan: by its stamp, or, if that is out of order, by the next one that is not.
-/// In order is the longest rising sequence: one odd stamp holds up no other scan.
-std::vector<Time> due_times(const std::vector<RadarScan>& scans) {
-  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> ends;  // last scan of the best sequence of each length
-  std::vector<std::size_t> before(scans.size(), kNone);
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    const auto at =
-        std::upper_bound(ends.begin(), ends.end(), scans[i].time,
-                         [&scans](Time time, std::size_t end) { return time < scans[end].time; });
-    if (at != ends.begin()) before[i] = *(at - 1);
-    if (at == ends.end()) {
-      ends.push_back(i);
-    } else {
-      *at = i;
-    }
-  }
-  std::vector<Time> due(scans.size());
-  std::size_t in_order = ends.empty() ? kNone : ends.back();
-  Time next = in_order == kNone ? Time{0} : scans[in_order].time;
-  for (std::size_t i = scans.size(); i-- > 0;) {
-    if (i == in_order) {
-      next = scans[i].time;
-      in_order = before[i];
-    }
-    due[i] = next;
-  }
-  return due;
-}
-
-/// A scan, whose it is, and when to give it.
-struct Given {
-  const RadarScan* scan = nullptr;
-  std::size_t radar = 0;
-  Time due{0};
-};
-/// Of all radars, in the order in which they are given.
-std::vector<Given> schedule(const io::Dataset& dataset) {
-  std::vector<Given> out;
-  const auto add = [&out](const std::vector<RadarScan>& scans, std::size_t radar) {
-    const std::vector<Time> due = due_times(scans);
-    for (std::size_t i = 0; i < scans.size(); ++i) out.push_back({&scans[i], radar, due[i]});
-  };
-  add(dataset.scans, 0);
-  for (std::size_t r = 0; r < dataset.other_radars.size(); ++r) {
-    add(dataset.other_radars[r].scans, r + 1);
-  }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const Given& a, const Given& b) { return a.due < b.due; });
-  return out;
-}
-
 /// Feeds the samples in the order of their stamps. One scan at most waits for the IMU, so that no
 /// report is overwritten by the next before it was read; scans inside a gap of the IMU are
 /// therefore given after it, and those farther back than timing.max_lag count as late. Those of
 /// several radars wait for each other.
 class Replay {
  public:
-  Replay(const ReplayArguments& arguments, const io::Dataset& dataset, const Options& options)
-      : dataset_(dataset), scans_(schedule(dataset)), several_(!dataset.other_radars.empty()) {
-    const std::optional<Start> start = make_start(arguments, dataset, options);
+  /// @param kept gets what is read, if it is not null
+  Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
+         CheckedPart* kept)
+      : samples_(recording.samples.get()), outline_(samples_->outline()) {
+    const std::optional<Start> start = make_start(arguments, recording, options);
     Options used = options;
     used.start.static_alignment = !start;
     std::string why;
@@ -203,27 +170,27 @@ class Replay {
       init_velocity_ = Vector3d(v[0], v[1], v[2]);
     }
     summary_.initialised_by = start ? start->source : "static";
+    feed_.emplace(samples_, kept);
+    summary_.reserve(feed_->scans_left());
     if (start) begin(*start);
-    outputs_.open(arguments, dataset.imu.front().time);
-    if (!arguments.barometer) return;
-    heights_ = io::barometric_heights(dataset.baro);
-    if (heights_.samples.empty()) throw std::runtime_error("--barometer: there is no baro0");
+    outputs_.open(arguments, outline_.imu_begin);
+    if (arguments.barometer) open_barometer(recording);
   }
 
   ReplaySummary run() {
     Progress progress(isatty(STDOUT_FILENO) == 0);
-    while (imu_ < dataset_.imu.size()) {
-      progress.show(imu_, dataset_.imu.size());
-      const bool scan_first =
-          scan_ < scans_.size() && !waiting_ && scans_[scan_].due < dataset_.imu[imu_].time;
-      if (scan_first) {
-        give_scan(scans_[scan_++]);
+    while (const ImuSample* sample = feed_->imu()) {
+      progress.show(imu_, outline_.imu_samples);
+      const std::optional<Time> due = waiting_ ? std::nullopt : feed_->due();
+      if (due && *due < sample->time) {
+        give_scan();
       } else {
-        give_imu(dataset_.imu[imu_++]);
-        give_heights(dataset_.imu[imu_ - 1].time);
+        give_imu(*sample);
+        give_heights(sample->time);
+        next_imu();
       }
     }
-    while (!waiting_ && scan_ < scans_.size()) give_scan(scans_[scan_++]);
+    while (!waiting_ && feed_->due()) give_scan();
     return finish();
   }
 
@@ -232,9 +199,39 @@ class Replay {
     NavState state = start.state;
     if (init_velocity_) state.v_WB = *init_velocity_;
     restart(state, start.covariance);
-    while (imu_ + 1 < dataset_.imu.size() && dataset_.imu[imu_ + 1].time <= state.time) ++imu_;
-    while (scan_ < scans_.size() && scans_[scan_].due < state.time) ++scan_;
-    summary_.scans_before_start = static_cast<int>(scan_);
+    for (const ImuSample* after = nullptr;
+         (after = feed_->imu(1)) != nullptr && after->time <= state.time;) {
+      next_imu();
+    }
+    std::size_t radar = 0;
+    for (auto due = feed_->due(); due && *due < state.time; due = feed_->due()) {
+      (void)feed_->take_scan(&radar);
+      ++summary_.scans_before_start;
+    }
+  }
+
+  void next_imu() {
+    feed_->pass_imu();
+    ++imu_;
+  }
+
+  /// Of the heights; the samples have a reader for them alone.
+  void open_barometer(const OpenRecording& recording) {
+    scale_ = io::barometric_scale([&recording](const io::UseBaroSample& use) {
+      recording.samples->rewind_baro();
+      for (io::BaroSample sample; recording.samples->next(&sample);) use(sample);
+    });
+    if (!scale_.any) throw std::runtime_error("--barometer: there is no baro0");
+    recording.samples->rewind_baro();
+    next_height();
+  }
+
+  void next_height() {
+    height_.reset();
+    for (io::BaroSample sample; !height_ && samples_->next(&sample);) {
+      height_ = scale_.height(sample);
+      height_time_ = sample.time;
+    }
   }
 
   void restart(const NavState& state, const BodyCovariance& covariance) {
@@ -267,23 +264,24 @@ class Replay {
 
   /// The barometer's, up to that time; before the start they are left out.
   void give_heights(Time time) {
-    for (; height_ < heights_.samples.size() && heights_.samples[height_].time <= time; ++height_) {
-      const auto& sample = heights_.samples[height_];
-      const HeightModel::Measurement z{sample.height, heights_.sigma};
-      (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // what it did is counted
+    for (; height_ && height_time_ <= time; next_height()) {
+      const HeightModel::Measurement z{*height_, scale_.sigma};
+      (void)odometry_->add_measurement({height_time_, HeightModel{}, z});  // what it did is counted
     }
   }
 
-  void give_scan(const Given& given) {
+  void give_scan() {
+    std::size_t radar = 0;
+    const RadarScan& scan = feed_->take_scan(&radar);
     const Time before = steady_now();
-    const Status status = odometry_->add_scan(*given.scan, given.radar);
+    const Status status = odometry_->add_scan(scan, radar);
     summary_.wall += steady_now() - before;
     if (status == Status::kNotInitialized) ++summary_.scans_before_start;
     if (several_) {
       record_new();
       return;
     }
-    if (status == Status::kWaiting) waiting_ = given.scan->time;
+    if (status == Status::kWaiting) waiting_ = scan.time;
     if (status == Status::kOk) record();
   }
 
@@ -314,42 +312,47 @@ class Replay {
           "static alignment failed: the sensor moves, or the recording is shorter than "
           "start.duration; give a start with --init");
     }
-    summary_.scans_unprocessed = static_cast<int>(scans_.size() - scan_) + (waiting_ ? 1 : 0);
+    summary_.scans_unprocessed = static_cast<int>(feed_->scans_left()) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
     if (several_) summary_.scans = static_cast<int>(summary_.counters.scans);
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
-    summary_.span = dataset_.imu.back().time - dataset_.imu.front().time;
+    summary_.span = outline_.imu_end - outline_.imu_begin;
     summary_.health.conclude(summary_.calibration, summary_.is_absurd());
-    return summary_;
+    feed_->read_rest();
+    return std::move(summary_);
   }
 
-  const io::Dataset& dataset_;
-  io::BarometricHeights heights_;  ///< to give
-  std::size_t height_ = 0;         ///< next of them
-  std::vector<Given> scans_;
-  bool several_ = false;        ///< radars
-  std::uint64_t recorded_ = 0;  ///< scans of several radars
+  io::RecordingStream* samples_;
+  const io::RecordingOutline& outline_;
+  std::optional<ReplayFeed> feed_;
+  std::size_t imu_ = 0;  ///< samples that have passed
+  io::BarometricScale scale_;
+  std::optional<double> height_;  ///< the next one of the barometer [m]
+  Time height_time_{0};
+  bool several_ = outline_.scan_times.size() > 1;  ///< radars
+  std::uint64_t recorded_ = 0;                     ///< scans of several radars
   Outputs outputs_;
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;
   std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
-  std::size_t imu_ = 0;          ///< next sample
-  std::size_t scan_ = 0;         ///< next scan
   ReplaySummary summary_;
 };
 
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
-  std::string damage;
-  const io::Dataset dataset =
-      read_any(arguments.dataset, arguments.how, &damage, io::Truth::kStart);
-  const Options options = make_options(arguments, dataset);
-  ReplaySummary summary = Replay(arguments, dataset, options).run();
-  if (!arguments.no_check) {
+  const OpenRecording recording = open_any(arguments.dataset, arguments.how);
+  const io::RecordingOutline& outline = recording.samples->outline();
+  const Options options = make_options(arguments, recording.sensors);
+  std::optional<CheckedPart> part;
+  if (!arguments.no_check) part.emplace(recording.sensors, outline);
+  ReplaySummary summary = Replay(arguments, recording, options, part ? &*part : nullptr).run();
+  if (part) {
     Options checked;  // what is overridden has been noted
-    (void)tell_sensors_and_file(dataset, arguments.estimator.config, &checked);
-    summary.data = not_ok(findings_of(arguments.dataset, dataset, checked));
+    (void)tell_sensors_and_file(recording.sensors, arguments.estimator.config, &checked);
+    summary.data =
+        not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
+    summary.checked_seconds = part->seconds();
   }
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
@@ -365,7 +368,7 @@ void replay(const ReplayArguments& arguments) {
         "mounting and the start",
         summary.health.lost_because(), summary.fastest, summary.farthest));
   }
-  throw_damage(damage);
+  throw_damage(outline.damage);
 }
 
 }  // namespace rio::tools

@@ -68,6 +68,11 @@ std::string calibration_text(const std::array<CalibrationReport, kCalibrationCou
 
 }  // namespace
 
+void ReplaySummary::reserve(std::size_t scans_at_most) {
+  update_ms.reserve(scans_at_most);
+  propagation_ms.reserve(scans_at_most);
+}
+
 void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   int rows_used = 0;
   for (std::size_t i = 0; i < kModelCount; ++i) {
@@ -155,6 +160,7 @@ std::string ReplaySummary::json() const {
         {"restarts", counters.restarts}}},
   };
   if (data) all["data"] = findings_json(*data);
+  if (data && checked_seconds) all["data_checked_s"] = *checked_seconds;
   return all.dump();
 }
 
@@ -207,6 +213,10 @@ std::string ReplaySummary::text() const {
       {"times the tilt was lost and found again", counters.restarts}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
+  }
+  if (data && checked_seconds) {
+    out += fmt::format("data: the first {:.0f} s are checked; `rio check` looks at all of it\n",
+                       *checked_seconds);
   }
   if (data) out += findings_text(*data);
   out += fmt::format("verdict: {}\n", health.verdict());

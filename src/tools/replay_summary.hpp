@@ -40,6 +40,10 @@ struct ReplaySummary {
   HealthLog health;
   std::optional<check::Findings> data;  ///< of `rio check`, not ok; none if it was not asked for
 
+  std::optional<double> checked_seconds;  ///< where that is not all of the recording [s]
+
+  /// As many scans will be added at most.
+  void reserve(std::size_t scans);
   void add(const UpdateReport& report, const NavState& state);
 
   /// Faster than sound, or farther off than sound would be.

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "bag/bag_writer.hpp"
 #include "rio/bag/summary.hpp"
 #include "support/temp_dir.hpp"
@@ -237,6 +239,53 @@ TEST_F(RecordingTest, OfADamagedFileItKeepsWhatStandsBefore) {
   EXPECT_GT(recording.dataset.imu.size(), 90U);
   EXPECT_LT(recording.dataset.imu.size(), 110U);
   EXPECT_ERROR(read_recording(dir_.write("b", bytes.substr(0, 40)), {}), "b: byte ");
+}
+
+/// In the order of time, as a replay asks, each format and each order of the topics in the file.
+TEST_F(RecordingTest, SampleBySampleItIsTheSame) {
+  const auto by_topic = [](const std::string& first) {
+    return [first](const Written& a, const Written& b) {
+      return (a.topic == first) > (b.topic == first);
+    };
+  };
+  for (const std::string& format : test::formats()) {
+    for (const std::string order : {"time", "/imu", "/radar"}) {
+      std::vector<Written> messages = test::at_rest(test::wire_of(format), 450);
+      messages[7].data.resize(20);                 // unreadable
+      messages.push_back(messages[10 * 11 + 10]);  // a scan, twice
+      messages.push_back(messages[10 * 11 + 10]);
+      if (order != "time") std::stable_sort(messages.begin(), messages.end(), by_topic(order));
+      const auto path = dir_.path() / format;
+      std::filesystem::remove(path);
+      test::write_bag(path, format, messages);
+      const io::Dataset all = read_recording(path, {}).dataset;
+      ASSERT_EQ(all.imu.size(), 4499U);
+      ASSERT_EQ(all.scans.size(), 451U);
+      const auto stream = open_recording(path, {});
+      EXPECT_EQ(stream->outline().sensors.notes, all.notes);
+      for (int pass = 0; pass < 2; ++pass, stream->rewind()) {
+        ImuSample sample;
+        RadarScan scan;
+        std::size_t imu = 0;
+        for (std::size_t i = 0; i < all.scans.size(); ++i) {
+          for (; imu < 10 * i && imu < all.imu.size(); ++imu) {
+            ASSERT_TRUE(stream->next(&sample)) << format << " " << order << " " << imu;
+            EXPECT_EQ(sample.time, all.imu[imu].time);
+            EXPECT_EQ(sample.gyro_B, all.imu[imu].gyro_B);
+          }
+          ASSERT_TRUE(stream->next(&scan)) << format << " " << order << " " << i;
+          EXPECT_EQ(scan.time, all.scans[i].time);
+          EXPECT_EQ(scan.time, stream->outline().scan_times[0][i]);
+          ASSERT_EQ(scan.detections.size(), 2U);
+          EXPECT_EQ(scan.detections[1].range_rate, all.scans[i].detections[1].range_rate);
+        }
+        EXPECT_FALSE(stream->next(&scan));
+        while (imu < all.imu.size() && stream->next(&sample)) ++imu;
+        EXPECT_EQ(imu, all.imu.size());
+        EXPECT_FALSE(stream->next(&sample));
+      }
+    }
+  }
 }
 
 TEST_F(RecordingTest, TheSummaryTellsRatesClocksAndFields) {

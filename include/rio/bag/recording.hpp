@@ -4,11 +4,13 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
 #include "rio/bag/point_fields.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/io/recording_stream.hpp"
 
 namespace rio::bag {
 
@@ -62,5 +64,9 @@ struct Recording {
 /// @throws std::runtime_error that lists the topics if one is missing or is not the only one of its
 /// type; if points do not match; if nothing readable is left
 Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
+
+/// The same, sample by sample; throws as read_recording() does.
+std::unique_ptr<io::RecordingStream> open_recording(const std::filesystem::path& path,
+                                                    const RecordingRequest& request);
 
 }  // namespace rio::bag

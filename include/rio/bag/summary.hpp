@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ struct Summary {
 };
 
 /// Reads the stream to its end.
-Summary summarise(MessageStream* stream);
+/// @param use gets every message, if it is not empty
+Summary summarise(MessageStream* stream, const std::function<void(const Message&)>& use = {});
 
 /// For people: a line a topic, and what is special below it.
 std::string summary_text(const Summary& summary);

@@ -2,6 +2,8 @@
 // A recorded barometer as heights for the estimator (HeightModel in models/aids.hpp).
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "rio/io/dataset.hpp"
@@ -21,6 +23,18 @@ struct BarometricHeights {
   std::vector<Sample> samples;
   double sigma = 0.0;  ///< of one, from sample to sample: half the mean squared difference [m]
 };
+
+/// The same where the samples come one by one.
+struct BarometricScale {
+  bool any = false;    ///< samples
+  double zero = 0.0;   ///< that of which heights are told, over an air pressure of 1 Pa [m]
+  double sigma = 0.0;  ///< as above [m]
+  /// Nothing of a pressure that is no positive number [m].
+  std::optional<double> height(const BaroSample& sample) const;
+};
+using UseBaroSample = std::function<void(const BaroSample&)>;
+/// @param each_sample calls its argument with all samples; asked twice
+BarometricScale barometric_scale(const std::function<void(const UseBaroSample&)>& each_sample);
 
 /// For dry air at 20 degrees; samples that are no positive number are left out.
 BarometricHeights barometric_heights(const std::vector<BaroSample>& baro);

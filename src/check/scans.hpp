@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The scans of a radar in half the memory: what the checks need of them one after the other, the
+// rest where there is any.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <iterator>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "rio/types.hpp"
+
+namespace rio::check {
+
+/// Of RadarDetection.
+struct Point {
+  Vector3d point_S;
+  double range_rate;
+  double snr_db;
+};
+
+struct ScanView {
+  Time time{0};
+  std::span<const Point> detections;
+};
+
+class Scans {
+ public:
+  class Iterator {
+   public:
+    Iterator(const Scans* scans, std::size_t i) : scans_(scans), i_(i) {}
+    ScanView operator*() const { return (*scans_)[i_]; }
+    Iterator& operator++() {
+      ++i_;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return i_ != other.i_; }
+
+   private:
+    const Scans* scans_;
+    std::size_t i_;
+  };
+
+  Scans() = default;
+  explicit Scans(const std::vector<RadarScan>& scans) {
+    std::size_t points = 0;
+    for (const RadarScan& scan : scans) points += scan.detections.size();
+    reserve(scans.size(), points);
+    for (const RadarScan& scan : scans) push_back(scan);
+  }
+
+  void reserve(std::size_t scans, std::size_t points) {
+    scans_.reserve(scans);
+    points_.reserve(points);
+  }
+
+  void push_back(const RadarScan& scan) {
+    scans_.push_back({scan.time, points_.size(), kNone});
+    bool more = false;
+    for (const RadarDetection& d : scan.detections) {
+      points_.push_back({d.point_S, d.range_rate, d.snr_db});
+      for (const double value : rest_of(d)) more = more || value != 0.0;
+    }
+    if (!more) return;
+    scans_.back().rest = rest_.size();
+    for (const RadarDetection& d : scan.detections) rest_.push_back(rest_of(d));
+  }
+
+  bool empty() const { return scans_.empty(); }
+  std::size_t size() const { return scans_.size(); }
+  Iterator begin() const { return {this, 0}; }
+  Iterator end() const { return {this, size()}; }
+
+  ScanView operator[](std::size_t i) const {
+    const std::size_t end = i + 1 < scans_.size() ? scans_[i + 1].points : points_.size();
+    return {scans_[i].time, std::span(points_).subspan(scans_[i].points, end - scans_[i].points)};
+  }
+
+  /// All of a scan, as it was added.
+  void get(std::size_t i, RadarScan* scan) const {
+    const ScanView view = (*this)[i];
+    scan->time = view.time;
+    scan->detections.resize(view.detections.size());
+    for (std::size_t k = 0; k < view.detections.size(); ++k) {
+      const Point& point = view.detections[k];
+      RadarDetection& d = scan->detections[k];
+      d = RadarDetection{};
+      d.point_S = point.point_S;
+      d.range_rate = point.range_rate;
+      d.snr_db = point.snr_db;
+      if (scans_[i].rest == kNone) continue;
+      const auto& rest = rest_[scans_[i].rest + k];
+      d.noise_db = rest[0];
+      d.sigma_range = rest[1];
+      d.sigma_azimuth = rest[2];
+      d.sigma_elevation = rest[3];
+      d.sigma_doppler = rest[4];
+    }
+  }
+
+  /// Memory of a scan with as many points [B].
+  static std::size_t bytes(const RadarScan& scan) {
+    return sizeof(Scan) + scan.detections.size() * sizeof(Point);
+  }
+
+ private:
+  static constexpr auto kNone = static_cast<std::size_t>(-1);
+  struct Scan {
+    Time time;
+    std::size_t points;  ///< its first one
+    std::size_t rest;    ///< of its first one; kNone: all zero
+  };
+  using Rest = std::array<double, 5>;  ///< noise, sigmas
+
+  static Rest rest_of(const RadarDetection& d) {
+    return {d.noise_db, d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler};
+  }
+
+  std::vector<Scan> scans_;
+  std::vector<Point> points_;
+  std::vector<Rest> rest_;
+};
+
+}  // namespace rio::check

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All of a folder read once; private to rio_io.
+#pragma once
+
+#include <filesystem>
+
+#include "rio/io/recording_stream.hpp"
+
+namespace rio::io {
+
+/// The folder that holds the sensor folders: `path`, or `mav0` inside it.
+std::filesystem::path dataset_root(const std::filesystem::path& path);
+
+/// Throws as read_dataset() does.
+/// @param samples gets the samples and scans, if it is not null
+RecordingOutline survey(const std::filesystem::path& root, Truth truth, Dataset* samples);
+
+}  // namespace rio::io

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sensor_rows.hpp"
+
+#include <cmath>
+
+namespace rio::io {
+
+namespace {
+
+constexpr std::size_t kRadarColumns = 7;  ///< without the sigmas of each detection
+
+/// A trailing column that may be missing or empty.
+double number_or_zero(const CsvReader& rows, std::size_t i) {
+  return i >= rows.columns() || rows.is_empty(i) ? 0.0 : rows.number(i);
+}
+
+void look_at_number_if_any(const CsvReader& rows, std::size_t i) {
+  if (i < rows.columns() && !rows.is_empty(i)) (void)rows.is_plain_number(i);
+}
+
+bool is_empty_scan(const CsvReader& rows) {
+  if (rows.columns() < 5) return false;
+  for (std::size_t i = 1; i < rows.columns(); ++i) {
+    if (!rows.is_empty(i)) return false;
+  }
+  return true;
+}
+
+/// Cell i, 0 if it is empty.
+double sigma_at(const CsvReader& rows, std::size_t i) {
+  const double sigma = number_or_zero(rows, i);
+  if (!(std::isfinite(sigma) && sigma >= 0.0)) rows.fail("a sigma is negative or not finite");
+  return sigma;
+}
+
+}  // namespace
+
+Vector3d vector_at(const CsvReader& rows, std::size_t i) {
+  return {rows.number(i), rows.number(i + 1), rows.number(i + 2)};
+}
+
+bool ImuRows::next(ImuSample* sample) {
+  if (!rows_.next()) return false;
+  sample->time = Time(rows_.integer(0));
+  if (numbers_ == Numbers::kLookAt) {
+    std::size_t i = 1;
+    while (i < 7 && rows_.is_plain_number(i)) ++i;
+    finite_ = true;
+    if (i == 7) return true;
+  }
+  sample->gyro_B = vector_at(rows_, 1);
+  sample->accel_B = vector_at(rows_, 4);
+  finite_ = (sample->gyro_B + sample->accel_B).allFinite();
+  return true;
+}
+
+RadarDetection RadarRows::detection() const {
+  RadarDetection d;
+  if (numbers_ == Numbers::kLookAt) {
+    look_at_detection(&d);
+    return d;
+  }
+  d.point_S = vector_at(rows_, 1);
+  d.range_rate = rows_.number(4);
+  d.snr_db = number_or_zero(rows_, 5);
+  d.noise_db = number_or_zero(rows_, 6);
+  if (rows_.columns() >= kRadarColumns + 4) {
+    d.sigma_range = sigma_at(rows_, kRadarColumns);
+    d.sigma_azimuth = sigma_at(rows_, kRadarColumns + 1);
+    d.sigma_elevation = sigma_at(rows_, kRadarColumns + 2);
+    d.sigma_doppler = sigma_at(rows_, kRadarColumns + 3);
+  }
+  return d;
+}
+
+void RadarRows::look_at_detection(RadarDetection* d) const {
+  for (std::size_t i = 1; i < 4; ++i) (void)rows_.is_plain_number(i);
+  d->range_rate = rows_.number(4);
+  look_at_number_if_any(rows_, 5);
+  look_at_number_if_any(rows_, 6);
+  if (rows_.columns() < kRadarColumns + 4) return;
+  for (std::size_t i = 0; i < 4; ++i) (void)sigma_at(rows_, kRadarColumns + i);
+}
+
+bool RadarRows::next(RadarScan* scan) {
+  if (!begun_) {
+    if (!rows_.next()) return false;
+    time_ = Time(rows_.integer(0));
+  }
+  begun_ = false;
+  scan->time = time_;
+  scan->detections.clear();
+  const bool empty = is_empty_scan(rows_);
+  if (!empty) scan->detections.push_back(detection());
+  while (rows_.next()) {
+    time_ = Time(rows_.integer(0));
+    if (time_ != scan->time) {
+      begun_ = true;
+      break;
+    }
+    if (is_empty_scan(rows_)) rows_.fail("an empty scan has the stamp of the row before");
+    if (empty) rows_.fail("a detection has the stamp of an empty scan");
+    scan->detections.push_back(detection());
+  }
+  return true;
+}
+
+bool BaroRows::next(BaroSample* sample) {
+  if (!rows_.next()) return false;
+  *sample = {Time(rows_.integer(0)), rows_.number(1)};
+  return true;
+}
+
+}  // namespace rio::io

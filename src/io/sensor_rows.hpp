@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The data.csv of one sensor, sample by sample; private to rio_io. Every error is a
+// std::runtime_error that begins "FILE:LINE: ".
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "rio/io/csv.hpp"
+#include "rio/io/dataset.hpp"
+
+namespace rio::io {
+
+/// Whether the numbers are turned into samples, or only looked at: the same errors, in less time.
+enum class Numbers : std::uint8_t { kRead, kLookAt };
+
+/// Three numbers from cell i on.
+Vector3d vector_at(const CsvReader& rows, std::size_t i);
+
+class ImuRows {
+ public:
+  explicit ImuRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
+      : rows_(path), numbers_(numbers) {}
+
+  /// False at the end of the file. Of numbers that are looked at the sample has the stamp alone.
+  bool next(ImuSample* sample);
+  /// Whether those of the last sample are.
+  bool is_finite() const { return finite_; }
+  /// "FILE:LINE" of the last sample.
+  std::string place() const { return rows_.place(); }
+
+ private:
+  CsvReader rows_;
+  Numbers numbers_;
+  bool finite_ = true;
+};
+
+class RadarRows {
+ public:
+  explicit RadarRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
+      : rows_(path), numbers_(numbers) {}
+
+  /// Replaces the scan; false at the end of the file. Of numbers that are looked at the detections
+  /// have the Doppler alone.
+  bool next(RadarScan* scan);
+
+ private:
+  RadarDetection detection() const;
+  void look_at_detection(RadarDetection* d) const;
+
+  CsvReader rows_;
+  Numbers numbers_;
+  bool begun_ = false;  ///< the row at hand is the first one of the next scan
+  Time time_{0};        ///< of the row at hand
+};
+
+class BaroRows {
+ public:
+  explicit BaroRows(const std::filesystem::path& path) : rows_(path) {}
+
+  /// False at the end of the file.
+  bool next(BaroSample* sample);
+
+ private:
+  CsvReader rows_;
+};
+
+}  // namespace rio::io
