@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A replay reads while it goes on: its memory does not hang on the length of the recording.
+// A replay reads while it goes on: its memory does not depend on the length of the recording.
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
