@@ -134,6 +134,8 @@ std::vector<Row> rows_of_estimator() {
        [](const Facts& f) { return 100.0 * f.seen.doppler.gated_share(); }},
       {"... correlation from scan to scan", 2, Larger::kHarder,
        [](const Facts& f) { return f.seen.doppler_lag; }},
+      {"... correlation of neighbours in a scan", 2, Larger::kHarder,
+       [](const Facts& f) { return f.seen.neighbours; }},
       {"landmark matches a scan", 2, Larger::kKinder,
        [](const Facts& f) { return f.seen.landmarks_a_scan; }},
       {"... NIS", 2, Larger::kHarder, [](const Facts& f) { return f.seen.landmarks.mean_nis(); }},

@@ -9,6 +9,7 @@
 
 #include "experiment/pipeline_drive.hpp"
 #include "experiment/signature.hpp"
+#include "rio/sim/radar_model.hpp"
 
 namespace rio::experiment {
 
@@ -28,7 +29,8 @@ bool of_landmark(const InnovationRecord& r) {
 /// Sums over the scans of the motion.
 class Sums {
  public:
-  void add(const UpdateReport& report) {
+  /// @param scan as it came out of the filter
+  void add(const UpdateReport& report, const DetectionList& scan) {
     ++result_.scans;
     result_.consensus += report.ego_velocity_valid ? 1.0 : 0.0;
     kept_ += report.detections_kept;
@@ -36,6 +38,7 @@ class Sums {
     result_.velocity_resets += report.velocity_reset ? 1 : 0;
     double sum = 0.0;
     int count = 0;
+    seen_.clear();
     for (const InnovationRecord& r : report.records) {
       if (r.model != Model::kDoppler) continue;
       result_.doppler.add(r);
@@ -43,8 +46,10 @@ class Sums {
       squares_ += r.innovation * r.innovation;
       sum += r.innovation / r.sigma;
       ++count;
+      seen_.push_back({&scan.items[r.detection], r.innovation / r.sigma});
     }
     if (count > 0) correlate(sum / count);
+    compare_neighbours();
   }
 
   Testimony result() {
@@ -52,6 +57,7 @@ class Sums {
     result_.consensus = ratio(result_.consensus, result_.scans);
     result_.doppler_rms = std::sqrt(ratio(squares_, result_.doppler.used));
     result_.doppler_lag = ratio(products_, means_);
+    result_.neighbours = ratio(shared_ / pairs_, normalised_ / result_.doppler.used);
     return result_;
   }
 
@@ -63,7 +69,32 @@ class Sums {
     last_mean_ = mean;
   }
 
+  /// (E2)
+  void compare_neighbours() {
+    const double cosine = std::cos(4.0 * sim::kDegree);
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const Detection& a = *seen_[i].detection;
+      normalised_ += seen_[i].innovation * seen_[i].innovation;
+      for (std::size_t k = 0; k < i; ++k) {
+        const Detection& b = *seen_[k].detection;
+        if (a.direction_S.dot(b.direction_S) < cosine || std::abs(a.range - b.range) > 1.0)
+          continue;
+        shared_ += seen_[i].innovation * seen_[k].innovation;
+        pairs_ += 1.0;
+      }
+    }
+  }
+
+  struct Seen {
+    const Detection* detection;
+    double innovation;  ///< in sigmas
+  };
+
   Testimony result_;
+  std::vector<Seen> seen_;  ///< Dopplers of the scan at hand
+  double shared_ = 0.0;
+  double pairs_ = 0.0;
+  double normalised_ = 0.0;
   double kept_ = 0.0;
   double inliers_ = 0.0;
   double squares_ = 0.0;
@@ -148,11 +179,15 @@ Testimony testimony(const io::Dataset& data, const Motion& motion) {
   const auto in_motion = [&](std::size_t i) {
     return data.scans[i].time >= motion.begin && data.scans[i].time <= motion.end;
   };
+  const DetectionList* filtered = nullptr;
   drive.run(
       data.imu, data.scans, [](std::size_t, Time) { return true; },
-      [&](std::size_t i, const DetectionList&) { drive.backend().listen(in_motion(i)); },
+      [&](std::size_t i, const DetectionList& scan) {
+        drive.backend().listen(in_motion(i));
+        filtered = &scan;
+      },
       [&](std::size_t i, Status) {
-        if (in_motion(i)) sums.add(drive.pipeline().report());
+        if (in_motion(i)) sums.add(drive.pipeline().report(), *filtered);
       });
   Testimony result = sums.result();
   const Witness& witness = drive.backend();

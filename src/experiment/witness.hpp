@@ -2,8 +2,11 @@
 // What the filter of `default` makes of a recording, scan by scan: inliers of the consensus,
 // innovations of the Doppler, matches and innovations of the landmarks, how long these live.
 //
-// (E1) correlation of neighbours: sum m_k m_k+1 / sum m_k^2, m_k the mean of innovation over sigma
+// (E1) correlation from scan to scan: sum m_k m_k+1 / sum m_k^2, m_k the mean of innovation over sigma
 //      of the Dopplers of a scan; zero if what a scan leaves over has nothing to do with the next
+// (E2) correlation of neighbours: mean of the products of innovation over sigma of two Dopplers of
+//      a scan, from points within 4 deg and 1 m in range, over the mean of the squares; as far as
+//      the state's error does not explain it, they share an error
 #pragma once
 
 #include <vector>
@@ -34,6 +37,7 @@ struct Testimony {
   Innovations doppler;            ///< in motion
   double doppler_rms = 0.0;       ///< of its innovations [m/s]
   double doppler_lag = 0.0;       ///< (E1)
+  double neighbours = 0.0;        ///< (E2)
   double landmarks_a_scan = 0.0;  ///< matches used
   Innovations landmarks;
   Innovations found_again;         ///< of those, after a pause of a second
