@@ -55,7 +55,9 @@ std::vector<Variant> columns() {
 }  // namespace
 
 std::vector<Variant> clone_variants() {
-  const auto clones = [](int count) { return [=](Options& o) { o.update.max_clones = count; }; };
+  const auto clones = [](int count) {  // a trail becomes a landmark when it is as long
+    return [=](Options& o) { o.update.max_clones = o.frontend.promote_after = count; };
+  };
   return {{"published-ekf: one past scan, Doppler, trails", "published-ekf",
            [](Options& o) {
              o.update.max_clones = 1;
