@@ -58,6 +58,7 @@ void publish_ekf(Options* o) {
   o->frontend.ransac_sigmas = 0.0;
   o->frontend.mover_sigmas = 0.0;
   o->frontend.mover_extent = 0.0;
+  o->frontend.own_echoes = false;
   o->frontend.ransac_use_prediction = false;
   o->frontend.unwrap_doppler = false;
   o->frontend.velocity_recovery = false;

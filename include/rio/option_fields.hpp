@@ -110,6 +110,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Doppler residuals along a trail that add up to this many sigmas: it moves; 0 = off.");
   inner("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
         "What is this near to an outlier may be part of the same body; 0 = off.");
+  inner("frontend.own_echoes", o.frontend.own_echoes, "", 0, 1,
+        "Points of the vehicle itself, without Doppler wherever it goes, are left out.");
   inner("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
         "Share of outliers the iteration count is sized for.");
   inner("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,

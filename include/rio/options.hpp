@@ -80,6 +80,7 @@ struct FrontendOptions {
   /// Whatever is this near to an outlier may be a part of the same body: half of a person [m]; 0 =
   /// off.
   double mover_extent = 0.8;
+  bool own_echoes = true;  ///< points of the vehicle itself, which have no Doppler, are left out
   double ransac_outlier_ratio = 0.4;  ///< share of outliers the iteration count is sized for
   double ransac_success = 0.9999;     ///< probability of drawing one clean triple
   int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing

@@ -17,6 +17,7 @@
 
 #include "rio/frontend/frontend.hpp"
 #include "rio/frontend/gravity_check.hpp"
+#include "rio/frontend/own_echoes.hpp"
 #include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/velocity_pool.hpp"
 #include "rio/options.hpp"
@@ -36,6 +37,7 @@ class Pipeline {
   explicit Pipeline(const Options& options)
       : options_(options),
         frontends_(options.radars(), Frontend(options)),
+        own_echoes_(options.radars()),
         pool_(options),
         gravity_(options),
         gyro_bias_(options),
@@ -57,6 +59,7 @@ class Pipeline {
   const Health& health() const { return health_.health(); }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
+    for (OwnEchoes& own : own_echoes_) own.reset();
     reset_frontends();
     pool_.reset(prior.time);
     gravity_.reset(prior.time);
@@ -152,13 +155,14 @@ class Pipeline {
 
     if (tilt_is_lost()) return conclude();  // an update would make any tilt of it
 
-    const DetectionList& scan = corrected(received);
+    const DetectionList& scan = without_own_echoes(corrected(received));
     forget_after_silence(scan.time);
     observe(scan, last, imu);  // (3)
     if (seen_.ego_velocity.inliers > 0) last_told_ = scan.time;
     seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
     gyro_bias_.predicted(estimate(), backend_.state_estimate().covariance().body());
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
+    count_own_echoes();
     if (report_.status == Status::kOk) {
       frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
@@ -212,6 +216,29 @@ class Pipeline {
     corrected_ = scan;
     for (Detection& d : corrected_.items) d = correct_detection(d, errors);
     return corrected_;
+  }
+
+  /// The scan without echoes of the vehicle.
+  const DetectionList& without_own_echoes(const DetectionList& scan) {
+    own_.clear();
+    if (!options_.frontend.own_echoes) return scan;
+    own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()),
+                                    backend_.state_estimate().radar_velocity_covariance(), &own_);
+    if (own_.empty()) return scan;
+    if (&scan != &corrected_) corrected_ = scan;
+    for (std::size_t i = own_.size(); i-- > 0;) corrected_.items.erase(own_[i]);
+    return corrected_;
+  }
+
+  /// Records say which detection of the filtered scan they are of: the vehicle's own are among
+  /// these.
+  void count_own_echoes() {
+    for (InnovationRecord& record : report_.records) {
+      if (record.model == Model::kAiding) continue;
+      std::size_t detection = record.detection;
+      for (const std::size_t own : own_) detection += own <= detection ? 1 : 0;
+      record.detection = static_cast<std::uint16_t>(detection);
+    }
   }
 
   /// After a silence of the radar, scans without a static set included, or a pause of the IMU in
@@ -339,12 +366,14 @@ class Pipeline {
   static constexpr std::size_t kMaxWaiting = 256;  // a second of a fast sensor
 
   Options options_;
-  std::vector<Frontend> frontends_;  ///< one a radar
+  std::vector<Frontend> frontends_;    ///< one a radar
+  std::vector<OwnEchoes> own_echoes_;  ///< same
   VelocityPool pool_;
   GravityCheck gravity_;
   GyroBiasCheck gyro_bias_;
   RestDetector rest_;
   BackEnd backend_;
+  StaticVector<std::size_t, kMaxDetections> own_;  ///< echoes of the scan at hand
   DetectionList corrected_;
   Observations seen_;
   Observations aided_;                      ///< by other sensors, without a scan

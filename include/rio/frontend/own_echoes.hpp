@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 3: echoes of the vehicle that carries the radar: a bumper, a wheel, a landing gear. They
+// have no Doppler, whatever the vehicle does; where points are few and Dopplers coarse they pass
+// for static points whose radial speed is small, and hold the velocity back.
+//
+// A point without Doppler at a place of the radar's view is either part of the vehicle or a static
+// point that happens to be there. With the rate d, of the noise sigma, and the rate h that the
+// predicted velocity gives the place, of the variance S, direction error included:
+// (E1) log-likelihood ratio of the two: ((d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
+//      counted where h is beyond its own sigma, in scans in which a point moves as predicted: a
+//      wrong velocity makes all the world stand still
+// (E2) summed over what was seen at the place; part of the vehicle where it is kSure and more
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "rio/models/detection.hpp"
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// No allocation after construction. A number of operations that grows with detections times
+/// kPlaces.
+class OwnEchoes {
+ public:
+  OwnEchoes() { places_.reserve(kPlaces); }
+
+  /// The radar may have been moved.
+  void reset() { places_.clear(); }
+
+  /// Takes note of a scan and puts the indices of the vehicle's own echoes into `own`, rising.
+  /// @param v_S,covariance_S predicted velocity of the radar, its axes [m/s]
+  void observe(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S,
+               StaticVector<std::size_t, kMaxDetections>* own);
+
+ private:
+  struct Place {
+    Vector3d point_S = Vector3d::Zero();  ///< [m]
+    double evidence = 0.0;                ///< (E2)
+    Time seen{0};                         ///< last
+  };
+  /// Of the rate the predicted velocity gives a detection: mean and variance, its own noise
+  /// included.
+  struct Rate {
+    double h = 0.0;
+    double S = 0.0;
+  };
+  static Rate predicted(const Detection& d, const Vector3d& v_S, const Matrix3d& covariance_S);
+  static bool may_be_zero(const Detection& d);
+  /// A point has a Doppler, and it is as predicted.
+  static bool moves(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S);
+  /// Where a detection was seen before; null if nowhere.
+  Place* find(const Detection& d);
+  /// In place of the one not seen for longest, if there are too many.
+  Place* add(const Detection& d);
+
+  static constexpr std::size_t kPlaces = 32;
+  static constexpr double kReach = 2.0;   // parts of a small vehicle are within [m]
+  static constexpr double kSigmas = 3.0;  // of a Doppler that may be zero, or as predicted
+  static constexpr double kNear = 11.34;  // chi-squared of 3 degrees of freedom, 99 %
+  /// Five hundred million to one: an hour of scans asks some million times.
+  static constexpr double kSure = 20.0;
+  static constexpr double kMost = 2.0 * kSure;
+  static constexpr Time kForget = std::chrono::seconds(30);
+
+  std::vector<Place> places_;
+};
+
+}  // namespace rio

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/own_echoes.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace rio {
+
+OwnEchoes::Rate OwnEchoes::predicted(const Detection& d, const Vector3d& v_S,
+                                     const Matrix3d& covariance_S) {
+  return {-d.direction_S.dot(v_S), d.sigma_doppler * d.sigma_doppler +
+                                       v_S.dot(direction_covariance(d) * v_S) +
+                                       d.direction_S.dot(covariance_S * d.direction_S)};
+}
+
+bool OwnEchoes::may_be_zero(const Detection& d) {
+  return std::abs(d.range_rate) < kSigmas * d.sigma_doppler;
+}
+
+bool OwnEchoes::moves(const DetectionList& scan, const Vector3d& v_S,
+                      const Matrix3d& covariance_S) {
+  return std::any_of(scan.items.begin(), scan.items.end(), [&](const Detection& d) {
+    if (may_be_zero(d)) return false;
+    const Rate rate = predicted(d, v_S, covariance_S);
+    return std::abs(d.range_rate - rate.h) < kSigmas * std::sqrt(rate.S);
+  });
+}
+
+OwnEchoes::Place* OwnEchoes::find(const Detection& d) {
+  if (places_.empty()) return nullptr;
+  // two detections differ by the noise of both
+  const Eigen::LLT<Matrix3d> twice(2.0 * point_covariance(d));
+  for (Place& place : places_) {
+    const Vector3d apart = d.point_S - place.point_S;
+    if (twice.matrixL().solve(apart).squaredNorm() < kNear) return &place;
+  }
+  return nullptr;
+}
+
+OwnEchoes::Place* OwnEchoes::add(const Detection& d) {
+  if (places_.size() < kPlaces) {
+    places_.emplace_back();
+  } else {
+    const auto oldest =
+        std::min_element(places_.begin(), places_.end(),
+                         [](const Place& a, const Place& b) { return a.seen < b.seen; });
+    std::swap(*oldest, places_.back());
+  }
+  places_.back() = Place{d.point_S, 0.0, Time{0}};
+  return &places_.back();
+}
+
+void OwnEchoes::observe(const DetectionList& scan, const Vector3d& v_S,
+                        const Matrix3d& covariance_S,
+                        StaticVector<std::size_t, kMaxDetections>* own) {
+  own->clear();
+  for (std::size_t i = places_.size(); i-- > 0;) {
+    if (scan.time - places_[i].seen > kForget) {
+      places_[i] = places_.back();
+      places_.pop_back();
+    }
+  }
+  const bool moving = moves(scan, v_S, covariance_S);
+  for (std::size_t i = 0; i < scan.items.size(); ++i) {
+    const Detection& d = scan.items[i];
+    if (d.range > kReach || !may_be_zero(d)) continue;
+    Place* place = find(d);
+    const auto [h, S] = predicted(d, v_S, covariance_S);
+    if (moving && h * h > S) {
+      if (place == nullptr) place = add(d);
+      const double variance = d.sigma_doppler * d.sigma_doppler;
+      const double off = d.range_rate - h;
+      place->evidence +=
+          0.5 * (off * off / S - d.range_rate * d.range_rate / variance + std::log(S / variance));
+      place->evidence = std::clamp(place->evidence, -kSure, kMost);
+    }
+    if (place == nullptr) continue;
+    place->seen = scan.time;
+    if (place->evidence >= kSure) own->push_back(i);
+  }
+}
+
+}  // namespace rio

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/own_echoes.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+constexpr Time kScan = std::chrono::milliseconds(33);
+
+/// A coarse radar that moves, with something of the vehicle in view and static points about it.
+class OwnEchoesTest : public testing::Test {
+ protected:
+  OwnEchoesTest() { radar_.doppler_resolution = 0.4; }
+
+  void see(const Vector3d& point_S, double range_rate) {
+    const double grid = radar_.doppler_resolution;
+    RadarDetection raw;
+    raw.point_S = point_S;
+    raw.range_rate = grid * std::round(range_rate / grid);
+    scan_.items.push_back(make_detection(raw, radar_));
+  }
+  void see_static(const Vector3d& point_S) { see(point_S, -point_S.normalized().dot(v_S_)); }
+  std::vector<std::size_t> observe(const Vector3d& predicted_v_S) {
+    scan_.time += kScan;
+    StaticVector<std::size_t, kMaxDetections> own;
+    echoes_.observe(scan_, predicted_v_S, 1e-4 * Matrix3d::Identity(), &own);
+    scan_.items.clear();
+    return {own.begin(), own.end()};
+  }
+  /// Three points of the world, the second scanned being a part of the vehicle, with noise.
+  std::vector<std::size_t> drive() {
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d place = random_.normal_vector(2.0);
+      see_static(Vector3d(4.0 + place.x() * place.x(), place.y(), place.z()));
+      if (i == 0) see(part_S_ + random_.normal_vector(0.01), 0.0);
+    }
+    return observe(v_S_);
+  }
+
+  test::Random random_{7};
+  RadarOptions radar_;
+  const Vector3d v_S_{0.8, 0.1, 0.0};
+  const Vector3d part_S_{0.9, 0.3, -0.4};
+  DetectionList scan_;
+  OwnEchoes echoes_;
+};
+
+TEST_F(OwnEchoesTest, APartOfTheVehicleIsFoundInMotion) {
+  int scans = 0;
+  while (scans < 60 && drive().empty()) ++scans;
+  EXPECT_GT(scans, 0);
+  EXPECT_LT(scans, 30);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(drive(), std::vector<std::size_t>{1});
+  echoes_.reset();
+  EXPECT_TRUE(drive().empty());
+}
+
+TEST_F(OwnEchoesTest, IsKnownAtRestToo) {
+  for (int i = 0; i < 60; ++i) drive();
+  see(part_S_, 0.0);
+  see(Vector3d(1.5, -0.5, 0.3), 0.0);
+  EXPECT_EQ(observe(Vector3d::Zero()), std::vector<std::size_t>{0});
+}
+
+// Across the motion a static point has no Doppler either, and one below a vehicle at constant
+// height stays where it is.
+TEST_F(OwnEchoesTest, AStaticPointAcrossTheMotionIsNone) {
+  const Vector3d below = Vector3d(v_S_.y(), -v_S_.x(), 0.0).normalized();
+  for (int i = 0; i < 300; ++i) {
+    see_static(below);
+    see_static({5.0, 1.0, 0.0});
+    EXPECT_TRUE(observe(v_S_).empty()) << i;
+  }
+}
+
+// All the world stands still: that is a wrong velocity.
+TEST_F(OwnEchoesTest, AWrongVelocityMakesNone) {
+  for (int i = 0; i < 300; ++i) {
+    see(part_S_, 0.0);
+    see({5.0, 1.0, 0.0}, 0.0);
+    EXPECT_TRUE(observe(v_S_).empty()) << i;
+  }
+}
+
+TEST_F(OwnEchoesTest, FartherThanAVehicleReachesIsNone) {
+  for (int i = 0; i < 300; ++i) {
+    see({2.5, 0.0, 0.0}, 0.0);
+    see_static({5.0, 1.0, 0.0});
+    EXPECT_TRUE(observe(v_S_).empty()) << i;
+  }
+}
+
+}  // namespace
+}  // namespace rio
