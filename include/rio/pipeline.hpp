@@ -59,7 +59,7 @@ class Pipeline {
   const Health& health() const { return health_.health(); }
 
   void reset(const NavState& prior, const BodyCovariance& P0) {
-    for (OwnEchoes& own : own_echoes_) own.reset();
+    reset_own_echoes();
     reset_frontends();
     pool_.reset(prior.time);
     gravity_.reset(prior.time);
@@ -189,6 +189,9 @@ class Pipeline {
 
   /// That of the radar whose scan is at hand.
   Frontend& frontend() { return frontends_[estimate().radar]; }
+  void reset_own_echoes() {
+    for (OwnEchoes& own : own_echoes_) own.reset();
+  }
   void reset_frontends() {
     for (Frontend& frontend : frontends_) frontend.reset();
   }
@@ -321,6 +324,7 @@ class Pipeline {
     replaced_ = Replaced{now, since};
     pool_.reset(now);
     reset_frontends();
+    reset_own_echoes();
   }
 
   /// Of roll and pitch together [rad].

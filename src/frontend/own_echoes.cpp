@@ -20,11 +20,14 @@ bool OwnEchoes::may_be_zero(const Detection& d) {
 
 bool OwnEchoes::moves(const DetectionList& scan, const Vector3d& v_S,
                       const Matrix3d& covariance_S) {
-  return std::any_of(scan.items.begin(), scan.items.end(), [&](const Detection& d) {
-    if (may_be_zero(d)) return false;
+  int as_predicted = 0;
+  int otherwise = 0;
+  for (const Detection& d : scan.items) {
+    if (may_be_zero(d)) continue;
     const Rate rate = predicted(d, v_S, covariance_S);
-    return std::abs(d.range_rate - rate.h) < kSigmas * std::sqrt(rate.S);
-  });
+    ++(std::abs(d.range_rate - rate.h) < kSigmas * std::sqrt(rate.S) ? as_predicted : otherwise);
+  }
+  return as_predicted >= kWitnesses && as_predicted > 2 * otherwise;
 }
 
 OwnEchoes::Place* OwnEchoes::find(const Detection& d) {

@@ -72,6 +72,7 @@ TEST_F(OwnEchoesTest, AStaticPointAcrossTheMotionIsNone) {
   for (int i = 0; i < 300; ++i) {
     see_static(below);
     see_static({5.0, 1.0, 0.0});
+    see_static({4.0, 0.0, 1.0});
     EXPECT_TRUE(observe(v_S_).empty()) << i;
   }
 }
@@ -81,6 +82,8 @@ TEST_F(OwnEchoesTest, AWrongVelocityMakesNone) {
   for (int i = 0; i < 300; ++i) {
     see(part_S_, 0.0);
     see({5.0, 1.0, 0.0}, 0.0);
+    see({4.0, 2.0, 0.0}, i % 2 == 0 ? 2.0 : 0.8);
+    see({6.0, -1.0, 1.0}, -0.8);  // as predicted, by chance
     EXPECT_TRUE(observe(v_S_).empty()) << i;
   }
 }
@@ -89,6 +92,7 @@ TEST_F(OwnEchoesTest, FartherThanAVehicleReachesIsNone) {
   for (int i = 0; i < 300; ++i) {
     see({2.5, 0.0, 0.0}, 0.0);
     see_static({5.0, 1.0, 0.0});
+    see_static({4.0, 0.0, 1.0});
     EXPECT_TRUE(observe(v_S_).empty()) << i;
   }
 }

@@ -7,8 +7,8 @@
 // point that happens to be there. With the rate d, of the noise sigma, and the rate h that the
 // predicted velocity gives the place, of the variance S, direction error included:
 // (E1) log-likelihood ratio of the two: ((d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
-//      counted where h is beyond its own sigma, in scans in which a point moves as predicted: a
-//      wrong velocity makes all the world stand still
+//      counted where h is beyond its own sigma, in scans whose points with a Doppler move as
+//      predicted: with a wrong velocity all the world seems to be part of the vehicle
 // (E2) summed over what was seen at the place; part of the vehicle where it is kSure and more
 #pragma once
 
@@ -26,7 +26,7 @@ class OwnEchoes {
  public:
   OwnEchoes() { places_.reserve(kPlaces); }
 
-  /// The radar may have been moved.
+  /// The radar may have been moved, or the velocity was wrong.
   void reset() { places_.clear(); }
 
   /// Takes note of a scan and puts the indices of the vehicle's own echoes into `own`, rising.
@@ -48,7 +48,7 @@ class OwnEchoes {
   };
   static Rate predicted(const Detection& d, const Vector3d& v_S, const Matrix3d& covariance_S);
   static bool may_be_zero(const Detection& d);
-  /// A point has a Doppler, and it is as predicted.
+  /// Points have a Doppler, and nearly all of these one as predicted.
   static bool moves(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S);
   /// Where a detection was seen before; null if nowhere.
   Place* find(const Detection& d);
@@ -58,6 +58,7 @@ class OwnEchoes {
   static constexpr std::size_t kPlaces = 32;
   static constexpr double kReach = 2.0;   // parts of a small vehicle are within [m]
   static constexpr double kSigmas = 3.0;  // of a Doppler that may be zero, or as predicted
+  static constexpr int kWitnesses = 2;    // that the radar moves as predicted
   static constexpr double kNear = 11.34;  // chi-squared of 3 degrees of freedom, 99 %
   /// Five hundred million to one: an hour of scans asks some million times.
   static constexpr double kSure = 20.0;
