@@ -189,7 +189,7 @@ std::string change_of(const Rate& rate, Source source) {
 }
 
 std::string meaning_of(const Rate& rate) {
-  const std::string sign = rate.k < 0.0 ? "the Doppler has the wrong sign" : "";
+  std::string sign = rate.k < 0.0 ? "the Doppler has the wrong sign" : "";
   if (*rate.unit == '\0') return sign;
   const std::string unit = fmt::format("the Doppler is {}", rate.unit);
   return sign.empty() ? unit : sign + " and " + unit;

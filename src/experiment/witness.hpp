@@ -3,8 +3,8 @@
 // innovations of the Doppler, matches and innovations of the landmarks, how long these live.
 //
 // (E1) correlation from scan to scan: sum m_k m_k+1 / sum m_k^2, m_k the mean of innovation over
-// sigma
-//      of the Dopplers of a scan; zero if what a scan leaves over has nothing to do with the next
+//      sigma of the Dopplers of a scan; zero if what a scan leaves over has nothing to do with the
+//      next
 // (E2) correlation of neighbours: mean of the products of innovation over sigma of two Dopplers of
 //      a scan, from points within 4 deg and 1 m in range, over the mean of the squares; as far as
 //      the state's error does not explain it, they share an error
