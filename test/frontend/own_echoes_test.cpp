@@ -84,6 +84,7 @@ TEST_F(OwnEchoesTest, AWrongVelocityMakesNone) {
     see({5.0, 1.0, 0.0}, 0.0);
     see({4.0, 2.0, 0.0}, i % 2 == 0 ? 2.0 : 0.8);
     see({6.0, -1.0, 1.0}, -0.8);  // as predicted, by chance
+    see({5.0, -2.0, 0.5}, -0.8);
     EXPECT_TRUE(observe(v_S_).empty()) << i;
   }
 }
