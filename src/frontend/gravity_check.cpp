@@ -49,11 +49,12 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   const Fit other = fitted ? *fitted : without_dopplers(x);
   const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
   const Vector3d D = other.g - g_B;  // (E3)
-  Eigen::Matrix<double, 3, body::kSize> J = Eigen::Matrix<double, 3, body::kSize>::Zero();
-  J.middleCols<3>(body::kAttitude) = skew(g_B);
-  J.middleCols<3>(body::kAccelBias) = -Matrix3d::Identity();
-  Matrix3d S = other.covariance + J * P_body * J.transpose() +  // (E4)
-               other.slope * P_radar * other.slope.transpose();
+  const Matrix3d J = skew(g_B);      // by the attitude; by the accelerometer bias it is -I
+  const Matrix3d cross = J * P_body.block<3, 3>(body::kAttitude, body::kAccelBias);
+  Matrix3d S = J * P_body.block<3, 3>(body::kAttitude, body::kAttitude) * J.transpose();  // (E4)
+  S += P_body.block<3, 3>(body::kAccelBias, body::kAccelBias) - cross - cross.transpose();
+  S += other.covariance;
+  S += other.slope * P_radar * other.slope.transpose();
   S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
   if (D.dot(Eigen::LLT<Matrix3d>(S).solve(D)) < kSigmas * kSigmas) {
     agree(now);

@@ -47,8 +47,7 @@ std::optional<Alignment> Restart::add(const ImuSample& sample, bool pause) {
   }
   const Vector3d up_B = found->state.q_WB.conjugate() * Vector3d::UnitZ();
   NavState& x = found->state;
-  x.q_WB = (Quaternion::FromTwoVectors(before_.q_WB * up_B, Vector3d::UnitZ()) * before_.q_WB)
-               .normalized();
+  x.q_WB = (rotation_between(before_.q_WB * up_B, Vector3d::UnitZ()) * before_.q_WB).normalized();
   x.p_WB = before_.p_WB;
   const double seconds = to_seconds(sample.time - before_.time);
   const double speed = before_.v_WB.norm() + kSpeed;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "rio/core/so3.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/propagate/strapdown.hpp"
@@ -170,8 +171,7 @@ void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Ve
   const Vector3d g_W(0.0, 0.0, -options_.imu.gravity);
   const double off = (nav.q_WB * g_B - g_W).norm();
   const Vector3d v_before_B = nav.q_WB.conjugate() * nav.v_WB;
-  nav.q_WB =
-      (Quaternion::FromTwoVectors(nav.q_WB * g_B, -Vector3d::UnitZ()) * nav.q_WB).normalized();
+  nav.q_WB = (rotation_between(nav.q_WB * g_B, -Vector3d::UnitZ()) * nav.q_WB).normalized();
   nav.v_WB = nav.q_WB * v_before_B;
   const double angle = sigma / options_.imu.gravity;
   const double rate = angle / (duration + kBefore);

@@ -168,6 +168,22 @@ TEST(So3, ExpOfLogIsTheRotation) {
   }
 }
 
+TEST(So3, RotationBetweenTurnsAIntoBByTheAngleBetweenThem) {
+  test::Random random(9);
+  for (const double angle : {0.0, 1e-9, 1e-4, 0.7, 2.0, 3.0, kPi - 1e-7, kPi}) {
+    for (int i = 0; i < 20; ++i) {
+      const Vector3d a = random.direction();
+      const Vector3d axis = a.cross(random.direction()).normalized();
+      const Vector3d b = test::rotation_of(angle * axis) * a;
+      const Quaternion q = rotation_between(2.0 * a, 0.3 * b);
+      // the half way between directions nearly opposite is the small difference of both
+      const double lost = angle < kPi ? 10.0 * kEpsilon / (kPi - angle) : 0.0;
+      EXPECT_LT((q * a - b).norm(), 1e-12 + lost) << angle;
+      EXPECT_NEAR(quaternion_log(q).norm(), angle, 1e-8) << angle;
+    }
+  }
+}
+
 TEST(GammaSeries, HoldsForAnyAngle) {
   for (const double angle : {1e-4, 0.5, 1.0, 3.0, 1e2, 1e5}) {
     const GammaSeries all(angle * angle);

@@ -128,4 +128,19 @@ inline Vector3d quaternion_log(const Quaternion& q) {
   return 2.0 * std::atan2(sine, w) / sine * xyz;
 }
 
+/// The smallest rotation that turns the direction of a into that of b, both not zero. Opposite
+/// directions: half a turn about an axis across a.
+inline Quaternion rotation_between(const Vector3d& a, const Vector3d& b) {
+  constexpr double kOpposite = 1e-12;
+  const Vector3d from = a.normalized();
+  const Vector3d sum = from + b.normalized();
+  if (sum.norm() < kOpposite) {
+    const Vector3d axis = from.unitOrthogonal();
+    return Quaternion(0.0, axis.x(), axis.y(), axis.z());
+  }
+  const Vector3d middle = sum.normalized();  // half the way
+  const Vector3d xyz = from.cross(middle);
+  return Quaternion(from.dot(middle), xyz.x(), xyz.y(), xyz.z()).normalized();
+}
+
 }  // namespace rio
