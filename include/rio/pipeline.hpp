@@ -37,7 +37,7 @@ class Pipeline {
   explicit Pipeline(const Options& options)
       : options_(options),
         frontends_(options.radars(), Frontend(options)),
-        own_echoes_(options.radars()),
+        own_echoes_(options.radars(), OwnEchoes(options.radar.max_doppler)),
         pool_(options),
         gravity_(options),
         gyro_bias_(options),

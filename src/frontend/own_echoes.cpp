@@ -19,13 +19,13 @@ bool OwnEchoes::may_be_zero(const Detection& d) {
 }
 
 bool OwnEchoes::moves(const DetectionList& scan, const Vector3d& v_S,
-                      const Matrix3d& covariance_S) {
+                      const Matrix3d& covariance_S) const {
   int as_predicted = 0;
   int otherwise = 0;
   for (const Detection& d : scan.items) {
     if (may_be_zero(d)) continue;
     const Rate rate = predicted(d, v_S, covariance_S);
-    ++(std::abs(d.range_rate - rate.h) < kSigmas * std::sqrt(rate.S) ? as_predicted : otherwise);
+    ++(std::abs(apart(d, rate)) < kSigmas * std::sqrt(rate.S) ? as_predicted : otherwise);
   }
   return as_predicted >= kWitnesses && as_predicted > 2 * otherwise;
 }
@@ -69,14 +69,14 @@ void OwnEchoes::observe(const DetectionList& scan, const Vector3d& v_S,
     const Detection& d = scan.items[i];
     if (d.range > kReach || !may_be_zero(d)) continue;
     Place* place = find(d);
-    const auto [h, S] = predicted(d, v_S, covariance_S);
-    if (moving && h * h > S) {
+    const Rate rate = predicted(d, v_S, covariance_S);
+    if (moving && rate.h * rate.h > rate.S) {
       if (place == nullptr) place = add(d);
       const double variance = d.sigma_doppler * d.sigma_doppler;
-      const double off = d.range_rate - h;
-      place->evidence +=
-          0.5 * (off * off / S - d.range_rate * d.range_rate / variance + std::log(S / variance));
-      place->evidence = std::clamp(place->evidence, -kSure, kMost);
+      const double off = apart(d, rate);
+      const double ratio = 0.5 * (off * off / rate.S - d.range_rate * d.range_rate / variance +
+                                  std::log(rate.S / variance));
+      place->evidence = std::clamp(place->evidence + std::min(ratio, kOnce), -kSure, kMost);
     }
     if (place == nullptr) continue;
     place->seen = scan.time;

@@ -142,6 +142,35 @@ TEST_F(EkfTest, OutlierIsGatedAndRecorded) {
   EXPECT_EQ(doppler.rows_used + doppler.rows_gated, static_cast<int>(scan.detections.size()));
 }
 
+// Records say which detection of the scan as received they are of, the vehicle's own among these.
+TEST_F(EkfTest, TheVehiclesOwnEchoesTellNothingAndAreCounted) {
+  Options o = options_for(flight(), "default");
+  o.frontend.ransac_threshold = 10.0;  // nothing is sorted out before the gate
+  o.frontend.mover_sigmas = 0.0;
+  start(o);
+  constexpr std::size_t kOwn = 2;
+  constexpr std::size_t kWrong = 4;
+  RadarDetection echo;
+  echo.point_S = Vector3d(0.6, 0.1, -0.2);
+  echo.snr_db = 30.0;
+  int gated = 0;
+  for (std::size_t i = 0; i < 120; ++i) {
+    RadarScan scan = flight().scans[i];
+    ASSERT_GT(scan.detections.size(), kWrong);
+    scan.detections.insert(scan.detections.begin() + kOwn, echo);
+    const bool wrong = i > 110;
+    if (wrong) scan.detections[kWrong].range_rate += 1.0;
+    ASSERT_EQ(process(scan), Status::kOk);
+    if (!wrong) continue;
+    for (const InnovationRecord& record : pipeline_->report().records) {
+      EXPECT_NE(record.detection, kOwn);
+      if (record.model != Model::kDoppler || record.verdict != Verdict::kGated) continue;
+      gated += record.detection == kWrong ? 1 : 0;
+    }
+  }
+  EXPECT_GE(gated, 8);  // of nine
+}
+
 TEST_F(EkfTest, EachDetectionIsUsedOnce) {
   start(options_for(flight(), "default"));
   int points = 0;

@@ -45,7 +45,7 @@ class OwnEchoesTest : public testing::Test {
   const Vector3d v_S_{0.8, 0.1, 0.0};
   const Vector3d part_S_{0.9, 0.3, -0.4};
   DetectionList scan_;
-  OwnEchoes echoes_;
+  OwnEchoes echoes_{0.0};
 };
 
 TEST_F(OwnEchoesTest, APartOfTheVehicleIsFoundInMotion) {
@@ -95,6 +95,34 @@ TEST_F(OwnEchoesTest, FartherThanAVehicleReachesIsNone) {
     see_static({5.0, 1.0, 0.0});
     see_static({4.0, 0.0, 1.0});
     EXPECT_TRUE(observe(v_S_).empty()) << i;
+  }
+}
+
+// What moves along for a moment is no part of the vehicle.
+TEST_F(OwnEchoesTest, OneContradictionIsNotEnough) {
+  const Vector3d fast(10.0, 0.0, 0.0);
+  for (int scans = 1; scans <= 4; ++scans) {
+    see(part_S_, 0.0);
+    for (const double y : {1.0, 0.0, -1.0}) {
+      const Vector3d world(5.0, y, 0.5);
+      see(world, -world.normalized().dot(fast));
+    }
+    EXPECT_EQ(observe(fast).size(), scans > 2 ? 1 : 0) << scans;
+  }
+}
+
+// At twice the largest Doppler what lies ahead folds to none.
+TEST_F(OwnEchoesTest, AFoldedDopplerIsNoContradiction) {
+  echoes_ = OwnEchoes(2.5);
+  const DopplerFold fold(2.5);
+  const Vector3d fast(5.0, 0.0, 0.0);
+  for (int i = 0; i < 300; ++i) {
+    see({1.0, 0.0, 0.0}, fold.wrap(-fast.x()));
+    for (const double y : {4.0, -5.0, 2.0}) {
+      const Vector3d world(5.0, y, 0.5);
+      see(world, fold.wrap(-world.normalized().dot(fast)));
+    }
+    EXPECT_TRUE(observe(fast).empty()) << i;
   }
 }
 

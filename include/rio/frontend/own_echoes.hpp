@@ -6,15 +6,17 @@
 // A point without Doppler at a place of the radar's view is either part of the vehicle or a static
 // point that happens to be there. With the rate d, of the noise sigma, and the rate h that the
 // predicted velocity gives the place, of the variance S, direction error included:
-// (E1) log-likelihood ratio of the two: ((d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
+// (E1) log-likelihood ratio of the two: (wrap(d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
 //      counted where h is beyond its own sigma, in scans whose points with a Doppler move as
 //      predicted: with a wrong velocity all the world seems to be part of the vehicle
-// (E2) summed over what was seen at the place; part of the vehicle where it is kSure and more
+// (E2) summed over what was seen at the place, of one scan no more than kOnce, which is what a
+//      point that moves along looks like; part of the vehicle where it is kSure and more
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
+#include "rio/frontend/doppler_fold.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/types.hpp"
 
@@ -24,7 +26,8 @@ namespace rio {
 /// kPlaces.
 class OwnEchoes {
  public:
-  OwnEchoes() { places_.reserve(kPlaces); }
+  /// @param max_doppler range rates fold into +-this; 0 = they do not fold [m/s]
+  explicit OwnEchoes(double max_doppler) : fold_(max_doppler) { places_.reserve(kPlaces); }
 
   /// The radar may have been moved, or the velocity was wrong.
   void reset() { places_.clear(); }
@@ -46,10 +49,14 @@ class OwnEchoes {
     double h = 0.0;
     double S = 0.0;
   };
+  /// A range rate and what was predicted for it apart, however often it was folded [m/s].
+  double apart(const Detection& d, const Rate& rate) const {
+    return fold_.wrap(d.range_rate - rate.h);
+  }
   static Rate predicted(const Detection& d, const Vector3d& v_S, const Matrix3d& covariance_S);
   static bool may_be_zero(const Detection& d);
   /// Points have a Doppler, and nearly all of these one as predicted.
-  static bool moves(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S);
+  bool moves(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S) const;
   /// Where a detection was seen before; null if nowhere.
   Place* find(const Detection& d);
   /// In place of the one not seen for longest, if there are too many.
@@ -63,8 +70,10 @@ class OwnEchoes {
   /// Five hundred million to one: an hour of scans asks some million times.
   static constexpr double kSure = 20.0;
   static constexpr double kMost = 2.0 * kSure;
+  static constexpr double kOnce = kSure / 3.0;
   static constexpr Time kForget = std::chrono::seconds(30);
 
+  DopplerFold fold_;
   std::vector<Place> places_;
 };
 
