@@ -155,6 +155,7 @@ class Pipeline {
 
     if (tilt_is_lost()) return conclude();  // an update would make any tilt of it
 
+    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     const DetectionList& scan = without_own_echoes(corrected(received));
     forget_after_silence(scan.time);
     observe(scan, last, imu);  // (3)
@@ -225,8 +226,7 @@ class Pipeline {
   const DetectionList& without_own_echoes(const DetectionList& scan) {
     own_.clear();
     if (!options_.frontend.own_echoes) return scan;
-    own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()),
-                                    backend_.state_estimate().radar_velocity_covariance(), &own_);
+    own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()), velocity_covariance_, &own_);
     if (own_.empty()) return scan;
     if (&scan != &corrected_) corrected_ = scan;
     for (std::size_t i = own_.size(); i-- > 0;) corrected_.items.erase(own_[i]);
@@ -263,7 +263,7 @@ class Pipeline {
   void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
     const Estimate& x = backend_.estimate();
     constexpr double kOpen = 0.5;  // the velocity is what the next scans say [m/s]
-    const double sigma = std::sqrt(backend_.state_estimate().radar_velocity_covariance().trace());
+    const double sigma = std::sqrt(velocity_covariance_.trace());
     const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
     report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
@@ -272,8 +272,7 @@ class Pipeline {
     } else if (sigma > kOpen) {
       replaced_ = Replaced{x.nav.time, last};
     }
-    const Matrix3d velocity_covariance = backend_.state_estimate().radar_velocity_covariance();
-    frontend().observe(scan, x, &seen_, velocity_covariance);
+    frontend().observe(scan, x, &seen_, velocity_covariance_);
     const auto down = gravity_.observe(seen_, x, backend_.state_estimate().covariance().body(),
                                        backend_.state_estimate().velocity_calibration(), last, imu,
                                        report_.imu_gap);
@@ -291,7 +290,7 @@ class Pipeline {
     restart_velocity(down->velocity, 0.0, since);  // it has run away only by and by
     gravity_.reset(x.nav.time);
     gyro_bias_.reset();
-    frontend().observe(scan, x, &seen_, backend_.state_estimate().radar_velocity_covariance());
+    frontend().observe(scan, x, &seen_, velocity_covariance_);
   }
 
   /// A gyro bias that the scans have contradicted starts over, and with it the heading; landmarks
@@ -321,6 +320,7 @@ class Pipeline {
     const Time now = estimate().nav.time;
     backend_.restart_velocity(other.v_B, other.covariance, duration, to_seconds(now - since),
                               &report_);
+    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     replaced_ = Replaced{now, since};
     pool_.reset(now);
     reset_frontends();
@@ -377,6 +377,8 @@ class Pipeline {
   GyroBiasCheck gyro_bias_;
   RestDetector rest_;
   BackEnd backend_;
+  Matrix3d velocity_covariance_ =
+      Matrix3d::Zero();                            ///< of the radar, predicted to the scan, axes S
   StaticVector<std::size_t, kMaxDetections> own_;  ///< echoes of the scan at hand
   DetectionList corrected_;
   Observations seen_;

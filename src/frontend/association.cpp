@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/association.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 namespace rio {
 
@@ -24,6 +25,14 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
   const std::size_t rows = landmarks + trails.size();
   assignment_.begin(rows, scan.items.size(),
                     options_.matching == Matching::kEuclidean ? options_.match_gate : kMaxCost);
+  for (std::size_t i = 0; i < scan.items.size(); ++i) {
+    const Detection& d = scan.items[i];
+    const double az = d.sigma_azimuth_S.norm();
+    const double el = d.sigma_elevation_S.norm();
+    const Vector3d variances = Vector3d(d.sigma_range, az, el).cwiseAbs2();
+    seen_[i] = {d.sigma_azimuth_S / az, d.sigma_elevation_S / el, variances, variances.prod(),
+                d.range};
+  }
   const RigidPose T_WB = predicted.T_WB();
   const RigidPose T_BS(predicted.T_BS);
   for (std::size_t i = 0; i < landmarks; ++i) {
@@ -62,47 +71,46 @@ void Association::add_row(std::size_t row, const Known& known, const DetectionLi
   const double trace = known.covariance.trace();
   for (std::size_t i = 0; i < scan.items.size(); ++i) {
     if (!usable[i]) continue;
-    const Detection& d = scan.items[i];
     if (options_.matching == Matching::kEuclidean) {
-      assignment_.set(row, i, (d.point_S - known.point_S).norm());  // (E1)
+      assignment_.set(row, i, (scan.items[i].point_S - known.point_S).norm());  // (E1)
       continue;
     }
     // cheap bounds first: d2 is at least the part of the range, and that of the azimuth
-    const double off = d.range - range;
-    if (off * off > gate_ * (d.sigma_range * d.sigma_range + trace)) continue;
-    const double square = d.sigma_azimuth_S.squaredNorm();
-    const double across = d.sigma_azimuth_S.dot(known.point_S);
-    if (across * across > gate_ * square * (square * range * range + trace)) continue;
-    const auto distance = mahalanobis_distance(d, known, range);
+    const Seen& seen = seen_[i];
+    const double off = seen.range - range;
+    if (off * off > gate_ * (seen.variances[0] + trace)) continue;
+    const double across = seen.t_az.dot(known.point_S);
+    if (across * across > gate_ * (seen.variances[1] * range * range + trace)) continue;
+    const auto distance = mahalanobis_distance(scan.items[i].direction_S, seen, known, range);
     if (!distance) continue;
     if (distance->d2 < known.gate) assignment_.set(row, i, distance->cost);
     if (near != nullptr) (*near)[i] = true;
   }
 }
 
-std::optional<Association::Distance> Association::mahalanobis_distance(const Detection& d,
+std::optional<Association::Distance> Association::mahalanobis_distance(const Vector3d& direction_S,
+                                                                       const Seen& seen,
                                                                        const Known& known,
                                                                        double range) const {
-  const double sigma_az = d.sigma_azimuth_S.norm();
-  const double sigma_el = d.sigma_elevation_S.norm();
-  const Vector3d t_az = d.sigma_azimuth_S / sigma_az;
-  const Vector3d t_el = d.sigma_elevation_S / sigma_el;
-  const Vector3d u = known.point_S / range;
-  if (u.dot(d.direction_S) <= 0.0) return std::nullopt;  // behind: tangents mean nothing there
-  const Vector3d y(d.range - range, -t_az.dot(u), -t_el.dot(u));
-  Matrix3d D;
-  D.row(0) = u.transpose();
-  D.row(1) = (t_az - t_az.dot(u) * u).transpose() / range;
-  D.row(2) = (t_el - t_el.dot(u) * u).transpose() / range;
-  const Vector3d sigmas(d.sigma_range, sigma_az, sigma_el);
-  Matrix3d S = D * known.covariance * D.transpose();
-  S.diagonal() += sigmas.cwiseAbs2();
-  const Eigen::LLT<Matrix3d> llt(S);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  const double d2 = llt.matrixL().solve(y).squaredNorm();
+  const double inverse_range = 1.0 / range;
+  const Vector3d u = inverse_range * known.point_S;
+  if (u.dot(direction_S) <= 0.0) return std::nullopt;  // behind: tangents mean nothing there
+  const double az = seen.t_az.dot(u);
+  const double el = seen.t_el.dot(u);
+  const Vector3d y(seen.range - range, -az, -el);
+  Matrix3d Dt;  // D^T
+  Dt << u, inverse_range * (seen.t_az - az * u), inverse_range * (seen.t_el - el * u);
+  const Matrix3d PDt = known.covariance * Dt;
+  Matrix3d S = Dt.transpose() * PDt;
+  S.diagonal() += seen.variances;
+  Matrix3d inverse;
+  double det = 0.0;
+  bool positive = false;
+  S.computeInverseAndDetWithCheck(inverse, det, positive, 0.0);
+  if (!positive) return std::nullopt;
+  const double d2 = y.dot(inverse * y);
   if (!(d2 < gate_)) return std::nullopt;
-  const double log_det_root = Matrix3d(llt.matrixL()).diagonal().array().log().sum();
-  return Distance{d2, d2 + 2.0 * (log_det_root - sigmas.array().log().sum())};
+  return Distance{d2, d2 + std::log(det / seen.variance_product)};
 }
 
 void Association::collect(std::size_t landmarks, std::size_t rows, std::size_t columns,

@@ -42,9 +42,7 @@ OwnEchoes::Place* OwnEchoes::find(const Detection& d) {
 }
 
 OwnEchoes::Place* OwnEchoes::add(const Detection& d) {
-  if (places_.size() < kPlaces) {
-    places_.emplace_back();
-  } else {
+  if (!places_.push_back({})) {
     const auto oldest =
         std::min_element(places_.begin(), places_.end(),
                          [](const Place& a, const Place& b) { return a.seen < b.seen; });

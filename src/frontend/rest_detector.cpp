@@ -99,16 +99,19 @@ std::optional<RestDetector::Moment> RestDetector::moment(const Vector3d& gyro_bi
     return x;
   };
   Vector6d mean = Vector6d::Zero();
-  for (std::size_t i = 0; i < n; ++i) mean += values(i) / static_cast<double>(n);
+  for (std::size_t i = 0; i < n; ++i) mean += values(i);
+  mean /= static_cast<double>(n);
   Vector6d square = Vector6d::Zero();
   Vector6d rough = Vector6d::Zero();
   for (std::size_t i = 0; i < n; ++i) {
-    square += (values(i) - mean).cwiseAbs2() / static_cast<double>(n - 1);
+    square += (values(i) - mean).cwiseAbs2();
     if (i < 4) continue;
     const Vector6d e =
         values(i) - 4.0 * values(i - 1) + 6.0 * values(i - 2) - 4.0 * values(i - 3) + values(i - 4);
-    rough += e.cwiseAbs2() / (70.0 * static_cast<double>(n - 4));  // 1 + 16 + 36 + 16 + 1
+    rough += e.cwiseAbs2();
   }
+  square /= static_cast<double>(n - 1);
+  rough /= 70.0 * static_cast<double>(n - 4);  // 1 + 16 + 36 + 16 + 1
   const double root_rate =
       std::sqrt(static_cast<double>(n - 1) / to_seconds(end - samples_[first].time));
   Vector6d white;

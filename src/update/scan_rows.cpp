@@ -7,6 +7,23 @@
 
 namespace rio {
 
+namespace {
+
+/// The coefficients c of a Doppler's row in the four rows of StateEstimate::doppler_covariance: it
+/// is minus R_WS c in the velocity, axes W, and c_3 in the elevation error.
+Eigen::Vector4d doppler_combination(const LinearRow& row, const Matrix3d& R_WS,
+                                    const Layout& layout) {
+  Eigen::Vector4d c = Eigen::Vector4d::Zero();
+  const int errors = layout.has_radar_errors() ? layout.radar_errors() : -1;
+  row.for_each_segment([&](int column, const double* h, int) {
+    if (column == body::kVelocity) c.head<3>() = -R_WS.transpose() * Eigen::Map<const Vector3d>(h);
+    if (column == errors) c[3] = h[RadarErrors::kElevation];
+  });
+  return c;
+}
+
+}  // namespace
+
 ScanRows::ScanRows(const Options& options)
     : options_(options.update),
       auxiliary_(options.auxiliary),
@@ -64,6 +81,7 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
   Reliability reliability;
   const Vector3d v_S = x.radar_velocity_S();
   const Eigen::Matrix4d V = state_estimate.doppler_covariance(x);
+  const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
@@ -83,7 +101,12 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
     z.reliability = believed;
     batch_.begin_block();
     const bool valid = add(doppler_, z, state_estimate, x, {});
-    if (!decide(DopplerModel::kModel, i, valid, report)) continue;
+    if (valid) {
+      const LinearRow& row = batch_.rows().back();
+      const Eigen::Vector4d c = doppler_combination(row, R_WS, state_estimate.layout());
+      S_.setConstant(1, 1, c.dot(V * c) + row.variance);
+    }
+    if (!judge(DopplerModel::kModel, i, valid, report)) continue;
     used_.push_back(
         {DopplerModel::kModel, i, 0, 0, weigh(doppler_repetition(seen.detection(i), x))});
   }
@@ -193,6 +216,12 @@ double ScanRows::weigh(double factor) {
 
 bool ScanRows::decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
                       const char* name) {
+  if (valid) gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
+  return judge(model, detection, valid, report, name);
+}
+
+bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateReport* report,
+                     const char* name) {
   ModelReport& sums = report->models[static_cast<std::size_t>(model)];
   InnovationRecord record;
   record.model = model;
@@ -205,7 +234,6 @@ bool ScanRows::decide(Model model, std::size_t detection, bool valid, UpdateRepo
   } else {
     const RowBlock& block = batch_.last_block();
     const int rows = static_cast<int>(block.count);
-    gathered_.innovation_covariance(batch_, block, &S_);
     record.dof = static_cast<std::uint16_t>(rows);
     record.innovation = batch_.rows()[block.first].residual;
     record.sigma = std::sqrt(S_(0, 0));

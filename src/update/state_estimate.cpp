@@ -291,22 +291,36 @@ void StateEstimate::predict_landmarks() {
           P.block(row.column, column.column, row.size, column.size);
     }
   }
+  // the point in radar axes e has the derivative [e] turn + shift in them, and R_SW in itself
+  using Shared = Eigen::Matrix<double, 3, kShared>;
+  const Matrix3d R_SB = x.T_BS.R.transpose();
+  const Matrix3d R_SW = R_SB * x.T_WB.R.transpose();
+  const Vector3d p_WS = x.T_WB.p + x.T_WB.R * x.T_BS.p;
+  Shared turn = Shared::Zero();
+  turn.leftCols<3>() = R_SB;
+  turn.middleCols<3>(6).setIdentity();
+  turn.rightCols<1>() = -R_SB * x.pose_rate.head<3>();
+  Shared shift = Shared::Zero();
+  shift.leftCols<6>() << R_SB * skew(x.T_BS.p), -R_SW;
+  shift.middleCols<3>(9) = -R_SB;
+  shift.rightCols<1>() = -shift.leftCols<6>() * x.pose_rate;
+  const Shared turn_P = turn.lazyProduct(shared);
+  const Matrix3d turned = turn_P.lazyProduct(turn.transpose());
+  const Matrix3d both = turn_P.lazyProduct(shift.transpose());
+  const Matrix3d shifted = Shared(shift.lazyProduct(shared)).lazyProduct(shift.transpose());
   Eigen::Matrix<double, kShared, 3> cross = Eigen::Matrix<double, kShared, 3>::Zero();
   for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
     LandmarkState& landmark = estimate_.landmarks[i];
-    const ObservedPoint point(x.T_WB, x.T_BS, landmark.p_W);
     const int own = layout_.landmark(static_cast<int>(i));
     for (const Part& row : parts) {
       cross.middleRows(row.at, row.size) = P.block(row.column, own, row.size, 3);
     }
-    Eigen::Matrix<double, 3, kShared> J;
-    J << point.d_body(), point.d_extrinsics(), -point.d_body() * x.pose_rate;
-    const Matrix3d J_own = point.d_landmark();
-    const Eigen::Matrix<double, 3, kShared> JP = J.lazyProduct(shared);
-    const Matrix3d mixed = J.lazyProduct(cross) * J_own.transpose();
-    const Matrix3d rest = J_own * P.block<3, 3>(own, own) * J_own.transpose();
-    landmark.covariance_S =
-        Matrix3d(JP.lazyProduct(J.transpose())) + mixed + mixed.transpose() + rest;
+    const Matrix3d e = skew(R_SW * (landmark.p_W - p_WS));
+    const Matrix3d in_turn = turn.lazyProduct(cross);
+    const Matrix3d in_shift = shift.lazyProduct(cross);
+    const Matrix3d mixed = e * both + (e * in_turn + in_shift) * R_SW.transpose();
+    const Matrix3d own_S = R_SW * P.block<3, 3>(own, own) * R_SW.transpose();
+    landmark.covariance_S = own_S + shifted - e * turned * e + mixed + mixed.transpose();
   }
 }
 

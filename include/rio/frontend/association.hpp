@@ -63,6 +63,14 @@ class Association {
     Matrix3d covariance;
     double gate = 0.0;  ///< of a match, at most that of being near
   };
+  /// Of a detection, what (E2) asks for against every known point.
+  struct Seen {
+    Vector3d t_az;  ///< unit tangents
+    Vector3d t_el;
+    Vector3d variances;             ///< of range [m^2], azimuth and elevation [rad^2]
+    double variance_product = 0.0;  ///< det R
+    double range = 0.0;             ///< [m]
+  };
   struct Distance {
     double d2 = 0.0;
     double cost = 0.0;
@@ -83,8 +91,8 @@ class Association {
                std::array<bool, kMaxDetections>* near);
 
   /// (E2) (E3); nothing if the points are not near.
-  std::optional<Distance> mahalanobis_distance(const Detection& d, const Known& known,
-                                               double range) const;
+  std::optional<Distance> mahalanobis_distance(const Vector3d& direction_S, const Seen& seen,
+                                               const Known& known, double range) const;
 
   /// The assigned pairs; of landmarks only the clear ones.
   void collect(std::size_t landmarks, std::size_t rows, std::size_t columns,
@@ -98,6 +106,7 @@ class Association {
   double same_echo_;
   double gate_;
   double core_;
+  std::array<Seen, kMaxDetections> seen_;  ///< of the scan at hand, by detection
   Assignment assignment_;
 };
 

@@ -14,20 +14,20 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
+#include "rio/core/static_vector.hpp"
 #include "rio/frontend/doppler_fold.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
 
-/// No allocation after construction. A number of operations that grows with detections times
+/// Allocates nothing. A number of operations that grows with detections times
 /// kPlaces.
 class OwnEchoes {
  public:
   /// @param max_doppler range rates fold into +-this; 0 = they do not fold [m/s]
-  explicit OwnEchoes(double max_doppler) : fold_(max_doppler) { places_.reserve(kPlaces); }
+  explicit OwnEchoes(double max_doppler) : fold_(max_doppler) {}
 
   /// The radar may have been moved, or the velocity was wrong.
   void reset() { places_.clear(); }
@@ -74,7 +74,7 @@ class OwnEchoes {
   static constexpr Time kForget = std::chrono::seconds(30);
 
   DopplerFold fold_;
-  std::vector<Place> places_;
+  StaticVector<Place, kPlaces> places_;
 };
 
 }  // namespace rio

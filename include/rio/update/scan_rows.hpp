@@ -111,6 +111,9 @@ class ScanRows {
   /// @param name of the model of another sensor
   bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
               const char* name = nullptr);
+  /// The same, its innovation covariance being S_.
+  bool judge(Model model, std::size_t detection, bool valid, UpdateReport* report,
+             const char* name = nullptr);
 
   /// Infinite if the innovation covariance is not positive definite.
   double normalised_innovation_squared(const RowBlock& block);
