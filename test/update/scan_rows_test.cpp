@@ -8,6 +8,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "support/random_state.hpp"
 #include "support/scan_case.hpp"
 
 namespace rio {
@@ -230,6 +231,35 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
     const Vector3d h(row.h[6], row.h[7], row.h[8]);
     EXPECT_LT((h + L * u.u_S).norm(), 1e-9) << reliable;
     EXPECT_NEAR(row.variance, u.variance, 1e-12);
+  }
+}
+
+// The innovation variance of a Doppler, taken from the velocity's covariance, is that of its row.
+TEST_F(ScanRowsTest, TheGateOfADopplerHoldsItsRow) {
+  options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};
+  options_.radar.T_BS.rotation = Quaternion(0.9, 0.1, -0.3, 0.2).normalized();
+  options_.radar.T_BS.translation = Vector3d(0.1, -0.2, 0.3);
+  for (const DopplerDirections directions :
+       {DopplerDirections::kExact, DopplerDirections::kNoisy, DopplerDirections::kCorrected,
+        DopplerDirections::kReliable}) {
+    options_.update.doppler_directions = directions;
+    StateEstimate b = state_estimate();
+    test::Random random(3);
+    const Eigen::Index n = b.covariance().matrix().rows();
+    ASSERT_GT(n, 15 + 6 + 2);
+    const Eigen::MatrixXd A =
+        Eigen::MatrixXd::NullaryExpr(n, n, [&random] { return random.normal(0.05); });
+    b.covariance().matrix() += A * A.transpose();
+    ScanRows rows(options_);
+    const RowBatch& batch = build(rows, b);
+    ASSERT_EQ(rows.used().size(), scan_.items.size());
+    for (std::size_t i = 0; i < rows.used().size(); ++i) {
+      const LinearRow& row = batch.rows()[i];
+      const double variance = row.variance / rows.used()[i].variance_factor;
+      const double expected = b.covariance().product(row, row) + variance;
+      const double sigma = report_.records[i].sigma;
+      EXPECT_NEAR(sigma * sigma, expected, 1e-12 * expected) << i;
+    }
   }
 }
 
