@@ -79,12 +79,49 @@ bool is_valid(const RadarDetection& d) {
                      [](double sigma) { return sigma >= 0.0 && sigma <= kMost; });
 }
 
+namespace {
+
+/// Two detections are as near to each other, Doppler included, as two of one reflector.
+bool of_one_reflector(const Detection& a, const Detection& b) {
+  constexpr double kGate = 13.28;  // chi-squared of four degrees of freedom, 99 %
+  const auto square = [](double x) { return x * x; };
+  const double range = square(a.range - b.range) / square(a.sigma_range);
+  if (range > 2.0 * kGate) return false;
+  const double doppler = square(a.range_rate - b.range_rate) / square(a.sigma_doppler);
+  const Vector3d turn = b.direction_S - a.direction_S;
+  const double azimuth = square(turn.dot(a.sigma_azimuth_S) / a.sigma_azimuth_S.squaredNorm());
+  const double elevation =
+      square(turn.dot(a.sigma_elevation_S) / a.sigma_elevation_S.squaredNorm());
+  return range + doppler + azimuth + elevation < 2.0 * kGate;  // both are noisy
+}
+
+/// Of the detections of one reflector the strongest stays.
+void keep_one_a_reflector(DetectionList* scan) {
+  for (std::size_t i = scan->items.size(); i-- > 0;) {
+    for (std::size_t k = 0; k < scan->items.size(); ++k) {
+      const Detection& other = scan->items[k];
+      const bool weaker =
+          other.snr_db > scan->items[i].snr_db || (other.snr_db == scan->items[i].snr_db && k < i);
+      if (!weaker || !of_one_reflector(other, scan->items[i])) continue;
+      scan->items.erase(i);
+      break;
+    }
+  }
+}
+
+}  // namespace
+
 void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
                        DetectionList& out) {
   out.time = scan.time;
   out.received = static_cast<int>(scan.detections.size());
   out.non_finite = 0;
   out.items.clear();
+  const auto most = static_cast<std::size_t>(max_detections);
+  const auto index = [&out](const Detection* d) {
+    return static_cast<std::size_t>(d - out.items.begin());
+  };
+  bool crowded = false;  // more than there is room for: reflectors have several detections
   for (const RadarDetection& raw : scan.detections) {
     if (!is_valid(raw)) {
       ++out.non_finite;
@@ -99,15 +136,26 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
     const double elevation = std::asin(std::clamp(raw.point_S.z() / range, -1.0, 1.0));
     if (std::abs(azimuth) > 0.5 * radar.fov_azimuth) continue;
     if (std::abs(elevation) > 0.5 * radar.fov_elevation) continue;
-    if (out.items.size() == static_cast<std::size_t>(max_detections)) {
-      std::size_t weakest = 0;
-      for (std::size_t i = 1; i < out.items.size(); ++i) {
-        if (out.items[i].snr_db < out.items[weakest].snr_db) weakest = i;
-      }
-      if (out.items[weakest].snr_db >= raw.snr_db) continue;
-      out.items.erase(weakest);
+    const Detection d = make_detection(raw, radar);
+    if (!crowded && out.items.size() == most) {
+      crowded = true;
+      keep_one_a_reflector(&out);
     }
-    out.items.push_back(make_detection(raw, radar));
+    if (crowded) {
+      const auto same =
+          std::find_if(out.items.begin(), out.items.end(),
+                       [&d](const Detection& kept) { return of_one_reflector(kept, d); });
+      if (same != out.items.end() && same->snr_db >= d.snr_db) continue;
+      if (same != out.items.end()) out.items.erase(index(same));
+    }
+    if (out.items.size() == most) {
+      const auto weakest = std::min_element(
+          out.items.begin(), out.items.end(),
+          [](const Detection& x, const Detection& y) { return x.snr_db < y.snr_db; });
+      if (weakest->snr_db >= d.snr_db) continue;
+      out.items.erase(index(weakest));
+    }
+    out.items.push_back(d);
   }
 }
 

@@ -294,6 +294,7 @@ TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
   std::vector<double> strengths;
   for (int i = 0; i < 600; ++i) {
     scan.detections.push_back(raw_detection(1.0 + 0.01 * i, 0.0, 0.0, random.uniform(1.0, 40.0)));
+    scan.detections.back().range_rate = i;  // no two of one reflector
     strengths.push_back(scan.detections.back().snr_db);
   }
   std::sort(strengths.rbegin(), strengths.rend());
@@ -304,6 +305,31 @@ TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
     EXPECT_GE(out.items[i].snr_db, strengths[kMaxDetections - 1]);
     EXPECT_TRUE(i == 0 || out.items[i].range > out.items[i - 1].range);
   }
+}
+
+// Where there are more than fit, the detections of one reflector would be counted many times.
+TEST(DetectionFilter, OfTooManyOneAReflectorStays) {
+  const RadarOptions radar;
+  test::Random random(4);
+  RadarScan scan;
+  for (int i = 0; i < 600; ++i) {
+    const int reflector = i % 20;
+    const double az = 0.25 * (reflector % 5) - 0.5;
+    RadarDetection d =
+        raw_detection(2.0 + reflector / 5 + random.normal(0.3 * radar.sigma_range),
+                      az + random.normal(0.3 * radar.sigma_azimuth), 0.0, 10.0 + i / 20);
+    d.range_rate = random.normal(0.3 * radar.sigma_doppler);
+    scan.detections.push_back(d);
+  }
+  DetectionList out;
+  filter_detections(scan, radar, 128, out);
+  ASSERT_EQ(out.items.size(), 20U);
+  for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(out.items[i].snr_db, 39.0);  // the strongest
+  filter_detections(scan, radar, 20, out);
+  EXPECT_EQ(out.items.size(), 20U);
+  scan.detections.resize(100);  // as many as fit are no crowd
+  filter_detections(scan, radar, 128, out);
+  EXPECT_EQ(out.items.size(), 100U);
 }
 
 RadarErrors::Value errors(double doppler_scale, double elevation) {
