@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/association.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -97,12 +98,13 @@ std::optional<Association::Distance> Association::mahalanobis_distance(const Det
   const Vector3d sigmas(d.sigma_range, sigma_az, sigma_el);
   Matrix3d S = D * known.covariance * D.transpose();
   S.diagonal() += sigmas.cwiseAbs2();
-  const Eigen::LLT<Matrix3d> llt(S);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  const double d2 = llt.matrixL().solve(y).squaredNorm();
+  const SmallCholesky<3> root(S);
+  if (!root.positive()) return std::nullopt;
+  const double d2 = root.whitened(y).squaredNorm();
   if (!(d2 < gate_)) return std::nullopt;
-  const double log_det_root = Matrix3d(llt.matrixL()).diagonal().array().log().sum();
-  return Distance{d2, d2 + 2.0 * (log_det_root - sigmas.array().log().sum())};
+  double log_det_root = 0.0;
+  for (int i = 0; i < 3; ++i) log_det_root += std::log(root.L()(i, i) / sigmas[i]);
+  return Distance{d2, d2 + 2.0 * log_det_root};
 }
 
 void Association::collect(std::size_t landmarks, std::size_t rows, std::size_t columns,

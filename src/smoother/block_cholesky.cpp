@@ -8,7 +8,39 @@
 
 namespace rio {
 
+namespace {
+
+using Matrix = Eigen::Ref<Eigen::MatrixXd>;
+using Vector = Eigen::Ref<Eigen::VectorXd>;
+using ConstMatrix = const Eigen::Ref<const Eigen::MatrixXd>&;
+using ConstVector = const Eigen::Ref<const Eigen::VectorXd>&;
+
+// The products in place, each compiled once for all types of blocks.
+
+/// C <- C + factor A B
+void add_product(Matrix C, double factor, ConstMatrix A, ConstMatrix B) {
+  C.noalias() += factor * A * B;
+}
+/// C <- C + factor A B^T
+void add_product_transposed(Matrix C, double factor, ConstMatrix A, ConstMatrix B) {
+  C.noalias() += factor * A * B.transpose();
+}
+/// y <- y + factor A x
+void add_image(Vector y, double factor, ConstMatrix A, ConstVector x) {
+  y.noalias() += factor * A * x;
+}
+/// y <- y + factor A^T x
+void add_image_transposed(Vector y, double factor, ConstMatrix A, ConstVector x) {
+  y.noalias() += factor * A.transpose() * x;
+}
+}  // namespace
+
 namespace cholesky {
+
+void add_square(Eigen::Ref<Eigen::MatrixXd> C, double factor,
+                const Eigen::Ref<const Eigen::MatrixXd>& A) {
+  C.selfadjointView<Eigen::Lower>().rankUpdate(A, factor);
+}
 
 bool factorise(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Ref<const Eigen::VectorXd>& floor) {
   const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(A);
@@ -21,7 +53,7 @@ void divide_right(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen::
   Eigen::Matrix<double, kPanel, 1> l;
   for (Eigen::Index k = 0; k < X.cols(); ++k) {
     l.head(k) = L.row(k).head(k).transpose();
-    X.col(k).noalias() -= X.leftCols(k) * l.head(k);
+    add_image(X.col(k), -1.0, X.leftCols(k), l.head(k));
     X.col(k) *= 1.0 / L(k, k);
   }
 }
@@ -36,7 +68,8 @@ void invert_product(const Eigen::Ref<const Eigen::MatrixXd>& L, Eigen::Ref<Eigen
     const Eigen::Index end = first + width;
     auto rows = X.block(first, 0, width, end);  // these rows of L X = I
     L.block(first, first, width, width).triangularView<Eigen::Lower>().solveInPlace(rows);
-    X.block(end, 0, size - end, end).noalias() -= L.block(end, first, size - end, width) * rows;
+    add_product(X.block(end, 0, size - end, end), -1.0, L.block(end, first, size - end, width),
+                rows);
     P.topLeftCorner(end, end).selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
   }
   mirror_lower(P);
@@ -86,17 +119,18 @@ void EnvelopeFactor::solve(Eigen::Ref<Eigen::VectorXd> x) const {
   for (int s = 0; s < states_; ++s) {
     auto own = x.segment<kState>(column(s));
     own_block(s).triangularView<Eigen::Lower>().solveInPlace(own);
-    x.segment(column(s + 1), rows_below(s)).noalias() -= below(s) * own;
-    last_x.noalias() -= last(s) * own;
+    add_image(x.segment(column(s + 1), rows_below(s)), -1.0, below(s), own);
+    add_image(last_x, -1.0, last(s), own);
   }
-  border.head(far_).noalias() += far_coupling() * y;
+  add_image(border.head(far_), 1.0, far_coupling(), y);
   corner.solveInPlace(border);
   corner.adjoint().solveInPlace(border);
-  y.noalias() = far_coupling().transpose() * border.head(far_);
+  y.setZero();
+  add_image_transposed(y, 1.0, far_coupling(), border.head(far_));
   for (int s = states_ - 1; s >= 0; --s) {
     auto own = x.segment<kState>(column(s));
-    own.noalias() -= last(s).transpose() * last_x;
-    own.noalias() -= below(s).transpose() * x.segment(column(s + 1), rows_below(s));
+    add_image_transposed(own, -1.0, last(s), last_x);
+    add_image_transposed(own, -1.0, below(s), x.segment(column(s + 1), rows_below(s)));
     own_block(s).transpose().triangularView<Eigen::Upper>().solveInPlace(own);
   }
   for (int i = 0; i < border_; ++i) x[first + order_[static_cast<std::size_t>(i)]] = border[i];
@@ -108,8 +142,9 @@ bool EnvelopeFactor::tail_inverse(const Eigen::Ref<Eigen::MatrixXd>& P) {
   const int at = column(states_ - 1);
   // L_ds of the last state, in the place of H_d0: that of a single state is no far unknown
   if (far_ > 0) {
-    L_.block(far_row(), at, far_, kState).noalias() =
-        far_coupling() * L_.block<kState, kState>(near_row() + near(), at);
+    auto L_ds = L_.block(far_row(), at, far_, kState);
+    L_ds.setZero();
+    add_product(L_ds, 1.0, far_coupling(), L_.block(near_row() + near(), at, kState, kState));
   }
   auto permuted = tail_.topLeftCorner(tail, tail);
   cholesky::invert_product(L_.block(at, at, tail, tail), inverse_.topLeftCorner(tail, tail),
@@ -175,8 +210,8 @@ bool EnvelopeFactor::factorise_state(int s) {
   if (!cholesky::factorise(own, floor_.segment<kState>(c))) return false;
   cholesky::divide_right(own, states);
   cholesky::divide_right(own, border);
-  L_.block(next, next, rows, rows).selfadjointView<Eigen::Lower>().rankUpdate(states, -1.0);
-  L_.block(near_row(), next, last_rows(), rows).noalias() -= border * states.transpose();
+  cholesky::add_square(L_.block(next, next, rows, rows), -1.0, states);
+  add_product_transposed(L_.block(near_row(), next, last_rows(), rows), -1.0, border, states);
   return true;
 }
 
@@ -184,8 +219,7 @@ bool EnvelopeFactor::factorise_border() {
   auto corner = L_.block(near_row(), near_row(), last_rows(), last_rows());
   for (int s = 0; s < states_; s += kStatesPerPanel) {
     const int width = column(std::min(kStatesPerPanel, states_ - s));
-    corner.selfadjointView<Eigen::Lower>().rankUpdate(
-        L_.block(near_row(), column(s), last_rows(), width), -1.0);
+    cholesky::add_square(corner, -1.0, L_.block(near_row(), column(s), last_rows(), width));
   }
   if (far_ > 0) subtract_far();
   const int at = column(states_);
@@ -195,13 +229,15 @@ bool EnvelopeFactor::factorise_border() {
 void EnvelopeFactor::subtract_far() {
   const int y = near_row() + near();  // there the corner holds -Z and -sum_s Y_s L_as^T
   auto far_Z = far_Z_.topRows(far_);
-  far_Z.noalias() =
-      far_coupling() * Eigen::Matrix<double, kState, kState>(
-                           L_.block<kState, kState>(y, y).selfadjointView<Eigen::Lower>());
+  const Eigen::Matrix<double, kState, kState> Z =
+      L_.block<kState, kState>(y, y).selfadjointView<Eigen::Lower>();
+  far_Z.setZero();
+  add_product(far_Z, 1.0, far_coupling(), Z);
   L_.block(far_row(), far_row(), far_, far_).triangularView<Eigen::Lower>() +=
       far_Z * far_coupling().transpose();
-  L_.block(near_row(), far_row(), near(), far_).noalias() +=
-      L_.block(y, near_row(), kState, near()).transpose() * far_coupling().transpose();
+  auto L_Y = far_Z_.middleRows(far_, near());
+  L_Y = L_.block(y, near_row(), kState, near()).transpose();
+  add_product_transposed(L_.block(near_row(), far_row(), near(), far_), 1.0, L_Y, far_coupling());
 }
 
 }  // namespace rio

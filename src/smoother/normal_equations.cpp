@@ -66,10 +66,10 @@ void NormalEquations::add(const LinearRow& row, double weight) {
 void NormalEquations::add_between(int state, const BetweenJacobian& J, const StateVector& r) {
   RIO_ASSERT(state >= 0 && state + 1 < states_);
   couple(state, state + 1);
-  H_.block<2 * kState, 2 * kState>(column(state), column(state))
-      .selfadjointView<Eigen::Lower>()
-      .rankUpdate(J.transpose());
-  g_.segment<2 * kState>(column(state)).noalias() -= J.transpose() * r;
+  const Eigen::Matrix<double, 2 * kState, kState> Jt = J.transpose();
+  const int at = column(state);
+  cholesky::add_square(H_.block(at, at, 2 * kState, 2 * kState), 1.0, Jt);
+  for (int k = 0; k < kState; ++k) g_.segment<2 * kState>(at) -= r[k] * Jt.col(k);
 }
 
 void NormalEquations::add_quadratic(int leading_states, const Eigen::Ref<const Eigen::MatrixXd>& A,
@@ -123,7 +123,7 @@ bool NormalEquations::eliminate_oldest(int* leading_states, Eigen::MatrixXd* A,
   rest.topLeftCorner(m, m) = H_.block(kState, kState, m, m);
   rest.bottomLeftCorner(border_, m) = H_.block(at, kState, border_, m);
   rest.bottomRightCorner(border_, border_) = H_.block(at, at, border_, border_);
-  rest.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+  cholesky::add_square(rest, -1.0, W);
   mirror_lower(rest);
   g->head(m) = g_.segment(kState, m);
   g->segment(m, border_) = g_.segment(at, border_);

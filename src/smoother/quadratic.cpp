@@ -9,11 +9,17 @@ namespace rio::quadratic {
 
 void multiply_block(int n, int at, const Matrix3d& own, Eigen::MatrixXd* A, Eigen::VectorXd* g) {
   auto columns = A->block(at, at, n - at, 3);
-  for (int r = 0; r < columns.rows(); ++r) columns.row(r) = (columns.row(r) * own).eval();
-  for (int c = 0; c < at + 3; ++c) {
-    A->block<3, 1>(at, c) = (own.transpose() * A->block<3, 1>(at, c)).eval();
+  const Matrix3d turned = own.transpose();
+  for (int r = 0; r < columns.rows(); ++r) {
+    const Vector3d row = columns.row(r).transpose();
+    columns.row(r) = (turned * row).transpose();
   }
-  g->segment<3>(at) = (own.transpose() * g->segment<3>(at)).eval();
+  for (int c = 0; c < at + 3; ++c) {
+    const Vector3d column = A->block<3, 1>(at, c);
+    A->block<3, 1>(at, c) = turned * column;
+  }
+  const Vector3d part = g->segment<3>(at);
+  g->segment<3>(at) = turned * part;
 }
 
 void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>& own,
@@ -32,7 +38,7 @@ void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>&
   auto y = scratch->col(width).head(width);
   y = g->segment(at, width);
   L.triangularView<Eigen::Lower>().solveInPlace(y);
-  A->topLeftCorner(n, n).selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+  cholesky::add_square(A->topLeftCorner(n, n), -1.0, W);
   g->head(n).noalias() -= W * y;
 }
 

@@ -300,7 +300,10 @@ void StateEstimate::predict_landmarks() {
       cross.middleRows(row.at, row.size) = P.block(row.column, own, row.size, 3);
     }
     Eigen::Matrix<double, 3, kShared> J;
-    J << point.d_body(), point.d_extrinsics(), -point.d_body() * x.pose_rate;
+    J.leftCols<6>() = point.d_body();
+    J.middleCols<6>(6) = point.d_extrinsics();
+    J.col(12).setZero();
+    for (int k = 0; k < 6; ++k) J.col(12) -= x.pose_rate[k] * J.col(k);
     const Matrix3d J_own = point.d_landmark();
     const Eigen::Matrix<double, 3, kShared> JP = J.lazyProduct(shared);
     const Matrix3d mixed = J.lazyProduct(cross) * J_own.transpose();

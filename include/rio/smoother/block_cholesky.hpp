@@ -38,6 +38,11 @@ constexpr int kPanel = 32;  ///< largest depth of a product
 /// states leave. A badly scaled singular matrix may leave more and is then accepted.
 constexpr double kPivotTolerance = 32.0 * std::numeric_limits<double>::epsilon();
 
+/// Lower triangle of C <- C + factor A A^T.
+/// @param A at most kPanel wide
+void add_square(Eigen::Ref<Eigen::MatrixXd> C, double factor,
+                const Eigen::Ref<const Eigen::MatrixXd>& A);
+
 /// Lower triangle of A <- L (E1). False if A is not positive definite or not finite.
 /// @param floor the square of each pivot must be above this
 bool factorise(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Ref<const Eigen::VectorXd>& floor);
