@@ -29,9 +29,8 @@ ImuFactor::ImuFactor(const Preintegration& imu, double gravity)
 void ImuFactor::evaluate(const InertialState& xi, const InertialState& xj, Residual* r,
                          Jacobian* J) const {
   evaluate_unwhitened(xi, xj, r, J);
-  const auto L = root_.L().triangularView<Eigen::Lower>();
-  L.solveInPlace(*r);
-  if (J != nullptr) L.solveInPlace(*J);
+  *r = root_.whitened(*r);
+  if (J != nullptr) root_.L().triangularView<Eigen::Lower>().solveInPlace(*J);
 }
 
 void ImuFactor::evaluate_unwhitened(const InertialState& xi, const InertialState& xj, Residual* r,
