@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engine.hpp"
 
-#include <Eigen/Cholesky>
 #include <limits>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -67,7 +68,7 @@ bool is_covariance(const BodyCovariance& P) {
   Matrix15d C = scale.asDiagonal() * P * scale.asDiagonal();
   if (!((C - C.transpose()).cwiseAbs().maxCoeff() <= 1e-9)) return false;
   C.diagonal().array() += 1e-9;  // no eigenvalue below -1e-9: this has a Cholesky factor
-  return Eigen::LLT<Matrix15d>(C).info() == Eigen::Success;
+  return SmallCholesky<body::kSize>(C).positive();
 }
 
 void add_unknown_pause(const ImuOptions& imu, double speed, BodyCovariance& P) {

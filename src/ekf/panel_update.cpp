@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ekf/panel_update.hpp"
 
-#include <Eigen/Cholesky>
-
+#include "rio/core/dense_cholesky.hpp"
 #include "rio/core/mirror.hpp"
 
 namespace rio {
@@ -60,8 +59,7 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
     }
   }
   add_noise(batch, first_block, end_block, &S);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S);
-  if (llt.info() != Eigen::Success) return false;
+  if (!factorise_in_place(S)) return false;
   for (Eigen::Index k = 0; k < m; ++k) {  // W <- W L^-T, innovation <- L^-1 innovation
     Eigen::Matrix<double, kPanel, 1> l;
     l.head(k) = S.row(k).head(k).transpose();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/eval/nees.hpp"
 
+#include <Eigen/Cholesky>
+
 namespace rio::eval {
 
 BodyError body_error(const NavState& estimate, const NavState& truth) {
@@ -19,6 +21,16 @@ StateError state_error(const NavState& estimate, const NavState& truth) {
   reordered << error.segment<3>(body::kPosition), error.segment<3>(body::kAttitude),
       error.segment<3>(body::kVelocity);
   return reordered;
+}
+
+double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
+            const Eigen::Ref<const Eigen::MatrixXd>& P) {
+  RIO_ASSERT(P.rows() == error.size() && P.cols() == error.size());
+  const Eigen::LLT<Eigen::MatrixXd> llt(P);
+  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  Eigen::VectorXd white = error;
+  llt.matrixL().solveInPlace(white);
+  return white.squaredNorm();
 }
 
 double anees(const std::vector<double>& nees_of_runs) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/eval/noise_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio::eval {
 
@@ -54,33 +55,46 @@ void NoiseFitter::add(const NoiseSample& sample, const Parameters& x, Sums* sums
   const double weak = std::pow(10.0, -0.1 * (sample.snr_db - x[kWeak]));
   const double growth = 1.0 + std::min(1.0, weak);  // (E1)
   const Eigen::Vector4d grown(variance[0], growth * variance[1], growth * variance[2], variance[3]);
-  NoiseSample::Matrix S = sample.predicted;
-  S.diagonal() += sample.grid + sample.gain * grown;
-  const Eigen::LLT<NoiseSample::Matrix> llt(S);
-  if (llt.info() != Eigen::Success) return;
-  const NoiseSample::Vector y = llt.solve(sample.innovation);
-  const Cut& cut_here = cut(S.rows());
-  if (!(sample.innovation.dot(y) < cut_here.limit)) return;
-  const NoiseSample::Matrix inverse = llt.solve(NoiseSample::Matrix::Identity(S.rows(), S.rows()));
-
-  // dS/dx_k is diagonal: its columns
-  Eigen::Matrix<double, Eigen::Dynamic, kCount, 0, NoiseSample::kMaxDof, kCount> d(S.rows(),
-                                                                                   kCount);
-  d.leftCols<4>() = 2.0 * sample.gain * grown.asDiagonal();
+  // made up to three dimensions by some that nothing depends on
+  const Eigen::Index n = sample.innovation.size();
+  Matrix3d S = Matrix3d::Identity();
+  Vector3d innovation = Vector3d::Zero();
+  Eigen::Matrix<double, kCount, 3> d = Eigen::Matrix<double, kCount, 3>::Zero();  // of S_ii by x
   const double growth_slope = weak < 1.0 ? 0.1 * std::log(10.0) * weak : 0.0;
-  d.col(kWeak) = growth_slope * sample.gain.middleCols<2>(1) * variance.segment<2>(1);
-  const NoiseSample::Vector excess = y.cwiseAbs2() / cut_here.kept_variance - inverse.diagonal();
-  sums->score += 0.5 * d.transpose() * excess;
-  sums->information += 0.5 * d.transpose() * inverse.cwiseAbs2() * d;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index j = 0; j < n; ++j) S(i, j) = sample.predicted(i, j);
+    S(i, i) += sample.grid[i];
+    innovation[i] = sample.innovation[i];
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      S(i, i) += sample.gain(i, k) * grown[k];
+      d(k, i) = 2.0 * sample.gain(i, k) * grown[k];
+    }
+    d(kWeak, i) =
+        growth_slope * (sample.gain(i, 1) * variance[1] + sample.gain(i, 2) * variance[2]);
+  }
+  const SmallCholesky<3> cholesky(S);
+  if (!cholesky.positive()) return;
+  const Vector3d y = cholesky.solve(innovation);
+  const Cut& cut_here = cut(n);
+  if (!(innovation.dot(y) < cut_here.limit)) return;
+  const Matrix3d inverse = cholesky.inverse();
+  for (int i = 0; i < 3; ++i) {
+    const double excess = y[i] * y[i] / cut_here.kept_variance - inverse(i, i);
+    sums->score += 0.5 * excess * d.col(i);
+    for (int j = 0; j < 3; ++j) {
+      const Parameters weighted = 0.5 * inverse(i, j) * inverse(i, j) * d.col(j);
+      sums->information += d.col(i) * weighted.transpose();
+    }
+  }
 }
 
 std::optional<NoiseFitter::Parameters> NoiseFitter::scoring_step(const Sums& sums) {
   Information information = sums.information;
   constexpr double kVague = 1e-3;  // a sigma of 30 dB: keeps w where the samples say nothing
   information(kWeak, kWeak) += kVague;
-  const Eigen::LLT<Information> llt(information);
-  if (llt.info() != Eigen::Success) return std::nullopt;
-  const Parameters step = llt.solve(sums.score);
+  const SmallCholesky<kCount> cholesky(information);
+  if (!cholesky.positive()) return std::nullopt;
+  const Parameters step = cholesky.solve(sums.score);
   if (!step.allFinite()) return std::nullopt;
   return step;
 }
@@ -105,10 +119,20 @@ std::optional<NoiseFit> NoiseFitter::with_errors(const Parameters& x,
     if (!fit.at_bound[at]) free.push_back(k);
   }
   if (fit.growth_seen) free.push_back(kWeak);
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(score_jacobian(x)(free, free));
-  if (!lu.isInvertible()) return std::nullopt;
-  const Eigen::MatrixXd inverse = lu.inverse();
-  const Eigen::MatrixXd covariance = inverse * spread(free, free) * inverse.transpose();
+  const auto of_free = [&free](const Information& all) {
+    const auto n = static_cast<Eigen::Index>(free.size());
+    Eigen::MatrixXd part(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index j = 0; j < n; ++j) {
+        part(i, j) = all(free[static_cast<std::size_t>(i)], free[static_cast<std::size_t>(j)]);
+      }
+    }
+    return part;
+  };
+  const Eigen::FullPivLU<Eigen::MatrixXd> jacobian(of_free(score_jacobian(x)));
+  if (!jacobian.isInvertible()) return std::nullopt;
+  const Eigen::MatrixXd half = jacobian.solve(of_free(spread)).transpose();
+  const Eigen::MatrixXd covariance = jacobian.solve(half);  // J^-1 spread J^-T
   for (std::size_t i = 0; i < free.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const double error = std::sqrt(covariance(row, row));

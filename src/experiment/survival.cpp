@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
+#include "rio/core/small_cholesky.hpp"
 #include "rio/eval/nees.hpp"
 
 namespace rio::experiment {
@@ -46,7 +46,7 @@ bool is_covariance(const BodyCovariance& P) {
   BodyCovariance C = scale.asDiagonal() * P * scale.asDiagonal();
   if (!((C - C.transpose()).cwiseAbs().maxCoeff() <= 1e-9)) return false;
   C.diagonal().array() += 1e-9;
-  return Eigen::LLT<BodyCovariance>(C).info() == Eigen::Success;
+  return SmallCholesky<body::kSize>(C).positive();
 }
 
 double tilt_error(const NavState& x, const NavState& truth) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/association.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -103,14 +104,11 @@ std::optional<Association::Distance> Association::mahalanobis_distance(const Vec
   const Matrix3d PDt = known.covariance * Dt;
   Matrix3d S = Dt.transpose() * PDt;
   S.diagonal() += seen.variances;
-  Matrix3d inverse;
-  double det = 0.0;
-  bool positive = false;
-  S.computeInverseAndDetWithCheck(inverse, det, positive, 0.0);
-  if (!positive) return std::nullopt;
-  const double d2 = y.dot(inverse * y);
+  const SmallCholesky<3> root(S);
+  if (!root.positive()) return std::nullopt;
+  const double d2 = root.whitened(y).squaredNorm();
   if (!(d2 < gate_)) return std::nullopt;
-  return Distance{d2, d2 + std::log(det / seen.variance_product)};
+  return Distance{d2, d2 + std::log(root.determinant() / seen.variance_product)};
 }
 
 void Association::collect(std::size_t landmarks, std::size_t rows, std::size_t columns,

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/ego_velocity.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -154,10 +155,9 @@ std::optional<Matrix3d> EgoVelocityRansac::least_squares(const DetectionList& sc
     b -= d.direction_S * set.range_rate[i];
   }
   constexpr double kMinSpread = 1e-3;  // all directions in a plane, to 0.06 deg: no velocity
-  const Eigen::LLT<Matrix3d> llt(A);
-  if (llt.info() != Eigen::Success || llt.matrixLLT().diagonal().minCoeff() < kMinSpread)
-    return std::nullopt;
-  const Matrix3d inverse = llt.solve(Matrix3d::Identity());
+  const SmallCholesky<3> root(A);
+  if (!root.positive() || root.L().diagonal().minCoeff() < kMinSpread) return std::nullopt;
+  const Matrix3d inverse = root.inverse();
   *v_S = inverse * b;
   const Vector3d shrinkage = inverse * (direction_noise * *v_S);
   return inverse * weighted * inverse + shrinkage * shrinkage.transpose();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/gravity_check.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/propagate/strapdown.hpp"
 
@@ -56,7 +56,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   S += other.covariance;
   S += other.slope * P_radar * other.slope.transpose();
   S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
-  if (D.dot(Eigen::LLT<Matrix3d>(S).solve(D)) < kSigmas * kSigmas) {
+  if (SmallCholesky<3>(S).whitened(D).squaredNorm() < kSigmas * kSigmas) {
     agree(now);
     return std::nullopt;
   }
@@ -138,12 +138,12 @@ std::optional<GravityCheck::Fit> GravityCheck::fit_dopplers(Time now) const {
     rows += scan.rows;
   }
   A.bottomLeftCorner<3, 3>() = A.topRightCorner<3, 3>().transpose();
-  const Eigen::LLT<Matrix6d> llt(A);
-  if (llt.info() != Eigen::Success || rows <= 6) return std::nullopt;
-  const Eigen::Matrix<double, 6, 5> solution = llt.solve(B);
+  const SmallCholesky<6> root(A);
+  if (!root.positive() || rows <= 6) return std::nullopt;
+  const Eigen::Matrix<double, 6, 5> solution = root.solve(B);
   const double misfit = (square - B.col(0).dot(solution.col(0))) / (rows - 6);
   if (misfit > kBadFit) return std::nullopt;
-  const Matrix6d P = kRepetition * std::max(1.0, misfit) * llt.solve(Matrix6d::Identity());
+  const Matrix6d P = kRepetition * std::max(1.0, misfit) * root.inverse();
   Fit out;
   out.g = solution.bottomRows<3>().col(0);
   out.covariance = P.bottomRightCorner<3, 3>();

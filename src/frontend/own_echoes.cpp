@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/own_echoes.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -33,10 +34,10 @@ bool OwnEchoes::moves(const DetectionList& scan, const Vector3d& v_S,
 OwnEchoes::Place* OwnEchoes::find(const Detection& d) {
   if (places_.empty()) return nullptr;
   // two detections differ by the noise of both
-  const Eigen::LLT<Matrix3d> twice(2.0 * point_covariance(d));
+  const SmallCholesky<3> twice(2.0 * point_covariance(d));
   for (Place& place : places_) {
     const Vector3d apart = d.point_S - place.point_S;
-    if (twice.matrixL().solve(apart).squaredNorm() < kNear) return &place;
+    if (twice.whitened(apart).squaredNorm() < kNear) return &place;
   }
   return nullptr;
 }

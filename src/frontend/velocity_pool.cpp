@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/velocity_pool.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "rio/core/random.hpp"
+#include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio {
@@ -243,8 +243,8 @@ std::optional<VelocityOpinion> VelocityPool::refine(const Vector3d& v) const {
     A += row.a * row.a.transpose() / (own * own);
     b += row.a * (r / (own * own));
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(A);
-  if (!(eigen.eigenvalues()[0] > 1.0 / (kWeak * kWeak))) return std::nullopt;
+  const Matrix3d weakest = Matrix3d::Identity() / (kWeak * kWeak);
+  if (!SmallCholesky<3>(A - weakest).positive()) return std::nullopt;  // an eigenvalue is less
   const Matrix3d inverse = A.inverse();
   return VelocityOpinion{v + inverse * b,
                          kRepetition * inverse + kLeastSigma * kLeastSigma * Matrix3d::Identity()};

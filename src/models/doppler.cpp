@@ -24,7 +24,8 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
                             JacobianOf<kDim, kDim>& R) const noexcept {
   const Vector3d w = z.gyro_B - gyro_bias;
   const Vector3d v_B = T_WB.R.transpose() * v_WB;
-  const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
+  const Vector3d radar_v_B = v_B + w.cross(T_BS.p);
+  const Vector3d v_S = T_BS.R.transpose() * radar_v_B;
   const double sine = std::sin(errors[RadarErrors::kElevation]);
   const double cosine = std::cos(errors[RadarErrors::kElevation]);
   const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
@@ -37,13 +38,15 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   if (J == nullptr) return true;
 
   if (directions_ >= DopplerDirections::kCorrected) u = z.reliability * expected.u_S;  // (E3) (E4)
-  const Vector3d a = scale * T_BS.R * u;  // direction in body axes
-  J->block<1, 3>(0, Blocks::column<BodyPose>()) = -a.transpose() * skew(v_B);
+  const Vector3d scaled_u = scale * u;
+  const Vector3d a = T_BS.R * scaled_u;  // direction in body axes
+  const Vector3d a_W = T_WB.R * a;
+  J->block<1, 3>(0, Blocks::column<BodyPose>()) = v_B.cross(a).transpose();
   J->block<1, 3>(0, Blocks::column<BodyPose>() + 3).setZero();
-  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
-  J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
-  J->block<1, 3>(0, Blocks::column<Extrinsics>()) = -scale * u.transpose() * skew(v_S);
-  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = -a.transpose() * skew(w);
+  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
+  J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()) = v_S.cross(scaled_u).transpose();
+  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = w.cross(a).transpose();
   J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), scale * upwards.dot(v_S);
   return true;
 }

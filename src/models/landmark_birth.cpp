@@ -8,19 +8,28 @@ LandmarkBirth::LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, const
   const Matrix3d R_WS = T_WB.R * T_BS.R;
   const Vector3d upwards = d.range * d.sigma_elevation_S.normalized();
   d_l.setZero();
-  d_l.middleCols<3>(Blocks::column<BodyPose>()) = -T_WB.R * skew(T_BS.R * d.point_S + T_BS.p);
+  Vector3d point_B = T_BS.R * d.point_S;
+  point_B += T_BS.p;
+  const Vector3d upwards_W = R_WS * upwards;
+  const Matrix3d covariance_S = point_covariance(d);
+  const Matrix3d half_turned = R_WS * covariance_S;
+  d_l.middleCols<3>(Blocks::column<BodyPose>()) = T_WB.R * skew(-point_B);
   d_l.middleCols<3>(Blocks::column<BodyPose>() + 3).setIdentity();
-  d_l.middleCols<3>(Blocks::column<Extrinsics>()) = -R_WS * skew(d.point_S);
+  d_l.middleCols<3>(Blocks::column<Extrinsics>()) = R_WS * skew(-d.point_S);
   d_l.middleCols<3>(Blocks::column<Extrinsics>() + 3) = T_WB.R;
-  d_l.col(Blocks::column<RadarErrors>() + RadarErrors::kElevation) = -R_WS * upwards;
-  noise = R_WS * point_covariance(d) * R_WS.transpose();
+  d_l.col(Blocks::column<RadarErrors>() + RadarErrors::kElevation) = -upwards_W;
+  noise = half_turned * R_WS.transpose();
 }
 
 ObservedPoint::ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL) {
-  const Vector3d from_body = T_WB.R.transpose() * (p_WL - T_WB.p);
-  const Matrix3d R_SW = (T_WB.R * T_BS.R).transpose();
-  e_S = T_BS.R.transpose() * (from_body - T_BS.p);
-  d_e << T_BS.R.transpose() * skew(from_body), -R_SW, skew(e_S), -T_BS.R.transpose(), R_SW;
+  const Vector3d from_body_W = p_WL - T_WB.p;
+  const Vector3d from_body = T_WB.R.transpose() * from_body_W;
+  const Vector3d from_radar = from_body - T_BS.p;
+  const Matrix3d R_SB = T_BS.R.transpose();
+  const Matrix3d R_SW = R_SB * T_WB.R.transpose();
+  e_S = R_SB * from_radar;
+  const Matrix3d by_attitude = R_SB * skew(from_body);
+  d_e << by_attitude, -R_SW, skew(e_S), -R_SB, R_SW;
 }
 
 }  // namespace rio

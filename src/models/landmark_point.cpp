@@ -25,10 +25,11 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   D.row(0) = u.transpose();
   D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
   D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;
-  J->block<3, 6>(0, Blocks::column<BodyPose>()) = D * point.d_body();
-  J->block<3, 6>(0, Blocks::column<Extrinsics>()) = D * point.d_extrinsics();
+  const Eigen::Matrix<double, 3, ObservedPoint::Blocks::kDof> d = D * point.d_e;
+  J->block<3, 6>(0, Blocks::column<BodyPose>()) = ObservedPoint::by_body(d);
+  J->block<3, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d);
   J->block<3, 2>(0, Blocks::column<RadarErrors>()) << 0.0, 0.0, 0.0, 0.0, 0.0, 1.0;
-  J->block<3, 3>(0, Blocks::column<Landmark>()) = D * point.d_landmark();
+  J->block<3, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d);
   return true;
 }
 
@@ -44,23 +45,27 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Vector3d u = point.e_S / h;
   const Vector3d w = z.gyro_B - gyro_bias;
   const Vector3d v_B = T_WB.R.transpose() * v_WB;
-  const Vector3d v_S = T_BS.R.transpose() * (v_B + w.cross(T_BS.p));
+  const Vector3d radar_v_B = v_B + w.cross(T_BS.p);
+  const Vector3d v_S = T_BS.R.transpose() * radar_v_B;
   const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
   r[0] = z.range_rate + scale * u.dot(v_S);  // (E3)
   R(0, 0) = z.sigma_doppler * z.sigma_doppler;
   if (J == nullptr) return true;
 
-  const Vector3d a = scale * T_BS.R * u;
-  const Eigen::RowVector3d d_h_d_e = -scale * (v_S - u.dot(v_S) * u).transpose() / h;
-  J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h_d_e * point.d_body();
-  J->block<1, 3>(0, Blocks::column<BodyPose>()) += -a.transpose() * skew(v_B);
-  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -(T_WB.R * a).transpose();
-  J->block<1, 3>(0, Blocks::column<GyroBias>()) = -a.transpose() * skew(T_BS.p);
-  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h_d_e * point.d_extrinsics();
-  J->block<1, 3>(0, Blocks::column<Extrinsics>()) += -scale * u.transpose() * skew(v_S);
-  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += -a.transpose() * skew(w);
+  const Vector3d scaled_u = scale * u;
+  const Vector3d a = T_BS.R * scaled_u;
+  const Vector3d a_W = T_WB.R * a;
+  const Eigen::RowVector3d d_h_d_e = (u.dot(v_S) * scaled_u - scale * v_S).transpose() / h;
+  const Eigen::Matrix<double, 1, ObservedPoint::Blocks::kDof> d_h = d_h_d_e * point.d_e;
+  J->block<1, 6>(0, Blocks::column<BodyPose>()) = ObservedPoint::by_body(d_h);
+  J->block<1, 3>(0, Blocks::column<BodyPose>()) += v_B.cross(a).transpose();
+  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
+  J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
+  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d_h);
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()) += v_S.cross(scaled_u).transpose();
+  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += w.cross(a).transpose();
   J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), 0.0;
-  J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h_d_e * point.d_landmark();
+  J->block<1, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d_h);
   return true;
 }
 

@@ -229,8 +229,15 @@ BodyNoise process_noise_covariance(const Matrix3d& R, const Vector3d& w, const V
 }
 
 Matrix15d congruence(const Matrix15d& F, const Matrix15d& P) {
-  const Matrix15d FP = F * P;
-  return FP * F.transpose();
+  Matrix15d FP = Matrix15d::Zero();
+  Matrix15d out = Matrix15d::Zero();
+  for (int c = 0; c < body::kSize; ++c) {
+    for (int k = 0; k < body::kSize; ++k) FP.col(c) += P(k, c) * F.col(k);
+  }
+  for (int c = 0; c < body::kSize; ++c) {
+    for (int k = 0; k < body::kSize; ++k) out.col(c) += F(c, k) * FP.col(k);
+  }
+  return out;
 }
 
 bool Propagation::finite() const {

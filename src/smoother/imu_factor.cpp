@@ -21,11 +21,16 @@ InertialState retract(const InertialState& x, const Eigen::Matrix<double, body::
   return out;
 }
 
+ImuFactor::ImuFactor(const Preintegration& imu, double gravity)
+    : imu_(imu), gravity_W_(0.0, 0.0, -gravity), root_(imu.covariance()) {
+  valid_ = imu.duration() > Time{0} && imu.finite() && root_.positive();
+}
+
 void ImuFactor::evaluate(const InertialState& xi, const InertialState& xj, Residual* r,
                          Jacobian* J) const {
   evaluate_unwhitened(xi, xj, r, J);
-  sqrt_covariance_.matrixL().solveInPlace(*r);
-  if (J != nullptr) sqrt_covariance_.matrixL().solveInPlace(*J);
+  *r = root_.whitened(*r);
+  if (J != nullptr) root_.L().triangularView<Eigen::Lower>().solveInPlace(*J);
 }
 
 void ImuFactor::evaluate_unwhitened(const InertialState& xi, const InertialState& xj, Residual* r,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/covariance.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -17,9 +16,7 @@ void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& prior
   P_.setZero();
   size_ = layout_.size(0);
   P_.topLeftCorner<body::kSize, body::kSize>() = 0.5 * (P0 + P0.transpose());
-  const auto set = [this](int at, int length, double sigma) {
-    P_.diagonal().segment(at, length).setConstant(sigma * sigma);
-  };
+  const auto set = [this](int at, int length, double sigma) { inflate(at, length, sigma * sigma); };
   for (std::size_t r = 0; r < layout_.radars(); ++r) {
     const Layout own = layout_.of_radar(r);
     if (own.has_extrinsics()) {
@@ -42,7 +39,7 @@ void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& prior
 void Covariance::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
   int at = layout_.auxiliary();
   for (const AuxiliaryState& state : states) {
-    P_.diagonal().segment(at, state.size).array() += state.walk * state.walk * seconds;
+    inflate(at, state.size, state.walk * state.walk * seconds);
     at += state.size;
   }
 }
@@ -52,10 +49,18 @@ void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (
   const int rest = size_ - kBody;
   const Matrix15d propagated = congruence(phi, P_.topLeftCorner<kBody, kBody>()) + noise;
   P_.topLeftCorner<kBody, kBody>() = 0.5 * (propagated + propagated.transpose());
-  auto cross = scratch_.topLeftCorner(body::kGyroBias, rest);  // the biases stay what they are
-  cross.noalias() = phi.topRows<body::kGyroBias>() * P_.block(0, kBody, kBody, rest);
-  P_.block(0, kBody, body::kGyroBias, rest) = cross;
-  P_.block(kBody, 0, rest, body::kGyroBias) = cross.transpose();
+  constexpr int kMoving = body::kGyroBias;  // the biases stay what they are
+  const Eigen::Matrix<double, kMoving, kBody> moving = phi.topRows<kMoving>();
+  for (int c = kBody; c < kBody + rest; ++c) {
+    Eigen::Matrix<double, kMoving, 1> cross = Eigen::Matrix<double, kMoving, 1>::Zero();
+    for (int k = 0; k < kBody; ++k) cross += P_(k, c) * moving.col(k);
+    P_.block<kMoving, 1>(0, c) = cross;
+  }
+  P_.block(kBody, 0, rest, kMoving) = P_.block(0, kBody, kMoving, rest).transpose();
+}
+
+void Covariance::inflate_along(int at, const Vector3d& axis) {
+  P_.block<3, 3>(at, at) += axis * axis.transpose();
 }
 
 void Covariance::reopen_velocity(double variance, double duration) {  // (E3)
@@ -74,8 +79,7 @@ void Covariance::measure_velocity(const Vector3d& residual_W, const Matrix3d& no
   auto W = scratch_.topLeftCorner(3, size_);              // L^-1 P_v, S = L L^T
   W = P_.middleRows(body::kVelocity, 3).leftCols(size_);
   const Matrix3d S = P_.block<3, 3>(body::kVelocity, body::kVelocity) + noise_W;
-  const Matrix3d L = Eigen::LLT<Matrix3d>(S).matrixL();
-  const Matrix3d inverse = L.inverse();
+  const Matrix3d inverse = SmallCholesky<3>(S).whitened(Matrix3d(Matrix3d::Identity()));  // L^-1
   for (int c = 0; c < size_; ++c) W.col(c) = (inverse * W.col(c)).eval();
   dx->setZero();
   dx->head(size_).noalias() = W.transpose() * (inverse * residual_W).eval();
@@ -95,6 +99,35 @@ void Covariance::forget(int column, double value, double information,
   for (int c = 0; c < size_; ++c) {
     for (int r = 0; r <= c; ++r) P_(c, r) = P_(r, c) += row[r] * row[c] / rest;
   }
+}
+
+template <int kRows>
+void Covariance::assign(int at, const std::array<LinearRow, static_cast<std::size_t>(kRows)>& rows,
+                        const Eigen::Matrix<double, kRows, kRows>& noise) {
+  auto JP = scratch_.topLeftCorner(kRows, size_);
+  JP.setZero();
+  for (int i = 0; i < kRows; ++i) {
+    rows[static_cast<std::size_t>(i)].for_each_segment(
+        [&](int column, const double* h, int length) {
+          for (int k = 0; k < length; ++k) JP.row(i) += h[k] * P_.row(column + k).head(size_);
+        });
+  }
+  P_.block(at, 0, kRows, size_) = JP;
+  P_.block(0, at, size_, kRows) = JP.transpose();
+  for (int i = 0; i < kRows; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      double own = noise(i, j);
+      rows[static_cast<std::size_t>(j)].for_each_segment(
+          [&](int column, const double* h, int length) {
+            for (int k = 0; k < length; ++k) own += JP(i, column + k) * h[k];
+          });
+      P_(at + i, at + j) = P_(at + j, at + i) = own;
+    }
+  }
+}
+
+void Covariance::assign_clone(int slot, const std::array<LinearRow, 6>& rows) {
+  assign<6>(layout_.clone(slot), rows, Eigen::Matrix<double, 6, 6>::Zero());
 }
 
 void Covariance::add_landmark([[maybe_unused]] int index, const std::array<LinearRow, 3>& rows,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/reliability.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+
+#include "rio/core/small_cholesky.hpp"
 
 namespace rio {
 
@@ -20,14 +20,19 @@ void Reliability::add(const Vector3d& u, const Matrix3d& covariance, double vari
 Matrix3d Reliability::matrix() const {
   constexpr double kRegular = 1e-9;  // of fewer than three directions S is singular
   if (!(S_.trace() > 0.0)) return Matrix3d::Identity();
-  const Eigen::LLT<Matrix3d> llt(S_ + kRegular * S_.trace() * Matrix3d::Identity());
-  const Matrix3d root = llt.matrixL();
-  const Matrix3d inverse = root.inverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> errors(
-      Matrix3d(inverse * C_ * inverse.transpose()));
+  const Matrix3d regular = kRegular * S_.trace() * Matrix3d::Identity();
+  const SmallCholesky<3> cholesky(S_ + regular);
+  const Matrix3d& root = cholesky.L();
+  const Matrix3d inverse = cholesky.whitened(Matrix3d(Matrix3d::Identity()));
+  const Matrix3d half_white = inverse * C_;
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> errors(Matrix3d(half_white * inverse.transpose()));
   const Vector3d kept = 1.0 - errors.eigenvalues().array().min(1.0);
-  const Matrix3d& V = errors.eigenvectors();
-  return root * V * kept.asDiagonal() * V.transpose() * inverse;
+  const Matrix3d V = errors.eigenvectors();
+  Matrix3d V_kept = V;
+  for (int i = 0; i < 3; ++i) V_kept.col(i) *= kept[i];
+  const Matrix3d left = root * V_kept;
+  const Matrix3d right = V.transpose() * inverse;
+  return left * right;
 }
 
 }  // namespace rio

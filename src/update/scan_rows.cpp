@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/scan_rows.hpp"
 
-#include <Eigen/Cholesky>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -253,14 +253,23 @@ bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateRepor
 }
 
 double ScanRows::normalised_innovation_squared(const RowBlock& block) {
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, Gate::kMaxDof, 1> r(S_.rows());
-  for (std::size_t i = 0; i < block.count; ++i) {
-    r[static_cast<Eigen::Index>(i)] = batch_.rows()[block.first + i].residual;
+  double sum = 0.0;
+  std::array<double, Gate::kMaxDof> white{};  // L^-1 r; L takes the place of S
+  for (Eigen::Index i = 0; i < S_.rows(); ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    double r = batch_.rows()[block.first + row].residual;
+    for (Eigen::Index j = 0; j < i; ++j) {
+      for (Eigen::Index k = 0; k < j; ++k) S_(i, j) -= S_(i, k) * S_(j, k);
+      S_(i, j) /= S_(j, j);
+      S_(i, i) -= S_(i, j) * S_(i, j);
+      r -= S_(i, j) * white[static_cast<std::size_t>(j)];
+    }
+    if (!(S_(i, i) > 0.0)) return std::numeric_limits<double>::infinity();
+    S_(i, i) = std::sqrt(S_(i, i));
+    white[row] = r / S_(i, i);
+    sum += white[row] * white[row];
   }
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(S_);
-  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  llt.matrixL().solveInPlace(r);
-  return r.squaredNorm();
+  return sum;
 }
 
 }  // namespace rio

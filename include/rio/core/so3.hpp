@@ -85,9 +85,14 @@ class GammaSeries {
 
 /// (E2) for m in 0..2; Gamma_0(phi) is the rotation matrix Exp(phi).
 inline Matrix3d gamma(int m, const Vector3d& phi, double next, double after) {
-  const Matrix3d k = skew(phi);
-  return Matrix3d::Identity() / so3_detail::kFactorial[static_cast<std::size_t>(m)] + next * k +
-         after * k * k;
+  const Vector3d scaled = after * phi;
+  // [phi]^2 = phi phi^T - |phi|^2 I
+  const double diagonal =
+      1.0 / so3_detail::kFactorial[static_cast<std::size_t>(m)] - scaled.dot(phi);
+  Matrix3d out = skew(next * phi);
+  out += scaled * phi.transpose();
+  for (int i = 0; i < 3; ++i) out(i, i) += diagonal;
+  return out;
 }
 /// @param S at |phi|^2
 inline Matrix3d gamma(int m, const Vector3d& phi, const GammaSeries& S) {
@@ -104,10 +109,18 @@ inline Matrix3d d_gamma_a_d_phi(int m, const Vector3d& phi, const Vector3d& a,
                                 const GammaSeries& S) {
   const Vector3d cross = phi.cross(a);
   // d([phi]^2 a)/dphi = phi a^T + (phi . a) I - 2 a phi^T
-  const Vector3d along =
-      2.0 * (S.derivative(m + 1) * cross + S.derivative(m + 2) * phi.cross(cross) - S[m + 2] * a);
-  return along * phi.transpose() - S[m + 1] * skew(a) +
-         S[m + 2] * (phi * a.transpose() + phi.dot(a) * Matrix3d::Identity());
+  const Vector3d twice = phi.cross(cross);
+  Vector3d along = S.derivative(m + 1) * cross;
+  along += S.derivative(m + 2) * twice;
+  along -= S[m + 2] * a;
+  along *= 2.0;
+  const Vector3d scaled = S[m + 2] * a;
+  const double diagonal = scaled.dot(phi);
+  Matrix3d out = skew(-S[m + 1] * a);
+  out += along * phi.transpose();
+  out += phi * scaled.transpose();
+  for (int i = 0; i < 3; ++i) out(i, i) += diagonal;
+  return out;
 }
 
 /// Rotation of the rotation vector phi [rad].

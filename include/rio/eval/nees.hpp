@@ -7,7 +7,7 @@
 // Reference: Bar-Shalom, Li, Kirubarajan, 2001, sec. 5.4.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <limits>
 #include <vector>
 
@@ -29,13 +29,8 @@ using StateError = Eigen::Matrix<double, 9, 1>;
 StateError state_error(const NavState& estimate, const NavState& truth);
 
 /// Normalised estimation error squared (E2); NaN if P is not positive definite.
-template <class Error, class Covariance>
-double nees(const Eigen::MatrixBase<Error>& error, const Eigen::MatrixBase<Covariance>& P) {
-  RIO_ASSERT(P.rows() == error.size() && P.cols() == error.size());
-  const Eigen::LLT<typename Covariance::PlainObject> llt(P);
-  if (llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
-  return llt.matrixL().solve(error).squaredNorm();
-}
+double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
+            const Eigen::Ref<const Eigen::MatrixXd>& P);
 
 /// Mean of the NEES of several runs at one instant; NaN without runs.
 double anees(const std::vector<double>& nees_of_runs);

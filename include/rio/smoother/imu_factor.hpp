@@ -17,8 +17,7 @@
 // Reference: Forster et al., 2017, eq. 45 and appendix C.
 #pragma once
 
-#include <Eigen/Cholesky>
-
+#include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/smoother/preintegration.hpp"
 #include "rio/state/blocks.hpp"
@@ -50,10 +49,7 @@ class ImuFactor {
   /// Not valid() before it is assigned to.
   ImuFactor() = default;
   /// Takes the steps summed up so far; gravity along -z of W [m/s^2].
-  ImuFactor(const Preintegration& imu, double gravity)
-      : imu_(imu), gravity_W_(0.0, 0.0, -gravity), sqrt_covariance_(imu.covariance()) {
-    valid_ = imu.duration() > Time{0} && imu.finite() && sqrt_covariance_.info() == Eigen::Success;
-  }
+  ImuFactor(const Preintegration& imu, double gravity);
 
   /// False if there was no step or not all of them were finite: then evaluate() must not be called.
   bool valid() const { return valid_; }
@@ -80,7 +76,7 @@ class ImuFactor {
 
   Preintegration imu_;
   Vector3d gravity_W_ = Vector3d::Zero();
-  Eigen::LLT<Matrix15d> sqrt_covariance_;
+  SmallCholesky<body::kSize> root_{Matrix15d::Zero()};  ///< of the covariance
   bool valid_ = false;
 };
 

@@ -100,16 +100,25 @@ struct Estimate {
 
 /// Radar point in world coordinates: the inverse observation model (ICRA 2023, eq. 12).
 inline Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S) {
-  return T_WB.R * (T_BS.R * point_S + T_BS.p) + T_WB.p;
+  Vector3d point_B = T_BS.R * point_S;
+  point_B += T_BS.p;
+  Vector3d point_W = T_WB.R * point_B;
+  point_W += T_WB.p;
+  return point_W;
 }
 /// World point in radar coordinates (ICRA 2023, eq. 13).
 inline Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W) {
-  return T_BS.R.transpose() * (T_WB.R.transpose() * (point_W - T_WB.p) - T_BS.p);
+  const Vector3d from_body_W = point_W - T_WB.p;
+  Vector3d point_B = T_WB.R.transpose() * from_body_W;
+  point_B -= T_BS.p;
+  return T_BS.R.transpose() * point_B;
 }
 /// Velocity of the radar in its own axes [m/s] for a true angular rate of the body [rad/s].
 inline Vector3d radar_velocity(const RigidPose& T_WB, const Vector3d& v_WB, const Vector3d& rate_B,
                                const RigidPose& T_BS) {
-  return T_BS.R.transpose() * (T_WB.R.transpose() * v_WB + rate_B.cross(T_BS.p));
+  Vector3d v_B = T_WB.R.transpose() * v_WB;
+  v_B += rate_B.cross(T_BS.p);
+  return T_BS.R.transpose() * v_B;
 }
 inline Vector3d radar_velocity(const Estimate& x) {
   return radar_velocity(x.T_WB(), x.nav.v_WB, x.gyro_B - x.nav.gyro_bias, RigidPose(x.T_BS));

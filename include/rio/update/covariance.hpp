@@ -45,12 +45,10 @@ class Covariance {
   void reopen_velocity(double variance, double duration);
 
   /// Three elements of the state from `at` on turn out to be uncertain by `variance` per axis.
-  void inflate(int at, double variance) { P_.diagonal().segment<3>(at).array() += variance; }
+  void inflate(int at, double variance) { inflate(at, 3, variance); }
 
   /// Same along one axis alone; its length is a sigma.
-  void inflate_along(int at, const Vector3d& axis) {
-    P_.block<3, 3>(at, at) += axis * axis.transpose();
-  }
+  void inflate_along(int at, const Vector3d& axis);
 
   /// (E4). The result corrects the state.
   /// @param residual velocity measured minus estimated [m/s], axes of W
@@ -60,9 +58,7 @@ class Covariance {
   void forget(int column, double value, double information, Eigen::VectorXd* dx);
 
   /// The pose in clone `slot` becomes the one the rows say.
-  void assign_clone(int slot, const std::array<LinearRow, 6>& rows) {
-    assign<6>(layout_.clone(slot), rows, Eigen::Matrix<double, 6, 6>::Zero());
-  }
+  void assign_clone(int slot, const std::array<LinearRow, 6>& rows);
   /// Appends landmark `index` (the number of landmarks so far).
   /// @param noise covariance of the landmark given the state [m^2]
   void add_landmark([[maybe_unused]] int index, const std::array<LinearRow, 3>& rows,
@@ -71,7 +67,7 @@ class Covariance {
   void remove_landmark(int index);
   /// Every landmark walks by this variance per axis [m^2].
   void add_landmark_noise(double variance) {
-    P_.diagonal().segment(layout_.landmark(0), size_ - layout_.landmark(0)).array() += variance;
+    inflate(layout_.landmark(0), size_ - layout_.landmark(0), variance);
   }
 
   /// The auxiliary states walk for so long [s].
@@ -81,31 +77,14 @@ class Covariance {
   double product(const LinearRow& a, const LinearRow& b) const;
 
  private:
+  void inflate(int at, int count, double variance) {
+    for (int i = at; i < at + count; ++i) P_(i, i) += variance;
+  }
+
   /// (E2) for the block at column `at`, which none of the rows touches.
   template <int kRows>
   void assign(int at, const std::array<LinearRow, static_cast<std::size_t>(kRows)>& rows,
-              const Eigen::Matrix<double, kRows, kRows>& noise) {
-    auto JP = scratch_.topLeftCorner(kRows, size_);
-    JP.setZero();
-    for (int i = 0; i < kRows; ++i) {
-      rows[static_cast<std::size_t>(i)].for_each_segment(
-          [&](int column, const double* h, int length) {
-            for (int k = 0; k < length; ++k) JP.row(i) += h[k] * P_.row(column + k).head(size_);
-          });
-    }
-    P_.block(at, 0, kRows, size_) = JP;
-    P_.block(0, at, size_, kRows) = JP.transpose();
-    for (int i = 0; i < kRows; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        double own = noise(i, j);
-        rows[static_cast<std::size_t>(j)].for_each_segment(
-            [&](int column, const double* h, int length) {
-              for (int k = 0; k < length; ++k) own += JP(i, column + k) * h[k];
-            });
-        P_(at + i, at + j) = P_(at + j, at + i) = own;
-      }
-    }
-  }
+              const Eigen::Matrix<double, kRows, kRows>& noise);
 
   Layout layout_;
   Eigen::MatrixXd P_;

@@ -104,11 +104,16 @@ ResidualOf<kDim> time_derivative(const JacobianOf<kDim, BlockList<B...>::kDof>& 
                                  BlockList<B...> /*blocks*/, const LinearizationPoint& x) {
   using Blocks = BlockList<B...>;
   ResidualOf<kDim> d = ResidualOf<kDim>::Zero();
+  const auto subtract = [&](int column, const auto& rate) {
+    for (int k = 0; k < rate.size(); ++k) {
+      for (int i = 0; i < kDim; ++i) d[i] -= J(i, column + k) * rate[k];
+    }
+  };
   if constexpr ((std::is_same_v<B, BodyPose> || ...)) {
-    d -= J.template middleCols<6>(Blocks::template column<BodyPose>()) * x.pose_rate;
+    subtract(Blocks::template column<BodyPose>(), x.pose_rate);
   }
   if constexpr ((std::is_same_v<B, BodyVelocity> || ...)) {
-    d -= J.template middleCols<3>(Blocks::template column<BodyVelocity>()) * x.accel_W;
+    subtract(Blocks::template column<BodyVelocity>(), x.accel_W);
   }
   return d;
 }
