@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "odometry_impl.hpp"
+#include "prior_check.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
@@ -20,42 +21,9 @@
 #include "rio/propagate/stamp_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"
+#include "scan_queue.hpp"
 
 namespace rio {
-
-/// Filtered scans that wait for the IMU or for other radars, oldest first. Few, so insertion
-/// shifts.
-class ScanQueue {
- public:
-  explicit ScanQueue(std::size_t capacity) : scans_(capacity), due_(capacity) {}
-
-  bool empty() const { return size_ == 0; }
-  bool full() const { return size_ == scans_.size(); }
-  std::size_t size() const { return size_; }
-  void clear() { size_ = 0; }
-  const DetectionList& front() const { return scans_[0]; }
-  bool contains(Time time, std::size_t radar) const;
-  /// @param measured by which they are ordered
-  void insert(const DetectionList& scan, Time measured);
-  void pop_front();
-
- private:
-  std::vector<DetectionList> scans_;
-  std::vector<Time> due_;
-  std::size_t size_ = 0;
-};
-
-/// Every value is a number.
-bool is_finite(const NavState& state);
-/// Neither a value nor a sigma is beyond what any vehicle has, so that arithmetic does not
-/// overflow.
-bool is_plausible(const NavState& state, const BodyCovariance& P);
-/// Its norm is between 0.5 and 2.
-bool is_near_unit(const Quaternion& q);
-/// Symmetric, and no eigenvalue below zero, both but for round-off, whatever the units.
-bool is_covariance(const BodyCovariance& P);
-/// A pause of unknown length, some 0.3 s, added to P: how far the body may have moved and turned.
-void add_unknown_pause(const ImuOptions& imu, double speed, BodyCovariance& P);
 
 template <class Estimator>
 class Engine final : public Odometry::Impl {

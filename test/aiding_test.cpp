@@ -95,8 +95,8 @@ class AidingTest : public testing::TestWithParam<BackEnd> {
     ++e->steps;
     for (const InnovationRecord& record : odometry->report().records) {
       if (record.model != Model::kAiding) continue;
-      gated += record.verdict == Verdict::kUsed ? 0 : 1;
-      if (record.verdict != Verdict::kUsed) continue;
+      gated += record.result == GateResult::kUsed ? 0 : 1;
+      if (record.result != GateResult::kUsed) continue;
       nis += record.nis;
       rows += record.dof;
     }

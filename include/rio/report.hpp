@@ -54,12 +54,12 @@ inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCoun
 RIO_API const char* to_string(Model model);
 
 /// What became of one measurement block.
-enum class Verdict : std::uint8_t { kUsed, kGated, kOutOfDomain };
+enum class GateResult : std::uint8_t { kUsed, kGated, kOutOfDomain };
 
 /// One measurement block at the linearisation point, before the update.
 struct InnovationRecord {
   Model model = Model::kDoppler;
-  Verdict verdict = Verdict::kUsed;
+  GateResult result = GateResult::kUsed;
   std::uint16_t detection = 0;  ///< index in the filtered scan; kAiding: in those of the update
   std::uint16_t dof = 0;        ///< rows of the block
   double innovation = 0.0;      ///< z - h(x) of its first row [unit of the model]
@@ -89,10 +89,10 @@ enum class Observability : std::uint8_t {
 };
 
 /// Name as in reports.
-inline const char* to_string(Observability verdict) {
+inline const char* to_string(Observability observability) {
   constexpr std::array kNames = {"not estimated", "unobserved", "weak",
                                  "observed",      "doubtful",   "at its limit"};
-  return kNames[static_cast<std::size_t>(verdict)];
+  return kNames[static_cast<std::size_t>(observability)];
 }
 
 /// One parameter of the calibration.
@@ -100,7 +100,7 @@ struct CalibrationReport {
   double value = 0.0;  ///< estimate minus the option's value
   double sigma = 0.0;
   double prior_sigma = 0.0;
-  Observability verdict = Observability::kNotEstimated;
+  Observability observability = Observability::kNotEstimated;
 };
 
 /// Order of UpdateReport::calibration.

@@ -73,7 +73,7 @@ Measured without_prior(const CalibrationReport& report) {
 MeasuredCalibration off_told(const CalibrationReports& reports, const Values& centre) {
   MeasuredCalibration out{};
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    if (reports[i].verdict == Observability::kNotEstimated) continue;
+    if (reports[i].observability == Observability::kNotEstimated) continue;
     out[i] = without_prior(reports[i]);
     out[i].value += centre[i];
   }

@@ -15,7 +15,7 @@
 
 #include <vector>
 
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 #include "rio/options.hpp"
 #include "rio/sim/flight.hpp"
 #include "rio/types.hpp"

@@ -119,7 +119,7 @@ void MatchJudge::tally(const UpdateReport& report) {
   for (const InnovationRecord& r : report.records) {
     const bool landmark = r.model == Model::kLandmarkDistance || r.model == Model::kLandmarkPoint ||
                           r.model == Model::kLandmarkPosition;
-    if (!landmark || r.verdict != Verdict::kUsed) continue;
+    if (!landmark || r.result != GateResult::kUsed) continue;
     MatchQuality::Innovations& sum = right_[r.detection] ? quality_.right : quality_.wrong;
     sum.nis += r.nis;
     sum.dof += r.dof;

@@ -13,7 +13,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
 #include "rio/sim/flight.hpp"

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 
 namespace rio::experiment {
 

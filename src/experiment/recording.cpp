@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "rio/core/so3.hpp"
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/rio.hpp"

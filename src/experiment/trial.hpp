@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/rio.hpp"

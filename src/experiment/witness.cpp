@@ -42,7 +42,7 @@ class Sums {
     for (const InnovationRecord& r : report.records) {
       if (r.model != Model::kDoppler) continue;
       result_.doppler.add(r);
-      if (r.verdict != Verdict::kUsed) continue;
+      if (r.result != GateResult::kUsed) continue;
       squares_ += r.innovation * r.innovation;
       sum += r.innovation / r.sigma;
       ++count;
@@ -106,8 +106,8 @@ class Sums {
 }  // namespace
 
 void Innovations::add(const InnovationRecord& record) {
-  if (record.verdict == Verdict::kGated) ++gated;
-  if (record.verdict != Verdict::kUsed) return;
+  if (record.result == GateResult::kGated) ++gated;
+  if (record.result != GateResult::kUsed) return;
   ++used;
   nis += record.nis;
   dof += record.dof;

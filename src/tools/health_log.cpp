@@ -46,7 +46,7 @@ void HealthLog::conclude(
   calibration_.clear();
   for (std::size_t r = 0; r < calibration.size(); ++r) {
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-      const Observability verdict = calibration[r][i].verdict;
+      const Observability verdict = calibration[r][i].observability;
       if (verdict != Observability::kDoubtful && verdict != Observability::kAtLimit) continue;
       append(&calibration_, fmt::format("{} is {}, check {}", calibration_name(i, r),
                                         to_string(verdict), calibration_check(i, r)));

@@ -15,8 +15,8 @@
 #include "plot/legend.hpp"
 #include "plot/svg.hpp"
 #include "rio/eval/alignment.hpp"
-#include "rio/eval/association.hpp"
 #include "rio/eval/metrics.hpp"
+#include "rio/eval/pairing.hpp"
 #include "rio/io/text_file.hpp"
 #include "rio/io/trajectory.hpp"
 

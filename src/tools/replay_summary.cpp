@@ -54,12 +54,12 @@ std::string calibration_text(const std::array<CalibrationReport, kCalibrationCou
   std::string out;
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = of_radar[i];
-    if (c.verdict == Observability::kNotEstimated) continue;
+    if (c.observability == Observability::kNotEstimated) continue;
     const CalibrationName& name = kCalibrationNames[i];
     out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", calibration_name(i, r),
                        name.scale * c.value, name.unit, name.scale * c.sigma,
-                       name.scale * c.prior_sigma, to_string(c.verdict));
-    if (c.verdict == Observability::kDoubtful || c.verdict == Observability::kAtLimit) {
+                       name.scale * c.prior_sigma, to_string(c.observability));
+    if (c.observability == Observability::kDoubtful || c.observability == Observability::kAtLimit) {
       out += fmt::format("  check {}\n", calibration_check(i, r));
     }
   }
@@ -114,9 +114,9 @@ std::string ReplaySummary::json() const {
   for (std::size_t r = 0; r < calibration.size(); ++r) {
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       const CalibrationReport& c = calibration[r][i];
-      if (c.verdict == Observability::kNotEstimated) continue;
+      if (c.observability == Observability::kNotEstimated) continue;
       calibrated[calibration_name(i, r)] = {
-          {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.verdict)}};
+          {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.observability)}};
     }
   }
   const Vector3d& p = last_position;

@@ -112,8 +112,8 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
 double HealthMonitor::calibration_doubt(const UpdateReport& report) const {
   double doubt = 0.0;
   for (const CalibrationReport& c : report.calibration) {
-    if (c.verdict == Observability::kAtLimit) return 1.0;
-    if (c.verdict != Observability::kDoubtful) continue;
+    if (c.observability == Observability::kAtLimit) return 1.0;
+    if (c.observability != Observability::kDoubtful) continue;
     doubt = std::max(doubt, std::abs(c.value) / (kCalibrationLimit * c.prior_sigma));
   }
   return doubt;
@@ -122,7 +122,7 @@ double HealthMonitor::calibration_doubt(const UpdateReport& report) const {
 double HealthMonitor::clock_doubt(const UpdateReport& report, Time now) {
   const CalibrationReport& c =
       report.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)];
-  if (c.verdict == Observability::kNotEstimated) return 0.0;
+  if (c.observability == Observability::kNotEstimated) return 0.0;
   PastOffsets& past = offsets_[report.radar];
   if (past.count == 0 || now - past.newest().time >= kClockStep) {
     past.ring[past.count++ % kClockSteps] = {now, c.value, c.sigma};

@@ -228,7 +228,7 @@ bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateRepor
   record.name = name;
   record.detection = static_cast<std::uint16_t>(detection);
   if (!valid) {
-    record.verdict = Verdict::kOutOfDomain;
+    record.result = GateResult::kOutOfDomain;
     ++sums.rows_out_of_domain;
     batch_.drop_block();
   } else {
@@ -243,13 +243,13 @@ bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateRepor
       sums.rows_used += rows;
       sums.nis += record.nis;
     } else {
-      record.verdict = Verdict::kGated;
+      record.result = GateResult::kGated;
       sums.rows_gated += rows;
       batch_.drop_block();
     }
   }
   if (!report->records.push_back(record)) ++report->records_dropped;
-  return record.verdict == Verdict::kUsed;
+  return record.result == GateResult::kUsed;
 }
 
 double ScanRows::normalised_innovation_squared(const RowBlock& block) {

@@ -130,7 +130,7 @@ TEST_F(EkfTest, OutlierIsGatedAndRecorded) {
   for (const InnovationRecord& record : pipeline_->report().records) {
     if (record.model != Model::kDoppler || record.detection != 0) continue;
     found = true;
-    EXPECT_EQ(record.verdict, Verdict::kGated);
+    EXPECT_EQ(record.result, GateResult::kGated);
     EXPECT_NEAR(record.innovation, 1.0, 0.2);
     EXPECT_NEAR(record.nis, std::pow(record.innovation / record.sigma, 2), 1e-9);
     EXPECT_GT(record.nis, record.gate);
@@ -164,7 +164,7 @@ TEST_F(EkfTest, TheVehiclesOwnEchoesTellNothingAndAreCounted) {
     if (!wrong) continue;
     for (const InnovationRecord& record : pipeline_->report().records) {
       EXPECT_NE(record.detection, kOwn);
-      if (record.model != Model::kDoppler || record.verdict != Verdict::kGated) continue;
+      if (record.model != Model::kDoppler || record.result != GateResult::kGated) continue;
       gated += record.detection == kWrong ? 1 : 0;
     }
   }
@@ -179,7 +179,7 @@ TEST_F(EkfTest, EachDetectionIsUsedOnce) {
     ASSERT_EQ(process(flight().scans[i]), Status::kOk);
     std::set<int> used;
     for (const InnovationRecord& record : pipeline_->report().records) {
-      if (record.verdict != Verdict::kUsed || record.model == Model::kRest) continue;
+      if (record.result != GateResult::kUsed || record.model == Model::kRest) continue;
       EXPECT_TRUE(used.insert(record.detection).second) << record.detection;
       EXPECT_TRUE(record.model == Model::kLandmarkPoint || record.model == Model::kDoppler);
       points += record.model == Model::kLandmarkPoint ? 1 : 0;

@@ -145,7 +145,7 @@ TEST_F(ObservabilityTest, AddedUncertaintyOfPositionAndHeadingStaysAsItIs) {
   EXPECT_GT(c.last.landmarks, 10);
   EXPECT_EQ(c.last.clones, options_.update.max_clones);
   EXPECT_GT(c.rest_scans, 10);
-  EXPECT_EQ(c.last.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)].verdict,
+  EXPECT_EQ(c.last.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)].observability,
             Observability::kObserved);
 }
 

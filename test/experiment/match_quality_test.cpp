@@ -114,15 +114,16 @@ TEST_F(MatchJudgeTest, InnovationsOfRightAndWrongMatchesAreCountedApart) {
   seen_.matches.landmarks.push_back({1, 1});  // 6 is not 7
   judge();
   UpdateReport report;
-  const auto record = [&report](Model model, Verdict verdict, std::uint16_t detection, double nis) {
+  const auto record = [&report](Model model, GateResult result, std::uint16_t detection,
+                                double nis) {
     report.records.push_back(
-        {.model = model, .verdict = verdict, .detection = detection, .dof = 3, .nis = nis});
+        {.model = model, .result = result, .detection = detection, .dof = 3, .nis = nis});
   };
-  record(Model::kLandmarkPoint, Verdict::kUsed, 0, 2.0);
-  record(Model::kLandmarkPosition, Verdict::kUsed, 0, 4.0);
-  record(Model::kLandmarkPoint, Verdict::kUsed, 1, 9.0);
-  record(Model::kLandmarkPoint, Verdict::kGated, 1, 99.0);
-  record(Model::kDoppler, Verdict::kUsed, 0, 99.0);
+  record(Model::kLandmarkPoint, GateResult::kUsed, 0, 2.0);
+  record(Model::kLandmarkPosition, GateResult::kUsed, 0, 4.0);
+  record(Model::kLandmarkPoint, GateResult::kUsed, 1, 9.0);
+  record(Model::kLandmarkPoint, GateResult::kGated, 1, 99.0);
+  record(Model::kDoppler, GateResult::kUsed, 0, 99.0);
   judge_.tally(report);
   EXPECT_DOUBLE_EQ(judge_.quality().right.mean(), 1.0);
   EXPECT_DOUBLE_EQ(judge_.quality().wrong.mean(), 3.0);

@@ -57,7 +57,7 @@ TEST(TimeOffset, IsFoundWithinMilliseconds) {
       const CalibrationReport& found = result.of(Calibration::kTimeOffset);
       EXPECT_NEAR(found.value, offset, 0.003) << seed;  // the sigma is 0.4 ms
       EXPECT_NEAR(found.value, offset, 4.0 * found.sigma) << seed;
-      EXPECT_EQ(found.verdict, Observability::kObserved) << seed;
+      EXPECT_EQ(found.observability, Observability::kObserved) << seed;
       EXPECT_FALSE(result.score.lost) << seed;
       EXPECT_LT(result.score.drift, 1.0) << seed;  // as without an offset: 0.3 to 0.4 %
     }
@@ -104,7 +104,8 @@ TEST(TimeOffset, NothingIsSaidAtRest) {
       s.path.stand_before = 5.0;
       s.max_duration = 4.5;  // three seconds of scans after the alignment
     });
-    EXPECT_EQ(result.of(Calibration::kTimeOffset).verdict, Observability::kUnobserved) << seed;
+    EXPECT_EQ(result.of(Calibration::kTimeOffset).observability, Observability::kUnobserved)
+        << seed;
   }
 }
 
@@ -112,7 +113,7 @@ TEST(TimeOffset, BeyondItsLimitItSaysSo) {
   for (const std::uint64_t seed : {401U, 402U}) {
     const Result result = fly_late(seed, 40.0, 0.2);
     const CalibrationReport& found = result.of(Calibration::kTimeOffset);
-    EXPECT_EQ(found.verdict, Observability::kAtLimit) << seed;
+    EXPECT_EQ(found.observability, Observability::kAtLimit) << seed;
     EXPECT_NEAR(found.value, kCalibrationLimit * found.prior_sigma, 1e-4) << seed;
     EXPECT_FALSE(result.score.lost) << seed;
     EXPECT_LT(result.score.drift, 2.0) << seed;  // the 50 ms that are left cost some 0.2 %
@@ -123,7 +124,7 @@ TEST(TimeOffset, WithoutAPriorItIsNotEstimated) {
   const Result result = fly_one(
       401, 20.0, [](sim::Scenario& s) { s.radar.stamp_offset = 0.03; },
       [](Options& o) { o.calibration.time_offset_sigma = 0.0; });
-  EXPECT_EQ(result.of(Calibration::kTimeOffset).verdict, Observability::kNotEstimated);
+  EXPECT_EQ(result.of(Calibration::kTimeOffset).observability, Observability::kNotEstimated);
   EXPECT_EQ(result.of(Calibration::kTimeOffset).value, 0.0);
 }
 
@@ -136,7 +137,7 @@ TEST(DopplerScale, IsFoundWithinThreeThousandths) {
       const CalibrationReport& found = result.of(Calibration::kDopplerScale);
       EXPECT_NEAR(found.value, scale, 0.003) << seed;  // the sigma is 0.0008
       EXPECT_NEAR(found.value, scale, 4.0 * found.sigma) << seed;
-      EXPECT_EQ(found.verdict, Observability::kObserved) << seed;
+      EXPECT_EQ(found.observability, Observability::kObserved) << seed;
     }
   }
 }

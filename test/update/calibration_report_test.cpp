@@ -90,7 +90,7 @@ TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
     EXPECT_EQ(all[i].prior_sigma, kPriors[i]) << i;
     const Observability expected = i < 4 ? Observability::kObserved : Observability::kWeak;
     if (i != 4 && i != 8) {  // half and nine tenths are the bounds themselves
-      EXPECT_EQ(all[i].verdict, expected) << i;
+      EXPECT_EQ(all[i].observability, expected) << i;
     }
   }
 }
@@ -99,7 +99,7 @@ TEST_F(CalibrationOfAnEstimate, BeforeTheFirstScanNothingIsKnown) {
   for (const CalibrationReport& r : report(corrected(0.0))) {
     EXPECT_NEAR(r.value, 0.0, 1e-15);
     EXPECT_NEAR(r.sigma, kTold * r.prior_sigma, 1e-15);
-    EXPECT_EQ(r.verdict, Observability::kUnobserved);
+    EXPECT_EQ(r.observability, Observability::kUnobserved);
   }
 }
 
@@ -130,7 +130,7 @@ TEST_F(CalibrationOfAnEstimate, EstimatesStopAtTheirLimit) {
       if (i == 2) continue;
       EXPECT_NEAR(all[i].value, (step > 0.0 ? 1.0 : -1.0) * kCalibrationLimit * kPriors[i], 1e-12)
           << i;
-      EXPECT_EQ(all[i].verdict, Observability::kAtLimit) << i;
+      EXPECT_EQ(all[i].observability, Observability::kAtLimit) << i;
     }
   }
 }
@@ -144,13 +144,13 @@ TEST_F(CalibrationOfAnEstimate, WhatHasNoPriorIsNotReported) {
   const auto all = report(corrected(1e-3));
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const bool estimated = i < 3 || i == static_cast<std::size_t>(Calibration::kElevationBias);
-    EXPECT_EQ(all[i].verdict != Observability::kNotEstimated, estimated) << i;
+    EXPECT_EQ(all[i].observability != Observability::kNotEstimated, estimated) << i;
     EXPECT_EQ(all[i].sigma > 0.0, estimated) << i;
     EXPECT_EQ(all[i].value != 0.0, estimated) << i;
   }
   options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
   for (const CalibrationReport& r : report(corrected(1e-3))) {
-    EXPECT_EQ(r.verdict, Observability::kNotEstimated);
+    EXPECT_EQ(r.observability, Observability::kNotEstimated);
   }
 }
 

@@ -89,7 +89,7 @@ TEST_F(ScanRowsTest, TheGateHoldsTheInnovationAgainstItsCovariance) {
     build(rows, b);
     const bool inside = std::abs(share) < 1.0;
     const InnovationRecord& record = report_.records[0];
-    EXPECT_EQ(record.verdict, inside ? Verdict::kUsed : Verdict::kGated) << share;
+    EXPECT_EQ(record.result, inside ? GateResult::kUsed : GateResult::kGated) << share;
     EXPECT_NEAR(record.innovation, share * bound, 1e-9);
     EXPECT_NEAR(record.sigma, sigma, 1e-7);
     EXPECT_NEAR(record.nis / record.gate, share * share, 1e-6);
@@ -110,7 +110,7 @@ TEST_F(ScanRowsTest, AGatedMatchGivesNoRows) {
     EXPECT_EQ(build(rows, state_estimate(1)).rows().size(), 3U);
     EXPECT_EQ(rows.used().size(), 3U);
     EXPECT_EQ(sums(Model::kDoppler).rows_used, 3);
-    EXPECT_EQ(report_.records[0].verdict, Verdict::kGated);
+    EXPECT_EQ(report_.records[0].result, GateResult::kGated);
     EXPECT_EQ(rows.was_used(0), published);  // by its match alone it stays alive
   }
 }
@@ -122,7 +122,7 @@ TEST_F(ScanRowsTest, ALandmarkAtTheRadarIsOutOfDomain) {
   ScanRows rows(options_);
   EXPECT_EQ(build(rows, b).rows().size(), 3U);
   EXPECT_EQ(sums(Model::kLandmarkPoint).rows_out_of_domain, 1);
-  EXPECT_EQ(report_.records[0].verdict, Verdict::kOutOfDomain);
+  EXPECT_EQ(report_.records[0].result, GateResult::kOutOfDomain);
   EXPECT_FALSE(rows.was_used(0));
 }
 

@@ -6,8 +6,8 @@
 #include <cstddef>
 
 #include "rio/eval/alignment.hpp"
-#include "rio/eval/association.hpp"
 #include "rio/eval/metrics.hpp"
+#include "rio/eval/pairing.hpp"
 
 namespace rio::eval {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "rio/core/so3.hpp"
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 
 namespace rio::eval {
 

@@ -22,7 +22,7 @@
 //      rows inside, n b / (h m)
 //
 // Against the velocity believed compete standstill and the solutions of triples of rows, in all
-// neighbouring folds. A velocity is a verdict if for some time on
+// neighbouring folds. A velocity is an opinion if for some time on
 //   - it supports most rows, over some time, and no other one far away is nearly as likely;
 //   - it is kClearly times as likely as the one believed, and beyond its three sigmas;
 // where "some time" is short at the start, long if the state estimate was supported before: the

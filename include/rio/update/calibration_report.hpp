@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the flight has told about each parameter of the calibration: the estimate, its sigma against
-// the prior's, and a verdict.
+// the prior's, and how far the data tell it.
 //
 // A parameter that no motion excites keeps the sigma of its prior (Observability in report.hpp). A
 // constant cannot become less known, so the sigma never rises again.

@@ -2,7 +2,7 @@
 // Stage 5: linearised measurement rows that know which columns of the error state they touch.
 //
 // A row is r = h . dx + n with a few non-zero segments in h and a noise of its own. The rows of one
-// block share a verdict.
+// block are gated together.
 #pragma once
 
 #include <array>
@@ -72,7 +72,7 @@ std::array<LinearRow, static_cast<std::size_t>(kDim)> linear_rows(
   return rows;
 }
 
-/// Consecutive rows with one verdict.
+/// Consecutive rows, gated together.
 struct RowBlock {
   std::size_t first = 0;
   std::size_t count = 0;

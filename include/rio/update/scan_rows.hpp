@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 4 and 5: the observations of one scan -> gated rows, and a record of every verdict.
+// Stages 4 and 5: the observations of one scan -> gated rows, and a record of every gate.
 //
 // Landmarks come first: a detection that measures one has told its Doppler.
 #pragma once
@@ -86,7 +86,7 @@ class ScanRows {
   void add_aiding(const std::vector<AidingObservation>& aiding, const StateEstimate& state_estimate,
                   UpdateReport* report);
 
-  /// Position and, unless switched off, Doppler of one detection: one block, one verdict.
+  /// Position and, unless switched off, Doppler of one detection: one block, gated together.
   bool add_point(const Detection& d, const StateEstimate& state_estimate,
                  const LinearizationPoint& x, BlockIndex index);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/eval/association.hpp"
+#include "rio/eval/pairing.hpp"
 
 #include <algorithm>
 #include <iterator>
