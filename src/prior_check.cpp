@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "rio/core/small_cholesky.hpp"
+#include "rio/propagate/strapdown.hpp"
 
 namespace rio {
 

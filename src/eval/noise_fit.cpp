@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rio/core/small_cholesky.hpp"
+#include "rio/types.hpp"
 
 namespace rio::eval {
 

@@ -27,7 +27,7 @@ Matrix3d Reliability::matrix() const {
   const Matrix3d half_white = inverse * C_;
   const Eigen::SelfAdjointEigenSolver<Matrix3d> errors(Matrix3d(half_white * inverse.transpose()));
   const Vector3d kept = 1.0 - errors.eigenvalues().array().min(1.0);
-  const Matrix3d V = errors.eigenvectors();
+  const Matrix3d& V = errors.eigenvectors();
   Matrix3d V_kept = V;
   for (int i = 0; i < 3; ++i) V_kept.col(i) *= kept[i];
   const Matrix3d left = root * V_kept;

@@ -313,11 +313,12 @@ TEST(DetectionFilter, OfTooManyOneAReflectorStays) {
   test::Random random(4);
   RadarScan scan;
   for (int i = 0; i < 600; ++i) {
-    const int reflector = i % 20;
-    const double az = 0.25 * (reflector % 5) - 0.5;
-    RadarDetection d =
-        raw_detection(2.0 + reflector / 5 + random.normal(0.3 * radar.sigma_range),
-                      az + random.normal(0.3 * radar.sigma_azimuth), 0.0, 10.0 + i / 20);
+    const int column = i % 5;
+    const int row = i / 5 % 4;
+    const int repetition = i / 20;
+    RadarDetection d = raw_detection(2.0 + row + random.normal(0.3 * radar.sigma_range),
+                                     0.25 * column - 0.5 + random.normal(0.3 * radar.sigma_azimuth),
+                                     0.0, 10.0 + repetition);
     d.range_rate = random.normal(0.3 * radar.sigma_doppler);
     scan.detections.push_back(d);
   }
