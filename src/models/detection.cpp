@@ -121,7 +121,10 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
   const auto index = [&out](const Detection* d) {
     return static_cast<std::size_t>(d - out.items.begin());
   };
-  bool crowded = false;  // more than there is room for: reflectors have several detections
+  // so many more than there is room for: reflectors have several detections
+  constexpr std::size_t kCrowd = 4;
+  const bool may_crowd = scan.detections.size() > kCrowd * most;
+  bool crowded = false;
   for (const RadarDetection& raw : scan.detections) {
     if (!is_valid(raw)) {
       ++out.non_finite;
@@ -137,7 +140,7 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
     if (std::abs(azimuth) > 0.5 * radar.fov_azimuth) continue;
     if (std::abs(elevation) > 0.5 * radar.fov_elevation) continue;
     const Detection d = make_detection(raw, radar);
-    if (!crowded && out.items.size() == most) {
+    if (may_crowd && !crowded && out.items.size() == most) {
       crowded = true;
       keep_one_a_reflector(&out);
     }

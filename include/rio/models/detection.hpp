@@ -76,10 +76,10 @@ Detection correct_detection(const Detection& received, const RadarErrors::Value&
 /// Every number finite, no sigma negative, none beyond 1000 (SI units, dB), which no radar says.
 bool is_valid(const RadarDetection& d);
 
-/// The detection filter: finite, in range, strong enough, in the field of view. If more than
-/// `max_detections` are left, the strongest of each reflector stays: within the noise of each other
-/// they share its error and would be counted many times. Of those the strongest stay, in their
-/// original order.
+/// The detection filter: finite, in range, strong enough, in the field of view. Of more than
+/// `max_detections` the strongest are kept, in their original order. Of a scan of more than four
+/// times as many the strongest of each reflector stays first: within the noise of each other
+/// detections share its error and would be counted many times.
 void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
                        DetectionList& out);
 
