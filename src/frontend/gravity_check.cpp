@@ -56,7 +56,8 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   S += other.covariance;
   S += other.slope * P_radar * other.slope.transpose();
   S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
-  if (SmallCholesky<3>(S).whitened(D).squaredNorm() < kSigmas * kSigmas) {
+  const SmallCholesky<3> root(S);
+  if (!root.positive() || root.whitened(D).squaredNorm() < kSigmas * kSigmas) {
     agree(now);
     return std::nullopt;
   }

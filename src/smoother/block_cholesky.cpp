@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/block_cholesky.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "rio/core/dense_cholesky.hpp"
 #include "rio/core/mirror.hpp"
 
 namespace rio {
@@ -11,8 +11,7 @@ namespace rio {
 namespace cholesky {
 
 bool factorise(Eigen::Ref<Eigen::MatrixXd> A, const Eigen::Ref<const Eigen::VectorXd>& floor) {
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(A);
-  return llt.info() == Eigen::Success &&
+  return factorise_in_place(A) &&
          (A.diagonal().array().square() > floor.array()).all();  // false for NaN
 }
 

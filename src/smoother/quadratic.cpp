@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/quadratic.hpp"
 
-#include <Eigen/Cholesky>
-
+#include "rio/core/dense_cholesky.hpp"
 #include "rio/smoother/block_cholesky.hpp"
 
 namespace rio::quadratic {
@@ -26,8 +25,7 @@ void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>&
   W.middleRows(at, width) = L;
   W.bottomRows(n - at - width) = A->block(at + width, at, n - at - width, width);
   L.diagonal() += own;
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(L);
-  if (llt.info() != Eigen::Success) return;
+  if (!factorise_in_place(L)) return;
   cholesky::divide_right(L, W);
   auto y = scratch->col(width).head(width);
   y = g->segment(at, width);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/smoother.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <optional>
 #include <vector>
+
+#include "rio/core/dense_cholesky.hpp"
 
 namespace rio {
 
@@ -125,9 +126,9 @@ void Smoother::restart() {
   P.diagonal().tail(n - body::kSize).array() += kExact * kExact;
   auto A = A_.topLeftCorner(n, n);
   A.setIdentity();
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(P);
-  llt.matrixL().solveInPlace(A);
-  llt.matrixU().solveInPlace(A);
+  factorise_in_place(P);
+  P.triangularView<Eigen::Lower>().solveInPlace(A);
+  P.transpose().triangularView<Eigen::Upper>().solveInPlace(A);
   for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();
   g_.head(n).setZero();
   prior_.assign(A, g_.head(n), window_, 0, 1, estimate());

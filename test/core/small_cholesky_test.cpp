@@ -32,6 +32,7 @@ TEST(SmallCholesky, FactorSolutionAndInverseAreThoseOfTheMatrix) {
   EXPECT_LT((L * cholesky.whitened(b) - b).cwiseAbs().maxCoeff(), 1e-13);
   EXPECT_LT((A * cholesky.solve(b) - b).cwiseAbs().maxCoeff(), 1e-13);
   EXPECT_TRUE((A * cholesky.inverse()).isIdentity(1e-13));
+  EXPECT_NEAR(cholesky.determinant() / A.determinant(), 1.0, 1e-12);
 }
 
 TEST(SmallCholesky, ReadsTheLowerTriangleAlone) {

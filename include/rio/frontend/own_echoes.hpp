@@ -9,8 +9,8 @@
 // (E1) log-likelihood ratio of the two: (wrap(d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
 //      counted where h is beyond its own sigma, in scans whose points with a Doppler move as
 //      predicted: with a wrong velocity all the world seems to be part of the vehicle
-// (E2) summed over what was seen at the place, of one scan no more than kOnce, which is what a
-//      point that moves along looks like; part of the vehicle where it is kSure and more
+// (E2) the evidence of a place is the sum over its sightings, of each at most kOnce; from kSure on
+//      it is part of the vehicle
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,7 @@
 
 namespace rio {
 
-/// Allocates nothing. A number of operations that grows with detections times
-/// kPlaces.
+/// Allocates nothing; the number of operations grows with detections times kPlaces.
 class OwnEchoes {
  public:
   /// @param max_doppler range rates fold into +-this; 0 = they do not fold [m/s]
