@@ -165,7 +165,8 @@ Result soak(const Settings& settings) {
       "`default`, {}, {:.2f} simulated hours in one go: every ten minutes from the ground and "
       "back, "
       "each time another way.\nTimes are of this machine. A row is at its time; NEES over its "
-      "dimension, of velocity and tilt the mean since the row before.\nThe csv has a row every "
+      "dimension, of velocity (body axes) and tilt the mean since the row before.\nThe csv has a "
+      "row every "
       "ten minutes.\n\n{}\n{}",
       name, settings.hours, table_of(run.rows), verdict.text());
   result.attachments.push_back(
