@@ -53,7 +53,7 @@ class RadarsTest : public testing::TestWithParam<BackEnd> {
     Options o = options_for(all.front(), "default");
     o.backend = GetParam();
     for (std::size_t r = 1; r < all.size(); ++r) {
-      EXPECT_TRUE(o.other_radars.push_back({all[r].told_T_BS}));
+      EXPECT_TRUE(o.other_radars.push_back({all[r].configured_T_BS}));
     }
     return o;
   }
@@ -156,7 +156,7 @@ TEST_P(RadarsTest, EachHasItsOwnMounting) {
     const auto off = [&truth](const Pose& T) {
       return quaternion_log(truth.rotation.conjugate() * T.rotation).norm();
     };
-    EXPECT_NEAR(off(both[r].told_T_BS), 0.05, 1e-9);
+    EXPECT_NEAR(off(both[r].configured_T_BS), 0.05, 1e-9);
     EXPECT_LT(off(odometry->extrinsics(r)), 0.02) << r;
   }
 }

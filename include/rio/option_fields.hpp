@@ -92,7 +92,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("radar.max_doppler", o.radar.max_doppler, "m/s", 0, 1000,
         "Range rates fold into plus or minus this; 0 = they do not fold.");
   inner("radar.noise_distance", o.radar.noise_distance, "m", 0, 10,
-        "E-folding way of the errors of a point; 0 = they are new in every scan.");
+        "E-folding distance of the errors of a point; 0 = they are new in every scan.");
   field("radar.time_offset", o.radar.time_offset, "s", -1, 1,
         "The radar's stamps are late by this.");
   field("radar.doppler_scale", o.radar.doppler_scale, "", -0.2, 0.2,
@@ -158,7 +158,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("update.match_trust", o.update.match_trust, "", 0.51, 1,
         "Probability that a match with a landmark is right.");
   inner("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
-        "Walk of a landmark with the way flown.");
+        "Walk of a landmark with the distance travelled.");
   inner("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
         "Noise of a landmark distance, if that is the measurement.");
   inner("update.gate_probability", o.update.gate_probability, "", 0.5, 1,

@@ -53,8 +53,8 @@ struct RadarOptions {
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
   double max_doppler = 0.0;         ///< range rates fold into +-this; 0 = they do not fold [m/s]
                                     ///< (as the radar has it, also if its Doppler scale is wrong)
-  /// E-folding way of the errors of a point: echoes of width w at range r keep their phases until
-  /// the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
+  /// E-folding distance of the errors of a point: echoes of width w at range r keep their phases
+  /// until the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
   double noise_distance = 0.02;
   /// Known errors of the radar; what the calibration finds is on top of them.
   double time_offset = 0.0;    ///< stamps are late by this [s]
@@ -130,8 +130,8 @@ struct UpdateOptions {
   /// Probability that a match with a landmark is right: where reflectors are closer to each other
   /// than angles can tell, about a third are not. 1 = all are (update/noise_inflation.hpp).
   double match_trust = 0.68;
-  /// Walk of a landmark with the way flown: the scattering centre moves with the aspect, by
-  /// a centimetre a metre [m/sqrt(m)].
+  /// Walk of a landmark with the distance travelled: the scattering centre moves with the aspect,
+  /// by a centimetre a metre [m/sqrt(m)].
   double landmark_walk = 0.01;
   double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate
   int max_clones = 3;              ///< past poses kept (N)
@@ -180,9 +180,9 @@ struct CalibrationOptions {
 inline constexpr double kCalibrationLimit = 5.0;
 /// Same: an estimate beyond this is doubtful (Observability in report.hpp).
 inline constexpr double kCalibrationDoubt = 3.0;
-/// Same: what was told is believed to be that good until the data contradict it
+/// Same: what is configured is believed to be that good until the data contradict it
 /// (update/state_estimate.hpp).
-inline constexpr double kCalibrationToldShare = 0.5;
+inline constexpr double kCalibrationConfiguredShare = 0.5;
 
 /// A landmark missed for less is in view: the faintest echoes are missed that long [s].
 inline constexpr double kLandmarkInView = 8.0;

@@ -33,18 +33,20 @@ class NoiseProbe : public Ekf {
   Status update(const Observations& seen, UpdateReport* report) {
     const LinearizationPoint x(estimate());
     for (const Match& m : seen.matches.landmarks) {
-      if (is_fresh(estimate().landmarks[m.target].way_seen)) {
+      if (is_fresh(estimate().landmarks[m.target].distance_seen)) {
         add_landmark(seen.detection(m.detection), m.target, x);
       }
     }
-    if (is_fresh(way_at_scan_)) add_dopplers(seen, x);
-    way_at_scan_ = estimate().way;
+    if (is_fresh(distance_at_scan_)) add_dopplers(seen, x);
+    distance_at_scan_ = estimate().distance_travelled;
     return Ekf::update(seen, report);
   }
 
  private:
-  /// Of errors that repeat with the way flown, e^-2 is left.
-  bool is_fresh(double way) const { return estimate().way - way >= 2.0 * radar_.noise_distance; }
+  /// Of errors that repeat with the distance travelled, e^-2 is left.
+  bool is_fresh(double distance) const {
+    return estimate().distance_travelled - distance >= 2.0 * radar_.noise_distance;
+  }
 
   void add_landmark(const Detection& d, std::size_t landmark, const LinearizationPoint& x) {
     using M = LandmarkPointModel;
@@ -117,7 +119,7 @@ class NoiseProbe : public Ekf {
   RadarOptions radar_;
   Innovations* out_ = nullptr;
   TruthAt truth_;
-  double way_at_scan_ = 0.0;  ///< flown at the last scan [m]
+  double distance_at_scan_ = 0.0;  ///< flown at the last scan [m]
 };
 
 }  // namespace rio::calibrate

@@ -12,7 +12,7 @@ namespace rio::calibrate {
 
 namespace {
 
-constexpr double kLoose = 3.0;  // of the prior sigmas told
+constexpr double kLoose = 3.0;  // of the configured prior sigmas
 constexpr auto kRotation = static_cast<std::size_t>(Calibration::kRotationX);
 constexpr auto kTranslation = static_cast<std::size_t>(Calibration::kTranslationX);
 constexpr auto kDopplerScale = static_cast<std::size_t>(Calibration::kDopplerScale);
@@ -25,26 +25,27 @@ Vector3d three(const Values& values, std::size_t first) {
   return {values[first], values[first + 1], values[first + 2]};
 }
 
-/// `told` changed by `values`.
-RadarOptions moved(RadarOptions told, const Values& values) {
-  told.T_BS.rotation = (told.T_BS.rotation * quaternion_exp(three(values, kRotation))).normalized();
-  told.T_BS.translation += three(values, kTranslation);
-  told.doppler_scale += values[kDopplerScale];
-  told.time_offset += values[kTimeOffset];
-  return told;
+/// `configured` changed by `values`.
+RadarOptions moved(RadarOptions configured, const Values& values) {
+  configured.T_BS.rotation =
+      (configured.T_BS.rotation * quaternion_exp(three(values, kRotation))).normalized();
+  configured.T_BS.translation += three(values, kTranslation);
+  configured.doppler_scale += values[kDopplerScale];
+  configured.time_offset += values[kTimeOffset];
+  return configured;
 }
 
-/// What leads from `told` to `now`; the inverse of moved().
-Values between(const RadarOptions& told, const RadarOptions& now) {
+/// What leads from `configured` to `now`; the inverse of moved().
+Values between(const RadarOptions& configured, const RadarOptions& now) {
   Values values{};
-  const Vector3d turn = quaternion_log(told.T_BS.rotation.conjugate() * now.T_BS.rotation);
-  const Vector3d shift = now.T_BS.translation - told.T_BS.translation;
+  const Vector3d turn = quaternion_log(configured.T_BS.rotation.conjugate() * now.T_BS.rotation);
+  const Vector3d shift = now.T_BS.translation - configured.T_BS.translation;
   for (std::size_t i = 0; i < 3; ++i) {
     values[kRotation + i] = turn[static_cast<int>(i)];
     values[kTranslation + i] = shift[static_cast<int>(i)];
   }
-  values[kDopplerScale] = now.doppler_scale - told.doppler_scale;
-  values[kTimeOffset] = now.time_offset - told.time_offset;
+  values[kDopplerScale] = now.doppler_scale - configured.doppler_scale;
+  values[kTimeOffset] = now.time_offset - configured.time_offset;
   return values;
 }
 
@@ -61,7 +62,7 @@ Values priors_of(const CalibrationOptions& c) {
 Measured without_prior(const CalibrationReport& report) {
   constexpr double kSilent = 0.2;     // of the prior's information: nothing was said
   constexpr double kNothing = 100.0;  // prior sigmas: no weight beside any that was
-  const double first = kCalibrationToldShare * report.prior_sigma;
+  const double first = kCalibrationConfiguredShare * report.prior_sigma;
   const double p = report.sigma < first ? first : report.prior_sigma;
   const double after = 1.0 / (report.sigma * report.sigma);
   const double information = after - 1.0 / (p * p);
@@ -69,8 +70,8 @@ Measured without_prior(const CalibrationReport& report) {
   return {report.value * after / information, 1.0 / std::sqrt(information)};
 }
 
-/// A report about `centre`, off what was told.
-MeasuredCalibration off_told(const CalibrationReports& reports, const Values& centre) {
+/// A report about `centre`, off the configured values.
+MeasuredCalibration off_configured(const CalibrationReports& reports, const Values& centre) {
   MeasuredCalibration out{};
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (reports[i].observability == Observability::kNotEstimated) continue;
@@ -100,8 +101,9 @@ std::vector<Measured> all(const std::vector<RecordingCalibration>& runs, std::si
 /// One repetition: two passes over all recordings.
 class Repetition {
  public:
-  Repetition(const std::vector<Recording>& recordings, const Options& told, const Progress& each)
-      : recordings_(recordings), told_(told.radar), options_(told), each_(each) {
+  Repetition(const std::vector<Recording>& recordings, const Options& configured,
+             const Progress& each)
+      : recordings_(recordings), configured_(configured.radar), options_(configured), each_(each) {
     CalibrationOptions& c = options_.calibration;
     c.rotation_sigma = std::min(1.0, kLoose * c.rotation_sigma);
     c.translation_sigma = std::min(10.0, kLoose * c.translation_sigma);
@@ -112,13 +114,13 @@ class Repetition {
 
   std::vector<RecordingCalibration> run() {
     std::vector<RecordingCalibration> runs = pass(false);
-    options_.radar = moved(told_, mean(runs));
+    options_.radar = moved(configured_, mean(runs));
     return pass(true);
   }
 
  private:
   std::vector<RecordingCalibration> pass(bool with_halves) {
-    const Values centre = between(told_, options_.radar);
+    const Values centre = between(configured_, options_.radar);
     std::vector<RecordingCalibration> out;
     for (std::size_t i = 0; i < recordings_.size(); ++i) {
       const std::string name = "recording " + std::to_string(i + 1);
@@ -126,38 +128,38 @@ class Repetition {
       RecordingCalibration result;
       if (each_) each_(name + (with_halves ? ": second pass" : ": first pass"));
       const CalibrationRun whole = run_calibration(recording, options_, recording.start);
-      result.whole = off_told(whole.calibration, centre);
+      result.whole = off_configured(whole.calibration, centre);
       result.velocity_resets = whole.velocity_resets;
       result.begin = whole.states.front().state.time;
       result.middle = reopened(half_way(whole.states));
       if (with_halves) {
         if (each_) each_(name + ": first half");
         const Time end = result.middle.state.time;
-        result.first = off_told(
+        result.first = off_configured(
             run_calibration(recording, options_, recording.start, end).calibration, centre);
         if (each_) each_(name + ": second half");
         result.second =
-            off_told(run_calibration(recording, options_, result.middle).calibration, centre);
+            off_configured(run_calibration(recording, options_, result.middle).calibration, centre);
       }
       out.push_back(result);
     }
     return out;
   }
 
-  /// Of the whole runs; what they say nothing of stays as told.
+  /// Of the whole runs; what they say nothing of stays as configured.
   Values mean(const std::vector<RecordingCalibration>& runs) const {
     const Values loose = priors_of(options_.calibration);
     Values values{};
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       if (!(runs.front().whole[i].sigma > 0.0)) continue;
       const Combined whole = combine(all(runs, i, &RecordingCalibration::whole));
-      if (whole.sigma < kCalibrationToldShare * loose[i]) values[i] = whole.value;
+      if (whole.sigma < kCalibrationConfiguredShare * loose[i]) values[i] = whole.value;
     }
     return values;
   }
 
   const std::vector<Recording>& recordings_;
-  RadarOptions told_;
+  RadarOptions configured_;
   Options options_;
   const Progress& each_;
 };
@@ -250,24 +252,25 @@ bool determined(const RadarCalibration& c, std::size_t i) {
 }
 
 /// The prior of `count` parameters, which share it.
-double tightened(const RadarCalibration& c, std::size_t first, std::size_t count, double told) {
+double tightened(const RadarCalibration& c, std::size_t first, std::size_t count,
+                 double configured) {
   double largest = 0.0;
   for (std::size_t i = first; i < first + count; ++i) {
-    if (!determined(c, i)) return told;
+    if (!determined(c, i)) return configured;
     largest = std::max(largest, c.parameters[i].sigma);
   }
-  return std::min(told, largest / kCalibrationToldShare);
+  return std::min(configured, largest / kCalibrationConfiguredShare);
 }
 
 /// The result from the verdicts.
-void fill_result(const Options& told, RadarCalibration* out) {
+void fill_result(const Options& configured, RadarCalibration* out) {
   Values values{};
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (determined(*out, i)) values[i] = out->parameters[i].value;
   }
-  out->radar = moved(told.radar, values);
+  out->radar = moved(configured.radar, values);
   CalibrationOptions& c = out->priors;
-  c = told.calibration;
+  c = configured.calibration;
   c.rotation_sigma = tightened(*out, kRotation, 3, c.rotation_sigma);
   c.translation_sigma = tightened(*out, kTranslation, 3, c.translation_sigma);
   c.doppler_scale_sigma = tightened(*out, kDopplerScale, 1, c.doppler_scale_sigma);

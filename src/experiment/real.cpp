@@ -87,7 +87,7 @@ std::string summary(const std::vector<const Run*>& runs,
 }
 
 double percent(double length, const RealScore& score) {
-  return 100.0 * length / score.way;
+  return 100.0 * length / score.distance;
 }
 
 std::vector<std::string> summary_cells(const std::vector<const Run*>& runs) {
@@ -132,7 +132,7 @@ std::string table_of_recordings(const std::vector<Recording>& recordings,
     for (const Run& run : runs) {
       if (run.original != i || run.estimator > 1 || !run.kind.empty() || run.calibrated) continue;
       const RealScore& s = run.score;
-      table.add({recordings[i].name, number(s.way, 1),
+      table.add({recordings[i].name, number(s.distance, 1),
                  fmt::format("{}{}", estimators()[run.estimator].name,
                              s.started ? "" : ": did not start"),
                  number(s.closure, 3), number(percent(s.horizontal, s), 2),
@@ -160,7 +160,7 @@ std::string table_of_pairs(const std::vector<Recording>& recordings, const std::
         if (run.original == i + 1) pair[1] = &run;
       }
       const double apart = (pair[0]->score.end - pair[1]->score.end).norm();
-      table.add({drive, estimators()[e].name, number(100.0 * apart / pair[0]->score.way, 2)});
+      table.add({drive, estimators()[e].name, number(100.0 * apart / pair[0]->score.distance, 2)});
     }
   }
   return table.text();

@@ -74,16 +74,16 @@ eval::Trajectory poses_of(const Replay& replay) {
   return poses;
 }
 
-/// Every half second, so that the jitter of the estimate is no way.
-double way_of(const eval::Trajectory& poses) {
-  double way = 0.0;
+/// Every half second, so that the jitter of the estimate does not count.
+double length_of(const eval::Trajectory& poses) {
+  double distance = 0.0;
   std::size_t last = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
     if (to_seconds(poses[i].time - poses[last].time) < 0.5) continue;
-    way += (poses[i].p - poses[last].p).norm();
+    distance += (poses[i].p - poses[last].p).norm();
     last = i;
   }
-  return way;
+  return distance;
 }
 
 void judge_against_reference(const eval::Trajectory& reference, const eval::Trajectory& poses,
@@ -272,10 +272,10 @@ RealScore judge(const Recording& recording, const Replay& replay) {
   RealScore score{false, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, Vector3d::Constant(kNaN)};
   score.started =
       !replay.steps.empty() && replay.steps.front().state.time < motion_of(recording.data).end;
-  if (!recording.reference.empty()) score.way = way_of(recording.reference);
+  if (!recording.reference.empty()) score.distance = length_of(recording.reference);
   if (!score.started) return score;
   const eval::Trajectory poses = poses_of(replay);
-  if (recording.reference.empty()) score.way = way_of(poses);
+  if (recording.reference.empty()) score.distance = length_of(poses);
   score.closure = (poses.back().p - poses.front().p).norm();
   score.end = poses.back().p;
   if (!recording.reference.empty()) {

@@ -76,7 +76,7 @@ Replay replay(const io::Dataset& data, const Options& options);
 /// NaN where nothing is known.
 struct RealScore {
   bool started = false;       ///< before the last motion
-  double way = 0.0;           ///< of the reference, else of the estimate [m]
+  double distance = 0.0;      ///< of the reference, else of the estimate [m]
   double closure = 0.0;       ///< distance of first and last position [m]
   double horizontal = 0.0;    ///< RMS of the distance to the reference, start and heading laid over
                               ///< each other at the first scan [m]

@@ -83,7 +83,7 @@ class Run {
       : settings_(settings), each_(each), flight_(scenario()) {
     sim::Flight told;  // the sensors alone
     told.scenario = scenario();
-    told.told_T_BS = told.scenario.radar.T_BS;
+    told.configured_T_BS = told.scenario.radar.T_BS;
     Options options = options_for(told, "default");
     options.backend = settings.backend;
     options.timing.clock = &steady_now;

@@ -98,7 +98,7 @@ class FlightReplay {
 
 /// The true first state with the scenario's error, its biases unknown.
 void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometry& odometry) {
-  const NavState state = flight.told_start();
+  const NavState state = flight.configured_start();
   BodyCovariance P = io::start_covariance(state.q_WB, start);
   const double sigma = flight.scenario.told.start_velocity_sigma;
   P.block<3, 3>(body::kVelocity, body::kVelocity) = Matrix3d::Identity() * sigma * sigma;
@@ -118,7 +118,7 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
   o.start.sigma_gyro_bias = std::max(o.start.sigma_gyro_bias, imu.gyro_turn_on_sigma);
   o.start.sigma_accel_bias = std::max(o.start.sigma_accel_bias, imu.accel_turn_on_sigma);
   const sim::RadarModel& radar = flight.scenario.radar;
-  o.radar.T_BS = flight.told_T_BS;
+  o.radar.T_BS = flight.configured_T_BS;
   o.radar.sigma_range = radar.sigma_range;
   o.radar.sigma_azimuth = radar.sigma_azimuth;
   o.radar.sigma_elevation = radar.sigma_elevation;

@@ -40,7 +40,7 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
     const LandmarkState& landmark = predicted.landmarks[i];
     add_row(i,
             {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S),
-             gate_after(predicted.way - landmark.way_seen)},
+             gate_after(predicted.distance_travelled - landmark.distance_seen)},
             scan, usable, &out->near_landmark);
   }
   for (std::size_t i = 0; i < trails.size(); ++i) {

@@ -15,9 +15,9 @@ ImuInfo imu_info_of(const sim::ImuModel& model) {
 
 }  // namespace
 
-RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& told_T_BS) {
+RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& configured_T_BS) {
   RadarInfo info;
-  info.T_BS = told_T_BS;
+  info.T_BS = configured_T_BS;
   info.rate_hz = model.rate_hz;
   info.max_range = model.max_range;
   info.fov_azimuth = model.fov_azimuth;
@@ -38,7 +38,7 @@ Dataset dataset_of(const sim::Flight& flight) {
   dataset.scans = flight.scans;
   dataset.ground_truth = flight.truth;
   dataset.imu_info = imu_info_of(flight.scenario.imu);
-  dataset.radar_info = radar_info_of(flight.scenario.radar, flight.told_T_BS);
+  dataset.radar_info = radar_info_of(flight.scenario.radar, flight.configured_T_BS);
   return dataset;
 }
 

@@ -16,13 +16,14 @@ namespace {
 /// What sensor files tell, option by option.
 class Teller {
  public:
-  Teller(std::vector<std::string>* told, std::vector<std::string>* all) : told_(told), all_(all) {}
+  Teller(std::vector<std::string>* configured, std::vector<std::string>* all)
+      : configured_(configured), all_(all) {}
 
   template <class Value, class Option>
   void copy(const char* key, const std::optional<Value>& from, Option* to) {
     if (all_ != nullptr) all_->emplace_back(key);
     if (!from) return;
-    if (told_ != nullptr) told_->emplace_back(key);
+    if (configured_ != nullptr) configured_->emplace_back(key);
     *to = *from;
   }
   /// Zero is no noise model.
@@ -35,7 +36,7 @@ class Teller {
   }
 
  private:
-  std::vector<std::string>* told_;
+  std::vector<std::string>* configured_;
   std::vector<std::string>* all_;
 };
 
@@ -107,8 +108,9 @@ void tell_other_radars(const Dataset& dataset, Options* options) {
 
 }  // namespace
 
-void apply_sensor_info(const Dataset& dataset, Options* options, std::vector<std::string>* told) {
-  tell(dataset, options, Teller(told, nullptr));
+void apply_sensor_info(const Dataset& dataset, Options* options,
+                       std::vector<std::string>* configured) {
+  tell(dataset, options, Teller(configured, nullptr));
   tell_other_radars(dataset, options);
 }
 

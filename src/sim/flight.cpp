@@ -88,7 +88,7 @@ void fly_radar(double seconds, Flight* flight) {
 
 }  // namespace
 
-Pose told_mounting(const Scenario& scenario) {
+Pose configured_mounting(const Scenario& scenario) {
   Random random(scenario.seed, 7);
   const Vector3d axis = random.normal3().normalized();
   const Vector3d direction = random.normal3().normalized();
@@ -107,7 +107,7 @@ NavState Flight::truth_at(Time time) const {
   return state;
 }
 
-NavState Flight::told_start() const {
+NavState Flight::configured_start() const {
   const Told& told = scenario.told;
   NavState state = truth.front();
   state.v_WB += told.start_velocity;
@@ -122,7 +122,7 @@ Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario) {
   flight.scenario = scenario;
   flight.trajectory = trajectory;
   flight.room = make_room(scenario.seed, grown(scenario.room, trajectory.low(), trajectory.high()));
-  flight.told_T_BS = told_mounting(scenario);
+  flight.configured_T_BS = configured_mounting(scenario);
   const double seconds = std::min(trajectory.duration(), scenario.max_duration);
   fly_imu(seconds, &flight);
   fly_radar(seconds, &flight);

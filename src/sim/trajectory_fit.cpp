@@ -83,8 +83,8 @@ double lead(Iterator first, Iterator last) {
   constexpr double kWindow = 0.5;        // [s], a millimetre of noise is 2 mm/s
   const auto far = std::find_if(
       first, last, [&](const Observation& o) { return std::abs(o.time - first->time) >= kWindow; });
-  const double way = (far->value - first->value).template head<3>().norm();
-  return std::max(kShortest, way / std::abs(far->time - first->time) / kAcceleration);
+  const double distance = (far->value - first->value).template head<3>().norm();
+  return std::max(kShortest, distance / std::abs(far->time - first->time) / kAcceleration);
 }
 
 /// The spline as a linear map from its unknowns: all controls but the equal ones at the ends.

@@ -52,7 +52,8 @@ void check_output(const CalibrateArguments& arguments) {
   }
 }
 
-/// The first recording's mounting is what was told; another's may differ by drawing errors only.
+/// The first recording's mounting is the configured one; another's may differ by drawing errors
+/// only.
 void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
                          const std::string& name, const Options& options,
                          std::vector<std::string>* notes) {
@@ -111,8 +112,8 @@ void write_files(const CalibrateArguments& arguments, const io::Dataset& first,
   io::write_radar_info(root, radar_info(first.radar_info, *report), comment);
   report->written.push_back((root / "radar0" / "sensor.yaml").string());
   const calibrate::SensorNoise& noise = report->noise;
-  const bool gyro = exceeds_told(noise.gyro, report->told.imu.gyro_noise_density);
-  const bool accel = exceeds_told(noise.accel, report->told.imu.accel_noise_density);
+  const bool gyro = exceeds_configured(noise.gyro, report->configured.imu.gyro_noise_density);
+  const bool accel = exceeds_configured(noise.accel, report->configured.imu.accel_noise_density);
   if (!gyro && !accel) return;
   io::ImuInfo imu = first.imu_info;
   if (gyro) imu.gyro_noise_density = noise.gyro.value;
@@ -128,22 +129,22 @@ void calibrate(const CalibrateArguments& arguments) {
   const std::vector<io::Dataset> datasets = read_all(arguments.datasets);
   CalibrateReport report;
   report.datasets = arguments.datasets;
-  report.told = options_of(datasets.front(), arguments.config);
+  report.configured = options_of(datasets.front(), arguments.config);
   std::vector<calibrate::Recording> recordings;
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     recordings.push_back({datasets[i].imu, datasets[i].scans, std::nullopt, {}});
-    note_other_mounting(datasets.front(), datasets[i], arguments.datasets[i], report.told,
+    note_other_mounting(datasets.front(), datasets[i], arguments.datasets[i], report.configured,
                         &report.notes);
   }
   const auto progress = [](const std::string& what) { fmt::print(stderr, "{}\n", what); };
-  report.radar = calibrate::calibrate_radar(recordings, report.told, progress);
+  report.radar = calibrate::calibrate_radar(recordings, report.configured, progress);
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     if (report.radar.recordings[i].velocity_resets == 0) continue;
     report.notes.push_back(fmt::format("{}: {} times the scans contradicted the velocity for long",
                                        arguments.datasets[i],
                                        report.radar.recordings[i].velocity_resets));
   }
-  Options calibrated = report.told;
+  Options calibrated = report.configured;
   calibrated.radar = report.radar.radar;
   report.noise =
       calibrate::noise_over_recordings(recordings, report.radar.recordings, calibrated, progress);

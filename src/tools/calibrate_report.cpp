@@ -23,9 +23,9 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 struct Row {
   std::string name;
   const char* unit = "";
-  double scale = 1.0;  ///< from SI
-  double found = 0.0;  ///< SI, as all below
-  double told = 0.0;   ///< of a correction: zero
+  double scale = 1.0;       ///< from SI
+  double found = 0.0;       ///< SI, as all below
+  double configured = 0.0;  ///< of a correction: zero
   double sigma = 0.0;
   double prior = 0.0;    ///< 0 = none
   double apart = 0.0;    ///< halves, in sigmas
@@ -42,9 +42,9 @@ std::string advice(const calibrate::ParameterCalibration& p, const char* check) 
       }
       return "fly with it";
     case Determination::kNotDetermined:
-      return "told value kept; record more turns and changes of speed, or measure it";
+      return "configured value kept; record more turns and changes of speed, or measure it";
     case Determination::kContradictory:
-      return std::string("told value kept; check ") + check;
+      return std::string("configured value kept; check ") + check;
     case Determination::kNotEstimated:
       break;
   }
@@ -54,9 +54,9 @@ std::string advice(const calibrate::ParameterCalibration& p, const char* check) 
 std::string advice(const calibrate::NoiseEstimate& n) {
   if (n.verdict == Determination::kDetermined) return "fly with it";
   if (n.verdict == Determination::kContradictory) {
-    return "told value kept; the halves see different surroundings";
+    return "configured value kept; the halves see different surroundings";
   }
-  return "told value kept; hidden by the grid, or too few points";
+  return "configured value kept; hidden by the grid, or too few points";
 }
 
 /// Radar noise, IMU noise: name, unit, scale.
@@ -72,12 +72,12 @@ constexpr std::array<NoiseName, 4> kRadarNoise = {{{"sigma_range", "cm", 100.0},
 constexpr NoiseName kGyro = {"gyroscope_noise", "mdeg/s/rtHz", 1000.0 * kDegrees};
 constexpr NoiseName kAccel = {"accelerometer_noise", "mm/s2/rtHz", 1000.0};
 
-Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double told) {
+Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double configured) {
   return {.name = name.name,
           .unit = name.unit,
           .scale = name.scale,
           .found = n.value,
-          .told = told,
+          .configured = configured,
           .sigma = n.value * n.relative_error,
           .apart = n.halves_apart,
           .between = kUnknown,
@@ -85,10 +85,10 @@ Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double t
           .advice = advice(n)};
 }
 
-Row imu_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double told) {
-  Row row = noise_row(name, n, told);
-  if (n.verdict == Determination::kDetermined && !exceeds_told(n, told)) {
-    row.advice = "told value kept; at rest there is no vibration";
+Row imu_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double configured) {
+  Row row = noise_row(name, n, configured);
+  if (n.verdict == Determination::kDetermined && !exceeds_configured(n, configured)) {
+    row.advice = "configured value kept; at rest there is no vibration";
   }
   return row;
 }
@@ -110,13 +110,13 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
                     .verdict = p.verdict,
                     .advice = advice(p, n.check)});
   }
-  const RadarOptions& radar = report.told.radar;
-  const std::array<double, 4> told = {radar.sigma_range, radar.sigma_azimuth, radar.sigma_elevation,
-                                      radar.sigma_doppler};
-  for (std::size_t k = 0; k < told.size(); ++k) {
-    rows.push_back(noise_row(kRadarNoise[k], report.noise.radar[k], told[k]));
+  const RadarOptions& radar = report.configured.radar;
+  const std::array<double, 4> configured = {radar.sigma_range, radar.sigma_azimuth,
+                                            radar.sigma_elevation, radar.sigma_doppler};
+  for (std::size_t k = 0; k < configured.size(); ++k) {
+    rows.push_back(noise_row(kRadarNoise[k], report.noise.radar[k], configured[k]));
   }
-  const ImuOptions& imu = report.told.imu;
+  const ImuOptions& imu = report.configured.imu;
   rows.push_back(imu_row(kGyro, report.noise.gyro, imu.gyro_noise_density));
   rows.push_back(imu_row(kAccel, report.noise.accel, imu.accel_noise_density));
   return rows;
@@ -153,19 +153,20 @@ Json run_json(const calibrate::MeasuredCalibration& run) {
 
 std::string CalibrateReport::text() const {
   std::string out = fmt::format("{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6} {:>7}  {:<15} {}\n",
-                                "parameter", "unit", "told", "found", "sigma", "prior", "halves",
-                                "records", "verdict", "what to do");
+                                "parameter", "unit", "configured", "found", "sigma", "prior",
+                                "halves", "records", "verdict", "what to do");
   for (const Row& row : rows_of(*this)) {
     const bool found = row.found != 0.0 || row.prior > 0.0;
     out += fmt::format(
         "{:<20} {:<12} {:>9} {:>9} {:>9} {:>9} {:>6} {:>7}  {:<15} {}\n", row.name, row.unit,
-        number(row.scale * row.told, 2), found ? number(row.scale * row.found, 2) : "-",
+        number(row.scale * row.configured, 2), found ? number(row.scale * row.found, 2) : "-",
         found ? number(row.scale * row.sigma, 2) : "-",
         row.prior > 0.0 ? number(row.scale * row.prior, 2) : "-", number(row.apart, 1),
         number(row.between, 1), to_string(row.verdict), row.advice);
   }
   out +=
-      "mounting: corrections of what was told, rotation about the radar's axes, position along "
+      "mounting: corrections of what is configured, rotation about the radar's axes, position "
+      "along "
       "those of the body\nhalves, records: how far halves of a recording, and recordings, are "
       "apart, in "
       "their sigmas\n";
@@ -177,7 +178,7 @@ std::string CalibrateReport::text() const {
 std::string CalibrateReport::json() const {
   Json parameters = Json::object();
   for (const Row& row : rows_of(*this)) {
-    parameters[row.name] = {{"told", row.told},
+    parameters[row.name] = {{"told", row.configured},
                             {"found", number_or_null(row.found)},
                             {"sigma", number_or_null(row.sigma)},
                             {"prior_sigma", row.prior > 0.0 ? Json(row.prior) : Json(nullptr)},

@@ -11,16 +11,16 @@
 
 namespace rio::tools {
 
-/// The noise of an IMU at rest is the least it has: a smaller one than was told is no reason to
+/// The noise of an IMU at rest is the least it has: a smaller one than configured is no reason to
 /// believe the IMU more in motion.
-inline bool exceeds_told(const calibrate::NoiseEstimate& noise, double told) {
-  return noise.verdict == calibrate::Determination::kDetermined && noise.value > told;
+inline bool exceeds_configured(const calibrate::NoiseEstimate& noise, double configured) {
+  return noise.verdict == calibrate::Determination::kDetermined && noise.value > configured;
 }
 
 /// What has been found of which recordings.
 struct CalibrateReport {
   std::vector<std::string> datasets;
-  Options told;
+  Options configured;
   calibrate::RadarCalibration radar;
   calibrate::SensorNoise noise;
   std::vector<std::string> notes;

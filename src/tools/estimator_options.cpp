@@ -21,12 +21,12 @@ void print_notes(const std::vector<std::string>& notes) {
 
 std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
                                                Options* options) {
-  std::vector<std::string> told;
-  io::apply_sensor_info(sensors, options, &told);
+  std::vector<std::string> configured;
+  io::apply_sensor_info(sensors, options, &configured);
   if (file.empty()) return {};
   const Options before = *options;
   io::load_option_values(file, options);
-  std::vector<std::string> changed = io::changed_options(before, *options, told);
+  std::vector<std::string> changed = io::changed_options(before, *options, configured);
   for (std::string& text : changed) text = file + " overrides the sensor files: " + text;
   return changed;
 }

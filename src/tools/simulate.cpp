@@ -64,7 +64,7 @@ std::string labels_text(const sim::Flight& flight) {
 
 /// For `rio replay --init`: the first state as the scenario tells it.
 std::string start_text(const sim::Flight& flight) {
-  const NavState start = flight.told_start();
+  const NavState start = flight.configured_start();
   const Vector3d& v = start.v_WB;
   const Vector3d& p = start.p_WB;
   const Quaternion& q = start.q_WB;
@@ -82,7 +82,7 @@ io::Dataset::OtherRadar other_radar(const sim::Flight& flight, const Pose& T_BS)
   sim::Scenario scenario = flight.scenario;
   scenario.radar.T_BS = T_BS;
   const sim::Flight other = sim::simulate_flight(flight.trajectory, scenario);
-  return {other.scans, io::radar_info_of(scenario.radar, other.told_T_BS)};
+  return {other.scans, io::radar_info_of(scenario.radar, other.configured_T_BS)};
 }
 
 io::Dataset dataset_of(const sim::Flight& flight, std::size_t radars) {

@@ -31,9 +31,9 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(
     report[static_cast<std::size_t>(parameter)] = {value, sigma, prior, verdict};
   };
   const RadarMount mount = options.mount(x.radar);
-  const Pose& told = mount.T_BS;
-  const Vector3d turn = quaternion_log(told.rotation.conjugate() * x.T_BS.rotation);
-  const Vector3d shift = x.T_BS.translation - told.translation;
+  const Pose& configured = mount.T_BS;
+  const Vector3d turn = quaternion_log(configured.rotation.conjugate() * x.T_BS.rotation);
+  const Vector3d shift = x.T_BS.translation - configured.translation;
   for (int i = 0; i < 3; ++i) {
     const auto offset = [i](Calibration first) {
       return static_cast<Calibration>(static_cast<int>(first) + i);

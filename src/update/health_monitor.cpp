@@ -156,7 +156,7 @@ void HealthMonitor::judge_sigmas(const Estimate& x, const BodyCovariance& P) {
   const double heading = std::max(0.0, up_B.dot(attitude * up_B));
   const double tilt = std::max(0.0, attitude.trace() - heading);
   severity(HealthReason::kUncertainPosition) =
-      largest_sigma(P, body::kPosition, 3) / (kPosition + kPositionShare * x.way);
+      largest_sigma(P, body::kPosition, 3) / (kPosition + kPositionShare * x.distance_travelled);
   severity(HealthReason::kUncertainVelocity) = largest_sigma(P, body::kVelocity, 3) / kVelocity;
   severity(HealthReason::kUncertainHeading) = std::sqrt(heading) / kHeading;
   severity(HealthReason::kUncertainTilt) = std::sqrt(tilt) / kTilt;

@@ -66,7 +66,7 @@ void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_est
   if (options_.use_landmarks) add_landmarks(seen, state_estimate, x, report);
   if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
   if (options_.use_trails) add_trails(seen, state_estimate, x, report);
-  way_at_scan_[x.estimate.radar] = x.estimate.way;
+  distance_at_scan_[x.estimate.radar] = x.estimate.distance_travelled;
 }
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
@@ -130,7 +130,8 @@ void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_e
 void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& state_estimate,
                              const LinearizationPoint& x, UpdateReport* report) {
   for (const Match& m : seen.matches.landmarks) {
-    if (seen.rest && x.estimate.way - x.estimate.landmarks[m.target].way_born > kHere) {
+    if (seen.rest &&
+        x.estimate.distance_travelled - x.estimate.landmarks[m.target].distance_born > kHere) {
       was_used_[m.target] = true;
       continue;
     }
@@ -154,8 +155,8 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
     }
     const bool used = decide(model, m.detection, valid, report);
     if (used) {
-      const double way = x.estimate.landmarks[m.target].way_seen;
-      const double factor = repetition(way, x) * mismatch_factor(options_.match_trust);
+      const double distance = x.estimate.landmarks[m.target].distance_seen;
+      const double factor = repetition(distance, x) * mismatch_factor(options_.match_trust);
       used_.push_back({model, m.detection, m.target, 0, weigh(factor)});
     }
     // as published, a match keeps a landmark alive
@@ -191,8 +192,8 @@ bool ScanRows::add_point(const Detection& d, const StateEstimate& state_estimate
 double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint& x) const {
   constexpr double kSameReflectors = 0.15;  // way over which they are seen [m]
   constexpr double kCells = 6.0;  // the rounding of y and y + c cells correlate by 1 - 6 c + ...
-  const double way_at_scan = way_at_scan_[x.estimate.radar];
-  const double other = repetition(way_at_scan, x);
+  const double distance_at_scan = distance_at_scan_[x.estimate.radar];
+  const double other = repetition(distance_at_scan, x);
   if (noise_distance_ <= 0.0) return other;  // every error is new in every scan
   const double rounding =
       std::min(doppler_grid_ * doppler_grid_ / 12.0, d.sigma_doppler * d.sigma_doppler) /
@@ -204,8 +205,8 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   const double turning = (v.squaredNorm() - radial * radial) / d.range;
   const double accelerating = (x.T_WB.R * (x.T_BS.R * d.direction_S)).dot(x.accel_W);
   const double cells = std::abs(turning - accelerating) * since_scan_ / doppler_grid_;
-  const double way = std::max(0.0, x.estimate.way - way_at_scan);
-  const double rho = (1.0 - kFreshShare) * std::exp(-way / kSameReflectors - kCells * cells);
+  const double distance = std::max(0.0, x.estimate.distance_travelled - distance_at_scan);
+  const double rho = (1.0 - kFreshShare) * std::exp(-distance / kSameReflectors - kCells * cells);
   return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));
 }
 

@@ -58,17 +58,19 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_ = Estimate{};
   estimate_.nav = prior;
   for (std::size_t r = 0; r < options_.radars(); ++r) {
-    const RadarMount told = options_.mount(r);
-    estimate_.set_radar(r, {told.T_BS, {told.doppler_scale, 0.0}, told.time_offset});
+    const RadarMount configured = options_.mount(r);
+    estimate_.set_radar(r,
+                        {configured.T_BS, {configured.doppler_scale, 0.0}, configured.time_offset});
   }
   layout_ = layout_.of_radar(0);
   acceleration_ = {};
-  CalibrationOptions told = options_.calibration;
-  for (double* sigma : {&told.rotation_sigma, &told.translation_sigma, &told.time_offset_sigma,
-                        &told.doppler_scale_sigma, &told.elevation_bias_sigma}) {
-    *sigma *= kCalibrationToldShare;
+  CalibrationOptions configured = options_.calibration;
+  for (double* sigma :
+       {&configured.rotation_sigma, &configured.translation_sigma, &configured.time_offset_sigma,
+        &configured.doppler_scale_sigma, &configured.elevation_bias_sigma}) {
+    *sigma *= kCalibrationConfiguredShare;
   }
-  covariance_.reset(P0, told, options_.auxiliary);
+  covariance_.reset(P0, configured, options_.auxiliary);
   contradicted_ = {};
 }
 
@@ -79,7 +81,7 @@ void StateEstimate::select_radar(std::size_t r) {
 
 double StateEstimate::prior_share(Calibration parameter) const {
   const bool contradicted = contradicted_[estimate_.radar][static_cast<std::size_t>(parameter)];
-  return contradicted ? 1.0 : kCalibrationToldShare;
+  return contradicted ? 1.0 : kCalibrationConfiguredShare;
 }
 
 StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contradictions() {
@@ -87,21 +89,22 @@ StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contr
   for (std::size_t r = 0; r < layout_.radars(); ++r) {
     const Layout layout = layout_.of_radar(r);
     const RadarState x = estimate_.of_radar(r);
-    const RadarMount told_x = options_.mount(r);
+    const RadarMount mount = options_.mount(r);
     const auto test = [&](Calibration parameter, int column, double value, double sigma) {
       bool& contradicted = contradicted_[r][static_cast<std::size_t>(parameter)];
       if (contradicted || !(sigma > 0.0)) return;
-      const double told = kCalibrationToldShare * kCalibrationToldShare * sigma * sigma;
-      const double moved = told - covariance_.matrix()(column, column);
-      if (value * value < std::max(9.0 * moved, told)) return;
+      const double configured =
+          kCalibrationConfiguredShare * kCalibrationConfiguredShare * sigma * sigma;
+      const double moved = configured - covariance_.matrix()(column, column);
+      if (value * value < std::max(9.0 * moved, configured)) return;
       contradicted = true;
-      (void)out.push_back({column, value, 1.0 / told - 1.0 / (sigma * sigma)});
+      (void)out.push_back({column, value, 1.0 / configured - 1.0 / (sigma * sigma)});
     };
     const CalibrationOptions& priors = options_.calibration;
     if (layout.has_extrinsics()) {
-      const Pose& told = told_x.T_BS;
-      const Vector3d turn = quaternion_log(told.rotation.conjugate() * x.T_BS.rotation);
-      const Vector3d shift = x.T_BS.translation - told.translation;
+      const Pose& configured = mount.T_BS;
+      const Vector3d turn = quaternion_log(configured.rotation.conjugate() * x.T_BS.rotation);
+      const Vector3d shift = x.T_BS.translation - configured.translation;
       const int column = layout.extrinsics();
       test(Calibration::kRotationX, column, turn.x(), priors.rotation_sigma);
       test(Calibration::kRotationY, column + 1, turn.y(), priors.rotation_sigma);
@@ -113,12 +116,12 @@ StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contr
     if (layout.has_radar_errors()) {
       const int column = layout.radar_errors();
       test(Calibration::kDopplerScale, column + RadarErrors::kDopplerScale,
-           x.errors[RadarErrors::kDopplerScale] - told_x.doppler_scale, priors.doppler_scale_sigma);
+           x.errors[RadarErrors::kDopplerScale] - mount.doppler_scale, priors.doppler_scale_sigma);
       test(Calibration::kElevationBias, column + RadarErrors::kElevation,
            x.errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
     }
     if (layout.has_time_offset()) {
-      test(Calibration::kTimeOffset, layout.time_offset(), x.time_offset - told_x.time_offset,
+      test(Calibration::kTimeOffset, layout.time_offset(), x.time_offset - mount.time_offset,
            priors.time_offset_sigma);
     }
   }
@@ -140,15 +143,15 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   *gap = p.gap;
   acceleration_ = acceleration;
   estimate_.accel_W = beyond_noise(acceleration_.smooth_W, density);
-  const double way = (p.state.p_WB - estimate_.nav.p_WB).norm();
+  const double distance = (p.state.p_WB - estimate_.nav.p_WB).norm();
   const double seconds = to_seconds(to - estimate_.nav.time);
   estimate_.nav = p.state;
-  estimate_.way += way;
+  estimate_.distance_travelled += distance;
   const ImuSample now = imu.at(to);
   estimate_.gyro_B = now.gyro_B;
   covariance_.propagate(p.transition(), p.noise());
   const double walk = options_.update.landmark_walk;
-  covariance_.add_landmark_noise(walk * walk * way);
+  covariance_.add_landmark_noise(walk * walk * distance);
   covariance_.add_auxiliary_noise(options_.auxiliary, seconds);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
@@ -177,8 +180,8 @@ void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Ve
   const double rate = angle / (duration + kBefore);
   // the velocity has run away by its difference, and was turned by the tilt
   const double speed = (v_B - v_before_B).norm() + nav.v_WB.norm() * off / options_.imu.gravity;
-  const double way = 0.5 * off * duration * duration + speed * (duration + kBefore);
-  covariance_.inflate(body::kPosition, way * way);
+  const double distance = 0.5 * off * duration * duration + speed * (duration + kBefore);
+  covariance_.inflate(body::kPosition, distance * distance);
   covariance_.inflate(body::kAttitude, angle * angle);
   covariance_.inflate(body::kGyroBias, rate * rate);
   covariance_.inflate(body::kAccelBias,
@@ -190,11 +193,11 @@ void StateEstimate::restart_heading(const GyroBiasOpinion& opinion) {
   const Vector3d up_B = estimate_.nav.q_WB.conjugate() * Vector3d::UnitZ();
   const double heading = kStep * std::abs(opinion.error) * opinion.duration;
   const double speed = heading * estimate_.nav.v_WB.norm();
-  const double way = 0.5 * heading * opinion.moved_W.norm();
+  const double distance = 0.5 * heading * opinion.moved_W.norm();
   covariance_.inflate_along(body::kGyroBias, kStep * opinion.error * up_B);
   covariance_.inflate_along(body::kAttitude, heading * up_B);
   covariance_.inflate(body::kVelocity, speed * speed);
-  covariance_.inflate(body::kPosition, way * way);
+  covariance_.inflate(body::kPosition, distance * distance);
 }
 
 Eigen::Matrix4d StateEstimate::velocity_calibration() const {
@@ -244,8 +247,8 @@ void StateEstimate::add_landmark(const Detection& d) {
       static_cast<int>(estimate_.landmarks.size()),
       state_rows<3>(birth.d_l, LandmarkBirth::Blocks{}, LinearizationPoint(estimate_), {}, layout_),
       birth.noise);
-  estimate_.landmarks.push_back(
-      {birth.p_WL, estimate_.nav.time, Matrix3d::Zero(), estimate_.way, estimate_.way});
+  estimate_.landmarks.push_back({birth.p_WL, estimate_.nav.time, Matrix3d::Zero(),
+                                 estimate_.distance_travelled, estimate_.distance_travelled});
 }
 
 void StateEstimate::remove_landmark(std::size_t i) {
@@ -327,33 +330,33 @@ void StateEstimate::predict_landmarks() {
 void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx) {
   const CalibrationOptions& priors = options_.calibration;
   const Layout layout = layout_.of_radar(r);
-  const RadarMount told = options_.mount(r);
+  const RadarMount configured = options_.mount(r);
   RadarState x = estimate_.of_radar(r);
-  const auto limited = [](double value, double sigma, double told_value = 0.0) {
+  const auto limited = [](double value, double sigma, double configured_value = 0.0) {
     const double limit = kCalibrationLimit * sigma;
-    return std::clamp(value, told_value - limit, told_value + limit);
+    return std::clamp(value, configured_value - limit, configured_value + limit);
   };
   if (layout.has_extrinsics()) {
     const int at = layout.extrinsics();
     x.T_BS.rotation = (x.T_BS.rotation * quaternion_exp(dx.segment<3>(at))).normalized();
     x.T_BS.translation += dx.segment<3>(at + 3);
-    Vector3d turn = quaternion_log(told.T_BS.rotation.conjugate() * x.T_BS.rotation);
-    Vector3d shift = x.T_BS.translation - told.T_BS.translation;
+    Vector3d turn = quaternion_log(configured.T_BS.rotation.conjugate() * x.T_BS.rotation);
+    Vector3d shift = x.T_BS.translation - configured.T_BS.translation;
     for (double& angle : turn) angle = limited(angle, priors.rotation_sigma);
     for (double& length : shift) length = limited(length, priors.translation_sigma);
-    x.T_BS = {(told.T_BS.rotation * quaternion_exp(turn)).normalized(),
-              told.T_BS.translation + shift};
+    x.T_BS = {(configured.T_BS.rotation * quaternion_exp(turn)).normalized(),
+              configured.T_BS.translation + shift};
   }
   if (layout.has_radar_errors()) {
     x.errors += dx.segment<2>(layout.radar_errors());
     double& scale = x.errors[RadarErrors::kDopplerScale];
     double& elevation = x.errors[RadarErrors::kElevation];
-    scale = limited(scale, priors.doppler_scale_sigma, told.doppler_scale);
+    scale = limited(scale, priors.doppler_scale_sigma, configured.doppler_scale);
     elevation = limited(elevation, priors.elevation_bias_sigma);
   }
   if (layout.has_time_offset()) {
     x.time_offset = limited(x.time_offset + dx[layout.time_offset()], priors.time_offset_sigma,
-                            told.time_offset);
+                            configured.time_offset);
   }
   estimate_.set_radar(r, x);
 }

@@ -37,9 +37,9 @@ sim::Flight fly_wrong(std::uint64_t seed, double length) {
   return sim::simulate_flight(scenario);
 }
 
-Options told(const sim::Flight& flight) {
+Options configured(const sim::Flight& flight) {
   Options options = experiment::options_for(flight, "default");
-  options.radar.T_BS = flight.told_T_BS;
+  options.radar.T_BS = flight.configured_T_BS;
   return options;
 }
 
@@ -47,11 +47,11 @@ Recording recording_of(const sim::Flight& flight) {
   return {flight.imu, flight.scans, std::nullopt, {}};
 }
 
-/// What the calibration should find, off what was told.
+/// What the calibration should find, off the configured values.
 std::array<double, kCalibrationCount> truth_of(const sim::Flight& flight) {
   const Pose& T = flight.scenario.radar.T_BS;
-  const Vector3d turn = quaternion_log(flight.told_T_BS.rotation.conjugate() * T.rotation);
-  const Vector3d shift = T.translation - flight.told_T_BS.translation;
+  const Vector3d turn = quaternion_log(flight.configured_T_BS.rotation.conjugate() * T.rotation);
+  const Vector3d shift = T.translation - flight.configured_T_BS.translation;
   return {turn.x(), turn.y(), turn.z(), shift.x(), shift.y(), shift.z(), 0.01, 0.0, 0.01};
 }
 
@@ -61,7 +61,7 @@ TEST(RadarCalibration, FindsWhatWasToldWrongWithHonestSigmas) {
   double worst = 0.0;
   for (std::uint64_t seed = 11; seed < 11 + kFlights; ++seed) {
     const sim::Flight flight = fly_wrong(seed, 25.0);
-    const RadarCalibration found = calibrate_radar({recording_of(flight)}, told(flight));
+    const RadarCalibration found = calibrate_radar({recording_of(flight)}, configured(flight));
     const std::array<double, kCalibrationCount> truth = truth_of(flight);
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       if (i == kElevationBias) continue;
@@ -96,9 +96,9 @@ TEST(RadarCalibration, SecondRecordingNarrowsTheSigmas) {
   const sim::Flight a = fly_wrong(1, 25.0);
   sim::Flight b = fly_wrong(2, 25.0);
   // the same vehicle: what was told of a differs from the truth as it does of b
-  b.told_T_BS = a.told_T_BS;
-  const RadarCalibration one = calibrate_radar({recording_of(a)}, told(a));
-  const RadarCalibration two = calibrate_radar({recording_of(a), recording_of(b)}, told(a));
+  b.configured_T_BS = a.configured_T_BS;
+  const RadarCalibration one = calibrate_radar({recording_of(a)}, configured(a));
+  const RadarCalibration two = calibrate_radar({recording_of(a), recording_of(b)}, configured(a));
   const std::array<double, kCalibrationCount> truth = truth_of(a);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (i == kElevationBias) continue;
@@ -118,13 +118,13 @@ TEST(RadarCalibration, HalvesThatContradictEachOtherKeepWhatWasTold) {
     if (scan.time < middle) continue;
     for (RadarDetection& d : scan.detections) d.point_S = knock * d.point_S;
   }
-  const RadarCalibration found = calibrate_radar({recording}, told(flight));
+  const RadarCalibration found = calibrate_radar({recording}, configured(flight));
   const ParameterCalibration& yaw = found.of(Calibration::kRotationZ);
   EXPECT_EQ(yaw.verdict, Determination::kContradictory) << yaw.halves_apart;
   EXPECT_GT(yaw.halves_apart, 3.0);
   EXPECT_EQ(found.priors.rotation_sigma, CalibrationOptions{}.rotation_sigma);
   const Vector3d turn =
-      quaternion_log(flight.told_T_BS.rotation.conjugate() * found.radar.T_BS.rotation);
+      quaternion_log(flight.configured_T_BS.rotation.conjugate() * found.radar.T_BS.rotation);
   EXPECT_NEAR(turn.z(), 0.0, 1e-12);
 }
 
@@ -134,7 +134,7 @@ TEST(RadarCalibration, StandingStillDeterminesNothing) {
   still.path.stand_before = 10.0;
   still.max_duration = 8.0;
   const sim::Flight rest = sim::simulate_flight(still);
-  const Options options = told(rest);
+  const Options options = configured(rest);
   const RadarCalibration found = calibrate_radar({recording_of(rest)}, options);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (i == kElevationBias) continue;
@@ -151,7 +151,7 @@ TEST(RadarCalibration, NeedsARecordingThatStarts) {
   const sim::Flight flight = fly_wrong(5, 20.0);
   Recording recording = recording_of(flight);
   recording.imu.resize(50);  // a quarter of a second
-  EXPECT_THROW(calibrate_radar({recording}, told(flight)), std::runtime_error);
+  EXPECT_THROW(calibrate_radar({recording}, configured(flight)), std::runtime_error);
 }
 
 }  // namespace

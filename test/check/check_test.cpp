@@ -26,7 +26,7 @@ io::Dataset flown(const sim::Scenario& scenario) {
   io::Dataset out;
   out.imu = flight.imu;
   out.scans = flight.scans;
-  out.radar_info.T_BS = flight.told_T_BS;
+  out.radar_info.T_BS = flight.configured_T_BS;
   if (scenario.radar.ambiguous) out.radar_info.max_doppler = scenario.radar.reported_max_doppler();
   out.radar_info.doppler_resolution = scenario.radar.reported_doppler_resolution();
   out.radar_info.rate_hz = scenario.radar.rate_hz;

@@ -52,8 +52,8 @@ TEST_P(Kart, FindsItsWay) {
     const experiment::RealScore score =
         experiment::judge(recording, experiment::replay(recording.data, options));
     ASSERT_TRUE(score.started) << recording.name;
-    horizontal.push_back(100.0 * score.horizontal / score.way);
-    height.push_back(100.0 * score.height / score.way);
+    horizontal.push_back(100.0 * score.horizontal / score.distance);
+    height.push_back(100.0 * score.height / score.distance);
     honest += 100.0 * score.honest / static_cast<double>(recordings.size());
   }
   const auto expect_below = [&](const char* what, double value, double bound) {
@@ -88,8 +88,8 @@ TEST_P(Kart, TwoRadarsOfADriveAreBetterThanOne) {
     const experiment::RealScore score =
         experiment::judge(both, experiment::replay(both.data, options));
     ASSERT_TRUE(score.started) << both.name;
-    horizontal.push_back(100.0 * score.horizontal / score.way);
-    height.push_back(100.0 * score.height / score.way);
+    horizontal.push_back(100.0 * score.horizontal / score.distance);
+    height.push_back(100.0 * score.height / score.distance);
   }
   const std::string name = GetParam().name;  // one radar: 1.4 and 1.1 to 1.3
   measured(name + ", both radars: horizontal, median [%]", median(horizontal), "below 1");

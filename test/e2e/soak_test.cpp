@@ -152,10 +152,11 @@ double drift(const std::string& tum, const std::vector<NavState>& truth) {
   const io::Trajectory estimates = io::read_trajectory(tum);
   const auto end = std::lower_bound(truth.begin(), truth.end() - 1, estimates.back().time,
                                     [](const NavState& s, Time time) { return s.time < time; });
-  double way = 0.0;
-  for (std::size_t i = 1; i < truth.size(); ++i) way += (truth[i].p_WB - truth[i - 1].p_WB).norm();
-  measured("length of the flight, m", way, "");
-  return 100.0 * (estimates.back().p - end->p_WB).norm() / way;
+  double distance = 0.0;
+  for (std::size_t i = 1; i < truth.size(); ++i)
+    distance += (truth[i].p_WB - truth[i - 1].p_WB).norm();
+  measured("length of the flight, m", distance, "");
+  return 100.0 * (estimates.back().p - end->p_WB).norm() / distance;
 }
 
 TEST_F(Soak, NothingIsLostOrGrows) {

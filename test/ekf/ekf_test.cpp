@@ -107,8 +107,8 @@ TEST_F(EkfTest, AtRestLandmarksFromBeforeStayAndTellNothing) {
     if (!report.at_rest || report.landmarks_matched == 0) continue;
     const int rows = report.models[kPoint].rows_used + report.models[kPoint].rows_gated;
     const Estimate& x = pipeline_->estimate();
-    if (x.way < 0.3) used_before_takeoff += rows;
-    if (x.way < 10.0) continue;
+    if (x.distance_travelled < 0.3) used_before_takeoff += rows;
+    if (x.distance_travelled < 10.0) continue;
     matched_after_landing += report.landmarks_matched;
     used_after_landing += rows / 4;  // of those first measured on the last decimetres
   }

@@ -26,7 +26,7 @@ Recording simulated() {
   Recording r{"simulated", {}, {}};
   r.data.imu = flight.imu;
   r.data.scans = flight.scans;
-  r.data.radar_info.T_BS = flight.told_T_BS;
+  r.data.radar_info.T_BS = flight.configured_T_BS;
   for (const NavState& nav : flight.truth) r.reference.push_back({nav.time, nav.p_WB, nav.q_WB});
   return r;
 }
@@ -62,7 +62,7 @@ TEST(Recording, IsJudgedAgainstItsReference) {
   const Replay run = replay(r.data, options_of(r));
   const RealScore score = judge(r, run);
   ASSERT_TRUE(score.started);
-  EXPECT_NEAR(score.way, 20.0, 2.0);
+  EXPECT_NEAR(score.distance, 20.0, 2.0);
   EXPECT_LT(score.horizontal, 0.1);  // 0.5 % of the way
   // the same path turned and moved is as good: the reference may begin anywhere
   const Quaternion turn = quaternion_exp(Vector3d(0.0, 0.0, 2.0));

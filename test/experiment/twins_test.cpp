@@ -29,7 +29,7 @@ Recording drive() {
   r.data.imu = flight.imu;
   r.data.scans = flight.scans;
   r.data.imu_info.rate_hz = scenario.imu.rate_hz;
-  r.data.radar_info.T_BS = flight.told_T_BS;
+  r.data.radar_info.T_BS = flight.configured_T_BS;
   r.data.radar_info.max_range = scenario.radar.max_range;
   r.data.radar_info.max_doppler = scenario.radar.max_doppler;
   r.data.radar_info.doppler_resolution = scenario.radar.doppler_resolution;

@@ -41,10 +41,10 @@ TEST_F(AssociationTest, GateFollowsTheShapeOfTheNoise) {
 TEST_F(AssociationTest, OnlyTheCoreOfTheGateCountsOnceTheRadarHasMoved) {
   know({4.0, 0.0, 0.0}, 0.01);
   see({4.07, 0.0, 0.0});  // 2.2 sigma: within 0.95 of three degrees, beyond 0.6 of them
-  estimate_.landmarks[0].way_seen = 10.0;
-  estimate_.way = 10.0 + 0.9 * kSameEcho;
+  estimate_.landmarks[0].distance_seen = 10.0;
+  estimate_.distance_travelled = 10.0 + 0.9 * kSameEcho;
   EXPECT_EQ(match().landmarks.size(), 1U);
-  estimate_.way = 10.0 + 1.1 * kSameEcho;
+  estimate_.distance_travelled = 10.0 + 1.1 * kSameEcho;
   EXPECT_TRUE(match().landmarks.empty());
   EXPECT_TRUE(match().near_landmark[0]);  // and yet no new point
   scan_.items.clear();

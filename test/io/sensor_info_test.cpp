@@ -187,13 +187,13 @@ TEST(SensorInfo, BecomesOptions) {
 
 TEST(SensorInfo, ExactlyTheOptionsThatAreToldHaveChanged) {
   Options o;
-  std::vector<std::string> told;
-  apply_sensor_info(sample_dataset(), &o, &told);
-  EXPECT_EQ(told, sensor_option_keys());
+  std::vector<std::string> configured;
+  apply_sensor_info(sample_dataset(), &o, &configured);
+  EXPECT_EQ(configured, sensor_option_keys());
   std::vector<std::string> every;
   visit_fields(o, [&](const FieldInfo& info, const auto&) { every.push_back(info.key); });
-  EXPECT_EQ(changed_options(Options{}, o, every), changed_options(Options{}, o, told));
-  EXPECT_GE(changed_options(Options{}, o, told).size(), 20U);
+  EXPECT_EQ(changed_options(Options{}, o, every), changed_options(Options{}, o, configured));
+  EXPECT_GE(changed_options(Options{}, o, configured).size(), 20U);
 
   Dataset little;
   little.radar_info.sigma_range = 0.0;  // no noise model
@@ -201,9 +201,9 @@ TEST(SensorInfo, ExactlyTheOptionsThatAreToldHaveChanged) {
   little.radar_info.prior_rotation = 0.1;
   Options fixed;
   fixed.calibration.rotation_sigma = 0.0;
-  told.clear();
-  apply_sensor_info(little, &fixed, &told);
-  EXPECT_EQ(told, std::vector<std::string>{"radar.max_range"});
+  configured.clear();
+  apply_sensor_info(little, &fixed, &configured);
+  EXPECT_EQ(configured, std::vector<std::string>{"radar.max_range"});
 }
 
 TEST(SensorInfo, PriorsDoNotSwitchACalibrationOn) {

@@ -25,7 +25,7 @@ inline sim::Flight short_flight() {
 inline Options options_of(const sim::Flight& flight) {
   Options options;
   const sim::RadarModel& radar = flight.scenario.radar;
-  options.radar.T_BS = flight.told_T_BS;
+  options.radar.T_BS = flight.configured_T_BS;
   options.radar.max_doppler = radar.ambiguous ? radar.reported_max_doppler() : 0.0;
   options.radar.doppler_resolution = radar.reported_doppler_resolution();
   return options;

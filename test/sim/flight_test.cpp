@@ -322,8 +322,9 @@ TEST(Flight, LatencyShiftsArrivalsOnly) {
 TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
   Scenario options = short_flight(1);
   options.max_duration = 1.0;
-  EXPECT_TRUE(simulate_flight(options).told_T_BS.rotation.isApprox(options.radar.T_BS.rotation));
-  EXPECT_EQ(simulate_flight(options).told_T_BS.translation, options.radar.T_BS.translation);
+  EXPECT_TRUE(
+      simulate_flight(options).configured_T_BS.rotation.isApprox(options.radar.T_BS.rotation));
+  EXPECT_EQ(simulate_flight(options).configured_T_BS.translation, options.radar.T_BS.translation);
 
   options.told.extrinsic_angle = 0.05;
   options.told.extrinsic_distance = 0.04;
@@ -332,7 +333,7 @@ TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
   constexpr int kSeeds = 40;
   for (int i = 0; i < kSeeds; ++i) {
     options.seed = static_cast<std::uint64_t>(i);
-    const Pose told = told_mounting(options);
+    const Pose told = configured_mounting(options);
     const Pose& truth = options.radar.T_BS;
     const Vector3d offset = told.translation - truth.translation;
     const Vector3d angle = quaternion_log(truth.rotation.conjugate() * told.rotation);
@@ -346,7 +347,7 @@ TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
   EXPECT_LT(offsets.cwiseAbs().maxCoeff(), 5.0 / std::sqrt(3.0 * kSeeds));
   options.seed = 6;
   const Flight flight = simulate_flight(options);
-  EXPECT_EQ(flight.told_T_BS.translation, told_mounting(options).translation);
+  EXPECT_EQ(flight.configured_T_BS.translation, configured_mounting(options).translation);
 }
 
 TEST(Flight, RoomHoldsThePath) {

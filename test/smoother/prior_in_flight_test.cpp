@@ -120,8 +120,8 @@ TEST(PriorInFlight, NeverLearnsPositionAndHeading) {
   const Vector3d up = start.q_WB.conjugate() * Vector3d::UnitZ();
   P0.block<3, 3>(0, 0) += kYawSigma * kYawSigma * up * up.transpose();
   flight.pipeline().reset(start, P0);
-  const Eigen::Vector4d told(std::pow(kPositionSigma, -2), std::pow(kPositionSigma, -2),
-                             std::pow(kPositionSigma, -2), std::pow(kYawSigma, -2));
+  const Eigen::Vector4d configured(std::pow(kPositionSigma, -2), std::pow(kPositionSigma, -2),
+                                   std::pow(kPositionSigma, -2), std::pow(kYawSigma, -2));
   const int calibration = Layout(o.calibration, 0, 0).size(0) - body::kSize;
   while (!flight.over()) {
     ASSERT_EQ(flight.step(), Status::kOk);
@@ -132,8 +132,9 @@ TEST(PriorInFlight, NeverLearnsPositionAndHeading) {
     const Eigen::Vector4d learnt = (N.transpose() * A * N).diagonal();
     // round-off of sums of 1e8 (a position by the IMU over one scan) gives some 2e-7 per scan: in
     // three minutes as much as one fix with a sigma of 45 m, and less than one with 30 m
-    for (int i = 0; i < 3; ++i) EXPECT_LE(learnt[i], told[i] + std::pow(30.0, -2)) << flight.next();
-    EXPECT_LE(learnt[3], 1.01 * told[3]) << flight.next();
+    for (int i = 0; i < 3; ++i)
+      EXPECT_LE(learnt[i], configured[i] + std::pow(30.0, -2)) << flight.next();
+    EXPECT_LE(learnt[3], 1.01 * configured[3]) << flight.next();
   }
 }
 

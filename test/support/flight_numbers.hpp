@@ -36,8 +36,8 @@ inline std::vector<double> numbers_of(const sim::Flight& flight) {
       all.push_back(flight.labels[i][k].reflector);
     }
   }
-  add(flight.told_T_BS.translation);
-  add(flight.told_T_BS.rotation.vec());
+  add(flight.configured_T_BS.translation);
+  add(flight.configured_T_BS.rotation.vec());
   return all;
 }
 

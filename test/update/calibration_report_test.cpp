@@ -71,7 +71,7 @@ class CalibrationOfAnEstimate : public testing::Test {
   Options options_;
 };
 
-constexpr double kTold = 0.5;  // share of the prior sigma (update/state_estimate.hpp)
+constexpr double kConfigured = 0.5;  // share of the prior sigma (update/state_estimate.hpp)
 constexpr std::array kPriors = {0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.02, 0.06, 0.04};
 
 TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
@@ -79,14 +79,14 @@ TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
   // sigma: a tenth of i + 1 times what is believed, which is half the prior until it is
   // contradicted
   for (int i = 0; i < static_cast<int>(kCalibrationCount); ++i) {
-    const double sigma = kTold * 0.1 * (1.0 + i) * kPriors[static_cast<std::size_t>(i)];
+    const double sigma = kConfigured * 0.1 * (1.0 + i) * kPriors[static_cast<std::size_t>(i)];
     state_estimate.covariance().matrix()(body::kSize + i, body::kSize + i) = sigma * sigma;
   }
   const auto all = report(state_estimate);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const double rank = 1.0 + static_cast<double>(i);
     EXPECT_NEAR(all[i].value, 1e-3 * rank, 1e-12) << i;
-    EXPECT_NEAR(all[i].sigma, kTold * 0.1 * rank * kPriors[i], 1e-15) << i;
+    EXPECT_NEAR(all[i].sigma, kConfigured * 0.1 * rank * kPriors[i], 1e-15) << i;
     EXPECT_EQ(all[i].prior_sigma, kPriors[i]) << i;
     const Observability expected = i < 4 ? Observability::kObserved : Observability::kWeak;
     if (i != 4 && i != 8) {  // half and nine tenths are the bounds themselves
@@ -98,12 +98,13 @@ TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
 TEST_F(CalibrationOfAnEstimate, BeforeTheFirstScanNothingIsKnown) {
   for (const CalibrationReport& r : report(corrected(0.0))) {
     EXPECT_NEAR(r.value, 0.0, 1e-15);
-    EXPECT_NEAR(r.sigma, kTold * r.prior_sigma, 1e-15);
+    EXPECT_NEAR(r.sigma, kConfigured * r.prior_sigma, 1e-15);
     EXPECT_EQ(r.observability, Observability::kUnobserved);
   }
 }
 
-// What is told of the radar's errors is where their estimates start and what they are counted from.
+// What is configured of the radar's errors is where their estimates start and what they are counted
+// from.
 TEST_F(CalibrationOfAnEstimate, CountsFromWhatWasTold) {
   options_.radar.time_offset = -0.3;
   options_.radar.doppler_scale = 0.15;

@@ -152,7 +152,7 @@ TEST_F(HealthMonitorTest, EachSigmaHasItsPart) {
   with_sigma(Vector3d::UnitY(), body::kPosition, 1.1);
   EXPECT_EQ(health().position, HealthState::kDegraded);
   EXPECT_EQ(health().velocity, HealthState::kOk);
-  x_.way = 100.0;  // a metre is little after a long way
+  x_.distance_travelled = 100.0;  // a metre is little after a long way
   with_sigma(Vector3d::UnitY(), body::kPosition, 1.1);
   EXPECT_EQ(health().position, HealthState::kOk);
 }

@@ -19,7 +19,7 @@ class LandmarkPolicyTest : public test::ScanCase {
  protected:
   LandmarkPolicyTest() {
     x_.nav.time = seconds(100);
-    x_.way = 12.0;
+    x_.distance_travelled = 12.0;
     for (int i = 0; i < 4; ++i) {
       LandmarkState landmark;
       landmark.p_W.x() = i;
@@ -84,9 +84,9 @@ TEST_F(LandmarkPolicyTest, OnlyAUsedMatchKeepsALandmarkAlive) {
   const Time before = x_.landmarks[1].last_seen;
   maintain(rows);
   EXPECT_EQ(x_.landmarks[0].last_seen, x_.nav.time);
-  EXPECT_EQ(x_.landmarks[0].way_seen, x_.way);
+  EXPECT_EQ(x_.landmarks[0].distance_seen, x_.distance_travelled);
   EXPECT_EQ(x_.landmarks[1].last_seen, before);
-  EXPECT_EQ(x_.landmarks[1].way_seen, 0.0);
+  EXPECT_EQ(x_.landmarks[1].distance_seen, 0.0);
 }
 
 TEST_F(LandmarkPolicyTest, TheUnseenLeaveAfterTheTimeout) {

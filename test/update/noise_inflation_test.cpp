@@ -16,8 +16,8 @@ namespace {
 // What n repetitive errors tell of a constant is 1^T C^-1 1 of their covariance C.
 TEST(NoiseInflation, RepetitionIsTheInformationOfAnAutocorrelatedSeries) {
   constexpr int kN = 2000;
-  for (const double way : {0.0, 0.005, 0.02, 0.1}) {
-    const double rho = 0.98 * std::exp(-way / 0.02);
+  for (const double distance : {0.0, 0.005, 0.02, 0.1}) {
+    const double rho = 0.98 * std::exp(-distance / 0.02);
     Eigen::MatrixXd C(kN, kN);
     for (int i = 0; i < kN; ++i) {
       for (int j = 0; j < kN; ++j) C(i, j) = std::pow(rho, std::abs(i - j));
@@ -25,7 +25,7 @@ TEST(NoiseInflation, RepetitionIsTheInformationOfAnAutocorrelatedSeries) {
     const double information =
         Eigen::VectorXd::Ones(kN).dot(C.llt().solve(Eigen::VectorXd::Ones(kN)));
     // the first value is new: of a correlation length of 50 it adds 1 in 20
-    EXPECT_NEAR(kN / repetition_factor(way, 0.02) / information, 1.0, 0.06) << way;
+    EXPECT_NEAR(kN / repetition_factor(distance, 0.02) / information, 1.0, 0.06) << distance;
   }
 }
 

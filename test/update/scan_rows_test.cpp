@@ -126,12 +126,13 @@ TEST_F(ScanRowsTest, ALandmarkAtTheRadarIsOutOfDomain) {
   EXPECT_FALSE(rows.was_used(0));
 }
 
-// Landmarks: by the way since they were seen and the trust in matches; after the gate.
+// Landmarks: by the distance travelled since they were seen and the trust in matches; after the
+// gate.
 TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   match_landmark(0, 0);
   StateEstimate b = state_estimate(1);
-  b.estimate().way = 7.0;
-  b.estimate().landmarks[0].way_seen = 6.99;
+  b.estimate().distance_travelled = 7.0;
+  b.estimate().landmarks[0].distance_seen = 6.99;
   ScanRows plain(options_);
   build(plain, b);
   EXPECT_EQ(plain.used()[0].variance_factor, 1.0);
@@ -156,18 +157,18 @@ TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
   options_.radar.doppler_resolution = kGrid;
   scan_.items.clear();
   see({0.0, 4.0, 0.0});  // across the flight: its rate changes by v^2 / r
-  const auto factor = [&](double way, const Vector3d& accel_W, double seconds) {
+  const auto factor = [&](double distance, const Vector3d& accel_W, double seconds) {
     ScanRows rows(options_);
     StateEstimate b = state_estimate();
     build(rows, b);
-    b.estimate().way = way;
+    b.estimate().distance_travelled = distance;
     b.estimate().accel_W = accel_W;
     b.estimate().nav.time += from_seconds(seconds);
     build(rows, b);
     return rows.used()[0].variance_factor;
   };
-  const auto expected = [&](double way, double cells) {
-    return repetition_factor(way + 0.15 * 6.0 * cells, 0.15);
+  const auto expected = [&](double distance, double cells) {
+    return repetition_factor(distance + 0.15 * 6.0 * cells, 0.15);
   };
   const double turning = kSpeed * kSpeed / 4.0;
   const Vector3d none = Vector3d::Zero();
@@ -192,7 +193,7 @@ TEST_F(ScanRowsTest, ResetForgetsTheScanBefore) {
   see({0.0, 4.0, 0.0});
   ScanRows rows(options_);
   StateEstimate b = state_estimate();
-  b.estimate().way = 0.05;
+  b.estimate().distance_travelled = 0.05;
   build(rows, b);
   const double first = rows.used()[3].variance_factor;
   EXPECT_NEAR(first, repetition_factor(0.05 + 0.15 * 6.0 * 2.0, 0.15), 1e-9);
@@ -267,9 +268,9 @@ TEST_F(ScanRowsTest, AtRestOnlyLandmarksOfHereAreMeasured) {
   match_landmark(0, 0);
   match_landmark(1, 1);
   StateEstimate b = state_estimate(2);
-  b.estimate().way = 3.0;
-  b.estimate().landmarks[0].way_born = 2.45;
-  b.estimate().landmarks[1].way_born = 2.55;
+  b.estimate().distance_travelled = 3.0;
+  b.estimate().landmarks[0].distance_born = 2.45;
+  b.estimate().landmarks[1].distance_born = 2.55;
   seen_.rest = RestModel::Measurement{Vector3d::Zero(), 10.0, 0.01};
   ScanRows rows(options_);
   const RowBatch& batch = build(rows, b);

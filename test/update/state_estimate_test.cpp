@@ -84,7 +84,7 @@ TEST_F(StateEstimateTest, PropagationKeepsWayRateAndAcceleration) {
     bool gap = true;
     ASSERT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kOk);
     EXPECT_FALSE(gap);
-    EXPECT_NEAR(b.estimate().way, 0.5 * a, 1e-3 * a);
+    EXPECT_NEAR(b.estimate().distance_travelled, 0.5 * a, 1e-3 * a);
     EXPECT_LT((b.estimate().gyro_B - w - nav_.gyro_bias).norm(), 1e-12);
     // five sigmas of white noise behind two low-passes: 5 sqrt(3) 4e-3 / sqrt(4 0.05) = 0.0775
     const double noise = 25.0 * 3.0 * 4e-3 * 4e-3 / (4.0 * 0.05);
@@ -137,7 +137,7 @@ TEST_F(StateEstimateTest, LandmarksWalkWithTheWay) {
   EXPECT_NEAR(b.covariance().matrix()(at, at) - before,
               options_.update.landmark_walk * options_.update.landmark_walk * nav_.v_WB.norm(),
               1e-9);
-  EXPECT_EQ(b.estimate().landmarks[0].way_born, 0.0);
+  EXPECT_EQ(b.estimate().landmarks[0].distance_born, 0.0);
 }
 
 TEST_F(StateEstimateTest, NothingChangesIfTheResultIsNotFinite) {
@@ -148,7 +148,7 @@ TEST_F(StateEstimateTest, NothingChangesIfTheResultIsNotFinite) {
   bool gap = false;
   EXPECT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kNumerical);
   EXPECT_EQ(b.estimate().nav.time, nav_.time);
-  EXPECT_EQ(b.estimate().way, 0.0);
+  EXPECT_EQ(b.estimate().distance_travelled, 0.0);
 }
 
 // The velocity becomes the measured one, and the position what it would be, had it been that for
@@ -205,16 +205,17 @@ TEST_F(StateEstimateTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
   const Matrix15d grown = b.covariance().body() - before;
   const double angle = kSigma / options_.imu.gravity;
   const double speed = 0.5 + v_B.norm() * off / options_.imu.gravity;
-  const double way = 0.5 * off * kDuration * kDuration + speed * (kDuration + 4.0);
+  const double distance = 0.5 * off * kDuration * kDuration + speed * (kDuration + 4.0);
   const double rate = angle / (kDuration + 4.0);
   const double bias = options_.start.sigma_accel_bias;
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(grown(body::kAttitude + i, body::kAttitude + i), angle * angle, 1e-12);
-    EXPECT_NEAR(grown(body::kPosition + i, body::kPosition + i), way * way, 1e-9);
+    EXPECT_NEAR(grown(body::kPosition + i, body::kPosition + i), distance * distance, 1e-9);
     EXPECT_NEAR(grown(body::kGyroBias + i, body::kGyroBias + i), rate * rate, 1e-12);
     EXPECT_NEAR(grown(body::kAccelBias + i, body::kAccelBias + i), bias * bias, 1e-12);
   }
-  EXPECT_NEAR(grown.trace(), 3.0 * (angle * angle + way * way + rate * rate + bias * bias), 1e-9);
+  EXPECT_NEAR(grown.trace(),
+              3.0 * (angle * angle + distance * distance + rate * rate + bias * bias), 1e-9);
 }
 
 TEST_F(StateEstimateTest, ARestartedHeadingKeepsTheTilt) {
@@ -313,29 +314,29 @@ TEST_F(StateEstimateTest, CorrectionsReachEveryBlock) {
 }
 
 // Told: half the prior sigma. Contradicted beyond three sigmas of what a right prior is moved by,
-// and beyond what is told itself; reported once.
+// and beyond the configured sigma; reported once.
 TEST_F(StateEstimateTest, AContradictedParameterIsBelievedToItsPrior) {
   options_.calibration = {0.0, 0.0, 0.0, 0.02, 0.0};
-  const double told = 0.25 * 0.02 * 0.02;
+  const double configured = 0.25 * 0.02 * 0.02;
   StateEstimate b = state_estimate();
   const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
-  EXPECT_NEAR(b.covariance().matrix()(scale, scale), told, 1e-15);
+  EXPECT_NEAR(b.covariance().matrix()(scale, scale), configured, 1e-15);
   Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
-  dx[scale] = 0.99 * std::sqrt(told);
+  dx[scale] = 0.99 * std::sqrt(configured);
   b.correct(dx);
-  EXPECT_TRUE(b.contradictions().empty());  // within what is told
-  b.covariance().matrix()(scale, scale) = 0.5 * told;
-  dx[scale] = (std::sqrt(4.5) - 0.99 - 0.01) * std::sqrt(told);
+  EXPECT_TRUE(b.contradictions().empty());  // within the configured sigma
+  b.covariance().matrix()(scale, scale) = 0.5 * configured;
+  dx[scale] = (std::sqrt(4.5) - 0.99 - 0.01) * std::sqrt(configured);
   b.correct(dx);
   EXPECT_TRUE(b.contradictions().empty());  // within three sigmas of what it has moved by
-  EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), kCalibrationToldShare);
-  dx[scale] = 0.02 * std::sqrt(told);
+  EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), kCalibrationConfiguredShare);
+  dx[scale] = 0.02 * std::sqrt(configured);
   b.correct(dx);
   const auto found = b.contradictions();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].column, scale);
-  EXPECT_NEAR(found[0].value, (std::sqrt(4.5) + 0.01) * std::sqrt(told), 1e-12);
-  EXPECT_NEAR(found[0].information, 1.0 / told - 1.0 / (0.02 * 0.02), 1e-6);
+  EXPECT_NEAR(found[0].value, (std::sqrt(4.5) + 0.01) * std::sqrt(configured), 1e-12);
+  EXPECT_NEAR(found[0].information, 1.0 / configured - 1.0 / (0.02 * 0.02), 1e-6);
   EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), 1.0);
   EXPECT_TRUE(b.contradictions().empty());
 }

@@ -47,7 +47,7 @@ struct AssociationResult {
 /// Solver with its work space allocated once.
 class Association {
  public:
-  /// @param same_echo way over which an echo stays the same [m]
+  /// @param same_echo distance travelled over which an echo stays the same [m]
   Association(const FrontendOptions& options, std::size_t max_landmarks, double same_echo);
 
   /// @param usable per detection: may be matched
@@ -78,9 +78,9 @@ class Association {
 
   static constexpr double kMaxCost = 1e3;  // above any gate and logarithm
 
-  /// The gate for a point that was seen that way ago [m].
-  double gate_after(double way) const {
-    return options_.matching == Matching::kMahalanobis && way > same_echo_ ? core_ : gate_;
+  /// The gate for a point that was seen that distance ago [m].
+  double gate_after(double distance) const {
+    return options_.matching == Matching::kMahalanobis && distance > same_echo_ ? core_ : gate_;
   }
   /// The covariance of a known point as far as the matching minds it.
   Matrix3d believed(const Matrix3d& covariance) const;

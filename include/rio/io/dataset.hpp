@@ -114,9 +114,9 @@ void write_radar_info(const std::filesystem::path& path, const RadarInfo& info,
 /// priors of the calibration where the options estimate that. The limits of range and field of view
 /// are widened by three sigmas, so that noise is not cut off. A radar sigma of zero, as of a
 /// noise-free simulation, is no noise model: the option keeps its value.
-/// @param told gets the keys of the options that were set
+/// @param configured gets the keys of the options that were set
 void apply_sensor_info(const Dataset& dataset, Options* options,
-                       std::vector<std::string>* told = nullptr);
+                       std::vector<std::string>* configured = nullptr);
 
 /// The keys of all options that sensor files can set.
 std::vector<std::string> sensor_option_keys();

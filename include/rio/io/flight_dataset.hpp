@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A simulated flight as a recording: what the estimator is told, and the truth.
+// A simulated flight as a recording: what the estimator is given, and the truth.
 #pragma once
 
 #include "rio/io/dataset.hpp"
@@ -8,8 +8,8 @@
 namespace rio::io {
 
 /// What the sensor files of the simulated radar say.
-/// @param told_T_BS the mounting as the estimator is told
-RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& told_T_BS);
+/// @param configured_T_BS the mounting as configured
+RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& configured_T_BS);
 
 /// Samples, scans, truth and sensor files of a flight with one radar.
 Dataset dataset_of(const sim::Flight& flight);

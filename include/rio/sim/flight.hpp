@@ -22,7 +22,7 @@ struct Flight {
   Scenario scenario;
   Trajectory trajectory;                   ///< truth at any instant, biases zero
   Room room;                               ///< what Label::reflector counts in
-  Pose told_T_BS;                          ///< mounting as the estimator is told
+  Pose configured_T_BS;                    ///< mounting as the estimator has it
   std::vector<ImuSample> imu;              ///< stamps strictly increase
   std::vector<RadarScan> scans;            ///< by increasing stamp
   std::vector<Time> arrivals;              ///< when each scan is at hand
@@ -32,11 +32,11 @@ struct Flight {
   /// True state at any stamp; the biases are those of the latest period of the IMU.
   NavState truth_at(Time time) const;
   /// The first one with the errors of the scenario's start, biases unknown.
-  NavState told_start() const;
+  NavState configured_start() const;
 };
 
 /// The true mounting with the errors of Scenario::told, axis and direction from the seed.
-Pose told_mounting(const Scenario& scenario);
+Pose configured_mounting(const Scenario& scenario);
 
 /// Carries the sensors along `trajectory` through a room that is large enough for it.
 Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario);

@@ -58,7 +58,7 @@ class Prior {
 
   /// Information about a parameter of the calibration, that it is zero, is taken back.
   /// @param column in [newest state | border]
-  /// @param value of the parameter at x, off what was told
+  /// @param value of the parameter at x, off the configured value
   void forget(int column, double value, double information, const Estimate& x);
 
   /// Landmark i is marginalised; the last one takes its place. Landmarks that came after the prior

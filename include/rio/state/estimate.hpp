@@ -40,8 +40,8 @@ struct LandmarkState {
   /// Of its position relative to the radar, S axes, as predicted for the scan [m^2]: what matching
   /// needs of the covariance.
   Matrix3d covariance_S = Matrix3d::Zero();
-  double way_seen = 0.0;  ///< flown by the body when it was last measured [m]
-  double way_born = 0.0;  ///< same, when it was first measured [m]
+  double distance_seen = 0.0;  ///< travelled by the body when it was last measured [m]
+  double distance_born = 0.0;  ///< same, when it was first measured [m]
 };
 
 /// What is estimated of one radar.
@@ -59,7 +59,7 @@ struct Estimate {
   Vector3d accel_W = Vector3d::Zero();  ///< of the body, without its vibration [m/s^2]
   Pose T_BS;
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
-  double way = 0.0;                                              ///< flown since the start [m]
+  double distance_travelled = 0.0;                               ///< since the start [m]
   double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
   std::size_t radar = 0;     ///< whose scan is at hand
   std::array<RadarState, kMaxRadars> others;            ///< by radar; that of `radar` is void

@@ -32,7 +32,7 @@ void maintain_landmarks(const Observations& seen, const ScanRows& rows,
   for (const Match& m : seen.matches.landmarks) {
     if (!rows.was_used(m.target)) continue;
     x->landmarks[m.target].last_seen = now;
-    x->landmarks[m.target].way_seen = x->way;
+    x->landmarks[m.target].distance_seen = x->distance_travelled;
   }
   const auto leave = [&](std::size_t i) {
     remove(i);

@@ -33,7 +33,7 @@ class ScanRows {
 
   /// The flight begins anew.
   void reset() {
-    way_at_scan_.fill(0.0);
+    distance_at_scan_.fill(0.0);
     last_scan_.fill(Time{0});
   }
 
@@ -96,9 +96,10 @@ class ScanRows {
     return linearize(model, z, typename M::Blocks{}, x, index, state_estimate.layout(), &batch_);
   }
 
-  /// Factor of the variance of what repeats a measurement at `way`.
-  double repetition(double way, const LinearizationPoint& x) const {
-    return repetition_factor(std::max(0.0, x.estimate.way - way), noise_distance_);
+  /// Factor of the variance of what repeats a measurement made at `distance`.
+  double repetition(double distance, const LinearizationPoint& x) const {
+    return repetition_factor(std::max(0.0, x.estimate.distance_travelled - distance),
+                             noise_distance_);
   }
   /// Same for a Doppler, whose rounding repeats until it has changed by a cell.
   double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
@@ -122,9 +123,9 @@ class ScanRows {
   AuxiliaryStates auxiliary_;
   double gravity_;
   double noise_distance_;
-  double doppler_grid_;                           ///< [m/s]
-  std::array<double, kMaxRadars> way_at_scan_{};  ///< flown at the last scan of a radar [m]
-  double since_scan_ = 1.0;                       ///< since the last scan, at most [s]
+  double doppler_grid_;                                ///< [m/s]
+  std::array<double, kMaxRadars> distance_at_scan_{};  ///< flown at the last scan of a radar [m]
+  double since_scan_ = 1.0;                            ///< since the last scan, at most [s]
   std::array<Time, kMaxRadars> last_scan_{};
   Gate gate_;
   DopplerModel doppler_;

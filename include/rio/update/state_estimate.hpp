@@ -30,19 +30,19 @@ struct Acceleration {
   void add(const Vector3d& change_W, double seconds);
 };
 
-/// A parameter of the calibration that the data move away from what was told of it.
+/// A parameter of the calibration that the data move away from its configured value.
 struct Contradiction {
   int column = 0;            ///< in the layout
-  double value = 0.0;        ///< off what was told
+  double value = 0.0;        ///< off the configured value
   double information = 0.0;  ///< of the tight prior, beyond that of the options
 };
 
-/// What is told of the calibration is usually as good as it can be measured, and sometimes wrong by
-/// far; the prior sigma of the options covers both. On a few noisy points a loose parameter soaks
-/// up whatever errors there are. So each is believed to a share k of its prior sigma s until the
-/// data contradict it, and to s from then on.
+/// What is configured of the calibration is usually as good as it can be measured, and sometimes
+/// wrong by far; the prior sigma of the options covers both. On a few noisy points a loose
+/// parameter soaks up whatever errors there are. So each is believed to a share k of its prior
+/// sigma s until the data contradict it, and to s from then on.
 ///
-/// (E1) told: P_0 = (k s)^2; a right prior is moved by a value of the variance P_0 - P;
+/// (E1) configured: P_0 = (k s)^2; a right prior is moved by a value of the variance P_0 - P;
 ///      contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
 /// (E2) the information 1 / (k s)^2 - 1 / s^2, that the value is zero, is taken back
 class StateEstimate {

@@ -23,7 +23,7 @@ double reading(double height) {
 bool fly(const rio::sim::Flight& flight, rio::BackEnd backend, const char* name) {
   rio::Options options;
   options.backend = backend;
-  options.radar.T_BS = flight.told_T_BS;
+  options.radar.T_BS = flight.configured_T_BS;
   options.auxiliary.declare<PressureBias>();
   std::string why;
   auto odometry = rio::Odometry::create(options, &why);

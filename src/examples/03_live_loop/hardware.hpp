@@ -32,7 +32,7 @@ class Hardware {
 
   const std::string& radar_port() const { return radar_.path(); }
   const std::string& autopilot_port() const { return autopilot_.path(); }
-  const rio::Pose& mounting() const { return flight_.told_T_BS; }
+  const rio::Pose& mounting() const { return flight_.configured_T_BS; }
   rio::ti::FrameTiming timing() const {
     return rio::live::simulated_timing(flight_.scenario.radar.rate_hz);
   }
