@@ -10,6 +10,7 @@
 #include "rio/core/so3.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/models/detection.hpp"
+#include "rio/propagate/stamp_guard.hpp"
 
 namespace rio::check {
 
@@ -123,6 +124,7 @@ std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options) {
   RadarScan scan;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     scans.get(i, &scan);
+    if (!is_stamp(scan.time)) continue;
     filter_detections(scan, options.radar, options.frontend.max_detections, list);
     ransac.estimate(list, as_before(all, scan.time), &ego);
     if (!ego.valid || !ego.covariance) continue;

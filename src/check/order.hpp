@@ -11,18 +11,21 @@
 #include <utility>
 #include <vector>
 
+#include "rio/propagate/stamp_guard.hpp"
 #include "rio/types.hpp"
 
 namespace rio::check {
 
 /// The longest sequence of strictly rising stamps, as indices: one corrupt stamp, wherever it
 /// points, costs its own item and no other. Of equal stamps the first counts. At either end an item
-/// farther off than all others together last is left out, too.
+/// farther off than all others together last is left out, too, as is what is no stamp at all; of
+/// nothing but such items the first is given.
 template <typename Items>
 std::vector<std::size_t> in_order(const Items& items) {
   constexpr auto kNone = static_cast<std::size_t>(-1);
   std::size_t rising = 0;  // items before which all stamps rise
-  while (rising < items.size() && (rising == 0 || items[rising - 1].time < items[rising].time)) {
+  while (rising < items.size() && is_stamp(items[rising].time) &&
+         (rising == 0 || items[rising - 1].time < items[rising].time)) {
     ++rising;
   }
   std::vector<std::size_t> ends(rising);  // last item of the best sequence of each length
@@ -33,6 +36,7 @@ std::vector<std::size_t> in_order(const Items& items) {
     for (std::size_t i = 1; i < rising; ++i) before[i] = i - 1;
   }
   for (std::size_t i = rising; i < items.size(); ++i) {
+    if (!is_stamp(items[i].time)) continue;
     const auto at =
         std::lower_bound(ends.begin(), ends.end(), items[i].time,
                          [&items](std::size_t end, Time time) { return items[end].time < time; });
@@ -43,6 +47,7 @@ std::vector<std::size_t> in_order(const Items& items) {
       *at = i;
     }
   }
+  if (ends.empty() && items.size() > 0) ends.push_back(0);
   std::vector<std::size_t> order;
   if (before.empty()) {
     order = std::move(ends);
@@ -50,9 +55,8 @@ std::vector<std::size_t> in_order(const Items& items) {
     for (std::size_t i = ends.back(); i != kNone; i = before[i]) order.push_back(i);
     std::reverse(order.begin(), order.end());
   }
-  // of differences in seconds, which any two stamps have
   const auto span = [&](std::size_t a, std::size_t b) {
-    return to_seconds(items[order[b]].time) - to_seconds(items[order[a]].time);
+    return to_seconds(items[order[b]].time - items[order[a]].time);
   };
   const std::size_t n = order.size();
   if (n > 3 && span(n - 2, n - 1) > span(0, n - 2)) order.pop_back();
