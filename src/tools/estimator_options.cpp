@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "rio/io/options_yaml.hpp"
@@ -43,7 +44,7 @@ Options make_options(const EstimatorArguments& arguments, const io::Dataset& sen
   if (name.empty() && !arguments.config.empty()) {
     name = io::preset_in_file(arguments.config).value_or("");
   }
-  Options options = base;
+  Options options = std::move(base);
   if (!name.empty() && !preset(name, &options)) {
     throw std::runtime_error("no such preset: \"" + name + "\"");
   }
