@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "rio/sim/random.hpp"
 #include "support/smoother_flight.hpp"
@@ -61,23 +63,6 @@ struct Snapshot {
   Eigen::VectorXd g;
   std::size_t leading;
 };
-
-/// A cost with its blocks in an array: all costs then share one type of automatic derivative, which
-/// compiles in a third of the time.
-template <class Cost, std::size_t kBlocks>
-struct Unpacked {
-  Cost cost;
-
-  template <class T>
-  bool operator()(T const* const* blocks, T* r) const {
-    return call(blocks, r, std::make_index_sequence<kBlocks>{});
-  }
-  template <class T, std::size_t... kIndex>
-  bool call(T const* const* blocks, T* r, std::index_sequence<kIndex...>) const {
-    return cost(blocks[kIndex]..., r);
-  }
-};
-constexpr int kDerivatives = 32;  // taken at once: those of any cost but a trail's and the prior's
 
 class Referee {
  public:
@@ -154,12 +139,9 @@ class Referee {
   /// @param loss owned from now on; null = none
   template <class Cost, class... Blocks>
   void add_block(const Cost& cost, int rows, ceres::LossFunction* loss, Blocks*... blocks) {
-    using Function =
-        ceres::DynamicAutoDiffCostFunction<Unpacked<Cost, sizeof...(Blocks)>, kDerivatives>;
-    auto* const function = new Function(new Unpacked<Cost, sizeof...(Blocks)>{cost});
-    (function->AddParameterBlock(static_cast<int>(blocks->size())), ...);
-    function->SetNumResiduals(rows);
-    problem_.AddResidualBlock(function, loss, std::vector<double*>{blocks->data()...});
+    const std::array sizes = {static_cast<int>(blocks->size())...};
+    problem_.AddResidualBlock(differentiated(cost, sizes, rows), loss,
+                              std::vector<double*>{blocks->data()...});
   }
   template <class Cost, class... Blocks>
   void add(const Cost& cost, int rows, double weight, Blocks*... blocks) {
@@ -228,39 +210,38 @@ class Referee {
 
   void add_prior() {
     const Layout layout(options_.calibration, 0, 0);
-    auto* const cost = new PriorCost;
+    PriorCost cost;
     const int calibration = layout.size(0) - body::kSize;
     const auto known = static_cast<std::size_t>(
         (before_.A.rows() - body::kSize * static_cast<int>(before_.leading) - calibration) / 3);
-    auto* const function = new ceres::DynamicAutoDiffCostFunction<PriorCost, kDerivatives>(cost);
     std::vector<double*> blocks;
+    std::vector<int> sizes;
     const auto add_block = [&](auto& block) {
       blocks.push_back(block.data());
-      function->AddParameterBlock(static_cast<int>(block.size()));
+      sizes.push_back(static_cast<int>(block.size()));
     };
     for (std::size_t s = 0; s < before_.leading; ++s) {
-      cost->made_states.push_back(before_.window[s].nav);
-      cost->now_states.push_back(window_[s].nav);
+      cost.made_states.push_back(before_.window[s].nav);
+      cost.now_states.push_back(window_[s].nav);
       add_block(states_[s]);
     }
-    cost->made_T_BS = before_.estimate.T_BS;
-    cost->now_T_BS = x_.T_BS;
-    cost->made_errors << before_.estimate.radar_errors, before_.estimate.time_offset;
-    cost->now_errors << x_.radar_errors, x_.time_offset;
+    cost.made_T_BS = before_.estimate.T_BS;
+    cost.now_T_BS = x_.T_BS;
+    cost.made_errors << before_.estimate.radar_errors, before_.estimate.time_offset;
+    cost.now_errors << x_.radar_errors, x_.time_offset;
     add_block(mount_);
     add_block(errors_);
     add_block(offset_);
-    cost->extrinsics = layout.has_extrinsics();
-    cost->radar_errors = layout.has_radar_errors();
-    cost->time_offset = layout.has_time_offset();
+    cost.extrinsics = layout.has_extrinsics();
+    cost.radar_errors = layout.has_radar_errors();
+    cost.time_offset = layout.has_time_offset();
     for (std::size_t i = 0; i < known; ++i) {
-      cost->made_landmarks.push_back(before_.estimate.landmarks[i].p_W);
-      cost->now_landmarks.push_back(x_.landmarks[i].p_W);
+      cost.made_landmarks.push_back(before_.estimate.landmarks[i].p_W);
+      cost.now_landmarks.push_back(x_.landmarks[i].p_W);
       add_block(landmarks_[i]);
     }
-    cost->factorise(before_.A, before_.g);
-    function->SetNumResiduals(static_cast<int>(cost->root.rows()));
-    problem_.AddResidualBlock(function, nullptr, blocks);
+    cost.factorise(before_.A, before_.g);
+    problem_.AddResidualBlock(differentiated(std::move(cost), sizes), nullptr, blocks);
   }
 
   /// All but the oldest state, or none.

@@ -10,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "support/eigenvalues.hpp"
 #include "support/smoother_flight.hpp"
 
 namespace rio::test {
@@ -31,10 +31,6 @@ sim::Scenario long_flight() {
   scenario.path.duration = 1200.0;
   scenario.radar.rate_hz = 3.0;
   return scenario;
-}
-
-VectorXd eigenvalues(const MatrixXd& A) {
-  return Eigen::SelfAdjointEigenSolver<MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 /// (E1)

@@ -4,12 +4,15 @@
 // relative to a reference point, in the order of namespace body and of the blocks:
 //   state 15 | T_BS 6 | radar errors 2 | time offset 1 | landmark 3
 // so that the solution of Ceres is the distance of its minimum from that point.
+// Their automatic derivatives take gigabytes of compiler: each window_cost*.cpp holds some.
 #pragma once
 
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
+#include <array>
+#include <vector>
 
 #include "rio/smoother/smoother.hpp"
 
@@ -211,16 +214,7 @@ struct RestCost {
 
 /// (E1) and (E4) of imu_factor.hpp, from the increments alone.
 struct ImuCost {
-  ImuCost(const Preintegration& imu, double gravity, const NavState& i, const NavState& j)
-      : first(i),
-        last(j),
-        increment(imu.increment()),
-        gyro_bias(imu.gyro_bias()),
-        accel_bias(imu.accel_bias()),
-        A(imu.transition()),
-        whitening(Matrix15d(imu.covariance().llt().matrixL()).inverse()),
-        seconds(to_seconds(imu.duration())),
-        g_W(0.0, 0.0, -gravity) {}
+  ImuCost(const Preintegration& imu, double gravity, const NavState& i, const NavState& j);
 
   NavState first, last;
   ImuIncrement increment;
@@ -260,6 +254,12 @@ struct ImuCost {
   }
 };
 
+/// A cost with automatic derivatives, for Ceres to own.
+/// @param sizes of its blocks  @param rows of its residual
+template <class Cost, std::size_t kBlocks>
+ceres::CostFunction* differentiated(const Cost& cost, const std::array<int, kBlocks>& sizes,
+                                    int rows);
+
 /// The prior of prior.hpp, (E1) to (E3), about the point where it was made. With D A D = V s V^T
 /// the cost xi^T A xi / 2 - g^T xi is |r|^2 / 2 up to a constant for
 /// r = s^1/2 V^T D^-1 xi - s^-1/2 V^T D g.
@@ -272,21 +272,7 @@ struct PriorCost {
   Eigen::MatrixXd root;    ///< s^1/2 V^T D^-1
   Eigen::VectorXd offset;  ///< s^-1/2 V^T D g
 
-  void factorise(const Eigen::MatrixXd& A, const Eigen::VectorXd& g) {
-    const Eigen::VectorXd scale =
-        A.diagonal().unaryExpr([](double a) { return a > 0.0 ? 1.0 / std::sqrt(a) : 0.0; });
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-        (scale.asDiagonal() * A * scale.asDiagonal()).eval());
-    constexpr double kRounding = 1e-12;  // of a unit diagonal of some hundred rows
-    const Eigen::Index n = A.rows();
-    const Eigen::Index zero = (eigen.eigenvalues().array() < kRounding).count();
-    const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(n - zero);
-    const Eigen::VectorXd s = eigen.eigenvalues().tail(n - zero).cwiseSqrt();
-    const Eigen::VectorXd inverse =
-        scale.unaryExpr([](double d) { return d > 0.0 ? 1.0 / d : 0.0; });
-    root = s.asDiagonal() * V.transpose() * inverse.asDiagonal();
-    offset = s.cwiseInverse().asDiagonal() * (V.transpose() * (scale.asDiagonal() * g));
-  }
+  void factorise(const Eigen::MatrixXd& A, const Eigen::VectorXd& g);
 
   /// Parameters: leading states, T_BS, radar errors, time offset, landmarks.
   template <class T>
@@ -330,5 +316,7 @@ struct PriorCost {
     return true;
   }
 };
+
+ceres::CostFunction* differentiated(PriorCost&& cost, const std::vector<int>& sizes);
 
 }  // namespace rio::test

@@ -38,12 +38,12 @@ TEST(Whiten, IsTheInverseOfTheCholeskyFactor) {
     const JacobianOf<kDim, kDim> R = root * root.transpose() + JacobianOf<kDim, kDim>::Identity();
     ResidualOf<kDim> r = random_matrix<kDim, 1>(random);
     JacobianOf<kDim, kDof> J = random_matrix<kDim, kDof>(random);
-    const Eigen::MatrixXd L = Eigen::MatrixXd(R).llt().matrixL();
-    const Eigen::VectorXd expected_r = L.inverse() * r;
-    const Eigen::MatrixXd expected_J = L.inverse() * J;
+    const Eigen::LLT<JacobianOf<kDim, kDim>> llt(R);
+    const ResidualOf<kDim> expected_r = llt.matrixL().solve(r);
+    const JacobianOf<kDim, kDof> expected_J = llt.matrixL().solve(J);
     whiten<kDim, kDof>(R, &r, &J);
-    EXPECT_LT((Eigen::VectorXd(r) - expected_r).norm(), 1e-12);
-    EXPECT_LT((Eigen::MatrixXd(J) - expected_J).norm(), 1e-12);
+    EXPECT_LT((r - expected_r).norm(), 1e-12);
+    EXPECT_LT((J - expected_J).norm(), 1e-12);
   }
 }
 
