@@ -111,7 +111,7 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_ahead;
       return Status::kAhead;
     }
-    filter_detections(scan, options_.radar, options_.frontend.max_detections, filtered_);
+    filter_detections(scan, options_.radar_of(radar), options_.frontend.max_detections, filtered_);
     filtered_.radar = radar;
     counters.detections_non_finite += static_cast<std::uint64_t>(filtered_.non_finite);
     if (filtered_.received > 0 && filtered_.non_finite == filtered_.received) {

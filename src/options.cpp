@@ -38,6 +38,13 @@ std::string coherence_problem(const Options& o) {
   if (o.update.use_landmarks && o.update.max_landmarks < 1) {
     return "update.max_landmarks = 0 needs update.use_landmarks = false";
   }
+  for (std::size_t r = 1; r < o.radars(); ++r) {
+    Options other = o.seen_by(r);
+    other.other_radars.clear();
+    std::string problem = range_problem(other);
+    if (problem.empty()) problem = coherence_problem(other);
+    if (!problem.empty()) return "radar " + std::to_string(r) + ": " + problem;
+  }
   for (const AuxiliaryState& state : o.auxiliary) {
     const bool good = state.sigma > 0.0 && std::isfinite(state.sigma) && state.walk >= 0.0 &&
                       std::isfinite(state.walk);

@@ -39,6 +39,32 @@ std::vector<sim::Flight> flights(std::uint64_t seed, const std::vector<Pose>& mo
   return out;
 }
 
+/// One radar folds at 1.5 m/s; the other sees 6 m/s, in a third of the view, with twice the noise
+/// and in coarse cells. The first of the two is radar 0.
+std::vector<sim::Flight> flights_of_two_kinds(std::uint64_t seed, bool coarse_first) {
+  std::vector<sim::Flight> out;
+  for (std::size_t r = 0; r < kFrontAndDown.size(); ++r) {
+    sim::Scenario o;
+    o.seed = seed;
+    o.path.length = 25.0;
+    o.path.max_speed = 2.0;
+    o.max_duration = 25.0;
+    o.radar.T_BS = kFrontAndDown[r];
+    o.radar.max_static = 12;
+    if ((r == 0) == coarse_first) {
+      o.radar.max_doppler = 6.0;
+      o.radar.doppler_resolution = 6.0 / 16.0;
+      o.radar.range_resolution *= 4.0;
+      o.radar.fov_azimuth *= 0.33;
+      o.radar.sigma_azimuth *= 2.0;
+      o.radar.sigma_elevation *= 2.0;
+      o.radar.sigma_doppler *= 2.0;
+    }
+    out.push_back(sim::simulate_flight(o));
+  }
+  return out;
+}
+
 struct Result {
   double rms = 0.0;   ///< of the position [m]
   double nees = 0.0;  ///< of position and attitude, mean, a dimension
@@ -49,21 +75,26 @@ struct Result {
 
 class RadarsTest : public testing::TestWithParam<BackEnd> {
  protected:
-  static Options options(const std::vector<sim::Flight>& all) {
+  /// @param alike those of further radars are taken to be of the kind of the first
+  static Options options(const std::vector<sim::Flight>& all, bool alike = false) {
     Options o = options_for(all.front(), "default");
     o.backend = GetParam();
     for (std::size_t r = 1; r < all.size(); ++r) {
-      EXPECT_TRUE(o.other_radars.push_back({all[r].configured_T_BS}));
+      EXPECT_TRUE(o.other_radars.push_back(
+          {all[r].configured_T_BS, 0.0, 0.0, options_for(all[r], "default").radar}));
+    }
+    for (RadarMount& other : o.other_radars) {
+      if (alike) other.kind.reset();
     }
     return o;
   }
   /// @param delays of the arrivals, by radar
   /// @param until radar 0 sends nothing from there on [s]
-  Result fly(const std::vector<sim::Flight>& all, std::vector<Time> delays = {},
-             double until = 1e9) {
+  Result fly(const std::vector<sim::Flight>& all, std::vector<Time> delays = {}, double until = 1e9,
+             bool alike = false) {
     const sim::Flight& flight = all.front();
     delays.resize(all.size(), Time{0});
-    odometry = Odometry::create(options(all));
+    odometry = Odometry::create(options(all, alike));
     std::vector<std::size_t> next(all.size(), 0);
     Result out;
     std::uint64_t done = 0;
@@ -158,6 +189,29 @@ TEST_P(RadarsTest, EachHasItsOwnMounting) {
     };
     EXPECT_NEAR(off(both[r].configured_T_BS), 0.05, 1e-9);
     EXPECT_LT(off(odometry->extrinsics(r)), 0.02) << r;
+  }
+}
+
+TEST_P(RadarsTest, TheyMayBeOfDifferentKinds) {
+  for (const bool coarse_first : {false, true}) {
+    double told = 0.0;
+    double untold = 0.0;
+    double nees = 0.0;
+    constexpr int kSeeds = 3;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      const auto both = flights_of_two_kinds(seed, coarse_first);
+      const Result result = fly(both);
+      told += result.rms / kSeeds;
+      nees += result.nees / kSeeds;
+      EXPECT_EQ(odometry->health().state, HealthState::kOk);
+      untold += fly(both, {}, 1e9, true).rms / kSeeds;
+    }
+    const std::string which = name() + (coarse_first ? ", coarse radar first" : ", coarse second");
+    measured(which + ": RMSE over that with the noise of the first for both", told / untold,
+             "below 1");
+    measured(which + ": NEES of the pose a dimension", nees, "below 2");
+    EXPECT_LT(told, untold);
+    EXPECT_LT(nees, 2.0);
   }
 }
 

@@ -4,6 +4,7 @@
 // C++17.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "rio/export.hpp"
@@ -221,11 +222,14 @@ struct TimingOptions {
   Time (*clock)() = nullptr;
 };
 
-/// What tells one radar from another of the same kind and configuration.
+/// A radar beside the first.
 struct RadarMount {
   Pose T_BS;                   ///< pose of the radar in the body frame
   double time_offset = 0.0;    ///< as RadarOptions::time_offset [s]
   double doppler_scale = 0.0;  ///< as RadarOptions::doppler_scale
+  /// Noise, limits and field of view if they are not those of Options::radar. Its T_BS,
+  /// time_offset and doppler_scale are not read: those above count.
+  std::optional<RadarOptions> kind{};
 };
 
 /// All of it. Obtain one from a preset, change fields, pass it to Odometry::create.
@@ -239,8 +243,8 @@ struct Options {
   SmootherOptions smoother;
   StartOptions start;
   TimingOptions timing;
-  /// The second, third and fourth radar (Odometry::add_scan), all with the noise, limits and field
-  /// of view of `radar`. Not a file option: `radar1`, ... of a dataset.
+  /// The second, third and fourth radar (Odometry::add_scan). Not a file option: `radar1`, ... of a
+  /// dataset.
   static constexpr std::size_t kMaxOtherRadars = 3;
   StaticVector<RadarMount, kMaxOtherRadars> other_radars;
   /// What extensions estimate beside (rio/aiding.hpp). Not a file option.
@@ -250,7 +254,22 @@ struct Options {
   /// Of radar 0, 1, ...
   RadarMount mount(std::size_t r) const {
     if (r > 0) return other_radars[r - 1];
-    return {radar.T_BS, radar.time_offset, radar.doppler_scale};
+    return {radar.T_BS, radar.time_offset, radar.doppler_scale, {}};
+  }
+  /// Radar 0, 1, ... as if it were the only one.
+  RadarOptions radar_of(std::size_t r) const {
+    const RadarMount own = mount(r);
+    RadarOptions out = own.kind.value_or(radar);
+    out.T_BS = own.T_BS;
+    out.time_offset = own.time_offset;
+    out.doppler_scale = own.doppler_scale;
+    return out;
+  }
+  /// What a stage is configured with that sees radar r alone: `radar` is that one.
+  Options seen_by(std::size_t r) const {
+    Options out = *this;
+    out.radar = radar_of(r);
+    return out;
   }
 
   /// True when every value is inside its documented range and the set is coherent; otherwise false

@@ -36,13 +36,15 @@ class Pipeline {
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
       : options_(options),
-        frontends_(options.radars(), Frontend(options)),
-        own_echoes_(options.radars(), OwnEchoes(options.radar.max_doppler)),
         pool_(options),
         gravity_(options),
         gyro_bias_(options),
         rest_(options),
         backend_(options) {
+    for (std::size_t r = 0; r < options.radars(); ++r) {
+      frontends_.emplace_back(options.seen_by(r));
+      own_echoes_.emplace_back(options.radar_of(r).max_doppler);
+    }
     waiting_.reserve(kMaxWaiting);
     aiding_.reserve(kMaxAiding);
     seen_.aiding = &aiding_;

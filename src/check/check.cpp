@@ -76,12 +76,8 @@ Findings check_all(const std::vector<ImuSample>& samples, const std::vector<Scan
       check_one_radar(imu, radars[0], sensors.radar_info, 0, options, source, folder);
   out.insert(out.end(), first.begin(), first.end());
   for (std::size_t r = 1; r < options.radars() && r < radars.size(); ++r) {
-    Options told = options;
-    told.radar.T_BS = options.mount(r).T_BS;
-    told.radar.time_offset = options.mount(r).time_offset;
-    told.radar.doppler_scale = options.mount(r).doppler_scale;
     for (Finding& finding : check_one_radar(imu, radars[r], sensors.other_radars[r - 1].info, r,
-                                            told, source, folder)) {
+                                            options.seen_by(r), source, folder)) {
       out.push_back(of_radar(r, std::move(finding)));
     }
   }

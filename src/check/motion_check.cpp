@@ -249,7 +249,7 @@ Finding check_axes(const Judge& judge) {
 
 /// The best of all candidates.
 double most_explained(const Agreements& windows, const Options& options) {
-  const Agreement all = windows.total();
+  const Agreement& all = windows.total();
   double most = 0.0;
   for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
     most = std::max(most, all.explained(axes.R));
@@ -301,7 +301,7 @@ std::optional<Finding> check_handedness(const Judge& judge, const std::vector<Im
   const ImuPath path(samples, -gyro_unit, accel_unit);
   const Agreements mirrored =
       agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front();
-  const Agreement all = mirrored.total();
+  const Agreement& all = mirrored.total();
   const std::vector<Axes> list = candidates(radar.T_BS.rotation);
   const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
     return all.explained(a.R) < all.explained(b.R);

@@ -11,9 +11,7 @@
 namespace rio {
 
 GravityCheck::GravityCheck(const Options& options)
-    : options_(options),
-      fold_(options.frontend.unwrap_doppler ? options.radar.max_doppler : 0.0),
-      scans_(kMaxScans) {}
+    : options_(options), fold_(tightest_fold(options)), scans_(kMaxScans) {}
 
 void GravityCheck::reset(Time time) {
   scans_.clear();

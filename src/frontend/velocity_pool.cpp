@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "rio/core/random.hpp"
@@ -12,7 +13,10 @@
 namespace rio {
 
 VelocityPool::VelocityPool(const Options& options)
-    : options_(options), fold_(options.frontend.unwrap_doppler ? options.radar.max_doppler : 0.0) {
+    : options_(options), tightest_(tightest_fold(options)) {
+  for (std::size_t r = 0; r < options.radars(); ++r) {
+    (void)folds_.push_back(doppler_fold(options, r));
+  }
   rows_.reserve(kMaxRows);
 }
 
@@ -42,7 +46,7 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   chance_ = chance_share(believed, sigma);
   const double supported = static_cast<double>(support(believed)) / n;
   const double likely = likelihood(believed);
-  const bool unique_fold = fold_.is_unique(sigma * sigma);
+  const bool unique_fold = tightest_.is_unique(sigma * sigma);
   if (unique_fold && supported >= kAgreement && likely > kTelling * n) return agree(now);
 
   Vector3d best = Vector3d::Zero();
@@ -108,16 +112,19 @@ void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
     row.sigma_doppler = d.sigma_doppler;
     row.sigma_direction =
         std::sqrt(0.5 * (d.sigma_azimuth_S.squaredNorm() + d.sigma_elevation_S.squaredNorm()));
+    row.fold = folds_[scan.radar];
     rows_.push_back(row);
   }
 }
 
 void VelocityPool::complete(const Estimate& x) {
+  constexpr double kRootTwoPi = 2.5066282746;
   const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
   const auto n = static_cast<Eigen::Index>(rows_.size());
   columns_.a.resize(n, 3);
-  for (RowArray* column : {&columns_.a_v, &columns_.variance_doppler, &columns_.variance_direction,
-                           &columns_.allowance}) {
+  for (RowArray* column :
+       {&columns_.a_v, &columns_.variance_doppler, &columns_.variance_direction,
+        &columns_.allowance, &columns_.period, &columns_.folds_per_metre, &columns_.range}) {
     column->resize(n);
   }
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -128,6 +135,9 @@ void VelocityPool::complete(const Estimate& x) {
     columns_.variance_doppler[i] = row.sigma_doppler * row.sigma_doppler;
     columns_.variance_direction[i] = row.sigma_direction * row.sigma_direction;
     columns_.allowance[i] = drift_ / 3.0 * row.age;
+    columns_.period[i] = row.fold.ambiguous() ? 2.0 * row.fold.limit() : 0.0;
+    columns_.folds_per_metre[i] = row.fold.ambiguous() ? 1.0 / columns_.period[i] : 0.0;
+    columns_.range[i] = 2.0 * std::min(row.fold.limit(), kRange) / kRootTwoPi;
   }
 }
 
@@ -145,28 +155,23 @@ int VelocityPool::support(const Vector3d& v) const {
 }
 
 double VelocityPool::likelihood(const Vector3d& v, double needed) const {
-  constexpr double kRootTwoPi = 2.5066282746;
   const double speed = std::min(v.norm(), kFastest);
-  const double range = 2.0 * std::min(fold_.limit(), kRange) / kRootTwoPi;
   const Columns& c = columns_;
   const RowArray own = (c.variance_doppler + speed * speed * c.variance_direction)
                            .sqrt()
                            .max(options_.frontend.ransac_threshold / 3.0) +
                        c.allowance;
   RowArray r = c.a_v - (c.a.col(0) * v.x() + c.a.col(1) * v.y() + c.a.col(2) * v.z());
-  if (fold_.ambiguous()) {  // all of them wrapped
-    const double period = 2.0 * fold_.limit();
-    r -= period * (r * (1.0 / period)).rint();
-  }
+  if (tightest_.ambiguous()) r -= c.period * (r * c.folds_per_metre).rint();  // all of them wrapped
   // no row brings more than a residual of zero at the least sigma
-  const double most = std::log(range / own.minCoeff());
+  const double most = std::log((c.range / own).maxCoeff());
   if (static_cast<double>((r.abs() <= 3.0 * own).count()) * most < needed) return 0.0;
   double sum = 0.0;
   for (Eigen::Index i = 0; i < r.size(); ++i) {
     const double square = r[i] * r[i];
     const double variance = own[i] * own[i];
     if (square > 9.0 * variance) continue;
-    sum += std::max(0.0, std::log(range / own[i]) - 0.5 * square / variance);
+    sum += std::max(0.0, std::log(c.range[i] / own[i]) - 0.5 * square / variance);
   }
   return sum;
 }
@@ -177,7 +182,7 @@ double VelocityPool::chance_share(const Vector3d& v, double sigma) const {
   double expected = 0.0;
   for (const Row& row : rows_) {
     const double bound = 3.0 * (this->sigma(row, speed) + sigma);
-    const double beside = std::min(kBeside, fold_.limit() - bound);
+    const double beside = std::min(kBeside, row.fold.limit() - bound);
     const double r = std::abs(residual(row, v));
     if (r < bound) {
       inside += 1.0;
@@ -190,7 +195,7 @@ double VelocityPool::chance_share(const Vector3d& v, double sigma) const {
 
 bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) const {
   SplitMix64 random(static_cast<std::uint64_t>(seed.count()));
-  const double apart = 0.5 * std::min(fold_.limit(), 2.0);  // half a fold, 1 m/s at most
+  const double apart = 0.5 * std::min(tightest_.limit(), 2.0);  // half a fold, 1 m/s at most
   *best = Vector3d::Zero();
   double most = likelihood(*best);
   double rival = 0.0;
@@ -211,22 +216,28 @@ bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) c
   for (int draw = 0; draw < kDraws; ++draw) {
     Matrix3d A;
     Vector3d b;
+    Vector3d period;
+    std::array<DopplerFold, 3> fold;
     for (int k = 0; k < 3; ++k) {
-      const Row& row = rows_[random.below(n)];
+      const std::uint32_t i = random.below(n);
+      const Row& row = rows_[i];
       A.row(k) = row.a.transpose();
       b[k] = row.a_v;
+      period[k] = columns_.period[i];
+      fold[static_cast<std::size_t>(k)] = row.fold;
     }
     if (std::abs(A.determinant()) < kLeastVolume) continue;
     const Matrix3d inverse = A.inverse();
     consider(inverse * b);
-    if (!fold_.ambiguous()) continue;
+    if (!tightest_.ambiguous()) continue;
     const Vector3d expected = A * believed;
-    consider(inverse * Vector3d(fold_.nearest(b[0], expected[0]), fold_.nearest(b[1], expected[1]),
-                                fold_.nearest(b[2], expected[2])));
+    consider(inverse * Vector3d(fold[0].nearest(b[0], expected[0]),
+                                fold[1].nearest(b[1], expected[1]),
+                                fold[2].nearest(b[2], expected[2])));
     if (draw % 4 != 0) continue;
     for (int k = 0; k < 27; ++k) {  // one fold up or down in each row
       const Eigen::Vector3i folds(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
-      consider(inverse * (b + 2.0 * fold_.limit() * folds.cast<double>()));
+      consider(inverse * (b + period.cwiseProduct(folds.cast<double>())));
     }
   }
   return rival < kNearly * most;

@@ -222,7 +222,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
 }
 
 /// The stamps of the scans.
-/// @param scans,grid get the scans, if they are not null
+/// @param scans gets the scans, if it is not null, as does the grid
 std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* scans,
                                DopplerGrid* grid) {
   RadarRows rows(path, scans != nullptr ? Numbers::kRead : Numbers::kLookAt);
@@ -230,7 +230,7 @@ std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* sca
   RadarScan scan;
   while (rows.next(&scan)) {
     times.push_back(scan.time);
-    if (grid != nullptr) grid->add(scan);
+    grid->add(scan);
     if (scans != nullptr) scans->push_back(std::move(scan));
   }
   if (times.empty()) throw std::runtime_error(path.string() + ": holds no scans");
@@ -257,19 +257,19 @@ void note_if_cut_short(const fs::path& root, RecordingOutline* outline) {
 }
 
 /// Read off the data, where the sensor file does not tell.
-void survey_doppler_grid(const fs::path& root, DopplerGrid* grid, Dataset* sensors) {
-  std::optional<double>& step = sensors->radar_info.doppler_resolution;
+void survey_doppler_grid(const fs::path& folder, DopplerGrid* grid, RadarInfo* info,
+                         std::vector<std::string>* notes) {
+  std::optional<double>& step = info->doppler_resolution;
   if (step) return;
-  step = grid->step([&root](const auto& use) {
-    RadarRows rows(root / kRadar / kData, Numbers::kLookAt);
+  step = grid->step([&folder](const auto& use) {
+    RadarRows rows(folder / kData, Numbers::kLookAt);
     RadarScan scan;
     while (rows.next(&scan) && use(scan)) {
     }
   });
   if (!step) return;
-  sensors->notes.push_back(
-      fmt::format("{}: no doppler_resolution_mps; the data has steps of {:.4f} m/s",
-                  (root / kRadar / kSensor).string(), *step));
+  notes->push_back(fmt::format("{}: no doppler_resolution_mps; the data has steps of {:.4f} m/s",
+                               (folder / kSensor).string(), *step));
 }
 
 }  // namespace
@@ -295,12 +295,14 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
     if (!fs::exists(folder)) break;
     std::vector<RadarScan>* scans = nullptr;
     if (samples != nullptr) scans = &samples->other_radars.emplace_back().scans;
-    outline.scan_times.push_back(survey_radar(folder / kData, scans, nullptr));
-    sensors.other_radars.emplace_back();
-    read_radar_info(folder / kSensor, &sensors.other_radars.back().info, &sensors.notes);
+    DopplerGrid own_grid;
+    outline.scan_times.push_back(survey_radar(folder / kData, scans, &own_grid));
+    RadarInfo& info = sensors.other_radars.emplace_back().info;
+    read_radar_info(folder / kSensor, &info, &sensors.notes);
+    survey_doppler_grid(folder, &own_grid, &info, &sensors.notes);
   }
   note_if_cut_short(root, &outline);
-  survey_doppler_grid(root, &grid, &sensors);
+  survey_doppler_grid(root / kRadar, &grid, &sensors.radar_info, &sensors.notes);
   return outline;
 }
 

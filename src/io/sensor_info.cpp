@@ -52,16 +52,8 @@ double widened_fov(double fov, double sigma) {
   return std::min(std::numbers::pi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
 }
 
-void tell(const Dataset& dataset, Options* options, Teller teller) {
-  const ImuInfo& info_imu = dataset.imu_info;
-  ImuOptions& imu = options->imu;
-  teller.copy("imu.gyro_noise_density", info_imu.gyro_noise_density, &imu.gyro_noise_density);
-  teller.copy("imu.gyro_random_walk", info_imu.gyro_random_walk, &imu.gyro_random_walk);
-  teller.copy("imu.accel_noise_density", info_imu.accel_noise_density, &imu.accel_noise_density);
-  teller.copy("imu.accel_random_walk", info_imu.accel_random_walk, &imu.accel_random_walk);
-
-  const RadarInfo& info = dataset.radar_info;
-  RadarOptions& radar = options->radar;
+void tell_radar(const RadarInfo& info, RadarOptions* told, Teller teller) {
+  RadarOptions& radar = *told;
   std::optional<Vector3d> translation;
   std::optional<Quaternion> rotation;
   if (info.T_BS) translation = info.T_BS->translation;
@@ -84,7 +76,18 @@ void tell(const Dataset& dataset, Options* options, Teller teller) {
   teller.copy("radar.max_range", changed(info.max_range, range), &radar.max_range);
   teller.copy("radar.fov_azimuth", changed(info.fov_azimuth, azimuth), &radar.fov_azimuth);
   teller.copy("radar.fov_elevation", changed(info.fov_elevation, elevation), &radar.fov_elevation);
+}
 
+void tell(const Dataset& dataset, Options* options, Teller teller) {
+  const ImuInfo& info_imu = dataset.imu_info;
+  ImuOptions& imu = options->imu;
+  teller.copy("imu.gyro_noise_density", info_imu.gyro_noise_density, &imu.gyro_noise_density);
+  teller.copy("imu.gyro_random_walk", info_imu.gyro_random_walk, &imu.gyro_random_walk);
+  teller.copy("imu.accel_noise_density", info_imu.accel_noise_density, &imu.accel_noise_density);
+  teller.copy("imu.accel_random_walk", info_imu.accel_random_walk, &imu.accel_random_walk);
+
+  const RadarInfo& info = dataset.radar_info;
+  tell_radar(info, &options->radar, teller);
   CalibrationOptions& prior = options->calibration;
   teller.copy_prior("calibration.rotation_sigma", info.prior_rotation, &prior.rotation_sigma);
   teller.copy_prior("calibration.translation_sigma", info.prior_position, &prior.translation_sigma);
@@ -94,24 +97,22 @@ void tell(const Dataset& dataset, Options* options, Teller teller) {
                     &prior.doppler_scale_sigma);
 }
 
-/// All radars but the first, from what is known of that one and their own files.
-void tell_other_radars(const Dataset& dataset, Options* options) {
-  options->other_radars.clear();
-  for (const Dataset::OtherRadar& other : dataset.other_radars) {
-    RadarMount mount = options->mount(0);
-    if (other.info.T_BS) mount.T_BS = *other.info.T_BS;
-    mount.time_offset = other.info.time_offset.value_or(mount.time_offset);
-    mount.doppler_scale = other.info.doppler_scale.value_or(mount.doppler_scale);
-    (void)options->other_radars.push_back(mount);
-  }
-}
-
 }  // namespace
 
 void apply_sensor_info(const Dataset& dataset, Options* options,
                        std::vector<std::string>* configured) {
   tell(dataset, options, Teller(configured, nullptr));
-  tell_other_radars(dataset, options);
+  apply_other_radars(dataset, options);
+}
+
+void apply_other_radars(const Dataset& dataset, Options* options) {
+  options->other_radars.clear();
+  for (const Dataset::OtherRadar& other : dataset.other_radars) {
+    RadarOptions radar = options->radar;
+    tell_radar(other.info, &radar, Teller(nullptr, nullptr));
+    (void)options->other_radars.push_back(
+        {radar.T_BS, radar.time_offset, radar.doppler_scale, radar});
+  }
 }
 
 std::vector<std::string> sensor_option_keys() {

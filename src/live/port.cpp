@@ -70,8 +70,8 @@ Port::Port(const std::string& name, int default_baud)
 }
 
 Port::Port(Port&& other) noexcept
-    : name_(other.name_),
-      path_(other.path_),
+    : name_(std::move(other.name_)),
+      path_(std::move(other.path_)),
       baud_(other.baud_),
       is_udp_(other.is_udp_),
       listens_(other.listens_),

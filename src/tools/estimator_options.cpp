@@ -27,6 +27,7 @@ std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const
   if (file.empty()) return {};
   const Options before = *options;
   io::load_option_values(file, options);
+  io::apply_other_radars(sensors, options);
   std::vector<std::string> changed = io::changed_options(before, *options, configured);
   for (std::string& text : changed) text = file + " overrides the sensor files: " + text;
   return changed;

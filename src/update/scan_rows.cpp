@@ -28,8 +28,6 @@ ScanRows::ScanRows(const Options& options)
     : options_(options.update),
       auxiliary_(options.auxiliary),
       gravity_(options.imu.gravity),
-      noise_distance_(options.radar.noise_distance),
-      doppler_grid_(options.radar.doppler_resolution),
       gate_(options.update.gate_probability),
       doppler_(options.update.doppler_directions),
       trail_(options.update.sigma_trail_distance),
@@ -40,6 +38,11 @@ ScanRows::ScanRows(const Options& options)
                                       RestModel::kDim) +
              kMaxAiding * static_cast<std::size_t>(AidingMeasurement::kMaxRows)) {
   used_.reserve(batch_.capacity());
+  for (std::size_t r = 0; r < options.radars(); ++r) {
+    const RadarOptions radar = options.radar_of(r);
+    noise_distance_[r] = radar.noise_distance;
+    doppler_grid_[r] = radar.doppler_resolution;
+  }
 }
 
 const RowBatch& ScanRows::build(const Observations& seen, const StateEstimate& state_estimate,
@@ -194,17 +197,17 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   constexpr double kCells = 6.0;  // the rounding of y and y + c cells correlate by 1 - 6 c + ...
   const double distance_at_scan = distance_at_scan_[x.estimate.radar];
   const double other = repetition(distance_at_scan, x);
-  if (noise_distance_ <= 0.0) return other;  // every error is new in every scan
-  const double rounding =
-      std::min(doppler_grid_ * doppler_grid_ / 12.0, d.sigma_doppler * d.sigma_doppler) /
-      batch_.rows().back().variance;
+  if (noise_distance_[x.estimate.radar] <= 0.0) return other;  // every error is new in every scan
+  const double grid = doppler_grid_[x.estimate.radar];
+  const double rounding = std::min(grid * grid / 12.0, d.sigma_doppler * d.sigma_doppler) /
+                          batch_.rows().back().variance;
   if (!(rounding > 0.0)) return other;
   // the rate changes as the direction turns and as the radar accelerates
   const Vector3d v = x.radar_velocity_S();
   const double radial = d.direction_S.dot(v);
   const double turning = (v.squaredNorm() - radial * radial) / d.range;
   const double accelerating = (x.T_WB.R * (x.T_BS.R * d.direction_S)).dot(x.accel_W);
-  const double cells = std::abs(turning - accelerating) * since_scan_ / doppler_grid_;
+  const double cells = std::abs(turning - accelerating) * since_scan_ / grid;
   const double distance = std::max(0.0, x.estimate.distance_travelled - distance_at_scan);
   const double rho = (1.0 - kFreshShare) * std::exp(-distance / kSameReflectors - kCells * cells);
   return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));

@@ -259,7 +259,7 @@ TEST_F(Live, SendsTheConfigurationFirst) {
 /// One line to the autopilot, both ways; the program ends by a signal.
 TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
   Hardware hardware;
-  const std::string line = hardware.autopilot_port();
+  const std::string& line = hardware.autopilot_port();
   const Outcome run =
       run_command("timeout --preserve-status -s INT 5 " RIO_TOOL " live --sensors " + flight_ +
                   " --radar " + hardware.radar_port() + " --imu " + line +

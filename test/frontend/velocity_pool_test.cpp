@@ -78,6 +78,33 @@ TEST_F(PoolTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
   }
 }
 
+// Three points a scan, of a radar that does not fold and, three times as often, of one that does.
+TEST_F(PoolTest, EachRadarHasItsOwnFold) {
+  options_.other_radars.push_back({options_.radar.T_BS, 0.0, 0.0, options_.radar});
+  options_.radar.max_doppler = 0.0;
+  v_ = {3.5, -0.3, 0.1};  // beyond the limit of the second
+  for (const double wrong : {0.0, 4.0}) {
+    restart();
+    const Vector3d error = wrong * random_.direction();
+    std::optional<VelocityOpinion> other;
+    for (std::size_t i = 0; i < 30 && !other; ++i) {
+      const Time last = vehicle_->truth.time;
+      vehicle_->advance();
+      Estimate x = vehicle_->estimate();
+      x.nav.v_WB += error;
+      const DetectionList scan = vehicle_->scan_of(i % 4 == 0 ? 0 : 1, 3, 0, Vector3d::Zero());
+      other = pool_->observe(scan, x, 0.05, 0.002, last, vehicle_->imu(), false);
+    }
+    ASSERT_EQ(other.has_value(), wrong > 0.0);
+    if (wrong == 0.0) {
+      EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(200));
+      continue;
+    }
+    const Vector3d v_B = vehicle_->truth.q_WB.conjugate() * vehicle_->truth.v_WB;
+    EXPECT_LT((other->v_B - v_B).norm(), 0.4);
+  }
+}
+
 TEST_F(PoolTest, ARightVelocityIsNeverContradicted) {
   for (const int points : {1, 3, 6, 20}) {
     restart();

@@ -67,6 +67,10 @@ Options options_of(Input& in) {
   }
   if ((start & 32) != 0) {  // further sensors
     RIO_FUZZ_CHECK(o.other_radars.push_back({{Quaternion(0.0, 0.0, 0.0, 1.0), {-0.1, 0.0, 0.0}}}));
+    if ((start & 128) != 0) {  // of another kind
+      o.other_radars[0].kind = o.radar;
+      o.other_radars[0].kind->max_doppler = 6.0;
+    }
     RIO_FUZZ_CHECK(o.auxiliary.declare<HeightOffset>());
     o.timing.aiding_delay = (start & 64) != 0 ? 0.3 : 0.0;
   }

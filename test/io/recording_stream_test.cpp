@@ -70,7 +70,7 @@ std::string error_of_both(const std::filesystem::path& path) {
     }
     return "";
   };
-  const std::string error = error_of([&] { (void)open_dataset(path); });
+  std::string error = error_of([&] { (void)open_dataset(path); });
   EXPECT_EQ(error, error_of([&] { (void)read_dataset(path, Truth::kStart); }));
   return error;
 }

@@ -217,6 +217,39 @@ TEST(SensorInfo, PriorsDoNotSwitchACalibrationOn) {
   EXPECT_EQ(o.radar.time_offset, -1.0 / 3.0 / 100.0) << "what is known is used all the same";
 }
 
+TEST(SensorInfo, AFurtherRadarIsAsTheFirstButForWhatItsFileSays) {
+  Dataset d;
+  d.radar_info.T_BS = Pose{Quaternion::Identity(), {0.1, 0.0, 0.0}};
+  d.radar_info.sigma_doppler = 0.1;
+  d.radar_info.max_doppler = 2.5;
+  d.other_radars.resize(2);
+  d.other_radars[1].info.T_BS = Pose{Quaternion::Identity(), {-0.1, 0.0, 0.0}};
+  d.other_radars[1].info.max_doppler = 8.0;
+  d.other_radars[1].info.fov_elevation = 0.5;
+  Options o;
+  apply_sensor_info(d, &o);
+  ASSERT_EQ(o.radars(), 3U);
+  EXPECT_EQ(o.radar_of(1).max_doppler, 2.5);
+  EXPECT_EQ(o.radar_of(1).T_BS.translation.x(), 0.1);
+  EXPECT_EQ(o.radar_of(2).max_doppler, 8.0);
+  EXPECT_EQ(o.radar_of(2).sigma_doppler, 0.1);
+  EXPECT_EQ(o.radar_of(2).T_BS.translation.x(), -0.1);
+  EXPECT_LT(o.radar_of(2).fov_elevation, o.radar_of(0).fov_elevation);
+
+  // an option file speaks of the first, and of the others where theirs are silent
+  o.radar.max_doppler = 3.0;
+  o.radar.sigma_doppler = 0.2;
+  apply_other_radars(d, &o);
+  EXPECT_EQ(o.radar_of(1).max_doppler, 3.0);
+  EXPECT_EQ(o.radar_of(2).max_doppler, 8.0);
+  EXPECT_EQ(o.radar_of(2).sigma_doppler, 0.2);
+
+  std::string why;
+  o.other_radars[1].kind->sigma_range = -1.0;
+  EXPECT_FALSE(o.validate(&why));
+  EXPECT_EQ(why.find("radar 2: radar.sigma_range"), 0U) << why;
+}
+
 TEST(SensorInfo, UnknownLeavesTheOptions) {
   Options o;
   o.radar.max_range = 12.0;

@@ -24,7 +24,7 @@ void aids(rio::Options options, rio::Status status, rio::Time time, double heigh
 void radars(rio::Options options, const rio::Pose& T_BS_of_the_second, rio::Odometry* odometry,
             const rio::RadarScan& scan, rio::Status status) {
   // [README radars]
-  options.other_radars.push_back({T_BS_of_the_second});  // up to three more, of the same kind
+  options.other_radars.push_back({T_BS_of_the_second});  // up to three more; of another kind: .kind
   status = odometry->add_scan(scan, 1);                  // radar 0 is the one of options.radar
   // [README radars]
 }

@@ -46,8 +46,14 @@ class SeenVehicle {
 
   /// `points` of the world and `others` that move by `u_W` in it.
   DetectionList scan(int points, int others = 0, const Vector3d& u_W = Vector3d::Zero()) {
+    return scan_of(0, points, others, u_W);
+  }
+  /// What another radar sees, mounted as the first.
+  DetectionList scan_of(std::size_t radar, int points, int others, const Vector3d& u_W) {
+    const RadarOptions seen_by = options_.radar_of(radar);
     DetectionList out;
     out.time = truth.time;
+    out.radar = radar;
     const Matrix3d R = truth.q_WB.toRotationMatrix();
     const Matrix3d R_BS = mounting.toRotationMatrix() * options_.radar.T_BS.rotation;
     const Vector3d turn = rate.cross(options_.radar.T_BS.translation);
@@ -60,8 +66,8 @@ class SeenVehicle {
       Vector3d v_B = R.transpose() * truth.v_WB + turn;
       if (i >= points) v_B -= R.transpose() * u_W;
       const double d = -(R_BS * raw.point_S.normalized()).dot(v_B) + random_->normal(0.03);
-      raw.range_rate = DopplerFold(options_.radar.max_doppler).wrap(d);
-      out.items.push_back(make_detection(raw, options_.radar));
+      raw.range_rate = DopplerFold(seen_by.max_doppler).wrap(d);
+      out.items.push_back(make_detection(raw, seen_by));
     }
     return out;
   }

@@ -11,13 +11,15 @@
 #include <cmath>
 #include <limits>
 
+#include "rio/options.hpp"
+
 namespace rio {
 
 class DopplerFold {
  public:
+  DopplerFold() = default;  ///< no ambiguity
   /// @param max_doppler v_max [m/s]; 0 = no ambiguity
-  explicit DopplerFold(double max_doppler)
-      : limit_(max_doppler > 0.0 ? max_doppler : std::numeric_limits<double>::infinity()) {}
+  explicit DopplerFold(double max_doppler) : limit_(max_doppler > 0.0 ? max_doppler : kNone) {}
 
   /// Infinite if there is no ambiguity [m/s].
   double limit() const { return limit_; }
@@ -36,7 +38,23 @@ class DopplerFold {
   }
 
  private:
-  double limit_;
+  static constexpr double kNone = std::numeric_limits<double>::infinity();
+
+  double limit_ = kNone;
 };
+
+/// That of a radar; none if folding is not undone.
+inline DopplerFold doppler_fold(const Options& options, std::size_t radar) {
+  return DopplerFold(options.frontend.unwrap_doppler ? options.radar_of(radar).max_doppler : 0.0);
+}
+/// The tightest of all radars: where it leaves one fold, so do the others.
+inline DopplerFold tightest_fold(const Options& options) {
+  DopplerFold out;
+  for (std::size_t r = 0; r < options.radars(); ++r) {
+    const DopplerFold fold = doppler_fold(options, r);
+    if (fold.limit() < out.limit()) out = fold;
+  }
+  return out;
+}
 
 }  // namespace rio

@@ -83,6 +83,7 @@ class VelocityPool {
     double a_v = 0.0;               ///< what a . v is: y + a . (s + g T) [m/s]
     double sigma_doppler = 0.0;     ///< [m/s]
     double sigma_direction = 0.0;   ///< [rad]
+    DopplerFold fold;               ///< of the radar that measured it
   };
 
   static constexpr std::size_t kMaxRows = 96;
@@ -92,7 +93,9 @@ class VelocityPool {
   struct Columns {
     Eigen::Array<double, Eigen::Dynamic, 3, 0, kMaxRows, 3> a;
     RowArray a_v, variance_doppler, variance_direction;
-    RowArray allowance;  ///< e T / 3 of (E3) [m/s]
+    RowArray allowance;                ///< e T / 3 of (E3) [m/s]
+    RowArray period, folds_per_metre;  ///< 2 v_max and its inverse, both 0 without folding
+    RowArray range;                    ///< 2 v_r / sqrt(2 pi) of (E4) [m/s]
   };
 
   /// The rows to the time of x (E1).
@@ -102,7 +105,7 @@ class VelocityPool {
 
   double sigma(const Row& row, double speed) const;
   double residual(const Row& row, const Vector3d& v) const {
-    return fold_.wrap(row.a_v - row.a.dot(v));
+    return row.fold.wrap(row.a_v - row.a.dot(v));
   }
   int support(const Vector3d& v) const;  // (E3)
   /// (E4); 0 where it cannot reach `needed`.
@@ -143,7 +146,8 @@ class VelocityPool {
   static constexpr int kDraws = 30;             // at kMajority no clean triple once in 1500 scans
 
   Options options_;
-  DopplerFold fold_;
+  StaticVector<DopplerFold, kMaxRadars> folds_;  ///< by radar
+  DopplerFold tightest_;
   double drift_ = kDrift;  ///< e of (E3) [m/s^2]
   std::vector<Row> rows_;  ///< oldest first
   Columns columns_;        ///< of rows_, after complete()

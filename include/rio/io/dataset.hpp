@@ -4,7 +4,7 @@
 //   imu0/data.csv      t [ns], gyro x y z [rad/s], accel x y z [m/s^2]
 //   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row a detection,
 //                      and, if the sensor knows them, sigmas of range, azimuth, elevation, doppler
-//   radar1, radar2, radar3                further radars of the same kind               (optional)
+//   radar1, radar2, radar3                further radars on the same body               (optional)
 //   baro0/data.csv     t [ns], pressure [Pa]                                            (optional)
 //   state_groundtruth_estimate0/data.csv   t, p xyz, q wxyz, v xyz, bg xyz, ba xyz      (optional)
 //
@@ -67,10 +67,10 @@ struct BaroSample {
 struct Dataset {
   std::vector<ImuSample> imu;
   std::vector<RadarScan> scans;
-  /// radar1, radar2, radar3: others of the same kind on the same body.
+  /// radar1, radar2, radar3: others on the same body.
   struct OtherRadar {
     std::vector<RadarScan> scans;
-    RadarInfo info;  ///< its T_BS, time_offset and doppler_scale count, the rest is that of radar0
+    RadarInfo info;  ///< what it does not say is as for radar0; priors are those of radar0
   };
   std::vector<OtherRadar> other_radars;
   std::vector<BaroSample> baro;
@@ -117,6 +117,10 @@ void write_radar_info(const std::filesystem::path& path, const RadarInfo& info,
 /// @param configured gets the keys of the options that were set
 void apply_sensor_info(const Dataset& dataset, Options* options,
                        std::vector<std::string>* configured = nullptr);
+
+/// The second half of the above: options->other_radars, each as options->radar but for what its own
+/// sensor file says. For who has changed options->radar since.
+void apply_other_radars(const Dataset& dataset, Options* options);
 
 /// The keys of all options that sensor files can set.
 std::vector<std::string> sensor_option_keys();

@@ -99,7 +99,7 @@ class ScanRows {
   /// Factor of the variance of what repeats a measurement made at `distance`.
   double repetition(double distance, const LinearizationPoint& x) const {
     return repetition_factor(std::max(0.0, x.estimate.distance_travelled - distance),
-                             noise_distance_);
+                             noise_distance_[x.estimate.radar]);
   }
   /// Same for a Doppler, whose rounding repeats until it has changed by a cell.
   double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
@@ -122,9 +122,10 @@ class ScanRows {
   UpdateOptions options_;
   AuxiliaryStates auxiliary_;
   double gravity_;
-  double noise_distance_;
-  double doppler_grid_;                                ///< [m/s]
-  std::array<double, kMaxRadars> distance_at_scan_{};  ///< flown at the last scan of a radar [m]
+  // by radar
+  std::array<double, kMaxRadars> noise_distance_{};    ///< [m]
+  std::array<double, kMaxRadars> doppler_grid_{};      ///< [m/s]
+  std::array<double, kMaxRadars> distance_at_scan_{};  ///< flown at its last scan [m]
   double since_scan_ = 1.0;                            ///< since the last scan, at most [s]
   std::array<Time, kMaxRadars> last_scan_{};
   Gate gate_;
