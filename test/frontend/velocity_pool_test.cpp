@@ -82,9 +82,9 @@ TEST_F(PoolTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
 TEST_F(PoolTest, EachRadarHasItsOwnFold) {
   options_.other_radars.push_back({options_.radar.T_BS, 0.0, 0.0, options_.radar});
   options_.radar.max_doppler = 0.0;
-  v_ = {3.5, -0.3, 0.1};  // beyond the limit of the second
   for (const double wrong : {0.0, 4.0}) {
     restart();
+    vehicle_->truth.v_WB = vehicle_->truth.q_WB * Vector3d(4.0, 0.3, 0.0);  // beyond that limit
     const Vector3d error = wrong * random_.direction();
     std::optional<VelocityOpinion> other;
     for (std::size_t i = 0; i < 30 && !other; ++i) {
