@@ -38,7 +38,9 @@ class Engine final : public Odometry::Impl {
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
         restart_(o.start, o.imu.gravity),
-        queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars()) {
+        queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars(),
+               o.frontend.max_detections),
+        filtered_(o.frontend.max_detections) {
     for (std::size_t r = 0; r < o.radars(); ++r) extrinsics[r] = o.mount(r).T_BS;
   }
 

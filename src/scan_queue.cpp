@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_queue.hpp"
 
+#include <utility>
+
 namespace rio {
 
 bool ScanQueue::contains(Time time, std::size_t radar) const {
@@ -16,7 +18,7 @@ void ScanQueue::insert(const DetectionList& scan, Time measured) {
     return due_[k] > measured || (due_[k] == measured && scans_[k].radar > scan.radar);
   };
   for (; i > 0 && follows(i - 1); --i) {
-    scans_[i] = scans_[i - 1];
+    std::swap(scans_[i], scans_[i - 1]);
     due_[i] = due_[i - 1];
   }
   scans_[i] = scan;
@@ -25,7 +27,7 @@ void ScanQueue::insert(const DetectionList& scan, Time measured) {
 
 void ScanQueue::pop_front() {
   for (std::size_t i = 1; i < size_; ++i) {
-    scans_[i - 1] = scans_[i];
+    std::swap(scans_[i - 1], scans_[i]);
     due_[i - 1] = due_[i];
   }
   --size_;

@@ -12,7 +12,11 @@ namespace rio {
 /// shifts.
 class ScanQueue {
  public:
-  explicit ScanQueue(std::size_t capacity) : scans_(capacity), due_(capacity) {}
+  /// @param detections room for so many in each scan
+  ScanQueue(std::size_t capacity, int detections) : due_(capacity) {
+    scans_.reserve(capacity);
+    for (std::size_t i = 0; i < capacity; ++i) scans_.emplace_back(detections);
+  }
 
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == scans_.size(); }
@@ -25,7 +29,7 @@ class ScanQueue {
   void pop_front();
 
  private:
-  std::vector<DetectionList> scans_;
+  std::vector<DetectionList> scans_;  ///< the room of those beyond size_ is kept
   std::vector<Time> due_;
   std::size_t size_ = 0;
 };

@@ -20,7 +20,7 @@ namespace rio {
 /// Capacities the estimator is compiled with; src/options.cpp checks that they agree with the
 /// stages.
 namespace option_limits {
-inline constexpr int kDetections = 256;
+inline constexpr int kDetections = 1024;
 inline constexpr int kClones = 20;
 inline constexpr int kLandmarks = 64;
 }  // namespace option_limits

@@ -40,7 +40,8 @@ class Pipeline {
         gravity_(options),
         gyro_bias_(options),
         rest_(options),
-        backend_(options) {
+        backend_(options),
+        corrected_(options.frontend.max_detections) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
       frontends_.emplace_back(options.seen_by(r));
       own_echoes_.emplace_back(options.radar_of(r).max_doppler);
@@ -231,7 +232,9 @@ class Pipeline {
     own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()), velocity_covariance_, &own_);
     if (own_.empty()) return scan;
     if (&scan != &corrected_) corrected_ = scan;
-    for (std::size_t i = own_.size(); i-- > 0;) corrected_.items.erase(own_[i]);
+    for (std::size_t i = own_.size(); i-- > 0;) {
+      corrected_.items.erase(corrected_.items.begin() + static_cast<std::ptrdiff_t>(own_[i]));
+    }
     return corrected_;
   }
 

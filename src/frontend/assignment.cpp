@@ -1,66 +1,130 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/frontend/assignment.hpp"
 
+#include <algorithm>
+
 namespace rio {
 
 Assignment::Assignment(std::size_t max_rows, std::size_t max_columns)
     : max_columns_(max_columns),
       cost_(max_rows * max_columns),
-      row_of_(max_rows, kNone),
-      column_list_(max_columns) {
-  const std::size_t larger = std::max(max_rows, max_columns) + 1;
-  row_list_.resize(max_rows);
-  row_potential_.resize(larger);
-  column_potential_.resize(larger);
-  matched_row_.resize(larger);
-  way_.resize(larger);
-  distance_.resize(larger);
-  visited_.resize(larger);
+      candidates_end_(max_rows + 1),
+      column_of_(max_rows, kNone),
+      row_of_(max_columns, kNone),
+      u_(max_rows),
+      v_(max_columns),
+      row_distance_(max_rows),
+      column_distance_(max_columns, kInfinity),
+      from_(max_columns),
+      settled_(max_columns) {
+  candidates_.reserve(max_rows * max_columns);
+  tree_.reserve(max_rows);
+  seen_.reserve(max_columns);
 }
 
 void Assignment::begin(std::size_t rows, std::size_t columns, double gate) {
-  RIO_ASSERT(rows <= row_of_.size() && columns <= max_columns_);
+  RIO_ASSERT(rows <= column_of_.size() && columns <= max_columns_);
   rows_ = rows;
   columns_ = columns;
   gate_ = gate;
-  std::fill_n(cost_.begin(), static_cast<std::ptrdiff_t>(rows * columns), gate);
+  std::fill_n(cost_.begin(), rows * columns, gate);
+}
+
+void Assignment::set(std::size_t row, std::size_t column, double cost) {
+  cost_[row * columns_ + column] = cost < gate_ ? cost : gate_;
 }
 
 void Assignment::solve() {
-  std::fill_n(row_of_.begin(), static_cast<std::ptrdiff_t>(rows_), kNone);
-  // rows and columns without a candidate cannot be assigned: leave them out
-  std::size_t n = 0;
+  candidates_.clear();
   for (std::size_t r = 0; r < rows_; ++r) {
     for (std::size_t c = 0; c < columns_; ++c) {
-      if (cost(r, c) < gate_) {
-        row_list_[n++] = r;
-        break;
-      }
+      if (cost(r, c) < gate_) candidates_.push_back(c);
     }
+    candidates_end_[r + 1] = candidates_.size();
   }
-  std::size_t m = 0;
-  for (std::size_t c = 0; c < columns_; ++c) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (cost(row_list_[i], c) < gate_) {
-        column_list_[m++] = c;
-        break;
-      }
+  std::fill_n(column_of_.begin(), rows_, kNone);
+  std::fill_n(row_of_.begin(), columns_, kNone);
+  std::fill_n(v_.begin(), columns_, 0.0);
+  for (std::size_t r = 0; r < rows_; ++r) augment(r);
+}
+
+void Assignment::augment(std::size_t start) {
+  u_[start] = gate_;
+  for (std::size_t k = candidates_end_[start]; k < candidates_end_[start + 1]; ++k) {
+    u_[start] = std::min(u_[start], cost(start, candidates_[k]) - v_[candidates_[k]]);
+  }
+  tree_.clear();
+  std::size_t row = start;
+  double length = kInfinity;  // of the shortest path known, which leaves a row alone
+  std::size_t alone = start;
+  int end = kNone;  // the free column, if that is nearer
+  double distance = 0.0;
+  while (true) {
+    reach(row, distance);
+    if (distance + gate_ - u_[row] < length) {
+      length = distance + gate_ - u_[row];
+      alone = row;
     }
+    const int column = settle_nearest(length);
+    if (column == kNone) break;
+    const auto c = static_cast<std::size_t>(column);
+    distance = column_distance_[c];
+    if (row_of_[c] == kNone) {
+      length = distance;
+      end = column;
+      break;
+    }
+    row = static_cast<std::size_t>(row_of_[c]);
   }
-  if (n <= m) {
-    augment(n, m,
-            [this](std::size_t i, std::size_t j) { return cost(row_list_[i], column_list_[j]); });
-  } else {
-    augment(m, n,
-            [this](std::size_t i, std::size_t j) { return cost(row_list_[j], column_list_[i]); });
+  for (const std::size_t r : tree_) u_[r] += length - row_distance_[r];  // (E2)
+  for (const std::size_t c : seen_) {
+    if (settled_[c] != 0) v_[c] -= length - column_distance_[c];
+    column_distance_[c] = kInfinity;
+    settled_[c] = 0;
   }
-  for (std::size_t j = 1; j <= std::max(n, m); ++j) {
-    if (matched_row_[j] == 0) continue;
-    const std::size_t first = matched_row_[j] - 1;
-    const std::size_t second = j - 1;
-    const std::size_t r = row_list_[n <= m ? first : second];
-    const std::size_t c = column_list_[n <= m ? second : first];
-    if (cost(r, c) < gate_) row_of_[r] = static_cast<int>(c);
+  seen_.clear();
+  if (end == kNone) {
+    end = column_of_[alone];
+    column_of_[alone] = kNone;
+    if (alone == start) return;
+  }
+  assign(start, end);
+}
+
+void Assignment::reach(std::size_t row, double distance) {
+  tree_.push_back(row);
+  row_distance_[row] = distance;
+  for (std::size_t k = candidates_end_[row]; k < candidates_end_[row + 1]; ++k) {
+    const std::size_t c = candidates_[k];
+    if (settled_[c] != 0) continue;
+    const double through = distance + (cost(row, c) - u_[row] - v_[c]);
+    if (!(through < column_distance_[c])) continue;
+    if (column_distance_[c] == kInfinity) seen_.push_back(c);
+    column_distance_[c] = through;
+    from_[c] = row;
+  }
+}
+
+int Assignment::settle_nearest(double limit) {
+  int nearest = kNone;
+  for (const std::size_t c : seen_) {
+    if (settled_[c] != 0 || !(column_distance_[c] < limit)) continue;
+    limit = column_distance_[c];
+    nearest = static_cast<int>(c);
+  }
+  if (nearest != kNone) settled_[static_cast<std::size_t>(nearest)] = 1;
+  return nearest;
+}
+
+void Assignment::assign(std::size_t start, int column) {
+  while (true) {
+    const auto c = static_cast<std::size_t>(column);
+    const std::size_t row = from_[c];
+    const int before = column_of_[row];
+    column_of_[row] = column;
+    row_of_[c] = static_cast<int>(row);
+    if (row == start) return;
+    column = before;
   }
 }
 

@@ -14,15 +14,13 @@ Association::Association(const FrontendOptions& options, std::size_t max_landmar
       same_echo_(same_echo),
       gate_(chi2_quantile(options.match_probability, 3.0)),
       core_(chi2_quantile(std::min(options.match_core, options.match_probability), 3.0)),
+      seen_(static_cast<std::size_t>(options.max_detections)),
       assignment_(static_cast<std::size_t>(options.max_detections) + max_landmarks,
                   static_cast<std::size_t>(options.max_detections)) {}
 
 void Association::match(const DetectionList& scan, const std::array<bool, kMaxDetections>& usable,
                         const Estimate& predicted, std::size_t landmarks, const TrailSet& trails,
                         AssociationResult* out) {
-  out->landmarks.clear();
-  out->trails.clear();
-  out->near_landmark.fill(false);
   const std::size_t rows = landmarks + trails.size();
   assignment_.begin(rows, scan.items.size(),
                     options_.matching == Matching::kEuclidean ? options_.match_gate : kMaxCost);

@@ -12,6 +12,7 @@ Frontend::Frontend(const Options& options)
       use_landmarks_(options.update.use_landmarks),
       unwrap_(options.frontend.unwrap_doppler && options.radar.max_doppler > 0.0),
       ransac_(options.frontend, unwrap_ ? options.radar.max_doppler : 0.0),
+      unwrapped_(options.frontend.max_detections),
       trails_(options.frontend.max_detections, std::max(1, options.update.max_clones)),
       association_(options.frontend, static_cast<std::size_t>(options.update.max_landmarks),
                    0.5 * options.radar.noise_distance) {}
@@ -20,7 +21,6 @@ void Frontend::observe(const DetectionList& scan, const Estimate& predicted, Obs
                        const Matrix3d& velocity_covariance_S) {
   out->scan = &scan;
   out->trails = &trails_;
-  out->matches = AssociationResult{};
   out->moves.fill(false);
   std::optional<RadarVelocity> predicted_velocity;
   if (options_.ransac_use_prediction) {
@@ -30,6 +30,7 @@ void Frontend::observe(const DetectionList& scan, const Estimate& predicted, Obs
                    1.0 + predicted.radar_errors[RadarErrors::kDopplerScale]);
   if (unwrap_) unwrap(scan, out);
   find_companions(out);
+  out->matches.clear();
   if (!use_trails_) return;
   const std::size_t landmarks = use_landmarks_ ? predicted.landmarks.size() : 0;
   std::array<bool, kMaxDetections> usable{};

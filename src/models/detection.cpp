@@ -103,7 +103,7 @@ void keep_one_a_reflector(DetectionList* scan) {
       const bool weaker =
           other.snr_db > scan->items[i].snr_db || (other.snr_db == scan->items[i].snr_db && k < i);
       if (!weaker || !of_one_reflector(other, scan->items[i])) continue;
-      scan->items.erase(i);
+      scan->items.erase(scan->items.begin() + static_cast<std::ptrdiff_t>(i));
       break;
     }
   }
@@ -118,9 +118,6 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
   out.non_finite = 0;
   out.items.clear();
   const auto most = static_cast<std::size_t>(max_detections);
-  const auto index = [&out](const Detection* d) {
-    return static_cast<std::size_t>(d - out.items.begin());
-  };
   // so many more than there is room for: reflectors have several detections
   constexpr std::size_t kCrowd = 4;
   const bool may_crowd = scan.detections.size() > kCrowd * most;
@@ -149,14 +146,14 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
           std::find_if(out.items.begin(), out.items.end(),
                        [&d](const Detection& kept) { return of_one_reflector(kept, d); });
       if (same != out.items.end() && same->snr_db >= d.snr_db) continue;
-      if (same != out.items.end()) out.items.erase(index(same));
+      if (same != out.items.end()) out.items.erase(same);
     }
     if (out.items.size() == most) {
       const auto weakest = std::min_element(
           out.items.begin(), out.items.end(),
           [](const Detection& x, const Detection& y) { return x.snr_db < y.snr_db; });
       if (weakest->snr_db >= d.snr_db) continue;
-      out.items.erase(index(weakest));
+      out.items.erase(weakest);
     }
     out.items.push_back(d);
   }

@@ -38,6 +38,7 @@ ScanRows::ScanRows(const Options& options)
                                       RestModel::kDim) +
              kMaxAiding * static_cast<std::size_t>(AidingMeasurement::kMaxRows)) {
   used_.reserve(batch_.capacity());
+  dopplers_.resize(static_cast<std::size_t>(options.frontend.max_detections));
   for (std::size_t r = 0; r < options.radars(); ++r) {
     const RadarOptions radar = options.radar_of(r);
     noise_distance_[r] = radar.noise_distance;

@@ -183,7 +183,7 @@ TEST(Detection, FingerprintsDifferInEveryNumberAndAreZeroAtRest) {
     EXPECT_NE(fingerprint(other), print) << k;
   }
   DetectionList fewer = list;
-  fewer.items.erase(2);
+  fewer.items.erase(fewer.items.begin() + 2);
   EXPECT_NE(fingerprint(fewer), print);
   for (Detection& d : list.items) d.range_rate = 0.0;
   EXPECT_EQ(fingerprint(list), 0U);
@@ -292,9 +292,9 @@ TEST(DetectionFilter, KeepsTheStrongestInTheirOrder) {
   test::Random random(3);
   scan.detections.clear();
   std::vector<double> strengths;
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < 1600; ++i) {
     scan.detections.push_back(raw_detection(1.0 + 0.01 * i, 0.0, 0.0, random.uniform(1.0, 40.0)));
-    scan.detections.back().range_rate = i;  // no two of one reflector
+    scan.detections.back().range_rate = 0.5 * i;  // no two of one reflector
     strengths.push_back(scan.detections.back().snr_db);
   }
   std::sort(strengths.rbegin(), strengths.rend());

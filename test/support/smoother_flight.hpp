@@ -29,6 +29,7 @@ class SmootherFlight {
   /// A new pipeline that starts at `start`.
   void begin(const Options& options, const NavState& start) {
     options_ = options;
+    list_ = DetectionList(options.frontend.max_detections);
     imu_ = std::make_unique<ImuBuffer>(options_.timing, options_.imu);
     for (const ImuSample& sample : flight_.imu) imu_->push_back(sample);
     pipeline_ = std::make_unique<Pipeline<Smoother>>(options_);

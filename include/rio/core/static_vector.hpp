@@ -2,6 +2,7 @@
 // A vector of fixed capacity that never allocates. C++17.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -14,6 +15,15 @@ template <class T, std::size_t Capacity>
 class StaticVector {
  public:
   using value_type = T;
+
+  StaticVector() = default;
+  StaticVector(const StaticVector&) = default;
+  /// Copies the elements that there are, not the room for others.
+  StaticVector& operator=(const StaticVector& other) {
+    std::copy(other.begin(), other.end(), begin());
+    size_ = other.size_;
+    return *this;
+  }
 
   static constexpr std::size_t capacity() { return Capacity; }
   std::size_t size() const { return size_; }

@@ -42,6 +42,12 @@ struct AssociationResult {
   Matches trails;
   /// Per detection: inside the gate of a landmark, so that it is no new point (not kEuclidean).
   std::array<bool, kMaxDetections> near_landmark{};
+
+  void clear() {
+    landmarks.clear();
+    trails.clear();
+    near_landmark.fill(false);
+  }
 };
 
 /// Solver with its work space allocated once.
@@ -52,6 +58,7 @@ class Association {
 
   /// @param usable per detection: may be matched
   /// @param landmarks how many of the estimate's landmarks take part, from the first on
+  /// @param out cleared
   void match(const DetectionList& scan, const std::array<bool, kMaxDetections>& usable,
              const Estimate& predicted, std::size_t landmarks, const TrailSet& trails,
              AssociationResult* out);
@@ -106,7 +113,7 @@ class Association {
   double same_echo_;
   double gate_;
   double core_;
-  std::array<Seen, kMaxDetections> seen_;  ///< of the scan at hand, by detection
+  std::vector<Seen> seen_;  ///< of the scan at hand, by detection
   Assignment assignment_;
 };
 

@@ -39,13 +39,13 @@ struct Observations {
   /// The scan tells nothing.
   void withdraw() {
     ego_velocity = EgoVelocity{};
-    matches = AssociationResult{};
+    matches.clear();
   }
 };
 
 /// Detections proposed as landmarks; the back-end decides how many it has room for.
 struct Promotions {
-  StaticVector<Detection, kMaxDetections> births;
+  StaticVector<Detection, kMaxLandmarks> births;
 };
 
 class Frontend {

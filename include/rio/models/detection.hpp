@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/options.hpp"
@@ -41,11 +42,15 @@ Matrix3d point_covariance(const Detection& d);
 
 /// The filtered scan.
 struct DetectionList {
+  DetectionList() = default;
+  /// With room for so many: up to them copies of other scans do not allocate.
+  explicit DetectionList(int capacity) { items.reserve(static_cast<std::size_t>(capacity)); }
+
   Time time{0};
   std::size_t radar = 0;
   int received = 0;    ///< detections before the filter
   int non_finite = 0;  ///< of those, dropped by is_valid
-  StaticVector<Detection, kMaxDetections> items;
+  std::vector<Detection> items;
 };
 
 /// A number that two scans of a moving radar never share: of places, Dopplers and strengths; 0 if

@@ -17,7 +17,7 @@ namespace rio {
 /// Upper bounds of the options max_clones, max_landmarks and max_detections.
 inline constexpr std::size_t kMaxClones = 20;
 inline constexpr std::size_t kMaxLandmarks = 64;
-inline constexpr std::size_t kMaxDetections = 256;
+inline constexpr std::size_t kMaxDetections = 1024;
 
 /// Radars on one body.
 inline constexpr std::size_t kMaxRadars = 1 + Options::kMaxOtherRadars;

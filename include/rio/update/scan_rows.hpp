@@ -137,7 +137,7 @@ class ScanRows {
   LandmarkDopplerModel landmark_doppler_;
   RowBatch batch_;
   std::vector<Used> used_;
-  std::array<DopplerModel::Measurement, kMaxDetections> dopplers_{};
+  std::vector<DopplerModel::Measurement> dopplers_;
   GatheredCovariance gathered_;
   GatheredCovariance::BlockMatrix S_;
   AidingRows aiding_;
