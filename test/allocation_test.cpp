@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "experiment/trial.hpp"
 
 namespace rio::test {
@@ -82,6 +84,47 @@ TEST_P(Reopening, AllocatesNothing) {
   EXPECT_EQ(guard.count(), 0);
   EXPECT_EQ(odometry->counters().velocity_resets, 1U);
 }
+
+/// An imaging radar: a thousand detections a scan, all of them used.
+class Imaging : public testing::TestWithParam<BackEnd> {};
+
+TEST_P(Imaging, AllocatesNothing) {
+  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
+  sim::Scenario scenario;
+  scenario.seed = 3;
+  scenario.max_duration = 5.0;
+  for (double* density : {&scenario.room.floor_density, &scenario.room.wall_density,
+                          &scenario.room.ceiling_density, &scenario.room.clutter_density}) {
+    *density *= 50.0;
+  }
+  scenario.radar.max_static = 1000;
+  scenario.radar.range_resolution /= 7.0;
+  scenario.radar.doppler_resolution /= 7.0;
+  scenario.radar.snr_1m_db = 78.0;
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  Options options = options_for(flight, "default");
+  options.backend = GetParam();
+  options.frontend.max_detections = 1000;
+  auto odometry = Odometry::create(options);
+  ASSERT_NE(odometry, nullptr);
+  ASSERT_EQ(odometry->reset(flight.truth.front(), 1e-4 * BodyCovariance::Identity()), Status::kOk);
+  std::size_t next = 0;
+  int most = 0;
+  const AllocationGuard guard;
+  for (const ImuSample& sample : flight.imu) {
+    (void)odometry->add_imu(sample);
+    while (next < flight.scans.size() && flight.scans[next].time <= sample.time) {
+      (void)odometry->add_scan(flight.scans[next++]);
+      most = std::max(most, odometry->report().static_detections);
+    }
+  }
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(most, 400);
+  const NavState& x = odometry->at_scan();
+  EXPECT_LT((x.p_WB - flight.truth_at(x.time).p_WB).norm(), 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, Imaging, testing::Values(BackEnd::kEkf, BackEnd::kSmoother));
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, Reopening, testing::Values(BackEnd::kEkf, BackEnd::kSmoother));
 

@@ -71,7 +71,7 @@ enum class Matching {
 
 /// Stages 3 and 7: detections to observations.
 struct FrontendOptions {
-  int max_detections = 128;        ///< per scan; of more, the strongest are kept
+  int max_detections = 128;        ///< per scan, 1024 at most; of more, the strongest are kept
   double ransac_threshold = 0.15;  ///< |Doppler residual| of an inlier is below this [m/s] or ...
   double ransac_sigmas = 3.0;      ///< ... this many sigmas, direction error included; 0 = off
   bool ransac_use_prediction = true;  ///< the velocity predicted by the IMU is one more hypothesis

@@ -31,7 +31,7 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
                                  double doppler_scale) {
   fold_ = DopplerFold(max_doppler_ / doppler_scale);
   const auto n = static_cast<std::uint32_t>(scan.items.size());
-  *out = EgoVelocity{};
+  out->clear();
   // seeded by the stamp: a scan gives the same static set whatever came before it
   SplitMix64 random(static_cast<std::uint64_t>(options_.ransac_seed) ^
                     static_cast<std::uint64_t>(scan.time.count()));

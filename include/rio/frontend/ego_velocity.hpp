@@ -53,7 +53,17 @@ struct EgoVelocity {
   int inliers = 0;
   std::array<bool, kMaxDetections> inlier{};   ///< per detection: moves as the static world does
   std::array<bool, kMaxDetections> outlier{};  ///< moves otherwise; neither = its fold is open
-  std::array<double, kMaxDetections> range_rate{};  ///< of the inliers, unfolded [m/s]
+  std::array<double, kMaxDetections> range_rate{};  ///< of the inliers alone, unfolded [m/s]
+
+  /// No consensus, no inliers.
+  void clear() {
+    valid = false;
+    v_S.setZero();
+    covariance.reset();
+    inliers = 0;
+    inlier.fill(false);
+    outlier.fill(false);
+  }
 };
 
 class EgoVelocityRansac {

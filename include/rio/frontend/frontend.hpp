@@ -38,7 +38,7 @@ struct Observations {
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }
   /// The scan tells nothing.
   void withdraw() {
-    ego_velocity = EgoVelocity{};
+    ego_velocity.clear();
     matches.clear();
   }
 };
