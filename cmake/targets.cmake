@@ -7,6 +7,12 @@ function(rio_enable_warnings target)
     $<$<BOOL:${RIO_WARNINGS_AS_ERRORS}>:-Werror>)
 endfunction()
 
+# Of a target that prints, asks and draws: in Release optimised little, which compiles in three
+# quarters of the time. The estimator, the simulator and the readers are not such.
+function(rio_optimise_little target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+endfunction()
+
 # The sources of a target in groups that are compiled in one go, so that what they share is parsed and
 # instantiated once; from scratch that halves the time.
 #   rio_sources(TARGET GROUP file...)

@@ -113,7 +113,7 @@ template <class Axes>
 std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin, Time end,
                                    Axes axes) {
   constexpr double kStretch = 0.05;  // [s]: a body at rest sways slower, engines turn faster
-  constexpr int kFewest = 8;
+  constexpr int kFewestDifferences = 8;
   double squares = 0.0;
   int differences = 0;
   Vector3d sum = Vector3d::Zero();
@@ -136,7 +136,7 @@ std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin
     sum += axes(sample);
     ++count;
   }
-  if (differences < kFewest || !(squares > 0.0)) return std::nullopt;
+  if (differences < kFewestDifferences || !(squares > 0.0)) return std::nullopt;
   return Measured{0.5 * std::log(kStretch * squares / differences),
                   1.0 / std::sqrt(4.0 * differences / 3.0)};
 }

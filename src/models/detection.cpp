@@ -24,8 +24,11 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
   d.direction_S = raw.point_S / d.range;
   d.range_rate = raw.range_rate;
   d.snr_db = raw.snr_db;
-  d.sigma_range = own_or(raw.sigma_range, with_grid(o.sigma_range, o.range_resolution));
-  d.sigma_doppler = own_or(raw.sigma_doppler, with_grid(o.sigma_doppler, o.doppler_resolution));
+  constexpr double kLeast = 1e-4;       // [m, m/s]
+  constexpr double kLeastAngle = 1e-5;  // [rad]
+  d.sigma_range = own_or(raw.sigma_range, with_grid(o.sigma_range, o.range_resolution), kLeast);
+  d.sigma_doppler =
+      own_or(raw.sigma_doppler, with_grid(o.sigma_doppler, o.doppler_resolution), kLeast);
   const Vector3d& u = d.direction_S;
   const double horizontal = std::hypot(u.x(), u.y());  // cos(el)
   const double cos_az = horizontal > 1e-9 ? u.x() / horizontal : 1.0;
@@ -33,10 +36,11 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
   // beyond 75 deg the growth is cut, and an azimuth keeps a noise: no array looks there
   constexpr double kMinCosine = 0.25;
   const double growth = weak_echo_growth(raw.snr_db, o.weak_snr_db);
-  const double sigma_az =
-      own_or(raw.sigma_azimuth, growth * o.sigma_azimuth / std::max(cos_az, kMinCosine));
+  const double sigma_az = own_or(
+      raw.sigma_azimuth, growth * o.sigma_azimuth / std::max(cos_az, kMinCosine), kLeastAngle);
   const double sigma_el =
-      own_or(raw.sigma_elevation, growth * o.sigma_elevation / std::max(horizontal, kMinCosine));
+      own_or(raw.sigma_elevation, growth * o.sigma_elevation / std::max(horizontal, kMinCosine),
+             kLeastAngle);
   d.sigma_azimuth_S = sigma_az * std::max(horizontal, kMinCosine) * Vector3d(-sin_az, cos_az, 0.0);
   d.sigma_elevation_S = sigma_el * Vector3d(-u.z() * cos_az, -u.z() * sin_az, horizontal);
   return d;

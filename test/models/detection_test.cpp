@@ -136,6 +136,16 @@ TEST(Detection, OwnSigmasReplaceTheOptions) {
   EXPECT_EQ(all.sigma_doppler, 0.01);
 }
 
+TEST(Detection, NoSigmaIsBelowWhatAnOptionMayBe) {
+  RadarDetection raw = raw_detection(5.0, 0.3, 0.1);
+  raw.sigma_range = raw.sigma_azimuth = raw.sigma_elevation = raw.sigma_doppler = 1e-200;
+  const Detection d = make_detection(raw, RadarOptions{});
+  EXPECT_EQ(d.sigma_range, 1e-4);
+  EXPECT_EQ(d.sigma_doppler, 1e-4);
+  EXPECT_NEAR(d.sigma_azimuth_S.norm(), 1e-5 * std::cos(0.1), 1e-12);
+  EXPECT_NEAR(d.sigma_elevation_S.norm(), 1e-5, 1e-12);
+}
+
 TEST(Detection, NoiseStaysFiniteEverywhere) {
   const RadarOptions o = fine_radar();
   test::Random random(2);

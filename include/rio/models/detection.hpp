@@ -7,7 +7,8 @@
 // The angle sigmas grow off boresight as 1/cos: an array measures the direction cosine.
 // (E3) weak echoes: sigma_az^2 and sigma_el^2 times 1 + 10^(-(SNR - SNR_weak) / 10), at most twice:
 //      the phase noise of a receiver falls with the SNR (Cramer-Rao bound), the rest does not
-// A sigma that comes with the detection is taken as it is.
+// A sigma that comes with the detection is taken as it is, but not below the least that an option
+// may have: no radar is that good, and products of smaller ones are no numbers.
 #pragma once
 
 #include <algorithm>
@@ -67,8 +68,8 @@ inline double with_grid(double sigma, double grid) {
   return std::sqrt(sigma * sigma + grid * grid / 12.0);
 }
 /// The sigma of a detection if it came with one.
-inline double own_or(double own, double otherwise) {
-  return own > 0.0 ? own : otherwise;
+inline double own_or(double own, double otherwise, double least) {
+  return own > 0.0 ? std::max(own, least) : otherwise;
 }
 
 /// A detection with direction, range and noise filled in from its point.
