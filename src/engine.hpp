@@ -21,6 +21,7 @@
 #include "rio/propagate/stamp_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"
+#include "scan_history.hpp"
 #include "scan_queue.hpp"
 
 namespace rio {
@@ -38,6 +39,7 @@ class Engine final : public Odometry::Impl {
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
         restart_(o.start, o.imu.gravity),
+        history_(o.radars(), o.timing.scan_wait),
         queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars(),
                o.frontend.max_detections),
         filtered_(o.frontend.max_detections) {
@@ -100,8 +102,7 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
     }
-    OfRadar& own = radars_[radar];
-    if ((own.has_scan && scan.time == own.last_scan) || queue_.contains(scan.time, radar)) {
+    if (history_.is_last(scan.time, radar) || queue_.contains(scan.time, radar)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
@@ -120,13 +121,12 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
-    if (is_repeated(own)) {
+    if (history_.is_repeated(filtered_)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
     const Time measured = pipeline_.measured_at(scan.time, radar);
-    own.newest = std::max(own.newest, measured);
-    if (!imu_.empty()) own.heard = imu_.newest().time;
+    history_.take(radar, measured, newest_imu());
     const bool next = queue_.empty() || options_.radars() == 1;
     if (next && is_ready(measured, radar)) {
       const Status status = process(filtered_);
@@ -196,7 +196,7 @@ class Engine final : public Odometry::Impl {
     restart_.reset();
     counters = Counters{};
     forget_scans();
-    for (OfRadar& own : radars_) own.fingerprint = 0;
+    history_.forget_looks();
     initialized = true;
     publish();
     return Status::kOk;
@@ -217,43 +217,18 @@ class Engine final : public Odometry::Impl {
   }
 
  private:
-  /// What is known of one radar's scans.
-  struct OfRadar {
-    Time last_scan{0};  ///< stamp of the last one processed
-    bool has_scan = false;
-    Time newest{0};                 ///< measurement time of the newest one taken
-    Time heard{0};                  ///< newest sample of the IMU then, or at the start
-    std::uint64_t fingerprint = 0;  ///< of the last scan taken or repeated
-  };
+  std::optional<Time> newest_imu() const {
+    if (imu_.empty()) return std::nullopt;
+    return imu_.newest().time;
+  }
 
   void forget_scans() {
     queue_.clear();
-    for (OfRadar& own : radars_) {
-      own.has_scan = false;
-      own.newest = Time{0};
-      own.heard = imu_.empty() ? Time{0} : imu_.newest().time;
-    }
+    history_.forget(newest_imu().value_or(Time{0}));
   }
 
-  /// The filtered scan is the one before it again: noise alone makes each another one. At rest all
-  /// Dopplers of a coarse grid may be zero.
-  bool is_repeated(OfRadar& own) {
-    const std::uint64_t before = std::exchange(own.fingerprint, fingerprint(filtered_));
-    return own.fingerprint != 0 && own.fingerprint == before;
-  }
-
-  /// The IMU has reached it, and no other radar can have an earlier one: each has sent a later one,
-  /// or has had the time for it, or is silent.
   bool is_ready(Time measured, std::size_t radar) const {
-    if (imu_.empty() || measured > imu_.newest().time) return false;
-    const Time now = imu_.newest().time;
-    if (now - measured >= from_seconds(options_.timing.scan_wait)) return true;
-    for (std::size_t r = 0; r < options_.radars(); ++r) {
-      if (r != radar && radars_[r].newest < measured && now - radars_[r].heard < kSilent) {
-        return false;
-      }
-    }
-    return true;
+    return !imu_.empty() && history_.is_ready(measured, radar, imu_.newest().time);
   }
 
   void process_ready() {
@@ -269,10 +244,8 @@ class Engine final : public Odometry::Impl {
   /// has overtaken it.
   bool is_late(Time stamp, std::size_t radar) const {
     if (!is_stamp(stamp)) return stamp < Time{0};
-    const OfRadar& own = radars_[radar];
-    const bool follows = own.has_scan && radar == last_radar_ && stamp > own.last_scan &&
-                         at_scan().time == last_scan_estimate_;
-    return !follows && pipeline_.measured_at(stamp, radar) < at_scan().time;
+    if (history_.follows_last(stamp, radar, at_scan().time)) return false;
+    return pipeline_.measured_at(stamp, radar) < at_scan().time;
   }
 
   /// Not worth waiting for.
@@ -344,11 +317,8 @@ class Engine final : public Odometry::Impl {
   }
 
   Status process(const DetectionList& scan) {
-    radars_[scan.radar].last_scan = scan.time;
-    radars_[scan.radar].has_scan = true;
-    last_radar_ = scan.radar;
     const Status status = pipeline_.process(scan, imu_);
-    last_scan_estimate_ = at_scan().time;
+    history_.process(scan.time, scan.radar, at_scan().time);
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
     counters.velocity_resets += pipeline_.report().velocity_reset ? 1 : 0;
     counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
@@ -400,8 +370,7 @@ class Engine final : public Odometry::Impl {
     ahead_.state = at_scan();
   }
 
-  static constexpr Time kSilent = std::chrono::milliseconds(500);  // not waited for any more
-  static constexpr Time kWatch = std::chrono::milliseconds(50);    // silence is told in time
+  static constexpr Time kWatch = std::chrono::milliseconds(50);  // silence is told in time
 
   Options options_;
   Pipeline<Estimator> pipeline_;
@@ -414,12 +383,10 @@ class Engine final : public Odometry::Impl {
   StaticAligner aligner_;
   MovingStart moving_start_;
   Restart restart_;
+  ScanHistory history_;
   ScanQueue queue_;
   DetectionList filtered_;
-  std::array<OfRadar, kMaxRadars> radars_;
-  std::size_t last_radar_ = 0;  ///< whose scan was processed last
-  Time last_scan_estimate_{0};  ///< the time of the estimate after it
-  Time watched_{0};             ///< the health was last judged between scans
+  Time watched_{0};  ///< the health was last judged between scans
 };
 
 }  // namespace rio

@@ -388,7 +388,7 @@ TEST_F(Tool, BenchMeasuresEveryPresetWithEitherBackEnd) {
   EXPECT_EQ(json["rows"][1]["backend"], "smoother");
   const Outcome table = rio("bench --seconds 2 --detections 20");
   EXPECT_PRED2(contains, table.output, "published-uncertainty smoother");
-  EXPECT_NE(rio("bench --detections 257").status, 0);  // more than the options allow
+  EXPECT_NE(rio("bench --detections 1025").status, 0);  // more than the options allow
   EXPECT_NE(rio("bench --out chart.svg").status, 0);   // without --growth
 }
 

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan_history.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rio {
+
+void ScanHistory::forget(Time now) {
+  for (OfRadar& own : of_) {
+    own.processed = false;
+    own.newest = Time{0};
+    own.heard = now;
+  }
+}
+
+void ScanHistory::forget_looks() {
+  for (OfRadar& own : of_) own.fingerprint = 0;
+}
+
+bool ScanHistory::is_repeated(const DetectionList& scan) {
+  OfRadar& own = of_[scan.radar];
+  const std::uint64_t before = std::exchange(own.fingerprint, fingerprint(scan));
+  return own.fingerprint != 0 && own.fingerprint == before;
+}
+
+bool ScanHistory::is_ready(Time measured, std::size_t radar, Time now) const {
+  if (measured > now) return false;
+  if (now - measured >= wait_) return true;
+  for (std::size_t r = 0; r < radars_; ++r) {
+    if (r != radar && of_[r].newest < measured && now - of_[r].heard < kSilent) return false;
+  }
+  return true;
+}
+
+void ScanHistory::take(std::size_t radar, Time measured, std::optional<Time> now) {
+  OfRadar& own = of_[radar];
+  own.newest = std::max(own.newest, measured);
+  own.heard = now.value_or(own.heard);
+}
+
+void ScanHistory::process(Time stamp, std::size_t radar, Time estimate) {
+  of_[radar].last = stamp;
+  of_[radar].processed = true;
+  last_radar_ = radar;
+  last_estimate_ = estimate;
+}
+
+}  // namespace rio
