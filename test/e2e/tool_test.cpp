@@ -389,7 +389,7 @@ TEST_F(Tool, BenchMeasuresEveryPresetWithEitherBackEnd) {
   const Outcome table = rio("bench --seconds 2 --detections 20");
   EXPECT_PRED2(contains, table.output, "published-uncertainty smoother");
   EXPECT_NE(rio("bench --detections 1025").status, 0);  // more than the options allow
-  EXPECT_NE(rio("bench --out chart.svg").status, 0);   // without --growth
+  EXPECT_NE(rio("bench --out chart.svg").status, 0);    // without --growth
 }
 
 TEST(RealRecording, RunsThroughAndReturnsToItsStart) {
