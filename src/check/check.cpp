@@ -13,12 +13,11 @@
 #include "check/motion_check.hpp"
 #include "check/points_check.hpp"
 #include "check/radar_check.hpp"
+#include "check/units.hpp"
 
 namespace rio::check {
 
 namespace {
-
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// What the other checks need of the IMU.
 struct CheckedImu {

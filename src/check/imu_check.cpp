@@ -16,6 +16,7 @@
 #include "check/bridge.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
+#include "check/units.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {
@@ -23,7 +24,6 @@ namespace rio::check {
 namespace {
 
 constexpr double kStandardGravity = 9.80665;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 /// What the estimate loses where samples are lost and the motion between their neighbours is taken
 /// for linear: measured where the samples are there, over times as long.

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "check/axes.hpp"
 #include "check/numbers.hpp"
 #include "check/units.hpp"
 #include "rio/core/so3.hpp"
@@ -18,112 +19,11 @@ namespace rio::check {
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kSure = 3.0;       // sigmas, of (E6) of motion.hpp
 constexpr double kExplained = 0.5;  // of the movement: no chance explains as much
 constexpr std::size_t kFewestWindows = 5;
 constexpr double kShiftStep = 0.02;  // [s]
 constexpr int kShifts = 14;          // to each side; below kMostShift
-
-/// The 24 rotations by right angles.
-std::vector<Matrix3d> right_angles() {
-  std::vector<Matrix3d> out;
-  for (int x = 0; x < 3; ++x) {
-    for (int y = 0; y < 3; ++y) {
-      if (x == y) continue;
-      for (int signs = 0; signs < 4; ++signs) {
-        Matrix3d P = Matrix3d::Zero();
-        P(x, 0) = (signs & 1) != 0 ? -1.0 : 1.0;
-        P(y, 1) = (signs & 2) != 0 ? -1.0 : 1.0;
-        P.col(2) = P.col(0).cross(P.col(1));
-        out.push_back(P);
-      }
-    }
-  }
-  return out;
-}
-
-double angle_between(const Matrix3d& a, const Matrix3d& b) {
-  return quaternion_log(Quaternion(a.transpose() * b)).norm();
-}
-
-/// "90 deg about the +z axis", if it is about an axis.
-std::string turn_text(const Matrix3d& turn, const char* whose) {
-  const Vector3d phi = quaternion_log(Quaternion(turn));
-  int axis = 0;
-  const double along = phi.cwiseAbs().maxCoeff(&axis);
-  const double angle = phi.norm() / kDegree;
-  if (along < 0.99 * phi.norm()) {
-    return fmt::format("{:.0f} deg about ({:.2f} {:.2f} {:.2f}) of the {}", angle,
-                       phi.x() / phi.norm(), phi.y() / phi.norm(), phi.z() / phi.norm(), whose);
-  }
-  return fmt::format("{:.0f} deg about the {}{} axis of the {}", angle,
-                     phi[axis] < 0.0 && angle < 179.0 ? "-" : "", "xyz"[axis], whose);
-}
-
-/// Where its turn is about an axis of the radar or of the body, that.
-std::string turn_text(const Matrix3d& told, const Matrix3d& R) {
-  const Matrix3d of_body = R * told.transpose();
-  const Vector3d phi = quaternion_log(Quaternion(of_body));
-  const bool body_axis = phi.cwiseAbs().maxCoeff() > 0.99 * phi.norm();
-  return body_axis ? turn_text(of_body, "body") : turn_text(told.transpose() * R, "radar");
-}
-
-/// A mirrored radar is two of its axes swapped, or one of the wrong sign.
-std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose) {
-  for (int i = 0; i < 3; ++i) {
-    Matrix3d flip = Matrix3d::Identity();
-    flip(i, i) = -1.0;
-    if ((M - flip).norm() < 1e-6)
-      return fmt::format("{} of {} has the wrong sign", "xyz"[i], whose);
-    const int j = (i + 1) % 3;
-    Matrix3d swap = Matrix3d::Identity();
-    swap.col(i).swap(swap.col(j));
-    if ((M - swap).norm() < 1e-6) {
-      return fmt::format("{} and {} of {} are swapped", "xyz"[std::min(i, j)],
-                         "xyz"[std::max(i, j)], whose);
-    }
-  }
-  return std::nullopt;
-}
-
-std::string describe(const Matrix3d& told, const Axes& axes) {
-  if (!axes.doppler_flipped) return "the radar is turned by " + turn_text(told, axes.R);
-  if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
-  const std::string turned =
-      "the Doppler has the wrong sign and the radar is turned by " + turn_text(told, -axes.R);
-  const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
-  return mirrored ? *mirrored + " (or " + turned + ")" : turned;
-}
-
-/// An option for the first radar, for another one a line of its file.
-std::string mounting_line(const Matrix3d& R, const Vector3d& p, std::size_t radar) {
-  const Quaternion q(R);
-  const std::string line = fmt::format(
-      "T_BS: {{translation: [{:.4f}, {:.4f}, {:.4f}], quaternion_wxyz: [{:.6f}, {:.6f}, {:.6f}, "
-      "{:.6f}]}}",
-      p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
-  if (radar > 0) return fmt::format("radar{}/sensor.yaml: {}", radar, line);
-  return "radar: {" + line + "}";
-}
-
-std::string sign_line(Source source) {
-  return source == Source::kBag ? "--approaching (without it, if it is given)"
-                                : "negate the column doppler of radar0/data.csv";
-}
-
-std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options, Source source,
-                      std::size_t radar) {
-  const Vector3d& p = options.radar.T_BS.translation;
-  if (!axes.doppler_flipped) return mounting_line(axes.R, p, radar);
-  if (axes.turn < 1e-6) return sign_line(source);
-  std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p, radar);
-  const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
-  if (!mirrored) return both;
-  const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."
-                                             : "the columns x, y, z of radar0/data.csv";
-  return fmt::format("{}, by {}", *mirrored, where);
-}
 
 struct Judge {
   const Agreements& windows;
@@ -419,22 +319,6 @@ Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, c
 }
 
 }  // namespace
-
-std::vector<Axes> candidates(const Quaternion& told) {
-  const Matrix3d R = told.toRotationMatrix();
-  std::vector<Axes> out;
-  for (const bool flipped : {false, true}) {
-    const double sign = flipped ? -1.0 : 1.0;
-    for (const Matrix3d& P : right_angles()) {
-      for (const Matrix3d& turned : {Matrix3d(R * P), Matrix3d(P * R)}) {
-        out.push_back({sign * turned, flipped, angle_between(R, turned)});
-      }
-    }
-  }
-  std::stable_sort(out.begin(), out.end(),
-                   [](const Axes& a, const Axes& b) { return a.turn < b.turn - 1e-6; });
-  return out;
-}
 
 Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
                       double gyro_unit, double accel_unit, const Options& options, Source source,

@@ -17,16 +17,6 @@
 
 namespace rio::check {
 
-/// A hypothesis about what the velocities of the radar are.
-struct Axes {
-  Matrix3d R = Matrix3d::Identity();  ///< from the radar's axes to the body's; improper if mirrored
-  bool doppler_flipped = false;       ///< then R holds the sign
-  double turn = 0.0;                  ///< angle to the told mounting [rad]
-};
-
-/// The told mounting first, then it with the Doppler flipped, then by growing angle.
-std::vector<Axes> candidates(const Quaternion& told);
-
 /// @param samples usable(), @param gyro_unit, accel_unit found by check_imu()
 /// @param radar its number; the options have its mounting as that of the first one
 Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,

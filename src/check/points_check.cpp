@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "check/axes.hpp"
 #include "check/motion.hpp"
-#include "check/motion_check.hpp"
 #include "check/units.hpp"
 #include "rio/core/so3.hpp"
 
@@ -299,7 +299,6 @@ Finding check_ranges(const Scans& scans, const Options& options, Source source) 
 
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
                                    const Options& options, Source source) {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   const ImuPath told(samples, 1.0, 1.0);
   const ImuPath in_degrees(samples, kDegree, 1.0);
   TurnVotes votes(options.radar.T_BS.rotation);

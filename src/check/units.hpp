@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 
 namespace rio::check {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< [rad]
 
 /// What a Doppler may be mistaken for, and how much larger it reads than [m/s].
 struct DopplerUnit {
