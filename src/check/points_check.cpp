@@ -82,7 +82,7 @@ void each_later_scan(const Scans& scans, std::size_t i, Use&& use) {
 /// Calls use(scan, later scan, dt, block); where there are many points, not for all scans.
 template <typename Use>
 void each_pair_of_scans(const Scans& scans, Use&& use) {
-  constexpr double kMost = 5e6;  // pairs of points
+  constexpr double kMost = 1e6;  // pairs of points
   double pairs = 0.0;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double) {
@@ -121,10 +121,14 @@ std::vector<Rate> rates() {
 class RangeVotes {
  public:
   explicit RangeVotes(std::vector<Rate> all)
-      : all_(std::move(all)), votes_(all_.size() * all_.size()) {}
+      : all_(std::move(all)), votes_(all_.size() * all_.size()) {
+    for (const Rate& rate : all_) largest_ = std::max(largest_, std::abs(rate.k));
+  }
+
+  /// What a point of at most this configured change may have moved for any hypothesis [m].
+  double farthest(double told) const { return largest_ * std::abs(told) + kBound; }
 
   void add(double moved, double told, std::size_t block) {
-    constexpr double kBound = 3.0 * kRange;
     std::uint32_t supported = 0;  // a bit each
     for (std::size_t a = 0; a < all_.size(); ++a) {
       const bool fits = std::abs(moved - all_[a].k * told) < kBound;
@@ -132,12 +136,11 @@ class RangeVotes {
     }
     if (supported == 0) return;
     for (std::size_t a = 0; a < all_.size(); ++a) {
-      const bool first = (supported >> a & 1U) != 0;
-      for (std::size_t b = a + 1; b < all_.size(); ++b) {
-        const bool second = (supported >> b & 1U) != 0;
-        if (first == second) continue;
+      if ((supported >> a & 1U) == 0) continue;
+      for (std::size_t b = 0; b < all_.size(); ++b) {
+        if ((supported >> b & 1U) != 0) continue;
         if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be right
-        votes_[a * all_.size() + b].add(block, first, second);
+        votes_[std::min(a, b) * all_.size() + std::max(a, b)].add(block, a < b, b < a);
       }
     }
   }
@@ -157,20 +160,36 @@ class RangeVotes {
   }
 
  private:
+  static constexpr double kBound = 3.0 * kRange;
+
   std::vector<Rate> all_;
+  double largest_ = 0.0;  ///< factor of them
   std::vector<Support> votes_;
 };
 
-/// @param a_range,b_range of the points
-bool look_alike(const Point& a, const Point& b, double a_range, double b_range) {
+constexpr double kChange = 0.3;  // of a range rate between two scans
+
+bool same_direction(const Point& a, const Point& b, double a_range, double b_range) {
   constexpr double kCosine = 0.95;  // of their directions
-  if (!(std::abs(a.range_rate - b.range_rate) <= 0.3 * std::abs(a.range_rate))) return false;
   return a.point_S.dot(b.point_S) > kCosine * a_range * b_range;
 }
 
 void ranges_of(const ScanView& scan, std::vector<double>* ranges) {
   ranges->clear();
   for (const Point& point : scan.detections) ranges->push_back(point.point_S.norm());
+}
+
+/// Of 0 to n - 1 those that fit; without a branch, for few do, in no order.
+template <typename Fits>
+void select(std::size_t n, Fits&& fits, std::vector<std::size_t>* selected) {
+  selected->resize(n);
+  std::size_t* const out = selected->data();
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    out[count] = k;
+    count += fits(k) ? 1 : 0;
+  }
+  selected->resize(count);
 }
 
 std::string change_of(const Rate& rate, Source source) {
@@ -218,12 +237,20 @@ class TurnVotes {
     }
     const Matrix3d& R = mountings_.front();
     const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
+    const double turned = std::max(phi.norm(), quaternion_log(in_degrees).norm());
+    const double farthest = (turned + kBound) * (turned + kBound);
     ranges_of(to, &ranges_);
     for (const Point& a : from.detections) {
       const double range = a.point_S.norm();
-      for (std::size_t k = 0; k < ranges_.size(); ++k) {
-        if (!(std::abs(ranges_[k] - range) < 6.0 * kRange)) continue;
-        add(a.point_S, to.detections[k].point_S, range, ranges_[k], small, block);
+      const auto as_far = [range, r = ranges_.data()](std::size_t k) {
+        return std::abs(r[k] - range) < 6.0 * kRange;
+      };
+      select(ranges_.size(), as_far, &candidates_);
+      for (const std::size_t k : candidates_) {
+        if (!(std::min(range, ranges_[k]) > 0.1)) continue;
+        const Vector3d u = a.point_S / range;
+        const Vector3d v = to.detections[k].point_S / ranges_[k];
+        if ((u - v).squaredNorm() < farthest) add(u, v, small, block);
       }
     }
   }
@@ -237,15 +264,12 @@ class TurnVotes {
  private:
   static constexpr double kBound = 3.0 * kAngle;
 
-  /// @param range,other of the points
-  void add(const Vector3d& a, const Vector3d& b, double range, double other, const Matrix3d& small,
-           std::size_t block) {
-    if (!(std::min(range, other) > 0.1)) return;
-    const Vector3d u = a / range;
-    const Vector3d v = b / other;
-    const bool in_degrees = (small * u - v).norm() < kBound;
+  /// @param u,v directions of the points
+  void add(const Vector3d& u, const Vector3d& v, const Matrix3d& small, std::size_t block) {
+    constexpr double kSquare = kBound * kBound;
+    const bool in_degrees = (small * u - v).squaredNorm() < kSquare;
     for (std::size_t m = 0; m < turns_.size(); ++m) {
-      const bool told = (turns_[m] * u - v).norm() < kBound;
+      const bool told = (turns_[m] * u - v).squaredNorm() < kSquare;
       if (told || in_degrees) votes_[m].add(block, in_degrees, told);
     }
   }
@@ -254,6 +278,7 @@ class TurnVotes {
   std::vector<Support> votes_;
   std::vector<Matrix3d> turns_;  ///< of the scene between two scans
   std::vector<double> ranges_;   ///< of the points of the later scan
+  std::vector<std::size_t> candidates_;
 };
 
 }  // namespace
@@ -263,15 +288,28 @@ Finding check_ranges(const Scans& scans, const Options& options, Source source) 
   RangeVotes votes(all);
   const double least = options.radar.min_range;
   std::vector<double> ranges;
+  std::vector<double> range_rates;
+  std::vector<std::size_t> candidates;
   each_pair_of_scans(
       scans, [&](const ScanView& from, const ScanView& to, double dt, std::size_t block) {
         ranges_of(to, &ranges);
+        range_rates.clear();
+        for (const Point& b : to.detections) range_rates.push_back(b.range_rate);
         for (const Point& a : from.detections) {
           const double range = a.point_S.norm();
           if (a.range_rate == 0.0 || !(range > least)) continue;
-          for (std::size_t k = 0; k < ranges.size(); ++k) {
+          const double farthest = votes.farthest((1.0 + kChange) * a.range_rate * dt);
+          const double change = kChange * std::abs(a.range_rate);
+          const auto reachable = [farthest, range, rate = a.range_rate, change, r = ranges.data(),
+                                  v = range_rates.data()](std::size_t k) {
+            const bool near = std::abs(r[k] - range) <= farthest;
+            const bool alike = std::abs(v[k] - rate) <= change;
+            return near && alike;
+          };
+          select(ranges.size(), reachable, &candidates);
+          for (const std::size_t k : candidates) {
             const Point& b = to.detections[k];
-            if (!look_alike(a, b, range, ranges[k])) continue;
+            if (!same_direction(a, b, range, ranges[k])) continue;
             votes.add(ranges[k] - range, 0.5 * (a.range_rate + b.range_rate) * dt, block);
           }
         }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ekf/ekf.hpp"
 
+#include "rio/core/mirror.hpp"
+
 namespace rio {
 
 Ekf::Ekf(const Options& options)
@@ -41,6 +43,7 @@ Status Ekf::update(const Observations& seen, UpdateReport* report) {
     reexpression_.apply(state_estimate_.layout(), before_, state_estimate_.estimate(),
                         &state_estimate_.covariance());
   }
+  mirror_lower(state_estimate_.covariance().matrix());
   for (const Contradiction& c : state_estimate_.contradictions()) {
     state_estimate_.covariance().forget(c.column, c.value, c.information, &dx_);
     state_estimate_.correct(dx_);

@@ -1,15 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ekf/panel_update.hpp"
 
+#include <array>
+
+#include "rio/core/combine_columns.hpp"
 #include "rio/core/dense_cholesky.hpp"
 #include "rio/core/mirror.hpp"
 
 namespace rio {
 
+namespace {
+
+/// Columns and their factors: those of a row of H, or of a panel.
+class Combination {
+ public:
+  void add(const double* column, double factor) {
+    RIO_ASSERT(count_ < columns_.size());
+    columns_[count_] = column;
+    factors_[count_++] = factor;
+  }
+  void sum(Eigen::Index rows, double* out) const {
+    combine_columns(count_, columns_.data(), factors_.data(), rows, out);
+  }
+
+ private:
+  static constexpr std::size_t kMost = 32;
+
+  std::array<const double*, kMost> columns_;
+  std::array<double, kMost> factors_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
 PanelUpdate::PanelUpdate(int capacity)
     : backup_(Eigen::MatrixXd::Zero(capacity, capacity)),
       W_(Eigen::MatrixXd::Zero(capacity, kPanel)),
-      diagonal_(Eigen::VectorXd::Zero(capacity)) {}
+      diagonal_(Eigen::VectorXd::Zero(capacity)),
+      combined_(Eigen::VectorXd::Zero(capacity)) {}
 
 bool PanelUpdate::apply(const RowBatch& batch, Covariance* covariance, Eigen::VectorXd* dx) {
   Eigen::Ref<Eigen::MatrixXd> P = covariance->matrix();
@@ -20,6 +48,7 @@ bool PanelUpdate::apply(const RowBatch& batch, Covariance* covariance, Eigen::Ve
   dx->head(size).setZero();
   std::size_t block = 0;
   while (block < batch.blocks().size()) {
+    if (block > 0) mirror_lower(P);
     const std::size_t begin = block;
     std::size_t rows = 0;
     while (block < batch.blocks().size() && rows + batch.blocks()[block].count <= kPanel) {
@@ -42,14 +71,15 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
   PanelMatrix S(m, m);
   for (Eigen::Index k = 0; k < m; ++k) {
     const LinearRow& row = batch.rows()[first + static_cast<std::size_t>(k)];
-    auto w = W.col(k);
-    w.setZero();
     innovation[k] = row.residual;
-    row.for_each_segment([&](int column, const double* values, int length) {
-      const Eigen::Map<const Eigen::VectorXd> h(values, length);
-      w.noalias() += P.middleCols(column, length) * h;
-      innovation[k] -= h.dot(dx->segment(column, length));
+    Combination of_P;
+    row.for_each_segment([&](int column, const double* h, int length) {
+      for (int i = 0; i < length; ++i) {
+        of_P.add(&P(0, column + i), h[i]);
+        innovation[k] -= h[i] * (*dx)[column + i];
+      }
     });
+    of_P.sum(size, &W(0, k));
     for (Eigen::Index j = 0; j <= k; ++j) {  // S = H W, lower triangle
       double s = 0.0;
       row.for_each_segment([&](int column, const double* h, int length) {
@@ -60,13 +90,11 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
   }
   add_noise(batch, first_block, end_block, &S);
   if (!factorise_in_place(S)) return false;
-  for (Eigen::Index k = 0; k < m; ++k) {  // W <- W L^-T, innovation <- L^-1 innovation
-    Eigen::Matrix<double, kPanel, 1> l;
-    l.head(k) = S.row(k).head(k).transpose();
-    W.col(k).noalias() -= W.leftCols(k) * l.head(k);
-    innovation[k] = (innovation[k] - l.head(k).dot(innovation.head(k))) / S(k, k);
-    W.col(k) *= 1.0 / S(k, k);
+  for (Eigen::Index k = 0; k < m; ++k) {  // innovation <- L^-1 innovation
+    const double before = S.row(k).head(k).dot(innovation.head(k));
+    innovation[k] = (innovation[k] - before) / S(k, k);
   }
+  solve(S, W);
   auto diagonal = diagonal_.head(size);  // bounds all of P: if it is finite, P is
   diagonal = P.diagonal();
   for (Eigen::Index k = 0; k < m; ++k) diagonal -= W.col(k).cwiseAbs2();
@@ -74,10 +102,24 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
   if (!diagonal.allFinite() || diagonal.minCoeff() < 0.0 || !dx->head(size).allFinite()) {
     return false;
   }
-  P.selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+  for (Eigen::Index c = 0; c < size; ++c) {  // the lower triangle
+    Combination of_W;
+    for (Eigen::Index k = 0; k < m; ++k) of_W.add(&W(c, k), W(c, k));
+    of_W.sum(size - c, combined_.data());
+    P.col(c).tail(size - c) -= combined_.head(size - c);
+  }
   P.diagonal() = diagonal;
-  mirror_lower(P);
   return true;
+}
+
+void PanelUpdate::solve(const PanelMatrix& L, Eigen::Ref<Eigen::MatrixXd> W) {
+  auto before = combined_.head(W.rows());
+  for (Eigen::Index k = 0; k < W.cols(); ++k) {
+    Combination of_W;
+    for (Eigen::Index j = 0; j < k; ++j) of_W.add(&W(0, j), L(k, j));
+    of_W.sum(W.rows(), before.data());
+    W.col(k) = (W.col(k) - before) * (1.0 / L(k, k));
+  }
 }
 
 void PanelUpdate::add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ekf/reexpression.hpp"
 
-#include "rio/core/mirror.hpp"
+#include <array>
+
+#include "rio/core/combine_columns.hpp"
 
 namespace rio {
 
-Reexpression::Reexpression(int capacity) : U_(capacity, 3), V_(capacity, 3) {}
+Reexpression::Reexpression(int capacity) : U_(capacity, 3), V_(capacity, 3), combined_(capacity) {}
 
 void Reexpression::apply(const Layout& layout, const Estimate& before, const Estimate& after,
                          Covariance* covariance) {
@@ -35,7 +37,6 @@ void Reexpression::apply(const Layout& layout, const Estimate& before, const Est
           R);
   }
   transform(body::kAttitude, P);
-  mirror_lower(P);
 }
 
 void Reexpression::transform(int theta, Eigen::Ref<Eigen::MatrixXd> P) {
@@ -47,12 +48,13 @@ void Reexpression::transform(int theta, Eigen::Ref<Eigen::MatrixXd> P) {
   const Matrix3d own = Matrix3d(V.middleRows<3>(theta)).selfadjointView<Eigen::Lower>();
   V.middleRows<3>(theta) = own;
   V.noalias() += U * (0.5 * own);
-  for (Eigen::Index c = 0; c < n; ++c) {
+  for (Eigen::Index c = 0; c < n; ++c) {  // P <- P + U V^T + V U^T, lower triangle
     const Eigen::Index rest = n - c;
-    auto column = P.col(c).tail(rest);
-    column += U(c, 0) * V.col(0).tail(rest) + V(c, 0) * U.col(0).tail(rest) +
-              U(c, 1) * V.col(1).tail(rest) + V(c, 1) * U.col(1).tail(rest) +
-              U(c, 2) * V.col(2).tail(rest) + V(c, 2) * U.col(2).tail(rest);
+    const std::array<const double*, 6> columns = {&V(c, 0), &U(c, 0), &V(c, 1),
+                                                  &U(c, 1), &V(c, 2), &U(c, 2)};
+    const std::array<double, 6> factors = {U(c, 0), V(c, 0), U(c, 1), V(c, 1), U(c, 2), V(c, 2)};
+    combine_columns(columns.size(), columns.data(), factors.data(), rest, combined_.data());
+    P.col(c).tail(rest) += combined_.head(rest);
   }
 }
 

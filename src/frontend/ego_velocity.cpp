@@ -58,7 +58,7 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
   Vector3d refined;
   out->covariance = least_squares(scan, *out, &refined);
   if (out->covariance) {
-    const bool better = count_supporters(scan, refined) >= best.count;
+    const bool better = count_supporters(scan, refined, best.count) >= best.count;
     mark(scan, better ? refined : best.v_S, *out->covariance, out);
   } else if (predicted) {  // only the prediction says how far it can be off
     mark(scan, best.v_S, predicted->covariance, out);
@@ -74,7 +74,7 @@ bool EgoVelocityRansac::Triple::fold_towards(const Vector3d& v_S, const DopplerF
 
 void EgoVelocityRansac::consider(const DetectionList& scan, const Vector3d& v,
                                  const std::optional<RadarVelocity>& predicted, Best* best) const {
-  const int count = count_supporters(scan, v);
+  const int count = count_supporters(scan, v, best->count);
   if (count < best->count || count == 0) return;
   if (count > best->count) {
     *best = {count, v, false};
@@ -100,10 +100,12 @@ void EgoVelocityRansac::consider_neighbours(const DetectionList& scan, const Tri
   }
 }
 
-int EgoVelocityRansac::count_supporters(const DetectionList& scan, const Vector3d& v) const {
-  int count = 0;
+int EgoVelocityRansac::count_supporters(const DetectionList& scan, const Vector3d& v,
+                                        int least) const {
+  auto count = static_cast<int>(scan.items.size());
   for (const Detection& d : scan.items) {
-    count += std::abs(residual(d, v)) < options_.ransac_threshold ? 1 : 0;
+    if (std::abs(residual(d, v)) < options_.ransac_threshold) continue;
+    if (--count < least) break;
   }
   return count;
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rio/core/mirror.hpp"
 #include "support/covariance_case.hpp"
 
 namespace rio::test {
@@ -103,6 +104,7 @@ TEST_F(ReexpressionTest, ReexpressionMovesTheUnobservableDirectionsAlong) {
   ASSERT_LT((without_calibration(c.matrix()) - before * before.transpose()).cwiseAbs().maxCoeff(),
             1e-10);
   Reexpression(layout_.capacity()).apply(layout_, x.before, x.after, &c);
+  mirror_lower(c.matrix());
   EXPECT_LT((without_calibration(c.matrix()) - after * after.transpose()).cwiseAbs().maxCoeff(),
             1e-10);
 }
@@ -129,9 +131,9 @@ TEST_F(ReexpressionTest, ReexpressionKeepsTheRightInvariantError) {
   };
   const MatrixXd before = invariant_map(x.before) * dense() * invariant_map(x.before).transpose();
   Reexpression(layout_.capacity()).apply(layout_, x.before, x.after, &covariance_);
+  mirror_lower(covariance_.matrix());
   const MatrixXd after = invariant_map(x.after) * dense() * invariant_map(x.after).transpose();
   EXPECT_LT((before - after).cwiseAbs().maxCoeff(), 1e-10 * before.cwiseAbs().maxCoeff());
-  expect_equal(dense(), 0.0);
 }
 
 }  // namespace

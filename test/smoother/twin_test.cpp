@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "rio/core/mirror.hpp"
 #include "rio/ekf/panel_update.hpp"
 #include "rio/smoother/normal_equations.hpp"
 #include "support/covariance_case.hpp"
@@ -70,6 +71,7 @@ class Filter {
     }
     VectorXd dx(layout_.capacity());
     ASSERT_TRUE(update_.apply(batch, &covariance_, &dx));
+    mirror_lower(covariance_.matrix());
     mean_ += dx;
   }
 

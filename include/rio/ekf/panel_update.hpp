@@ -16,8 +16,9 @@ class PanelUpdate {
  public:
   explicit PanelUpdate(int capacity);
 
-  /// All rows of the batch at once; `dx` is the correction. False, with P unchanged, if an
-  /// innovation covariance is not positive definite or the result is not finite.
+  /// All rows of the batch at once; `dx` is the correction. Of P the lower triangle is that after
+  /// it. False, with P unchanged, if an innovation covariance is not positive definite or the
+  /// result is not finite.
   bool apply(const RowBatch& batch, Covariance* covariance, Eigen::VectorXd* dx);
 
  private:
@@ -28,6 +29,9 @@ class PanelUpdate {
   bool panel(const RowBatch& batch, std::size_t first_block, std::size_t end_block, Eigen::Index m,
              Eigen::Ref<Eigen::MatrixXd> P, Eigen::VectorXd* dx);
 
+  /// W <- W L^-T.
+  void solve(const PanelMatrix& L, Eigen::Ref<Eigen::MatrixXd> W);
+
   /// R on the lower triangle of S.
   static void add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
                         PanelMatrix* S);
@@ -35,6 +39,7 @@ class PanelUpdate {
   Eigen::MatrixXd backup_;
   Eigen::MatrixXd W_;
   Eigen::VectorXd diagonal_;
+  Eigen::VectorXd combined_;  ///< sum of columns
 };
 
 }  // namespace rio

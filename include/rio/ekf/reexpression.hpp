@@ -22,7 +22,8 @@ class Reexpression {
   /// @param capacity columns of the error state
   explicit Reexpression(int capacity);
 
-  /// (E1): the errors of `before` re-expressed for `after`, the same state after a correction.
+  /// (E1): the errors of `before` re-expressed for `after`, the same state after a correction; on
+  /// the lower triangle of the covariance.
   void apply(const Layout& layout, const Estimate& before, const Estimate& after,
              Covariance* covariance);
 
@@ -32,6 +33,7 @@ class Reexpression {
 
   Eigen::Matrix<double, Eigen::Dynamic, 3> U_;
   Eigen::Matrix<double, Eigen::Dynamic, 3> V_;
+  Eigen::VectorXd combined_;  ///< sum of columns
 };
 
 }  // namespace rio

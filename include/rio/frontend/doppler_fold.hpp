@@ -25,8 +25,8 @@ class DopplerFold {
   double limit() const { return limit_; }
   bool ambiguous() const { return std::isfinite(limit_); }
   double wrap(double difference) const {  // (E1)
-    return ambiguous() ? difference - 2.0 * limit_ * std::round(difference / (2.0 * limit_))
-                       : difference;
+    if (std::abs(difference) < limit_ || !ambiguous()) return difference;
+    return difference - 2.0 * limit_ * std::round(difference / (2.0 * limit_));
   }
   double nearest(double range_rate, double expected) const {  // (E2)
     return ambiguous() ? expected + wrap(range_rate - expected) : range_rate;

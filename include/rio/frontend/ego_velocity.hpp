@@ -104,7 +104,8 @@ class EgoVelocityRansac {
   double residual(const Detection& d, const Vector3d& v) const {
     return fold_.wrap(d.range_rate + d.direction_S.dot(v));
   }
-  int count_supporters(const DetectionList& scan, const Vector3d& v) const;
+  /// Inliers of v; where there are fewer than `least`, some number below that.
+  int count_supporters(const DetectionList& scan, const Vector3d& v, int least) const;
   /// The static set of v, whose own covariance may leave folds open.
   void mark(const DetectionList& scan, const Vector3d& v, const Matrix3d& covariance,
             EgoVelocity* out) const;
