@@ -163,7 +163,8 @@ class Pipeline {
     forget_after_silence(scan.time);
     observe(scan, last, imu);  // (3)
     if (seen_.ego_velocity.inliers > 0) last_told_ = scan.time;
-    seen_.rest = rest_.observe(scan, last, measured, imu, estimate().nav.gyro_bias);
+    seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
+                               backend_.state_estimate().covariance().body());
     gyro_bias_.predicted(estimate(), backend_.state_estimate().covariance().body());
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     count_own_echoes();

@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/so3.hpp"
+
 namespace rio {
 
 RestDetector::RestDetector(const Options& options)
-    : options_(options), scans_(kMaxScans), samples_(kMaxSamples) {}
+    : options_(options), scans_(kMaxScans), samples_(kMaxSamples) {
+  for (std::size_t r = 0; r < options.radars(); ++r) {
+    coarse_[r] = options.radar_of(r).doppler_resolution > kCoarse;
+  }
+}
 
 void RestDetector::reset() {
   scans_.clear();
@@ -17,12 +23,14 @@ void RestDetector::reset() {
 }
 
 std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList& scan, Time from,
-                                                            Time to, const ImuBuffer& imu,
-                                                            const Vector3d& gyro_bias) {
+                                                            const ImuBuffer& imu, const NavState& x,
+                                                            const BodyCovariance& P) {
   if (!options_.frontend.detect_rest) return std::nullopt;
-  const Span span = listen(from, to, imu, gyro_bias);
+  const Time to = x.time;
+  const Span span = listen(from, to, imu, x.gyro_bias);
   const double duration = to_seconds(to - from);
-  const Points points = points_of(scan, to);
+  Points points = points_of(scan, to);
+  points.force = beside_gravity(from, imu, x, options_.imu);
   if (span.samples == 0.0 && duration < kSameInstant && !scans_.empty()) {
     scans_.push_back(points);  // of another radar; the next one tells
     return std::nullopt;
@@ -36,6 +44,7 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   if (points.all == 0.0 || !calm_ || to - *calm_ > kCalmLasts || !without_doppler()) {
     return std::nullopt;
   }
+  if (coarse_[scan.radar] && sets_off(x, P)) return std::nullopt;
   const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
   const bool quiet = span.loudest < kQuiet;  // (E4)
   return RestModel::Measurement{span.gyro_B, quiet ? kStandingVelocity : kTouchedVelocity,
@@ -69,6 +78,40 @@ bool RestDetector::without_doppler() const {
   const Matrix3d A = sum.A + Matrix3d::Identity() / (kSlow * kSlow);
   const double chi2 = sum.b.dot(A.inverse() * sum.b);
   return chi2 < kChi2 * static_cast<double>(scans_.size());  // (E2)
+}
+
+RestDetector::Force RestDetector::beside_gravity(Time from, const ImuBuffer& imu, const NavState& x,
+                                                 const ImuOptions& options) {
+  const Vector3d gravity_B = x.q_WB.conjugate() * Vector3d(0.0, 0.0, -options.gravity);
+  const double declared = options.accel_noise_density * options.accel_noise_density;
+  Force force;
+  imu.for_each_step(from, x.time, [&](const ImuStep& step) {
+    const double dt = to_seconds(step.end - step.begin);
+    force.duration += dt;
+    force.sum_B += dt * (step.accel_B - x.accel_bias + gravity_B);
+    force.variance += dt * std::max(declared, step.measured.accel);
+  });
+  return force;
+}
+
+bool RestDetector::sets_off(const NavState& x, const BodyCovariance& P) const {
+  Force sum;
+  for (std::size_t i = scans_.size(); i-- > 0 && x.time - scans_[i].time < kSteady;) {
+    sum.duration += scans_[i].force.duration;
+    sum.sum_B += scans_[i].force.sum_B;
+    sum.variance += scans_[i].force.variance;
+  }
+  const Vector3d up_B = x.q_WB.conjugate() * Vector3d::UnitZ();
+  Eigen::Matrix<double, 3, 6> J;  // of the force by tilt and bias
+  J << options_.imu.gravity * skew(up_B), Matrix3d::Identity();
+  Eigen::Matrix<double, 6, 6> known;
+  known << P.block<3, 3>(body::kAttitude, body::kAttitude),
+      P.block<3, 3>(body::kAttitude, body::kAccelBias),
+      P.block<3, 3>(body::kAccelBias, body::kAttitude),
+      P.block<3, 3>(body::kAccelBias, body::kAccelBias);
+  const Matrix3d S = sum.duration * sum.duration * (J * known * J.transpose()) +
+                     sum.variance * Matrix3d::Identity();
+  return sum.sum_B.dot(S.inverse() * sum.sum_B) > kForceChi2;
 }
 
 RestDetector::Span RestDetector::listen(Time from, Time to, const ImuBuffer& imu,

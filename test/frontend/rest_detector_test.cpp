@@ -52,12 +52,19 @@ class RestDetectorTest : public testing::Test {
       if (grid > 0.0) raw.range_rate = grid * std::round(raw.range_rate / grid);
       scan_.items.push_back(make_detection(raw, options_.radar));
     }
-    Rest rest = detector_->observe(scan_, last_, scan_.time, imu_, known_bias());
+    Rest rest = detector_->observe(scan_, last_, imu_, known(scan_.time), covariance_);
     last_ = scan_.time;
     return rest;
   }
   /// What the filter has learnt during alignment.
   Vector3d known_bias() const { return simulator_->gyro_bias() + bias_error_; }
+  NavState known(Time time) const {
+    NavState x;
+    x.time = time;
+    x.gyro_bias = known_bias();
+    x.accel_bias = simulator_->accel_bias();
+    return x;
+  }
   /// Scans out of `count` that were called rest.
   int rests(int count) {
     int sum = 0;
@@ -73,6 +80,7 @@ class RestDetectorTest : public testing::Test {
   sim::Trajectory::Point motion_;  ///< stands, unless a test says otherwise
   Vector3d v_S_ = Vector3d::Zero();
   Vector3d bias_error_ = Vector3d::Zero();
+  BodyCovariance covariance_ = 1e-6 * BodyCovariance::Identity();  ///< after an alignment
   int detections_ = 30;
   int movers_ = 0;
   ImuBuffer imu_{options_.timing, options_.imu};
@@ -179,6 +187,26 @@ TEST_F(RestDetectorTest, CreepingBelowTheCellPassesForRest) {
   EXPECT_EQ(rests(100), 0);
 }
 
+// A cell of half a metre per second hides the first second of any departure from the Doppler.
+TEST_F(RestDetectorTest, SettingOffBelowACoarseCellIsNoRest) {
+  options_.radar.doppler_resolution = 0.49;
+  restart();
+  ASSERT_GT(rests(30), 15);
+  motion_.accel_B.x() = 0.3;
+  for (int i = 0; i < 4; ++i) (void)next();  // 0.26 s, up to 0.08 m/s
+  EXPECT_EQ(rests(11), 0);                   // up to 0.3 m/s
+}
+
+// A tilt that is not known as well explains the same force.
+TEST_F(RestDetectorTest, AnUncertainTiltIsNoDeparture) {
+  options_.radar.doppler_resolution = 0.49;
+  restart();
+  ASSERT_GT(rests(30), 15);
+  motion_.accel_B.x() = 0.3;
+  covariance_.block<3, 3>(body::kAttitude, body::kAttitude) = 1e-3 * Matrix3d::Identity();
+  EXPECT_EQ(rests(15), 15);
+}
+
 // Set down and touched for a third of a second in every second. The gyroscope measures its bias
 // between the touches alone.
 TEST_F(RestDetectorTest, TouchedOnTheGroundIsRest) {
@@ -235,7 +263,7 @@ TEST_F(RestDetectorTest, WithoutImuSamplesThereIsNoRest) {
   ASSERT_GT(rests(20), 0);
   const Time silent = last_ + kScanPeriod;
   scan_.time = silent;
-  EXPECT_FALSE(detector_->observe(scan_, last_, silent, imu_, known_bias()));
+  EXPECT_FALSE(detector_->observe(scan_, last_, imu_, known(silent), covariance_));
 }
 
 TEST_F(RestDetectorTest, CanBeSwitchedOff) {

@@ -18,10 +18,14 @@
 //      of kVibration times the white noise at most. Rotors exclude that.
 // (E4) If the whole span since the last scan is as quiet as white noise (kQuiet) the mean of the
 //      gyroscope measures its bias.
-// Limit: a body that creeps below the cell of a Doppler that is rounded, without any vibration,
-// counts as resting.
+// (E5) A Doppler grid coarser than kCoarse does not see a body set off, but the accelerometer does:
+//      at rest the mean of f - b_a + R_WB^T g_W over kSteady is zero, with the covariance of its
+//      white noise, the tilt and the accelerometer bias.
+// Limit: a body that creeps at a steady pace below the cell of a rounded Doppler, without any
+// vibration, counts as resting.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "rio/core/ring.hpp"
@@ -40,12 +44,25 @@ class RestDetector {
   void reset();
 
   /// The rest as a measurement, if there is one.
-  /// @param from the last scan; `to`: this one; the buffer holds the samples between them
-  std::optional<RestModel::Measurement> observe(const DetectionList& scan, Time from, Time to,
-                                                const ImuBuffer& imu, const Vector3d& gyro_bias);
+  /// @param from time of the last scan; the buffer holds the samples since
+  /// @param x state predicted to this scan, @param P its covariance
+  std::optional<RestModel::Measurement> observe(const DetectionList& scan, Time from,
+                                                const ImuBuffer& imu, const NavState& x,
+                                                const BodyCovariance& P);
 
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+  /// Specific force beside gravity, integrated from one scan to the next.
+  struct Force {
+    double duration = 0.0;              ///< [s]
+    Vector3d sum_B = Vector3d::Zero();  ///< [m/s]
+    double variance = 0.0;              ///< of it, white noise, per axis [m^2/s^2]
+  };
+  static Force beside_gravity(Time from, const ImuBuffer& imu, const NavState& x,
+                              const ImuOptions& options);
+  /// (E5) over the last scans.
+  bool sets_off(const NavState& x, const BodyCovariance& P) const;
 
   /// The points of a scan.
   struct Points {
@@ -54,6 +71,7 @@ class RestDetector {
     double still = 0.0;             ///< without Doppler
     Matrix3d A = Matrix3d::Zero();  ///< of those (E2) [s^2/m^2]
     Vector3d b = Vector3d::Zero();  ///< same [s/m]
+    Force force;                    ///< since the scan before
   };
   static Points points_of(const DetectionList& scan, Time time);
   /// (E1) (E2) over the scans kept.
@@ -81,8 +99,11 @@ class RestDetector {
   static constexpr double kMinPoints = 15.0;
   static constexpr double kShare = 0.7;  // people may pass by
   static constexpr double kDopplerSigmas = 2.5;
-  static constexpr double kSlow = 0.1;            // [m/s]
-  static constexpr double kChi2 = 11.34;          // three degrees of freedom, 99 %
+  static constexpr double kSlow = 0.1;    // [m/s]
+  static constexpr double kChi2 = 11.34;  // three degrees of freedom, 99 %
+  static constexpr double kCoarse = 0.2;  // a cell hides as much as a touch [m/s]
+  static constexpr Time kSteady = std::chrono::milliseconds(250);
+  static constexpr double kForceChi2 = 21.1;      // three degrees of freedom, 99.99 %
   static constexpr double kSameInstant = 5e-3;    // less than a sample of the IMU [s]
   static constexpr double kLongestSpan = 0.5;     // a radar that pauses tells nothing [s]
   static constexpr std::size_t kMaxSamples = 64;  // of a moment
@@ -100,6 +121,7 @@ class RestDetector {
   static constexpr double kUntold = 10.0;        // sigma of a rate that tells nothing [rad/s]
 
   Options options_;
+  std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is asked for, by radar
   Ring<Points> scans_;
   Ring<ImuSample> samples_;
   std::optional<Time> calm_;  ///< the last calm moment
