@@ -14,7 +14,7 @@ class Predictor {
 
   const NavState& state() const { return state_; }
 
-  /// After an update or a reset: starts again from the corrected state.
+  /// After an update or a reset: starts over from the corrected state.
   void rebase(const NavState& corrected, const ImuBuffer& imu);
   /// To the newest sample; constant time when called for every sample.
   void advance(const ImuBuffer& imu);
