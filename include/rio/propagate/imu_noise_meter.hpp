@@ -15,8 +15,7 @@
 //      the octave; the density itself where S is flat
 // (E5) S(0) = min q_l, l >= 1: noise that reaches down to zero fills all octaves, a tone fills one,
 //      motion the lowest. Octave 0 does not count: the sensor's low-pass filter, or interpolation
-//      of
-//      lost samples, attenuates it.
+//      of lost samples, attenuates it.
 // (E6) a step over m intervals, with the samples between lost, has the density m S(0): one value
 //      replaces m.
 // Limits: a tone that aliases below the lowest octave cannot be distinguished from motion; if a
