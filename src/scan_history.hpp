@@ -30,8 +30,7 @@ class ScanHistory {
     return of_[radar].processed && stamp == of_[radar].last;
   }
   /// The filtered scan equals the previous one of its radar, which noise excludes for a new scan.
-  /// False if all range rates are zero, as may be at rest with a coarse grid. Stores the
-  /// fingerprint.
+  /// False if all range rates are zero, as at rest with a coarse grid. Stores the fingerprint.
   bool is_repeated(const DetectionList& scan);
   /// The scan follows the one processed last, and the estimate is still at the time of that one.
   bool follows_last(Time stamp, std::size_t radar, Time estimate) const {

@@ -8,8 +8,7 @@
 
 namespace rio {
 
-/// Filtered scans that wait for the IMU or for other radars, oldest first. Few, so insertion
-/// shifts.
+/// Filtered scans that wait for the IMU or for other radars, oldest first. O(size) insertion.
 class ScanQueue {
  public:
   /// @param detections capacity of each scan

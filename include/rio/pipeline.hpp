@@ -62,6 +62,7 @@ class Pipeline {
   const UpdateReport& report() const { return report_; }
   const Health& health() const { return health_.health(); }
 
+  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0) {
     reset_own_echoes();
     reset_frontends();

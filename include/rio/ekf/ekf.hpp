@@ -28,6 +28,7 @@ class Ekf {
     return rio::landmark_room(estimate(), seen, options_);
   }
 
+  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.

@@ -3,8 +3,7 @@
 //
 // Minimises the sum of the costs of the assigned pairs, where an unassigned row costs the gate. Row
 // by row, the shortest augmenting path (Kuhn 1955; Jonker and Volgenant 1987) by Dijkstra's
-// algorithm over the pairs below the gate only: with few candidates per row it ends after few
-// steps.
+// algorithm over the pairs below the gate only: few candidates per row, so few steps.
 //
 // (E1) dual variables u, v with u_r + v_c <= cost of every pair, equality for assigned pairs; u_r
 //      <= gate, equality for unassigned rows: by duality the sum is minimal

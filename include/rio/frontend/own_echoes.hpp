@@ -5,8 +5,7 @@
 //
 // A point without Doppler at a position in radar axes is either part of the vehicle or a static
 // point that happens to be there. With its range rate d, of standard deviation sigma, and the rate
-// h that the predicted velocity gives a static point there, of variance S, direction error
-// included:
+// h predicted for a static point there, of variance S, direction error included:
 // (E1) log-likelihood ratio of the two: (wrap(d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
 //      counted where h exceeds its own sigma, in scans whose points with a Doppler agree with the
 //      prediction: with a wrong velocity every static point would look like part of the vehicle
@@ -43,8 +42,7 @@ class OwnEchoes {
     double evidence = 0.0;                ///< (E2)
     Time seen{0};                         ///< last sighting
   };
-  /// Predicted range rate of a detection if static: mean [m/s] and variance, Doppler noise
-  /// included.
+  /// Predicted range rate of a detection if static [m/s]: mean and variance, with Doppler noise.
   struct Rate {
     double h = 0.0;
     double S = 0.0;

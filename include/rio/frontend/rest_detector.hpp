@@ -18,8 +18,8 @@
 //      exceed that.
 // (E4) If the whole span since the last scan is as quiet as white noise (kQuiet), the mean of the
 //      gyroscope measures its bias.
-// Limit: a body that creeps below the quantisation of the Doppler, without any vibration, counts as
-// resting.
+// Limit: a body that creeps below the quantisation of the Doppler without vibration counts as at
+// rest.
 #pragma once
 
 #include <optional>

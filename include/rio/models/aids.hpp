@@ -30,8 +30,7 @@ struct PositionModel {
   }
 };
 
-/// Heading of the body's x axis about the world's z axis. Domain: x within 80 degrees of
-/// horizontal.
+/// Heading of the body's x axis about the world's z axis. Domain: elevation of x below 80 degrees.
 struct HeadingModel {
   static constexpr const char* kName = "heading";
   static constexpr int kDim = 1;

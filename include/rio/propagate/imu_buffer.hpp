@@ -37,6 +37,7 @@ inline ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) 
           a.accel_B + weight * (b.accel_B - a.accel_B)};
 }
 
+/// Ring of samples; a new one replaces the oldest when full. No allocation after construction.
 class ImuBuffer {
  public:
   ImuBuffer(const TimingOptions& timing, const ImuOptions& imu)
@@ -67,6 +68,7 @@ class ImuBuffer {
       noise_.pop_front();
     }
   }
+  /// The pause between two samples is longer than ImuOptions::max_gap.
   bool is_gap(const ImuSample& a, const ImuSample& b) const { return b.time - a.time > max_gap_; }
 
   /// The measurement at `time`, interpolated; held constant outside the buffered span.

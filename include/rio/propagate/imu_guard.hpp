@@ -4,8 +4,7 @@
 //
 // Out of range: a value outside the range of the sensor (ImuOptions::max_rate, max_accel), or an
 // axis that repeats, to the last bit, the largest value it ever had: a smaller range, saturated.
-// Frozen: all six values equal those of the sample before, although the sensor's noise hardly ever
-// repeats.
+// Frozen: all six values equal those of the sample before, although the noise hardly ever repeats.
 #pragma once
 
 #include <cstdint>

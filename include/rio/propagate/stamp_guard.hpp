@@ -11,8 +11,7 @@
 
 namespace rio {
 
-/// Valid stamps lie within 146 years of their epoch, so that differences and delays cannot
-/// overflow.
+/// Valid stamps lie within 146 years of their epoch: differences and delays cannot overflow.
 inline constexpr Time kFarthestStamp = Time::max() / 2 - std::chrono::hours(1);
 constexpr bool is_stamp(Time time) {
   return time >= -kFarthestStamp && time <= kFarthestStamp;

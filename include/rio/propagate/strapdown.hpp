@@ -102,9 +102,9 @@ Matrix15d congruence(const Matrix15d& F, const Matrix15d& P);
 /// Mean, transition and noise accumulated over several steps, to be applied to a covariance once.
 struct Propagation {
   NavState state;
-  BodyTransition from_start;
-  BodyNoise added;
-  bool gap = false;
+  BodyTransition from_start;  ///< product of the transitions (E2)
+  BodyNoise added;            ///< accumulated noise (E3)
+  bool gap = false;           ///< a step lay in a gap of the IMU
 
   Matrix15d transition() const { return from_start.matrix(); }
   Matrix15d noise() const { return added.matrix(); }

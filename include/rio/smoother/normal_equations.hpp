@@ -6,7 +6,7 @@
 // (E2) H + damping diag(H) = L L^T                                             (Marquardt 1963)
 // (E3) W = L_i0,  A = H_ii - W W^T,  a = g_i - W L_00^-1 g_0, i: all unknowns but those of state 0;
 //      the Schur complement that eliminates state 0        (Michalczyk et al., IROS 2024, eq. 9-10)
-// (E4) P_tt = (L_tt L_tt^T)^-1, t: newest state and border, which stand last
+// (E4) P_tt = (L_tt L_tt^T)^-1, t: newest state and border, which come last
 //
 // Elimination in the order of time is marginalisation, so that solving and marginalising are the
 // same operation. Fill-in stays inside the envelope (George and Liu 1981, ch. 4): state i is

@@ -61,8 +61,7 @@ class Prior {
   /// @param value of the parameter at x minus its configured value
   void forget(int column, double value, double information, const Estimate& x);
 
-  /// Marginalises landmark i; the last one takes its place. Landmarks newer than the prior are
-  /// ignored.
+  /// Marginalises landmark i, if the prior has it; the last one takes its place.
   void remove_landmark(std::size_t i, std::size_t last);
 
  private:

@@ -39,6 +39,7 @@ class Smoother {
     return rio::landmark_room(estimate(), seen, options_);
   }
 
+  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
@@ -103,8 +104,7 @@ class Smoother {
   /// Marginalises the oldest state: all factors that touch it become the prior of the others.
   bool marginalise_oldest();
 
-  /// Removes landmark i: marginalised from the prior, its factors dropped; the last takes its
-  /// place.
+  /// Marginalises landmark i in the prior and drops its factors; the last one takes its place.
   void remove_landmark(std::size_t i);
 
   static constexpr double kExact = 1e-5;  // sigma treated as exactly known, SI units

@@ -3,9 +3,8 @@
 //   [body 15 | of each radar: extrinsics 0 or 6, radar errors 0 or 2, time offset 0 or 1 |
 //    auxiliary states | clones 6 N | landmarks 3 M]
 //
-// The clone region always has room for N clones (stochastic cloning); a new clone replaces the
-// oldest one, so marginalising a clone moves nothing. Landmarks come last because their number
-// changes.
+// The clone region always has room for N clones (stochastic cloning); a new one replaces the
+// oldest, so marginalising a clone moves nothing. Landmarks come last because their number changes.
 #pragma once
 
 #include "rio/options.hpp"
@@ -13,9 +12,10 @@
 
 namespace rio {
 
+/// Column indices of the error state; constant but for the selected radar.
 class Layout {
  public:
-  /// @param auxiliary elements of the auxiliary states
+  /// @param auxiliary number of elements of the auxiliary states
   Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks,
          int auxiliary = 0, std::size_t radars = 1)
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),

@@ -3,8 +3,7 @@
 // prior's, and how well the data determine it.
 //
 // A parameter that no motion excites keeps the sigma of its prior (Observability in report.hpp).
-// The sigma of a constant only falls, except when its configured value is found to be contradicted
-// (update/state_estimate.hpp).
+// The sigma only falls, except when the configured value is contradicted (state_estimate.hpp).
 #pragma once
 
 #include <array>

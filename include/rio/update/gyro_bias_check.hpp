@@ -43,8 +43,7 @@ class GyroBiasCheck {
   /// Call before an update, with the predicted state.
   /// @param P_body covariance of x, order of namespace body
   void predicted(const Estimate& x, const BodyCovariance& P_body);
-  /// Call after it, with the corrected state; returns the error if the window contradicts the
-  /// estimate.
+  /// Call after it, with the corrected state; the error, if the window contradicts the estimate.
   std::optional<GyroBiasOpinion> corrected(const Estimate& x, const BodyCovariance& P_body);
 
  private:

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Health of the estimate (health.hpp) from the reports of the scans, radar silence and IMU gaps.
 //
-// Shares are ratios of sums that decay exponentially with kMemory. Gaps (kImuGaps) decay likewise,
-// steps (kReopened) with kStepMemory. The sigmas are those at the newest scan, or of dead
-// reckoning.
+// Shares are ratios of sums that decay exponentially with kMemory, as gaps (kImuGaps) do; steps
+// (kReopened) decay with kStepMemory. Sigmas are those at the newest scan or of dead reckoning.
 #pragma once
 
 #include <array>

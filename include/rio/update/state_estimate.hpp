@@ -58,6 +58,7 @@ class StateEstimate {
   Estimate& estimate() { return estimate_; }
   Covariance& covariance() { return covariance_; }
 
+  /// Starts from `prior` with covariance P0, order of namespace body; no clones, no landmarks.
   void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// A scan of radar r is processed next: estimate and layout refer to its calibration.
