@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 6 of the EKF: observability constraint. After a correction of the mean, the covariance of
 // the standard error is re-expressed so that that of the right-invariant error is unchanged: global
-// yaw and position then stay unobservable although the linearisation points have moved. (First-
-// estimate Jacobians, FEJ, serve the same purpose.)
+// yaw and position then stay unobservable although the linearisation points have moved. (This
+// replaces first-estimate Jacobians, FEJ.)
 //
 // (E1) theta <- R+^T R- theta;  dp <- dp - [p+ - p-] R- theta, likewise v and landmarks;
 //      the position of a clone is transformed by the clone's own rotation error

@@ -13,8 +13,8 @@
 // unfolded towards the prediction or, without a prediction that makes the fold unique, in all
 // neighbouring folds. Two hypotheses of equal support more than v_max apart are decided by a
 // prediction that makes the fold unique; otherwise there is no consensus. A static point whose fold
-// stays ambiguous is left out. Reference: Michalczyk et al. 2023, III-D; Doer and Trommer 2020
-// (three-point least squares).
+// stays ambiguous is left out.
+// Reference: Michalczyk et al. 2023, III-D; Doer and Trommer 2020 (three-point least squares).
 #pragma once
 
 #include <array>

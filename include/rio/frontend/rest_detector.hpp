@@ -18,8 +18,7 @@
 //      exceed that.
 // (E4) If the whole span since the last scan is as quiet as white noise (kQuiet), the mean of the
 //      gyroscope measures its bias.
-// Limit: a body that creeps below the quantisation of the Doppler without vibration counts as at
-// rest.
+// Limit: without vibration, a body that creeps below the Doppler quantisation counts as at rest.
 #pragma once
 
 #include <optional>

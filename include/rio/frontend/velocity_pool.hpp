@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 3: an independent estimate of the velocity, from the Dopplers of one second and the IMU
-// increments between them. It does not use the predicted velocity and works with a few points a
+// increments between them. It needs no predicted velocity and works with a few points per
 // scan. Its purpose is to detect that the state estimate's velocity is wrong beyond its covariance,
 // so that the gates permanently reject the measurements that could correct it.
 //

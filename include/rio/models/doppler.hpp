@@ -47,8 +47,8 @@ class DopplerModel {
   static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
                                               const Vector3d& v_S) noexcept;
 
-  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3), with u
-  /// itself in the Jacobian before that. (E4) is always applied: L is the identity unless kReliable
+  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3) and
+  /// (E4), before that u itself in the Jacobian. The caller sets L: the identity unless kReliable
   explicit DopplerModel(DopplerDirections directions) : directions_(directions) {}
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 8: propagates the mean of the corrected state through the buffered IMU samples to the
-// newest one.
+// Stage 8: propagates the corrected mean through the buffered IMU samples to the newest one.
 #pragma once
 
 #include "rio/propagate/imu_buffer.hpp"

@@ -42,7 +42,7 @@ class StampGuard {
  private:
   static constexpr Time kSudden = std::chrono::milliseconds(500);  // longest unsuspicious step
   static constexpr int kMany = 5;  // stamps in a row that are no coincidence
-  static constexpr Time kLasting = std::chrono::milliseconds(100);  // span of a run: no late data
+  static constexpr Time kLasting = std::chrono::milliseconds(100);  // least span: no late data
 
   Time max_pause_;
   std::optional<Time> newest_;

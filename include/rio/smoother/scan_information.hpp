@@ -99,8 +99,7 @@ class ScanInformation {
     r_.template segment<kDim>(rows_) = r;
     for (int i = 0; i < kDim; ++i) undo(x.step, rows_++);
   }
-  /// Maps a row from the errors of the state stepped back to those of the state (linearize.hpp,
-  /// E2).
+  /// Maps a row to the errors of the state before it was stepped back, (E2) of linearize.hpp.
   void undo(const StepBack& step, int row);
 
   void add_landmark(int column, int first, int count);

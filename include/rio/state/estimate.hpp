@@ -37,8 +37,7 @@ struct Clone {
 struct LandmarkState {
   Vector3d p_W = Vector3d::Zero();  ///< [m]
   Time last_seen = Time(0);         ///< scan of the last match that was used
-  /// Covariance of its position relative to the radar, S axes, predicted to the scan, for matching
-  /// [m^2].
+  /// For matching: predicted covariance of its position relative to the radar, S axes [m^2].
   Matrix3d covariance_S = Matrix3d::Zero();
   double distance_seen = 0.0;  ///< distance the body had travelled at its last measurement [m]
   double distance_born = 0.0;  ///< same, at its first measurement [m]

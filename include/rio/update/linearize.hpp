@@ -5,9 +5,9 @@
 // (E1) A scan is measured at its stamp minus t_d; the state is propagated to stamp - t_d^. The
 //      error dt of the offset shifts the measurement to the state x - x' dt, for any model that
 //      depends on the body state: dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)
-// (E2) State s seconds earlier: R' = R Exp(-s w), p' = p - s v, v' = v - s a_W with a_W = R a_B;
-//      its errors: dphi' = Exp(s w) dphi + s Jl(s w) db_g, dp' = dp - s dv, dv' = dv + s [a_W] R
-//      dphi
+// (E2) State s seconds earlier: R' = R Exp(-s w), p' = p - s v, v' = v - s a_W with a_W = R a_B.
+//      Errors: dphi' = Exp(s w) dphi + s Jl(s w) db_g, dp' = dp - s dv,
+//      dv' = dv + s [a_W] R dphi
 #pragma once
 
 #include <array>

@@ -43,8 +43,8 @@ struct Contradiction {
 /// points, a parameter with a loose prior absorbs unrelated errors. So each has the tighter prior
 /// k s, k = kCalibrationConfiguredShare, until the data contradict it, and s from then on.
 ///
-/// (E1) tight prior P_0 = (k s)^2; if it is right, the update moves the value with variance P_0 -
-///      P; contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
+/// (E1) tight prior P_0 = (k s)^2; if right, the updates move the value with variance P_0 - P;
+///      contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
 /// (E2) then the information 1 / (k s)^2 - 1 / s^2 of the tight prior is removed
 class StateEstimate {
  public:
