@@ -3,7 +3,7 @@
 // state and leaves the trails unchanged; advance() does the trail management: it extends, ends and
 // begins trails with the scan and proposes landmarks.
 //
-// Every static detection has one use: a landmark, a trail, or a new trail.
+// Every static detection is used at most once: for a landmark, a trail, or a new trail.
 // Reference: Michalczyk et al. 2023, II-B (matching after alignment with the two poses), III-C.
 #pragma once
 
