@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Behind the odometry API: the pipeline with its time semantics, for any back-end. Each back-end is
-// compiled in a file of its own.
+// The implementation of the odometry API: the pipeline, queues and time handling, for any back-end.
+// Each back-end is compiled in its own file.
 #pragma once
 
 #include <cstring>
@@ -141,7 +141,7 @@ class Engine final : public Odometry::Impl {
       return Status::kQueueFull;
     }
     queue_.insert(filtered_, measured);
-    process_ready();  // another radar may have waited for it
+    process_ready();  // scans of other radars may have waited for this one
     return queue_.contains(scan.time, radar) ? Status::kWaiting : pipeline_.report().status;
   }
 
@@ -240,21 +240,21 @@ class Engine final : public Odometry::Impl {
     }
   }
 
-  /// Measured before the estimate. Not if it follows the last scan and only a better time offset
-  /// has overtaken it.
+  /// Measured before the estimate. A scan that follows the last one is not late, even if a change
+  /// of the estimated time offset puts it before the estimate.
   bool is_late(Time stamp, std::size_t radar) const {
     if (!is_stamp(stamp)) return stamp < Time{0};
     if (history_.follows_last(stamp, radar, at_scan().time)) return false;
     return pipeline_.measured_at(stamp, radar) < at_scan().time;
   }
 
-  /// Not worth waiting for.
+  /// Too far ahead of the IMU to wait for it.
   bool is_ahead(Time stamp) const {
     const Time newest = imu_.empty() ? at_scan().time : imu_.newest().time;
     return !is_stamp(stamp) || stamp - newest > from_seconds(options_.timing.max_ahead);
   }
 
-  /// The IMU samples from there on are forgotten.
+  /// More than max_lag before the buffered samples: the IMU data from `time` on are incomplete.
   bool is_before_buffer(Time time) const {
     if (!is_stamp(time)) return time < Time{0};
     return !imu_.empty() && imu_[0].time - time > from_seconds(options_.timing.max_lag);
@@ -264,12 +264,12 @@ class Engine final : public Odometry::Impl {
     return !imu_.empty() && time - imu_.newest().time > from_seconds(options_.timing.max_ahead);
   }
 
-  /// The first sample can be of the time of the start.
+  /// The first sample may belong to the time of the start.
   bool is_near(Time time) const {
     return std::chrono::abs(time - at_scan().time) <= from_seconds(options_.timing.max_pause);
   }
 
-  /// The stamps of the IMU go on in another clock.
+  /// The clock of the IMU has jumped.
   void restart_clock() {
     ++counters.clock_restarts;
     ImuSample last = imu_.newest();
@@ -279,19 +279,19 @@ class Engine final : public Odometry::Impl {
     aligner_.reset();
     moving_start_.reset();
     if (!initialized) return;
-    imu_.push_back(last);  // to the first sample of the new clock it is a gap
+    imu_.push_back(last);  // a gap follows, to the first sample of the new clock
     add_unknown_pause(options_.imu, at_scan().v_WB.norm(), covariance);
     carry_to(last.time);
   }
 
-  /// The estimate is taken to hold at `time`; what was known of other times is forgotten.
+  /// Restarts the pipeline with the estimate assumed valid at `time`.
   void carry_to(Time time) {
     NavState state = at_scan();
     state.time = time;
     hold(state, BodyCovariance(covariance));
   }
 
-  /// Starts over from there; the scans that wait are of another time.
+  /// Restarts the pipeline from `state`; the queued scans are discarded as late.
   void hold(const NavState& state, const BodyCovariance& P) {
     counters.scans_late += queue_.size();
     forget_scans();
@@ -326,7 +326,7 @@ class Engine final : public Odometry::Impl {
     return status;
   }
 
-  /// Starts over from the specific force where the tilt is lost.
+  /// Re-initialises the tilt from the specific force where it is lost (propagate/restart.hpp).
   void recover_tilt(const ImuSample& sample) {
     if (!options_.frontend.velocity_recovery) return;
     if (!restart_.active()) {
@@ -358,7 +358,7 @@ class Engine final : public Odometry::Impl {
     publish();
   }
 
-  /// Refreshes what the accessors return and forgets the samples behind the estimate.
+  /// Updates what the accessors return and drops the samples before the estimate.
   void publish() {
     covariance = pipeline_.backend().state_estimate().covariance().body();
     for (std::size_t r = 0; r < options_.radars(); ++r) {
@@ -370,7 +370,7 @@ class Engine final : public Odometry::Impl {
     ahead_.state = at_scan();
   }
 
-  static constexpr Time kWatch = std::chrono::milliseconds(50);  // silence is told in time
+  static constexpr Time kWatch = std::chrono::milliseconds(50);  // delay of reporting a silence
 
   Options options_;
   Pipeline<Estimator> pipeline_;
@@ -378,7 +378,7 @@ class Engine final : public Odometry::Impl {
   StampGuard stamps_;
   ImuGuard guard_;
   Predictor predictor_;
-  Propagation ahead_;  ///< from the last scan towards the newest sample, as far as it was asked for
+  Propagation ahead_;  ///< from the last scan to the newest sample at the last covariance_now()
   BodyCovariance covariance_now_ = BodyCovariance::Zero();
   StaticAligner aligner_;
   MovingStart moving_start_;
@@ -386,7 +386,7 @@ class Engine final : public Odometry::Impl {
   ScanHistory history_;
   ScanQueue queue_;
   DetectionList filtered_;
-  Time watched_{0};  ///< the health was last judged between scans
+  Time watched_{0};  ///< last update of the health between scans
 };
 
 }  // namespace rio

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the odometry API keeps hidden.
+// The hidden part of the odometry API.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace rio {
 
-/// What the odometry API asks of the estimator, whichever back-end it has.
+/// The interface between the odometry API and the estimator with either back-end.
 struct Odometry::Impl {
   virtual ~Impl() = default;
   virtual Status add_imu(const ImuSample& sample) = 0;

@@ -24,7 +24,7 @@ bool is_plausible(const NavState& s, const BodyCovariance& P) {
 }
 
 bool is_near_unit(const Quaternion& q) {
-  if (!(q.coeffs().cwiseAbs().maxCoeff() < 2.0)) return false;  // its square need not be a number
+  if (!(q.coeffs().cwiseAbs().maxCoeff() < 2.0)) return false;  // its square could overflow
   const double norm = q.norm();
   return norm > 0.5 && norm < 2.0;
 }
@@ -34,13 +34,13 @@ bool is_covariance(const BodyCovariance& P) {
   const Eigen::Matrix<double, body::kSize, 1> sigmas = P.diagonal().cwiseSqrt();
   const Matrix15d most = sigmas * sigmas.transpose();
   if (!(P.cwiseAbs().array() <= (1.0 + 1e-9) * most.array()).all()) return false;
-  // of the correlations; where a variance is zero so is its row
+  // C: correlations; the row of a zero variance is zero
   const double least = std::numeric_limits<double>::min();
   const Eigen::Matrix<double, body::kSize, 1> scale =
       P.diagonal().cwiseMax(least).cwiseSqrt().cwiseInverse();
   Matrix15d C = scale.asDiagonal() * P * scale.asDiagonal();
   if (!((C - C.transpose()).cwiseAbs().maxCoeff() <= 1e-9)) return false;
-  C.diagonal().array() += 1e-9;  // no eigenvalue below -1e-9: this has a Cholesky factor
+  C.diagonal().array() += 1e-9;  // positive definite if no eigenvalue of C is below -1e-9
   return SmallCholesky<body::kSize>(C).positive();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a state and its covariance must be to start from, and what a restart of the clock adds.
+// Checks of an initial state and its covariance, and the inflation after a jump of the clock.
 #pragma once
 
 #include "rio/options.hpp"
@@ -9,14 +9,14 @@ namespace rio {
 
 /// Every value is a number.
 bool is_finite(const NavState& state);
-/// Neither a value nor a sigma is beyond what any vehicle has, so that arithmetic does not
-/// overflow.
+/// Values and sigmas are within generous limits, so that arithmetic does not overflow.
 bool is_plausible(const NavState& state, const BodyCovariance& P);
 /// Its norm is between 0.5 and 2.
 bool is_near_unit(const Quaternion& q);
-/// Symmetric, and no eigenvalue below zero, both but for round-off, whatever the units.
+/// Symmetric and positive semi-definite, both up to round-off, independent of units.
 bool is_covariance(const BodyCovariance& P);
-/// A pause of unknown length, some 0.3 s, added to P: how far the body may have moved and turned.
+/// Inflates P by the possible motion in a pause of unknown length, some 0.3 s.
+/// @param speed of the body [m/s]
 void add_unknown_pause(const ImuOptions& imu, double speed, BodyCovariance& P);
 
 }  // namespace rio

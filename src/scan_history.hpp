@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each radar has sent so far: which scan is a new one, and which may be processed without an
-// earlier one of another radar coming after it.
+// What each radar has sent so far: which scan is new, and which may be processed because no earlier
+// one of another radar can still arrive.
 #pragma once
 
 #include <array>
@@ -16,47 +16,49 @@ namespace rio {
 
 class ScanHistory {
  public:
-  /// @param wait a scan is held back so long for an earlier one of another radar [s]
+  /// @param wait longest time that a scan is held back for an earlier one of another radar [s]
   ScanHistory(std::size_t radars, double wait) : radars_(radars), wait_(from_seconds(wait)) {}
 
-  /// Starts over, but for what the last scans looked like.
+  /// Starts over, but keeps the fingerprints of the last scans.
   /// @param now newest sample of the IMU; zero if there is none
   void forget(Time now);
+  /// Forgets the fingerprints.
   void forget_looks();
 
-  /// The last one processed has this stamp.
+  /// The last scan processed of this radar has this stamp.
   bool is_last(Time stamp, std::size_t radar) const {
     return of_[radar].processed && stamp == of_[radar].last;
   }
-  /// The filtered scan is the one before it again: noise alone makes each another one. At rest all
-  /// Dopplers of a coarse grid may be zero.
+  /// The filtered scan equals the previous one of its radar, which noise excludes for a new scan.
+  /// False if all range rates are zero, as at rest with a coarse grid. Stores the fingerprint.
   bool is_repeated(const DetectionList& scan);
-  /// It follows the scan processed last, of whose time the estimate still is.
+  /// The scan follows the one processed last, and the estimate is still at the time of that one.
   bool follows_last(Time stamp, std::size_t radar, Time estimate) const {
     const OfRadar& own = of_[radar];
     return own.processed && radar == last_radar_ && stamp > own.last && estimate == last_estimate_;
   }
-  /// The IMU has reached it, and no other radar can have an earlier one: each has sent a later one,
-  /// or has had the time for it, or is silent.
+  /// The IMU has reached the scan, and no earlier one of another radar is expected: each other
+  /// radar has sent a later one or is silent, or the scan has waited long enough.
   /// @param now newest sample of the IMU
   bool is_ready(Time measured, std::size_t radar, Time now) const;
 
-  /// A scan is taken, to be processed or to wait.
+  /// Records that a scan was accepted, to be processed or to wait.
   /// @param now newest sample of the IMU, if there is one
   void take(std::size_t radar, Time measured, std::optional<Time> now);
-  /// @param estimate its time afterwards
+  /// Records that a scan was processed.
+  /// @param estimate time of the estimate afterwards
   void process(Time stamp, std::size_t radar, Time estimate);
 
  private:
   struct OfRadar {
-    Time last{0};  ///< stamp of the last one processed
+    Time last{0};  ///< stamp of the last scan processed
     bool processed = false;
-    Time newest{0};                 ///< measurement time of the newest one taken
-    Time heard{0};                  ///< newest sample of the IMU then, or at the start
-    std::uint64_t fingerprint = 0;  ///< of the last scan taken or repeated
+    Time newest{0};                 ///< time of measurement of the newest scan accepted
+    Time heard{0};                  ///< newest IMU sample at the last accepted scan or at the start
+    std::uint64_t fingerprint = 0;  ///< of the last scan accepted or repeated
   };
 
-  static constexpr Time kSilent = std::chrono::milliseconds(500);  // not waited for any more
+  static constexpr Time kSilent = std::chrono::milliseconds(500);  // then no longer waited for
 
   std::size_t radars_;
   Time wait_;

@@ -14,7 +14,7 @@ bool ScanQueue::contains(Time time, std::size_t radar) const {
 
 void ScanQueue::insert(const DetectionList& scan, Time measured) {
   std::size_t i = size_++;
-  const auto follows = [&](std::size_t k) {  // of one time, by radar
+  const auto follows = [&](std::size_t k) {  // equal times are ordered by radar
     return due_[k] > measured || (due_[k] == measured && scans_[k].radar > scan.radar);
   };
   for (; i > 0 && follows(i - 1); --i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scans between their arrival and the moment the IMU reaches them.
+// The queue of scans that have arrived and wait for the IMU.
 #pragma once
 
 #include <vector>
@@ -8,11 +8,10 @@
 
 namespace rio {
 
-/// Filtered scans that wait for the IMU or for other radars, oldest first. Few, so insertion
-/// shifts.
+/// Filtered scans that wait for the IMU or for other radars, oldest first. O(size) insertion.
 class ScanQueue {
  public:
-  /// @param detections room for so many in each scan
+  /// @param detections capacity of each scan
   ScanQueue(std::size_t capacity, int detections) : due_(capacity) {
     scans_.reserve(capacity);
     for (std::size_t i = 0; i < capacity; ++i) scans_.emplace_back(detections);
@@ -24,13 +23,13 @@ class ScanQueue {
   void clear() { size_ = 0; }
   const DetectionList& front() const { return scans_[0]; }
   bool contains(Time time, std::size_t radar) const;
-  /// @param measured by which they are ordered
+  /// @param measured time of measurement, the order of the queue
   void insert(const DetectionList& scan, Time measured);
   void pop_front();
 
  private:
-  std::vector<DetectionList> scans_;  ///< the room of those beyond size_ is kept
-  std::vector<Time> due_;
+  std::vector<DetectionList> scans_;  ///< those beyond size_ keep their storage
+  std::vector<Time> due_;             ///< time of measurement, by scan
   std::size_t size_ = 0;
 };
 

@@ -4,9 +4,9 @@
 //
 //   (1) propagate, (3) front-end, (4) models, (5) gate, (6) update, (7) promote, (2) clone
 //
-// What is known of the radar's errors is taken off first: its stamps are shifted by the time
-// offset, its detections corrected for the elevation bias and the Doppler scale. Cloning comes
-// last: a clone is the corrected pose of this scan, kept for the scans after it.
+// The estimated errors of the radar are removed first: the stamp is corrected by the time offset,
+// the detections are corrected for elevation bias and Doppler scale. Stochastic cloning comes last:
+// a clone is the corrected pose of this scan, kept for later scans.
 #pragma once
 
 #include <algorithm>
@@ -30,6 +30,7 @@
 
 namespace rio {
 
+/// Front-end, consistency checks and back-end of one estimator; scans are processed in time order.
 template <class BackEnd>
 class Pipeline {
  public:
@@ -51,16 +52,17 @@ class Pipeline {
     seen_.aiding = &aiding_;
     aided_.aiding = &aiding_;
   }
-  Pipeline(const Pipeline&) = delete;  // what was seen points into it
+  Pipeline(const Pipeline&) = delete;  // Observations point into it
   Pipeline& operator=(const Pipeline&) = delete;
 
   const Estimate& estimate() const { return backend_.estimate(); }
   const BackEnd& backend() const { return backend_; }
-  /// For a back-end that has more to say than the stages ask.
+  /// For functions of a back-end beyond the stages.
   BackEnd& backend() { return backend_; }
   const UpdateReport& report() const { return report_; }
   const Health& health() const { return health_.health(); }
 
+  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0) {
     reset_own_echoes();
     reset_frontends();
@@ -78,34 +80,34 @@ class Pipeline {
     aiding_.clear();
   }
 
-  /// When a scan with that stamp was measured, as far as is known.
+  /// Time of measurement of a scan with that stamp, by the current estimate of the time offset.
   Time measured_at(Time stamp, std::size_t radar = 0) const {
     return stamp - from_seconds(estimate().of_radar(radar).time_offset);
   }
 
-  /// The tilt is more uncertain than a linearisation carries; without velocity_recovery updates
-  /// go on nevertheless.
+  /// The tilt is too uncertain for a linearised update. False without velocity_recovery: updates
+  /// then continue.
   bool tilt_is_lost() const {
     constexpr double kLinear = 0.35;  // 1 - cos is 6 % [rad]
     return options_.frontend.velocity_recovery && sigma_tilt() > kLinear;
   }
 
-  /// Carries the estimate to `time` without a scan, not beyond the newest IMU sample.
+  /// Propagates the estimate to `time` without a scan, not beyond the newest IMU sample.
   Status propagate(Time time, const ImuBuffer& imu) {
     bool gap = false;
     return backend_.propagate(time, imu, &gap);
   }
 
-  /// Judges the health between scans, when the IMU has reached `now`.
-  /// @param pause for which it has told nothing, according to the scans that wait for it
+  /// Updates the health between scans, when the IMU has reached `now`.
+  /// @param pause of the IMU so far, according to the stamps of the scans that wait for it
   void watch(Time now, Time pause) {
     health_.wait(now, pause, estimate(), backend_.state_estimate().covariance().body());
   }
-  /// The IMU has told nothing for so long.
+  /// The IMU has paused for `duration`.
   void add_gap(Time duration) { health_.add_gap(duration); }
 
-  /// A measurement of another sensor, in any order: it counts with the first scan not before its
-  /// time. False if too many wait.
+  /// Queues a measurement of another sensor, in any order: it is used with the first scan not
+  /// before its time. False if too many wait.
   bool add(const AidingMeasurement& measurement) {
     if (waiting_.size() == kMaxWaiting) return false;
     const auto at = std::upper_bound(
@@ -114,14 +116,15 @@ class Pipeline {
     waiting_.insert(at, measurement);
     return true;
   }
-  /// Time of the oldest that waits.
+  /// Time of the oldest measurement in the queue.
   std::optional<Time> next_aiding() const {
     if (waiting_.empty()) return {};
     return waiting_.front().time();
   }
 
-  /// Those measured up to `time`, not after the newest IMU sample, without a scan: an update at
-  /// that time, or at the estimate if it is older. kNumerical as in process().
+  /// Update without a scan by the queued measurements up to `time`, which must not be after the
+  /// newest IMU sample; at `time`, or at the time of the estimate if that is later. kNumerical as
+  /// in process().
   Status process_aiding(Time time, const ImuBuffer& imu) {
     report_ = UpdateReport{};
     report_.time = time;
@@ -136,9 +139,9 @@ class Pipeline {
     return report_.status;
   }
 
-  /// One filtered scan, measured not after the newest IMU sample; one measured before the estimate
-  /// counts as measured at the estimate. While tilt_is_lost() it is left out. kNumerical: the
-  /// estimate is what the IMU alone predicts, or, if that failed, unchanged.
+  /// Processes one filtered scan, not measured after the newest IMU sample; one measured before the
+  /// estimate counts as measured at its time. While tilt_is_lost() the scan is not used.
+  /// kNumerical: the estimate is propagated by the IMU only or, if that failed, unchanged.
   Status process(const DetectionList& received, const ImuBuffer& imu) {
     report_ = UpdateReport{};
     report_.time = received.time;
@@ -156,7 +159,7 @@ class Pipeline {
     gather(measured, imu);
     if (report_.status != Status::kOk) return conclude();
 
-    if (tilt_is_lost()) return conclude();  // an update would make any tilt of it
+    if (tilt_is_lost()) return conclude();  // a linearised update could give any tilt
 
     velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     const DetectionList& scan = without_own_echoes(corrected(received));
@@ -183,8 +186,8 @@ class Pipeline {
  private:
   Time now() const { return options_.timing.clock != nullptr ? options_.timing.clock() : Time{0}; }
 
-  /// When a scan counts as measured: not before the estimate, and with it if another radar's scan
-  /// was taken so shortly before that the IMU has nothing to say in between.
+  /// Time at which a scan is processed: not before the estimate and, with several radars, at the
+  /// time of the estimate if it was measured less than kTogether later.
   Time taken_at(const DetectionList& scan, Time estimate_time) const {
     constexpr Time kTogether = std::chrono::milliseconds(2);
     const Time measured = measured_at(scan.time, scan.radar);
@@ -192,7 +195,7 @@ class Pipeline {
     return together ? estimate_time : std::max(measured, estimate_time);
   }
 
-  /// That of the radar whose scan is at hand.
+  /// The front-end of the radar whose scan is processed.
   Frontend& frontend() { return frontends_[estimate().radar]; }
   void reset_own_echoes() {
     for (OwnEchoes& own : own_echoes_) own.reset();
@@ -201,8 +204,7 @@ class Pipeline {
     for (Frontend& frontend : frontends_) frontend.reset();
   }
 
-  /// The oldest of those that wait, measured up to `time`, with what the IMU says of the time
-  /// since.
+  /// Moves the oldest queued measurements up to `time` to aiding_, with the IMU increments since.
   void gather(Time time, const ImuBuffer& imu) {
     aiding_.clear();
     const NavState& x = estimate().nav;
@@ -217,7 +219,7 @@ class Pipeline {
                    waiting_.begin() + static_cast<std::ptrdiff_t>(aiding_.size()));
   }
 
-  /// The scan free of the radar's errors as estimated.
+  /// The scan corrected for the estimated errors of the radar.
   const DetectionList& corrected(const DetectionList& scan) {
     const RadarErrors::Value& errors = estimate().radar_errors;
     if (errors.isZero(0.0)) return scan;
@@ -239,8 +241,7 @@ class Pipeline {
     return corrected_;
   }
 
-  /// Records say which detection of the filtered scan they are of: the vehicle's own are among
-  /// these.
+  /// Makes the records refer to the detections of the filtered scan, own echoes included.
   void count_own_echoes() {
     for (InnovationRecord& record : report_.records) {
       if (record.model == Model::kAiding) continue;
@@ -250,12 +251,12 @@ class Pipeline {
     }
   }
 
-  /// After a silence of the radar, scans without a static set included, or a pause of the IMU in
-  /// which the body may have turned, the pose is so uncertain that landmarks would be mistaken for
-  /// each other, one by one, each well inside its gate: they are dropped.
+  /// Drops landmarks and trails after a silence of the radar, scans without a static set included,
+  /// or a pause of the IMU in which the body may have rotated: with such an uncertain pose
+  /// landmarks would be mismatched, each well inside its gate.
   void forget_after_silence(Time time) {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
-    constexpr double kTurn = 0.1;                       // half a metre at five [rad]
+    constexpr double kTurn = 0.1;                       // half a metre at a range of 5 m [rad]
     const BodyCovariance P = backend_.state_estimate().covariance().body();
     const double turn =
         std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
@@ -265,10 +266,10 @@ class Pipeline {
     }
   }
 
-  /// Stage 3. If the scans have contradicted the velocity or the tilt for long they are replaced.
+  /// Stage 3. Velocity or tilt are replaced if the scans have contradicted them for long enough.
   void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
     const Estimate& x = backend_.estimate();
-    constexpr double kOpen = 0.5;  // the velocity is what the next scans say [m/s]
+    constexpr double kOpen = 0.5;  // above it the next scans determine the velocity [m/s]
     const double sigma = std::sqrt(velocity_covariance_.trace());
     const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
@@ -286,21 +287,21 @@ class Pipeline {
     report_.tilt_contradicted =
         to_seconds(x.nav.time - gravity_.contradicted_since().value_or(x.nav.time));
     if (!down) {
-      constexpr double kMost = 0.4;  // beyond, some bodies move alike rather than the world
+      constexpr double kMost = 0.4;  // above it the consensus may be one of movers
       if (pool_.chance() > kMost) seen_.withdraw();
       return;
     }
     const Time since = std::min(gravity_.agreed(), pool_.agreed());
     backend_.restart_attitude(down->g_B, down->sigma, down->velocity.v_B,
                               to_seconds(x.nav.time - since));
-    restart_velocity(down->velocity, 0.0, since);  // it has run away only by and by
+    restart_velocity(down->velocity, 0.0, since);  // the velocity diverged gradually
     gravity_.reset(x.nav.time);
     gyro_bias_.reset();
     frontend().observe(scan, x, &seen_, velocity_covariance_);
   }
 
-  /// A gyro bias that the scans have contradicted starts over, and with it the heading; landmarks
-  /// and trails that turned with it go.
+  /// If the scans contradict the gyro bias about the vertical, inflates its covariance and that of
+  /// the heading; drops landmarks and trails, which have rotated with it.
   void check_gyro_bias() {
     const auto opinion =
         gyro_bias_.corrected(estimate(), backend_.state_estimate().covariance().body());
@@ -311,17 +312,16 @@ class Pipeline {
     reset_frontends();
   }
 
-  /// Since when the velocity may have been wrong: one that took another one's place not long ago
-  /// and is contradicted in turn was wrong from the start, however well the scans supported it
-  /// meanwhile.
+  /// Since when the velocity may have been wrong: one that replaced another recently and is now
+  /// contradicted may have been wrong from the start, however well the scans supported it.
   Time doubtful_since() const {
-    constexpr Time kLong = std::chrono::seconds(30);  // no crowd, no multipath lasts that long
+    constexpr Time kLong = std::chrono::seconds(30);  // crowds and multipath are shorter
     const bool again = replaced_ && estimate().nav.time - replaced_->at < kLong;
     return again ? std::min(replaced_->since, pool_.agreed()) : pool_.agreed();
   }
 
-  /// The trails and landmarks that were placed with the wrong one go. The position may be off by
-  /// what the difference has done since it may have been wrong.
+  /// Replaces the velocity and drops landmarks and trails. The covariance of the position is
+  /// inflated by the possible effect of the difference since `since`.
   void restart_velocity(const VelocityOpinion& other, double duration, Time since) {
     const Time now = estimate().nav.time;
     backend_.restart_velocity(other.v_B, other.covariance, duration, to_seconds(now - since),
@@ -333,7 +333,7 @@ class Pipeline {
     reset_own_echoes();
   }
 
-  /// Of roll and pitch together [rad].
+  /// Sigma of roll and pitch together [rad].
   double sigma_tilt() const {
     const BodyCovariance P_body = backend_.state_estimate().covariance().body();
     const Matrix3d P = P_body.block<3, 3>(body::kAttitude, body::kAttitude);
@@ -366,31 +366,29 @@ class Pipeline {
     return report_.status;
   }
 
-  /// The velocity was replaced, by a check or by the scans after it had become uncertain, and since
-  /// when it may have been wrong by then.
+  /// A replacement of the velocity, by a check or by scans after it had become uncertain.
   struct Replaced {
     Time at{0};
-    Time since{0};
+    Time since{0};  ///< when the replaced velocity may have become wrong
   };
 
   static constexpr std::size_t kMaxWaiting = 256;  // a second of a fast sensor
 
   Options options_;
-  std::vector<Frontend> frontends_;    ///< one a radar
+  std::vector<Frontend> frontends_;    ///< one per radar
   std::vector<OwnEchoes> own_echoes_;  ///< same
   VelocityPool pool_;
   GravityCheck gravity_;
   GyroBiasCheck gyro_bias_;
   RestDetector rest_;
   BackEnd backend_;
-  Matrix3d velocity_covariance_ =
-      Matrix3d::Zero();                            ///< of the radar, predicted to the scan, axes S
-  StaticVector<std::size_t, kMaxDetections> own_;  ///< echoes of the scan at hand
+  Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
+  StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
   DetectionList corrected_;
   Observations seen_;
-  Observations aided_;                      ///< by other sensors, without a scan
+  Observations aided_;                      ///< aiding only, without a scan
   std::vector<AidingMeasurement> waiting_;  ///< oldest first
-  std::vector<AidingObservation> aiding_;   ///< of this update
+  std::vector<AidingObservation> aiding_;   ///< used in this update
   Promotions promotions_;
   UpdateReport report_;
   HealthMonitor health_;

@@ -9,7 +9,7 @@ namespace rio {
 
 namespace {
 
-/// What is added up, columns[j] from `row` on.
+/// Arguments of combine_columns.
 struct Sum {
   std::size_t count;
   const double* const* columns;
@@ -17,7 +17,7 @@ struct Sum {
   double* out;
 };
 
-/// A register of doubles, and the same in memory, anywhere.
+/// A register of doubles, and its unaligned form in memory.
 struct TwoDoubles {
   using Packet = double __attribute__((vector_size(16)));
   using Stored = double __attribute__((vector_size(16), aligned(8), may_alias));
@@ -27,7 +27,7 @@ struct FourDoubles {
   using Stored = double __attribute__((vector_size(32), aligned(8), may_alias));
 };
 
-/// kPackets packets at once, held in registers.
+/// Sums of kPackets packets from `row` on, held in registers.
 template <typename Register, int kPackets>
 [[gnu::always_inline]] inline void add_strip(const Sum& sum, Eigen::Index row) {
   using Stored = typename Register::Stored;
@@ -43,7 +43,7 @@ template <typename Register, int kPackets>
   for (int i = 0; i < kPackets; ++i) out[i] = total[i];
 }
 
-/// All rows; the last strip may begin within the one before it.
+/// All rows; the last strip may overlap the one before it.
 template <typename Register>
 [[gnu::always_inline]] inline void add_all(const Sum& sum, Eigen::Index rows) {
   constexpr Eigen::Index kPacket = sizeof(typename Register::Packet) / sizeof(double);

@@ -7,7 +7,7 @@ namespace rio {
 
 Ekf::Ekf(const Options& options)
     : options_(options),
-      // without trails nothing is measured from a past pose
+      // clones need a covariance only for the trails
       state_estimate_(options, options.update.use_trails ? options.update.max_clones : 0),
       rows_(options),
       compression_(rows_.capacity()),

@@ -11,7 +11,7 @@ namespace rio {
 
 namespace {
 
-/// Columns and their factors: those of a row of H, or of a panel.
+/// A linear combination of columns, by a row of H or over a panel.
 class Combination {
  public:
   void add(const double* column, double factor) {
@@ -43,7 +43,7 @@ bool PanelUpdate::apply(const RowBatch& batch, Covariance* covariance, Eigen::Ve
   Eigen::Ref<Eigen::MatrixXd> P = covariance->matrix();
   const Eigen::Index size = P.rows();
   auto backup = backup_.topLeftCorner(size, size);
-  const bool several = batch.rows().size() > kPanel;  // one alone fails before it changes anything
+  const bool several = batch.rows().size() > kPanel;  // a single panel fails before it changes P
   if (several) backup = P;
   dx->head(size).setZero();
   std::size_t block = 0;
@@ -95,7 +95,7 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
     innovation[k] = (innovation[k] - before) / S(k, k);
   }
   solve(S, W);
-  auto diagonal = diagonal_.head(size);  // bounds all of P: if it is finite, P is
+  auto diagonal = diagonal_.head(size);  // bounds all of P: if it is finite, so is P
   diagonal = P.diagonal();
   for (Eigen::Index k = 0; k < m; ++k) diagonal -= W.col(k).cwiseAbs2();
   dx->head(size).noalias() += W * innovation.head(m);

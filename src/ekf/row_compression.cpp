@@ -8,7 +8,7 @@ namespace rio {
 
 namespace {
 
-/// The two touch the same columns.
+/// Both rows touch the same columns.
 bool alike(const LinearRow& a, const LinearRow& b) {
   return a.segment_count == b.segment_count &&
          std::equal(a.segments.begin(), a.segments.begin() + a.segment_count, b.segments.begin(),
@@ -50,13 +50,13 @@ const RowBatch& RowCompression::compress(const RowBatch& batch) {
 }
 
 bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std::size_t end) {
-  constexpr double kRounding = 1e-24;  // square of what rounding leaves of a row
+  constexpr double kRounding = 1e-24;  // squared rounding error of a row, relative
   const auto m = static_cast<Eigen::Index>(end - begin);
   auto rows = rows_.leftCols(m);
   auto residual = residual_.head(m);
   for (Eigen::Index i = 0; i < m; ++i) {
     const LinearRow& row = batch.rows()[begin + static_cast<std::size_t>(i)];
-    if (!(row.variance > 0.0)) return false;  // the update has to fail with it
+    if (!(row.variance > 0.0)) return false;  // left to the update, which rejects it
     const double weight = 1.0 / std::sqrt(row.variance);
     rows.col(i) = weight * Eigen::Map<const Eigen::Matrix<double, kColumns, 1>>(row.h.data());
     residual[i] = weight * row.residual;

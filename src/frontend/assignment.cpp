@@ -55,9 +55,9 @@ void Assignment::augment(std::size_t start) {
   }
   tree_.clear();
   std::size_t row = start;
-  double length = kInfinity;  // of the shortest path known, which leaves a row alone
+  double length = kInfinity;  // of the shortest path so far, which leaves a row unassigned
   std::size_t alone = start;
-  int end = kNone;  // the free column, if that is nearer
+  int end = kNone;  // the free column, if one is nearer
   double distance = 0.0;
   while (true) {
     reach(row, distance);

@@ -74,7 +74,7 @@ void Association::add_row(std::size_t row, const Known& known, const DetectionLi
       assignment_.set(row, i, (scan.items[i].point_S - known.point_S).norm());  // (E1)
       continue;
     }
-    // cheap bounds first: d2 is at least the part of the range, and that of the azimuth
+    // cheap bounds first: d2 is at least the share of the range, and that of the azimuth
     const Seen& seen = seen_[i];
     const double off = seen.range - range;
     if (off * off > gate_ * (seen.variances[0] + trace)) continue;
@@ -93,7 +93,7 @@ std::optional<Association::Distance> Association::mahalanobis_distance(const Vec
                                                                        double range) const {
   const double inverse_range = 1.0 / range;
   const Vector3d u = inverse_range * known.point_S;
-  if (u.dot(direction_S) <= 0.0) return std::nullopt;  // behind: tangents mean nothing there
+  if (u.dot(direction_S) <= 0.0) return std::nullopt;  // behind the radar: tangents are invalid
   const double az = seen.t_az.dot(u);
   const double el = seen.t_el.dot(u);
   const Vector3d y(seen.range - range, -az, -el);

@@ -32,7 +32,7 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
   fold_ = DopplerFold(max_doppler_ / doppler_scale);
   const auto n = static_cast<std::uint32_t>(scan.items.size());
   out->clear();
-  // seeded by the stamp: a scan gives the same static set whatever came before it
+  // seeded by the stamp: the static set of a scan does not depend on earlier scans
   SplitMix64 random(static_cast<std::uint64_t>(options_.ransac_seed) ^
                     static_cast<std::uint64_t>(scan.time.count()));
   Best best;
@@ -60,7 +60,7 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
   if (out->covariance) {
     const bool better = count_supporters(scan, refined, best.count) >= best.count;
     mark(scan, better ? refined : best.v_S, *out->covariance, out);
-  } else if (predicted) {  // only the prediction says how far it can be off
+  } else if (predicted) {  // the only covariance available is that of the prediction
     mark(scan, best.v_S, predicted->covariance, out);
   }
 }

@@ -33,7 +33,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
     agree(now);
     return std::nullopt;
   }
-  // in the wrong fold Dopplers are wrong
+  // without a unique fold the unfolded Dopplers may be wrong
   const double variance = P_body.block<3, 3>(body::kVelocity, body::kVelocity).trace();
   if (gap || !fold_.is_unique(variance)) reset(now);
   carry(x, last, imu);
@@ -47,7 +47,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   const Fit other = fitted ? *fitted : without_dopplers(x);
   const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
   const Vector3d D = other.g - g_B;  // (E3)
-  const Matrix3d J = skew(g_B);      // by the attitude; by the accelerometer bias it is -I
+  const Matrix3d J = skew(g_B);      // dD/dtheta; dD/db = -I
   const Matrix3d cross = J * P_body.block<3, 3>(body::kAttitude, body::kAccelBias);
   Matrix3d S = J * P_body.block<3, 3>(body::kAttitude, body::kAttitude) * J.transpose();  // (E4)
   S += P_body.block<3, 3>(body::kAccelBias, body::kAccelBias) - cross - cross.transpose();
@@ -67,8 +67,8 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
 }
 
 void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu) {
-  Quaternion turn = Quaternion::Identity();  // axes of now to axes of `last`, at the end
-  Vector3d s = Vector3d::Zero();             // axes of `last`
+  Quaternion turn = Quaternion::Identity();  // finally from current body axes to those at `last`
+  Vector3d s = Vector3d::Zero();             // body axes at `last`
   double variance = 0.0;
   imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
     const double dt = to_seconds(step.end - step.begin);
@@ -120,7 +120,7 @@ void GravityCheck::take(const Observations& seen, const Estimate& x) {
 std::optional<GravityCheck::Fit> GravityCheck::fit_dopplers(Time now) const {
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
   Matrix6d A = Matrix6d::Zero();
-  Eigen::Matrix<double, 6, 5> B = Eigen::Matrix<double, 6, 5>::Zero();  // one per column
+  Eigen::Matrix<double, 6, 5> B = Eigen::Matrix<double, 6, 5>::Zero();  // right-hand sides
   double square = 0.0;
   int rows = 0;
   for (std::size_t i = 0; i < scans_.size(); ++i) {
@@ -149,7 +149,7 @@ std::optional<GravityCheck::Fit> GravityCheck::fit_dopplers(Time now) const {
   out.velocity = {solution.topRows<3>().col(0), P.topLeftCorner<3, 3>()};
   out.slope = solution.bottomRightCorner<3, 4>();
   if (!(out.covariance.trace() < kWeak * kWeak)) return std::nullopt;
-  // gravity has a known length: a fit that misses it is wrong, in its folds or by somebody else's
+  // the norm of gravity is known: a fit that misses it has wrong folds or moving points
   const double long_by = std::abs(out.g.norm() - options_.imu.gravity);
   if (long_by > kMaxBias + 3.0 * std::sqrt(out.covariance.trace() / 3.0)) return std::nullopt;
   return out;
@@ -161,7 +161,7 @@ GravityCheck::Fit GravityCheck::without_dopplers(const Estimate& x) const {
   Fit out;
   out.g = -scans_.front().s / T;
   out.covariance = sigma * sigma * Matrix3d::Identity();
-  const double run = options_.imu.gravity * T;  // the velocity may have run away by that
+  const double run = options_.imu.gravity * T;  // largest velocity error accumulated in T
   out.velocity = {x.nav.q_WB.conjugate() * x.nav.v_WB, run * run * Matrix3d::Identity()};
   return out;
 }

@@ -32,7 +32,7 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   Points points = points_of(scan, to);
   points.force = beside_gravity(from, imu, x, options_.imu);
   if (span.samples == 0.0 && duration < kSameInstant && !scans_.empty()) {
-    scans_.push_back(points);  // of another radar; the next one tells
+    scans_.push_back(points);  // of another radar at the same instant: tested with the next scan
     return std::nullopt;
   }
   if (span.samples == 0.0 || duration > kLongestSpan || points.still < 0.5 * points.all) {
@@ -154,7 +154,7 @@ std::optional<RestDetector::Moment> RestDetector::moment(const Vector3d& gyro_bi
     rough += e.cwiseAbs2();
   }
   square /= static_cast<double>(n - 1);
-  rough /= 70.0 * static_cast<double>(n - 4);  // 1 + 16 + 36 + 16 + 1
+  rough /= 70.0 * static_cast<double>(n - 4);  // 70 = 1 + 16 + 36 + 16 + 1
   const double root_rate =
       std::sqrt(static_cast<double>(n - 1) / to_seconds(end - samples_[first].time));
   Vector6d white;

@@ -59,7 +59,7 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   if (count < kMinRows || count < kMajority * n) return abstain(now);
   std::optional<VelocityOpinion> other = refine(best);
   if (!other) return abstain(now);
-  // what the covariance admits the update corrects
+  // an error within the covariance is corrected by the update
   if (unique_fold && (other->v_B - believed).norm() < 3.0 * sigma) return std::nullopt;
   if (now - since_ < (proven_ > kProven ? kLongPatience : kPatience)) return std::nullopt;
   return other;
@@ -77,8 +77,8 @@ std::nullopt_t VelocityPool::abstain(Time now) {
 }
 
 void VelocityPool::carry(Time last, const Estimate& x, const ImuBuffer& imu) {
-  Quaternion turn = Quaternion::Identity();  // axes of now to axes of `last`, at the end
-  Vector3d s = Vector3d::Zero();             // axes of `last`
+  Quaternion turn = Quaternion::Identity();  // finally from current body axes to those at `last`
+  Vector3d s = Vector3d::Zero();             // body axes at `last`
   imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
     const double dt = to_seconds(step.end - step.begin);
     const Vector3d phi = dt * (step.gyro_B - x.nav.gyro_bias);
@@ -163,7 +163,7 @@ double VelocityPool::likelihood(const Vector3d& v, double needed) const {
                        c.allowance;
   RowArray r = c.a_v - (c.a.col(0) * v.x() + c.a.col(1) * v.y() + c.a.col(2) * v.z());
   if (tightest_.ambiguous()) r -= c.period * (r * c.folds_per_metre).rint();  // all of them wrapped
-  // no row brings more than a residual of zero at the least sigma
+  // no row contributes more than a zero residual with the smallest sigma
   const double most = std::log((c.range / own).maxCoeff());
   if (static_cast<double>((r.abs() <= 3.0 * own).count()) * most < needed) return 0.0;
   double sum = 0.0;

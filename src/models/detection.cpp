@@ -33,7 +33,7 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
   const double horizontal = std::hypot(u.x(), u.y());  // cos(el)
   const double cos_az = horizontal > 1e-9 ? u.x() / horizontal : 1.0;
   const double sin_az = horizontal > 1e-9 ? u.y() / horizontal : 0.0;
-  // beyond 75 deg the growth is cut, and an azimuth keeps a noise: no array looks there
+  // beyond 75 deg, where no array measures, the growth is limited and the azimuth keeps its noise
   constexpr double kMinCosine = 0.25;
   const double growth = weak_echo_growth(raw.snr_db, o.weak_snr_db);
   const double sigma_az = own_or(
@@ -76,7 +76,7 @@ std::uint64_t fingerprint(const DetectionList& scan) {
 }
 
 bool is_valid(const RadarDetection& d) {
-  constexpr double kMost = 1e3;  // no radar says more [m/s, dB, m, rad]
+  constexpr double kMost = 1e3;  // no radar reports more [m/s, dB, m, rad]
   const double sigmas[] = {d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler};
   return d.point_S.allFinite() && std::abs(d.range_rate) <= kMost && std::abs(d.snr_db) <= kMost &&
          std::all_of(std::begin(sigmas), std::end(sigmas),
@@ -85,7 +85,7 @@ bool is_valid(const RadarDetection& d) {
 
 namespace {
 
-/// Two detections are as near to each other, Doppler included, as two of one reflector.
+/// Chi-squared test that two detections, Doppler included, are of one reflector.
 bool of_one_reflector(const Detection& a, const Detection& b) {
   constexpr double kGate = 13.28;  // chi-squared of four degrees of freedom, 99 %
   const auto square = [](double x) { return x * x; };
@@ -99,7 +99,7 @@ bool of_one_reflector(const Detection& a, const Detection& b) {
   return range + doppler + azimuth + elevation < 2.0 * kGate;  // both are noisy
 }
 
-/// Of the detections of one reflector the strongest stays.
+/// Keeps the strongest detection of each reflector.
 void keep_one_a_reflector(DetectionList* scan) {
   for (std::size_t i = scan->items.size(); i-- > 0;) {
     for (std::size_t k = 0; k < scan->items.size(); ++k) {
@@ -122,7 +122,7 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
   out.non_finite = 0;
   out.items.clear();
   const auto most = static_cast<std::size_t>(max_detections);
-  // so many more than there is room for: reflectors have several detections
+  // a scan of so many times the limit has several detections of one reflector
   constexpr std::size_t kCrowd = 4;
   const bool may_crowd = scan.detections.size() > kCrowd * most;
   bool crowded = false;
@@ -131,7 +131,7 @@ void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max
       ++out.non_finite;
       continue;
     }
-    // first, since the square of a coordinate may not be a number
+    // before the norm: the square of a coordinate may overflow
     if (raw.point_S.cwiseAbs().maxCoeff() > radar.max_range) continue;
     const double range = raw.point_S.norm();
     if (range < radar.min_range || range > radar.max_range) continue;

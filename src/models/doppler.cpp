@@ -8,7 +8,7 @@ namespace rio {
 DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measurement& z,
                                                                  const Vector3d& u_S,
                                                                  const Vector3d& v_S) noexcept {
-  constexpr double kOutlier = 9.0;  // beyond three sigma it is no direction error
+  constexpr double kOutlier = 9.0;  // beyond three sigmas it is no direction error
   const Vector3d spread = z.direction_cov * v_S;
   const double r = z.range_rate + u_S.dot(v_S);
   const double R = z.sigma_doppler * z.sigma_doppler + v_S.dot(spread);

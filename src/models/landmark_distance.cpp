@@ -20,7 +20,7 @@ bool LandmarkDistanceModel::evaluate(const Measurement& z, const RigidPose& T_WB
   const Vector3d a_W = T_WB.R * a;
   J->block<1, 3>(0, Blocks::column<BodyPose>()) = a.cross(from_body).transpose();
   J->block<1, 3>(0, Blocks::column<BodyPose>() + 3) = -a_W.transpose();
-  J->block<1, 3>(0, Blocks::column<Extrinsics>()).setZero();  // a range sees no rotation
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()).setZero();  // a range does not depend on it
   J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = -a.transpose();
   J->block<1, 3>(0, Blocks::column<Landmark>()) = a_W.transpose();
   return true;

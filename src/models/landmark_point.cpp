@@ -21,7 +21,7 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   R.diagonal() << z.sigma_range * z.sigma_range, sigma_az * sigma_az, sigma_el * sigma_el;
   if (J == nullptr) return true;
 
-  Matrix3d D;  // of (range, directions) in e
+  Matrix3d D;  // derivative of (range, direction) by e
   D.row(0) = u.transpose();
   D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
   D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;

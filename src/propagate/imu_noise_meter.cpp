@@ -8,7 +8,7 @@ namespace rio {
 
 namespace {
 
-/// g_l of (E4): the sum of squares of (1, -4, 6, -4, 1), convolved with the filters above it.
+/// g_l of (E4): sum of squares of (1, -4, 6, -4, 1) convolved with the filters (E2) before it.
 constexpr std::array kGain = {70.0, 19.25, 7.65625, 3.58203125, 1.760253906, 0.8762817383};
 
 }  // namespace

@@ -70,7 +70,7 @@ bool StaticAligner::standstill() const {
     if (part.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
     if (part.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
   }
-  Vector6d white = Vector6d::Zero();  // variance of the mean of a part, were its samples white
+  Vector6d white = Vector6d::Zero();  // variance of the mean of a part if its noise were white
   for (const Part& part : parts_) {
     white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(kParts));
   }
@@ -123,7 +123,7 @@ Alignment StaticAligner::align(Time time) const {
   const Matrix3d P_aa = prior * (across + (1.0 - gain) * along);
   const double gyro_bias_sigma =
       std::sqrt(noise_of_mean(imu_.gyro_noise_density, scatter.head<3>().mean())) + kGyroBiasFloor;
-  // accelerations of that scatter, one a part, add up to a velocity over the window
+  // independent accelerations of that scatter, one per part, integrated over the window
   const double sway = scatter.tail<3>().mean() * duration * duration / static_cast<double>(kParts);
   BodyCovariance& P = out.covariance;
   P.block<3, 3>(kAccelBias, kAccelBias) = P_aa;

@@ -84,7 +84,7 @@ void BodyNoise::advance(const BodyTransition& F, const BodyNoise& q) {
   const Matrix3d vg = velocity_gyro + F.velocity_attitude * attitude_gyro + gyro * F.velocity_gyro;
   const Matrix3d pa = position_accel + dt * velocity_accel + accel * F.position_accel;
   const Matrix3d va = velocity_accel + accel * F.velocity_accel;
-  // its other columns, as far as the blocks below the diagonal need them
+  // other columns of F Q, as far as the blocks below the diagonal need them
   const Matrix3d aa = F.attitude_attitude * attitude + F.attitude_gyro * attitude_gyro.transpose();
   const Matrix3d p_a = position_attitude + dt * velocity_attitude + F.position_attitude * attitude +
                        F.position_gyro * attitude_gyro.transpose();
@@ -103,7 +103,7 @@ void BodyNoise::advance(const BodyTransition& F, const BodyNoise& q) {
   const Matrix3d vv = velocity + F.velocity_attitude * velocity_attitude.transpose() +
                       F.velocity_gyro * velocity_gyro.transpose() +
                       F.velocity_accel * velocity_accel.transpose();
-  // times F^T
+  // F Q F^T + q
   attitude = q.attitude + aa * F.attitude_attitude.transpose() + ag * F.attitude_gyro.transpose();
   position_attitude = q.position_attitude + p_a * F.attitude_attitude.transpose() +
                       pg * F.attitude_gyro.transpose();
@@ -126,7 +126,7 @@ void BodyNoise::advance(const BodyTransition& F, const BodyNoise& q) {
 
 Matrix15d BodyNoise::matrix() const {
   using namespace body;
-  Matrix15d m = Matrix15d::Zero();  // below the diagonal
+  Matrix15d m = Matrix15d::Zero();  // filled below the diagonal only
   m.block<3, 3>(kAttitude, kAttitude) = attitude;
   m.block<3, 3>(kPosition, kAttitude) = position_attitude;
   m.block<3, 3>(kVelocity, kAttitude) = velocity_attitude;
@@ -165,8 +165,8 @@ ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
 
 namespace {
 
-/// (E3) of a step that hardly turns: each integral over a force or an attitude that turns is that
-/// of its value at the centroid of the weight. The walks take the centroids of the white noise.
+/// (E3) for a small rotation: in each integral the rotating force or attitude is replaced by its
+/// value at the centroid of the weight. The random walks use the centroids of the white noise.
 BodyNoise noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double t,
                               const ProcessNoise& density) {
   const Vector3d phi = t * w;
@@ -212,8 +212,8 @@ BodyNoise noise_of_short_step(const Matrix3d& R, const Vector3d& w, const Vector
 
 BodyNoise process_noise_covariance(const Matrix3d& R, const Vector3d& w, const Vector3d& a,
                                    double dt, const ProcessNoise& density) {
-  constexpr double kMostParts = 100.0;  // five radians in one step: much else is unknown
-  constexpr double kShort = 0.05;       // [rad]: 2e-4 of a variance
+  constexpr double kMostParts = 100.0;  // five radians in one step: other errors dominate
+  constexpr double kShort = 0.05;       // [rad]; relative error of a variance: 2e-4
   const double angle = w.norm() * dt;
   if (angle <= kShort) return noise_of_short_step(R, w, a, dt, density);
   const int parts = static_cast<int>(std::ceil(std::min(angle / kShort, kMostParts)));

@@ -105,7 +105,7 @@ bool EnvelopeFactor::tail_inverse(const Eigen::Ref<Eigen::MatrixXd>& P) {
   if (!valid_ || damping_ != 0.0) return false;
   const Eigen::Index tail = kState + border_;
   const int at = column(states_ - 1);
-  // L_ds of the last state, in the place of H_d0: that of a single state is no far unknown
+  // L_ds of the last state (a single state has no far unknowns)
   if (far_ > 0) {
     L_.block(far_row(), at, far_, kState).noalias() =
         far_coupling() * L_.block<kState, kState>(near_row() + near(), at);
@@ -127,7 +127,7 @@ bool EnvelopeFactor::tail_inverse(const Eigen::Ref<Eigen::MatrixXd>& P) {
 void EnvelopeFactor::order_border(const std::vector<int>& border_reach) {
   const auto is_far = [](int reach) { return reach <= 0; };
   far_ = static_cast<int>(std::count_if(border_reach.begin(), border_reach.end(), is_far));
-  if (far_ <= kState || states_ == 1) far_ = 0;  // Y costs as much
+  if (far_ <= kState || states_ == 1) far_ = 0;  // Y would cost as much
   order_.clear();
   for (const bool far : {true, false}) {
     for (int i = 0; i < border_; ++i) {

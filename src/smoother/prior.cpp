@@ -102,7 +102,7 @@ void Prior::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
 }
 
 void Prior::forget(int column, double value, double information, const Estimate& x) {
-  double moved = 0.0;  // since the prior was made
+  double moved = 0.0;  // change since the linearisation point
   const std::size_t r = layout_.radar_of(column);
   const Layout layout = layout_.of_radar(r);
   const RadarState& then = radars_[r];

@@ -162,7 +162,7 @@ void Smoother::take(const Observations& seen) {
   WindowState::Scanned& scanned = state.scanned[radar];
   if (seen.scan != nullptr && !scanned.here) {
     scanned = {true, estimate().time_offset, estimate().radar_errors};
-    // of two radars at nearly one time the second was measured a little later than the state
+    // a second radar's scan at nearly the same time was measured slightly later than the state
     const double offset = to_seconds(seen.scan->time - state.nav.time);
     if (state_estimate_.layout().radars() > 1) scanned.time_offset = offset;
   }

@@ -49,7 +49,7 @@ void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (
   const int rest = size_ - kBody;
   const Matrix15d propagated = congruence(phi, P_.topLeftCorner<kBody, kBody>()) + noise;
   P_.topLeftCorner<kBody, kBody>() = 0.5 * (propagated + propagated.transpose());
-  constexpr int kMoving = body::kGyroBias;  // the biases stay what they are
+  constexpr int kMoving = body::kGyroBias;  // the biases are constant
   const Eigen::Matrix<double, kMoving, kBody> moving = phi.topRows<kMoving>();
   for (int c = kBody; c < kBody + rest; ++c) {
     Eigen::Matrix<double, kMoving, 1> cross = Eigen::Matrix<double, kMoving, 1>::Zero();

@@ -11,7 +11,7 @@ namespace rio {
 
 namespace {
 
-/// What a reason throws doubt on, and whether it can lose it.
+/// The quantities a reason affects, and whether it can make them kLost.
 struct Effect {
   bool position;
   bool velocity;

@@ -18,7 +18,7 @@ void Reliability::add(const Vector3d& u, const Matrix3d& covariance, double vari
 }
 
 Matrix3d Reliability::matrix() const {
-  constexpr double kRegular = 1e-9;  // of fewer than three directions S is singular
+  constexpr double kRegular = 1e-9;  // S of fewer than three directions is singular
   if (!(S_.trace() > 0.0)) return Matrix3d::Identity();
   const Matrix3d regular = kRegular * S_.trace() * Matrix3d::Identity();
   const SmallCholesky<3> cholesky(S_ + regular);

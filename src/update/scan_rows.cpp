@@ -9,8 +9,8 @@ namespace rio {
 
 namespace {
 
-/// The coefficients c of a Doppler's row in the four rows of StateEstimate::doppler_covariance: it
-/// is minus R_WS c in the velocity, axes W, and c_3 in the elevation error.
+/// The coefficients c of a Doppler's row in the four rows of StateEstimate::doppler_covariance: the
+/// row is -R_WS c_0..2 in the velocity, axes W, and c_3 in the elevation error.
 Eigen::Vector4d doppler_combination(const LinearRow& row, const Matrix3d& R_WS,
                                     const Layout& layout) {
   Eigen::Vector4d c = Eigen::Vector4d::Zero();
@@ -163,7 +163,7 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
       const double factor = repetition(distance, x) * mismatch_factor(options_.match_trust);
       used_.push_back({model, m.detection, m.target, 0, weigh(factor)});
     }
-    // as published, a match keeps a landmark alive
+    // as published, a match keeps a landmark alive even if gated
     was_used_[m.target] = used || model == Model::kLandmarkDistance;
     measures_landmark_[m.detection] = used && model == Model::kLandmarkPoint;
   }
@@ -194,8 +194,8 @@ bool ScanRows::add_point(const Detection& d, const StateEstimate& state_estimate
 }
 
 double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint& x) const {
-  constexpr double kSameReflectors = 0.15;  // way over which they are seen [m]
-  constexpr double kCells = 6.0;  // the rounding of y and y + c cells correlate by 1 - 6 c + ...
+  constexpr double kSameReflectors = 0.15;  // distance travelled over which they are seen [m]
+  constexpr double kCells = 6.0;  // rounding errors of y and y + c cells: correlation 1 - 6 c + ...
   const double distance_at_scan = distance_at_scan_[x.estimate.radar];
   const double other = repetition(distance_at_scan, x);
   if (noise_distance_[x.estimate.radar] <= 0.0) return other;  // every error is new in every scan
@@ -203,7 +203,7 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   const double rounding = std::min(grid * grid / 12.0, d.sigma_doppler * d.sigma_doppler) /
                           batch_.rows().back().variance;
   if (!(rounding > 0.0)) return other;
-  // the rate changes as the direction turns and as the radar accelerates
+  // the range rate changes as the direction rotates and as the radar accelerates
   const Vector3d v = x.radar_velocity_S();
   const double radial = d.direction_S.dot(v);
   const double turning = (v.squaredNorm() - radial * radial) / d.range;

@@ -14,19 +14,19 @@ namespace rio {
 
 namespace {
 
-constexpr double kMemory = 0.05;  // rotors turn faster, bodies accelerate slower [s]
+constexpr double kMemory = 0.05;  // time constant: rotors are faster, bodies slower [s]
 
-/// What white noise of that density [(m/s^2)^2/Hz] cannot have made of a smoothed acceleration. The
-/// noise is in the velocity, too, and the two would agree on a time offset that is none.
+/// The part of a smoothed acceleration that white noise of that density [(m/s^2)^2/Hz] cannot
+/// explain. The noise is in the velocity, too, and the correlation would look like a time offset.
 Vector3d beyond_noise(const Vector3d& smooth_W, double density) {
-  constexpr double kSquare = 25.0;  // five sigmas: with three, an aliased tone is still an offset
-  // variance of white noise after two low-passes of memory m: density / (4 m) an axis
+  constexpr double kSquare = 25.0;  // five sigmas: with three, an aliased tone still passes
+  // variance of white noise after two low-passes of time constant m: density / (4 m) per axis
   const double noise = kSquare * 3.0 * density / (4.0 * kMemory);
   const double square = smooth_W.squaredNorm();
   return square > noise ? Vector3d((1.0 - noise / square) * smooth_W) : Vector3d(Vector3d::Zero());
 }
 
-/// The row of the Doppler along a direction without an error; without its residual and noise.
+/// The row of a Doppler along an exact direction; residual and noise are not set.
 LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
                       const Layout& layout) {
   DopplerModel::Measurement z;
@@ -169,7 +169,7 @@ void StateEstimate::restart_velocity(const Vector3d& v_B, const Matrix3d& covari
 
 void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
                                      double duration) {
-  constexpr double kBefore = 4.0;  // the error was small, but it was there [s]
+  constexpr double kBefore = 4.0;  // the error existed before it was detectable [s]
   NavState& nav = estimate_.nav;
   const Vector3d g_W(0.0, 0.0, -options_.imu.gravity);
   const double off = (nav.q_WB * g_B - g_W).norm();
@@ -178,7 +178,7 @@ void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Ve
   nav.v_WB = nav.q_WB * v_before_B;
   const double angle = sigma / options_.imu.gravity;
   const double rate = angle / (duration + kBefore);
-  // the velocity has run away by its difference, and was turned by the tilt
+  // error of the velocity: its difference, and its rotation by the tilt error
   const double speed = (v_B - v_before_B).norm() + nav.v_WB.norm() * off / options_.imu.gravity;
   const double distance = 0.5 * off * duration * duration + speed * (duration + kBefore);
   covariance_.inflate(body::kPosition, distance * distance);
@@ -189,7 +189,7 @@ void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Ve
 }
 
 void StateEstimate::restart_heading(const GyroBiasOpinion& opinion) {
-  constexpr double kStep = 2.0;  // a step over the mean of the window it began in
+  constexpr double kStep = 2.0;  // ratio of a step to its mean over the window it began in
   const Vector3d up_B = estimate_.nav.q_WB.conjugate() * Vector3d::UnitZ();
   const double heading = kStep * std::abs(opinion.error) * opinion.duration;
   const double speed = heading * estimate_.nav.v_WB.norm();
@@ -277,7 +277,7 @@ void StateEstimate::correct(const Eigen::VectorXd& dx) {
 }
 
 void StateEstimate::predict_landmarks() {
-  constexpr int kShared = 13;  // columns of all landmarks: pose, extrinsics, time offset
+  constexpr int kShared = 13;  // columns shared by all landmarks: pose, extrinsics, time offset
   const LinearizationPoint x(estimate_);
   const auto P = covariance_.matrix();
   struct Part {
@@ -294,7 +294,7 @@ void StateEstimate::predict_landmarks() {
           P.block(row.column, column.column, row.size, column.size);
     }
   }
-  // the point in radar axes e has the derivative [e] turn + shift in them, and R_SW in itself
+  // the point in radar axes e has the derivative [e] turn + shift by them, and R_SW by its landmark
   using Shared = Eigen::Matrix<double, 3, kShared>;
   const Matrix3d R_SB = x.T_BS.R.transpose();
   const Matrix3d R_SW = R_SB * x.T_WB.R.transpose();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The chi-squared distribution: probability below x, and the x of a probability. C++17.
+// The chi-squared distribution: cumulative probability and quantile. C++17.
 //
 // (E1) cdf(x; n) = P(n/2, x/2), the regularised lower incomplete gamma function
 // (E2) P(a, x) = D sum_k x^k / ((a+1)...(a+k)), D = x^a e^-x / Gamma(a+1)       for x < a + 1
@@ -31,7 +31,7 @@ inline double gamma_density(double a, double x) {
   return std::exp(a * (log_ratio - excess) - correction) / std::sqrt(2.0 * 3.14159265358979324 * a);
 }
 
-/// Probability below x and its complement, neither obtained by subtracting it from 1 where small.
+/// Probability below x and its complement; the small one is never computed as 1 minus the other.
 struct Tails {
   double below;
   double above;
@@ -101,7 +101,7 @@ inline double chi2_quantile(double probability, double dof) {
     const double x = std::exp(y);
     const chi2_detail::Tails tails = chi2_detail::gamma_tails(a, x);
     const double tail = upper ? tails.above : tails.below;
-    const bool gone = !(tail > 0.0);  // too small for a number: far out
+    const bool gone = !(tail > 0.0);  // underflow: far out in the tail
     const double error = gone ? -1.0 : std::log(tail) - log_target;
     ((error < 0.0) == upper ? high : low) = y;
     const double slope =  // d log(tail) / dy

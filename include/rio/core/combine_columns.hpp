@@ -8,13 +8,13 @@
 namespace rio {
 
 /// out_r <- sum_j factors[j] columns[j]_r for r in [0, rows), each summed in the order of j.
-/// Four rows at a time on an x86 processor that has AVX, two elsewhere: chosen when it runs, and
-/// with the same bits, for nothing is fused and each row is summed alone. Does not allocate.
-/// @param columns,factors arrays of `count`; `out` is none of the columns
+/// Packets of four rows on an x86 processor with AVX, of two elsewhere, chosen at run time. Both
+/// give the same bits: no multiply-add is fused and each row is summed alone. Does not allocate.
+/// @param columns,factors arrays of `count` elements; `out` must not overlap a column
 void combine_columns(std::size_t count, const double* const* columns, const double* factors,
                      Eigen::Index rows, double* out);
 
-/// The same on every processor: what the bits of combine_columns are compared with.
+/// Same result by packets of two rows on every processor: the reference for tests.
 void combine_columns_baseline(std::size_t count, const double* const* columns,
                               const double* factors, Eigen::Index rows, double* out);
 

@@ -6,7 +6,7 @@
 
 namespace rio {
 
-/// Lower triangle of A <- L with A = L L^T; of A the lower triangle is read. False if A is not
+/// Lower triangle of A <- L with A = L L^T. Reads the lower triangle only. False if A is not
 /// positive definite. Does not allocate.
 bool factorise_in_place(Eigen::Ref<Eigen::MatrixXd> A);
 

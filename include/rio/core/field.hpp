@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A table of fields: what a loop over the values of a struct needs to know to validate, read, write
-// and document them. C++17.
+// A table of fields: what a loop over the members of a struct needs to validate, read, write and
+// document them. C++17.
 #pragma once
 
 #include <charconv>
@@ -12,10 +12,10 @@
 
 namespace rio {
 
-/// Who chooses the value of a field: whoever has the sensors, or whoever designs the algorithm.
+/// Who sets a field: the user, who knows the sensors, or the designer of the algorithm.
 enum class Layer : std::uint8_t { kUser, kAlgorithm };
 
-/// One row of the table; `min` and `max` are allowed values (numbers only), `unit` is SI or "".
+/// One row of the table; [min, max] is the allowed range (numbers only), `unit` is SI or "".
 struct FieldInfo {
   const char* key;
   const char* unit;
@@ -37,8 +37,7 @@ std::string to_text(Number value) {
 
 }  // namespace field_detail
 
-/// What is wrong with a value, as in "update.max_clones = 30 is outside [0, 20]"; empty if nothing
-/// is.
+/// What is wrong with a value, e.g. "update.max_clones = 30 is outside [0, 20]"; empty if valid.
 inline std::string field_error(const FieldInfo& info, double value) {
   if (value >= info.min && value <= info.max) return {};
   using field_detail::to_text;

@@ -8,7 +8,7 @@ namespace rio {
 
 /// Upper triangle <- lower triangle: symmetric to the last bit.
 inline void mirror_lower(Eigen::Ref<Eigen::MatrixXd> A) {
-  constexpr Eigen::Index kStrip = 4;  // columns written side by side: each is read in one piece
+  constexpr Eigen::Index kStrip = 4;  // columns written together: the reads are contiguous
   const Eigen::Index n = A.cols();
   Eigen::Index c = 0;
   for (; c + kStrip <= n; c += kStrip) {

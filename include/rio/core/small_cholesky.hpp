@@ -7,8 +7,8 @@
 
 namespace rio {
 
-/// A = L L^T; of A the lower triangle is read. Loops, because the solvers of Eigen cost the
-/// compiler a second for each size.
+/// A = L L^T; reads the lower triangle of A. Plain loops, because each size of Eigen's solvers
+/// costs a second of compile time.
 template <int kSize>
 class SmallCholesky {
  public:
@@ -29,11 +29,11 @@ class SmallCholesky {
     positive_ = true;
   }
 
-  /// A is positive definite; otherwise nothing below means anything.
+  /// A is positive definite; otherwise the results below are meaningless.
   bool positive() const { return positive_; }
   const Matrix& L() const { return L_; }
 
-  /// Of A.
+  /// det A
   double determinant() const { return L_.diagonal().prod() * L_.diagonal().prod(); }
 
   /// L^-1 b

@@ -27,7 +27,7 @@ namespace so3_detail {
 
 inline constexpr std::array<double, 7> kFactorial = {1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0};
 
-/// Terms of a series below x = 1, and below x = 0.01, so that the rest is beyond double precision.
+/// Terms of a series for x < 1 and for x < 0.01: the remainder is below double precision.
 inline constexpr int kTerms = 10;
 inline constexpr int kFewTerms = 5;
 inline constexpr double kSmall = 0.01;
@@ -70,7 +70,7 @@ class GammaSeries {
   explicit GammaSeries(double x) {
     s_[6] = so3_detail::series(6, x);
     s_[5] = so3_detail::series(5, x);
-    for (int m = 4; m > 0; --m) {  // downwards, beyond one: there the differences cancel
+    for (int m = 4; m > 0; --m) {  // downward recursion; for x >= 1 its differences cancel
       const auto i = static_cast<std::size_t>(m);
       s_[i] = x < 1.0 ? 1.0 / so3_detail::kFactorial[i] - x * s_[i + 2] : so3_detail::series(m, x);
     }
@@ -141,8 +141,8 @@ inline Vector3d quaternion_log(const Quaternion& q) {
   return 2.0 * std::atan2(sine, w) / sine * xyz;
 }
 
-/// The smallest rotation that turns the direction of a into that of b, both not zero. Opposite
-/// directions: half a turn about an axis across a.
+/// The smallest rotation that turns the direction of a into that of b, both non-zero. Opposite
+/// directions: half a turn about an axis perpendicular to a.
 inline Quaternion rotation_between(const Vector3d& a, const Vector3d& b) {
   constexpr double kOpposite = 1e-12;
   const Vector3d from = a.normalized();
@@ -151,7 +151,7 @@ inline Quaternion rotation_between(const Vector3d& a, const Vector3d& b) {
     const Vector3d axis = from.unitOrthogonal();
     return Quaternion(0.0, axis.x(), axis.y(), axis.z());
   }
-  const Vector3d middle = sum.normalized();  // half the way
+  const Vector3d middle = sum.normalized();  // half the rotation
   const Vector3d xyz = from.cross(middle);
   return Quaternion(from.dot(middle), xyz.x(), xyz.y(), xyz.z()).normalized();
 }

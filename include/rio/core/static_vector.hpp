@@ -18,7 +18,7 @@ class StaticVector {
 
   StaticVector() = default;
   StaticVector(const StaticVector&) = default;
-  /// Copies the elements that there are, not the room for others.
+  /// Copies the elements in use only, not the spare capacity.
   StaticVector& operator=(const StaticVector& other) {
     std::copy(other.begin(), other.end(), begin());
     size_ = other.size_;
@@ -71,7 +71,7 @@ class StaticVector {
   const T* end() const { return items_.data() + size_; }
 
  private:
-  std::array<T, Capacity> items_;  // no braces: compilers would write out every element
+  std::array<T, Capacity> items_;  // no braces: compilers would initialise every element
   std::size_t size_ = 0;
 };
 

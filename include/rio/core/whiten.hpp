@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of correlated noise made white. C++17.
+// Whitening of a residual and its Jacobian. C++17.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace rio {
 
-/// r <- L^-1 r, J <- L^-1 J with R = L L^T. Loops, because the solvers of Eigen would be
-/// instantiated for every model.
+/// r <- L^-1 r, J <- L^-1 J with R = L L^T positive definite. Plain loops, because Eigen's solvers
+/// would be instantiated for every model.
 template <int kDim, int kDof>
 void whiten(Eigen::Matrix<double, kDim, kDim> R, Eigen::Matrix<double, kDim, 1>* r,
             Eigen::Matrix<double, kDim, kDof>* J) {

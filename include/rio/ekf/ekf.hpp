@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Back-end 1: the multi-state error-state Kalman filter (Michalczyk et al., ICRA 2023).
 //
-// The rows of one scan are linearised at the predicted state, gated against the predicted
-// covariance, and applied at once; the corrected pose is kept as a clone.
+// The rows of one scan are linearised at the predicted state, gated with the predicted covariance,
+// and applied at once; the corrected pose is kept as a clone (stochastic cloning).
 #pragma once
 
 #include "rio/ekf/panel_update.hpp"
@@ -28,6 +28,7 @@ class Ekf {
     return rio::landmark_room(estimate(), seen, options_);
   }
 
+  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
@@ -35,29 +36,28 @@ class Ekf {
     return state_estimate_.propagate(to, imu, gap);
   }
 
-  /// A scan of that radar is at hand.
+  /// A scan of radar r is processed next.
   void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
 
-  /// Time of the state that a measurement of that time is kept with.
+  /// Time of the state that keeps an aiding measurement; the filter keeps none.
   Time anchor(Time /*measured*/) const { return estimate().nav.time; }
 
-  /// All landmarks leave.
+  /// Removes all landmarks.
   void drop_landmarks(UpdateReport* report);
 
-  /// The velocity turns out to be another one [m/s, body axes], for `duration` [s]: the position
-  /// follows it, and its covariance admits what the difference does in `doubtful` [s]. The
-  /// landmarks seen meanwhile are dropped. The trails have to go, too.
+  /// Replaces the velocity by v_B [m/s, body axes], wrong for `duration` [s] and possibly for
+  /// `doubtful` [s] (update/state_estimate.hpp). Drops all landmarks; the caller drops the trails.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         double doubtful, UpdateReport* report);
 
-  /// Gravity turns out to be g_B, sigma per axis [m/s^2], for `duration` [s], at the velocity v_B
-  /// [m/s], both in body axes (update/state_estimate.hpp).
+  /// Replaces the tilt so that gravity is g_B, sigma per axis [m/s^2], wrong for `duration` [s], at
+  /// the velocity v_B [m/s], both in body axes (update/state_estimate.hpp).
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration) {
     state_estimate_.restart_attitude(g_B, sigma, v_B, duration);
   }
 
-  /// The gyro bias about the vertical turns out to be wrong, and the heading with it. The landmarks
-  /// are dropped; the trails have to go, too.
+  /// Inflates the covariance of gyro bias about the vertical and heading. Drops all landmarks; the
+  /// caller drops the trails.
   void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
     drop_landmarks(report);
     state_estimate_.restart_heading(opinion);

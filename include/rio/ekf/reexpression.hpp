@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 6 of the EKF: the covariance of the standard error, after a correction of the mean, chosen
-// so that the right-invariant error keeps its own: yaw and position about the world then stay
-// unobservable although the linearisation points have moved.
+// Stage 6 of the EKF: observability constraint. After a correction of the mean, the covariance of
+// the standard error is re-expressed so that that of the right-invariant error is unchanged: global
+// yaw and position then stay unobservable although the linearisation points have moved. (This
+// replaces first-estimate Jacobians, FEJ.)
 //
 // (E1) theta <- R+^T R- theta;  dp <- dp - [p+ - p-] R- theta, likewise v and landmarks;
-//      a clone's own rotation error carries the clone
+//      the position of a clone is transformed by the clone's own rotation error
 // (E2) So P <- (I + U E^T) P (I + U E^T)^T = P + U V^T + V U^T, V = P E + U (E^T P E) / 2, where E
 //      selects theta; for each theta in turn
 // Reference: Hao, Tian and He 2025 (transformation of the error state after each correction).
@@ -22,8 +23,8 @@ class Reexpression {
   /// @param capacity columns of the error state
   explicit Reexpression(int capacity);
 
-  /// (E1): the errors of `before` re-expressed for `after`, the same state after a correction; on
-  /// the lower triangle of the covariance.
+  /// (E1): re-expresses the errors of `before` for `after`, the state after a correction; reads and
+  /// writes the lower triangle of the covariance.
   void apply(const Layout& layout, const Estimate& before, const Estimate& after,
              Covariance* covariance);
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 3: optimal one-to-one assignment with a gate.
 //
-// Minimises the sum over rows of min(cost, gate), where a row left alone pays the gate. Row by row
-// the shortest augmenting path (Kuhn 1955; Jonker and Volgenant 1987), by Dijkstra's algorithm over
-// the pairs below the gate alone: points match what is near them, so that it ends after a few.
+// Minimises the sum of the costs of the assigned pairs, where an unassigned row costs the gate. Row
+// by row, the shortest augmenting path (Kuhn 1955; Jonker and Volgenant 1987) by Dijkstra's
+// algorithm over the pairs below the gate only: few candidates per row, so few steps.
 //
-// (E1) potentials u, v with u_r + v_c <= cost of every pair, equal for those assigned; u_r <= gate,
-//      equal for rows left alone: they prove the sum to be the least
-// (E2) a path of length L from a row to a free column, or to a row that is left alone, at reduced
-//      costs cost - u_r - v_c; after it u_r += L - d_r, v_c -= L - d_c for what is nearer than L
+// (E1) dual variables u, v with u_r + v_c <= cost of every pair, equality for assigned pairs; u_r
+//      <= gate, equality for unassigned rows: by duality the sum is minimal
+// (E2) a path of length L from a row to a free column, or to a row that becomes unassigned, over
+//      the reduced costs cost - u_r - v_c; then u_r += L - d_r, v_c -= L - d_c for nodes nearer
+//      than L
 #pragma once
 
 #include <cstddef>
@@ -28,7 +29,7 @@ class Assignment {
 
   /// Starts a problem with every cost at the gate.
   void begin(std::size_t rows, std::size_t columns, double gate);
-  /// Once a pair, row by row. At or above the gate, or NaN, is no match.
+  /// Sets the cost of a pair. At or above the gate, or NaN: no match.
   void set(std::size_t row, std::size_t column, double cost);
   double cost(std::size_t row, std::size_t column) const { return cost_[row * columns_ + column]; }
 
@@ -40,11 +41,11 @@ class Assignment {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   void augment(std::size_t start);
-  /// A row enters the tree of paths at that distance: those of its columns.
+  /// Adds a row to the shortest-path tree at `distance` and updates the distances of its columns.
   void reach(std::size_t row, double distance);
-  /// The nearest column not settled, now settled; none is as near as `limit`: kNone.
+  /// Settles and returns the nearest unsettled column; kNone if none is nearer than `limit`.
   int settle_nearest(double limit);
-  /// Along the path that ends there.
+  /// Reassigns along the augmenting path from row `start` to `column`.
   void assign(std::size_t start, int column);
 
   [[maybe_unused]] std::size_t max_columns_;  ///< of the work space, for the assertion
@@ -53,7 +54,7 @@ class Assignment {
   double gate_ = 0.0;
   std::vector<double> cost_;
   std::vector<std::size_t> candidates_;      ///< columns below the gate, row by row
-  std::vector<std::size_t> candidates_end_;  ///< by row: where its own end, those of the next begin
+  std::vector<std::size_t> candidates_end_;  ///< row r has [r] to [r + 1] of the candidates
   std::vector<int> column_of_;
   std::vector<int> row_of_;
   std::vector<double> u_, v_;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: which detection belongs to which known point: landmarks, and the newest detections of
-// trails, both moved into the current radar frame; optimal one-to-one.
+// Stage 3: data association: optimal one-to-one matching of detections with known points, i.e.
+// landmarks and the newest detections of trails, transformed to the current radar frame.
 //
 // (E1) Euclidean:   cost = |m - e|, below a constant gate      Michalczyk et al. 2023, II-B
 // (E2) Mahalanobis, in range and direction: with u = e/|e|, t the unit tangents of the detection,
 //      y = (r - |e|, -t_az . u, -t_el . u), S = D P_e D^T + R, D the derivative of y in e, R the
-//      noise of range and angles: d2 = y^T S^-1 y below the quantile of three degrees of freedom;
-//      cost = d2 + ln(det S / det R), the negative log-likelihood up to a constant of the
-//      detection: vague points do not win by their vagueness
-//      Where reflectors are dense, the outer part of a gate holds more neighbours than right pairs:
-//      only its core counts, unless the radar has hardly moved since. Then the echo is the same
-//      one, and its error, too.
+//      noise of range and angles: d2 = y^T S^-1 y below the chi-squared quantile of three degrees
+//      of freedom; cost = d2 + ln(det S / det R), the negative log-likelihood up to a constant of
+//      the detection: uncertain points do not win by their large S. Where reflectors are dense, the
+//      outer part of a gate holds more neighbours than right pairs: only its core counts, unless
+//      the radar has hardly moved since the point was last seen. Then the echo repeats, and its
+//      error, too.
 // (E3) probability: (E2) with P_e = 0                          Xu et al., eq. 13-14
 // A landmark's match under (E2) counts only if every other pairing of the two costs more by a
-// margin: where reflectors stand close to each other, the nearest one is the one the estimate
-// already believes in, and using it would make the estimate sure of itself.
+// margin: among close reflectors the nearest is the one that confirms the estimate, and using it
+// would make the filter overconfident.
 #pragma once
 
 #include <array>
@@ -40,7 +40,7 @@ using Matches = StaticVector<Match, kMaxDetections>;
 struct AssociationResult {
   Matches landmarks;
   Matches trails;
-  /// Per detection: inside the gate of a landmark, so that it is no new point (not kEuclidean).
+  /// Per detection: inside the gate of a landmark, so that it starts no trail (not kEuclidean).
   std::array<bool, kMaxDetections> near_landmark{};
 
   void clear() {
@@ -53,7 +53,7 @@ struct AssociationResult {
 /// Solver with its work space allocated once.
 class Association {
  public:
-  /// @param same_echo distance travelled over which an echo stays the same [m]
+  /// @param same_echo distance travelled over which an echo repeats with its error [m]
   Association(const FrontendOptions& options, std::size_t max_landmarks, double same_echo);
 
   /// @param usable per detection: may be matched
@@ -68,9 +68,9 @@ class Association {
   struct Known {
     Vector3d point_S;
     Matrix3d covariance;
-    double gate = 0.0;  ///< of a match, at most that of being near
+    double gate = 0.0;  ///< chi-squared gate of a match, at most gate_
   };
-  /// Of a detection, what (E2) asks for against every known point.
+  /// The terms of (E2) that depend on the detection alone.
   struct Seen {
     Vector3d t_az;  ///< unit tangents
     Vector3d t_el;
@@ -83,13 +83,13 @@ class Association {
     double cost = 0.0;
   };
 
-  static constexpr double kMaxCost = 1e3;  // above any gate and logarithm
+  static constexpr double kMaxCost = 1e3;  // above any gate plus logarithm
 
-  /// The gate for a point that was seen that distance ago [m].
+  /// The gate for a point last seen `distance` of travel ago [m].
   double gate_after(double distance) const {
     return options_.matching == Matching::kMahalanobis && distance > same_echo_ ? core_ : gate_;
   }
-  /// The covariance of a known point as far as the matching minds it.
+  /// The covariance of a known point as used by the matching: zero unless kMahalanobis.
   Matrix3d believed(const Matrix3d& covariance) const;
 
   /// The costs of one known point against every usable detection.
@@ -97,15 +97,15 @@ class Association {
                const std::array<bool, kMaxDetections>& usable,
                std::array<bool, kMaxDetections>* near);
 
-  /// (E2) (E3); nothing if the points are not near.
+  /// (E2) (E3); none outside the gate.
   std::optional<Distance> mahalanobis_distance(const Vector3d& direction_S, const Seen& seen,
                                                const Known& known, double range) const;
 
-  /// The assigned pairs; of landmarks only the clear ones.
+  /// The assigned pairs; of landmarks only the unambiguous ones.
   void collect(std::size_t landmarks, std::size_t rows, std::size_t columns,
                AssociationResult* out) const;
 
-  /// No other pairing of this landmark or this detection is nearly as good.
+  /// No other pairing of this landmark or of this detection is within the margin.
   bool is_clear(std::size_t row, std::size_t column, std::size_t landmarks,
                 std::size_t columns) const;
 
@@ -113,7 +113,7 @@ class Association {
   double same_echo_;
   double gate_;
   double core_;
-  std::vector<Seen> seen_;  ///< of the scan at hand, by detection
+  std::vector<Seen> seen_;  ///< of the current scan, by detection
   Assignment assignment_;
 };
 

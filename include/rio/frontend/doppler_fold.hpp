@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: the ambiguity of a range rate: the radar reports it modulo 2 v_max.
+// Stage 3: Doppler ambiguity (aliasing, "folding"): the radar reports a range rate modulo 2 v_max.
 //
 // (E1) wrap(x) = x - 2 v_max round(x / (2 v_max)), in +-v_max
-// (E2) of all rates d + 2 k v_max the one nearest to the rate expected: expected + wrap(d -
-//      expected)
-// (E3) one fold is left if the expectation is surer than 3 sigma < v_max: then no rate within three
-//      sigmas has its double within three sigmas too
+// (E2) unfolding: of all rates d + 2 k v_max the one nearest to the expected rate,
+//      expected + wrap(d - expected)
+// (E3) the fold is unique if 3 sigma < v_max, sigma that of d - expected: then at most one of the
+//      rates lies within three sigmas
 #pragma once
 
 #include <cmath>
@@ -43,11 +43,11 @@ class DopplerFold {
   double limit_ = kNone;
 };
 
-/// That of a radar; none if folding is not undone.
+/// The fold of one radar; no ambiguity if unwrap_doppler is off.
 inline DopplerFold doppler_fold(const Options& options, std::size_t radar) {
   return DopplerFold(options.frontend.unwrap_doppler ? options.radar_of(radar).max_doppler : 0.0);
 }
-/// The tightest of all radars: where it leaves one fold, so do the others.
+/// The fold with the smallest v_max of all radars: where it is unique, so are the others.
 inline DopplerFold tightest_fold(const Options& options) {
   DopplerFold out;
   for (std::size_t r = 0; r < options.radars(); ++r) {

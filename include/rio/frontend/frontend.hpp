@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 3 and 7: what a scan says about the state. observe() reads the predicted state and touches
-// nothing; advance() then lives the trails one scan further and proposes landmarks.
+// Stages 3 and 7: the front-end. observe() derives the observations of a scan from the predicted
+// state and leaves the trails unchanged; advance() does the trail management: it extends, ends and
+// begins trails with the scan and proposes landmarks.
 //
-// Every detection has one sink: a landmark, a trail, or a new trail.
+// Every static detection is used at most once: for a landmark, a trail, or a new trail.
 // Reference: Michalczyk et al. 2023, II-B (matching after alignment with the two poses), III-C.
 #pragma once
 
@@ -21,22 +22,21 @@ namespace rio {
 
 struct AidingObservation;
 
-/// What one scan contributes; points into the scan and the trails it was made from.
+/// Observations of one scan; points into the scan and the trails it was made from.
 struct Observations {
-  const DetectionList* scan =
-      nullptr;  ///< its static detections unfolded; null: other sensors only
-  /// What other sensors measured up to its time (update/aiding.hpp); may be null.
+  const DetectionList* scan = nullptr;  ///< static detections unfolded; null: other sensors only
+  /// Measurements of other sensors up to the scan (update/aiding.hpp); may be null.
   const std::vector<AidingObservation>* aiding = nullptr;
   const TrailSet* trails = nullptr;
   EgoVelocity ego_velocity;
   AssociationResult matches;
-  std::optional<RestModel::Measurement> rest;             ///< it stands
+  std::optional<RestModel::Measurement> rest;             ///< zero-velocity update, if at rest
   std::array<double, kMaxDetections> doppler_residual{};  ///< of trails' matches, in sigmas
-  std::array<bool, kMaxDetections> moves{};               ///< an inlier, but no part of the world
+  std::array<bool, kMaxDetections> moves{};               ///< part of a mover, though an inlier
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }
-  /// The scan tells nothing.
+  /// Discards the static set and the matches of the scan.
   void withdraw() {
     ego_velocity.clear();
     matches.clear();
@@ -55,25 +55,25 @@ class Frontend {
   const TrailSet& trails() const { return trails_; }
   void reset() { trails_.clear(); }
 
-  /// Static set and matches of a scan, corrected for the radar errors of the state predicted to its
-  /// time. Pure.
-  /// @param velocity_covariance_S of the predicted radar velocity [m^2/s^2]
+  /// Static set and matches of a scan, which is corrected for the radar errors of the state
+  /// predicted to its time. Does not change the trails.
+  /// @param velocity_covariance_S of the predicted radar velocity, radar axes [m^2/s^2]
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
                const Matrix3d& velocity_covariance_S = Matrix3d::Zero());
 
   /// Stage 7, after a successful update: extends, ends and begins trails with the scan of `id`, and
-  /// proposes those matched `promote_after` times in a row, newest detection as the landmark's.
-  /// @param room landmarks the back-end can take; a trail without room goes on as a trail
+  /// proposes trails matched `promote_after` times in a row as landmarks at their newest detection.
+  /// @param room landmarks the back-end can take; a trail without room continues as a trail
   void advance(const Observations& seen, ScanId id, std::size_t room, Promotions* promotions);
 
  private:
-  /// The parts of a body move together, but not all of them along the line of sight.
+  /// Marks detections near an outlier: parts of a mover, not all of which move radially.
   void find_companions(Observations* out) const;
 
-  /// A mover slow enough for the consensus shows by residuals that agree with each other.
+  /// Marks slow movers within the static set: their Doppler residuals add up along a trail.
   void find_movers(const Vector3d& v_S, Observations* out) const;
 
-  /// The scan with the Dopplers of its static set unfolded.
+  /// Copies the scan with the range rates of its static set unfolded.
   void unwrap(const DetectionList& scan, Observations* out);
 
   FrontendOptions options_;

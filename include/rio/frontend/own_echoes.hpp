@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: echoes of the vehicle that carries the radar: a bumper, a wheel, a landing gear. They
-// have no Doppler, whatever the vehicle does; where points are few and Dopplers coarse they pass
-// for static points whose radial speed is small, and hold the velocity back.
+// Stage 3: detects echoes of the vehicle that carries the radar: a bumper, a wheel, a landing gear.
+// They have no Doppler, whatever the vehicle does; where points are few and Dopplers coarse they
+// look like static points of small radial speed and bias the velocity towards zero.
 //
-// A point without Doppler at a place of the radar's view is either part of the vehicle or a static
-// point that happens to be there. With the rate d, of the noise sigma, and the rate h that the
-// predicted velocity gives the place, of the variance S, direction error included:
+// A point without Doppler at a position in radar axes is either part of the vehicle or a static
+// point that happens to be there. With its range rate d, of standard deviation sigma, and the rate
+// h predicted for a static point there, of variance S, direction error included:
 // (E1) log-likelihood ratio of the two: (wrap(d - h)^2 / S - d^2 / sigma^2 + ln(S / sigma^2)) / 2,
-//      counted where h is beyond its own sigma, in scans whose points with a Doppler move as
-//      predicted: with a wrong velocity all the world seems to be part of the vehicle
+//      counted where h exceeds its own sigma, in scans whose points with a Doppler agree with the
+//      prediction: with a wrong velocity every static point would look like part of the vehicle
 // (E2) the evidence of a place is the sum over its sightings, of each at most kOnce; from kSure on
-//      it is part of the vehicle
+//      the place is part of the vehicle
 #pragma once
 
 #include <cstddef>
@@ -22,17 +22,17 @@
 
 namespace rio {
 
-/// Allocates nothing; the number of operations grows with detections times kPlaces.
+/// No allocation; O(detections * kPlaces) a scan.
 class OwnEchoes {
  public:
   /// @param max_doppler range rates fold into +-this; 0 = they do not fold [m/s]
   explicit OwnEchoes(double max_doppler) : fold_(max_doppler) {}
 
-  /// The radar may have been moved, or the velocity was wrong.
+  /// Forgets all places: the radar may have been moved, or the velocity was wrong.
   void reset() { places_.clear(); }
 
-  /// Takes note of a scan and puts the indices of the vehicle's own echoes into `own`, rising.
-  /// @param v_S,covariance_S predicted velocity of the radar, its axes [m/s]
+  /// Takes a scan and writes the indices of the vehicle's own echoes to `own`, in ascending order.
+  /// @param v_S,covariance_S predicted velocity of the radar, its axes [m/s], [m^2/s^2]
   void observe(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S,
                StaticVector<std::size_t, kMaxDetections>* own);
 
@@ -40,33 +40,32 @@ class OwnEchoes {
   struct Place {
     Vector3d point_S = Vector3d::Zero();  ///< [m]
     double evidence = 0.0;                ///< (E2)
-    Time seen{0};                         ///< last
+    Time seen{0};                         ///< last sighting
   };
-  /// Of the rate the predicted velocity gives a detection: mean and variance, its own noise
-  /// included.
+  /// Predicted range rate of a detection if static [m/s]: mean and variance, with Doppler noise.
   struct Rate {
     double h = 0.0;
     double S = 0.0;
   };
-  /// A range rate and what was predicted for it apart, however often it was folded [m/s].
+  /// Range rate minus its prediction, modulo the fold [m/s].
   double apart(const Detection& d, const Rate& rate) const {
     return fold_.wrap(d.range_rate - rate.h);
   }
   static Rate predicted(const Detection& d, const Vector3d& v_S, const Matrix3d& covariance_S);
   static bool may_be_zero(const Detection& d);
-  /// Points have a Doppler, and nearly all of these one as predicted.
+  /// Some points have a Doppler, and most of these the predicted one.
   bool moves(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S) const;
-  /// Where a detection was seen before; null if nowhere.
+  /// The known place of a detection; null if there is none.
   Place* find(const Detection& d);
-  /// In place of the one not seen for longest, if there are too many.
+  /// Adds a place; if there are too many, it replaces the one unseen for longest.
   Place* add(const Detection& d);
 
   static constexpr std::size_t kPlaces = 32;
   static constexpr double kReach = 2.0;   // parts of a small vehicle are within [m]
   static constexpr double kSigmas = 3.0;  // of a Doppler that may be zero, or as predicted
-  static constexpr int kWitnesses = 2;    // that the radar moves as predicted
+  static constexpr int kWitnesses = 2;    // points that confirm the predicted velocity
   static constexpr double kNear = 11.34;  // chi-squared of 3 degrees of freedom, 99 %
-  /// Five hundred million to one: an hour of scans asks some million times.
+  /// Odds of five hundred million to one: an hour of scans makes some million tests.
   static constexpr double kSure = 20.0;
   static constexpr double kMost = 2.0 * kSure;
   static constexpr double kOnce = kSure / 3.0;

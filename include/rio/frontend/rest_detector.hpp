@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: tells true rest, on the ground, from everything else. Hovering is no rest.
+// Stage 3: detects rest on the ground, for the zero-velocity update (ZUPT). Hovering is not rest.
 //
-// It takes the points of the last scans together, so that a few points a scan are enough, and asks
-// the IMU for one calm moment in a while: on the ground a sensor may be touched and tilted, but
+// The points of the last scans are tested together, so that a few points a scan are enough, and the
+// IMU must have had a calm moment recently: on the ground a sensor may be touched and tilted, but
 // between two touches it lies still. In a hand or in the air it never does.
 //
-// (E1) The points of the last second are kMinPoints at least and cover kDuration; nearly all have
-// no
-//      Doppler: |d| < 2.5 sigmas.
-// (E2) Their mean is zero, too: with A = sum u u^T, b = sum u d over the points without Doppler, of
-//      the noise sigma, b^T A^-1 b / sigma^2 is chi-squared of three degrees of freedom, times what
-//      a point repeats its error. A Doppler that is not rounded, or not to the same cell for all
-//      points, gives away a creeping body.
-// (E3) A moment is kMoment samples. It is calm if each axis of the IMU spreads by less than kCalm
-//      times its white noise, density / sqrt(dt), the gyroscope reads its bias within as much, and
-//      nothing vibrates: the fourth differences, which do not see the motion of a body, are those
-//      of kVibration times the white noise at most. Rotors exclude that.
-// (E4) If the whole span since the last scan is as quiet as white noise (kQuiet) the mean of the
+// (E1) The scans of the last second cover kDuration and have at least kMinPoints points without
+//      Doppler, |d| < 2.5 sigmas, which are at least a share kShare of all.
+// (E2) The common velocity of these points is zero: with A = sum u u^T / sigma^2 + I / kSlow^2 and
+//      b = sum u d / sigma^2, b^T A^-1 b is chi-squared of three degrees of freedom; the bound is
+//      multiplied by the number of scans, because a point repeats its error. A Doppler that is not
+//      quantised, or not to the same cell for all points, reveals a creeping body.
+// (E3) A moment is the samples of kMoment, at least kMinSamples. It is calm if each axis of the IMU
+//      deviates by less than kCalm times its white noise, density / sqrt(dt), the gyroscope reads
+//      its bias within as much, and nothing vibrates: the fourth differences, which are insensitive
+//      to the motion of a body, are below kVibration times those of the white noise. Running rotors
+//      exceed that.
+// (E4) If the whole span since the last scan is as quiet as white noise (kQuiet), the mean of the
 //      gyroscope measures its bias.
 // (E5) A Doppler grid coarser than kCoarse does not see a body set off, but the accelerometer does:
 //      at rest the mean of f - b_a + R_WB^T g_W over kSteady is zero, with the covariance of its
 //      white noise, the tilt and the accelerometer bias.
-// Limit: a body that creeps at a steady pace below the cell of a rounded Doppler, without any
-// vibration, counts as resting.
+// Limit: without vibration, a body that creeps steadily below the Doppler quantisation counts as at
+// rest.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ class RestDetector {
 
   void reset();
 
-  /// The rest as a measurement, if there is one.
+  /// The zero-velocity measurement, if the body is at rest.
   /// @param from time of the last scan; the buffer holds the samples since
   /// @param x state predicted to this scan, @param P its covariance
   std::optional<RestModel::Measurement> observe(const DetectionList& scan, Time from,
@@ -53,44 +53,44 @@ class RestDetector {
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-  /// Specific force beside gravity, integrated from one scan to the next.
+  /// Specific force minus gravity, integrated from one scan to the next.
   struct Force {
     double duration = 0.0;              ///< [s]
     Vector3d sum_B = Vector3d::Zero();  ///< [m/s]
-    double variance = 0.0;              ///< of it, white noise, per axis [m^2/s^2]
+    double variance = 0.0;              ///< of it by white noise, per axis [m^2/s^2]
   };
   static Force beside_gravity(Time from, const ImuBuffer& imu, const NavState& x,
                               const ImuOptions& options);
   /// (E5) over the last scans.
   bool sets_off(const NavState& x, const BodyCovariance& P) const;
 
-  /// The points of a scan.
+  /// Sums over the points of a scan.
   struct Points {
     Time time{0};
     double all = 0.0;
-    double still = 0.0;             ///< without Doppler
-    Matrix3d A = Matrix3d::Zero();  ///< of those (E2) [s^2/m^2]
-    Vector3d b = Vector3d::Zero();  ///< same [s/m]
+    double still = 0.0;             ///< points without Doppler
+    Matrix3d A = Matrix3d::Zero();  ///< sum u u^T / sigma^2 over those [s^2/m^2]
+    Vector3d b = Vector3d::Zero();  ///< sum u d / sigma^2 over those [s/m]
     Force force;                    ///< since the scan before
   };
   static Points points_of(const DetectionList& scan, Time time);
   /// (E1) (E2) over the scans kept.
   bool without_doppler() const;
 
-  /// What the IMU did since the last scan.
+  /// Statistics of the IMU since the last scan.
   struct Span {
     double samples = 0.0;
     Vector3d gyro_B = Vector3d::Zero();  ///< mean [rad/s]
-    double loudest = 0.0;                ///< spread of its moments, in sigmas of the white noise
+    double loudest = 0.0;                ///< largest Moment::spread
   };
   Span listen(Time from, Time to, const ImuBuffer& imu, const Vector3d& gyro_bias);
 
-  /// In sigmas of the white noise, the worst axis.
+  /// Of the worst axis, in sigmas of the white noise.
   struct Moment {
-    double spread = 0.0;  ///< or the rate, if that is more
-    double vibration = 0.0;
+    double spread = 0.0;     ///< standard deviation, or rate minus bias if that is more
+    double vibration = 0.0;  ///< by the fourth differences
   };
-  /// (E3) of the newest samples; none before there are enough.
+  /// (E3) of the newest samples; none until there are enough.
   std::optional<Moment> moment(const Vector3d& gyro_bias) const;
 
   static constexpr std::size_t kMaxScans = 64;
@@ -105,7 +105,7 @@ class RestDetector {
   static constexpr Time kSteady = std::chrono::milliseconds(250);
   static constexpr double kForceChi2 = 21.1;      // three degrees of freedom, 99.99 %
   static constexpr double kSameInstant = 5e-3;    // less than a sample of the IMU [s]
-  static constexpr double kLongestSpan = 0.5;     // a radar that pauses tells nothing [s]
+  static constexpr double kLongestSpan = 0.5;     // a longer pause of the radar starts over [s]
   static constexpr std::size_t kMaxSamples = 64;  // of a moment
   static constexpr std::size_t kMinSamples = 10;
   static constexpr Time kMoment = std::chrono::milliseconds(50);
@@ -113,12 +113,12 @@ class RestDetector {
   static constexpr double kCalm = 5.0;  // a hand at rest on a table; in the air it is 15
   static constexpr double kVibration = 2.0;
   static constexpr double kQuiet = 2.0;
-  static constexpr double kGyroFloor = 5e-4;         // grid of a MEMS gyroscope [rad/s]
-  static constexpr double kAccelFloor = 5e-3;        // same [m/s^2]
-  static constexpr double kStandingVelocity = 0.01;  // what passes for standing [m/s]
-  static constexpr double kTouchedVelocity = 0.05;   // same, if somebody touches it [m/s]
-  static constexpr double kSmallestRate = 1e-5;  // no gyroscope is better in a tenth of a second
-  static constexpr double kUntold = 10.0;        // sigma of a rate that tells nothing [rad/s]
+  static constexpr double kGyroFloor = 5e-4;         // quantisation of a MEMS gyroscope [rad/s]
+  static constexpr double kAccelFloor = 5e-3;        // same, accelerometer [m/s^2]
+  static constexpr double kStandingVelocity = 0.01;  // sigma of the velocity at rest [m/s]
+  static constexpr double kTouchedVelocity = 0.05;   // same, while the body is touched [m/s]
+  static constexpr double kSmallestRate = 1e-5;      // least sigma of a mean rate [rad/s]
+  static constexpr double kUntold = 10.0;            // sigma of a rate without information [rad/s]
 
   Options options_;
   std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is asked for, by radar

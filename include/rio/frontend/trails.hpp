@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 3 and 7: measurement trails: which detections of past scans belong to one point.
+// Stages 3 and 7: trails (feature tracks): the detections of one point in consecutive scans.
 //
-// A trail is born from an unmatched static detection, extended by each match, and dies at its first
-// miss. It keeps at most N elements, one per cloned pose and without gaps, so every element has its
-// clone. Reference: Michalczyk et al. 2023, II-B and Fig. 2.
+// A trail begins with an unmatched static detection, is extended by each match and ends at its
+// first miss. It keeps at most N elements, one per cloned pose and without gaps, so every element
+// has its clone. Reference: Michalczyk et al. 2023, II-B and Fig. 2.
 #pragma once
 
 #include <cstddef>
@@ -16,16 +16,16 @@ namespace rio {
 
 /// One past detection of a trail.
 struct TrailElement {
-  ScanId scan = 0;  ///< whose clone is the pose it was seen from
+  ScanId scan = 0;  ///< the clone of this scan is the pose it was seen from
   Detection detection;
 };
 
 /// Detections of one point in consecutive scans, newest last.
 struct Trail {
   StaticVector<TrailElement, kMaxClones> elements;
-  int matches = 0;  ///< consecutive matches since birth
-  /// Sum over the matches of the Doppler residual in sigmas: of a static point it wanders as a sum
-  /// of independent errors does, of a mover it grows from scan to scan.
+  int matches = 0;  ///< consecutive matches since its first element
+  /// Sum over the matches of the Doppler residual in sigmas: for a static point a random walk, for
+  /// a mover it grows from scan to scan.
   double doppler_sum = 0.0;
 
   const TrailElement& newest() const { return elements.back(); }
@@ -36,7 +36,7 @@ struct Trail {
   }
 };
 
-/// All live trails; storage for one per detection, allocated once.
+/// All current trails; storage for one per detection, allocated once.
 class TrailSet {
  public:
   TrailSet(int max_trails, int max_length)
@@ -53,7 +53,7 @@ class TrailSet {
     trails_[i].doppler_sum += doppler_residual;
     ++trails_[i].matches;
   }
-  /// A new trail; ignored when there are as many as detections in the largest scan.
+  /// Begins a trail; ignored when the storage is full.
   void create(const TrailElement& element) {
     if (size_ == trails_.size()) return;
     Trail& trail = trails_[size_++];

@@ -1,33 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: a second opinion on the velocity, from the Dopplers of a second and the increments of
-// the IMU between them. It needs no believed velocity and works with a few points a scan. It is
-// asked for one thing: has the estimate become wrong while its covariance denies it, so that the
-// gates refuse, for ever, the very measurements that could correct it?
+// Stage 3: an independent estimate of the velocity, from the Dopplers of one second and the IMU
+// increments between them. It needs no predicted velocity and works with a few points per
+// scan. Its purpose is to detect that the state estimate's velocity is wrong beyond its covariance,
+// so that the gates permanently reject the measurements that could correct it.
 //
-// v: velocity of the body now, g: gravity, both in the axes of the body now. For a detection that
-// is T old: u_B its direction, w the rate and p the lever arm then; C the turn of the body since, s
-// the specific force summed up since, both to the axes of now.
+// v: velocity of the body now, g: gravity, both in the current body axes. For a detection of age T:
+// u_B its direction, w the angular rate and p the lever arm at its time; C the rotation of the body
+// and s the integrated specific force since, both in the current body axes.
 //
-// (E1) velocity then, in the axes of now: v - s - g T
+// (E1) velocity at the detection's time, in the current body axes: v - s - g T
 // (E2) -d = a . (v - s - g T) + u_B . (w x p), a = C u_B: linear in v, modulo 2 v_max
 // (E3) a row supports v if its residual is below 3 sigma + e T: sigma of Doppler and direction,
-//      e what the accelerometer, and g by the sigma of the tilt, can be off
+//      e the possible error of the accelerometer, and of g by the sigma of the tilt
 // (E4) L(v) = sum max(0, ln(2 v_r / (sqrt(2 pi) sigma)) - r^2 / (2 sigma^2)), over the rows that
-//      support v: log-likelihood over that of a Doppler anywhere in +-v_r. With (E3) alone a fast
-//      velocity, of which an uncertain direction explains anything, would win.
+//      support v: log-likelihood relative to a Doppler uniform in +-v_r. With (E3) alone a fast
+//      velocity, whose large direction error explains anything, would win.
+// (E5) share of the rows supporting v that do so by chance: movers, ghosts and noise have about the
+//      same density [rows per m/s] beside the bound b of (E3) as inside it. With n rows up to h
+//      beyond the bound and m rows inside: n b / (h m)
 //
-// (E5) share of the rows that support v which do so by chance: movers, ghosts and noise leave
-// beside
-//      the bound b of (E3) about as many a m/s as inside it. With n of them up to h beyond it and m
-//      rows inside, n b / (h m)
-//
-// Against the velocity believed compete standstill and the solutions of triples of rows, in all
-// neighbouring folds. A velocity is an opinion if for some time on
-//   - it supports most rows, over some time, and no other one far away is nearly as likely;
-//   - it is kClearly times as likely as the one believed, and beyond its three sigmas;
-// where "some time" is short at the start, long if the state estimate was supported before: the
-// velocity does not change unnoticed by the IMU, but somebody who passes close by may fill the
-// view.
+// The hypotheses beside the state estimate's velocity are standstill and the solutions of triples
+// of rows, in all neighbouring folds. One contradicts the state estimate if, for long enough,
+//   - most rows support it, over a sufficient span, and no other distant one is nearly as likely;
+//   - its L is kClearly times that of the state estimate's velocity, and beyond its three sigmas.
+// "Long enough" is short at the start and long if the state estimate was supported before: the IMU
+// would have measured a change of the velocity, but a person passing close by may fill the view.
 #pragma once
 
 #include <optional>
@@ -41,7 +38,7 @@
 
 namespace rio {
 
-/// Velocity of the body in its own axes.
+/// Independent estimate of the velocity of the body, in body axes.
 struct VelocityOpinion {
   Vector3d v_B = Vector3d::Zero();         ///< [m/s]
   Matrix3d covariance = Matrix3d::Zero();  ///< [m^2/s^2]
@@ -52,35 +49,35 @@ class VelocityPool {
  public:
   explicit VelocityPool(const Options& options);
 
-  /// Starts over; the velocity counts as right at `time`, but not as proven.
+  /// Starts over; the state estimate's velocity counts as supported at `time`, but not as proven.
   void reset(Time time);
 
-  /// When the velocity believed was last supported.
+  /// When the state estimate's velocity was last supported.
   Time agreed() const { return agreed_; }
-  /// (E5) of the velocity believed, its sigma in the bound; 0 while there are few rows.
+  /// (E5) of the state estimate's velocity, its sigma in the bound; 0 while there are few rows.
   double chance() const { return chance_; }
   /// Since when it has been contradicted; the newest scan if it is not.
   Time contradicted_since() const { return since_; }
 
-  /// Takes a scan; the result is the velocity that contradicts the one believed, if one does.
+  /// Takes a scan; returns the velocity that contradicts the state estimate's, if one does.
   /// @param x predicted to the scan
-  /// @param sigma of the velocity believed, all axes [m/s]
+  /// @param sigma of the velocity of x, all axes [m/s]
   /// @param sigma_tilt of roll and pitch [rad]
-  /// @param last scan before; the buffer holds the samples since
+  /// @param last time of the scan before; the buffer holds the samples since
   /// @param gap the IMU paused since
   std::optional<VelocityOpinion> observe(const DetectionList& scan, const Estimate& x, double sigma,
                                          double sigma_tilt, Time last, const ImuBuffer& imu,
                                          bool gap);
 
  private:
-  /// A Doppler, carried to now.
+  /// One Doppler, transformed to the current body axes.
   struct Row {
     Time time{0};
     Vector3d a = Vector3d::Zero();  ///< (E2)
     double y = 0.0;                 ///< -d - u_B . (w x p) [m/s]
     Vector3d s = Vector3d::Zero();  ///< [m/s]
     double age = 0.0;               ///< T [s]
-    double a_v = 0.0;               ///< what a . v is: y + a . (s + g T) [m/s]
+    double a_v = 0.0;               ///< measured a . v: y + a . (s + g T) [m/s]
     double sigma_doppler = 0.0;     ///< [m/s]
     double sigma_direction = 0.0;   ///< [rad]
     DopplerFold fold;               ///< of the radar that measured it
@@ -89,7 +86,7 @@ class VelocityPool {
   static constexpr std::size_t kMaxRows = 96;
   using RowArray = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMaxRows, 1>;
 
-  /// The rows side by side, for the one function that is called hundreds of times a search.
+  /// The rows as arrays, for likelihood(), which is called hundreds of times per search.
   struct Columns {
     Eigen::Array<double, Eigen::Dynamic, 3, 0, kMaxRows, 3> a;
     RowArray a_v, variance_doppler, variance_direction;
@@ -98,9 +95,11 @@ class VelocityPool {
     RowArray range;                    ///< 2 v_r / sqrt(2 pi) of (E4) [m/s]
   };
 
-  /// The rows to the time of x (E1).
+  /// Transforms the rows to the time of x (E1) and drops the old ones.
   void carry(Time last, const Estimate& x, const ImuBuffer& imu);
+  /// Adds the rows of a scan.
   void take(const DetectionList& scan, const Estimate& x);
+  /// Fills a_v and columns_.
   void complete(const Estimate& x);
 
   double sigma(const Row& row, double speed) const;
@@ -108,14 +107,14 @@ class VelocityPool {
     return row.fold.wrap(row.a_v - row.a.dot(v));
   }
   int support(const Vector3d& v) const;  // (E3)
-  /// (E4); 0 where it cannot reach `needed`.
+  /// (E4); 0 if it cannot reach `needed`.
   double likelihood(const Vector3d& v, double needed = 0.0) const;
   double chance_share(const Vector3d& v, double sigma) const;  // (E5)
 
-  /// The most likely velocity; none if one far away is nearly as likely.
+  /// The most likely velocity; false if a distant one is nearly as likely.
   bool search(const Vector3d& believed, Time seed, Vector3d* best) const;
 
-  /// Least squares over the rows that support v; none if it is weak in a direction.
+  /// Least squares over the rows that support v; none if a direction is poorly determined.
   std::optional<VelocityOpinion> refine(const Vector3d& v) const;
 
   /// The state estimate is supported.
@@ -123,16 +122,16 @@ class VelocityPool {
   /// Neither supported nor contradicted.
   std::nullopt_t abstain(Time now);
 
-  static constexpr Time kWindow = std::chrono::milliseconds(1000);  // the IMU alone stays good
-  static constexpr Time kSpan = std::chrono::milliseconds(250);     // that rows must cover
+  static constexpr Time kWindow = std::chrono::milliseconds(1000);  // the IMU alone is accurate
+  static constexpr Time kSpan = std::chrono::milliseconds(250);     // the rows must cover
   static constexpr int kMinRows = 12;                               // four times the unknowns
   static constexpr int kScanRows = 12;                              // of a dense scan, about
   static constexpr Time kPatience = std::chrono::milliseconds(250);
   static constexpr Time kLongPatience = std::chrono::milliseconds(4000);  // a person passes by
-  static constexpr double kProven = 1.0;        // seconds of support that prove a velocity
-  static constexpr double kAgreement = 0.85;    // share of the rows
-  static constexpr double kMajority = 0.6;      // same, among outliers
-  static constexpr double kTelling = 1.2;       // L of a row that is not won by chance
+  static constexpr double kProven = 1.0;        // time of support that proves a velocity [s]
+  static constexpr double kAgreement = 0.85;    // supporting share of the rows
+  static constexpr double kMajority = 0.6;      // same, with outliers
+  static constexpr double kTelling = 1.2;       // L per row that is not reached by chance
   static constexpr double kClearly = 1.5;       // ratio of L
   static constexpr double kNearly = 0.75;       // same
   static constexpr double kDrift = 0.2;         // least e of (E3): a degree, or a MEMS bias [m/s^2]
@@ -143,7 +142,7 @@ class VelocityPool {
   static constexpr double kRepetition = 4.0;    // rows of one reflector repeat their error
   static constexpr double kLeastSigma = 0.01;   // [m/s]
   static constexpr double kLeastVolume = 0.02;  // of three directions
-  static constexpr int kDraws = 30;             // at kMajority no clean triple once in 1500 scans
+  static constexpr int kDraws = 30;             // at kMajority all fail once in 1500 scans
 
   Options options_;
   StaticVector<DopplerFold, kMaxRadars> folds_;  ///< by radar
@@ -152,7 +151,7 @@ class VelocityPool {
   std::vector<Row> rows_;  ///< oldest first
   Columns columns_;        ///< of rows_, after complete()
   Time agreed_{0};
-  Time since_{0};        ///< it is contradicted
+  Time since_{0};        ///< begin of the contradiction
   double proven_ = 0.0;  ///< time of support [s]
   double chance_ = 0.0;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4 of other sensors than the radar: any model with what it measured, in a type of its own
-// size that both back-ends take. C++17.
+// Stage 4 for sensors other than the radar: a measurement with its model, type-erased, in a type of
+// fixed size that both back-ends accept. C++17.
 //
 // A model is a struct with
 //   kName         its name in the report
@@ -11,8 +11,9 @@
 //   bool evaluate(z, value of each block ..., r, J, R) const
 //                 r = z - h(x);  J = dh/dx in the errors of the blocks, may be null;  R =
 //                 covariance of r at the true state; false = outside the model's domain
-// The state of its time follows from the next scan's by the IMU in between (update/aiding.hpp); its
-// rows are gated like any other, and the window keeps it as long as that scan.
+// The state at its time follows from that of the next scan by the IMU in between
+// (update/aiding.hpp); its rows are gated like any other, and the smoother's window keeps it as
+// long as that scan.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +36,7 @@ struct AidedState {
   const AuxiliaryValues* auxiliary = nullptr;
 };
 
-/// A model with what it measured, whatever its type; copied without allocation.
+/// A measurement with its model, type-erased; copied without allocation.
 class AidingMeasurement {
  public:
   static constexpr int kMaxRows = 6;
@@ -46,7 +47,7 @@ class AidingMeasurement {
   static constexpr std::size_t kCapacity = 320;
   static constexpr std::size_t kAlignment = 32;
 
-  /// r = J dx + n, n white with variance 1.
+  /// Whitened rows r = J dx + n, cov(n) = I.
   struct Rows {
     int count = 0;
     Eigen::Matrix<double, kMaxRows, 1> r = Eigen::Matrix<double, kMaxRows, 1>::Zero();
@@ -77,9 +78,9 @@ class AidingMeasurement {
 
   Time time() const { return time_; }
   const char* name() const { return table_->name; }
-  /// All auxiliary states it depends on are among these.
+  /// All auxiliary states the model depends on are among these.
   bool is_declared(const AuxiliaryStates& states) const { return table_->is_declared(states); }
-  /// At x. False: outside the domain of the model, or not finite.
+  /// Rows at x. False: outside the domain of the model, or not finite.
   bool evaluate(const AidedState& x, Rows* rows) const {
     return table_->evaluate(storage_, x, rows) && rows->r.allFinite() && rows->J.allFinite();
   }
@@ -113,7 +114,7 @@ class AidingMeasurement {
       return x.auxiliary->template segment<Block::kDof>(x.states->find(Block::kName));
     }
   }
-  /// First column, -1 = not declared.
+  /// First column of a block in Rows::J, -1 = not declared.
   template <class Block>
   static int column(const AuxiliaryStates& states) {
     if constexpr (std::is_same_v<Block, BodyPose>) return body::kAttitude;

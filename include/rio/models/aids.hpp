@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4 of other sensors: position, heading, velocity, height and range to the ground, for
-// Odometry::add_measurement (rio/aiding.hpp). W is the world of the estimate: what comes from GNSS
-// or motion capture has to be in it. C++17.
+// Stage 4 for other sensors: position, heading, velocity, height and range to the ground, for
+// Odometry::add_measurement (rio/aiding.hpp). W is the world frame of the estimate: measurements of
+// GNSS or motion capture must be transformed to it. C++17.
 #pragma once
 
 #include <cmath>
@@ -30,13 +30,13 @@ struct PositionModel {
   }
 };
 
-/// Heading of the body's x axis about the world's z axis. Domain: x below 80 degrees of elevation.
+/// Heading of the body's x axis about the world's z axis. Domain: elevation of x below 80 degrees.
 struct HeadingModel {
   static constexpr const char* kName = "heading";
   static constexpr int kDim = 1;
   using Blocks = BlockList<BodyPose>;
   struct Measurement {
-    double heading = 0.0;  ///< [rad], any number of turns
+    double heading = 0.0;  ///< [rad], modulo 2 pi
     double sigma = 1.0;    ///< [rad]
   };
   bool evaluate(const Measurement& z, const RigidPose& T_WB, Eigen::Matrix<double, 1, 1>& r,
@@ -69,7 +69,7 @@ struct BodyVelocityModel {
     Vector3d v_B = Vector3d::Zero();               ///< [m/s]
     Matrix3d covariance_B = Matrix3d::Identity();  ///< [m^2/s^2]
     Vector3d lever_B = Vector3d::Zero();           ///< from the IMU to the point [m]
-    Vector3d gyro_B = Vector3d::Zero();  ///< as measured then, if there is a lever [rad/s]
+    Vector3d gyro_B = Vector3d::Zero();  ///< measured at its time, if there is a lever [rad/s]
   };
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
                 const Vector3d& gyro_bias, Vector3d& r, Eigen::Matrix<double, 3, 12>* J,
@@ -102,14 +102,14 @@ struct WorldVelocityModel {
   }
 };
 
-/// By how much a barometric height exceeds that over the start: it drifts with the weather and with
-/// the temperature of the sensor [m].
+/// Barometric height minus height over the start [m]: drifts with the weather and with the
+/// temperature of the sensor.
 struct HeightOffset : AuxiliaryBlock<1> {
   static constexpr const char* kName = "height_offset";
   static constexpr double kSigma = 2.0;
   static constexpr double kWalk = 0.02;
 };
-/// Height of the IMU over the start, with an offset.
+/// Height of the IMU over the start plus a slowly drifting offset.
 struct HeightModel {
   static constexpr const char* kName = "height";
   static constexpr int kDim = 1;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: what a measurement model is. Written once, it serves every back-end.
+// Stage 4: the concept of a measurement model, shared by all back-ends.
 //
-// A model is pure: it evaluates, and does not gate, weight, look up columns, allocate or log.
-//   kModel        its name in the report; of another sensor than the radar (rio/aiding.hpp): kName
+// A model is a pure function: it does not gate, weight, look up columns, allocate or log.
+//   kModel        its name in the report; for sensors other than the radar (rio/aiding.hpp): kName
 //   kDim          rows of one measurement
 //   Blocks        BlockList<...> of the state blocks it touches, in Jacobian column order
 //   Measurement   what was measured, with its own noise

@@ -5,10 +5,10 @@
 // (E1) Sigma_u = sigma_az^2 cos^2(el) e_az e_az^T + sigma_el^2 e_el e_el^T
 // (E2) Sigma_m = sigma_r^2 u u^T + r^2 Sigma_u      (Xu et al., eq. 5-8, in an aligned basis)
 // The angle sigmas grow off boresight as 1/cos: an array measures the direction cosine.
-// (E3) weak echoes: sigma_az^2 and sigma_el^2 times 1 + 10^(-(SNR - SNR_weak) / 10), at most twice:
-//      the phase noise of a receiver falls with the SNR (Cramer-Rao bound), the rest does not
-// A sigma that comes with the detection is taken as it is, but not below the least that an option
-// may have: no radar is that good, and products of smaller ones are no numbers.
+// (E3) weak echoes: sigma_az^2 and sigma_el^2 times 1 + 10^(-(SNR - SNR_weak) / 10), at most 2: the
+//      phase noise of a receiver falls with the SNR (Cramer-Rao bound), other errors do not
+// A sigma supplied with the detection is used instead, but not below the least value an option may
+// have: no radar is that accurate, and products of smaller ones underflow.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ Matrix3d point_covariance(const Detection& d);
 /// The filtered scan.
 struct DetectionList {
   DetectionList() = default;
-  /// With room for so many: up to them copies of other scans do not allocate.
+  /// Reserves `capacity` items: copies of scans up to that size do not allocate.
   explicit DetectionList(int capacity) { items.reserve(static_cast<std::size_t>(capacity)); }
 
   Time time{0};
@@ -54,20 +54,20 @@ struct DetectionList {
   std::vector<Detection> items;
 };
 
-/// A number that two scans of a moving radar never share: of places, Dopplers and strengths; 0 if
-/// no detection moves.
+/// Hash of positions, range rates and SNRs that two scans of a moving radar do not share, so that a
+/// repeated scan is recognised; 0 if all range rates are 0.
 std::uint64_t fingerprint(const DetectionList& scan);
 
-/// (E3): growth of the angle sigmas of an echo.
+/// (E3): factor of the angle sigmas of an echo.
 inline double weak_echo_growth(double snr_db, double weak_snr_db) {
   return std::sqrt(1.0 + std::min(1.0, std::pow(10.0, -0.1 * (snr_db - weak_snr_db))));
 }
 
-/// A sigma with the rounding error of a grid.
+/// A sigma including the quantisation error of a grid.
 inline double with_grid(double sigma, double grid) {
   return std::sqrt(sigma * sigma + grid * grid / 12.0);
 }
-/// The sigma of a detection if it came with one.
+/// The detection's `own` sigma, at least `least`, if it was supplied (> 0); else `otherwise`.
 inline double own_or(double own, double otherwise, double least) {
   return own > 0.0 ? std::max(own, least) : otherwise;
 }
@@ -75,17 +75,18 @@ inline double own_or(double own, double otherwise, double least) {
 /// A detection with direction, range and noise filled in from its point.
 Detection make_detection(const RadarDetection& raw, const RadarOptions& o);
 
-/// The detection free of the radar's errors: its direction turned down by the elevation error, its
-/// range rate divided by 1 + scale error.
+/// The detection corrected for the radar's systematic errors: its direction lowered by the
+/// elevation error, its range rate divided by 1 + scale error.
 Detection correct_detection(const Detection& received, const RadarErrors::Value& errors);
 
-/// Every number finite, no sigma negative, none beyond 1000 (SI units, dB), which no radar says.
+/// The point is finite; range rate, SNR and sigmas do not exceed 1000 (SI units, dB), which no
+/// radar reports; no sigma is negative.
 bool is_valid(const RadarDetection& d);
 
-/// The detection filter: finite, in range, strong enough, in the field of view. Of more than
-/// `max_detections` the strongest are kept, in their original order. Of a scan of more than four
-/// times as many the strongest of each reflector stays first: within the noise of each other
-/// detections share its error and would be counted many times.
+/// The detection filter: finite, in range, strong enough, in the field of view. If more than
+/// `max_detections` remain, the strongest are kept, in their original order. If the scan has more
+/// than four times as many, only the strongest detection of each reflector is kept first:
+/// detections within the noise of each other share its error and would be counted several times.
 void filter_detections(const RadarScan& scan, const RadarOptions& radar, int max_detections,
                        DetectionList& out);
 

@@ -3,14 +3,14 @@
 //
 // w = gyro - b_g,  v_S = R_BS^T (R_WB^T v_WB + w x p_BS)
 // (E1) h = -u^T v_S                             positive = receding
-//      u is freed of what is left of the elevation error; v_S appears times 1 + scale error
-// (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is measured too
+//      u is corrected for the residual elevation error, v_S multiplied by 1 + scale error
+// (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is noisy too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
-// (E4) J uses L u^: of the directions of a scan only what is not error (update/reliability.hpp)
+// (E4) J uses L u^, L the reliability matrix of the scan's directions (update/reliability.hpp)
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
 // noise. Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u
-// v_S and u^ = u - E[d | r]. Using u itself shrinks the velocity along badly measured angles
-// (errors in variables). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
+// v_S and u^ = u - E[d | r]. Using u itself shrinks the velocity along poorly measured angles
+// (errors-in-variables attenuation). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
 #pragma once
 
 #include "rio/models/concept.hpp"
@@ -32,22 +32,23 @@ class DopplerModel {
     Vector3d upwards_S = Vector3d::UnitZ();     ///< unit tangent at u towards higher elevation
     Matrix3d direction_cov = Matrix3d::Zero();  ///< Sigma_u
     Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
-    double predicted_var = 0.0;  ///< P_h: variance of h by the state's error [m^2/s^2]
+    double predicted_var = 0.0;  ///< P_h: variance of h due to the state's error [m^2/s^2]
     Matrix3d reliability = Matrix3d::Identity();  ///< L
   };
 
-  /// (E2) (E3): what is known of the true direction given the innovation r.
+  /// (E2) (E3): mean and covariance of the true direction given the innovation r.
   struct ExpectedDirection {
     Vector3d u_S = Vector3d::Zero();
     Matrix3d covariance = Matrix3d::Zero();
     double variance = 0.0;  ///< R
   };
-  /// @param u_S free of the elevation error, @param v_S times 1 + scale error
+  /// Beyond three sigmas of r, u_S is returned unchanged: that is no direction error.
+  /// @param u_S corrected for the elevation error, @param v_S times 1 + scale error
   static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
                                               const Vector3d& v_S) noexcept;
 
-  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3), before
-  /// it u itself is used in the Jacobian; L of the measurement says the rest
+  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3) and
+  /// (E4), before that u itself in the Jacobian. The caller sets L: the identity unless kReliable
   explicit DopplerModel(DopplerDirections directions) : directions_(directions) {}
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 7: the inverse observation model, which puts a detection into the state as a landmark, and
-// the place of a landmark in radar axes. Neither measures anything; both have a model's form, so
-// that their Jacobians reach the error state as a model's do.
+// Stage 7: landmark augmentation by the inverse observation model, and the position of a landmark
+// in radar axes. Neither is a measurement; both have the form of a model, so that their Jacobians
+// are mapped to the error state in the same way.
 //
 // (E1) l = R_WB (R_BS m + p_BS) + p_WB                      Michalczyk et al. 2023, eq. 12
 // (E2) l = l(x^) + H_x dx + n,  cov(n) = H_m Sigma_m H_m^T    ibid., eq. 10-11, Sigma_m polar
@@ -15,7 +15,7 @@
 
 namespace rio {
 
-/// A landmark where a detection says (E1), with H_x and the noise of (E2).
+/// A new landmark at the position of a detection (E1), with H_x and the noise of (E2).
 struct LandmarkBirth {
   using Blocks = BlockList<BodyPose, Extrinsics, RadarErrors>;
 

@@ -22,7 +22,7 @@ class LandmarkDistanceModel {
     double range = 0.0;  ///< [m]
   };
 
-  /// @param sigma_distance of the measured range [m]
+  /// @param sigma_distance constant sigma of the measured range [m]
   explicit LandmarkDistanceModel(double sigma_distance) : sigma_distance_(sigma_distance) {}
 
   static Measurement measurement(const Detection& d) { return {d.range}; }

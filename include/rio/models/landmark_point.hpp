@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: a detection of a persistent landmark: where it is seen, and how fast it comes. Each
-// detection is used once: it either begins a landmark or measures one.
+// Stage 4: range, direction and Doppler of a detection matched with a persistent landmark. Each
+// detection is used once: it either initialises a landmark or measures one.
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS), u = e/|e|, v_S the velocity of the radar in its axes
 // (E1) range      h = |e|
-// (E2) direction  h = t_az . u and t_el . u with the unit tangents t of the measured direction, so
-//                 that the measured values are 0 and the noise is one sigma of each angle
-//                 plus what is left of the elevation error
-// (E3) Doppler    h = -u . v_S: the direction is the landmark's, better known than the detection's;
-//                 v_S appears times 1 + scale error
+// (E2) direction  h = t_az . u and t_el . u + residual elevation error, t the unit tangents at the
+//                 measured direction: the measured values are 0, the noise is that of each angle
+// (E3) Doppler    h = -u . v_S with the landmark's direction u, which is better known than the
+//                 detection's; v_S is multiplied by 1 + scale error
 // Reference: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone.
 #pragma once
 
@@ -31,7 +30,7 @@ class LandmarkPointModel {
     double range = 0.0;                              ///< [m]
     double sigma_range = 0.0;                        ///< [m]
     Vector3d sigma_azimuth_S = Vector3d::UnitY();    ///< one-sigma change of the direction, not 0
-    Vector3d sigma_elevation_S = Vector3d::UnitZ();  ///< same, at right angles to it
+    Vector3d sigma_elevation_S = Vector3d::UnitZ();  ///< same, perpendicular to it
   };
 
   static Measurement measurement(const Detection& d) {

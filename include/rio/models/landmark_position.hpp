@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: the place of a detection against that of its landmark.
+// Stage 4: the position of a detection compared with that of its landmark, in radar axes.
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS)
 // (E1) h = e + |m| t_el (elevation error), z = m, the detection in radar axes
 // (E2) R = Sigma_m, the polar noise of the detection
 // Reference: Xu et al., eq. 15-18, who write it in world axes: a rotation of (E1) and (E2), which
-// leaves the weighted norm as it is.
+// leaves the weighted norm unchanged.
 #pragma once
 
 #include "rio/models/concept.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: the body stands still: zero velocity, and the gyroscope reads its bias.
+// Stage 4: zero-velocity update (ZUPT): the body is at rest and the gyroscope reads its bias.
 //
-// (E1) 0 = R_WB^T v_WB + n_v, n_v what passes for standing; in body axes, because a zero in world
-//      axes would tell the heading whenever the estimate is not zero
+// (E1) 0 = R_WB^T v_WB + n_v, n_v the velocity tolerated at rest; in body axes, because a zero in
+//      world axes would make the heading observable whenever the estimated velocity is not zero
 // (E2) mean gyro = b_g + n_w, n_w white noise averaged over the time since the last scan
 #pragma once
 

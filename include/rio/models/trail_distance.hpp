@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: distance now to a point detected at a past scan, through the two poses.
+// Stage 4: current distance to a point detected in a past scan, by the current pose and the clone.
 //
-// q = R_BS m + p_BS (past detection m in the body axes of then),  W = R_c q + p_c,
+// q = R_BS m + p_BS (past detection m in body axes at its scan),  W = R_c q + p_c (clone c),
 // e = R_BS^T (R_WB^T (W - p_WB) - p_BS),  u = e/|e|,  a = R_BS u
 // (E1) h = |e|
 // (E2) R = sigma_d^2, the rows of a trail independent
@@ -22,8 +22,8 @@ class TrailDistanceModel {
   using Blocks = BlockList<BodyPose, ClonePose, Extrinsics>;
 
   struct Measurement {
-    double range = 0.0;                  ///< now [m]
-    Vector3d past_S = Vector3d::Zero();  ///< past detection, radar axes of then [m]
+    double range = 0.0;                  ///< current [m]
+    Vector3d past_S = Vector3d::Zero();  ///< past detection, radar axes at its scan [m]
   };
 
   /// @param sigma_distance constant sigma [m]

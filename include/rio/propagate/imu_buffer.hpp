@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 1: IMU samples between the estimate and now, cut into steps that end exactly where asked.
+// Stage 1: IMU samples between the estimate and now, cut into steps between any two instants.
 //
-// A step spans two neighbouring samples, or a part of that span with linearly interpolated edges,
-// and carries the mean of its two ends. Before the first sample the first sample's value is held.
-// With a sample it keeps how noisy the samples up to it were.
+// A step spans two neighbouring samples, or a part of that span with linearly interpolated ends,
+// and carries the mean of its two ends. Before the first sample, the first sample's value is held.
+// The noise density measured up to each sample is stored with it.
 #pragma once
 
 #include <algorithm>
@@ -21,15 +21,15 @@ struct ImuStep {
   Time end{0};
   Vector3d gyro_B = Vector3d::Zero();   ///< mean measured angular rate [rad/s]
   Vector3d accel_B = Vector3d::Zero();  ///< mean measured specific force [m/s^2]
-  /// Length of the pause of the IMU it lies in, if longer than max_gap, else 0 [s].
+  /// Length of the IMU gap (a pause longer than max_gap) that the step lies in, else 0 [s].
   double gap = 0.0;
-  Vector3d gyro_change_B = Vector3d::Zero();   ///< half of that from one sample before to one after
-  Vector3d accel_change_B = Vector3d::Zero();  ///< same, specific force
+  Vector3d gyro_change_B = Vector3d::Zero();   ///< half the change over two intervals [rad/s]
+  Vector3d accel_change_B = Vector3d::Zero();  ///< same, specific force [m/s^2]
   double sample_interval = 1.0;                ///< between the samples at its ends [s]
-  ImuNoise measured{};                         ///< what the samples say of their noise
+  ImuNoise measured{};                         ///< noise density measured from the samples
 };
 
-/// Linear interpolation between two samples, `time` between their stamps.
+/// Linear interpolation between two samples; `time` lies between their stamps.
 inline ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) {
   const double span = to_seconds(b.time - a.time);
   const double weight = span > 0.0 ? to_seconds(time - a.time) / span : 0.0;
@@ -37,6 +37,7 @@ inline ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) 
           a.accel_B + weight * (b.accel_B - a.accel_B)};
 }
 
+/// Ring of samples; a new one replaces the oldest when full. No allocation after construction.
 class ImuBuffer {
  public:
   ImuBuffer(const TimingOptions& timing, const ImuOptions& imu)
@@ -60,13 +61,14 @@ class ImuBuffer {
     samples_.push_back(sample);
     noise_.push_back(meter_.add(sample));
   }
-  /// Forgets what is not needed to integrate from `time` on: keeps one sample at or before it.
+  /// Drops what is not needed to integrate from `time` on: keeps one sample at or before it.
   void forget_before(Time time) {
     while (samples_.size() > 1 && samples_[1].time <= time) {
       samples_.pop_front();
       noise_.pop_front();
     }
   }
+  /// The pause between two samples is longer than ImuOptions::max_gap.
   bool is_gap(const ImuSample& a, const ImuSample& b) const { return b.time - a.time > max_gap_; }
 
   /// The measurement at `time`, interpolated; held constant outside the buffered span.
@@ -102,8 +104,8 @@ class ImuBuffer {
 
  private:
   double gap(Time pause) const { return pause > max_gap_ ? to_seconds(pause) : 0.0; }
-  /// Half the change across an end of the step from sample i - 1 to i: across its begin, else, if
-  /// that is forgotten, across its end; 0 if there are only two samples.
+  /// For the step from sample i - 1 to i: half the change from sample i - 2 to i, or from i - 1 to
+  /// i + 1 if i - 2 has been dropped; 0 if there are only two samples.
   Vector3d change(std::size_t i, Vector3d ImuSample::*value) const {
     const std::size_t middle = i >= 2 ? i - 1 : i;
     if (middle + 1 >= samples_.size()) return Vector3d::Zero();

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 1: samples that no motion has made are left out; the pause they leave is bridged as one of
-// lost samples.
+// Stage 1: rejects IMU samples that are not caused by motion; the pause they leave is bridged like
+// one of lost samples.
 //
-// Out of range: a value beyond what the sensor reads (ImuOptions::max_rate, max_accel), or an axis
-// that stays, to the last bit, at the largest value it ever had: the range of a sensor that has
-// less.
-// Frozen: all six values as in the sample before, of a sensor whose noise hardly ever repeats.
+// Out of range: a value outside the range of the sensor (ImuOptions::max_rate, max_accel), or an
+// axis that repeats, to the last bit, the largest value it ever had: a smaller range, saturated.
+// Frozen: all six values equal those of the sample before, although the noise hardly ever repeats.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +22,7 @@ class ImuGuard {
 
   void reset() { *this = ImuGuard(max_rate_, max_accel_); }
 
-  /// Takes one more sample, finite; what is wrong with it.
+  /// Takes one more sample, which must be finite, and returns its fault.
   ImuFault check(const ImuSample& sample);
 
  private:
@@ -34,15 +33,15 @@ class ImuGuard {
 
   static constexpr double kSmallestRate = 4.3;    // least range of a gyroscope, 250 deg/s [rad/s]
   static constexpr double kSmallestAccel = 19.0;  // same of an accelerometer, 2 g [m/s^2]
-  static constexpr double kKnown = 100.0;         // samples that tell whether noise repeats
-  static constexpr double kRarely = 0.02;  // share of samples; coarse grids repeat more often
+  static constexpr double kKnown = 100.0;         // samples until the share of repeats is known
+  static constexpr double kRarely = 0.02;         // share of repeats; coarse quantisation has more
 
   double max_rate_;
   double max_accel_;
   Vector6d last_ = Vector6d::Zero();
   Vector6d largest_ = Vector6d::Zero();  ///< magnitude so far, within the range
-  double seen_ = 0.0;                    ///< samples
-  double repeated_ = 0.0;                ///< of those, repeats that were taken
+  double seen_ = 0.0;                    ///< samples accepted
+  double repeated_ = 0.0;                ///< of those, repeats
 };
 
 }  // namespace rio

@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 1: the noise of the IMU where it flies, from its samples alone. The declared density is
-// that of a bench; vibration that aliases, lost samples and jittered stamps add to it.
+// Stage 1: measures the noise density of the IMU in flight, from its samples alone. The configured
+// density is that of a bench; aliased vibration, lost samples and jittered stamps add to it.
 //
-// n_k: what the samples x_k at the interval h hold besides the motion, stationary, with the
-// spectrum S(f) up to half the rate, vibration above it folded in.
-// (E1) var(h sum n_k) over the time T -> T S(0): in the integrated velocity or attitude, n is white
-//      noise of the density S(0). Vibration below half the rate is no part of it: its integral is
-//      bounded and the samples follow it.
-// S(0) itself cannot be seen, the motion is there. It is taken from the octaves above the motion:
+// n_k: the part of the samples x_k, at the interval h, that is not motion; stationary, with the
+// spectrum S(f) up to half the rate, vibration above that folded in.
+// (E1) var(h sum n_k) over the time T -> T S(0): in the integrated velocity or attitude, n acts as
+//      white noise of density S(0). Vibration below half the rate does not contribute: its integral
+//      is bounded and the samples follow it.
+// S(0) itself cannot be observed, because the motion is at low frequencies. It is inferred from the
+// octaves above the motion:
 // (E2) y = (x_0 + 2 x_1 + x_2) / 4 at twice the interval, and so on: the octaves l = 0, 1, 2 ...
 // (E3) e = y_0 - 4 y_1 + 6 y_2 - 4 y_3 + y_4: zero for motion that is a cubic over five values
 // (E4) q_l = h E[e^2] / g_l, g_l the variance of e for white x of unit variance: S, averaged over
 //      the octave; the density itself where S is flat
 // (E5) S(0) = min q_l, l >= 1: noise that reaches down to zero fills all octaves, a tone fills one,
-//      motion the lowest. Octave 0 does not count: the filter of the sensor, or interpolation of
-//      what was lost, silences it.
-// (E6) a step over m intervals, whose samples between are lost, has the density m S(0): one value
-//      stands for m.
-// Limits: a tone that folds onto the motion, below the lowest octave, cannot be told from it; of
-// white noise of which 30 % of the samples were interpolated on the way, half the density shows;
-// one density serves the three axes, as in the process noise.
+//      motion the lowest. Octave 0 does not count: the sensor's low-pass filter, or interpolation
+//      of lost samples, attenuates it.
+// (E6) a step over m intervals, with the samples between lost, has the density m S(0): one value
+//      replaces m.
+// Limits: a tone that aliases below the lowest octave cannot be distinguished from motion; if a
+// driver has interpolated 30 % of the samples, half the density of white noise is seen; the three
+// axes share one density, as in the process noise.
 #pragma once
 
 #include <array>
@@ -28,7 +29,7 @@
 
 namespace rio {
 
-/// Spectral densities, mean of the axes.
+/// Power spectral densities, mean of the three axes.
 struct ImuNoise {
   double gyro = 0.0;   ///< [(rad/s)^2/Hz]
   double accel = 0.0;  ///< [(m/s^2)^2/Hz]
@@ -39,31 +40,31 @@ class ImuNoiseMeter {
  public:
   void reset() { *this = ImuNoiseMeter{}; }
 
-  /// Takes one more sample; the result is the density of the step that ends with it, zero until
-  /// enough is known.
+  /// Takes one more sample; returns the density of the step that ends with it, zero until enough
+  /// samples are known.
   ImuNoise add(const ImuSample& sample);
 
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
 
   static constexpr std::size_t kOctaves = 6;
-  /// Interval of the lowest octave: its differences see from 3 Hz on, bodies move slower [s].
+  /// Longest interval of an octave: e responds above 3 Hz there, bodies move more slowly [s].
   static constexpr double kLongest = 0.05;
-  static constexpr double kMemory = 0.5;      // a surface or a throttle lasts longer [s]
-  static constexpr double kPause = 0.5;       // of the samples: what was before does not count [s]
-  static constexpr double kIntervals = 64.0;  // averaged to the nominal one
-  static constexpr double kEnough = 8.0;      // values of e make a variance known to a half
+  static constexpr double kMemory = 0.5;      // time constant: throttle and ground last longer [s]
+  static constexpr double kPause = 0.5;       // a longer pause of the samples starts over [s]
+  static constexpr double kIntervals = 64.0;  // averaged to the nominal interval
+  static constexpr double kEnough = 8.0;      // values of e: the variance is known to a half
 
   struct Octave {
     std::array<Vector6d, 5> y{};
     int size = 0;
-    bool odd = false;    ///< every other value goes down
+    bool odd = false;    ///< every other value enters the next octave
     double count = 0.0;  ///< of e
     double gyro = 0.0;   ///< E[e^2], mean of the axes
     double accel = 0.0;  ///< same
   };
 
-  /// A value of octave l, and what it completes below.
+  /// Takes a value of octave l, and the values of lower octaves that it completes.
   void enter(std::size_t l, const Vector6d& y);
   /// (E4) (E5)
   ImuNoise density() const;

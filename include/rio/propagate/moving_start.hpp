@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 1: the first state without a standstill, from the mean specific force of some seconds. Its
-// covariance admits what a flight may do; the first scans then tell the velocity.
+// covariance allows for the motion of a small robot; the first scans then determine the velocity.
 //
 // (E1) F <- Exp(w dt)^T F,  F <- F + (f - F) dt / min(elapsed, duration): the mean of the specific
 //      force in the axes of the body as it is now, w the measured rate
-// (E2) R F/|F| = e_z, yaw 0: exact but for the mean acceleration, which is the change of velocity
-//      over the duration
+// (E2) R F/|F| = e_z, yaw 0: exact but for the mean acceleration, i.e. the change of velocity over
+//      the duration
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ class MovingStart {
 
   void reset() { begin_.reset(); }
 
-  /// A state once `StartOptions::max_wait` is over, if there is such a time.
+  /// The first state, once `StartOptions::max_wait` has passed; never if that is 0.
   std::optional<Alignment> add(const ImuSample& sample);
 
   /// Norm of the mean specific force [m/s^2].
@@ -33,8 +33,8 @@ class MovingStart {
  private:
   Alignment at(Time time) const;
 
-  static constexpr double kVelocity = 5.0;        // of a small robot, per axis, one sigma [m/s]
-  static constexpr double kVelocityChange = 2.0;  // of it over the duration, same [m/s]
+  static constexpr double kVelocity = 5.0;        // of a small robot: sigma per axis [m/s]
+  static constexpr double kVelocityChange = 2.0;  // its change over the duration, same [m/s]
 
   StartOptions start_;
   double gravity_;

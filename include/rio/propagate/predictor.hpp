@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 8: carries the corrected state through the buffered IMU samples to the newest one.
+// Stage 8: propagates the corrected mean through the buffered IMU samples to the newest one.
 #pragma once
 
 #include "rio/propagate/imu_buffer.hpp"
@@ -14,7 +14,7 @@ class Predictor {
 
   const NavState& state() const { return state_; }
 
-  /// After an update or a reset: starts again from the corrected state.
+  /// After an update or a reset: starts over from the corrected state.
   void rebase(const NavState& corrected, const ImuBuffer& imu);
   /// To the newest sample; constant time when called for every sample.
   void advance(const ImuBuffer& imu);

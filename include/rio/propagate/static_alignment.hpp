@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 1: the first state from a standstill: roll and pitch from gravity, gyro bias from the mean
-// rate, and a covariance that knows how the tilt depends on the accelerometer bias. Any IMU
-// mounting.
+// rate, and a covariance with the correlation of tilt and accelerometer bias. Any IMU mounting.
 //
 // With f the mean specific force, y = f/|f| (up in body axes), b_a the accelerometer bias:
 // (E1) R y = e_z, yaw 0;  b_g = mean rate;  b_a = y (|f| - g), shrunk by its prior
@@ -10,14 +9,14 @@
 //      P_theta,theta = [y] P_aa [y]^T / g^2 + (noise/g)^2 (I - y y^T) + sigma_yaw^2 y y^T
 // where s^2 is the posterior variance of b_a along y given |f| - g and the spread of local gravity.
 // Derivation: f = g exp(-theta) y_true + b_a + n to first order.
-// (E4) noise: the variance of the mean, from the declared density or from the scatter of the means
-//      m_i of the n parts of the window, whichever is more: sum (m_i - m)^2 / ((n - 1) n). A
-//      humming engine or a swaying body is in the scatter.
-// (E5) A turn about y at the rate r looks like a bias of r. Two hypotheses: at rest, the bias is r
-//      and r ~ N(0, s_b^2), biases being that large; or, with the probability p_t, on a platform
-//      that turns, r ~ N(0, s_t^2) and the bias has its prior s_b. With the posterior w of the
-//      second, moments of the mixture: b_g along y is (1 - w) r, its variance w (s_b^2 + (1 - w)
-//      r^2) in addition. w vanishes for rates that biases have.
+// (E4) noise: the variance of the mean, from the configured density or from the scatter of the
+//      means m_i of the n parts of the window, whichever is more: sum (m_i - m)^2 / ((n - 1) n).
+//      The scatter includes a running engine and a swaying body.
+// (E5) A rotation about y at the rate r looks like a bias of r. Two hypotheses: at rest, the bias
+//      is r and r ~ N(0, s_b^2); or, with probability p_t, on a rotating platform, r ~ N(0, s_t^2)
+//      and the bias has its prior s_b. With the posterior probability w of the second, the moments
+//      of the mixture: b_g along y is (1 - w) r, its variance grows by w (s_b^2 + (1 - w) r^2). w
+//      is negligible for rates typical of a bias.
 #pragma once
 
 #include <array>
@@ -37,13 +36,13 @@ struct Alignment {
   BodyCovariance covariance = BodyCovariance::Zero();
 };
 
-/// A rotation that takes the up direction y (body) to e_z. Heading zero: the x axis points along
-/// the world's x, or, where it is vertical, the y axis along the world's y.
+/// The rotation R_WB that takes the up direction y (unit, body axes) to e_z. Heading zero: the x
+/// axis points along the world's x, or, where it is vertical, the y axis along the world's y.
 Quaternion level(const Vector3d& y);
 
-/// Averages samples until `StartOptions::duration` is covered, then decides; a window that is no
-/// standstill loses its oldest part and goes on. O(1) memory: the window is kept in parts, whose
-/// means must agree, so that slow motion is noticed too.
+/// Averages samples until `StartOptions::duration` is covered, then decides; a window that is not a
+/// standstill drops its oldest part and continues. O(1) memory: the window is kept as parts, whose
+/// means must agree, so that slow motion is detected too.
 class StaticAligner {
  public:
   StaticAligner(const StartOptions& start, const ImuOptions& imu) : start_(start), imu_(imu) {}
@@ -68,10 +67,10 @@ class StaticAligner {
     Vector6d deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
   };
 
-  /// How much of the rate about the vertical is a turn (E5).
+  /// The part of the rate about the vertical that is a rotation (E5).
   struct Turn {
     double rate = 0.0;      ///< expected [rad/s]
-    double variance = 0.0;  ///< [(rad/s)^2]
+    double variance = 0.0;  ///< added to the bias along y [(rad/s)^2]
   };
 
   Vector6d mean() const;
@@ -83,12 +82,12 @@ class StaticAligner {
 
   static constexpr double kGravitySpread = 0.02;  // [m/s^2]
   static constexpr double kGyroBiasFloor = 1e-4;  // instability of a MEMS gyro over minutes [rad/s]
-  static constexpr double kStillVelocity = 0.01;  // what passes for standing [m/s]
-  /// Scatter of the means of the parts that is no motion: this share of the largest deviation of a
-  /// sample, or what white noise may show.
+  static constexpr double kStillVelocity = 0.01;  // sigma at a standstill [m/s]
+  /// Scatter of the means of the parts still accepted as a standstill: this share of the largest
+  /// deviation of a sample, or so many sigmas of white noise.
   static constexpr double kSway = 0.1;
   static constexpr double kWhiteSigmas = 3.0;
-  static constexpr double kTurning = 0.003;  // p_t: a flight deck, a hand; one start in 300
+  static constexpr double kTurning = 0.003;  // p_t: on a ship or in a hand, one start in 300
   static constexpr double kTurnOn = 0.01;    // s_b: data sheets of MEMS, 0.5 to 1 deg/s [rad/s]
 
   StartOptions start_;
@@ -98,7 +97,7 @@ class StaticAligner {
 };
 
 /// The gyro bias if the first `StartOptions::duration` of `samples` from `from` on is a standstill.
-/// Samples that are not finite are passed over.
+/// Samples that are not finite are skipped.
 std::optional<Vector3d> standstill_gyro_bias(const std::vector<ImuSample>& samples, Time from,
                                              const Options& options);
 

@@ -3,13 +3,13 @@
 // transition and process noise, all in closed form.
 //
 // With w = gyro - b_g, a = accel - b_a, phi = w dt, g = (0, 0, -gravity) and Gamma_m of
-// core/so3.hpp: (E1) R+ = R Gamma_0(phi),  v+ = v + R Gamma_1(phi) a dt + g dt,
+// core/so3.hpp:
+// (E1) R+ = R Gamma_0(phi),  v+ = v + R Gamma_1(phi) a dt + g dt,
 //      p+ = p + v dt + R Gamma_2(phi) a dt^2 + g dt^2 / 2
-// (E2) Phi: the exact derivative of (E1) in the error of namespace body
-// (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, in closed form to the first
-//      order of phi (relative error below |phi|^2 / 12, of the
-//      walks' share |phi| / 3); a step that turns by more than 0.05
-//      rad is cut, into 100 parts at most
+// (E2) Phi: the exact derivative of (E1) with respect to the error state of namespace body
+// (E3) Q = int_0^dt Phi(dt, s) G Q_c G^T Phi(dt, s)^T ds, in closed form to first order in phi
+//      (relative error below |phi|^2 / 12, of the bias random walks' share |phi| / 3); a step that
+//      rotates by more than 0.05 rad is split, into 100 parts at most
 // Reference: Michalczyk et al. 2023, eq. 2 and 6 (with the sign of gravity corrected: W is z up).
 #pragma once
 
@@ -29,8 +29,8 @@ void integrate(const Vector3d& gyro_B, const Vector3d& accel_B, double dt, doubl
 /// (E1) over one step, stamp included.
 void integrate(const ImuStep& step, double gravity, NavState& state);
 
-/// (E2) as its blocks that are neither zero nor the identity; that of position by velocity is
-/// dt I. Products of such transitions have the same form.
+/// The blocks of (E2) that are neither zero nor identity, row_column; position by velocity is dt I.
+/// Products of such transitions have the same form.
 struct BodyTransition {
   Matrix3d attitude_attitude = Matrix3d::Identity();
   Matrix3d velocity_attitude = Matrix3d::Zero();
@@ -47,12 +47,12 @@ struct BodyTransition {
   /// From a state with attitude R over dt seconds at constant w [rad/s] and a [m/s^2].
   BodyTransition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt);
 
-  /// Over one more step: F times this.
+  /// Appends a step with transition F: this <- F this.
   void advance(const BodyTransition& F);
   Matrix15d matrix() const;
 };
 
-/// (E3) as its blocks: attitude and accelerometer bias never correlate, the biases are isotropic.
+/// The blocks of (E3): attitude and accelerometer bias are uncorrelated, the biases isotropic.
 struct BodyNoise {
   Matrix3d attitude = Matrix3d::Zero();
   Matrix3d position_attitude = Matrix3d::Zero();
@@ -65,10 +65,10 @@ struct BodyNoise {
   Matrix3d velocity_gyro = Matrix3d::Zero();
   Matrix3d position_accel = Matrix3d::Zero();
   Matrix3d velocity_accel = Matrix3d::Zero();
-  double gyro = 0.0;   ///< of each axis of the bias [rad^2/s^2]
-  double accel = 0.0;  ///< same [m^2/s^4]
+  double gyro = 0.0;   ///< variance of each axis of the gyro bias [rad^2/s^2]
+  double accel = 0.0;  ///< same, accelerometer bias [m^2/s^4]
 
-  /// Over one more step with the noise q: F this F^T + q.
+  /// Appends a step with transition F and noise q: this <- F this F^T + q.
   void advance(const BodyTransition& F, const BodyNoise& q);
   Matrix15d matrix() const;
 };
@@ -76,7 +76,7 @@ struct BodyNoise {
 /// (E2) from a state with attitude R over dt seconds at constant w [rad/s] and a [m/s^2].
 Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt);
 
-/// Spectral densities of the four noises that drive the body error.
+/// Power spectral densities of the four noises that drive the body error.
 struct ProcessNoise {
   double gyro = 0.0;        ///< [(rad/s)^2/Hz]
   double accel = 0.0;       ///< [(m/s^2)^2/Hz]
@@ -84,12 +84,11 @@ struct ProcessNoise {
   double accel_walk = 0.0;  ///< [(m/s^3)^2/Hz]
 };
 
-/// Densities of a step: white noise as declared, or as measured if that is more
+/// Densities of a step: white noise as configured, or as measured if that is more
 /// (imu_noise_meter.hpp). Inside a gap the motion between the two samples is unknown: a constant
-/// error of the mean rate (acceleration) of sigma adds up over the gap T as the density sigma^2 T
-/// does, however the gap is cut into steps. A jitter delta_i of the stamps adds delta_i (a_{i-1} -
-/// a_{i+1}) / 2 to the trapezoidal sum of samples a_i: once a step, small unless something
-/// vibrates.
+/// error sigma of the mean rate (acceleration) accumulates over the gap T like the density
+/// sigma^2 T, however the gap is cut into steps. A stamp jitter delta_i adds delta_i (a_{i-1} -
+/// a_{i+1}) / 2 per step to the trapezoidal sum of the samples a_i; small without vibration.
 ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step);
 
 /// (E3). The sensor noises are isotropic, so each enters by three columns of Phi: attitude (gyro),
@@ -103,9 +102,9 @@ Matrix15d congruence(const Matrix15d& F, const Matrix15d& P);
 /// Mean, transition and noise accumulated over several steps, to be applied to a covariance once.
 struct Propagation {
   NavState state;
-  BodyTransition from_start;
-  BodyNoise added;
-  bool gap = false;
+  BodyTransition from_start;  ///< product of the transitions (E2)
+  BodyNoise added;            ///< accumulated noise (E3)
+  bool gap = false;           ///< a step lay in a gap of the IMU
 
   Matrix15d transition() const { return from_start.matrix(); }
   Matrix15d noise() const { return added.matrix(); }

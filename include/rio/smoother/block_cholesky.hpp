@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Cholesky factorisation of a symmetric matrix with an envelope of state blocks and a dense border,
 //   [state 0 | state 1 | .. | state n-1 | border],
-// and the dense steps on blocks that it consists of.
+// and the dense operations on its blocks.
 //
 // (E1) A = L L^T
 // (E2) X <- X L^-T
@@ -10,10 +10,10 @@
 //      block; state k has blocks up to the state reach(k) and in the border, no others
 //                                                       (George and Liu 1981, ch. 4)
 //
-// (E5) Most of the border, the landmarks out of view, is coupled with state 0 alone: H_ds = 0 for
-//      s > 0. Then L_ds = H_d0 Y_s with Y = [I 0 .. 0] L^-T, and the corner loses H_d0 Z H_d0^T,
-//      Z = sum_s Y_s Y_s^T, whatever the number of states. Y is computed as fifteen more rows of
-//      the border, coupled with state 0 by the identity.
+// (E5) Most of the border, the landmarks out of view, is coupled with state 0 only: H_ds = 0 for
+//      s > 0. Then L_ds = H_d0 Y_s with Y = [I 0 .. 0] L^-T, and H_d0 Z H_d0^T is subtracted from
+//      the corner, Z = sum_s Y_s Y_s^T, at a cost independent of the number of states. Y is
+//      computed as fifteen more rows of the border, coupled with state 0 by the identity.
 //
 // Only the lower triangle of a symmetric matrix is read and written. No product is deeper than
 // kPanel, so that the packing buffers of Eigen stay on the stack: nothing allocates after
@@ -34,8 +34,8 @@ namespace cholesky {
 
 constexpr int kPanel = 32;  ///< largest depth of a product
 
-/// A pivot below this share of its diagonal element is round-off: twice what singular chains of 12
-/// states leave. A badly scaled singular matrix may leave more and is then accepted.
+/// A squared pivot below this share of its diagonal element is round-off: twice that of singular
+/// chains of 12 states. A badly scaled singular matrix may have more and is then accepted.
 constexpr double kPivotTolerance = 32.0 * std::numeric_limits<double>::epsilon();
 
 /// Lower triangle of A <- L (E1). False if A is not positive definite or not finite.
@@ -60,12 +60,12 @@ class EnvelopeFactor {
 
   EnvelopeFactor(int max_states, int max_border);
 
-  /// No factor.
+  /// Discards the factor.
   void clear() { valid_ = false; }
 
   /// (E4) (E5). False if the damped matrix is not positive definite.
-  /// @param reach the last state with a block below each state; never less than that of the state
-  ///   before, so that what is eliminated fills in nothing outside
+  /// @param reach the last state with a block below each state; not decreasing, so that there is no
+  ///   fill-in outside the envelope
   /// @param border_reach the last state that each unknown of the border is coupled with
   bool factorise(const Eigen::Ref<const Eigen::MatrixXd>& H, const std::vector<int>& reach,
                  const std::vector<int>& border_reach, double damping);
@@ -73,9 +73,9 @@ class EnvelopeFactor {
   /// x <- (L L^T)^-1 x. Precondition: the last factorise() was true.
   void solve(Eigen::Ref<Eigen::VectorXd> x) const;
 
-  /// Inverse of H over [last state | border], both triangles: these stand last, so that their part
-  /// of L is the factor of what is left when the other states are eliminated. False without a
-  /// factor, or if it was damped.
+  /// Marginal covariance of [last state | border], both triangles: these come last, so that their
+  /// part of L is the factor of the Schur complement of the other states. False without a factor,
+  /// or if it was damped.
   bool tail_inverse(const Eigen::Ref<Eigen::MatrixXd>& P);
 
  private:
@@ -85,8 +85,8 @@ class EnvelopeFactor {
 
   static int column(int state) { return kState * state; }
   int rows_below(int s) const { return column(reach_[static_cast<std::size_t>(s)] - s); }
-  // The order in L: states, the border's unknowns of state 0 alone ("far"), its others ("near"),
-  // the rows Y.
+  // The order in L: states, the unknowns of the border coupled with state 0 only ("far"), its other
+  // unknowns ("near"), the rows Y.
   int near() const { return border_ - far_; }
   int far_row() const { return column(states_); }
   int near_row() const { return far_row() + far_; }
@@ -95,23 +95,23 @@ class EnvelopeFactor {
   Square own_block(int s) const { return {L_, column(s), column(s)}; }
   Column below(int s) const { return {L_, column(s + 1), column(s), rows_below(s), kState}; }
   Column last(int s) const { return {L_, near_row(), column(s), last_rows(), kState}; }
-  /// H_d0, in the place of L_d0.
+  /// H_d0, stored in place of L_d0.
   Column far_coupling() const { return {L_, far_row(), 0, far_, kState}; }
 
-  /// Which unknown of the border stands where.
+  /// Fills order_: far unknowns first.
   void order_border(const std::vector<int>& border_reach);
 
-  /// The blocks of H that factorise() reads, damped, and the floor of the pivots.
+  /// Copies the blocks of H that factorise() reads, damped, and sets the floor of the pivots.
   void copy_envelope(const Eigen::Ref<const Eigen::MatrixXd>& H);
 
-  /// The column of state s, and what it takes from the states after it. The corner of the border
-  /// is left to factorise_border().
+  /// Factorises the column of state s and subtracts it from the later states. The corner of the
+  /// border is left to factorise_border().
   bool factorise_state(int s);
 
-  /// All states at once, as many at a time as a product may be deep: fewer passes over the corner.
+  /// Subtracts all states from the corner, kStatesPerPanel at a time, and factorises it.
   bool factorise_border();
 
-  /// (E5): what the far unknowns lose.
+  /// (E5): subtracts the products with the far unknowns from the corner.
   void subtract_far();
 
   int states_ = 0;
@@ -120,7 +120,7 @@ class EnvelopeFactor {
   double damping_ = 0.0;
   std::vector<int> reach_;
   int far_ = 0;
-  std::vector<int> order_;  ///< index in the border by place
+  std::vector<int> order_;  ///< index in the border, by place in L
   Eigen::MatrixXd L_;
   Eigen::MatrixXd far_Z_;  ///< H_d0 Z
   Eigen::VectorXd floor_;

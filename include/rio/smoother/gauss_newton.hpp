@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Gauss-Newton over the window and the border, with damping when a step does not pay.
+// Gauss-Newton over the window and the border, with Levenberg-Marquardt damping after a step that
+// increases the cost.
 //
-// (E1) length of a step in sigmas: sqrt(dx^T H dx) = sqrt(dx . g), the Newton decrement. A landmark
-//      far away may move by centimetres and yet by less than any measurement can tell.
-// The factor of a step serves for the next steps, too, as long as each is much shorter than the one
+// (E1) length of a step in sigmas: sqrt(dx^T H dx) = sqrt(dx . g), the Newton decrement. A distant
+//      landmark may move by centimetres and yet by a small fraction of its sigma.
+// The factor of a step is reused for the next steps as long as each is much shorter than the one
 // before (SmootherOptions::factor_reuse): the simplified Newton method (Deuflhard 2011, ch. 2). It
-// has the same solution, the zero of g. The covariance is that of the point where the factor was
-// made, its sigmas off by up to 5 %; what is marginalised into the prior is always linearised at
-// the solution.
+// has the same solution, the zero of g. The covariance is that at the point where the factor was
+// computed, its sigmas off by up to 5 %; what is marginalised into the prior is always linearised
+// at the solution.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +24,7 @@
 
 namespace rio {
 
-/// The unknowns, to come back to.
+/// A copy of the unknowns, to restore them.
 class WindowPoint {
  public:
   explicit WindowPoint(std::size_t max_states) : navs_(max_states) {}
@@ -43,12 +44,12 @@ class GaussNewton {
 
   /// Moves window and state estimate to the minimum; the newest state is the state estimate's. The
   /// factor of the system is undamped afterwards. False if a system cannot be solved.
-  /// @param build makes the system at the present point; its result is the cost
+  /// @param build builds the system at the current point and returns its cost
   template <class Build>
   bool minimise(const Build& build, NormalEquations* system, Window* window,
                 StateEstimate* state_estimate) {
     double damping = 0.0;
-    double last = kNone;  // length of the step before, if it is undamped
+    double last = kNone;  // length of the previous step, if undamped
     double cost = build();
     bool converged = false;
     for (int i = 0; i < options_.max_iterations; ++i) {
@@ -82,8 +83,8 @@ class GaussNewton {
   static constexpr double kLeastDamping = 1e-4;
   static constexpr double kCostRounding = 1e-9;
 
-  /// dx_ by the factor as it is; the result is its length in sigmas (E1), infinite if it is not
-  /// finite.
+  /// Solves for dx_ with the current factor; returns its length in sigmas (E1), infinite if dx_ is
+  /// not finite.
   double step(const NormalEquations& system);
 
   void apply(const NormalEquations& system, Window* window, StateEstimate* state_estimate);

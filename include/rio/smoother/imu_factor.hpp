@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The term of the least-squares problem that ties two neighbouring states of the sliding window
-// together by the IMU samples between them.
+// The preintegrated IMU factor between two neighbouring states of the sliding window.
 //
 // With dR, dv, dp the increments of preintegration.hpp corrected to the biases of state i by (E3)
 // there, T their duration and u_v = R_i^T (v_j - v_i - g T),
@@ -25,7 +24,7 @@
 
 namespace rio {
 
-/// A state of the sliding window: what the IMU carries from one to the next.
+/// The part of a state of the sliding window that the IMU propagates.
 struct InertialState {
   RigidPose T_WB;
   Vector3d v_WB = Vector3d::Zero();        ///< W axes [m/s]
@@ -46,9 +45,9 @@ class ImuFactor {
   using Residual = Eigen::Matrix<double, body::kSize, 1>;
   using Jacobian = Eigen::Matrix<double, body::kSize, 2 * body::kSize>;
 
-  /// Not valid() before it is assigned to.
+  /// Not valid().
   ImuFactor() = default;
-  /// Takes the steps summed up so far; gravity along -z of W [m/s^2].
+  /// Copies the preintegration; gravity along -z of W [m/s^2].
   ImuFactor(const Preintegration& imu, double gravity);
 
   /// False if there was no step or not all of them were finite: then evaluate() must not be called.
@@ -76,7 +75,7 @@ class ImuFactor {
 
   Preintegration imu_;
   Vector3d gravity_W_ = Vector3d::Zero();
-  SmallCholesky<body::kSize> root_{Matrix15d::Zero()};  ///< of the covariance
+  SmallCholesky<body::kSize> root_{Matrix15d::Zero()};  ///< L of (E4)
   bool valid_ = false;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Robust kernels: cost rho(x) / 2 of a residual block of chi-squared x, and its weight rho'(x).
+// Robust kernels: cost rho(x) / 2 of a residual block with chi-squared x, and its weight rho'(x).
 //
 // With k the size times the degrees of freedom of the block:
 // (E1) Huber   rho = x,               x <= k;   2 sqrt(k x) - k              beyond
@@ -20,6 +20,7 @@ struct KernelValue {
   double weight = 1.0;  ///< rho'
 };
 
+/// @param k kernel size times degrees of freedom, @param x chi-squared of the block
 inline KernelValue evaluate_kernel(Kernel kernel, double k, double x) {
   switch (kernel) {
     case Kernel::kNone:

@@ -6,16 +6,16 @@
 // (E2) H + damping diag(H) = L L^T                                             (Marquardt 1963)
 // (E3) W = L_i0,  A = H_ii - W W^T,  a = g_i - W L_00^-1 g_0, i: all unknowns but those of state 0;
 //      the Schur complement that eliminates state 0        (Michalczyk et al., IROS 2024, eq. 9-10)
-// (E4) P_tt = (L_tt L_tt^T)^-1, t: newest state and border, which stand last
+// (E4) P_tt = (L_tt L_tt^T)^-1, t: newest state and border, which come last
 //
 // Elimination in the order of time is marginalisation, so that solving and marginalising are the
-// same operation. L fills in only inside the envelope (George and Liu 1981, ch. 4): state i is
-// coupled with the states up to reach(i), where an interval [lowest, highest] of states that one
-// measurement touches gives each of them but the last the reach `highest`. The cost follows the
-// envelope: with nothing but the IMU between the states reach(i) = i + 1. The border is dense.
+// same operation. Fill-in stays inside the envelope (George and Liu 1981, ch. 4): state i is
+// coupled with the states up to reach(i); a measurement that touches the states [lowest, highest]
+// gives each of them but the last the reach `highest`. The cost follows the envelope: with only IMU
+// factors between the states, reach(i) = i + 1. The border is dense.
 //
 // Nothing allocates after construction. Results are written to the leading part of matrices that
-// the caller provides, large enough.
+// the caller provides, which must be large enough.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,13 +55,13 @@ class NormalEquations {
   /// The highest state that an unknown of the border is coupled with by a measurement; -1 = none.
   int border_reach(int i) const { return border_reach_[static_cast<std::size_t>(i)]; }
 
-  /// An empty system. The factor of one of the same size stays.
+  /// Empties the system. The factor is kept if the size is the same.
   void clear(int states, int border);
 
-  /// A measurement r = h dx + n.
+  /// Adds a measurement r = h dx + n.
   void add(const LinearRow& row, double weight = 1.0);
 
-  /// Information A, lower triangle, and vector g of state `state` and the border.
+  /// Adds the information A, lower triangle, and vector g of state `state` and the border.
   /// @param columns of the unknowns, ascending; -1 = not estimated
   template <int kSize>
   void add(int state, const std::array<int, static_cast<std::size_t>(kSize)>& columns,
@@ -79,8 +79,8 @@ class NormalEquations {
     }
   }
 
-  /// Information A of the unknowns of the border from `at` on, coupled by C with those of `columns`
-  /// before them, of state `state` or the border.
+  /// Adds the information A and vector g of the unknowns of the border from `at` on, coupled by C
+  /// with those of `columns` before them, of state `state` or the border.
   template <int kOwn, int kSize>
   void add_coupled(int state, int at,
                    const std::array<int, static_cast<std::size_t>(kSize)>& columns,
@@ -96,41 +96,41 @@ class NormalEquations {
     }
   }
 
-  /// A whitened residual r + J dx of the states [state, state + 1].
+  /// Adds a whitened residual r + J dx of the states [state, state + 1].
   void add_between(int state, const BetweenJacobian& J, const StateVector& r);
 
-  /// Information A and vector g over [states 0..leading_states-1 | first part of the border], as
-  /// eliminate_oldest() gives them. Only the lower triangle of A is read.
+  /// Adds information A and vector g over [states 0..leading_states-1 | first part of the border],
+  /// as from eliminate_oldest(). Only the lower triangle of A is read.
   void add_quadratic(int leading_states, const Eigen::Ref<const Eigen::MatrixXd>& A,
                      const Eigen::Ref<const Eigen::VectorXd>& g);
 
-  /// L of (E2); H stays, for another try with more damping. False if the damped H is not positive
-  /// definite. An unknown that nothing touches makes it so: damping is relative.
+  /// Computes L of (E2); H is kept, for another attempt with more damping. False if the damped H is
+  /// not positive definite, e.g. because of an unknown without measurement: damping is relative.
   bool factorise(double damping = 0.0) {
     return factor_.factorise(H(), reach_, border_reach_, damping);
   }
 
-  /// dx by the factor as it is, damping included: of the system that was factorised, or, if it has
-  /// been built anew since, a step of the simplified Newton method. Precondition: factorise() was
-  /// true for a system of this size.
+  /// Solves for dx with the current factor, damping included: if the system has been rebuilt since
+  /// factorise(), a step of the simplified Newton method. Precondition: factorise() was true for a
+  /// system of this size.
   void solve(Eigen::VectorXd* dx) const;
 
   /// Covariance of [newest state | border] (E4), tail_size() square and exactly symmetric. False
   /// unless the last factorise() was without damping and true.
   bool tail_covariance(Eigen::MatrixXd* P);
 
-  /// Eliminates state 0 of the undamped system (E3): what the rest of the system knows, over
-  /// [states 1..leading | border]. `leading` is the highest state that anything touches: if only
-  /// the measurements of state 0 were added, that is its Markov blanket. A is exactly symmetric,
-  /// column(leading) + border() square. The factor L stays. False if the information of state 0 is
-  /// not positive definite.
+  /// Marginalises state 0 of the undamped system by the Schur complement (E3): information and
+  /// vector over [states 1..leading | border]. `leading` is the highest state that a measurement
+  /// touches: if only those of state 0 were added, [1..leading | border] is its Markov blanket. A
+  /// is exactly symmetric, column(leading) + border() square. The factor L is kept. False if the
+  /// information of state 0 is not positive definite.
   bool eliminate_oldest(int* leading_states, Eigen::MatrixXd* A, Eigen::VectorXd* g);
 
  private:
-  /// One measurement touches states from `lowest` to `highest`.
+  /// Records that one measurement touches the states `lowest` to `highest`.
   void couple(int lowest, int highest);
 
-  /// A measurement of states up to `state` touches unknowns of the border, too.
+  /// Records that a measurement of states up to `state` touches unknowns of the border.
   void touch(int column, int length, int state) {
     for (int i = column - border_column(); i < column + length - border_column(); ++i) {
       if (i < 0) continue;
@@ -143,7 +143,7 @@ class NormalEquations {
   int max_border_;
   int states_ = 0;
   int border_ = 0;
-  int highest_ = -1;  ///< the highest state that anything touches
+  int highest_ = -1;  ///< the highest state that a measurement touches
   std::vector<int> reach_;
   std::vector<int> border_reach_;
   Eigen::MatrixXd H_;

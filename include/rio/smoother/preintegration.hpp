@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// IMU preintegration: the samples between two states of the sliding window as one measurement that
-// does not depend on either state. With i the first state, j the last, T the time between them:
+// IMU preintegration: the samples between two states of the sliding window as one relative-motion
+// measurement, independent of the states. With i the first state, j the last, T the time between:
 //
 // (E1) dR = R_i^T R_j,  dv = R_i^T (v_j - v_i - g T),  dp = R_i^T (p_j - p_i - v_i T - g T^2 / 2)
 // (E2) A = d[dphi, dp, dv, dbg, dba]_j / d[..]_i and S, the covariance at j for an exact start:
@@ -25,9 +25,9 @@ namespace rio {
 
 /// Least noise densities that preintegration uses, units of ImuOptions: those of a tactical-grade
 /// fibre-optic unit, which no small robot carries (0.01 deg/sqrt(h), 10 micro-g/sqrt(Hz), biases
-/// that wander by 1 deg/h and 60 micro-g in an hour). They keep the covariance regular if an
-/// option is zero, and its inverse below 1e17 over 5 ms or more: rounded to some 10, small beside
-/// the information of one radar row (1e3 for a sigma of 3 cm or 3 cm/s).
+/// that drift by 1 deg/h and 60 micro-g in an hour). They keep the covariance regular if an option
+/// is zero, and its inverse below 1e17 over 5 ms or more: with rounding errors of some 10, small
+/// compared with the information of one radar row (1e3 for a sigma of 3 cm or 3 cm/s).
 namespace imu_floor {
 inline constexpr double kGyroNoise = 3e-6;
 inline constexpr double kGyroWalk = 1e-7;
@@ -42,18 +42,18 @@ struct ImuIncrement {
   Vector3d delta_p = Vector3d::Zero();          ///< axes of the first body frame [m]
 };
 
-/// Sums up ImuSteps. No allocation. O(1) per step.
+/// Accumulates ImuSteps. No allocation. O(1) per step.
 class Preintegration {
  public:
-  /// Forgets all steps; the biases [rad/s, m/s^2] are those the steps to come are corrected by.
+  /// Discards all steps; the next steps are corrected by these biases [rad/s, m/s^2].
   void reset(const Vector3d& gyro_bias, const Vector3d& accel_bias);
 
-  /// Appends a step, which begins where the one before ended: the caller sees to it. Densities
-  /// below imu_floor are raised to it.
+  /// Appends a step, which must begin where the previous one ended. Densities below imu_floor are
+  /// raised to it.
   void step(const ImuStep& step, const ImuOptions& options);
 
   Time duration() const { return duration_; }
-  /// At the biases of reset(). (E1)
+  /// The increments at the biases of reset() (E1).
   ImuIncrement increment() const {
     return {chain_.state.q_WB, chain_.state.v_WB, chain_.state.p_WB};
   }
@@ -67,7 +67,7 @@ class Preintegration {
   bool gap() const { return chain_.gap; }
   bool finite() const { return chain_.finite(); }
 
-  /// d(rotation vector of delta_q) at another gyro bias [rad]: the Exp argument of (E3).
+  /// Correction of delta_q for another gyro bias [rad]: the argument of Exp in (E3).
   Vector3d rotation_correction(const Vector3d& gyro_bias) const {
     return jacobians().attitude_gyro * (gyro_bias - chain_.state.gyro_bias);
   }
@@ -82,8 +82,8 @@ class Preintegration {
   /// The blocks of A.
   const BodyTransition& jacobians() const { return chain_.from_start; }
 
-  /// The state after the last step, started `from` the state of the first, at the biases of `from`
-  /// (E3, E1); the stamp advances by duration(). Gravity along -z of W [m/s^2].
+  /// The state after the last step, starting `from` the state at the first, with the biases of
+  /// `from` (E3, E1); the stamp advances by duration(). Gravity along -z of W [m/s^2].
   NavState predict(const NavState& from, double gravity) const;
 
  private:

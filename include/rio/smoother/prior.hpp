@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all marginalised states say about those that are left: a quadratic in the right-invariant
-// error about the point where it was made.
+// The marginalisation prior: the information of all marginalised states about the remaining ones, a
+// quadratic in the right-invariant error about its linearisation point x_l.
 //
-// cost = xi^T A xi / 2 - g^T xi, xi over [states 0..leading-1 | calibration,
-// auxiliary | landmarks], about x_l
-// (E1) R_0 R_0l^T = Z Exp(tau), Z = Exp(psi e_z), tau_z = 0: the turn of state 0, heading last
+// cost = xi^T A xi / 2 - g^T xi, xi over [states 0..leading-1 | calibration, auxiliary | landmarks]
+// (E1) R_0 R_0l^T = Z Exp(tau), Z = Exp(psi e_z), tau_z = 0: rotation of state 0 as tilt and
+//      heading
 // (E2) state 0  phi = (tau_x, tau_y, psi);  other states  phi = Log(Z^T R R_l^T)
 //      all      eta_p = Z^T p - p_l, eta_v = Z^T v - v_l, biases b - b_l;  landmarks  Z^T l - l_l
 // (E3) T_BS Log(R_l^T R), p - p_l; other calibration and auxiliary states c - c_l
 // (E4) dxi = (I + w e_psi^T) B dx with B by blocks: phi_0 [Jl(tau) e_x, Jl(tau) e_y, e_z]^-1 Z^T R,
 //      phi Jl^-1(phi) Z^T R, eta Z^T;  w: -Jl^-1(phi) e_z at phi, -e_z x (Z^T y) at the eta of y
-// A turn of everything about gravity moves psi and nothing else, a translation moves every eta by
-// the same: directions that do not depend on x. What A cannot tell when it is made it can never
-// tell, wherever the states move. (The standard error needs first-estimate Jacobians in every
-// factor for the same end.)
-// Reference: Michalczyk et al., IROS 2024, eq. 9-10 (the Schur complement that makes A and g).
+// Observability constraint: a rotation of everything about gravity changes psi only, a translation
+// changes every eta equally. These unobservable directions do not depend on x, so A gains no
+// information about them, wherever the states move. (With the standard error, first-estimate
+// Jacobians, FEJ, in every factor serve the same purpose.)
+// Reference: Michalczyk et al., IROS 2024, eq. 9-10 (the Schur complement that gives A and g).
 #pragma once
 
 #include <Eigen/Core>
@@ -36,33 +36,32 @@ class Prior {
   Prior(const Layout& layout, int max_states);
 
   int leading_states() const { return static_cast<int>(states_.size()); }
-  /// Information and vector at the point where it was made, in xi.
+  /// Information and vector at the linearisation point, in xi.
   Eigen::Ref<const Eigen::MatrixXd> A() const { return A_.topLeftCorner(size(), size()); }
   Eigen::Ref<const Eigen::VectorXd> g() const { return g_.head(size()); }
 
-  /// Made from information and vector in the standard error at the present point, over the
-  /// states [first .. first + leading - 1] of the window and the border of x.
+  /// Sets the prior from information and vector in the standard error at the current point, over
+  /// the states [first .. first + leading - 1] of the window and the border of x.
   void assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
               const Eigen::Ref<const Eigen::VectorXd>& g, const Window& window, std::size_t first,
               int leading, const Estimate& x);
 
-  /// Adds it to the system at the present point; the result is its cost.
+  /// Adds the prior to the system at the current point; returns its cost.
   double add_to(NormalEquations* system, const Window& window, const Estimate& x);
 
-  /// Every landmark walks by this variance per axis [m^2]: A <- (A^-1 + Q)^-1. Ten landmarks at a
-  /// call, in turn, each by what has come together since its last turn.
+  /// Random walk of every landmark with this variance per axis [m^2]: A <- (A^-1 + Q)^-1. Ten
+  /// landmarks per call, in turn, each with the variance accumulated since its last turn.
   void add_landmark_noise(double variance);
 
-  /// The auxiliary states walk for so long [s].
+  /// Random walk of the auxiliary states over `seconds`.
   void add_auxiliary_noise(const AuxiliaryStates& states, double seconds);
 
-  /// Information about a parameter of the calibration, that it is zero, is taken back.
-  /// @param column in [newest state | border]
-  /// @param value of the parameter at x, off the configured value
+  /// Removes the information of a tight calibration prior (StateEstimate, E2).
+  /// @param column of the parameter in [newest state | border]
+  /// @param value of the parameter at x minus its configured value
   void forget(int column, double value, double information, const Estimate& x);
 
-  /// Landmark i is marginalised; the last one takes its place. Landmarks that came after the prior
-  /// was made are none of its business.
+  /// Marginalises landmark i, if the prior has it; the last one takes its place.
   void remove_landmark(std::size_t i, std::size_t last);
 
  private:
@@ -71,25 +70,26 @@ class Prior {
   /// Column of the prior for a column of [newest state | border].
   int border(int column) const { return column - body::kSize + body::kSize * leading_states(); }
 
-  /// xi at the present point (E1) (E2) (E3).
+  /// xi at the current point (E1) (E2) (E3).
   void evaluate(const Window& window, const Estimate& x);
 
   static constexpr int kHeading = body::kAttitude + 2;  // of state 0
   double heading() const { return xi_[kHeading]; }
 
-  /// d(turn of state s, Z^T first)/d(its phi), (E4).
+  /// Left Jacobian of the rotation of state s in (E4), to be inverted: in (tau, psi) for state 0,
+  /// in phi for the others.
   Matrix3d turn_jacobian(int s) const;
 
   /// w of (E4) at xi_.
-  /// @param first of the window's states that is state 0
+  /// @param first index in the window of state 0
   void fill_heading_part(const Window& window, std::size_t first, const Estimate& x,
                          const Matrix3d& Zt);
 
   /// A <- (I + w e^T)^T A (I + w e^T), g <- (I + w e^T)^T g.
   void add_heading_part(Eigen::MatrixXd* A, Eigen::VectorXd* g);
 
-  /// B of (E4) on work_ as multiply_block() does it, for all blocks Z^T, which turn the first two
-  /// of their unknowns by -heading.
+  /// Applies B of (E4) to work_, as multiply_block() does, for all blocks Z^T, which rotate the
+  /// first two of their unknowns by -heading.
   void turn_back(double heading);
   /// f(first column) for each block that is a vector in W.
   template <class F>
@@ -101,14 +101,14 @@ class Prior {
     for (int at = border(layout_.landmark(0)); at < size(); at += Landmark::kDof) f(at);
   }
 
-  /// Nothing is known of landmark i any more, whose place another one takes.
+  /// Sets the information about landmark i to zero; another one takes its place.
   void forget_in_place(std::size_t i);
   void move_landmark(std::size_t from, std::size_t to);
 
   Layout layout_;
   std::vector<NavState> states_;
   StaticVector<LandmarkState, kMaxLandmarks> landmarks_;
-  std::array<double, kMaxLandmarks> owed_{};  ///< walk of each landmark since its last turn [m^2]
+  std::array<double, kMaxLandmarks> owed_{};  ///< variance accumulated since its last turn [m^2]
   std::size_t turn_ = 0;                      ///< the landmark whose turn is next
   std::array<RadarState, kMaxRadars> radars_;
   AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();

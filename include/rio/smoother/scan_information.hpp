@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the measurements of one state say of it, of the calibration and of landmarks, summed up in
-// matrices of fixed size before it enters the normal equations.
+// Accumulates the information of the measurements of one state about the state, the calibration and
+// landmarks, in matrices of fixed size, before it is added to the normal equations.
 //
 // (E1) local unknowns y = [pose 6 | velocity 3 | gyro bias 3 | extrinsics 6 | radar errors 2 |
 //      time offset 1] and, for some measurements, one landmark l
@@ -27,10 +27,10 @@ class ScanInformation {
   ScanInformation(const SmootherOptions& options, NormalEquations* system)
       : options_(options), system_(system) {}
 
-  /// Begins anew for the state of `layout`.
+  /// Starts over for the state of `layout`.
   void begin(const WindowLayout& layout);
 
-  /// Rows of model M for z, part of the open measurement. False if x is outside its domain.
+  /// Adds rows of model M for z to the open measurement. False if x is outside its domain.
   template <MeasurementModel M>
   bool push(const M& model, const typename M::Measurement& z, const LinearizationPoint& x,
             BlockIndex index) {
@@ -46,13 +46,14 @@ class ScanInformation {
     return true;
   }
 
-  /// Ends the open measurement, which has the weight `weight` before the kernel.
+  /// Closes the open measurement.
+  /// @param weight factor of its information, before the kernel
   /// @param landmark_column in the system; -1 = of no landmark
   void close(double weight, int landmark_column = -1);
-  /// Takes the rows of the open measurement back.
+  /// Discards the rows of the open measurement.
   void drop() { rows_ = first_; }
 
-  /// All that was closed enters the system; the result is its cost.
+  /// Adds all closed measurements to the system; returns their cost.
   double end();
 
  private:
@@ -98,12 +99,12 @@ class ScanInformation {
     r_.template segment<kDim>(rows_) = r;
     for (int i = 0; i < kDim; ++i) undo(x.step, rows_++);
   }
-  /// From errors of the state stepped back to errors of the state, (E2) of linearize.hpp.
+  /// Maps a row to the errors of the state before it was stepped back, (E2) of linearize.hpp.
   void undo(const StepBack& step, int row);
 
   void add_landmark(int column, int first, int count);
 
-  /// The closed rows into A_yy; the open ones move to the front.
+  /// Adds the closed rows to A_yy; the open ones move to the front.
   void flush();
 
   SmootherOptions options_;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Back-end 2: a sliding window of states at the last scans, solved anew with each scan
-// (Michalczyk et al., IROS 2024). Same front-end, models and gates as the filter.
+// Back-end 2: a fixed-lag smoother, a sliding window of states at the last scans that is optimised
+// with each scan (Michalczyk et al., IROS 2024). Same front-end, models and gates as the filter.
 //
-// A new state is predicted by the IMU from the solution (state_estimate_), its measurements are
-// gated there; then Gauss-Newton over [states | calibration, landmarks] on
+// A new state is predicted by the IMU from the last solution (state_estimate_) and its measurements
+// are gated there; then Gauss-Newton over [states | calibration, auxiliary, landmarks] minimises
 //   prior + preintegrated IMU + all measurements of the window, robust kernels included,
-// and the oldest state is marginalised into the prior. The tail of the factorisation is the joint
-// covariance of the newest state and the border: the state estimate the next scan begins with.
+// and the oldest state is marginalised into the prior. The tail of the factorisation gives the
+// joint covariance of the newest state and the border: the state estimate for the next scan.
 #pragma once
 
 #include "rio/frontend/frontend.hpp"
@@ -39,38 +39,39 @@ class Smoother {
     return rio::landmark_room(estimate(), seen, options_);
   }
 
+  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
-  /// A scan of that radar is at hand.
+  /// A scan of radar r is processed next.
   void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
 
-  /// Time of the state that a measurement of that time is kept with: the first one not before it.
+  /// Time of the state that keeps an aiding measurement: the first one not before it.
   Time anchor(Time measured) const;
 
-  /// All landmarks leave.
+  /// Removes all landmarks.
   void drop_landmarks(UpdateReport* report);
 
-  /// As in the filter; the window begins anew from the result.
+  /// As in the filter (ekf/ekf.hpp); the window starts over from the result.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         double doubtful, UpdateReport* report);
 
-  /// Same.
+  /// As in the filter; the window starts over from the result.
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
-  /// Same.
+  /// As in the filter; the window starts over from the result.
   void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, UpdateReport* report);
 
-  /// Stage 7 (update/landmark_policy.hpp). A birth is a point measured by the newest state.
+  /// Stage 7 (update/landmark_policy.hpp). A new landmark is measured once, by the newest state.
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
                           UpdateReport* report);
 
-  /// Stage 2: the newest state is that of this scan.
+  /// Stage 2: assigns this scan to the newest state.
   void clone(ScanId scan);
 
  private:
@@ -78,35 +79,35 @@ class Smoother {
     return static_cast<std::size_t>(options.smoother.window) + 1;
   }
 
-  /// One state, the state estimate's; its covariance becomes the prior.
+  /// Starts over with one state, the state estimate's; its covariance becomes the prior.
   void restart();
   Status restart_after_failure();
 
-  /// The predicted state enters. False, with nothing changed, if the IMU gave nothing finite.
+  /// Appends the predicted state. False, with nothing changed, if there is no valid IMU factor.
   bool append();
   void copy_newest();
 
-  /// What passed the gates becomes factors of the newest state, of other sensors also of earlier
-  /// ones.
+  /// Measurements that passed the gates become factors of the newest state, aiding measurements
+  /// also of earlier ones.
   void take(const Observations& seen);
   WindowState& keeper(const AidingObservation& aiding);
-  /// Takes back what take() gave to the states.
+  /// Removes the aiding factors added by take().
   void drop_aiding(const Observations& seen);
 
-  /// The state estimate and the window hold the result.
+  /// Optimises; the result is in the state estimate and the window.
   bool solve();
 
-  /// The system at the present point; the result is its cost.
+  /// Builds the system at the current point; returns its cost.
   double build();
   double begin_with_prior();
 
-  /// Everything that touches the oldest state becomes the prior of the others.
+  /// Marginalises the oldest state: all factors that touch it become the prior of the others.
   bool marginalise_oldest();
 
-  /// The last one takes its place.
+  /// Marginalises landmark i in the prior and drops its factors; the last one takes its place.
   void remove_landmark(std::size_t i);
 
-  static constexpr double kExact = 1e-5;  // sigma that passes for exactly known, in SI units
+  static constexpr double kExact = 1e-5;  // sigma treated as exactly known, SI units
 
   Options options_;
   StateEstimate state_estimate_;
@@ -116,7 +117,7 @@ class Smoother {
   Prior prior_;
   WindowFactors factors_;
   GaussNewton solver_;
-  Preintegration since_;  ///< the newest state of the window
+  Preintegration since_;  ///< since the newest state of the window
   WindowPoint before_;
   Eigen::VectorXd g_;
   Eigen::MatrixXd A_;

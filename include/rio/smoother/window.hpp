@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sliding window: a state at each of the last scans, what that scan measured, and the IMU to
-// the next one. Storage for all of it is allocated once.
+// The sliding window: a state at each of the last scans with the factors of its measurements and
+// the IMU factor to the next state. Storage is allocated once.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@
 
 namespace rio {
 
-/// A Doppler; here and below, `weight` is the share of its information that is new.
+/// A Doppler; here and below, `weight` is 1 / noise inflation (update/noise_inflation.hpp).
 struct DopplerFactor {
   DopplerModel::Measurement doppler;
   double weight = 1.0;
   std::size_t radar = 0;
 };
-/// A detection of a landmark.
+/// Range and direction of a landmark, and its Doppler.
 struct PointFactor {
   std::size_t landmark = 0;
   double weight = 1.0;
@@ -43,7 +43,7 @@ struct DistanceFactor {
   LandmarkDistanceModel::Measurement distance;
   std::size_t radar = 0;
 };
-/// The place of a landmark.
+/// The position of a landmark in radar axes.
 struct PositionFactor {
   std::size_t landmark = 0;
   double weight = 1.0;
@@ -57,25 +57,26 @@ struct TrailFactor {
   std::size_t radar = 0;
 };
 
-/// Of another sensor, between the state before and this one.
+/// A measurement of another sensor, taken between the previous state and this one.
 struct AidingFactor {
   AidingMeasurement measurement;
   MotionSince since;
 };
 
+/// A state of the window with its factors.
 struct WindowState {
   ScanId scan = kNoScan;
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();   ///< measured [rad/s]
-  Vector3d accel_B = Vector3d::Zero();  ///< of the body, in axes that turn with it [m/s^2]
-  /// How a radar's scan of this state was taken.
+  Vector3d accel_B = Vector3d::Zero();  ///< acceleration of the body, body axes [m/s^2]
+  /// The calibration that was applied to a radar's scan of this state.
   struct Scanned {
-    bool here = false;         ///< it has one
-    double time_offset = 0.0;  ///< with which its time was chosen [s]
-    RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< with which it was corrected
+    bool here = false;         ///< the radar has a scan here
+    double time_offset = 0.0;  ///< stamp minus time of the state [s]
+    RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< detections corrected by this
   };
   std::array<Scanned, kMaxRadars> scanned;
-  ImuFactor to_next;  ///< not valid for the newest
+  ImuFactor to_next;  ///< not valid for the newest state
   std::vector<DopplerFactor> dopplers;
   std::vector<PointFactor> points;
   std::vector<DistanceFactor> distances;
@@ -84,7 +85,7 @@ struct WindowState {
   std::vector<AidingFactor> aiding;
   std::optional<RestModel::Measurement> rest;
 
-  /// How many measurements there are, to come back to.
+  /// Numbers of measurements, to undo additions.
   struct Mark {
     std::size_t dopplers = 0;
     std::size_t points = 0;
@@ -94,12 +95,13 @@ struct WindowState {
     std::optional<RestModel::Measurement> rest;
   };
   Mark mark() const;
+  /// Removes what was added after mark(), except aiding.
   void cut(const Mark& mark);
 
   void clear();
 };
 
-/// First in, first out; index 0 is the oldest.
+/// Ring of states; index 0 is the oldest.
 class Window {
  public:
   Window(std::size_t capacity, const Options& options);
@@ -113,7 +115,7 @@ class Window {
   const WindowState& newest() const { return (*this)[size_ - 1]; }
 
   void clear() { size_ = 0; }
-  /// An empty state, the newest from now on.
+  /// Appends an empty state, the new newest one.
   WindowState& push();
   void pop_oldest();
   void pop_newest() { --size_; }
@@ -124,10 +126,10 @@ class Window {
   /// Index of the state of `scan`, or -1.
   int find(ScanId scan) const;
 
-  /// Its poses become the clones of x, for matching and for the trails.
+  /// Copies its poses to the clones of x, for matching and for the trails.
   void publish(Estimate* x) const;
 
-  /// Landmark i is gone and the last one has taken its place.
+  /// Removes the factors of landmark i; those of the last landmark are renumbered to i.
   void forget_landmark(std::size_t i, std::size_t last);
 
  private:
@@ -136,11 +138,11 @@ class Window {
   std::size_t size_ = 0;
 };
 
-/// Columns of [states | border] for the models: `state` is the one that measures.
+/// Columns of [states | border] for the models.
 struct WindowLayout {
-  Layout newest;  ///< [newest state | border] without clones, of the radar that measures
-  int states = 0;
-  int state = 0;
+  Layout newest;   ///< [newest state | border] without clones, of the radar that measures
+  int states = 0;  ///< number of states
+  int state = 0;   ///< the one that measures
 
   int border_column() const { return body::kSize * states; }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The factors of the sliding window, linearised at the present point into the normal equations:
-// the IMU between its states, what each scan measured by itself, and the trails between scans.
-// Every call returns the cost of what it added, robust kernels included.
+// The factors of the sliding window, linearised at the current point into the normal equations: IMU
+// factors between states, measurements of single scans, aiding measurements, and trails between
+// scans. Every call returns the cost of the factors it added, robust kernels included.
 #pragma once
 
 #include <cstddef>
@@ -25,23 +25,23 @@ class WindowFactors {
 
   double add_all(const Estimate& x);
 
-  /// From state k to the next one.
+  /// The IMU factor from state k to the next one.
   double add_imu(std::size_t k);
 
-  /// All that scan k measured by itself.
+  /// The measurements of state k that depend on no other state.
   double add_scan(std::size_t k, const Estimate& estimate);
 
-  /// All that other sensors measured before state k.
+  /// The measurements of other sensors between state k - 1 and k.
   double add_aiding(std::size_t k, const Estimate& estimate);
 
-  /// Measured by state k; nothing if the past state has left the window.
+  /// A trail distance of state k; nothing if the past state has left the window.
   double add_trail(std::size_t k, const TrailFactor& f, const Estimate& estimate);
 
  private:
-  /// All that radar r measured at state k; `rest` with it.
+  /// The measurements of radar r at state k, and the zero-velocity update if `rest`.
   double add_scan_of(std::size_t k, std::size_t r, bool rest, const Estimate& estimate);
 
-  /// A state, moved to what the calibration of its scan by radar r is known to be now.
+  /// The state at the time of its scan by radar r according to the current calibration.
   static LinearizationPoint point(const WindowState& state, std::size_t r,
                                   const Estimate& estimate);
   WindowLayout layout_of(std::size_t k, std::size_t r = 0) const {

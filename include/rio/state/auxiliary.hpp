@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The states that extensions add to the estimator's own, as declared in the options. C++17.
+// Auxiliary states, which extensions add to the estimator's own and declare in the options. C++17.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace rio {
 
-/// One of them (AuxiliaryBlock in state/blocks.hpp).
+/// One auxiliary state (AuxiliaryBlock in state/blocks.hpp).
 struct AuxiliaryState {
   const char* name = "";  ///< of static lifetime
   int size = 0;           ///< elements
@@ -17,14 +17,14 @@ struct AuxiliaryState {
   double walk = 0.0;      ///< density of the random walk [its unit / sqrt(s)]; 0 = a constant
 };
 
-/// All of them, one after the other.
+/// All auxiliary states of an estimator, one after the other.
 class AuxiliaryStates {
  public:
   static constexpr std::size_t kMaxStates = 8;
-  static constexpr int kMaxSize = 12;  ///< elements of all together
+  static constexpr int kMaxSize = 12;  ///< elements of all states together
 
-  /// Adds a block, with its own prior and walk or others. False, and nothing is added, if there is
-  /// no room or the name is taken.
+  /// Adds a block with its default prior and random walk, or with those given. False, and nothing
+  /// is added, if there is no room or the name is taken.
   template <class Block>
   bool declare(double sigma = Block::kSigma, double walk = Block::kWalk) {
     return declare(AuxiliaryState{Block::kName, Block::kDof, sigma, walk});
@@ -47,7 +47,7 @@ class AuxiliaryStates {
     return -1;
   }
 
-  /// Elements of all together.
+  /// Elements of all states together.
   int size() const { return size_; }
   const AuxiliaryState* begin() const { return states_.begin(); }
   const AuxiliaryState* end() const { return states_.end(); }
@@ -57,7 +57,7 @@ class AuxiliaryStates {
   int size_ = 0;
 };
 
-/// The values of all, in the order they were declared; what is beyond AuxiliaryStates::size() is 0.
+/// Values of all states in the order of declaration; unused elements at the end are 0.
 using AuxiliaryValues = Eigen::Matrix<double, AuxiliaryStates::kMaxSize, 1>;
 
 }  // namespace rio

@@ -45,8 +45,8 @@ struct GyroBias : VectorBlock<3> {};      ///< [rad/s]
 struct ClonePose : PoseBlock {};          ///< T_WB at a past scan
 struct Extrinsics : PoseBlock {};         ///< T_BS
 struct Landmark : VectorBlock<3> {};      ///< p_WL [m]
-/// What is left of the radar's systematic errors after the detections were corrected by their
-/// estimate: relative error of the Doppler, elevations read too high by [rad].
+/// Systematic errors of the radar left after the detections were corrected by their estimate:
+/// relative error of the range rate, bias of the elevation (positive = read too high) [rad].
 struct RadarErrors : VectorBlock<2> {
   static constexpr int kDopplerScale = 0;
   static constexpr int kElevation = 1;

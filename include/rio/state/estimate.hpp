@@ -24,10 +24,10 @@ inline constexpr std::size_t kMaxRadars = 1 + Options::kMaxOtherRadars;
 
 /// Scans are numbered in the order they are processed.
 using ScanId = std::uint64_t;
-/// A state that no scan has seen.
+/// The ScanId of a state without a scan.
 inline constexpr ScanId kNoScan = std::numeric_limits<ScanId>::max();
 
-/// The body pose at a past radar scan.
+/// The body pose at a past radar scan (stochastic cloning).
 struct Clone {
   ScanId scan = 0;
   RigidPose T_WB;
@@ -37,22 +37,21 @@ struct Clone {
 struct LandmarkState {
   Vector3d p_W = Vector3d::Zero();  ///< [m]
   Time last_seen = Time(0);         ///< scan of the last match that was used
-  /// Of its position relative to the radar, S axes, as predicted for the scan [m^2]: what matching
-  /// needs of the covariance.
+  /// For matching: predicted covariance of its position relative to the radar, S axes [m^2].
   Matrix3d covariance_S = Matrix3d::Zero();
-  double distance_seen = 0.0;  ///< travelled by the body when it was last measured [m]
-  double distance_born = 0.0;  ///< same, when it was first measured [m]
+  double distance_seen = 0.0;  ///< distance the body had travelled at its last measurement [m]
+  double distance_born = 0.0;  ///< same, at its first measurement [m]
 };
 
 /// What is estimated of one radar.
 struct RadarState {
   Pose T_BS;
   RadarErrors::Value errors = RadarErrors::Value::Zero();  ///< of the detections as received
-  double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
+  double time_offset = 0.0;                                ///< stamp minus time of measurement [s]
 };
 
-/// Predicted or corrected means at one instant. Of several radars the one whose scan is at hand
-/// stands in T_BS, radar_errors and time_offset.
+/// Predicted or corrected means at one instant. With several radars, T_BS, radar_errors and
+/// time_offset are those of the radar whose scan is being processed.
 struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
@@ -60,9 +59,9 @@ struct Estimate {
   Pose T_BS;
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
   double distance_travelled = 0.0;                               ///< since the start [m]
-  double time_offset = 0.0;  ///< the scans are stamped later than measured by this [s]
-  std::size_t radar = 0;     ///< whose scan is at hand
-  std::array<RadarState, kMaxRadars> others;            ///< by radar; that of `radar` is void
+  double time_offset = 0.0;                             ///< stamp minus time of measurement [s]
+  std::size_t radar = 0;                                ///< whose scan is being processed
+  std::array<RadarState, kMaxRadars> others;            ///< by radar; the entry of `radar` is stale
   AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
   StaticVector<Clone, kMaxClones> clones;  ///< a ring: the newest overwrites the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
@@ -79,7 +78,7 @@ struct Estimate {
     radar_errors = state.errors;
     time_offset = state.time_offset;
   }
-  /// A scan of radar r is at hand.
+  /// Makes radar r the one whose scan is being processed.
   void select_radar(std::size_t r) {
     if (r == radar) return;
     others[radar] = of_radar(radar);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where each block lives in the error state:
+// Position of each block in the error state:
 //   [body 15 | of each radar: extrinsics 0 or 6, radar errors 0 or 2, time offset 0 or 1 |
 //    auxiliary states | clones 6 N | landmarks 3 M]
 //
-// The clone region always has room for N clones; a new clone takes the place of the oldest one, so
-// marginalising a clone moves nothing. Landmarks stand last because their number changes.
+// The clone region always has room for N clones (stochastic cloning); a new one replaces the
+// oldest, so marginalising a clone moves nothing. Landmarks come last because their number changes.
 #pragma once
 
 #include "rio/options.hpp"
@@ -12,9 +12,10 @@
 
 namespace rio {
 
+/// Column indices of the error state; constant but for the selected radar.
 class Layout {
  public:
-  /// @param auxiliary elements of the auxiliary states
+  /// @param auxiliary number of elements of the auxiliary states
   Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks,
          int auxiliary = 0, std::size_t radars = 1)
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
@@ -26,14 +27,14 @@ class Layout {
         max_clones_(max_clones),
         max_landmarks_(max_landmarks) {}
 
-  /// The same with the calibration of radar r.
+  /// The same layout, with the calibration columns of radar r selected.
   Layout of_radar(std::size_t r) const {
     Layout out = *this;
     out.radar_ = static_cast<int>(r);
     return out;
   }
   std::size_t radars() const { return static_cast<std::size_t>(radars_); }
-  /// Whose calibration a column before the auxiliary states is of.
+  /// The radar to whose calibration a column belongs; `column` is one of the calibration columns.
   std::size_t radar_of(int column) const {
     return static_cast<std::size_t>((column - body::kSize) / calibration_size());
   }
@@ -44,8 +45,8 @@ class Layout {
   int max_clones() const { return max_clones_; }
   int max_landmarks() const { return max_landmarks_; }
 
-  // First columns, the calibration that of one radar; only those of blocks that are there mean
-  // anything.
+  // First column of each block, the calibration that of the selected radar. Valid only for blocks
+  // that are estimated.
   int extrinsics() const { return body::kSize + radar_ * calibration_size(); }
   int radar_errors() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
   int time_offset() const { return radar_errors() + (radar_errors_ ? RadarErrors::kDof : 0); }
@@ -71,7 +72,7 @@ class Layout {
   int time_offset_column() const { return time_offset_ ? time_offset() : -1; }
 
  private:
-  /// Of one radar.
+  /// Columns of the calibration of one radar.
   int calibration_size() const {
     return (extrinsics_ ? Extrinsics::kDof : 0) + (radar_errors_ ? RadarErrors::kDof : 0) +
            (time_offset_ ? 1 : 0);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the flight has told about each parameter of the calibration: the estimate, its sigma against
-// the prior's, and how far the data tell it.
+// Observability of the calibration: for each parameter the estimate, its sigma compared with the
+// prior's, and how well the data determine it.
 //
-// A parameter that no motion excites keeps the sigma of its prior (Observability in report.hpp). A
-// constant cannot become less known, so the sigma never rises again.
+// A parameter that no motion excites keeps the sigma of its prior (Observability in report.hpp).
+// The sigma only falls, except when the configured value is contradicted (state_estimate.hpp).
 #pragma once
 
 #include <array>
@@ -14,8 +14,10 @@
 
 namespace rio {
 
+/// @param value estimate minus configured value; all in the unit of the parameter
 Observability observability(double value, double sigma, double prior_sigma);
 
+/// For the radar whose scan is being processed, indexed by Calibration.
 std::array<CalibrationReport, kCalibrationCount> calibration_report(
     const StateEstimate& state_estimate, const Options& options);
 

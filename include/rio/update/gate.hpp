@@ -24,6 +24,7 @@ class Gate {
       thresholds_[dof - 1] = chi2_quantile(probability, static_cast<double>(dof));
     }
   }
+  /// @param dof 1 to kMaxDof
   double threshold(std::size_t dof) const { return thresholds_[dof - 1]; }
 
  private:

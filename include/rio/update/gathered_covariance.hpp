@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: H P H^T of a few rows. The part of P that they touch is gathered into a small dense
+// Stage 5: H P H^T of a few rows. The part of P that the rows touch is gathered into a small dense
 // matrix; rows of one model share it, and little of it changes from landmark to landmark.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace rio {
 
 class GatheredCovariance {
  public:
-  /// Another P, or one that has changed; it must stay as it is until the last product.
+  /// Sets P, which must not change until the last product.
   void begin(const Covariance& P);
 
   /// H P H^T of some rows.
@@ -42,9 +42,9 @@ class GatheredCovariance {
   using Segments = StaticVector<Segment, kCapacity>;
 
   void multiply(const LinearRow* rows, std::size_t count, Eigen::Ref<Eigen::MatrixXd> S);
-  /// Every column that the rows touch. False if they are too many.
+  /// Gathers the columns that the rows touch. False if they are too many.
   bool gather(const LinearRow* rows, std::size_t count);
-  /// Where that column begins in the gathered matrix.
+  /// Place in the gathered matrix of the segment that begins at `column`; -1 if there is none.
   int find(int column) const;
 
   const Covariance* P_ = nullptr;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reports of the scans, silence, gaps -> how far the estimate can be trusted (health.hpp).
+// Health of the estimate (health.hpp) from the reports of the scans, radar silence and IMU gaps.
 //
-// Shares are of what has come in lately: sums that fade with kMemory. A step (kReopened) and a lost
-// second (kImuGaps) fade likewise. The sigmas are those at the newest scan, or of the dead
-// reckoning.
+// Shares are ratios of sums that decay exponentially with kMemory, as gaps (kImuGaps) do; steps
+// (kReopened) decay with kStepMemory. Sigmas are those at the newest scan or of dead reckoning.
 #pragma once
 
 #include <array>
@@ -17,26 +16,26 @@
 
 namespace rio {
 
-/// No allocation; a constant number of operations a call.
+/// No allocation; O(1) per call.
 class HealthMonitor {
  public:
   const Health& health() const { return health_; }
 
-  /// The estimate starts at `time`, or starts over. Only the reset counter goes on.
+  /// The estimate starts at `time`, or starts over. Only the reset counter is kept.
   void reset(Time time);
 
   /// A scan was processed.
-  /// @param P_body of x, order of namespace body
+  /// @param P_body covariance of x, order of namespace body
   void observe(const UpdateReport& report, const Estimate& x, const BodyCovariance& P_body);
 
   /// The IMU has reached `now`; the estimate, which may be older, is x.
-  /// @param pause for which the IMU has told nothing, according to the scans that wait for it
+  /// @param pause of the IMU so far, according to the stamps of the scans that wait for it
   void wait(Time now, Time pause, const Estimate& x, const BodyCovariance& P_body);
 
-  /// The IMU has told nothing for so long.
+  /// The IMU has paused for `duration`.
   void add_gap(Time duration) { gaps_ += to_seconds(duration); }
 
-  /// The estimate has made a step.
+  /// The estimate has changed discontinuously.
   void add_step();
 
  private:
@@ -50,15 +49,15 @@ class HealthMonitor {
   void judge_sigmas(const Estimate& x, const BodyCovariance& P_body);
   void conclude();
 
-  static constexpr double kMemory = 1.0;        // of shares: a person passes by, a fault stays [s]
+  static constexpr double kMemory = 1.0;        // of shares: a person passes, a fault stays [s]
   static constexpr double kStepMemory = 3.0;    // of a step [s]
-  static constexpr double kSilence = 1.0;       // the IMU alone stays within centimetres [s]
+  static constexpr double kSilence = 1.0;       // the IMU alone is good to centimetres [s]
   static constexpr double kFewRows = 3.0;       // a velocity has three components
-  static constexpr double kOutliers = 0.7;      // beyond that no majority is safe
-  static constexpr double kGated = 0.3;         // a gate refuses one in a hundred
+  static constexpr double kOutliers = 0.7;      // above that a consensus is unreliable
+  static constexpr double kGated = 0.3;         // nominally a gate rejects one in a hundred
   static constexpr double kInnovations = 2.0;   // mean NIS of a row
   static constexpr double kVelocityTime = 0.5;  // contradicted [s]
-  static constexpr double kTiltTime = 0.75;     // same, a person passes by
+  static constexpr double kTiltTime = 0.75;     // same: a person may pass by [s]
   static constexpr double kLostTime = 0.3;      // of the last second [s]
   static constexpr double kPosition = 1.0;      // [m]
   static constexpr double kPositionShare = 0.05;
@@ -70,7 +69,7 @@ class HealthMonitor {
   static constexpr Time kClockStep = std::chrono::seconds(1);
   static constexpr std::size_t kClockSteps = 10;
 
-  /// The time offset of a radar in the last seconds; it is a constant, unless the clock is changed.
+  /// Time offset of a radar in the last kClockSteps seconds; constant unless its clock was changed.
   struct PastOffsets {
     struct Offset {
       Time time{0};
@@ -78,17 +77,17 @@ class HealthMonitor {
       double sigma = 0.0;
     };
     std::array<Offset, kClockSteps> ring;
-    std::size_t count = 0;  ///< taken so far
+    std::size_t count = 0;  ///< recorded so far
 
     const Offset& newest() const { return ring[(count + kClockSteps - 1) % kClockSteps]; }
     const Offset& oldest() const { return ring[count < kClockSteps ? 0 : count % kClockSteps]; }
   };
 
   Health health_;
-  Time now_{0};         ///< to which everything has faded
-  Time told_{0};        ///< the radar last told anything
-  bool begun_ = false;  ///< it has told a velocity since the start
-  // faded sums
+  Time now_{0};         ///< time up to which the sums have decayed
+  Time told_{0};        ///< last scan with a row used
+  bool begun_ = false;  ///< the radar has determined a velocity since the start
+  // decaying sums
   double detections_ = 0.0;
   double static_detections_ = 0.0;
   double rows_used_ = 0.0;

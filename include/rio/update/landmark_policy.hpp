@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 7: which landmarks leave and which detections become landmarks, the same for every
-// back-end.
+// Stage 7: which landmarks are removed and which detections become landmarks, for every back-end.
 //
-// A landmark lives while its matches pass the gate, and some seconds longer. What it is worth is
-// where it was first seen from: a new one only knows where the radar is now. So of too many none
-// that is in view gives way, and of the others the one unseen for longest, which is the one least
-// likely to be seen again.
+// A landmark is kept while its matches pass the gate, and some seconds longer. Its value is the
+// link to the pose it was first seen from; a new one is linked to the current pose only. So when
+// there are too many, landmarks in view are kept and the one unseen for longest, the least likely
+// to be seen again, is replaced.
 #pragma once
 
 #include "rio/frontend/frontend.hpp"
@@ -16,14 +15,15 @@
 
 namespace rio {
 
+/// Index of the landmark unseen for longest.
 std::size_t stalest_landmark(const Estimate& x);
 
-/// New landmarks that can be taken: those not in view give way.
+/// Number of new landmarks that can be taken: those not in view may be replaced.
 std::size_t landmark_room(const Estimate& x, const Observations& seen, const Options& options);
 
-/// @param x its landmarks' times are brought up to date
+/// @param x last_seen and distance_seen of its landmarks are updated
 /// @param remove remove(index): the last landmark takes the place of that one
-/// @param add add(detection): a new last landmark
+/// @param add add(detection): appends a landmark
 template <class Remove, class Add>
 void maintain_landmarks(const Observations& seen, const ScanRows& rows,
                         const Promotions& promotions, const Options& options, Estimate* x,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: linearised measurement rows that know which columns of the error state they touch.
+// Stage 5: linearised measurement rows, sparse in the columns of the error state.
 //
-// A row is r = h . dx + n with a few non-zero segments in h and a noise of its own. The rows of one
-// block are gated together.
+// A row is r = h . dx + n with a few non-zero segments in h and independent noise n. The rows of
+// one block are gated together.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace rio {
 
-/// One row with the columns its model's blocks have in the error state.
+/// One row with the columns of its model's blocks in the error state.
 struct LinearRow {
   static constexpr std::size_t kMaxSegments = 7;
   static constexpr std::size_t kMaxColumns = 24;
@@ -41,8 +41,8 @@ struct LinearRow {
   }
 };
 
-/// The rows of h = J dx for a Jacobian over the blocks of BlockList, plus an own column for the
-/// time offset.
+/// The rows of h = J dx for a Jacobian over the blocks of BlockList, plus a column for the time
+/// offset. Residual and variance are not set.
 /// @param columns first column of each block in the error state; -1 = not estimated
 /// @param d_time derivative in the time offset, whose column is `time_column`; -1 = not estimated
 template <int kDim, class... B>
@@ -93,7 +93,7 @@ class RowBatch {
   const RowBlock& last_block() const { return blocks_.back(); }
   /// Multiplies the noise variance of the last block.
   void scale_variance(double factor);
-  /// Takes the last block and its rows back.
+  /// Removes the last block and its rows.
   void drop_block();
 
   /// Appends a row to the open block.

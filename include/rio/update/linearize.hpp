@@ -2,11 +2,12 @@
 // Stage 5: from a model and an estimate to rows: picks each block's value and each block's column,
 // whitens, and adds the column of the time offset.
 //
-// (E1) A scan is measured at its stamp minus t_d; the state is carried to stamp - t_d^. What is
-//      left of the offset, dt, shifts the measurement to the state x - x' dt, for any model that
-//      sees the body: dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)
-// (E2) The state s earlier: R' = R Exp(-s w), p' = p - s v, v' = v - s a_W with a_W = R a_B. Its
-//      errors: dphi' = Exp(s w) dphi + s Jl(s w) db_g, dp' = dp - s dv, dv' = dv + s [a_W] R dphi
+// (E1) A scan is measured at its stamp minus t_d; the state is propagated to stamp - t_d^. The
+//      error dt of the offset shifts the measurement to the state x - x' dt, for any model that
+//      depends on the body state: dh/dt_d = -(dh/d[phi p] [w v] + dh/dv a)
+// (E2) State s seconds earlier: R' = R Exp(-s w), p' = p - s v, v' = v - s a_W with a_W = R a_B.
+//      Errors: dphi' = Exp(s w) dphi + s Jl(s w) db_g, dp' = dp - s dv,
+//      dv' = dv + s [a_W] R dphi
 #pragma once
 
 #include <array>
@@ -21,7 +22,7 @@
 
 namespace rio {
 
-/// The derivative of a state stepped back (E2).
+/// The Jacobian blocks of a state stepped back (E2).
 struct StepBack {
   double seconds = 0.0;
   Matrix3d attitude = Matrix3d::Identity();  ///< of dphi' by dphi
@@ -29,11 +30,11 @@ struct StepBack {
   Matrix3d velocity = Matrix3d::Zero();      ///< of dv' by dphi
 };
 
-/// The estimate with its rotations as matrices, and how fast it changes: computed once per scan.
+/// The estimate with its rotations as matrices and its time derivative: computed once per scan.
 struct LinearizationPoint {
   explicit LinearizationPoint(const Estimate& x)
       : LinearizationPoint(x, x.nav, x.gyro_B, x.accel_W) {}
-  /// Another state beside the clones, landmarks and calibration of x.
+  /// Another body state with the clones, landmarks and calibration of x.
   LinearizationPoint(const Estimate& x, const NavState& nav, const Vector3d& measured_gyro_B,
                      const Vector3d& acceleration_W)
       : estimate(x),
@@ -46,8 +47,8 @@ struct LinearizationPoint {
     pose_rate << gyro_B - gyro_bias, v_WB;
   }
 
-  /// The state `seconds` earlier, at constant rate and acceleration. Jacobians are in its errors
-  /// then (E2).
+  /// Moves to the state `seconds` earlier, at constant rate and acceleration. Jacobians are then in
+  /// the errors of that state (E2).
   void step_back(double seconds) {
     const Vector3d turn = seconds * pose_rate.head<3>();
     step = {seconds, gamma(0, turn), seconds * gamma(1, turn), seconds * skew(accel_W) * T_WB.R};
@@ -55,7 +56,7 @@ struct LinearizationPoint {
     v_WB -= seconds * accel_W;
   }
 
-  /// It stands: what changes of the estimate is noise.
+  /// The body is at rest: the derivative of the estimate is noise and set to zero.
   void stand() {
     pose_rate.setZero();
     accel_W.setZero();
@@ -71,9 +72,9 @@ struct LinearizationPoint {
   Vector3d gyro_bias;
   Vector3d gyro_B;                                               ///< measured [rad/s]
   Vector3d accel_W;                                              ///< [m/s^2]
-  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< the detections are corrected
+  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< left in corrected detections
   Eigen::Matrix<double, 6, 1> pose_rate;  ///< of the error [dphi, dp] [rad/s, m/s]
-  StepBack step;                          ///< how it came here from the estimate
+  StepBack step;                          ///< from the estimate to this state
 };
 
 /// Which clone and which landmark a measurement refers to, for the models that have one.
@@ -98,7 +99,7 @@ const typename Block::Value& block_value(const LinearizationPoint& x, BlockIndex
   }
 }
 
-/// (E1)
+/// dh/dt_d of (E1).
 template <int kDim, class... B>
 ResidualOf<kDim> time_derivative(const JacobianOf<kDim, BlockList<B...>::kDof>& J,
                                  BlockList<B...> /*blocks*/, const LinearizationPoint& x) {
@@ -130,7 +131,7 @@ auto state_rows(const JacobianOf<kDim, BlockList<B...>::kDof>& J, BlockList<B...
                            time_derivative<kDim>(J, blocks, x), layout.time_offset_column());
 }
 
-/// Model M for z at x; more than one dimension is whitened. False if x is outside its domain.
+/// Evaluates model M for z at x; whitened if kDim > 1. False if x is outside its domain.
 template <MeasurementModel M, class... B>
 bool evaluate_at(const M& model, const typename M::Measurement& z, BlockList<B...> /*blocks*/,
                  const LinearizationPoint& x, BlockIndex index, Evaluation<M>* e) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 4 and 5: the observations of one scan -> gated rows, and a record of every gate.
+// Stages 4 and 5: the observations of one scan as gated rows, with a record of every gate
+// (chi-squared gating).
 //
-// Landmarks come first: a detection that measures one has told its Doppler.
+// Landmarks come first: the Doppler of a detection used with a landmark is not used again.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +32,7 @@ class ScanRows {
  public:
   explicit ScanRows(const Options& options);
 
-  /// The flight begins anew.
+  /// The estimate starts over.
   void reset() {
     distance_at_scan_.fill(0.0);
     last_scan_.fill(Time{0});
@@ -40,26 +41,25 @@ class ScanRows {
   /// Most rows of one update.
   std::size_t capacity() const { return batch_.capacity(); }
 
-  /// The rows that may be used; valid until the next call.
+  /// The rows that passed the gate; valid until the next call.
   const RowBatch& build(const Observations& seen, const StateEstimate& state_estimate,
                         UpdateReport* report);
 
-  /// A measurement that may be used.
+  /// A measurement that passed the gate.
   struct Used {
     Model model = Model::kDoppler;
-    std::size_t detection = 0;  ///< kAiding: index in Observations::aiding
-    std::size_t target = 0;     ///< index of the landmark or of the trail
-    ScanId past = 0;            ///< kTrailDistance: which element of the trail
-    double variance_factor =
-        1.0;  ///< by which its variance is multiplied (update/noise_inflation.hpp)
+    std::size_t detection = 0;     ///< kAiding: index in Observations::aiding
+    std::size_t target = 0;        ///< index of the landmark or of the trail
+    ScanId past = 0;               ///< kTrailDistance: which element of the trail
+    double variance_factor = 1.0;  ///< of its noise (update/noise_inflation.hpp)
   };
   const std::vector<Used>& used() const { return used_; }
 
-  /// The landmark was matched by the last scan, and the match may keep it alive.
+  /// The landmark was matched by the last scan, and the match keeps it alive.
   bool was_used(std::size_t landmark) const { return was_used_[landmark]; }
 
  private:
-  static constexpr double kHere = 0.5;  // "here" at rest: flown since, noise included [m]
+  static constexpr double kHere = 0.5;  // travelled while still at one place, noise included [m]
 
   void add_scan(const Observations& seen, const StateEstimate& state_estimate,
                 UpdateReport* report);
@@ -77,12 +77,12 @@ class ScanRows {
   void add_trails(const Observations& seen, const StateEstimate& state_estimate,
                   const LinearizationPoint& x, UpdateReport* report);
 
-  /// At rest only those first measured here: one from before repeats its error from scan to scan,
-  /// while the position does not change. It stays alive.
+  /// At rest only landmarks first measured at this place are used (kHere): the error of an earlier
+  /// one repeats from scan to scan while the position does not change. It is kept alive.
   void add_landmarks(const Observations& seen, const StateEstimate& state_estimate,
                      const LinearizationPoint& x, UpdateReport* report);
 
-  /// Of other sensors.
+  /// Measurements of other sensors.
   void add_aiding(const std::vector<AidingObservation>& aiding, const StateEstimate& state_estimate,
                   UpdateReport* report);
 
@@ -96,23 +96,22 @@ class ScanRows {
     return linearize(model, z, typename M::Blocks{}, x, index, state_estimate.layout(), &batch_);
   }
 
-  /// Factor of the variance of what repeats a measurement made at `distance`.
+  /// Noise inflation of a repetition of a measurement made at travelled distance `distance` [m].
   double repetition(double distance, const LinearizationPoint& x) const {
     return repetition_factor(std::max(0.0, x.estimate.distance_travelled - distance),
                              noise_distance_[x.estimate.radar]);
   }
-  /// Same for a Doppler, whose rounding repeats until it has changed by a cell.
+  /// Same for a Doppler, whose quantisation error repeats until it has changed by a cell.
   double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
-  /// Multiplies the variance of the last block. After the gate: by itself it is as good as any
-  /// other.
+  /// Noise inflation: multiplies the variance of the last block and returns the factor. Applied
+  /// after the gate, because a single measurement has the original variance.
   double weigh(double factor);
 
-  /// Stage 5: gates the last block, records it, and drops it unless it may be used, which is the
-  /// result.
+  /// Stage 5: gates and records the last block; if it does not pass, drops it and returns false.
   /// @param name of the model of another sensor
   bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
               const char* name = nullptr);
-  /// The same, its innovation covariance being S_.
+  /// Same, with the innovation covariance already in S_.
   bool judge(Model model, std::size_t detection, bool valid, UpdateReport* report,
              const char* name = nullptr);
 
@@ -125,8 +124,8 @@ class ScanRows {
   // by radar
   std::array<double, kMaxRadars> noise_distance_{};    ///< [m]
   std::array<double, kMaxRadars> doppler_grid_{};      ///< [m/s]
-  std::array<double, kMaxRadars> distance_at_scan_{};  ///< flown at its last scan [m]
-  double since_scan_ = 1.0;                            ///< since the last scan, at most [s]
+  std::array<double, kMaxRadars> distance_at_scan_{};  ///< travelled at its last scan [m]
+  double since_scan_ = 1.0;                            ///< time since its last scan, at most 1 [s]
   std::array<Time, kMaxRadars> last_scan_{};
   Gate gate_;
   DopplerModel doppler_;
@@ -142,7 +141,7 @@ class ScanRows {
   GatheredCovariance::BlockMatrix S_;
   AidingRows aiding_;
   std::array<bool, kMaxLandmarks> was_used_{};
-  std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already in
+  std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already used
 };
 
 }  // namespace rio

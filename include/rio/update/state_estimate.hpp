@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mean and covariance at one instant, and what happens to both alike: start, propagation, blocks
-// that enter and leave. Either back-end predicts, matches and gates with a state estimate.
+// Mean and covariance at one instant, and the operations on both: initialisation, propagation,
+// stochastic cloning, landmark augmentation and marginalisation, re-initialisation of parts. Either
+// back-end predicts, matches and gates with a state estimate.
 //
 // Stages 1, 2 and 7.
 #pragma once
@@ -20,31 +21,31 @@
 
 namespace rio {
 
-/// That of the body, without its vibration: what vibration adds to the velocity and to its change
-/// would agree on a time offset that is none. A low-pass of second order.
+/// Acceleration of the body without vibration, by a second-order low-pass: vibration in both the
+/// velocity and the acceleration would be correlated and look like a time offset.
 struct Acceleration {
   Vector3d once_W = Vector3d::Zero();    ///< smoothed once [m/s^2]
   Vector3d smooth_W = Vector3d::Zero();  ///< smoothed twice [m/s^2]
 
-  /// @param change of the velocity in `seconds`
+  /// @param change_W change of the velocity in `seconds` [m/s]
   void add(const Vector3d& change_W, double seconds);
 };
 
-/// A parameter of the calibration that the data move away from its configured value.
+/// A calibration parameter whose configured value is contradicted by the data.
 struct Contradiction {
   int column = 0;            ///< in the layout
-  double value = 0.0;        ///< off the configured value
+  double value = 0.0;        ///< estimate minus configured value
   double information = 0.0;  ///< of the tight prior, beyond that of the options
 };
 
-/// What is configured of the calibration is usually as good as it can be measured, and sometimes
-/// wrong by far; the prior sigma of the options covers both. On a few noisy points a loose
-/// parameter soaks up whatever errors there are. So each is believed to a share k of its prior
-/// sigma s until the data contradict it, and to s from then on.
+/// Calibration priors in two steps. A configured calibration is usually as accurate as it can be
+/// measured, and sometimes far off; the prior sigma s of the options covers both. With few noisy
+/// points, a parameter with a loose prior absorbs unrelated errors. So each has the tighter prior
+/// k s, k = kCalibrationConfiguredShare, until the data contradict it, and s from then on.
 ///
-/// (E1) configured: P_0 = (k s)^2; a right prior is moved by a value of the variance P_0 - P;
+/// (E1) tight prior P_0 = (k s)^2; if right, the updates move the value with variance P_0 - P;
 ///      contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
-/// (E2) the information 1 / (k s)^2 - 1 / s^2, that the value is zero, is taken back
+/// (E2) then the information 1 / (k s)^2 - 1 / s^2 of the tight prior is removed
 class StateEstimate {
  public:
   /// @param max_clones past poses with a covariance: none, or as many as the options keep
@@ -53,66 +54,70 @@ class StateEstimate {
   const Layout& layout() const { return layout_; }
   const Estimate& estimate() const { return estimate_; }
   const Covariance& covariance() const { return covariance_; }
-  /// For those who correct them.
+  /// For the updates.
   Estimate& estimate() { return estimate_; }
   Covariance& covariance() { return covariance_; }
 
+  /// Starts from `prior` with covariance P0, order of namespace body; no clones, no landmarks.
   void reset(const NavState& prior, const BodyCovariance& P0);
 
-  /// A scan of radar r is at hand: its calibration is that of the estimate and of the layout.
+  /// A scan of radar r is processed next: estimate and layout refer to its calibration.
   void select_radar(std::size_t r);
 
-  /// To exactly `to`. kNumerical, with nothing changed, if the result is not finite.
+  /// Propagates to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
-  /// The parameters contradicted since the last call (E1); each is reported once. The caller takes
-  /// back the information (E2).
+  /// The parameters contradicted since the last call (E1); each is reported once. The caller
+  /// removes the information (E2).
   StaticVector<Contradiction, kMaxRadars * kCalibrationCount> contradictions();
-  /// Of the prior sigma of the options, to which a parameter of the radar at hand is believed now.
+  /// Share of the prior sigma of the options that a parameter of the current radar has as its prior
+  /// now: k or 1.
   double prior_share(Calibration parameter) const;
 
-  /// The velocity was off by what it differs from `v_B` [m/s, body axes] for `duration` [s]; it may
-  /// have been for the time `doubtful` [s], and the position off by what that has done.
+  /// Replaces the velocity by v_B [m/s, body axes]. The difference was the error for `duration`
+  /// [s], which also corrects the position, and possibly for the time `doubtful` [s]: the
+  /// covariance of the position is inflated accordingly.
   void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
                         double doubtful);
 
-  /// Gravity turns out to be g_B, sigma per axis [m/s^2, body axes], and the velocity v_B [m/s],
-  /// for `duration` [s]: the body is tilted to it, and keeps its velocity; attitude, gyro bias and
-  /// accelerometer bias become uncertain by what may have made the difference, the position by what
-  /// that has done.
+  /// Replaces the tilt so that gravity is g_B, sigma per axis [m/s^2, body axes]; the estimated
+  /// velocity is kept in body axes. The error was present for `duration` [s], the true velocity is
+  /// v_B [m/s, body axes]. Inflates the covariance of attitude, gyro bias and accelerometer bias by
+  /// the possible causes, that of the position by the possible effect.
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
-  /// The gyro bias turns out to be wrong about the vertical: it becomes uncertain, and with it
-  /// heading, velocity and position by what it has done to them meanwhile.
+  /// The gyro bias is wrong about the vertical: inflates its covariance, and that of heading,
+  /// velocity and position by the effect over the window.
   void restart_heading(const GyroBiasOpinion& opinion);
 
-  /// Covariance of what turns and scales a measured velocity of the radar: rotation of T_BS, axes
-  /// S, and Doppler scale. Zero what is not estimated.
+  /// Covariance of the calibration that rotates and scales a measured velocity of the radar:
+  /// rotation of T_BS, axes S [rad], and Doppler scale. Zero where not estimated.
   Eigen::Matrix4d velocity_calibration() const;
 
-  /// Of the radar's own velocity as predicted, in its axes [m/s], and of the error of elevations
-  /// [rad]. A Doppler along u, of an echo that would rise along the unit tangent t, has the
-  /// variance c^T V c with c = [u, t . v_S] by the error of the state.
+  /// V, covariance of the predicted velocity of the radar in its axes [m/s] and of the elevation
+  /// error [rad]. A Doppler along u, t the unit tangent towards higher elevation, has the variance
+  /// c^T V c, c = [u, t . v_S], due to the error of the state.
   Eigen::Matrix4d doppler_covariance(const LinearizationPoint& x) const;
-  /// The velocity's part of it [m^2/s^2].
+  /// The velocity's part of V [m^2/s^2].
   Matrix3d radar_velocity_covariance() const {
     return doppler_covariance(LinearizationPoint(estimate_)).topLeftCorner<3, 3>();
   }
 
-  /// The pose of now is kept as the clone of `scan`, in place of the oldest one; for matching alone
-  /// if the layout has no clones.
+  /// Stochastic cloning: keeps the current pose as the clone of `scan`, in place of the oldest one;
+  /// for matching only, without a covariance, if the layout has no clones.
   void clone(ScanId scan);
 
+  /// Landmark augmentation by the inverse observation model.
   void add_landmark(const Detection& d);
-  /// The last one takes its place.
+  /// Marginalises landmark i; the last one takes its place.
   void remove_landmark(std::size_t i);
 
-  /// Injects an error in the order of the layout, clones and landmarks included. Calibration stops
-  /// at kCalibrationLimit sigmas of its prior.
+  /// Injects an error in the order of the layout, clones and landmarks included. Calibration is
+  /// limited to kCalibrationLimit sigmas of its prior.
   void correct(const Eigen::VectorXd& dx);
 
  private:
-  /// Fills what matching needs to know of the landmarks.
+  /// Fills LandmarkState::covariance_S.
   void predict_landmarks();
 
   void correct_calibration(std::size_t r, const Eigen::VectorXd& dx);
