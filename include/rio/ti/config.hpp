@@ -64,7 +64,7 @@ struct ConfigFigures {
   int transmitters = 0;         ///< used by some chirp of the frame
   bool side_info = false;       ///< SNR and noise of the points are sent
   double baud = 921600.0;       ///< of the data UART
-  std::size_t fixed_bytes = 0;  ///< of a packet without points, with padding
+  std::size_t fixed_bytes = 0;  ///< of a packet, without points and padding
   std::size_t point_bytes = 0;  ///< of each point
   std::size_t cube_bytes = 0;   ///< radar cube and detection matrix in the L3 memory
 
