@@ -136,17 +136,15 @@ struct UpdateReport {
   int landmarks_matched = 0;
   int landmarks_added = 0;
   int landmarks_removed = 0;
-  bool imu_gap = false;         ///< the propagation to this scan crossed a gap
-  bool at_rest = false;         ///< standstill for a while, by IMU and radar
-  bool velocity_reset = false;  ///< the velocity was replaced before the update
-  bool attitude_reset =
-      false;  ///< tilt, heading or biases were re-initialised from the measurements
-  double velocity_contradicted =
-      0.0;  ///< duration of a contradiction by the Dopplers of the last second [s]
-  double tilt_contradicted = 0.0;  ///< same, by those of the last two seconds [s]
-  Health health;                   ///< after the update
-  Time propagation_time{0};        ///< time spent, if TimingOptions::clock is given
-  Time update_time{0};             ///< same, front-end to promotion
+  bool imu_gap = false;                ///< the propagation to this scan crossed a gap
+  bool at_rest = false;                ///< standstill for a while, by IMU and radar
+  bool velocity_reset = false;         ///< the velocity was replaced before the update
+  bool attitude_reset = false;         ///< tilt, heading or biases were re-initialised
+  double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for this long [s]
+  double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for this long [s]
+  Health health;                       ///< after the update
+  Time propagation_time{0};            ///< time spent, if TimingOptions::clock is given
+  Time update_time{0};                 ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
   std::array<CalibrationReport, kCalibrationCount> calibration{};  ///< after the update
   StaticVector<InnovationRecord, kMaxRecords> records;

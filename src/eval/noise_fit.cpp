@@ -91,8 +91,7 @@ void NoiseFitter::add(const NoiseSample& sample, const Parameters& x, Sums* sums
 
 std::optional<NoiseFitter::Parameters> NoiseFitter::scoring_step(const Sums& sums) {
   Information information = sums.information;
-  constexpr double kVague =
-      1e-3;  // a sigma of 30 dB: keeps w if the samples contain no information
+  constexpr double kVague = 1e-3;  // a sigma of 30 dB: keeps w without information
   information(kWeak, kWeak) += kVague;
   const SmallCholesky<kCount> cholesky(information);
   if (!cholesky.positive()) return std::nullopt;

@@ -42,11 +42,10 @@ struct PointCloud {
   std::uint32_t height = 0;
   std::vector<PointField> fields;
   bool big_endian = false;
-  std::uint32_t point_step = 0;  ///< bytes of a point
-  std::uint32_t row_step = 0;    ///< bytes of a row
-  Bytes data;                    ///< valid as long as the message, or `own`
-  std::shared_ptr<const std::vector<std::uint8_t>>
-      own;  ///< the data, if it is not part of the message
+  std::uint32_t point_step = 0;                          ///< bytes of a point
+  std::uint32_t row_step = 0;                            ///< bytes of a row
+  Bytes data;                                            ///< valid as long as the message, or `own`
+  std::shared_ptr<const std::vector<std::uint8_t>> own;  ///< the data, if not in the message
 
   std::uint64_t size() const { return std::uint64_t{width} * height; }
   /// The bytes of point i, row after row.

@@ -21,8 +21,7 @@ struct BarometricHeights {
     double height = 0.0;  ///< [m]
   };
   std::vector<Sample> samples;
-  double sigma =
-      0.0;  ///< of one height, from sample to sample: half the mean squared difference [m]
+  double sigma = 0.0;  ///< of one, from sample to sample: half the mean squared difference [m]
 };
 
 /// The same for samples given one by one.
