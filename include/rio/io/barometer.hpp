@@ -14,14 +14,14 @@ namespace rio::io {
 /// [m].
 inline constexpr double kPressureScale = 287.05 * 293.0 / 9.81;
 
-/// Heights relative to the mean pressure of the first two seconds.
+/// Heights relative to their mean over the first two seconds.
 struct BarometricHeights {
   struct Sample {
     Time time{0};
     double height = 0.0;  ///< [m]
   };
   std::vector<Sample> samples;
-  double sigma = 0.0;  ///< of one, from sample to sample: half the mean squared difference [m]
+  double sigma = 0.0;  ///< of one: root of half the mean squared difference of neighbours [m]
 };
 
 /// The same for samples given one by one.
