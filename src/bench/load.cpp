@@ -10,8 +10,7 @@ namespace rio::bench {
 
 namespace {
 
-constexpr double kUsual =
-    20.0;  ///< number of points that hardly any scan of the default scenario misses
+constexpr double kUsual = 20.0;  ///< points that hardly any scan of the default scenario misses
 
 /// The room and radar of the default scenario, finer if more points are needed.
 sim::Scenario scenario_of(std::size_t detections, double seconds) {

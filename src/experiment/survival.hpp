@@ -16,8 +16,7 @@
 namespace rio::experiment {
 
 inline constexpr double kFaultBegins = 20.0;  // after the first sample [s]
-inline constexpr double kJudgedAfter =
-    30.0;  // after the end of a fault, or the beginning of a permanent one
+inline constexpr double kJudgedAfter = 30.0;  // after the end, or the beginning of a permanent one
 
 /// Estimate against truth at one time.
 struct Deviation {

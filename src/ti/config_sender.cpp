@@ -8,8 +8,7 @@ namespace rio::ti {
 namespace {
 
 constexpr char kPrompt[] = ":/>";
-constexpr std::size_t kMostAnswer =
-    8192;  // an answer this long without a prompt is from another device
+constexpr std::size_t kMostAnswer = 8192;  // longer without a prompt: another device
 
 std::string line_of(const ConfigCommand& command) {
   std::string line = command.name;

@@ -78,8 +78,7 @@ void play_live(const fs::path& out, const io::Dataset& flight, const CableNoise&
   while (!all_open(ptys) && stop_requested == 0) pause(10);
   live::play(live::in_order(lines.pieces), speed, stop_requested, [&](const live::Event& event) {
     const live::Bytes& bytes = event.piece->bytes;
-    (void)ptys[event.line].write(
-        bytes.data(), bytes.size());  // without a reader the bytes are lost, as on a wire
+    (void)ptys[event.line].write(bytes.data(), bytes.size());  // lost without a reader
     return true;
   });
   pause(200);  // unread bytes are lost when a pseudo-terminal is closed
