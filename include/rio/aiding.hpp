@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Measurements of other sensors than the radar: a barometer, a range to the ground, a velocity, a
-// position or heading, or any model of your own. C++17.
+// Measurements of sensors other than the radar: barometer, range to the ground, velocity, position
+// or heading, or your own model. C++17.
 //
 //   options.auxiliary.declare<HeightBias>();                    // what the model estimates beside
 //   auto odometry = rio::Odometry::create(options);
 //   odometry->add_measurement({time, Barometer{}, {height, sigma}});
 //   rio::auxiliary<HeightBias>(*odometry)->value;
 //
-// What a model is: models/aiding_measurement.hpp. Those at hand: models/aids.hpp.
+// The model concept is in models/aiding_measurement.hpp; included models are in models/aids.hpp.
 #pragma once
 
 #include <optional>
@@ -17,14 +17,14 @@
 
 namespace rio {
 
-/// What is known of an auxiliary state.
+/// Estimate of an auxiliary state.
 template <class Block>
 struct AuxiliaryEstimate {
   typename Block::Value value;
   Eigen::Matrix<double, Block::kDof, Block::kDof> covariance;
 };
 
-/// At the last scan; nothing if the state was not declared.
+/// At the last scan; empty if the state was not declared.
 template <class Block>
 std::optional<AuxiliaryEstimate<Block>> auxiliary(const Odometry& odometry) {
   AuxiliaryEstimate<Block> out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RIO_API: what a shared library of the odometry API shows; everything else is hidden. C++17.
+// RIO_API marks the symbols that a shared library of the odometry API exports; all others are
+// hidden. C++17.
 #pragma once
 
 #if defined(__GNUC__) || defined(__clang__)

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one table of all option fields: key, unit, meaning, allowed range. Validation, option files
-// and `rio options` are loops over it. TimingOptions::clock is not listed: a function is no file
-// option. C++17.
+// The table of all option fields: key, unit, meaning, allowed range. Validation, option files and
+// `rio options` are loops over it. TimingOptions::clock is not listed, since a function cannot be
+// in a file. C++17.
 //
-// Two layers: `field` is what a user knows (sensors, mounting, priors, start, budgets), `inner`
-// what the presets own (the algorithm).
+// Two layers: `field` is set by the user (sensors, mounting, priors, start, budgets), `inner` by
+// the presets (the algorithm).
 #pragma once
 
 #include <array>
@@ -17,8 +17,7 @@
 
 namespace rio {
 
-/// Capacities the estimator is compiled with; src/options.cpp checks that they agree with the
-/// stages.
+/// Capacities fixed at compile time; src/options.cpp checks that they agree with the stages.
 namespace option_limits {
 inline constexpr int kDetections = 1024;
 inline constexpr int kClones = 20;
@@ -226,7 +225,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Measurements of other sensors may come so long after the estimate has passed their time.");
 }
 
-/// The values of an enumeration as they stand in files, in their order.
+/// The names of the values of an enumeration in files, in order.
 constexpr std::array<std::string_view, 3> names_of(Matching) {
   return {"euclidean", "probability", "mahalanobis"};
 }

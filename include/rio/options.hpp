@@ -13,19 +13,19 @@
 
 namespace rio {
 
-/// Stage 1: the inertial sensor and the world it flies in.
+/// Stage 1: the inertial sensor and its environment.
 struct ImuOptions {
   double gyro_noise_density = 4e-4;   ///< white noise [rad/s/sqrt(Hz)]
   double gyro_random_walk = 2e-5;     ///< bias random walk [rad/s^2/sqrt(Hz)]
   double accel_noise_density = 4e-3;  ///< white noise [m/s^2/sqrt(Hz)]
   double accel_random_walk = 2e-4;    ///< bias random walk [m/s^3/sqrt(Hz)]
-  /// Jitter of the stamps; with the change from sample to sample it makes noise. Milliseconds over
-  /// USB, 0 = stamped by hardware [s].
+  /// Jitter of the stamps; it acts as noise in proportion to the change between samples.
+  /// Milliseconds over USB, 0 = stamped by hardware [s].
   double stamp_sigma = 0.5e-3;
-  double max_rate = 34.5;    ///< an axis that reads more is saturated: 2000 deg/s [rad/s]
+  double max_rate = 34.5;    ///< a larger reading is saturated: 2000 deg/s [rad/s]
   double max_accel = 156.0;  ///< same, specific force: 16 g [m/s^2]
-  /// Vibration, aliasing and loss as seen in the samples count if they are more than the white
-  /// noise declared (propagate/imu_noise_meter.hpp).
+  /// Use the vibration, aliasing and loss seen in the samples if they exceed the configured white
+  /// noise (propagate/imu_noise_meter.hpp).
   bool measure_noise = true;
   double gravity = 9.81;         ///< along -z of W [m/s^2]
   double max_gap = 0.1;          ///< a longer pause between samples is a gap [s]
@@ -33,7 +33,7 @@ struct ImuOptions {
   double gap_accel_sigma = 2.0;  ///< unknown mean acceleration inside a gap [m/s^2]
 };
 
-/// The radar: where it sits, what it can see, how well it measures.
+/// The radar: mounting, field of view, noise.
 struct RadarOptions {
   Pose T_BS{};                     ///< pose of the radar in the body frame [m]
   double min_range = 0.2;          ///< nearer detections are dropped [m]
@@ -53,16 +53,17 @@ struct RadarOptions {
   double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
   double max_doppler = 0.0;         ///< range rates fold into +-this; 0 = they do not fold [m/s]
-                                    ///< (as the radar has it, also if its Doppler scale is wrong)
+                                    ///< (as the radar reports it, even if its Doppler scale is
+                                    ///< wrong)
   /// E-folding distance of the errors of a point: echoes of width w at range r keep their phases
   /// until the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
   double noise_distance = 0.02;
-  /// Known errors of the radar; what the calibration finds is on top of them.
+  /// Known errors of the radar; the calibration estimates corrections to them.
   double time_offset = 0.0;    ///< stamps are late by this [s]
   double doppler_scale = 0.0;  ///< range rates are too large by this share
 };
 
-/// When a detection and a known point belong together.
+/// When a detection matches a landmark or trail.
 enum class Matching {
   kEuclidean,    ///< Michalczyk et al.: closer than a constant distance
   kProbability,  ///< Xu et al.: by the density of the detection's own noise at the known point
@@ -75,45 +76,43 @@ struct FrontendOptions {
   double ransac_threshold = 0.15;  ///< |Doppler residual| of an inlier is below this [m/s] or ...
   double ransac_sigmas = 3.0;      ///< ... this many sigmas, direction error included; 0 = off
   bool ransac_use_prediction = true;  ///< the velocity predicted by the IMU is one more hypothesis
-  /// Doppler residuals along a trail that add up to this many sigmas give away a slow mover; 0 =
-  /// off.
+  /// A sum of Doppler residuals along a trail above this many sigmas marks a slow mover; 0 = off.
   double mover_sigmas = 3.0;
-  /// Whatever is this near to an outlier may be a part of the same body: half of a person [m]; 0 =
-  /// off.
+  /// Points this near to an outlier may belong to the same body: half of a person [m]; 0 = off.
   double mover_extent = 0.8;
-  bool own_echoes = true;  ///< points of the vehicle itself, which have no Doppler, are left out
-  double ransac_outlier_ratio = 0.4;  ///< share of outliers the iteration count is sized for
-  double ransac_success = 0.9999;     ///< probability of drawing one clean triple
-  int ransac_min_inliers = 5;         ///< fewer: no static set, the scan moves nothing
+  bool own_echoes = true;  ///< reject echoes of the vehicle itself, which have no Doppler
+  double ransac_outlier_ratio = 0.4;  ///< share of outliers that sizes the iteration count
+  double ransac_success = 0.9999;     ///< probability of drawing one outlier-free triple
+  int ransac_min_inliers = 5;         ///< fewer: no static set, the scan updates nothing
   int ransac_seed = 1;                ///< of the deterministic generator
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
-  bool detect_rest = true;            ///< standing on the ground measures velocity and gyro bias
-  bool velocity_recovery = true;  ///< velocity, tilt, heading if contradicted or lost start over
+  bool detect_rest = true;            ///< standstill on the ground measures velocity and gyro bias
+  bool velocity_recovery = true;      ///< reset velocity, tilt, heading if contradicted or lost
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
-  double match_probability = 0.95;  ///< else: of a right pair to be near each other
-  /// kMahalanobis: of a right pair to count as a match once the radar has moved by half of
-  /// noise_distance.
+  double match_probability = 0.95;  ///< other matchings: of a right pair to pass the gate
+  /// kMahalanobis: probability of a right pair to count as a match once the radar has moved by half
+  /// of noise_distance.
   double match_core = 0.6;
-  double match_margin = 2.0;       ///< kMahalanobis: by which a landmark's match must be the best
-  int promote_after = 6;           ///< consecutive matches that make a trail a landmark
+  double match_margin = 2.0;  ///< kMahalanobis: factor by which a landmark's match must be the best
+  int promote_after = 6;      ///< consecutive matches that make a trail a landmark
   double landmark_timeout = 20.0;  ///< a landmark not seen for longer is dropped [s]
 };
 
-/// What a match with a landmark measures.
+/// The measurement of a match with a landmark.
 enum class LandmarkMeasurement {
   kDistance,  ///< Michalczyk et al.: the range, with a constant sigma
-  kPosition,  ///< Xu et al.: its place, with the noise of the detection; Doppler by itself
+  kPosition,  ///< Xu et al.: its position, with the noise of the detection; Doppler separately
   kPoint,     ///< range and direction with the noise of the detection, Doppler along the landmark
 };
 
-/// What the Doppler takes the measured directions of its points for; each includes those before it
-/// (models/doppler.hpp, update/reliability.hpp).
+/// How the Doppler model treats the measured directions of its points; each value includes those
+/// before it (models/doppler.hpp, update/reliability.hpp).
 enum class DopplerDirections {
   kExact,      ///< Michalczyk et al.: without error
-  kNoisy,      ///< Xu et al.: their error adds to the variance
+  kNoisy,      ///< Xu et al.: their error is added to the variance
   kCorrected,  ///< errors in variables: the expected direction given the innovation
-  kReliable,   ///< the spread of a scan's directions, as far as it is error, counts for nothing
+  kReliable,   ///< the part of a scan's spread of directions that is error carries no information
 };
 
 /// Stages 4 to 6: measurement models, gates, update.
@@ -123,23 +122,23 @@ struct UpdateOptions {
   bool use_landmarks = true;
   DopplerDirections doppler_directions = DopplerDirections::kReliable;
   bool consistent_covariance = true;  ///< re-express P so that yaw and position stay unobservable
-  /// Rows independent [m]. The residuals spread by some 0.08 m, and each detection enters up to
-  /// N = 7 updates: counting it once takes sqrt(7) times that.
+  /// Rows independent [m]. The residuals have a spread of some 0.08 m, and each detection enters up
+  /// to N = 7 updates: to count it once takes sqrt(7) times that.
   double sigma_trail_distance = 0.2;
   LandmarkMeasurement landmark_measurement = LandmarkMeasurement::kPoint;
   double sigma_landmark_distance = 0.2;  ///< for kDistance; same reason: it was a trail [m]
-  /// Probability that a match with a landmark is right: where reflectors are closer to each other
-  /// than angles can tell, about a third are not. 1 = all are (update/noise_inflation.hpp).
+  /// Probability that a match with a landmark is right: where reflectors are closer than the
+  /// angular resolution, about a third are wrong. 1 = all are right (update/noise_inflation.hpp).
   double match_trust = 0.68;
-  /// Walk of a landmark with the distance travelled: the scattering centre moves with the aspect,
-  /// by a centimetre a metre [m/sqrt(m)].
+  /// Random walk of a landmark with the distance travelled: the scattering centre moves with the
+  /// aspect, by a centimetre per metre [m/sqrt(m)].
   double landmark_walk = 0.01;
   double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate
   int max_clones = 3;              ///< past poses kept (N)
   int max_landmarks = 40;          ///< persistent landmarks kept
 };
 
-/// How a residual that fits badly loses weight, x its chi-squared over its degrees of freedom.
+/// Weight of a residual that fits badly; x is its chi-squared over its degrees of freedom.
 enum class Kernel {
   kNone,
   kHuber,   ///< weight sqrt(k / x) beyond k
@@ -154,8 +153,8 @@ struct SmootherOptions {
   double tolerance = 0.1;  ///< length of a step that counts as converged, in sigmas
   Kernel kernel = Kernel::kNone;
   double kernel_size = 4.0;  ///< k, in chi-squared per degree of freedom
-  /// A step is taken by the factor of the one before if it is shorter than this share of it: the
-  /// simplified Newton method. 0: every step by its own, and the covariance is of the solution.
+  /// A step shorter than this share of the step before reuses its factorisation (simplified Newton
+  /// method). 0: each step has its own, and the covariance is that of the solution.
   double factor_reuse = 0.3;
 };
 
@@ -165,8 +164,8 @@ enum class BackEnd {
   kSmoother,  ///< sliding-window factor graph
 };
 
-/// What is estimated of the radar's calibration: one-sigma priors, 0 = not estimated. An estimate
-/// stops at kCalibrationLimit sigmas from the option's value.
+/// Which calibration parameters of the radar are estimated: one-sigma priors, 0 = not estimated. An
+/// estimate is limited to kCalibrationLimit sigmas from the value of the option.
 struct CalibrationOptions {
   double rotation_sigma = 0.05;     ///< of T_BS, per axis [rad]
   double translation_sigma = 0.03;  ///< of T_BS, per axis [m]
@@ -179,27 +178,28 @@ struct CalibrationOptions {
 
 /// In sigmas of the prior.
 inline constexpr double kCalibrationLimit = 5.0;
-/// Same: an estimate beyond this is doubtful (Observability in report.hpp).
+/// In sigmas of the prior: an estimate beyond this is doubtful (Observability in report.hpp).
 inline constexpr double kCalibrationDoubt = 3.0;
-/// Same: what is configured is believed to be that good until the data contradict it
+/// In sigmas of the prior: initial sigma of the configured value, until the data contradict it
 /// (update/state_estimate.hpp).
 inline constexpr double kCalibrationConfiguredShare = 0.5;
 
-/// A landmark missed for less is in view: the faintest echoes are missed that long [s].
+/// A landmark missed for less than this is still in view: the weakest echoes are missed that long
+/// [s].
 inline constexpr double kLandmarkInView = 8.0;
 
-/// How the first state comes about.
+/// Initialisation.
 struct StartOptions {
-  bool static_alignment = true;    ///< align while standing; false = wait for reset(prior, P0)
-  double duration = 1.5;           ///< of the standstill that is averaged [s]
-  double max_wait = 0.0;           ///< for a standstill, then start in motion; 0 = for ever [s]
-  double max_gyro_std = 0.1;       ///< standstill, engine running: deviation of a sample [rad/s]
-  double max_accel_std = 1.0;      ///< standstill: same for the specific force [m/s^2]
-  double max_rate = 0.1;           ///< standstill: largest mean rate that can be a bias [rad/s]
-  double sigma_position = 0.01;    ///< per axis [m]
-  double sigma_yaw = 0.01;         ///< [rad]
-  double sigma_tilt = 0.01;        ///< roll and pitch of a given start [rad]
-  double sigma_velocity = 0.05;    ///< per axis [m/s]
+  bool static_alignment = true;  ///< align while standing; false = wait for reset(prior, P0)
+  double duration = 1.5;         ///< length of the averaged standstill [s]
+  double max_wait = 0.0;         ///< wait for a standstill, then start in motion; 0 = no limit [s]
+  double max_gyro_std = 0.1;     ///< standstill, engine running: deviation of a sample [rad/s]
+  double max_accel_std = 1.0;    ///< standstill: same for the specific force [m/s^2]
+  double max_rate = 0.1;         ///< standstill: largest mean rate that can be a bias [rad/s]
+  double sigma_position = 0.01;  ///< per axis [m]
+  double sigma_yaw = 0.01;       ///< [rad]
+  double sigma_tilt = 0.01;      ///< roll and pitch of a given start [rad]
+  double sigma_velocity = 0.05;  ///< per axis [m/s]
   double sigma_gyro_bias = 0.005;  ///< per axis, when there was no standstill [rad/s]
   double sigma_accel_bias = 0.05;  ///< per axis [m/s^2]
 };
@@ -211,28 +211,28 @@ struct TimingOptions {
   double max_lag = 1.0;   ///< the estimate follows the IMU at most this far behind [s]
   /// A scan stamped farther ahead of the newest IMU sample than this is not waited for [s].
   double max_ahead = 1.0;
-  /// Of several radars: a scan is held back so long for an earlier one of another radar [s].
+  /// With several radars: how long a scan is held back for an earlier one of another radar [s].
   double scan_wait = 0.1;
-  /// A longer pause of the IMU is none: its clock has jumped (propagate/stamp_guard.hpp) [s].
+  /// A longer pause of the IMU is a jump of its clock (propagate/stamp_guard.hpp) [s].
   double max_pause = 10.0;
-  /// An aiding measurement may come so long after the estimate has passed its time: the IMU samples
-  /// are kept for it [s].
+  /// How long after the estimate has passed its time an aiding measurement may arrive: IMU samples
+  /// are kept for that long [s].
   double aiding_delay = 0.0;
   /// For profiling only: if given, the time spent is reported in UpdateReport. Not a file option.
   Time (*clock)() = nullptr;
 };
 
-/// A radar beside the first.
+/// A further radar.
 struct RadarMount {
   Pose T_BS;                   ///< pose of the radar in the body frame
   double time_offset = 0.0;    ///< as RadarOptions::time_offset [s]
   double doppler_scale = 0.0;  ///< as RadarOptions::doppler_scale
-  /// Noise, limits and field of view if they are not those of Options::radar. Its T_BS,
-  /// time_offset and doppler_scale are not read: those above count.
+  /// Noise, limits and field of view if they differ from Options::radar. Its T_BS, time_offset and
+  /// doppler_scale are ignored in favour of the ones above.
   std::optional<RadarOptions> kind{};
 };
 
-/// All of it. Obtain one from a preset, change fields, pass it to Odometry::create.
+/// All options. Obtain them from a preset, change fields, pass them to Odometry::create.
 struct Options {
   BackEnd backend = BackEnd::kEkf;
   ImuOptions imu;
@@ -243,11 +243,11 @@ struct Options {
   SmootherOptions smoother;
   StartOptions start;
   TimingOptions timing;
-  /// The second, third and fourth radar (Odometry::add_scan). Not a file option: `radar1`, ... of a
-  /// dataset.
+  /// The second, third and fourth radar (Odometry::add_scan). Not a file option: datasets have
+  /// `radar1`, ... instead.
   static constexpr std::size_t kMaxOtherRadars = 3;
   StaticVector<RadarMount, kMaxOtherRadars> other_radars;
-  /// What extensions estimate beside (rio/aiding.hpp). Not a file option.
+  /// Additional states of extensions (rio/aiding.hpp). Not a file option.
   AuxiliaryStates auxiliary;
 
   std::size_t radars() const { return 1 + other_radars.size(); }
@@ -265,7 +265,7 @@ struct Options {
     out.doppler_scale = own.doppler_scale;
     return out;
   }
-  /// What a stage is configured with that sees radar r alone: `radar` is that one.
+  /// The options of a stage that sees radar r alone: `radar` is that one.
   Options seen_by(std::size_t r) const {
     Options out = *this;
     out.radar = radar_of(r);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the estimator says of itself: the outcome of a call, and the record of the last update. The
-// report is the log; fixed-size plain structs. C++17.
+// Reports of the estimator: the outcome of a call, and the record of the last update. The report is
+// the log; fixed-size plain structs. C++17.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace rio {
 
-/// Outcome of handing data to the estimator. Everything except kOk, kWaiting and kNumerical left
-/// the estimate unchanged, and all but kOk and kWaiting is counted in Counters.
+/// Outcome of a call. All values but kOk, kWaiting and kNumerical leave the estimate unchanged; all
+/// but kOk and kWaiting are counted in Counters.
 enum class Status : std::uint8_t {
   kOk,
   kWaiting,         ///< scan is newer than the IMU: queued, processed when the IMU has caught up
@@ -25,13 +25,12 @@ enum class Status : std::uint8_t {
   kLate,            ///< scan older than the estimate, start older than the buffered samples
   kQueueFull,       ///< too many scans wait for the IMU
   kNonFinite,       ///< NaN or infinity in the data
-  kNumerical,       ///< the update failed numerically: the estimate is what the IMU alone predicts;
-                    ///< of a start: no covariance, or no quaternion
-  kImplausible,     ///< IMU sample frozen or out of range: left out, as if it were lost; a start
-                    ///< that no vehicle has
-  kAhead,           ///< stamp too far ahead of the newest IMU sample
-  kUndeclared,      ///< the options know no such radar, or not an auxiliary state that the
-                    ///< measurement depends on
+  kNumerical,  ///< the update failed numerically: the estimate is the IMU prediction; for a start:
+               ///< no valid covariance or quaternion
+  kImplausible,  ///< IMU sample frozen or out of range: treated as lost; for a start: beyond any
+                 ///< vehicle
+  kAhead,        ///< stamp too far ahead of the newest IMU sample
+  kUndeclared,   ///< the options have no such radar, or not the auxiliary state of the measurement
 };
 
 /// Name of a status, as in "kLate".
@@ -53,7 +52,7 @@ inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCoun
 /// Name of a model, as in "doppler".
 RIO_API const char* to_string(Model model);
 
-/// What became of one measurement block.
+/// Outcome of one measurement block.
 enum class GateResult : std::uint8_t { kUsed, kGated, kOutOfDomain };
 
 /// One measurement block at the linearisation point, before the update.
@@ -65,7 +64,7 @@ struct InnovationRecord {
   double innovation = 0.0;      ///< z - h(x) of its first row [unit of the model]
   double sigma = 0.0;           ///< sqrt of the innovation variance of its first row
   double nis = 0.0;             ///< normalised innovation squared of the block
-  double gate = 0.0;            ///< threshold the block was held against
+  double gate = 0.0;            ///< threshold of the gate
   const char* name = nullptr;   ///< kAiding: of the model
 };
 
@@ -77,15 +76,15 @@ struct ModelReport {
   double nis = 0.0;  ///< sum over the blocks used; consistent noise makes it about rows_used
 };
 
-/// What has become known of a parameter of the calibration.
+/// Observability of a calibration parameter.
 enum class Observability : std::uint8_t {
   kNotEstimated,  ///< no prior was given: the option's value is used
-  kUnobserved,    ///< the flight has told nothing: sigma above 90 % of its prior
+  kUnobserved,    ///< no information so far: sigma above 90 % of its prior
   kWeak,          ///< sigma between 50 and 90 % of its prior
   kObserved,      ///< sigma below 50 % of its prior
-  kDoubtful,  ///< told, but beyond kCalibrationDoubt: the prior is wrong, or the parameter makes
-              ///< up for an error that has no model
-  kAtLimit,   ///< the estimate has run into its limit: the prior, or the sensor, is wrong
+  kDoubtful,      ///< observed, but beyond kCalibrationDoubt: the prior is wrong, or the parameter
+                  ///< compensates an error without a model
+  kAtLimit,       ///< the estimate has reached its limit: the prior, or the sensor, is wrong
 };
 
 /// Name as in reports.
@@ -123,7 +122,7 @@ struct UpdateReport {
   static constexpr std::size_t kMaxRecords = 512;
 
   Time time{0};           ///< stamp of the scan
-  std::size_t radar = 0;  ///< whose scan; the calibration is its
+  std::size_t radar = 0;  ///< radar of the scan; `calibration` is that of this radar
   Status status = Status::kOk;
   int detections = 0;                          ///< in the scan as received
   int detections_kept = 0;                     ///< after the filter
@@ -137,13 +136,13 @@ struct UpdateReport {
   int landmarks_matched = 0;
   int landmarks_added = 0;
   int landmarks_removed = 0;
-  bool imu_gap = false;         ///< the propagation to this scan crossed a gap
-  bool at_rest = false;         ///< stood still for a while, by IMU and radar
-  bool velocity_reset = false;  ///< the velocity was replaced before the update
-  bool attitude_reset = false;  ///< tilt, heading or biases were given up to the measurements
-  double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for so long [s]
-  double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for so long [s]
-  Health health;                       ///< after it
+  bool imu_gap = false;                ///< the propagation to this scan crossed a gap
+  bool at_rest = false;                ///< standstill for a while, by IMU and radar
+  bool velocity_reset = false;         ///< the velocity was replaced before the update
+  bool attitude_reset = false;         ///< tilt, heading or biases were re-initialised
+  double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for this long [s]
+  double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for this long [s]
+  Health health;                       ///< after the update
   Time propagation_time{0};            ///< time spent, if TimingOptions::clock is given
   Time update_time{0};                 ///< same, front-end to promotion
   std::array<ModelReport, kModelCount> models{};
@@ -158,26 +157,26 @@ struct Counters {
   std::uint64_t imu_stale = 0;
   std::uint64_t imu_ahead = 0;
   std::uint64_t imu_non_finite = 0;
-  std::uint64_t imu_out_of_range = 0;  ///< saturated, or beyond what any sensor reads
+  std::uint64_t imu_out_of_range = 0;  ///< saturated, or beyond the range of any sensor
   std::uint64_t imu_frozen = 0;        ///< all values as in the sample before
   std::uint64_t imu_gaps = 0;
-  std::uint64_t clock_restarts = 0;  ///< the clock of the IMU has jumped, for good
+  std::uint64_t clock_restarts = 0;  ///< permanent jumps of the IMU clock
   std::uint64_t scans = 0;           ///< processed
   std::uint64_t scans_late = 0;
   std::uint64_t scans_ahead = 0;
   std::uint64_t scans_duplicate = 0;
   std::uint64_t scans_overflow = 0;
   std::uint64_t scans_non_finite = 0;       ///< no finite detection although the scan was not empty
-  std::uint64_t detections_non_finite = 0;  ///< or beyond what any radar says
+  std::uint64_t detections_non_finite = 0;  ///< or beyond the range of any radar
   std::uint64_t scans_uninitialized = 0;
   std::uint64_t aiding = 0;  ///< measurements of other sensors taken
   std::uint64_t aiding_late = 0;
   std::uint64_t aiding_ahead = 0;
-  std::uint64_t aiding_overflow = 0;  ///< more of them wait than there is room for
+  std::uint64_t aiding_overflow = 0;  ///< dropped, since too many are waiting
   std::uint64_t updates_failed = 0;   ///< kNumerical
-  std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for long
-  std::uint64_t attitude_resets = 0;  ///< same, gravity or landmarks: attitude or a bias
-  std::uint64_t restarts = 0;         ///< the tilt was lost and found again from the specific force
+  std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for too long
+  std::uint64_t attitude_resets = 0;  ///< same for gravity or landmarks: attitude or a bias
+  std::uint64_t restarts = 0;         ///< the tilt was lost and recovered from the specific force
 };
 
 }  // namespace rio

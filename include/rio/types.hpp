@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The vocabulary of the data flow: plain structs, a unit and a frame on every field. C++17.
+// The data types of the data flow: plain structs, a unit and a frame on every field. C++17.
 //
-// Frames: W world (z up), B body = IMU (x forward, y left, z up), S radar (x boresight, y left,
-// z up). R_AB maps coordinates in B to coordinates in A; p_AB is the position of B in A; a suffix
-// on a free vector names the axes it is written in (gyro_B).
+// Frames: W world (z up), B body = IMU (x forward, y left, z up), S radar (x boresight, y left, z
+// up). R_AB maps coordinates in B to coordinates in A; p_AB is the position of B in A; the suffix
+// of a free vector names its axes (gyro_B).
 #pragma once
 
 #include <Eigen/Core>
@@ -43,7 +43,7 @@ struct RadarDetection {
   double range_rate = 0.0;              ///< Doppler [m/s], positive = receding
   double snr_db = 0.0;                  ///< signal to noise ratio [dB]
   double noise_db = 0.0;                ///< noise floor [dB], 0 = unknown
-  double sigma_range = 0.0;             ///< [m]; here and below, 0 = not known: by the options
+  double sigma_range = 0.0;             ///< [m]; here and below, 0 = unknown: the options are used
   double sigma_azimuth = 0.0;           ///< [rad]
   double sigma_elevation = 0.0;         ///< [rad]
   double sigma_doppler = 0.0;           ///< [m/s]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers and texts as bytes, little-endian: packed as in the records of MCAP, or in CDR.
+// Encodes numbers and texts as bytes, little-endian: packed as in the records of MCAP, or in CDR.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace rio::bag {
 
-/// Packed; a text has its length (32 bits) in front.
+/// Packed; a text is preceded by its length (32 bits).
 class ByteWriter {
  public:
   template <class T>
@@ -41,8 +41,8 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// CDR of ROS 2 (XCDR1): every number aligned to its size, counted behind the first four bytes; a
-/// text ends with a zero, which its length counts.
+/// CDR of ROS 2 (XCDR1): every number aligned to its size, counted from the end of the first four
+/// bytes; a text is zero-terminated, and its length includes the zero.
 class CdrWriter {
  public:
   CdrWriter() { bytes_.put(std::uint32_t{0x100}); }

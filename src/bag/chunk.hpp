@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A chunk of a recording in memory, and what goes wrong in it.
+// A chunk of a recording in memory, and its errors.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace rio::bag {
 
 class Chunk {
  public:
-  /// Reads and decompresses. One the file cuts off is kept as far as it goes, one that is wrong in
-  /// itself is not: the error comes when its bytes are used up.
+  /// Reads and decompresses. A chunk truncated by the end of the file is kept as far as it goes; an
+  /// invalid one is not: its error is thrown when its bytes are used up.
   /// @param stored,declared bytes in the file and after decompression
   /// @param crc of the content, 0 if not known
   void load(FileBytes* file, std::uint64_t offset, std::uint64_t stored,
@@ -43,10 +43,10 @@ class Chunk {
     if (!error_.empty() && bytes_.empty()) throw Damage(offset_, error_);
   }
 
-  /// Whether something of it is left, be it its error.
+  /// Whether anything is left, including an error.
   bool more() const { return position_ < bytes_.size() || !error_.empty(); }
 
-  /// Gives what is left to `parse(WireReader&)` and moves on as far as that read.
+  /// Passes the rest to `parse(WireReader&)` and advances by what that read.
   template <class Parse>
   auto parse(Parse&& parse) {
     WireReader reader(Bytes(bytes_).subspan(position_));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sqlite3 storage of rosbag2, in the order of the rows: that of the recording.
+// The sqlite3 storage of rosbag2, in row order, which is the order of recording.
 #include "formats.hpp"
 #include "rio/bag/wire.hpp"
 
@@ -16,8 +16,8 @@ namespace rio::bag {
 
 namespace {
 
-/// sqlite fills what it reads past the end of the file with zeros, and a message whose last page is
-/// cut off would come out changed: make it an error.
+/// sqlite replaces bytes past the end of the file by zeros, which would silently change a message
+/// whose last page is missing: make it an error.
 class NoReadPastTheEnd {
  public:
   explicit NoReadPastTheEnd(sqlite3* db) {
@@ -35,11 +35,11 @@ class NoReadPastTheEnd {
 
  private:
   using Read = int (*)(sqlite3_file*, void*, int, sqlite3_int64);
-  inline static Read plain_read = nullptr;  ///< one for all files: that of the system's file system
+  inline static Read plain_read = nullptr;  ///< one for all files: that of the default VFS
   sqlite3_io_methods methods_{};            ///< outlives the file
 };
 
-/// Unless a journal of an unfinished recording is beside it, the file is said not to change, so
+/// Unless a journal of an unfinished recording is beside it, the file is opened as immutable, so
 /// that sqlite writes nothing into its folder.
 std::string uri_of(const std::filesystem::path& path) {
   std::string uri = "file:";
@@ -64,7 +64,7 @@ class Db3 final : public MessageStream {
       throw std::runtime_error(path.string() + ": " + what);
     }
     sqlite3_limit(db_, SQLITE_LIMIT_LENGTH, static_cast<int>(kMaxRecord));
-    // a file that was cut off is read as far as it goes; its schema is not to run anything
+    // a truncated file is read as far as it goes; code in its schema must not run
     sqlite3_db_config(db_, SQLITE_DBCONFIG_WRITABLE_SCHEMA, 1, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     no_read_past_the_end_.emplace(db_);
@@ -122,7 +122,7 @@ class Db3 final : public MessageStream {
     return code == SQLITE_ROW;
   }
 
-  /// sqlite tells no place: the end of the file if it is cut off, else its begin.
+  /// sqlite gives no position: the end of the file if it is truncated, else its beginning.
   [[noreturn]] void fail(const std::string& what) {
     std::vector<std::uint8_t> head;
     file_.read(0, 32, &head);

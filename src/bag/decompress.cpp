@@ -33,14 +33,14 @@ class Sink {
   Sink(const Sink&) = delete;
   Sink& operator=(const Sink&) = delete;
 
-  /// Room for more; empty when all that was declared is there.
+  /// Free space; empty when the declared size is reached.
   std::span<std::uint8_t> room() {
     constexpr std::size_t kFirst = 1 << 16;
     if (used_ == out_->size()) out_->resize(std::min(declared_, std::max(kFirst, 2 * used_)));
     return std::span(*out_).subspan(used_);
   }
   void add(std::size_t count) { used_ += count; }
-  /// What is wrong when the compressed data is used up or over.
+  /// The error when the compressed data are used up or in excess.
   std::string verdict(bool over) const {
     if (over && used_ == declared_) return "";
     return "its compressed data gives " + std::to_string(used_) + " bytes instead of " +
@@ -62,7 +62,7 @@ std::string decompress_bz2(Bytes in, Sink* sink) {
   stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(in.data()));
   stream.avail_in = static_cast<unsigned>(in.size());
   for (;;) {
-    // one byte of room past the end: the check sum is verified when the end of the stream is met
+    // one extra byte: the checksum is verified when the end of the stream is reached
     std::uint8_t spare = 0;
     const std::span<std::uint8_t> room = sink->room();
     stream.next_out = reinterpret_cast<char*>(room.empty() ? &spare : room.data());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The compressions of chunks, each if its library was there at build time.
+// The compression methods of chunks, each if its library was present at build time.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@
 
 namespace rio::bag {
 
-/// Replaces `out` by what is in `in`; memory grows with what comes out, not with what is declared.
+/// Replaces `out` by the decompressed `in`; memory grows with the output, not with the declared
+/// size.
 /// @param method "bz2", "lz4" (LZ4 frames) or "zstd"
 /// @param declared size of the result
-/// @return what is wrong, or empty; `out` holds what came before
-/// @throws std::runtime_error that names the library which is missing
+/// @return the error, or empty; `out` holds the output up to there
+/// @throws std::runtime_error that names the missing library
 std::string decompress(std::string_view method, Bytes in, std::uint64_t declared,
                        std::vector<std::uint8_t>* out);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file read in places, never past its end.
+// Random access to a file, never past its end.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace rio::bag {
 
-/// Of a record, compressed or not; more is taken for damage.
+/// Size limit of a record, compressed or not; more is treated as damage.
 inline constexpr std::uint64_t kMaxRecord = std::uint64_t{1} << 30;
 
 class FileBytes {
@@ -30,14 +30,14 @@ class FileBytes {
     return offset <= size_ && count <= size_ - offset;
   }
 
-  /// Throws Damage if the file ends before.
+  /// Throws Damage if the file ends earlier.
   void expect(std::uint64_t offset, std::uint64_t count) const {
     if (holds(offset, count)) return;
     throw Damage(offset, "the file ends inside of a record: it has " + std::to_string(size_) +
                              " bytes, the record needs " + std::to_string(count) + " from here");
   }
 
-  /// Replaces `out`; throws Damage if the file ends before, or if it is more than kMaxRecord.
+  /// Replaces `out`; throws Damage if the file ends earlier, or for more than kMaxRecord.
   void read(std::uint64_t offset, std::uint64_t count, std::vector<std::uint8_t>* out) {
     expect(offset, count);
     if (count > kMaxRecord) throw Damage(offset, "a record of more than 1 GiB");

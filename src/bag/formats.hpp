@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reader of each format; the file must begin as the format does.
+// The reader of each format; the file must begin with the magic bytes of the format.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ inline constexpr char kRos1Magic[] = "#ROSBAG V2.0\n";
 inline constexpr char kMcapMagic[] = "\x89MCAP0\r\n";
 inline constexpr char kSqliteMagic[] = "SQLite format 3";
 
-/// "sensor_msgs/Imu" of "sensor_msgs/msg/Imu".
+/// Converts "sensor_msgs/msg/Imu" to "sensor_msgs/Imu".
 std::string ros1_type(std::string type);
-/// A stamp of the file; throws Damage if it is below zero or beyond the year 2116.
+/// A stamp of the file; throws Damage if it is negative or beyond the year 2116.
 Time checked_time(std::int64_t nanoseconds);
 
 }  // namespace rio::bag

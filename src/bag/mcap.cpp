@@ -124,7 +124,7 @@ class Mcap final : public MessageStream {
     }
   }
 
-  /// The last bytes are the first ones again.
+  /// The last bytes repeat the magic at the beginning.
   void expect_closed() {
     const std::size_t size = std::strlen(kMcapMagic);
     file_.read(file_.size() - size, size, &record_);

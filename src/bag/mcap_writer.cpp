@@ -141,7 +141,7 @@ void McapWriter::write_summary() {
 
 void McapWriter::close() {
   flush();
-  write(kDataEnd, ByteWriter().put(std::uint32_t{0}));  // no check sum of the whole
+  write(kDataEnd, ByteWriter().put(std::uint32_t{0}));  // no checksum of the whole file
   const std::uint64_t summary = position_;
   write_summary();
   write(kFooter, ByteWriter().put(summary).put(std::uint64_t{0}).put(std::uint32_t{0}));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MCAP files: messages in chunks without compression, each with its check sum and index, and a
-// summary at the end. What was written up to the last whole chunk can be read if the file is never
-// closed. Format: mcap.dev/spec.
+// Writer of MCAP files: messages in chunks without compression, each with its checksum and index,
+// and a summary at the end. If the file is never closed, everything up to the last complete chunk
+// can be read. Format: mcap.dev/spec.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +23,19 @@ class McapWriter {
   explicit McapWriter(const std::filesystem::path& path);
 
   /// A topic of a type of ROS 2, "sensor_msgs/msg/Imu", before the first message.
-  /// @param definition text of the type and of those it is made of
+  /// @param definition text of the type and of its member types
   /// @return its number
   std::uint16_t add_channel(const std::string& topic, const std::string& type,
                             const std::string& definition);
   /// @param time when it was recorded and measured [ns]
   void add(std::uint16_t channel, std::uint64_t time, std::string_view message);
 
-  /// Ends the chunk: what was added is the system's.
+  /// Ends the chunk: added messages are flushed to the system.
   void flush();
   void close();
 
  private:
-  /// Messages of a channel in the chunk: time, place in it.
+  /// Messages of a channel in the chunk: time, offset.
   using Index = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
 
   struct Span {
@@ -54,9 +54,9 @@ class McapWriter {
   Span chunk_span_;
   std::map<std::uint16_t, Index> chunk_index_;
   Span span_;
-  std::map<std::uint16_t, std::uint64_t> messages_;  ///< of each channel
+  std::map<std::uint16_t, std::uint64_t> messages_;  ///< number per channel
   std::uint32_t chunks_ = 0;
-  ByteWriter chunk_records_;  ///< their index for the summary
+  ByteWriter chunk_records_;  ///< chunk index records for the summary
 };
 
 }  // namespace rio::bag

@@ -38,7 +38,7 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
-/// Several files as one; damage in one is the end of all.
+/// Several files as one; damage in one ends the stream.
 class Split final : public MessageStream {
  public:
   Split(const fs::path& folder, std::vector<fs::path> files)

@@ -21,7 +21,7 @@ Header read_header(WireReader* reader) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   Header header;
   if (!reader->is_cdr()) header.sequence = reader->read<std::uint32_t>();
-  // seconds: unsigned in ROS 1, signed in ROS 2; both are beyond 2038 where they differ
+  // seconds: unsigned in ROS 1, signed in ROS 2; they differ beyond 2038 only
   const auto seconds = reader->read<std::uint32_t>();
   const auto nanoseconds = reader->read<std::uint32_t>();
   header.stamp = Time(std::int64_t{seconds} * kSecond + nanoseconds);
@@ -35,7 +35,7 @@ Vector3d read_vector(WireReader* reader) {
   return v;
 }
 
-/// A vector and its covariance, whose first number is -1 where there is no such sensor (REP 145).
+/// A vector and its covariance, whose first number is -1 if there is no such sensor (REP 145).
 Vector3d read_measured(WireReader* reader, const char* name) {
   Vector3d v = read_vector(reader);
   const std::size_t where = reader->position();
@@ -89,7 +89,7 @@ PointCloud decode_cloud(Encoding encoding, Bytes message) {
     field.name = reader.text();
     field.offset = reader.read<std::uint32_t>();
     field.datatype = reader.read<std::uint8_t>();
-    (void)reader.read<std::uint32_t>();  // of an array its first number is used
+    (void)reader.read<std::uint32_t>();  // the first number of an array is used
     cloud.fields.push_back(std::move(field));
   }
   cloud.big_endian = reader.read<std::uint8_t>() != 0;

@@ -18,7 +18,7 @@ constexpr std::array<const char*, kQuantityCount> kNames = {
     "x",   "y",     "z",           "range",         "azimuth",         "elevation",    "doppler",
     "snr", "noise", "sigma_range", "sigma_azimuth", "sigma_elevation", "sigma_doppler"};
 
-/// Names in lower case a quantity goes by when nothing else is known; the sigmas have none.
+/// Lower-case names of a quantity when nothing else is specified; the sigmas have none.
 const std::array<std::vector<std::string>, kNoise + 1> kAliases = {{
     {"x"},
     {"y"},
@@ -58,7 +58,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// "doppler" and "rdot*-1" of "doppler=rdot*-1".
+/// Splits "doppler=rdot*-1" into "doppler" and "rdot*-1".
 std::pair<std::string, std::string> split(const std::string& assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string::npos) {
@@ -107,7 +107,7 @@ const PointPreset* find_preset(const PointRequest& request, const std::vector<Po
                            point_presets());
 }
 
-/// The number of "@12" or "#12".
+/// The number in "@12" or "#12".
 std::optional<std::uint32_t> place_of(const std::string& name) {
   if (name.size() < 2 || name.size() > 6 || (name[0] != '@' && name[0] != '#')) return std::nullopt;
   if (!std::all_of(name.begin() + 1, name.end(), [](char c) { return c >= '0' && c <= '9'; })) {
@@ -116,13 +116,13 @@ std::optional<std::uint32_t> place_of(const std::string& name) {
   return static_cast<std::uint32_t>(std::stoul(name.substr(1)));
 }
 
-/// "rdot*-1" and "velocity" of "rdot*-1,velocity".
+/// Splits "rdot*-1,velocity" into "rdot*-1" and "velocity".
 std::vector<std::string> alternatives(std::string text) {
   std::replace(text.begin(), text.end(), ',', ' ');
   return words_of(text);
 }
 
-/// Whatever `work` throws, with the place in front.
+/// Prefixes errors thrown by `work` with the position.
 template <class Work>
 void naming(const std::string& where, const Work& work) {
   if (where.empty()) return work();
@@ -148,7 +148,7 @@ PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& re
   naming(request.where, [&] { set_by(request); });
 }
 
-/// What no rule has set.
+/// Quantities that no rule has set.
 void PointMap::set_by(const PointRequest& request) {
   const PointPreset* preset = find_preset(request, fields_);
   origin_ = preset == nullptr ? "by their names" : std::string("preset ") + preset->name;

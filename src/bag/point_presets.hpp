@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The point clouds that are known, of drivers and of public data sets.
+// Known point clouds, of drivers and of public data sets.
 #pragma once
 
 #include "rio/bag/point_fields.hpp"
 
 namespace rio::bag {
 
-/// A known source of clouds. It is recognised when a cloud has all fields it names and none but
-/// those and `others`, and those with a scale are integers.
+/// A known source of clouds. It matches a cloud that has all its fields and none except those and
+/// `others`, and whose fields with a scale are integers.
 struct PointPreset {
   const char* name;
   const char* meaning;

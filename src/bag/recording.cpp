@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// One reader for both topics: what it meets before it is asked for waits. Where the topics stand
-/// far apart in the file, each gets a reader of its own.
+/// One reader for both topics: it buffers messages read before they are requested. If the topics
+/// are far apart in the file, each gets its own reader.
 class BagStream final : public io::RecordingStream {
  public:
   BagStream(fs::path path, RecordingRequest request)
@@ -24,16 +24,16 @@ class BagStream final : public io::RecordingStream {
   }
 
  private:
-  static constexpr std::size_t kMostSamples = 4096;  ///< that wait
+  static constexpr std::size_t kMostSamples = 4096;  ///< limit of the buffer
   static constexpr std::size_t kMostScans = 64;
 
   /// The messages of a topic.
   template <class Item>
   struct Sensor {
-    std::unique_ptr<MessageStream> own;  ///< null: it has the common reader
+    std::unique_ptr<MessageStream> own;  ///< null: uses the common reader
     std::deque<Item> waiting;
-    std::size_t met = 0;       ///< messages of the topic
-    std::size_t readable = 0;  ///< of these
+    std::size_t met = 0;       ///< messages of the topic read
+    std::size_t readable = 0;  ///< of these, decodable
   };
 
   bool read(ImuSample* sample) override {
@@ -60,7 +60,7 @@ class BagStream final : public io::RecordingStream {
     scan_ = 0;
   }
 
-  /// Reads on until there is one; false at the end of the file.
+  /// Reads until there is one; false at the end of the file.
   template <class Item>
   bool wait_for(const Sensor<Item>& sensor) {
     Message message;
@@ -89,7 +89,7 @@ class BagStream final : public io::RecordingStream {
       ImuSample sample = imu_sample(topic, message, request_, &header);
       sample.time = (survey_.imu_received ? message.received : header.stamp) + survey_.imu_shift;
       imu_.waiting.push_back(sample);
-    } catch (const Damage&) {  // the survey has noted it
+    } catch (const Damage&) {  // already noted by the survey
     }
   }
 
@@ -103,11 +103,11 @@ class BagStream final : public io::RecordingStream {
       if (i >= survey_.kept.size() || !survey_.kept[i]) return;
       scan.time = outline_.scan_times[0][scan_++];
       radar_.waiting.push_back(std::move(scan));
-    } catch (const Damage&) {  // the survey has noted it
+    } catch (const Damage&) {  // already noted by the survey
     }
   }
 
-  /// From here on by a reader of its own, which first passes over what the common one has met.
+  /// Switches to an own reader, which first skips what the common one has read.
   template <class Item>
   void read_apart(Sensor<Item>* sensor, const Role& role) {
     if (sensor->own) return;

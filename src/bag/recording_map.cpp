@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kFields = "radar.fields";  // has keys of its own
 
-/// The keys of the file but for those of the fields.
+/// The keys of the file, except those of the fields.
 struct MapFile {
   RecordingRequest request;
   std::string gyro_unit;
@@ -42,7 +42,7 @@ void visit_fields(MapFile& file, const Visitor& visit) {
   field("radar.approaching", request.points.approaching);
 }
 
-/// What stands under two keys; undefined if nothing does.
+/// The value under two nested keys; undefined if there is none.
 YAML::Node find(const io::YamlFile& file, const char* section, const char* key) {
   const YAML::Node inner = io::base_node(file, section);
   return inner.IsDefined() && inner.IsMap() ? inner[key] : YAML::Node(YAML::NodeType::Undefined);
@@ -61,7 +61,7 @@ std::string place_of(const io::YamlFile& file, const YAML::Node& node) {
   return file.name + ":" + std::to_string(node.Mark().line + 1);
 }
 
-/// One name of a field, or a list of those it may go by, each perhaps with a scale.
+/// One name of a field, or a list of alternatives, each with an optional scale.
 /// @param key for messages
 std::string sources_of(const io::YamlFile& file, const YAML::Node& key, const YAML::Node& node) {
   if (node.IsScalar() && !node.Scalar().empty()) return node.Scalar();

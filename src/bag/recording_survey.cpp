@@ -21,11 +21,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The stamps of one topic while it is read.
+/// The stamps of one topic, while it is read.
 struct Stamps {
   std::size_t count = 0;
   std::size_t zeros = 0;    ///< of the headers
-  std::deque<Time> delays;  ///< receive - header; headers that are zero do not count
+  std::deque<Time> delays;  ///< receive - header; without zero headers
   Header first, last;
   Time first_received{0}, last_received{0};
   /// One a message, where all are needed.
@@ -51,7 +51,7 @@ struct Stamps {
     received.push_back(when);
     sequence.push_back(head.sequence);
   }
-  /// Median of the delays, which it sorts in part.
+  /// Median of the delays; sorts them partially.
   Time delay() {
     if (delays.empty()) return Time(0);
     const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
@@ -60,7 +60,7 @@ struct Stamps {
   }
 };
 
-/// A topic, and what was left out of it.
+/// A topic, and what was dropped from it.
 struct Source : Role {
   Stamps stamps{};
   std::size_t unreadable = 0;
@@ -76,10 +76,10 @@ std::string topic_list(const Summary& summary) {
   return text.empty() ? "\n  none" : text;
 }
 
-/// The topic asked for, or the only one of the type.
+/// The requested topic, or the only one of the type.
 std::string choose_topic(const Summary& summary, const fs::path& path, const Role& source) {
   std::string found;
-  std::string wrong_type;  // of the topic asked for
+  std::string wrong_type;  // of the requested topic
   for (const TopicSummary& s : summary.topics) {
     const bool named = source.name.empty() || s.topic.name == source.name;
     if (named && !source.name.empty()) wrong_type = s.topic.type;
@@ -138,8 +138,8 @@ class Survey {
 
   void note(std::string text) { notes_.push_back(std::move(text)); }
 
-  /// For each source that may be meant; which is, is known at the end, and counts before what went
-  /// wrong with the points.
+  /// For each possible source; the choice is made at the end, and is needed to count the errors of
+  /// the points.
   void use(const Message& message) {
     while (uses_.size() < stream_->topics().size()) {
       const Topic& topic = stream_->topics()[uses_.size()];
@@ -212,7 +212,7 @@ class Survey {
   }
 
   void leave_out_repeated(std::vector<Time>* times) {
-    std::size_t count = 0;  // of those that stay
+    std::size_t count = 0;  // of the kept ones
     for (std::size_t i = 0, k = 0; i < out_.kept.size(); ++i) {
       if (!out_.kept[i]) continue;
       const Time time = (*times)[k++];
@@ -229,7 +229,7 @@ class Survey {
     }
   }
 
-  /// Scans without a trigger are left out.
+  /// Scans without a trigger are dropped.
   void stamp_by_triggers(std::vector<Time>* times) {
     const std::vector<std::uint32_t>& numbers = trigger_.stamps.sequence;
     const bool counted = std::any_of(numbers.begin(), numbers.end(), [](auto n) { return n > 0; });
@@ -291,7 +291,7 @@ class Survey {
     out_.kept.assign(times->size(), true);
   }
 
-  /// Whether a topic is stamped when it was received, and what is added to its stamps.
+  /// Whether a topic is stamped with receive times, and the shift of its stamps.
   std::pair<bool, Time> decide(Source* source, Clock clock, double offset) {
     Stamps& stamps = source->stamps;
     const bool zero = stamps.zeros > 0;
@@ -313,7 +313,7 @@ class Survey {
     return {clock == Clock::kReceive, delay + from_seconds(offset)};
   }
 
-  /// What the sensor files would have said, and what was left out.
+  /// Notes on missing sensor files and dropped data.
   void tell() {
     if (!request_.mounting_is_known) {
       note(

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All of a recording of ROS read once: topics, stamps on one clock, what is left out; private to
-// rio_bag.
+// One pass over a ROS recording: topics, stamps on one clock, dropped data; private to rio_bag.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +14,7 @@
 
 namespace rio::bag {
 
-/// A topic, and what it is for in messages.
+/// A topic, and its role in messages.
 struct Role {
   const char* role;
   std::string type;
@@ -28,20 +27,21 @@ struct Role {
   }
 };
 
-/// Throws Damage if it is no such message.
+/// Throws Damage if the bytes are not such a message.
 ImuSample imu_sample(const Topic& topic, const Message& message, const RecordingRequest& request,
                      Header* header);
 
-/// Scans of clouds, whose fields may change on the way.
+/// Scans from clouds, whose fields may change within the recording.
 class CloudReader {
  public:
   explicit CloudReader(PointRequest request) : request_(std::move(request)) {}
 
-  /// Replaces the detections; throws Damage if it is no such message, and as PointMap does.
-  /// @param notes gets what was matched, if it is not null
+  /// Replaces the detections; throws Damage if the bytes are not such a message, and as PointMap
+  /// does.
+  /// @param notes receives the field assignment, if not null
   void read(const Topic& topic, const Message& message, Header* header,
             std::vector<RadarDetection>* detections, std::vector<std::string>* notes);
-  /// So far, as they are not finite.
+  /// Number of points so far that are not finite.
   std::size_t points_left_out() const { return points_left_out_; }
 
  private:
@@ -54,9 +54,9 @@ struct Surveyed {
   io::RecordingOutline outline;
   Role imu{"imu", kImuType, {}};
   Role radar{"radar", kCloudType, {}};
-  bool imu_received = false;  ///< the IMU is stamped when it was received, else by its headers
+  bool imu_received = false;  ///< the IMU has receive stamps, else those of its headers
   Time imu_shift{0};          ///< added to these stamps
-  std::vector<bool> kept;     ///< of each readable scan, whether it is one of the outline
+  std::vector<bool> kept;     ///< for each readable scan, whether the outline contains it
 };
 
 /// Throws as read_recording() does.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ROS 1 bags, read from front to back: the index is not needed, and is not there when a recording
-// was cut short.
+// ROS 1 bags, read from front to back: the index is not needed, and is missing if a recording was
+// interrupted.
 #include <cstring>
 #include <map>
 #include <optional>
@@ -130,7 +130,7 @@ class Ros1Bag final : public MessageStream {
 
   FileBytes file_;
   std::uint64_t offset_ = std::strlen(kRos1Magic);
-  bool closed_ = false;  ///< there is an index, so the recorder came to its end
+  bool closed_ = false;  ///< there is an index, so the recording is complete
   Chunk chunk_;
   std::vector<std::uint8_t> header_;
   std::vector<std::uint8_t> record_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The text of the message types that are written, as rosbag2 and viewers want it: each type it is
-// made of behind a line of "=".
+// The definitions of the written message types, as rosbag2 and viewers expect them: each member
+// type follows a line of "=".
 #pragma once
 
 namespace rio::bag {

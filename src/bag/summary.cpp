@@ -47,7 +47,7 @@ std::string clock_text(const TopicSummary& s) {
                      zero.empty() ? "" : "; " + zero);
 }
 
-/// How the points would be read if nothing is said about them.
+/// How the points would be read without any settings.
 std::string match_text(const TopicSummary& s) {
   try {
     return PointMap(s.fields, {}).text();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stamps of scans from the messages of what triggered them.
+// Stamps of scans from their hardware trigger messages.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class Triggers {
   explicit Triggers(TriggerMatch match) : match_(match) {}
 
   /// In any order.
-  /// @param stamp what a scan that it triggered is stamped with
+  /// @param stamp the stamp of the scan that it triggered
   void add(std::uint32_t sequence, Time stamp, Time received);
   /// Once, before find().
   void sort();

@@ -15,14 +15,14 @@ namespace rio::bench {
 
 namespace {
 
-/// One axis: the sizes that are tried, how one is asked for, and how much of it there was.
+/// One axis: the sizes, how a size is requested, and how the actual size is measured.
 struct Axis {
   const char* title;
   const char* size;
   std::vector<int> sizes;
   std::function<void(int, Options*)> ask;
   double (*got)(const Figures& figures, const Options& options);
-  bool of_detections = false;  ///< its size is that of the load
+  bool of_detections = false;  ///< its size is a property of the load
 };
 
 struct Estimator {
@@ -109,7 +109,7 @@ std::vector<Growth> measure_growth(double seconds) {
 }
 
 std::string growth_chart(const std::vector<Growth>& growths) {
-  std::vector<std::string> labels;  // one stroke each, whatever the panel
+  std::vector<std::string> labels;  // one line style each, in all panels
   std::vector<plot::Panel> panels;
   for (const Growth& growth : growths) {
     plot::Panel panel;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the time of an update grows with what it works on.
+// Growth of the time of an update with the problem size.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace rio::bench {
 
 /// One measured point of a curve.
 struct GrowthPoint {
-  double size = 0.0;    ///< points, landmarks, clones or states that there were, mean
+  double size = 0.0;    ///< actual points, landmarks, clones or states, mean
   double median = 0.0;  ///< of an update [us]
   double p99 = 0.0;
 };
@@ -27,7 +27,7 @@ struct Growth {
   std::vector<GrowthCurve> curves;
 };
 
-/// Detections, landmarks, clones, window.
+/// Axes: detections, landmarks, clones, window.
 /// @param seconds of flight for each point
 std::vector<Growth> measure_growth(double seconds);
 

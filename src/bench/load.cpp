@@ -10,9 +10,9 @@ namespace rio::bench {
 
 namespace {
 
-constexpr double kUsual = 20.0;  ///< points that hardly a scan of the default scenario lacks
+constexpr double kUsual = 20.0;  ///< points that hardly any scan of the default scenario misses
 
-/// Its room and radar, finer where more points are to be seen.
+/// The room and radar of the default scenario, finer if more points are needed.
 sim::Scenario scenario_of(std::size_t detections, double seconds) {
   sim::Scenario s;
   s.max_duration = s.path.stand_before + seconds;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The load of a measurement: a simulated flight through a room with as much to see as asked for.
+// The load of a benchmark: a simulated flight through a room with a given number of detections.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace rio::bench {
 
-/// The same bytes whenever asked for. Above twenty points a scan the radar is a finer one that sees
-/// weaker echoes in a denser room; of each scan the strongest points are kept.
+/// Always the same bytes. Above twenty points a scan the radar is finer and sees weaker echoes in a
+/// denser room; the strongest points of each scan are kept.
 /// @param detections in each scan; near walls there may be fewer
 /// @param seconds in the air, at a scan rate of 15 Hz and 200 Hz of the IMU
 io::Dataset make_load(std::size_t detections, double seconds);

@@ -20,7 +20,7 @@ namespace rio::bench {
 
 namespace {
 
-/// CPU time of this thread: what else the machine does in the meantime is no cost of ours.
+/// CPU time of this thread, so that other load does not count.
 Time cpu_now() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -31,7 +31,7 @@ double microseconds(Time t) {
   return 1e6 * to_seconds(t);
 }
 
-/// Bytes this process has from the heap; 0 where nobody tells.
+/// Heap memory of this process in bytes; 0 if unknown.
 std::size_t heap_in_use() {
 #if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const struct mallinfo2 info = mallinfo2();
@@ -72,7 +72,7 @@ class Run {
     auto scan = load_.scans.begin();
     for (const ImuSample& sample : load_.imu) {
       for (; scan != load_.scans.end() && scan->time < sample.time; ++scan) {
-        (void)odometry_->add_scan(*scan);  // waits for the sample; before the start it is dropped
+        (void)odometry_->add_scan(*scan);  // waits for the sample; dropped before the start
       }
       (void)odometry_->add_imu(sample);
       ++samples_;
@@ -82,7 +82,7 @@ class Run {
   }
 
  private:
-  /// If the sample let a scan be processed.
+  /// Whether the sample caused a scan to be processed.
   void record() {
     const UpdateReport& report = odometry_->report();
     if (report.time == last_) return;
@@ -117,7 +117,7 @@ class Run {
   std::unique_ptr<Odometry> odometry_;
   Figures figures_;
   std::vector<double> updates_;  ///< [us]
-  Time last_{0};                 ///< scan of the report that was seen
+  Time last_{0};                 ///< scan of the last report
   Time propagation_{0};
   std::size_t propagated_ = 0;  ///< samples in it
   std::size_t samples_ = 0;     ///< since the last scan

@@ -43,7 +43,7 @@ CalibrationRun run_calibration(const Recording& recording, const Options& option
   std::uint64_t recorded = 0;
   for (std::size_t i = start ? sample_before(recording.imu, start->state.time) : 0;
        i < recording.imu.size() && recording.imu[i].time <= end; ++i) {
-    (void)odometry->add_imu(recording.imu[i]);  // what it did is counted
+    (void)odometry->add_imu(recording.imu[i]);  // its outcome is counted
     for (; scan < recording.scans.size() && recording.scans[scan].time <= recording.imu[i].time;
          ++scan) {
       (void)odometry->add_scan(recording.scans[scan]);

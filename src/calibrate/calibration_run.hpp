@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording, or a part of it, through the estimator as it flies, and what its calibration is at
-// the end.
+// Runs a recording, or a part of it, through the estimator as in flight, and returns the
+// calibration at the end.
 #pragma once
 
 #include <array>
@@ -17,22 +17,23 @@ namespace rio::calibrate {
 
 using CalibrationReports = std::array<CalibrationReport, kCalibrationCount>;
 
-/// What a run ends with.
+/// Result of a run.
 struct CalibrationRun {
-  CalibrationReports calibration;  ///< after the last scan, off the values of the options
+  CalibrationReports calibration;  ///< after the last scan, relative to the values of the options
   std::vector<Start> states;       ///< after each scan
-  int velocity_resets = 0;         ///< times the scans contradicted the velocity
+  int velocity_resets = 0;         ///< number of resets because the scans contradicted the velocity
 };
 
 /// Runs `recording` up to `end`.
-/// @param start static alignment without one; data before it is left out
-/// @throws std::runtime_error if the options are invalid, the run does not start or sees no scan
+/// @param start if missing, static alignment; earlier data are skipped
+/// @throws std::runtime_error if the options are invalid, the run does not start or processes no
+/// scan
 CalibrationRun run_calibration(const Recording& recording, const Options& options,
                                const std::optional<Start>& start,
                                Time end = Time(std::numeric_limits<Time::rep>::max()));
 
-/// The first state from which the way still to go is not longer than the way come; the way is that
-/// of the velocity, so that standing at either end counts for neither half.
+/// The first state with at least half of the distance behind it. The distance is the integral of
+/// the speed, so standing at either end counts for neither half.
 const Start& half_way(const std::vector<Start>& states);
 
 }  // namespace rio::calibrate

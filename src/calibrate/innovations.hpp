@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run of the filter tells of the noise of its radar.
+// Innovations of a run of the filter, as a measure of the noise of its radar.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,14 @@
 
 namespace rio::calibrate {
 
-/// The true state at a time, where it is known.
+/// The true state at a time, if known.
 using TruthAt = std::function<std::optional<NavState>(Time)>;
 
-/// What a probe has seen.
+/// Result of a probe.
 struct Innovations {
   std::vector<eval::NoiseSample> samples;
-  std::size_t landmarks = 0;  ///< of them matches with landmarks
-  std::size_t dopplers = 0;   ///< of them Dopplers
+  std::size_t landmarks = 0;  ///< of these, matches with landmarks
+  std::size_t dopplers = 0;   ///< of these, Dopplers
 };
 
 }  // namespace rio::calibrate

@@ -21,7 +21,7 @@ constexpr int kMaxRuns = 6;
 constexpr double kUnchanged = 0.02;   // relative change of a sigma
 constexpr double kAllAlike = -200.0;  // of RadarOptions::weak_snr_db [dB]
 constexpr std::size_t kFewest = 100;  // matches: a sigma to about 15 %
-constexpr double kTruthGap = 0.1;     // a velocity cannot be interpolated across it [s]
+constexpr double kTruthGap = 0.1;     // no interpolation of the velocity across a longer gap [s]
 
 /// Feeds the samples in the order of their stamps; a scan is processed once the IMU has passed it.
 class Run {
@@ -74,7 +74,7 @@ class Run {
     if (scan.time <= last_scan_) return;  // before the start, late or duplicate
     last_scan_ = scan.time;
     filter_detections(scan, options_.radar, options_.frontend.max_detections, filtered_);
-    (void)pipeline_.process(filtered_, imu_);  // a scan that fails is passed over
+    (void)pipeline_.process(filtered_, imu_);  // a failed scan is skipped
     imu_.forget_before(pipeline_.estimate().nav.time);
   }
 
@@ -95,8 +95,8 @@ class Run {
   bool running_ = false;
 };
 
-/// Gates so wide that sigmas told too small do not hide the large innovations; matches so clear
-/// that few wrong ones, which are the nearest and look too good, are among them.
+/// Gates wide enough that sigmas configured too small do not hide the large innovations; matches
+/// strict enough that few wrong ones, which are the nearest and look too good, are among them.
 Options measuring_options(Options options) {
   options.backend = BackEnd::kEkf;
   options.update.use_landmarks = true;
@@ -110,10 +110,10 @@ Options measuring_options(Options options) {
   return options;
 }
 
-/// A fifth of a grid's standard deviation is four percent of its variance.
+/// A fifth of the standard deviation of a grid is four percent of its variance.
 Eigen::Vector4d smallest_sigmas(const RadarOptions& radar) {
   constexpr double kShare = 0.2;
-  constexpr double kWithoutGrid = 1e-4;  // far below any radar of this kind [m, rad, m/s]
+  constexpr double kWithoutGrid = 1e-4;  // far below any such radar [m, rad, m/s]
   const double root_12 = std::sqrt(12.0);
   const Eigen::Vector4d grids(radar.range_resolution, 0.0, 0.0, radar.doppler_resolution);
   return (kShare / root_12 * grids).cwiseMax(kWithoutGrid);

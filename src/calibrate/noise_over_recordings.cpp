@@ -12,11 +12,11 @@ namespace rio::calibrate {
 
 namespace {
 
-constexpr double kKnown = 0.2;     // largest relative error of what counts as known
+constexpr double kKnown = 0.2;     // largest relative error of a known value
 constexpr double kFarApart = 3.0;  // halves, in sigmas, and ...
-constexpr double kFactor = 1.5;    // ... by this factor: a nearby noise is better than a wrong one
+constexpr double kFactor = 1.5;    // ... by this factor: roughly right is better than wrong
 
-/// Logarithm of a sigma from the whole of a recording and its halves, where they told it.
+/// Logarithm of a sigma from the whole of a recording and its halves, if determined.
 struct Told {
   std::optional<Measured> whole;
   std::optional<Measured> first;
@@ -72,14 +72,14 @@ Recording first_half(const Recording& recording, Time end) {
   return half;
 }
 
-/// A fit, and which of its sigmas the last run left as they were.
+/// A fit, and which of its sigmas the last run left unchanged.
 struct SettledFit {
   eval::NoiseFit noise;
   std::array<bool, 4> settled{};
 };
 using Fit = std::optional<SettledFit>;
 
-/// Nothing, and a note, if the recording does not tell.
+/// Empty, with a note, if the recording does not determine the noise.
 Fit fit(const Recording& recording, const Options& options, const std::string& name,
         std::vector<std::string>* notes) {
   try {
@@ -108,11 +108,11 @@ std::optional<Measured> told_by(const Fit& fit, int k) {
   return Measured{std::log(fit->noise.noise.sigma[k]), fit->noise.relative_error[k]};
 }
 
-/// (E1) (E2) of three axes between two instants.
+/// (E1) (E2) of three axes between two times.
 template <class Axes>
 std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin, Time end,
                                    Axes axes) {
-  constexpr double kStretch = 0.05;  // [s]: a body at rest sways slower, engines turn faster
+  constexpr double kStretch = 0.05;  // [s]: a body at rest sways more slowly, engines turn faster
   constexpr int kFewestDifferences = 8;
   double squares = 0.0;
   int differences = 0;
@@ -180,7 +180,7 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
       growth_seen = growth_seen && noise.growth_seen && noise.weak_error_db > 0.0;
       weak.push_back({noise.noise.weak_snr_db, std::max(noise.weak_error_db, 0.1)});
     }
-    if (recording.start) continue;  // no rest to be sure of
+    if (recording.start) continue;  // no certain standstill
     const double duration = options.start.duration;
     gyro.push_back(rest_noise_and_halves(recording, runs[i].begin, duration,
                                          [](const ImuSample& s) { return s.gyro_B; }));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Kalman filter as a back-end that keeps its innovations: before each update every landmark
-// match gives range, azimuth and elevation, every static detection its Doppler, with the covariance
-// the state estimate predicts for it.
+// The Kalman filter as a back-end that records innovations: before each update every landmark match
+// contributes range, azimuth and elevation, every static detection its Doppler, with the covariance
+// predicted from the state estimate.
 //
-// With a true velocity at hand the Doppler is held against that instead of the state estimate's.
-// What repeats a measurement made a few centimetres before is left out: its error is in the
+// If a true velocity is available, the Doppler is compared with that instead of the estimate.
+// Measurements that repeat one made a few centimetres before are skipped: their error is in the
 // estimate.
 #pragma once
 
@@ -24,7 +24,7 @@ class NoiseProbe : public Ekf {
  public:
   explicit NoiseProbe(const Options& options) : Ekf(options), radar_(options.radar) {}
 
-  /// Where the innovations go, and the truth, which may be empty.
+  /// Output of the innovations, and the truth, which may be empty.
   void connect(Innovations* out, TruthAt truth) {
     out_ = out;
     truth_ = std::move(truth);
@@ -119,7 +119,7 @@ class NoiseProbe : public Ekf {
   RadarOptions radar_;
   Innovations* out_ = nullptr;
   TruthAt truth_;
-  double distance_at_scan_ = 0.0;  ///< flown at the last scan [m]
+  double distance_at_scan_ = 0.0;  ///< travelled at the last scan [m]
 };
 
 }  // namespace rio::calibrate

@@ -25,7 +25,7 @@ Vector3d three(const Values& values, std::size_t first) {
   return {values[first], values[first + 1], values[first + 2]};
 }
 
-/// `configured` changed by `values`.
+/// `configured` with the corrections `values`.
 RadarOptions moved(RadarOptions configured, const Values& values) {
   configured.T_BS.rotation =
       (configured.T_BS.rotation * quaternion_exp(three(values, kRotation))).normalized();
@@ -35,7 +35,7 @@ RadarOptions moved(RadarOptions configured, const Values& values) {
   return configured;
 }
 
-/// What leads from `configured` to `now`; the inverse of moved().
+/// The corrections from `configured` to `now`; the inverse of moved().
 Values between(const RadarOptions& configured, const RadarOptions& now) {
   Values values{};
   const Vector3d turn = quaternion_log(configured.T_BS.rotation.conjugate() * now.T_BS.rotation);
@@ -53,15 +53,15 @@ Values priors_of(const CalibrationOptions& c) {
   return {c.rotation_sigma,      c.rotation_sigma,
           c.rotation_sigma,      c.translation_sigma,
           c.translation_sigma,   c.translation_sigma,
-          c.doppler_scale_sigma, 0.0,  // an elevation bias cannot be told from a pitch
+          c.doppler_scale_sigma, 0.0,  // an elevation bias cannot be distinguished from a pitch
           c.time_offset_sigma};
 }
 
-/// What a run said without its prior (E1): that in force at first, or, if the sigma exceeds it, the
-/// wider one that took its place when it was contradicted.
+/// Information of a run without its prior (E1): the initial prior, or, if the sigma exceeds it, the
+/// wider one that replaced it after a contradiction.
 Measured without_prior(const CalibrationReport& report) {
-  constexpr double kSilent = 0.2;     // of the prior's information: nothing was said
-  constexpr double kNothing = 100.0;  // prior sigmas: no weight beside any that was
+  constexpr double kSilent = 0.2;     // of the prior's information: no information
+  constexpr double kNothing = 100.0;  // prior sigmas: negligible weight
   const double first = kCalibrationConfiguredShare * report.prior_sigma;
   const double p = report.sigma < first ? first : report.prior_sigma;
   const double after = 1.0 / (report.sigma * report.sigma);
@@ -70,7 +70,7 @@ Measured without_prior(const CalibrationReport& report) {
   return {report.value * after / information, 1.0 / std::sqrt(information)};
 }
 
-/// A report about `centre`, off the configured values.
+/// A report relative to `centre`, converted to the configured values.
 MeasuredCalibration off_configured(const CalibrationReports& reports, const Values& centre) {
   MeasuredCalibration out{};
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
@@ -83,8 +83,8 @@ MeasuredCalibration off_configured(const CalibrationReports& reports, const Valu
 
 /// For the second half.
 Start reopened(Start start) {
-  constexpr double kVelocity = 0.5;  // far beyond any doubt of a run that works [m/s]
-  constexpr double kTilt = 0.035;    // of a mounting that is some degrees off [rad]
+  constexpr double kVelocity = 0.5;  // far above the error of any working run [m/s]
+  constexpr double kTilt = 0.035;    // of a mounting with an error of some degrees [rad]
   start.covariance.diagonal().segment<3>(body::kVelocity).array() += kVelocity * kVelocity;
   start.covariance.diagonal().segment<3>(body::kAttitude).array() += kTilt * kTilt;
   return start;
@@ -146,7 +146,7 @@ class Repetition {
     return out;
   }
 
-  /// Of the whole runs; what they say nothing of stays as configured.
+  /// Of the whole runs; parameters without information keep the configured value.
   Values mean(const std::vector<RecordingCalibration>& runs) const {
     const Values loose = priors_of(options_.calibration);
     Values values{};
@@ -201,7 +201,7 @@ Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) 
 
 Determination judge(const ParameterCalibration& p, double others) {
   constexpr double kFarApart = 3.0;     // of (E7)
-  constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no knowledge
+  constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no determination
   if (std::max(p.halves_apart, p.recordings_apart) > kFarApart * others) {
     return Determination::kContradictory;
   }
@@ -209,14 +209,14 @@ Determination judge(const ParameterCalibration& p, double others) {
   return Determination::kDetermined;
 }
 
-/// (E4) of a parameter with the sum of squares `own`, all together having `squares` of `count`
-/// pairs, `pairs` a parameter.
+/// (E4) for a parameter with the sum of squares `own`; all together have `squares` over `count`
+/// pairs, `pairs` per parameter.
 double spread_of_others(double squares, double own, std::size_t count, std::size_t pairs) {
   if (count <= pairs) return 1.0;
   return std::sqrt(std::max(1.0, (squares - own) / static_cast<double>(count - pairs)));
 }
 
-/// (E6) (E7); what was not estimated is left alone.
+/// (E6) (E7); parameters that were not estimated are unchanged.
 void judge_all(const std::vector<RecordingCalibration>& runs, const Values& priors,
                RadarCalibration* out) {
   std::array<Summary, kCalibrationCount> summaries{};
@@ -251,7 +251,7 @@ bool determined(const RadarCalibration& c, std::size_t i) {
   return c.parameters[i].verdict == Determination::kDetermined;
 }
 
-/// The prior of `count` parameters, which share it.
+/// The common prior of `count` parameters.
 double tightened(const RadarCalibration& c, std::size_t first, std::size_t count,
                  double configured) {
   double largest = 0.0;

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the radar is mounted, how late its stamps are and by how much its Doppler is scaled, from
-// recordings, with sigmas that the recordings themselves have been asked for.
+// Mounting, delay of the stamps and Doppler scale of the radar from recordings, with sigmas that
+// are validated by the recordings themselves.
 //
 // The estimator's own sigmas are too small where its models are wrong. So each recording is run as
-// a whole and in two halves of the way, from loose priors, about the calibration a first pass has
-// found. The second half starts where the whole run was, with velocity and tilt re-opened, which
-// lean on the calibration of the first. From each run the prior is taken out:
+// a whole and in two halves of the distance, from loose priors, about the calibration found by a
+// first pass. The second half starts at the state of the whole run, with velocity and tilt
+// re-opened, since these depend on the calibration of the first half. From each run the prior is
+// removed:
 // (E1) 1 / s^2 = 1 / P - 1 / p^2, x = v s^2 / P: value v off the centre, variance P, prior sigma p
 // With whole runs w and halves h of all recordings:
 // (E2) value x_w, sigma s_w: mean weighted by 1 / s^2; x_h, s_h the same of the halves
 // (E3) apart: |x_1 - x_2| / sqrt(s_1^2 + s_2^2) of the halves of a recording, or of two recordings
 // (E4) B_o^2: mean square of the halves' (E3) over all other parameters, not below 1
 // (E5) B^2 = (chi^2 + n B_o^2) / (dof + n), n = 4: spread of the h about x_h, or of the w about
-// x_w,
-//      whichever is larger (Birge, Phys. Rev. 40, 1932), shrunk towards that of the others (Smyth,
-//      Stat. Appl. Genet. Mol. Biol. 3, 2004): one pair that agrees by chance has proved nothing
-// (E6) sigma^2 = s_w^2 max(1, B^2) + (x_w - x_h)^2 + c^2, c what repeats in every half and no
-//      spread can show (kCommonError)
-// (E7) contradictory: halves or recordings apart by more than 3 B_o; the Doppler scale and the time
-//      offset, which can be done without and make up for errors that have no model, by more than 3
+//      x_w, whichever is larger (Birge, Phys. Rev. 40, 1932), shrunk towards that of the others
+//      (Smyth, Stat. Appl. Genet. Mol. Biol. 3, 2004): one pair that agrees by chance is no proof
+// (E6) sigma^2 = s_w^2 max(1, B^2) + (x_w - x_h)^2 + c^2, c the error common to all halves, which
+//      no spread can show (kCommonError)
+// (E7) contradictory: halves or recordings apart by more than 3 B_o; for the Doppler scale and the
+//      time offset, which are optional and compensate errors without a model, by more than 3
 #pragma once
 
 #include <array>
@@ -33,21 +33,21 @@
 
 namespace rio::calibrate {
 
-/// What is to be thought of a parameter.
+/// Verdict on a parameter.
 enum class Determination {
   kNotEstimated,   ///< its prior is zero
-  kDetermined,     ///< told by the data
-  kNotDetermined,  ///< sigma above half its prior: the value told is kept
-  kContradictory,  ///< the data tell one thing and then another: the value told is kept
+  kDetermined,     ///< determined by the data
+  kNotDetermined,  ///< sigma above half its prior: the configured value is kept
+  kContradictory,  ///< the data contradict each other: the configured value is kept
 };
 /// As in reports.
 const char* to_string(Determination verdict);
 
-/// A parameter, off what was told of it; units and order of Calibration.
+/// A parameter, relative to the configured value; units and order of Calibration.
 struct ParameterCalibration {
   double value = 0.0;
   double sigma = 0.0;             ///< (E6)
-  double prior = 0.0;             ///< sigma of what was told
+  double prior = 0.0;             ///< sigma of the configured value
   double run_sigma = 0.0;         ///< s_w of (E2), as the estimator says
   double halves_apart = 0.0;      ///< (E3), the worst of the recordings
   double recordings_apart = 0.0;  ///< same, the worst pair; 0 if there is one
@@ -55,7 +55,7 @@ struct ParameterCalibration {
   Determination verdict = Determination::kNotEstimated;
 };
 
-/// What one run says, off what was told, the prior taken out; sigma 0 = not estimated.
+/// Result of one run, relative to the configured value, the prior removed; sigma 0 = not estimated.
 using MeasuredCalibration = std::array<Measured, kCalibrationCount>;
 
 /// The runs of a recording.
@@ -71,9 +71,9 @@ struct RecordingCalibration {
 struct RadarCalibration {
   std::array<ParameterCalibration, kCalibrationCount> parameters{};
   std::vector<RecordingCalibration> recordings;
-  RadarOptions radar;         ///< as told, with what is determined put right
-  CalibrationOptions priors;  ///< as told, tightened where all axes are determined, so that the
-                              ///< share of it the estimator believes first is the sigma found
+  RadarOptions radar;         ///< as configured, with the determined parameters corrected
+  CalibrationOptions priors;  ///< as configured, tightened where all axes are determined, so that
+                              ///< the estimator's initial share of it equals the sigma found
 
   const ParameterCalibration& of(Calibration parameter) const {
     return parameters[static_cast<std::size_t>(parameter)];
@@ -81,15 +81,15 @@ struct RadarCalibration {
 };
 
 /// Errors common to all halves, of flights in the default simulated room (60 m, grids, fading,
-/// ghosts, highlights), beyond their sigmas: roll and pitch 0.1 deg, the Doppler found 0.3 % too
-/// large, the stamps 0.5 ms [rad, m, 1, rad, s].
+/// ghosts, highlights), beyond their sigmas: roll and pitch 0.1 deg, Doppler scale 0.3 % too large,
+/// stamps 0.5 ms [rad, m, 1, rad, s].
 inline constexpr std::array<double, kCalibrationCount> kCommonError = {
     0.002, 0.002, 0.0, 0.0, 0.0, 0.0, 0.003, 0.0, 0.0005};
 
-/// Calibrates options.radar as told, options.calibration its prior sigmas. The Doppler scale and
-/// the time offset, if they are not determined, are left out of a last repetition, so that they do
-/// not drag the others.
-/// @param each called before every run with what it is, for progress
+/// Calibrates options.radar, with options.calibration as its prior sigmas. If the Doppler scale and
+/// the time offset are not determined, a last repetition omits them, so that they do not bias the
+/// other parameters.
+/// @param each called before every run with its description, for progress
 /// @throws std::runtime_error as run_calibration(); if there is no recording
 RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const Options& options,
                                  const std::function<void(const std::string&)>& each = {});

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several measurements of one number: their mean, and whether they differ by more than their sigmas
-// say.
+// Several measurements of one number: their mean, and whether their differences exceed their
+// sigmas.
 #pragma once
 
 #include <vector>
 
 namespace rio::calibrate {
 
-/// A number and its standard deviation, which is above zero.
+/// A number and its standard deviation, which is positive.
 struct Measured {
   double value = 0.0;
   double sigma = 0.0;
@@ -16,7 +16,7 @@ struct Measured {
 /// Mean weighted by the inverse variances.
 struct Combined {
   double value = 0.0;
-  double sigma = 0.0;  ///< of the mean, if the sigmas are right
+  double sigma = 0.0;  ///< of the mean, if the sigmas are correct
   double chi2 = 0.0;   ///< of the differences from the mean
   int dof = 0;         ///< measurements less one
 };
@@ -24,7 +24,7 @@ struct Combined {
 /// At least one measurement.
 Combined combine(const std::vector<Measured>& measured);
 
-/// |a - b| over the sigma of that difference.
+/// |a - b| over the sigma of the difference.
 double apart(const Measured& a, const Measured& b);
 
 }  // namespace rio::calibrate

@@ -45,7 +45,7 @@ std::string turn_text(const Matrix3d& turn, const char* whose) {
                      phi[axis] < 0.0 && angle < 179.0 ? "-" : "", "xyz"[axis], whose);
 }
 
-/// Where its turn is about an axis of the radar or of the body, that.
+/// The equivalent description about an axis of the radar or of the body, if there is one.
 std::string turn_text(const Matrix3d& told, const Matrix3d& R) {
   const Matrix3d of_body = R * told.transpose();
   const Vector3d phi = quaternion_log(Quaternion(of_body));
@@ -53,7 +53,7 @@ std::string turn_text(const Matrix3d& told, const Matrix3d& R) {
   return body_axis ? turn_text(of_body, "body") : turn_text(told.transpose() * R, "radar");
 }
 
-/// An option for the first radar, for another one a line of its file.
+/// An option for the first radar; for another one a line of its sensor file.
 std::string mounting_line(const Matrix3d& R, const Vector3d& p, std::size_t radar) {
   const Quaternion q(R);
   const std::string line = fmt::format(

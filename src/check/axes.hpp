@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the axes of a radar may lie to those of the body, its sign of the Doppler included: the
-// hypotheses of motion_check.hpp, and how they and the way to mend them are said.
+// Possible axes of a radar relative to those of the body, with its sign of the Doppler: the
+// hypotheses of motion_check.hpp, and the texts for them and for their correction.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +14,26 @@
 
 namespace rio::check {
 
-/// A hypothesis about what the velocities of the radar are.
+/// A hypothesis on the axes and sign of the radar velocities.
 struct Axes {
-  Matrix3d R = Matrix3d::Identity();  ///< from the radar's axes to the body's; improper if mirrored
-  bool doppler_flipped = false;       ///< then R holds the sign
+  Matrix3d R = Matrix3d::Identity();  ///< from radar axes to body axes; improper if mirrored
+  bool doppler_flipped = false;       ///< if so, R includes the sign
   double turn = 0.0;                  ///< angle to the configured mounting [rad]
 };
 
-/// The configured mounting first, then it with the Doppler flipped, then by growing angle.
+/// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.
 std::vector<Axes> candidates(const Quaternion& told);
 
 /// Between two rotations [rad].
 double angle_between(const Matrix3d& a, const Matrix3d& b);
 
-/// A mirror is two axes swapped or one of the wrong sign: which of whose. Empty if it is neither.
+/// A mirror is two swapped axes or one of the wrong sign: names them. Empty if it is neither.
 std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose);
 
-/// What is wrong with the configured mounting, if these are the axes.
+/// The error of the configured mounting, if these are the true axes.
 std::string describe(const Matrix3d& told, const Axes& axes);
 
-/// The line that mends it. @param radar its number
+/// The line that corrects it. @param radar its number
 std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options, Source source,
                       std::size_t radar);
 

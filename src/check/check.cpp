@@ -19,14 +19,14 @@ namespace rio::check {
 
 namespace {
 
-/// What the other checks need of the IMU.
+/// The IMU data for the other checks.
 struct CheckedImu {
   const std::vector<ImuSample>& all;
   const std::vector<ImuSample>& good;  ///< usable()
   ImuCheck check;
 };
 
-/// A radar, told of in `options` as if it were the first one.
+/// A radar; `options` have it as the first one.
 Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::RadarInfo& info,
                          std::size_t radar, const Options& options, Source source,
                          const std::filesystem::path& folder) {
@@ -53,7 +53,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::Ra
   return out;
 }
 
-/// Named after the radar, as are its files.
+/// Prefixes subject and files with the name of the radar.
 Finding of_radar(std::size_t radar, Finding finding) {
   const std::string name = "radar" + std::to_string(radar);
   for (std::size_t at = 0; (at = finding.change.find("radar0/", at)) != std::string::npos; ++at) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio check`: is a recording what an estimator takes it to be?
+// `rio check`: do the data of a recording agree with the assumptions of an estimator?
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@
 
 namespace rio::check {
 
-/// All findings in the order of the sensors: IMU, clocks, radar, motion, and the last three of
-/// every further radar with "radar1: " before the subject. What was found out about units is taken
-/// into account in what follows.
-/// @param options with what the recording says of its sensors
+/// All findings in the order of the sensors: IMU, clocks, radar, motion, and the last three for
+/// every further radar with "radar1: " before the subject. Later checks use the units found by
+/// earlier ones.
+/// @param options with the sensor properties of the recording
 /// @param folder of the recording, to name lines of its files; may be empty
 Findings check_recording(const io::Dataset& dataset, const Options& options, Source source,
                          const std::filesystem::path& folder = {});
 
-/// What is checked of a recording, where that is not in a data set.
+/// The checked data of a recording that is not in a data set.
 struct CheckedData {
-  io::Dataset sensors;  ///< what is told of them
+  io::Dataset sensors;  ///< their properties
   std::vector<ImuSample> imu;
   std::vector<Scans> radars;  ///< radar0, radar1, ...; those of `sensors`
 };

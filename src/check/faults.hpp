@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults of recordings, put into healthy ones, and what `rio check` is to say of each.
+// Faults of recordings, injected into good ones, and the expected findings of `rio check`.
 #pragma once
 
 #include <functional>
@@ -11,24 +11,24 @@
 
 namespace rio::check {
 
-/// A fault, and what is said of it.
+/// A fault, and the expected finding.
 struct Fault {
   const char* name;
   const char* meaning;
   std::function<void(io::Dataset*)> make;
   const char* subject;
-  const char* text;       ///< in the sentence
-  const char* change;     ///< in what is to be changed
-  const char* also = "";  ///< another subject that may say it
+  const char* text;       ///< part of the sentence
+  const char* change;     ///< part of the proposed change
+  const char* also = "";  ///< another subject that may report it
 };
 
-/// All of them; what is said is that of a bag.
+/// All faults; the expected findings are those for a bag.
 const std::vector<Fault>& faults();
 
-/// @param phi rotation vector in the axes of the body, or of the radar [rad]
+/// @param phi rotation vector in axes of the body, or of the radar [rad]
 void turn_mounting(io::Dataset* dataset, const Vector3d& phi, bool in_body);
 
-/// What is said of the fault, if it is not ok and says the right; else nothing.
+/// The finding that names the fault correctly and is not ok; else null.
 const Finding* naming(const Findings& findings, const Fault& fault);
 
 }  // namespace rio::check

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rio check` says of a recording: a sentence with numbers, a verdict, and what to change.
+// A finding of `rio check`: a sentence with numbers, a verdict, and the proposed change.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace rio::check {
 
 enum class Verdict {
   kOk,
-  kDoubtful,  ///< look at it; an estimate may still be good
-  kWrong,     ///< no estimate of this recording is to be believed before it is changed
+  kDoubtful,  ///< to be inspected; an estimate may still be good
+  kWrong,     ///< estimates of this recording are not trustworthy until it is changed
 };
 
 inline const char* to_string(Verdict verdict) {
@@ -26,21 +26,21 @@ inline const char* to_string(Verdict verdict) {
 
 struct Finding {
   Verdict verdict = Verdict::kOk;
-  std::string subject;  ///< what was looked at, such as "gyro unit"; unique in a report
+  std::string subject;  ///< what was checked, such as "gyro unit"; unique in a report
   std::string text;     ///< one sentence
-  std::string change;   ///< what to change; empty where there is nothing to be
+  std::string change;   ///< proposed change; empty if none
 };
 
 using Findings = std::vector<Finding>;
 
-/// The worst of all.
+/// The worst verdict.
 inline Verdict worst(const Findings& findings) {
   Verdict verdict = Verdict::kOk;
   for (const Finding& f : findings) verdict = f.verdict > verdict ? f.verdict : verdict;
   return verdict;
 }
 
-/// How a recording came in: what is to be changed is said accordingly.
+/// Source of the recording, which determines the form of the proposed change.
 enum class Source { kFolder, kBag };
 
 }  // namespace rio::check

@@ -25,15 +25,15 @@ namespace {
 
 constexpr double kStandardGravity = 9.80665;
 
-/// What the estimate loses where samples are lost and the motion between their neighbours is taken
-/// for linear: measured where the samples are there, over times as long.
+/// Error of the estimate if lost samples are bridged by linear motion between their neighbours,
+/// measured over intervals of the same length where samples are present.
 struct Bridged {
-  double velocity = 0.0;  ///< rms over the longest [m/s]
+  double velocity = 0.0;  ///< rms of the longest gap [m/s]
   double angle = 0.0;     ///< rms of the sum over all [rad]
 };
 
-/// Mean squares of what rate and specific force sum up to over n periods, less what the ends tell
-/// of it; nothing if no piece of the recording is as long.
+/// Mean squares of the integrals of rate and specific force over n periods, minus the interpolation
+/// from both ends; empty if no part of the recording is that long.
 std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSample>& samples,
                                                       std::size_t n, double period) {
   double angle = 0.0;
@@ -62,7 +62,7 @@ std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSampl
 }
 
 std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, double period) {
-  std::map<std::size_t, double> gaps;  // in periods, and how many
+  std::map<std::size_t, double> gaps;  // number of gaps by length in periods
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const double dt = to_seconds(samples[i].time - samples[i - 1].time);
     const auto n = static_cast<std::size_t>(std::min(1e9, std::round(dt / period)));
@@ -73,13 +73,13 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
     const auto squares = mean_squares(samples, n, period);
     if (!squares) return std::nullopt;
     out.angle += count * squares->first;
-    out.velocity = std::sqrt(squares->second);  // of the longest in the end
+    out.velocity = std::sqrt(squares->second);  // the last one is the longest
   }
   out.angle = std::sqrt(out.angle);
   return out;
 }
 
-/// The stamps one after the other.
+/// Checks the stamps one after the other.
 Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
                      const io::ImuInfo& info, const std::filesystem::path& csv) {
   int repeated = 0;
@@ -115,7 +115,7 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
                             all[stray.first].time.count());
     if (!place.empty()) out.text += fmt::format(" ({})", place);
   }
-  constexpr double kSlowest = 0.05;  // of no IMU that can be integrated in flight [s]
+  constexpr double kSlowest = 0.05;  // too slow an IMU for integration in flight [s]
   const double told = info.rate_hz.value_or(1.0 / period);
   if (period > kSlowest) {
     out.verdict = Verdict::kWrong;
@@ -209,7 +209,7 @@ Finding check_accel(const Rest& rest, Source source, double* unit) {
   return out;
 }
 
-/// Which way up the IMU is; no mistake, the alignment finds it.
+/// Orientation of the IMU; not an error, the alignment finds it.
 Finding check_up(const Rest& rest) {
   const Vector3d up = rest.accel.normalized();
   int axis = 0;
@@ -224,8 +224,8 @@ Finding check_up(const Rest& rest) {
 
 Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
                    double* unit) {
-  constexpr double kAnywhere = 25.0 * kDegree;  // beyond the tilt any flight has in half a second
-  constexpr double kFastest = 6.3;  // a turn a second half of the time: nothing flies so [rad/s]
+  constexpr double kAnywhere = 25.0 * kDegree;  // beyond any tilt change in half a second
+  constexpr double kFastest = 6.3;  // a turn a second half of the time: no flight is so [rad/s]
   std::vector<double> rates;
   rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
@@ -255,7 +255,7 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   return out;
 }
 
-/// A sensor at its end reads the same largest value again and again.
+/// A saturated sensor repeats the same largest value.
 Finding check_saturation(const std::vector<ImuSample>& samples) {
   std::size_t at_end = 0;
   std::size_t frozen = 0;
@@ -317,7 +317,7 @@ double turning_error(const std::vector<ImuSample>& samples, double factor) {
   constexpr double kSpan = 0.5;  // [s]
   constexpr double kMean = 0.1;  // [s]
   std::vector<double> angles;
-  Vector3d before = Vector3d::Zero();       // mean at the span's begin, carried to now
+  Vector3d before = Vector3d::Zero();       // mean at the beginning of the span, rotated to now
   Vector3d mean = samples.front().accel_B;  // of the last kMean
   for (std::size_t i = 1, begin = 0; i < samples.size(); ++i) {
     const double dt = to_seconds(samples[i].time - samples[i - 1].time);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the samples of an IMU say of themselves: stamps, units, saturation. No motion model and no
-// radar is needed.
+// Checks of the IMU alone: stamps, units, saturation. No motion model and no radar is needed.
 //
 // The unit of the accelerometer: at rest it measures g, in flight g on average.
-// The unit of the gyro: it turns the specific force of one second into that of the next. With rates
-// too large by 57 the two point anywhere; with the right ones they agree to the tilt that
-// acceleration feigns.
-// (E1) e(k) = median angle between f and the f of half a second ago, carried by Exp(-k w dt)
+// The unit of the gyro: it rotates the specific force of one second into that of the next. With
+// rates too large by 57 the two directions are unrelated; with correct rates they agree up to the
+// apparent tilt from acceleration.
+// (E1) e(k) = median angle between f and the f of half a second ago, rotated by Exp(-k w dt)
 #pragma once
 
 #include <filesystem>
@@ -18,23 +17,23 @@
 
 namespace rio::check {
 
-/// Samples fit to be integrated: finite, in_order() of order.hpp.
+/// Samples that can be integrated: finite, in_order() of order.hpp.
 std::vector<ImuSample> usable(const std::vector<ImuSample>& samples);
-/// The same; nothing if they all are.
+/// The same; empty if all samples are usable.
 std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
 
 struct ImuCheck {
   Findings findings;
-  double gyro_unit = 1.0;   ///< to be multiplied with the gyro to get [rad/s]
-  double accel_unit = 1.0;  ///< to be multiplied with the accelerometer to get [m/s^2]
+  double gyro_unit = 1.0;   ///< factor of the gyro to get [rad/s]
+  double accel_unit = 1.0;  ///< factor of the accelerometer to get [m/s^2]
 };
 
-/// (E1) in radians; NaN if there are not ten pairs.
+/// (E1) in radians; NaN with fewer than ten pairs.
 double turning_error(const std::vector<ImuSample>& samples, double factor);
 
 /// @param samples as recorded, in their order
 /// @param good usable() of them
-/// @param csv the file they come from, to name lines of it; may be empty
+/// @param csv their file, to name lines of it; may be empty
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv);
 

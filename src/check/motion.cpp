@@ -16,8 +16,8 @@ namespace rio::check {
 
 namespace {
 
-/// What (E3) needs of the scans of a window: sums over w times products of G = [y_x C, y_y C, y_z
-/// C], q, 1 and t.
+/// Sums of (E3) over the scans of a window: over w times products of G = [y_x C, y_y C, y_z C], q,
+/// 1 and t.
 struct Sums {
   using Map9 = Eigen::Matrix<double, 3, 9>;
   int scans = 0;
@@ -29,7 +29,7 @@ struct Sums {
   Vector3d q = Vector3d::Zero();
   Vector3d tq = Vector3d::Zero();
   Matrix3d yy = Matrix3d::Zero();
-  Matrix3d Cq_y = Matrix3d::Zero();  ///< column after column G^T q
+  Matrix3d Cq_y = Matrix3d::Zero();  ///< column-wise G^T q
   Map9 G = Map9::Zero();
   Map9 tG = Map9::Zero();
 
@@ -52,7 +52,7 @@ struct Sums {
     }
   }
 
-  /// Less the lines over t, as normal equations: with N the inverse of [w, wt; wt, wtt], the
+  /// Subtracts the lines over t, as normal equations: with N the inverse of [w, wt; wt, wtt], the
   /// products of the lines of a and b are [sum a, sum ta]^T N [sum b, sum tb].
   Agreement less_lines() const {
     Agreement out;
@@ -75,12 +75,12 @@ struct Sums {
 };
 
 Eigen::Matrix<double, 9, 1> flat(const Matrix3d& R) {
-  return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(R.data());  // column after column
+  return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(R.data());  // column-wise
 }
 
-constexpr double kModels = 0.1;  // what the noise model does not know of a good scan [m/s]
+constexpr double kModels = 0.1;  // errors of a good scan beyond the noise model [m/s]
 
-/// Whether the velocity is like those around it; a wrong fold, or somebody who passes by, is not.
+/// Whether the velocity agrees with its neighbours, unlike a wrong fold, or a person passing by.
 bool is_alike(const std::vector<RadarSpeed>& speeds, std::size_t k) {
   constexpr double kAround = 0.25;  // [s]
   constexpr double kNoise = 0.3;    // [m/s]
@@ -99,8 +99,8 @@ bool is_alike(const std::vector<RadarSpeed>& speeds, std::size_t k) {
   return (speeds[k].v_S - middle).norm() < kNoise + 3.0 * sigma;
 }
 
-/// Like that of the scan before, if it is not long ago. It is one hypothesis more, and spares
-/// trying all folds of every triple; the scan alone decides whether it is believed.
+/// The velocity of the scan before, if recent. It is an additional hypothesis and saves trying all
+/// folds of every triple; the scan alone decides whether it is accepted.
 std::optional<RadarVelocity> as_before(const std::vector<RadarSpeed>& speeds, Time time) {
   constexpr double kLong = 0.25;         // [s]
   constexpr double kAcceleration = 2.0;  // [m/s^2]
@@ -114,7 +114,7 @@ std::optional<RadarVelocity> as_before(const std::vector<RadarSpeed>& speeds, Ti
 }  // namespace
 
 std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options) {
-  constexpr double kWeak = 1.0;  // a velocity no better than this tells nothing [m/s]
+  constexpr double kWeak = 1.0;  // a less certain velocity carries no information [m/s]
   options.radar.fov_azimuth = 7.0;
   options.radar.fov_elevation = 7.0;
   EgoVelocityRansac ransac(options.frontend, options.radar.max_doppler);
@@ -165,7 +165,7 @@ const std::vector<ImuPath::Point>& ImuPath::part(std::size_t k) const {
     for (std::size_t i = begin + 1; i <= end; ++i) {
       Point next = now.points.back();
       advance(i, &next);
-      now.points.back().rate = next.rate;  // of the interval that begins there
+      now.points.back().rate = next.rate;  // of the interval that begins here
       now.points.push_back(next);
     }
     if (marks_.size() == from + 1) marks_.push_back(now.points.back());
@@ -196,7 +196,7 @@ std::optional<ImuPath::Point> ImuPath::at(Time time) const {
   const auto i = before(time);
   if (!i) return std::nullopt;
   const double dt = to_seconds(time - samples_[*i].time);
-  const std::vector<Point>& points = part(*i / kPart);  // and the first one of the next part
+  const std::vector<Point>& points = part(*i / kPart);  // and the first point of the next part
   Point out = points[*i % kPart];
   out.turn = out.turn * quaternion_exp(dt * out.rate);
   const double share = dt / to_seconds(samples_[*i + 1].time - samples_[*i].time);
@@ -229,7 +229,7 @@ double Agreement::explained(const Matrix3d& R) const {
 }
 
 double Agreement::movement() const {
-  // r^T A r of a rotation r, in the mean over all
+  // mean of r^T A r over all rotations r
   return weight > 0.0 ? std::sqrt(A.trace() / (3.0 * weight)) : 0.0;
 }
 
@@ -249,7 +249,7 @@ double noise(const std::vector<RadarSpeed>& speeds) {
 std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                    const Vector3d& lever_B, const std::vector<double>& shifts) {
   constexpr double kLength = 2.0;    // [s]
-  constexpr int kFewest = 8;         // beside the six unknowns of v_0 and g
+  constexpr int kFewest = 8;         // besides the six unknowns of v_0 and g
   constexpr double kShortest = 1.0;  // [s]
   std::vector<Agreements> out(shifts.size());
   std::vector<Sums> sums(shifts.size());
@@ -287,7 +287,7 @@ std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const 
 }
 
 double significance(double worse, double better, std::size_t windows) {
-  constexpr double kNoBetter = 1e-3;  // no recording agrees more exactly
+  constexpr double kNoBetter = 1e-3;  // no recording agrees better
   const double gain = std::max(0.0, better - worse);
   return std::sqrt(3.0 * static_cast<double>(windows) * gain / std::max(kNoBetter, 1.0 - better));
 }

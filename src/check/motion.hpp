@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well the velocities a radar measures and the movement an IMU measures belong together, for
-// any axes, sign and scale of the one. No state estimate is needed: per window velocity and
-// gravity are free, and the equations are linear in them.
+// Agreement of the velocities from a radar with the motion from an IMU, for any axes, sign and
+// scale of the radar. No state estimate is needed: per window velocity and gravity are free, and
+// the equations are linear in them.
 //
-// C: turn of the body since the first sample, s: specific force summed up in the axes of then, both
-// from the IMU alone. They drift, yet hardly within a window of seconds. y_S: velocity of the radar
-// in its own axes, from the Dopplers of one scan; R: axes of the radar to those of the body.
+// C: rotation of the body since the first sample, s: integrated specific force in the axes at that
+// time, both from the IMU alone. Their drift is small within a window of seconds. y_S: velocity of
+// the radar in its own axes, from the Dopplers of one scan; R: from radar axes to body axes.
 //
 // (E1) a C R y_S = v_0 + s + g t + C (w x p), a = 1 over the scale of the Doppler
-// (E2) q = s + C (w x p) and G, with C R y_S = G vec(R), less their lines over t in the window:
-//      what v_0 and g cannot explain
+// (E2) q = s + C (w x p) and G, with C R y_S = G vec(R), minus their lines over t in the window:
+//      the part that v_0 and g cannot explain
 // (E3) J(a, R) = sum w |a G r - q|^2 = a^2 r^T A r - 2 a b^T r + c,  r = vec(R)
 // (E4) explained: 1 - min_a J / c = (b^T r)^2 / (c r^T A r), with a > 0
 // (E5) the scale of the Doppler is between b^T r / c (if the noise is the radar's) and
 //      r^T A r / b^T r (if it is the IMU's)
-// (E6) the better of two hypotheses, with the shares u < u' unexplained, is sure by
+// (E6) the better of two hypotheses, with unexplained shares u < u', has a significance of
 //      sqrt(3 n (u' - u) / u) sigmas: as if each axis of n windows were one measurement. A window
 //      has dozens, but the errors of the models repeat within it.
-// All hypotheses share A, b and c, so that trying one costs nothing. Compare
+// All hypotheses share A, b and c, so that evaluating one is cheap. Compare
 // frontend/velocity_pool.hpp and propagate/moving_start.hpp.
 #pragma once
 
@@ -40,31 +40,31 @@ struct RadarSpeed {
   double inlier_share = 0.0;
 };
 
-/// One a scan whose Dopplers agree on a velocity, and on one like that of its neighbours. The
-/// fields of view are not applied, since the axes may be wrong.
+/// One for each scan whose Dopplers agree on a velocity close to that of its neighbours. The fields
+/// of view are not applied, since the axes may be wrong.
 std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options);
 
-/// The IMU summed up; see C and s above. Kept of it are marks, and what was asked for last: it is
-/// asked in the order of time.
+/// The integrated IMU; see C and s above. Only sparse points and the latest parts are stored:
+/// access must be in the order of time.
 class ImuPath {
  public:
   struct Point {
     Quaternion turn = Quaternion::Identity();  ///< C
     Vector3d sum = Vector3d::Zero();           ///< s [m/s]
     Vector3d rate = Vector3d::Zero();          ///< w [rad/s]
-    int piece = 0;                             ///< changes where the IMU paused
+    int piece = 0;                             ///< changes at pauses of the IMU
   };
   /// @param samples stamps strictly increasing; they outlive the path
   ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit)
       : samples_(samples), gyro_unit_(gyro_unit), accel_unit_(accel_unit) {}
-  /// Nothing outside of the samples.
+  /// Empty outside of the samples.
   std::optional<Point> at(Time time) const;
   /// Point::piece alone.
   std::optional<int> piece_at(Time time) const;
 
  private:
-  static constexpr std::size_t kPart = 128;  ///< points from mark to mark
-  static constexpr std::size_t kParts = 16;  ///< that are kept: a second, and more
+  static constexpr std::size_t kPart = 128;  ///< points from one stored point to the next
+  static constexpr std::size_t kParts = 16;  ///< number of stored parts: a second or more
 
   std::optional<std::size_t> before(Time time) const;
   /// The point at sample i, and the rate of the interval that begins there.
@@ -76,7 +76,7 @@ class ImuPath {
   const std::vector<ImuSample>& samples_;
   double gyro_unit_;
   double accel_unit_;
-  mutable std::vector<Point> marks_;  ///< at every kPart-th sample, as far as it was asked for
+  mutable std::vector<Point> marks_;  ///< at every kPart-th sample, as far as accessed
   struct Part {
     std::size_t k = static_cast<std::size_t>(-1);
     std::vector<Point> points;
@@ -93,17 +93,17 @@ struct Agreement {
   int scans = 0;
 
   Agreement& operator+=(const Agreement& other);
-  /// (E3); R may be improper: mirrored axes, or the Doppler's sign.
+  /// (E3); R may be improper: mirrored axes, or a flipped Doppler.
   double cost(double a, const Matrix3d& R) const;
   /// The best a > 0, or 0.
   double inverse_scale(const Matrix3d& R) const;
   /// (E4)
   double explained(const Matrix3d& R) const;
-  /// How much the velocity of the radar changes beside v_0 and g, whatever its axes: rms [m/s].
+  /// Variation of the radar velocity that v_0 and g do not explain, in any axes: rms [m/s].
   double movement() const;
 };
 
-/// Those of several windows; kept is their sum.
+/// Agreements of several windows, with their sum.
 class Agreements {
  public:
   void add(const Agreement& window) {
@@ -118,20 +118,20 @@ class Agreements {
   std::size_t windows_ = 0;
 };
 
-/// Noise of the velocities, from how three that follow each other differ from a line: rms [m/s].
+/// Noise of the velocities, from the deviation of three consecutive ones from a line: rms [m/s].
 double noise(const std::vector<RadarSpeed>& speeds);
 
-/// The longest time shift that is looked at [s].
+/// The longest time shift tested [s].
 inline constexpr double kMostShift = 0.3;
 
-/// For every shift, one a window of two seconds. The same scans whatever the shift, of those up to
+/// For every shift, one per window of two seconds. All shifts use the same scans, limited by
 /// kMostShift.
 /// @param shifts added to the stamps of the radar [s]
-/// @param lever_B where the radar is [m]
+/// @param lever_B position of the radar [m]
 std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                    const Vector3d& lever_B, const std::vector<double>& shifts);
 
-/// (E6) of shares explained, in sigmas; 0 if it is not better.
+/// (E6) from explained shares, in sigmas; 0 if it is not better.
 double significance(double worse, double better, std::size_t windows);
 
 }  // namespace rio::check

@@ -20,7 +20,7 @@ namespace rio::check {
 namespace {
 
 constexpr double kSure = 3.0;       // sigmas, of (E6) of motion.hpp
-constexpr double kExplained = 0.5;  // of the movement: no chance explains as much
+constexpr double kExplained = 0.5;  // of the movement: not reached by chance
 constexpr std::size_t kFewestWindows = 5;
 constexpr double kShiftStep = 0.02;  // [s]
 constexpr int kShifts = 14;          // to each side; below kMostShift
@@ -40,7 +40,7 @@ struct Judge {
 };
 
 /// The mountings at any angle, without and with the Doppler flipped, that maximise b^T r of (E4)
-/// (Wahba's problem), if they are far from all right angles and clearly better than those.
+/// (Wahba's problem), if they are far from all right angles and clearly better.
 void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   constexpr double kFar = 20.0 * kDegree;
   const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(judge.all.b.data()),
@@ -61,14 +61,14 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   }
 }
 
-/// All there is to choose from.
+/// All candidates.
 std::vector<Axes> hypotheses(const Judge& judge) {
   std::vector<Axes> list = candidates(judge.options.radar.T_BS.rotation);
   append_any_angle(judge, &list);
   return list;
 }
 
-/// The best of the candidates; of those it is not surely better than, the first.
+/// The best of the candidates; the first of those that it does not beat significantly.
 Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>* alike) {
   const Axes* best = &list.front();
   for (const Axes& axes : list) {
@@ -84,7 +84,7 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
       alike->push_back(axes);
     }
   }
-  // the same matrix but for a tilt of the mounting; mirrored points are the likelier mistake
+  // the same matrix up to a tilt of the mounting; mirrored points are the more likely error
   const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6;
   const auto mirrored = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
     return mirror_text(judge.told.transpose() * axes.R, "the points").has_value();
@@ -93,7 +93,7 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
   return alike->front();
 }
 
-/// Where even the best explains little: is there nothing to explain, or is something else wrong?
+/// The best explains little: is there no movement to explain, or another error?
 void say_nothing_explains(const Judge& judge, double best, Finding* out) {
   constexpr double kMuch = 0.1;   // [m/s]
   constexpr double kClear = 2.0;  // times the noise
@@ -157,13 +157,13 @@ double most_explained(const Agreements& windows, const Options& options) {
   return most;
 }
 
-/// Whether the two go together only with the gyro in deg/s, which the IMU alone did not show. Not
+/// Whether radar and IMU agree only with the gyro in deg/s, which the IMU alone did not show. Not
 /// the reverse: rates that are too large turn both sides of (E1) alike, and seem to explain
 /// everything.
 std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<ImuSample>& samples,
                                        const std::vector<RadarSpeed>& speeds, double gyro_unit,
                                        double accel_unit) {
-  constexpr double kSlow = 0.3;  // deg/s of something that flies or drives are more [rad/s]
+  constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
   std::vector<double> rates;
   rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(gyro_unit * s.gyro_B.norm());
@@ -188,8 +188,8 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
             "0.0174533"};
 }
 
-/// Whether the two go together only with the rates negated: mirrored axes of the IMU, in which
-/// rates turn the wrong way and the radar looks mirrored, too.
+/// Whether radar and IMU agree only with the rates negated: mirrored axes of the IMU, in which
+/// rates have the wrong sign and the radar also appears mirrored.
 std::optional<Finding> check_handedness(const Judge& judge, const std::vector<ImuSample>& samples,
                                         const std::vector<RadarSpeed>& speeds, double gyro_unit,
                                         double accel_unit) {
@@ -253,7 +253,7 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   return out;
 }
 
-/// The windows for every shift looked at, from the most negative on.
+/// The windows for every shift, from the most negative on.
 std::vector<Agreements> all_shifts(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                    const RadarOptions& radar) {
   std::vector<double> shifts;
@@ -261,8 +261,8 @@ std::vector<Agreements> all_shifts(const std::vector<RadarSpeed>& speeds, const 
   return agreements(speeds, path, radar.T_BS.translation, shifts);
 }
 
-/// Those in which the axes are judged: as told, unless another shift is clearly better with some
-/// axes.
+/// The windows in which the axes are judged: at the configured delay, unless another shift is
+/// significantly better with some axes.
 const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options) {
   std::vector<double> most;
   for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
@@ -273,7 +273,7 @@ const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const 
              : told;
 }
 
-/// The shift of the stamps that explains most.
+/// The shift of the stamps that explains the most.
 struct Shift {
   double seconds = 0.0;
   double explained = 0.0;
@@ -285,7 +285,7 @@ Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
   const auto best = std::max_element(explained.begin(), explained.end());
   const auto index = static_cast<int>(std::distance(explained.begin(), best));
   Shift out{kShiftStep * (index - kShifts), *best};
-  if (best != explained.begin() && best + 1 != explained.end()) {  // the parabola through three
+  if (best != explained.begin() && best + 1 != explained.end()) {  // parabola through three points
     const double curvature = best[-1] - 2.0 * best[0] + best[1];
     if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
   }
@@ -295,7 +295,7 @@ Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
 Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, const Matrix3d& R) {
   constexpr double kNotable = 0.02;  // [s]
   constexpr double kMaybe = 2.0;     // sigmas
-  constexpr double kWrong = 0.045;   // what an estimate with a prior of 30 ms does not take [s]
+  constexpr double kWrong = 0.045;   // not corrected by an estimator with a prior of 30 ms [s]
   const RadarOptions& radar = judge.options.radar;
   const Shift shift = best_shift(shifts, R);
   const double sure =

@@ -11,7 +11,7 @@
 
 namespace rio::check {
 
-/// The value below which the share lies; NaN of nothing. The values are put into another order.
+/// The quantile of this share; NaN without values. Reorders the values.
 inline double quantile_of(std::vector<double>* values, double share) {
   if (values->empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values->size() - 1));
@@ -27,9 +27,8 @@ inline double median(std::vector<double> values) {
   return quantile_of(&values, 0.5);
 }
 
-/// The same of many values, without a copy of them: digit by digit. Where some are NaN, a copy is
-/// made.
-/// @param each calls its argument with all values; asked several times
+/// The same for many values, without copying them: digit by digit. If some are NaN, a copy is made.
+/// @param each calls its argument with all values; called several times
 template <typename Each>
 double quantile_of_each(Each&& each, double share) {
   constexpr int kBits = 16;  // of a digit
@@ -55,7 +54,7 @@ double quantile_of_each(Each&& each, double share) {
     const std::uint64_t known = shift + kBits < 64 ? ~std::uint64_t{0} << (shift + kBits) : 0;
     each([&](double value) {
       constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
-      auto bits = std::bit_cast<std::uint64_t>(value + 0.0);  // no zero is negative
+      auto bits = std::bit_cast<std::uint64_t>(value + 0.0);  // no negative zero
       bits = (bits & kSign) != 0 ? ~bits : bits | kSign;
       if ((bits & known) == found) ++with_digit[(bits >> shift) % kDigits];
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which items of a recording are in the order of time, and where those stand that are not.
+// Items of a recording in time order, and the positions of the others.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,14 @@
 
 namespace rio::check {
 
-/// The longest sequence of strictly rising stamps, as indices: one corrupt stamp, wherever it
-/// points, costs its own item and no other. Of equal stamps the first counts. At either end an item
-/// farther off than all others together last is left out, too, as is what is no stamp at all; of
-/// nothing but such items the first is given.
+/// The longest sequence of strictly increasing stamps, as indices: a corrupt stamp of any value
+/// costs only its own item. Of equal stamps the first is used. At either end an item farther away
+/// than all others span is dropped, too, as are invalid stamps; if there are only such items, the
+/// first is returned.
 template <typename Items>
 std::vector<std::size_t> in_order(const Items& items) {
   constexpr auto kNone = static_cast<std::size_t>(-1);
-  std::size_t rising = 0;  // items before which all stamps rise
+  std::size_t rising = 0;  // number of leading items with rising stamps
   while (rising < items.size() && is_stamp(items[rising].time) &&
          (rising == 0 || items[rising - 1].time < items[rising].time)) {
     ++rising;
@@ -64,7 +64,7 @@ std::vector<std::size_t> in_order(const Items& items) {
   return order;
 }
 
-/// The items that are not in_order(), those aside that repeat the stamp before them.
+/// The items that are not in_order(), except those that repeat the stamp before them.
 struct Strays {
   std::size_t count = 0;
   std::size_t first = 0;
@@ -85,7 +85,7 @@ Strays strays(const Items& all) {
   return out;
 }
 
-/// "FILE:LINE" of a row, from 0, of a csv file; empty where the file cannot be read.
+/// "FILE:LINE" of a row of a csv file, counted from 0; empty if the file cannot be read.
 inline std::string place_of(const std::filesystem::path& csv, std::size_t row) {
   std::ifstream file(csv);
   std::size_t line = 1;

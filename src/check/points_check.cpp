@@ -21,7 +21,7 @@ namespace rio::check {
 namespace {
 
 constexpr double kSure = 3.0;             // of (E3)
-constexpr std::size_t kFewestBlocks = 8;  // for a t of kSure to be no chance: 1 in 100
+constexpr std::size_t kFewestBlocks = 8;  // chance of a t of kSure below 1 in 100
 constexpr double kBlock = 2.0;            // [s]
 constexpr double kLongest = 0.5;          // between the scans of a pair [s]
 constexpr double kRange = 0.05;           // sigma_r: a range bin [m]
@@ -31,7 +31,7 @@ double sum(const std::vector<double>& counts) {
   return std::accumulate(counts.begin(), counts.end(), 0.0);
 }
 
-/// Of the pairs that tell two hypotheses apart, in each block: those that support the one.
+/// The number of pairs per block that support only one or the other of two hypotheses.
 struct Support {
   std::vector<double> first;
   std::vector<double> second;
@@ -45,7 +45,7 @@ struct Support {
     second[block] += supports_second ? 1.0 : 0.0;
   }
   double lead() const { return sum(first) - sum(second); }
-  /// (E3), in favour of the first; 0 if there are too few blocks.
+  /// (E3), in favour of the first; 0 with too few blocks.
   double sure() const {
     double mean = 0.0;
     double square = 0.0;
@@ -64,7 +64,7 @@ struct Support {
   }
 };
 
-/// Of any two stamps [s].
+/// Difference of any two stamps [s].
 double between(const ScanView& from, const ScanView& to) {
   return to_seconds(to.time) - to_seconds(from.time);
 }
@@ -79,7 +79,7 @@ void each_later_scan(const Scans& scans, std::size_t i, Use&& use) {
   }
 }
 
-/// Calls use(scan, later scan, dt, block); where there are many points, not for all scans.
+/// Calls use(scan, later scan, dt, block); subsamples the scans if there are many points.
 template <typename Use>
 void each_pair_of_scans(const Scans& scans, Use&& use) {
   constexpr double kMost = 1e6;  // pairs of points
@@ -108,7 +108,7 @@ struct Rate {
   const char* unit = "";  ///< of the Doppler; empty for [m/s]
 };
 
-/// As told first, then no connection, then the other sign and the units with both.
+/// The configured one first, then no relation, then the other sign and the units with both.
 std::vector<Rate> rates() {
   std::vector<Rate> out = {{1.0, ""}, {0.0, ""}, {-1.0, ""}};
   for (const DopplerUnit& unit : kDopplerUnits) {
@@ -117,7 +117,7 @@ std::vector<Rate> rates() {
   return out;
 }
 
-/// (E1) of every two hypotheses.
+/// Votes of (E1) for every pair of hypotheses.
 class RangeVotes {
  public:
   explicit RangeVotes(std::vector<Rate> all)
@@ -125,11 +125,12 @@ class RangeVotes {
     for (const Rate& rate : all_) largest_ = std::max(largest_, std::abs(rate.k));
   }
 
-  /// What a point of at most this configured change may have moved for any hypothesis [m].
+  /// Largest change of range under any hypothesis, for a point with at most this configured one
+  /// [m].
   double farthest(double told) const { return largest_ * std::abs(told) + kBound; }
 
   void add(double moved, double told, std::size_t block) {
-    std::uint32_t supported = 0;  // a bit each
+    std::uint32_t supported = 0;  // one bit each
     for (std::size_t a = 0; a < all_.size(); ++a) {
       const bool fits = std::abs(moved - all_[a].k * told) < kBound;
       supported |= static_cast<std::uint32_t>(fits) << a;
@@ -139,13 +140,13 @@ class RangeVotes {
       if ((supported >> a & 1U) == 0) continue;
       for (std::size_t b = 0; b < all_.size(); ++b) {
         if ((supported >> b & 1U) != 0) continue;
-        if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be right
+        if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be true
         votes_[std::min(a, b) * all_.size() + std::max(a, b)].add(block, a < b, b < a);
       }
     }
   }
   const Support& of(std::size_t a, std::size_t b) const { return votes_[a * all_.size() + b]; }
-  /// Better than every other one; the first where there is none.
+  /// The one better than every other; the first if there is none.
   std::size_t winner() const {
     for (std::size_t a = 1; a < all_.size(); ++a) {
       bool best = true;
@@ -163,7 +164,7 @@ class RangeVotes {
   static constexpr double kBound = 3.0 * kRange;
 
   std::vector<Rate> all_;
-  double largest_ = 0.0;  ///< factor of them
+  double largest_ = 0.0;  ///< largest factor of the hypotheses
   std::vector<Support> votes_;
 };
 
@@ -179,7 +180,7 @@ void ranges_of(const ScanView& scan, std::vector<double>* ranges) {
   for (const Point& point : scan.detections) ranges->push_back(point.point_S.norm());
 }
 
-/// Of 0 to n - 1 those that fit; without a branch, for few do, in no order.
+/// The indices from 0 to n - 1 that fit; branch-free, since the few that do are in no order.
 template <typename Fits>
 void select(std::size_t n, Fits&& fits, std::vector<std::size_t>* selected) {
   selected->resize(n);
@@ -214,7 +215,7 @@ std::string meaning_of(const Rate& rate) {
   return sign.empty() ? unit : sign + " and " + unit;
 }
 
-/// (E2) of the rates taken as deg/s against those as told, with every mounting.
+/// (E2) of the rates taken as deg/s against the rates as configured, with every mounting.
 class TurnVotes {
  public:
   explicit TurnVotes(const Quaternion& told) {
@@ -227,11 +228,11 @@ class TurnVotes {
     turns_.resize(mountings_.size());
   }
 
-  /// @param told, in_degrees turn of the body from the one scan to the other, in its axes
+  /// @param told, in_degrees rotation of the body from one scan to the other, in its axes
   void add(const ScanView& from, const ScanView& to, const Quaternion& told,
            const Quaternion& in_degrees, std::size_t block) {
     const Vector3d phi = quaternion_log(told);
-    if (phi.norm() < 2.0 * kBound) return;  // both would be right
+    if (phi.norm() < 2.0 * kBound) return;  // both would be true
     for (std::size_t m = 0; m < turns_.size(); ++m) {
       turns_[m] = quaternion_exp(-(mountings_[m].transpose() * phi)).toRotationMatrix();
     }
@@ -254,7 +255,7 @@ class TurnVotes {
       }
     }
   }
-  /// Of that mounting with which the rates as told do best.
+  /// For the mounting with which the configured rates do best.
   const Support& best() const {
     return *std::min_element(votes_.begin(), votes_.end(), [](const Support& a, const Support& b) {
       return a.lead() < b.lead();
@@ -276,7 +277,7 @@ class TurnVotes {
 
   std::vector<Matrix3d> mountings_;
   std::vector<Support> votes_;
-  std::vector<Matrix3d> turns_;  ///< of the scene between two scans
+  std::vector<Matrix3d> turns_;  ///< rotations of the scene between two scans
   std::vector<double> ranges_;   ///< of the points of the later scan
   std::vector<std::size_t> candidates_;
 };

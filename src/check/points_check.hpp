@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the points of scans that follow each other: the sign and the unit of the Doppler and the
-// unit of the gyro, with a handful of noisy points a scan, too. Neither velocity nor mounting is
-// needed.
+// Checks from the points of consecutive scans: the sign and the unit of the Doppler and the unit of
+// the gyro, also with a handful of noisy points a scan. Neither velocity nor mounting is needed.
 //
-// Points i of one scan and j of a scan dt later that look alike are the same reflector more often
-// than chance has it; those that are not fit no hypothesis better than another. Each hypothesis k
-// supports some of the pairs:
+// Similar points i of one scan and j of a scan dt later are the same reflector more often than by
+// chance; other pairs support no hypothesis more than another. Each hypothesis k supports some of
+// the pairs:
 // (E1) |r_j - r_i - k d dt| < 3 sigma_r: k d is the range rate, d the mean of both Dopplers
 // (E2) |Exp(-k w dt) u_i - u_j| < 3 sigma_u: k w is the rate, in the axes of the radar
-// (E3) two hypotheses are compared by the pairs of which both cannot be right: in each block of two
+// (E3) two hypotheses are compared by the pairs that fit only one of them: in each block of two
 //      seconds by the difference of their counts, over all blocks by Student's t of these, whatever
-//      ties pairs of the same points together
+//      the dependence of pairs of the same points
 #pragma once
 
 #include <optional>
@@ -26,8 +25,8 @@ namespace rio::check {
 /// Sign and unit of the Doppler by (E1), subject "Doppler by the ranges".
 Finding check_ranges(const Scans& scans, const Options& options, Source source);
 
-/// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; nothing if it is not.
-/// The rates as told may be right with any mounting and handedness by right angles.
+/// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; empty if it is not.
+/// The rates as configured may fit with any mounting and handedness by right angles.
 /// @param samples usable()
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
                                    const Options& options, Source source);

@@ -14,7 +14,7 @@ namespace rio::check {
 
 namespace {
 
-/// Begin and end of those in order.
+/// First and last stamp of those in order.
 template <typename Items>
 std::pair<Time, Time> span_of(const Items& items) {
   const std::vector<std::size_t> order = in_order(items);
@@ -26,7 +26,7 @@ double duration(const Scans& scans) {
   return std::max(1e-3, to_seconds(end - begin));
 }
 
-/// The row of a file at which a scan begins: one a detection, or one that says that there is none.
+/// The row of a file at which a scan begins: one per detection, or one for an empty scan.
 std::size_t row_of(const Scans& scans, std::size_t scan) {
   std::size_t row = 0;
   for (std::size_t i = 0; i < scan; ++i)
@@ -115,7 +115,7 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   return out;
 }
 
-/// Calls use(|Doppler|) for all that are finite.
+/// Calls use(|Doppler|) for all finite values.
 template <typename Use>
 void each_magnitude(const Scans& scans, Use&& use) {
   for (const ScanView scan : scans) {
@@ -129,7 +129,7 @@ double quantile_of_magnitudes(const Scans& scans, double share) {
   return quantile_of_each([&scans](const auto& use) { each_magnitude(scans, use); }, share);
 }
 
-/// Approaching targets have a Doppler below zero, but no detection has an SNR much below it.
+/// Approaching targets have a negative Doppler, but no detection has an SNR far below zero.
 bool looks_exchanged(const Scans& scans) {
   constexpr double kShare = 0.1;
   std::size_t all = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the scans say of themselves: clock, rate, points, Doppler.
+// Checks of the radar alone: clock, rate, points, Doppler.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@
 
 namespace rio::check {
 
-/// Whether both sensors were there at the same time, by their stamps.
+/// Whether the stamps of both sensors overlap.
 Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, Source source);
 
 /// @param speeds of radar_speeds()
-/// @param csv the file the scans come from, to name lines of it; may be empty
+/// @param csv the file of the scans, to name lines of it; may be empty
 Findings check_radar(const Scans& scans, const io::RadarInfo& info,
                      const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
                      const std::filesystem::path& csv);
 
-/// The largest Doppler but for one of a thousand [m/s]; where a radar folds that is told a limit in
-/// another unit.
+/// The largest Doppler except for one of a thousand [m/s]: where a radar folds whose limit is
+/// configured in another unit.
 double fastest(const Scans& scans);
 
 }  // namespace rio::check

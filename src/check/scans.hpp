@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The scans of a radar in half the memory: what the checks need of them one after the other, the
-// rest where there is any.
+// The scans of a radar in half the memory: the data for the checks contiguous, the rest only if
+// present.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace rio::check {
 
-/// Of RadarDetection.
+/// The part of RadarDetection used by the checks.
 struct Point {
   Vector3d point_S;
   double range_rate;
@@ -78,7 +78,7 @@ class Scans {
     return {scans_[i].time, std::span(points_).subspan(scans_[i].points, end - scans_[i].points)};
   }
 
-  /// All of a scan, as it was added.
+  /// The complete scan, as added.
   void get(std::size_t i, RadarScan* scan) const {
     const ScanView view = (*this)[i];
     scan->time = view.time;
@@ -109,7 +109,7 @@ class Scans {
   static constexpr auto kNone = static_cast<std::size_t>(-1);
   struct Scan {
     Time time;
-    std::size_t points;  ///< its first one
+    std::size_t points;  ///< index of its first one
     std::size_t rest;    ///< of its first one; kNone: all zero
   };
   using Rest = std::array<double, 5>;  ///< noise, sigmas

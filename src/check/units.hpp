@@ -8,7 +8,7 @@ namespace rio::check {
 
 inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< [rad]
 
-/// What a Doppler may be mistaken for, and how much larger it reads than [m/s].
+/// Possible units of a Doppler, and their factor relative to [m/s].
 struct DopplerUnit {
   const char* name;
   double scale;

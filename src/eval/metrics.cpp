@@ -96,7 +96,7 @@ RelativeError relative_error(const std::vector<PosePair>& pairs, double distance
     const double target = path[i] + distance;
     auto end = std::lower_bound(first, path.end(), target);
     if (end == path.end() || (end != first && target - *std::prev(end) <= *end - target)) {
-      // of poses at one place, as while hovering, the first
+      // of poses at one position, as in hover, the first
       end = std::lower_bound(first, end, *std::prev(end));
     }
     const double length = *end - path[i];

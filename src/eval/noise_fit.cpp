@@ -56,7 +56,7 @@ void NoiseFitter::add(const NoiseSample& sample, const Parameters& x, Sums* sums
   const double weak = std::pow(10.0, -0.1 * (sample.snr_db - x[kWeak]));
   const double growth = 1.0 + std::min(1.0, weak);  // (E1)
   const Eigen::Vector4d grown(variance[0], growth * variance[1], growth * variance[2], variance[3]);
-  // made up to three dimensions by some that nothing depends on
+  // padded to three dimensions, on which nothing depends
   const Eigen::Index n = sample.innovation.size();
   Matrix3d S = Matrix3d::Identity();
   Vector3d innovation = Vector3d::Zero();
@@ -91,7 +91,7 @@ void NoiseFitter::add(const NoiseSample& sample, const Parameters& x, Sums* sums
 
 std::optional<NoiseFitter::Parameters> NoiseFitter::scoring_step(const Sums& sums) {
   Information information = sums.information;
-  constexpr double kVague = 1e-3;  // a sigma of 30 dB: keeps w where the samples say nothing
+  constexpr double kVague = 1e-3;  // a sigma of 30 dB: keeps w without information
   information(kWeak, kWeak) += kVague;
   const SmallCholesky<kCount> cholesky(information);
   if (!cholesky.positive()) return std::nullopt;

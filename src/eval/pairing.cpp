@@ -60,7 +60,7 @@ Association associate_nearest(const Trajectory& truth, const Trajectory& estimat
     const auto distance = [](Time a, Time b) { return a < b ? b - a : a - b; };
     const Time difference = distance(nearest->time, pose.time);
     if (difference > max_difference) continue;
-    // claims of one true pose follow each other, for both sequences increase
+    // claims of one true pose are consecutive, since both sequences increase
     if (!result.pairs.empty() && result.pairs.back().truth.time == nearest->time) {
       if (difference < distance(nearest->time, result.pairs.back().estimate.time)) {
         result.pairs.back().estimate = pose;

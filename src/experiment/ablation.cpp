@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The default preset with one mechanism off at a time: what does each bring, and where?
+// The default preset with one mechanism off at a time: the effect of each, by scenario.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ namespace {
 
 constexpr int kSeeds = 14;  // twice the seven lengths
 
-/// One mechanism off, or one that is off by default on. Flown indoors and where it should matter.
+/// One mechanism switched off, or on if it is off by default. Flown indoors and where it should
+/// matter.
 struct Switch {
   const char* name;
   std::vector<std::string> families;
@@ -138,7 +139,7 @@ std::vector<Variant> variants_in(const std::string& family) {
   return variants;
 }
 
-/// Flights of a family; "indoor" goes through the seven lengths.
+/// Flights of a family; "indoor" covers the seven lengths.
 std::vector<Case> family(const std::string& name, int count) {
   if (name != "indoor") return cases_of(name, count);
   std::vector<Case> cases;

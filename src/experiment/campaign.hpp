@@ -16,7 +16,7 @@ namespace rio::experiment {
 
 /// One flight.
 struct Case {
-  std::string group;  ///< rows of a table gather the cases of one group
+  std::string group;  ///< cases of one group share the rows of a table
   sim::Scenario scenario;
 };
 
@@ -28,10 +28,10 @@ std::vector<Case> cases_of(const std::string& name, int count, std::uint64_t fir
 struct Variant {
   std::string name;
   std::string preset;
-  std::function<void(Options&)> change{};  ///< applied to the preset, if given
+  std::function<void(Options&)> change{};  ///< applied to the preset, if set
 };
 
-/// Of the variant's preset, told the sensors of the flight, with its change.
+/// Options of the variant's preset with the sensors of the flight and its change.
 Options options_of(const sim::Flight& flight, const Variant& variant);
 
 /// One trial's result.
@@ -42,19 +42,19 @@ struct Outcome {
   Score score;
 };
 
-/// How an experiment is carried out.
+/// Settings of an experiment.
 struct Settings {
-  int seeds = 0;  ///< flights of a kind; 0 = as many as the experiment takes by itself
+  int seeds = 0;  ///< flights of a kind; 0 = the default of the experiment
   int threads = 2;
   std::string data{};  ///< folder of the recordings, for experiments on real ones
   std::vector<std::string> recordings{};  ///< further such folders
-  std::string scenario{};                 ///< name or file, for experiments that fly one of choice
+  std::string scenario{};                 ///< name or file, for experiments with a selectable one
   double hours = 24.0;                    ///< of flight, for `soak`
   bool smoother = false;                  ///< the back-end of `soak`
   OnProgress on_progress{};
 };
 
-/// Called with each trial before it is forgotten, never by two threads at a time.
+/// Called with each trial before it is discarded, never by two threads at a time.
 using EachTrial = std::function<void(const Case&, const Variant&, const Trial&)>;
 
 /// Flies every case with every variant. Runs come by case, then by variant.
@@ -69,10 +69,10 @@ double median_time_per_scan(const sim::Flight& flight, const Variant& variant);
 std::vector<Score> select(const std::vector<Outcome>& runs, std::string_view group,
                           std::string_view variant);
 
-/// How many lost their way.
+/// Number of lost runs.
 int count_lost(const std::vector<Score>& scores);
 
-/// All figures of all runs, a row a run.
+/// All figures of all runs, a row per run.
 std::string outcomes_as_csv(const std::vector<Outcome>& runs);
 
 }  // namespace rio::experiment

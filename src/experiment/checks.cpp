@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rio check` says of recordings with a fault, and of those without.
+// Findings of `rio check` for recordings with a fault, and for those without.
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -53,7 +53,7 @@ std::vector<Healthy> to_damage(const std::string& folder) {
   return all;
 }
 
-/// The verdict that names the fault; else what else is not ok, in brackets.
+/// The verdict that names the fault; else the other findings, in brackets.
 std::string said_of(const Healthy& healthy, const check::Fault& fault) {
   io::Dataset damaged = healthy.data;
   fault.make(&damaged);
@@ -66,7 +66,7 @@ std::string said_of(const Healthy& healthy, const check::Fault& fault) {
   return "-";
 }
 
-/// What is not ok, or "ok".
+/// The findings that are not ok, or "ok".
 std::string said_of(const Healthy& healthy) {
   std::string text;
   for (const Finding& f : checked(healthy.data)) {

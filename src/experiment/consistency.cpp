@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is the error as large as the covariance says? Matched runs: the simulated noise is what the
-// filter models and the true start is drawn from its prior, so NEES over its dimension has mean 1
-// at every instant, and its average over N runs lies between chi-squared bounds (rio/eval/nees.hpp,
+// Does the error agree with the covariance? Matched runs: the simulated noise is that of the
+// filter's model and the true start is drawn from its prior, so NEES over its dimension has mean 1
+// at every time, and its average over N runs lies between chi-squared bounds (rio/eval/nees.hpp,
 // E3).
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ constexpr std::uint64_t kFirstSeed = 200;
 constexpr double kProbability = 0.99;
 constexpr double kStanding = 6.0;  // the flight begins some time before this [s]
 
-/// A block whose error is judged.
+/// A block whose error is tested.
 struct Block {
   const char* name;
   int dof;
@@ -37,7 +37,7 @@ constexpr std::array kBlocks = {
     Block{"position", 3, &BlockNees::position}, Block{"attitude", 3, &BlockNees::attitude},
     Block{"heading", 1, &BlockNees::heading}, Block{"velocity", 3, &BlockNees::velocity}};
 
-/// NEES of one variant's runs: a vector a run, one entry a second since the first IMU sample.
+/// NEES of one variant's runs: a vector per run, one entry per second since the first IMU sample.
 struct Series {
   std::vector<std::vector<BlockNees>> runs;
   std::vector<BlockNees> landed;  ///< at the last scan of each run
@@ -58,7 +58,7 @@ struct Series {
     return {kNan, kNan, kNan, kNan};
   }
 
-  /// Seconds that every run has.
+  /// Seconds present in every run.
   std::size_t seconds() const {
     std::size_t shortest = std::numeric_limits<std::size_t>::max();
     for (const auto& run : runs) shortest = std::min(shortest, run.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The experiments: each answers one question by many simulated flights, as tables and charts.
+// The experiments: each answers one question with many simulated flights, as tables and charts.
 #pragma once
 
 #include <string>
@@ -11,20 +11,20 @@ namespace rio::experiment {
 
 /// A file an experiment writes beside its report.
 struct Attachment {
-  std::string name;  ///< with its ending
+  std::string name;  ///< with extension
   std::string text;
 };
 
-/// What an experiment found.
+/// Result of an experiment.
 struct Result {
-  std::string markdown;  ///< tables and what they mean
+  std::string markdown;  ///< tables with explanations
   std::vector<Attachment> attachments;
 };
 
 /// Table I and II of Michalczyk et al., ICRA 2023: accuracy of the seven flights, error over the
-/// distance flown, what Doppler, trails and landmarks contribute, time per scan.
+/// distance travelled, contribution of Doppler, trails and landmarks, time per scan.
 Result icra2023(const Settings& settings);
-/// Is the error as large as the covariance says? NEES over matched runs, NIS per model.
+/// Does the error agree with the covariance? NEES over matched runs, NIS per model.
 Result consistency(const Settings& settings);
 /// The default preset with one mechanism off at a time.
 Result ablation(const Settings& settings);
@@ -36,26 +36,26 @@ Result robustness(const Settings& settings);
 Result iros2024(const Settings& settings);
 
 /// Every fault of the catalogue (fault.hpp) in several flights with both back-ends: promises kept,
-/// what ends wrong, and what of that is reported.
+/// wrong final states, and which of these are reported.
 Result fault_campaign(const Settings& settings);
 
-/// Tables I to III, Fig. 7 and 8 of Xu et al.: what the noise of each point is worth as a weight
-/// and in matching, whether its size is right, comparison of estimators, NIS, time per scan.
+/// Tables I to III, Fig. 7 and 8 of Xu et al.: the benefit of each point's noise as a weight and in
+/// matching, its correct size, comparison of estimators, NIS, time per scan.
 Result uncertainty(const Settings& settings);
 
-/// Every real recording of a folder (Settings::data) with every preset and both back-ends, as it is
-/// and perturbed, its mounting as given and as calibrated.
+/// Every real recording of a folder (Settings::data) with every preset and both back-ends,
+/// unchanged and perturbed, its mounting as given and as calibrated.
 Result real(const Settings& settings);
 
-/// Recordings (Settings::data and recordings) beside their simulated twins (Settings::scenario):
-/// rates, losses, vibration, points, and what the filter makes of them.
+/// Recordings (Settings::data and recordings) against their simulated twins (Settings::scenario):
+/// rates, losses, vibration, points, and results of the filter.
 Result twins(const Settings& settings);
 
-/// What `rio check` says of recordings (Settings::data) and flights with a fault, and without.
+/// Findings of `rio check` for recordings (Settings::data) and flights with a fault, and without.
 Result checks(const Settings& settings);
 
 /// One flight of Settings::hours: memory, errors, symmetry, norms and times, and whether runs and
-/// the orders of calls agree to the bit.
+/// orders of calls agree to the bit.
 Result soak(const Settings& settings);
 
 /// One experiment of the list.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults: what may go wrong between the sensors and the odometry API, and what is promised of each.
+// Faults: possible errors between the sensors and the odometry API, and the promise for each.
 //
-// A fault changes the events of a flight, IMU samples and scans in the order in which they are at
-// hand, from some instant on. Or it lies in the sensors, or in what the estimator is told, from the
-// start; it is judged like one that begins later.
+// A fault changes the events of a flight, IMU samples and scans in the order of arrival, from some
+// time on. Or it is in the sensors, or in the configuration of the estimator, from the start; it is
+// judged like one that begins later.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ namespace rio::experiment {
 struct Event {
   enum class Kind : std::uint8_t { kImu, kScan, kReset };
 
-  Time arrival{0};   ///< when it is at hand, true time
+  Time arrival{0};   ///< when it arrives, true time
   Time measured{0};  ///< true time, whatever the stamp says
   Kind kind = Kind::kImu;
   ImuSample sample{};
@@ -39,24 +39,24 @@ struct Event {
 };
 using Stream = std::vector<Event>;
 
-/// Where a fault stands when it changes an event.
+/// Context of a fault when it changes an event.
 struct Moment {
   double t = 0.0;       ///< arrival of the event since the fault began [s]
-  int n = 0;            ///< events of its kind since then
+  int n = 0;            ///< events of this kind since then
   Time begin{0};        ///< of the fault, true time
-  const Event& before;  ///< the last one of its kind before the fault
+  const Event& before;  ///< the last one of this kind before the fault
   const sim::Flight& flight;
   sim::Random& random;
   Stream& more;  ///< takes further events
 };
 
-/// What the estimator does with a fault. "Wrong" is said in survival.hpp.
+/// Promised reaction of the estimator. "Wrong" is defined in survival.hpp.
 enum class Promise : std::uint8_t {
   kIgnored,    ///< never wrong, nothing reset
   kBridged,    ///< never wrong
-  kHonest,     ///< degraded, never beyond 5 sigma; not wrong in the end
-  kRecovered,  ///< not wrong from Fault::within after its end on
-  kReported,   ///< may be wrong, but says so within a second
+  kHonest,     ///< degraded, never beyond 5 sigma; not wrong at the end
+  kRecovered,  ///< not wrong later than Fault::within after its end
+  kReported,   ///< may be wrong, but reports it within a second
 };
 
 inline constexpr double kForGood = std::numeric_limits<double>::infinity();
@@ -67,14 +67,14 @@ struct Fault {
   double within = 0.0;    ///< of kRecovered [s]
   double duration = 1.0;  ///< events arriving within it are changed; kForGood [s]
   std::function<void(Event&, Moment&)> change{};
-  std::function<void(sim::Scenario&)> sensors{};  ///< the flight is another one from its start on
-  std::function<void(Options&)> told{};           ///< what the estimator is told wrongly
+  std::function<void(sim::Scenario&)> sensors{};  ///< the flight differs from its start on
+  std::function<void(Options&)> told{};           ///< wrong configuration of the estimator
 };
 
 /// "recovered within 5 s".
 std::string promise_text(const Fault& fault);
 
-/// The catalogue, names unique. The first one is no fault at all.
+/// The catalogue, with unique names. The first entry is no fault.
 const std::vector<Fault>& faults();
 /// @throws std::runtime_error if there is no such fault
 const Fault& fault_named(std::string_view name);
@@ -85,10 +85,10 @@ std::vector<Fault> radar_faults();
 std::vector<Fault> time_faults();
 std::vector<Fault> told_faults();
 
-/// Both; lasts as long as the longer one.
+/// Both faults; lasts as long as the longer one.
 Fault together(const Fault& a, const Fault& b, Promise promise, double within = 0.0);
 
-/// The events of a flight with a fault from `begin` after its first sample on, by arrival.
+/// The events of a flight, by arrival, with a fault from `begin` after its first sample on.
 Stream disturbed(const sim::Flight& flight, const Fault& fault, Time begin);
 
 }  // namespace rio::experiment

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every fault of the catalogue in several flights with both back-ends: which promises are kept,
-// what ends wrong, and whether the estimator says so.
+// which final states are wrong, and whether the estimator reports it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ Survival fly(const Run& run) {
   return survive(*run.flight, options, *run.fault);
 }
 
-/// A flight whose sensors are other ones is simulated for itself.
+/// A flight with other sensors is simulated separately.
 Survival fly_with_other_sensors(const Run& run) {
   sim::Scenario scenario =
       scenario_of(run.flight_name.c_str(), run.flight->scenario.seed, kFaultBegins + kJudgedAfter);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults of what the IMU says.
+// Faults of the IMU data.
 #include <fmt/format.h>
 
 #include "experiment/fault.hpp"
@@ -82,7 +82,7 @@ void add_dead_axes(std::vector<Fault>& all) {
 
 void add_bias_steps(std::vector<Fault>& all) {
   for (int axis = 0; axis < 3; ++axis) {
-    // no measurement tells a turn about the vertical from a bias, landmarks apart
+    // only landmarks distinguish a rotation about the vertical from a bias
     all.push_back(samples(fmt::format("gyro bias {} +0.01 rad/s", kAxes[axis]), kForGood,
                           axis == 2 ? Promise::kHonest : Promise::kRecovered, 15.0,
                           [axis](ImuSample& s, Moment&) { s.gyro_B[axis] += 0.01; }));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults of what the radar says.
+// Faults of the radar data.
 #include <fmt/format.h>
 
 #include <array>
@@ -38,7 +38,7 @@ Fault bad_field(const char* name, double RadarDetection::*field) {
                });
 }
 
-/// A point somewhere in view, which moves as it likes.
+/// A point somewhere in view with random motion.
 RadarDetection anything(const sim::RadarModel& radar, sim::Random& random) {
   const double range = random.uniform(0.5, 0.8 * radar.max_range);
   const double azimuth = random.uniform(-0.5, 0.5) * radar.fov_azimuth;
@@ -51,7 +51,7 @@ RadarDetection anything(const sim::RadarModel& radar, sim::Random& random) {
   return d;
 }
 
-/// Into the interval that the radar can tell.
+/// Into the unambiguous interval of the radar.
 double folded(double range_rate, const sim::RadarModel& radar) {
   return std::remainder(range_rate, 2.0 * radar.max_doppler);
 }
@@ -66,7 +66,7 @@ Fault random_outliers(double share, double duration, Promise promise, double wit
                });
 }
 
-/// A share of the points moves with one velocity more, as a lorry that fills the view does.
+/// A share of the points has an additional common velocity, like a lorry that fills the view.
 Fault coherent_outliers(double share, double duration, Promise promise, double within) {
   return scans(fmt::format("{:.0f} % coherent outliers for {} s", 100.0 * share, duration),
                duration, promise, within, [share](RadarScan& scan, Moment& m) {

@@ -10,7 +10,7 @@ namespace rio::experiment {
 
 namespace {
 
-/// How far the body turns in a pause of the IMU of some 0.3 s nobody knows; the Dopplers tell soon.
+/// Rotation of the body in an unnoticed pause of the IMU of some 0.3 s; the Dopplers show it soon.
 constexpr double kPause = 2.0;  // [s]
 
 using std::chrono::hours;
@@ -21,7 +21,7 @@ void shift(Event& e, Time by) {
   (e.is_imu() ? e.sample.time : e.scan.time) += by;
 }
 
-/// Moves the stamps of the first `count` events of a kind.
+/// Shifts the stamps of the first `count` events of a kind.
 Fault odd_stamps(const char* name, bool imu, int count, Time by,
                  Promise promise = Promise::kIgnored) {
   return {.name = name, .promise = promise, .change = [imu, count, by](Event& e, Moment& m) {
@@ -29,7 +29,7 @@ Fault odd_stamps(const char* name, bool imu, int count, Time by,
           }};
 }
 
-/// Moves the stamps of all, or of the scans alone, for good.
+/// Shifts the stamps of all, or of the scans alone, permanently.
 Fault jump(const char* name, Promise promise, Time by, bool scans_only = false) {
   return {.name = name,
           .promise = promise,
@@ -70,7 +70,7 @@ Fault in_blocks(const char* name, bool imu, double block, Promise promise) {
           }};
 }
 
-/// Every second one arrives after the one behind it.
+/// Every second one arrives after its successor.
 Fault swapped(const char* name, bool imu) {
   return {.name = name, .duration = 10.0, .change = [imu](Event& e, Moment& m) {
             if (e.is_imu() != imu || m.n % 2 == 1) return;
@@ -80,7 +80,7 @@ Fault swapped(const char* name, bool imu) {
           }};
 }
 
-/// Again, the same, after a while.
+/// Repeats the same event after a while.
 Fault repeated(const char* name, bool imu, double after) {
   return {.name = name,
           .promise = Promise::kIgnored,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults of what the estimator is told: mounting, and starts in flight.
+// Faults of the configuration: mounting, and starts in flight.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ Fault turned_mounting(double degrees, Promise promise) {
           }};
 }
 
-/// A start in flight from the truth, known to the sigmas of the options' start, changed.
+/// A start in flight from the truth with the sigmas of the options' start, modified.
 Fault start(const std::string& name, Promise promise, double within,
             const std::function<void(io::StartFile&)>& change) {
   return {.name = "start in flight, " + name,

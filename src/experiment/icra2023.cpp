@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Michalczyk et al., ICRA 2023, on simulated flights of the same lengths: Table I (norm of MAE at
-// 127 m and final drift), Fig. 6 (norm of MAE over the distance), what each kind of measurement
-// contributes, with which radar trails and landmarks pay, and Table II (time per scan); beside the
-// first two the information limit.
+// 127 m and final drift), Fig. 6 (norm of MAE over the distance), the contribution of each kind of
+// measurement, the radars for which trails and landmarks help, and Table II (time per scan); the
+// first two include the information limit.
 #include <fmt/format.h>
 
 #include <array>
@@ -61,7 +61,7 @@ std::vector<Variant> variants() {
   return all;
 }
 
-/// Norm of MAE up to each multiple of kStep, a vector a run.
+/// Norm of MAE up to each multiple of kStep, a vector per run.
 using Curves = std::vector<std::vector<double>>;
 
 std::vector<double> mae_over_distance(const std::vector<eval::PosePair>& pairs) {
@@ -73,7 +73,7 @@ std::vector<double> mae_over_distance(const std::vector<eval::PosePair>& pairs) 
 
 constexpr const char* kLimit = "information limit";
 
-/// What an optimal estimator could reach on one flight.
+/// The accuracy of an optimal estimator on one flight.
 struct Limit {
   std::string group;
   double drift = 0.0;         ///< least RMS of the last error [%]
@@ -99,7 +99,7 @@ double rms(const std::vector<double>& values) {
   return std::sqrt(sum);
 }
 
-/// Over the limits of a group, or of all groups if none is named.
+/// Over the limits of a group, or of all groups if none is given.
 double rms_limit(const std::vector<Limit>& limits, const std::string& group = "") {
   std::vector<double> values;
   for (const Limit& limit : limits) {

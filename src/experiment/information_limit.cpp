@@ -5,7 +5,7 @@
 // the radar in its axes, t_az and t_el the unit tangents of the angles:
 // (E1) e = R_BS^T (R_WB^T (l - p_WB) - p_BS),  v_S = R_BS^T (R_WB^T v_WB + w x p_BS)
 // (E2) z = (r, t_az . u, t_el . u + elevation bias, -(1 + scale) u . v_S),  J = dz/dx, whitened
-// (E3) dz/dt_d = -(J_phi w + J_p v_WB + J_v a_W): a late stamp tells where the radar has been
+// (E3) dz/dt_d = -(J_phi w + J_p v_WB + J_v a_W): a late stamp is a shift along the motion
 // (E4) known reflector:  P <- P - P J^T (J P J^T + I)^-1 J P
 // (E5) new reflector, first three rows J_x dx + J_l dl + n = 0:  dl = -J_l^-1 (J_x dx + n); then
 //      (E4) with its Doppler. Reference: Michalczyk et al. 2023, eq. 10-11.
@@ -111,7 +111,7 @@ class DetectionRows {
 
 constexpr double kAllAlike = -200.0;  // of RadarOptions::weak_snr_db [dB]
 
-/// The noise of a detection whose true place is `point_S`: that of the options at the true
+/// The noise of a detection with true position `point_S`: that of the options at the true
 /// direction, larger for weak echoes, with the grid of the angles and the wander of the reflector.
 Detection noise_of(const Vector3d& point_S, double snr_db, const sim::RadarModel& model,
                    const RadarOptions& options) {
@@ -119,7 +119,7 @@ Detection noise_of(const Vector3d& point_S, double snr_db, const sim::RadarModel
   const double growth = std::sqrt(1.0 + model.weak_angle_growth * weakness);
   const double grid = model.angle_grid / std::sqrt(12.0);
   RadarOptions o = options;
-  o.weak_snr_db = kAllAlike;  // the growth is the simulator's own
+  o.weak_snr_db = kAllAlike;  // the growth is that of the simulator
   o.sigma_azimuth = std::hypot(growth * o.sigma_azimuth, grid);
   o.sigma_elevation = std::hypot(growth * o.sigma_elevation, grid);
   Detection d = make_detection({.point_S = point_S, .snr_db = snr_db}, o);
@@ -133,7 +133,7 @@ Detection noise_of(const Vector3d& point_S, double snr_db, const sim::RadarModel
   return d;
 }
 
-/// P, and which reflectors it knows.
+/// P, and the reflectors in it.
 class Recursion {
  public:
   Recursion(const LimitPrior& prior, Time timeout) : timeout_(timeout) {
@@ -250,8 +250,8 @@ class Recursion {
       if (now - landmarks_[i].last_seen > timeout_) remove(i);
     }
   }
-  /// Of those out of view the one unseen for longest. If there is none, the youngest: what a
-  /// landmark is worth is where it was first seen from.
+  /// Of those out of view the one unseen for longest. If there is none, the youngest: the
+  /// information of a landmark is in its first view point.
   std::size_t least_missed(Time now) const {
     const auto stalest = std::min_element(
         landmarks_.begin(), landmarks_.end(),
@@ -262,7 +262,7 @@ class Recursion {
     const bool unseen = now - stalest->last_seen > from_seconds(kLandmarkInView);
     return static_cast<std::size_t>((unseen ? stalest : youngest) - landmarks_.begin());
   }
-  /// The last one takes its place.
+  /// The last one replaces it.
   void remove(std::size_t i) {
     const Eigen::Index at = column(static_cast<Eigen::Index>(i));
     const Eigen::Index last = size() - 3;

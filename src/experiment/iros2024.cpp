@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Michalczyk et al., IROS 2024, on simulated flights: filter against sliding window. Table I (norm
 // of RMSE of the position), Fig. 9 (speed error after a start with a wrong velocity, with a
-// covariance that admits it and one that does not), time per scan; and robust kernels under
+// covariance that covers it and one that does not), time per scan; and robust kernels under
 // outliers.
 #include <fmt/format.h>
 
@@ -140,7 +140,7 @@ std::string table_kernels(const Settings& settings, std::vector<Outcome>* data) 
 }
 
 /// Error of the velocity of one run at the multiples of kStep from 0 to kSpan: that of the first
-/// scan from there on [m/s].
+/// scan at or after it [m/s].
 using SpeedError = std::vector<double>;
 /// The runs of a start and an estimator.
 using SpeedErrors = std::map<std::pair<std::string, std::string>, std::vector<SpeedError>>;
@@ -159,7 +159,7 @@ SpeedError speed_error(const Trial& trial, Time start) {
   return curve;
 }
 
-/// When the error falls below kConverged for good [s]; NaN if it does not.
+/// Time from which the error stays below kConverged [s]; NaN if it never does.
 double convergence_time(const SpeedError& curve) {
   std::size_t end = curve.size();
   while (end > 0 && curve[end - 1] < kConverged) --end;
@@ -243,7 +243,7 @@ std::string chart(const SpeedErrors& errors) {
     panel.x_label = "time since the start [s]";
     panel.y_label = "speed error [m/s]";
     panel.log_y = true;
-    panel.y = plot::Range{1e-3, 1e2};  // a diverging estimate has no end
+    panel.y = plot::Range{1e-3, 1e2};  // a diverging estimate is unbounded
     for (std::size_t k = 0; k < variants().size(); ++k) {
       const std::string& name = variants()[k].name;
       add_to_chart(errors.at({start.scenario, name}), name, plot::curve_stroke(k), &panel);

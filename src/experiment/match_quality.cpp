@@ -22,7 +22,7 @@ double share(double part, int whole) {
   return whole == 0 ? std::numeric_limits<double>::quiet_NaN() : part / whole;
 }
 
-/// A back-end that shows the judge what it is given.
+/// A back-end that passes its inputs to the judge.
 template <class BackEnd>
 class Judged : public BackEnd {
  public:

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How good is data association? The matches of a simulated flight against the true origin of every
+// Quality of data association: the matches of a simulated flight against the true origin of every
 // detection. A match is right if it joins two direct echoes of one static reflector; ghosts, false
-// alarms, people and highlights that ride along have no right match.
+// alarms, people and moving highlights have no right match.
 //
 // (E1) precision = right matches / matches
-// (E2) recall    = right matches / direct echoes of reflectors a landmark or a trail stands for
+// (E2) recall    = right matches / direct echoes of reflectors represented by a landmark or a trail
 //
-// A landmark stands for the reflector of the detection that it was born from, a trail for that
-// of its newest detection. Right matches count once: a detection has one match at most.
+// A landmark represents the reflector of the detection from which it was initialised, a trail that
+// of its newest detection. Right matches count once: a detection has at most one match.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ struct MatchQuality {
     int right = 0;
     double precision() const;  ///< (E1), NaN without matches
   };
-  /// Innovations of the landmarks' matches that were used.
+  /// Innovations of the matches with landmarks that were used.
   struct Innovations {
     double nis = 0.0;
     int dof = 0;
@@ -36,7 +36,7 @@ struct MatchQuality {
   };
   Matches landmarks;
   Matches trails;
-  int possible = 0;  ///< direct echoes of a reflector that a landmark or a trail stands for
+  int possible = 0;  ///< direct echoes of a reflector represented by a landmark or a trail
   Innovations right;
   Innovations wrong;
 
@@ -44,7 +44,7 @@ struct MatchQuality {
   double recall() const;  ///< (E2), NaN if nothing was possible
 };
 
-/// Remembers which reflector every trail and landmark stands for, and counts. One call a step:
+/// Tracks which reflector every trail and landmark represents, and counts. One call per step:
 /// begin, judge, tally, keep.
 class MatchJudge {
  public:
@@ -54,8 +54,9 @@ class MatchJudge {
   void judge(const Observations& seen, std::size_t landmarks);
   /// Counts the innovations of the matches just judged.
   void tally(const UpdateReport& report);
-  /// What the landmarks stand for after some have left and others were born.
-  /// @param before landmarks' places before that, as `after` has them for those that stayed
+  /// Reflectors of the landmarks after some were removed and others added.
+  /// @param before positions of the landmarks before that, in the form `after` has for those that
+  /// stayed
   /// @param births in any order
   void keep(const std::vector<Vector3d>& before, const Promotions& births, const Estimate& after);
 
@@ -67,30 +68,30 @@ class MatchJudge {
     std::vector<Vector3d> points_S;
     std::vector<sim::Label> labels;
 
-    /// Of the detection that is exactly there; of a false alarm if there is none.
+    /// Label of the detection at exactly this point; of a false alarm if there is none.
     sim::Label at(const Vector3d& point_S) const;
   };
 
   std::vector<sim::Label> labels_;
   Labelled now_;
-  Labelled last_;  ///< of the scan before: trails end in it
+  Labelled last_;  ///< of the previous scan: the ends of the trails
   std::vector<sim::Label> landmarks_;
   std::vector<bool> right_;  ///< per detection: its match with a landmark
   MatchQuality quality_;
 };
 
-/// The labels of the detections that passed the filter. @param raw what was filtered
+/// The labels of the detections that passed the filter. @param raw the filter's input
 std::vector<sim::Label> labels_of(const DetectionList& filtered, const RadarScan& raw,
                                   const std::vector<sim::Label>& raw_labels);
 
-/// A flight whose matches were judged.
+/// A flight with judged matches.
 struct JudgedFlight {
-  std::vector<eval::PosePair> pairs;  ///< one a processed scan
+  std::vector<eval::PosePair> pairs;  ///< one per processed scan
   MatchQuality matches;
 };
 
-/// Flies through the research API with what Odometry makes of these options: the same estimates,
-/// for a radar without latency and an estimator that aligns itself.
+/// Flies through the research API as Odometry does with these options: the same estimates, for a
+/// radar without latency and an estimator with static alignment.
 JudgedFlight fly_and_judge(const sim::Flight& flight, const Options& options);
 
 }  // namespace rio::experiment

@@ -17,7 +17,7 @@ namespace rio::experiment {
 using OnProgress = std::function<void(std::size_t done, std::size_t total)>;
 
 /// Calls job(0) .. job(count - 1), each once, in any order. The first exception stops the loop
-/// after the running jobs and is thrown on.
+/// after the running jobs and is rethrown.
 template <class Job>
 void parallel_for(std::size_t count, int threads, const OnProgress& on_progress, const Job& job) {
   std::atomic<std::size_t> next{0};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording through the research API, for a back-end that looks over the shoulder of the real
-// one. Does what Odometry does with a radar without latency and an estimator that aligns itself at
-// rest.
+// A recording through the research API, for a back-end that observes the real one. Equals Odometry
+// for a radar without latency and an estimator with static alignment.
 #pragma once
 
 #include <optional>
@@ -28,7 +27,7 @@ class PipelineDrive {
   BackEnd& backend() { return pipeline_.backend(); }
   const Pipeline<BackEnd>& pipeline() const { return pipeline_; }
 
-  /// @param due due(i, now): the scan i is at hand
+  /// @param due due(i, now): scan i has arrived
   /// @param before before(i, filtered): called before a scan is processed
   /// @param after after(i, status): called after that
   template <class Due, class Before, class After>

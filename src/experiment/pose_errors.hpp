@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The four figures that evo prints of a trajectory by default, and a record of them over flights
-// and estimators. Nothing is aligned, a relative pose goes from one frame to the next.
+// and estimators. Nothing is aligned; a relative pose goes from one frame to the next.
 //
 // (E1) APE = RMSE of |p_est - p_true| and of the angle of R_est R_true^T
 // (E2) RPE = RMSE of the same two of the steps T_i^-1 T_i+1
@@ -19,7 +19,7 @@
 
 namespace rio::experiment {
 
-/// NaN where there is nothing to measure.
+/// NaN if undefined.
 struct PoseErrors {
   double ape = 0.0;        ///< (E1) [m]
   double ape_angle = 0.0;  ///< (E1) [deg]
@@ -27,7 +27,7 @@ struct PoseErrors {
   double rpe_angle = 0.0;  ///< (E2) [deg]
 };
 
-/// @param pairs one a scan
+/// @param pairs one per scan
 PoseErrors pose_errors(const std::vector<eval::PosePair>& pairs);
 
 /// One of the four, as in tables.
@@ -57,11 +57,11 @@ class PoseErrorTable {
   }
   /// By increasing seed. @throws std::out_of_range if there is no such run
   std::vector<double> values(const Key& key, double PoseErrors::*value) const;
-  /// How much larger a figure is than in the same flights with another variant: mean of the
-  /// differences and its standard error, "+0.12 ± 0.03".
+  /// Increase of a figure over another variant in the same flights: mean of the differences and its
+  /// standard error, "+0.12 ± 0.03".
   std::string change(const Key& key, const std::string& reference,
                      const PoseErrorFigure& figure) const;
-  /// A row a run.
+  /// A row per run.
   std::string as_csv() const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every real recording of a folder with every preset and both back-ends, as it is and perturbed,
-// its mounting as given and as calibrated by the recording itself.
+// Every real recording of a folder with every preset and both back-ends, unchanged and perturbed,
+// its mounting as given and as calibrated from the recording itself.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -51,10 +51,10 @@ Options options_for(const Recording& recording, const Estimator& estimator) {
   return options;
 }
 
-/// A replay to be made, and what came of it.
+/// A replay to be run, and its result.
 struct Run {
   const Recording* recording;
-  std::size_t original;   ///< index of the recording it was made from
+  std::size_t original;   ///< index of its source recording
   std::size_t estimator;  ///< index
   std::string kind;       ///< of the perturbation, empty = none
   bool calibrated = false;
@@ -71,7 +71,7 @@ Recording calibrated(const Recording& recording) {
   return copy;
 }
 
-/// Median and worst; a replay that did not start has none, and is counted.
+/// Median and worst; replays that did not start have no value and are counted.
 std::string summary(const std::vector<const Run*>& runs,
                     const std::function<double(const RealScore&)>& value, int decimals) {
   std::vector<double> values;
@@ -95,7 +95,7 @@ std::vector<std::string> summary_cells(const std::vector<const Run*>& runs) {
       std::count_if(runs.begin(), runs.end(), [](const Run* r) { return r->score.started; });
   return {
       fmt::format("{} of {}", started, runs.size()),
-      summary(  // where nothing else is known: it was brought back
+      summary(  // without other references: the sensor was returned to its start
           runs,
           [](const RealScore& s) { return std::isnan(s.horizontal) ? s.closure : std::nan(""); },
           3),
@@ -144,7 +144,7 @@ std::string table_of_recordings(const std::vector<Recording>& recordings,
   return table.text();
 }
 
-/// Recordings NAME_A and NAME_B are of one drive: where they end must agree.
+/// Recordings NAME_A and NAME_B are of one drive: their end positions must agree.
 std::string table_of_pairs(const std::vector<Recording>& recordings, const std::vector<Run>& runs) {
   MarkdownTable table({"drive", "estimator", "ends of A and B apart [% of the way]"});
   for (std::size_t i = 0; i + 1 < recordings.size(); ++i) {

@@ -46,7 +46,8 @@ double moving_share(const RadarScan& scan, double grid) {
   return static_cast<double>(moving) / static_cast<double>(scan.detections.size());
 }
 
-/// Heights above the mean of the first two seconds, each the mean of a second.
+/// Heights from means of a second, relative to that at the end of the first two seconds; zero
+/// before.
 eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
   eval::Trajectory heights;
   std::size_t first = 0;
@@ -74,7 +75,7 @@ eval::Trajectory poses_of(const Replay& replay) {
   return poses;
 }
 
-/// Every half second, so that the jitter of the estimate does not count.
+/// Sampled every half second, so that the jitter of the estimate does not count.
 double length_of(const eval::Trajectory& poses) {
   double distance = 0.0;
   std::size_t last = 0;
@@ -126,13 +127,13 @@ void judge_height(const Recording& recording, const Replay& replay, RealScore* s
     honest += std::abs(errors.back()) < 3.0 * step.sigma_height ? 1.0 : 0.0;
   }
   score->height = root_mean_square(errors);
-  // a barometer of its own noise of some centimetres judges no sigma
+  // a barometer with a noise of some centimetres cannot validate a sigma
   if (recording.flat()) score->honest = honest / static_cast<double>(errors.size());
 }
 
 void judge_rest(const Recording& recording, const Replay& replay, RealScore* score) {
   constexpr double kSettled = 1.0;   // after the last motion [s]
-  constexpr double kShortest = 2.0;  // rest that tells of creep [s]
+  constexpr double kShortest = 2.0;  // shortest rest to measure creep [s]
   const Time rest = motion_of(recording.data).end + from_seconds(kSettled);
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -253,7 +254,7 @@ Replay replay(const io::Dataset& data, const Options& options) {
     }
   };
   for (const ImuSample& sample : data.imu) {
-    (void)odometry->add_imu(sample);  // what it did is counted
+    (void)odometry->add_imu(sample);  // its outcome is counted
     give(data.scans, 0, sample.time);
     for (std::size_t r = 0; r < data.other_radars.size(); ++r) {
       give(data.other_radars[r].scans, r + 1, sample.time);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every scenario of the catalogue, one row a preset. A row says when the preset is overconfident,
-// loses its way, or is worse than the published filter.
+// Every scenario of the catalogue, one row per preset. A row states when the preset is
+// overconfident, is lost, or is worse than the published filter.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ std::string overconfident_in(const std::vector<Score>& scores) {
   const double three = eval::anees_bounds(3, runs, 0.99).upper / 3.0;
   const double one = eval::anees_bounds(1, runs, 0.99).upper;
   std::vector<std::string> blocks;
-  // not <=, so that a NaN is told
+  // not <=, so that a NaN is reported
   const auto check = [&](const char* name, double Score::*value, double bound) {
     if (!(Spread::of(scores, value).mean <= bound)) blocks.emplace_back(name);
   };
@@ -47,7 +47,7 @@ std::string lost_text(const std::vector<Score>& scores) {
   return fmt::format("lost in {} of {}", count_lost(scores), scores.size());
 }
 
-/// What a reader has to know about a row.
+/// Remarks on a row.
 std::string remark(const std::vector<Score>& scores, const std::vector<Score>& published) {
   std::vector<std::string> remarks;
   if (count_lost(scores) > 0) remarks.push_back(lost_text(scores));

@@ -8,24 +8,24 @@
 
 namespace rio::experiment {
 
-/// Figures of a trial; NaN where there is nothing to measure.
+/// Figures of a trial; NaN if undefined.
 struct Score {
   bool complete = false;       ///< see Trial
-  bool lost = false;           ///< not complete, or ends off by more than 5 % of the path and 2 m
+  bool lost = false;           ///< not complete, or final error above 5 % of the path and 2 m
   double path_length = 0.0;    ///< of the truth [m]
   double final_error = 0.0;    ///< distance at the last scan [m]
   double drift = 0.0;          ///< the same in percent of the path
   double mae = 0.0;            ///< norm of MAE of the position [m]
   double heading = 0.0;        ///< RMSE of the heading [deg]
   double velocity = 0.0;       ///< RMSE of the velocity [m/s]
-  double nees_position = 0.0;  ///< mean over the scans of NEES over its dimension; 1 is right
+  double nees_position = 0.0;  ///< mean over the scans of NEES over its dimension; 1 is consistent
   double nees_attitude = 0.0;  ///< same
   double nees_heading = 0.0;   ///< same
   double nees_velocity = 0.0;  ///< same
   double nis_doppler = 0.0;    ///< mean normalised innovation squared of the rows used
   double nis_trails = 0.0;     ///< same
   double nis_points = 0.0;     ///< same, landmarks measured as points
-  double nis_positions = 0.0;  ///< same, landmarks measured as places
+  double nis_positions = 0.0;  ///< same, landmarks measured as positions
   double nis_landmarks = 0.0;  ///< same, ranges
 };
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-constexpr double kSame = 0.1;  // two looks at one point [m]
+constexpr double kSame = 0.1;  // two observations of one point [m]
 
 double ratio(double part, double whole) {
   return whole > 0.0 ? part / whole : kNaN;
@@ -190,7 +190,7 @@ double found_again(const io::Dataset& data, Time begin, Time end, double distanc
   return ratio(found, all);
 }
 
-/// In scans that move with most of their points, and so does the one after half a second.
+/// In scans with motion of most of their points, if the scan half a second later has it, too.
 void look_at_companions(const io::Dataset& data, RadarSignature* s) {
   constexpr double kLater = 0.5;  // [s]
   const auto still = [&](const RadarDetection& d) {

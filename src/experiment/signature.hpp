@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the data of a recording tell by themselves, without an estimator: rates, losses, vibration
-// and its spectrum, points, grids. To hold a recording against its simulated twin.
+// Properties of the data of a recording, without an estimator: rates, losses, vibration and its
+// spectrum, points, grids. For comparison with its simulated twin.
 //
 // (E1) an interpolated sample lies on the line between its neighbours, on all six axes
 // (E2) power of a band: sum of 2 |X_k|^2 / (n sum w^2) over its lines, X the transform of 0.64 s
@@ -17,7 +17,7 @@
 
 namespace rio::experiment {
 
-/// 10 %, 50 % and 90 % quantile; NaN of nothing.
+/// 10 %, 50 % and 90 % quantile; NaN without values.
 struct Quantiles {
   double low = 0.0;
   double median = 0.0;
@@ -34,15 +34,15 @@ using Bands = std::array<double, kBandEdges.size()>;
 /// RMS over the bands from `first` to the last.
 double rms_from(const Bands& bands, std::size_t first);
 
-/// (E2) of samples that are taken as evenly spaced. @param rate_hz of the samples
+/// (E2) of samples with assumed even spacing. @param rate_hz of the samples
 Bands spectrum(const std::vector<Vector3d>& samples, double rate_hz);
 
 /// Of the IMU; units rad/s and m/s^2.
 struct ImuSignature {
   double rate_hz = 0.0;       ///< by the median interval
-  double missing = 0.0;       ///< share of the samples of that rate that are not there
-  double interpolated = 0.0;  ///< share of the samples there are (E1)
-  double run = 0.0;           ///< mean number of neighbours lost together, of either kind
+  double missing = 0.0;       ///< share of missing samples at that rate
+  double interpolated = 0.0;  ///< share of interpolated among the present samples (E1)
+  double run = 0.0;           ///< mean number of consecutive lost samples, of either kind
   Bands gyro_rest{};          ///< before the first motion
   Bands gyro_moving{};
   Bands accel_rest{};
@@ -66,12 +66,12 @@ struct RadarSignature {
   Quantiles elevation;            ///< [rad]
   Quantiles snr_db;               ///< [dB]
   double snr_floor_db = 0.0;      ///< its 1 % quantile [dB]
-  double snr_range = 0.0;         ///< slope of the SNR over the logarithm of range [dB a decade]
+  double snr_range = 0.0;         ///< slope of the SNR over the logarithm of range [dB per decade]
   double still_at_rest = 0.0;     ///< share of the points of the rest before the start
   double repeated_at_rest = 0.0;  ///< share found again within 0.1 m in the next scan
-  double repeated_moving = 0.0;   ///< same in motion, within 0.1 m more than the way flown
+  double repeated_moving = 0.0;   ///< same in motion, within 0.1 m more than the distance travelled
   /// Share of the points in motion that have no Doppler and are found again within 0.1 m after half
-  /// a second: echoes of the vehicle itself, or of what rides along.
+  /// a second: echoes of the vehicle itself, or of objects that move along.
   double rides_along = 0.0;
 };
 RadarSignature radar_signature(const io::Dataset& data, const Motion& motion);

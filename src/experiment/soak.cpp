@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A day in the air in one go: does anything grow, drift or depend on the order of the calls?
+// A flight of a day: does anything grow, drift or depend on the order of the calls?
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 double largest(const std::vector<SoakRow>& rows, double SoakRow::*value) {
   double most = 0.0;
   for (const SoakRow& row : rows) {
-    // not max(), so that a NaN is told
+    // not max(), so that a NaN is reported
     if (!(row.*value <= most)) most = row.*value;
   }
   return most;
@@ -77,7 +77,7 @@ std::string csv_of(const std::vector<SoakRow>& rows) {
   return text;
 }
 
-/// The rows of the verdict: what was asked, what was found, whether it held.
+/// The rows of the verdict: criterion, value, and whether it held.
 class Verdict {
  public:
   void add(const std::string& what, const std::string& found, const std::string& asked, bool held) {
@@ -91,7 +91,7 @@ class Verdict {
 
 void judge_constancy(const SoakRun& run, Verdict* verdict) {
   const std::vector<SoakRow>& rows = run.rows;
-  // of the second row: the first has seen the start
+  // of the second row: the first includes the start
   const double grown =
       rows.back().resident - rows[std::min<std::size_t>(1, rows.size() - 1)].resident;
   verdict->add("growth of memory [MB]", fmt::format("{:.2f}", grown), "below 1", grown < 1.0);
@@ -119,7 +119,7 @@ void judge_constancy(const SoakRun& run, Verdict* verdict) {
 void judge_errors(const SoakRun& run, Verdict* verdict) {
   const std::vector<SoakRow>& rows = run.rows;
   const double position = largest(rows, &SoakRow::nees_position);
-  const double bound = chi2_quantile(0.9999, 3.0) / 3.0;  // somewhere in the run
+  const double bound = chi2_quantile(0.9999, 3.0) / 3.0;  // at any time of the run
   verdict->add("position: largest NEES of a row", fmt::format("{:.2f}", position),
                fmt::format("below {:.1f}", bound), position < bound);
   const double velocity = mean(rows, &SoakRow::nees_velocity);

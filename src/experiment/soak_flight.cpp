@@ -42,7 +42,7 @@ Trajectory make_piece(std::uint64_t seed, std::int64_t number, Time start) {
   const Trajectory::Control hover(0.0, 0.0, 0.9, 0.0);
   const Vector3d low(-3.0, -2.5, 0.35);
   const Vector3d high(3.0, 2.5, 1.7);
-  constexpr std::size_t kHome = 30;  // steps enough from anywhere
+  constexpr std::size_t kHome = 30;  // steps, enough from anywhere
   sim::Random random(seed, 100 + static_cast<std::uint64_t>(number));
   Controls controls(5, ground);
   fly(hover, 0.7, kHome, &controls);
@@ -85,7 +85,7 @@ ImuSample EndlessFlight::next_imu() {
 }
 
 Time EndlessFlight::next_scan_time() const {
-  // whole milliseconds and a part of one: no stamp of a sample
+  // whole milliseconds plus a fraction: never the stamp of a sample
   constexpr Time kFirst{23'456'789};
   const auto period = std::chrono::milliseconds(std::lround(1e3 / scenario_.radar.rate_hz));
   return scenario_.start + kFirst + scans_ * period;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A flight without an end: ten minutes from the ground and back to the same spot, over and over,
-// each time another way. The sensors are simulated as they are asked for, so that memory does not
-// grow.
+// An endless flight: ten minutes from the ground and back to the same spot, repeatedly, each time
+// on another path. The sensors are simulated on demand, so that memory does not grow.
 #pragma once
 
 #include <cstdint>
@@ -39,7 +38,7 @@ class EndlessFlight {
   const sim::Trajectory& piece_at(Time time);
 
   sim::Scenario scenario_;
-  Piece pieces_[2];  ///< the even and the odd one in use: scans and samples need not be in step
+  Piece pieces_[2];  ///< even and odd one in use: scans and samples need not be in step
   sim::ImuSimulator imu_;
   sim::RadarSimulator radar_;
   std::int64_t samples_ = 0;

@@ -22,7 +22,7 @@ namespace rio::experiment {
 
 namespace {
 
-/// Memory of this process [MB]; 0 where the system does not tell.
+/// Memory of this process [MB]; 0 if unknown.
 double resident_megabytes() {
   long size = 0;
   long resident = 0;
@@ -41,7 +41,7 @@ void add_to_hash(const T& value, std::uint64_t* hash) {
   for (std::size_t i = 0; i < sizeof value; ++i) *hash = (*hash ^ bytes[i]) * 0x100000001b3ULL;
 }
 
-/// How long before (positive) or after its time a scan is handed over.
+/// How early a scan is delivered relative to its time; negative: late.
 Time ahead(Interleaving interleaving) {
   using std::chrono::milliseconds;
   if (interleaving == Interleaving::kEarly) return milliseconds(200);
@@ -54,7 +54,7 @@ struct Error {
   double nees = 0.0;
 };
 
-/// Of the direction of gravity, in two axes across it [rad].
+/// Of the direction of gravity, in two perpendicular axes [rad].
 Error tilt_of(const eval::BodyError& e, const NavState& estimate, const BodyCovariance& P) {
   const Vector3d up = estimate.q_WB.conjugate() * Vector3d::UnitZ();
   Eigen::Matrix<double, 2, 3> across;
@@ -66,8 +66,8 @@ Error tilt_of(const eval::BodyError& e, const NavState& estimate, const BodyCova
   return {error.norm(), eval::nees(error, covariance) / 2.0};
 }
 
-/// Of the velocity in body axes [m/s]: in those of the world the heading, which drifts without
-/// bound, turns it by more than what is linear.
+/// Of the velocity in body axes [m/s]: in world axes the unbounded drift of the heading rotates it
+/// beyond the linear range.
 Error velocity_of(const NavState& estimate, const NavState& truth, const BodyCovariance& P) {
   const Vector3d v_B = estimate.q_WB.conjugate() * estimate.v_WB;
   const Vector3d error = v_B - truth.q_WB.conjugate() * truth.v_WB;
@@ -81,7 +81,7 @@ class Run {
  public:
   Run(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each)
       : settings_(settings), each_(each), flight_(scenario()) {
-    sim::Flight told;  // the sensors alone
+    sim::Flight told;  // sensor parameters only
     told.scenario = scenario();
     told.configured_T_BS = told.scenario.radar.T_BS;
     Options options = options_for(told, "default");
@@ -96,7 +96,7 @@ class Run {
   }
 
   SoakRun fly() {
-    constexpr double kRest = 0.5;  // without a scan, so that the last is processed [s]
+    constexpr double kRest = 0.5;  // without a scan, so that the last one is processed [s]
     const Time begin = scenario().start;
     const Time last_scan = begin + from_seconds(settings_.seconds - kRest);
     const Time end = begin + from_seconds(settings_.seconds);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One long run of one estimator: what it has to show of itself every few minutes, and a hash of all
-// its estimates, by which runs are compared.
+// One long run of one estimator: its figures every few minutes, and a hash of all its estimates to
+// compare runs.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace rio::experiment {
 
-/// In what order samples and scans are handed over. The estimates are the same in all of them.
+/// Order in which samples and scans are given. The estimates do not depend on it.
 enum class Interleaving {
-  kScanFirst,  ///< each scan as soon as its time has come, before the next sample
-  kImuFirst,   ///< each scan when a sample is newer than it
+  kScanFirst,  ///< each scan at its time, before the next sample
+  kImuFirst,   ///< each scan after the first sample newer than it
   kEarly,      ///< two tenths of a second ahead of the samples: scans wait
   kLate,       ///< a tenth of a second behind them
 };
 
 struct SoakSettings {
   double seconds = 86'400.0;
-  double every = 600.0;  ///< time of a row [s]
+  double every = 600.0;  ///< period of the rows [s]
   BackEnd backend = BackEnd::kEkf;
   Interleaving interleaving = Interleaving::kScanFirst;
   std::uint64_t seed = 1;
@@ -54,7 +54,7 @@ struct SoakRun {
   Counters counters;
 };
 
-/// Flies the default preset from a known start. Called with each row as it ends.
+/// Flies the default preset from a known start. Calls back with each row when it ends.
 SoakRun run_soak(const SoakSettings& settings,
                  const std::function<void(const SoakRow&)>& each = {});
 

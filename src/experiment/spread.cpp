@@ -55,7 +55,7 @@ void MarkdownTable::add(const std::vector<std::string>& row) {
 
 std::string number(double value, int decimals) {
   if (std::isnan(value)) return "-";
-  constexpr double kLarge = 1000.0;  // such figures need no decimals
+  constexpr double kLarge = 1000.0;  // figures this large need no decimals
   return fmt::format("{:.{}f}", value, std::abs(value) < kLarge ? decimals : 0);
 }
 

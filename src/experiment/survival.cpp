@@ -22,7 +22,7 @@ constexpr double kWrongSpeed = 0.5;     // [m/s]
 constexpr double kWrongPosition = 0.5;  // [m], and ...
 constexpr double kWrongSigmas = 5.0;
 constexpr double kStuck = 1.0;           // [s]
-constexpr double kCheck = 0.02;          // time between two looks at the estimate [s]
+constexpr double kCheck = 0.02;          // period of the checks of the estimate [s]
 constexpr double kReportedWithin = 1.0;  // [s]
 
 /// Of a block of the covariance in the direction of the error; NaN if that has none.
@@ -55,11 +55,11 @@ double tilt_error(const NavState& x, const NavState& truth) {
   return std::atan2(up.cross(true_up).norm(), up.dot(true_up)) * 180.0 / M_PI;
 }
 
-/// Stamps of the samples that were taken and when they were measured in truth.
+/// Stamps of the accepted samples and their true measurement times.
 class Clock {
  public:
   void took(Time stamp, Time measured) { samples_.push_back({stamp, measured}); }
-  /// The stamps before are of another clock.
+  /// Earlier stamps are of another clock.
   void restart() {
     if (samples_.size() > 1) samples_.erase(samples_.begin(), samples_.end() - 1);
   }
@@ -81,7 +81,7 @@ class Clock {
   std::vector<Pair> samples_;
 };
 
-/// Feeds the events and looks at what comes of them.
+/// Feeds the events and evaluates the results.
 class Watch {
  public:
   Watch(const sim::Flight& flight, const Fault& fault, double begin, double after,
@@ -186,7 +186,7 @@ class Watch {
   const sim::Flight& flight_;
   const Fault& fault_;
   Time begin_;
-  Time end_;   ///< of the fault; of one that lasts, its begin
+  Time end_;   ///< of the fault; for a permanent one, its beginning
   Time last_;  ///< of the verdict
   Odometry& odometry_;
   Clock clock_;

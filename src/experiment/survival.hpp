@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A flight with a fault, judged against the truth while it lasts and half a minute later.
+// A flight with a fault, judged against the truth during the fault and half a minute later.
 //
-// Wrong: not finite; the covariance not symmetric positive semi-definite; tilt off by more than
-// 3 deg; velocity off by more than 0.5 m/s (body axes: the heading cannot be known); position off
-// by more than 0.5 m and 5 sigma; or the estimate is of more than a second ago. A sigma is that of
-// the covariance in the direction of the error.
+// Wrong: not finite; the covariance not symmetric positive semi-definite; tilt off by more than 3
+// deg; velocity off by more than 0.5 m/s (body axes, since the heading is unobservable); position
+// off by more than 0.5 m and 5 sigma; or the estimate older than a second. A sigma is that of the
+// covariance in the direction of the error.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@
 namespace rio::experiment {
 
 inline constexpr double kFaultBegins = 20.0;  // after the first sample [s]
-inline constexpr double kJudgedAfter = 30.0;  // the end of a fault, or the begin of a lasting one
+inline constexpr double kJudgedAfter = 30.0;  // after the end, or the beginning of a permanent one
 
-/// Estimate against truth at one instant.
+/// Estimate against truth at one time.
 struct Deviation {
   double tilt = 0.0;      ///< [deg]
   double speed = 0.0;     ///< of the velocity's error, body axes [m/s]
@@ -31,23 +31,23 @@ struct Deviation {
   bool covariance = true;  ///< symmetric positive semi-definite
 
   bool wrong() const { return !why().empty(); }
-  /// What is wrong: "tilt, position"; empty if nothing is.
+  /// The wrong quantities: "tilt, position"; empty if there are none.
   std::string why() const;
   /// Beyond the limits and beyond 5 sigma, or no estimate at all.
   bool dishonest() const;
   bool outside_3_sigma() const;
 };
 
-/// What became of a flight with a fault. Times in seconds.
+/// Result of a flight with a fault. Times in seconds.
 struct Survival {
-  Deviation last;                   ///< at the end
-  bool kept = false;                ///< Fault::promise
-  bool reported_last = false;       ///< at the end
-  bool reported_before = false;     ///< degraded or worse at any time before the fault
-  bool always_finite = true;        ///< from the fault on
-  bool always_covariance = true;    ///< same
-  double wrong_until = 0.0;         ///< last time it was wrong, after the fault's end; or below 0
-  double longest_unreported = 0.0;  ///< longest stretch wrong and not reported
+  Deviation last;                 ///< at the end
+  bool kept = false;              ///< Fault::promise
+  bool reported_last = false;     ///< at the end
+  bool reported_before = false;   ///< degraded or worse at any time before the fault
+  bool always_finite = true;      ///< from the fault on
+  bool always_covariance = true;  ///< same
+  double wrong_until = 0.0;  ///< last time it was wrong, relative to the fault's end; or below 0
+  double longest_unreported = 0.0;  ///< longest interval wrong and not reported
   double outside_unreported = 0.0;  ///< sum of times outside of 3 sigma and not reported
   std::uint32_t states = 0;         ///< bit i: health was in state i, from the fault on
   Counters counters;                ///< at the end
@@ -56,11 +56,11 @@ struct Survival {
 /// The names of a set of states, Survival::states.
 std::string states_text(std::uint32_t states);
 
-/// Says of itself that it is not well: any state but ok.
+/// Whether the estimator reports a problem: any state but ok.
 bool is_reported(const Odometry& odometry);
 
-/// The flight with the fault, from `begin` on, through a new estimator; judged at
-/// begin + duration + `after`, or where the flight ends. `options` need not know of the fault.
+/// The flight with the fault, from `begin` on, through a new estimator; judged at begin + duration
+/// + `after`, or where the flight ends. `options` need not include the fault.
 /// @throws std::runtime_error if the options are invalid
 Survival survive(const sim::Flight& flight, const Options& options, const Fault& fault,
                  double begin = kFaultBegins, double after = kJudgedAfter);

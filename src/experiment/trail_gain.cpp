@@ -55,7 +55,7 @@ std::vector<Variant> columns() {
 }  // namespace
 
 std::vector<Variant> clone_variants() {
-  const auto clones = [](int count) {  // a trail becomes a landmark when it is as long
+  const auto clones = [](int count) {  // a trail becomes a landmark at this length
     return [=](Options& o) { o.update.max_clones = o.frontend.promote_after = count; };
   };
   return {{"published-ekf: one past scan, Doppler, trails", "published-ekf",

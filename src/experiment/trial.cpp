@@ -96,7 +96,7 @@ class FlightReplay {
   Trial trial_;
 };
 
-/// The true first state with the scenario's error, its biases unknown.
+/// The true first state with the scenario's error, biases unknown.
 void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometry& odometry) {
   const NavState state = flight.configured_start();
   BodyCovariance P = io::start_covariance(state.q_WB, start);

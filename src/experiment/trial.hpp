@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One trial: a simulated flight through the odometry API, with everything that judges it.
+// One trial: a simulated flight through the odometry API, and its evaluation.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace rio::experiment {
 
-/// A preset told the sensors of a flight: noises, grids, biases at
-/// turn-on where they are larger than the preset expects, and the mounting as told.
+/// A preset with the sensors of a flight: noises, grids, turn-on biases where they are larger than
+/// the preset expects, and the configured mounting.
 /// @throws std::runtime_error if there is no such preset
 Options options_for(const sim::Flight& flight, const std::string& preset);
 
@@ -27,32 +27,32 @@ struct Step {
   BodyCovariance covariance;
 };
 
-/// What became of a flight.
+/// Result of a flight.
 struct Trial {
-  std::vector<Step> steps;                        ///< one a processed scan
+  std::vector<Step> steps;                        ///< one per processed scan
   std::array<ModelReport, kModelCount> models{};  ///< sums over the flight
   Counters counters;
   int doubted = 0;           ///< steps whose health was worse than ok
   Time propagation_time{0};  ///< summed over the scans, if Options::timing.clock is given
   Time update_time{0};
-  /// Every estimate and covariance finite, no update failed, and no 2 s without a processed scan
-  /// that the radar did not cause.
+  /// Every estimate and covariance is finite, no update failed, and no 2 s without a processed scan
+  /// except for silence of the radar.
   bool complete = false;
 };
 
 /// Called with the report of every processed scan.
 using EachReport = std::function<void(const UpdateReport&)>;
 
-/// Feeds all samples to an estimator in the order in which they are at hand.
+/// Feeds all samples to an estimator in the order of arrival.
 Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each = {});
 
-/// The same with a new estimator of these options, which aligns itself, or starts wrongly as the
-/// scenario says.
+/// The same with a new estimator of these options, with static alignment, or with the wrong start
+/// of the scenario.
 /// @throws std::runtime_error if the options are invalid
 Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each = {});
 
 /// The trial with a true start drawn from the prior, position and heading, instead of the exact one
-/// the simulator gives it: the estimator cannot tell, and its prior is honest.
+/// from the simulator: the estimator sees no difference, and its prior is consistent.
 Trial with_drawn_start(const Trial& trial, const StartOptions& start, std::uint64_t seed);
 
 /// For Options::timing.clock.

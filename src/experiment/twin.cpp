@@ -13,7 +13,7 @@ namespace rio::experiment {
 
 namespace {
 
-/// The bands of the spectrum from here on are Shaking high, those below low.
+/// The bands of the spectrum from here on are Shaking high, lower ones low.
 constexpr std::size_t kHigh = 2;
 
 double rms_below(const Bands& bands, std::size_t last) {
@@ -22,14 +22,14 @@ double rms_below(const Bands& bands, std::size_t last) {
   return std::sqrt(sum);
 }
 
-/// What is measured of a value, and the value.
+/// A measured value, and the scenario value that controls it.
 struct Knob {
   double* value;
   double wanted;
   double found;
 };
 
-/// The rms values of a scenario beside those measured in a recording and in its twin.
+/// The rms values of a scenario with those measured in a recording and in its twin.
 std::vector<Knob> knobs(const ImuSignature& wanted, const ImuSignature& found, sim::ImuModel* imu) {
   std::vector<Knob> all;
   const auto add = [&](Bands ImuSignature::*bands, double sim::Shaking::*value) {
@@ -74,7 +74,8 @@ void take_sensors(const io::Dataset& data, const Motion& motion, sim::Scenario* 
 /// Rounds of twin_of(): each leaves a fraction of the difference.
 constexpr int kRounds = 4;
 
-/// One round: the rms by their quotients, the strength of the echoes by that of the points a scan.
+/// One round: scales the rms by their quotients, the strength of the echoes by that of the points a
+/// scan.
 void bring_closer(const Twin& wanted, const Twin& found, sim::Scenario* s) {
   constexpr double kLargest = 4.0;  // quotient of a round
   const auto quotient = [kLargest](double a, double b) {
@@ -84,7 +85,7 @@ void bring_closer(const Twin& wanted, const Twin& found, sim::Scenario* s) {
                                 imu_signature(found.data, found.motion), &s->imu)) {
     *knob.value *= quotient(knob.wanted, knob.found);
   }
-  // points multiply with about ten decibels a decade
+  // the number of points grows tenfold in about ten decibels
   s->radar.snr_1m_db +=
       10.0 * std::log10(quotient(radar_signature(wanted.data, wanted.motion).mean_points,
                                  radar_signature(found.data, found.motion).mean_points));
@@ -135,7 +136,7 @@ sim::Scenario as_recorded(const Recording& recording, sim::Scenario s) {
     s.path.max_speed = radar_signature(data, motion).speed.high;
     s.path.min_speed = std::min(s.path.min_speed, 0.5 * s.path.max_speed);
   } else {
-    // the recorded path contains the rest; its own leads are two seconds long
+    // the recorded path includes the rest; its leads are two seconds long
     s.path.stand_before = s.path.stand_after = 0.0;
   }
   return s;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings beside their simulated twins: where is the simulator kinder than the world?
+// Recordings against their simulated twins: where is the simulator easier than reality?
 //
-// A twin takes from its recording what that tells directly: rates, lost samples, rms of the
-// vibration, grids, mounting, points a scan, the rest at both ends, and the path where there is a
-// reference. Everything else is the scenario's: the noise, the surroundings, what is not static.
+// A twin takes from its recording the directly measurable properties: rates, lost samples, rms of
+// the vibration, grids, mounting, points a scan, the rest at both ends, and the path if there is a
+// reference. Everything else is from the scenario: noise, surroundings, moving objects.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ namespace {
 constexpr const char* kScenario = "rough-ground";
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// Everything there is to compare.
+/// All compared figures.
 struct Facts {
   ImuSignature imu;
   RadarSignature radar;
@@ -39,7 +39,7 @@ Facts facts_of(const io::Dataset& data, const Motion& motion) {
   return {imu_signature(data, motion), radar_signature(data, motion), testimony(data, motion)};
 }
 
-/// What a larger value means.
+/// Meaning of a larger value.
 enum class Larger { kHarder, kKinder, kNeither };
 
 /// One row of the table.
@@ -149,13 +149,13 @@ std::vector<Row> rows_of_estimator() {
        [](const Facts& f) { return static_cast<double>(f.seen.velocity_resets); }}};
 }
 
-/// A recording and what is true of its twins, one a seed.
+/// A recording and the figures of its twins, one per seed.
 struct Pair {
   Facts recording;
   std::vector<Facts> twins;
 };
 
-/// Over the twins that have one.
+/// Over the twins that have the figure.
 double mean(const std::vector<Facts>& twins, const Row& row) {
   double sum = 0.0;
   double count = 0.0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Xu, Huang, Shen, Yin, "Incorporating Point Uncertainty in Radar SLAM", on simulated flights: what
-// the polar noise of each point is worth (Table I), whether its size is right (Table II, Fig. 8),
-// matching by probability against matching by distance (Fig. 7), comparison of estimators (Table
-// III); and whether residuals are as large as the noise says, and what it costs in time.
+// Xu, Huang, Shen, Yin, "Incorporating Point Uncertainty in Radar SLAM", on simulated flights: the
+// benefit of the polar noise of each point (Table I), its correct size (Table II, Fig. 8), matching
+// by probability against matching by distance (Fig. 7), comparison of estimators (Table III); also
+// whether residuals agree with the noise, and the time per scan.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -27,10 +27,10 @@ namespace {
 constexpr int kSeeds = 10;
 constexpr int kLargestExponent = 3;  // of the scale of the covariances, Table II
 constexpr const char* kPreset = "published-uncertainty";
-constexpr const char* kFull = "full";  // the preset as it is
+constexpr const char* kFull = "full";  // the unchanged preset
 
-/// Flights of a kind. Noise exactly as modelled; a room with all its effects; and open ground,
-/// where a point may be 40 m away and off by metres: there the sizes of the noise differ most.
+/// Flights of a kind. Noise exactly as modelled; a room with all effects; and open ground, where
+/// points are up to 40 m away and off by metres: there the noise of points differs most.
 struct Family {
   const char* scenario;
   double length;  ///< [m]
@@ -64,8 +64,8 @@ void scale_sigmas(Options* o, double range, double angle) {
   o->radar.sigma_elevation *= angle;
 }
 
-/// The sigmas of range and angles times a factor each; matched by distance, since the check of a
-/// match by probability would reject nearly all pairs of points that are taken as exact.
+/// The sigmas of range and angles times a factor each; matched by distance, since the gate of
+/// matching by probability would reject nearly all pairs of points that are assumed exact.
 Variant without(const char* name, double range, double angle) {
   return {name, kPreset, [range, angle](Options& o) {
             o.frontend.matching = Matching::kEuclidean;
@@ -92,8 +92,8 @@ const std::vector<Variant>& matchings() {
   return all;
 }
 
-/// Table III beside `full`; its second row keeps the Doppler's direction errors from shrinking the
-/// velocity (models/doppler.hpp, E3), which the paper does not.
+/// Table III with `full`; its second row prevents the direction errors of the Doppler from
+/// shrinking the velocity (models/doppler.hpp, E3), unlike the paper.
 const std::vector<Variant>& estimators() {
   static const std::vector<Variant> all = {
       {"published-ekf", "published-ekf"},
@@ -105,7 +105,7 @@ const std::vector<Variant>& estimators() {
   return all;
 }
 
-/// Table II: Sigma times 2^exponent, the Doppler's own noise as it is.
+/// Table II: Sigma times 2^exponent, the Doppler's own noise unchanged.
 std::string scaled_name(int exponent) {
   return exponent == 0 ? kFull : fmt::format("covariances times 2^{}", exponent);
 }
@@ -120,7 +120,7 @@ std::vector<Variant> scalings() {
   return all;
 }
 
-/// Everything that was flown.
+/// All flights.
 struct Runs {
   using Key = PoseErrorTable::Key;
   PoseErrorTable errors;
@@ -214,7 +214,7 @@ std::vector<plot::Point> normalised(const Runs& runs, double PoseErrors::*value)
   return points;
 }
 
-/// At which alpha each error is least.
+/// Alpha of the least value of each error.
 std::string least_of_scalings(const Runs& runs) {
   std::string text;
   for (const PoseErrorFigure& figure : kPoseErrors) {
@@ -270,7 +270,7 @@ std::string matching_table(const Runs& runs) {
   return table.text();
 }
 
-/// The matched flights with angles so fine that hardly a match is wrong.
+/// The matched flights with angles so fine that hardly any match is wrong.
 std::vector<Case> fine_cases(const Settings& settings) {
   constexpr double kFiner = 8.0;
   std::vector<Case> cases = flights_of(kMatched, settings);

@@ -29,7 +29,7 @@ bool of_landmark(const InnovationRecord& r) {
 /// Sums over the scans of the motion.
 class Sums {
  public:
-  /// @param scan as it came out of the filter
+  /// @param scan output of the filter
   void add(const UpdateReport& report, const DetectionList& scan) {
     ++result_.scans;
     result_.consensus += report.ego_velocity_valid ? 1.0 : 0.0;
@@ -91,7 +91,7 @@ class Sums {
   };
 
   Testimony result_;
-  std::vector<Seen> seen_;  ///< Dopplers of the scan at hand
+  std::vector<Seen> seen_;  ///< Dopplers of the current scan
   double shared_ = 0.0;
   double pairs_ = 0.0;
   double normalised_ = 0.0;

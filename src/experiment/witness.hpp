@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the filter of `default` makes of a recording, scan by scan: inliers of the consensus,
-// innovations of the Doppler, matches and innovations of the landmarks, how long these live.
+// Statistics of the filter of `default` on a recording, scan by scan: inliers of the consensus,
+// innovations of the Doppler, matches and innovations of the landmarks, their lifetime.
 //
 // (E1) correlation from scan to scan: sum m_k m_k+1 / sum m_k^2, m_k the mean of innovation over
-//      sigma of the Dopplers of a scan; zero if what a scan leaves over has nothing to do with the
-//      next
+//      sigma of the Dopplers of a scan; zero if the residuals of consecutive scans are independent
 // (E2) correlation of neighbours: mean of the products of innovation over sigma of two Dopplers of
-//      a scan, from points within 4 deg and 1 m in range, over the mean of the squares; as far as
-//      the state's error does not explain it, they share an error
+//      a scan, from points within 4 deg and 1 m in range, over the mean of the squares; the part
+//      not explained by the state's error is a common error
 #pragma once
 
 #include <vector>
@@ -18,7 +17,7 @@
 
 namespace rio::experiment {
 
-/// NIS over degrees of freedom, of rows that were used, and how many were not.
+/// NIS over degrees of freedom of the used rows, and the number of rejected blocks.
 struct Innovations {
   double nis = 0.0;
   int dof = 0;
@@ -26,33 +25,33 @@ struct Innovations {
   int gated = 0;  ///< blocks
 
   void add(const InnovationRecord& record);
-  double mean_nis() const;     ///< NaN of nothing
+  double mean_nis() const;     ///< NaN without values
   double gated_share() const;  ///< same
 };
 
-/// NaN where nothing was seen.
+/// NaN if there is no data.
 struct Testimony {
   int scans = 0;                  ///< processed, in motion
-  double inlier_share = 0.0;      ///< of the points that the consensus takes for static
-  double consensus = 0.0;         ///< share of the scans that found one
+  double inlier_share = 0.0;      ///< of the points, inliers of the consensus
+  double consensus = 0.0;         ///< share of the scans with a consensus
   Innovations doppler;            ///< in motion
   double doppler_rms = 0.0;       ///< of its innovations [m/s]
   double doppler_lag = 0.0;       ///< (E1)
   double neighbours = 0.0;        ///< (E2)
   double landmarks_a_scan = 0.0;  ///< matches used
   Innovations landmarks;
-  Innovations found_again;         ///< of those, after a pause of a second
+  Innovations found_again;         ///< of these, after a pause of a second
   double found_again_share = 0.0;  ///< of the matches
   double landmark_life = 0.0;      ///< median, from birth in motion to the last match used [s]
   int velocity_resets = 0;
 };
 
-/// The filter, and when its landmarks were born and last used.
+/// The filter, with the birth and last use of its landmarks.
 class Witness : public Ekf {
  public:
   using Ekf::Ekf;
 
-  /// Whether what follows counts; landmarks count that are born then.
+  /// Whether the following scans count; landmarks count if born then.
   void listen(bool on) { listening_ = on; }
   Status update(const Observations& seen, UpdateReport* report);
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
@@ -60,7 +59,7 @@ class Witness : public Ekf {
 
   const Innovations& landmarks() const { return landmarks_; }
   const Innovations& found_again() const { return found_again_; }
-  /// Of the landmarks that have left, and of those there are [s].
+  /// Lifetimes of the removed and of the present landmarks [s].
   std::vector<double> lives() const;
 
  private:
@@ -70,7 +69,7 @@ class Witness : public Ekf {
     bool counts;
     Time last_seen;
   };
-  /// The known landmarks in the order of the estimate; those that are gone have ended.
+  /// The current landmarks in the order of the estimate; missing ones have ended.
   void follow();
 
   bool listening_ = false;
@@ -80,8 +79,8 @@ class Witness : public Ekf {
   std::vector<double> ended_;
 };
 
-/// Static start and no option set, but for what the recording says of its sensors.
-/// @throws std::runtime_error if that makes invalid options
+/// Static start and default options, except for the sensor properties of the recording.
+/// @throws std::runtime_error if these options are invalid
 Testimony testimony(const io::Dataset& data, const Motion& motion);
 
 }  // namespace rio::experiment

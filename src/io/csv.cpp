@@ -38,7 +38,7 @@ std::optional<Number> parse(std::string_view text) {
   return value;
 }
 
-/// -12.5, 3, 1e-05, as far as no double overflows.
+/// Matches -12.5, 3, 1e-05, unless a double would overflow.
 bool is_plain(std::string_view text) {
   constexpr std::size_t kLongest = 32;
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -101,7 +101,7 @@ std::optional<std::int64_t> scaled_by_1e9(std::string_view text) {
   throw std::runtime_error(path.string() + ": " + what);
 }
 
-/// Says what is wrong with a path that is no file.
+/// Explains why a path is not a file.
 std::ifstream open_text(const std::filesystem::path& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) fail_on(path, "no such file");

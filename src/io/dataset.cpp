@@ -42,7 +42,7 @@ NavState truth_at(const CsvReader& rows) {
   if (!q) rows.fail("not a unit quaternion");
   state.q_WB = *q;
   if (rows.columns() >= 11) state.v_WB = vector_at(rows, 8);
-  if (rows.columns() == kEurocColumns) {  // a states file has its covariance here
+  if (rows.columns() == kEurocColumns) {  // the columns of a states file are its covariance here
     state.gyro_bias = vector_at(rows, 11);
     state.accel_bias = vector_at(rows, 14);
   }
@@ -52,7 +52,7 @@ NavState truth_at(const CsvReader& rows) {
   return state;
 }
 
-/// The stamp; throws as truth_at(), and is faster where all numbers are usual ones.
+/// The stamp; throws as truth_at(), and is faster if all numbers are in common notation.
 Time look_at_truth(const CsvReader& rows) {
   const auto plain = [&rows](std::size_t begin, std::size_t end) {
     while (begin < end && rows.is_plain_number(begin)) ++begin;
@@ -91,7 +91,7 @@ std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_colu
   return states;
 }
 
-/// The first state within the span of the IMU; the last one if there is none.
+/// The first state within the span of the IMU, else the last one.
 NavState read_start_of_truth(const fs::path& path, const RecordingOutline& outline) {
   std::optional<NavState> start;
   bool within = false;
@@ -134,7 +134,7 @@ Pose read_pose(const YamlFile& file, const YAML::Node& node) {
   return {Quaternion(nearest).normalized(), T.topRightCorner<3, 1>()};
 }
 
-/// Of a key that nothing reads, such as a known one with a typing error.
+/// Notes a key that is not read, such as a misspelt one.
 void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector<SensorKey>& keys,
                   std::vector<std::string>* notes) {
   constexpr const char* kDescriptive[] = {"T_BS", "sensor_type", "comment"};  // as in EuRoC
@@ -148,7 +148,7 @@ void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector
                                key.Mark().line + 1, name, did_you_mean(name, names)));
 }
 
-/// Reads the known keys; most values may not be negative.
+/// Reads the known keys; most values must not be negative.
 void read_sensor_keys(const YamlFile& file, const std::vector<SensorKey>& keys,
                       std::vector<std::string>* notes) {
   for (const auto& entry : file.root) {
@@ -201,7 +201,7 @@ void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::str
   }
 }
 
-/// Samples that are not finite are kept, as they were recorded, and the first is noted.
+/// Samples that are not finite are kept as recorded, and the first is noted.
 void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
   ImuRows rows(path, samples != nullptr ? Numbers::kRead : Numbers::kLookAt);
   ImuSample sample;
@@ -222,7 +222,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
 }
 
 /// The stamps of the scans.
-/// @param scans gets the scans, if it is not null, as does the grid
+/// @param scans receives the scans, if not null; so does the grid
 std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* scans,
                                DopplerGrid* grid) {
   RadarRows rows(path, scans != nullptr ? Numbers::kRead : Numbers::kLookAt);
@@ -246,9 +246,9 @@ void survey_baro(const fs::path& path, RecordingOutline* outline, Dataset* sampl
   }
 }
 
-/// A file that was cut between two rows is whole to its reader; the other sensor tells.
+/// A file cut between two rows looks complete to its reader; the other sensor reveals it.
 void note_if_cut_short(const fs::path& root, RecordingOutline* outline) {
-  // not of the difference, which the integers may not hold
+  // not of the difference, which may overflow
   const double ahead = to_seconds(outline->imu_end) - to_seconds(outline->scan_times[0].back());
   if (std::abs(ahead) < 1.0) return;
   outline->sensors.notes.push_back(fmt::format("{} ends {:.1f} s before {}",
@@ -256,7 +256,7 @@ void note_if_cut_short(const fs::path& root, RecordingOutline* outline) {
                                                std::abs(ahead), ahead > 0.0 ? kImu : kRadar));
 }
 
-/// Read off the data, where the sensor file does not tell.
+/// Found from the data, if the sensor file does not have it.
 void survey_doppler_grid(const fs::path& folder, DopplerGrid* grid, RadarInfo* info,
                          std::vector<std::string>* notes) {
   std::optional<double>& step = info->doppler_resolution;

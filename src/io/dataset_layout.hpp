@@ -23,19 +23,19 @@ inline constexpr const char* kTruth = "state_groundtruth_estimate0";
 inline constexpr const char* kData = "data.csv";
 inline constexpr const char* kSensor = "sensor.yaml";
 
-/// A key of sensor.yaml, the unit its plain numbers are in, and where the value goes. Keys of one
-/// target exclude each other.
+/// A key of sensor.yaml, the unit of its plain numbers, and its target. Keys with the same target
+/// exclude each other.
 struct SensorKey {
   const char* key;
   const char* unit;
-  double factor;  ///< of a value in that unit, to SI
+  double factor;  ///< from that unit to SI
   std::optional<double>* target;
-  bool is_signed = false;  ///< else below zero is refused
+  bool is_signed = false;  ///< else negative values are refused
 };
 
 /// The keys of imu0/sensor.yaml.
 std::vector<SensorKey> imu_keys(ImuInfo* info);
-/// The keys of radar0/sensor.yaml; those ending in _deg hold plain numbers of degrees.
+/// The keys of radar0/sensor.yaml; plain numbers of keys that end in _deg are degrees.
 std::vector<SensorKey> radar_keys(RadarInfo* info);
 
 }  // namespace rio::io

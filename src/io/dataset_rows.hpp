@@ -17,9 +17,9 @@ void append(std::string* row, const Vector3d& v);
 
 void append_row(std::string* text, const ImuSample& sample);
 
-/// @param sigmas with the columns of the detections' own sigmas
+/// @param sigmas include the columns of the detections' own sigmas
 std::string radar_header(bool sigmas);
-/// A row a detection; one with empty fields if there is none.
+/// A row per detection; one with empty fields for an empty scan.
 void append_rows(std::string* text, const RadarScan& scan, bool sigmas);
 
 }  // namespace rio::io

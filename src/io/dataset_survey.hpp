@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All of a folder read once; private to rio_io.
+// One pass over a dataset folder; private to rio_io.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace rio::io {
 std::filesystem::path dataset_root(const std::filesystem::path& path);
 
 /// Throws as read_dataset() does.
-/// @param samples gets the samples and scans, if it is not null
+/// @param samples receives the samples and scans, if not null
 RecordingOutline survey(const std::filesystem::path& root, Truth truth, Dataset* samples);
 
 }  // namespace rio::io

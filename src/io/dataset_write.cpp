@@ -31,7 +31,7 @@ std::string pose_text(const Pose& pose) {
   return text + "0, 0, 0, 1]\n";
 }
 
-/// The values that are known, each under the first of its keys that is in SI.
+/// The known values, each under its first key in SI units.
 std::string keys_text(const std::vector<SensorKey>& keys) {
   std::string text;
   std::set<const std::optional<double>*> written;
@@ -107,7 +107,7 @@ std::string radar_info_text(const RadarInfo& info, const std::string& comment) {
          (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar));
 }
 
-/// Two neighbouring scans of one stamp would be read as one.
+/// Two neighbouring scans with one stamp would be read as one.
 void check_stamps(const fs::path& folder, const std::vector<RadarScan>& scans) {
   for (std::size_t i = 1; i < scans.size(); ++i) {
     if (scans[i].time != scans[i - 1].time) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The Doppler grid of a recording whose sensor.yaml does not tell it.
+// The Doppler grid of a recording whose sensor.yaml does not have it.
 #pragma once
 
 #include <algorithm>
@@ -13,9 +13,9 @@
 
 namespace rio::io {
 
-/// Step of the Doppler [m/s] if nearly all values are multiples of the smallest one, as those of an
-/// FFT are; nothing if they are not, or if there are too few to tell. All values are needed twice:
-/// those of a short recording are kept.
+/// Step of the Doppler [m/s] if nearly all values are multiples of the smallest one, as from an
+/// FFT; empty if they are not, or if there are too few. All values are needed twice: those of a
+/// short recording are stored.
 class DopplerGrid {
  public:
   void add(const RadarScan& scan) {
@@ -28,7 +28,7 @@ class DopplerGrid {
   }
 
   /// @param each_scan calls its argument with all scans again, in the same order, until that
-  /// returns false; only for long recordings
+  /// returns false; used for long recordings only
   template <class EachScan>
   std::optional<double> step(EachScan&& each_scan) {
     if (count_ == kept_.size()) {
@@ -58,7 +58,7 @@ class DopplerGrid {
 
   void take(double speed) {
     constexpr double kTolerance =
-        0.1;  // of a step; a random value has a chance of 0.2 to be so near
+        0.1;  // of a step; a random value has a chance of 0.2 to be so close
     const double multiple = std::round(speed / smallest_);
     if (std::abs(speed / smallest_ - multiple) > kTolerance) {
       ++off_grid_;
@@ -72,7 +72,7 @@ class DopplerGrid {
 
   double smallest_ = std::numeric_limits<double>::infinity();
   std::size_t count_ = 0;
-  std::vector<double> kept_;  ///< the first of them
+  std::vector<double> kept_;  ///< the first of the values
   std::size_t on_grid_ = 0;
   std::size_t off_grid_ = 0;
   std::size_t beyond_first_ = 0;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Structs with a table of fields (`visit_fields(object, visitor)`, rio/core/field.hpp) from and to
-// YAML nested by the dots of the keys; private to rio_io because it shows yaml-cpp. A file may name
-// what its values are put on top of in a top-level base key: options a preset, scenarios a
-// scenario.
+// YAML nested by the dots of the keys; private to rio_io because it exposes yaml-cpp. A top-level
+// base key of a file may name the object that its values modify: a preset for options, a scenario
+// for scenarios.
 #pragma once
 
 #include <fmt/format.h>
@@ -123,7 +123,7 @@ inline bool is_section(const std::string& key, const std::vector<std::string>& k
   return false;
 }
 
-/// Opens the sections in which `key` lies and `previous` does not; returns the indented last part.
+/// Opens the sections of `key` that `previous` does not have; returns the indented last part.
 inline std::string open_sections(std::string_view key, std::string_view previous,
                                  std::string* text) {
   std::size_t begin = 0;
@@ -138,7 +138,7 @@ inline std::string open_sections(std::string_view key, std::string_view previous
   return indent + std::string(key.substr(begin));
 }
 
-/// Puts the values of one file into an object.
+/// Applies the values of one file to an object.
 template <class Object>
 class FieldsReader {
  public:
@@ -186,8 +186,8 @@ class FieldsReader {
 
 }  // namespace fields_yaml_detail
 
-/// Sets every field the file names; `base_key` is passed over. Unknown keys, wrong types, units and
-/// ranges throw std::runtime_error "FILE:LINE: ...", after earlier fields have been set.
+/// Sets every field in the file; `base_key` is skipped. Unknown keys, wrong types, units and ranges
+/// throw std::runtime_error "FILE:LINE: ...", after earlier fields have been set.
 template <class Object>
 void read_fields(const YamlFile& file, const std::string& base_key, Object* object) {
   fields_yaml_detail::FieldsReader<Object>(file, base_key, object).read();

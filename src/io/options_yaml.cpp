@@ -48,7 +48,7 @@ Options preset_named(const std::string& name) {
   return options;
 }
 
-/// The keys that sensor files or the preset tell.
+/// The keys that sensor files or the preset set.
 std::vector<std::string> not_of_the_user() {
   std::vector<std::string> keys = sensor_option_keys();
   const Options options;
@@ -88,7 +88,7 @@ void load_option_values(const std::filesystem::path& path, Options* options) {
 std::optional<std::string> preset_in_file(const std::filesystem::path& path) {
   const YamlFile file = load_yaml(path);
   Options scratch;
-  apply_preset(file, &scratch);  // the name is checked where the line is known
+  apply_preset(file, &scratch);  // the name is checked with its line
   const YAML::Node node = base_node(file, kPresetKey);
   if (!node.IsDefined()) return std::nullopt;
   return node.Scalar();

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file a sensor, opened when it is asked for.
+/// One file per sensor, opened on demand.
 class FolderStream final : public RecordingStream {
  public:
   FolderStream(const fs::path& path, Truth truth) : root_(dataset_root(path)) {

@@ -38,9 +38,9 @@ void apply_base(const YamlFile& file, sim::Scenario* scenario) {
   }
 }
 
-/// The first values that cannot go together; empty if there are none.
+/// The first inconsistent values; empty if there are none.
 std::string coherence_problem(const sim::Scenario& s) {
-  constexpr double kSmallestBox = 0.1;  // a smaller one leaves no way to fly [m]
+  constexpr double kSmallestBox = 0.1;  // a smaller one leaves no space to fly [m]
   const Vector3d box = s.path.high - s.path.low;
   if (box.minCoeff() < 0.0) return "path.low is above path.high";
   if (box.maxCoeff() < kSmallestBox) return "the box from path.low to path.high is below 0.1 m";

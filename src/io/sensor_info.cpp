@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From what a recording says of its sensors to options.
+// From the sensor properties of a recording to options.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,7 +13,7 @@ namespace rio::io {
 
 namespace {
 
-/// What sensor files tell, option by option.
+/// The properties in sensor files, option by option.
 class Teller {
  public:
   Teller(std::vector<std::string>* configured, std::vector<std::string>* all)
@@ -26,11 +26,11 @@ class Teller {
     if (configured_ != nullptr) configured_->emplace_back(key);
     *to = *from;
   }
-  /// Zero is no noise model.
+  /// Zero is not a noise model.
   void copy_sigma(const char* key, const std::optional<double>& from, double* to) {
     copy(key, from && *from > 0.0 ? from : std::nullopt, to);
   }
-  /// A prior of what is not estimated is of no use.
+  /// A prior is used only if the parameter is estimated.
   void copy_prior(const char* key, const std::optional<double>& from, double* to) {
     copy(key, *to > 0.0 ? from : std::nullopt, to);
   }

@@ -11,7 +11,7 @@
 
 namespace rio::io {
 
-/// Whether the numbers are turned into samples, or only looked at: the same errors, in less time.
+/// Whether the numbers are converted to samples, or only checked: the same errors, in less time.
 enum class Numbers : std::uint8_t { kRead, kLookAt };
 
 /// Three numbers from cell i on.
@@ -22,7 +22,7 @@ class ImuRows {
   explicit ImuRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
       : rows_(path), numbers_(numbers) {}
 
-  /// False at the end of the file. Of numbers that are looked at the sample has the stamp alone.
+  /// False at the end of the file. If numbers are only checked, the sample has the stamp alone.
   bool next(ImuSample* sample);
   /// Whether those of the last sample are.
   bool is_finite() const { return finite_; }
@@ -40,7 +40,7 @@ class RadarRows {
   explicit RadarRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
       : rows_(path), numbers_(numbers) {}
 
-  /// Replaces the scan; false at the end of the file. Of numbers that are looked at the detections
+  /// Replaces the scan; false at the end of the file. If numbers are only checked, the detections
   /// have the Doppler alone.
   bool next(RadarScan* scan);
 
@@ -50,8 +50,8 @@ class RadarRows {
 
   CsvReader rows_;
   Numbers numbers_;
-  bool begun_ = false;  ///< the row at hand is the first one of the next scan
-  Time time_{0};        ///< of the row at hand
+  bool begun_ = false;  ///< the current row is the first one of the next scan
+  Time time_{0};        ///< of the current row
 };
 
 class BaroRows {

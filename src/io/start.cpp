@@ -18,7 +18,7 @@ namespace {
 
 using Handlers = std::map<std::string, std::function<void(const YAML::Node&)>>;
 
-/// Hands each entry of `map` to the handler of its key; returns the keys seen.
+/// Calls the handler of the key of each entry of `map`; returns the keys.
 std::set<std::string> dispatch(const YamlFile& file, const YAML::Node& map,
                                const Handlers& handlers) {
   std::vector<std::string> known;

@@ -9,9 +9,8 @@
 
 namespace rio::io {
 
-/// Normalised if its length is within 1 % of one, else nothing (also for NaN). One that is already
-/// unit to rounding is left alone, so that what was written in full precision reads back to the
-/// bit.
+/// Normalised if its length is within 1 % of one, else empty (also for NaN). A quaternion that is
+/// unit to rounding is unchanged, so that one written in full precision reads back to the bit.
 inline std::optional<Quaternion> unit_quaternion(double w, double x, double y, double z) {
   const Quaternion q(w, x, y, z);
   const double error = std::abs(q.norm() - 1.0);

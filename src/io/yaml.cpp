@@ -45,7 +45,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// Passes over a document.
+/// Parses a document without building it.
 class NoEvents : public YAML::EventHandler {
  public:
   using Style = YAML::EmitterStyle::value;
@@ -61,7 +61,7 @@ class NoEvents : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// No YAML::LoadAll: where the parser makes no progress, as before a comma, it never ends.
+/// Not YAML::LoadAll: if the parser makes no progress, as before a comma, it loops for ever.
 bool has_two_documents(const std::string& text) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);

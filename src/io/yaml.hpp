@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// YAML with errors that name file and line; private to rio_io because it shows yaml-cpp.
+// YAML with file and line in errors; private to rio_io because it exposes yaml-cpp.
 #pragma once
 
 #include <yaml-cpp/yaml.h>
@@ -29,7 +29,7 @@ double yaml_number(const YamlFile& file, const YAML::Node& node, const std::stri
 std::vector<double> yaml_numbers(const YamlFile& file, const YAML::Node& node,
                                  const std::string& key, const char* si_unit, std::size_t count);
 
-/// `, did you mean "x"?` for the candidate nearest to `key`, or nothing when none is near. A key in
+/// `, did you mean "x"?` for the candidate nearest to `key`, or empty when none is near. A key in
 /// another section counts as near when its last part matches.
 std::string did_you_mean(const std::string& key, const std::vector<std::string>& candidates);
 

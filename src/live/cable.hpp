@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What becomes of packets on a bad cable and a busy host.
+// Simulates a bad cable and a busy host.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,16 @@ namespace rio::live {
 
 using sim::Bytes;
 
-/// Shares of the packets, 0 to 1, each drawn apart.
+/// Shares of the packets, 0 to 1, each drawn independently.
 struct CableNoise {
   double dropped = 0.0;  ///< never arrive
-  double damaged = 0.0;  ///< a run of 1 to 64 of their bytes is lost, as when a UART overruns
-  double delayed = 0.0;  ///< late by 20 ms on average, exponential; those behind them wait
+  double damaged = 0.0;  ///< a run of 1 to 64 of their bytes is lost, as in a UART overrun
+  double delayed = 0.0;  ///< late by 20 ms on average, exponential; later packets wait
   double split = 0.0;    ///< in two to five pieces, 1 ms apart
   std::uint64_t seed = 1;
 };
 
-/// Bytes that arrive in one go.
+/// Bytes that arrive together.
 struct Piece {
   Time due{0};
   Bytes bytes;
@@ -36,13 +36,12 @@ struct CableCounters {
   std::uint64_t split = 0;
 };
 
-/// One line. Bytes arrive in the order in which they were sent. The same seed and packets give the
-/// same pieces.
+/// One line. Bytes arrive in the order of sending. The same seed and packets give the same pieces.
 class Cable {
  public:
   explicit Cable(const CableNoise& noise) : noise_(noise), random_(noise.seed) {}
 
-  /// @param due when the last byte of the packet would be there by a good cable; rising
+  /// @param due arrival of the last byte of the packet over a good cable; increasing
   void send(Bytes packet, Time due);
 
   const std::vector<Piece>& pieces() const { return pieces_; }

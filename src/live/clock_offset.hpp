@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The clock of this machine against that of a sensor.
+// The clock of this machine relative to that of a sensor.
 //
-// Samples only ever arrive late: offset = arrival - stamp is the true one plus the time on the way,
-// and the smallest of the last seconds is the nearest to the truth. The samples keep their own
-// stamps; what is stamped by arrival on this machine, as the frames of a radar, is moved onto them.
+// Samples can only be late: offset = arrival - stamp is the true one plus the delay, and the
+// smallest of the last seconds is nearest to the truth. The samples keep their own stamps; stamps
+// of arrival on this machine, as of radar frames, are converted to the sensor's clock.
 #pragma once
 
 #include "rio/types.hpp"
@@ -12,12 +12,12 @@ namespace rio::live {
 
 class ClockOffset {
  public:
-  /// Once a sample. Five in a row that are off by more than a second start it anew: a clock has
+  /// Call once per sample. Five in a row that are off by more than a second restart it: a clock has
   /// jumped.
   void add(Time stamp, Time arrival);
 
   bool known() const { return known_; }
-  /// This machine's clock minus the sensor's: the smallest of the last five to ten seconds.
+  /// This machine's clock minus the sensor's: the smallest offset of the last five to ten seconds.
   Time offset() const { return before_ < now_ ? before_ : now_; }
 
  private:
@@ -25,7 +25,7 @@ class ClockOffset {
 
   bool known_ = false;
   int odd_ = 0;     ///< in a row
-  Time begin_{0};   ///< of the present five seconds
+  Time begin_{0};   ///< of the current five seconds
   Time now_{0};     ///< smallest in them
   Time before_{0};  ///< smallest in the five seconds before
 };

@@ -10,7 +10,7 @@ namespace rio::live {
 
 class HostClock {
  public:
-  /// @param speed the time runs so many times faster from now on, as simulated sensors do
+  /// @param speed factor of the clock from now on, for simulated sensors
   explicit HostClock(double speed = 1.0) : speed_(speed), begin_(real()) {}
 
   static Time real() { return std::chrono::steady_clock::now().time_since_epoch(); }

@@ -41,7 +41,7 @@ Vector3d vector_at(const std::uint8_t* at) {
   return {get<float>(at), get<float>(at + 4), get<float>(at + 8)};
 }
 
-/// Reads a number and, but for the last, the comma behind it.
+/// Reads a number and, except for the last one, the comma after it.
 template <class T>
 bool read_field(const char** at, const char* end, bool last, T* value) {
   while (*at < end && **at == ' ') ++*at;
@@ -90,7 +90,7 @@ void ImuFrameReader::shift() {
   std::memmove(frame_.data(), frame_.data() + 1, --stored_);
 }
 
-/// A frame is complete; a wrong one is searched for another inside of it.
+/// A frame is complete; an invalid one is searched for another one inside.
 bool ImuFrameReader::take() {
   if (get<std::uint16_t>(frame_.data() + kCrc) != checksum(frame_.data())) {
     ++counters_.damaged;

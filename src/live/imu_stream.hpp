@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The samples of an IMU as bytes, in two framings of this library.
+// The samples of an IMU as bytes, in two formats of this library.
 //
 // Binary, 38 bytes a sample, little-endian:
 //
 //    0  u8[2]   'R' 'I'
 //    2  u8      version, 1
 //    3  u8      sequence: counts the samples, wraps
-//    4  i64     stamp [ns], of any clock that runs evenly
+// 4  i64     stamp [ns], of any clock with a steady rate
 //   12  f32[3]  angular rate, x forward, y left, z up [rad/s]
 //   24  f32[3]  specific force, same axes, +g upwards at rest [m/s^2]
 //   36  u16     CRC-16/MCRF4XX of bytes 2 to 35
 //
-// At 115200 baud 300 samples a second get through, at 921600 baud 2400.
+// 115200 baud are sufficient for 300 samples a second, 921600 baud for 2400.
 //
-// CSV, a line a sample, as in imu0/data.csv: stamp [ns], rate x, y, z, force x, y, z. Lines that
-// begin with # are left out.
+// CSV, a line per sample, as in imu0/data.csv: stamp [ns], rate x, y, z, force x, y, z. Lines that
+// begin with # are ignored.
 #pragma once
 
 #include <array>
@@ -32,12 +32,12 @@ inline constexpr std::size_t kImuFrame = 38;
 std::array<std::uint8_t, kImuFrame> imu_frame(const ImuSample& sample, std::uint8_t sequence);
 
 struct ImuCounters {
-  std::uint64_t samples = 0;  ///< handed out
-  std::uint64_t lost = 0;     ///< missing in the sequence
-  std::uint64_t damaged = 0;  ///< frames with a wrong checksum, lines that are none
+  std::uint64_t samples = 0;  ///< delivered
+  std::uint64_t lost = 0;     ///< missing sequence numbers
+  std::uint64_t damaged = 0;  ///< frames with a wrong checksum, invalid lines
 };
 
-/// Bytes in pieces of any size -> samples. Every undamaged frame is found, whatever is around it.
+/// Bytes in pieces of any size -> samples. Every undamaged frame is found, in any surroundings.
 class ImuFrameReader {
  public:
   /// @param on_sample called as on_sample(const ImuSample&)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How long the estimates took, as quantiles.
+// Latencies of the estimates, as quantiles.
 #pragma once
 
 #include <cstddef>

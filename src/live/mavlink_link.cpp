@@ -40,7 +40,7 @@ std::optional<ImuSample> MavlinkLink::sample_of(const Packet& packet) const {
   return std::nullopt;
 }
 
-/// An estimate that no sample carries on any more is lost, whatever its health was.
+/// An estimate without further samples is lost, whatever its health was.
 void MavlinkLink::tick(const Session& session, Time now) {
   if (!second_.due(now)) return;
   if (settings_.asks_clock) send(timesync_.ask(now));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The link to an autopilot: ODOMETRY and HEARTBEAT to it, its clock and its IMU back.
 //
-// All that is sent is stamped in the clock of this machine (CLOCK_MONOTONIC), and the autopilot's
-// TIMESYNC questions are answered by the same clock: so it can move the stamps onto its own.
+// All messages are stamped in the clock of this machine (CLOCK_MONOTONIC), and the autopilot's
+// TIMESYNC requests are answered with the same clock, so that it can convert the stamps to its own.
 #pragma once
 
 #include <cstddef>
@@ -21,29 +21,29 @@ namespace rio::live {
 class MavlinkLink : public Listener {
  public:
   struct Settings {
-    double rate = 30.0;  ///< of ODOMETRY [Hz]; 0: neither it nor HEARTBEAT is sent
+    double rate = 30.0;  ///< of ODOMETRY [Hz]; 0: neither ODOMETRY nor HEARTBEAT is sent
     mavlink::Content content = mavlink::Content::kAll;
     std::uint8_t system = 1;   ///< that of the vehicle
     bool raw_imu = false;      ///< RAW_IMU instead of HIGHRES_IMU
-    bool asks_clock = false;   ///< TIMESYNC questions, for who uses the IMU
+    bool asks_clock = false;   ///< sends TIMESYNC requests, to use the IMU
     double gyro_sigma = 0.01;  ///< noise of a sample [rad/s]
   };
-  /// Sends a whole frame, or drops it and returns false.
+  /// Sends a complete frame, or drops it and returns false.
   using Send = std::function<bool(const std::uint8_t* bytes, std::size_t count)>;
   using OnImu = std::function<void(const ImuSample& sample)>;
 
   MavlinkLink(const Settings& settings, Send send);
 
-  /// Bytes of the autopilot. Questions are answered at once.
+  /// Bytes of the autopilot. Requests are answered at once.
   /// @param on_imu called for each sample of its first IMU, in its clock
   void receive(const std::uint8_t* bytes, std::size_t count, Time arrival, const OnImu& on_imu);
-  /// To be called ten times a second or so: HEARTBEAT, questions.
+  /// To be called about ten times a second: HEARTBEAT, requests.
   void tick(const Session& session, Time now);
 
-  /// ODOMETRY at the rate asked for, if the health allows it.
+  /// ODOMETRY at the configured rate, if the health allows it.
   void on_imu(const Session& session, const ImuSample& sample) override;
 
-  /// This machine's clock minus the autopilot's, once its answers tell it.
+  /// This machine's clock minus the autopilot's, once known from its answers.
   std::optional<Time> host_offset() const;
   std::uint64_t sent() const { return sent_; }
   const mavlink::ParserCounters& counters() const { return parser_.counters(); }

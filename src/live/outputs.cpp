@@ -19,7 +19,7 @@ Json sigmas(const BodyCovariance& P, int block) {
   return numbers(P.diagonal().segment<3>(block).cwiseMax(0.0).cwiseSqrt());
 }
 
-/// Once a second what was recorded is handed to the system: a crash costs no more.
+/// Once a second recorded data are flushed to the system, so that a crash loses no more.
 bool is_due(Time now, Time* flushed) {
   if (now - *flushed < std::chrono::seconds(1)) return false;
   *flushed = now;
@@ -63,7 +63,7 @@ void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {
   if (json_) json_->write(json_line(odometry) + "\n");
   if (!to_stdout_) return;
   fmt::print("{}\n", json_line(odometry));
-  std::fflush(stdout);  // who reads it waits for it
+  std::fflush(stdout);  // the reader waits for it
 }
 
 void EstimateFiles::close() {

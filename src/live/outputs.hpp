@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where estimates and data of a session go: files.
+// Outputs of a session to files: estimates and data.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,8 @@
 namespace rio::live {
 
 /// The estimate at every scan as one line of JSON: t [s], p [m], q (w x y z), v [m/s], 1-sigma of
-/// position, attitude and velocity, health, quality, radar, detections, and how many of these
-/// belong to the static world.
+/// position, attitude and velocity, health, quality, radar, detections, and the number of static
+/// ones.
 std::string json_line(const Odometry& odometry);
 
 /// The estimate at every scan. An empty name: no such file.
@@ -38,7 +38,7 @@ class EstimateFiles : public Listener {
   bool to_stdout_ = false;
 };
 
-/// What the estimator was given, as a data set that `rio replay` reads.
+/// The inputs of the estimator, as a data set for `rio replay`.
 class Recorder : public Listener {
  public:
   Recorder(const std::filesystem::path& path, const io::Dataset& info) : stream_(path, info) {}
@@ -52,7 +52,7 @@ class Recorder : public Listener {
   Time flushed_{0};
 };
 
-/// The same as MCAP of ROS 2.
+/// The same in MCAP of ROS 2.
 class McapRecorder : public Listener {
  public:
   McapRecorder(const std::filesystem::path& path, std::size_t radars) : file_(path, radars) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scans and samples as the bytes that sensors would send, each at its time.
+// Scans and samples as timed bytes, as sensors would send them.
 #pragma once
 
 #include <csignal>
@@ -14,28 +14,28 @@
 
 namespace rio::live {
 
-/// Of the simulated radars: chirps without length, then what FrameTiming has by default.
+/// Timing of the simulated radars: chirps of zero length, else the defaults of FrameTiming.
 ti::FrameTiming simulated_timing(double rate_hz);
 
-/// The packets of a radar: sent `processing_delay` after the stamps at the rate of the UART. Frames
-/// that are missing among the scans are missing in the numbers.
+/// The packets of a radar: sent `processing_delay` after the stamps at the rate of the UART.
+/// Missing scans leave gaps in the frame numbers.
 Cable radar_line(const std::vector<RadarScan>& scans, const ti::FrameTiming& timing, Cable cable);
 
 /// The binary frames of an IMU (imu_stream.hpp), half a millisecond after their stamps.
 Cable imu_line(const std::vector<ImuSample>& samples, Cable cable);
 
-/// A piece, and whose it is.
+/// A piece, and its line.
 struct Event {
   const Piece* piece = nullptr;
   std::size_t line = 0;
 };
-/// Of all lines in the order of time.
+/// The events of all lines in the order of time.
 std::vector<Event> in_order(const std::vector<std::vector<Piece>>& lines);
 
-/// Hands out the events when they are due, the first one now.
-/// @param speed of the time, 1: as it is
+/// Hands out the events when they are due, the first one immediately.
+/// @param speed factor of time, 1: real time
 /// @param on_event returns false to end
-/// @param stop ends it, too
+/// @param stop ends it as well
 void play(const std::vector<Event>& events, double speed, const volatile std::sig_atomic_t& stop,
           const std::function<bool(const Event&)>& on_event);
 

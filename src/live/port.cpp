@@ -26,7 +26,7 @@ namespace {
   fail(name, std::strerror(errno));
 }
 
-/// All of the text; -1 if it is none.
+/// The whole text as a number; -1 if it is not one.
 int number(const std::string& text) {
   int value = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -136,7 +136,7 @@ std::size_t Port::read(std::uint8_t* buffer, std::size_t size) {
     if (listens_) peer_ = from;
     return static_cast<std::size_t>(count);
   }
-  // nobody listens at the other end of UDP (yet): the next datagram may find one
+  // no UDP receiver (yet): the next datagram may find one
   const bool nothing_now =
       count < 0 && (errno == EAGAIN || errno == EINTR || errno == ECONNREFUSED);
   if (!nothing_now && !is_udp_) lose(is_line_ ? State::kVanished : State::kEnded);

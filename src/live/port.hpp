@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where bytes come from and go to: a serial line or pseudo-terminal, a file or pipe, standard
+// Sources and destinations of bytes: a serial line or pseudo-terminal, a file or pipe, standard
 // input, UDP. Nothing blocks. POSIX.
 //
 //   /dev/ttyACM1           a serial line at the default baud rate
 //   /dev/ttyACM1@3000000   at another
 //   flight.bin             any other path: a file, a pipe (mkfifo), a link to one of these
 //   -                      standard input
-//   udp:14551              datagrams to 127.0.0.1:14551; answers go to who sent last
-//   udp:10.0.0.2:14550     datagrams to there, and from there
+// udp:14551              datagrams to 127.0.0.1:14551; answers go to the last sender
+// udp:10.0.0.2:14550     datagrams to and from that address
 #pragma once
 
 #include <netinet/in.h>
@@ -22,11 +22,11 @@ class Port {
  public:
   enum class State {
     kOpen,
-    kVanished,  ///< not there, or not any more; may come back
+    kVanished,  ///< not present (any more); may come back
     kEnded,     ///< a file or a pipe that has ended
   };
 
-  /// Throws std::runtime_error if the name makes no sense.
+  /// Throws std::runtime_error if the name is invalid.
   Port(const std::string& name, int default_baud);
   ~Port() { close(); }
   Port(Port&& other) noexcept;
@@ -34,8 +34,9 @@ class Port {
   Port& operator=(const Port&) = delete;
   Port& operator=(Port&&) = delete;
 
-  /// Opens it if it is there. Throws if it is there and cannot be used, as for want of permission.
-  /// @return it is open
+  /// Opens the port if it exists. Throws if it exists but cannot be used, for example without
+  /// permission.
+  /// @return true if it is open
   bool open();
   void close();
 
@@ -46,10 +47,10 @@ class Port {
   /// Of a serial line.
   int baud() const { return baud_; }
 
-  /// What is there, at most `size` bytes; call it when poll(2) says so. The state may change.
+  /// The available bytes, at most `size`; call it when poll(2) reports some. The state may change.
   std::size_t read(std::uint8_t* buffer, std::size_t size);
-  /// Passes bytes on if there is room for all of them now.
-  /// @return they were
+  /// Writes the bytes if there is space for all of them now.
+  /// @return true if they were written
   bool write(const std::uint8_t* bytes, std::size_t count);
 
  private:

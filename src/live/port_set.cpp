@@ -32,7 +32,7 @@ bool PortSet::wait() {
   std::vector<pollfd> asked;
   for (Entry& entry : entries_) {
     if (!entry.over && entry.watched.port.fd() < 0) reopen(&entry);
-    asked.push_back({entry.watched.port.fd(), POLLIN, 0});  // poll leaves out those below zero
+    asked.push_back({entry.watched.port.fd(), POLLIN, 0});  // poll ignores negative descriptors
   }
   const int ready = poll(asked.data(), asked.size(), kLongestWait);
   for (std::size_t i = 0; ready > 0 && i < asked.size(); ++i) {

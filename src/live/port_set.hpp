@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Several ports, watched by one thread with poll(2): bytes are handed on as they come, a port that
-// vanished is opened again when it is back.
+// Several ports in one thread with poll(2): bytes are passed on when they arrive, and a port that
+// vanished is reopened when it is back.
 #pragma once
 
 #include <cstddef>
@@ -15,10 +15,10 @@
 
 namespace rio::live {
 
-/// A port, and what is done about it.
+/// A port and its handling.
 struct Watched {
   Port port;
-  std::string what;    ///< for messages, as "radar 0"
+  std::string what;    ///< for messages, such as "radar 0"
   bool needed = true;  ///< the set is over when all needed ports are
   std::function<void(const std::uint8_t* bytes, std::size_t count, Time arrival)> on_bytes;
   std::function<void()> on_reopened = [] {};
@@ -28,14 +28,14 @@ class PortSet {
  public:
   using OnMessage = std::function<void(const std::string& message)>;
 
-  /// @param patience  how long a port that is not there is waited for [s]
-  /// @param on_message told when a port vanishes, comes back, ends
+  /// @param patience  how long to wait for a missing port [s]
+  /// @param on_message called when a port vanishes, comes back, ends
   PortSet(const HostClock& clock, double patience, OnMessage on_message);
 
-  /// Ports are asked in this order. The port stays where it is.
+  /// Ports are polled in this order. The port keeps its address.
   Port& add(Watched watched);
 
-  /// Waits for bytes, 50 ms at most, and hands on what there is.
+  /// Waits for bytes, 50 ms at most, and passes them on.
   /// @return false when all needed ports are over: ended, or vanished for too long
   bool wait();
 
@@ -44,7 +44,7 @@ class PortSet {
     Watched watched;
     bool was_open = false;
     bool over = false;
-    Time since{0};  ///< not there
+    Time since{0};  ///< since when it is missing
     Time next_try{0};
   };
 

@@ -17,7 +17,8 @@ namespace rio::live {
 
 namespace fs = std::filesystem;
 
-/// The other end is made raw, and closed again: from then on poll(2) says whether it is open.
+/// The other end is set to raw mode and closed again: from then on poll(2) reports whether it is
+/// open.
 Pty::Pty(fs::path link) : fd_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)), link_(std::move(link)) {
   const char* name = nullptr;
   if (fd_ < 0 || grantpt(fd_) != 0 || unlockpt(fd_) != 0 || (name = ptsname(fd_)) == nullptr ||

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A pseudo-terminal: a serial line without a cable. The side of the device is here, the other end
-// has a path that any program opens as it would /dev/ttyACM1.
+// A pseudo-terminal: a serial line without a cable. This is the side of the device; the path of the
+// other end can be opened like /dev/ttyACM1.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,9 @@ namespace rio::live {
 
 class Pty {
  public:
-  /// Throws std::runtime_error if there is none to be had.
-  /// @param link if given, a link to the other end, in place of an older link; removed at the end
+  /// Throws std::runtime_error if none is available.
+  /// @param link if given, a link to the other end, which replaces an older link; removed at the
+  /// end
   explicit Pty(std::filesystem::path link = {});
   ~Pty();
   Pty(Pty&& other) noexcept;
@@ -26,10 +27,10 @@ class Pty {
 
   /// Some program has the other end open.
   bool is_open() const;
-  /// Waits for room where the reader is slow.
-  /// @return false if the other end was closed meanwhile, or has no room for five seconds
+  /// Waits for space if the reader is slow.
+  /// @return false if the other end was closed meanwhile, or has no space for five seconds
   bool write(const std::uint8_t* bytes, std::size_t count);
-  /// What the other end has written; 0 if nothing.
+  /// Bytes written by the other end; 0 if none.
   std::size_t read(std::uint8_t* buffer, std::size_t size);
 
  private:

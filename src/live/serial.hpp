@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Terminal lines as plain wires for bytes (termios).
+// Terminal lines as transparent byte channels (termios).
 #pragma once
 
 namespace rio::live {
 
-/// Bytes pass unchanged both ways, 8N1, no flow control, no echo; what has piled up is thrown away,
-/// nobody knows when it came. Not a terminal: nothing to do.
-/// @param baud one of those that termios knows, 1200 to 4000000
-/// @return false, and errno set, if the line does not take it
+/// Raw bytes both ways, 8N1, no flow control, no echo. Pending input is discarded, since its
+/// arrival time is unknown. Does nothing if it is not a terminal.
+/// @param baud a rate that termios supports, 1200 to 4000000
+/// @return false, with errno set, if the line refuses it
 bool make_raw(int fd, int baud);
 
-/// Whether make_raw() knows it.
+/// Whether make_raw() supports it.
 bool is_baud(int baud);
 
 }  // namespace rio::live

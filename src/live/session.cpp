@@ -9,7 +9,7 @@
 namespace rio::live {
 namespace {
 
-/// Bytes of one packet are not as far apart, USB included.
+/// Bytes of one packet are closer together than this, USB included.
 constexpr Time kPause = std::chrono::milliseconds(5);
 
 /// Whether the bytes took longer than on the wire by more than half of the pause between packets.
@@ -57,12 +57,12 @@ void Session::take(std::size_t r, ti::Frame* frame) {
   if (is_left_out(&radars_[r], frame)) return;
   frame->scan.time -= host_offset();
   pending_[next_pending_++ % pending_.size()] = {frame->scan.time, frame->last_arrival};
-  (void)odometry_->add_scan(frame->scan, r);  // what it did is counted
+  (void)odometry_->add_scan(frame->scan, r);  // its outcome is counted
   tell_estimate();
   for (Listener* listener : listeners_) listener->on_scan(*this, frame->scan, r);
 }
 
-/// A frame that waits for the next bytes of its radar does not wait longer than a pause.
+/// A frame waits for the next bytes of its radar no longer than a pause.
 void Session::flush_held(Time now) {
   for (std::size_t r = 0; r < radars_.size(); ++r) {
     const std::optional<Time> since = radars_[r].reader.held_since();
@@ -75,12 +75,12 @@ void Session::imu(const ImuSample& sample, Time arrival) {
   flush_held(arrival);
   ++imu_samples_;
   offset_.add(sample.time, arrival);
-  (void)odometry_->add_imu(sample);  // what it did is counted
+  (void)odometry_->add_imu(sample);  // its outcome is counted
   tell_estimate();
   for (Listener* listener : listeners_) listener->on_imu(*this, sample);
 }
 
-/// Of several scans in one call the last is told.
+/// Of several scans in one call the last is reported.
 void Session::tell_estimate() {
   const std::uint64_t scans = odometry_->counters().scans;
   const UpdateReport& report = odometry_->report();

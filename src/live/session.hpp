@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bytes of radars and samples of an IMU, as they arrive -> estimates. Knows no port and no clock:
-// every arrival is told.
+// Bytes of radars and samples of an IMU, as they arrive -> estimates. Independent of ports and
+// clocks: every arrival time is an argument.
 //
-// The estimator lives in the clock of the IMU. A radar's frame is stamped in the clock of the
-// arrivals (ti/frame_clock.hpp) and moved onto that of the IMU by what the samples' own arrivals
-// say (clock_offset.hpp).
+// The estimator uses the clock of the IMU. A radar frame is stamped in the clock of the arrivals
+// (ti/frame_clock.hpp) and converted to that of the IMU with the offset from the arrivals of the
+// samples (clock_offset.hpp).
 #pragma once
 
 #include <array>
@@ -23,11 +23,11 @@ namespace rio::live {
 
 class Session;
 
-/// Who wants to know what happens in a session.
+/// Interface for the events of a session.
 class Listener {
  public:
   virtual ~Listener() = default;
-  /// The estimator has taken, or refused, a sample.
+  /// The estimator has accepted or refused a sample.
   virtual void on_imu(const Session& /*session*/, const ImuSample& /*sample*/) {}
   /// The same of a scan, in the clock of the IMU.
   virtual void on_scan(const Session& /*session*/, const RadarScan& /*scan*/,
@@ -45,17 +45,17 @@ struct SessionSetup {
 
 class Session {
  public:
-  /// Throws std::runtime_error if options or timing are not valid.
-  /// @param listeners are told in this order, and must outlive the session
+  /// Throws std::runtime_error if options or timing are invalid.
+  /// @param listeners are called in this order, and must outlive the session
   Session(const SessionSetup& setup, std::vector<Listener*> listeners);
 
   /// Bytes of a radar's data port.
   void radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival);
-  /// The port of a radar was opened anew.
+  /// The port of a radar was reopened.
   void radar_reopened(std::size_t r) { radars_[r].reader.drop_pending(); }
   /// A sample of the IMU.
   void imu(const ImuSample& sample, Time arrival);
-  /// The offset of the clocks, where something better than the arrivals of the samples tells it.
+  /// The offset of the clocks, if known better than from the arrivals of the samples.
   void tell_host_offset(Time offset) { told_offset_ = offset; }
 
   const Odometry& odometry() const { return *odometry_; }
@@ -64,14 +64,14 @@ class Session {
   const ti::FrameClock& frame_clock(std::size_t r) const { return radars_[r].clock; }
   /// Clock of the arrivals minus that of the IMU.
   Time host_offset() const;
-  /// Frames that came before any sample of the IMU: nothing can be done with them.
+  /// Frames before the first sample of the IMU: they cannot be used.
   std::uint64_t frames_without_imu() const { return frames_without_imu_; }
-  /// Frames left out because their last bytes came so late that they may be those of the next
-  /// packet: lost bytes show in no other way if the magic word behind them is damaged as well, the
+  /// Frames dropped because their last bytes came so late that they may belong to the next packet:
+  /// if the magic word after lost bytes is damaged as well, nothing else shows the loss, since the
   /// packets have no checksum.
   std::uint64_t frames_made_up() const { return frames_made_up_; }
-  /// Frames left out because nobody knows when they were measured (FrameClock::odd): the host stood
-  /// still for a second, or the radar has just started again.
+  /// Frames dropped because their measurement time is unknown (FrameClock::odd): the host stalled
+  /// for a second, or the radar has just restarted.
   std::uint64_t frames_untimed() const { return frames_untimed_; }
   std::uint64_t imu_samples() const { return imu_samples_; }
 
@@ -98,7 +98,7 @@ class Session {
   bool imu_on_host_clock_;
   ClockOffset offset_;
   std::optional<Time> told_offset_;
-  std::array<Pending, 64> pending_{};  ///< a ring
+  std::array<Pending, 64> pending_{};  ///< ring buffer
   std::size_t next_pending_ = 0;
   std::uint64_t scans_told_ = 0;
   std::uint64_t imu_samples_ = 0;

@@ -9,7 +9,7 @@
 namespace rio::mavlink {
 namespace {
 
-constexpr double kMost = 1e9;  // whose products fit a float
+constexpr double kMost = 1e9;  // products of such values fit a float
 enum State : std::uint8_t { kCalibrating = 2, kActive = 4, kCritical = 5, kTermination = 8 };
 
 HealthState state_of(const Health& health, Content content) {

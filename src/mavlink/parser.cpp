@@ -7,7 +7,7 @@
 namespace rio::mavlink {
 namespace {
 
-/// A header as it is on the wire, of either version.
+/// A frame header of either version.
 struct Header {
   std::size_t size = 0;  ///< of the header
   std::size_t length = 0;
@@ -33,7 +33,7 @@ void Parser::drop_pending() {
   stored_ = look_ = 0;
 }
 
-/// @return a packet is complete
+/// @return true if a packet is complete
 bool Parser::take(std::uint8_t byte) {
   ++counters_.bytes;
   if (stored_ == buffer_.size()) make_room();
@@ -66,8 +66,8 @@ void Parser::plan() {
   }
 }
 
-/// Looks at the candidates whose time has come.
-/// @return one of them is a frame; the others are forgotten then
+/// Checks the candidates that have enough bytes.
+/// @return true if one of them is a frame; the others are discarded then
 bool Parser::judge() {
   for (std::size_t i = 0; i < candidates_.size();) {
     Candidate& candidate = candidates_[i];
@@ -85,7 +85,7 @@ bool Parser::judge() {
   return false;
 }
 
-/// @return it may be one: of a message that is known
+/// @return true if it may be a frame: of a known message
 bool Parser::read_header(Candidate* candidate) const {
   const std::uint8_t* frame = buffer_.data() + candidate->begin;
   const Header header = header_of(frame);
@@ -98,7 +98,7 @@ bool Parser::read_header(Candidate* candidate) const {
   return true;
 }
 
-/// Fills the packet but for its arrival if the checksum is right.
+/// Fills the packet except its arrival if the checksum is right.
 bool Parser::read_frame(const Candidate& candidate) {
   const std::uint8_t* frame = buffer_.data() + candidate.begin;
   const Header header = header_of(frame);

@@ -8,7 +8,7 @@ namespace {
 
 constexpr Time kLongestTrip = std::chrono::seconds(1);
 constexpr std::int64_t kMostNanoseconds = std::int64_t{1} << 62;  // 146 years
-constexpr int kMany = 3;  // contradictions in a row that are no accident
+constexpr int kMany = 3;  // consecutive contradictions that are not accidental
 
 bool is_sane(std::int64_t nanoseconds) {
   return nanoseconds > -kMostNanoseconds && nanoseconds < kMostNanoseconds;
@@ -69,7 +69,7 @@ Time TimesyncClient::bound(const Exchange& exchange, Time now) const {
   return exchange.half_trip + from_seconds(max_drift_ * to_seconds(length(now - exchange.at)));
 }
 
-/// A question is answered once.
+/// A request is answered once.
 bool TimesyncClient::was_asked(Time when) {
   for (std::optional<Time>& asked : asked_) {
     if (asked != when) continue;
@@ -79,7 +79,7 @@ bool TimesyncClient::was_asked(Time when) {
   return false;
 }
 
-/// The bounds of this exchange and those of the best one have nothing in common.
+/// Whether the bounds of this exchange and of the best one are disjoint.
 bool TimesyncClient::contradicts(const Exchange& exchange) const {
   if (count_ == 0) return false;
   return length(exchange.offset - best_.offset) >

@@ -15,7 +15,7 @@
 
 namespace rio::plot {
 
-/// Smallest interval that holds the finite values it was given.
+/// Smallest interval that contains the given finite values.
 struct Range {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -26,7 +26,7 @@ struct Range {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  /// Grown by a share of itself at both ends, to `smallest` at least; 0 to 1 if it was empty.
+  /// Grown by a share of itself at both ends, at least to `smallest`; 0 to 1 if it was empty.
   Range padded(double share, double smallest) const {
     if (low > high) return {0.0, 1.0};
     const double margin = std::max(share * span(), 0.5 * (smallest - span()));
@@ -34,7 +34,7 @@ struct Range {
   }
 };
 
-/// A marked value of an axis and what is written there.
+/// A marked value of an axis with its label.
 struct Tick {
   double value = 0.0;
   std::string label;
@@ -51,7 +51,7 @@ inline std::string scientific(double value, int decimals) {
 }
 
 /// Round values inside a range: 1, 2 or 5 times a power of ten apart.
-/// @param about how many are wanted
+/// @param about desired number
 inline std::vector<Tick> ticks(const Range& range, int about) {
   const double raw = range.span() / about;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
@@ -69,7 +69,7 @@ inline std::vector<Tick> ticks(const Range& range, int about) {
 }
 
 /// Values 1, 2 and 5 times powers of ten inside a positive range; powers of ten alone, or every
-/// second, third... of them, where there is no room; round values if the range is narrow.
+/// second, third... of them, if space is limited; round values if the range is narrow.
 inline std::vector<Tick> log_ticks(const Range& range, int about) {
   constexpr double kNarrow = 0.7;  // decades; more always hold two values of 1-2-5
   const double decades = std::log10(range.high / range.low);
@@ -106,13 +106,13 @@ class Axes {
   Axes(Svg* svg, const Box& box, const Range& x, const Range& y, bool log_y = false)
       : svg_(svg), box_(box), x_(x), y_(y), log_y_(log_y) {}
 
-  /// (E1) and (E2), at most 1e6 pixels from the origin. Not finite where a logarithmic axis has no
-  /// place for the value.
+  /// (E1) and (E2), at most 1e6 pixels from the origin. Not finite if a logarithmic axis cannot
+  /// show the value.
   Point pixel(double x, double y) const {
     return {near(box_.left + (x - x_.low) / x_.span() * box_.width),
             near(box_.top + share(y) * box_.height)};
   }
-  /// Grid, frame and labels; an empty `x_label` leaves out the numbers below, too.
+  /// Grid, frame and labels; an empty `x_label` also omits the numbers below.
   void draw(const std::string& title, const std::string& x_label,
             const std::string& y_label) const {
     for (const Tick& tick : horizontal_ticks()) {
@@ -154,7 +154,7 @@ class Axes {
 
   static Stroke grid(double value) { return {value == 0.0 ? "#b0b0b0" : "#e4e4e4", 1.0}; }
 
-  /// Far outside, where only the direction counts: renderers keep some 23 bits before the point.
+  /// Far outside, only the direction matters: renderers keep some 23 bits before the point.
   static double near(double pixel) {
     constexpr double kFar = 1e6;
     return std::isfinite(pixel) ? std::clamp(pixel, -kFar, kFar) : pixel;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A chart of panels under one legend, as one self-contained SVG file: what experiments draw.
+// A chart of panels with one legend, as one self-contained SVG file, for experiments.
 #pragma once
 
 #include <algorithm>
@@ -48,7 +48,7 @@ class ChartWriter {
   static constexpr double kLevelSize = 11.0;
   static constexpr double kLeader = 9.0;  ///< from the frame to the label of a level
 
-  /// Title and legend; returns where they end.
+  /// Title and legend; returns their lower end.
   double draw_head(Svg* svg, const std::string& title) const {
     const double margin = 16.0;
     double end = 4.0;
@@ -67,7 +67,7 @@ class ChartWriter {
     return labels.size() > 1 ? legend.bottom() + 10.0 : end;
   }
 
-  /// Row by row; returns where they end.
+  /// Row by row; returns the lower end.
   double draw_panels(Svg* svg, double top) const {
     for (std::size_t first = 0; first < panels_.size(); first += columns_) {
       const std::size_t end = std::min(panels_.size(), first + columns_);
@@ -102,7 +102,7 @@ class ChartWriter {
     draw_level_labels(svg, box, axes, panel.levels);
   }
 
-  /// @param lowest what a lower side below it is drawn at
+  /// @param lowest lower limit of the drawn low side
   static void draw_band(Svg* svg, const Axes& axes, const Band& band, double lowest) {
     constexpr double kOpacity = 0.2;
     std::vector<Point> high;
@@ -127,8 +127,8 @@ class ChartWriter {
     finish();
   }
 
-  /// Right of the frame, from top to bottom, moved apart where they would overlap; a short line
-  /// leads from each level to its label.
+  /// At the right of the frame, from top to bottom, moved apart where they would overlap; a short
+  /// line leads from each level to its label.
   static void draw_level_labels(Svg* svg, const Box& box, const Axes& axes,
                                 std::vector<Level> levels) {
     const auto height = [&axes](const Level& level) { return axes.pixel(0.0, level.value).y; };
@@ -163,8 +163,8 @@ class ChartWriter {
   double right_ = 20.0;  ///< same; half of the last number below fits in 20
 };
 
-/// One SVG file, 1000 pixels wide on white: the panels in rows of `columns`, under the title and a
-/// legend that names each label once. Axes of one column stand below each other.
+/// One SVG file, 1000 pixels wide on white: the panels in rows of `columns`, below the title and a
+/// legend with each label once. Axes of one column are aligned.
 inline std::string draw_chart(const std::string& title, const std::vector<Panel>& panels,
                               int columns) {
   return ChartWriter(panels, columns).draw(title);

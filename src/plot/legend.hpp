@@ -27,7 +27,7 @@ class Legend {
     svg_->text({x_ + kNameOffset, y_ + 4.5}, name, {kSize});
     x_ += width + 18.0;
   }
-  /// A line as sample; a thin one is drawn broader so that its colour shows.
+  /// A line as sample; a thin one is drawn thicker so that its colour shows.
   void line(const std::string& name, const Stroke& stroke) {
     entry(name, [&](Point at) {
       svg_->line(at, {at.x + 28.0, at.y},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one panel of a chart holds, and the ranges of its axes.
+// The contents of one panel of a chart, and the ranges of its axes.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 namespace rio::plot {
 
 /// A line through points, in their order. A point that is not finite, or not positive on a
-/// logarithmic axis, interrupts it. Curves of one label share one entry of the legend, an empty
-/// label has none.
+/// logarithmic axis, interrupts it. Curves with the same label share one entry of the legend; an
+/// empty label has none.
 struct Curve {
   std::string label;
   std::vector<Point> points;
@@ -33,36 +33,36 @@ struct Band {
 };
 
 /// A horizontal line across the panel with a short label at its right end, outside the frame. Not
-/// drawn where the axis does not reach.
+/// drawn if outside the axis.
 struct Level {
   double value = 0.0;
   std::string label;
   Stroke stroke;
 };
 
-/// One pair of axes and what is drawn in it.
+/// One pair of axes and its contents.
 struct Panel {
   std::string title;
-  std::string x_label;  ///< with unit; empty: the numbers below are left out, too
+  std::string x_label;  ///< with unit; empty: also omits the numbers below
   std::string y_label;  ///< with unit
   std::vector<Curve> curves;
   std::vector<Band> bands;
   std::vector<Level> levels;
   bool log_y = false;
   bool from_zero = false;  ///< a linear axis that begins at 0 unless `y` is given
-  /// Range of the y axis; by default what is drawn. Needs low < high, on a logarithmic axis
+  /// Range of the y axis; by default that of the contents. Needs low < high, on a logarithmic axis
   /// 0 < low, else the default is used.
   std::optional<Range> y = std::nullopt;
 };
 
-/// A range of no width becomes one, an empty one 0 to 1.
+/// A range of zero width is widened to one, an empty one becomes 0 to 1.
 inline Range with_width(const Range& range, double share) {
   if (range.low > range.high) return {0.0, 1.0};
   const double largest = std::max(std::abs(range.low), std::abs(range.high));
   return range.padded(share, largest > 0.0 ? 1e-3 * largest : 1.0);
 }
 
-/// From the first to the last x of what is drawn.
+/// From the first to the last x of the contents.
 inline Range x_range(const Panel& panel) {
   Range x;
   for (const Curve& curve : panel.curves) {
@@ -74,7 +74,7 @@ inline Range x_range(const Panel& panel) {
   return with_width(x, 0.0);
 }
 
-/// What is drawn: all finite values, on a logarithmic axis all positive ones.
+/// The y range of the contents: all finite values, on a logarithmic axis all positive ones.
 inline Range y_values(const Panel& panel) {
   Range y;
   const auto add = [&](double value) {
@@ -91,7 +91,7 @@ inline Range y_values(const Panel& panel) {
   return y;
 }
 
-/// Panel::y if it can be used, else what is drawn and a margin.
+/// Panel::y if it can be used, else the range of the contents with a margin.
 inline Range y_range(const Panel& panel) {
   if (panel.y && panel.y->low < panel.y->high && (!panel.log_y || panel.y->low > 0.0)) {
     return *panel.y;

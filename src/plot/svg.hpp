@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A drawing as SVG text: lines, areas, text, curves, and a window that cuts them off. Pixels, y
-// down.
+// A drawing as SVG text: lines, areas, text, curves, and a clip window. Pixels, y down.
 #pragma once
 
 #include <algorithm>
@@ -74,11 +73,11 @@ struct TextStyle {
   double size = 12.0;
   Anchor anchor = Anchor::kStart;
   bool bold = false;
-  bool upright = false;  ///< turned to read from bottom to top
+  bool upright = false;  ///< rotated to read from bottom to top
   std::string colour = "#222222";
 };
 
-/// About how wide a text is drawn; the exact width depends on the reader's font.
+/// Approximate width of a text; the exact width depends on the reader's font.
 inline double text_width(const std::string& text, double size) {
   constexpr double kCharacter = 0.6;  // mean width of a letter over the size of a broad font
   const auto characters = std::count_if(text.begin(), text.end(), [](char c) {
@@ -87,7 +86,7 @@ inline double text_width(const std::string& text, double size) {
   return kCharacter * size * static_cast<double>(characters);
 }
 
-/// `size`, or less where the text would be wider than `width`.
+/// `size`, or less if the text would be wider than `width`.
 inline double fitted_size(const std::string& text, double size, double width) {
   const double wanted = text_width(text, size);
   return wanted > width ? size * width / wanted : size;
@@ -140,7 +139,7 @@ class Svg {
     body_ += "<path d=\"" + path + " Z\"" + painted(fill, {"none", 0.0}) + " fill-opacity=\"" +
              fixed(opacity, 2) + "\"/>\n";
   }
-  /// Of what is drawn from here to end_clip(), only what lies inside the box is seen. Not nested.
+  /// Clips everything drawn from here to end_clip() to the box. Not nested.
   void begin_clip(const Box& box) {
     const std::string id = "clip" + std::to_string(++clips_);
     body_ += "<clipPath id=\"" + id + "\"><rect" + attribute("x", box.left) +

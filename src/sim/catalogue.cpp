@@ -5,7 +5,7 @@ namespace rio::sim {
 
 namespace {
 
-/// A radar on the front left of the frame, turned outwards and up.
+/// A radar on the front left of the frame, facing outwards and up.
 Pose kart_mount() {
   const Quaternion turn = quaternion_exp(Vector3d(0.0, 0.0, 30.0 * kDegree)) *
                           quaternion_exp(Vector3d(0.0, -25.0 * kDegree, 0.0));
@@ -59,7 +59,7 @@ void rough_ground(Scenario* s) {
   s->radar.threshold_db = 15.6;
   s->radar.snr_1m_db = 46.0;
   s->radar.max_static = 16;
-  s->radar.false_alarm_share = 0.0;  // its threshold is high
+  s->radar.false_alarm_share = 0.0;  // it has a high threshold
   s->radar.own_echoes = 3;
   s->radar.own_echo_share = 0.2;
   s->radar.doppler_slip_share = 0.2;

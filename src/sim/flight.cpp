@@ -10,13 +10,13 @@ namespace rio::sim {
 
 namespace {
 
-/// Takes away what is lost, or puts it on the line between the neighbours; the first and the last
-/// sample stay.
+/// Removes lost samples, or interpolates them between the neighbours; the first and the last sample
+/// are kept.
 void lose(std::vector<bool> is_lost, bool filled, std::vector<ImuSample>* imu) {
   if (imu->empty()) return;
   is_lost.front() = is_lost.back() = false;
   std::vector<ImuSample> kept;
-  std::size_t last = 0;  // there
+  std::size_t last = 0;  // last received sample
   for (std::size_t i = 0; i < imu->size(); ++i) {
     if (is_lost[i]) continue;
     const ImuSample& from = (*imu)[last];
@@ -49,7 +49,7 @@ void fly_imu(double seconds, Flight* flight) {
     flight->truth.back().gyro_bias = imu.gyro_bias();
     flight->truth.back().accel_bias = imu.accel_bias();
     ImuSample sample = imu.sample(point);
-    // less than half a period, so that no sample overtakes another
+    // less than half a period, so that the order of samples is kept
     const double late =
         std::clamp(model.stamp_jitter * jitter.normal(), -0.49 * period, 0.49 * period);
     sample.time += from_seconds(late);
@@ -62,7 +62,7 @@ void fly_imu(double seconds, Flight* flight) {
 }
 
 void fly_radar(double seconds, Flight* flight) {
-  // the radar's clock starts between two IMU samples and its period is no multiple of theirs
+  // the radar's clock starts between two IMU samples and its period is not a multiple of theirs
   constexpr Time kFirstScan{23'456'789};
   const RadarModel& model = flight->scenario.radar;
   const Disturbances& disturbances = flight->scenario.disturbances;

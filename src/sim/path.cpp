@@ -26,12 +26,12 @@ class Planner {
   double polygon() const { return polygon_; }
   double seconds() const { return options_.knot_spacing * static_cast<double>(controls_.size()); }
 
-  /// A place far ahead of the nose [m].
+  /// A point far ahead of the nose [m].
   Vector3d ahead() const {
     return position() + 1000.0 * Vector3d(std::cos(yaw_), std::sin(yaw_), 0.0);
   }
 
-  /// Towards `target` [m] in the plane as a vehicle steers, nose ahead: a step, at least one, lies
+  /// Towards `target` [m] in the plane as a vehicle steers, forward: each step, at least one, is
   /// along the middle of the headings at its ends.
   void drive(const Vector3d& target, double speed, double time) {
     const double h = options_.knot_spacing;
@@ -90,7 +90,7 @@ class Planner {
 Trajectory random_drive(std::uint64_t seed, const PathOptions& options,
                         const Trajectory::Settings& settings) {
   constexpr double kMargin = 1.2;  // the curve is shorter than its polygon
-  // straight on where the spline gathers and loses speed: a turn would slip sideways
+  // straight on where the spline accelerates and decelerates: a turn would slip sideways
   const double straight = 4.0 * options.knot_spacing;
   Planner planner(seed, options);
   Random& random = planner.random();
@@ -136,7 +136,7 @@ Trajectory random_flight(std::uint64_t seed, const PathOptions& options, Time st
   const Vector3d landing(radius * std::cos(angle), radius * std::sin(angle), 0.0);
   planner.fly(hover, kClimbSpeed, kForever);
   for (bool up = true;; up = !up) {
-    // beside the box these change places: the leg then ends between its reach and the box
+    // beyond the box these are swapped: the leg then ends between its reach and the box
     Vector3d from = (planner.position() - options.reach).cwiseMax(options.low);
     Vector3d to = (planner.position() + options.reach).cwiseMin(options.high);
     if (up) {

@@ -33,7 +33,7 @@ std::vector<MovingPoint> Person::at(double seconds) {
 }
 
 Vector3d Person::way_point() {
-  constexpr double kAside = 0.4;  // half a shoulder width and some air [m]
+  constexpr double kAside = 0.4;  // half a shoulder width and clearance [m]
   const Vector3d margin(kAside, kAside, 0.0);
   Vector3d point = random_.in_box(low_W_ + margin, high_W_ - margin);
   point.z() = low_W_.z();
@@ -68,7 +68,7 @@ Person::Centre Person::centre(int index) {
 }
 
 void Person::plan(double seconds) {
-  constexpr double kStandShare = 0.25;  // of the pauses are long
+  constexpr double kStandShare = 0.25;  // share of long pauses
   constexpr double kTurnTime = 0.6;     // [s/rad]: a turn on the spot peaks at 3.1 rad/s
   while (legs_.empty() || legs_.back().end() <= seconds) {
     const Vector3d to_W = way_point();

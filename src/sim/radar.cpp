@@ -19,7 +19,7 @@ RadarSimulator::RadarSimulator(RadarModel model, Room room, std::uint64_t seed)
       reflector_speckles_(fading_.make(room_.reflectors.size())),
       highlight_speckles_(fading_.make(model_.specular ? kHighlights : 0)),
       own_random_(seed, 15) {
-  constexpr double kBumper = 1.5;  // parts of a vehicle are within [m]
+  constexpr double kBumper = 1.5;  // parts of the vehicle are within [m]
   for (int i = 0; i < model_.own_echoes; ++i) {
     own_.push_back({own_random_.uniform(model_.min_range, kBumper),
                     own_random_.uniform(-0.5, 0.5) * model_.fov_azimuth,
@@ -59,7 +59,7 @@ LabeledScan RadarSimulator::scan(const Trajectory::Point& body, double outlier_s
   std::set<Cell> taken;
   for (const Echo& echo : echoes) {
     const RadarDetection detection = measure(echo);
-    // on a grid, the stronger of two peaks that the noise moved into one cell hides the other
+    // on a grid, if the noise moved two peaks into one cell the stronger hides the other
     const Cell bins = cell(detection.point_S.norm(), detection.range_rate);
     if (model_.quantize && !taken.insert(bins).second) continue;
     result.scan.detections.push_back(detection);
@@ -212,7 +212,7 @@ RadarSimulator::Echo RadarSimulator::ghost(const Echo& source, const View& view)
   Echo best;
   best.polar.range = model_.max_range;
   for (const Vector3d& image_W : mirror_images(room_, source_W)) {
-    if ((image_W - source_W).norm() < 0.2) continue;  // lies on it
+    if ((image_W - source_W).norm() < 0.2) continue;  // lies on the mirror plane
     const Vector3d image_S = view.to_S(image_W);
     if (!visible(image_S) || image_S.norm() >= best.polar.range) continue;
     best = echo_of(image_S, -view.v_S, {Cause::kMirror, id});
@@ -255,8 +255,8 @@ RadarDetection RadarSimulator::measure(const Echo& echo) {
   }
   if (model_.ambiguous) doppler = fold(doppler, model_.max_doppler);
   const Vector3d point_S = snap_direction(polar.point(), model_.angle_grid);
-  // + 0.0: a negative zero would show in files
-  doppler *= 1.0 + model_.doppler_scale;  // a step of the grid is misjudged
+  // + 0.0: avoids a negative zero in files
+  doppler *= 1.0 + model_.doppler_scale;  // the step of the grid is scaled as well
   return {.point_S = point_S, .range_rate = doppler + 0.0, .snr_db = echo.snr_db};
 }
 

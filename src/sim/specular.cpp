@@ -38,8 +38,8 @@ std::array<Vector3d, kPlanes> mirror_images(const Room& room, const Vector3d& po
 }
 
 Highlights::Highlights(std::uint64_t seed) {
-  // A large smooth plane has +5 dB(m^2) at 1 m (pi r^2); plaster reflects a tenth of that and
-  // scatters most of it aside.
+  // A large smooth plane has +5 dB(m^2) at 1 m (pi r^2); plaster reflects a tenth of that
+  // specularly and scatters most of it.
   constexpr double kPlaneRcs = -15.0;  // [dB(m^2)]
   constexpr double kEdgeRcs = -18.0;
   constexpr double kRcsSigma = 6.0;

@@ -44,8 +44,8 @@ void check(const std::vector<eval::StampedPose>& poses) {
 }
 
 /// Forward, left and up as columns in the recorded body axes B. Up is the axis of B nearest to the
-/// world's up; forward is x if up is +-z (robots), else z (x up: EuRoC's IMU; -y up: a camera;
-/// y up: motion capture); left = up x forward. Throws if no axis of B is upright.
+/// world's up; forward is x if up is +-z (robots), else z (x up: EuRoC's IMU; -y up: a camera; y
+/// up: motion capture); left = up x forward. Throws if no axis of B is upright.
 Matrix3d forward_left_up(const std::vector<eval::StampedPose>& poses) {
   constexpr double kUpright = 35.0 * std::numbers::pi / 180.0;  // half way between two axes is 45
   Vector3d mean = Vector3d::Zero();
@@ -67,7 +67,7 @@ std::vector<Observation> observe(const std::vector<eval::StampedPose>& poses,
   double yaw = 0.0;
   for (const eval::StampedPose& pose : poses) {
     const Vector3d left = pose.q.normalized() * R_BF.col(1);
-    // the turn since the last sample is the shorter one
+    // the turn since the last sample is taken the shorter way round
     yaw += std::remainder(std::atan2(-left.x(), left.y()) - yaw, 2.0 * std::numbers::pi);  // (E2)
     observations.push_back(
         {to_seconds(pose.time - poses.front().time), {pose.p.x(), pose.p.y(), pose.p.z(), yaw}});
@@ -75,10 +75,10 @@ std::vector<Observation> observe(const std::vector<eval::StampedPose>& poses,
   return observations;
 }
 
-/// How long it takes to get up to the speed of [first, last), samples from an end inwards [s].
+/// Time to accelerate to the speed of [first, last), samples from an end inwards [s].
 template <class Iterator>
 double lead(Iterator first, Iterator last) {
-  constexpr double kShortest = 2.0;      // [s], room to shed turn rate and acceleration
+  constexpr double kShortest = 2.0;      // [s], to reduce turn rate and acceleration
   constexpr double kAcceleration = 2.0;  // [m/s^2], 12 deg of tilt
   constexpr double kWindow = 0.5;        // [s], a millimetre of noise is 2 mm/s
   const auto far = std::find_if(
@@ -189,9 +189,9 @@ class Spline {
   int spans_ = 0;
 };
 
-/// Throws unless the thrust points upwards all the time.
+/// Throws unless the thrust always points upwards.
 void check_thrust(const Trajectory& trajectory, double step) {
-  constexpr double kLeast = 0.1;  // of gravity; below, attitude hangs on noise
+  constexpr double kLeast = 0.1;  // of gravity; below, the attitude is determined by noise
   for (double t = 0.0; t < trajectory.duration(); t += step) {
     const double lift = trajectory.at(t).accel_W.z() + trajectory.gravity();
     if (lift > kLeast * trajectory.gravity()) continue;

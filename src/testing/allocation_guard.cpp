@@ -15,8 +15,8 @@ long AllocationGuard::total() {
 }  // namespace rio::test
 
 #if RIO_COUNTS_ALLOCATIONS
-// malloc and its relatives, replaced by counting ones; operator new and Eigen both come here. glibc
-// keeps the originals under these names.
+// Counting replacements of malloc and its relatives; operator new and Eigen both end here. glibc
+// provides the originals under these names.
 extern "C" {
 void* __libc_malloc(std::size_t size);                           // NOLINT
 void* __libc_calloc(std::size_t count, std::size_t size);        // NOLINT

@@ -13,9 +13,9 @@ namespace {
 constexpr double kLight = 299792458.0;  // [m/s]
 constexpr double kUsableBand = 0.8;     // of the samples'
 constexpr std::size_t kPacketHeader = 40;
-constexpr std::size_t kTlv = 8;  // its header
+constexpr std::size_t kTlv = 8;  // size of its header
 constexpr std::size_t kPacketUnit = 32;
-constexpr std::size_t kStatistics = 2 * kTlv + 24 + 28;  // and the temperatures of later 3.x
+constexpr std::size_t kStatistics = 2 * kTlv + 24 + 28;  // and, in later 3.x, the temperatures
 
 bool is_space(char c) {
   return c == ' ' || c == '\t' || c == '\r';
@@ -52,7 +52,7 @@ int bits_in(int mask) {
   return count;
 }
 
-/// Takes arguments in turn, each within its range; remembers the first that is not.
+/// Takes arguments in turn, each within its range; remembers the first invalid one.
 class Arguments {
  public:
   Arguments(const Config& config, const char* name, std::size_t n = 0)
@@ -104,7 +104,7 @@ Profile read_profile(const Config& config, ConfigFigures* f, std::string* wrong)
   return p;
 }
 
-/// The chirps of a loop: which transmitters, and the idle times that they add.
+/// The chirps of a loop: transmitters, and additional idle times.
 double read_chirps(const Config& config, int first, int last, ConfigFigures* f) {
   double idle = 0.0;
   int masks = 0;

@@ -15,10 +15,10 @@ constexpr double kNarrowAzimuth = 90.0;  // full width [deg]
 constexpr double kNarrowElevation = 30.0;
 constexpr std::size_t kLongestLine = 255;  // of the demo's reader
 
-/// A command of the demo. Those with a rank come in its order.
+/// A command of the demo. Commands with a rank must come in that order.
 struct Known {
   const char* name;
-  std::size_t least;  ///< arguments
+  std::size_t least;  ///< fewest arguments
   std::size_t most;
   bool required;
   int rank;
@@ -290,7 +290,8 @@ class Linter {
     }
   }
 
-  /// Each chirp of the frame is defined once, by the profile, with one transmitter that is on.
+  /// Checks that each chirp of the frame is defined once, by the profile, with one enabled
+  /// transmitter.
   void check_chirps() {
     const ConfigCommand& frame = *config_.find("frameCfg");
     const int on = config_.find("channelCfg")->whole(1);

@@ -8,7 +8,7 @@ namespace rio::ti {
 namespace {
 
 constexpr char kPrompt[] = ":/>";
-constexpr std::size_t kMostAnswer = 8192;  // what is no prompt by then is another device
+constexpr std::size_t kMostAnswer = 8192;  // longer without a prompt: another device
 
 std::string line_of(const ConfigCommand& command) {
   std::string line = command.name;
@@ -20,7 +20,7 @@ bool has(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;
 }
 
-/// The lines of an answer but for the echo and the prompt, in one.
+/// The lines of an answer except the echo and the prompt, joined.
 std::string said(const std::string& answer, const std::string& echo) {
   std::string out;
   std::size_t begin = 0;
@@ -57,8 +57,8 @@ std::string ConfigSender::to_send(Time now) {
   return line + "\n";
 }
 
-/// That the empty line gets no answer is no error.
-/// @return the next line may go
+/// A missing answer to the empty line is no error.
+/// @return true if the next line may be sent
 bool ConfigSender::give_up_waiting(Time now) {
   if (now - sent_ <= (next_ == 0 ? timeout_ / 10 : timeout_)) return false;
   if (next_ == 0) {
@@ -87,7 +87,7 @@ void ConfigSender::judge(const std::string& answer) {
     if (refused && command->name != "sensorStop") {
       return fail("the radar says \"" + said(answer, line_of(*command)) + "\"");
     }
-    if (!refused && !has(answer, "Done") && !has(answer, "Skipped")) return;  // an old prompt
+    if (!refused && !has(answer, "Done") && !has(answer, "Skipped")) return;  // a stale prompt
     ++accepted_;
   }
   ++next_;

@@ -9,13 +9,13 @@
 namespace rio::ti {
 namespace {
 
-constexpr int kMany = 5;  // frames in a row that are no accident
+constexpr int kMany = 5;  // consecutive frames that are not accidental
 constexpr Time kLasting = std::chrono::seconds(1);
 constexpr double kBusy = 1.0;             // longest lateness of a busy host [s]
 constexpr double kBitsPerByte = 10.0;     // start, eight, stop
 constexpr std::size_t kLeastWindow = 16;  // [frames]
 constexpr std::size_t kMostWindow = 4096;
-constexpr Time kLongest = std::chrono::hours(1);  // of what is a part of a second
+constexpr Time kLongest = std::chrono::hours(1);  // upper bound of all times
 
 std::size_t frames_in(const FrameTiming& timing) {
   const double frames = to_seconds(timing.window) / to_seconds(timing.period);
@@ -111,7 +111,7 @@ FrameClock::Arrival FrameClock::arrival(const Frame& frame, Time first_byte) con
   return {x, to_seconds(first_byte - origin_time_) - x * period_};
 }
 
-/// Counts the frames in a row that do.
+/// Whether the frame contradicts the line; counts consecutive such frames.
 bool FrameClock::contradicts(const Frame& frame, Time first_byte, double lateness) {
   const bool backwards = frame.number < newest_number_;
   if (!backwards && std::abs(lateness) <= 0.5 * period_) {
@@ -123,9 +123,8 @@ bool FrameClock::contradicts(const Frame& frame, Time first_byte, double latenes
   return true;
 }
 
-/// The line below all points that is highest at their mean: the edge of the lower hull there, or,
-/// where that is steeper than a clock can be, the line of the greatest slope through its lowest
-/// point.
+/// The line below all points that is highest at their mean: the edge of the lower hull there; if
+/// that is steeper than the drift bound, the steepest allowed line through its lowest point.
 void FrameClock::fit() {
   hull_.clear();
   double mean = 0.0;
@@ -153,7 +152,7 @@ void FrameClock::fit() {
   for (const Arrival& p : hull_) intercept_ = std::min(intercept_, p.y - slope_ * p.x);
 }
 
-/// The stamp by the trigger that started the frame, if there was one.
+/// The stamp from the trigger that started the frame, if there was one.
 Time FrameClock::triggered(Time stamp) const {
   const Time to_middle = timing_.trigger_delay + timing_.chirp_block / 2;
   Time best = stamp;

@@ -29,7 +29,7 @@ float f32(const std::uint8_t* b) {
   std::memcpy(&value, &bits, sizeof value);
   return value;
 }
-/// By the bits of the exponent: no floating point exception at a signalling NaN, right with
+/// Tests the exponent bits: no floating point exception for a signalling NaN, correct with
 /// -ffast-math.
 bool is_finite(const std::uint8_t* b) {
   constexpr std::uint32_t kExponent = 0x7F800000;
@@ -78,7 +78,7 @@ PacketVerdict PacketWalk::read_header(const std::uint8_t* packet) {
   return PacketVerdict::kMore;
 }
 
-/// Takes the header of the TLV at at_, which is in, and goes to the next.
+/// Takes the complete header of the TLV at at_ and moves to the next.
 bool PacketWalk::read_tlv(const std::uint8_t* packet) {
   const std::uint32_t type = u32(packet + at_);
   const std::uint32_t length = u32(packet + at_ + 4);
@@ -94,7 +94,7 @@ bool PacketWalk::read_tlv(const std::uint8_t* packet) {
   return true;
 }
 
-/// Of a packet whose TLVs were all read.
+/// For a packet whose TLVs were all read.
 bool PacketWalk::lengths_agree() const {
   if (size_ - at_ >= kUnit) return false;
   return side_.length == 0 || side_.length / kSide == points_.length / kPoint;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kSmallestPacket = 64;
 constexpr std::size_t kPointSize = 16;
-constexpr std::uint32_t kMostLost = 10000;  // frames in a row; more are no loss
+constexpr std::uint32_t kMostLost = 10000;  // frames in a row; a larger jump is not a loss
 
 /// The first magic word that begins in [from, to - 7), or to.
 std::size_t find_magic(const std::uint8_t* bytes, std::size_t from, std::size_t to) {
@@ -41,7 +41,7 @@ const char* to_string(StreamState state) {
   return "unknown";
 }
 
-// Twice the packet: what is moved to the front is never more than was read since the last time.
+// Twice the packet: a move to the front never copies more than was read since the last one.
 PacketReader::PacketReader(std::size_t max_packet)
     : max_packet_(std::max(max_packet, kSmallestPacket)),
       buffer_(2 * max_packet_),
@@ -55,14 +55,14 @@ void PacketReader::drop_pending() {
   in_packet_ = held_ = false;
 }
 
-/// @return how many bytes there was room for; at least one
+/// @return number of bytes stored; at least one
 std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
   if (state_ == StreamState::kSilent) state_ = StreamState::kSearching;
   if (end_ == buffer_.size()) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
     end_ -= begin_;
     searched_ -= begin_;
-    unclaimed_ -= begin_;  // next() leaves it at begin_ or behind
+    unclaimed_ -= begin_;  // next() leaves it at begin_ or later
     begin_ = 0;
   }
   const std::size_t stored = std::min(count, buffer_.size() - end_);
@@ -71,12 +71,12 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
   return stored;
 }
 
-/// The next frame that is complete, or null when the bytes are used up.
+/// The next complete frame, or null when the bytes are used up.
 Frame* PacketReader::next(Time arrival) {
   while (in_packet_ || find_packet(arrival)) {
     const std::size_t magic = find_magic(buffer_.data(), searched_, end_);
     const bool cut = magic < end_;
-    // seen before the magic word was whole, so that the verdict does not hang on the pieces
+    // searched before the magic word was complete, so that the result does not depend on the pieces
     const std::size_t end = cut ? magic + kMagicSize - 1 : end_;
     searched_ = cut ? magic : std::max(searched_, end_ - (kMagicSize - 1));
     const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end - begin_);
@@ -92,8 +92,8 @@ Frame* PacketReader::next(Time arrival) {
   return nullptr;
 }
 
-/// Whether a magic word may begin in the last bytes of the packet, which is complete, and end
-/// behind them, by all bytes there are.
+/// Whether a magic word may begin in the last bytes of the complete packet and end behind them,
+/// from the bytes received so far.
 bool PacketReader::may_end_in_magic() const {
   const std::size_t packet_end = begin_ + walk_.size();
   for (std::size_t at = packet_end - (kMagicSize - 1); at < packet_end; ++at) {
@@ -124,8 +124,8 @@ bool PacketReader::find_packet(Time arrival) {
   return true;
 }
 
-/// The packet is complete. Its last bytes stay, they may be the first ones of a magic word after
-/// all: flush() may have come too early.
+/// The packet is complete. Its last bytes are kept, since they may be the start of a magic word
+/// after all: flush() may have come too early.
 Frame* PacketReader::hand_out() {
   counters_.points_left_out += walk_.decode(buffer_.data() + begin_, &frame_);
   frame_.scan.time = frame_.first_arrival;
@@ -138,7 +138,7 @@ Frame* PacketReader::hand_out() {
   return &frame_;
 }
 
-/// It was no packet of SDK 3; the search goes on one byte after.
+/// Not a packet of SDK 3; the search continues one byte after it.
 void PacketReader::give_up(PacketVerdict verdict) {
   if (verdict == PacketVerdict::kDamaged) {
     ++counters_.damaged;
@@ -151,7 +151,7 @@ void PacketReader::give_up(PacketVerdict verdict) {
   in_packet_ = held_ = false;
 }
 
-/// Bytes before `index` that belong to no frame are skipped ones.
+/// Counts the bytes before `index` that belong to no frame as skipped.
 void PacketReader::skip_to(std::size_t index) {
   if (index <= unclaimed_) return;
   counters_.bytes_skipped += index - unclaimed_;

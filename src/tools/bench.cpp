@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio bench`: what the estimator costs on this machine.
+// `rio bench`: cost of the estimator on this machine.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
@@ -30,7 +30,7 @@ const char* name_of(BackEnd backend) {
   return backend == BackEnd::kEkf ? "ekf" : "smoother";
 }
 
-/// Of this program, load included [MB].
+/// Peak of this program, including the load [MB].
 double peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

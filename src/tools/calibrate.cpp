@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio calibrate`: mounting, time offset and Doppler scale of the radar and the noise of the
-// sensors from recordings, and the files to fly with.
+// sensors from recordings, and the sensor files with the results.
 #include <fmt/format.h>
 
 #include <array>
@@ -28,12 +28,12 @@ namespace {
 
 using calibrate::Determination;
 
-/// Where the sensor folders of `out` are, or will be.
+/// The folder that holds, or will hold, the sensor folders of `out`.
 fs::path sensor_root(const fs::path& out) {
   return !fs::exists(out / "imu0") && fs::is_directory(out / "mav0") ? out / "mav0" : out;
 }
 
-/// Before the long work, not after it.
+/// Checked before the long computation.
 void check_output(const CalibrateArguments& arguments) {
   if (arguments.out.empty()) {
     if (arguments.overwrite) throw std::runtime_error("--overwrite needs --out");
@@ -52,7 +52,7 @@ void check_output(const CalibrateArguments& arguments) {
   }
 }
 
-/// The first recording's mounting is the configured one; another's may differ by drawing errors
+/// The first recording's mounting is the configured one; those of the others may differ by rounding
 /// only.
 void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
                          const std::string& name, const Options& options,
@@ -81,7 +81,7 @@ std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
   return datasets;
 }
 
-/// What the file of the radar says afterwards.
+/// Contents of the radar's file afterwards.
 io::RadarInfo radar_info(io::RadarInfo info, const CalibrateReport& report) {
   const RadarOptions& radar = report.radar.radar;
   const CalibrationOptions& priors = report.radar.priors;

@@ -19,13 +19,13 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// A line of the table, in the unit people read.
+/// A line of the table, in display units.
 struct Row {
   std::string name;
   const char* unit = "";
   double scale = 1.0;       ///< from SI
   double found = 0.0;       ///< SI, as all below
-  double configured = 0.0;  ///< of a correction: zero
+  double configured = 0.0;  ///< zero for a correction
   double sigma = 0.0;
   double prior = 0.0;    ///< 0 = none
   double apart = 0.0;    ///< halves, in sigmas
@@ -122,12 +122,12 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
   return rows;
 }
 
-/// A number, or a dash for what is unknown.
+/// A number, or a dash if unknown.
 std::string number(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
 
-/// JSON knows no NaN.
+/// JSON has no NaN.
 Json number_or_null(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }

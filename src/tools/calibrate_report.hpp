@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rio calibrate` prints: a row a parameter, as a table or as JSON.
+// Output of `rio calibrate`: a row per parameter, as a table or as JSON.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@
 
 namespace rio::tools {
 
-/// The noise of an IMU at rest is the least it has: a smaller one than configured is no reason to
-/// believe the IMU more in motion.
+/// The noise of an IMU at rest is a lower bound: a smaller value than configured is no reason to
+/// give the IMU more weight in motion.
 inline bool exceeds_configured(const calibrate::NoiseEstimate& noise, double configured) {
   return noise.verdict == calibrate::Determination::kDetermined && noise.value > configured;
 }
 
-/// What has been found of which recordings.
+/// Results, with their recordings.
 struct CalibrateReport {
   std::vector<std::string> datasets;
   Options configured;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The parameters of the calibration as people read them.
+// The parameters of the calibration, for display.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace rio::tools {
 
-/// Order of Calibration, with the unit people read.
+/// Order of Calibration, with the display unit.
 struct CalibrationName {
   const char* name;
   const char* unit;
   double scale;
-  const char* check;  ///< what may be wrong when it is doubtful
+  const char* check;  ///< possible cause when it is doubtful
 };
 
 inline constexpr const char* kMounting = "T_BS in radar0/sensor.yaml";
@@ -38,7 +38,7 @@ inline std::string calibration_name(std::size_t i, std::size_t r) {
   const std::string own = "radar" + std::to_string(r) + "_";
   return own + (name.rfind("radar_", 0) == 0 ? name.substr(6) : name);
 }
-/// What to check of radar r.
+/// Possible cause for radar r.
 inline std::string calibration_check(std::size_t i, std::size_t r) {
   std::string check = kCalibrationNames[i].check;
   const std::size_t at = check.find("radar0");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio check`: is a recording what an estimator takes it to be?
+// `rio check`: do the data of a recording agree with the assumptions of an estimator?
 #include <fmt/format.h>
 
 #include <algorithm>

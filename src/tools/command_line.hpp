@@ -8,7 +8,7 @@ namespace rio::tools {
 
 struct EstimatorArguments;
 
-/// Which options, for every command that runs the estimator.
+/// Common options of every command that runs the estimator.
 void add_estimator_options(CLI::App* command, EstimatorArguments* estimator);
 
 void add_info_command(CLI::App& app);

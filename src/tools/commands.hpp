@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The commands of the `rio` program: what each is asked for, and what runs it. Their options are
-// described in main.cpp. Every command throws std::runtime_error on failure.
+// The commands of the `rio` program: their arguments, and the functions that run them. The options
+// are described in main.cpp and *_command_line.cpp. Every command throws std::runtime_error on
+// failure.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,8 @@
 
 namespace rio::tools {
 
-/// How a bag is to be read; nothing of it goes with a folder in ASL layout. What is empty is not
-/// said: then the map counts, and else bag::RecordingRequest{}.
+/// How to read a bag; not allowed with a folder in ASL layout. For empty values the map applies,
+/// else bag::RecordingRequest{}.
 struct RecordingArguments {
   std::string map;  ///< file
   std::string imu;  ///< topics
@@ -38,7 +39,7 @@ struct RecordingArguments {
   bool operator==(const RecordingArguments&) const = default;
 };
 
-/// `rio info`: what is in a bag.
+/// `rio info`: contents of a bag.
 void info(const std::string& path);
 
 /// `rio convert`: a bag as a folder in ASL layout.
@@ -50,7 +51,7 @@ struct ConvertArguments {
 };
 void convert(const ConvertArguments& arguments);
 
-/// A replay whose estimate is lost at its end: exit status 3, everything else that fails has 1.
+/// A replay whose estimate is lost at its end: exit status 3; all other failures have 1.
 struct LostEstimate : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -64,11 +65,11 @@ struct ReplayArguments {
   std::vector<double> init_velocity;
   std::string out;
   std::string states;
-  bool barometer = false;  ///< the estimator uses that of the dataset
-  bool no_check = false;   ///< of the recording, at the end
+  bool barometer = false;  ///< the estimator uses the barometer of the dataset
+  bool no_check = false;   ///< no check of the recording, at the end
   bool json = false;
   bool verbose = false;
-  bool quiet = false;  ///< wins over verbose
+  bool quiet = false;  ///< overrides verbose
 };
 /// @throws LostEstimate after all outputs are written
 void replay(const ReplayArguments& arguments);
@@ -82,7 +83,7 @@ struct LiveArguments {
   std::string sensors;  ///< folder with imu0/sensor.yaml, radar0/sensor.yaml
   EstimatorArguments estimator;
   std::string radar_cfg;         ///< configuration of the radars
-  std::vector<std::string> cli;  ///< ports to send it to, one a radar
+  std::vector<std::string> cli;  ///< ports to send it to, one per radar
   std::string out;               ///< TUM
   std::string states;
   std::string json_lines;
@@ -91,21 +92,21 @@ struct LiveArguments {
   double mavlink_rate = 30.0;
   int mavlink_system = 1;
   bool velocity_only = false;
-  double patience = std::numeric_limits<double>::infinity();  ///< with a port that vanished [s]
-  double speed = 1.0;                                         ///< of the clock
-  bool json = false;                                          ///< the summary
+  double patience = std::numeric_limits<double>::infinity();  ///< wait for a lost port [s]
+  double speed = 1.0;                                         ///< factor of the clock
+  bool json = false;                                          ///< prints the summary as JSON
 };
 /// @throws LostEstimate after all outputs are written
 void live(const LiveArguments& arguments);
 
-/// `rio check`: is a recording what an estimator takes it to be?
+/// `rio check`: do the data of a recording agree with the assumptions of an estimator?
 struct CheckArguments {
   std::string dataset;
   RecordingArguments how;
   std::string config;
   bool json = false;
 };
-/// Something in a recording is wrong: exit status 3, too.
+/// Errors in a recording: also exit status 3.
 struct WrongRecording : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -119,14 +120,14 @@ struct TiConfigArguments {
   std::size_t points = 60;  ///< in a frame
   bool json = false;
 };
-/// Something in a configuration is wrong: exit status 3, too.
+/// Errors in a configuration: also exit status 3.
 struct WrongConfiguration : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 /// @throws WrongConfiguration after everything is printed
 void ti_config(const TiConfigArguments& arguments);
 
-/// `rio bench`: what the estimator costs on this machine.
+/// `rio bench`: cost of the estimator on this machine.
 struct BenchArguments {
   std::size_t detections = 30;  ///< in a scan
   double seconds = 20.0;        ///< of simulated flight
@@ -145,9 +146,9 @@ struct SimulateArguments {
   std::string trajectory;
   std::size_t radars = 1;
   bool ideal = false;
-  bool live = false;         ///< play it on pseudo-terminals as well
-  double speed = 1.0;        ///< of the time, while it is played
-  live::CableNoise cable{};  ///< its seed is not looked at
+  bool live = false;         ///< also plays it on pseudo-terminals
+  double speed = 1.0;        ///< factor of time while it is played
+  live::CableNoise cable{};  ///< its seed is ignored
 };
 void simulate(const SimulateArguments& arguments);
 
@@ -194,7 +195,7 @@ void calibrate(const CalibrateArguments& arguments);
 
 /// `rio options`: every option with its meaning and the values of a preset.
 void print_options(const std::string& preset_name);
-/// `rio options --compare`: the options in which the presets differ, as a table.
+/// `rio options --compare`: the options that differ between presets, as a table.
 void compare_presets();
 
 /// `rio scenarios`: the catalogue of simulated flights; with a name or a file that one as YAML.

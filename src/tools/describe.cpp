@@ -23,12 +23,12 @@ std::vector<const CLI::Option*> options_of(const CLI::App& command, bool positio
   });
 }
 
-/// "--help" of "-h,--help", "FILE" of a positional one.
+/// "--help" of "-h,--help"; "FILE" of a positional argument.
 std::string name_of(const CLI::Option& option) {
   return option.get_lnames().empty() ? option.get_name() : "--" + option.get_lnames().front();
 }
 
-/// "ekf smoother" of an option that takes one of these words; else empty.
+/// "ekf smoother" for an option with these values; else empty.
 std::string words_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t begin = type.find('{');
@@ -39,7 +39,7 @@ std::string words_of(const CLI::Option& option) {
   return words;
 }
 
-/// Text for troff: no line of it is a request, hyphens are minus signs.
+/// Escaped text for troff: no line is a request, hyphens are minus signs.
 std::string troff(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The manual page and the completions of bash, out of the description of the command line.
+// The manual page and the bash completions, from the description of the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>

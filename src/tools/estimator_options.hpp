@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The options that a command line, an option file and the sensor files make together.
+// The estimator options from the command line, an option file and the sensor files.
 #pragma once
 
 #include <string>
@@ -10,27 +10,27 @@
 
 namespace rio::tools {
 
-/// Puts on top of `options` what is known of the sensors, then the values of the file, if one is
-/// named. Throws std::runtime_error.
-/// @return of each value of the file that differs from what the sensors tell, "FILE overrides the
+/// Overrides `options` by the sensor properties, then by the values of the file, if one is given.
+/// Throws std::runtime_error.
+/// @return for each value of the file that differs from the sensor files, "FILE overrides the
 /// sensor files: KEY = NEW (OLD)"
 std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
                                                Options* options);
 
-/// The defaults with these on top, for commands that know no preset; what is overridden is noted on
+/// The defaults with these overrides, for commands without presets; notes overridden values on
 /// stderr.
 Options options_of(const io::Dataset& sensors, const std::string& file);
 
 struct EstimatorArguments {
   std::string config;   ///< option file
-  std::string preset;   ///< wins over the file's
-  std::string backend;  ///< ekf or smoother; wins over both
+  std::string preset;   ///< overrides that of the file
+  std::string backend;  ///< ekf or smoother; overrides both
 };
 
-/// Preset, then what is known of the sensors, then the values of the file, then the back-end of the
-/// command line. What the file changes of what is known of the sensors is noted on stderr. Throws
+/// Preset, then the sensor properties, then the values of the file, then the back-end of the
+/// command line. Sensor properties changed by the file are noted on stderr. Throws
 /// std::runtime_error.
-/// @param base what the preset is put on
+/// @param base the options that the preset modifies
 Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
                      Options base = {});
 

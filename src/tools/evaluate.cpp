@@ -43,7 +43,7 @@ nlohmann::ordered_json to_json(const AngleError& error) {
   return {{"rmse", error.rmse}, {"final", error.final}, {"max", error.max}};
 }
 
-/// Figures that do not exist (NaN) become null.
+/// Undefined figures (NaN) become null.
 nlohmann::ordered_json to_json(const EvaluateArguments& arguments, const std::string& estimate,
                                const Evaluation& e) {
   nlohmann::ordered_json json = {
@@ -69,7 +69,7 @@ nlohmann::ordered_json to_json(const EvaluateArguments& arguments, const std::st
   return json;
 }
 
-/// `value` in `width` characters, "-" if there is none.
+/// `value` in `width` characters, "-" if undefined.
 std::string cell(double value, int width, int digits) {
   char text[64];
   if (std::isnan(value)) {
@@ -139,7 +139,7 @@ void print_table(const EvaluateArguments& arguments, const std::string& estimate
   print_angle("tilt error", e.tilt);
 }
 
-/// One row an estimate, in Markdown.
+/// One row per estimate, in Markdown.
 void print_comparison(const EvaluateArguments& arguments, const std::vector<Evaluation>& all) {
   std::printf(
       "| estimate | final drift [%%] | norm of MAE [m] | norm of RMSE [m] | "

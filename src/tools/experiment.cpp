@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio experiment`: hands its arguments to the program `rio-lab`, which stands beside this one.
+// `rio experiment`: passes its arguments to the program `rio-lab` in the same folder.
 #include <unistd.h>
 
 #include <cerrno>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The findings of `rio check` for the commands that print them.
+// Output of the findings of `rio check`.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,24 +13,24 @@
 
 namespace rio::tools {
 
-/// Checks what read_any() gave for `path`, or a part of it.
+/// Checks the result of read_any() for `path`, or a part of it.
 check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
                             const Options& options);
 
 check::Findings findings_of(const std::string& path, const check::CheckedData& data,
                             const Options& options);
 
-/// One object a finding.
+/// One object per finding.
 nlohmann::ordered_json findings_json(const check::Findings& findings);
 
-/// The options that the findings begin their changes with, as one line of an option file; empty
-/// without any. "radar: {a: 1}" and "radar: {b: 2}, or ..." make "radar: {a: 1, b: 2}".
+/// The options at the beginning of the proposed changes, as one line of an option file; empty if
+/// there are none. "radar: {a: 1}" and "radar: {b: 2}, or ..." give "radar: {a: 1, b: 2}".
 std::string proposed_options(const check::Findings& findings);
 
-/// Those that are doubtful or wrong.
+/// The doubtful and the wrong ones.
 check::Findings not_ok(const check::Findings& findings);
 
-/// One line each, "data: nothing found" without any.
+/// One line each, "data: nothing found" if there are none.
 std::string findings_text(const check::Findings& findings);
 
 }  // namespace rio::tools

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-/// The first true state inside the span of the IMU, its biases unknown.
+/// The first true state inside the span of the IMU, biases unknown.
 calibrate::Start start_from_truth(const io::Dataset& dataset, const Options& options) {
   const auto row = std::find_if(
       dataset.ground_truth.begin(), dataset.ground_truth.end(), [&](const NavState& state) {

@@ -15,17 +15,17 @@ namespace rio::tools {
 
 class HealthLog {
  public:
-  /// The health at `time`, as it holds until the next call.
+  /// The health at `time`, valid until the next call.
   void add(Time time, const Health& health);
 
-  /// Of the calibration at the end: doubtful parameters make the verdict doubtful.
-  /// @param too_fast the path is one that no vehicle takes
+  /// Calibration at the end: doubtful parameters make the verdict doubtful.
+  /// @param too_fast the path is beyond that of any vehicle
   /// @param calibration by radar
   void conclude(const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration,
                 bool too_fast);
 
   bool lost() const { return !lost_because_.empty(); }
-  /// What the estimate is lost for; empty if it is not.
+  /// Why the estimate is lost; empty if it is not.
   const std::string& lost_because() const { return lost_because_; }
   /// "healthy", "doubtful: why" or "lost: why".
   std::string verdict() const;
@@ -33,7 +33,7 @@ class HealthLog {
 
  private:
   struct Reason {
-    double seconds = 0.0;  ///< for which it counted
+    double seconds = 0.0;  ///< total duration of the reason
     Time first{0};
     double severity = 0.0;  ///< the largest
   };

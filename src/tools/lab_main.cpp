@@ -41,7 +41,7 @@ void write(const fs::path& path, const std::string& text) {
   file.close();
 }
 
-/// @param name of the lines of progress where there is no terminal; empty: none
+/// @param name prefix of progress lines if stderr is not a terminal; empty: none
 void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   const std::vector<Experiment>& all = rio::experiment::experiments();
   const auto chosen = std::find_if(all.begin(), all.end(),
@@ -75,7 +75,7 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   }
 }
 
-/// Every table of the page that this program has not written yet, asked in the same way.
+/// Every table of the page that this program has not written yet with the same arguments.
 void run_all(Arguments arguments) {
   if (arguments.update.empty()) throw std::runtime_error("all needs --update PAGE");
   fs::create_directories(arguments.out);

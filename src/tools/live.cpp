@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio live`: sensors on ports through the estimator. One thread: poll, read, estimate, tell.
+// `rio live`: sensors on ports through the estimator. One thread: poll, read, estimate, send.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -31,7 +31,7 @@ using live::Port;
 
 constexpr int kImuBaud = 921600;
 
-/// On stderr: what happens, and, on a terminal, a line that is written over twice a second.
+/// On stderr: events, and, on a terminal, a status line that is updated twice a second.
 class Screen {
  public:
   void say(const std::string& message) {
@@ -73,7 +73,7 @@ class LiveRun {
     for (const std::string& to : arguments.record) record(to, sensors.info);
     add_links(sensors.setup.options.imu, sensors.info.imu_info.rate_hz.value_or(200.0));
     std::vector<live::Listener*> listeners;
-    if (link_) listeners.push_back(&*link_);  // first: the autopilot waits
+    if (link_) listeners.push_back(&*link_);  // first, since the autopilot waits
     listeners.push_back(&summary_);
     listeners.push_back(&files_);
     for (live::Recorder& recorder : recorders_) listeners.push_back(&recorder);
@@ -96,7 +96,7 @@ class LiveRun {
     for (live::McapRecorder& recorder : mcap_recorders_) recorder.close();
   }
 
-  /// @return the estimate is lost
+  /// @return whether the estimate is lost
   bool conclude() {
     const live::ImuCounters imu = imu_counters();
     return summary_.conclude(*session_, imu, link_ ? link_->sent() : 0);
@@ -115,7 +115,7 @@ class LiveRun {
     }
   }
 
-  /// The ports of the IMU and of the autopilot, which may be one.
+  /// The ports of the IMU and of the autopilot, which may be the same.
   void add_links(const ImuOptions& imu, double imu_rate) {
     const bool same = imu_is_mavlink() && arguments_.mavlink == arguments_.imu;
     Port* to_autopilot = nullptr;
@@ -143,7 +143,7 @@ class LiveRun {
     settings.asks_clock = imu_is_mavlink();
     settings.gyro_sigma = imu.gyro_noise_density * std::sqrt(imu_rate);
     link_.emplace(settings, [to_autopilot](const std::uint8_t* bytes, std::size_t count) {
-      return to_autopilot->write(bytes, count);  // a full line: the next message is newer
+      return to_autopilot->write(bytes, count);  // a full line drops the message: the next is newer
     });
   }
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kCliBaud = 115200;
 
-/// What a configuration says of the radar, where the sensor file does not.
+/// Sensor properties from the configuration, if the sensor file does not have them.
 void complete(io::RadarInfo* info, const ti::ConfigFigures& figures) {
   const auto set = [](std::optional<double>* to, double value) {
     if (!to->has_value()) *to = value;
@@ -49,7 +49,7 @@ ti::FrameTiming timing_of(const io::RadarInfo& info) {
   return timing;
 }
 
-/// The figures of a configuration; what is wrong with it for odometry is a note.
+/// The figures of a configuration; its errors for odometry are noted.
 ti::ConfigFigures read_config(const std::string& path, ti::Config* config) {
   *config = ti::parse_config(text_of(path));
   ti::ConfigFigures figures;
@@ -63,7 +63,7 @@ ti::ConfigFigures read_config(const std::string& path, ti::Config* config) {
   return figures;
 }
 
-/// Hands on what the port says within a tenth of a second.
+/// Passes on the answer of the port within a tenth of a second.
 void listen(live::Port* port, ti::ConfigSender* sender) {
   pollfd ask{port->fd(), POLLIN, 0};
   if (poll(&ask, 1, 100) != 1) return;

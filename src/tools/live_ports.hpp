@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rio live` finds out before it starts: sensors, options, times of the radars; and the
-// configuration that it sends them.
+// Preparation of `rio live`: sensors, options and timing of the radars; and sending of their
+// configuration.
 #pragma once
 
 #include <string>
@@ -19,14 +19,14 @@ struct LiveSensors {
   ti::Config config;  ///< to send; empty if none is given
 };
 
-/// Throws std::runtime_error where something is missing or wrong; prints notes on stderr.
+/// Throws std::runtime_error for missing or wrong inputs; prints notes on stderr.
 LiveSensors find_sensors(const LiveArguments& arguments);
 
 /// Sends the configuration to the CLI port of a radar, line by line. Throws std::runtime_error with
-/// the line that the radar refuses and its words.
+/// the refused line and the radar's answer.
 void send_config(const std::string& port_name, const ti::Config& config);
 
-/// The radar ends its frames, if it still listens.
+/// Stops the frames of the radar, if it still listens.
 void stop_radar(const std::string& port_name);
 
 }  // namespace rio::tools

@@ -79,7 +79,7 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
   odometry_sent_ = odometry_sent;
   replay_.initialised_by = odometry.initialized() ? "static" : "never: it was not held still";
   replay_.counters = odometry.counters();
-  replay_.scans = static_cast<int>(replay_.counters.scans);  // of two in one call one is told
+  replay_.scans = static_cast<int>(replay_.counters.scans);  // of two in one call one is seen
   replay_.scans_before_start = static_cast<int>(replay_.counters.scans_uninitialized);
   replay_.wall = cpu_time();
   cpu_share_ = to_seconds(replay_.wall) / to_seconds(clock_.to_real(replay_.span));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rio live` has seen: the line while it runs, and the summary at its end.
+// Statistics of `rio live`: the status line, and the summary at the end.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ class LiveSummary : public live::Listener {
   void on_imu(const live::Session& session, const ImuSample& sample) override;
   void on_estimate(const live::Session& session, Time arrival) override;
 
-  /// One line for a person, without its end.
+  /// One status line, without newline.
   std::string line(const live::Session& session) const;
 
-  /// After the last byte; @return the estimate is lost
+  /// At the end; @return whether the estimate is lost
   bool conclude(const live::Session& session, const live::ImuCounters& imu,
                 std::uint64_t odometry_sent);
   std::string text() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The `rio` program. Exit codes: 0 success, 1 the command failed, 2 wrong command line, 3 the
-// estimate is lost, or the recording or configuration wrong.
+// estimate is lost, or the recording or configuration is wrong.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>

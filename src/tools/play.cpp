@@ -22,7 +22,7 @@ using live::Cable;
 using live::CableNoise;
 using live::Pty;
 
-/// The bytes on the wire of every sensor, and the names of their ports.
+/// The bytes of every sensor, and the names of their ports.
 struct Lines {
   std::vector<std::vector<live::Piece>> pieces;
   std::vector<fs::path> ports;
@@ -78,10 +78,10 @@ void play_live(const fs::path& out, const io::Dataset& flight, const CableNoise&
   while (!all_open(ptys) && stop_requested == 0) pause(10);
   live::play(live::in_order(lines.pieces), speed, stop_requested, [&](const live::Event& event) {
     const live::Bytes& bytes = event.piece->bytes;
-    (void)ptys[event.line].write(bytes.data(), bytes.size());  // to nobody: as on a wire
+    (void)ptys[event.line].write(bytes.data(), bytes.size());  // lost without a reader
     return true;
   });
-  pause(200);  // what was not read when a pseudo-terminal is closed is lost
+  pause(200);  // unread bytes are lost when a pseudo-terminal is closed
   for (std::size_t i = 0; i < lines.ports.size(); ++i) print(lines.ports[i], lines.counters[i]);
 }
 

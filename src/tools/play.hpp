@@ -9,10 +9,10 @@
 
 namespace rio::tools {
 
-/// Waits until OUT/imu0/port, OUT/radar0/port, ... are all open, then sends what the sensors saw,
-/// at its time. Ends with the flight, or at a signal.
+/// Waits until OUT/imu0/port, OUT/radar0/port, ... are all open, then sends the sensor data in
+/// time. Ends with the flight, or at a signal.
 /// @param noise its seed is that of the first cable
-/// @param speed of the time
+/// @param speed factor of time
 void play_live(const std::filesystem::path& out, const io::Dataset& flight,
                const live::CableNoise& noise, double speed);
 

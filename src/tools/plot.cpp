@@ -36,7 +36,7 @@ struct Series {
   std::string label;
   Stroke stroke;
   eval::Trajectory poses;
-  std::vector<eval::PosePair> pairs;  ///< with the truth, if there is one
+  std::vector<eval::PosePair> pairs;  ///< with the truth, if given
 };
 
 /// Interrupts a curve where samples are missing: at intervals far above the usual one.
@@ -61,7 +61,7 @@ class GapBreaker {
   double last_ = 0.0;
 };
 
-/// A point for each sample at its time [s] since `start`; gaps and jumps of more than `max_jump`
+/// A point for each sample at its time [s] since `start`; gaps, and jumps of more than `max_jump`,
 /// interrupt the curve.
 template <class Sample, class Value>
 std::vector<Point> over_time(const std::vector<Sample>& samples, Time start, Value value,
@@ -111,7 +111,7 @@ std::vector<Point> yaw_errors(const std::vector<eval::PosePair>& pairs, Time sta
   return over_time(pairs, start, error, 180.0);
 }
 
-/// File name without its ending; with its folder where two would be the same.
+/// File name without extension; with its folder if two would be equal.
 std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
   const auto name = [](std::filesystem::path path) {
     if (path.filename().empty()) path = path.parent_path();  // "run/" is the folder "run"
@@ -189,7 +189,7 @@ void draw_panel(Svg* svg, const plot::Box& box, const Range& time, const TimePan
   for (std::size_t i = 0; i < all.size(); ++i) axes.curve(panel.curves[i], all[i].stroke);
 }
 
-/// Line samples and names, then what the markers mean; returns where the last line is.
+/// Line samples and names, then the meaning of the markers; returns the position of the last line.
 double draw_legend(Svg* svg, double left, double top, double right,
                    const std::vector<Series>& all) {
   Legend legend(svg, left, top, right);
@@ -268,7 +268,7 @@ Series truth_series(const eval::Trajectory& truth, const std::vector<Series>& es
   for (const eval::StampedPose& pose : truth) {
     if (pose.time >= first && pose.time <= last) result.poses.push_back(pose);
   }
-  if (result.poses.empty()) result.poses = truth;  // too sparse to have a pose in that time
+  if (result.poses.empty()) result.poses = truth;  // no pose in that time, since it is too sparse
   return result;
 }
 

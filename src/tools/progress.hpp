@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A progress bar on stderr; where stderr is no terminal none, or a line every ten percent.
+// A progress bar on stderr; if stderr is not a terminal, none, or a line every ten percent.
 #pragma once
 
 #include <unistd.h>
@@ -13,8 +13,8 @@ namespace rio::tools {
 
 class Progress {
  public:
-  /// @param wanted false: never shown, as when other lines go to the same terminal
-  /// @param name in front of the lines where there is no terminal; empty: no lines
+  /// @param wanted false: never shown, for example when other lines go to the same terminal
+  /// @param name prefix of the lines if there is no terminal; empty: no lines
   explicit Progress(bool wanted, std::string name = {})
       : shown_(wanted && isatty(STDERR_FILENO) != 0), name_(shown_ ? "" : std::move(name)) {}
   Progress(const Progress&) = delete;

@@ -23,7 +23,7 @@ void set(const std::string& said, std::string* value) {
   if (!said.empty()) *value = said;
 }
 
-/// @param said one of the names, as the command line has seen to
+/// @param said one of the names, checked by the command line
 template <class Enum>
 void set_named(const std::string& said, Enum* value) {
   const auto names = names_of(*value);
@@ -35,7 +35,7 @@ void set_quantity(const std::string& said, const char* si_unit, double* value) {
   if (!said.empty()) *value = io::parse_quantity(said, si_unit);
 }
 
-/// The map, and over it what the command line says.
+/// The map, overridden by the command line.
 bag::RecordingRequest request_of(const RecordingArguments& a) {
   bag::RecordingRequest request;
   if (!a.map.empty()) request = bag::load_recording_map(a.map);
@@ -62,7 +62,7 @@ void print_notes(const io::Dataset& dataset) {
   for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
 }
 
-/// In place of what the recording says of its sensors, but for what is read off the data.
+/// Replaces the sensor properties of the recording, except those found from the data.
 void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   io::Dataset info = io::read_sensor_info(folder);
   auto& grid = info.radar_info.doppler_resolution;
@@ -72,7 +72,7 @@ void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   dataset->notes.insert(dataset->notes.end(), info.notes.begin(), info.notes.end());
 }
 
-/// Whether it is a recording of ROS; throws if it is none, but options of one are given.
+/// Whether it is a ROS recording; throws if it is not, but options for one are given.
 bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   if (!is_asl_folder(path) && bag::is_recording(path)) return true;
   if (arguments != RecordingArguments{}) {
@@ -81,7 +81,7 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   return false;
 }
 
-/// What no recording of ROS tells.
+/// Properties missing in every ROS recording.
 void print_what_is_missing(const fs::path& out) {
   fmt::print(
       "Not in the recording, so fill in by hand before the first replay:\n"

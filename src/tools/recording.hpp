@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording in any form the program knows: ASL folder, ROS 1 bag, MCAP, sqlite3 of rosbag2.
+// A recording in any supported format: ASL folder, ROS 1 bag, MCAP, sqlite3 of rosbag2.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,19 @@ namespace rio::tools {
 bool is_asl_folder(const std::filesystem::path& path);
 
 /// Reads it and prints its notes on stderr.
-/// @param damage where the file is damaged, else empty; the data set is what stands before
+/// @param damage position of damage in the file, else empty; the data set ends there
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
                      std::string* damage);
 
-/// The same, to be read while it is used.
+/// The same as a stream.
 struct OpenRecording {
   std::unique_ptr<io::RecordingStream> samples;
-  io::Dataset sensors;  ///< what is told of them, and the start of the ground truth; no samples
+  io::Dataset sensors;  ///< their properties, and the start of the ground truth; no samples
 };
-/// Looks at all of it and prints its notes on stderr. Damage is in the outline of the samples.
+/// Checks all of it and prints its notes on stderr. Damage is in the outline of the samples.
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments);
 
-/// Throws what read_any() left in `damage`, if anything: what was readable has been used by then.
+/// Throws the `damage` of read_any(), if any: the readable part has been used by then.
 void throw_damage(const std::string& damage);
 
 }  // namespace rio::tools

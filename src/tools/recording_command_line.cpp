@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command line of what takes a recording.
+// The command lines for recordings.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
@@ -11,7 +11,7 @@ namespace rio::tools {
 
 namespace {
 
-/// How a bag is read, for every command that takes one.
+/// Options to read a bag, for every command that takes one.
 void add_recording_options(CLI::App* command, RecordingArguments* how) {
   const std::string group = "Of a bag";
   command

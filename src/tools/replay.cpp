@@ -31,7 +31,7 @@ namespace rio::tools {
 
 namespace {
 
-/// First state and covariance, and where they come from.
+/// First state and covariance, with their source.
 struct Start {
   NavState state;
   BodyCovariance covariance;
@@ -50,7 +50,7 @@ Options make_options(const ReplayArguments& arguments, const io::Dataset& sensor
   return options;
 }
 
-/// As standstill_gyro_bias() of static_alignment.hpp, reading no farther than it needs.
+/// As standstill_gyro_bias() of static_alignment.hpp, without reading farther than necessary.
 std::optional<Vector3d> gyro_bias_at_rest(io::RecordingStream* samples, Time from,
                                           const Options& options) {
   StaticAligner aligner(options.start, options.imu);
@@ -65,7 +65,7 @@ std::optional<Vector3d> gyro_bias_at_rest(io::RecordingStream* samples, Time fro
 }
 
 /// The first pose and velocity of the ground truth inside the span of the IMU. Biases start at
-/// zero, except that a standstill right there measures the gyro bias.
+/// zero, except that a standstill at that time measures the gyro bias.
 Start start_from_truth(const OpenRecording& recording, const Options& options) {
   const io::RecordingOutline& outline = recording.samples->outline();
   const std::vector<NavState>& truth = recording.sensors.ground_truth;
@@ -92,7 +92,7 @@ Start start_from_truth(const OpenRecording& recording, const Options& options) {
   return start;
 }
 
-/// Nothing for a static start.
+/// Empty for a static start.
 std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
                                 const Options& options) {
   std::string init = arguments.init;
@@ -104,7 +104,7 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
   return Start{file.state, file.covariance, "file"};
 }
 
-/// Where the estimate of each processed scan goes.
+/// Outputs of the estimate at each processed scan.
 class Outputs {
  public:
   void open(const ReplayArguments& arguments, Time begin) {
@@ -149,13 +149,13 @@ class Outputs {
   std::optional<io::StatesFile> states_;
 };
 
-/// Feeds the samples in the order of their stamps. One scan at most waits for the IMU, so that no
-/// report is overwritten by the next before it was read; scans inside a gap of the IMU are
-/// therefore given after it, and those farther back than timing.max_lag count as late. Those of
-/// several radars wait for each other.
+/// Feeds the samples in the order of their stamps. At most one scan waits for the IMU, so that no
+/// report is overwritten before it was read; scans inside a gap of the IMU are therefore given
+/// after it, and those farther back than timing.max_lag count as late. Those of several radars wait
+/// for each other.
 class Replay {
  public:
-  /// @param kept gets what is read, if it is not null
+  /// @param kept receives the samples, if not null
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
          CheckedPart* kept)
       : samples_(recording.samples.get()), outline_(samples_->outline()) {
@@ -215,7 +215,7 @@ class Replay {
     ++imu_;
   }
 
-  /// Of the heights; the samples have a reader for them alone.
+  /// Of the heights; the barometer has its own reader.
   void open_barometer(const OpenRecording& recording) {
     scale_ = io::barometric_scale([&recording](const io::UseBaroSample& use) {
       recording.samples->rewind_baro();
@@ -244,7 +244,7 @@ class Replay {
     const bool was_initialized = odometry_->initialized();
     const std::uint64_t restarts = odometry_->counters().clock_restarts;
     const Time before = steady_now();
-    (void)odometry_->add_imu(sample);  // what it did is counted
+    (void)odometry_->add_imu(sample);  // its outcome is counted
     const Time after = steady_now();
     summary_.wall += after - before;
     if (odometry_->initialized()) summary_.health.add(sample.time, odometry_->health());
@@ -258,15 +258,15 @@ class Replay {
       record();
     }
     if (several_) record_new();
-    // a scan of the clock before is not waited for
+    // do not wait for a scan of the previous clock
     if (odometry_->counters().clock_restarts != restarts) waiting_.reset();
   }
 
-  /// The barometer's, up to that time; before the start they are left out.
+  /// Barometer heights up to that time; dropped before the start.
   void give_heights(Time time) {
     for (; height_ && height_time_ <= time; next_height()) {
       const HeightModel::Measurement z{*height_, scale_.sigma};
-      (void)odometry_->add_measurement({height_time_, HeightModel{}, z});  // what it did is counted
+      (void)odometry_->add_measurement({height_time_, HeightModel{}, z});  // its outcome is counted
     }
   }
 
@@ -285,7 +285,7 @@ class Replay {
     if (status == Status::kOk) record();
   }
 
-  /// Of several radars any call may process scans; of two in one call the last is seen.
+  /// With several radars any call may process scans; of two in one call the last is reported.
   void record_new() {
     if (odometry_->counters().scans == recorded_) return;
     recorded_ = odometry_->counters().scans;
@@ -348,7 +348,7 @@ void replay(const ReplayArguments& arguments) {
   if (!arguments.no_check) part.emplace(recording.sensors, outline);
   ReplaySummary summary = Replay(arguments, recording, options, part ? &*part : nullptr).run();
   if (part) {
-    Options checked;  // what is overridden has been noted
+    Options checked;  // overridden values have been noted already
     (void)tell_sensors_and_file(recording.sensors, arguments.estimator.config, &checked);
     summary.data =
         not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));

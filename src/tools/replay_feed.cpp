@@ -7,14 +7,14 @@ namespace rio::tools {
 
 namespace {
 
-constexpr double kLongest = 600.1;              // ten minutes, and what a clock may be off [s]
+constexpr double kLongest = 600.1;              // ten minutes, and the error of a clock [s]
 constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
 
 }  // namespace
 
 CheckedPart::CheckedPart(const io::Dataset& sensors, const io::RecordingOutline& outline)
     : data_{sensors, {}, {}} {
-  // once for all: a vector that grows is there twice; what is never written to costs nothing
+  // reserved at once: a growing vector exists twice; untouched memory costs nothing
   for (const std::vector<Time>& stamps : outline.scan_times) {
     data_.radars.emplace_back().reserve(stamps.size(), kMostBytes / sizeof(check::Point));
   }

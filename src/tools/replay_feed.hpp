@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The samples and scans of a recording in the order in which a replay gives them, read while they
-// are given.
+// The samples and scans of a recording in the order of a replay, streamed.
 #pragma once
 
 #include <array>
@@ -14,11 +13,11 @@
 
 namespace rio::tools {
 
-/// The begin of a recording, for `rio check`: all of one of ten minutes. While the estimator runs,
-/// the samples of the IMU are only counted.
+/// The beginning of a recording, for `rio check`: all of one of ten minutes. While the estimator
+/// runs, the samples of the IMU are only counted.
 class CheckedPart {
  public:
-  /// @param sensors what is told of them
+  /// @param sensors their properties
   CheckedPart(const io::Dataset& sensors, const io::RecordingOutline& outline);
 
   /// In the order of each sensor.
@@ -26,11 +25,11 @@ class CheckedPart {
   void add(const ImuSample& sample);
   void add(const RadarScan& scan, std::size_t radar);
   /// @}
-  /// Whether it takes more.
+  /// Whether it accepts more data.
   bool open() const { return !full_; }
-  /// How much of the recording it is [s]; nothing: all.
+  /// Length of the covered part [s]; empty: all.
   std::optional<double> seconds() const;
-  /// Reads the samples of the IMU again.
+  /// Reads the samples of the IMU a second time.
   const check::CheckedData& read(io::RecordingStream* stream);
 
  private:
@@ -42,27 +41,27 @@ class CheckedPart {
   std::size_t bytes_ = 0;
 };
 
-/// When to give each scan: by its stamp, or, if that is out of order, by the next one that is not.
-/// In order is the longest rising sequence: one odd stamp holds up no other scan.
-/// Nothing where these are the stamps themselves.
+/// When to give each scan: at its stamp, or, if that is out of order, at the next one in order. In
+/// order is the longest increasing sequence, so that one outlier holds up no other scan. Empty if
+/// these are the stamps themselves.
 std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps);
 
 class ReplayFeed {
  public:
-  /// @param kept gets what is read, if it is not null
+  /// @param kept receives the samples, if not null
   ReplayFeed(io::RecordingStream* stream, CheckedPart* kept);
 
   /// The next sample, or the one after; null if there is none. Valid until the next call.
   const ImuSample* imu(std::size_t ahead = 0);
   void pass_imu() { --samples_; }
 
-  /// When the next scan of any radar is to be given; nothing if there is none.
+  /// When the next scan of any radar is due; empty if there is none.
   std::optional<Time> due() const;
-  /// That scan, and whose it is; valid until the next call.
+  /// That scan, with its radar; valid until the next call.
   const RadarScan& take_scan(std::size_t* radar);
   std::size_t scans_left() const;
 
-  /// Reads on as long as somebody keeps it.
+  /// Reads on as long as `kept` accepts data.
   void read_rest();
 
  private:
@@ -79,8 +78,8 @@ class ReplayFeed {
 
   io::RecordingStream* stream_;
   CheckedPart* kept_;
-  std::array<ImuSample, 2> imu_{};  ///< read, and not yet passed
-  std::size_t samples_ = 0;         ///< of these; the last ones
+  std::array<ImuSample, 2> imu_{};  ///< read, but not yet given
+  std::size_t samples_ = 0;         ///< number of these; the last ones
   std::vector<Radar> radars_;
   RadarScan scan_;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a replay adds up over its scans, and how it is printed.
+// Statistics of a replay over its scans, and their output.
 #pragma once
 
 #include <array>
@@ -38,20 +38,20 @@ struct ReplaySummary {
   Counters counters;
   std::optional<AuxiliaryEstimate<HeightOffset>> height_offset;  ///< with a barometer, at the end
   HealthLog health;
-  std::optional<check::Findings> data;  ///< of `rio check`, not ok; none if it was not asked for
+  std::optional<check::Findings> data;  ///< of `rio check`, not ok; empty if not requested
 
-  std::optional<double> checked_seconds;  ///< where that is not all of the recording [s]
+  std::optional<double> checked_seconds;  ///< if that is not all of the recording [s]
 
-  /// As many scans will be added at most.
+  /// Upper bound of the number of scans.
   void reserve(std::size_t scans);
   void add(const UpdateReport& report, const NavState& state);
 
-  /// Faster than sound, or farther off than sound would be.
+  /// Faster than sound, or farther away than sound would be.
   bool is_absurd() const;
 
   /// One line of JSON.
   std::string json() const;
-  /// Some lines for people.
+  /// Some lines of text.
   std::string text() const;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Blocks of a Markdown file that commands generate, each between two comment lines.
+// Generated blocks of a Markdown file, each between two comment lines.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace rio::tools {
 
-/// Replaces what stands between `<!-- rio experiment NAME -->` and the next `<!-- end -->`.
+/// Replaces the text between `<!-- rio experiment NAME -->` and the next `<!-- end -->`.
 /// @throws std::runtime_error if the file has no such block; it is unchanged then
 inline void replace_results_block(const std::filesystem::path& path, const std::string& name,
                                   const std::string& markdown) {

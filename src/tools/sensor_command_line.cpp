@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command line of sensors, real and simulated.
+// The command lines for real and simulated sensors.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
@@ -11,7 +11,7 @@ namespace rio::tools {
 
 namespace {
 
-/// Files and links that the estimates go to.
+/// Destinations of the estimates: files and links.
 void add_live_outputs(CLI::App* command, LiveArguments* to) {
   const std::string group = "Outputs";
   command->add_option("--out", to->out, "trajectory to write, TUM format")->group(group);
@@ -47,7 +47,7 @@ void add_live_outputs(CLI::App* command, LiveArguments* to) {
   command->add_flag("--json", to->json, "print one JSON line instead of the summary")->group(group);
 }
 
-/// What becomes of a simulated flight on the way to `rio live`.
+/// Disturbances of a simulated flight on the way to `rio live`.
 void add_cable_options(CLI::App* command, CLI::Option* live, SimulateArguments* to) {
   const std::string group = "With --live";
   command->add_option("--speed", to->speed, "of the time")

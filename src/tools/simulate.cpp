@@ -62,7 +62,7 @@ std::string labels_text(const sim::Flight& flight) {
   return text;
 }
 
-/// For `rio replay --init`: the first state as the scenario tells it.
+/// For `rio replay --init`: the first state as configured by the scenario.
 std::string start_text(const sim::Flight& flight) {
   const NavState start = flight.configured_start();
   const Vector3d& v = start.v_WB;
@@ -77,7 +77,7 @@ std::string start_text(const sim::Flight& flight) {
       flight.scenario.told.start_velocity_sigma);
 }
 
-/// What another radar on the same flight sees.
+/// The data of another radar on the same flight.
 io::Dataset::OtherRadar other_radar(const sim::Flight& flight, const Pose& T_BS) {
   sim::Scenario scenario = flight.scenario;
   scenario.radar.T_BS = T_BS;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio ti-config`: what a TI radar will measure by its configuration, and what is wrong with that.
+// `rio ti-config`: figures of a TI radar with its configuration, and errors of that.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -68,7 +68,7 @@ void print_json(bool known, const ConfigFigures& f, std::size_t points,
                                {"text", finding.text},
                                {"change", finding.change}});
   }
-  // what is not UTF-8 in a file is replaced
+  // replaces invalid UTF-8 of the file
   fmt::print("{}\n", all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 

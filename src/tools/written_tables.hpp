@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which tables this very program has written already, in a file beside them, so that a long series
-// can be stopped and taken up again.
+// can be stopped and resumed.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@
 
 namespace rio::tools {
 
-/// FNV-1a of a file as text: the same for the same program.
+/// FNV-1a of a file as text: equal for the same program.
 inline std::string fingerprint(const std::filesystem::path& file) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   for (const char c : io::read_text(file)) {
@@ -29,7 +29,7 @@ inline std::string fingerprint(const std::filesystem::path& file) {
 
 class WrittenTables {
  public:
-  /// @param file a line a table: the program and how it was asked, and the table
+  /// @param file a line per table: the program and its arguments, and the table
   WrittenTables(std::filesystem::path file, std::string program)
       : file_(std::move(file)), program_(std::move(program)) {}
 
@@ -40,7 +40,7 @@ class WrittenTables {
     }
     return false;
   }
-  /// Once it is written.
+  /// To be called once it is written.
   void add(const std::string& table) {
     std::string text = std::filesystem::exists(file_) ? io::read_text(file_) : "";
     io::TextFile out(file_);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings of ROS as a stream of raw messages: ROS 1 bag 2.0, MCAP, and the sqlite3 files of
+// ROS recordings as a stream of raw messages: ROS 1 bag 2.0, MCAP, and the sqlite3 files of
 // rosbag2. One chunk is in memory at a time.
 #pragma once
 
@@ -16,15 +16,14 @@
 
 namespace rio::bag {
 
-/// How the messages of a topic are written.
+/// Serialisation of the messages of a topic.
 enum class Encoding { kRos1, kCdr, kOther };
 
 struct Topic {
   std::string name;
-  std::string
-      type;  ///< as in ROS 1, "sensor_msgs/Imu", also where ROS 2 says "sensor_msgs/msg/Imu"
+  std::string type;  ///< as in ROS 1, "sensor_msgs/Imu", also for "sensor_msgs/msg/Imu" of ROS 2
   Encoding encoding = Encoding::kOther;
-  std::string definition;  ///< text of the message type; empty where the file has none
+  std::string definition;  ///< text of the message type; empty if the file has none
 };
 
 struct Message {
@@ -33,8 +32,8 @@ struct Message {
   std::span<const std::uint8_t> data;  ///< serialised; valid until the next call of next()
 };
 
-/// The messages of a file in the order of the file. Lengths in the file are believed only as far as
-/// the file, or the chunk they stand in, reaches.
+/// The messages of a file in file order. Lengths in the file are trusted only up to the end of the
+/// file, or of the chunk around them.
 class MessageStream {
  public:
   explicit MessageStream(std::filesystem::path path) : path_(std::move(path)) {}
@@ -42,12 +41,12 @@ class MessageStream {
   MessageStream(const MessageStream&) = delete;
   MessageStream& operator=(const MessageStream&) = delete;
 
-  /// False at the end of the file, or where it is damaged: then damage() says so and there is no
-  /// further message.
-  /// @throws std::runtime_error if the file needs a library that was not there at build time
+  /// False at the end of the file, or at damage: then damage() describes it and no further message
+  /// follows.
+  /// @throws std::runtime_error if the file needs a library that was missing at build time
   bool next(Message* message);
 
-  /// Those met so far; an index stays valid.
+  /// The topics so far; an index stays valid.
   const std::vector<Topic>& topics() const { return topics_; }
   /// "FILE: byte N: what is wrong", or empty.
   const std::string& damage() const { return damage_; }
@@ -57,7 +56,7 @@ class MessageStream {
 
  protected:
   virtual bool read(Message* message) = 0;
-  /// The index of the topic of this name, type and encoding, which may be new.
+  /// The index of the topic with this name, type and encoding; a new topic is added.
   std::size_t topic_index(Topic topic);
   std::vector<Topic> topics_;
   std::string damage_;
@@ -67,14 +66,14 @@ class MessageStream {
   bool ended_ = false;
 };
 
-/// Whether this is a file, or a folder of rosbag2, that open_messages() may know; a guess from the
+/// Whether this is a file, or a folder of rosbag2, that open_messages() may read; guessed from the
 /// first bytes, never from the name.
 bool is_recording(const std::filesystem::path& path);
 
-/// Guesses the format from the first bytes. Of a folder, the one file in it; of a folder of rosbag2
-/// (with metadata.yaml) all files one after the other.
-/// @throws std::runtime_error if there is no such file, it is of no known format, or the library
-/// for it was not there at build time
+/// Guesses the format from the first bytes. For a folder, the one file in it; for a folder of
+/// rosbag2 (with metadata.yaml) all files in turn.
+/// @throws std::runtime_error if there is no such file, its format is unknown, or the library for
+/// it was missing at build time
 std::unique_ptr<MessageStream> open_messages(const std::filesystem::path& path);
 
 }  // namespace rio::bag

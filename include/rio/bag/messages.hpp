@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The ROS messages an odometry needs, out of their serialised bytes: ROS 1, and CDR of ROS 2.
+// Decoders of the ROS messages for odometry, from serialised bytes: ROS 1, and CDR of ROS 2.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ inline constexpr char kHeaderType[] = "std_msgs/Header";
 /// std_msgs/Header.
 struct Header {
   Time stamp{0};
-  std::uint32_t sequence = 0;  ///< ROS 1 alone counts
+  std::uint32_t sequence = 0;  ///< only in ROS 1
   std::string frame_id;
 };
 
@@ -34,18 +34,18 @@ struct PointField {
   bool operator==(const PointField&) const = default;
 };
 
-/// sensor_msgs/PointCloud2; all points lie inside of `data`. A sensor_msgs/PointCloud is turned
-/// into one of float32 x, y, z and a field for each of its channels.
+/// sensor_msgs/PointCloud2; all points lie inside `data`. A sensor_msgs/PointCloud is converted to
+/// one with float32 x, y, z and a field for each of its channels.
 struct PointCloud {
   Header header;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<PointField> fields;
   bool big_endian = false;
-  std::uint32_t point_step = 0;  ///< bytes of a point
-  std::uint32_t row_step = 0;    ///< bytes of a row
-  Bytes data;                    ///< valid as long as the message, or as `own`
-  std::shared_ptr<const std::vector<std::uint8_t>> own;  ///< the data, where the message has none
+  std::uint32_t point_step = 0;                          ///< bytes of a point
+  std::uint32_t row_step = 0;                            ///< bytes of a row
+  Bytes data;                                            ///< valid as long as the message, or `own`
+  std::shared_ptr<const std::vector<std::uint8_t>> own;  ///< the data, if not in the message
 
   std::uint64_t size() const { return std::uint64_t{width} * height; }
   /// The bytes of point i, row after row.
@@ -54,7 +54,7 @@ struct PointCloud {
   }
 };
 
-/// All decoders throw Damage with the place in the message if it is no such message.
+/// All decoders throw Damage with the position if the bytes are not such a message.
 /// @{
 ImuSample decode_imu(Encoding encoding, Bytes message, Header* header);
 PointCloud decode_cloud(Encoding encoding, Bytes message);
@@ -62,12 +62,12 @@ PointCloud decode_old_cloud(Encoding encoding, Bytes message);
 Header decode_header(Encoding encoding, Bytes message);
 /// @}
 
-/// Whether it is one of the two types of clouds.
+/// Whether the type is one of the two cloud types.
 bool is_cloud(const std::string& type);
-/// That of the two decoders that fits.
+/// Decodes either of the two cloud types.
 PointCloud decode_cloud_of(const Topic& topic, Bytes message);
 
-/// Whether messages of this topic begin with a std_msgs/Header, as far as is known.
+/// Whether messages of this topic are known to begin with a std_msgs/Header.
 bool begins_with_header(const Topic& topic);
 
 /// "float32" and so on; empty if there is no such type.

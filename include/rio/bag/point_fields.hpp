@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the named fields of a point cloud to detections: which field is which quantity, in which
+// From the named fields of a point cloud to detections: assignment of fields to quantities, with
 // unit, sign and axes. Matched by name, never by position.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace rio::bag {
 
-/// What a detection consists of. Points are x y z or range, azimuth, elevation.
+/// The quantities of a detection. Points are x y z or range, azimuth, elevation.
 enum Quantity {
   kX,
   kY,
@@ -36,36 +36,36 @@ enum Quantity {
 /// forward right down.
 enum class Axes { kFlu, kTi, kRdf, kFrd };
 
-/// What the user says of the points. All of it may be left empty: then a preset whose fields are
-/// exactly those found is taken, and else every quantity whose name is the only known one.
+/// User settings for the points. All may be empty: then a preset with exactly the given fields is
+/// used, else every quantity that has exactly one known name.
 struct PointRequest {
-  /// What a quantity is made of: "doppler=rdot", "snr=power*0.1", or one of several that a cloud
-  /// may have, "doppler=rdot*-1,velocity".
+  /// The field of a quantity: "doppler=rdot", "snr=power*0.1", or alternatives,
+  /// "doppler=rdot*-1,velocity".
   struct Rule {
     std::string text;
-    std::string where;  ///< "FILE:LINE" for messages; empty: of the command line
+    std::string where;  ///< "FILE:LINE" for messages; empty: the command line
   };
   std::string preset;        ///< one of point_presets()
-  std::vector<Rule> fields;  ///< of two for a quantity the last one counts; wins over the preset
-  std::string axes;          ///< "flu", "ti", "rdf", "frd"; wins over the preset
+  std::vector<Rule> fields;  ///< the last one for a quantity counts; overrides the preset
+  std::string axes;          ///< "flu", "ti", "rdf", "frd"; overrides the preset
   bool approaching = false;  ///< the Doppler is positive towards the radar
-  std::string where;         ///< "FILE:LINE" for messages; empty: of the command line
+  std::string where;         ///< "FILE:LINE" for messages; empty: the command line
 };
 
 class PointMap {
  public:
-  /// @throws std::runtime_error that lists the fields found: a quantity that is needed has none, or
-  /// has several; a name, preset or axes that are not known; with file and line where there are any
+  /// @throws std::runtime_error that lists the fields found: a required quantity has no field, or
+  /// several; a name, preset or axes are unknown; with file and line if available
   PointMap(const std::vector<PointField>& fields, const PointRequest& request);
 
   /// Appends the detections [m, m/s, dB], axes x forward, y left, z up. Points that are not finite
-  /// are left out.
-  /// @return how many were left out
+  /// are dropped.
+  /// @return number of dropped points
   std::size_t convert(const PointCloud& cloud, std::vector<RadarDetection>* detections) const;
 
-  /// The fields it was made for.
+  /// The fields of the cloud.
   const std::vector<PointField>& fields() const { return fields_; }
-  /// What was matched, as one line.
+  /// The assignment as one line.
   std::string text() const;
 
  private:
@@ -78,16 +78,16 @@ class PointMap {
   void set(int quantity, const std::string& name_and_scale);
   std::optional<PointField> find(const std::string& name) const;
   void match_names();
-  void settle_point();  ///< keeps x y z, or else the polar ones
+  void settle_point();  ///< keeps x y z, or else the polar quantities
   [[noreturn]] void fail(const std::string& what) const;
 
   std::vector<PointField> fields_;
   std::array<std::optional<Source>, kQuantityCount> sources_;
   Axes axes_ = Axes::kFlu;
-  std::string origin_;  ///< of the match
+  std::string origin_;  ///< of the assignment
 };
 
-/// Names of the presets with what they are for, one line each.
+/// Names of the presets with their use, one line each.
 std::string point_presets();
 
 }  // namespace rio::bag

@@ -14,29 +14,29 @@
 
 namespace rio::bag {
 
-/// Where the stamps of a topic come from.
+/// Source of the stamps of a topic.
 enum class Clock {
-  kAuto,     ///< as RecordingRequest says
+  kAuto,     ///< see RecordingRequest
   kHeader,   ///< the header of each message
-  kReceive,  ///< when it was recorded
-  kCarried,  ///< the header, moved by the median of receive - header: the recorder's clock without
-             ///< the jitter of transport
-  kTrigger   ///< of a scan: the header of the message of what triggered it
+  kReceive,  ///< the time of recording
+  kCarried,  ///< the header, shifted by the median of receive - header: the recorder's clock
+             ///< without the jitter of transport
+  kTrigger   ///< of a scan: the header of the message of its hardware trigger
 };
 constexpr std::array<std::string_view, 5> names_of(Clock) {
   return {"auto", "header", "receive", "carried", "trigger"};
 }
 
-/// Which trigger a scan belongs to: the last one received before it, of those with its sequence
-/// number (ROS 1) or of all. A driver that hands scans over a frame late makes `earlier` wrong.
+/// The trigger of a scan: the last one received before it, either of those with its sequence number
+/// (ROS 1) or of all. If the driver delivers scans a frame late, `earlier` is wrong.
 enum class TriggerMatch { kSequence, kEarlier };
 constexpr std::array<std::string_view, 2> names_of(TriggerMatch) {
   return {"sequence", "earlier"};
 }
 
-/// kAuto: the headers of both topics if none is zero and both clocks agree to a second, or if the
-/// headers or triggers are asked for the other topic; else kCarried, or kReceive for a topic with
-/// zero stamps.
+/// kAuto: the headers of both topics if none is zero and both clocks agree to a second, or if
+/// headers or triggers are selected for the other topic; else kCarried, or kReceive for a topic
+/// with zero stamps.
 struct RecordingRequest {
   std::string imu_topic;    ///< empty: the only one of its type
   std::string radar_topic;  ///< empty: the only one of its type
@@ -49,20 +49,20 @@ struct RecordingRequest {
   double gyro_unit = 1.0;     ///< [rad/s]
   double accel_unit = 1.0;    ///< [m/s^2]
   PointRequest points;
-  bool mounting_is_known = false;  ///< from elsewhere: no note about it
+  bool mounting_is_known = false;  ///< from another source: no note about it
 };
 
 struct Recording {
-  io::Dataset dataset;  ///< its notes say what was matched, assumed and left out
-  std::string damage;   ///< empty, or where the file is damaged: the data set is what stands before
+  io::Dataset dataset;  ///< its notes list assignments, assumptions and dropped data
+  std::string damage;   ///< empty, or the position of damage in the file: the data set ends there
 };
 
 /// Reads the IMU (sensor_msgs/Imu) and the radar (sensor_msgs/PointCloud2, or the older PointCloud,
-/// a scan each) of a file of open_messages(). Messages that cannot be decoded, scans with the stamp
-/// of the scan before, scans without a trigger and points that are not finite are left out and
-/// counted in the notes.
-/// @throws std::runtime_error that lists the topics if one is missing or is not the only one of its
-/// type; if points do not match; if nothing readable is left
+/// a message per scan) of a file for open_messages(). Messages that cannot be decoded, scans with
+/// the stamp of the scan before, scans without a trigger and points that are not finite are dropped
+/// and counted in the notes.
+/// @throws std::runtime_error that lists the topics if one is missing or not unique; if the fields
+/// of the points do not fit; if no readable data are left
 Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
 
 /// The same, sample by sample; throws as read_recording() does.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file that says how the recordings of one kind are to be read: topics, clocks, units, and which
-// field of a point is what.
+// A file with the settings to read recordings of one kind: topics, clocks, units, and the
+// assignment of point fields.
 //
 //   imu: {topic: /imu/data, clock: header, gyro_unit: deg/s}
 //   radar:
@@ -14,9 +14,9 @@
 
 namespace rio::bag {
 
-/// Whatever the file does not say stays as in RecordingRequest{}.
-/// @throws std::runtime_error "FILE:LINE: ..." for unknown keys, clocks and units, and what is no
-/// text; names of fields are looked at where there are points, by PointMap
+/// Missing keys keep the value of RecordingRequest{}.
+/// @throws std::runtime_error "FILE:LINE: ..." for unknown keys, clocks and units, and for values
+/// that are not text; PointMap checks field names once there are points
 RecordingRequest load_recording_map(const std::filesystem::path& path);
 
 }  // namespace rio::bag

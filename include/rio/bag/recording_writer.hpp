@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording of ROS 2 in MCAP, written while it is made.
+// Writer of a ROS 2 recording in MCAP, during the run.
 //
 //   /imu                 sensor_msgs/msg/Imu without orientation, frame "imu"
 //   /radar0, /radar1...  sensor_msgs/msg/PointCloud2, frames "radar0"...: the points as a TI radar
 //                        sends them, in axes of the chip (x right, y forward, z up): float32 x, y,
 //                        z [m], doppler [m/s, + = receding], int16 snr, noise [0.1 dB]
 //
-// The stamps of the headers are those of the samples and scans, and so are the times of the file.
-// Scans of a TI radar read back to the last bit, by the preset "mav" (data/README.md); of others
-// what does not fit into these numbers is rounded. Mounting and noise are not in it.
+// Header stamps and file times are those of the samples and scans. Scans of a TI radar read back to
+// the last bit, with the preset "mav" (data/README.md); those of others are rounded to these number
+// formats. Mounting and noise are not stored.
 #pragma once
 
 #include <cstddef>
@@ -19,12 +19,12 @@
 
 namespace rio::bag {
 
-/// All functions throw std::runtime_error if the file cannot be written, or a stamp is not one of
-/// ROS (1970 to 2106).
+/// All functions throw std::runtime_error if the file cannot be written, or a stamp is outside the
+/// range of ROS (1970 to 2106).
 class RecordingWriter {
  public:
-  /// Throws if there is such a file.
-  /// @param radars how many
+  /// Throws if the file exists.
+  /// @param radars number of radars
   RecordingWriter(const std::filesystem::path& path, std::size_t radars);
   ~RecordingWriter();
 
@@ -32,7 +32,7 @@ class RecordingWriter {
   /// @param radar below the number of radars
   void add(const RadarScan& scan, std::size_t radar = 0);
 
-  /// What was added survives the end of this program, close() or not: it is in whole chunks.
+  /// Added data survive the end of this program, even without close(): they are in complete chunks.
   void flush();
   void close();
 

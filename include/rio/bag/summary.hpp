@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is in a recording: topics, rates, clocks, point fields.
+// Contents of a recording: topics, rates, clocks, point fields.
 #pragma once
 
 #include <cstddef>
@@ -35,10 +35,10 @@ struct Summary {
 };
 
 /// Reads the stream to its end.
-/// @param use gets every message, if it is not empty
+/// @param use called with every message, unless empty
 Summary summarise(MessageStream* stream, const std::function<void(const Message&)>& use = {});
 
-/// For people: a line a topic, and what is special below it.
+/// Text for people: a line per topic, followed by its special properties.
 std::string summary_text(const Summary& summary);
 
 }  // namespace rio::bag

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Numbers and strings out of bytes, never past their end.
+// Decodes numbers and strings from bytes, never past their end.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace rio::bag {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// Bytes that are not what they should be, and where.
+/// Invalid bytes, with their position.
 struct Damage : std::runtime_error {
   Damage(std::uint64_t where, const std::string& what) : std::runtime_error(what), offset(where) {}
   std::uint64_t offset;
@@ -32,13 +32,13 @@ T number_at(const std::uint8_t* bytes, bool big_endian) {
   return std::bit_cast<T>(raw);
 }
 
-/// Reads on and on. Reading past the end throws Damage with the position in `bytes`.
+/// Sequential reader. Reading past the end throws Damage with the position in `bytes`.
 class WireReader {
  public:
   /// Little-endian without gaps: containers and ROS 1.
   explicit WireReader(Bytes bytes) : bytes_(bytes) {}
-  /// Plain CDR (DDS-XTypes 1.3, 7.4): four bytes that tell the byte order, then numbers aligned to
-  /// their size, in version 2 to four at most; strings end with a zero.
+  /// Plain CDR (DDS-XTypes 1.3, 7.4): four bytes with the byte order, then numbers aligned to their
+  /// size, in version 2 to four at most; strings are zero-terminated.
   static WireReader cdr(Bytes bytes) {
     WireReader reader(bytes);
     const std::uint8_t kind = reader.skip(4)[1];
@@ -75,7 +75,7 @@ class WireReader {
     return part;
   }
 
-  /// A length of four bytes and as many bytes.
+  /// A length of four bytes, and as many bytes.
   Bytes block() { return skip(read<std::uint32_t>()); }
 
   std::string_view text() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rigid transforms that lay an estimate over the truth before errors are taken.
+// Rigid transforms that align an estimate with the truth before errors are computed.
 //
 // (E1) C = sum (p_true - mean)(p_est - mean)^T;  translation = mean_true - R mean_est
 // (E2) yaw:   R = Rz(atan2(C10 - C01, C00 + C11)) maximises tr(R^T C) over rotations about z
@@ -16,7 +16,7 @@
 
 namespace rio::eval {
 
-/// Which freedom is taken out before the comparison.
+/// Degrees of freedom removed before the comparison.
 enum class AlignmentKind {
   kNone,    ///< compare as is: estimate and truth share the frame W
   kOrigin,  ///< the first poses coincide
@@ -27,11 +27,11 @@ enum class AlignmentKind {
 /// The kind called "none", "origin", "yaw" or "se3".
 std::optional<AlignmentKind> alignment_kind(const std::string& name);
 
-/// Motion that takes the estimate to the truth.
+/// Transform from the estimate to the truth.
 struct Alignment {
   Pose transform{};
   /// False if the positions do not determine the rotation (no horizontal extent for the yaw, all on
-  /// a line for SE(3)): position errors are minimal nevertheless, attitude errors mean nothing.
+  /// a line for SE(3)): position errors are still minimal, attitude errors are meaningless.
   bool unique = true;
 };
 
@@ -47,12 +47,12 @@ Alignment align_se3(const std::vector<PosePair>& pairs);
 /// The alignment of the given kind.
 Alignment find_alignment(const std::vector<PosePair>& pairs, AlignmentKind kind);
 
-/// The pose moved by T: p -> T.rotation p + T.translation.
+/// The pose transformed by T: p -> T.rotation p + T.translation.
 inline StampedPose transformed(const Pose& T, const StampedPose& pose) {
   return {pose.time, T.rotation * pose.p + T.translation, (T.rotation * pose.q).normalized()};
 }
 
-/// The pairs with their estimates moved by T.
+/// The pairs with their estimates transformed by T.
 std::vector<PosePair> transformed(const Pose& T, std::vector<PosePair> pairs);
 
 }  // namespace rio::eval

@@ -12,10 +12,10 @@
 namespace rio::eval {
 
 struct EvaluationOptions {
-  AlignmentKind alignment = AlignmentKind::kNone;       ///< for all figures but the three `ape_`
-  Time max_difference = std::chrono::milliseconds(10);  ///< of stamps, if the truth is sparse
-  Time max_gap = std::chrono::milliseconds(100);        ///< longest that is interpolated
-  double mae_distance = kNan;  ///< also give the norm of MAE up to this true path length [m]
+  AlignmentKind alignment = AlignmentKind::kNone;       ///< for all figures except the three `ape_`
+  Time max_difference = std::chrono::milliseconds(10);  ///< of stamps, for a sparse truth
+  Time max_gap = std::chrono::milliseconds(100);        ///< longest gap that is interpolated
+  double mae_distance = kNan;  ///< also compute the norm of MAE up to this true path length [m]
 };
 
 /// All error figures of one estimate.
@@ -25,7 +25,7 @@ struct Evaluation {
   double duration = 0.0;       ///< from the first to the last associated pose [s]
   double path_length = 0.0;    ///< of the truth over that time [m]
 
-  AbsoluteError ape_none;  ///< as is
+  AbsoluteError ape_none;  ///< without alignment
   AbsoluteError ape_yaw;   ///< after yaw and position alignment
   AbsoluteError ape_se3;   ///< after SE(3) alignment
   bool yaw_unique = true;  ///< see Alignment::unique
@@ -41,7 +41,7 @@ struct Evaluation {
 };
 
 /// Compares `estimate` with `truth`.
-/// @throws std::runtime_error if either has fewer than two poses or fewer than two share an instant
+/// @throws std::runtime_error if either has fewer than two poses or fewer than two can be paired
 Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
                     const EvaluationOptions& options = {});
 

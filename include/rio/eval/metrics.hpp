@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Errors of an estimated trajectory against the truth, over associated (and perhaps aligned) pairs.
+// Errors of an estimated trajectory against the truth, over associated (optionally aligned) pairs.
 //
 // (E1) absolute:  dp_i = p_est - p_true,  E_i = R_est R_true^T (world axes)
-// (E2) relative:  E_ij = (T_true,i^-1 T_true,j)^-1 (T_est,i^-1 T_est,j) over a piece of the true
-// path (E3) norm of MAE = |mean |dp||,  norm of RMSE = |sqrt(mean dp^2)|, both taken per axis first
+// (E2) relative:  E_ij = (T_true,i^-1 T_true,j)^-1 (T_est,i^-1 T_est,j), i to j a segment of the
+//      true path
+// (E3) norm of MAE = |mean |dp||,  norm of RMSE = |sqrt(mean dp^2)|, both taken per axis first
 // (E4) yaw error = twist of E_i about z;  tilt = angle between R_est^T e_z and R_true^T e_z
-// Metres and degrees; NaN where there is nothing to measure.
-// Reference: Sturm et al., 2012 (APE, RPE); Michalczyk et al., ICRA 2023, IV.B (norm of MAE, final
-// drift); Michalczyk et al., IROS 2024, IV.B (norm of RMSE).
+// Metres and degrees; NaN if there is no data. Reference: Sturm et al., 2012 (APE, RPE); Michalczyk
+// et al., ICRA 2023, IV.B (norm of MAE, final drift) and IROS 2024, IV.B (norm of RMSE).
 #pragma once
 
 #include <cstddef>
@@ -64,22 +64,22 @@ struct AbsoluteError {
 
 AbsoluteError absolute_error(const std::vector<PosePair>& pairs);
 
-/// Relative pose error (E2) over pieces of the true path of nearly `distance` metres.
+/// Relative pose error (E2) over segments of the true path of about `distance` metres.
 struct RelativeError {
-  double distance = 0.0;          ///< asked for [m]
+  double distance = 0.0;          ///< as requested [m]
   Statistics translation;         ///< [m]
-  Statistics drift;               ///< translation over the length of the piece [%]
+  Statistics drift;               ///< translation over the length of the segment [%]
   Statistics rotation;            ///< [deg]
   Statistics rotation_per_metre;  ///< [deg/m]
 };
 
 /// As evo with all pairs: from every pose to the pose whose distance along the true path is nearest
-/// to `distance` [m]; pieces off by more than `tolerance` x distance are left out.
+/// to `distance` [m]; segments off by more than `tolerance` x distance are dropped.
 RelativeError relative_error(const std::vector<PosePair>& pairs, double distance,
                              double tolerance = 0.1);
 
 /// Norm of the mean absolute error of position (E3) [m], over the pairs until the true path is
-/// `distance` metres long; NaN if it never gets there. Without `distance`: over all pairs.
+/// `distance` metres long; NaN if it is shorter. Without `distance`: over all pairs.
 double norm_of_mae(const std::vector<PosePair>& pairs, double distance = kNan);
 
 /// Norm of the root mean square error of position (E3) [m]; equals the RMSE of |dp|.
@@ -93,7 +93,7 @@ double final_drift(const std::vector<PosePair>& pairs);
 /// An angle error over time [deg].
 struct AngleError {
   double rmse = kNan;
-  double final = kNan;  ///< at the last pair, with its sign
+  double final = kNan;  ///< at the last pair, signed
   double max = kNan;    ///< largest magnitude
 };
 

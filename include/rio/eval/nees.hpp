@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Consistency: is the error as large as the covariance says?
+// Consistency: does the error agree with the covariance?
 //
 // (E1) e = true - estimate in the error state: dphi = Log(q_est^-1 q_true) [rad], dp, dv, dbg, dba
 // (E2) NEES = e^T P^-1 e, chi-squared with dim(e) degrees of freedom if P is right
@@ -32,19 +32,18 @@ StateError state_error(const NavState& estimate, const NavState& truth);
 double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
             const Eigen::Ref<const Eigen::MatrixXd>& P);
 
-/// Mean of the NEES of several runs at one instant; NaN without runs.
+/// Mean of the NEES of several runs at one time; NaN without runs.
 double anees(const std::vector<double>& nees_of_runs);
 
-/// Where the ANEES of consistent runs lies.
+/// Bounds of the ANEES of consistent runs.
 struct AneesBounds {
   double lower = 0.0;
   double upper = 0.0;
   bool contain(double value) const { return value >= lower && value <= upper; }
 };
 
-/// The two-sided interval (E3) that holds the ANEES of `runs` independent consistent runs of a
-/// state of `dof` dimensions with `probability`; the chances of missing it on either side are
-/// equal.
+/// The two-sided interval (E3) that contains the ANEES of `runs` independent consistent runs of a
+/// state of `dof` dimensions with `probability`, with equal tails.
 AneesBounds anees_bounds(int dof, int runs, double probability);
 
 }  // namespace rio::eval

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs the poses of an estimate with the true poses at the same instants.
+// Pairs the poses of an estimate with the true poses at the same times.
 //
-// Both functions accept unsorted input; of poses with equal stamps the first counts. Neither
-// extrapolates: an estimate outside the truth, or inside one of its gaps, stays without a partner.
+// Both functions accept unsorted input; of poses with equal stamps the first is used. There is no
+// extrapolation: an estimate outside the truth, or inside one of its gaps, is not paired.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ struct PosePair {
   StampedPose estimate;
 };
 
-/// The pairs, by increasing time of the estimate, and what was left over.
+/// The pairs by increasing time of the estimate, and the number of estimates.
 struct Association {
   std::vector<PosePair> pairs;
   std::size_t estimates = 0;  ///< distinct stamps of the estimate
@@ -35,8 +35,7 @@ StampedPose interpolate(const StampedPose& a, const StampedPose& b, Time time);
 Time median_interval(const Trajectory& trajectory);
 
 /// Pairs each estimate with the nearest true pose at most `max_difference` away. A true pose is
-/// used once: of several estimates nearest to it the closest has it, of equally close ones the
-/// earlier.
+/// used once: by the closest of several estimates, or the earlier of equally close ones.
 Association associate_nearest(const Trajectory& truth, const Trajectory& estimate,
                               Time max_difference = std::chrono::milliseconds(10));
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One sample of a trajectory: what evaluation compares and trajectory files hold. Frames W and B.
+// One sample of a trajectory, for evaluation and trajectory files. Frames W and B.
 #pragma once
 
 #include <vector>

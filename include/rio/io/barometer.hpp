@@ -14,29 +14,29 @@ namespace rio::io {
 /// [m].
 inline constexpr double kPressureScale = 287.05 * 293.0 / 9.81;
 
-/// Heights over that of the mean pressure of the first two seconds.
+/// Heights relative to their mean over the first two seconds.
 struct BarometricHeights {
   struct Sample {
     Time time{0};
     double height = 0.0;  ///< [m]
   };
   std::vector<Sample> samples;
-  double sigma = 0.0;  ///< of one, from sample to sample: half the mean squared difference [m]
+  double sigma = 0.0;  ///< of one: root of half the mean squared difference of neighbours [m]
 };
 
-/// The same where the samples come one by one.
+/// The same for samples given one by one.
 struct BarometricScale {
   bool any = false;    ///< samples
-  double zero = 0.0;   ///< that of which heights are told, over an air pressure of 1 Pa [m]
+  double zero = 0.0;   ///< height of the zero, relative to an air pressure of 1 Pa [m]
   double sigma = 0.0;  ///< as above [m]
-  /// Nothing of a pressure that is no positive number [m].
+  /// Empty for a pressure that is not a positive number [m].
   std::optional<double> height(const BaroSample& sample) const;
 };
 using UseBaroSample = std::function<void(const BaroSample&)>;
-/// @param each_sample calls its argument with all samples; asked twice
+/// @param each_sample calls its argument with all samples; called twice
 BarometricScale barometric_scale(const std::function<void(const UseBaroSample&)>& each_sample);
 
-/// For dry air at 20 degrees; samples that are no positive number are left out.
+/// For dry air at 20 degrees; samples that are not positive numbers are dropped.
 BarometricHeights barometric_heights(const std::vector<BaroSample>& baro);
 
 }  // namespace rio::io

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads tables of numbers row by row, without holding the file in memory. Nothing is skipped
-// silently but blank lines and # comments.
+// Reads tables of numbers row by row, without holding the file in memory. Only blank lines and #
+// comments are skipped silently.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace rio::io {
 
-/// The whole of a file; throws std::runtime_error if it is missing, a folder, or empty.
+/// The contents of a file; throws std::runtime_error if it is missing, a folder, or empty.
 std::string read_text(const std::filesystem::path& path);
 
 /// Every error is a std::runtime_error that begins "FILE:LINE: ". All rows must have as many cells
@@ -32,8 +32,8 @@ class CsvReader {
   bool is_empty(std::size_t i) const { return cell(i).empty(); }
   /// A decimal number, nan and inf included.
   double number(std::size_t i) const;
-  /// Whether it is written as most numbers are, which is told faster than the number: digits, a
-  /// point, an exponent, and finite. Throws where number() would.
+  /// Whether the number is in the common notation (faster than parsing it): digits, a point, an
+  /// exponent, and finite. Throws where number() would.
   bool is_plain_number(std::size_t i) const;
   /// An exact integer.
   std::int64_t integer(std::size_t i) const;
@@ -53,7 +53,7 @@ class CsvReader {
 
   std::string name_;
   std::ifstream stream_;
-  std::string text_;  ///< read and not yet forgotten
+  std::string text_;  ///< read and not yet discarded
   char separator_;
   std::size_t position_ = 0;  ///< in text_, of the next line
   std::size_t line_ = 0;

@@ -2,8 +2,8 @@
 // Recordings in the ASL/EuRoC layout: one folder per sensor with data.csv and sensor.yaml.
 //
 //   imu0/data.csv      t [ns], gyro x y z [rad/s], accel x y z [m/s^2]
-//   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row a detection,
-//                      and, if the sensor knows them, sigmas of range, azimuth, elevation, doppler
+//   radar0/data.csv    t [ns], x, y, z [m], doppler [m/s], snr [dB], noise [dB]: a row per
+//                      detection; optional sigmas of range, azimuth, elevation, doppler
 //   radar1, radar2, radar3                further radars on the same body               (optional)
 //   baro0/data.csv     t [ns], pressure [Pa]                                            (optional)
 //   state_groundtruth_estimate0/data.csv   t, p xyz, q wxyz, v xyz, bg xyz, ba xyz      (optional)
@@ -23,7 +23,7 @@
 
 namespace rio::io {
 
-/// What imu0/sensor.yaml says; units of ImuOptions.
+/// Contents of imu0/sensor.yaml; units of ImuOptions.
 struct ImuInfo {
   std::optional<double> rate_hz;
   std::optional<double> gyro_noise_density;
@@ -32,14 +32,14 @@ struct ImuInfo {
   std::optional<double> accel_random_walk;
 };
 
-/// What radar0/sensor.yaml says; fields of view are full angles.
+/// Contents of radar0/sensor.yaml; fields of view are full angles.
 struct RadarInfo {
   std::optional<Pose> T_BS;
   std::optional<double> rate_hz;
   std::optional<double> max_range;           ///< [m]
   std::optional<double> max_doppler;         ///< unambiguous, of each sign [m/s]
   std::optional<double> range_resolution;    ///< [m]
-  std::optional<double> doppler_resolution;  ///< [m/s]; read off the data if not given
+  std::optional<double> doppler_resolution;  ///< [m/s]; found from the data if not given
   std::optional<double> fov_azimuth;         ///< [rad]
   std::optional<double> fov_elevation;       ///< [rad]
   std::optional<double> sigma_range;         ///< [m]
@@ -49,7 +49,7 @@ struct RadarInfo {
   std::optional<double> weak_snr_db;         ///< for these sigmas [dB]
   std::optional<double> time_offset;         ///< stamps late by [s]
   std::optional<double> doppler_scale;       ///< range rates too large by this share
-  /// Sigmas of CalibrationOptions: how well T_BS, time offset and Doppler scale are known.
+  /// Sigmas of CalibrationOptions, for T_BS, time offset and Doppler scale.
   std::optional<double> prior_rotation;       ///< per axis [rad]
   std::optional<double> prior_position;       ///< per axis [m]
   std::optional<double> prior_time_offset;    ///< [s]
@@ -67,30 +67,31 @@ struct BaroSample {
 struct Dataset {
   std::vector<ImuSample> imu;
   std::vector<RadarScan> scans;
-  /// radar1, radar2, radar3: others on the same body.
+  /// radar1, radar2, radar3: further radars on the same body.
   struct OtherRadar {
     std::vector<RadarScan> scans;
-    RadarInfo info;  ///< what it does not say is as for radar0; priors are those of radar0
+    RadarInfo info;  ///< missing keys are as for radar0; priors are those of radar0
   };
   std::vector<OtherRadar> other_radars;
   std::vector<BaroSample> baro;
   std::vector<NavState> ground_truth;
   ImuInfo imu_info;
   RadarInfo radar_info;
-  std::vector<std::string> notes;  ///< what a user should know, such as a missing sensor.yaml
+  std::vector<std::string> notes;  ///< messages for the user, such as a missing sensor.yaml
 };
 
-/// All of the ground truth, or what a replay starts from: the first state within the span of the
-/// IMU, the last one if there is none.
+/// All of the ground truth, or only the start of a replay: the first state within the span of the
+/// IMU, else the last one.
 enum class Truth : std::uint8_t { kAll, kStart };
 
-/// Reads the folder, or `mav0` inside it. Throws std::runtime_error, "FILE:LINE: ..." where a line
-/// is to blame, if anything is missing, empty or damaged: never a silently shorter result.
-/// @param truth what is kept of the ground truth; all of it is read and looked at
+/// Reads the folder, or `mav0` inside it. Throws std::runtime_error, with "FILE:LINE: ..." if a
+/// line is at fault, if anything is missing, empty or damaged: the result is never silently
+/// shorter.
+/// @param truth the part of the ground truth to keep; all of it is read and checked
 Dataset read_dataset(const std::filesystem::path& path, Truth truth = Truth::kAll);
 
-/// What the sensor.yaml below `path` say, without any data: for who has yet to record them. As many
-/// radars as there are folders radar0, radar1, ...; a file that is missing is a note.
+/// The contents of the sensor.yaml files below `path`, without data, for a live run. As many radars
+/// as there are folders radar0, radar1, ...; a missing file is a note.
 Dataset read_sensor_info(const std::filesystem::path& path);
 
 /// The ground truth of a dataset folder, or of one of its csv files; at least eight columns
@@ -110,16 +111,16 @@ void write_imu_info(const std::filesystem::path& path, const ImuInfo& info,
 void write_radar_info(const std::filesystem::path& path, const RadarInfo& info,
                       const std::string& comment = {}, std::size_t radar = 0);
 
-/// Copies what the recording knows about its sensors into options->imu and options->radar, and its
-/// priors of the calibration where the options estimate that. The limits of range and field of view
-/// are widened by three sigmas, so that noise is not cut off. A radar sigma of zero, as of a
-/// noise-free simulation, is no noise model: the option keeps its value.
-/// @param configured gets the keys of the options that were set
+/// Copies the sensor properties of the recording into options->imu and options->radar, and its
+/// calibration priors where the options estimate the parameter. The limits of range and field of
+/// view are widened by three sigmas, so that noise is not cut off. A radar sigma of zero, as of a
+/// noise-free simulation, is not a noise model: the option keeps its value.
+/// @param configured receives the keys of the options that were set
 void apply_sensor_info(const Dataset& dataset, Options* options,
                        std::vector<std::string>* configured = nullptr);
 
-/// The second half of the above: options->other_radars, each as options->radar but for what its own
-/// sensor file says. For who has changed options->radar since.
+/// The second half of the above: options->other_radars, each as options->radar except for the keys
+/// of its own sensor file. For callers that changed options->radar in between.
 void apply_other_radars(const Dataset& dataset, Options* options);
 
 /// The keys of all options that sensor files can set.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording in the layout of dataset.hpp, written while it is made.
+// Writer of a recording in the layout of dataset.hpp, during the run.
 #pragma once
 
 #include <cstddef>
@@ -11,21 +11,21 @@
 
 namespace rio::io {
 
-/// Reads back as what was added, to the last bit. All functions throw std::runtime_error if a file
-/// cannot be written.
+/// Reads back identically, to the last bit. All functions throw std::runtime_error if a file cannot
+/// be written.
 class DatasetStream {
  public:
-  /// Writes the sensor files of `info`, whose data are not looked at, and begins the others.
-  /// Throws if `path` holds a recording already.
+  /// Writes the sensor files of `info`, ignoring its data, and begins the data files. Throws if
+  /// `path` holds a recording already.
   DatasetStream(const std::filesystem::path& path, const Dataset& info);
 
   void add(const ImuSample& sample);
-  /// A scan with the stamp of the one before of the same radar is left out: in the file both would
-  /// be one.
+  /// A scan with the same stamp as the one before of the same radar is dropped: in the file they
+  /// would merge.
   /// @param radar one of those in `info`
   void add(const RadarScan& scan, std::size_t radar = 0);
 
-  /// What was added survives the end of this program.
+  /// Added data survive the end of this program.
   void flush();
   void close();
 

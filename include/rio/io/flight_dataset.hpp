@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A simulated flight as a recording: what the estimator is given, and the truth.
+// A simulated flight as a recording: the inputs of the estimator, and the truth.
 #pragma once
 
 #include "rio/io/dataset.hpp"
@@ -7,7 +7,7 @@
 
 namespace rio::io {
 
-/// What the sensor files of the simulated radar say.
+/// The sensor file of the simulated radar.
 /// @param configured_T_BS the mounting as configured
 RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& configured_T_BS);
 

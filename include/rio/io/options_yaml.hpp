@@ -16,28 +16,29 @@ namespace rio::io {
 /// incoherent set throws "FILE: ...". Nothing in `options` changes then.
 void load_options(const std::filesystem::path& path, Options* options);
 
-/// The same without the preset, for callers that put something between preset and values.
+/// The same without the preset, for callers that insert other values between preset and file.
 void load_option_values(const std::filesystem::path& path, Options* options);
 
 /// The file's `preset` key.
 std::optional<std::string> preset_in_file(const std::filesystem::path& path);
 
-/// load_options() from a text; `name` stands for the file in messages.
+/// load_options() from a text; `name` replaces the file name in messages.
 void parse_options(const std::string& yaml, const std::string& name, Options* options);
 
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
 
-/// The same as a file to start from: it names the preset, and what sensor files tell or the preset
-/// owns (Layer::kAlgorithm) is commented out, since an option file wins over both.
+/// The same as a template: it names the preset; options of sensor files and of the preset
+/// (Layer::kAlgorithm) are commented out, since an option file overrides both.
 /// @throws std::runtime_error if there is no such preset
 std::string option_file(const std::string& preset_name);
 
-/// "KEY = VALUE (BEFORE)" of those of the keys whose values differ.
+/// "KEY = VALUE (BEFORE)" for each of the keys whose values differ.
 std::vector<std::string> changed_options(const Options& before, const Options& after,
                                          const std::vector<std::string>& keys);
 
-/// A Markdown table of the options in which the presets differ: a row an option, a column a preset.
+/// A Markdown table of the options that differ between presets: a row per option, a column per
+/// preset.
 std::string presets_as_table();
 
 }  // namespace rio::io

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording that is read while it is used: first all of it is looked at, then the samples of each
-// sensor come one by one. In memory are some of them and the stamps of the scans, however long it
-// is.
+// Streaming reader of a recording: first all of it is checked, then the samples of each sensor are
+// given one by one. Memory holds some of them and the stamps of the scans, at any length.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +13,10 @@
 
 namespace rio::io {
 
-/// What is known of a recording before its samples are given.
+/// Properties of a recording, known before its samples are given.
 struct RecordingOutline {
-  /// What is told of the sensors, the ground truth as it was asked for, and the notes; no samples.
-  /// A radar of `other_radars` has no scans there.
+  /// The sensors, the requested ground truth, and the notes; no samples. A radar of `other_radars`
+  /// has no scans there.
   Dataset sensors;
   std::size_t imu_samples = 0;
   Time imu_begin{0};  ///< stamp of the first sample in the file
@@ -25,13 +24,13 @@ struct RecordingOutline {
   /// Stamps of the scans in file order, by radar.
   std::vector<std::vector<Time>> scan_times;
   std::size_t baro_samples = 0;
-  /// Empty, or where the file is damaged: the recording is what stands before.
+  /// Empty, or the position of damage in the file: the recording ends there.
   std::string damage;
 };
 
-/// Made by open_dataset(), and by bag::open_recording(). All of it has been read once: what is
-/// wrong with it has been thrown by then. Of a file that grows meanwhile the samples of the outline
-/// come.
+/// Created by open_dataset() and bag::open_recording(). All of it has been read once, so errors
+/// have been thrown by then. If the file grows meanwhile, only the samples of the outline are
+/// given.
 class RecordingStream {
  public:
   virtual ~RecordingStream() = default;
@@ -40,16 +39,16 @@ class RecordingStream {
 
   const RecordingOutline& outline() const { return outline_; }
 
-  /// The next sample or scan of a sensor in file order, in place of the last one; false where there
-  /// are no more. Sensors do not wait for each other.
+  /// Replaces the argument by the next sample or scan of a sensor in file order; false at the end.
+  /// Sensors are independent of each other.
   /// @{
   bool next(ImuSample* sample);
   bool next(RadarScan* scan, std::size_t radar = 0);  ///< radar below outline().scan_times.size()
   bool next(BaroSample* sample);
   /// @}
-  /// All sensors begin again.
+  /// Rewinds all sensors.
   void rewind();
-  /// The barometer alone does.
+  /// Rewinds the barometer alone.
   void rewind_baro();
 
  protected:
@@ -69,7 +68,7 @@ class RecordingStream {
 };
 
 /// A folder of dataset.hpp; throws as read_dataset() does.
-/// @param truth what outline().sensors has of the ground truth
+/// @param truth the part of the ground truth in outline().sensors
 std::unique_ptr<RecordingStream> open_dataset(const std::filesystem::path& path,
                                               Truth truth = Truth::kStart);
 

@@ -10,11 +10,11 @@
 namespace rio::io {
 
 /// The scenario of the catalogue with this name, or else the one in this file: its top-level
-/// `scenario` key names the one of the catalogue its values are put on top of, without it they are
-/// put on top of the default scenario. A relative `path.file` is taken from the folder of the file.
+/// `scenario` key names the base in the catalogue that its values override; without it the base is
+/// the default scenario. A relative `path.file` is relative to the folder of the file.
 /// @throws std::runtime_error "FILE:LINE: ..." for unknown and duplicate keys, wrong types, units
-/// and ranges; "FILE: ..." for values that cannot go together; with the names there are when it is
-/// neither a name nor a file
+/// and ranges; "FILE: ..." for inconsistent values; with the list of names if it is neither a name
+/// nor a file
 sim::Scenario load_scenario(const std::string& name_or_file);
 
 /// Every value with its unit and meaning as a comment; reads back to the same scenario, except for

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A given first state and its covariance: from the start options, or from a file (`--init FILE`).
+// A given first state with its covariance: from the start options, or from a file (`--init FILE`).
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ struct StartFile {
   BodyCovariance covariance = BodyCovariance::Zero();
 };
 
-/// Covariance of a start known to the sigmas of `start`. Yaw and tilt are world axes, so the body
+/// Covariance of a start with the sigmas of `start`. Yaw and tilt are about world axes, so the body
 /// block is R^T diag(tilt^2, tilt^2, yaw^2) R.
 BodyCovariance start_covariance(const Quaternion& q_WB, const StartOptions& start);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// An output file whose write errors cannot be missed.
+// An output file that reports all write errors.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path);
   void write(std::string_view text);
-  /// What was written so far is the system's.
+  /// Flushes the written data to the system.
   void flush();
   void close();
 

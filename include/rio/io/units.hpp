@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Quantities as people write them: "2 deg", "5 cm", "0.66 deg/sqrt(h)", to SI.
+// Quantities with units in text: "2 deg", "5 cm", "0.66 deg/sqrt(h)", to SI.
 #pragma once
 
 #include <string_view>
@@ -10,7 +10,7 @@ namespace rio::io {
 /// converted. Units: m km cm mm um, s ms us ns min h, rad mrad deg, Hz, g mg ug, dB, %, combined by
 /// * / ^ sqrt().
 /// @param si_unit unit expected, such as "m/s^2/sqrt(Hz)"; "" = dimensionless
-/// @throws std::invalid_argument if `text` is no number, its unit is unknown or of another
+/// @throws std::invalid_argument if `text` is not a number, its unit is unknown or of another
 /// dimension
 double parse_quantity(std::string_view text, std::string_view si_unit);
 

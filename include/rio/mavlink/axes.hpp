@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Axes of this library (z up) <-> axes of autopilots (z down): vectors, attitudes, covariances.
-// C++17.
+// Conversion between the axes of this library (z up) and of autopilots (z down): vectors,
+// attitudes, covariances. C++17.
 //
 //   body    FLU x forward, y left, z up      <-> FRD x forward, y right, z down
 //   local   FLU x anywhere level, z up       <-> FRD x the same, z down (MAV_FRAME_LOCAL_FRD)
 //   earth   ENU x east, y north, z up        <-> NED x north, y east, z down
 //
 // Both changes of axes are half turns, D = diag(1, -1, -1) about x and T about the bisector of x
-// and y, hence their own inverses: there is a function of either name, and they do the same.
+// and y, hence their own inverses: the two named functions of a pair are identical.
 //
 // The world W of an estimator without a compass is a local FLU: MAV_FRAME_LOCAL_FRD is its frame.
-// It is ENU only where the start told the heading (x = east).
+// It is ENU only if the start had a known heading (x = east).
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +31,7 @@ inline Vector3d frd_to_flu(const Vector3d& v) {
   return flu_to_frd(v);
 }
 
-/// A vector of the earth: T v.
+/// A vector in earth axes: T v.
 inline Vector3d enu_to_ned(const Vector3d& v) {
   return {v.y(), v.x(), -v.z()};
 }
@@ -59,23 +59,23 @@ inline Matrix6d covariance_frd_to_flu(const Matrix6d& c) {
   return covariance_flu_to_frd(c);
 }
 
-/// Same for the axes of the earth: C with diag(T, T) on both sides.
+/// Same for earth axes: C with diag(T, T) on both sides.
 Matrix6d covariance_enu_to_ned(const Matrix6d& c);
 inline Matrix6d covariance_ned_to_enu(const Matrix6d& c) {
   return covariance_enu_to_ned(c);
 }
 
 /// Covariance of [p_WB, rotation about the axes of W], 6x6, W axes [m, rad]: the local error dphi
-/// of the attitude is R_WB dphi about the axes of the world (to first order).
+/// of the attitude is R_WB dphi about the world axes (to first order).
 Matrix6d pose_covariance(const Quaternion& q_WB, const BodyCovariance& P);
 
 /// Covariance of [v_B, angular rate], 6x6, body axes [m/s, rad/s]. With v_B = R_WB' v_WB
 ///   dv_B = R_WB' dv + [v_B] dphi,   domega = -dbg - noise,
 /// correlations included.
-/// @param gyro_sigma noise of the sample that the rate is taken from [rad/s]
+/// @param gyro_sigma noise of the gyro sample used for the rate [rad/s]
 Matrix6d twist_covariance(const NavState& state, const BodyCovariance& P, double gyro_sigma);
 
-/// The upper triangle, row by row, as MAVLink has it.
+/// The upper triangle, row by row, as in MAVLink.
 UpperTriangle upper_triangle(const Matrix6d& c);
 /// The symmetric matrix of an upper triangle.
 Matrix6d from_upper_triangle(const UpperTriangle& triangle);

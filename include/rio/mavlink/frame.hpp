@@ -45,7 +45,7 @@ class Crc16 {
   std::uint16_t value_ = 0xFFFF;
 };
 
-/// Who sends: a system (the vehicle) and a part of it.
+/// Sender: a system (the vehicle) and a component of it.
 struct Address {
   std::uint8_t system = 1;
   std::uint8_t component = 197;  ///< MAV_COMP_ID_VISUAL_INERTIAL_ODOMETRY
@@ -57,7 +57,7 @@ class Writer {
   explicit Writer(Address from = {}) : from_(from) {}
 
   /// Writes the frame of a message of messages.hpp; kMaxFrame bytes are enough for any.
-  /// @return bytes written; 0 if there is no room, and the sequence does not count on then
+  /// @return bytes written; 0 if the buffer is too small, and then the sequence does not advance
   template <class Message>
   std::size_t write(const Message& message, std::uint8_t* buffer, std::size_t size) {
     std::uint8_t payload[Message::kSize];

@@ -28,7 +28,7 @@ struct Heartbeat {
   static constexpr std::size_t kBasicSize = 9;  ///< without them: version 1
   std::uint32_t custom_mode = 0;
   std::uint8_t type = 18;      ///< MAV_TYPE_ONBOARD_CONTROLLER
-  std::uint8_t autopilot = 8;  ///< MAV_AUTOPILOT_INVALID: it is none
+  std::uint8_t autopilot = 8;  ///< MAV_AUTOPILOT_INVALID: not an autopilot
   std::uint8_t base_mode = 0;
   std::uint8_t system_status = 0;  ///< MAV_STATE
   std::uint8_t mavlink_version = 3;
@@ -39,14 +39,14 @@ struct Heartbeat {
   }
 };
 
-/// A question if tc1 is 0, else its answer.
+/// A request if tc1 is 0, else the answer to one.
 struct Timesync {
   static constexpr std::uint32_t kId = 111;
   static constexpr std::uint8_t kCrcExtra = 34;
   static constexpr std::size_t kSize = 18;
   static constexpr std::size_t kBasicSize = 16;
-  std::int64_t tc1 = 0;  ///< clock of who answers [ns]
-  std::int64_t ts1 = 0;  ///< clock of who asked, when he asked [ns]
+  std::int64_t tc1 = 0;  ///< clock of the responder [ns]
+  std::int64_t ts1 = 0;  ///< clock of the requester at the request [ns]
   std::uint8_t target_system = 0;
   std::uint8_t target_component = 0;
 
@@ -63,7 +63,7 @@ struct OdometryMessage {
   static constexpr std::size_t kBasicSize = 230;
   std::uint64_t time_usec = 0;          ///< [us]
   std::array<float, 3> position{};      ///< x y z, axes of frame_id [m]
-  std::array<float, 4> q{};             ///< w x y z, takes child_frame_id to frame_id
+  std::array<float, 4> q{};             ///< w x y z, maps child_frame_id to frame_id
   std::array<float, 3> velocity{};      ///< axes of child_frame_id [m/s]
   std::array<float, 3> rates{};         ///< roll, pitch, yaw speed, same axes [rad/s]
   UpperTriangle pose_covariance{};      ///< of position and rotation; [0] NaN: unknown
@@ -105,7 +105,7 @@ struct HighresImu {
   }
 };
 
-/// An IMU in integers of a scale that MAVLink leaves open, body FRD.
+/// An IMU in integers of sender-defined scale, body FRD.
 struct RawImu {
   static constexpr std::uint32_t kId = 27;
   static constexpr std::uint8_t kCrcExtra = 144;
@@ -151,7 +151,7 @@ using Bits = std::conditional_t<
     std::conditional_t<sizeof(T) == 4, std::uint32_t,
                        std::conditional_t<sizeof(T) == 2, std::uint16_t, std::uint8_t>>>;
 
-/// Writes what it visits, little-endian.
+/// Writes the visited fields, little-endian.
 struct Put {
   std::uint8_t* at;
   template <class... T>
@@ -170,7 +170,7 @@ struct Put {
   }
 };
 
-/// Reads what it visits.
+/// Reads the visited fields.
 struct Get {
   const std::uint8_t* at;
   template <class... T>
@@ -193,13 +193,13 @@ struct Get {
 
 }  // namespace detail
 
-/// @param payload room for Message::kSize bytes
+/// @param payload buffer of Message::kSize bytes
 template <class Message>
 void encode(const Message& message, std::uint8_t* payload) {
   Message::visit(message, detail::Put{payload});
 }
 
-/// @param payload Message::kSize bytes, zeros where the frame was shorter
+/// @param payload Message::kSize bytes, zero-padded if the frame was shorter
 template <class Message>
 Message decode(const std::uint8_t* payload) {
   Message message;
@@ -207,7 +207,7 @@ Message decode(const std::uint8_t* payload) {
   return message;
 }
 
-/// What a parser has to know of a message.
+/// What a parser needs to know of a message.
 struct MessageKind {
   std::uint32_t id = 0;
   std::uint8_t crc_extra = 0;

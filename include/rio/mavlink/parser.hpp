@@ -7,11 +7,11 @@
 //     if (packet.read(&imu)) ...
 //   });
 //
-// A frame comes with its last byte. Every magic byte may begin one, also inside of another: a frame
-// of which every byte arrives is found, whatever is around it, and none is delayed by what only
-// looks like the beginning of a longer one. Of two that overlap the one that ends first counts.
-// Only the messages of messages.hpp are known; others cannot be checked, since the checksum needs
-// their definition, and are passed over byte by byte. Signatures are passed over unchecked.
+// A packet is delivered with its last byte. Every magic byte may begin a frame, also inside another
+// one: a frame whose bytes all arrive is found whatever is around it, and none is delayed by bytes
+// that only look like the beginning of a longer one. Of two overlapping frames the one that ends
+// first is used. Only the messages of messages.hpp are known; others cannot be checked, since the
+// checksum needs their definition, and are skipped byte by byte. Signatures are skipped unchecked.
 #pragma once
 
 #include <array>
@@ -24,16 +24,16 @@
 
 namespace rio::mavlink {
 
-/// A message whose checksum is right.
+/// A message with a correct checksum.
 struct Packet {
   Time arrival{0};  ///< of the piece with the last byte
   std::uint32_t id = 0;
   Address from;
   std::uint8_t sequence = 0;
   std::uint8_t version = 2;                         ///< of MAVLink
-  std::array<std::uint8_t, kMaxPayload> payload{};  ///< zeros where it was shorter
+  std::array<std::uint8_t, kMaxPayload> payload{};  ///< zero-padded
 
-  /// False, and nothing changes, if it is another message.
+  /// False, without changes, if it is another message.
   template <class Message>
   bool read(Message* message) const {
     if (id != Message::kId) return false;
@@ -43,19 +43,18 @@ struct Packet {
 };
 
 struct ParserCounters {
-  std::uint64_t frames = 0;       ///< handed out
+  std::uint64_t frames = 0;       ///< delivered
   std::uint64_t damaged = 0;      ///< headers of known messages whose checksum was wrong
   std::uint64_t bytes = 0;        ///< received
-  std::uint64_t frame_bytes = 0;  ///< of the frames handed out
+  std::uint64_t frame_bytes = 0;  ///< of the delivered frames
 };
 
-/// Splits the bytes of one link into messages. No allocation. O(1) a byte but for the checksums.
+/// Splits the bytes of one link into messages. No allocation. O(1) per byte, plus the checksums.
 class Parser {
  public:
-  /// The next bytes, in a piece of any size.
+  /// Takes the next bytes, in a piece of any size.
   /// @param arrival   when the piece was read
-  /// @param on_packet called as on_packet(const Packet&); the packet is the parser's and changes
-  ///                  afterwards
+  /// @param on_packet called as on_packet(const Packet&); the parser owns the packet and reuses it
   template <class OnPacket>
   void push(const std::uint8_t* bytes, std::size_t count, Time arrival, OnPacket&& on_packet) {
     for (std::size_t i = 0; i < count; ++i) {
@@ -67,15 +66,15 @@ class Parser {
 
   const ParserCounters& counters() const { return counters_; }
 
-  /// Forgets the bytes of a frame that has begun; keeps counting.
+  /// Discards the bytes of an incomplete frame; keeps the counters.
   void drop_pending();
 
  private:
   /// Bytes that may be a frame.
   struct Candidate {
     std::size_t begin = 0;  ///< of the magic byte
-    std::size_t look = 0;   ///< when so many bytes are stored, there is something to judge
-    std::size_t end = 0;    ///< of the frame; 0 until its header was read
+    std::size_t look = 0;   ///< number of stored bytes at which the candidate is checked next
+    std::size_t end = 0;    ///< of the frame; 0 until its header is complete
   };
 
   bool take(std::uint8_t byte);
@@ -87,8 +86,8 @@ class Parser {
 
   std::array<std::uint8_t, 4 * kMaxFrame> buffer_{};
   std::size_t stored_ = 0;
-  std::size_t look_ = 0;                           ///< the first look of a candidate; 0: none
-  StaticVector<Candidate, kMaxFrame> candidates_;  ///< by their beginning
+  std::size_t look_ = 0;                           ///< the first check of any candidate; 0: none
+  StaticVector<Candidate, kMaxFrame> candidates_;  ///< in order of their beginning
   Packet packet_;
   ParserCounters counters_;
 };

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The clock of an autopilot against that of this side, by TIMESYNC. C++17.
+// Offset between the clock of an autopilot and that of this side, by TIMESYNC. C++17.
 //
-//   here   --- ts1 ----------- t2 -->        offset = tc1 - (ts1 + t2) / 2, wrong by
-//               \             /              half the round trip at most, whatever the ways there
-//   there  ------- tc1 -----------> +offset  and back took each
+//   here   --- ts1 ----------- t2 -->        offset = tc1 - (ts1 + t2) / 2, with an error of half
+//               \             /              the round trip at most, however the delay is shared
+//   there  ------- tc1 -----------> +offset  between the two directions
 //
-// So every exchange bounds the offset from both sides; the one with the tightest bounds, which
-// widen with its age by what the clocks may drift, is the best, and exchanges delayed by a busy
-// link do no harm. Exchanges whose bounds exclude each other prove that a clock has jumped. Source:
-// "Time Synchronization Protocol v2" of the MAVLink guide; clock filter of NTP (RFC 5905, section
-// 10).
+// So every exchange bounds the offset from both sides. The bounds widen with age by the possible
+// drift of the clocks; the exchange with the tightest bounds is used, so exchanges delayed by a
+// busy link do no harm. Exchanges whose bounds exclude each other prove that a clock has jumped.
+// Source: "Time Synchronization Protocol v2" of the MAVLink guide; clock filter of NTP (RFC 5905,
+// section 12).
 #pragma once
 
 #include <array>
@@ -21,33 +21,33 @@
 
 namespace rio::mavlink {
 
-/// The answer to a question of the other side (tc1 = 0), to be sent at once: PX4 asks ten times a
-/// second, and puts what is stamped by this side onto its clock by the answers.
-/// @param asked_by sender of the question
+/// The answer to a request of the other side (tc1 = 0), to be sent at once. PX4 asks ten times a
+/// second, and uses the answers to convert the stamps of this side to its clock.
+/// @param asked_by sender of the request
 /// @param now      clock of this side, in which the messages are stamped
-/// @return nothing if it is no question
+/// @return nothing if it is not a request
 std::optional<Timesync> timesync_answer(const Timesync& question, const Address& asked_by,
                                         Time now);
 
-/// Asks for the clock of the other side. No allocation.
+/// Requests the clock of the other side. No allocation.
 class TimesyncClient {
  public:
-  /// @param max_drift of the clocks against each other
+  /// @param max_drift of the clocks relative to each other
   explicit TimesyncClient(double max_drift = 1e-4) : max_drift_(max_drift) {}
 
-  /// The question to send now; ten in the first second, then one a second are plenty.
+  /// The request to send now; ten in the first second, then one a second are sufficient.
   Timesync ask(Time now);
 
-  /// An answer that arrived at `now`.
-  /// @return it was used: it answers one of the last 16 questions, within a second
+  /// Takes an answer that arrived at `now`.
+  /// @return true if it was used: it answers one of the last 16 requests, within a second
   bool take(const Timesync& answer, Time now);
 
   bool known() const { return count_ > 0; }
-  /// Clock of the other side minus that of this one, by the best exchange; 0 until known().
+  /// Clock of the other side minus that of this one, from the best exchange; 0 until known().
   Time offset() const { return best_.offset; }
-  /// How wrong it may be: half the round trip, and the drift since then.
+  /// Bound of its error: half the round trip, plus the drift since then.
   Time bound(Time now) const;
-  /// How often a clock has jumped.
+  /// Number of clock jumps.
   int restarts() const { return restarts_; }
 
  private:
@@ -64,7 +64,7 @@ class TimesyncClient {
   double max_drift_;
   std::array<std::optional<Time>, 16> asked_{};
   std::size_t next_asked_ = 0;
-  std::array<Exchange, 32> exchanges_{};  ///< a ring: the newest
+  std::array<Exchange, 32> exchanges_{};  ///< ring buffer of the newest
   std::size_t count_ = 0;
   Exchange best_;
   int contradictions_ = 0;  ///< in a row

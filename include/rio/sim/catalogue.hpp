@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The named scenarios: what an estimator of this kind has to survive. Each differs from the
+// The named scenarios: conditions that such an estimator must survive. Each differs from the
 // default scenario by a few values.
 #pragma once
 
@@ -23,7 +23,7 @@ struct CatalogueEntry {
 inline constexpr std::array<double, 7> kIcraLengths = {127.5, 150.5, 158.4, 160.4,
                                                        166.7, 168.1, 175.0};
 
-/// All of it, in the order of the reports. Names are unique.
+/// The whole catalogue, in the order of the reports. Names are unique.
 const std::vector<CatalogueEntry>& catalogue();
 
 /// The scenario named `name` with its default seed; false and unchanged if there is no such.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Interference inside a scattering object: what makes its echo fade and its measured place wander
-// while the radar moves, and leaves both alone while nothing moves.
+// Interference inside a scattering object: its echo fades and its measured position wanders while
+// the radar moves; both are constant while nothing moves.
 //
-// (E1) x <- k x + sqrt(1 - k^2) n, k = exp(-way / distance): unit variance, first order in the way
-//      flown since the last look; the distance of the noise is shorter than that of the rest
+// (E1) x <- k x + sqrt(1 - k^2) n, k = exp(-way / distance): unit variance, first order in the
+//      distance travelled (way) since the last update; the distance of the noise is the shorter one
 #pragma once
 
 #include <cstdint>
@@ -20,23 +20,23 @@ struct Speckle {
   double fading = 0.0;                 ///< of the strength
   Vector3d wander = Vector3d::Zero();  ///< of the scattering centre, axes of W
   Noise noise = Noise::Zero();         ///< of the measured range, azimuth, elevation and Doppler
-  double path = 0.0;                   ///< way of radar and object up to which this holds [m]
+  double path = 0.0;                   ///< distance travelled by radar and object at this state [m]
 };
 using Speckles = std::vector<Speckle>;
 
-/// Makes and ages speckles.
+/// Creates and ages speckles.
 class Fading {
  public:
   /// @param distance e-folding distance of strength and scattering centre [m]
-  /// @param noise_distance same, of the noise of what is measured [m]
+  /// @param noise_distance same, of the measurement noise [m]
   Fading(std::uint64_t seed, double distance, double noise_distance);
 
   Speckles make(std::size_t count);
 
-  /// Ages `s` to the way `path` of radar and object [m] and returns it.
+  /// Ages `s` to the distance `path` travelled by radar and object [m] and returns it.
   const Speckle& advance(double path, Speckle& s);
 
-  /// What is new at every look, unit variance.
+  /// A fresh value for every scan, unit variance.
   double flicker() { return random_.normal(); }
 
  private:

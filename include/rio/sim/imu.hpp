@@ -4,11 +4,11 @@
 // (E1) sample = truth + bias + vibration + density * sqrt(rate) * n, n ~ N(0, 1) per axis
 // (E2) bias' = bias + random_walk / sqrt(rate) * n, from one sample to the next
 // (E3) a shaking frame, per axis: rms * Re z, z' = k z + sqrt(1 - k^2) n e^(i a), n complex of unit
-//      variance a part, k = exp(-2 pi b / rate), z turned by a = 2 pi f / rate from sample to
+//      variance per part, k = exp(-2 pi b / rate), z turned by a = 2 pi f / rate from sample to
 //      sample: noise of spectrum b / ((f' - f)^2 + b^2), as it is sampled, aliases included
-// (E4) rms^2 = rest^2 + (moving^2 - rest^2) min(1, speed / shaking_speed)^2 exp(2 (s g - s^2)), g
-// of
-//      unit variance, correlated over shaking_time: the ground changes, the mean square does not
+// (E4) rms^2 = rest^2 + (moving^2 - rest^2) min(1, speed / shaking_speed)^2 exp(2 (s g - s^2)),
+//      g of unit variance, correlated over shaking_time: the ground varies, the mean square does
+//      not
 #pragma once
 
 #include <array>
@@ -21,40 +21,40 @@
 
 namespace rio::sim {
 
-/// Noise of a vehicle's frame around a resonance, (E3) and (E4). It shakes the IMU alone: its way
-/// is below what the radar resolves.
+/// Noise of a vehicle's frame around a resonance, (E3) and (E4). It shakes the IMU alone: its
+/// displacement is below the resolution of the radar.
 struct Shaking {
   double frequency_hz = 20.0;  ///< centre [Hz]; beyond half the rate it aliases
   double width_hz = 10.0;      ///< half width at half power [Hz]
-  double gyro_rest = 0.0;      ///< rms per axis at rest, the engine hums [rad/s]
+  double gyro_rest = 0.0;      ///< rms per axis at rest, engine running [rad/s]
   double gyro_moving = 0.0;    ///< same at full speed [rad/s]
   double accel_rest = 0.0;     ///< [m/s^2]
   double accel_moving = 0.0;   ///< [m/s^2]
 };
 
-/// The inertial sensor that is simulated. Defaults: a consumer MEMS unit on a quadrotor.
+/// The simulated inertial sensor. Defaults: a consumer MEMS unit on a quadrotor.
 struct ImuModel {
   double rate_hz = 200.0;                ///< [Hz]
   double gyro_noise_density = 2e-4;      ///< white noise [rad/s/sqrt(Hz)]
   double gyro_random_walk = 2e-5;        ///< bias random walk [rad/s^2/sqrt(Hz)]
-  double gyro_turn_on_sigma = 5e-3;      ///< first bias, per axis [rad/s]
+  double gyro_turn_on_sigma = 5e-3;      ///< initial bias, per axis [rad/s]
   double gyro_vibration = 0.01;          ///< amplitude per axis while flying [rad/s]
   double gyro_limit = 34.9;              ///< saturation [rad/s]
   double accel_noise_density = 2e-3;     ///< white noise [m/s^2/sqrt(Hz)]
   double accel_random_walk = 2e-4;       ///< bias random walk [m/s^3/sqrt(Hz)]
-  double accel_turn_on_sigma = 5e-2;     ///< first bias, per axis [m/s^2]
+  double accel_turn_on_sigma = 5e-2;     ///< initial bias, per axis [m/s^2]
   double accel_vibration = 0.2;          ///< amplitude per axis while flying [m/s^2]
   double accel_limit = 156.9;            ///< saturation [m/s^2]
   double vibration_frequency_hz = 87.0;  ///< of the first rotor; the others are 3 % apart [Hz]
   double stamp_jitter = 0.0;             ///< standard deviation of the stamps [s]
-  Shaking low{};                         ///< of the frame, beside the rotors' vibration
-  Shaking high{};                        ///< another one
-  double shaking_speed = 1.0;            ///< from which on it shakes as when moving [m/s]
-  double shaking_spread = 0.0;           ///< s of (E4), of the logarithm of the rms in motion
-  double shaking_time = 0.5;             ///< e-folding time of that [s]
-  double lost_share = 0.0;               ///< of the samples
-  double lost_run = 1.0;                 ///< mean number of neighbours lost together
-  bool lost_filled = false;  ///< with what lies on the line between the neighbours; else gone
+  Shaking low{};                ///< of the frame, in addition to the vibration of the rotors
+  Shaking high{};               ///< another one
+  double shaking_speed = 1.0;   ///< speed from which the shaking is that of motion [m/s]
+  double shaking_spread = 0.0;  ///< s of (E4), of the logarithm of the rms in motion
+  double shaking_time = 0.5;    ///< e-folding time of that [s]
+  double lost_share = 0.0;      ///< share of lost samples
+  double lost_run = 1.0;        ///< mean number of consecutive lost samples
+  bool lost_filled = false;  ///< lost samples are interpolated between the neighbours; else missing
 
   /// Only what a filter models: bias and white noise, no vibration.
   static ImuModel ideal();
@@ -62,7 +62,7 @@ struct ImuModel {
   static ImuModel noise_free();
 };
 
-/// Turns the motion into samples, one call a sample, `rate_hz` calls a second.
+/// Turns the motion into samples, one call per sample, `rate_hz` calls a second.
 class ImuSimulator {
  public:
   ImuSimulator(const ImuModel& model, std::uint64_t seed);
@@ -71,7 +71,7 @@ class ImuSimulator {
   const Vector3d& gyro_bias() const { return gyro_bias_; }
   const Vector3d& accel_bias() const { return accel_bias_; }
 
-  /// The sample at `point`; afterwards the biases walk one step.
+  /// The sample at `point`; then the biases walk one step.
   ImuSample sample(const Trajectory::Point& point);
 
  private:
@@ -85,7 +85,7 @@ class ImuSimulator {
   double roughness(double speed);
   Phasor noise();
 
-  /// One sinusoid of unit amplitude an axis, rotors slightly apart in speed.
+  /// One sinusoid of unit amplitude per axis, rotors at slightly different speeds.
   Vector3d vibration(std::size_t first) const;
 
   ImuModel model_;
@@ -100,15 +100,15 @@ class ImuSimulator {
   double ground_ = 0.0;  ///< g of (E4)
 };
 
-/// Which samples are lost, one call a sample: runs of geometric length, `share` of all.
+/// Which samples are lost, one call per sample: runs of geometric length, `share` of all.
 class Losses {
  public:
   Losses(const ImuModel& model, std::uint64_t seed);
   bool next();
 
  private:
-  double begin_;  ///< probability that a run begins after a sample that was there
-  double go_on_;  ///< that a run goes on
+  double begin_;  ///< probability that a run begins after a received sample
+  double go_on_;  ///< probability that a run continues
   bool lost_ = false;
   Random random_;
 };

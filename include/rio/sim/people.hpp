@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Somebody who walks about in a room: position and velocity of a cloud of scattering centres as
-// exact functions of time. Frame W, metres, seconds.
+// A person walking in a room: position and velocity of a cloud of scattering centres as exact
+// functions of time. Frame W, metres, seconds.
 //
 // A walk is straight from one way point to the next; between walks the person stands and turns.
 // (E1) S(u) = 3 u^2 - 2 u^3, its integral I(u) = u^3 - u^4/2: every change of speed;
 //      Q(u) = 10 u^3 - 15 u^4 + 6 u^5: every change of heading
-// (E2) walked way while speeding up for T_r: v T_r I(t/T_r), speed v S(t/T_r); slowing down mirrors
+// (E2) distance walked while accelerating for T_r: v T_r I(t/T_r), speed v S(t/T_r); slowing down
+//      mirrors it
 // (E3) point = torso + Rz(heading) (a + A sin(2 pi way / stride) e_x), A = 0 but for the limbs
 // (E4) velocity = v_torso + heading_rate e_z x (Rz (..)) + Rz e_x A (2 pi / stride) speed cos(..)
 #pragma once
@@ -33,13 +34,13 @@ class Person {
   static constexpr double kMinSpeed = 0.5;  ///< slowest walk [m/s]
   static constexpr double kMaxSpeed = 1.5;  ///< fastest walk [m/s]
 
-  /// @param low_W, high_W corners of the room [m]; the person stays clear of its walls
+  /// @param low_W, high_W corners of the room [m]; the person keeps away from its walls
   Person(std::uint64_t seed, int index, const Vector3d& low_W, const Vector3d& high_W);
 
-  /// The centres `seconds` after the first scan, always in the same order; stands before that.
+  /// The centres `seconds` after the first scan, always in the same order; standing before that.
   std::vector<MovingPoint> at(double seconds);
 
-  /// Way walked since the first scan [m].
+  /// Distance walked since the first scan [m].
   double walked(double seconds) { return motion(seconds).way; }
   /// Cross section of a centre relative to the mean of all [dB].
   double rcs_db(std::size_t centre) const { return centres_[centre].rcs_db; }
@@ -47,7 +48,7 @@ class Person {
  private:
   static constexpr double kRampTime = 0.6;  // T_r of (E2) [s]
 
-  /// Where a centre sits on the body, forward, left, up from between the feet.
+  /// Position of a centre on the body, forward, left, up from between the feet.
   struct Centre {
     Vector3d offset;
     double swing;  ///< A of (E3) [m]
@@ -60,7 +61,7 @@ class Person {
     double walk;   ///< [s]
     double speed;  ///< [m/s]
     double length;
-    double way;  ///< walked before [m]
+    double way;  ///< distance walked before [m]
     double heading;
     double turn;  ///< change of heading during the pause [rad]
     Vector3d from_W;
@@ -83,10 +84,10 @@ class Person {
 
   Vector3d way_point();
 
-  /// A limb swings the more, the further from its joint; arms go against the legs.
+  /// A limb swings more, the further from its joint; arms move against the legs.
   Centre centre(int index);
 
-  /// Legs are drawn one after the other, so that the walk does not depend on when it is looked at.
+  /// Legs are drawn in order, so that the walk does not depend on when it is evaluated.
   void plan(double seconds);
 
   Motion motion(double seconds);

@@ -8,8 +8,8 @@
 //      sigma_d n, sigmas at the true direction; then the grids, and folding into [-v_max, v_max)
 // (E6) weak echoes: g^2 = 1 + k 10^(-(SNR - threshold) / 10)
 // (E7) n = sqrt(1 - f^2) n_lasting + f n_fresh; interference lasts while the radar is at rest
-// (E8) a reflector that faces somewhere: 3 dB (aspect / lobe_width)^2 less at an aspect off that
-// One peak a range-Doppler cell. Frames W, B, S; metres, radians, m/s, dB.
+// (E8) a directional reflector: 3 dB (aspect / lobe_width)^2 less at an aspect off its facing
+// One peak per range-Doppler cell. Frames W, B, S; metres, radians, m/s, dB.
 #pragma once
 
 #include <cstdint>
@@ -28,14 +28,14 @@
 
 namespace rio::sim {
 
-/// The radar in its room, one call a scan.
+/// The radar in its room, one call per scan.
 class RadarSimulator {
  public:
   RadarSimulator(RadarModel model, Room room, std::uint64_t seed);
 
-  /// The scan of the radar carried through `body`, with the model's share of outliers.
+  /// The scan of the radar mounted on `body`, with the model's share of outliers.
   LabeledScan scan(const Trajectory::Point& body) { return scan(body, model_.outlier_share); }
-  /// The same with another share, as in a burst.
+  /// The same with another share of outliers, as in a burst.
   LabeledScan scan(const Trajectory::Point& body, double outlier_share);
 
   const Room& room() const { return room_; }
@@ -49,7 +49,7 @@ class RadarSimulator {
 
     Vector3d to_S(const Vector3d& point_W) const { return R_SW * (point_W - p_WS); }
   };
-  /// What arrives at the antenna, free of noise.
+  /// An echo at the antenna, free of noise.
   struct Echo {
     Polar polar;
     double range_rate = 0.0;
@@ -61,7 +61,7 @@ class RadarSimulator {
 
   bool visible(const Vector3d& point_S) const;
 
-  /// A point that moves with `velocity_S` against the radar, (E3).
+  /// A point with velocity `velocity_S` relative to the radar, (E3).
   static Echo echo_of(const Vector3d& point_S, const Vector3d& velocity_S, Label label);
 
   /// Keeps the echo if it passes the threshold.
@@ -76,16 +76,17 @@ class RadarSimulator {
 
   void add_people(const View& view, double seconds, std::vector<Echo>& echoes);
 
-  /// Those of the vehicle's own places that show.
+  /// The visible echoes of the vehicle itself.
   void add_own(std::vector<Echo>& echoes);
 
-  /// The strongest echo of each range-Doppler cell, strongest first; `max_static` of static ones.
+  /// The strongest echo of each range-Doppler cell, strongest first; at most `max_static` static
+  /// ones.
   std::vector<Echo> peaks(std::vector<Echo> echoes) const;
 
   /// Bin of the range and of the Doppler; the latter wraps.
   Cell cell(double range, double range_rate) const;
 
-  /// As many outliers as give the share; ghosts come from the reflectors most prone to them.
+  /// As many outliers as the share requires; ghosts come from the reflectors most prone to them.
   void add_outliers(const View& view, double share, std::vector<Echo>& echoes);
 
   const Reflector& reflector(const Echo& echo) const {
@@ -94,7 +95,7 @@ class RadarSimulator {
 
   Echo false_alarm();
 
-  /// The nearest mirror image in view, or the double bounce, or a false alarm when neither exists.
+  /// The nearest mirror image in view, or the double bounce, or a false alarm if neither exists.
   Echo ghost(const Echo& source, const View& view);
 
   /// (E5)
@@ -110,8 +111,8 @@ class RadarSimulator {
   Speckles reflector_speckles_;
   Speckles highlight_speckles_;
   Random own_random_;
-  std::vector<Polar> own_;          ///< places of the vehicle
-  std::vector<Vector3d> facing_W_;  ///< one a reflector, if they have lobes
+  std::vector<Polar> own_;          ///< positions of the echoes of the vehicle
+  std::vector<Vector3d> facing_W_;  ///< one per reflector, if they have lobes
   std::vector<Person> people_;
   std::vector<Speckles> people_speckles_;
   std::optional<Time> first_scan_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Random numbers of the simulator: PCG32 (O'Neill, 2014) with independent streams, and Box-Muller.
-// The standard distributions are not used because their output differs between libraries.
+// The standard distributions are not used, since their output differs between libraries.
 #pragma once
 
 #include <cstdint>

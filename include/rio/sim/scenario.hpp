@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything that makes a simulated flight what it is: path, sensors, surroundings, disturbances,
-// and what the estimator is told wrongly. The fields with units: scenario_fields.hpp; the named
-// scenarios: catalogue.hpp.
+// A complete scenario of a simulated flight: path, sensors, surroundings, disturbances, and wrong
+// configurations of the estimator. The fields with units: scenario_fields.hpp; the named scenarios:
+// catalogue.hpp.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,23 @@
 
 namespace rio::sim {
 
-/// What goes wrong for a while. Spells of different kinds with equal counts coincide.
+/// Temporary disturbances. Spells of different kinds with equal counts coincide.
 struct Disturbances {
   Spells bursts;    ///< many outliers; RadarModel::burst_outlier_share
   Spells outages;   ///< the radar is silent
   Spells imu_gaps;  ///< the IMU is silent
 };
 
-/// What the estimator is told that is not so.
+/// Wrong configuration of the estimator.
 struct Told {
   double extrinsic_angle = 0.0;     ///< error of the mounting about a random axis [rad]
   double extrinsic_distance = 0.0;  ///< error of the lever arm in a random direction [m]
   /// Error of the velocity of the start [m/s], and of its attitude, about the body's x axis [rad].
-  /// One not zero: the estimator is started at the first IMU sample from the true state plus these
-  /// errors; both zero: it aligns itself while standing.
+  /// If one is not zero, the estimator starts at the first IMU sample from the true state plus
+  /// these errors; if both are zero, it aligns itself at standstill.
   Vector3d start_velocity = Vector3d::Zero();
   double start_tilt = 0.0;
-  double start_velocity_sigma = 0.05;  ///< what it is told of the velocity's, per axis [m/s]
+  double start_velocity_sigma = 0.05;  ///< configured sigma of the start velocity, per axis [m/s]
 
   bool starts_wrongly() const { return !start_velocity.isZero() || start_tilt != 0.0; }
 };

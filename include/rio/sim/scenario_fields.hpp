@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The one table of all fields of a scenario: key, unit, meaning, allowed range. Scenario files and
-// `rio scenarios NAME` are loops over it. Scenario::start is not listed: it only shifts the stamps.
-// The lower bounds keep the simulators away from divisions by zero and paths that never end.
+// The table of all fields of a scenario: key, unit, meaning, allowed range. Scenario files and `rio
+// scenarios NAME` are loops over it. Scenario::start is not listed, since it only shifts the
+// stamps. The lower bounds prevent divisions by zero and paths that never end.
 #pragma once
 
 #include <concepts>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The faces and edges of a room as mirrors: images of points, and highlights, where a flat wall
-// (mirror) or the corner of two (dihedral) throws the radar's own wave straight back. They stand
-// wherever the radar's perpendicular meets the surface, so they ride along with it. Frame W,
-// metres.
+// (mirror) or the corner of two (dihedral) reflects the radar's own wave straight back. A highlight
+// is at the foot of the radar's perpendicular on the surface, so it moves along with the radar.
+// Frame W, metres.
 //
 // (E1) distance d to a plane or a line with foot f: d/dt |f - p| = -u . v with u = (f - p) / d,
 //      since the foot moves at right angles to u. The range rate is that of a point at rest.

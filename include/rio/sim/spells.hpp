@@ -4,7 +4,7 @@
 
 namespace rio::sim {
 
-/// `count` spells of one duration; the k-th of n is centred at k/(n + 1) of the flight.
+/// `count` spells of equal duration; the k-th of n is centred at k/(n + 1) of the flight.
 struct Spells {
   int count = 0;
   double duration = 0.0;  ///< of each [s]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The packets that the demos of TI's mmWave SDK 3.x send, made from points: a radar on a wire. The
-// layout is that of ti/packet.hpp, written here a second time: it shares nothing with the reader.
+// Packets as the demos of TI's mmWave SDK 3.x send them, from points: a simulated radar. The layout
+// of ti/packet.hpp is implemented independently here: no code is shared with the reader.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct WrittenPoint {
   std::int16_t snr = 0, noise = 0;                      ///< [0.1 dB]
 };
 
-/// A detection rounded to what a packet holds; its own sigmas are not sent.
+/// A detection rounded to the packet format; its own sigmas are not sent.
 WrittenPoint written(const RadarDetection& detection);
 
 /// Appends the lowest bytes of a value, little-endian.
@@ -39,9 +39,9 @@ struct WrittenPacket {
   Bytes bytes() const;
 };
 
-/// What the demo sends with `guiMonitor -1 1 0 0 0 0 0`.
+/// The packet that the demo sends with `guiMonitor -1 1 0 0 0 0 0`.
 WrittenPacket packet_of(std::uint32_t number, const std::vector<WrittenPoint>& points);
-/// The same of a scan; its stamp is not sent.
+/// The same for a scan; its stamp is not sent.
 WrittenPacket packet_of_scan(std::uint32_t number, const RadarScan& scan);
 
 }  // namespace rio::sim

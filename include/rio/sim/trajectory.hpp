@@ -30,7 +30,7 @@ class Trajectory {
   /// Position in W [m] and yaw [rad].
   using Control = Eigen::Vector4d;
 
-  /// The motion at one instant; all consistent derivatives of one another.
+  /// The motion at one time; all derivatives are consistent.
   struct Point {
     NavState nav;                         ///< biases zero
     Vector3d accel_W = Vector3d::Zero();  ///< second derivative of the position [m/s^2]
@@ -39,9 +39,9 @@ class Trajectory {
     bool flying = false;                  ///< between the two standstills
   };
 
-  /// What is not the path itself.
+  /// Parameters besides the path itself.
   struct Settings {
-    Time start{0};              ///< stamp of the first instant
+    Time start{0};              ///< stamp of the start
     double knot_spacing = 0.5;  ///< between control points [s]
     double stand_before = 0.0;  ///< standstill at the first control point [s]
     double stand_after = 0.0;   ///< standstill at the last control point [s]
@@ -49,7 +49,7 @@ class Trajectory {
     bool level = false;         ///< a vehicle on the ground: yaw is all its attitude
   };
 
-  /// Stands at the origin for no time.
+  /// A standstill at the origin of zero duration.
   Trajectory() : Trajectory(std::vector<Control>(kOrder, Control::Zero()), Settings{}) {}
 
   /// @param controls at least 6; the motion starts and ends at rest when the first five are equal
@@ -66,14 +66,14 @@ class Trajectory {
   Time start() const { return settings_.start; }
   double gravity() const { return settings_.gravity; }
 
-  /// Length of the path [m]; Gauss-Legendre quadrature of the speed, eight panels a span.
+  /// Length of the path [m]; Gauss-Legendre quadrature of the speed, eight panels per span.
   double length() const;
 
   /// Corners of a box that holds the path [m]: that of the control points.
   Vector3d low() const;
   Vector3d high() const;
 
-  /// The motion at a stamp; before the start and after the end it stands.
+  /// The motion at a stamp; standstill before the start and after the end.
   Point at(Time time) const;
 
   /// The motion `seconds` after the start.
@@ -87,10 +87,10 @@ class Trajectory {
 
   /// Attitude, rate and specific force of thrust along the acceleration, (E2) and (E3).
   void fly(const Control& x, const Control& v, const Control& jerk, Point* point) const;
-  /// Same, of a vehicle on level ground.
+  /// Same, for a vehicle on level ground.
   void drive(const Control& x, const Control& v, Point* point) const;
 
-  /// (E1) or its derivative of order 0..3 with respect to s, which counts knot spacings.
+  /// (E1) or its derivative of order 0..3 with respect to s, in units of knot spacings.
   Control spline(double s, int derivative) const;
 
   std::vector<Control> controls_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A recorded path as an exact trajectory: the quintic B-spline of trajectory.hpp fitted to poses.
-// Sensor data then come from the spline, never from the noisy samples.
+// Sensor data are then computed from the spline, never from the noisy samples.
 //
 // (E1) min sum_i |x(t_i) - z_i|^2 + w sum_k |c_k+3 - 3 c_k+2 + 3 c_k+1 - c_k|^2, z = position, yaw:
 //      least squares with a penalty on the jerk. The first five controls are one unknown and so
@@ -12,9 +12,9 @@
 //      leads, the penalty alone decides: least jerk.
 // Reference: Eilers and Marx, Statistical Science 1996 (E1).
 //
-// A lead before the first and after the last sample takes a vehicle that is recorded in flight up
-// from rest and back to it; the standstill is where least jerk puts it, at the first sample if the
-// recording starts at rest.
+// A vehicle recorded in flight gets a lead before the first and after the last sample, which
+// accelerates it from rest and back; the standstill is where least jerk puts it, at the first
+// sample if the recording starts at rest.
 // Attitude is not fitted: it follows from the thrust, as in a random flight. The recorded tilt
 // differs by what thrust does not explain: drag, wind, an IMU that is not mounted level (EuRoC's
 // leans by 20 deg in pitch; without that, tilt agrees to about 1 deg).
@@ -30,24 +30,24 @@
 
 namespace rio::sim {
 
-/// A recorded path made flyable, and how it relates to the recording.
+/// A recorded path as a trajectory, with its relation to the recording.
 struct TrajectoryFit {
   Trajectory trajectory;
   Pose T_RW;  ///< pose of the flight's world W in the world of the recording [m]
   Quaternion q_FB = Quaternion::Identity();  ///< recorded body axes to forward-left-up axes
-  double first = 0.0;  ///< the first recorded pose, after the start of the trajectory [s]
+  double first = 0.0;  ///< time of the first recorded pose after the start of the trajectory [s]
   double rms = 0.0;    ///< of the distance from the samples to the spline [m]
 };
 
-/// Fits a recorded path (world z up; the body mounted in any of the six upright ways) and puts it
-/// between two standstills; it starts at the origin of W, level, at yaw 0. Frame B of the
+/// Fits a recorded path (world z up; the body mounted in any of the six upright orientations) and
+/// puts it between two standstills; it starts at the origin of W, level, at yaw 0. Frame B of the
 /// trajectory: the nearest forward-left-up axes of the recorded body.
 /// @param options fit_spacing, stand_before and stand_after are used. The default spacing of 0.2 s
 ///   follows motions up to 2.5 Hz, beyond what a small quadrotor's position does, and averages
 ///   over the noise of recordings of 20 Hz and more
-/// @param start stamp of the first instant
+/// @param start stamp of the start
 /// @throws std::runtime_error for fewer than 10 poses, less than 2 s, stamps that do not increase,
-///   numbers that are not finite, no upright axis, or a path that thrust cannot fly
+/// numbers that are not finite, no upright axis, or a path that cannot be flown by thrust
 TrajectoryFit fit_trajectory(const std::vector<eval::StampedPose>& poses,
                              const PathOptions& options = {}, Time start = Time(0));
 

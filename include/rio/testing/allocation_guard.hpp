@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Counts heap allocations, those of Eigen included: link rio::testing.
+// Counts heap allocations, including those of Eigen: link rio::testing.
 #pragma once
 
-// A sanitizer owns malloc: g++ tells of it by macros, clang by features.
+// A sanitizer replaces malloc: g++ indicates it by macros, clang by features.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define RIO_COUNTS_ALLOCATIONS 0
 #elif defined(__has_feature)

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The suite every measurement model passes. A case per model says how to simulate one measurement;
-// adding a model to the tests is one case and one line in the type list.
+// The test suite that every measurement model passes. A case simulates one measurement of a model;
+// adding a model is one case and one line in the type list.
 //
 // A case has
 //   using Model;  static Model model();
-//   static Sample<Model> simulate(sim::Random&, bool noise)   true state, and z from sim/'s
-//   projection static std::optional<Sample<Model>> outside(sim::Random&)  a state outside the
-//   domain, if there is one
-//   static constexpr double kUnit  size of what is measured, for rounding; may be missing: 1
+//   static Sample<Model> simulate(sim::Random&, bool noise)
+//       true state, and z from sim/'s projection
+//   static std::optional<Sample<Model>> outside(sim::Random&)
+//       a state outside the domain, if there is one
+//   static constexpr double kUnit  magnitude of the measurement, for rounding; default 1
 // and is instantiated in namespace rio::test.
 //
 // The suite itself computes with matrices of any size, which are compiled once for all models.
@@ -83,7 +84,7 @@ TYPED_TEST_P(ModelSuite, JacobianMatchesCentralDifferences) {
   sim::Random random(11);
   using M = typename TypeParam::Model;
   const M model = TypeParam::model();
-  for (const double size : {0.0, 1e-8, 0.3}) {  // at the truth, beside it, and well away from it
+  for (const double size : {0.0, 1e-8, 0.3}) {  // at the truth, near it, and far from it
     for (int i = 0; i < 100; ++i) {
       Sample<M> sample = TypeParam::simulate(random, true);
       Eigen::VectorXd e(M::Blocks::kDof);
@@ -126,7 +127,7 @@ TYPED_TEST_P(ModelSuite, NoiseHasTheStatedCovariance) {
     sum += r.dot(Eigen::MatrixXd(at.R).llt().solve(r));
   }
   // the mean NIS of n runs has a standard deviation of sqrt(2 dim / n) = 0.01 sqrt(dim); four of
-  // them, and one percent for what is second order in the angle noise
+  // these, plus one percent for second-order effects of the angle noise
   EXPECT_NEAR(sum / kRuns, M::kDim, 0.04 * std::sqrt(M::kDim) + 0.01 * M::kDim);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A configuration to the radar, over its CLI port (115200 baud, 8N1), line by line: the next line
-// is sent when the radar has answered the one before. C++17. Allocates; for use before a flight.
+// Sends a configuration to the radar over its CLI port (115200 baud, 8N1), line by line: each line
+// after the answer to the one before. C++17. Allocates; for use before a flight.
 //
 //   rio::ti::ConfigSender sender(rio::ti::parse_config(text));
 //   while (!sender.over()) {
@@ -9,10 +9,10 @@
 //   }
 //   if (!sender.done()) ... sender.error()
 //
-// What the demos of SDK 3.x answer: an echo of the line, maybe text, `Done` or `Error <n>`, and the
-// prompt, as `mmwDemo:/>`. Comments, which they answer with `Skipped`, are not sent. The first
-// line after power-on may arrive garbled: an empty one is sent before all others. That a radar at
-// rest cannot be stopped (`sensorStop`) is no error.
+// The demos of SDK 3.x answer with an echo of the line, optional text, `Done` or `Error <n>`, and
+// the prompt, such as `mmwDemo:/>`. Comments, which they answer with `Skipped`, are not sent. The
+// first line after power-on may arrive garbled, so an empty line is sent first. An error of
+// `sensorStop` on a stopped radar is ignored.
 #pragma once
 
 #include <cstddef>
@@ -28,20 +28,20 @@ class ConfigSender {
   /// Longest line of the demos [bytes].
   static constexpr std::size_t kMaxLine = 255;
 
-  /// @param timeout of a line; the calibration in sensorStart takes some tenths of a second
+  /// @param timeout per line; the calibration in sensorStart takes some tenths of a second
   explicit ConfigSender(Config config, Time timeout = std::chrono::seconds(3));
 
-  /// What to write to the port now; empty while an answer is awaited. Call it again after every
-  /// receive(), and now and then without: it also finds that a line was not answered in time.
+  /// The bytes to write to the port now; empty while an answer is awaited. Call it after every
+  /// receive(), and periodically without one: it also detects the timeout of an answer.
   std::string to_send(Time now);
 
-  /// What was read from the port.
+  /// Bytes read from the port.
   void receive(const std::uint8_t* bytes, std::size_t count);
 
-  /// All lines were accepted, or one was not.
+  /// All lines were accepted, or one was refused.
   bool over() const { return done() || !error_.empty(); }
   bool done() const { return next_ > config_.commands.size() && error_.empty(); }
-  /// Why it ended early, with the line and what the radar said; else empty.
+  /// Why it ended early, with the line and the answer of the radar; else empty.
   const std::string& error() const { return error_; }
   /// Lines accepted so far.
   std::size_t accepted() const { return accepted_; }
@@ -58,7 +58,7 @@ class ConfigSender {
   std::size_t accepted_ = 0;
   bool waiting_ = false;
   Time sent_{0};
-  std::string answer_;  ///< since then
+  std::string answer_;  ///< since the last line
   std::string error_;
 };
 

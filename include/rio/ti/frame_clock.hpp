@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When a frame was measured: stamps in the middle of the chirp block, from arrivals that come late
+// Measurement times of frames: stamps in the middle of the chirp block, from arrivals that are late
 // by a jitter, or from trigger times. C++17.
 //
 //   |<-- chirp block -->|<-- processing -->|<-- UART: bytes x 10 / baud -->|
 //   start     ^stamp                       ^first byte                     ^last byte
 //
-// The radar starts its frames by its own clock: start(n) = c + n * period * (1 + drift). Bytes only
-// ever come late, by polling, USB and the scheduler. So of the points (n, arrival of the first
-// byte) those that were least late lie on a line, and all others above it; that line is taken which
-// lies below all points of the last minute and nearest to them on average, an edge of their lower
-// convex hull (for exponential jitter the most likely line; Moon, Skelly and Towsley, "Estimation
-// and removal of clock skew from network delay measurements", INFOCOM 1999), with a drift within
-// bounds.
+// The radar starts its frames by its own clock: start(n) = c + n * period * (1 + drift). Bytes can
+// only be late, through polling, USB and the scheduler. So of the points (n, arrival of the first
+// byte) the least delayed lie on a line and all others above it. The estimate is the line below all
+// points of the last minute that is nearest to them on average, an edge of their lower convex hull
+// (for exponential jitter the most likely line; Moon, Skelly and Towsley, "Estimation and removal
+// of clock skew from network delay measurements", INFOCOM 1999), with a bounded drift.
 #pragma once
 
 #include <array>
@@ -24,46 +23,46 @@
 
 namespace rio::ti {
 
-/// What the configuration of the radar says of the time in a frame.
+/// Timing of a frame, from the configuration of the radar.
 struct FrameTiming {
-  Time period{0};       ///< of the frames (`frameCfg`); must be given
+  Time period{0};       ///< of the frames (`frameCfg`); required
   Time chirp_block{0};  ///< loops x chirps x (idle + ramp end)
-  /// From the end of the chirp block to the first byte on the wire. 7.5 ms was seen with one
-  /// IWR6843AOP at 40 points; statistics (TLV 6) name it.
+  /// From the end of the chirp block to the first byte on the wire. Measured: 7.5 ms for an
+  /// IWR6843AOP at 40 points; statistics (TLV 6) contain it.
   Time processing_delay = std::chrono::microseconds(7500);
   Time trigger_delay{0};  ///< from the edge of a hardware trigger to the first chirp
   double baud =
-      921600.0;  ///< of the data UART, 10 bits a byte; 0: unknown, the first byte alone counts
-  double max_drift = 2e-4;                 ///< of the radar's clock against that of the arrivals
-  Time window = std::chrono::seconds(60);  ///< arrivals that the line is drawn under
+      921600.0;  ///< of the data UART, 10 bits a byte; 0: unknown, only the first byte is used
+  double max_drift = 2e-4;  ///< of the radar's clock relative to that of the arrivals
+  Time window = std::chrono::seconds(60);  ///< length of the arrivals used for the line
 
-  /// @param why what is wrong, if anything is
+  /// @param why what is invalid, if anything
   bool validate(std::string* why = nullptr) const;
 };
 
-/// Stamps of the frames of one radar without subframes. No allocation after construction. The
-/// numbers of the window are gone through once a frame: microseconds.
+/// Stamps the frames of one radar without subframes. No allocation after construction. Each frame
+/// visits all frames of the window: microseconds.
 class FrameClock {
  public:
   /// @param timing must be valid
   explicit FrameClock(const FrameTiming& timing);
 
   /// The middle of the chirp block; call it once for every frame, in order. If a trigger was at the
-  /// start of the frame (within half a period of what the arrivals say) it is that trigger's.
-  /// A frame whose number or arrival contradicts the line by more than half a period is stamped by
-  /// its arrival alone if it is early or more than a second late, and by the line if it is late by
-  /// less (a host that was busy). Five such in a row that last for a second make the clock start
+  /// start of the frame (within half a period of the arrivals' estimate), its time is used. A frame
+  /// whose number or arrival contradicts the line by more than half a period is stamped by its
+  /// arrival alone if it is early or more than a second late, and by the line if it is less late (a
+  /// busy host). Five such frames in a row over a second restart the clock from them.
   /// again from them.
   Time stamp(const Frame& frame);
 
   /// A pulse to the radar's trigger input; the newest 16 are kept.
   void add_trigger(Time edge);
 
-  /// How many frames were stamped by their arrival alone.
+  /// Number of frames stamped by their arrival alone.
   int odd() const { return odd_; }
-  /// How often the line was started anew after the first time.
+  /// Number of restarts of the line.
   int restarts() const { return restarts_; }
-  /// The radar's period over the one given, minus one, as the line has it.
+  /// Period of the radar over the configured one, minus one, from the line.
   double drift() const { return slope_ / period_; }
 
   void reset();

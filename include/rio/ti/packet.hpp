@@ -28,10 +28,10 @@
 // clang-format on
 //
 // TLV 1 may be empty or absent (nothing detected), TLV 7 absent (nothing detected, or `guiMonitor`
-// without it: SNR and noise are then 0); the order is free. There is no checksum: a packet is taken
-// when its lengths agree with each other to the byte; damage inside of the numbers cannot be seen.
-// The points of SDK 1 and 2 are of another kind, and so are the packets of the xWRL6432 and
-// xWRL6844 (SDK 5 and 6): they are told by their version and not read.
+// without it: SNR and noise are then 0); the order is free. There is no checksum: a packet is
+// accepted if its lengths agree to the byte; damage inside the numbers cannot be detected. The
+// points of SDK 1 and 2 have another format, and so have the packets of the xWRL6432 and xWRL6844
+// (SDK 5 and 6): these are recognised by their version and not read.
 //
 // Source: mmw_output.h and dpif_pointcloud.h of the SDK, "Understanding UART Data Output Format" of
 // TI's Radar Toolbox.
@@ -44,7 +44,7 @@
 
 namespace rio::ti {
 
-/// One packet, read.
+/// A decoded packet.
 struct Frame {
   std::uint32_t version = 0;
   std::uint32_t platform = 0;
@@ -52,46 +52,45 @@ struct Frame {
   std::uint32_t cycles = 0;
   std::uint32_t subframe = 0;
   std::uint32_t bytes = 0;  ///< of the packet
-  Time first_arrival{0};    ///< of the piece with which the magic word was complete
+  Time first_arrival{0};    ///< of the piece that completed the magic word
   Time last_arrival{0};     ///< of the piece with the last byte
-  /// In radar axes. The stamp is that of the arrival of the first byte until a FrameClock has a
-  /// better one.
+  /// In radar axes. The stamp is the arrival of the first byte until a FrameClock replaces it.
   RadarScan scan;
 };
 
 inline constexpr std::size_t kMagicSize = 8;
 inline constexpr std::uint8_t kMagic[kMagicSize] = {2, 1, 4, 3, 6, 5, 8, 7};
 
-/// What the bytes of a packet say so far.
+/// State of a packet from its bytes so far.
 enum class PacketVerdict : std::uint8_t {
-  kMore,      ///< right so far
-  kComplete,  ///< all lengths agree and the last byte is in
-  kDamaged,   ///< lengths contradict each other, or a TLV its kind
+  kMore,      ///< incomplete, valid so far
+  kComplete,  ///< all lengths agree and the last byte has arrived
+  kDamaged,   ///< lengths contradict each other or the TLV type
   kOldSdk,    ///< of SDK 1 or 2
   kNewSdk,    ///< of SDK 4 or later
 };
 
-/// Checks a packet while it comes in: each length as soon as it is there, before it is used. O(1) a
+/// Checks a packet while it arrives: each length as soon as it is available, before use. O(1) per
 /// TLV.
 class PacketWalk {
  public:
-  /// @param max_packet longer packets are damaged ones [bytes]
+  /// @param max_packet longer packets are treated as damaged [bytes]
   explicit PacketWalk(std::size_t max_packet) : max_packet_(max_packet) {}
 
-  /// @param packet its first `available` bytes, from the magic word on; at least as many as at the
-  ///        call before
+  /// @param packet its first `available` bytes, from the magic word on; at least as many as in the
+  /// previous call
   PacketVerdict advance(const std::uint8_t* packet, std::size_t available);
 
-  /// Of the packet [bytes]; 0 until the header is in.
+  /// Of the packet [bytes]; 0 until the header has arrived.
   std::size_t size() const { return size_; }
 
   /// Fills all of the frame but the arrivals and the stamp; after kComplete. Allocates if the scan
   /// has no capacity for the points.
-  /// @return how many points were left out because they are not finite
+  /// @return number of points rejected because they are not finite
   std::size_t decode(const std::uint8_t* packet, Frame* frame) const;
 
  private:
-  /// Where the payload of a TLV is.
+  /// Position of the payload of a TLV.
   struct Part {
     std::size_t at = 0;
     std::size_t length = 0;

@@ -4,19 +4,18 @@
 //   rio::ti::PacketReader reader;
 //   reader.push(bytes, count, now, [&](rio::ti::Frame& frame) { scans.take(frame.scan); });
 //
-// A frame is handed out with its last byte, not with the next one. Whatever comes before, between
-// and in place of packets: a packet of which every byte arrives is found. A magic word inside of a
-// packet means that the rest of that packet was lost; after anything that contradicts itself the
-// search goes on one byte after its magic word.
+// A frame is delivered with its last byte, not with the next frame. A packet whose bytes all arrive
+// is found whatever is around it. A magic word inside a packet means that the rest of that packet
+// was lost. After a contradiction the search continues one byte after the magic word.
 //
-// A frame that ends as a magic word begins, in its last 1 to 7 bytes, may have lost as many bytes
-// and be completed by the head of the next packet. It is held until the bytes behind it decide: if
-// they complete the magic word it was damaged, and that is where the next packet begins. So it
-// comes late, with the next packet or flush(): one in 256 if the last byte is random, and each that
-// ends, without padding, in a noise of 51.2 to 76.7 dB. Its arrivals are its own. What no bytes can
-// tell: a packet that lost bytes, and behind it one whose magic word is damaged, too; and whether
-// the last bytes of one packet are missing or as many first ones of the next, where the bytes are
-// the same either way.
+// If the last 1 to 7 bytes of a frame are the start of a magic word, the frame may have lost as
+// many bytes and end with the head of the next packet. It is held until the following bytes decide:
+// if they complete the magic word, the frame was damaged and the next packet begins there. Such a
+// frame is delivered late, with the next packet or flush(): one in 256 if the last byte is random,
+// and each that ends, without padding, in a noise of 51.2 to 76.7 dB. Its arrival times are
+// unchanged. Two cases cannot be detected: a packet that lost bytes before one whose magic word is
+// damaged, too; and whether the last bytes of one packet are missing or the first ones of the next,
+// where the bytes are the same either way.
 #pragma once
 
 #include <cstddef>
@@ -28,18 +27,18 @@
 
 namespace rio::ti {
 
-/// What came so far.
+/// Counters of the stream.
 struct PacketCounters {
-  std::uint64_t frames = 0;    ///< handed out
-  std::uint64_t lost = 0;      ///< numbers missing between frames, of damaged packets too
-  std::uint64_t restarts = 0;  ///< the numbers fell or leapt: the radar was switched off, or damage
-  std::uint64_t damaged = 0;   ///< magic words without a packet that agrees with itself
+  std::uint64_t frames = 0;           ///< delivered
+  std::uint64_t lost = 0;             ///< missing frame numbers, also of damaged packets
+  std::uint64_t restarts = 0;         ///< the frame number fell or jumped: power cycle, or damage
+  std::uint64_t damaged = 0;          ///< magic words without a consistent packet
   std::uint64_t other_sdk = 0;        ///< packets of SDK 1 or 2, or 4 and later
-  std::uint64_t bytes_skipped = 0;    ///< belong to no frame
+  std::uint64_t bytes_skipped = 0;    ///< outside all frames
   std::uint64_t points_left_out = 0;  ///< not finite
 };
 
-/// What the newest bytes were.
+/// Kind of the newest bytes.
 enum class StreamState : std::uint8_t {
   kSilent,     ///< no byte yet
   kSearching,  ///< no packet in many bytes: another port, or another baud rate?
@@ -51,18 +50,18 @@ enum class StreamState : std::uint8_t {
 /// The state in words, for a log.
 const char* to_string(StreamState state);
 
-/// Splits the bytes of one radar into frames. No allocation after construction; O(1) a byte.
+/// Splits the bytes of one radar into frames. No allocation after construction; O(1) per byte.
 class PacketReader {
  public:
   static constexpr std::size_t kMaxPacket = 65536;
 
-  /// @param max_packet longest packet [bytes]; what claims to be longer is damaged
+  /// @param max_packet longest packet [bytes]; a longer one is damaged
   explicit PacketReader(std::size_t max_packet = kMaxPacket);
 
-  /// The next bytes, in a piece of any size.
+  /// Takes the next bytes, in a piece of any size.
   /// @param arrival  when the piece was read, on the clock of the IMU
-  /// @param on_frame called as on_frame(Frame&) for each packet that is complete; the frame is the
-  ///                 reader's and changes afterwards
+  /// @param on_frame called as on_frame(Frame&) for each complete packet; the reader owns the frame
+  /// and reuses it
   template <class OnFrame>
   void push(const std::uint8_t* bytes, std::size_t count, Time arrival, OnFrame&& on_frame) {
     while (count > 0) {
@@ -73,12 +72,12 @@ class PacketReader {
     }
   }
 
-  /// When the last byte of the frame came that is held, if one is.
+  /// Arrival of the last byte of the held frame, if any.
   std::optional<Time> held_since() const;
 
-  /// Hands out the frame that is held. To be called at the end of a stream, or when it has paused
-  /// for longer than the bytes of a packet are apart (some milliseconds with USB): then the last
-  /// ones were its own.
+  /// Delivers the held frame. Call it at the end of a stream, or when it has paused for longer than
+  /// the gap between bytes of a packet (some milliseconds with USB): then the last bytes belong to
+  /// the frame.
   template <class OnFrame>
   void flush(OnFrame&& on_frame) {
     if (held_) on_frame(*hand_out());
@@ -87,8 +86,8 @@ class PacketReader {
   const PacketCounters& counters() const { return counters_; }
   StreamState state() const { return state_; }
 
-  /// Forgets the bytes of a packet that has begun, as after the port was opened anew; keeps
-  /// counting.
+  /// Discards the bytes of an incomplete packet, for example after the port was reopened; keeps the
+  /// counters.
   void drop_pending();
 
  private:
@@ -103,12 +102,12 @@ class PacketReader {
 
   std::size_t max_packet_;
   std::vector<std::uint8_t> buffer_;
-  std::size_t begin_ = 0;      ///< of the packet, or where the search goes on
+  std::size_t begin_ = 0;      ///< of the packet, or of the search
   std::size_t end_ = 0;        ///< of the bytes stored
-  std::size_t unclaimed_ = 0;  ///< all before belong to a frame or were counted as skipped
-  std::size_t searched_ = 0;   ///< no magic word begins before, but that of the packet
+  std::size_t unclaimed_ = 0;  ///< all before belong to a frame or are counted as skipped
+  std::size_t searched_ = 0;   ///< no magic word begins before this, except that of the packet
   bool in_packet_ = false;
-  bool held_ = false;  ///< complete, but for what its last bytes are
+  bool held_ = false;  ///< complete, except for the ambiguous last bytes
   PacketWalk walk_;
   std::size_t fruitless_ = 0;       ///< bytes skipped since the last packet
   std::uint32_t frame_number_ = 0;  ///< of the last frame
