@@ -308,7 +308,7 @@ class Engine final : public Odometry::Impl {
       status = Status::kOk;
     }
     if (alignment) {
-      pipeline_.reset(alignment->state, alignment->covariance);
+      pipeline_.reset(*alignment);
       forget_scans();
       initialized = true;
       publish();

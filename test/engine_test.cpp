@@ -9,6 +9,7 @@
 
 #include "rio/rio.hpp"
 #include "support/measured.hpp"
+#include "support/random_state.hpp"
 
 namespace rio::test {
 namespace {
@@ -203,6 +204,55 @@ TEST_F(EngineTest, AfterAResetWithoutAStateNothingIsLeft) {
   EXPECT_EQ(odometry->counters().scans, 0U);
   EXPECT_EQ(odometry->add_scan(scan(kStart + milliseconds(50))), Status::kNotInitialized);
 }
+
+/// A body that glides at 1 m/s and turns at 0.02 rad/s, which no IMU tells from standing on a tilt
+/// with a bias.
+class GlidingTest : public testing::TestWithParam<BackEnd> {
+ protected:
+  static constexpr double kTurn = 0.02;  // [rad/s]
+
+  std::unique_ptr<Odometry> flown() const {
+    Options options;
+    options.backend = GetParam();
+    auto odometry = Odometry::create(options);
+    test::Random random(5);
+    for (int i = 0; i < 1600; ++i) {  // 8 s
+      const Time t = kStart + i * kSample;
+      constexpr double kSpeed = 1.0;  // [m/s]
+      ImuSample s;
+      s.time = t;
+      s.gyro_B = Vector3d(random.normal(1e-4), random.normal(1e-4), kTurn + random.normal(1e-4));
+      s.accel_B = Vector3d(random.normal(0.01), kTurn * kSpeed, 9.81 + random.normal(0.01));
+      EXPECT_NE(odometry->add_imu(s), Status::kNumerical);
+      if (i % 10 != 0) continue;
+      RadarScan scan;
+      scan.time = t;
+      for (int k = 0; k < 12; ++k) {
+        RadarDetection d;
+        d.point_S = Vector3d(random.uniform(2.0, 6.0), random.uniform(-3.0, 3.0),
+                             random.uniform(-2.0, 2.0));
+        d.range_rate = -kSpeed * d.point_S.normalized().x() + random.normal(0.03);
+        d.snr_db = 30.0;
+        scan.detections.push_back(d);
+      }
+      (void)odometry->add_scan(scan);  // before the start it is not taken
+    }
+    EXPECT_TRUE(odometry->initialized());
+    return odometry;
+  }
+};
+
+// The Dopplers contradict the standstill at once: the rate was no bias.
+TEST_P(GlidingTest, AnAlignmentInMotionTeachesNoBias) {
+  const auto odometry = flown();
+  EXPECT_EQ(odometry->counters().velocity_resets, 1U);
+  EXPECT_NEAR(odometry->now().v_WB.norm(), 1.0, 0.1);
+  EXPECT_LT(std::abs(odometry->now().gyro_bias.z()), 0.5 * kTurn);
+  const BodyCovariance& P = odometry->covariance();
+  EXPECT_GT(std::sqrt(P(body::kGyroBias + 2, body::kGyroBias + 2)), 0.003);
+}
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, GlidingTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother));
 
 }  // namespace
 }  // namespace rio::test

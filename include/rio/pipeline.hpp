@@ -22,6 +22,7 @@
 #include "rio/frontend/velocity_pool.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
+#include "rio/propagate/static_alignment.hpp"
 #include "rio/report.hpp"
 #include "rio/update/aiding.hpp"
 #include "rio/update/calibration_report.hpp"
@@ -78,6 +79,13 @@ class Pipeline {
     next_scan_ = 0;
     waiting_.clear();
     aiding_.clear();
+    unconfirmed_alignment_ = false;
+  }
+  /// Starts from a static alignment. If the Dopplers contradict its velocity before they have
+  /// confirmed it, the body was in motion, and so its tilt and its gyro bias are withdrawn.
+  void reset(const Alignment& alignment) {
+    reset(alignment.state, alignment.covariance);
+    unconfirmed_alignment_ = true;
   }
 
   /// Time of measurement of a scan with that stamp, by the current estimate of the time offset.
@@ -274,7 +282,10 @@ class Pipeline {
     const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
     report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
+    if (pool_.proven()) unconfirmed_alignment_ = false;
     if (other) {
+      if (unconfirmed_alignment_) backend_.withdraw_alignment(other->v_B.norm());
+      unconfirmed_alignment_ = false;
       restart_velocity(*other, to_seconds(x.nav.time - pool_.agreed()), doubtful_since());
     } else if (sigma > kOpen) {
       replaced_ = Replaced{x.nav.time, last};
@@ -394,6 +405,7 @@ class Pipeline {
   HealthMonitor health_;
   Time last_told_{0};  ///< stamp of the last scan with a static set
   std::optional<Replaced> replaced_;
+  bool unconfirmed_alignment_ = false;
   ScanId next_scan_ = 0;
 };
 

@@ -67,7 +67,7 @@ class PipelineDrive {
   void align(const ImuSample& sample) {
     (void)aligner_.add(sample, &alignment_);
     if (!alignment_) return;
-    pipeline_.reset(alignment_->state, alignment_->covariance);
+    pipeline_.reset(*alignment_);
     imu_.forget_before(alignment_->state.time);
   }
 

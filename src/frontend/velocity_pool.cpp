@@ -61,7 +61,7 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   if (!other) return abstain(now);
   // an error within the covariance is corrected by the update
   if (unique_fold && (other->v_B - believed).norm() < 3.0 * sigma) return std::nullopt;
-  if (now - since_ < (proven_ > kProven ? kLongPatience : kPatience)) return std::nullopt;
+  if (now - since_ < (proven() ? kLongPatience : kPatience)) return std::nullopt;
   return other;
 }
 

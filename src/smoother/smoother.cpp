@@ -65,6 +65,11 @@ void Smoother::restart_attitude(const Vector3d& g_B, double sigma, const Vector3
   restart();
 }
 
+void Smoother::withdraw_alignment(double speed) {
+  state_estimate_.withdraw_alignment(speed);
+  restart();
+}
+
 void Smoother::restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
   drop_landmarks(report);
   state_estimate_.restart_heading(opinion);

@@ -188,6 +188,14 @@ void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Ve
                       options_.start.sigma_accel_bias * options_.start.sigma_accel_bias);
 }
 
+void StateEstimate::withdraw_alignment(double speed) {
+  const StartOptions& start = options_.start;
+  const double tilt = speed / start.duration / options_.imu.gravity;
+  estimate_.nav.gyro_bias.setZero();
+  covariance_.inflate(body::kGyroBias, start.sigma_gyro_bias * start.sigma_gyro_bias);
+  covariance_.inflate(body::kAttitude, tilt * tilt);
+}
+
 void StateEstimate::restart_heading(const GyroBiasOpinion& opinion) {
   constexpr double kStep = 2.0;  // ratio of a step to its mean over the window it began in
   const Vector3d up_B = estimate_.nav.q_WB.conjugate() * Vector3d::UnitZ();

@@ -218,6 +218,21 @@ TEST_F(StateEstimateTest, ARestartedAttitudeHasGravityWhereItWasMeasured) {
               3.0 * (angle * angle + distance * distance + rate * rate + bias * bias), 1e-9);
 }
 
+// Of an alignment in motion nothing is left but what every start knows.
+TEST_F(StateEstimateTest, AWithdrawnAlignmentKnowsNoBias) {
+  constexpr double kSpeed = 1.2;
+  StateEstimate b = state_estimate();
+  const Matrix15d before = b.covariance().body();
+  b.withdraw_alignment(kSpeed);
+  EXPECT_EQ(b.estimate().nav.gyro_bias, Vector3d::Zero());
+  const double tilt = kSpeed / options_.start.duration / options_.imu.gravity;
+  const double bias = options_.start.sigma_gyro_bias;
+  Matrix15d expected = Matrix15d::Zero();
+  expected.diagonal().segment<3>(body::kAttitude).setConstant(tilt * tilt);
+  expected.diagonal().segment<3>(body::kGyroBias).setConstant(bias * bias);
+  EXPECT_LT((b.covariance().body() - before - expected).norm(), 1e-12);
+}
+
 TEST_F(StateEstimateTest, ARestartedHeadingKeepsTheTilt) {
   GyroBiasOpinion opinion;
   opinion.error = -0.004;

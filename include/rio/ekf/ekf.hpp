@@ -56,6 +56,9 @@ class Ekf {
     state_estimate_.restart_attitude(g_B, sigma, v_B, duration);
   }
 
+  /// The static alignment was of a body in motion of that speed [m/s] (update/state_estimate.hpp).
+  void withdraw_alignment(double speed) { state_estimate_.withdraw_alignment(speed); }
+
   /// Inflates the covariance of gyro bias about the vertical and heading. Drops all landmarks; the
   /// caller drops the trails.
   void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {

@@ -54,6 +54,8 @@ class VelocityPool {
 
   /// When the state estimate's velocity was last supported.
   Time agreed() const { return agreed_; }
+  /// It has been supported for kProven since the last reset.
+  bool proven() const { return proven_ > kProven; }
   /// (E5) of the state estimate's velocity, its sigma in the bound; 0 while there are few rows.
   double chance() const { return chance_; }
   /// Since when it has been contradicted; the newest scan if it is not.

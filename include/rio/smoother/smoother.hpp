@@ -62,6 +62,9 @@ class Smoother {
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
   /// As in the filter; the window starts over from the result.
+  void withdraw_alignment(double speed);
+
+  /// As in the filter; the window starts over from the result.
   void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report);
 
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.

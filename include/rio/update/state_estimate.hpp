@@ -86,6 +86,11 @@ class StateEstimate {
   /// the possible causes, that of the position by the possible effect.
   void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
 
+  /// The static alignment was of a body in motion, now of that speed [m/s]. The mean rate was no
+  /// bias: the gyro bias is unknown as after a start in motion. The mean specific force was not
+  /// gravity alone: inflates the covariance of the attitude by the acceleration.
+  void withdraw_alignment(double speed);
+
   /// The gyro bias is wrong about the vertical: inflates its covariance, and that of heading,
   /// velocity and position by the effect over the window.
   void restart_heading(const GyroBiasOpinion& opinion);
