@@ -303,17 +303,17 @@ class Engine final : public Odometry::Impl {
   Status align(const ImuSample& sample) {
     std::optional<Alignment> alignment;
     Status status = aligner_.add(sample, &alignment);
-    if (std::optional<Alignment> moving = moving_start_.add(sample); moving && !alignment) {
-      alignment = std::move(moving);
-      status = Status::kOk;
-    }
+    const std::optional<Alignment> moving = moving_start_.add(sample);
+    if (!alignment && !moving) return status;
     if (alignment) {
       pipeline_.reset(*alignment);
-      forget_scans();
-      initialized = true;
-      publish();
+    } else {
+      pipeline_.reset(moving->state, moving->covariance);
     }
-    return status;
+    forget_scans();
+    initialized = true;
+    publish();
+    return Status::kOk;
   }
 
   Status process(const DetectionList& scan) {

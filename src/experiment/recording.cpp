@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -46,21 +47,25 @@ double moving_share(const RadarScan& scan, double grid) {
   return static_cast<double>(moving) / static_cast<double>(scan.detections.size());
 }
 
-/// Heights from means of a second, relative to that at the end of the first two seconds; zero
-/// before.
+/// Heights above the mean pressure of the first two seconds, each from the mean of a second.
 eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
   eval::Trajectory heights;
   std::size_t first = 0;
   std::size_t end = 0;
   double sum = 0.0;
-  double zero = 0.0;
+  const auto still = std::find_if(baro.begin(), baro.end(), [&](const io::BaroSample& sample) {
+    return to_seconds(sample.time - baro.front().time) > 2.0;
+  });
+  const double zero =
+      std::accumulate(baro.begin(), still, 0.0,
+                      [](double total, const auto& sample) { return total + sample.pressure; }) /
+      static_cast<double>(still - baro.begin());
   for (const io::BaroSample& sample : baro) {
     for (; end < baro.size() && to_seconds(baro[end].time - sample.time) < 0.5; ++end) {
       sum += baro[end].pressure;
     }
     for (; to_seconds(sample.time - baro[first].time) > 0.5; ++first) sum -= baro[first].pressure;
     const double mean = sum / static_cast<double>(end - first);
-    if (to_seconds(sample.time - baro.front().time) < 2.0) zero = mean;
     heights.push_back({sample.time, Vector3d(0.0, 0.0, -io::kPressureScale * std::log(mean / zero)),
                        Quaternion::Identity()});
   }

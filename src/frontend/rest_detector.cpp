@@ -20,6 +20,8 @@ void RestDetector::reset() {
   scans_.clear();
   samples_.clear();
   calm_.reset();
+  since_.reset();
+  settled_ = true;
 }
 
 std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList& scan, Time from,
@@ -37,6 +39,8 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   }
   if (span.samples == 0.0 || duration > kLongestSpan || points.still < 0.5 * points.all) {
     scans_.clear();
+    since_.reset();
+    settled_ = false;
     return std::nullopt;
   }
   scans_.push_back(points);
@@ -44,7 +48,9 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   if (points.all == 0.0 || !calm_ || to - *calm_ > kCalmLasts || !without_doppler()) {
     return std::nullopt;
   }
-  if (coarse_[scan.radar] && sets_off(x, P)) return std::nullopt;
+  if (coarse_[scan.radar] && settled_ && sets_off(x, P)) return std::nullopt;
+  if (!since_) since_ = to;
+  settled_ = settled_ || to - *since_ > kSettled;
   const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
   const bool quiet = span.loudest < kQuiet;  // (E4)
   return RestModel::Measurement{span.gyro_B, quiet ? kStandingVelocity : kTouchedVelocity,

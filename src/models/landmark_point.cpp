@@ -10,7 +10,7 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
                                   JacobianOf<kDim, kDim>& R) const noexcept {
   const ObservedPoint point(T_WB, T_BS, p_WL);
   const double h = point.e_S.norm();
-  if (!(h > ObservedPoint::kMinRange)) return false;
+  if (!(h > kMinRange)) return false;
   const Vector3d u = point.e_S / h;
   const double sigma_az = z.sigma_azimuth_S.norm();
   const double sigma_el = z.sigma_elevation_S.norm();
@@ -41,7 +41,7 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
                                     JacobianOf<kDim, kDim>& R) const noexcept {
   const ObservedPoint point(T_WB, T_BS, p_WL);
   const double h = point.e_S.norm();
-  if (!(h > ObservedPoint::kMinRange)) return false;
+  if (!(h > kMinRange)) return false;
   const Vector3d u = point.e_S / h;
   const Vector3d w = z.gyro_B - gyro_bias;
   const Vector3d v_B = T_WB.R.transpose() * v_WB;

@@ -88,7 +88,7 @@ Status Smoother::update(const Observations& seen, UpdateReport* report) {
   before_.save(window_, estimate());
   if (!solve()) {
     before_.restore(&window_, &state_estimate_.estimate());
-    drop_aiding(seen);
+    drop_aiding();
     if (appended) window_.pop_newest();
     if (!appended) window_.newest().cut(mark);
     window_.newest().to_next.invalidate();
@@ -162,6 +162,7 @@ void Smoother::copy_newest() {
 }
 
 void Smoother::take(const Observations& seen) {
+  aided_.clear();
   WindowState& state = window_.newest();
   const std::size_t radar = estimate().radar;
   WindowState::Scanned& scanned = state.scanned[radar];
@@ -211,7 +212,9 @@ void Smoother::take(const Observations& seen) {
       case Model::kAiding: {
         const AidingObservation& aiding = (*seen.aiding)[used.detection];
         std::vector<AidingFactor>& kept = keeper(aiding).aiding;
-        if (kept.size() < kMaxAiding) kept.push_back({aiding.measurement, aiding.to_anchor});
+        if (kept.size() == kMaxAiding) break;
+        kept.push_back({aiding.measurement, aiding.to_anchor});
+        (void)aided_.push_back(&kept);
         break;
       }
       case Model::kCount:
@@ -224,16 +227,8 @@ WindowState& Smoother::keeper(const AidingObservation& aiding) {
   return window_[std::min(window_.first_from(aiding.anchor), window_.size() - 1)];
 }
 
-void Smoother::drop_aiding(const Observations& seen) {
-  for (std::size_t i = rows_.used().size(); i-- > 0;) {
-    const ScanRows::Used& used = rows_.used()[i];
-    if (used.model != Model::kAiding) continue;
-    const AidingObservation& aiding = (*seen.aiding)[used.detection];
-    std::vector<AidingFactor>& kept = keeper(aiding).aiding;
-    if (!kept.empty() && kept.back().measurement.time() == aiding.measurement.time()) {
-      kept.pop_back();
-    }
-  }
+void Smoother::drop_aiding() {
+  for (std::vector<AidingFactor>* kept : aided_) kept->pop_back();
 }
 
 bool Smoother::solve() {

@@ -6,7 +6,8 @@
 namespace rio {
 
 WindowState::Mark WindowState::mark() const {
-  return {dopplers.size(), points.size(), distances.size(), positions.size(), trails.size(), rest};
+  return {dopplers.size(), points.size(), distances.size(), positions.size(),
+          trails.size(),   rest,          scanned};
 }
 
 void WindowState::cut(const Mark& mark) {
@@ -19,6 +20,7 @@ void WindowState::cut(const Mark& mark) {
   shorten(positions, mark.positions);
   shorten(trails, mark.trails);
   rest = mark.rest;
+  scanned = mark.scanned;
 }
 
 void WindowState::clear() {

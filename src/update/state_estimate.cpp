@@ -14,7 +14,8 @@ namespace rio {
 
 namespace {
 
-constexpr double kMemory = 0.05;  // time constant: rotors are faster, bodies slower [s]
+constexpr double kContradicted = 3.5;  // sigmas: eight parameters are tested at every scan
+constexpr double kMemory = 0.05;       // time constant: rotors are faster, bodies slower [s]
 
 /// The part of a smoothed acceleration that white noise of that density [(m/s^2)^2/Hz] cannot
 /// explain. The noise is in the velocity, too, and the correlation would look like a time offset.
@@ -96,7 +97,7 @@ StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contr
       const double configured =
           kCalibrationConfiguredShare * kCalibrationConfiguredShare * sigma * sigma;
       const double moved = configured - covariance_.matrix()(column, column);
-      if (value * value < std::max(9.0 * moved, configured)) return;
+      if (value * value < std::max(kContradicted * kContradicted * moved, configured)) return;
       contradicted = true;
       (void)out.push_back({column, value, 1.0 / configured - 1.0 / (sigma * sigma)});
     };

@@ -341,16 +341,16 @@ TEST_F(StateEstimateTest, AContradictedParameterIsBelievedToItsPrior) {
   b.correct(dx);
   EXPECT_TRUE(b.contradictions().empty());  // within the configured sigma
   b.covariance().matrix()(scale, scale) = 0.5 * configured;
-  dx[scale] = (std::sqrt(4.5) - 0.99 - 0.01) * std::sqrt(configured);
+  dx[scale] = (std::sqrt(6.125) - 0.99 - 0.01) * std::sqrt(configured);
   b.correct(dx);
-  EXPECT_TRUE(b.contradictions().empty());  // within three sigmas of what it has moved by
+  EXPECT_TRUE(b.contradictions().empty());  // within 3.5 sigmas of what it has moved by
   EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), kCalibrationConfiguredShare);
   dx[scale] = 0.02 * std::sqrt(configured);
   b.correct(dx);
   const auto found = b.contradictions();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].column, scale);
-  EXPECT_NEAR(found[0].value, (std::sqrt(4.5) + 0.01) * std::sqrt(configured), 1e-12);
+  EXPECT_NEAR(found[0].value, (std::sqrt(6.125) + 0.01) * std::sqrt(configured), 1e-12);
   EXPECT_NEAR(found[0].information, 1.0 / configured - 1.0 / (0.02 * 0.02), 1e-6);
   EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), 1.0);
   EXPECT_TRUE(b.contradictions().empty());

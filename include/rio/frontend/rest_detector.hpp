@@ -20,7 +20,8 @@
 //      gyroscope measures its bias.
 // (E5) A Doppler grid coarser than kCoarse does not see a body set off, but the accelerometer does:
 //      at rest the mean of f - b_a + R_WB^T g_W over kSteady is zero, with the covariance of its
-//      white noise, the tilt and the accelerometer bias.
+//      white noise, the tilt and the accelerometer bias. It is asked from kSettled of rest, or the
+//      start, until the Doppler shows motion: after a drive the tilt is first to be learnt at rest.
 // Limit: without vibration, a body that creeps steadily below the Doppler quantisation counts as at
 // rest.
 #pragma once
@@ -103,6 +104,7 @@ class RestDetector {
   static constexpr double kChi2 = 11.34;  // three degrees of freedom, 99 %
   static constexpr double kCoarse = 0.2;  // a cell hides as much as a touch [m/s]
   static constexpr Time kSteady = std::chrono::milliseconds(250);
+  static constexpr Time kSettled = std::chrono::milliseconds(1000);
   static constexpr double kForceChi2 = 21.1;      // three degrees of freedom, 99.99 %
   static constexpr double kSameInstant = 5e-3;    // less than a sample of the IMU [s]
   static constexpr double kLongestSpan = 0.5;     // a longer pause of the radar starts over [s]
@@ -124,7 +126,9 @@ class RestDetector {
   std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is asked for, by radar
   Ring<Points> scans_;
   Ring<ImuSample> samples_;
-  std::optional<Time> calm_;  ///< the last calm moment
+  std::optional<Time> calm_;   ///< the last calm moment
+  std::optional<Time> since_;  ///< begin of the rest
+  bool settled_ = true;        ///< it has lasted for kSettled; no motion since
 };
 
 }  // namespace rio

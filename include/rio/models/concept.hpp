@@ -45,6 +45,9 @@ bool evaluate(const M& model, const typename M::Measurement& z,
       blocks);
 }
 
+/// The direction to a point nearer to the radar than this is undefined: out of the domain [m].
+inline constexpr double kMinRange = 1e-3;
+
 template <class M>
 concept MeasurementModel = requires(const M& model, const typename M::Measurement& z,
                                     const typename M::Blocks::Values& blocks, Evaluation<M>* out) {

@@ -33,9 +33,6 @@ struct ObservedPoint {
   Vector3d e_S;                     ///< [m]
   JacobianOf<3, Blocks::kDof> d_e;  ///< in the errors of the blocks
 
-  /// The direction to a point at the radar is undefined [m].
-  static constexpr double kMinRange = 1e-3;
-
   ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL);
 
   // The columns of d_e, or of a product D d_e, by block.

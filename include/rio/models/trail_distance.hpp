@@ -38,8 +38,6 @@ class TrailDistanceModel {
                 JacobianOf<kDim, kDim>& R) const noexcept;
 
  private:
-  static constexpr double kMinRange = 1e-3;  // the direction to a point at the radar is undefined
-
   double sigma_distance_;
 };
 

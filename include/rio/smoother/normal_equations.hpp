@@ -52,9 +52,6 @@ class NormalEquations {
   Eigen::Ref<const Eigen::MatrixXd> H() const { return H_.topLeftCorner(size(), size()); }
   Eigen::Ref<const Eigen::VectorXd> g() const { return g_.head(size()); }
 
-  /// The highest state that an unknown of the border is coupled with by a measurement; -1 = none.
-  int border_reach(int i) const { return border_reach_[static_cast<std::size_t>(i)]; }
-
   /// Empties the system. The factor is kept if the size is the same.
   void clear(int states, int border);
 

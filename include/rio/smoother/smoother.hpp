@@ -95,7 +95,7 @@ class Smoother {
   void take(const Observations& seen);
   WindowState& keeper(const AidingObservation& aiding);
   /// Removes the aiding factors added by take().
-  void drop_aiding(const Observations& seen);
+  void drop_aiding();
 
   /// Optimises; the result is in the state estimate and the window.
   bool solve();
@@ -122,6 +122,7 @@ class Smoother {
   GaussNewton solver_;
   Preintegration since_;  ///< since the newest state of the window
   WindowPoint before_;
+  StaticVector<std::vector<AidingFactor>*, kMaxAiding> aided_;  ///< where take() added a factor
   Eigen::VectorXd g_;
   Eigen::MatrixXd A_;
   Eigen::MatrixXd P_;

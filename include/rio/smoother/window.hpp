@@ -93,6 +93,7 @@ struct WindowState {
     std::size_t positions = 0;
     std::size_t trails = 0;
     std::optional<RestModel::Measurement> rest;
+    std::array<Scanned, kMaxRadars> scanned;
   };
   Mark mark() const;
   /// Removes what was added after mark(), except aiding.

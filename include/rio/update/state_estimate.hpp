@@ -44,7 +44,8 @@ struct Contradiction {
 /// k s, k = kCalibrationConfiguredShare, until the data contradict it, and s from then on.
 ///
 /// (E1) tight prior P_0 = (k s)^2; if right, the updates move the value with variance P_0 - P;
-///      contradicted if value^2 > 9 (P_0 - P) and value^2 > P_0
+///      contradicted if value^2 > 3.5^2 (P_0 - P), as eight parameters are tested at every scan,
+///      and value^2 > P_0
 /// (E2) then the information 1 / (k s)^2 - 1 / s^2 of the tight prior is removed
 class StateEstimate {
  public:
