@@ -24,7 +24,7 @@
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/report.hpp"
-#include "rio/update/aiding.hpp"
+#include "rio/update/aiding_queue.hpp"
 #include "rio/update/calibration_report.hpp"
 #include "rio/update/gyro_bias_check.hpp"
 #include "rio/update/health_monitor.hpp"
@@ -48,10 +48,8 @@ class Pipeline {
       frontends_.emplace_back(options.seen_by(r));
       own_echoes_.emplace_back(options.radar_of(r).max_doppler);
     }
-    waiting_.reserve(kMaxWaiting);
-    aiding_.reserve(kMaxAiding);
-    seen_.aiding = &aiding_;
-    aided_.aiding = &aiding_;
+    seen_.aiding = &aiding_.taken();
+    aided_.aiding = &aiding_.taken();
   }
   Pipeline(const Pipeline&) = delete;  // Observations point into it
   Pipeline& operator=(const Pipeline&) = delete;
@@ -77,7 +75,6 @@ class Pipeline {
     health_.reset(prior.time);
     report_ = UpdateReport{};
     next_scan_ = 0;
-    waiting_.clear();
     aiding_.clear();
     unconfirmed_alignment_ = false;
   }
@@ -116,19 +113,9 @@ class Pipeline {
 
   /// Queues a measurement of another sensor, in any order: it is used with the first scan not
   /// before its time. False if too many wait.
-  bool add(const AidingMeasurement& measurement) {
-    if (waiting_.size() == kMaxWaiting) return false;
-    const auto at = std::upper_bound(
-        waiting_.begin(), waiting_.end(), measurement.time(),
-        [](Time time, const AidingMeasurement& other) { return time < other.time(); });
-    waiting_.insert(at, measurement);
-    return true;
-  }
+  bool add(const AidingMeasurement& measurement) { return aiding_.add(measurement); }
   /// Time of the oldest measurement in the queue.
-  std::optional<Time> next_aiding() const {
-    if (waiting_.empty()) return {};
-    return waiting_.front().time();
-  }
+  std::optional<Time> next_aiding() const { return aiding_.next(); }
 
   /// Update without a scan by the queued measurements up to `time`, which must not be after the
   /// newest IMU sample; at `time`, or at the time of the estimate if that is later. kNumerical as
@@ -158,8 +145,8 @@ class Pipeline {
     const Time start = now();
     const Time last = estimate().nav.time;
     const Time measured = taken_at(received, last);
-    while (waiting_.size() > kMaxAiding && waiting_[kMaxAiding].time() <= measured) {
-      (void)process_aiding(waiting_[kMaxAiding - 1].time(), imu);
+    while (const std::optional<Time> full = aiding_.full_batch(measured)) {
+      (void)process_aiding(*full, imu);
     }
     report_.status = backend_.propagate(measured, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
@@ -212,19 +199,9 @@ class Pipeline {
     for (Frontend& frontend : frontends_) frontend.reset();
   }
 
-  /// Moves the oldest queued measurements up to `time` to aiding_, with the IMU increments since.
+  /// Moves the queued measurements up to `time` to the current update.
   void gather(Time time, const ImuBuffer& imu) {
-    aiding_.clear();
-    const NavState& x = estimate().nav;
-    for (const AidingMeasurement& z : waiting_) {
-      if (z.time() > time || aiding_.size() == kMaxAiding) break;
-      const Time anchor = backend_.anchor(z.time());
-      const MotionSince to_now = motion_since(z.time(), x.time, x, imu);
-      aiding_.push_back(
-          {z, to_now, anchor, anchor == x.time ? to_now : motion_since(z.time(), anchor, x, imu)});
-    }
-    waiting_.erase(waiting_.begin(),
-                   waiting_.begin() + static_cast<std::ptrdiff_t>(aiding_.size()));
+    aiding_.take(time, estimate().nav, imu, [this](Time t) { return backend_.anchor(t); });
   }
 
   /// The scan corrected for the estimated errors of the radar.
@@ -383,8 +360,6 @@ class Pipeline {
     Time since{0};  ///< when the replaced velocity may have become wrong
   };
 
-  static constexpr std::size_t kMaxWaiting = 256;  // a second of a fast sensor
-
   Options options_;
   std::vector<Frontend> frontends_;    ///< one per radar
   std::vector<OwnEchoes> own_echoes_;  ///< same
@@ -397,9 +372,8 @@ class Pipeline {
   StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
   DetectionList corrected_;
   Observations seen_;
-  Observations aided_;                      ///< aiding only, without a scan
-  std::vector<AidingMeasurement> waiting_;  ///< oldest first
-  std::vector<AidingObservation> aiding_;   ///< used in this update
+  Observations aided_;  ///< aiding only, without a scan
+  AidingQueue aiding_;
   Promotions promotions_;
   UpdateReport report_;
   HealthMonitor health_;

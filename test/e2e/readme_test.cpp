@@ -104,9 +104,10 @@ TEST(Readme, AccuracyOfItsFirstScreenIsThatOfTheResults) {
                          "of 128 to 175 m (worst # %)"),
                  {mean(flights), worst(flights)});
   const Cells real = row(kReal, {"default, filter", "as given"});
+  const Cells copies = row("Perturbed copies", {"all", "default, filter"});
   expect_figures(pattern("kart with six points a scan # % horizontally (median; worst # %), # % in "
                          "height (worst # %); # m after # m carried by hand"),
-                 {mean(real[4]), worst(real[4]), mean(real[5]), worst(real[5]), mean(real[3]),
+                 {mean(real[4]), worst(real[4]), mean(real[5]), worst(real[5]), mean(copies[3]),
                   mean(row("## Real recordings", {"ti_demo"})[1])});
 }
 
@@ -131,8 +132,7 @@ TEST(Readme, LimitsOfItsFirstScreenAreThoseOfTheResults) {
   EXPECT_NE(readme().find("overconfident by a factor of four and two in variance"),
             std::string::npos);
   const Cells moving = row("Perturbed copies", {"2 s of rest before the start", "default, filter"});
-  EXPECT_EQ(moving[2], "8 of 9");     // "some do not start"
-  EXPECT_GT(worst(moving[4]), 10.0);  // "or on a wrong heading"
+  EXPECT_EQ(moving[2], "8 of 9");  // "some recordings do not start"
 }
 
 TEST(Readme, FlightsOfThePaperAreThoseOfTheResults) {
