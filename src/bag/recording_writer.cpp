@@ -99,7 +99,9 @@ struct RecordingWriter::Impl {
       : file(new_file(path)),
         imu(file.add_channel("/imu", "sensor_msgs/msg/Imu", std::string(kImuText) + kHeaderText)) {
     for (std::size_t r = 0; r < count; ++r) {
-      radars.push_back(file.add_channel("/" + radar_name(r), "sensor_msgs/msg/PointCloud2",
+      std::string topic = "/";
+      topic += radar_name(r);
+      radars.push_back(file.add_channel(topic, "sensor_msgs/msg/PointCloud2",
                                         std::string(kCloudText) + kHeaderText));
     }
   }
