@@ -19,7 +19,6 @@ namespace {
 
 constexpr int kMaxRuns = 6;
 constexpr double kUnchanged = 0.02;   // relative change of a sigma
-constexpr double kAllAlike = -200.0;  // of RadarOptions::weak_snr_db [dB]
 constexpr std::size_t kFewest = 100;  // matches: a sigma to about 15 %
 constexpr double kTruthGap = 0.1;     // no interpolation of the velocity across a longer gap [s]
 

@@ -15,6 +15,9 @@
 
 namespace rio::calibrate {
 
+/// RadarOptions::weak_snr_db if the noise of all echoes is alike [dB].
+inline constexpr double kAllAlike = -200.0;
+
 /// Start of a run.
 struct Start {
   NavState state;

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "calibrate/noise_calibration.hpp"
+
 namespace rio::calibrate {
 
 namespace {
@@ -190,7 +192,6 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
   for (std::size_t k = 0; k < 4; ++k) out.radar[k] = over(radar[k]);
   out.gyro = over(gyro);
   out.accel = over(accel);
-  constexpr double kAllAlike = -200.0;  // of RadarOptions::weak_snr_db [dB]
   if (!weak.empty()) out.weak_snr_db = growth_seen ? combine(weak).value : kAllAlike;
   return out;
 }

@@ -127,9 +127,9 @@ TEST(Readme, LimitsOfItsFirstScreenAreThoseOfTheResults) {
   const auto nees = [](const char* scenario) {
     return mean(row("<!-- rio experiment robustness", {scenario}).at(5));
   };
-  EXPECT_NEAR(nees("people"), 4.0, 0.5);  // "a factor of four and two in variance"
+  EXPECT_NEAR(nees("people"), 3.0, 0.5);  // "a factor of three and two in variance"
   EXPECT_NEAR(nees("rough-imu"), 2.0, 0.5);
-  EXPECT_NE(readme().find("overconfident by a factor of four and two in variance"),
+  EXPECT_NE(readme().find("overconfident by a factor of three and two in variance"),
             std::string::npos);
   const Cells moving = row("Perturbed copies", {"2 s of rest before the start", "default, filter"});
   EXPECT_EQ(moving[2], "8 of 9");  // "some recordings do not start"
@@ -181,7 +181,7 @@ TEST(Readme, ScenariosAreThoseOfTheResults) {
   const Cells ground = row("<!-- rio experiment robustness", {"rough-ground"});
   expect_figures(pattern("vehicle in view, by # % (worst # %"),
                  {mean(ground[3]), worst(ground[3])});
-  EXPECT_NEAR(std::atof(ground[5].c_str()), 10.0, 0.5);  // "overconfident by ten in variance"
+  EXPECT_NEAR(std::atof(ground[5].c_str()), 8.0, 0.5);  // "overconfident by eight in variance"
 }
 
 }  // namespace
