@@ -207,6 +207,30 @@ TEST_F(RestDetectorTest, AnUncertainTiltIsNoDeparture) {
   EXPECT_EQ(rests(15), 15);
 }
 
+// A fine Doppler sees a departure itself; a force without one is a touch.
+TEST_F(RestDetectorTest, AForceUnderAFineDopplerIsNoDeparture) {
+  options_.radar.doppler_resolution = 0.1;
+  restart();
+  ASSERT_GT(rests(30), 15);
+  motion_.accel_B.x() = 0.3;
+  EXPECT_EQ(rests(15), 15);
+}
+
+// After a drive the estimated tilt may be off by more than its covariance: a second of rest
+// corrects it, and only then a force counts as a departure again.
+TEST_F(RestDetectorTest, TheForceIsTestedFromSettledRestOn) {
+  options_.radar.doppler_resolution = 0.49;
+  restart();
+  v_S_.x() = 2.0;
+  EXPECT_EQ(rests(10), 0);
+  v_S_.x() = 0.0;
+  motion_.accel_B.x() = 0.3;
+  EXPECT_EQ(rests(8), 0);    // half a second without Doppler first
+  EXPECT_EQ(rests(15), 15);  // a second
+  (void)rests(2);
+  EXPECT_EQ(rests(20), 0);
+}
+
 // Set down and touched for a third of a second in every second. The gyroscope measures its bias
 // between the touches alone.
 TEST_F(RestDetectorTest, TouchedOnTheGroundIsRest) {
