@@ -20,8 +20,8 @@
 //      gyroscope measures its bias.
 // (E5) A Doppler grid coarser than kCoarse does not see a body set off, but the accelerometer does:
 //      at rest the mean of f - b_a + R_WB^T g_W over kSteady is zero, with the covariance of its
-//      white noise, the tilt and the accelerometer bias. It is asked from kSettled of rest, or the
-//      start, until the Doppler shows motion: after a drive the tilt is first to be learnt at rest.
+//      white noise, the tilt and the accelerometer bias. Tested from the start, or after kSettled
+//      of rest, until the Doppler shows motion: after a drive the tilt is first corrected at rest.
 // Limit: without vibration, a body that creeps steadily below the Doppler quantisation counts as at
 // rest.
 #pragma once
@@ -123,12 +123,12 @@ class RestDetector {
   static constexpr double kUntold = 10.0;            // sigma of a rate without information [rad/s]
 
   Options options_;
-  std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is asked for, by radar
+  std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is tested, by radar
   Ring<Points> scans_;
   Ring<ImuSample> samples_;
   std::optional<Time> calm_;   ///< the last calm moment
   std::optional<Time> since_;  ///< begin of the rest
-  bool settled_ = true;        ///< it has lasted for kSettled; no motion since
+  bool settled_ = true;        ///< rest has lasted for kSettled, or the start; no motion since
 };
 
 }  // namespace rio
