@@ -2,7 +2,6 @@
 #include "rio/smoother/smoother.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <vector>
 
 #include "rio/core/dense_cholesky.hpp"
@@ -107,9 +106,8 @@ void Smoother::maintain_landmarks(const Observations& seen, const Promotions& pr
       seen, rows_, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { remove_landmark(i); },
       [this](const Detection& d) {
-        window_.newest().points.push_back({estimate().landmarks.size(), 1.0,
-                                           LandmarkPointModel::measurement(d), std::nullopt,
-                                           estimate().radar});
+        window_.newest().measurements.add(Measured<LandmarkPointModel>{
+            LandmarkPointModel::measurement(d), {}, estimate().radar, estimate().landmarks.size()});
         state_estimate_.add_landmark(d);
       });
 }
@@ -164,62 +162,20 @@ void Smoother::copy_newest() {
 void Smoother::take(const Observations& seen) {
   aided_.clear();
   WindowState& state = window_.newest();
-  const std::size_t radar = estimate().radar;
-  WindowState::Scanned& scanned = state.scanned[radar];
+  WindowState::Scanned& scanned = state.scanned[estimate().radar];
   if (seen.scan != nullptr && !scanned.here) {
     scanned = {true, estimate().time_offset, estimate().radar_errors};
     // a second radar's scan at nearly the same time was measured slightly later than the state
     const double offset = to_seconds(seen.scan->time - state.nav.time);
     if (state_estimate_.layout().radars() > 1) scanned.time_offset = offset;
   }
-  const auto detection = [&seen](const ScanRows::Used& used) -> const Detection& {
-    return seen.detection(used.detection);
-  };
-  for (const ScanRows::Used& used : rows_.used()) {
-    const double weight = 1.0 / used.variance_factor;
-    switch (used.model) {
-      case Model::kDoppler:
-        state.dopplers.push_back(
-            {DopplerModel::measurement(detection(used), state.gyro_B), weight, radar});
-        break;
-      case Model::kLandmarkPoint:
-        state.points.push_back({used.target, weight,
-                                LandmarkPointModel::measurement(detection(used)), std::nullopt,
-                                radar});
-        if (options_.update.use_doppler) {
-          state.points.back().doppler =
-              LandmarkDopplerModel::measurement(detection(used), state.gyro_B);
-        }
-        break;
-      case Model::kLandmarkDistance:
-        state.distances.push_back(
-            {used.target, weight, LandmarkDistanceModel::measurement(detection(used)), radar});
-        break;
-      case Model::kLandmarkPosition:
-        state.positions.push_back(
-            {used.target, weight, LandmarkPositionModel::measurement(detection(used)), radar});
-        break;
-      case Model::kTrailDistance:
-        for (const TrailElement& past : (*seen.trails)[used.target].elements) {
-          if (past.scan != used.past) continue;
-          state.trails.push_back(
-              {past.scan, TrailDistanceModel::measurement(detection(used), past.detection), radar});
-        }
-        break;
-      case Model::kRest:
-        state.rest = seen.rest;
-        break;
-      case Model::kAiding: {
-        const AidingObservation& aiding = (*seen.aiding)[used.detection];
-        std::vector<AidingFactor>& kept = keeper(aiding).aiding;
-        if (kept.size() == kMaxAiding) break;
-        kept.push_back({aiding.measurement, aiding.to_anchor});
-        (void)aided_.push_back(&kept);
-        break;
-      }
-      case Model::kCount:
-        break;
-    }
+  state.measurements.append(rows_.measurements());
+  for (const std::size_t i : rows_.aiding()) {
+    const AidingObservation& aiding = (*seen.aiding)[i];
+    std::vector<AidingFactor>& kept = keeper(aiding).aiding;
+    if (kept.size() == kMaxAiding) continue;
+    kept.push_back({aiding.measurement, aiding.to_anchor});
+    (void)aided_.push_back(&kept);
   }
 }
 
@@ -258,9 +214,9 @@ bool Smoother::marginalise_oldest() {
   factors_.add_aiding(0, estimate());
   const ScanId oldest = window_[0].scan;
   for (std::size_t k = 1; k < window_.size(); ++k) {
-    std::erase_if(window_[k].trails, [&](const TrailFactor& f) {
-      if (f.past == oldest) factors_.add_trail(k, f, estimate());
-      return f.past == oldest;
+    std::erase_if(window_[k].measurements.of<TrailDistanceModel>(), [&](const auto& m) {
+      if (m.past == oldest) factors_.add_trail(k, m, estimate());
+      return m.past == oldest;
     });
   }
   int leading = 0;

@@ -12,9 +12,7 @@ WindowFactors::WindowFactors(const Options& options, const Layout& layout, const
       window_(window),
       system_(system),
       reliable_(options.update.doppler_directions == DopplerDirections::kReliable),
-      doppler_(options.update.doppler_directions),
-      trail_(options.update.sigma_trail_distance),
-      distance_(options.update.sigma_landmark_distance),
+      models_(options.update),
       scan_(options.smoother, system),
       row_(1) {}
 
@@ -24,7 +22,9 @@ double WindowFactors::add_all(const Estimate& x) {
     if (k + 1 < window_.size()) cost += add_imu(k);
     cost += add_scan(k, x);
     cost += add_aiding(k, x);
-    for (const TrailFactor& f : window_[k].trails) cost += add_trail(k, f, x);
+    for (const auto& m : window_[k].measurements.of<TrailDistanceModel>()) {
+      cost += add_trail(k, m, x);
+    }
   }
   return cost;
 }
@@ -39,64 +39,51 @@ double WindowFactors::add_imu(std::size_t k) {
 }
 
 double WindowFactors::add_scan(std::size_t k, const Estimate& estimate) {
-  const WindowState& state = window_[k];
   double cost = 0.0;
-  bool rest = state.rest.has_value();
   for (std::size_t r = 0; r < layout_.radars(); ++r) {
-    if (!state.scanned[r].here) continue;
-    cost += add_scan_of(k, r, rest, estimate);
-    rest = false;
+    if (window_[k].scanned[r].here) cost += add_scan_of(k, r, estimate);
   }
   return cost;
 }
 
-double WindowFactors::add_scan_of(std::size_t k, std::size_t r, bool rest,
-                                  const Estimate& estimate) {
+double WindowFactors::add_scan_of(std::size_t k, std::size_t r, const Estimate& estimate) {
   const WindowState& state = window_[k];
   const LinearizationPoint x = point(state, r, estimate);
   const WindowLayout layout = layout_of(k, r);
-  const auto add = [&](const auto& model, const auto& z, double weight) {
-    if (scan_.push(model, z, x, {})) scan_.close(weight);
-  };
-  const auto add_of_landmark = [&](const auto& factor, const auto& push) {
-    const int landmark = static_cast<int>(factor.landmark);
-    if (!push(BlockIndex{0, landmark})) return scan_.drop();
-    scan_.close(factor.weight, layout.column<Landmark>(landmark));
-  };
-  scan_.begin(layout);
   Reliability reliability;
   if (reliable_) {
-    for (const DopplerFactor& f : state.dopplers) {
-      if (f.radar == r) reliability.add(f.doppler, x.radar_velocity_S());
+    for (const auto& m : state.measurements.of<DopplerModel>()) {
+      if (m.radar == r) reliability.add(m.z, x.radar_velocity_S());
     }
   }
   const Matrix3d believed = reliability.matrix();
-  for (const DopplerFactor& f : state.dopplers) {
-    if (f.radar != r) continue;
-    DopplerModel::Measurement z = f.doppler;
-    z.reliability = believed;
-    add(doppler_, z, f.weight);
-  }
-  for (const PointFactor& f : state.points) {
-    if (f.radar != r) continue;
-    add_of_landmark(f, [&](BlockIndex index) {
-      return scan_.push(LandmarkPointModel{}, f.point, x, index) &&
-             (!f.doppler || scan_.push(LandmarkDopplerModel{}, *f.doppler, x, index));
-    });
-  }
-  for (const DistanceFactor& f : state.distances) {
-    if (f.radar != r) continue;
-    add_of_landmark(f,
-                    [&](BlockIndex index) { return scan_.push(distance_, f.distance, x, index); });
-  }
-  for (const PositionFactor& f : state.positions) {
-    if (f.radar != r) continue;
-    add_of_landmark(f, [&](BlockIndex index) {
-      return scan_.push(LandmarkPositionModel{}, f.position, x, index);
-    });
-  }
-  if (rest) add(RestModel{}, *state.rest, 1.0);
+  scan_.begin(layout);
+  state.measurements.for_each([&]<class M>(const Measured<M>& m) {
+    if constexpr (std::is_same_v<M, DopplerModel>) {
+      if (m.radar != r) return;
+      Measured<M> at_this_point = m;
+      at_this_point.z.reliability = believed;
+      add(at_this_point, x, layout);
+    } else if constexpr (!M::Blocks::template has<ClonePose>()) {
+      if (m.radar == r) add(m, x, layout);
+    }
+  });
   return scan_.end();
+}
+
+template <class M>
+void WindowFactors::add(const Measured<M>& m, const LinearizationPoint& x,
+                        const WindowLayout& layout) {
+  BlockIndex index;
+  int landmark_column = -1;
+  if constexpr (M::Blocks::template has<Landmark>()) {
+    index.landmark = static_cast<int>(m.landmark);
+    landmark_column = layout.column<Landmark>(index.landmark);
+  }
+  const bool valid = models_.for_each_model(
+      m, [&](const auto& model, const auto& z) { return scan_.push(model, z, x, index); });
+  if (!valid) return scan_.drop();
+  scan_.close(m.weight, landmark_column);
 }
 
 double WindowFactors::add_aiding(std::size_t k, const Estimate& estimate) {
@@ -116,15 +103,17 @@ double WindowFactors::add_aiding(std::size_t k, const Estimate& estimate) {
   return cost;
 }
 
-double WindowFactors::add_trail(std::size_t k, const TrailFactor& f, const Estimate& estimate) {
-  const int past = window_.find(f.past);
+double WindowFactors::add_trail(std::size_t k, const Measured<TrailDistanceModel>& m,
+                                const Estimate& estimate) {
+  const int past = window_.find(m.past);
   if (past < 0) return 0.0;
+  const LinearizationPoint x = point(window_[k], m.radar, estimate);
   row_.clear();
   row_.begin_block();
-  if (!linearize(trail_, f.distance, TrailDistanceModel::Blocks{},
-                 point(window_[k], f.radar, estimate), {past, 0}, layout_of(k, f.radar), &row_)) {
-    return 0.0;
-  }
+  const bool valid = models_.for_each_model(m, [&]<class M>(const M& model, const auto& z) {
+    return linearize(model, z, typename M::Blocks{}, x, {past, 0}, layout_of(k, m.radar), &row_);
+  });
+  if (!valid) return 0.0;
   const LinearRow& row = row_.rows().front();
   const KernelValue value = evaluate_kernel(options_.kernel, options_.kernel_size,
                                             row.residual * row.residual / row.variance);
@@ -140,7 +129,7 @@ LinearizationPoint WindowFactors::point(const WindowState& state, std::size_t r,
   x.T_BS = RigidPose(now.T_BS);
   x.radar_errors = now.errors - scanned.radar_errors;
   const double later = now.time_offset - scanned.time_offset;
-  if (state.rest) {
+  if (state.at_rest()) {
     x.stand();
   } else if (later != 0.0) {
     x.step_back(later);

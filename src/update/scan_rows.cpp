@@ -29,15 +29,13 @@ ScanRows::ScanRows(const Options& options)
       auxiliary_(options.auxiliary),
       gravity_(options.imu.gravity),
       gate_(options.update.gate_probability),
-      doppler_(options.update.doppler_directions),
-      trail_(options.update.sigma_trail_distance),
-      landmark_(options.update.sigma_landmark_distance),
+      models_(options.update),
       // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
       batch_(static_cast<std::size_t>(options.frontend.max_detections *
                                           (1 + std::max(3, options.update.max_clones)) +
                                       RestModel::kDim) +
              kMaxAiding * static_cast<std::size_t>(AidingMeasurement::kMaxRows)) {
-  used_.reserve(batch_.capacity());
+  measurements_.reserve(options);
   dopplers_.resize(static_cast<std::size_t>(options.frontend.max_detections));
   for (std::size_t r = 0; r < options.radars(); ++r) {
     const RadarOptions radar = options.radar_of(r);
@@ -49,7 +47,8 @@ ScanRows::ScanRows(const Options& options)
 const RowBatch& ScanRows::build(const Observations& seen, const StateEstimate& state_estimate,
                                 UpdateReport* report) {
   batch_.clear();
-  used_.clear();
+  measurements_.clear();
+  used_aiding_.clear();
   gathered_.begin(state_estimate.covariance());
   if (seen.scan != nullptr) add_scan(seen, state_estimate, report);
   if (seen.aiding != nullptr) add_aiding(*seen.aiding, state_estimate, report);
@@ -75,9 +74,9 @@ void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_est
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                         const LinearizationPoint& x, UpdateReport* report) {
-  batch_.begin_block();
-  const bool valid = add(RestModel{}, z, state_estimate, x, {});
-  if (decide(RestModel::kModel, 0, valid, report)) used_.push_back({RestModel::kModel});
+  const Measured<RestModel> m{z, x.estimate.radar};
+  const bool valid = linearize_block(m, {}, state_estimate, x);
+  if (decide(RestModel::kModel, 0, valid, report)) keep(m, 1.0);
 }
 
 void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_estimate,
@@ -101,18 +100,17 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
                                 : Matrix3d::Identity();
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
-    DopplerModel::Measurement& z = dopplers_[i];
-    z.reliability = believed;
-    batch_.begin_block();
-    const bool valid = add(doppler_, z, state_estimate, x, {});
+    Measured<DopplerModel> m{dopplers_[i], x.estimate.radar};
+    m.z.reliability = believed;
+    const bool valid = linearize_block(m, {}, state_estimate, x);
     if (valid) {
       const LinearRow& row = batch_.rows().back();
       const Eigen::Vector4d c = doppler_combination(row, R_WS, state_estimate.layout());
       S_.setConstant(1, 1, c.dot(V * c) + row.variance);
     }
     if (!judge(DopplerModel::kModel, i, valid, report)) continue;
-    used_.push_back(
-        {DopplerModel::kModel, i, 0, 0, weigh(doppler_repetition(seen.detection(i), x))});
+    m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
+    keep(m, doppler_repetition(seen.detection(i), x));
   }
 }
 
@@ -122,11 +120,12 @@ void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_e
     for (const TrailElement& past : (*seen.trails)[m.target].elements) {
       const int clone = x.estimate.find_clone(past.scan);
       if (clone < 0) continue;
-      const auto z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
-      batch_.begin_block();
-      const bool valid = add(trail_, z, state_estimate, x, {clone, 0});
-      if (!decide(TrailDistanceModel::kModel, m.detection, valid, report)) continue;
-      used_.push_back({TrailDistanceModel::kModel, m.detection, m.target, past.scan});
+      Measured<TrailDistanceModel> distance;
+      distance.z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
+      distance.radar = x.estimate.radar;
+      distance.past = past.scan;
+      const bool valid = linearize_block(distance, {clone, 0}, state_estimate, x);
+      if (decide(TrailDistanceModel::kModel, m.detection, valid, report)) keep(distance, 1.0);
     }
   }
 }
@@ -140,33 +139,38 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
       continue;
     }
     const Detection& d = seen.detection(m.detection);
-    const BlockIndex index{0, static_cast<int>(m.target)};
-    batch_.begin_block();
-    Model model = Model::kLandmarkPoint;
-    bool valid = false;
+    const std::size_t radar = x.estimate.radar;
     switch (options_.landmark_measurement) {
       case LandmarkMeasurement::kDistance:
-        model = Model::kLandmarkDistance;
-        valid = add(landmark_, LandmarkDistanceModel::measurement(d), state_estimate, x, index);
+        (void)add_landmark<LandmarkDistanceModel>(
+            {LandmarkDistanceModel::measurement(d), radar, m.target}, m, state_estimate, x, report);
+        was_used_[m.target] = true;  // as published, a match keeps a landmark alive even if gated
         break;
       case LandmarkMeasurement::kPosition:
-        model = Model::kLandmarkPosition;
-        valid = add(position_, LandmarkPositionModel::measurement(d), state_estimate, x, index);
+        was_used_[m.target] = add_landmark<LandmarkPositionModel>(
+            {LandmarkPositionModel::measurement(d), radar, m.target}, m, state_estimate, x, report);
         break;
-      case LandmarkMeasurement::kPoint:
-        valid = add_point(d, state_estimate, x, index);
+      case LandmarkMeasurement::kPoint: {
+        Measured<LandmarkPointModel> point{LandmarkPointModel::measurement(d), {}, radar, m.target};
+        if (options_.use_doppler) point.doppler = LandmarkDopplerModel::measurement(d, x.gyro_B);
+        was_used_[m.target] = add_landmark(point, m, state_estimate, x, report);
+        measures_landmark_[m.detection] = was_used_[m.target];
         break;
+      }
     }
-    const bool used = decide(model, m.detection, valid, report);
-    if (used) {
-      const double distance = x.estimate.landmarks[m.target].distance_seen;
-      const double factor = repetition(distance, x) * mismatch_factor(options_.match_trust);
-      used_.push_back({model, m.detection, m.target, 0, weigh(factor)});
-    }
-    // as published, a match keeps a landmark alive even if gated
-    was_used_[m.target] = used || model == Model::kLandmarkDistance;
-    measures_landmark_[m.detection] = used && model == Model::kLandmarkPoint;
   }
+}
+
+template <class M>
+bool ScanRows::add_landmark(const Measured<M>& m, const Match& match,
+                            const StateEstimate& state_estimate, const LinearizationPoint& x,
+                            UpdateReport* report) {
+  const BlockIndex index{0, static_cast<int>(match.target)};
+  const bool valid = linearize_block(m, index, state_estimate, x);
+  if (!decide(M::kModel, match.detection, valid, report)) return false;
+  const double distance = x.estimate.landmarks[match.target].distance_seen;
+  keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
+  return true;
 }
 
 void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,
@@ -180,17 +184,10 @@ void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,
     if (valid) {
       for (const LinearRow& row : aiding_) batch_.push(row);
     }
-    const bool used = decide(Model::kAiding, i, valid, report, seen.measurement.name());
-    if (used) used_.push_back({Model::kAiding, i});
+    if (decide(Model::kAiding, i, valid, report, seen.measurement.name())) {
+      (void)used_aiding_.push_back(i);
+    }
   }
-}
-
-bool ScanRows::add_point(const Detection& d, const StateEstimate& state_estimate,
-                         const LinearizationPoint& x, BlockIndex index) {
-  return add(point_, LandmarkPointModel::measurement(d), state_estimate, x, index) &&
-         (!options_.use_doppler ||
-          add(landmark_doppler_, LandmarkDopplerModel::measurement(d, x.gyro_B), state_estimate, x,
-              index));
 }
 
 double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint& x) const {

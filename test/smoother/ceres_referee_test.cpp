@@ -171,32 +171,32 @@ class Referee {
   void add_scan(std::size_t k) {
     const WindowState& s = window_[k];
     auto& state = states_[k];
-    for (const DopplerFactor& f : s.dopplers) add_doppler(k, f);
-    for (const PointFactor& f : s.points) {
-      if (f.landmark >= landmarks_.size()) continue;  // born by this scan, after the solution
-      const Vector3d& l = x_.landmarks[f.landmark].p_W;
-      add(PointCost{base(k), f.point, f.doppler, l}, f.doppler ? 4 : 3, f.weight, &state, &mount_,
-          &errors_, &offset_, &landmarks_[f.landmark]);
+    const ScanMeasurements& seen = s.measurements;
+    for (const auto& m : seen.of<DopplerModel>()) add_doppler(k, m);
+    for (const auto& m : seen.of<LandmarkPointModel>()) {
+      if (m.landmark >= landmarks_.size()) continue;  // born by this scan, after the solution
+      const Vector3d& l = x_.landmarks[m.landmark].p_W;
+      add(PointCost{base(k), m.z, m.doppler, l}, m.doppler ? 4 : 3, m.weight, &state, &mount_,
+          &errors_, &offset_, &landmarks_[m.landmark]);
     }
-    for (const DistanceFactor& f : s.distances) {
-      add(RangeCost{base(k), f.distance.range, options_.update.sigma_landmark_distance,
-                    x_.landmarks[f.landmark].p_W},
-          1, f.weight, &state, &mount_, &errors_, &offset_, &landmarks_[f.landmark]);
+    for (const auto& m : seen.of<LandmarkDistanceModel>()) {
+      add(RangeCost{base(k), m.z.range, options_.update.sigma_landmark_distance,
+                    x_.landmarks[m.landmark].p_W},
+          1, m.weight, &state, &mount_, &errors_, &offset_, &landmarks_[m.landmark]);
     }
-    for (const TrailFactor& f : s.trails) {
+    for (const auto& m : seen.of<TrailDistanceModel>()) {
       const auto past = std::find_if(window_.begin(), window_.end(),
-                                     [&f](const WindowState& w) { return w.scan == f.past; });
+                                     [&m](const WindowState& w) { return w.scan == m.past; });
       if (past == window_.end()) continue;
-      add(TrailCost{base(k), past->nav, f.distance, options_.update.sigma_trail_distance}, 1, 1.0,
-          &state, &states_[static_cast<std::size_t>(past - window_.begin())], &mount_, &errors_,
-          &offset_);
+      add(TrailCost{base(k), past->nav, m.z, options_.update.sigma_trail_distance}, 1, 1.0, &state,
+          &states_[static_cast<std::size_t>(past - window_.begin())], &mount_, &errors_, &offset_);
     }
-    if (s.rest) add(RestCost{s.nav, *s.rest}, 6, 1.0, &state);
+    for (const auto& m : seen.of<RestModel>()) add(RestCost{s.nav, m.z}, 6, 1.0, &state);
   }
 
-  void add_doppler(std::size_t k, const DopplerFactor& f) {
-    DopplerCost cost{base(k), f.doppler,
-                     options_.update.doppler_directions != DopplerDirections::kExact, std::nullopt};
+  void add_doppler(std::size_t k, const Measured<DopplerModel>& m) {
+    DopplerCost cost{base(k), m.z, options_.update.doppler_directions != DopplerDirections::kExact,
+                     std::nullopt};
     const auto radar =
         cost.base.radar(states_[k].data(), mount_.data(), errors_.data(), offset_.data());
     double r = 0.0;
@@ -205,7 +205,7 @@ class Referee {
     uncorrected_ = uncorrected_ || (corrected && std::abs(r) > 2.999);
     // without the correction the Jacobian leaves the change of the variance out
     if (!corrected) cost.frozen_variance = cost.variance<double>(radar.scale * radar.v_S);
-    add(cost, 1, f.weight, &states_[k], &mount_, &errors_, &offset_);
+    add(cost, 1, m.weight, &states_[k], &mount_, &errors_, &offset_);
   }
 
   void add_prior() {

@@ -78,10 +78,10 @@ double largest_range_error(const SmootherFlight& flight) {
   double largest = 0.0;
   for (std::size_t k = 0; k < window.size(); ++k) {
     const RigidPose T_WB(window[k].nav.q_WB.toRotationMatrix(), window[k].nav.p_WB);
-    for (const PointFactor& f : window[k].points) {
-      const Vector3d l = x.landmarks[f.landmark].p_W;
+    for (const auto& m : window[k].measurements.of<LandmarkPointModel>()) {
+      const Vector3d l = x.landmarks[m.landmark].p_W;
       const double range = to_radar(T_WB, RigidPose(x.T_BS), l).norm();
-      largest = std::max(largest, std::abs(f.point.range - range) / f.point.sigma_range);
+      largest = std::max(largest, std::abs(m.z.range - range) / m.z.sigma_range);
     }
   }
   return largest;
@@ -97,8 +97,8 @@ TEST_F(SmootherTest, FactorsFollowTheirLandmarksWhenOthersLeave) {
     fly(1);
     removed += flight_.report().landmarks_removed;
     for (std::size_t k = 0; k < window().size(); ++k) {
-      for (const PointFactor& f : window()[k].points) {
-        ASSERT_LT(f.landmark, x().landmarks.size());
+      for (const auto& m : window()[k].measurements.of<LandmarkPointModel>()) {
+        ASSERT_LT(m.landmark, x().landmarks.size());
         ++kept;
       }
     }
@@ -117,16 +117,17 @@ TEST_F(SmootherTest, ABirthIsAPointMeasuredByTheNewestState) {
   }
   ASSERT_GT(births, 0);
   ASSERT_EQ(x().landmarks.size(), static_cast<std::size_t>(births));
-  ASSERT_EQ(window().newest().points.size(), static_cast<std::size_t>(births));
+  const auto& points = window().newest().measurements.of<LandmarkPointModel>();
+  ASSERT_EQ(points.size(), static_cast<std::size_t>(births));
   for (std::size_t i = 0; i < x().landmarks.size(); ++i) {
-    const PointFactor& f = window().newest().points[i];
-    EXPECT_EQ(f.landmark, i);
-    EXPECT_EQ(f.weight, 1.0);
-    EXPECT_FALSE(f.doppler.has_value());  // the Doppler was used as such
+    const Measured<LandmarkPointModel>& m = points[i];
+    EXPECT_EQ(m.landmark, i);
+    EXPECT_EQ(m.weight, 1.0);
+    EXPECT_FALSE(m.doppler.has_value());  // the Doppler was used as such
     const Vector3d e = to_radar(x().T_WB(), RigidPose(x().T_BS), x().landmarks[i].p_W);
-    EXPECT_NEAR(e.norm(), f.point.range, 1e-12);
-    EXPECT_NEAR(e.dot(f.point.sigma_azimuth_S), 0.0, 1e-12);
-    EXPECT_NEAR(e.dot(f.point.sigma_elevation_S), 0.0, 1e-12);
+    EXPECT_NEAR(e.norm(), m.z.range, 1e-12);
+    EXPECT_NEAR(e.dot(m.z.sigma_azimuth_S), 0.0, 1e-12);
+    EXPECT_NEAR(e.dot(m.z.sigma_elevation_S), 0.0, 1e-12);
   }
   fly(1);  // the birth alone holds those that were not seen again
 }
@@ -137,7 +138,8 @@ TEST_F(SmootherTest, SilenceOfTheRadarEndsTheLandmarks) {
   for (int i = 0; i < 17; ++i) flight_.skip();  // more than a second
   fly(1);
   EXPECT_EQ(x().landmarks.size(), 0U);
-  for (std::size_t k = 0; k < window().size(); ++k) EXPECT_TRUE(window()[k].points.empty());
+  for (std::size_t k = 0; k < window().size(); ++k)
+    EXPECT_TRUE(window()[k].measurements.of<LandmarkPointModel>().empty());
   fly(30);
 }
 
@@ -147,7 +149,7 @@ TEST_F(SmootherTest, AScanAtTheVeryTimeOfTheStartIsMeasuredByTheStart) {
   fly(1);
   ASSERT_EQ(window().size(), 1U);
   EXPECT_EQ(window().newest().scan, 0U);
-  EXPECT_GT(window().newest().dopplers.size(), 5U);
+  EXPECT_GT(window().newest().measurements.of<DopplerModel>().size(), 5U);
   EXPECT_TRUE(x().nav.p_WB.allFinite());
   fly(1);
   EXPECT_EQ(window().size(), 2U);
@@ -181,8 +183,7 @@ void expect_same(const Shown& a, const Shown& b) {
   ASSERT_EQ(a.window.size(), b.window.size());
   for (std::size_t k = 0; k < a.window.size(); ++k) {
     expect_same(a.window[k].nav, b.window[k].nav);
-    EXPECT_EQ(a.window[k].dopplers.size(), b.window[k].dopplers.size());
-    EXPECT_EQ(a.window[k].points.size(), b.window[k].points.size());
+    EXPECT_EQ(a.window[k].measurements.sizes(), b.window[k].measurements.sizes());
     EXPECT_EQ(a.window[k].to_next.valid(), b.window[k].to_next.valid());
   }
   EXPECT_EQ(a.P, b.P);

@@ -94,7 +94,7 @@ struct ScanCost {
     StateOf<T> x(scan.nav, state);
     const MountOf<T> m(T_BS, mount);
     T later = offset[0] + time_offset - scan.scanned[0].time_offset;
-    if (scan.rest) later = T(0.0);  // it stands
+    if (scan.at_rest()) later = T(0.0);  // it stands
     const Vector3<T> w = scan.gyro_B.cast<T>() - x.gyro_bias;
     const Vector3<T> accel_W = x.R * scan.accel_B.cast<T>();
     x.R = x.R * rotation<T>((-later * w).eval());

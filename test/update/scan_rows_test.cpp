@@ -26,6 +26,12 @@ TEST(Gate, IsTheQuantileOfEveryNumberOfRows) {
 }
 
 using ScanRowsTest = test::ScanCase;
+
+/// Noise inflation of a Doppler.
+double inflation(const ScanRows& rows, std::size_t doppler) {
+  return 1.0 / rows.measurements().of<DopplerModel>()[doppler].weight;
+}
+
 using test::kSpeed;
 using test::kVelocityVar;
 
@@ -35,10 +41,16 @@ TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   const RowBatch& batch = build(rows, state_estimate(2));
   ASSERT_EQ(batch.blocks().size(), 3U);  // the landmark first
   EXPECT_EQ(batch.blocks()[0].count, 4U);
-  EXPECT_EQ(rows.used()[0].model, Model::kLandmarkPoint);
-  EXPECT_EQ(rows.used()[0].target, 1U);
-  EXPECT_EQ(rows.used()[1].detection, 0U);
-  EXPECT_EQ(rows.used()[2].detection, 2U);
+  const auto& points = rows.measurements().of<LandmarkPointModel>();
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_EQ(points[0].landmark, 1U);
+  EXPECT_EQ(points[0].z.range, detection(1).range);
+  ASSERT_TRUE(points[0].doppler.has_value());
+  EXPECT_EQ(points[0].doppler->range_rate, detection(1).range_rate);
+  const auto& dopplers = rows.measurements().of<DopplerModel>();
+  ASSERT_EQ(dopplers.size(), 2U);
+  EXPECT_EQ(dopplers[0].z.range_rate, detection(0).range_rate);
+  EXPECT_EQ(dopplers[1].z.range_rate, detection(2).range_rate);
   EXPECT_FALSE(rows.was_used(0));
   EXPECT_TRUE(rows.was_used(1));
   EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 4);
@@ -49,6 +61,7 @@ TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   build(places, state_estimate(2));
   EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 3);
   EXPECT_EQ(sums(Model::kDoppler).rows_used, 0);
+  EXPECT_FALSE(places.measurements().of<LandmarkPointModel>()[0].doppler.has_value());
 }
 
 TEST_F(ScanRowsTest, APlaceOrADistanceLeavesTheDopplerToTheDetection) {
@@ -93,7 +106,7 @@ TEST_F(ScanRowsTest, TheGateHoldsTheInnovationAgainstItsCovariance) {
     EXPECT_NEAR(record.innovation, share * bound, 1e-9);
     EXPECT_NEAR(record.sigma, sigma, 1e-7);
     EXPECT_NEAR(record.nis / record.gate, share * share, 1e-6);
-    EXPECT_EQ(rows.used().size(), inside ? 3U : 2U);
+    EXPECT_EQ(rows.measurements().size(), inside ? 3U : 2U);
     EXPECT_EQ(sums(Model::kDoppler).rows_gated, inside ? 0 : 1);
     EXPECT_NEAR(sums(Model::kDoppler).nis, inside ? record.nis : 0.0, 1e-9);
   }
@@ -108,7 +121,7 @@ TEST_F(ScanRowsTest, AGatedMatchGivesNoRows) {
     match_landmark(0, 2);  // metres away
     ScanRows rows(options_);
     EXPECT_EQ(build(rows, state_estimate(1)).rows().size(), 3U);
-    EXPECT_EQ(rows.used().size(), 3U);
+    EXPECT_EQ(rows.measurements().size(), 3U);
     EXPECT_EQ(sums(Model::kDoppler).rows_used, 3);
     EXPECT_EQ(report_.records[0].result, GateResult::kGated);
     EXPECT_EQ(rows.was_used(0), published);  // by its match alone it stays alive
@@ -135,14 +148,14 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   b.estimate().landmarks[0].distance_seen = 6.99;
   ScanRows plain(options_);
   build(plain, b);
-  EXPECT_EQ(plain.used()[0].variance_factor, 1.0);
+  EXPECT_EQ(plain.measurements().of<LandmarkPointModel>()[0].weight, 1.0);
   const double nis = report_.records[0].nis;
   options_.radar.noise_distance = 0.02;
   options_.update.match_trust = 0.7;
   ScanRows rows(options_);
   const RowBatch& batch = build(rows, b);
   const double expected = repetition_factor(0.01, 0.02) * mismatch_factor(0.7);
-  EXPECT_NEAR(rows.used()[0].variance_factor, expected, 1e-9);
+  EXPECT_NEAR(1.0 / rows.measurements().of<LandmarkPointModel>()[0].weight, expected, 1e-9);
   for (int i = 0; i < 3; ++i) {  // whitened
     EXPECT_NEAR(batch.rows()[static_cast<std::size_t>(i)].variance, expected, 1e-9);
   }
@@ -165,7 +178,7 @@ TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
     b.estimate().accel_W = accel_W;
     b.estimate().nav.time += from_seconds(seconds);
     build(rows, b);
-    return rows.used()[0].variance_factor;
+    return inflation(rows, 0);
   };
   const auto expected = [&](double distance, double cells) {
     return repetition_factor(distance + 0.15 * 6.0 * cells, 0.15);
@@ -195,13 +208,13 @@ TEST_F(ScanRowsTest, ResetForgetsTheScanBefore) {
   StateEstimate b = state_estimate();
   b.estimate().distance_travelled = 0.05;
   build(rows, b);
-  const double first = rows.used()[3].variance_factor;
+  const double first = inflation(rows, 3);
   EXPECT_NEAR(first, repetition_factor(0.05 + 0.15 * 6.0 * 2.0, 0.15), 1e-9);
   build(rows, b);
-  EXPECT_NEAR(rows.used()[3].variance_factor, repetition_factor(0.0, 0.15), 1e-9);
+  EXPECT_NEAR(inflation(rows, 3), repetition_factor(0.0, 0.15), 1e-9);
   rows.reset();
   build(rows, b);
-  EXPECT_EQ(rows.used()[3].variance_factor, first);
+  EXPECT_EQ(inflation(rows, 3), first);
 }
 
 // What a Doppler tells along its direction: that of the expected direction, as far as the spread of
@@ -253,10 +266,10 @@ TEST_F(ScanRowsTest, TheGateOfADopplerHoldsItsRow) {
     b.covariance().matrix() += A * A.transpose();
     ScanRows rows(options_);
     const RowBatch& batch = build(rows, b);
-    ASSERT_EQ(rows.used().size(), scan_.items.size());
-    for (std::size_t i = 0; i < rows.used().size(); ++i) {
+    ASSERT_EQ(rows.measurements().of<DopplerModel>().size(), scan_.items.size());
+    for (std::size_t i = 0; i < scan_.items.size(); ++i) {
       const LinearRow& row = batch.rows()[i];
-      const double variance = row.variance / rows.used()[i].variance_factor;
+      const double variance = row.variance / inflation(rows, i);
       const double expected = b.covariance().product(row, row) + variance;
       const double sigma = report_.records[i].sigma;
       EXPECT_NEAR(sigma * sigma, expected, 1e-12 * expected) << i;
@@ -274,13 +287,15 @@ TEST_F(ScanRowsTest, AtRestOnlyLandmarksOfHereAreMeasured) {
   seen_.rest = RestModel::Measurement{Vector3d::Zero(), 10.0, 0.01};
   ScanRows rows(options_);
   const RowBatch& batch = build(rows, b);
-  EXPECT_EQ(rows.used()[0].model, Model::kRest);
+  EXPECT_EQ(rows.measurements().of<RestModel>().size(), 1U);
   EXPECT_EQ(batch.blocks()[0].count, 6U);
   EXPECT_EQ(sums(Model::kRest).rows_used, 6);
   EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 4);
   EXPECT_TRUE(rows.was_used(0));  // not measured, but alive
   EXPECT_TRUE(rows.was_used(1));
-  EXPECT_EQ(rows.used()[1].target, 1U);
+  const auto& points = rows.measurements().of<LandmarkPointModel>();
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_EQ(points[0].landmark, 1U);
   EXPECT_EQ(sums(Model::kDoppler).rows_used, 2);
 }
 
@@ -311,10 +326,11 @@ TEST_F(TrailRowsTest, EveryPastDetectionIsARowWithAVerdict) {
   EXPECT_EQ(batch.blocks().size(), 4U);
   EXPECT_EQ(sums(Model::kTrailDistance).rows_used, 4);
   EXPECT_EQ(sums(Model::kTrailDistance).rows_gated, 2);
-  ASSERT_EQ(rows.used().size(), 4U);
+  const auto& distances = rows.measurements().of<TrailDistanceModel>();
+  ASSERT_EQ(distances.size(), 4U);
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(rows.used()[i].target, i < 2 ? 0U : 2U);
-    EXPECT_EQ(rows.used()[i].past, i % 2);
+    EXPECT_EQ(distances[i].z.range, detection(i < 2 ? 0 : 2).range);
+    EXPECT_EQ(distances[i].past, i % 2);
     EXPECT_NEAR(batch.rows()[i].variance, 0.01, 1e-12);
   }
 }

@@ -1,61 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sliding window: a state at each of the last scans with the factors of its measurements and
+// The sliding window: a state at each of the last scans with its measurements, each a factor, and
 // the IMU factor to the next state. Storage is allocated once.
 #pragma once
 
 #include <array>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
-#include "rio/models/doppler.hpp"
-#include "rio/models/landmark_distance.hpp"
-#include "rio/models/landmark_point.hpp"
-#include "rio/models/landmark_position.hpp"
-#include "rio/models/rest.hpp"
-#include "rio/models/trail_distance.hpp"
 #include "rio/options.hpp"
 #include "rio/smoother/imu_factor.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
 #include "rio/update/aiding.hpp"
+#include "rio/update/scan_measurements.hpp"
 
 namespace rio {
-
-/// A Doppler; here and below, `weight` is 1 / noise inflation (update/noise_inflation.hpp).
-struct DopplerFactor {
-  DopplerModel::Measurement doppler;
-  double weight = 1.0;
-  std::size_t radar = 0;
-};
-/// Range and direction of a landmark, and its Doppler.
-struct PointFactor {
-  std::size_t landmark = 0;
-  double weight = 1.0;
-  LandmarkPointModel::Measurement point;
-  std::optional<LandmarkDopplerModel::Measurement> doppler;
-  std::size_t radar = 0;
-};
-/// A range to a landmark.
-struct DistanceFactor {
-  std::size_t landmark = 0;
-  double weight = 1.0;
-  LandmarkDistanceModel::Measurement distance;
-  std::size_t radar = 0;
-};
-/// The position of a landmark in radar axes.
-struct PositionFactor {
-  std::size_t landmark = 0;
-  double weight = 1.0;
-  LandmarkPositionModel::Measurement position;
-  std::size_t radar = 0;
-};
-/// A range to a point detected at a past scan of the window.
-struct TrailFactor {
-  ScanId past = 0;
-  TrailDistanceModel::Measurement distance;
-  std::size_t radar = 0;
-};
 
 /// A measurement of another sensor, taken between the previous state and this one.
 struct AidingFactor {
@@ -63,7 +22,7 @@ struct AidingFactor {
   MotionSince since;
 };
 
-/// A state of the window with its factors.
+/// A state of the window with its factors and measurements.
 struct WindowState {
   ScanId scan = kNoScan;
   NavState nav;
@@ -76,28 +35,23 @@ struct WindowState {
     RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< detections corrected by this
   };
   std::array<Scanned, kMaxRadars> scanned;
-  ImuFactor to_next;  ///< not valid for the newest state
-  std::vector<DopplerFactor> dopplers;
-  std::vector<PointFactor> points;
-  std::vector<DistanceFactor> distances;
-  std::vector<PositionFactor> positions;
-  std::vector<TrailFactor> trails;
-  std::vector<AidingFactor> aiding;
-  std::optional<RestModel::Measurement> rest;
+  ImuFactor to_next;                 ///< not valid for the newest state
+  ScanMeasurements measurements;     ///< of the scans
+  std::vector<AidingFactor> aiding;  ///< of other sensors
 
-  /// Numbers of measurements, to undo additions.
+  bool at_rest() const { return !measurements.of<RestModel>().empty(); }
+
+  /// State of the scans, to undo additions.
   struct Mark {
-    std::size_t dopplers = 0;
-    std::size_t points = 0;
-    std::size_t distances = 0;
-    std::size_t positions = 0;
-    std::size_t trails = 0;
-    std::optional<RestModel::Measurement> rest;
+    ScanMeasurements::Sizes measurements;
     std::array<Scanned, kMaxRadars> scanned;
   };
-  Mark mark() const;
+  Mark mark() const { return {measurements.sizes(), scanned}; }
   /// Removes what was added after mark(), except aiding.
-  void cut(const Mark& mark);
+  void cut(const Mark& mark) {
+    measurements.cut(mark.measurements);
+    scanned = mark.scanned;
+  }
 
   void clear();
 };

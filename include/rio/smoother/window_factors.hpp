@@ -35,11 +35,14 @@ class WindowFactors {
   double add_aiding(std::size_t k, const Estimate& estimate);
 
   /// A trail distance of state k; nothing if the past state has left the window.
-  double add_trail(std::size_t k, const TrailFactor& f, const Estimate& estimate);
+  double add_trail(std::size_t k, const Measured<TrailDistanceModel>& m, const Estimate& estimate);
 
  private:
-  /// The measurements of radar r at state k, and the zero-velocity update if `rest`.
-  double add_scan_of(std::size_t k, std::size_t r, bool rest, const Estimate& estimate);
+  /// The measurements of radar r at state k.
+  double add_scan_of(std::size_t k, std::size_t r, const Estimate& estimate);
+  /// One of them; not a trail distance.
+  template <class M>
+  void add(const Measured<M>& m, const LinearizationPoint& x, const WindowLayout& layout);
 
   /// The state at the time of its scan by radar r according to the current calibration.
   static LinearizationPoint point(const WindowState& state, std::size_t r,
@@ -55,9 +58,7 @@ class WindowFactors {
   const Window& window_;
   NormalEquations* system_;
   bool reliable_;
-  DopplerModel doppler_;
-  TrailDistanceModel trail_;
-  LandmarkDistanceModel distance_;
+  RadarModels models_;
   ScanInformation scan_;
   RowBatch row_;
   AidingRows aiding_;

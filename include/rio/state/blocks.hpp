@@ -68,6 +68,10 @@ struct BlockList {
   using Values = std::tuple<typename B::Value...>;
   static constexpr int kDof = (B::kDof + ...);
 
+  template <class X>
+  static constexpr bool has() {
+    return (std::is_same_v<X, B> || ...);
+  }
   /// First Jacobian column of block X.
   template <class X>
   static constexpr int column() {

@@ -110,10 +110,10 @@ ResidualOf<kDim> time_derivative(const JacobianOf<kDim, BlockList<B...>::kDof>& 
       for (int i = 0; i < kDim; ++i) d[i] -= J(i, column + k) * rate[k];
     }
   };
-  if constexpr ((std::is_same_v<B, BodyPose> || ...)) {
+  if constexpr (Blocks::template has<BodyPose>()) {
     subtract(Blocks::template column<BodyPose>(), x.pose_rate);
   }
-  if constexpr ((std::is_same_v<B, BodyVelocity> || ...)) {
+  if constexpr (Blocks::template has<BodyVelocity>()) {
     subtract(Blocks::template column<BodyVelocity>(), x.accel_W);
   }
   return d;

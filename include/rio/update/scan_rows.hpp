@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 4 and 5: the observations of one scan as gated rows, with a record of every gate
-// (chi-squared gating).
+// Stages 4 and 5: the observations of one scan become typed measurements and their rows, gated
+// (chi-squared gating), with a record of every gate.
 //
 // Landmarks come first: the Doppler of a detection used with a landmark is not used again.
 #pragma once
@@ -9,13 +9,8 @@
 #include <array>
 #include <vector>
 
+#include "rio/core/static_vector.hpp"
 #include "rio/frontend/frontend.hpp"
-#include "rio/models/doppler.hpp"
-#include "rio/models/landmark_distance.hpp"
-#include "rio/models/landmark_point.hpp"
-#include "rio/models/landmark_position.hpp"
-#include "rio/models/rest.hpp"
-#include "rio/models/trail_distance.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/update/aiding.hpp"
@@ -24,6 +19,7 @@
 #include "rio/update/linearize.hpp"
 #include "rio/update/noise_inflation.hpp"
 #include "rio/update/reliability.hpp"
+#include "rio/update/scan_measurements.hpp"
 #include "rio/update/state_estimate.hpp"
 
 namespace rio {
@@ -45,15 +41,10 @@ class ScanRows {
   const RowBatch& build(const Observations& seen, const StateEstimate& state_estimate,
                         UpdateReport* report);
 
-  /// A measurement that passed the gate.
-  struct Used {
-    Model model = Model::kDoppler;
-    std::size_t detection = 0;     ///< kAiding: index in Observations::aiding
-    std::size_t target = 0;        ///< index of the landmark or of the trail
-    ScanId past = 0;               ///< kTrailDistance: which element of the trail
-    double variance_factor = 1.0;  ///< of its noise (update/noise_inflation.hpp)
-  };
-  const std::vector<Used>& used() const { return used_; }
+  /// The measurements of these rows; valid as long.
+  const ScanMeasurements& measurements() const { return measurements_; }
+  /// Those of other sensors, as indices in Observations::aiding.
+  const StaticVector<std::size_t, kMaxAiding>& aiding() const { return used_aiding_; }
 
   /// The landmark was matched by the last scan, and the match keeps it alive.
   bool was_used(std::size_t landmark) const { return was_used_[landmark]; }
@@ -86,14 +77,26 @@ class ScanRows {
   void add_aiding(const std::vector<AidingObservation>& aiding, const StateEstimate& state_estimate,
                   UpdateReport* report);
 
-  /// Position and, unless switched off, Doppler of one detection: one block, gated together.
-  bool add_point(const Detection& d, const StateEstimate& state_estimate,
-                 const LinearizationPoint& x, BlockIndex index);
+  /// Gates the match of a landmark with a detection; keeps it if it passes.
+  template <class M>
+  bool add_landmark(const Measured<M>& m, const Match& match, const StateEstimate& state_estimate,
+                    const LinearizationPoint& x, UpdateReport* report);
 
-  template <MeasurementModel M>
-  bool add(const M& model, const typename M::Measurement& z, const StateEstimate& state_estimate,
-           const LinearizationPoint& x, BlockIndex index) {
-    return linearize(model, z, typename M::Blocks{}, x, index, state_estimate.layout(), &batch_);
+  /// Stage 4: the rows of a measurement as one block. False: outside the domain of its model.
+  template <class M>
+  bool linearize_block(const Measured<M>& m, BlockIndex index, const StateEstimate& state_estimate,
+                       const LinearizationPoint& x) {
+    batch_.begin_block();
+    return models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
+      return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(),
+                       &batch_);
+    });
+  }
+  /// Keeps the measurement of the last block with its noise inflation.
+  template <class M>
+  void keep(Measured<M> m, double inflation) {
+    m.weight = 1.0 / weigh(inflation);
+    measurements_.add(m);
   }
 
   /// Noise inflation of a repetition of a measurement made at travelled distance `distance` [m].
@@ -128,14 +131,10 @@ class ScanRows {
   double since_scan_ = 1.0;                            ///< time since its last scan, at most 1 [s]
   std::array<Time, kMaxRadars> last_scan_{};
   Gate gate_;
-  DopplerModel doppler_;
-  TrailDistanceModel trail_;
-  LandmarkDistanceModel landmark_;
-  LandmarkPositionModel position_;
-  LandmarkPointModel point_;
-  LandmarkDopplerModel landmark_doppler_;
+  RadarModels models_;
   RowBatch batch_;
-  std::vector<Used> used_;
+  ScanMeasurements measurements_;
+  StaticVector<std::size_t, kMaxAiding> used_aiding_;
   std::vector<DopplerModel::Measurement> dopplers_;
   GatheredCovariance gathered_;
   GatheredCovariance::BlockMatrix S_;
