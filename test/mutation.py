@@ -172,12 +172,19 @@ def draw(found, count, seed):
 
 def tests_by_room():
     """Names of the test programs as test/CMakeLists.txt lists them, unit tests first."""
-    rooms = {}
+    rooms = {}  # programs of one test each, as without RIO_UNITY_BUILD
     with open(os.path.join(ROOT, 'test/CMakeLists.txt'), encoding='utf-8') as f:
-        for path, label in re.findall(r'^ *rio_test\(([\w/]+)\.cpp(?: LABEL (\w+))?', f.read(), re.M):
-            room = path.split('/')[0] if '/' in path else ''
-            rank = LABELS.index(label) if label in LABELS else 0
-            rooms.setdefault(room, []).append((rank, path.replace('/', '_')))
+        text = f.read()
+    found = re.findall(r'^ *rio_test\(([\w/]+)\.cpp(?: LABEL (\w+))?', text, re.M)
+    for arguments in re.findall(r'^ *rio_tests\(([^)]+)\)', text, re.M):
+        arguments = re.sub(r' LIBS.*', '', ' '.join(arguments.split()))
+        names, _, label = arguments.partition(' LABEL ')
+        folder, _, *names = names.split()
+        found += [(f'{folder}/{name}_test', label) for name in names]
+    for path, label in found:
+        room = path.split('/')[0] if '/' in path else ''
+        rank = LABELS.index(label) if label in LABELS else 0
+        rooms.setdefault(room, []).append((rank, path.replace('/', '_')))
     return {room: [name for _, name in sorted(tests, key=lambda t: t[0])]
             for room, tests in rooms.items()}
 
