@@ -3,8 +3,8 @@
 // `rio options` are loops over it. TimingOptions::clock is not listed, since a function cannot be
 // in a file. C++17.
 //
-// Two layers: `field` is set by the user (sensors, mounting, priors, start, budgets), `inner` by
-// the presets (the algorithm).
+// Two layers: `field` is what a user knows of the vehicle (sensors, mounting, priors, start,
+// budgets), `inner` is the algorithm, set by the presets.
 #pragma once
 
 #include <array>
@@ -49,14 +49,14 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "White noise of the accelerometer.");
   field("imu.accel_random_walk", o.imu.accel_random_walk, "m/s^3/sqrt(Hz)", 0, 10,
         "Random walk of the accelerometer bias.");
-  field("imu.stamp_sigma", o.imu.stamp_sigma, "s", 0, 0.1,
-        "Jitter of the stamps; vibration makes noise of it.");
+  inner("imu.stamp_sigma", o.imu.stamp_sigma, "s", 0, 0.1,
+        "Jitter of the stamps; under vibration it adds noise.");
   field("imu.max_rate", o.imu.max_rate, "rad/s", 0.1, 1e4,
         "Range of the gyroscope: samples beyond it are left out.");
   field("imu.max_accel", o.imu.max_accel, "m/s^2", 1, 1e5,
         "Range of the accelerometer: samples beyond it are left out.");
   inner("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
-        "The noise seen in the samples counts if it is more than the white noise declared.");
+        "Use the noise measured in the samples if it exceeds the declared white noise.");
   field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
   inner("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
   inner("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
@@ -80,7 +80,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Noise of azimuth at boresight.");
   field("radar.sigma_elevation", o.radar.sigma_elevation, "rad", 1e-5, 1,
         "Noise of elevation at boresight.");
-  field("radar.weak_snr_db", o.radar.weak_snr_db, "dB", -200, 200,
+  inner("radar.weak_snr_db", o.radar.weak_snr_db, "dB", -200, 200,
         "An echo this weak has twice the angle variance of a strong one; -200 = all are alike.");
   field("radar.sigma_doppler", o.radar.sigma_doppler, "m/s", 1e-4, 10,
         "Noise of the Doppler, without quantisation.");
@@ -92,10 +92,9 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Range rates fold into plus or minus this; 0 = they do not fold.");
   inner("radar.noise_distance", o.radar.noise_distance, "m", 0, 10,
         "E-folding distance of the errors of a point; 0 = they are new in every scan.");
-  field("radar.time_offset", o.radar.time_offset, "s", -1, 1,
-        "The radar's stamps are late by this.");
+  field("radar.time_offset", o.radar.time_offset, "s", -1, 1, "Delay of the radar's stamps.");
   field("radar.doppler_scale", o.radar.doppler_scale, "", -0.2, 0.2,
-        "The Doppler is too large by this share.");
+        "Relative error of the Doppler; positive = too large.");
 
   field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");
@@ -106,34 +105,34 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
         "The velocity predicted by the IMU is one more hypothesis.");
   inner("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
-        "Doppler residuals along a trail that add up to this many sigmas: it moves; 0 = off.");
+        "A trail whose Doppler residuals add up to this many sigmas is a mover; 0 = off.");
   inner("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
-        "What is this near to an outlier may be part of the same body; 0 = off.");
+        "Detections this near to an outlier may belong to the same moving body; 0 = off.");
   inner("frontend.own_echoes", o.frontend.own_echoes, "", 0, 1,
-        "Points of the vehicle itself, without Doppler wherever it goes, are left out.");
+        "Leave out echoes of the vehicle itself: points that always have zero Doppler.");
   inner("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
-        "Share of outliers the iteration count is sized for.");
+        "Share of outliers that sets the number of iterations.");
   inner("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
         "Probability of drawing one clean triple.");
   inner("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
         option_limits::kDetections,
-        "With fewer there is no static set and the scan moves nothing.");
+        "With fewer inliers there is no static set and the scan is not used.");
   inner("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
-        "Standing on the ground measures velocity and gyroscope bias.");
+        "Zero-velocity and zero-rate updates while standing on the ground.");
   inner("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
   inner("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
         "Undo the folding of range rates at radar.max_doppler.");
   inner("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
-        "Scans that contradict velocity, tilt or heading rate for long replace them.");
+        "Estimate velocity, tilt or heading rate anew if the scans contradict them for long.");
   inner("frontend.matching", o.frontend.matching, "", 0, 2,
         "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
   inner("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
         "Euclidean matching: largest distance after alignment.");
   inner("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
-        "Probability and Mahalanobis matching: of a right pair to pass the gate.");
+        "Probability and Mahalanobis matching: probability that a right pair passes the gate.");
   inner("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
-        "Mahalanobis matching: of a right pair to match once the radar has moved on.");
+        "Mahalanobis matching: the same, once the radar has moved on.");
   inner(
       "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
       "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
@@ -145,9 +144,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
   inner("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
   inner("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
-  inner("update.doppler_directions", o.update.doppler_directions, "", 0, 3,
-        "exact, noisy (their error adds to the variance), corrected (for it, too) or reliable "
-        "(what of their spread is error is left out, too).");
+  inner(
+      "update.doppler_directions", o.update.doppler_directions, "", 0, 3,
+      "Direction errors in the Doppler: exact (ignored), noisy (added to the variance), corrected "
+      "(their mean, too) or reliable (errors in variables, too).");
   inner("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
         "Re-express the covariance so that yaw and position stay unobservable.");
   inner("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
@@ -162,7 +162,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Noise of a landmark distance, if that is the measurement.");
   inner("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
         "Probability of passing the chi-squared gate; 1 = no gate.");
-  field("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
+  inner("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
         "Past poses kept.");
   field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
         "Persistent landmarks kept.");
@@ -175,7 +175,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Prior of the delay of the radar's stamps; 0 = not estimated.");
   field("calibration.doppler_scale_sigma", o.calibration.doppler_scale_sigma, "", 0, 0.1,
         "Prior of the relative error of the Doppler; 0 = not estimated.");
-  field("calibration.elevation_bias_sigma", o.calibration.elevation_bias_sigma, "rad", 0, 0.2,
+  inner("calibration.elevation_bias_sigma", o.calibration.elevation_bias_sigma, "rad", 0, 0.2,
         "Prior of an error common to all elevations; 0 = not estimated.");
 
   field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
@@ -192,7 +192,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
 
   field("start.static_alignment", o.start.static_alignment, "", 0, 1,
         "Align while standing; false = wait for a given start.");
-  field("start.duration", o.start.duration, "s", 0.1, 600, "Length of the standstill averaged.");
+  inner("start.duration", o.start.duration, "s", 0.1, 600, "Length of the standstill averaged.");
   field("start.max_wait", o.start.max_wait, "s", 0, 3600,
         "Wait for a standstill, then start in motion; 0 = wait for ever.");
   inner("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
@@ -210,19 +210,19 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("start.sigma_accel_bias", o.start.sigma_accel_bias, "m/s^2", 1e-4, 10,
         "Accelerometer bias, per axis.");
 
-  field("timing.imu_buffer", o.timing.imu_buffer, "", 16, 1000000,
+  inner("timing.imu_buffer", o.timing.imu_buffer, "", 16, 1000000,
         "IMU samples kept between the estimate and now.");
-  field("timing.scan_queue", o.timing.scan_queue, "", 1, 1000, "Scans that may wait for the IMU.");
-  field("timing.max_lag", o.timing.max_lag, "s", 0.01, 60,
+  inner("timing.scan_queue", o.timing.scan_queue, "", 1, 1000, "Scans that may wait for the IMU.");
+  inner("timing.max_lag", o.timing.max_lag, "s", 0.01, 60,
         "The estimate follows the IMU at most this far behind.");
   inner("timing.max_ahead", o.timing.max_ahead, "s", 0.01, 60,
         "A scan farther ahead of the IMU is not waited for.");
-  field("timing.scan_wait", o.timing.scan_wait, "s", 0, 1,
-        "Of several radars: a scan is held back so long for an earlier one of another radar.");
+  inner("timing.scan_wait", o.timing.scan_wait, "s", 0, 1,
+        "With several radars: how long a scan waits for an earlier one of another radar.");
   inner("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
         "A longer pause of the IMU is a jump of its clock.");
   field("timing.aiding_delay", o.timing.aiding_delay, "s", 0, 2,
-        "Measurements of other sensors may come so long after the estimate has passed their time.");
+        "How long after the estimate has passed its time an aiding measurement is accepted.");
 }
 
 /// The names of the values of an enumeration in files, in order.

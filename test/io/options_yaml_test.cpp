@@ -60,6 +60,16 @@ Options parsed(const std::string& yaml) {
   return options;
 }
 
+// What a user has to know stays short; the rest belongs to the presets.
+TEST(OptionsYaml, TheUsersLayerIsShort) {
+  int user = 0;
+  const Options options;
+  visit_fields(options, [&user](const FieldInfo& info, const auto&) {
+    user += info.layer == Layer::kUser ? 1 : 0;
+  });
+  EXPECT_LE(user, 40);
+}
+
 TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
   for (const char* name : {"default", "published-ekf"}) {
     Options options;
