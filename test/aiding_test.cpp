@@ -159,6 +159,20 @@ TEST_P(AidingTest, ABarometerThatFellSilentIsRemembered) {
   EXPECT_LT(std::abs(offset->value[0] - barometer.offset), 3.0 * sigma);
 }
 
+// Nothing measures it: its variance grows by its random walk, through the window and out of it.
+TEST_P(AidingTest, AnUnmeasuredStateWalks) {
+  constexpr double kSigma = 0.5;
+  constexpr double kWalk = 0.2;  // [m/sqrt(s)]
+  Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>(kSigma, kWalk));
+  fly(o, kNone);
+  const auto offset = auxiliary<HeightOffset>(*odometry);
+  ASSERT_TRUE(offset);
+  const double seconds = to_seconds(flight().imu.back().time - flight().imu.front().time);
+  const double expected = kSigma * kSigma + kWalk * kWalk * seconds;
+  EXPECT_NEAR(offset->covariance(0, 0) / expected, 1.0, 0.1);
+}
+
 int absurd = 0;  // of the positions below
 
 /// Positions of motion capture or GNSS, some of them absurd.

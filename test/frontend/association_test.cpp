@@ -38,6 +38,20 @@ TEST_F(AssociationTest, GateFollowsTheShapeOfTheNoise) {
   }
 }
 
+// An error of the pose moves azimuth and elevation together.
+TEST_F(AssociationTest, CorrelatedErrorsOfTheAnglesHaveASign) {
+  for (const double sign : {1.0, -1.0}) {
+    scan_.items.clear();
+    estimate_.landmarks.clear();
+    know({4.0, 0.0, 0.0}, 0.01);
+    Matrix3d& P = estimate_.landmarks[0].covariance_S;
+    P(1, 1) = P(2, 2) = 0.36;
+    P(1, 2) = P(2, 1) = 0.34;
+    see(4.0 * Vector3d(4.0, 0.9, sign * 0.9).normalized());
+    EXPECT_EQ(match().landmarks.size(), sign > 0.0 ? 1U : 0U);
+  }
+}
+
 TEST_F(AssociationTest, OnlyTheCoreOfTheGateCountsOnceTheRadarHasMoved) {
   know({4.0, 0.0, 0.0}, 0.01);
   see({4.07, 0.0, 0.0});  // 2.2 sigma: within 0.95 of three degrees, beyond 0.6 of them

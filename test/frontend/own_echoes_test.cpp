@@ -126,5 +126,32 @@ TEST_F(OwnEchoesTest, AFoldedDopplerIsNoContradiction) {
   }
 }
 
+// Two detections of one place differ by the noise of both.
+TEST_F(OwnEchoesTest, AnEchoWithinTheNoiseOfBothIsTheSame) {
+  for (int i = 0; i < 60; ++i) drive();
+  const Detection d = make_detection({.point_S = part_S_}, radar_);
+  for (const auto& [sigmas, same] : {std::pair{4.0, true}, std::pair{5.5, false}}) {
+    see(part_S_ + sigmas * d.range * d.sigma_elevation_S, 0.0);
+    EXPECT_EQ(observe(Vector3d::Zero()).size(), same ? 1U : 0U) << sigmas;
+  }
+}
+
+// At a fifth of a metre a second a static point would have read nearly no Doppler, too.
+TEST_F(OwnEchoesTest, ASlowVehicleTakesMoreScans) {
+  const Vector3d slow(0.25, 0.0, 0.0);
+  int scans = 0;
+  std::size_t found = 0;
+  while (found == 0 && ++scans < 100) {
+    see(part_S_, 0.0);
+    for (const double y : {1.0, 0.0, -1.0}) {
+      const Vector3d world(5.0, y, 0.5);
+      see(world, -world.normalized().dot(slow));
+    }
+    found = observe(slow).size();
+  }
+  EXPECT_GT(scans, 6);
+  EXPECT_LT(scans, 30);
+}
+
 }  // namespace
 }  // namespace rio

@@ -55,7 +55,7 @@ TEST(MovingStart, IsLevelAlthoughTheBodyTurns) {
   EXPECT_GT(std::sqrt(alignment->covariance(0, 0)), 0.05);
 }
 
-TEST(MovingStart, WaitsForEverUnlessTold) {
+TEST(MovingStart, WaitsForEverByDefault) {
   int last = 0;
   EXPECT_FALSE(start(StartOptions{}, 20000, &last));
 }
@@ -69,6 +69,22 @@ TEST(MovingStart, CountsItsWaitAnewAfterAReset) {
   moving.reset();
   for (int i = 150; i < 350; ++i) EXPECT_FALSE(moving.add(imu.sample(i)));
   EXPECT_TRUE(moving.add(imu.sample(350)));
+}
+
+// The mean is over the last `duration`, not over the wait.
+TEST(MovingStart, ForgetsWhatWasBeforeItsDuration) {
+  StartOptions options;
+  options.max_wait = 4.0;
+  options.duration = 0.5;
+  const Quaternion tilted(Eigen::AngleAxisd(0.3, Vector3d::UnitX()));
+  MovingStart moving(options, kGravity);
+  std::optional<Alignment> alignment;
+  for (int i = 0; !alignment && i < 2000; ++i) {
+    const Vector3d up_B = i < 400 ? Vector3d::UnitZ() : tilted.conjugate() * Vector3d::UnitZ();
+    alignment = moving.add({Time(milliseconds(5 * i)), Vector3d::Zero(), kGravity * up_B});
+  }
+  ASSERT_TRUE(alignment);
+  EXPECT_LT(alignment->state.q_WB.angularDistance(tilted), 0.3 * 0.05);  // exp(-2 / 0.5) = 0.02
 }
 
 }  // namespace

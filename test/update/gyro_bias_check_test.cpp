@@ -85,6 +85,17 @@ TEST(GyroBiasCheck, FindsAStepAboutTheVertical) {
   EXPECT_LT(error, kStep);
 }
 
+// However large: half of the parts have to agree, and then for two seconds.
+TEST(GyroBiasCheck, WaitsUntilTheContradictionLasts) {
+  test::Random random(6);
+  BiasFilter filter(&random);
+  GyroBiasCheck check{Options{}};
+  ASSERT_FALSE(filter.run(30.0, &check));
+  filter.step(0.2 * filter.up_B());
+  EXPECT_FALSE(filter.run(10.5, &check));
+  EXPECT_TRUE(filter.run(3.0, &check));
+}
+
 // Twenty measurements with one error, told as twenty.
 TEST(GyroBiasCheck, IsSilentOnErrorsThatRepeat) {
   test::Random random(5);
