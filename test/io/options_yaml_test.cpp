@@ -118,14 +118,14 @@ TEST(OptionsYaml, AFileToStartFromSaysNothingOfTheSensors) {
 TEST(OptionsYaml, AFileToStartFromLeavesTheAlgorithmToThePreset) {
   const std::string text = option_file("default");
   EXPECT_PRED2(test::contains, text, "\n  # ransac_threshold: 0.15  # [m/s] The Doppler");
-  EXPECT_PRED2(test::contains, text, "\n  max_clones: 3  # Past");
+  EXPECT_PRED2(test::contains, text, "\n  max_landmarks: 40  # Persistent");
   Options options;  // another preset with the values of the user
   ASSERT_TRUE(preset("published-ekf", &options));
   const double gate = options.update.gate_probability;
   const test::TempDir dir;
   load_option_values(dir.write("my.yaml", text), &options);
   EXPECT_EQ(options.update.gate_probability, gate);
-  EXPECT_EQ(options.update.max_clones, Options{}.update.max_clones);
+  EXPECT_EQ(options.update.max_landmarks, Options{}.update.max_landmarks);
 }
 
 TEST(OptionsYaml, PrintsUnitAndMeaning) {
@@ -137,7 +137,9 @@ TEST(OptionsYaml, PrintsUnitAndMeaning) {
   EXPECT_TRUE(test::contains(text, "\nradar:\n  T_BS:\n    translation: [0, 0, 0]  # [m] "))
       << text;
   EXPECT_TRUE(test::contains(text, "\n  min_range: 0.2  # [m] Nearer detections")) << text;
-  EXPECT_TRUE(test::contains(text, "\n  doppler_directions: reliable  # exact, ")) << text;
+  EXPECT_TRUE(test::contains(
+      text, "\n  doppler_directions: reliable  # Direction errors in the Doppler: exact "))
+      << text;
 }
 
 TEST(OptionsYaml, ReadsValuesWithUnits) {
