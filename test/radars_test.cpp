@@ -24,7 +24,7 @@ const std::vector<Pose> kAround = sim::radar_mounts(kFirst, 4);
 
 /// The same flight as each radar sees it.
 std::vector<sim::Flight> flights(std::uint64_t seed, const std::vector<Pose>& mounts,
-                                 double told_wrong = 0.0) {
+                                 double mounting_error = 0.0) {
   std::vector<sim::Flight> out;
   for (const Pose& T_BS : mounts) {
     sim::Scenario o;
@@ -33,7 +33,7 @@ std::vector<sim::Flight> flights(std::uint64_t seed, const std::vector<Pose>& mo
     o.max_duration = 25.0;
     o.radar.T_BS = T_BS;
     o.radar.max_static = 12;
-    o.told.extrinsic_angle = told_wrong;
+    o.errors.extrinsic_angle = mounting_error;
     out.push_back(sim::simulate_flight(o));
   }
   return out;
@@ -194,23 +194,23 @@ TEST_P(RadarsTest, EachHasItsOwnMounting) {
 
 TEST_P(RadarsTest, TheyMayBeOfDifferentKinds) {
   for (const bool coarse_first : {false, true}) {
-    double told = 0.0;
-    double untold = 0.0;
+    double own = 0.0;
+    double shared = 0.0;
     double nees = 0.0;
     constexpr int kSeeds = 3;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
       const auto both = flights_of_two_kinds(seed, coarse_first);
       const Result result = fly(both);
-      told += result.rms / kSeeds;
+      own += result.rms / kSeeds;
       nees += result.nees / kSeeds;
       EXPECT_EQ(odometry->health().state, HealthState::kOk);
-      untold += fly(both, {}, 1e9, true).rms / kSeeds;
+      shared += fly(both, {}, 1e9, true).rms / kSeeds;
     }
     const std::string which = name() + (coarse_first ? ", coarse radar first" : ", coarse second");
-    measured(which + ": RMSE over that with the noise of the first for both", told / untold,
+    measured(which + ": RMSE over that with the noise of the first for both", own / shared,
              "below 1");
     measured(which + ": NEES of the pose a dimension", nees, "below 2");
-    EXPECT_LT(told, untold);
+    EXPECT_LT(own, shared);
     EXPECT_LT(nees, 2.0);
   }
 }

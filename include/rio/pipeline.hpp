@@ -69,7 +69,7 @@ class Pipeline {
     gravity_.reset(prior.time);
     gyro_bias_.reset();
     rest_.reset();
-    last_told_ = prior.time;
+    last_static_set_ = prior.time;
     replaced_.reset();
     backend_.reset(prior, P0);
     health_.reset(prior.time);
@@ -160,7 +160,7 @@ class Pipeline {
     const DetectionList& scan = without_own_echoes(corrected(received));
     forget_after_silence(scan.time);
     observe(scan, last, imu);  // (3)
-    if (seen_.ego_velocity.inliers > 0) last_told_ = scan.time;
+    if (seen_.ego_velocity.inliers > 0) last_static_set_ = scan.time;
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
     gyro_bias_.predicted(estimate(), backend_.state_estimate().covariance().body());
@@ -245,7 +245,7 @@ class Pipeline {
     const BodyCovariance P = backend_.state_estimate().covariance().body();
     const double turn =
         std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
-    if (time - last_told_ > kLongest || (report_.imu_gap && turn > kTurn)) {
+    if (time - last_static_set_ > kLongest || (report_.imu_gap && turn > kTurn)) {
       backend_.drop_landmarks(&report_);
       reset_frontends();
     }
@@ -377,7 +377,7 @@ class Pipeline {
   Promotions promotions_;
   UpdateReport report_;
   HealthMonitor health_;
-  Time last_told_{0};  ///< stamp of the last scan with a static set
+  Time last_static_set_{0};  ///< stamp of the last scan with a static set
   std::optional<Replaced> replaced_;
   bool unconfirmed_alignment_ = false;
   ScanId next_scan_ = 0;

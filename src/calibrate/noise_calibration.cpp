@@ -170,11 +170,11 @@ NoiseCalibration calibrate_noise(const Recording& recording, const Options& opti
       throw std::runtime_error("only " + std::to_string(fewest) + " matches, at least " +
                                std::to_string(kFewest) + " are needed: fly longer");
     }
-    const eval::RadarNoise told = noise_of(now.radar);
+    const eval::RadarNoise configured = noise_of(now.radar);
     const std::optional<eval::NoiseFit> fit =
-        eval::NoiseFitter(seen.samples).fit(told, smallest_sigmas(now.radar));
+        eval::NoiseFitter(seen.samples).fit(configured, smallest_sigmas(now.radar));
     if (!fit) throw std::runtime_error("the innovations do not fix the sigmas: fly longer");
-    const Eigen::Array4d change = (fit->noise.sigma.array() / told.sigma.array()).log().abs();
+    const Eigen::Array4d change = (fit->noise.sigma.array() / configured.sigma.array()).log().abs();
     result.converged = (change < fit->relative_error.array().max(kUnchanged)).all();
     result.fit = *fit;
     now = with_noise(now, *fit);

@@ -19,26 +19,26 @@ constexpr double kFarApart = 3.0;  // halves, in sigmas, and ...
 constexpr double kFactor = 1.5;    // ... by this factor: roughly right is better than wrong
 
 /// Logarithm of a sigma from the whole of a recording and its halves, if determined.
-struct Told {
+struct Fitted {
   std::optional<Measured> whole;
   std::optional<Measured> first;
   std::optional<Measured> second;
 };
 
 /// (E3)
-NoiseEstimate over(const std::vector<Told>& recordings) {
+NoiseEstimate over(const std::vector<Fitted>& recordings) {
   NoiseEstimate out;
   out.relative_error = std::numeric_limits<double>::infinity();
   out.halves_apart = std::numeric_limits<double>::quiet_NaN();
   std::vector<Measured> whole;
   std::vector<Measured> halves;
   double factor = 1.0;
-  for (const Told& told : recordings) {
-    if (told.whole) whole.push_back(*told.whole);
-    if (!told.first || !told.second) continue;
-    halves.insert(halves.end(), {*told.first, *told.second});
-    out.halves_apart = std::fmax(out.halves_apart, apart(*told.first, *told.second));
-    factor = std::max(factor, std::exp(std::abs(told.first->value - told.second->value)));
+  for (const Fitted& fitted : recordings) {
+    if (fitted.whole) whole.push_back(*fitted.whole);
+    if (!fitted.first || !fitted.second) continue;
+    halves.insert(halves.end(), {*fitted.first, *fitted.second});
+    out.halves_apart = std::fmax(out.halves_apart, apart(*fitted.first, *fitted.second));
+    factor = std::max(factor, std::exp(std::abs(fitted.first->value - fitted.second->value)));
   }
   if (whole.empty()) return out;
   const Combined mean = combine(whole);
@@ -104,7 +104,7 @@ Fit fit(const Recording& recording, const Options& options, const std::string& n
   }
 }
 
-std::optional<Measured> told_by(const Fit& fit, int k) {
+std::optional<Measured> fitted_by(const Fit& fit, int k) {
   const auto i = static_cast<std::size_t>(k);
   if (!fit || !fit->settled[i] || fit->noise.at_bound[i]) return std::nullopt;
   return Measured{std::log(fit->noise.noise.sigma[k]), fit->noise.relative_error[k]};
@@ -144,7 +144,7 @@ std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin
 }
 
 template <class Axes>
-Told rest_noise_and_halves(const Recording& recording, Time end, double duration, Axes axes) {
+Fitted rest_noise_and_halves(const Recording& recording, Time end, double duration, Axes axes) {
   const Time begin = end - from_seconds(duration);
   const Time middle = begin + (end - begin) / 2;
   return {rest_noise(recording.imu, begin, end, axes),
@@ -159,9 +159,9 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
                                   const Options& options,
                                   const std::function<void(const std::string&)>& each) {
   SensorNoise out;
-  std::array<std::vector<Told>, 4> radar;
-  std::vector<Told> gyro;
-  std::vector<Told> accel;
+  std::array<std::vector<Fitted>, 4> radar;
+  std::vector<Fitted> gyro;
+  std::vector<Fitted> accel;
   std::vector<Measured> weak;
   bool growth_seen = true;
   std::vector<std::string> of_halves;
@@ -175,7 +175,7 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
     const Fit second = fit(second_half(recording, middle), options, name, &of_halves);
     for (int k = 0; k < 4; ++k) {
       radar[static_cast<std::size_t>(k)].push_back(
-          {told_by(whole, k), told_by(first, k), told_by(second, k)});
+          {fitted_by(whole, k), fitted_by(first, k), fitted_by(second, k)});
     }
     if (whole) {
       const eval::NoiseFit& noise = whole->noise;

@@ -46,11 +46,11 @@ std::string turn_text(const Matrix3d& turn, const char* whose) {
 }
 
 /// The equivalent description about an axis of the radar or of the body, if there is one.
-std::string turn_text(const Matrix3d& told, const Matrix3d& R) {
-  const Matrix3d of_body = R * told.transpose();
+std::string turn_text(const Matrix3d& configured, const Matrix3d& R) {
+  const Matrix3d of_body = R * configured.transpose();
   const Vector3d phi = quaternion_log(Quaternion(of_body));
   const bool body_axis = phi.cwiseAbs().maxCoeff() > 0.99 * phi.norm();
-  return body_axis ? turn_text(of_body, "body") : turn_text(told.transpose() * R, "radar");
+  return body_axis ? turn_text(of_body, "body") : turn_text(configured.transpose() * R, "radar");
 }
 
 /// An option for the first radar; for another one a line of its sensor file.
@@ -75,8 +75,8 @@ double angle_between(const Matrix3d& a, const Matrix3d& b) {
   return quaternion_log(Quaternion(a.transpose() * b)).norm();
 }
 
-std::vector<Axes> candidates(const Quaternion& told) {
-  const Matrix3d R = told.toRotationMatrix();
+std::vector<Axes> candidates(const Quaternion& configured) {
+  const Matrix3d R = configured.toRotationMatrix();
   std::vector<Axes> out;
   for (const bool flipped : {false, true}) {
     const double sign = flipped ? -1.0 : 1.0;
@@ -108,22 +108,24 @@ std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose) {
   return std::nullopt;
 }
 
-std::string describe(const Matrix3d& told, const Axes& axes) {
-  if (!axes.doppler_flipped) return "the radar is turned by " + turn_text(told, axes.R);
+std::string describe(const Matrix3d& configured, const Axes& axes) {
+  if (!axes.doppler_flipped) return "the radar is turned by " + turn_text(configured, axes.R);
   if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
   const std::string turned =
-      "the Doppler has the wrong sign and the radar is turned by " + turn_text(told, -axes.R);
-  const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
+      "the Doppler has the wrong sign and the radar is turned by " + turn_text(configured, -axes.R);
+  const std::optional<std::string> mirrored =
+      mirror_text(configured.transpose() * axes.R, "the points");
   return mirrored ? *mirrored + " (or " + turned + ")" : turned;
 }
 
-std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options, Source source,
-                      std::size_t radar) {
+std::string change_of(const Matrix3d& configured, const Axes& axes, const Options& options,
+                      Source source, std::size_t radar) {
   const Vector3d& p = options.radar.T_BS.translation;
   if (!axes.doppler_flipped) return mounting_line(axes.R, p, radar);
   if (axes.turn < 1e-6) return sign_line(source);
   std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p, radar);
-  const std::optional<std::string> mirrored = mirror_text(told.transpose() * axes.R, "the points");
+  const std::optional<std::string> mirrored =
+      mirror_text(configured.transpose() * axes.R, "the points");
   if (!mirrored) return both;
   const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."
                                              : "the columns x, y, z of radar0/data.csv";

@@ -22,7 +22,7 @@ struct Axes {
 };
 
 /// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.
-std::vector<Axes> candidates(const Quaternion& told);
+std::vector<Axes> candidates(const Quaternion& configured);
 
 /// Between two rotations [rad].
 double angle_between(const Matrix3d& a, const Matrix3d& b);
@@ -31,10 +31,10 @@ double angle_between(const Matrix3d& a, const Matrix3d& b);
 std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose);
 
 /// The error of the configured mounting, if these are the true axes.
-std::string describe(const Matrix3d& told, const Axes& axes);
+std::string describe(const Matrix3d& configured, const Axes& axes);
 
 /// The line that corrects it. @param radar its number
-std::string change_of(const Matrix3d& told, const Axes& axes, const Options& options, Source source,
-                      std::size_t radar);
+std::string change_of(const Matrix3d& configured, const Axes& axes, const Options& options,
+                      Source source, std::size_t radar);
 
 }  // namespace rio::check

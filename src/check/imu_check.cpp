@@ -116,7 +116,7 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
     if (!place.empty()) out.text += fmt::format(" ({})", place);
   }
   constexpr double kSlowest = 0.05;  // too slow an IMU for integration in flight [s]
-  const double told = info.rate_hz.value_or(1.0 / period);
+  const double configured = info.rate_hz.value_or(1.0 / period);
   if (period > kSlowest) {
     out.verdict = Verdict::kWrong;
     out.change = "record the IMU at 100 Hz or more";
@@ -127,7 +127,7 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   } else if (!bridged || bridged->velocity > kMostVelocity || bridged->angle > kMostTilt) {
     out.verdict = Verdict::kDoubtful;
     out.change = "record with less load; the gaps are bridged, at a loss of accuracy";
-  } else if (std::abs(told * period - 1.0) > 0.1) {
+  } else if (std::abs(configured * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("imu0/sensor.yaml: rate_hz: {:.0f}", 1.0 / period);
   } else if (stray.count > 0) {
@@ -231,15 +231,15 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
   const double usual = quantile_of(&rates, 0.5);
   const double most = *std::max_element(rates.begin(), rates.end());
-  const double told = turning_error(samples, 1.0);
+  const double as_given = turning_error(samples, 1.0);
   const double scaled = turning_error(samples, kDegree);
   Finding out{Verdict::kOk, "gyro unit",
               fmt::format("rates of {:.3g} rad/s (median) to {:.3g} rad/s, {:.3g} rad/s in the "
                           "stillest second; they carry the direction of the specific force over "
                           "half a second to {:.1f} deg",
-                          usual, most, rest.gyro.norm(), told / kDegree),
+                          usual, most, rest.gyro.norm(), as_given / kDegree),
               ""};
-  const bool nonsense = told > kAnywhere && scaled < 0.5 * told;
+  const bool nonsense = as_given > kAnywhere && scaled < 0.5 * as_given;
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
     out.verdict = Verdict::kWrong;

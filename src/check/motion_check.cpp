@@ -31,7 +31,7 @@ struct Judge {
   Source source;
   std::size_t radar;
   double noise;  ///< of the radar's velocities [m/s]
-  Matrix3d told = options.radar.T_BS.rotation.toRotationMatrix();
+  Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
   Agreement all = windows.total();
 
   double doubt(const Matrix3d& worse, const Matrix3d& better) const {
@@ -57,7 +57,7 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
              significance(judge.all.explained(axes.R), explained, judge.windows.size()) < kSure;
     });
     if (!better || explained < kExplained) continue;
-    list->push_back({R, sign < 0.0, angle_between(judge.told, sign * R)});
+    list->push_back({R, sign < 0.0, angle_between(judge.configured, sign * R)});
   }
 }
 
@@ -87,7 +87,7 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
   // the same matrix up to a tilt of the mounting; mirrored points are the more likely error
   const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6;
   const auto mirrored = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
-    return mirror_text(judge.told.transpose() * axes.R, "the points").has_value();
+    return mirror_text(judge.configured.transpose() * axes.R, "the points").has_value();
   });
   if (strange && mirrored != alike->end()) std::iter_swap(alike->begin(), mirrored);
   return alike->front();
@@ -114,36 +114,38 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
 }
 
 Finding check_axes(const Judge& judge) {
-  const double as_told = judge.all.explained(judge.told);
+  const double as_configured = judge.all.explained(judge.configured);
   std::vector<Axes> alike;
   const Axes found = choose(judge, hypotheses(judge), &alike);
   const double best = judge.all.explained(found.R);
-  Finding out{Verdict::kOk, "axes and Doppler sign",
-              fmt::format("with mounting and Doppler as told the radar explains {:.0f} % of the "
-                          "movement the IMU measures",
-                          100.0 * as_told),
-              ""};
-  const bool is_told = !found.doppler_flipped && found.turn < 1e-6;
+  Finding out{
+      Verdict::kOk, "axes and Doppler sign",
+      fmt::format("with mounting and Doppler as configured the radar explains {:.0f} % of the "
+                  "movement the IMU measures",
+                  100.0 * as_configured),
+      ""};
+  const bool is_configured = !found.doppler_flipped && found.turn < 1e-6;
   if (best < kExplained) {
     say_nothing_explains(judge, best, &out);
     return out;
   }
-  if (is_told) {
+  if (is_configured) {
     out.text += alike.size() == 1
                     ? ", clearly more than with any other axes"
                     : fmt::format("; {} other axes would do as well", alike.size() - 1);
     return out;
   }
-  if (as_told > 0.8 * best) {
+  if (as_configured > 0.8 * best) {
     out.verdict = Verdict::kDoubtful;
   } else {
-    out.verdict = judge.doubt(judge.told, found.R) > kSure ? Verdict::kWrong : Verdict::kDoubtful;
+    out.verdict =
+        judge.doubt(judge.configured, found.R) > kSure ? Verdict::kWrong : Verdict::kDoubtful;
   }
-  out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.told, found));
+  out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found));
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
-    out.text += ", or as well if " + describe(judge.told, alike[i]);
+    out.text += ", or as well if " + describe(judge.configured, alike[i]);
   }
-  out.change = change_of(judge.told, found, judge.options, judge.source, judge.radar);
+  out.change = change_of(judge.configured, found, judge.options, judge.source, judge.radar);
   return out;
 }
 
@@ -211,7 +213,7 @@ std::optional<Finding> check_handedness(const Judge& judge, const std::vector<Im
       significance(as_read, most, mirrored.size()) < kSure) {
     return std::nullopt;
   }
-  const Matrix3d of_body = best->R * judge.told.transpose();
+  const Matrix3d of_body = best->R * judge.configured.transpose();
   const std::string how =
       mirror_text(of_body, "the IMU").value_or("an odd number of axes of the IMU is mirrored");
   const char* where = judge.source == Source::kBag
@@ -267,10 +269,11 @@ const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const 
   std::vector<double> most;
   for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
   const auto best = std::max_element(most.begin(), most.end()) - most.begin();
-  const Agreements& told = shifts[kShifts];
-  return significance(most[kShifts], most[static_cast<std::size_t>(best)], told.size()) > kSure
+  const Agreements& configured = shifts[kShifts];
+  return significance(most[kShifts], most[static_cast<std::size_t>(best)], configured.size()) >
+                 kSure
              ? shifts[static_cast<std::size_t>(best)]
-             : told;
+             : configured;
 }
 
 /// The shift of the stamps that explains the most.

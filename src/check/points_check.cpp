@@ -108,7 +108,7 @@ struct Rate {
   const char* unit = "";  ///< of the Doppler; empty for [m/s]
 };
 
-/// The configured one first, then no relation, then the other sign and the units with both.
+/// The as_given one first, then no relation, then the other sign and the units with both.
 std::vector<Rate> rates() {
   std::vector<Rate> out = {{1.0, ""}, {0.0, ""}, {-1.0, ""}};
   for (const DopplerUnit& unit : kDopplerUnits) {
@@ -125,14 +125,14 @@ class RangeVotes {
     for (const Rate& rate : all_) largest_ = std::max(largest_, std::abs(rate.k));
   }
 
-  /// Largest change of range under any hypothesis, for a point with at most this configured one
+  /// Largest change of range under any hypothesis, for a point with at most this as_given one
   /// [m].
-  double farthest(double told) const { return largest_ * std::abs(told) + kBound; }
+  double farthest(double as_given) const { return largest_ * std::abs(as_given) + kBound; }
 
-  void add(double moved, double told, std::size_t block) {
+  void add(double moved, double as_given, std::size_t block) {
     std::uint32_t supported = 0;  // one bit each
     for (std::size_t a = 0; a < all_.size(); ++a) {
-      const bool fits = std::abs(moved - all_[a].k * told) < kBound;
+      const bool fits = std::abs(moved - all_[a].k * as_given) < kBound;
       supported |= static_cast<std::uint32_t>(fits) << a;
     }
     if (supported == 0) return;
@@ -140,7 +140,8 @@ class RangeVotes {
       if ((supported >> a & 1U) == 0) continue;
       for (std::size_t b = 0; b < all_.size(); ++b) {
         if ((supported >> b & 1U) != 0) continue;
-        if (std::abs((all_[a].k - all_[b].k) * told) < 2.0 * kBound) continue;  // both may be true
+        if (std::abs((all_[a].k - all_[b].k) * as_given) < 2.0 * kBound)
+          continue;  // both may be true
         votes_[std::min(a, b) * all_.size() + std::max(a, b)].add(block, a < b, b < a);
       }
     }
@@ -215,11 +216,11 @@ std::string meaning_of(const Rate& rate) {
   return sign.empty() ? unit : sign + " and " + unit;
 }
 
-/// (E2) of the rates taken as deg/s against the rates as configured, with every mounting.
+/// (E2) of the rates taken as deg/s against the rates as as_given, with every mounting.
 class TurnVotes {
  public:
-  explicit TurnVotes(const Quaternion& told) {
-    for (const Axes& axes : candidates(told)) {
+  explicit TurnVotes(const Quaternion& as_given) {
+    for (const Axes& axes : candidates(as_given)) {
       const bool known = std::any_of(mountings_.begin(), mountings_.end(),
                                      [&](const Matrix3d& R) { return (R - axes.R).norm() < 1e-6; });
       if (!known) mountings_.push_back(axes.R);
@@ -228,10 +229,10 @@ class TurnVotes {
     turns_.resize(mountings_.size());
   }
 
-  /// @param told, in_degrees rotation of the body from one scan to the other, in its axes
-  void add(const ScanView& from, const ScanView& to, const Quaternion& told,
+  /// @param as_given, in_degrees rotation of the body from one scan to the other, in its axes
+  void add(const ScanView& from, const ScanView& to, const Quaternion& as_given,
            const Quaternion& in_degrees, std::size_t block) {
-    const Vector3d phi = quaternion_log(told);
+    const Vector3d phi = quaternion_log(as_given);
     if (phi.norm() < 2.0 * kBound) return;  // both would be true
     for (std::size_t m = 0; m < turns_.size(); ++m) {
       turns_[m] = quaternion_exp(-(mountings_[m].transpose() * phi)).toRotationMatrix();
@@ -255,7 +256,7 @@ class TurnVotes {
       }
     }
   }
-  /// For the mounting with which the configured rates do best.
+  /// For the mounting with which the as_given rates do best.
   const Support& best() const {
     return *std::min_element(votes_.begin(), votes_.end(), [](const Support& a, const Support& b) {
       return a.lead() < b.lead();
@@ -270,8 +271,8 @@ class TurnVotes {
     constexpr double kSquare = kBound * kBound;
     const bool in_degrees = (small * u - v).squaredNorm() < kSquare;
     for (std::size_t m = 0; m < turns_.size(); ++m) {
-      const bool told = (turns_[m] * u - v).squaredNorm() < kSquare;
-      if (told || in_degrees) votes_[m].add(block, in_degrees, told);
+      const bool as_given = (turns_[m] * u - v).squaredNorm() < kSquare;
+      if (as_given || in_degrees) votes_[m].add(block, in_degrees, as_given);
     }
   }
 
@@ -338,7 +339,7 @@ Finding check_ranges(const Scans& scans, const Options& options, Source source) 
 
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
                                    const Options& options, Source source) {
-  const ImuPath told(samples, 1.0, 1.0);
+  const ImuPath as_given(samples, 1.0, 1.0);
   const ImuPath in_degrees(samples, kDegree, 1.0);
   TurnVotes votes(options.radar.T_BS.rotation);
   each_pair_of_scans(scans,
@@ -349,7 +350,7 @@ std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const 
                          if (!first || !last) return std::nullopt;
                          return first->turn.conjugate() * last->turn;
                        };
-                       const auto whole = turn(told);
+                       const auto whole = turn(as_given);
                        if (whole) votes.add(from, to, *whole, *turn(in_degrees), block);
                      });
   const Support& best = votes.best();

@@ -50,7 +50,7 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
   }
   const double period = median(periods);
   const double longest = *std::max_element(periods.begin(), periods.end());
-  const double told = info.rate_hz.value_or(1.0 / period);
+  const double configured = info.rate_hz.value_or(1.0 / period);
   Finding out{Verdict::kOk, "radar stamps",
               fmt::format("{} scans, one each {:.1f} ms ({:.1f} Hz), longest gap {:.2f} s, {} not "
                           "in the order of time",
@@ -73,7 +73,7 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
   } else if (longest > kLongestSilence) {
     out.verdict = Verdict::kDoubtful;
     out.change = "look for what silenced the radar; the estimate is uncertain meanwhile";
-  } else if (std::abs(told * period - 1.0) > 0.1) {
+  } else if (std::abs(configured * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("radar0/sensor.yaml: rate_hz: {:.1f}", 1.0 / period);
   }

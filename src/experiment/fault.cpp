@@ -35,7 +35,7 @@ void sort(Stream& all) {
 
 std::vector<Fault> make_catalogue() {
   std::vector<Fault> all = {{.name = "none", .promise = Promise::kIgnored}};
-  for (const auto& group : {time_faults, imu_faults, radar_faults, told_faults}) {
+  for (const auto& group : {time_faults, imu_faults, radar_faults, configuration_faults}) {
     for (Fault& fault : group()) all.push_back(std::move(fault));
   }
   const auto pair = [&all](std::string_view a, std::string_view b, Promise promise,

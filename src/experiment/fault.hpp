@@ -68,7 +68,7 @@ struct Fault {
   double duration = 1.0;  ///< events arriving within it are changed; kForGood [s]
   std::function<void(Event&, Moment&)> change{};
   std::function<void(sim::Scenario&)> sensors{};  ///< the flight differs from its start on
-  std::function<void(Options&)> told{};           ///< wrong configuration of the estimator
+  std::function<void(Options&)> configure{};      ///< wrong configuration of the estimator
 };
 
 /// "recovered within 5 s".
@@ -83,7 +83,7 @@ const Fault& fault_named(std::string_view name);
 std::vector<Fault> imu_faults();
 std::vector<Fault> radar_faults();
 std::vector<Fault> time_faults();
-std::vector<Fault> told_faults();
+std::vector<Fault> configuration_faults();
 
 /// Both faults; lasts as long as the longer one.
 Fault together(const Fault& a, const Fault& b, Promise promise, double within = 0.0);

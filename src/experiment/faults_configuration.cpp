@@ -16,10 +16,10 @@ constexpr double kDegree = M_PI / 180.0;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Fault turned_mounting(double degrees, Promise promise) {
-  return {.name = fmt::format("mounting told wrong by {} deg", degrees),
+  return {.name = fmt::format("mounting wrong by {} deg", degrees),
           .promise = promise,
           .duration = kForGood,
-          .told = [degrees](Options& o) {
+          .configure = [degrees](Options& o) {
             const Vector3d axis = Vector3d(1.0, 1.0, 1.0).normalized();
             Quaternion& rotation = o.radar.T_BS.rotation;
             rotation = (rotation * quaternion_exp(degrees * kDegree * axis)).normalized();
@@ -105,16 +105,16 @@ std::vector<Fault> impossible_starts() {
 
 }  // namespace
 
-std::vector<Fault> told_faults() {
+std::vector<Fault> configuration_faults() {
   std::vector<Fault> all = {
       turned_mounting(5.0, Promise::kHonest),
       turned_mounting(20.0, Promise::kReported),
       turned_mounting(90.0, Promise::kReported),
       turned_mounting(180.0, Promise::kReported),
-      {.name = "mounting told wrong by 0.3 m",
+      {.name = "mounting wrong by 0.3 m",
        .promise = Promise::kHonest,
        .duration = kForGood,
-       .told = [](Options& o) { o.radar.T_BS.translation.x() += 0.3; }},
+       .configure = [](Options& o) { o.radar.T_BS.translation.x() += 0.3; }},
   };
   for (Fault& fault : wrong_starts()) all.push_back(std::move(fault));
   for (Fault& fault : impossible_starts()) all.push_back(std::move(fault));

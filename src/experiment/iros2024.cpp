@@ -170,8 +170,8 @@ struct Start {
   const char* scenario;
   const char* text;
 };
-constexpr std::array kStarts = {Start{"vague-velocity", "told sigma 2 m/s (honest)"},
-                                Start{"wrong-velocity", "told sigma 0.05 m/s (wrong)"}};
+constexpr std::array kStarts = {Start{"vague-velocity", "start sigma 2 m/s (honest)"},
+                                Start{"wrong-velocity", "start sigma 0.05 m/s (wrong)"}};
 
 SpeedErrors start_wrongly(const Settings& settings, std::vector<Outcome>* data) {
   std::vector<Case> cases;

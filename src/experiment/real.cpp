@@ -125,9 +125,9 @@ std::vector<std::string> with_front(const std::vector<std::string>& front,
 
 std::string table_of_recordings(const std::vector<Recording>& recordings,
                                 const std::vector<Run>& runs) {
-  MarkdownTable table({"recording", "way [m]", "estimator", "first to last [m]", "horizontal [%]",
-                       "height [%]", "height [m]", "height beyond 3 sigma [% of scans]",
-                       "creep [m]", "creep / sigma"});
+  MarkdownTable table({"recording", "distance [m]", "estimator", "first to last [m]",
+                       "horizontal [%]", "height [%]", "height [m]",
+                       "height beyond 3 sigma [% of scans]", "creep [m]", "creep / sigma"});
   for (std::size_t i = 0; i < recordings.size(); ++i) {
     for (const Run& run : runs) {
       if (run.original != i || run.estimator > 1 || !run.kind.empty() || run.calibrated) continue;
@@ -146,7 +146,7 @@ std::string table_of_recordings(const std::vector<Recording>& recordings,
 
 /// Recordings NAME_A and NAME_B are of one drive: their end positions must agree.
 std::string table_of_pairs(const std::vector<Recording>& recordings, const std::vector<Run>& runs) {
-  MarkdownTable table({"drive", "estimator", "ends of A and B apart [% of the way]"});
+  MarkdownTable table({"drive", "estimator", "ends of A and B apart [% of the distance]"});
   for (std::size_t i = 0; i + 1 < recordings.size(); ++i) {
     const std::string& a = recordings[i].name;
     if (a.size() < 2 || a.substr(a.size() - 2) != "_A") continue;
@@ -227,14 +227,13 @@ Result real(const Settings& settings) {
   }
   Result result;
   result.markdown = fmt::format(
-      "Static start, no option set. RMS in % of the way: horizontal against the reference, laid "
-      "over "
-      "it at the first scan\n(position and heading); height against the flat floor or the "
-      "barometer. "
-      "Creep: range of the height during the rest at\nthe end. - = not known of this recording.\n\n"
-      "{}\nTwo radars of one drive:\n\n{}\nAll recordings, median (worst); as calibrated: mounting "
-      "and stamps as the filter of `default` finds them in the same\nrecording:\n\n{}\nPerturbed "
-      "copies, median (worst):\n\n{}",
+      "Static start, no option set. RMS in % of the distance: horizontal against the reference, "
+      "laid over it at the first\nscan (position and heading); height against the flat floor or "
+      "the "
+      "barometer. Creep: range of the height during the\nrest at the end. - = not known of this "
+      "recording.\n\n{}\nTwo radars of one drive:\n\n{}\nAll recordings, median (worst); as "
+      "calibrated: mounting and stamps as the filter of `default` finds them in the same\n"
+      "recording:\n\n{}\nPerturbed copies, median (worst):\n\n{}",
       table_of_recordings(recordings, runs), table_of_pairs(recordings, runs), presets.text(),
       perturbations.text());
   return result;

@@ -81,16 +81,16 @@ class Run {
  public:
   Run(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each)
       : settings_(settings), each_(each), flight_(scenario()) {
-    sim::Flight told;  // sensor parameters only
-    told.scenario = scenario();
-    told.configured_T_BS = told.scenario.radar.T_BS;
-    Options options = options_for(told, "default");
+    sim::Flight sensors;  // sensor parameters only
+    sensors.scenario = scenario();
+    sensors.configured_T_BS = sensors.scenario.radar.T_BS;
+    Options options = options_for(sensors, "default");
     options.backend = settings.backend;
     options.timing.clock = &steady_now;
     std::string why;
     odometry_ = Odometry::create(options, &why);
     if (odometry_ == nullptr) throw std::runtime_error(why);
-    const NavState start = flight_.truth(told.scenario.start);
+    const NavState start = flight_.truth(sensors.scenario.start);
     BodyCovariance P0 = io::start_covariance(start.q_WB, options.start);
     if (odometry_->reset(start, P0) != Status::kOk) throw std::runtime_error("no start");
   }

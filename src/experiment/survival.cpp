@@ -242,7 +242,7 @@ bool is_reported(const Odometry& odometry) {
 Survival survive(const sim::Flight& flight, const Options& options, const Fault& fault,
                  double begin, double after) {
   Options used = options;
-  if (fault.told) fault.told(used);
+  if (fault.configure) fault.configure(used);
   std::string why;
   const auto odometry = Odometry::create(used, &why);
   if (odometry == nullptr) throw std::runtime_error(why);

@@ -100,7 +100,7 @@ class FlightReplay {
 void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometry& odometry) {
   const NavState state = flight.configured_start();
   BodyCovariance P = io::start_covariance(state.q_WB, start);
-  const double sigma = flight.scenario.told.start_velocity_sigma;
+  const double sigma = flight.scenario.errors.start_velocity_sigma;
   P.block<3, 3>(body::kVelocity, body::kVelocity) = Matrix3d::Identity() * sigma * sigma;
   if (odometry.reset(state, P) != Status::kOk) throw std::runtime_error("the start was refused");
 }
@@ -141,7 +141,7 @@ Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& ea
 
 Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each) {
   Options used = options;
-  const bool wrong = flight.scenario.told.starts_wrongly();
+  const bool wrong = flight.scenario.errors.starts_wrongly();
   if (wrong) used.start.static_alignment = false;
   std::string why;
   const std::unique_ptr<Odometry> odometry = Odometry::create(used, &why);

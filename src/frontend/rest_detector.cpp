@@ -54,7 +54,7 @@ std::optional<RestModel::Measurement> RestDetector::observe(const DetectionList&
   const double noise = options_.imu.gyro_noise_density / std::sqrt(duration);
   const bool quiet = span.loudest < kQuiet;  // (E4)
   return RestModel::Measurement{span.gyro_B, quiet ? kStandingVelocity : kTouchedVelocity,
-                                quiet ? std::max(noise, kSmallestRate) : kUntold};
+                                quiet ? std::max(noise, kSmallestRate) : kUnknown};
 }
 
 RestDetector::Points RestDetector::points_of(const DetectionList& scan, Time time) {

@@ -52,8 +52,8 @@ double widened_fov(double fov, double sigma) {
   return std::min(std::numbers::pi, fov + 6.0 * sigma / std::max(std::cos(0.5 * fov), kMinCosine));
 }
 
-void tell_radar(const RadarInfo& info, RadarOptions* told, Teller teller) {
-  RadarOptions& radar = *told;
+void tell_radar(const RadarInfo& info, RadarOptions* out, Teller teller) {
+  RadarOptions& radar = *out;
   std::optional<Vector3d> translation;
   std::optional<Quaternion> rotation;
   if (info.T_BS) translation = info.T_BS->translation;

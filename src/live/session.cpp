@@ -84,8 +84,8 @@ void Session::imu(const ImuSample& sample, Time arrival) {
 void Session::tell_estimate() {
   const std::uint64_t scans = odometry_->counters().scans;
   const UpdateReport& report = odometry_->report();
-  if (scans == scans_told_) return;
-  scans_told_ = scans;
+  if (scans == scans_reported_) return;
+  scans_reported_ = scans;
   if (report.status != Status::kOk) return;
   const auto of_it = [&report](const Pending& scan) { return scan.stamp == report.time; };
   const auto scan = std::find_if(pending_.begin(), pending_.end(), of_it);
@@ -95,7 +95,7 @@ void Session::tell_estimate() {
 
 Time Session::host_offset() const {
   if (imu_on_host_clock_) return Time{0};
-  return told_offset_.value_or(offset_.offset());
+  return configured_offset_.value_or(offset_.offset());
 }
 
 }  // namespace rio::live

@@ -56,7 +56,7 @@ class Session {
   /// A sample of the IMU.
   void imu(const ImuSample& sample, Time arrival);
   /// The offset of the clocks, if known better than from the arrivals of the samples.
-  void tell_host_offset(Time offset) { told_offset_ = offset; }
+  void tell_host_offset(Time offset) { configured_offset_ = offset; }
 
   const Odometry& odometry() const { return *odometry_; }
   std::size_t radars() const { return radars_.size(); }
@@ -97,10 +97,10 @@ class Session {
   std::vector<Listener*> listeners_;
   bool imu_on_host_clock_;
   ClockOffset offset_;
-  std::optional<Time> told_offset_;
+  std::optional<Time> configured_offset_;
   std::array<Pending, 64> pending_{};  ///< ring buffer
   std::size_t next_pending_ = 0;
-  std::uint64_t scans_told_ = 0;
+  std::uint64_t scans_reported_ = 0;
   std::uint64_t imu_samples_ = 0;
   std::uint64_t frames_without_imu_ = 0;
   std::uint64_t frames_made_up_ = 0;

@@ -130,18 +130,18 @@ const std::vector<CatalogueEntry>& catalogue() {
       CatalogueEntry{"wrong-velocity", "at rest, started with (2, 2, 0) m/s and a sigma of 0.05",
                      [](Scenario& s) {
                        s.path.length = 60.0;
-                       s.told.start_velocity = {2.0, 2.0, 0.0};
+                       s.errors.start_velocity = {2.0, 2.0, 0.0};
                      }},
       CatalogueEntry{"vague-velocity", "the same start with a sigma of 2 m/s",
                      [](Scenario& s) {
                        s.path.length = 60.0;
-                       s.told.start_velocity = {2.0, 2.0, 0.0};
-                       s.told.start_velocity_sigma = 2.0;
+                       s.errors.start_velocity = {2.0, 2.0, 0.0};
+                       s.errors.start_velocity_sigma = 2.0;
                      }},
-      CatalogueEntry{"extrinsics", "mounting told wrongly by 3 deg and 5 cm",
+      CatalogueEntry{"extrinsics", "mounting configured 3 deg and 5 cm wrong",
                      [](Scenario& s) {
-                       s.told.extrinsic_angle = 3.0 * kDegree;
-                       s.told.extrinsic_distance = 0.05;
+                       s.errors.extrinsic_angle = 3.0 * kDegree;
+                       s.errors.extrinsic_distance = 0.05;
                      }},
       CatalogueEntry{"late-stamps", "radar stamps 30 ms late",
                      [](Scenario& s) { s.radar.stamp_offset = 0.03; }},

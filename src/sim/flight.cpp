@@ -93,8 +93,8 @@ Pose configured_mounting(const Scenario& scenario) {
   const Vector3d axis = random.normal3().normalized();
   const Vector3d direction = random.normal3().normalized();
   const Pose& T_BS = scenario.radar.T_BS;
-  return {(T_BS.rotation * quaternion_exp(scenario.told.extrinsic_angle * axis)).normalized(),
-          T_BS.translation + scenario.told.extrinsic_distance * direction};
+  return {(T_BS.rotation * quaternion_exp(scenario.errors.extrinsic_angle * axis)).normalized(),
+          T_BS.translation + scenario.errors.extrinsic_distance * direction};
 }
 
 NavState Flight::truth_at(Time time) const {
@@ -108,10 +108,10 @@ NavState Flight::truth_at(Time time) const {
 }
 
 NavState Flight::configured_start() const {
-  const Told& told = scenario.told;
+  const ConfigurationErrors& errors = scenario.errors;
   NavState state = truth.front();
-  state.v_WB += told.start_velocity;
-  state.q_WB = (state.q_WB * quaternion_exp(told.start_tilt * Vector3d::UnitX())).normalized();
+  state.v_WB += errors.start_velocity;
+  state.q_WB = (state.q_WB * quaternion_exp(errors.start_tilt * Vector3d::UnitX())).normalized();
   state.gyro_bias.setZero();
   state.accel_bias.setZero();
   return state;

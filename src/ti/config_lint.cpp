@@ -238,8 +238,8 @@ class Linter {
       const double elevation = c.number(4) - c.number(3);
       if (azimuth >= kNarrowAzimuth && elevation >= kNarrowElevation) return;
       add(LintKind::kNarrowView, false, &c,
-          format("only %g x %g deg are used: velocity across is told by wide angles", azimuth,
-                 elevation),
+          format("only %g x %g deg are used: the velocity across is measured by wide angles",
+                 azimuth, elevation),
           "aoaFovCfg -1 -70 70 -45 45");
     });
   }

@@ -63,7 +63,7 @@ void HealthLog::conclude(
 std::string HealthLog::verdict() const {
   if (lost()) return "lost: " + lost_because_;
   std::string why;
-  if (health_.state == HealthState::kInitializing) append(&why, "no scan told anything");
+  if (health_.state == HealthState::kInitializing) append(&why, "no scan was used");
   for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
     const Reason& reason = reasons_[i];
     if (reason.seconds == 0.0) continue;

@@ -110,7 +110,7 @@ void add_check_command(CLI::App& app) {
   command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
       ->required();
   command->add_option("--config", arguments->config,
-                      "option file with what you are told of the sensors, as the mounting");
+                      "option file with what is known of the sensors, as the mounting");
   command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
   add_recording_options(command, &arguments->how);
   command->callback([arguments] { check_recording(*arguments); });

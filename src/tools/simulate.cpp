@@ -74,7 +74,7 @@ std::string start_text(const sim::Flight& flight) {
       "time_ns: {}\nposition: [{}, {}, {}]\nquaternion_wxyz: [{}, {}, {}, {}]\n"
       "velocity: [{}, {}, {}]\nsigma:\n  velocity: {}\n",
       start.time.count(), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z(),
-      flight.scenario.told.start_velocity_sigma);
+      flight.scenario.errors.start_velocity_sigma);
 }
 
 /// The data of another radar on the same flight.
@@ -96,13 +96,13 @@ io::Dataset dataset_of(const sim::Flight& flight, std::size_t radars) {
 
 void write(const fs::path& out, const sim::Flight& flight, const io::Dataset& dataset) {
   const fs::path start = out / "start.yaml";
-  if (!flight.scenario.told.starts_wrongly() && fs::exists(start)) {
+  if (!flight.scenario.errors.starts_wrongly() && fs::exists(start)) {
     throw std::runtime_error(start.string() + ": is left from another recording");
   }
   io::write_dataset(out, dataset);
   write_text(out / "radar0" / "labels.csv", labels_text(flight));
   write_text(out / "scenario.yaml", io::scenario_as_yaml(flight.scenario));
-  if (flight.scenario.told.starts_wrongly()) write_text(start, start_text(flight));
+  if (flight.scenario.errors.starts_wrongly()) write_text(start, start_text(flight));
 }
 
 /// Of the path between the first and the last true state [m]; max_duration may have cut it.
@@ -160,7 +160,7 @@ void simulate(const SimulateArguments& arguments) {
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");
   }
-  if (flight.scenario.told.starts_wrongly()) {
+  if (flight.scenario.errors.starts_wrongly()) {
     fmt::print("note: starts wrongly with rio replay {0} --init {0}/start.yaml\n", arguments.out);
   }
   if (!arguments.live) return;

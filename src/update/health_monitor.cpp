@@ -62,7 +62,7 @@ void HealthMonitor::reset(Time time) {
   const std::uint8_t resets = health_.reset_counter;
   *this = HealthMonitor{};
   health_.reset_counter = static_cast<std::uint8_t>(resets + 1);
-  now_ = told_ = time;
+  now_ = last_used_ = time;
 }
 
 void HealthMonitor::add_step() {
@@ -97,7 +97,7 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   rows_used_ += used;
   detections_ += report.detections_kept;
   static_detections_ += report.static_detections;
-  if (used > 0) told_ = x.nav.time;
+  if (used > 0) last_used_ = x.nav.time;
   begun_ = begun_ || rows_used_ > kFewRows;
   severity(HealthReason::kVelocityContradicted) = report.velocity_contradicted / kVelocityTime;
   severity(HealthReason::kTiltContradicted) = report.tilt_contradicted / kTiltTime;
@@ -138,7 +138,7 @@ void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCova
 }
 
 void HealthMonitor::judge_scans(Time now, Time pause) {
-  severity(HealthReason::kRadarSilent) = to_seconds(now + pause - told_) / kSilence;
+  severity(HealthReason::kRadarSilent) = to_seconds(now + pause - last_used_) / kSilence;
   severity(HealthReason::kFewDetections) = kFewRows / std::max(rows_used_, 1e-3);
   const double others = detections_ - static_detections_;
   severity(HealthReason::kOutliers) = others / std::max(detections_, 10.0) / kOutliers;

@@ -30,8 +30,8 @@ sim::Flight fly_wrong(std::uint64_t seed, double length) {
   sim::Scenario scenario;
   scenario.seed = seed;
   scenario.path.length = length;
-  scenario.told.extrinsic_angle = 5.0 * kDegree;
-  scenario.told.extrinsic_distance = 0.05;
+  scenario.errors.extrinsic_angle = 5.0 * kDegree;
+  scenario.errors.extrinsic_distance = 0.05;
   scenario.radar.stamp_offset = 0.01;
   scenario.radar.doppler_scale = 0.01;
   return sim::simulate_flight(scenario);
@@ -109,7 +109,7 @@ TEST(RadarCalibration, SecondRecordingNarrowsTheSigmas) {
 }
 
 // A radar that is knocked out of place half way: the turn is in neither mounting file.
-TEST(RadarCalibration, HalvesThatContradictEachOtherKeepWhatWasTold) {
+TEST(RadarCalibration, HalvesThatContradictEachOtherKeepTheConfiguredValues) {
   const sim::Flight flight = fly_wrong(3, 25.0);
   Recording recording = recording_of(flight);
   const Quaternion knock = quaternion_exp(Vector3d(0.0, 0.0, 6.0 * kDegree));

@@ -114,11 +114,11 @@ TEST(Check, WhatItSaysToChangePutsTheMountingRight) {
   EXPECT_LT(quaternion_log(truth.conjugate() * q).norm(), 1e-3) << line;
 }
 
-TEST(Check, FindsAMountingThatNobodyTold) {
+TEST(Check, FindsAMountingThatNobodyConfigured) {
   io::Dataset dataset = flown("indoor-1", 50.0);
-  Quaternion& told = dataset.radar_info.T_BS->rotation;  // 45 deg down
-  const Quaternion truth = told;
-  told = quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth;
+  Quaternion& configured = dataset.radar_info.T_BS->rotation;  // 45 deg down
+  const Quaternion truth = configured;
+  configured = quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth;
   const Findings findings = check_it(dataset);
   const Finding* said = find(findings, "axes and Doppler sign");
   ASSERT_NE(said, nullptr) << text_of(findings);

@@ -31,7 +31,7 @@ std::filesystem::path recording_at(const std::string& name) {
 }
 
 /// @return faults named
-int expect_named(const std::string& name, const std::set<std::string>* told) {
+int expect_named(const std::string& name, const std::set<std::string>* expected_names) {
   const io::Dataset healthy = io::read_dataset(recording_at(name));
   const Findings fine = check_it(healthy);
   EXPECT_EQ(worst(fine), Verdict::kOk) << name << "\n" << text_of(fine);
@@ -41,7 +41,7 @@ int expect_named(const std::string& name, const std::set<std::string>* told) {
     fault.make(&damaged);
     const Findings findings = check_it(damaged);
     const bool is_named = check::naming(findings, fault) != nullptr;
-    const bool expected = told == nullptr || told->count(fault.name) > 0;
+    const bool expected = expected_names == nullptr || expected_names->count(fault.name) > 0;
     EXPECT_EQ(is_named, expected) << name << ", " << fault.name << "\n" << text_of(findings);
     EXPECT_TRUE(expected || worst(findings) == Verdict::kOk) << name << ", " << fault.name << "\n"
                                                              << text_of(findings);

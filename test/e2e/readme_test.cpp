@@ -100,9 +100,10 @@ std::string pattern(std::string text) {
 
 TEST(Readme, AccuracyOfItsFirstScreenIsThatOfTheResults) {
   const std::string flights = row(kFlights, {"all"}).at(3);
-  expect_figures(pattern("**Accuracy**, error in % of the way: # % at the end of simulated flights "
-                         "of 128 to 175 m (worst # %)"),
-                 {mean(flights), worst(flights)});
+  expect_figures(
+      pattern("**Accuracy**, error in % of the distance: # % at the end of simulated flights "
+              "of 128 to 175 m (worst # %)"),
+      {mean(flights), worst(flights)});
   const Cells real = row(kReal, {"default, filter", "as given"});
   const Cells copies = row("Perturbed copies", {"all", "default, filter"});
   expect_figures(pattern("kart with six points a scan # % horizontally (median; worst # %), # % in "
@@ -137,7 +138,7 @@ TEST(Readme, LimitsOfItsFirstScreenAreThoseOfTheResults) {
 
 TEST(Readme, FlightsOfThePaperAreThoseOfTheResults) {
   const Cells all = row(kFlights, {"all"});
-  expect_figures(pattern("`default` ends off by # % of the way on average (worst # %), "
+  expect_figures(pattern("`default` ends off by # % of the distance on average (worst # %), "
                          "`published-ekf` by # % (# %)"),
                  {mean(all[3]), worst(all[3]), mean(all[5]), worst(all[5])});
   const double times = std::atof(all[6].c_str() + all[6].find("default") + 8);
@@ -174,8 +175,9 @@ TEST(Readme, ScenariosAreThoseOfTheResults) {
     most = std::max(most, mean(cells[3]));
     all = std::max(all, worst(cells[3]));
   }
-  expect_figures(pattern("twenty seeds each: # to # % of the way on average (worst flight # %)"),
-                 {least, most, all});
+  expect_figures(
+      pattern("twenty seeds each: # to # % of the distance on average (worst flight # %)"),
+      {least, most, all});
   const std::string hover = row("<!-- rio experiment robustness", {"hover"})[2];
   expect_figures(pattern("hover end # m off (worst # m)"), {mean(hover), worst(hover)});
   const Cells ground = row("<!-- rio experiment robustness", {"rough-ground"});

@@ -91,19 +91,19 @@ TEST(NoiseFit, FindsTheNoiseFromAFactorTwoEitherWay) {
 
 TEST(NoiseFit, StandardErrorsAreThoseOfRepeatedFits) {
   constexpr int kFits = 40;
-  Eigen::Vector4d told = Eigen::Vector4d::Zero();
+  Eigen::Vector4d claimed = Eigen::Vector4d::Zero();
   Eigen::Vector4d squares = Eigen::Vector4d::Zero();
   for (int i = 0; i < kFits; ++i) {
     const auto samples = Radar(kTrue, true, 100 + static_cast<std::uint64_t>(i)).innovations(4000);
     const auto fit = NoiseFitter(samples).fit(kTrue);
     ASSERT_TRUE(fit);
-    told += fit->relative_error / kFits;
+    claimed += fit->relative_error / kFits;
     squares +=
         (fit->noise.sigma.cwiseQuotient(kTrue.sigma).array() - 1.0).square().matrix() / kFits;
   }
   for (int k = 0; k < 4; ++k) {
     // a standard deviation from 40 values is off by 11 %, one from 20 stretches by 16 % in each
-    EXPECT_NEAR(told[k] / std::sqrt(squares[k]), 1.0, 0.35) << k;
+    EXPECT_NEAR(claimed[k] / std::sqrt(squares[k]), 1.0, 0.35) << k;
   }
 }
 

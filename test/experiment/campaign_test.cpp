@@ -168,8 +168,8 @@ TEST(Trial, LateArrivalChangesNothingButTheOrder) {
 
 TEST(Trial, StartsWhereTheScenarioSays) {
   sim::Scenario s = short_scenario(3);
-  s.told.start_velocity = {2.0, 2.0, 0.0};
-  s.told.start_velocity_sigma = 2.0;
+  s.errors.start_velocity = {2.0, 2.0, 0.0};
+  s.errors.start_velocity_sigma = 2.0;
   const sim::Flight flight = sim::simulate_flight(s);
   const Trial trial = fly(flight, options_for(flight, "default"));
   // started at the first sample, so that the first scan is processed
@@ -180,8 +180,8 @@ TEST(Trial, StartsWhereTheScenarioSays) {
 
 TEST(Trial, TellsTheEstimatorTheWrongMounting) {
   sim::Scenario s = short_scenario(4);
-  s.told.extrinsic_angle = 0.05;
-  s.told.extrinsic_distance = 0.02;
+  s.errors.extrinsic_angle = 0.05;
+  s.errors.extrinsic_distance = 0.02;
   const sim::Flight flight = sim::simulate_flight(s);
   const Options o = options_for(flight, "default");
   EXPECT_NEAR(o.radar.T_BS.rotation.angularDistance(s.radar.T_BS.rotation), 0.05, 1e-9);

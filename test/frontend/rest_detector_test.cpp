@@ -73,7 +73,7 @@ class RestDetectorTest : public testing::Test {
   }
 
   /// The gyroscope was quiet enough to measure its bias.
-  static bool told_rate(const RestModel::Measurement& rest) { return rest.sigma_rate < 1.0; }
+  static bool measures_rate(const RestModel::Measurement& rest) { return rest.sigma_rate < 1.0; }
 
   sim::ImuModel model_;
   Options options_;
@@ -103,7 +103,7 @@ TEST_F(RestDetectorTest, MeasuresZeroVelocityAndTheBias) {
   for (int i = 0; i < 300; ++i) {
     const Vector3d bias = simulator_->gyro_bias();
     const Rest rest = next();
-    if (!rest || !told_rate(*rest)) continue;
+    if (!rest || !measures_rate(*rest)) continue;
     ++count;
     EXPECT_GT(rest->sigma_velocity, 0.0);
     EXPECT_LT(rest->sigma_velocity, 0.05);
@@ -234,7 +234,7 @@ TEST_F(RestDetectorTest, TheForceIsTestedFromSettledRestOn) {
 // Set down and touched for a third of a second in every second. The gyroscope measures its bias
 // between the touches alone.
 TEST_F(RestDetectorTest, TouchedOnTheGroundIsRest) {
-  int told = 0;
+  int with_rate = 0;
   int count = 0;
   for (int i = 0; i < 150; ++i) {
     const bool touched = i % 15 < 5;
@@ -242,13 +242,13 @@ TEST_F(RestDetectorTest, TouchedOnTheGroundIsRest) {
     const Rest rest = next();
     if (i < 15 || !rest) continue;
     ++count;
-    if (!told_rate(*rest)) continue;
-    ++told;
+    if (!measures_rate(*rest)) continue;
+    ++with_rate;
     EXPECT_FALSE(touched);
     EXPECT_LT((rest->gyro_B - known_bias()).norm(), 4.0 * rest->sigma_rate);
   }
   EXPECT_EQ(count, 135);
-  EXPECT_GT(told, 70);
+  EXPECT_GT(with_rate, 70);
 }
 
 TEST_F(RestDetectorTest, HeldInAHandIsNoRest) {

@@ -68,7 +68,7 @@ TEST(Recovery, FromAWrongTiltWithinTenSeconds) {
   for (const double degrees : {10.0, 45.0}) {
     for (Case& c : cases_of("indoor-1", 3)) {
       c.scenario.max_duration = 20.0;
-      c.scenario.told.start_tilt = degrees * M_PI / 180.0;
+      c.scenario.errors.start_tilt = degrees * M_PI / 180.0;
       cases.push_back(c);
     }
   }
@@ -97,8 +97,8 @@ TEST(Recovery, WithAFewPointsAScan) {
     for (Case& c : short_cases(name, 3)) {
       c.scenario.radar.max_static = 6;
       c.scenario.radar.threshold_db = 13.0;
-      c.scenario.told.start_velocity *= factor;
-      if (sigma > 0.0) c.scenario.told.start_velocity_sigma = sigma;
+      c.scenario.errors.start_velocity *= factor;
+      if (sigma > 0.0) c.scenario.errors.start_velocity_sigma = sigma;
       cases.push_back(c);
     }
   };

@@ -326,17 +326,17 @@ TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
       simulate_flight(options).configured_T_BS.rotation.isApprox(options.radar.T_BS.rotation));
   EXPECT_EQ(simulate_flight(options).configured_T_BS.translation, options.radar.T_BS.translation);
 
-  options.told.extrinsic_angle = 0.05;
-  options.told.extrinsic_distance = 0.04;
+  options.errors.extrinsic_angle = 0.05;
+  options.errors.extrinsic_distance = 0.04;
   Vector3d angles = Vector3d::Zero();
   Vector3d offsets = Vector3d::Zero();
   constexpr int kSeeds = 40;
   for (int i = 0; i < kSeeds; ++i) {
     options.seed = static_cast<std::uint64_t>(i);
-    const Pose told = configured_mounting(options);
+    const Pose configured = configured_mounting(options);
     const Pose& truth = options.radar.T_BS;
-    const Vector3d offset = told.translation - truth.translation;
-    const Vector3d angle = quaternion_log(truth.rotation.conjugate() * told.rotation);
+    const Vector3d offset = configured.translation - truth.translation;
+    const Vector3d angle = quaternion_log(truth.rotation.conjugate() * configured.rotation);
     EXPECT_NEAR(angle.norm(), 0.05, 1e-12);
     EXPECT_NEAR(offset.norm(), 0.04, 1e-12);
     angles += angle.normalized() / kSeeds;

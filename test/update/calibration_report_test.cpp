@@ -105,7 +105,7 @@ TEST_F(CalibrationOfAnEstimate, BeforeTheFirstScanNothingIsKnown) {
 
 // What is configured of the radar's errors is where their estimates start and what they are counted
 // from.
-TEST_F(CalibrationOfAnEstimate, CountsFromWhatWasTold) {
+TEST_F(CalibrationOfAnEstimate, CountsFromTheConfiguredValue) {
   options_.radar.time_offset = -0.3;
   options_.radar.doppler_scale = 0.15;
   StateEstimate state_estimate = corrected(1e-3);

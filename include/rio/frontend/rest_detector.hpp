@@ -120,7 +120,7 @@ class RestDetector {
   static constexpr double kStandingVelocity = 0.01;  // sigma of the velocity at rest [m/s]
   static constexpr double kTouchedVelocity = 0.05;   // same, while the body is touched [m/s]
   static constexpr double kSmallestRate = 1e-5;      // least sigma of a mean rate [rad/s]
-  static constexpr double kUntold = 10.0;            // sigma of a rate without information [rad/s]
+  static constexpr double kUnknown = 10.0;           // sigma of a rate without information [rad/s]
 
   Options options_;
   std::array<bool, kMaxRadars> coarse_{};  ///< (E5) is tested, by radar

@@ -35,7 +35,7 @@ struct Flight {
   NavState configured_start() const;
 };
 
-/// The true mounting with the errors of Scenario::told, axis and direction from the seed.
+/// The true mounting with the errors of Scenario::errors, axis and direction from the seed.
 Pose configured_mounting(const Scenario& scenario);
 
 /// Moves the sensors along `trajectory` through a room that is large enough for it.

@@ -24,7 +24,7 @@ struct Disturbances {
 };
 
 /// Wrong configuration of the estimator.
-struct Told {
+struct ConfigurationErrors {
   double extrinsic_angle = 0.0;     ///< error of the mounting about a random axis [rad]
   double extrinsic_distance = 0.0;  ///< error of the lever arm in a random direction [m]
   /// Error of the velocity of the start [m/s], and of its attitude, about the body's x axis [rad].
@@ -45,7 +45,7 @@ struct Scenario {
   RadarModel radar{};
   RoomOptions room{};
   Disturbances disturbances{};
-  Told told{};
+  ConfigurationErrors errors{};                                   ///< "told" in scenario files
   double max_duration = std::numeric_limits<double>::infinity();  ///< the flight is cut here [s]
   Time start{1'700'000'000'000'000'000};                          ///< stamp of the first IMU sample
 

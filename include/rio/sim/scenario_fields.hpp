@@ -134,7 +134,7 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
   field("radar.fresh_noise", s.radar.fresh_noise, "", 0, 1,
         "Part of the noise of a point that is new in every scan; the rest lasts like fading.");
   field("radar.noise_distance", s.radar.noise_distance, "m", 1e-4, 100,
-        "E-folding distance, in way flown, of the rest of the noise.");
+        "E-folding distance of the rest of the noise.");
   field("radar.angle_grid", s.radar.angle_grid, "", 0, 1,
         "Grid of the direction cosines y/r and z/r; 0 = none.");
   field("radar.weak_angle_growth", s.radar.weak_angle_growth, "", 0, 100,
@@ -214,16 +214,16 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
   field("disturbances.imu_gaps.duration", s.disturbances.imu_gaps.duration, "s", 0, 600,
         "Of each.");
 
-  field("told.extrinsic_angle", s.told.extrinsic_angle, "rad", 0, kPi,
-        "Error of the mounting the estimator is told, about a random axis.");
-  field("told.extrinsic_distance", s.told.extrinsic_distance, "m", 0, 100,
-        "Error of the lever arm it is told, in a random direction.");
-  field("told.start_velocity", s.told.start_velocity, "m/s", -100, 100,
+  field("told.extrinsic_angle", s.errors.extrinsic_angle, "rad", 0, kPi,
+        "Error of the configured mounting, about a random axis.");
+  field("told.extrinsic_distance", s.errors.extrinsic_distance, "m", 0, 100,
+        "Error of the configured lever arm, in a random direction.");
+  field("told.start_velocity", s.errors.start_velocity, "m/s", -100, 100,
         "Error of the velocity it is started with; 0 = it aligns itself while standing.");
-  field("told.start_tilt", s.told.start_tilt, "rad", -kPi, kPi,
+  field("told.start_tilt", s.errors.start_tilt, "rad", -kPi, kPi,
         "Error of the attitude it is started with, about the body's x axis.");
-  field("told.start_velocity_sigma", s.told.start_velocity_sigma, "m/s", 1e-3, 100,
-        "What it is told of that error, per axis.");
+  field("told.start_velocity_sigma", s.errors.start_velocity_sigma, "m/s", 1e-3, 100,
+        "Sigma configured for that error, per axis.");
 }
 
 }  // namespace rio::sim
