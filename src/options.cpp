@@ -79,7 +79,6 @@ void publish_ekf(Options* o) {
   o->update.sigma_trail_distance = 0.04;
   o->update.landmark_measurement = LandmarkMeasurement::kDistance;
   o->update.match_trust = 1.0;
-  o->update.mover_speed = 0.0;
   o->update.landmark_walk = 0.0;
   o->update.sigma_landmark_distance = 0.04;
   o->update.max_landmarks = 20;

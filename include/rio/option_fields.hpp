@@ -156,9 +156,6 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "distance (Michalczyk et al.), position (Xu et al.) or point: range, direction, Doppler.");
   inner("update.match_trust", o.update.match_trust, "", 0.51, 1,
         "Probability that a match with a landmark is right.");
-  inner(
-      "update.mover_speed", o.update.mover_speed, "m/s", 0, 100,
-      "Movers are as fast as this: lowers the weight of Dopplers with a large residual; 0 = off.");
   inner("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
         "Walk of a landmark with the distance travelled.");
   inner("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,

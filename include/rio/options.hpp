@@ -130,9 +130,6 @@ struct UpdateOptions {
   /// Probability that a match with a landmark is right: where reflectors are closer than the
   /// angular resolution, about a third are wrong. 1 = all are right (update/noise_inflation.hpp).
   double match_trust = 0.68;
-  /// Dopplers of movers are within this of those of the static scene: a walking person. A residual
-  /// near the gate may be one of them (update/noise_inflation.hpp). 0 = off [m/s].
-  double mover_speed = 1.5;
   /// Random walk of a landmark with the distance travelled: the scattering centre moves with the
   /// aspect. Recordings are best with 0.03 to 0.05, simulated point reflectors with 0.01
   /// [m/sqrt(m)].

@@ -93,9 +93,6 @@ const std::vector<Switch>& switches() {
          o.frontend.ransac_sigmas = o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
        }},
       {"every match taken for right", {"hover"}, [](Options& o) { o.update.match_trust = 1.0; }},
-      {"every Doppler within the gate taken for static",
-       {"people"},
-       [](Options& o) { o.update.mover_speed = 0.0; }},
       {"landmarks dropped at the first miss",
        {"hover"},
        [](Options& o) { o.frontend.landmark_timeout = 0.0; }},

@@ -63,7 +63,6 @@ void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_est
   Time& last_scan = last_scan_[x.estimate.radar];
   since_scan_ = last_scan > Time{0} ? std::min(1.0, to_seconds(now - last_scan)) : 1.0;
   last_scan = now;
-  if (seen.ego_velocity.inliers > 0) count_movers(seen, x.estimate.radar);
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (seen.rest) add_rest(*seen.rest, state_estimate, x, report);
@@ -71,14 +70,6 @@ void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_est
   if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
   if (options_.use_trails) add_trails(seen, state_estimate, x, report);
   distance_at_scan_[x.estimate.radar] = x.estimate.distance_travelled;
-}
-
-void ScanRows::count_movers(const Observations& seen, std::size_t radar) {
-  const auto all = static_cast<double>(seen.scan->items.size());
-  double statics = 0.0;
-  for (std::size_t i = 0; i < seen.scan->items.size(); ++i)
-    statics += seen.is_static(i) ? 1.0 : 0.0;
-  movers_[radar].add(statics, all - statics, since_scan_);
 }
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
@@ -119,7 +110,7 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
     }
     if (!judge(DopplerModel::kModel, i, valid, report)) continue;
     m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
-    keep(m, doppler_repetition(seen.detection(i), x) * mover_inflation(m.radar));
+    keep(m, doppler_repetition(seen.detection(i), x));
   }
 }
 
@@ -220,10 +211,6 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));
 }
 
-double ScanRows::mover_inflation(std::size_t radar) const {
-  return mover_factor(record_.nis, record_.sigma, movers_[radar].share(), options_.mover_speed);
-}
-
 double ScanRows::weigh(double factor) {
   batch_.scale_variance(factor);
   return factor;
@@ -238,8 +225,7 @@ bool ScanRows::decide(Model model, std::size_t detection, bool valid, UpdateRepo
 bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateReport* report,
                      const char* name) {
   ModelReport& sums = report->models[static_cast<std::size_t>(model)];
-  InnovationRecord& record = record_;
-  record = {};
+  InnovationRecord record;
   record.model = model;
   record.name = name;
   record.detection = static_cast<std::uint16_t>(detection);

@@ -22,7 +22,6 @@ class ScanCase : public testing::Test {
     options_.radar.noise_distance = 0.0;
     options_.update.doppler_directions = DopplerDirections::kExact;
     options_.update.match_trust = 1.0;
-    options_.update.mover_speed = 0.0;
     see({4.0, 1.0, 0.5});
     see({3.0, -2.0, 1.0});
     see({5.0, 3.0, -1.0});
@@ -56,7 +55,6 @@ class ScanCase : public testing::Test {
     seen_.scan = &scan_;
     seen_.trails = &trails_;
     for (std::size_t i = 0; i < scan_.items.size(); ++i) seen_.ego_velocity.inlier[i] = true;
-    seen_.ego_velocity.inliers = static_cast<int>(scan_.items.size());
     report_ = UpdateReport{};
     return rows.build(seen_, state_estimate, &report_);
   }

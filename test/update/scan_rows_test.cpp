@@ -162,35 +162,6 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   EXPECT_EQ(report_.records[0].nis, nis);
 }
 
-// A residual near the gate may be of one of the movers in view; after the gate, and until a reset.
-TEST_F(ScanRowsTest, MoversInViewTakeWeightFromLargeResiduals) {
-  detection(0).range_rate += 0.3;
-  const StateEstimate b = state_estimate();
-  ScanRows off(options_);
-  build(off, b);
-  EXPECT_EQ(inflation(off, 0), 1.0);
-  const double nis = report_.records[0].nis;
-  options_.update.mover_speed = 1.5;
-  ScanRows rows(options_);
-  const RowBatch& batch = build(rows, b);
-  EXPECT_EQ(report_.records[0].nis, nis);
-  MoverShare share;
-  share.add(3.0, 0.0, 1.0);
-  const double first = mover_factor(nis, report_.records[0].sigma, share.share(), 1.5);
-  EXPECT_NEAR(inflation(rows, 0), first, 1e-9);
-  EXPECT_GT(first, 1.0 + 1e-3);
-  EXPECT_LT(inflation(rows, 1), inflation(rows, 0));
-  const double sigma = options_.radar.sigma_doppler;
-  EXPECT_NEAR(batch.rows()[0].variance, sigma * sigma * first, 1e-9);
-  seen_.moves[1] = seen_.moves[2] = true;  // two of three
-  build(rows, b);
-  EXPECT_GT(inflation(rows, 0), first);
-  seen_.moves[1] = seen_.moves[2] = false;
-  rows.reset();
-  build(rows, b);
-  EXPECT_NEAR(inflation(rows, 0), first, 1e-9);
-}
-
 // Nothing but rounding: it repeats until the Doppler has changed by cells.
 TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
   constexpr double kGrid = 0.5;

@@ -31,7 +31,6 @@ class ScanRows {
   /// The estimate starts over.
   void reset() {
     distance_at_scan_.fill(0.0);
-    movers_.fill({});
     last_scan_.fill(Time{0});
   }
 
@@ -55,8 +54,6 @@ class ScanRows {
 
   void add_scan(const Observations& seen, const StateEstimate& state_estimate,
                 UpdateReport* report);
-
-  void count_movers(const Observations& seen, std::size_t radar);
 
   void add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                 const LinearizationPoint& x, UpdateReport* report);
@@ -109,8 +106,6 @@ class ScanRows {
   }
   /// Same for a Doppler, whose quantisation error repeats until it has changed by a cell.
   double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
-  /// Noise inflation of the Doppler judged last, which may be of a mover.
-  double mover_inflation(std::size_t radar) const;
   /// Noise inflation: multiplies the variance of the last block and returns the factor. Applied
   /// after the gate, because a single measurement has the original variance.
   double weigh(double factor);
@@ -135,9 +130,7 @@ class ScanRows {
   std::array<double, kMaxRadars> distance_at_scan_{};  ///< travelled at its last scan [m]
   double since_scan_ = 1.0;                            ///< time since its last scan, at most 1 [s]
   std::array<Time, kMaxRadars> last_scan_{};
-  std::array<MoverShare, kMaxRadars> movers_{};
   Gate gate_;
-  InnovationRecord record_;  ///< of the block judged last
   RadarModels models_;
   RowBatch batch_;
   ScanMeasurements measurements_;
