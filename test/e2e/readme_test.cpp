@@ -101,8 +101,9 @@ std::string pattern(std::string text) {
 TEST(Readme, AccuracyOfItsFirstScreenIsThatOfTheResults) {
   const std::string flights = row(kFlights, {"all"}).at(3);
   expect_figures(
-      pattern("**Accuracy**, error in % of the distance travelled: # % at the end of simulated flights "
-              "of 128 to 175 m (worst # %)"),
+      pattern(
+          "**Accuracy**, error in % of the distance travelled: # % at the end of simulated flights "
+          "of 128 to 175 m (worst # %)"),
       {mean(flights), worst(flights)});
   const Cells real = row(kReal, {"default, filter", "as given"});
   const Cells copies = row("Perturbed copies", {"all", "default, filter"});
