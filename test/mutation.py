@@ -33,7 +33,7 @@ ROOMS = ['propagate', 'frontend', 'update', 'ekf', 'smoother', 'engine']
 # whose tests are run for a mutant of the room, in this order
 NEXT = {'propagate': ['propagate', 'smoother'], 'frontend': ['frontend'], 'update': ['update', 'ekf'],
         'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'engine': []}
-FLIGHT = ['engine_test', 'odometry_test', 'mc_accuracy_gate_test']
+FLIGHT = ['engine_test', 'odometry_test', 'aiding_test', 'mc_accuracy_gate_test']
 DEEP = ['contract_test', 'mc_recovery_test', 'mc_imu_fault_test', 'mc_calibration_test',
         'mc_consistency_test', 'allocation_test', 'e2e_touchdown_test', 'e2e_kart_test']
 GOLDEN = 'indication_indication_test'
