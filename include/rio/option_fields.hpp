@@ -132,7 +132,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
         "Probability and Mahalanobis matching: probability that a right pair passes the gate.");
   inner("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
-        "Mahalanobis matching: the same, once the radar has moved on.");
+        "Mahalanobis matching: probability that a right pair matches once the radar has moved on.");
   inner(
       "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
       "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");

@@ -108,7 +108,7 @@ struct Rate {
   const char* unit = "";  ///< of the Doppler; empty for [m/s]
 };
 
-/// The as_given one first, then no relation, then the other sign and the units with both.
+/// The configured one first, then no relation, then the other sign and the units with both.
 std::vector<Rate> rates() {
   std::vector<Rate> out = {{1.0, ""}, {0.0, ""}, {-1.0, ""}};
   for (const DopplerUnit& unit : kDopplerUnits) {
@@ -125,14 +125,14 @@ class RangeVotes {
     for (const Rate& rate : all_) largest_ = std::max(largest_, std::abs(rate.k));
   }
 
-  /// Largest change of range under any hypothesis, for a point with at most this as_given one
+  /// Largest change of range under any hypothesis, for a point with at most this configured one
   /// [m].
-  double farthest(double as_given) const { return largest_ * std::abs(as_given) + kBound; }
+  double farthest(double configured) const { return largest_ * std::abs(configured) + kBound; }
 
-  void add(double moved, double as_given, std::size_t block) {
+  void add(double moved, double configured, std::size_t block) {
     std::uint32_t supported = 0;  // one bit each
     for (std::size_t a = 0; a < all_.size(); ++a) {
-      const bool fits = std::abs(moved - all_[a].k * as_given) < kBound;
+      const bool fits = std::abs(moved - all_[a].k * configured) < kBound;
       supported |= static_cast<std::uint32_t>(fits) << a;
     }
     if (supported == 0) return;
@@ -140,7 +140,7 @@ class RangeVotes {
       if ((supported >> a & 1U) == 0) continue;
       for (std::size_t b = 0; b < all_.size(); ++b) {
         if ((supported >> b & 1U) != 0) continue;
-        if (std::abs((all_[a].k - all_[b].k) * as_given) < 2.0 * kBound)
+        if (std::abs((all_[a].k - all_[b].k) * configured) < 2.0 * kBound)
           continue;  // both may be true
         votes_[std::min(a, b) * all_.size() + std::max(a, b)].add(block, a < b, b < a);
       }
@@ -216,11 +216,11 @@ std::string meaning_of(const Rate& rate) {
   return sign.empty() ? unit : sign + " and " + unit;
 }
 
-/// (E2) of the rates taken as deg/s against the rates as as_given, with every mounting.
+/// (E2) of the rates taken as deg/s against the rates as given, with every mounting.
 class TurnVotes {
  public:
-  explicit TurnVotes(const Quaternion& as_given) {
-    for (const Axes& axes : candidates(as_given)) {
+  explicit TurnVotes(const Quaternion& configured) {
+    for (const Axes& axes : candidates(configured)) {
       const bool known = std::any_of(mountings_.begin(), mountings_.end(),
                                      [&](const Matrix3d& R) { return (R - axes.R).norm() < 1e-6; });
       if (!known) mountings_.push_back(axes.R);
@@ -256,7 +256,7 @@ class TurnVotes {
       }
     }
   }
-  /// For the mounting with which the as_given rates do best.
+  /// For the mounting with which the rates as given do best.
   const Support& best() const {
     return *std::min_element(votes_.begin(), votes_.end(), [](const Support& a, const Support& b) {
       return a.lead() < b.lead();

@@ -227,11 +227,10 @@ Result real(const Settings& settings) {
   }
   Result result;
   result.markdown = fmt::format(
-      "Static start, no option set. RMS in % of the distance: horizontal against the reference, "
-      "laid over it at the first\nscan (position and heading); height against the flat floor or "
-      "the "
-      "barometer. Creep: range of the height during the\nrest at the end. - = not known of this "
-      "recording.\n\n{}\nTwo radars of one drive:\n\n{}\nAll recordings, median (worst); as "
+      "Static start, no option set. RMS in % of the distance: horizontal against the reference,\n"
+      "laid over it at the first scan (position and heading); height against the flat floor or\n"
+      "the barometer. Creep: range of the height during the rest at the end. - = not known of\n"
+      "this recording.\n\n{}\nTwo radars of one drive:\n\n{}\nAll recordings, median (worst); as "
       "calibrated: mounting and stamps as the filter of `default` finds them in the same\n"
       "recording:\n\n{}\nPerturbed copies, median (worst):\n\n{}",
       table_of_recordings(recordings, runs), table_of_pairs(recordings, runs), presets.text(),

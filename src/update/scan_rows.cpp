@@ -143,17 +143,19 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
     switch (options_.landmark_measurement) {
       case LandmarkMeasurement::kDistance:
         (void)add_landmark<LandmarkDistanceModel>(
-            {LandmarkDistanceModel::measurement(d), radar, m.target}, m, state_estimate, x, report);
+            {LandmarkDistanceModel::measurement(d), radar, m.target}, m.detection, state_estimate,
+            x, report);
         was_used_[m.target] = true;  // as published, a match keeps a landmark alive even if gated
         break;
       case LandmarkMeasurement::kPosition:
         was_used_[m.target] = add_landmark<LandmarkPositionModel>(
-            {LandmarkPositionModel::measurement(d), radar, m.target}, m, state_estimate, x, report);
+            {LandmarkPositionModel::measurement(d), radar, m.target}, m.detection, state_estimate,
+            x, report);
         break;
       case LandmarkMeasurement::kPoint: {
         Measured<LandmarkPointModel> point{LandmarkPointModel::measurement(d), {}, radar, m.target};
         if (options_.use_doppler) point.doppler = LandmarkDopplerModel::measurement(d, x.gyro_B);
-        was_used_[m.target] = add_landmark(point, m, state_estimate, x, report);
+        was_used_[m.target] = add_landmark(point, m.detection, state_estimate, x, report);
         measures_landmark_[m.detection] = was_used_[m.target];
         break;
       }
@@ -162,13 +164,13 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
 }
 
 template <class M>
-bool ScanRows::add_landmark(const Measured<M>& m, const Match& match,
+bool ScanRows::add_landmark(const Measured<M>& m, std::size_t detection,
                             const StateEstimate& state_estimate, const LinearizationPoint& x,
                             UpdateReport* report) {
-  const BlockIndex index{0, static_cast<int>(match.target)};
+  const BlockIndex index{0, static_cast<int>(m.landmark)};
   const bool valid = linearize_block(m, index, state_estimate, x);
-  if (!decide(M::kModel, match.detection, valid, report)) return false;
-  const double distance = x.estimate.landmarks[match.target].distance_seen;
+  if (!decide(M::kModel, detection, valid, report)) return false;
+  const double distance = x.estimate.landmarks[m.landmark].distance_seen;
   keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
   return true;
 }

@@ -64,15 +64,6 @@ TEST_F(SmootherTest, ItsStatesAreTheClones) {
   }
 }
 
-TEST_F(SmootherTest, FindsTheFirstStateFromATimeOn) {
-  fly(30);
-  EXPECT_EQ(window().first_from(Time{0}), 0U);
-  for (std::size_t k = 0; k < window().size(); ++k) {
-    EXPECT_EQ(window().first_from(window()[k].nav.time), k);
-    EXPECT_EQ(window().first_from(window()[k].nav.time + Time(1)), k + 1);
-  }
-}
-
 TEST_F(SmootherTest, TheStartIsNoScan) {
   fly(1);
   ASSERT_EQ(window().size(), 2U);

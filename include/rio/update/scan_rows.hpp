@@ -79,8 +79,9 @@ class ScanRows {
 
   /// Gates the match of a landmark with a detection; keeps it if it passes.
   template <class M>
-  bool add_landmark(const Measured<M>& m, const Match& match, const StateEstimate& state_estimate,
-                    const LinearizationPoint& x, UpdateReport* report);
+  bool add_landmark(const Measured<M>& m, std::size_t detection,
+                    const StateEstimate& state_estimate, const LinearizationPoint& x,
+                    UpdateReport* report);
 
   /// Stage 4: the rows of a measurement as one block. False: outside the domain of its model.
   template <class M>
