@@ -72,6 +72,7 @@ class Pipeline {
     last_static_set_ = prior.time;
     replaced_.reset();
     backend_.reset(prior, P0);
+    birge_ratios_ = {};
     health_.reset(prior.time);
     report_ = UpdateReport{};
     next_scan_ = 0;
@@ -343,7 +344,8 @@ class Pipeline {
   }
 
   void summarise_state() {
-    report_.calibration = calibration_report(backend_.state_estimate(), options_);
+    report_.calibration =
+        calibration_report(backend_.state_estimate(), options_, &birge_ratios_[estimate().radar]);
     report_.clones = static_cast<int>(backend_.estimate().clones.size());
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
   }
@@ -368,6 +370,7 @@ class Pipeline {
   GyroBiasCheck gyro_bias_;
   RestDetector rest_;
   BackEnd backend_;
+  std::array<BirgeRatios, kMaxRadars> birge_ratios_{};
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
   StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
   DetectionList corrected_;

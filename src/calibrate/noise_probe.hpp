@@ -62,6 +62,9 @@ class NoiseProbe : public Ekf {
     sample.innovation = e.r;
     gathered_.begin(state_estimate().covariance());
     sample.predicted = gathered_.product(rows);
+    const auto curvature = M::range_curvature(d.range, sample.predicted.block<2, 2>(1, 1));
+    sample.innovation[0] -= curvature.mean;
+    sample.predicted(0, 0) += curvature.variance;
     sample.grid = Vector3d(range_grid(), 0.0, 0.0);
     const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
     const double az = d.sigma_azimuth_S.norm() / (growth * radar_.sigma_azimuth);

@@ -63,8 +63,9 @@ Measured without_prior(const CalibrationReport& report) {
   constexpr double kSilent = 0.2;     // of the prior's information: no information
   constexpr double kNothing = 100.0;  // prior sigmas: negligible weight
   const double first = kCalibrationConfiguredShare * report.prior_sigma;
-  const double p = report.sigma < first ? first : report.prior_sigma;
-  const double after = 1.0 / (report.sigma * report.sigma);
+  const double sigma = report.sigma / report.inflation;  // halves and recordings widen it
+  const double p = sigma < first ? first : report.prior_sigma;
+  const double after = 1.0 / (sigma * sigma);
   const double information = after - 1.0 / (p * p);
   if (!(information > kSilent / (p * p))) return {report.value, kNothing * p};
   return {report.value * after / information, 1.0 / std::sqrt(information)};

@@ -5,16 +5,27 @@
 
 namespace rio {
 
+namespace {
+
+/// (E2).
+double variance_of(const DopplerModel::Measurement& z, const Vector3d& v_S) {
+  return z.sigma_doppler * z.sigma_doppler + v_S.dot(z.direction_cov * v_S);
+}
+
+}  // namespace
+
 DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measurement& z,
                                                                  const Vector3d& u_S,
                                                                  const Vector3d& v_S) noexcept {
   constexpr double kOutlier = 9.0;  // beyond three sigmas it is no direction error
   const Vector3d spread = z.direction_cov * v_S;
   const double r = z.range_rate + u_S.dot(v_S);
-  const double R = z.sigma_doppler * z.sigma_doppler + v_S.dot(spread);
+  const double R = variance_of(z, v_S);
   const double S = R + z.predicted_var;
-  if (!(r * r < kOutlier * S)) return {u_S, z.direction_cov, R};
-  return {u_S - spread * (r / S), z.direction_cov - spread * spread.transpose() / S, R};
+  if (!(r * r < kOutlier * S)) return {u_S, z.direction_cov, R, 1.0};
+  const Vector3d change = -spread * (r / S);
+  return {u_S + change, z.direction_cov - spread * spread.transpose() / S, R,
+          variance_of(z, v_S - u_S.dot(v_S) * change) / R};
 }
 
 bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
@@ -29,15 +40,21 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   const double sine = std::sin(errors[RadarErrors::kElevation]);
   const double cosine = std::cos(errors[RadarErrors::kElevation]);
   const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
-  Vector3d u = cosine * z.direction_S - sine * z.upwards_S;
-  const Vector3d upwards = cosine * z.upwards_S + sine * z.direction_S;
+  const bool corrected = directions_ >= DopplerDirections::kCorrected;
+  const double length = corrected ? 1.0 + 0.5 * z.direction_cov.trace() : 1.0;  // (E5)
+  Vector3d u = length * (cosine * z.direction_S - sine * z.upwards_S);
+  const Vector3d upwards = length * (cosine * z.upwards_S + sine * z.direction_S);
   r[0] = z.range_rate + scale * u.dot(v_S);  // (E1)
-  const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
-  R(0, 0) = directions_ != DopplerDirections::kExact ? expected.variance
-                                                     : z.sigma_doppler * z.sigma_doppler;
+  if (corrected) {
+    const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
+    R(0, 0) = z.variance_factor * expected.variance;
+    u = z.reliability * expected.u_S;  // (E3) (E4)
+  } else {
+    R(0, 0) = directions_ == DopplerDirections::kExact ? z.sigma_doppler * z.sigma_doppler
+                                                       : variance_of(z, scale * v_S);
+  }
   if (J == nullptr) return true;
 
-  if (directions_ >= DopplerDirections::kCorrected) u = z.reliability * expected.u_S;  // (E3) (E4)
   const Vector3d scaled_u = scale * u;
   const Vector3d a = T_BS.R * scaled_u;  // direction in body axes
   const Vector3d a_W = T_WB.R * a;

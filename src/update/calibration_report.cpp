@@ -15,7 +15,7 @@ Observability observability(double value, double sigma, double prior_sigma) {
 }
 
 std::array<CalibrationReport, kCalibrationCount> calibration_report(
-    const StateEstimate& state_estimate, const Options& options) {
+    const StateEstimate& state_estimate, const Options& options, BirgeRatios* ratios) {
   std::array<CalibrationReport, kCalibrationCount> report{};
   const Layout& layout = state_estimate.layout();
   const Estimate& x = state_estimate.estimate();
@@ -23,12 +23,15 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(
   const auto fill = [&](Calibration parameter, double value, double prior, bool present,
                         int column) {
     if (!present || prior <= 0.0) return;
-    const double sigma = std::sqrt(state_estimate.covariance().matrix()(column, column));
+    const auto i = static_cast<std::size_t>(parameter);
+    const double by_covariance = std::sqrt(state_estimate.covariance().matrix()(column, column));
+    const double inflation = (*ratios)[i].add(x.nav.time, value, by_covariance);
+    const double sigma = inflation * by_covariance;
     Observability verdict = observability(value, sigma, prior);
     if (verdict != Observability::kAtLimit && verdict != Observability::kDoubtful) {
       verdict = observability(0.0, sigma, state_estimate.prior_share(parameter) * prior);
     }
-    report[static_cast<std::size_t>(parameter)] = {value, sigma, prior, verdict};
+    report[i] = {value, sigma, inflation, prior, verdict};
   };
   const RadarMount mount = options.mount(x.radar);
   const Pose& configured = mount.T_BS;

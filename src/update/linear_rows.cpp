@@ -13,6 +13,12 @@ void RowBatch::clear() {
   blocks_.clear();
 }
 
+void RowBatch::correct_first_row(double shift, double variance) {
+  LinearRow& row = rows_[blocks_.back().first];
+  row.residual += shift;
+  row.variance += variance;
+}
+
 void RowBatch::scale_variance(double factor) {
   const RowBlock& block = blocks_.back();
   for (std::size_t i = 0; i < block.count; ++i) rows_[block.first + i].variance *= factor;

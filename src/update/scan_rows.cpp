@@ -93,7 +93,9 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
     Eigen::Vector4d c;
     c << z.direction_S, z.upwards_S.dot(v_S);
     z.predicted_var = c.dot(V * c);
-    reliability.add(z, v_S);
+    const auto expected = DopplerModel::expected_direction(z, z.direction_S, v_S);
+    z.variance_factor = expected.variance_factor;
+    reliability.add(expected.u_S, expected.covariance, expected.variance);
   }
   const Matrix3d believed = options_.doppler_directions == DopplerDirections::kReliable
                                 ? reliability.matrix()
@@ -164,15 +166,31 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
 }
 
 template <class M>
-bool ScanRows::add_landmark(const Measured<M>& m, std::size_t detection,
+bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
                             const StateEstimate& state_estimate, const LinearizationPoint& x,
                             UpdateReport* report) {
   const BlockIndex index{0, static_cast<int>(m.landmark)};
   const bool valid = linearize_block(m, index, state_estimate, x);
-  if (!decide(M::kModel, detection, valid, report)) return false;
+  if (valid) {
+    gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
+    if constexpr (std::is_same_v<M, LandmarkPointModel>) add_curvature(&m.z);
+  }
+  if (!judge(M::kModel, detection, valid, report)) return false;
   const double distance = x.estimate.landmarks[m.landmark].distance_seen;
   keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
   return true;
+}
+
+void ScanRows::add_curvature(LandmarkPointModel::Measurement* z) {
+  const Eigen::Vector2d sigma(z->sigma_azimuth_S.norm(), z->sigma_elevation_S.norm());
+  Eigen::Matrix2d M = S_.block<2, 2>(1, 1) - Eigen::Matrix2d::Identity();  // rows have unit noise
+  M.array() *= (sigma * sigma.transpose()).array();
+  const auto curvature = LandmarkPointModel::range_curvature(z->range, M);
+  const double variance = curvature.variance / (z->sigma_range * z->sigma_range);
+  batch_.correct_first_row(-curvature.mean / z->sigma_range, variance);
+  S_(0, 0) += variance;
+  z->range -= curvature.mean;
+  z->sigma_range *= std::sqrt(1.0 + variance);
 }
 
 void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,

@@ -49,7 +49,7 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
   expect("accelerometer density", found.accel, scenario.imu.accel_noise_density,
          3.0 * found.accel.relative_error);
   EXPECT_LT(found.gyro.relative_error, 0.25);
-  EXPECT_TRUE(found.notes.empty());
+  EXPECT_TRUE(found.notes.empty()) << (found.notes.empty() ? "" : found.notes.front());
 }
 
 TEST(NoiseOverRecordings, SaysWhichRecordingTellsNothing) {

@@ -197,11 +197,13 @@ class Referee {
   void add_doppler(std::size_t k, const Measured<DopplerModel>& m) {
     DopplerCost cost{base(k), m.z, options_.update.doppler_directions != DopplerDirections::kExact,
                      std::nullopt};
+    const bool corrected = options_.update.doppler_directions >= DopplerDirections::kCorrected;
+    if (corrected) cost.length = 1.0 + 0.5 * m.z.direction_cov.trace();
     const auto radar =
         cost.base.radar(states_[k].data(), mount_.data(), errors_.data(), offset_.data());
     double r = 0.0;
     (void)cost(states_[k].data(), mount_.data(), errors_.data(), offset_.data(), &r);
-    const bool corrected = options_.update.doppler_directions >= DopplerDirections::kCorrected;
+    r *= std::sqrt(m.z.variance_factor);
     uncorrected_ = uncorrected_ || (corrected && std::abs(r) > 2.999);
     // without the correction the Jacobian leaves the change of the variance out
     if (!corrected) cost.frozen_variance = cost.variance<double>(radar.scale * radar.v_S);

@@ -116,13 +116,14 @@ struct DopplerCost {
   bool direction_noise = true;
   /// Given, the variance is this and does not follow the velocity [m^2/s^2].
   std::optional<double> frozen_variance;
+  double length = 1.0;  ///< of the direction: 1 + tr Sigma_u / 2 if its errors are corrected
 
   template <class T>
   T variance(const Vector3<T>& scaled_v_S) const {
     if (frozen_variance) return T(*frozen_variance);
     T out = T(z.sigma_doppler * z.sigma_doppler);
     if (direction_noise) out += scaled_v_S.dot(z.direction_cov.cast<T>() * scaled_v_S);
-    return out;
+    return z.variance_factor * out;
   }
   template <class T>
   bool operator()(const T* state, const T* mount, const T* errors, const T* offset, T* r) const {
@@ -133,7 +134,7 @@ struct DopplerCost {
     const Vector3<T> u = cos(radar.elevation) * z.direction_S.cast<T>() -
                          sin(radar.elevation) * z.upwards_S.cast<T>();
     const Vector3<T> v = radar.scale * radar.v_S;
-    r[0] = (z.range_rate + u.dot(v)) / sqrt(variance<T>(v));
+    r[0] = (z.range_rate + length * u.dot(v)) / sqrt(variance<T>(v));
     return true;
   }
 };

@@ -65,7 +65,8 @@ class CalibrationOfAnEstimate : public testing::Test {
   }
   std::array<CalibrationReport, kCalibrationCount> report(
       const StateEstimate& state_estimate) const {
-    return calibration_report(state_estimate, options_);
+    BirgeRatios ratios;
+    return calibration_report(state_estimate, options_, &ratios);
   }
 
   Options options_;

@@ -44,7 +44,6 @@ TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   const auto& points = rows.measurements().of<LandmarkPointModel>();
   ASSERT_EQ(points.size(), 1U);
   EXPECT_EQ(points[0].landmark, 1U);
-  EXPECT_EQ(points[0].z.range, detection(1).range);
   ASSERT_TRUE(points[0].doppler.has_value());
   EXPECT_EQ(points[0].doppler->range_rate, detection(1).range_rate);
   const auto& dopplers = rows.measurements().of<DopplerModel>();
@@ -62,6 +61,27 @@ TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   EXPECT_EQ(sums(Model::kLandmarkPoint).rows_used, 3);
   EXPECT_EQ(sums(Model::kDoppler).rows_used, 0);
   EXPECT_FALSE(places.measurements().of<LandmarkPointModel>()[0].doppler.has_value());
+}
+
+// A landmark just born is as uncertain across the line of sight as its detection was.
+TEST_F(ScanRowsTest, ALandmarksRangeIsExpectedLongerThanThatOfItsMean) {
+  match_landmark(1, 1);
+  ScanRows rows(options_);
+  const RowBatch& batch = build(rows, state_estimate(2));
+  const Detection& d = detection(1);
+  const double az = d.sigma_azimuth_S.squaredNorm();
+  const double el = d.sigma_elevation_S.squaredNorm();
+  const double mean = 0.5 * d.range * (az + el);
+  const double variance = 0.5 * d.range * d.range * (az * az + el * el);
+  const double noise = d.sigma_range * d.sigma_range;
+  const LinearRow& range = batch.rows()[batch.blocks()[0].first];
+  EXPECT_NEAR(range.residual, -mean / d.sigma_range, 1e-4);
+  EXPECT_NEAR(range.variance, 1.0 + variance / noise, 1e-4);
+  EXPECT_EQ(report_.records[0].innovation, range.residual);
+  EXPECT_NEAR(report_.records[0].sigma, std::sqrt(2.0 + variance / noise), 1e-3);
+  const auto& z = rows.measurements().of<LandmarkPointModel>()[0].z;  // the window's
+  EXPECT_NEAR(z.range, d.range - mean, 1e-5);
+  EXPECT_NEAR(z.sigma_range, std::sqrt(noise + variance), 1e-6);
 }
 
 TEST_F(ScanRowsTest, APlaceOrADistanceLeavesTheDopplerToTheDetection) {
@@ -147,8 +167,9 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   b.estimate().distance_travelled = 7.0;
   b.estimate().landmarks[0].distance_seen = 6.99;
   ScanRows plain(options_);
-  build(plain, b);
+  const RowBatch& plain_rows = build(plain, b);
   EXPECT_EQ(plain.measurements().of<LandmarkPointModel>()[0].weight, 1.0);
+  const double range_variance = plain_rows.rows()[0].variance;  // with that of second order
   const double nis = report_.records[0].nis;
   options_.radar.noise_distance = 0.02;
   options_.update.match_trust = 0.7;
@@ -156,8 +177,9 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   const RowBatch& batch = build(rows, b);
   const double expected = repetition_factor(0.01, 0.02) * mismatch_factor(0.7);
   EXPECT_NEAR(1.0 / rows.measurements().of<LandmarkPointModel>()[0].weight, expected, 1e-9);
-  for (int i = 0; i < 3; ++i) {  // whitened
-    EXPECT_NEAR(batch.rows()[static_cast<std::size_t>(i)].variance, expected, 1e-9);
+  EXPECT_NEAR(batch.rows()[0].variance, expected * range_variance, 1e-9);
+  for (std::size_t i = 1; i < 3; ++i) {  // whitened
+    EXPECT_NEAR(batch.rows()[i].variance, expected, 1e-9);
   }
   EXPECT_EQ(report_.records[0].nis, nis);
 }
@@ -243,8 +265,10 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirectionsAndTheirReliability) {
     const LinearRow& row = batch.rows()[0];
     EXPECT_EQ(row.segments[1].column, body::kVelocity);
     const Vector3d h(row.h[6], row.h[7], row.h[8]);
-    EXPECT_LT((h + L * u.u_S).norm(), 1e-9) << reliable;
-    EXPECT_NEAR(row.variance, u.variance, 1e-12);
+    const double length = 1.0 + 0.5 * first.direction_cov.trace();  // (E5) of the model
+    EXPECT_LT((h + length * L * u.u_S).norm(), 1e-4) << reliable;
+    EXPECT_NE(u.variance_factor, 1.0);
+    EXPECT_NEAR(row.variance, u.variance_factor * u.variance, 1e-9);
   }
 }
 

@@ -7,10 +7,16 @@
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is noisy too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
 // (E4) J uses L u^, L the reliability matrix of the scan's directions (update/reliability.hpp)
+// With (E3) also the terms of second order in the direction's error:
+// (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
+// (E6) R of the tangents at u^: w for v_S in (E2), w = v_S - (u^T v_S) (u^ - u)
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
-// noise. Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u
-// v_S and u^ = u - E[d | r]. Using u itself shrinks the velocity along poorly measured angles
-// (errors-in-variables attenuation). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S.
+// noise; (E5) Lerro, Bar-Shalom 1993 (debiased conversion). Derivation of (E3): with u = u_true +
+// d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u v_S and u^ = u - E[d | r]. Using u itself
+// shrinks the velocity along poorly measured angles (errors-in-variables attenuation). With P_h =
+// 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S. (E6): the error of u is correlated with r,
+// and so is the weight 1 / R of the tangents at u; that of u^ is not. The caller sets its ratio to
+// R, at the prediction, so that the cost has a gradient.
 #pragma once
 
 #include "rio/models/concept.hpp"
@@ -34,21 +40,24 @@ class DopplerModel {
     Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
     double predicted_var = 0.0;  ///< P_h: variance of h due to the state's error [m^2/s^2]
     Matrix3d reliability = Matrix3d::Identity();  ///< L
+    double variance_factor = 1.0;                 ///< (E6): multiplies R
   };
 
-  /// (E2) (E3): mean and covariance of the true direction given the innovation r.
+  /// (E3) (E6): mean and covariance of the true direction given the innovation r.
   struct ExpectedDirection {
     Vector3d u_S = Vector3d::Zero();
     Matrix3d covariance = Matrix3d::Zero();
-    double variance = 0.0;  ///< R
+    double variance = 0.0;         ///< R (E2)
+    double variance_factor = 1.0;  ///< (E6)
   };
   /// Beyond three sigmas of r, u_S is returned unchanged: that is no direction error.
   /// @param u_S corrected for the elevation error, @param v_S times 1 + scale error
   static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
                                               const Vector3d& v_S) noexcept;
 
-  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3) and
-  /// (E4), before that u itself in the Jacobian. The caller sets L: the identity unless kReliable
+  /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3) to
+  /// (E5), before that u itself in the Jacobian. The caller sets L, the identity unless kReliable,
+  /// and the factor (E6)
   explicit DopplerModel(DopplerDirections directions) : directions_(directions) {}
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
@@ -59,7 +68,8 @@ class DopplerModel {
             direction_covariance(d),
             gyro_B,
             0.0,
-            Matrix3d::Identity()};
+            Matrix3d::Identity(),
+            1.0};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,

@@ -8,7 +8,11 @@
 //                 measured direction: the measured values are 0, the noise is that of each angle
 // (E3) Doppler    h = -u . v_S with the landmark's direction u, which is better known than the
 //                 detection's; v_S is multiplied by 1 + scale error
-// Reference: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone.
+// Across the line of sight e is uncertain by decimetres, where |e| is curved. Its terms of second
+// order, with M the covariance of the predicted direction [rad^2]:
+// (E4) E|e| - |e^| = |e^|/2 tr M,   additional variance |e^|^2/2 tr M^2
+// References: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone. Bar-Shalom, Li,
+// Kirubarajan 2001, sec. 10.3.3 (second-order EKF) (E4).
 #pragma once
 
 #include "rio/models/concept.hpp"
@@ -35,6 +39,17 @@ class LandmarkPointModel {
 
   static Measurement measurement(const Detection& d) {
     return {d.range, d.sigma_range, d.sigma_azimuth_S, d.sigma_elevation_S};
+  }
+
+  /// Second-order terms of the predicted range (E4).
+  struct RangeCurvature {
+    double mean;      ///< expected range minus range of the expected point [m]
+    double variance;  ///< [m^2]
+  };
+
+  /// @param M covariance of the predicted direction along azimuth and elevation [rad^2]
+  static RangeCurvature range_curvature(double range, const Eigen::Matrix2d& M) {
+    return {0.5 * range * M.trace(), 0.5 * range * range * M.squaredNorm()};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,

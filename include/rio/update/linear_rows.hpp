@@ -91,6 +91,8 @@ class RowBatch {
   /// Opens a block; the rows pushed after this belong to it.
   void begin_block() { blocks_.push_back({rows_.size(), 0}); }
   const RowBlock& last_block() const { return blocks_.back(); }
+  /// Shifts the residual of the first row of the last block and adds to its noise variance.
+  void correct_first_row(double shift, double variance);
   /// Multiplies the noise variance of the last block.
   void scale_variance(double factor);
   /// Removes the last block and its rows.

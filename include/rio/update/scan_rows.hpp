@@ -79,9 +79,13 @@ class ScanRows {
 
   /// Gates the match of a landmark with a detection; keeps it if it passes.
   template <class M>
-  bool add_landmark(const Measured<M>& m, std::size_t detection,
+  bool add_landmark(Measured<M> m, std::size_t detection,
                     const StateEstimate& state_estimate, const LinearizationPoint& x,
                     UpdateReport* report);
+
+  /// Corrects the range of the last block and of its measurement, and the innovation covariance in
+  /// S_, by the terms of second order.
+  void add_curvature(LandmarkPointModel::Measurement* z);
 
   /// Stage 4: the rows of a measurement as one block. False: outside the domain of its model.
   template <class M>

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/birge_ratio.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rio {
+
+double BirgeRatio::add(Time time, double value, double sigma) {
+  constexpr Time kInterval{2'000'000'000};  // longer than most reflectors stay in view
+  constexpr double kInformative = 0.01;          // of P-: less is a rest, the interval continues
+  // while P is wide D is the error of the prior, which has its own check (Observability::kDoubtful)
+  constexpr double kDetermined = 0.5;
+  constexpr int kConsistent = 4;  // intervals with a ratio of 1, assumed before the first
+  const double fall = begin_.sigma * begin_.sigma - sigma * sigma;
+  widest_ = std::max(widest_, sigma);
+  if (begin_.sigma == 0.0 || fall < 0.0) {  // first estimate, or a wider prior
+    begin_ = {time, value, sigma};
+  } else if (time - begin_.time >= kInterval &&
+             fall >= kInformative * begin_.sigma * begin_.sigma) {
+    if (begin_.sigma <= kDetermined * widest_) {
+      const double correction = value - begin_.value;
+      sum_ += correction * correction / fall;
+      ++intervals_;
+    }
+    begin_ = {time, value, sigma};
+  }
+  return std::sqrt(std::max(1.0, (kConsistent + sum_) / (kConsistent + intervals_)));
+}
+
+}  // namespace rio

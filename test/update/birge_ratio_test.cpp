@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The Birge ratio of a parameter that a Kalman filter estimates, measured ten times a second.
+#include "rio/update/birge_ratio.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rio/sim/random.hpp"
+
+namespace rio {
+namespace {
+
+constexpr double kNoiseSigma = 1.0;
+constexpr double kPriorSigma = 0.5;
+
+/// A constant, estimated by measurements whose noise is assumed independent.
+class Filter {
+ public:
+  explicit Filter(double prior_error) : error_(prior_error) { ratio_ = told(); }
+
+  /// @param noise its error
+  void measure(double noise, double variance = kNoiseSigma * kNoiseSigma) {
+    const double gain = P_ / (P_ + variance);
+    error_ += gain * (noise - error_);
+    P_ *= 1.0 - gain;
+    time_ += Time(100'000'000);
+    ratio_ = told();
+  }
+  void widen() { P_ = kPriorSigma * kPriorSigma; }
+  double error() const { return error_; }
+  double sigma() const { return std::sqrt(P_); }
+  double ratio() const { return ratio_; }
+
+ private:
+  double told() { return birge_.add(time_, error_, sigma()); }
+
+  BirgeRatio birge_;
+  Time time_{0};
+  double error_;
+  double P_ = kPriorSigma * kPriorSigma;
+  double ratio_ = 1.0;
+};
+
+/// Means over 500 flights of a minute; the error of a measurement repeats `persistence` times.
+struct Flights {
+  explicit Flights(int persistence) {
+    constexpr int kFlights = 500;
+    sim::Random random(3);
+    for (int flight = 0; flight < kFlights; ++flight) {
+      Filter filter(kPriorSigma * random.normal());
+      double noise = 0.0;
+      for (int i = 0; i < 600; ++i) {
+        if (i % persistence == 0) noise = random.normal();
+        filter.measure(noise);
+      }
+      const double z = filter.error() / filter.sigma();
+      by_covariance += z * z / kFlights;
+      told += z * z / (filter.ratio() * filter.ratio()) / kFlights;
+      ratio += filter.ratio() / kFlights;
+    }
+  }
+  double by_covariance = 0.0;  ///< NEES
+  double told = 0.0;           ///< same, with the ratio
+  double ratio = 0.0;
+};
+
+TEST(BirgeRatio, OfIndependentErrorsIsNearlyOne) {
+  const Flights flights(1);
+  EXPECT_NEAR(flights.by_covariance, 1.0, 0.2);
+  EXPECT_LT(flights.ratio, 1.15);  // at least 1, so its mean is above
+}
+
+TEST(BirgeRatio, ErrorsThatPersistWidenTheSigma) {
+  const Flights flights(10);
+  EXPECT_GT(flights.by_covariance, 7.0);
+  EXPECT_NEAR(flights.told, 1.0, 0.5);
+}
+
+TEST(BirgeRatio, AWrongPriorIsNotCounted) {
+  Filter filter(10.0 * kPriorSigma);
+  for (int i = 0; i < 600; ++i) filter.measure(0.0);
+  EXPECT_LT(filter.ratio(), 1.1);
+}
+
+TEST(BirgeRatio, AWiderPriorBeginsAnInterval) {
+  Filter filter(0.0);
+  for (int i = 0; i < 200; ++i) filter.measure(0.0);
+  filter.widen();
+  for (int i = 0; i < 200; ++i) filter.measure(0.5);  // a shift of half the prior's sigma
+  EXPECT_LT(filter.ratio(), 1.3);
+}
+
+// At rest the sigma stays and so does the value, but for rounding.
+TEST(BirgeRatio, WithoutInformationTheIntervalContinues) {
+  Filter filter(0.0);
+  for (int i = 0; i < 200; ++i) filter.measure(0.0);
+  for (int i = 0; i < 6000; ++i) filter.measure(i % 2 == 0 ? 1.0 : -1.0, 1e9);
+  EXPECT_EQ(filter.ratio(), 1.0);
+}
+
+}  // namespace
+}  // namespace rio
