@@ -7,11 +7,14 @@
 namespace rio {
 
 double BirgeRatio::add(Time time, double value, double sigma) {
-  constexpr Time kInterval{2'000'000'000};  // longer than most reflectors stay in view
-  constexpr double kInformative = 0.01;          // of P-: less is a rest, the interval continues
+  // longer than most reflectors stay in view
+  constexpr Time kInterval{2'000'000'000};
+  // of P-: less is a rest, and the interval continues
+  constexpr double kInformative = 0.01;
   // while P is wide D is the error of the prior, which has its own check (Observability::kDoubtful)
   constexpr double kDetermined = 0.5;
-  constexpr int kConsistent = 4;  // intervals with a ratio of 1, assumed before the first
+  // intervals with a ratio of 1, assumed before the first
+  constexpr int kConsistent = 4;
   const double fall = begin_.sigma * begin_.sigma - sigma * sigma;
   widest_ = std::max(widest_, sigma);
   if (begin_.sigma == 0.0 || fall < 0.0) {  // first estimate, or a wider prior
