@@ -66,7 +66,11 @@ class CalibrationOfAnEstimate : public testing::Test {
   std::array<CalibrationReport, kCalibrationCount> report(
       const StateEstimate& state_estimate) const {
     BirgeRatios ratios;
-    return calibration_report(state_estimate, options_, &ratios);
+    return report(state_estimate, &ratios);
+  }
+  std::array<CalibrationReport, kCalibrationCount> report(const StateEstimate& state_estimate,
+                                                          BirgeRatios* ratios) const {
+    return calibration_report(state_estimate, options_, ratios);
   }
 
   Options options_;
@@ -101,6 +105,27 @@ TEST_F(CalibrationOfAnEstimate, BeforeTheFirstScanNothingIsKnown) {
     EXPECT_NEAR(r.value, 0.0, 1e-15);
     EXPECT_NEAR(r.sigma, kConfigured * r.prior_sigma, 1e-15);
     EXPECT_EQ(r.observability, Observability::kUnobserved);
+  }
+}
+
+// Corrections that exceed what the covariance allows widen the sigma of that parameter alone, and
+// its verdict follows.
+TEST_F(CalibrationOfAnEstimate, TheSigmaIsMultipliedByTheBirgeRatio) {
+  constexpr auto kScale = static_cast<std::size_t>(Calibration::kDopplerScale);
+  BirgeRatios ratios;
+  const auto tell = [&](int second, double value, double sigma) {
+    return ratios[kScale].add(Time(1'000'000'000LL * second), value, sigma);
+  };
+  tell(0, 0.0, 1.0);
+  tell(10, 0.0, 0.4);  // what the prior was off by does not count
+  const double ratio = tell(20, 2.0, 0.3);
+  EXPECT_NEAR(ratio, std::sqrt((4.0 + 2.0 * 2.0 / (0.16 - 0.09)) / 5.0), 1e-12);
+  const auto without = report(corrected(0.0));
+  const auto with = report(corrected(0.0), &ratios);
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    EXPECT_EQ(with[i].inflation, i == kScale ? ratio : 1.0) << i;
+    EXPECT_EQ(with[i].sigma, with[i].inflation * without[i].sigma) << i;
+    EXPECT_EQ(with[i].value, without[i].value) << i;
   }
 }
 

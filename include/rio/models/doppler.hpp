@@ -7,16 +7,18 @@
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is noisy too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
 // (E4) J uses L u^, L the reliability matrix of the scan's directions (update/reliability.hpp)
-// With (E3) also the terms of second order in the direction's error:
 // (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
-// (E6) R of the tangents at u^: w for v_S in (E2), w = v_S - (u^T v_S) (u^ - u)
+// (E6) R at u^: in (E2) v_S - (u^T v_S) (u^ - u) for v_S
+// (E5) and (E6), of second order in the direction's error, come with (E3).
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
-// noise; (E5) Lerro, Bar-Shalom 1993 (debiased conversion). Derivation of (E3): with u = u_true +
-// d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u v_S and u^ = u - E[d | r]. Using u itself
-// shrinks the velocity along poorly measured angles (errors-in-variables attenuation). With P_h =
-// 0, -r/R u^^T is the gradient of r^2 / (2 R) in v_S. (E6): the error of u is correlated with r,
-// and so is the weight 1 / R of the tangents at u; that of u^ is not. The caller sets its ratio to
-// R, at the prediction, so that the cost has a gradient.
+// noise; (E5) Lerro, Bar-Shalom 1993 (debiased conversion).
+//
+// Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u v_S
+// and u^ = u - E[d | r]. Using u itself shrinks the velocity along poorly measured angles
+// (errors-in- variables attenuation). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in
+// v_S. Of (E6): d is correlated with r, and with it the weight 1 / R of the tangents at u; u^ is
+// not. The ratio of the two R, computed by the caller from the prediction, stays constant: so the
+// cost of the window has a gradient.
 #pragma once
 
 #include "rio/models/concept.hpp"

@@ -12,7 +12,7 @@
 // order, with M the covariance of the predicted direction [rad^2]:
 // (E4) E|e| - |e^| = |e^|/2 tr M,   additional variance |e^|^2/2 tr M^2
 // References: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone. Bar-Shalom, Li,
-// Kirubarajan 2001, sec. 10.3.3 (second-order EKF) (E4).
+// Kirubarajan 2001, sec. 10.3 (second-order EKF) (E4).
 #pragma once
 
 #include "rio/models/concept.hpp"

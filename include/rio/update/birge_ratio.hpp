@@ -6,7 +6,7 @@
 // and the variance by which P falls meanwhile: (E1) E D^2 = P- - P+. Measurement errors that
 // persist, such as ghosts and the directions of reflectors that stay in view, make them larger. The
 // sigma is multiplied by the Birge ratio, the root of the mean of D^2 / (P- - P+), if it exceeds 1.
-// Reference: R. T. Birge, The calculation of errors by the method of least squares, 1932, eq. 20.
+// Reference: R. T. Birge, The calculation of errors by the method of least squares, 1932.
 #pragma once
 
 #include "rio/types.hpp"
@@ -16,8 +16,6 @@ namespace rio {
 /// Of one parameter. Constant memory.
 class BirgeRatio {
  public:
-  void reset() { *this = BirgeRatio(); }
-
   /// Adds the estimate after an update.
   /// @param sigma by the covariance, not 0
   /// @return the ratio so far, at least 1
@@ -31,7 +29,7 @@ class BirgeRatio {
   };
 
   Sample begin_;         ///< of the current interval
-  double widest_ = 0.0;  ///< sigma at the start
+  double widest_ = 0.0;  ///< largest sigma so far
   double sum_ = 0.0;     ///< of D^2 / (P- - P+)
   int intervals_ = 0;
 };

@@ -79,9 +79,8 @@ class ScanRows {
 
   /// Gates the match of a landmark with a detection; keeps it if it passes.
   template <class M>
-  bool add_landmark(Measured<M> m, std::size_t detection,
-                    const StateEstimate& state_estimate, const LinearizationPoint& x,
-                    UpdateReport* report);
+  bool add_landmark(Measured<M> m, std::size_t detection, const StateEstimate& state_estimate,
+                    const LinearizationPoint& x, UpdateReport* report);
 
   /// Corrects the range of the last block and of its measurement, and the innovation covariance in
   /// S_, by the terms of second order.
