@@ -123,9 +123,9 @@ struct GroundRangeCase {
   }
 };
 
-using Cases = testing::Types<PositionCase, HeadingCase, BodyVelocityCase, WorldVelocityCase,
-                             HeightCase, GroundRangeCase>;
-INSTANTIATE_TYPED_TEST_SUITE_P(Aids, ModelSuite, Cases);
+using AidCases = testing::Types<PositionCase, HeadingCase, BodyVelocityCase, WorldVelocityCase,
+                                HeightCase, GroundRangeCase>;
+INSTANTIATE_TYPED_TEST_SUITE_P(Aids, ModelSuite, AidCases);
 
 }  // namespace
 }  // namespace rio::test

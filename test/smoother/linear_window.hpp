@@ -9,13 +9,10 @@
 #include <initializer_list>
 #include <vector>
 
-#include "rio/sim/random.hpp"
 #include "rio/smoother/normal_equations.hpp"
+#include "support/random_matrix.hpp"
 
 namespace rio::test {
-
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 inline constexpr int kState = NormalEquations::kState;
 inline constexpr int kMaxStates = 12;
@@ -111,14 +108,6 @@ inline void expect_close(const MatrixXd& actual, const MatrixXd& expected,
   ASSERT_EQ(actual.cols(), expected.cols());
   if (expected.size() == 0) return;
   EXPECT_LE((actual - expected).cwiseAbs().maxCoeff(), relative * expected.cwiseAbs().maxCoeff());
-}
-
-inline MatrixXd random_matrix(sim::Random& random, Eigen::Index rows, Eigen::Index cols) {
-  MatrixXd m(rows, cols);
-  for (Eigen::Index c = 0; c < cols; ++c) {
-    for (Eigen::Index r = 0; r < rows; ++r) m(r, c) = random.normal();
-  }
-  return m;
 }
 
 inline int random_index(sim::Random& random, int count) {

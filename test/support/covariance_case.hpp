@@ -5,22 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "rio/sim/random.hpp"
 #include "rio/update/covariance.hpp"
 #include "rio/update/linear_rows.hpp"
+#include "support/random_matrix.hpp"
 
 namespace rio::test {
-
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
-inline MatrixXd random_matrix(sim::Random& random, Eigen::Index rows, Eigen::Index cols) {
-  MatrixXd m(rows, cols);
-  for (Eigen::Index c = 0; c < cols; ++c) {
-    for (Eigen::Index r = 0; r < rows; ++r) m(r, c) = random.normal();
-  }
-  return m;
-}
 
 /// The same rows as a dense matrix of n columns.
 template <std::size_t kRows>

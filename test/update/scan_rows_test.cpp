@@ -192,13 +192,13 @@ TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
   options_.radar.doppler_resolution = kGrid;
   scan_.items.clear();
   see({0.0, 4.0, 0.0});  // across the flight: its rate changes by v^2 / r
-  const auto factor = [&](double distance, const Vector3d& accel_W, double seconds) {
+  const auto factor = [&](double distance, const Vector3d& accel_W, double duration) {
     ScanRows rows(options_);
     StateEstimate b = state_estimate();
     build(rows, b);
     b.estimate().distance_travelled = distance;
     b.estimate().accel_W = accel_W;
-    b.estimate().nav.time += from_seconds(seconds);
+    b.estimate().nav.time += from_seconds(duration);
     build(rows, b);
     return inflation(rows, 0);
   };
