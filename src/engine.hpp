@@ -322,6 +322,7 @@ class Engine final : public Odometry::Impl {
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
     counters.velocity_resets += pipeline_.report().velocity_reset ? 1 : 0;
     counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
+    counters.position_reopened += pipeline_.report().position_reopened > 0.0 ? 1 : 0;
     publish();
     return status;
   }

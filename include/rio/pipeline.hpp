@@ -26,6 +26,7 @@
 #include "rio/report.hpp"
 #include "rio/update/aiding_queue.hpp"
 #include "rio/update/calibration_report.hpp"
+#include "rio/update/doubtful_interval.hpp"
 #include "rio/update/gyro_bias_check.hpp"
 #include "rio/update/health_monitor.hpp"
 
@@ -68,6 +69,7 @@ class Pipeline {
     pool_.reset(prior.time);
     gravity_.reset(prior.time);
     gyro_bias_.reset();
+    doubtful_.reset();
     rest_.reset();
     last_static_set_ = prior.time;
     replaced_.reset();
@@ -171,6 +173,7 @@ class Pipeline {
       frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
       check_gyro_bias();
+      check_position(to_seconds(estimate().nav.time - last));
       backend_.clone(next_scan_);  // (2)
       ++next_scan_;
     }
@@ -301,6 +304,19 @@ class Pipeline {
     reset_frontends();
   }
 
+  /// If the scans have contradicted the velocity or the gates for a while, and no longer do,
+  /// inflates the covariance of the position by what that may have done; drops landmarks and
+  /// trails.
+  void check_position(double seconds) {
+    if (!options_.frontend.velocity_recovery) return;
+    const double sigma =
+        doubtful_.observe(pool_.contradiction(), health_.unusual_gated_share(), seconds);
+    report_.position_reopened = sigma;
+    if (sigma == 0.0) return;
+    backend_.reopen_position(sigma, &report_);
+    reset_frontends();
+  }
+
   /// Since when the velocity may have been wrong: one that replaced another recently and is now
   /// contradicted may have been wrong from the start, however well the scans supported it.
   Time doubtful_since() const {
@@ -318,6 +334,7 @@ class Pipeline {
     velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     replaced_ = Replaced{now, since};
     pool_.reset(now);
+    doubtful_.reset();
     reset_frontends();
     reset_own_echoes();
   }
@@ -368,6 +385,7 @@ class Pipeline {
   VelocityPool pool_;
   GravityCheck gravity_;
   GyroBiasCheck gyro_bias_;
+  DoubtfulInterval doubtful_;
   RestDetector rest_;
   BackEnd backend_;
   std::array<BirgeRatios, kMaxRadars> birge_ratios_{};

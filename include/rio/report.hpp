@@ -141,6 +141,7 @@ struct UpdateReport {
   bool at_rest = false;                ///< standstill for a while, by IMU and radar
   bool velocity_reset = false;         ///< the velocity was replaced before the update
   bool attitude_reset = false;         ///< tilt, heading or biases were re-initialised
+  double position_reopened = 0.0;      ///< sigma added to the position after a doubtful time [m]
   double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for this long [s]
   double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for this long [s]
   Health health;                       ///< after the update
@@ -173,11 +174,12 @@ struct Counters {
   std::uint64_t aiding = 0;  ///< measurements of other sensors taken
   std::uint64_t aiding_late = 0;
   std::uint64_t aiding_ahead = 0;
-  std::uint64_t aiding_overflow = 0;  ///< dropped, since too many are waiting
-  std::uint64_t updates_failed = 0;   ///< kNumerical
-  std::uint64_t velocity_resets = 0;  ///< the scans contradicted the velocity for too long
-  std::uint64_t attitude_resets = 0;  ///< same for gravity or landmarks: attitude or a bias
-  std::uint64_t restarts = 0;         ///< the tilt was lost and recovered from the specific force
+  std::uint64_t aiding_overflow = 0;    ///< dropped, since too many are waiting
+  std::uint64_t updates_failed = 0;     ///< kNumerical
+  std::uint64_t velocity_resets = 0;    ///< the scans contradicted the velocity for too long
+  std::uint64_t attitude_resets = 0;    ///< same for gravity or landmarks: attitude or a bias
+  std::uint64_t restarts = 0;           ///< the tilt was lost and recovered from the specific force
+  std::uint64_t position_reopened = 0;  ///< the scans contradicted the estimate for a while
 };
 
 }  // namespace rio

@@ -23,7 +23,7 @@ VelocityPool::VelocityPool(const Options& options)
 void VelocityPool::reset(Time time) {
   rows_.clear();
   agreed_ = since_ = time;
-  proven_ = chance_ = 0.0;
+  proven_ = chance_ = contradiction_ = 0.0;
 }
 
 std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, const Estimate& x,
@@ -60,7 +60,9 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   std::optional<VelocityOpinion> other = refine(best);
   if (!other) return abstain(now);
   // an error within the covariance is corrected by the update
-  if (unique_fold && (other->v_B - believed).norm() < 3.0 * sigma) return std::nullopt;
+  const double difference = (other->v_B - believed).norm();
+  if (unique_fold && difference < 3.0 * sigma) return std::nullopt;
+  contradiction_ = difference;
   if (now - since_ < (proven() ? kLongPatience : kPatience)) return std::nullopt;
   return other;
 }
@@ -68,11 +70,13 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
 std::nullopt_t VelocityPool::agree(Time now) {
   proven_ = std::min(proven_ + to_seconds(now - agreed_), 2.0 * kProven);
   agreed_ = since_ = now;
+  contradiction_ = 0.0;
   return std::nullopt;
 }
 
 std::nullopt_t VelocityPool::abstain(Time now) {
   since_ = now;
+  contradiction_ = 0.0;
   return std::nullopt;
 }
 

@@ -11,6 +11,9 @@ namespace {
 /// g_l of (E4): sum of squares of (1, -4, 6, -4, 1) convolved with the filters (E2) before it.
 constexpr std::array kGain = {70.0, 19.25, 7.65625, 3.58203125, 1.760253906, 0.8762817383};
 
+/// Of octave 1, for the k-th value after an onset (E7).
+constexpr std::array kOnsetGain = {0.1875, 2.875, 9.625, 16.375, 19.0625};
+
 }  // namespace
 
 ImuNoise ImuNoiseMeter::add(const ImuSample& sample) {
@@ -22,8 +25,9 @@ ImuNoise ImuNoiseMeter::add(const ImuSample& sample) {
   count_ += 1.0;
   Vector6d x;
   x << sample.gyro_B, sample.accel_B;
+  gyro_.now = accel_.now = false;
   enter(0, x);
-  ImuNoise q = density();
+  ImuNoise q{density(&Octave::gyro, gyro_), density(&Octave::accel, accel_)};
   const double lost = interval_ > 0.0 ? std::max(1.0, span / interval_) : 1.0;  // (E6)
   q.gyro *= lost;
   q.accel *= lost;
@@ -37,10 +41,16 @@ void ImuNoiseMeter::enter(std::size_t l, const Vector6d& y) {
   o.size = std::min(o.size + 1, 5);
   if (l > 0 && o.size == 5) {
     const Vector6d e = o.y[0] - 4.0 * o.y[1] + 6.0 * o.y[2] - 4.0 * o.y[3] + o.y[4];  // (E3)
-    o.count += 1.0;
-    const double weight = std::max(1.0 / o.count, interval(l) / (kMemory + interval(l)));
-    o.gyro += weight * (e.head<3>().squaredNorm() / 3.0 - o.gyro);
-    o.accel += weight * (e.tail<3>().squaredNorm() / 3.0 - o.accel);
+    const double gyro = e.head<3>().squaredNorm() / 3.0;
+    const double accel = e.tail<3>().squaredNorm() / 3.0;
+    const double least_weight = interval(l) / (kMemory + interval(l));
+    if (l == 1) {
+      take(&Octave::gyro, gyro, least_weight, &gyro_);
+      take(&Octave::accel, accel, least_weight, &accel_);
+    } else {
+      o.gyro.add(gyro, least_weight);
+      o.accel.add(accel, least_weight);
+    }
   }
   o.odd = !o.odd;
   if (o.size >= 3 && o.odd && l + 1 < kOctaves) {
@@ -48,16 +58,36 @@ void ImuNoiseMeter::enter(std::size_t l, const Vector6d& y) {
   }
 }
 
-ImuNoise ImuNoiseMeter::density() const {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  ImuNoise q{kInfinite, kInfinite};
-  for (std::size_t l = 1; l < kOctaves; ++l) {
-    const Octave& o = octaves_[l];
-    if ((l > 1 && interval(l) > kLongest) || o.count < kEnough) break;
-    q.gyro = std::min(q.gyro, interval_ * o.gyro / kGain[l]);
-    q.accel = std::min(q.accel, interval_ * o.accel / kGain[l]);
+void ImuNoiseMeter::Mean::add(double square, double least_weight) {
+  count += 1.0;
+  value += std::max(1.0 / count, least_weight) * (square - value);
+}
+
+void ImuNoiseMeter::take(Mean Octave::*sensor, double square, double least_weight, Onset* onset) {
+  onset->recent += kRecent * (square - onset->recent);
+  Mean& mean = octaves_[1].*sensor;
+  if (mean.count >= kEnough && onset->recent > kOnset * mean.value) {
+    for (Octave& octave : octaves_) octave.*sensor = Mean{};
+    onset->now = onset->begun = true;
+    onset->values = 0;
   }
-  return q.gyro < kInfinite ? q : ImuNoise{};
+  double gain = kGain[1];
+  if (onset->values < kDone) gain = kOnsetGain[onset->values++];
+  if (onset->values == 2) mean = Mean{};  // the first was of two samples at most
+  mean.add(square * kGain[1] / gain, least_weight);
+}
+
+double ImuNoiseMeter::density(Mean Octave::*sensor, const Onset& onset) const {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  double q = kInfinite;
+  for (std::size_t l = 1; l < kOctaves; ++l) {
+    const Mean& mean = octaves_[l].*sensor;
+    const bool begun = l == 1 && onset.begun && mean.count > 0.0;
+    if ((l > 1 && interval(l) > kLongest) || (mean.count < kEnough && !begun)) break;
+    q = std::min(q, interval_ * mean.value / kGain[l]);
+  }
+  if (q == kInfinite) return 0.0;
+  return onset.now ? (1.0 + kUnnoticed) * q : q;
 }
 
 }  // namespace rio

@@ -75,6 +75,12 @@ void Smoother::restart_heading(const GyroBiasOpinion& opinion, UpdateReport* rep
   restart();
 }
 
+void Smoother::reopen_position(double sigma, UpdateReport* report) {
+  drop_landmarks(report);
+  state_estimate_.reopen_position(sigma);
+  restart();
+}
+
 Status Smoother::update(const Observations& seen, UpdateReport* report) {
   for (const Contradiction& c : state_estimate_.contradictions()) {
     prior_.forget(c.column, c.value, c.information, estimate());

@@ -137,13 +137,21 @@ void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCova
   conclude();
 }
 
+double HealthMonitor::gated_share() const {
+  return rows_gated_ / std::max(rows_used_ + rows_gated_, 10.0);
+}
+
+double HealthMonitor::unusual_gated_share() const {
+  const double share = gated_share();
+  return share >= kGated ? share : 0.0;
+}
+
 void HealthMonitor::judge_scans(Time now, Time pause) {
   severity(HealthReason::kRadarSilent) = to_seconds(now + pause - last_used_) / kSilence;
   severity(HealthReason::kFewDetections) = kFewRows / std::max(rows_used_, 1e-3);
   const double others = detections_ - static_detections_;
   severity(HealthReason::kOutliers) = others / std::max(detections_, 10.0) / kOutliers;
-  const double rows = rows_used_ + rows_gated_;
-  severity(HealthReason::kGated) = rows_gated_ / std::max(rows, 10.0) / kGated;
+  severity(HealthReason::kGated) = gated_share() / kGated;
   severity(HealthReason::kInnovations) = nis_ / std::max(rows_used_, 10.0) / kInnovations;
   severity(HealthReason::kImuGaps) = (gaps_ + to_seconds(pause)) / kLostTime;
   severity(HealthReason::kReopened) = steps_;

@@ -135,6 +135,27 @@ TEST_F(PoolTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
   for (int i = 0; i < 45; ++i) EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 6));
 }
 
+// Until the patience ends it says by how much it contradicts.
+TEST_F(PoolTest, AContradictionHasASize) {
+  const Vector3d wrong = 0.8 * random_.direction();
+  for (int i = 0; i < 45; ++i) {
+    (void)step(Vector3d::Zero(), 0.05, 20);
+    EXPECT_EQ(pool_->contradiction(), 0.0);
+  }
+  for (int i = 0; i < 45; ++i) {
+    (void)step(wrong, 0.05, 20);
+    if (i < 15) continue;
+    EXPECT_NEAR(pool_->contradiction(), 0.8, 0.1) << i;
+  }
+  for (int i = 0; i < 15; ++i) (void)step(Vector3d::Zero(), 0.05, 20);
+  EXPECT_EQ(pool_->contradiction(), 0.0);
+  restart();
+  for (int i = 0; i < 75; ++i) (void)step(i < 45 ? Vector3d::Zero() : wrong, 0.05, 20);
+  EXPECT_NEAR(pool_->contradiction(), 0.8, 0.1);
+  pool_->reset(vehicle_->truth.time);
+  EXPECT_EQ(pool_->contradiction(), 0.0);
+}
+
 // Of five points a scan three move, each in another direction.
 TEST_F(PoolTest, OutliersAreNoVerdict) {
   for (int i = 0; i < 150; ++i) {

@@ -16,6 +16,8 @@
 namespace rio {
 namespace {
 
+using std::chrono::milliseconds;
+
 constexpr double kPi = 3.14159265358979323846;
 
 /// Stationary vibration: tones with random phases, the same spectrum in every axis.
@@ -190,12 +192,76 @@ TEST(ImuNoiseMeter, AQuietImuCostsNothing) {
   }
 }
 
+/// White vibration that begins at a moment in a quiet flight; the error of what is integrated from
+/// then on for `span` [s], against what the process noise says.
+Ratio onset(double rms, double rate, double span, bool gyro) {
+  constexpr int kRuns = 300;
+  constexpr double kBegin = 2.0;
+  test::Random random(9);
+  ImuOptions options;
+  options.stamp_sigma = 0.0;
+  const double quiet = gyro ? options.gyro_noise_density : options.accel_noise_density;
+  Ratio ratio;
+  for (int run = 0; run < kRuns; ++run) {
+    ImuBuffer buffer(TimingOptions{}, options);
+    for (int i = 0; i <= static_cast<int>((kBegin + span) * rate) + 1; ++i) {
+      const double sigma = i / rate < kBegin ? quiet * std::sqrt(rate) : rms;
+      ImuSample s{from_seconds(i / rate), random.normal_vector(1e-3), random.normal_vector(1e-2)};
+      (gyro ? s.gyro_B : s.accel_B) = random.normal_vector(sigma);
+      buffer.push_back(s);
+    }
+    Vector3d sum = Vector3d::Zero();
+    double variance = 0.0;
+    buffer.for_each_step(from_seconds(kBegin), from_seconds(kBegin + span),
+                         [&](const ImuStep& step) {
+                           const double dt = to_seconds(step.end - step.begin);
+                           sum += dt * (gyro ? step.gyro_B : step.accel_B);
+                           const ProcessNoise density = process_noise(options, step);
+                           variance += dt * (gyro ? density.gyro : density.accel);
+                         });
+    ratio.predicted += variance / kRuns;
+    ratio.actual += sum.squaredNorm() / 3.0 / kRuns;
+  }
+  return ratio;
+}
+
+// Rough ground begins from one sample to the next, and so does what the estimate must know of it.
+TEST(ImuNoiseMeter, AnOnsetIsNoticedAtOnce) {
+  for (const bool gyro : {false, true}) {
+    for (const double rate : {100.0, 200.0, 400.0}) {
+      for (const double span : {0.1, 0.3, 1.0}) {
+        const Ratio r = onset(gyro ? 1.0 : 30.0, rate, span, gyro);
+        test::measured(std::string(gyro ? "gyro" : "accelerometer") + ", " +
+                           std::to_string(std::lround(span * 1e3)) + " ms after an onset at " +
+                           std::to_string(std::lround(rate)) + " Hz: predicted / actual",
+                       r.predicted / r.actual, "0.5 to 3");
+        EXPECT_GT(r.predicted, 0.5 * r.actual) << gyro << " " << rate << " Hz, " << span << " s";
+        EXPECT_LT(r.predicted, 3.0 * r.actual) << gyro << " " << rate << " Hz, " << span << " s";
+      }
+    }
+  }
+}
+
+TEST(ImuNoiseMeter, AnOnsetOfOneSensorLeavesTheOther) {
+  ImuNoiseMeter meter;
+  ImuNoiseMeter same;
+  test::Random random(4);
+  for (int i = 0; i < 400; ++i) {
+    ImuSample s{milliseconds(5 * i), random.normal_vector(0.01), random.normal_vector(0.1)};
+    const ImuNoise quiet = same.add(s);
+    if (i >= 300) s.gyro_B *= 1000.0;
+    const ImuNoise noise = meter.add(s);
+    EXPECT_EQ(noise.accel, quiet.accel);
+    if (i < 304) continue;  // the second value of octave 1
+    EXPECT_GT(noise.gyro, 10.0 * quiet.gyro) << i;
+  }
+}
+
 TEST(ImuNoiseMeter, KnowsNothingAtFirstAndAfterAPause) {
   ImuNoiseMeter meter;
   test::Random random(3);
   const auto add = [&](int i) {
-    return meter.add(
-        {std::chrono::milliseconds(10 * i), random.normal_vector(1.0), random.normal_vector(1.0)});
+    return meter.add({milliseconds(10 * i), random.normal_vector(1.0), random.normal_vector(1.0)});
   };
   for (int i = 0; i < 15; ++i) EXPECT_EQ(add(i).accel, 0.0) << i;
   for (int i = 15; i < 100; ++i) (void)add(i);

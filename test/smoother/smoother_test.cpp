@@ -300,6 +300,21 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
       10.0 * 1e-10 / least);
 }
 
+TEST_F(BlindSmootherTest, AReopenedPositionBeginsANewWindow) {
+  for (int i = 0; i < 15; ++i) ASSERT_EQ(step(), Status::kOk);
+  give_birth(0.03);
+  const Eigen::Index position = body::kPosition;
+  const Eigen::MatrixXd before = smoother_.state_estimate().covariance().matrix();
+  smoother_.reopen_position(0.5, &report_);
+  EXPECT_EQ(smoother_.window().size(), 1U);
+  EXPECT_EQ(report_.landmarks_removed, 1);
+  ASSERT_EQ(step(), Status::kOk);  // the next solution knows it, too
+  const Eigen::MatrixXd P = smoother_.state_estimate().covariance().matrix();
+  for (Eigen::Index i = position; i < position + 3; ++i) {
+    EXPECT_NEAR(P(i, i) - before(i, i), 0.25, 0.01);
+  }
+}
+
 TEST_F(BlindSmootherTest, WithoutMeasurementsItIsDeadReckoning) {
   StateEstimate state_estimate(flight_.options(), 0);
   state_estimate.reset(flight_.flight().truth.front(), flight_.start_covariance());

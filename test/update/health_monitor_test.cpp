@@ -88,10 +88,12 @@ TEST_F(HealthMonitorTest, OutliersAndGatedMeasurementsDegrade) {
   fly(seconds(5));
   EXPECT_FALSE(health().because(HealthReason::kOutliers));
   EXPECT_TRUE(health().because(HealthReason::kGated));
+  EXPECT_NEAR(monitor_.unusual_gated_share(), 0.5, 0.01);
   scan_.models[0].rows_gated = 0;
   scan_.models[0].nis = 60.0;
   fly(seconds(5));
   EXPECT_FALSE(health().because(HealthReason::kGated));
+  EXPECT_EQ(monitor_.unusual_gated_share(), 0.0);
   EXPECT_TRUE(health().because(HealthReason::kInnovations));
   EXPECT_EQ(health().heading, HealthState::kOk);
 }

@@ -252,6 +252,16 @@ TEST_F(StateEstimateTest, ARestartedHeadingKeepsTheTilt) {
   EXPECT_EQ(b.estimate().nav.q_WB.coeffs(), nav_.q_WB.coeffs());
 }
 
+TEST_F(StateEstimateTest, AReopenedPositionIsThatMuchLessCertain) {
+  StateEstimate b = state_estimate();
+  const Matrix15d before = b.covariance().body();
+  b.reopen_position(0.7);
+  Matrix15d expected = Matrix15d::Zero();
+  expected.diagonal().segment<3>(body::kPosition).setConstant(0.49);
+  EXPECT_LT((b.covariance().body() - before - expected).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(b.estimate().nav.p_WB, nav_.p_WB);
+}
+
 // That of the model's own row, elevation error included.
 TEST_F(StateEstimateTest, TheVarianceOfADopplerIsThatOfItsRow) {
   options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};

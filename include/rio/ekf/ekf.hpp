@@ -66,6 +66,13 @@ class Ekf {
     state_estimate_.restart_heading(opinion);
   }
 
+  /// Inflates the covariance of the position by sigma per axis [m]. Drops all landmarks, which such
+  /// a position would mismatch; the caller drops the trails.
+  void reopen_position(double sigma, UpdateReport* report) {
+    drop_landmarks(report);
+    state_estimate_.reopen_position(sigma);
+  }
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
   Status update(const Observations& seen, UpdateReport* report);
 

@@ -60,6 +60,8 @@ class VelocityPool {
   double chance() const { return chance_; }
   /// Since when it has been contradicted; the newest scan if it is not.
   Time contradicted_since() const { return since_; }
+  /// Difference of the velocities while it is contradicted; 0 if it is not [m/s].
+  double contradiction() const { return contradiction_; }
 
   /// Takes a scan; returns the velocity that contradicts the state estimate's, if one does.
   /// @param x predicted to the scan
@@ -156,6 +158,7 @@ class VelocityPool {
   Time since_{0};        ///< begin of the contradiction
   double proven_ = 0.0;  ///< time of support [s]
   double chance_ = 0.0;
+  double contradiction_ = 0.0;
 };
 
 }  // namespace rio

@@ -18,6 +18,10 @@
 //      of lost samples, attenuates it.
 // (E6) a step over m intervals, with the samples between lost, has the density m S(0): one value
 //      replaces m.
+// (E7) an onset: E[e^2] of octave 1 over its last few values is far above the mean. The means start
+//      over, and lower octaves count when they have seen enough. The next values of e contain the
+//      samples from before: the k-th has the gain of its newest 2 k - 1/2 samples, (E4) with the
+//      last taps of the filter only.
 // Limits: a tone that aliases below the lowest octave cannot be distinguished from motion; if a
 // driver has interpolated 30 % of the samples, half the density of white noise is seen; the three
 // axes share one density, as in the process noise.
@@ -54,23 +58,46 @@ class ImuNoiseMeter {
   static constexpr double kPause = 0.5;       // a longer pause of the samples starts over [s]
   static constexpr double kIntervals = 64.0;  // averaged to the nominal interval
   static constexpr double kEnough = 8.0;      // values of e: the variance is known to a half
+  static constexpr double kRecent = 0.25;     // weight of a value in the recent mean (E7)
+  static constexpr double kOnset = 100.0;     // ratio; the mean follows: 100 times the amplitude
+  static constexpr double kUnnoticed = 1.0;   // steps before an onset is noticed, about
+
+  /// E[e^2] of one sensor, mean of the axes.
+  struct Mean {
+    double count = 0.0;  ///< of e
+    double value = 0.0;
+
+    void add(double square, double least_weight);
+  };
 
   struct Octave {
     std::array<Vector6d, 5> y{};
     int size = 0;
-    bool odd = false;    ///< every other value enters the next octave
-    double count = 0.0;  ///< of e
-    double gyro = 0.0;   ///< E[e^2], mean of the axes
-    double accel = 0.0;  ///< same
+    bool odd = false;  ///< every other value enters the next octave
+    Mean gyro;
+    Mean accel;
   };
 
+  static constexpr std::size_t kDone = 5;  // values, and e contains no sample from before
+
+  /// The onset of one sensor.
+  struct Onset {
+    double recent = 0.0;         ///< mean of the last values of octave 1
+    std::size_t values = kDone;  ///< of octave 1 since then
+    bool now = false;            ///< with the newest sample
+    bool begun = false;          ///< there was one: octave 1 counts from its first value on
+  };
   /// Takes a value of octave l, and the values of lower octaves that it completes.
   void enter(std::size_t l, const Vector6d& y);
-  /// (E4) (E5)
-  ImuNoise density() const;
+  /// Takes e^2 in octave 1 of a sensor; starts its means over if that is an onset (E7).
+  void take(Mean Octave::*sensor, double square, double least_weight, Onset* onset);
+  /// (E4) (E5) (E7)
+  double density(Mean Octave::*sensor, const Onset& onset) const;
   double interval(std::size_t l) const { return interval_ * static_cast<double>(1 << l); }
 
   std::array<Octave, kOctaves> octaves_{};
+  Onset gyro_;
+  Onset accel_;
   Time newest_{0};
   double count_ = 0.0;     ///< samples
   double interval_ = 0.0;  ///< h, mean [s]

@@ -67,6 +67,9 @@ class Smoother {
   /// As in the filter; the window starts over from the result.
   void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report);
 
+  /// As in the filter; the window starts over from the result.
+  void reopen_position(double sigma, UpdateReport* report);
+
   /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, UpdateReport* report);
 

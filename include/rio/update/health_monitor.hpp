@@ -35,6 +35,10 @@ class HealthMonitor {
   /// The IMU has paused for `duration`.
   void add_gap(Time duration) { gaps_ += to_seconds(duration); }
 
+  /// Share of the rows of the last second that the gates rejected, if kGated says it is unusual;
+  /// otherwise 0.
+  double unusual_gated_share() const;
+
   /// The estimate has changed discontinuously.
   void add_step();
 
@@ -46,6 +50,7 @@ class HealthMonitor {
   double calibration_doubt(const UpdateReport& report) const;
   double clock_doubt(const UpdateReport& report, Time now);
   void judge_scans(Time now, Time pause);
+  double gated_share() const;
   void judge_sigmas(const Estimate& x, const BodyCovariance& P_body);
   void conclude();
 

@@ -96,6 +96,9 @@ class StateEstimate {
   /// velocity and position by the effect over the window.
   void restart_heading(const GyroBiasOpinion& opinion);
 
+  /// Inflates the covariance of the position by sigma per axis [m].
+  void reopen_position(double sigma) { covariance_.inflate(body::kPosition, sigma * sigma); }
+
   /// Covariance of the calibration that rotates and scales a measured velocity of the radar:
   /// rotation of T_BS, axes S [rad], and Doppler scale. Zero where not estimated.
   Eigen::Matrix4d velocity_calibration() const;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Possible error of the position after an interval in which the measurements contradicted the
+// estimate without replacing anything: a crowd or a lorry may have filled the view for seconds and
+// have dragged the velocity, or may only have tried to.
+//
+// (E1) possible error of the velocity: the difference to the velocity of the pool
+//      (frontend/velocity_pool.hpp) while that contradicts it; and, while the gates reject more
+//      rows than usual (update/health_monitor.hpp), the rejected share times the pace of what moves
+// (E2) that of the position, when the interval ends: the integral of (E1)
+//
+// In the interval itself the health is degraded; after it only the covariance can tell.
+#pragma once
+
+namespace rio {
+
+class DoubtfulInterval {
+ public:
+  /// The velocity was replaced; that accounts for the interval.
+  void reset() { distance_ = 0.0; }
+
+  /// Takes an update.
+  /// @param contradiction difference to the velocity of the pool [m/s]; 0 if it does not contradict
+  /// @param gated share of the rows gated, 0 if as usual
+  /// @param seconds since the update before
+  /// @return (E2) if an interval has ended and left a noticeable one, otherwise 0 [m]
+  double observe(double contradiction, double gated, double seconds) {
+    const double speed = contradiction + kPace * gated;  // (E1)
+    distance_ += speed * seconds;
+    if (speed > 0.0) return 0.0;
+    const double distance = distance_;
+    distance_ = 0.0;
+    return distance > kNoticeable ? distance : 0.0;
+  }
+
+ private:
+  static constexpr double kPace = 1.0;        // of people [m/s]
+  static constexpr double kNoticeable = 0.3;  // landmarks are further apart and correct less [m]
+
+  double distance_ = 0.0;
+};
+
+}  // namespace rio
