@@ -22,7 +22,8 @@
 //      over, and lower octaves count when they have seen enough. The next values of e contain the
 //      samples from before: the k-th has the gain of its newest 2 k - 1/2 samples, (E4) with the
 //      last taps of the filter only.
-// Limits: a tone that aliases below the lowest octave cannot be distinguished from motion; if a
+// Limits: less than some 100 times the amplitude of before is no onset, but learned as the mean
+// follows; a tone that aliases below the lowest octave cannot be distinguished from motion; if a
 // driver has interpolated 30 % of the samples, half the density of white noise is seen; the three
 // axes share one density, as in the process noise.
 #pragma once
