@@ -304,9 +304,8 @@ class Pipeline {
     reset_frontends();
   }
 
-  /// If the scans have contradicted the velocity or the gates for a while, and no longer do,
-  /// inflates the covariance of the position by what that may have done; drops landmarks and
-  /// trails.
+  /// If an interval has ended in which the scans contradicted the estimate, inflates the covariance
+  /// of the position by the possible effect; drops landmarks and trails.
   void check_position(double seconds) {
     if (!options_.frontend.velocity_recovery) return;
     const double sigma =

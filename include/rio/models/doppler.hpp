@@ -15,7 +15,7 @@
 //
 // Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u v_S
 // and u^ = u - E[d | r]. Using u itself shrinks the velocity along poorly measured angles
-// (errors-in- variables attenuation). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in
+// (errors-in-variables attenuation). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in
 // v_S. Of (E6): d is correlated with r, and with it the weight 1 / R of the tangents at u; u^ is
 // not. The ratio of the two R, computed by the caller from the prediction, stays constant: so the
 // cost of the window has a gradient.

@@ -88,6 +88,7 @@ class ImuNoiseMeter {
     bool now = false;            ///< with the newest sample
     bool begun = false;          ///< there was one: octave 1 counts from its first value on
   };
+
   /// Takes a value of octave l, and the values of lower octaves that it completes.
   void enter(std::size_t l, const Vector6d& y);
   /// Takes e^2 in octave 1 of a sensor; starts its means over if that is an onset (E7).
