@@ -16,18 +16,15 @@
 #include <vector>
 
 #include "rio/frontend/frontend.hpp"
-#include "rio/frontend/gravity_check.hpp"
 #include "rio/frontend/own_echoes.hpp"
 #include "rio/frontend/rest_detector.hpp"
-#include "rio/frontend/velocity_pool.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/report.hpp"
 #include "rio/update/aiding_queue.hpp"
 #include "rio/update/calibration_report.hpp"
-#include "rio/update/doubtful_interval.hpp"
-#include "rio/update/gyro_bias_check.hpp"
+#include "rio/update/consistency_checks.hpp"
 #include "rio/update/health_monitor.hpp"
 
 namespace rio {
@@ -39,11 +36,9 @@ class Pipeline {
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
       : options_(options),
-        pool_(options),
-        gravity_(options),
-        gyro_bias_(options),
         rest_(options),
         backend_(options),
+        checks_(options, &backend_, &report_),
         corrected_(options.frontend.max_detections) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
       frontends_.emplace_back(options.seen_by(r));
@@ -63,42 +58,18 @@ class Pipeline {
   const Health& health() const { return health_.health(); }
 
   /// Starts over from `prior` with covariance P0, order of namespace body.
-  void reset(const NavState& prior, const BodyCovariance& P0) {
-    reset_own_echoes();
-    reset_frontends();
-    pool_.reset(prior.time);
-    gravity_.reset(prior.time);
-    gyro_bias_.reset();
-    doubtful_.reset();
-    rest_.reset();
-    last_static_set_ = prior.time;
-    replaced_.reset();
-    backend_.reset(prior, P0);
-    birge_ratios_ = {};
-    health_.reset(prior.time);
-    report_ = UpdateReport{};
-    next_scan_ = 0;
-    aiding_.clear();
-    unconfirmed_alignment_ = false;
-  }
+  void reset(const NavState& prior, const BodyCovariance& P0) { reset(prior, P0, false); }
   /// Starts from a static alignment. If the Dopplers contradict its velocity before they have
   /// confirmed it, the body was in motion, and so its tilt and its gyro bias are withdrawn.
-  void reset(const Alignment& alignment) {
-    reset(alignment.state, alignment.covariance);
-    unconfirmed_alignment_ = true;
-  }
+  void reset(const Alignment& alignment) { reset(alignment.state, alignment.covariance, true); }
 
   /// Time of measurement of a scan with that stamp, by the current estimate of the time offset.
   Time measured_at(Time stamp, std::size_t radar = 0) const {
     return stamp - from_seconds(estimate().of_radar(radar).time_offset);
   }
 
-  /// The tilt is too uncertain for a linearised update. False without velocity_recovery: updates
-  /// then continue.
-  bool tilt_is_lost() const {
-    constexpr double kLinear = 0.35;  // 1 - cos is 6 % [rad]
-    return options_.frontend.velocity_recovery && sigma_tilt() > kLinear;
-  }
+  /// The tilt is too uncertain for a linearised update: scans are not used.
+  bool tilt_is_lost() const { return checks_.tilt_is_lost(); }
 
   /// Propagates the estimate to `time` without a scan, not beyond the newest IMU sample.
   Status propagate(Time time, const ImuBuffer& imu) {
@@ -166,14 +137,15 @@ class Pipeline {
     if (seen_.ego_velocity.inliers > 0) last_static_set_ = scan.time;
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
-    gyro_bias_.predicted(estimate(), backend_.state_estimate().covariance().body());
+    checks_.predicted();
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     count_own_echoes();
     if (report_.status == Status::kOk) {
       frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
-      check_gyro_bias();
-      check_position(to_seconds(estimate().nav.time - last));
+      const double seconds = to_seconds(estimate().nav.time - last);
+      if (checks_.check_gyro_bias()) reset_frontends();
+      if (checks_.check_position(health_.unusual_gated_share(), seconds)) reset_frontends();
       backend_.clone(next_scan_);  // (2)
       ++next_scan_;
     }
@@ -183,6 +155,20 @@ class Pipeline {
   }
 
  private:
+  void reset(const NavState& prior, const BodyCovariance& P0, bool unconfirmed) {
+    reset_own_echoes();
+    reset_frontends();
+    checks_.reset(prior.time, unconfirmed);
+    rest_.reset();
+    last_static_set_ = prior.time;
+    backend_.reset(prior, P0);
+    birge_ratios_ = {};
+    health_.reset(prior.time);
+    report_ = UpdateReport{};
+    next_scan_ = 0;
+    aiding_.clear();
+  }
+
   Time now() const { return options_.timing.clock != nullptr ? options_.timing.clock() : Time{0}; }
 
   /// Time at which a scan is processed: not before the estimate and, with several radars, at the
@@ -255,95 +241,23 @@ class Pipeline {
     }
   }
 
-  /// Stage 3. Velocity or tilt are replaced if the scans have contradicted them for long enough.
+  /// Stage 3, again after a check has replaced the attitude.
   void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
-    const Estimate& x = backend_.estimate();
-    constexpr double kOpen = 0.5;  // above it the next scans determine the velocity [m/s]
-    const double sigma = std::sqrt(velocity_covariance_.trace());
-    const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
-    report_.velocity_reset = other.has_value();
-    report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
-    if (pool_.proven()) unconfirmed_alignment_ = false;
-    if (other) {
-      if (unconfirmed_alignment_) backend_.withdraw_alignment(other->v_B.norm());
-      unconfirmed_alignment_ = false;
-      restart_velocity(*other, to_seconds(x.nav.time - pool_.agreed()), doubtful_since());
-    } else if (sigma > kOpen) {
-      replaced_ = Replaced{x.nav.time, last};
+    if (checks_.check_velocity(scan, velocity_covariance_, last, imu)) forget_velocity();
+    frontend().observe(scan, estimate(), &seen_, velocity_covariance_);
+    if (checks_.check_tilt(seen_, last, imu)) {
+      forget_velocity();
+      frontend().observe(scan, estimate(), &seen_, velocity_covariance_);
+    } else if (checks_.consensus_is_doubtful()) {
+      seen_.withdraw();
     }
-    frontend().observe(scan, x, &seen_, velocity_covariance_);
-    const auto down = gravity_.observe(seen_, x, backend_.state_estimate().covariance().body(),
-                                       backend_.state_estimate().velocity_calibration(), last, imu,
-                                       report_.imu_gap);
-    report_.attitude_reset = down.has_value();
-    report_.tilt_contradicted =
-        to_seconds(x.nav.time - gravity_.contradicted_since().value_or(x.nav.time));
-    if (!down) {
-      constexpr double kMost = 0.4;  // above it the consensus may be one of movers
-      if (pool_.chance() > kMost) seen_.withdraw();
-      return;
-    }
-    const Time since = std::min(gravity_.agreed(), pool_.agreed());
-    backend_.restart_attitude(down->g_B, down->sigma, down->velocity.v_B,
-                              to_seconds(x.nav.time - since));
-    restart_velocity(down->velocity, 0.0, since);  // the velocity diverged gradually
-    gravity_.reset(x.nav.time);
-    gyro_bias_.reset();
-    frontend().observe(scan, x, &seen_, velocity_covariance_);
   }
 
-  /// If the scans contradict the gyro bias about the vertical, inflates its covariance and that of
-  /// the heading; drops landmarks and trails, which have rotated with it.
-  void check_gyro_bias() {
-    const auto opinion =
-        gyro_bias_.corrected(estimate(), backend_.state_estimate().covariance().body());
-    if (!opinion) return;
-    backend_.restart_heading(*opinion, &report_);
-    report_.attitude_reset = true;
-    gyro_bias_.reset();
-    reset_frontends();
-  }
-
-  /// If an interval has ended in which the scans contradicted the estimate, inflates the covariance
-  /// of the position by the possible effect; drops landmarks and trails.
-  void check_position(double seconds) {
-    if (!options_.frontend.velocity_recovery) return;
-    const double sigma =
-        doubtful_.observe(pool_.contradiction(), health_.unusual_gated_share(), seconds);
-    report_.position_reopened = sigma;
-    if (sigma == 0.0) return;
-    backend_.reopen_position(sigma, &report_);
-    reset_frontends();
-  }
-
-  /// Since when the velocity may have been wrong: one that replaced another recently and is now
-  /// contradicted may have been wrong from the start, however well the scans supported it.
-  Time doubtful_since() const {
-    constexpr Time kLong = std::chrono::seconds(30);  // crowds and multipath are shorter
-    const bool again = replaced_ && estimate().nav.time - replaced_->at < kLong;
-    return again ? std::min(replaced_->since, pool_.agreed()) : pool_.agreed();
-  }
-
-  /// Replaces the velocity and drops landmarks and trails. The covariance of the position is
-  /// inflated by the possible effect of the difference since `since`.
-  void restart_velocity(const VelocityOpinion& other, double duration, Time since) {
-    const Time now = estimate().nav.time;
-    backend_.restart_velocity(other.v_B, other.covariance, duration, to_seconds(now - since),
-                              &report_);
+  /// The velocity has been replaced.
+  void forget_velocity() {
     velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
-    replaced_ = Replaced{now, since};
-    pool_.reset(now);
-    doubtful_.reset();
     reset_frontends();
     reset_own_echoes();
-  }
-
-  /// Sigma of roll and pitch together [rad].
-  double sigma_tilt() const {
-    const BodyCovariance P_body = backend_.state_estimate().covariance().body();
-    const Matrix3d P = P_body.block<3, 3>(body::kAttitude, body::kAttitude);
-    const Vector3d up_B = estimate().nav.q_WB.conjugate() * Vector3d::UnitZ();
-    return std::sqrt(std::max(0.0, P.trace() - up_B.dot(P * up_B)));
   }
 
   void summarise(const DetectionList& scan) {
@@ -372,21 +286,13 @@ class Pipeline {
     return report_.status;
   }
 
-  /// A replacement of the velocity, by a check or by scans after it had become uncertain.
-  struct Replaced {
-    Time at{0};
-    Time since{0};  ///< when the replaced velocity may have become wrong
-  };
-
   Options options_;
   std::vector<Frontend> frontends_;    ///< one per radar
   std::vector<OwnEchoes> own_echoes_;  ///< same
-  VelocityPool pool_;
-  GravityCheck gravity_;
-  GyroBiasCheck gyro_bias_;
-  DoubtfulInterval doubtful_;
   RestDetector rest_;
   BackEnd backend_;
+  UpdateReport report_;
+  ConsistencyChecks<BackEnd> checks_;
   std::array<BirgeRatios, kMaxRadars> birge_ratios_{};
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
   StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
@@ -395,11 +301,8 @@ class Pipeline {
   Observations aided_;  ///< aiding only, without a scan
   AidingQueue aiding_;
   Promotions promotions_;
-  UpdateReport report_;
   HealthMonitor health_;
   Time last_static_set_{0};  ///< stamp of the last scan with a static set
-  std::optional<Replaced> replaced_;
-  bool unconfirmed_alignment_ = false;
   ScanId next_scan_ = 0;
 };
 

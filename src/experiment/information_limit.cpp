@@ -309,11 +309,11 @@ std::vector<Recursion::Echo> static_echoes(const sim::Flight& flight, std::size_
 }
 
 LimitStep limit_step(const NavState& truth, const Matrix15d& P) {
-  const Vector3d up = truth.q_WB.conjugate() * Vector3d::UnitZ();
-  const Matrix3d attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
+  const AttitudeVariance attitude =
+      attitude_variance(truth.q_WB, P.block<3, 3>(body::kAttitude, body::kAttitude));
   return {.time = truth.time,
           .position = P.diagonal().segment<3>(body::kPosition).cwiseSqrt(),
-          .heading = std::sqrt(up.dot(attitude * up)),
+          .heading = std::sqrt(attitude.heading),
           .velocity = std::sqrt(P.diagonal().segment<3>(body::kVelocity).sum())};
 }
 

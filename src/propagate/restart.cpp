@@ -25,9 +25,8 @@ void Restart::begin(const NavState& x, const BodyCovariance& P, bool diverged) {
   tilt_.reset();
   before_ = x;
   newest_ = x.time;
-  const Vector3d up_B = x.q_WB.conjugate() * Vector3d::UnitZ();
-  const Matrix3d attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
-  const double yaw = std::sqrt(std::max(0.0, up_B.dot(attitude * up_B)));
+  const double yaw =
+      std::sqrt(attitude_variance(x.q_WB, P.block<3, 3>(body::kAttitude, body::kAttitude)).heading);
   sigma_yaw_ = diverged ? kAnyYaw : std::min(yaw, kAnyYaw);
   sigma_position_ = std::sqrt(P.diagonal().segment<3>(body::kPosition).maxCoeff());
   if (diverged) sigma_position_ += kUnnoticed * x.v_WB.norm();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "rio/core/so3.hpp"
 #include "rio/options.hpp"
 
 namespace rio {
@@ -159,15 +160,13 @@ void HealthMonitor::judge_scans(Time now, Time pause) {
 }
 
 void HealthMonitor::judge_sigmas(const Estimate& x, const BodyCovariance& P) {
-  const Vector3d up_B = x.nav.q_WB.conjugate() * Vector3d::UnitZ();
-  const Matrix3d attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
-  const double heading = std::max(0.0, up_B.dot(attitude * up_B));
-  const double tilt = std::max(0.0, attitude.trace() - heading);
+  const AttitudeVariance attitude =
+      attitude_variance(x.nav.q_WB, P.block<3, 3>(body::kAttitude, body::kAttitude));
   severity(HealthReason::kUncertainPosition) =
       largest_sigma(P, body::kPosition, 3) / (kPosition + kPositionShare * x.distance_travelled);
   severity(HealthReason::kUncertainVelocity) = largest_sigma(P, body::kVelocity, 3) / kVelocity;
-  severity(HealthReason::kUncertainHeading) = std::sqrt(heading) / kHeading;
-  severity(HealthReason::kUncertainTilt) = std::sqrt(tilt) / kTilt;
+  severity(HealthReason::kUncertainHeading) = std::sqrt(attitude.heading) / kHeading;
+  severity(HealthReason::kUncertainTilt) = std::sqrt(attitude.tilt) / kTilt;
   severity(HealthReason::kTooFast) = x.nav.v_WB.squaredNorm() / (kFastest * kFastest);
 }
 

@@ -184,6 +184,22 @@ TEST(So3, RotationBetweenTurnsAIntoBByTheAngleBetweenThem) {
   }
 }
 
+// The angles about the vertical and across it, in world axes.
+TEST(So3, VariancesOfHeadingAndTilt) {
+  test::Random random(10);
+  for (int i = 0; i < 20; ++i) {
+    const Quaternion q_WB = random.rotation();
+    const Matrix3d R = q_WB.toRotationMatrix();
+    const Matrix3d P_W = Vector3d(0.01, 0.02, 0.5).asDiagonal();
+    const AttitudeVariance variance = attitude_variance(q_WB, R.transpose() * P_W * R);
+    EXPECT_NEAR(variance.heading, 0.5, 1e-14);
+    EXPECT_NEAR(variance.tilt, 0.03, 1e-14);
+  }
+  const Matrix3d indefinite = -1e-20 * Matrix3d::Identity();
+  EXPECT_EQ(attitude_variance(Quaternion::Identity(), indefinite).heading, 0.0);
+  EXPECT_EQ(attitude_variance(Quaternion::Identity(), indefinite).tilt, 0.0);
+}
+
 TEST(GammaSeries, HoldsForAnyAngle) {
   for (const double angle : {1e-4, 0.5, 1.0, 3.0, 1e2, 1e5}) {
     const GammaSeries all(angle * angle);

@@ -9,6 +9,7 @@
 // Valid for every phi; the series is used for |phi| < 1 rad, the recursion beyond.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -154,6 +155,18 @@ inline Quaternion rotation_between(const Vector3d& a, const Vector3d& b) {
   const Vector3d middle = sum.normalized();  // half the rotation
   const Vector3d xyz = from.cross(middle);
   return Quaternion(from.dot(middle), xyz.x(), xyz.y(), xyz.z()).normalized();
+}
+
+/// Variances of an attitude error: about the vertical, and of roll and pitch together [rad^2].
+struct AttitudeVariance {
+  double heading = 0.0;
+  double tilt = 0.0;
+};
+/// @param P covariance of the error of q_WB, body axes; rounding may have left it indefinite
+inline AttitudeVariance attitude_variance(const Quaternion& q_WB, const Matrix3d& P) {
+  const Vector3d up_B = q_WB.conjugate() * Vector3d::UnitZ();
+  const double heading = up_B.dot(P * up_B);
+  return {std::max(0.0, heading), std::max(0.0, P.trace() - heading)};
 }
 
 }  // namespace rio
