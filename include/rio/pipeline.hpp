@@ -145,7 +145,7 @@ class Pipeline {
       backend_.maintain_landmarks(seen_, promotions_, &report_);
       const double seconds = to_seconds(estimate().nav.time - last);
       if (checks_.check_gyro_bias()) reset_frontends();
-      if (checks_.check_position(health_.unusual_gated_share(), seconds)) reset_frontends();
+      if (checks_.check_position(health_, seconds)) reset_frontends();
       backend_.clone(next_scan_);  // (2)
       ++next_scan_;
     }

@@ -160,5 +160,20 @@ TEST_P(FaultPromises, AreKept) {
   }
 }
 
+// A spike opens the velocity, outliers then give a wrong one, and landmarks matched among them
+// would settle the position 0.5 m off with a sigma of 0.04 m.
+TEST(Faults, PositionAfterOutliersThatFollowASpike) {
+  sim::Scenario scenario = cases_of("hover", 1, 2).front().scenario;
+  scenario.max_duration = 54.0;
+  const sim::Flight hover = sim::simulate_flight(scenario);
+  const Fault both = together(fault_named("80 % random outliers for 3 s"),
+                              fault_named("one sample of 100 m/s^2"), Promise::kRecovered, 5.0);
+  const Survival end = survive(hover, options_for(hover, "default"), both);
+  test::measured("outliers after a spike: position, sigmas", end.last.position_sigmas, "below 5");
+  EXPECT_GT(end.counters.position_reopened, 0U);
+  EXPECT_LT(end.last.position_sigmas, 5.0);
+  EXPECT_TRUE(end.kept) << end.last.why();
+}
+
 }  // namespace
 }  // namespace rio::experiment

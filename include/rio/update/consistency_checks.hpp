@@ -7,7 +7,7 @@
 //   tilt            frontend/gravity_check.hpp      after it: the check uses the static set
 //   gyro bias about the vertical, heading           after the update, whose corrections it sums:
 //                   update/gyro_bias_check.hpp
-//   position        update/doubtful_interval.hpp    same: the update gates what it counts
+//   position        update/doubtful_interval.hpp    same: it counts what the update gates
 #pragma once
 
 #include <algorithm>
@@ -24,6 +24,7 @@
 #include "rio/report.hpp"
 #include "rio/update/doubtful_interval.hpp"
 #include "rio/update/gyro_bias_check.hpp"
+#include "rio/update/health_monitor.hpp"
 
 namespace rio {
 
@@ -66,13 +67,14 @@ class ConsistencyChecks {
                                     Time last, const ImuBuffer& imu) {
     constexpr double kOpen = 0.5;  // above it the next scans determine the velocity [m/s]
     const Estimate& x = backend_.estimate();
-    const double sigma = std::sqrt(velocity_covariance.trace());
-    const auto other = pool_.observe(scan, x, sigma, sigma_tilt(), last, imu, report_.imu_gap);
+    sigma_velocity_ = std::sqrt(velocity_covariance.trace());
+    const auto other =
+        pool_.observe(scan, x, sigma_velocity_, sigma_tilt(), last, imu, report_.imu_gap);
     report_.velocity_reset = other.has_value();
     report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
     if (pool_.proven()) unconfirmed_alignment_ = false;
     if (!other) {
-      if (sigma > kOpen) replaced_ = Replaced{x.nav.time, last};
+      if (sigma_velocity_ > kOpen) replaced_ = Replaced{x.nav.time, last};
       return false;
     }
     if (unconfirmed_alignment_) backend_.withdraw_alignment(other->v_B.norm());
@@ -118,11 +120,15 @@ class ConsistencyChecks {
     return true;
   }
 
-  /// @param gated HealthMonitor::unusual_gated_share
-  /// @param seconds since the scan before
-  [[nodiscard]] bool check_position(double gated, double seconds) {
+  /// @param health after the scan before
+  /// @param seconds since that
+  [[nodiscard]] bool check_position(const HealthMonitor& health, double seconds) {
     if (!enabled_) return false;
-    const double sigma = doubtful_.observe(pool_.contradiction(), gated, seconds);
+    const bool outliers = health.health().because(HealthReason::kOutliers);
+    const double sigma = doubtful_.observe({.contradiction = pool_.contradiction(),
+                                            .gated = health.unusual_gated_share(),
+                                            .sigma = outliers ? sigma_velocity_ : 0.0},
+                                           seconds);
     report_.position_reopened = sigma;
     if (sigma == 0.0) return false;
     backend_.reopen_position(sigma, &report_);
@@ -173,6 +179,7 @@ class ConsistencyChecks {
   GyroBiasCheck gyro_bias_;
   DoubtfulInterval doubtful_;
   std::optional<Replaced> replaced_;
+  double sigma_velocity_ = 0.0;  ///< predicted, all axes [m/s]
   bool unconfirmed_alignment_ = false;
 };
 

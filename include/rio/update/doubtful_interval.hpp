@@ -3,9 +3,14 @@
 // estimate without replacing anything: a crowd or a lorry may have filled the view for seconds and
 // have dragged the velocity, or may only have tried to.
 //
-// (E1) possible error of the velocity: the difference to the velocity of the pool
-//      (frontend/velocity_pool.hpp) while that contradicts it; and, while the gates reject more
-//      rows than usual (update/health_monitor.hpp), the rejected share times the pace of what moves
+// (E1) possible error of the velocity, the sum of
+//      - the difference to the velocity of the pool (frontend/velocity_pool.hpp) while that
+//        contradicts it;
+//      - while the gates reject more rows than usual (update/health_monitor.hpp), the rejected
+//      share
+//        times the pace of what moves;
+//      - while nearly all detections are outliers (same), the sigma of the predicted velocity: the
+//        consensus, sought about the prediction, may be one by chance
 // (E2) that of the position, when the interval ends: the integral of (E1)
 //
 // In the interval itself the health is degraded; after it only the covariance can tell.
@@ -13,18 +18,23 @@
 
 namespace rio {
 
+/// What casts doubt on an update; zeros if nothing does.
+struct Doubt {
+  double contradiction = 0.0;  ///< difference to the velocity of the pool [m/s]
+  double gated = 0.0;          ///< share of the rows
+  double sigma = 0.0;          ///< of the predicted velocity, if nearly all are outliers [m/s]
+};
+
 class DoubtfulInterval {
  public:
   /// The velocity was replaced; that accounts for the interval.
   void reset() { distance_ = 0.0; }
 
   /// Takes an update.
-  /// @param contradiction difference to the velocity of the pool [m/s]; 0 if it does not contradict
-  /// @param gated share of the rows gated, 0 if as usual
   /// @param seconds since the update before
   /// @return (E2) if an interval has ended and left a noticeable one, otherwise 0 [m]
-  double observe(double contradiction, double gated, double seconds) {
-    const double speed = contradiction + kPace * gated;  // (E1)
+  double observe(const Doubt& doubt, double seconds) {
+    const double speed = doubt.contradiction + kPace * doubt.gated + doubt.sigma;  // (E1)
     distance_ += speed * seconds;
     if (speed > 0.0) return 0.0;
     const double distance = distance_;
