@@ -7,9 +7,10 @@
 #include <cfenv>
 #include <functional>
 
-#include "experiment/campaign.hpp"
 #include "experiment/survival.hpp"
+#include "experiment/trial.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -55,11 +56,7 @@ const Noticed kNoticed[] = {
 class ContractTest : public testing::TestWithParam<BackEnd> {
  protected:
   static const sim::Flight& flight() {
-    static const sim::Flight flight = [] {
-      sim::Scenario scenario = experiment::cases_of("indoor-1", 1).front().scenario;
-      scenario.max_duration = 30.0;
-      return sim::simulate_flight(scenario);
-    }();
+    static const sim::Flight flight = short_flight("indoor-1", 30.0);
     return flight;
   }
   static Options options() {

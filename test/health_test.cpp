@@ -3,9 +3,9 @@
 // is not.
 #include <gtest/gtest.h>
 
-#include "experiment/campaign.hpp"
 #include "experiment/trial.hpp"
 #include "rio/rio.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -16,11 +16,7 @@ using std::chrono::seconds;
 class HealthTest : public testing::TestWithParam<BackEnd> {
  protected:
   static const sim::Flight& flight() {
-    static const sim::Flight flight = [] {
-      sim::Scenario scenario = experiment::cases_of("indoor-1", 1).front().scenario;
-      scenario.max_duration = 25.0;
-      return sim::simulate_flight(scenario);
-    }();
+    static const sim::Flight flight = short_flight("indoor-1", 25.0);
     return flight;
   }
   static Options options() {

@@ -9,9 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "experiment/campaign.hpp"
 #include "experiment/survival.hpp"
+#include "experiment/trial.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 namespace {
@@ -20,11 +21,7 @@ constexpr double kBegin = 8.0;   // in flight [s]
 constexpr double kAfter = 16.0;  // [s]
 
 const sim::Flight& flight() {
-  static const sim::Flight flight = [] {
-    sim::Scenario scenario = cases_of("indoor-1", 1).front().scenario;
-    scenario.max_duration = 36.0;
-    return sim::simulate_flight(scenario);
-  }();
+  static const sim::Flight flight = test::short_flight("indoor-1", 36.0);
   return flight;
 }
 
@@ -163,9 +160,7 @@ TEST_P(FaultPromises, AreKept) {
 // A spike opens the velocity, outliers then give a wrong one, and landmarks matched among them
 // would settle the position 0.5 m off with a sigma of 0.04 m.
 TEST(Faults, PositionAfterOutliersThatFollowASpike) {
-  sim::Scenario scenario = cases_of("hover", 1, 2).front().scenario;
-  scenario.max_duration = 54.0;
-  const sim::Flight hover = sim::simulate_flight(scenario);
+  const sim::Flight hover = test::short_flight("hover", 54.0, 2);
   const Fault both = together(fault_named("80 % random outliers for 3 s"),
                               fault_named("one sample of 100 m/s^2"), Promise::kRecovered, 5.0);
   const Survival end = survive(hover, options_for(hover, "default"), both);

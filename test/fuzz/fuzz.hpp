@@ -5,12 +5,16 @@
 
 #include <fenv.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+
+#include "rio/types.hpp"
 
 /// A finding: says where, and ends the program in the way the fuzzer notices.
 #define RIO_FUZZ_CHECK(condition)                                                  \
@@ -100,6 +104,20 @@ class TrapFloatingPoint {
  private:
   bool on_;
 };
+
+/// Bytes as a port delivers them: push(piece, its size, time) for pieces of random size at random
+/// times from `now` on.
+template <class Push>
+void deliver_in_pieces(std::uint32_t random, const std::uint8_t* data, std::size_t size, Time now,
+                       const Push& push) {
+  for (std::size_t at = 0; at < size;) {
+    random = random * 1664525U + 1013904223U;
+    const std::size_t piece = std::min<std::size_t>(1 + (random >> 24) % 97, size - at);
+    now += std::chrono::microseconds(random >> 12 & 0xFFFF);
+    push(data + at, piece, now);
+    at += piece;
+  }
+}
 
 }  // namespace rio::fuzz
 

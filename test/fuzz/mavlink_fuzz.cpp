@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bytes of an autopilot: the same packets in pieces of any size; samples finite; answers of any
 // clock; the frame after them is read with its last byte.
-#include <algorithm>
 #include <vector>
 
 #include "fuzz/fuzz.hpp"
@@ -64,25 +63,23 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rio::mavlink;  // NOLINT
   if (size == 0) return 0;
   const rio::fuzz::TrapFloatingPoint trap(true);
-  std::uint32_t random = data[0] + 1U;
+  const std::uint32_t random = data[0] + 1U;
   ++data;
   --size;
   std::vector<Seen> whole, pieces;
   TimesyncClient client;
-  rio::Time now = std::chrono::hours(400000);
+  const rio::Time now = std::chrono::hours(400000);
   Parser parser;
   parser.push(data, size, now,
               [&](const Packet& packet) { whole.push_back(use(packet, &client)); });
 
   Parser other;
-  for (std::size_t at = 0; at < size;) {
-    random = random * 1664525U + 1013904223U;
-    const std::size_t piece = std::min<std::size_t>(1 + (random >> 24) % 97, size - at);
-    now += std::chrono::microseconds(random >> 12 & 0xFFFF);
-    other.push(data + at, piece, now,
-               [&](const Packet& packet) { pieces.push_back(use(packet, &client)); });
-    at += piece;
-  }
+  rio::fuzz::deliver_in_pieces(
+      random, data, size, now,
+      [&](const std::uint8_t* piece, std::size_t length, rio::Time arrival) {
+        other.push(piece, length, arrival,
+                   [&](const Packet& packet) { pieces.push_back(use(packet, &client)); });
+      });
   RIO_FUZZ_CHECK(whole == pieces && same(parser.counters(), other.counters()));
   RIO_FUZZ_CHECK(parser.counters().bytes == size && parser.counters().frame_bytes <= size);
 

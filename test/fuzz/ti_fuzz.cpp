@@ -62,7 +62,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rio::ti;  // NOLINT
   if (size == 0) return 0;
   const rio::fuzz::TrapFloatingPoint trap(true);
-  std::uint32_t random = data[0] + 1U;
+  const std::uint32_t random = data[0] + 1U;
   ++data;
   --size;
   std::vector<Seen> whole, pieces;
@@ -74,21 +74,18 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   FrameClock clock(timing);
   PacketReader other(kMaxPacket);
   rio::Time now = std::chrono::hours(400000);
-  for (std::size_t at = 0; at < size;) {
-    random = random * 1664525U + 1013904223U;
-    const std::size_t piece = std::min<std::size_t>(1 + (random >> 24) % 97, size - at);
-    now += std::chrono::microseconds(random >> 12 & 0xFFFF);
-    other.push(data + at, piece, now, [&](Frame& frame) {
-      pieces.push_back(seen(frame));
-      stamp(&clock, now, &frame);
-    });
-    at += piece;
-  }
-  reader.flush([&](const Frame& frame) { whole.push_back(seen(frame)); });
-  other.flush([&](Frame& frame) {
+  const auto take = [&](Frame& frame) {
     pieces.push_back(seen(frame));
     stamp(&clock, now, &frame);
-  });
+  };
+  rio::fuzz::deliver_in_pieces(
+      random, data, size, now,
+      [&](const std::uint8_t* piece, std::size_t length, rio::Time arrival) {
+        now = arrival;
+        other.push(piece, length, now, take);
+      });
+  reader.flush([&](const Frame& frame) { whole.push_back(seen(frame)); });
+  other.flush(take);
   RIO_FUZZ_CHECK(whole == pieces && same(reader.counters(), other.counters()));
   std::size_t claimed = 0;
   for (const Seen& frame : whole) claimed += frame.bytes - (kMagicSize - 1);

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiment/campaign.hpp"
+#include "experiment/trial.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 namespace {
@@ -53,9 +54,7 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
     int count = 0;
     const bool lasts = fault.duration == kForGood;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      sim::Scenario scenario = cases_of("indoor-1", 1, seed).front().scenario;
-      scenario.max_duration = fault.begin + 20.0;
-      sim::Flight flight = sim::simulate_flight(scenario);
+      sim::Flight flight = test::short_flight("indoor-1", fault.begin + 20.0, seed);
       const Time first = flight.imu.front().time + from_seconds(fault.begin);
       const Time last = first + from_seconds(fault.duration);
       ImuSample before = flight.imu.front();
@@ -97,9 +96,7 @@ TEST(ImuFault, AStepOfTheGyroBiasAboutTheVerticalIsFoundAndLearned) {
   int flights = 0;
   for (const char* name : {"indoor-1", "outdoor"}) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      sim::Scenario scenario = cases_of(name, 1, seed).front().scenario;
-      scenario.max_duration = 60.0;
-      sim::Flight flight = sim::simulate_flight(scenario);
+      sim::Flight flight = test::short_flight(name, 60.0, seed);
       const Time begin = flight.imu.front().time + from_seconds(20.0);
       for (ImuSample& s : flight.imu) {
         if (s.time >= begin) s.gyro_B.z() += kStep;
@@ -140,9 +137,7 @@ TEST(ImuFault, APauseLeavesAnHonestPosition) {
     double nees = 0.0;
     int count = 0;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      sim::Scenario scenario = cases_of("indoor-1", 1, seed).front().scenario;
-      scenario.max_duration = 35.0;
-      sim::Flight flight = sim::simulate_flight(scenario);
+      sim::Flight flight = test::short_flight("indoor-1", 35.0, seed);
       const Time first = flight.imu.front().time + from_seconds(20.0);
       const Time last = first + from_seconds(pause);
       std::erase_if(flight.imu,

@@ -8,6 +8,7 @@
 
 #include "experiment/campaign.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 namespace {
@@ -212,15 +213,9 @@ double late_error_of_moving_start(const sim::Flight& flight, BackEnd backend, do
   return largest;
 }
 
-sim::Flight first_seconds_of(const std::string& name, std::uint64_t seed) {
-  sim::Scenario scenario = cases_of(name, 1, seed).front().scenario;
-  scenario.max_duration = 20.0;
-  return sim::simulate_flight(scenario);
-}
-
 TEST(Recovery, StartsInMotion) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const sim::Flight flight = first_seconds_of("indoor-1", seed);
+    const sim::Flight flight = test::short_flight("indoor-1", 20.0, seed);
     EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kEkf, 2.0), 0.3) << seed;
     EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kSmoother, 2.0), 0.3) << seed;
   }
@@ -228,7 +223,7 @@ TEST(Recovery, StartsInMotion) {
 
 TEST(Recovery, StartsInFastFlightWithFoldedDoppler) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const sim::Flight flight = first_seconds_of("aggressive", seed);  // up to 3.6 m/s
+    const sim::Flight flight = test::short_flight("aggressive", 20.0, seed);  // up to 3.6 m/s
     EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kEkf, 2.0), 0.4) << seed;
     EXPECT_LT(late_error_of_moving_start(flight, BackEnd::kSmoother, 2.0), 0.8) << seed;
   }
