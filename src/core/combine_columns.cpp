@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/core/combine_columns.hpp"
 
+#include <cstring>
+
 #if defined(__x86_64__)
 #define RIO_HAS_AVX_KERNEL 1
 #endif
@@ -17,44 +19,43 @@ struct Sum {
   double* out;
 };
 
-/// A register of doubles, and its unaligned form in memory.
-struct TwoDoubles {
-  using Packet = double __attribute__((vector_size(16)));
-  using Stored = double __attribute__((vector_size(16), aligned(8), may_alias));
-};
-struct FourDoubles {
-  using Packet = double __attribute__((vector_size(32)));
-  using Stored = double __attribute__((vector_size(32), aligned(8), may_alias));
-};
+// Registers of doubles. In memory the doubles are not aligned as these: they are copied.
+using TwoDoubles = double __attribute__((vector_size(16)));
+using FourDoubles = double __attribute__((vector_size(32)));
 
-/// Sums of kPackets packets from `row` on, held in registers.
-template <typename Register, int kPackets>
+/// Sums of kPackets registers from `row` on.
+template <typename Packet, int kPackets>
 [[gnu::always_inline]] inline void add_strip(const Sum& sum, Eigen::Index row) {
-  using Stored = typename Register::Stored;
-  typename Register::Packet total[kPackets] = {};
+  constexpr Eigen::Index kPacket = sizeof(Packet) / sizeof(double);
+  Packet total[kPackets] = {};
   for (std::size_t j = 0; j < sum.count; ++j) {
-    const auto* column = reinterpret_cast<const Stored*>(sum.columns[j] + row);
+    const double* column = sum.columns[j] + row;
     const double factor = sum.factors[j];
 #pragma GCC unroll 8
-    for (int i = 0; i < kPackets; ++i) total[i] += factor * column[i];
+    for (int i = 0; i < kPackets; ++i) {
+      Packet value;
+      std::memcpy(&value, column + i * kPacket, sizeof value);
+      total[i] += factor * value;
+    }
   }
-  auto* out = reinterpret_cast<Stored*>(sum.out + row);
 #pragma GCC unroll 8
-  for (int i = 0; i < kPackets; ++i) out[i] = total[i];
+  for (int i = 0; i < kPackets; ++i) {
+    std::memcpy(sum.out + row + i * kPacket, &total[i], sizeof total[i]);
+  }
 }
 
 /// All rows; the last strip may overlap the one before it.
-template <typename Register>
+template <typename Packet>
 [[gnu::always_inline]] inline void add_all(const Sum& sum, Eigen::Index rows) {
-  constexpr Eigen::Index kPacket = sizeof(typename Register::Packet) / sizeof(double);
+  constexpr Eigen::Index kPacket = sizeof(Packet) / sizeof(double);
   constexpr Eigen::Index kLong = 8 * kPacket;
   constexpr Eigen::Index kShort = 2 * kPacket;
   Eigen::Index row = 0;
-  for (; row + kLong <= rows; row += kLong) add_strip<Register, 8>(sum, row);
-  for (; row + kShort <= rows; row += kShort) add_strip<Register, 2>(sum, row);
+  for (; row + kLong <= rows; row += kLong) add_strip<Packet, 8>(sum, row);
+  for (; row + kShort <= rows; row += kShort) add_strip<Packet, 2>(sum, row);
   if (row == rows) return;
   if (rows >= kShort) {
-    add_strip<Register, 2>(sum, rows - kShort);
+    add_strip<Packet, 2>(sum, rows - kShort);
     return;
   }
   for (; row < rows; ++row) {
