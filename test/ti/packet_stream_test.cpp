@@ -117,7 +117,8 @@ TEST(PacketStream, NoFrameHasBytesOfAnother) {
   for (std::uint32_t number = 1; number <= kPackets; ++number) {
     const int points = static_cast<int>(cable.below(12));
     Bytes bytes = packet_of(number, some_points(number, points)).bytes();
-    const std::size_t padding = (32 - (48 + (points > 0 ? 8 : 0) + 20U * points) % 32) % 32;
+    const std::size_t body = 48 + (points > 0 ? 8U : 0U) + 20U * static_cast<std::size_t>(points);
+    const std::size_t padding = (32 - body % 32) % 32;
     bytes = ending_in_magic(bytes, std::min(padding, cable.below(8)));
     if (cable.below(3) == 0) {
       const std::size_t most = cable.below(2) == 0 ? 7 : bytes.size() - kMagicSize;
