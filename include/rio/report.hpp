@@ -179,7 +179,7 @@ struct Counters {
   std::uint64_t velocity_resets = 0;    ///< the scans contradicted the velocity for too long
   std::uint64_t attitude_resets = 0;    ///< same for gravity or landmarks: attitude or a bias
   std::uint64_t restarts = 0;           ///< the tilt was lost and recovered from the specific force
-  std::uint64_t position_reopened = 0;  ///< the scans contradicted the estimate for a while
+  std::uint64_t position_reopened = 0;  ///< times; see UpdateReport::position_reopened
 };
 
 }  // namespace rio

@@ -211,7 +211,7 @@ std::string ReplaySummary::text() const {
       {"updates failed", counters.updates_failed},
       {"times the scans contradicted the velocity for long", counters.velocity_resets},
       {"times the scans contradicted attitude or biases", counters.attitude_resets},
-      {"times the scans contradicted the estimate for a while", counters.position_reopened},
+      {"times the position was re-opened after doubtful scans", counters.position_reopened},
       {"times the tilt was lost and found again", counters.restarts}};
   for (const auto& [what, count] : irregular) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
