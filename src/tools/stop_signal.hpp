@@ -2,17 +2,38 @@
 // SIGINT and SIGTERM as a flag, for commands that run until stopped.
 #pragma once
 
+#include <time.h>
+
 #include <csignal>
 
 namespace rio::tools {
 
 inline volatile std::sig_atomic_t stop_requested = 0;
 
-/// From now on the signals set the flag; a second signal of a kind ends the program at once.
+/// The first signal sets the flag; another, half a second later or more, ends the program at once.
+/// (`timeout` sends the first one twice.)
+inline void on_stop_signal(int signal) {
+  static timespec first;
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (stop_requested == 0) {
+    first = now;
+    stop_requested = 1;
+    return;
+  }
+  const double since = static_cast<double>(now.tv_sec - first.tv_sec) +
+                       1e-9 * static_cast<double>(now.tv_nsec - first.tv_nsec);
+  if (since < 0.5) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// From now on SIGINT and SIGTERM are handled by on_stop_signal().
 inline void catch_stop_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { stop_requested = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  action.sa_handler = &on_stop_signal;
+  sigaddset(&action.sa_mask, SIGINT);
+  sigaddset(&action.sa_mask, SIGTERM);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
