@@ -177,6 +177,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Prior of the relative error of the Doppler; 0 = not estimated.");
   inner("calibration.elevation_bias_sigma", o.calibration.elevation_bias_sigma, "rad", 0, 0.2,
         "Prior of an error common to all elevations; 0 = not estimated.");
+  inner("calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
+        "Random walk of each of them, in its default prior.");
 
   field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
         "States of the sliding window.");

@@ -111,6 +111,7 @@ class Repetition {
     c.time_offset_sigma = std::min(0.1, kLoose * c.time_offset_sigma);
     c.doppler_scale_sigma = std::min(0.1, kLoose * c.doppler_scale_sigma);
     c.elevation_bias_sigma = 0.0;
+    c.walk = 0.0;  // the halves say how constant they are
   }
 
   std::vector<RecordingCalibration> run() {

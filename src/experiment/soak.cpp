@@ -48,6 +48,7 @@ std::vector<std::string> cells(const SoakRow& row) {
           fmt::format("{:.2f}", row.nees_velocity),
           fmt::format("{:.3f}", row.tilt_error / kDegree),
           fmt::format("{:.2f}", row.nees_tilt),
+          fmt::format("{:.2f}", row.calibration),
           fmt::format("{:.0e}", row.asymmetry),
           fmt::format("{:.0e}", row.norm_error),
           fmt::format("{:.2f} / {:.2f}", 1e3 * row.time_per_scan, 1e3 * row.longest_scan)};
@@ -55,8 +56,9 @@ std::vector<std::string> cells(const SoakRow& row) {
 
 std::string table_of(const std::vector<SoakRow>& rows) {
   MarkdownTable table({"time [h]", "memory [MB]", "position error / sigma [m]", "NEES",
-                       "velocity error [m/s]", "NEES", "tilt error [deg]", "NEES", "asymmetry of P",
-                       "norm of q, less 1", "time a scan, mean / longest [ms]"});
+                       "velocity error [m/s]", "NEES", "tilt error [deg]", "NEES",
+                       "calibration NEES", "asymmetry of P", "norm of q, less 1",
+                       "time a scan, mean / longest [ms]"});
   const std::size_t step = (rows.size() + kTableRows - 1) / kTableRows;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if ((i + 1) % step == 0 || i + 1 == rows.size()) table.add(cells(rows[i]));
@@ -67,12 +69,12 @@ std::string table_of(const std::vector<SoakRow>& rows) {
 std::string csv_of(const std::vector<SoakRow>& rows) {
   std::string text =
       "t_s,resident_mb,position_error,position_sigma,nees_position,velocity_error,nees_velocity,"
-      "tilt_error,nees_tilt,asymmetry,norm_error,lag,time_per_scan,longest_scan\n";
+      "tilt_error,nees_tilt,nees_calibration,asymmetry,norm_error,lag,time_per_scan,longest_scan\n";
   for (const SoakRow& r : rows) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.time, r.resident,
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.time, r.resident,
                         r.position_error, r.position_sigma, r.nees_position, r.velocity_error,
-                        r.nees_velocity, r.tilt_error, r.nees_tilt, r.asymmetry, r.norm_error,
-                        r.lag, r.time_per_scan, r.longest_scan);
+                        r.nees_velocity, r.tilt_error, r.nees_tilt, r.calibration, r.asymmetry,
+                        r.norm_error, r.lag, r.time_per_scan, r.longest_scan);
   }
   return text;
 }
@@ -126,6 +128,9 @@ void judge_errors(const SoakRun& run, Verdict* verdict) {
   verdict->add("velocity: mean NEES", fmt::format("{:.2f}", velocity), "below 1.5", velocity < 1.5);
   const double tilt = mean(rows, &SoakRow::nees_tilt);
   verdict->add("tilt: mean NEES", fmt::format("{:.2f}", tilt), "below 1.5", tilt < 1.5);
+  const double calibration = mean(rows, &SoakRow::calibration);
+  verdict->add("calibration: mean NEES", fmt::format("{:.2f}", calibration), "below 1.5",
+               calibration < 1.5);
 }
 
 void judge_order(const SoakSettings& settings, Verdict* verdict) {
@@ -163,11 +168,9 @@ Result soak(const Settings& settings) {
   Result result;
   result.markdown = fmt::format(
       "`default`, {}, {:.2f} simulated hours in one go: every ten minutes from the ground and "
-      "back, "
-      "each time another way.\nTimes are of this machine. A row is at its time; NEES over its "
-      "dimension, of velocity (body axes) and tilt the mean since the row before.\nThe csv has a "
-      "row every "
-      "ten minutes.\n\n{}\n{}",
+      "back, each time another way.\nTimes are of this machine. A row is at its time; NEES over "
+      "its dimension, of velocity (body axes), tilt and calibration (each\nparameter by itself) "
+      "the mean since the row before. The csv has a row every ten minutes.\n\n{}\n{}",
       name, settings.hours, table_of(run.rows), verdict.text());
   result.attachments.push_back(
       {settings.smoother ? "soak-smoother.csv" : "soak.csv", csv_of(run.rows)});

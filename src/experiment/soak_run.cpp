@@ -77,6 +77,18 @@ Error velocity_of(const NavState& estimate, const NavState& truth, const BodyCov
   return {error.norm(), eval::nees(error, J * P * J.transpose()) / 3.0};
 }
 
+/// Mean (error / sigma)^2 of the parameters; the configured values are the true ones.
+double calibration_of(const UpdateReport& report) {
+  double sum = 0.0;
+  int parameters = 0;
+  for (const CalibrationReport& c : report.calibration) {
+    if (c.observability == Observability::kNotEstimated) continue;
+    sum += c.value * c.value / (c.sigma * c.sigma);
+    ++parameters;
+  }
+  return sum / parameters;
+}
+
 class Run {
  public:
   Run(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each)
@@ -158,6 +170,7 @@ class Run {
     row_.nees_position = eval::nees(position, P_position) / 3.0;
     row_.nees_velocity += velocity.nees;
     row_.nees_tilt += tilt.nees;
+    row_.calibration += calibration_of(report);
     row_.asymmetry = std::max(row_.asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
     row_.norm_error = std::max(row_.norm_error, std::abs(x.q_WB.norm() - 1.0));
     row_.time_per_scan += took;
@@ -167,7 +180,8 @@ class Run {
   void end_row(double time) {
     row_.time = time;
     row_.resident = resident_megabytes();
-    for (double* sum : {&row_.nees_velocity, &row_.nees_tilt, &row_.time_per_scan}) {
+    for (double* sum :
+         {&row_.nees_velocity, &row_.nees_tilt, &row_.calibration, &row_.time_per_scan}) {
       *sum /= scans_in_row_;
     }
     run_.rows.push_back(row_);

@@ -39,6 +39,7 @@ struct SoakRow {
   double nees_position = 0.0;   ///< here and below, over its dimension
   double nees_velocity = 0.0;   ///< mean
   double nees_tilt = 0.0;       ///< mean
+  double calibration = 0.0;     ///< mean (error / sigma)^2 of its parameters
   double asymmetry = 0.0;       ///< largest of P
   double norm_error = 0.0;      ///< largest of | |q| - 1 |
   double lag = 0.0;             ///< largest of now() to the newest sample [s]

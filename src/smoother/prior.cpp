@@ -88,17 +88,17 @@ void Prior::add_landmark_noise(double variance) {
   mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
-void Prior::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
-  int at = border(layout_.auxiliary());
-  for (const AuxiliaryState& state : states) {
-    const double variance = state.walk * state.walk * seconds;
-    if (variance > 0.0) {
-      const AuxiliaryValues own = AuxiliaryValues::Constant(1.0 / variance);
-      quadratic::subtract_projection(size(), at, own.head(state.size), &A_, &g_, &work_);
-    }
-    at += state.size;
+void Prior::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
+  if (!(walk.sum() * seconds > 0.0)) return;
+  constexpr double kNothing = 1e-30;  // of those that do not walk
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, cholesky::kPanel, 1> own;
+  const int count = static_cast<int>(walk.size());
+  for (int first = 0; first < count; first += cholesky::kPanel) {
+    const int width = std::min(cholesky::kPanel, count - first);
+    own = (seconds * walk.segment(first, width)).cwiseMax(kNothing).cwiseInverse();
+    quadratic::subtract_projection(size(), border(body::kSize + first), own, &A_, &g_, &work_);
   }
-  if (states.size() > 0) mirror_lower(A_.topLeftCorner(size(), size()));
+  mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
 void Prior::forget(int column, double value, double information, const Estimate& x) {

@@ -25,7 +25,8 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(
     if (!present || prior <= 0.0) return;
     const auto i = static_cast<std::size_t>(parameter);
     const double by_covariance = std::sqrt(state_estimate.covariance().matrix()(column, column));
-    const double inflation = (*ratios)[i].add(x.nav.time, value, by_covariance);
+    const double walk = state_estimate.parameters().walk[column - body::kSize];
+    const double inflation = (*ratios)[i].add(x.nav.time, value, by_covariance, walk);
     const double sigma = inflation * by_covariance;
     Observability verdict = observability(value, sigma, prior);
     if (verdict != Observability::kAtLimit && verdict != Observability::kDoubtful) {

@@ -11,37 +11,11 @@ Covariance::Covariance(const Layout& layout)
       scratch_(Eigen::MatrixXd::Zero(body::kSize, layout.capacity())),
       size_(layout.size(0)) {}
 
-void Covariance::reset(const BodyCovariance& P0, const CalibrationOptions& priors,
-                       const AuxiliaryStates& auxiliary) {
+void Covariance::reset(const BodyCovariance& P0, const Eigen::VectorXd& parameters) {
   P_.setZero();
   size_ = layout_.size(0);
   P_.topLeftCorner<body::kSize, body::kSize>() = 0.5 * (P0 + P0.transpose());
-  const auto set = [this](int at, int length, double sigma) { inflate(at, length, sigma * sigma); };
-  for (std::size_t r = 0; r < layout_.radars(); ++r) {
-    const Layout own = layout_.of_radar(r);
-    if (own.has_extrinsics()) {
-      set(own.extrinsics(), 3, priors.rotation_sigma);
-      set(own.extrinsics() + 3, 3, priors.translation_sigma);
-    }
-    if (own.has_radar_errors()) {
-      set(own.radar_errors() + RadarErrors::kDopplerScale, 1, priors.doppler_scale_sigma);
-      set(own.radar_errors() + RadarErrors::kElevation, 1, priors.elevation_bias_sigma);
-    }
-    if (own.has_time_offset()) set(own.time_offset(), 1, priors.time_offset_sigma);
-  }
-  int at = layout_.auxiliary();
-  for (const AuxiliaryState& state : auxiliary) {
-    set(at, state.size, state.sigma);
-    at += state.size;
-  }
-}
-
-void Covariance::add_auxiliary_noise(const AuxiliaryStates& states, double seconds) {
-  int at = layout_.auxiliary();
-  for (const AuxiliaryState& state : states) {
-    inflate(at, state.size, state.walk * state.walk * seconds);
-    at += state.size;
-  }
+  P_.diagonal().segment(body::kSize, parameters.size()) = parameters;
 }
 
 void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (E1)

@@ -52,6 +52,7 @@ StateEstimate::StateEstimate(const Options& options, int max_clones)
     : options_(options),
       layout_(options.calibration, max_clones, options.update.max_landmarks,
               options.auxiliary.size(), options.radars()),
+      parameters_(parameter_noise(layout_, options.calibration, options.auxiliary)),
       covariance_(layout_),
       dx_(Eigen::VectorXd::Zero(layout_.capacity())) {}
 
@@ -65,13 +66,8 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   }
   layout_ = layout_.of_radar(0);
   acceleration_ = {};
-  CalibrationOptions configured = options_.calibration;
-  for (double* sigma :
-       {&configured.rotation_sigma, &configured.translation_sigma, &configured.time_offset_sigma,
-        &configured.doppler_scale_sigma, &configured.elevation_bias_sigma}) {
-    *sigma *= kCalibrationConfiguredShare;
-  }
-  covariance_.reset(P0, configured, options_.auxiliary);
+  covariance_.reset(P0, parameters_.prior);
+  started_ = prior.time;
   contradicted_ = {};
 }
 
@@ -87,6 +83,7 @@ double StateEstimate::prior_share(Calibration parameter) const {
 
 StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contradictions() {
   StaticVector<Contradiction, kMaxRadars * kCalibrationCount> out;
+  const double seconds = to_seconds(estimate_.nav.time - started_);
   for (std::size_t r = 0; r < layout_.radars(); ++r) {
     const Layout layout = layout_.of_radar(r);
     const RadarState x = estimate_.of_radar(r);
@@ -94,12 +91,12 @@ StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contr
     const auto test = [&](Calibration parameter, int column, double value, double sigma) {
       bool& contradicted = contradicted_[r][static_cast<std::size_t>(parameter)];
       if (contradicted || !(sigma > 0.0)) return;
-      const double configured =
-          kCalibrationConfiguredShare * kCalibrationConfiguredShare * sigma * sigma;
+      const double walked = seconds * parameters_.walk[column - body::kSize];
+      const double configured = parameters_.prior[column - body::kSize] + walked;
       const double moved = configured - covariance_.matrix()(column, column);
       if (value * value < std::max(kContradicted * kContradicted * moved, configured)) return;
       contradicted = true;
-      (void)out.push_back({column, value, 1.0 / configured - 1.0 / (sigma * sigma)});
+      (void)out.push_back({column, value, 1.0 / configured - 1.0 / (sigma * sigma + walked)});
     };
     const CalibrationOptions& priors = options_.calibration;
     if (layout.has_extrinsics()) {
@@ -153,7 +150,7 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   covariance_.propagate(p.transition(), p.noise());
   const double walk = options_.update.landmark_walk;
   covariance_.add_landmark_noise(walk * walk * distance);
-  covariance_.add_auxiliary_noise(options_.auxiliary, seconds);
+  covariance_.add_parameter_noise(parameters_.walk, seconds);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
 }

@@ -69,7 +69,7 @@ TEST_F(ReexpressionTest, ReexpressionMovesTheUnobservableDirectionsAlong) {
   Covariance c(layout_);
   BodyCovariance P0 = BodyCovariance::Zero();
   P0 = before.topRows(15) * before.topRows(15).transpose();
-  c.reset(P0, calibration());
+  c.reset(P0, parameter_noise(layout_, calibration()).prior);
   // clones and landmarks as exact functions of the body's null direction
   const auto relative = [](const RigidPose& body, const RigidPose& clone) {
     return RigidPose(body.R.transpose() * clone.R, body.R.transpose() * (clone.p - body.p));

@@ -78,6 +78,8 @@ TEST_P(Soak, NothingGrowsOrDrifts) {
     EXPECT_GT(row.position_sigma, 0.0);
     EXPECT_LT(row.nees_velocity, 3.0);
     EXPECT_LT(row.nees_tilt, 3.0);
+    EXPECT_GT(row.calibration, 0.0);
+    EXPECT_LT(row.calibration, 3.0);
   }
   const double grown = run.rows.back().resident - run.rows[1].resident;
   EXPECT_LT(grown, 1.0);

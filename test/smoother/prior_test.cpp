@@ -305,6 +305,40 @@ TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
   expect_near(prior.g(), expected * mean, 1e-9 * largest(before.g));
 }
 
+// Two of the nine are constant.
+TEST_F(PriorTest, ParametersThatWalkLoseInformation) {
+  VectorXd walk = VectorXd::LinSpaced(kCalibration, 0.1, 0.9);
+  walk[3] = walk[8] = 0.0;
+  Prior prior = made_of(random_information(), random_vector(kSize));
+  const Dense before = dense(prior);
+  prior.add_parameter_noise(walk, 0.5);
+  MatrixXd P = before.A.inverse();
+  const VectorXd mean = P * before.g;
+  P.diagonal().segment(body::kSize * kLeading, kCalibration) += 0.5 * walk;
+  const MatrixXd expected = P.inverse();
+  expect_near(prior.A(), expected, 1e-9 * largest(expected));
+  expect_near(prior.g(), expected * mean, 1e-9 * largest(before.g));
+}
+
+// Four radars have more parameters than one product may be deep.
+TEST_F(PriorTest, AnyNumberOfParametersWalks) {
+  constexpr int kRadars = 4;
+  const Layout layout(calibration(), 0, 0, 0, kRadars);
+  const int n = body::kSize * kLeading + kRadars * kCalibration;
+  MatrixXd L(n, n);
+  for (int c = 0; c < n; ++c) L.col(c) = random_vector(n);
+  Prior prior(layout, kStates);
+  Estimate x;
+  prior.assign(L * L.transpose() + MatrixXd::Identity(n, n), random_vector(n), made_.window, 0,
+               kLeading, x);
+  const VectorXd walk = VectorXd::Constant(kRadars * kCalibration, 0.3);
+  MatrixXd P = MatrixXd(prior.A()).inverse();
+  P.diagonal().tail(walk.size()) += walk;
+  prior.add_parameter_noise(walk, 1.0);
+  const MatrixXd expected = P.inverse();
+  expect_near(prior.A(), expected, 1e-8 * largest(expected));
+}
+
 // Ten at a call: each has walked as far as all the others when its turn comes, wherever it stands.
 TEST_F(PriorTest, ManyLandmarksWalkInTurn) {
   constexpr int kMany = 25;

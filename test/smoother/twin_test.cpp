@@ -54,7 +54,7 @@ class Filter {
  public:
   explicit Filter(const BodyCovariance& P0)
       : layout_(calibration(), 0, 0), covariance_(layout_), update_(layout_.capacity()) {
-    covariance_.reset(P0, calibration());
+    covariance_.reset(P0, parameter_noise(layout_, calibration()).prior);
   }
   static CalibrationOptions calibration() { return {0.5, 0.3, 0.2, 0.2, 0.3}; }
   const Covariance& covariance() const { return covariance_; }

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rio/state/parameters.hpp"
 #include "rio/update/covariance.hpp"
 #include "rio/update/linear_rows.hpp"
 #include "support/random_matrix.hpp"
@@ -27,7 +28,8 @@ class CovarianceCase : public testing::Test {
  protected:
   CovarianceCase() : layout_(calibration(), 3, 4), covariance_(layout_) {
     const MatrixXd A = 0.1 * random_matrix(random_, 15, 15);
-    covariance_.reset(BodyCovariance(A * A.transpose()), calibration());
+    covariance_.reset(BodyCovariance(A * A.transpose()),
+                      parameter_noise(layout_, calibration()).prior);
     for (int scan = 0; scan < 5; ++scan) {  // more scans than clones
       covariance_.propagate(random_transition(), noise());
       covariance_.assign_clone(scan % 3, clone_rows());

@@ -14,10 +14,20 @@ namespace {
 constexpr double kNoiseSigma = 1.0;
 constexpr double kPriorSigma = 0.5;
 
-/// A constant, estimated by measurements whose noise is assumed independent.
+/// A constant or a random walk, estimated by measurements whose noise is assumed independent.
 class Filter {
  public:
-  explicit Filter(double prior_error) : error_(prior_error) { ratio_ = told(); }
+  /// @param walk variance per second
+  explicit Filter(double prior_error, double walk = 0.0) : walk_(walk), error_(prior_error) {
+    ratio_ = told();
+  }
+
+  /// The parameter moves.
+  void walk(double step, double seconds) {
+    value_ += step;
+    error_ -= step;
+    P_ += walk_ * seconds;
+  }
 
   /// @param noise its error
   void measure(double noise, double variance = kNoiseSigma * kNoiseSigma) {
@@ -33,10 +43,12 @@ class Filter {
   double ratio() const { return ratio_; }
 
  private:
-  double told() { return birge_.add(time_, error_, sigma()); }
+  double told() { return birge_.add(time_, value_ + error_, sigma(), walk_); }
 
   BirgeRatio birge_;
   Time time_{0};
+  double walk_;
+  double value_ = 0.0;  ///< true
   double error_;
   double P_ = kPriorSigma * kPriorSigma;
   double ratio_ = 1.0;
@@ -44,13 +56,15 @@ class Filter {
 
 /// Means over 500 flights of a minute; the error of a measurement repeats `persistence` times.
 struct Flights {
-  explicit Flights(int persistence) {
+  explicit Flights(int persistence, double walk = 0.0) {
     constexpr int kFlights = 500;
     sim::Random random(3);
     for (int flight = 0; flight < kFlights; ++flight) {
-      Filter filter(kPriorSigma * random.normal());
+      constexpr double kPeriod = 0.1;  // [s]
+      Filter filter(kPriorSigma * random.normal(), walk);
       double noise = 0.0;
       for (int i = 0; i < 600; ++i) {
+        if (walk > 0.0) filter.walk(std::sqrt(walk * kPeriod) * random.normal(), kPeriod);
         if (i % persistence == 0) noise = random.normal();
         filter.measure(noise);
       }
@@ -75,6 +89,23 @@ TEST(BirgeRatio, ErrorsThatPersistWidenTheSigma) {
   const Flights flights(10);
   EXPECT_GT(flights.by_covariance, 7.0);
   EXPECT_NEAR(flights.told, 1.0, 0.5);
+}
+
+// The sigma no longer falls: after a minute it is that at which the walk and the measurements are
+// in balance, half of the prior's.
+constexpr double kWalk = 0.04;
+
+TEST(BirgeRatio, OfARandomWalkIsNearlyOne) {
+  const Flights flights(1, kWalk);
+  EXPECT_NEAR(flights.by_covariance, 1.0, 0.2);
+  EXPECT_LT(flights.ratio, 1.15);
+}
+
+TEST(BirgeRatio, ErrorsThatPersistWidenTheSigmaOfARandomWalk) {
+  const Flights flights(10, kWalk);
+  EXPECT_GT(flights.by_covariance, 2.5);
+  EXPECT_LT(flights.told, 0.7 * flights.by_covariance);
+  EXPECT_GT(flights.ratio, 1.2);
 }
 
 TEST(BirgeRatio, AWrongPriorIsNotCounted) {

@@ -114,7 +114,7 @@ TEST_F(CalibrationOfAnEstimate, TheSigmaIsMultipliedByTheBirgeRatio) {
   constexpr auto kScale = static_cast<std::size_t>(Calibration::kDopplerScale);
   BirgeRatios ratios;
   const auto tell = [&](int second, double value, double sigma) {
-    return ratios[kScale].add(Time(1'000'000'000LL * second), value, sigma);
+    return ratios[kScale].add(Time(1'000'000'000LL * second), value, sigma, 0.0);
   };
   tell(0, 0.0, 1.0);
   tell(10, 0.0, 0.4);  // what the prior was off by does not count

@@ -105,6 +105,14 @@ TEST_F(CovarianceTest, LandmarkNoiseReachesLandmarksOnly) {
   expect_equal(expected, 0.0);
 }
 
+TEST_F(CovarianceTest, ParametersWalkEachAtItsOwnRate) {
+  const VectorXd walk = VectorXd::LinSpaced(layout_.clone(0) - body::kSize, 0.1, 0.9);
+  MatrixXd expected = dense();
+  expected.diagonal().segment(body::kSize, walk.size()) += 2.0 * walk;
+  covariance_.add_parameter_noise(walk, 2.0);
+  expect_equal(expected, 0.0);
+}
+
 TEST_F(CovarianceTest, RemovedLandmarkIsReplacedByTheLast) {
   const int n = covariance_.size();
   MatrixXd select = MatrixXd::Identity(n - 3, n);  // drops the last three ...

@@ -366,5 +366,28 @@ TEST_F(StateEstimateTest, AContradictedParameterIsBelievedToItsPrior) {
   EXPECT_TRUE(b.contradictions().empty());
 }
 
+// The longer it walks, the less the configured value says of it: after 900 s with a fifth of the
+// prior sigma in sqrt(900 s) its variance is (0.25 + 0.04) of the prior's.
+TEST_F(StateEstimateTest, AParameterThatWalkedIsContradictedLater) {
+  constexpr double kSigma = 0.02;
+  constexpr double kSeconds = 900.0;
+  options_.calibration = {0.0, 0.0, 0.0, kSigma, 0.0, 0.2 / std::sqrt(kSeconds)};
+  StateEstimate b = state_estimate();
+  const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
+  b.estimate().nav.time += from_seconds(kSeconds);
+  b.covariance().add_parameter_noise(b.parameters().walk, kSeconds);
+  const double prior = 0.29 * kSigma * kSigma;
+  EXPECT_NEAR(b.covariance().matrix()(scale, scale), prior, 1e-9 * prior);
+  Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
+  dx[scale] = 0.99 * std::sqrt(prior);
+  b.correct(dx);
+  EXPECT_TRUE(b.contradictions().empty());
+  dx[scale] = 0.02 * std::sqrt(prior);
+  b.correct(dx);
+  const auto found = b.contradictions();
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NEAR(found[0].information, 1.0 / prior - 1.0 / (1.04 * kSigma * kSigma), 1e-6 / prior);
+}
+
 }  // namespace
 }  // namespace rio

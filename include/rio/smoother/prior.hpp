@@ -53,8 +53,9 @@ class Prior {
   /// landmarks per call, in turn, each with the variance accumulated since its last turn.
   void add_landmark_noise(double variance);
 
-  /// Random walk of the auxiliary states over `seconds`.
-  void add_auxiliary_noise(const AuxiliaryStates& states, double seconds);
+  /// Random walk of the parameters over `seconds`.
+  /// @param walk ParameterNoise::walk
+  void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
 
   /// Removes the information of a tight calibration prior (StateEstimate, E2).
   /// @param column of the parameter in [newest state | border]

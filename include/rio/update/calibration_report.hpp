@@ -3,8 +3,8 @@
 // prior's, and how well the data determine it.
 //
 // A parameter that no motion excites keeps the sigma of its prior (Observability in report.hpp).
-// The sigma of the covariance only falls, except when the configured value is contradicted
-// (state_estimate.hpp); it is reported multiplied by the Birge ratio.
+// The sigma of the covariance rises with the random walk of the parameter, and when the configured
+// value is contradicted (state_estimate.hpp); it is reported multiplied by the Birge ratio.
 #pragma once
 
 #include <array>

@@ -17,7 +17,6 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "rio/options.hpp"
 #include "rio/propagate/strapdown.hpp"
 #include "rio/state/layout.hpp"
 #include "rio/update/linear_rows.hpp"
@@ -35,9 +34,8 @@ class Covariance {
   Eigen::Ref<Eigen::MatrixXd> matrix() { return P_.topLeftCorner(size_, size_); }
   auto body() const { return P_.topLeftCorner<body::kSize, body::kSize>(); }
 
-  /// Body block and the priors of calibration and auxiliary states; no clones, no landmarks.
-  void reset(const BodyCovariance& P0, const CalibrationOptions& priors,
-             const AuxiliaryStates& auxiliary = {});
+  /// Body block and the prior variances of the parameters; no clones, no landmarks.
+  void reset(const BodyCovariance& P0, const Eigen::VectorXd& parameters);
 
   /// (E1)
   /// @param phi transition whose bias rows are those of the identity
@@ -72,8 +70,11 @@ class Covariance {
     inflate(layout_.landmark(0), size_ - layout_.landmark(0), variance);
   }
 
-  /// Random walk of the auxiliary states over `seconds`.
-  void add_auxiliary_noise(const AuxiliaryStates& states, double seconds);
+  /// Random walk of the parameters over `seconds`.
+  /// @param walk ParameterNoise::walk
+  void add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
+    P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
+  }
 
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;

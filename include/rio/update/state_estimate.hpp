@@ -15,6 +15,7 @@
 #include "rio/report.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
+#include "rio/state/parameters.hpp"
 #include "rio/update/covariance.hpp"
 #include "rio/update/gyro_bias_check.hpp"
 #include "rio/update/linearize.hpp"
@@ -43,10 +44,12 @@ struct Contradiction {
 /// points, a parameter with a loose prior absorbs unrelated errors. So each has the tighter prior
 /// k s, k = kCalibrationConfiguredShare, until the data contradict it, and s from then on.
 ///
-/// (E1) tight prior P_0 = (k s)^2; if right, the updates move the value with variance P_0 - P;
-///      contradicted if value^2 > 3.5^2 (P_0 - P), as eight parameters are tested at every scan,
-///      and value^2 > P_0
-/// (E2) then the information 1 / (k s)^2 - 1 / s^2 of the tight prior is removed
+/// A parameter is a random walk of variance q t after the time t.
+///
+/// (E1) tight prior P_0 = (k s)^2 + q t; if right, the updates move the value with variance
+///      P_0 - P; contradicted if value^2 > 3.5^2 (P_0 - P), as eight parameters are tested at every
+///      scan, and value^2 > P_0
+/// (E2) then the information 1 / P_0 - 1 / (s^2 + q t) of the tight prior is removed
 class StateEstimate {
  public:
   /// @param max_clones past poses with a covariance: none, or as many as the options keep
@@ -55,6 +58,7 @@ class StateEstimate {
   const Layout& layout() const { return layout_; }
   const Estimate& estimate() const { return estimate_; }
   const Covariance& covariance() const { return covariance_; }
+  const ParameterNoise& parameters() const { return parameters_; }
   /// For the updates.
   Estimate& estimate() { return estimate_; }
   Covariance& covariance() { return covariance_; }
@@ -133,8 +137,10 @@ class StateEstimate {
 
   Options options_;
   Layout layout_;
+  ParameterNoise parameters_;
   Estimate estimate_;
   Covariance covariance_;
+  Time started_{0};
   Acceleration acceleration_;
   Eigen::VectorXd dx_;
   std::array<std::array<bool, kCalibrationCount>, kMaxRadars> contradicted_{};
