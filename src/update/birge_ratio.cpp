@@ -10,18 +10,18 @@ double BirgeRatio::add(Time time, double value, double sigma, double walk) {
   // longer than most reflectors stay in view
   constexpr Time kInterval{2'000'000'000};
   // of P-: less is a rest, and the interval continues
-  constexpr double kSmallest = 0.01;
+  constexpr double kInformative = 0.01;
   // while P is wide D is the error of the prior, which has its own check (Observability::kDoubtful)
   constexpr double kDetermined = 0.5;
   // intervals with a ratio of 1, assumed before the first
   constexpr int kConsistent = 4;
   const double walked = walk * to_seconds(time - begin_.time);
   const double fall = begin_.sigma * begin_.sigma + walked - sigma * sigma;  // (E1)
-  const double least = kSmallest * begin_.sigma * begin_.sigma;
   widest_ = std::max(widest_, sigma);
-  if (begin_.sigma == 0.0 || fall < -least) {  // first estimate, or a wider prior
+  if (begin_.sigma == 0.0 || fall < 0.0) {  // first estimate, or a wider prior
     begin_ = {time, value, sigma};
-  } else if (time - begin_.time >= kInterval && fall >= least) {
+  } else if (time - begin_.time >= kInterval &&
+             fall >= kInformative * begin_.sigma * begin_.sigma) {
     if (begin_.sigma <= kDetermined * widest_) {
       const double correction = value - begin_.value;
       sum_ += correction * correction / fall;
