@@ -1,17 +1,15 @@
 #!/usr/bin/env bash
 # Installs what the build needs from Debian or Ubuntu packages; asks for nothing that is there already.
-#   cmake/install_dependencies.sh [tools|tests|fuzz]     tests, fuzz = tools and more
+#   cmake/install_dependencies.sh [tools|tests|tidy|fuzz]     tests, fuzz = tools and more, tidy = tests and more
 set -euo pipefail
 
 packages=(cmake g++ make ninja-build libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
   libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
-if [ "${1:-tools}" = tests ]; then
-  packages+=(libgtest-dev libbenchmark-dev libceres-dev clang-format-14 clang-tidy-14
-    valgrind)
-fi
-if [ "${1:-tools}" = fuzz ]; then
-  packages+=(clang-14 libclang-rt-14-dev)
-fi
+case "${1:-tools}" in
+  tests | tidy) packages+=(libgtest-dev libceres-dev valgrind) ;;&
+  tidy) packages+=(libbenchmark-dev clang-format-14 clang-tidy-14) ;;
+  fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do

@@ -33,9 +33,9 @@ ROOMS = ['propagate', 'frontend', 'update', 'ekf', 'smoother', 'engine']
 # whose tests are run for a mutant of the room, in this order
 NEXT = {'propagate': ['propagate', 'smoother'], 'frontend': ['frontend'], 'update': ['update', 'ekf'],
         'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'engine': []}
-FLIGHT = ['engine_test', 'odometry_test', 'aiding_test', 'mc_accuracy_gate_test']
-DEEP = ['contract_test', 'mc_recovery_test', 'mc_imu_fault_test', 'mc_calibration_test',
-        'mc_consistency_test', 'allocation_test', 'e2e_touchdown_test', 'e2e_kart_test']
+FLIGHT = ['api_engine_test', 'api_odometry_test', 'api_aiding_test', 'mc_accuracy_gate_test']
+DEEP = ['api_contract_test', 'mc_recovery_test', 'mc_imu_fault_test', 'mc_calibration_test',
+        'mc_consistency_test', 'api_allocation_test', 'e2e_touchdown_test', 'e2e_kart_test']
 GOLDEN = 'indication_indication_test'
 LABELS = ['unit', 'model', 'property', 'mc', 'e2e']
 
@@ -177,7 +177,7 @@ def tests_by_room():
         text = f.read()
     found = re.findall(r'^ *rio_test\(([\w/]+)\.cpp(?: LABEL (\w+))?', text, re.M)
     for arguments in re.findall(r'^ *rio_tests\(([^)]+)\)', text, re.M):
-        arguments = re.sub(r' LIBS.*', '', ' '.join(arguments.split()))
+        arguments = re.sub(r' (LIBS|SHARDS).*', '', ' '.join(arguments.split()))
         names, _, label = arguments.partition(' LABEL ')
         folder, _, *names = names.split()
         found += [(f'{folder}/{name}_test', label) for name in names]

@@ -11,8 +11,12 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 mode=test
-case "${1:-}" in sanitize | thread | tidy) mode=$1; shift ;; esac
-cmake/install_dependencies.sh tests
+needs=tests
+case "${1:-}" in
+  sanitize | thread) mode=$1; shift ;;
+  tidy) mode=tidy needs=tidy; shift ;;
+esac
+cmake/install_dependencies.sh "$needs"
 
 jobs=$(nproc)
 compiler=$(basename "${CXX:-g++}")
@@ -29,7 +33,7 @@ if [ "$mode" = tidy ]; then
 fi
 
 if [ "$mode" = thread ]; then
-  cmake --build "$build" -j "$jobs" --target two_threads_test
+  cmake --build "$build" -j "$jobs" --target api_two_threads_test
   ctest --test-dir "$build" --output-on-failure --no-tests=error -L thread "$@"
   exit
 fi

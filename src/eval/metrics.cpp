@@ -57,10 +57,10 @@ double yaw_error(const PosePair& pair) {
   return wrapped(2.0 * kDegreesPerRadian * std::atan2(error.z(), error.w()));
 }
 
-double tilt_error(const PosePair& pair) {
-  const Vector3d estimate = pair.estimate.q.conjugate() * Vector3d::UnitZ();
-  const Vector3d truth = pair.truth.q.conjugate() * Vector3d::UnitZ();
-  return kDegreesPerRadian * std::atan2(estimate.cross(truth).norm(), estimate.dot(truth));
+double tilt_error(const Quaternion& estimate, const Quaternion& truth) {
+  const Vector3d up = estimate.conjugate() * Vector3d::UnitZ();
+  const Vector3d true_up = truth.conjugate() * Vector3d::UnitZ();
+  return kDegreesPerRadian * std::atan2(up.cross(true_up).norm(), up.dot(true_up));
 }
 
 std::vector<double> path_distances(const std::vector<PosePair>& pairs) {
@@ -141,7 +141,7 @@ AngleError yaw_errors(const std::vector<PosePair>& pairs) {
 }
 
 AngleError tilt_errors(const std::vector<PosePair>& pairs) {
-  return angle_error(pairs, tilt_error);
+  return angle_error(pairs, [](const PosePair& pair) { return tilt_error(pair); });
 }
 
 }  // namespace rio::eval

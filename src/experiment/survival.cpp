@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rio/core/small_cholesky.hpp"
+#include "rio/eval/metrics.hpp"
 #include "rio/eval/nees.hpp"
 
 namespace rio::experiment {
@@ -47,12 +48,6 @@ bool is_covariance(const BodyCovariance& P) {
   if (!((C - C.transpose()).cwiseAbs().maxCoeff() <= 1e-9)) return false;
   C.diagonal().array() += 1e-9;
   return SmallCholesky<body::kSize>(C).positive();
-}
-
-double tilt_error(const NavState& x, const NavState& truth) {
-  const Vector3d up = x.q_WB.conjugate() * Vector3d::UnitZ();
-  const Vector3d true_up = truth.q_WB.conjugate() * Vector3d::UnitZ();
-  return std::atan2(up.cross(true_up).norm(), up.dot(true_up)) * 180.0 / M_PI;
 }
 
 /// Stamps of the accepted samples and their true measurement times.
@@ -127,7 +122,7 @@ class Watch {
     d.age = to_seconds(now - measured);
     if (!d.finite) return d;
     const NavState truth = flight_.truth_at(measured);
-    d.tilt = tilt_error(x, truth);
+    d.tilt = eval::tilt_error(x.q_WB, truth.q_WB);
     d.speed = (x.q_WB.conjugate() * x.v_WB - truth.q_WB.conjugate() * truth.v_WB).norm();
     d.position = (x.p_WB - truth.p_WB).norm();
     const auto e = eval::body_error(x, truth);

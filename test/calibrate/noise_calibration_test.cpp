@@ -11,6 +11,7 @@
 #include "experiment/trial.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "support/constants.hpp"
+#include "support/flight_recording.hpp"
 
 namespace rio::calibrate {
 namespace {
@@ -46,10 +47,6 @@ Options wrong_options(const sim::Flight& flight, double factor) {
   return options;
 }
 
-Recording recording_of(const sim::Flight& flight) {
-  return {flight.imu, flight.scans, std::nullopt, {}};
-}
-
 TEST(NoiseCalibration, RecoversTheSigmasFromAFactorTwoEitherWay) {
   const Sigmas fine(0.02, 1.0 * kDegree, 2.0 * kDegree, 0.02);
   const Sigmas usual(0.04, 2.0 * kDegree, 4.0 * kDegree, 0.04);
@@ -57,7 +54,7 @@ TEST(NoiseCalibration, RecoversTheSigmasFromAFactorTwoEitherWay) {
   for (const Case& c : {Case{fine, 0.5, true}, Case{usual, 2.0, false}, Case{coarse, 0.5, false},
                         Case{coarse, 2.0, true}}) {
     const sim::Flight flight = fly(c.truth, 11);
-    Recording recording = recording_of(flight);
+    Recording recording = test::recording_of(flight);
     if (c.with_truth) recording.truth = interpolated_truth(flight.truth);
     const NoiseCalibration result = calibrate_noise(recording, wrong_options(flight, c.factor));
     for (int k = 0; k < 4; ++k) {
@@ -71,7 +68,7 @@ TEST(NoiseCalibration, RecoversTheSigmasFromAFactorTwoEitherWay) {
 
 TEST(NoiseCalibration, AsksForALongerFlight) {
   const sim::Flight flight = fly(Sigmas(0.04, 0.035, 0.07, 0.04), 12);
-  Recording recording = recording_of(flight);
+  Recording recording = test::recording_of(flight);
   recording.scans.resize(25);  // hardly off the ground
   try {
     (void)calibrate_noise(recording, wrong_options(flight, 1.0));

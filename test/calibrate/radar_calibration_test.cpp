@@ -17,6 +17,7 @@
 #include "rio/eval/nees.hpp"
 #include "rio/sim/scenario.hpp"
 #include "support/constants.hpp"
+#include "support/flight_recording.hpp"
 #include "support/measured.hpp"
 
 namespace rio::calibrate {
@@ -43,10 +44,6 @@ Options configured(const sim::Flight& flight) {
   return options;
 }
 
-Recording recording_of(const sim::Flight& flight) {
-  return {flight.imu, flight.scans, std::nullopt, {}};
-}
-
 /// What the calibration should find, off the configured values.
 std::array<double, kCalibrationCount> truth_of(const sim::Flight& flight) {
   const Pose& T = flight.scenario.radar.T_BS;
@@ -61,7 +58,8 @@ TEST(RadarCalibration, FindsWhatWasToldWrongWithHonestSigmas) {
   double worst = 0.0;
   for (std::uint64_t seed = 11; seed < 11 + kFlights; ++seed) {
     const sim::Flight flight = fly_wrong(seed, 25.0);
-    const RadarCalibration found = calibrate_radar({recording_of(flight)}, configured(flight));
+    const RadarCalibration found =
+        calibrate_radar({test::recording_of(flight)}, configured(flight));
     const std::array<double, kCalibrationCount> truth = truth_of(flight);
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       if (i == kElevationBias) continue;
@@ -97,8 +95,9 @@ TEST(RadarCalibration, SecondRecordingNarrowsTheSigmas) {
   sim::Flight b = fly_wrong(2, 25.0);
   // the same vehicle: what was told of a differs from the truth as it does of b
   b.configured_T_BS = a.configured_T_BS;
-  const RadarCalibration one = calibrate_radar({recording_of(a)}, configured(a));
-  const RadarCalibration two = calibrate_radar({recording_of(a), recording_of(b)}, configured(a));
+  const RadarCalibration one = calibrate_radar({test::recording_of(a)}, configured(a));
+  const RadarCalibration two =
+      calibrate_radar({test::recording_of(a), test::recording_of(b)}, configured(a));
   const std::array<double, kCalibrationCount> truth = truth_of(a);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (i == kElevationBias) continue;
@@ -111,7 +110,7 @@ TEST(RadarCalibration, SecondRecordingNarrowsTheSigmas) {
 // A radar that is knocked out of place half way: the turn is in neither mounting file.
 TEST(RadarCalibration, HalvesThatContradictEachOtherKeepTheConfiguredValues) {
   const sim::Flight flight = fly_wrong(3, 25.0);
-  Recording recording = recording_of(flight);
+  Recording recording = test::recording_of(flight);
   const Quaternion knock = quaternion_exp(Vector3d(0.0, 0.0, 6.0 * kDegree));
   const Time middle = flight.scans[flight.scans.size() / 2].time;
   for (RadarScan& scan : recording.scans) {
@@ -135,7 +134,7 @@ TEST(RadarCalibration, StandingStillDeterminesNothing) {
   still.max_duration = 8.0;
   const sim::Flight rest = sim::simulate_flight(still);
   const Options options = configured(rest);
-  const RadarCalibration found = calibrate_radar({recording_of(rest)}, options);
+  const RadarCalibration found = calibrate_radar({test::recording_of(rest)}, options);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (i == kElevationBias) continue;
     EXPECT_EQ(found.parameters[i].verdict, Determination::kNotDetermined) << i;
@@ -149,7 +148,7 @@ TEST(RadarCalibration, StandingStillDeterminesNothing) {
 TEST(RadarCalibration, NeedsARecordingThatStarts) {
   EXPECT_THROW(calibrate_radar({}, Options{}), std::runtime_error);
   const sim::Flight flight = fly_wrong(5, 20.0);
-  Recording recording = recording_of(flight);
+  Recording recording = test::recording_of(flight);
   recording.imu.resize(50);  // a quarter of a second
   EXPECT_THROW(calibrate_radar({recording}, configured(flight)), std::runtime_error);
 }

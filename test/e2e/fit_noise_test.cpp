@@ -4,23 +4,13 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <string>
+#include <vector>
 
-#include "support/temp_dir.hpp"
+#include "e2e/tool.hpp"
 
 namespace rio::test {
 namespace {
-
-int rio(const std::string& arguments) {
-  return std::system((std::string(RIO_TOOL) + " " + arguments).c_str());
-}
-
-std::string text_of(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 /// The number behind `key`, a quote passed over.
 double value_of(const std::string& text, const std::string& key) {
@@ -30,41 +20,42 @@ double value_of(const std::string& text, const std::string& key) {
   return std::strtod(text.c_str() + begin + (text[begin] == '"' ? 1 : 0), nullptr);
 }
 
-void keep_lines(const std::string& file, int count) {
-  std::istringstream in(text_of(file));
+void keep_lines(const std::string& file, std::size_t count) {
+  std::vector<std::string> lines = lines_of(file);
+  ASSERT_GT(lines.size(), count);
+  lines.resize(count);
   std::ofstream out(file);
-  std::string line;
-  for (int i = 0; i < count && std::getline(in, line); ++i) out << line << "\n";
+  for (const std::string& line : lines) out << line << "\n";
 }
 
 TEST(FitNoise, PrintsAnOptionFileThatReplayTakes) {
   const TempDir dir;
   const std::string flight = (dir.path() / "flight").string();
   const std::string fitted = (dir.path() / "noise.yaml").string();
-  const std::string log = (dir.path() / "log").string();
-  ASSERT_EQ(rio("simulate " + flight + " --scenario monte-carlo --seed 9 > " + log), 0);
-  ASSERT_EQ(rio("fit-noise " + flight + " > " + fitted + " 2> " + log), 0) << text_of(log);
-  const std::string text = text_of(fitted);
+  ASSERT_EQ(rio("simulate " + flight + " --scenario monte-carlo --seed 9").status, 0);
+  const Outcome fit =
+      run_command(RIO_TOOL " fit-noise " + flight + " 2>/dev/null >" + fitted + "; cat " + fitted);
   // of the scenario; 15 % as test/calibrate/noise_calibration_test.cpp
-  EXPECT_NEAR(value_of(text, "sigma_range"), 0.03, 0.15 * 0.03);
-  EXPECT_NEAR(value_of(text, "sigma_azimuth"), 2.0, 0.15 * 2.0);
-  EXPECT_NEAR(value_of(text, "sigma_elevation"), 4.0, 0.15 * 4.0);
-  EXPECT_NEAR(value_of(text, "sigma_doppler"), 0.02, 0.15 * 0.02);
-  EXPECT_EQ(rio("replay " + flight + " --quiet --config " + fitted + " > " + log + " 2>&1"), 0)
-      << text_of(log);
+  EXPECT_NEAR(value_of(fit.output, "sigma_range"), 0.03, 0.15 * 0.03);
+  EXPECT_NEAR(value_of(fit.output, "sigma_azimuth"), 2.0, 0.15 * 2.0);
+  EXPECT_NEAR(value_of(fit.output, "sigma_elevation"), 4.0, 0.15 * 4.0);
+  EXPECT_NEAR(value_of(fit.output, "sigma_doppler"), 0.02, 0.15 * 0.02);
+  const Outcome replay = rio("replay " + flight + " --quiet --config " + fitted);
+  EXPECT_EQ(replay.status, 0) << replay.output;
 }
 
 TEST(FitNoise, SaysWhatIsWrong) {
   const TempDir dir;
-  const std::string log = (dir.path() / "log").string();
-  EXPECT_NE(rio("fit-noise " + (dir.path() / "nothing").string() + " > " + log + " 2>&1"), 0);
-  EXPECT_NE(text_of(log).find("nothing"), std::string::npos);
+  const Outcome missing = rio("fit-noise " + (dir.path() / "nothing").string());
+  EXPECT_NE(missing.status, 0);
+  EXPECT_NE(missing.output.find("nothing"), std::string::npos) << missing.output;
 
   const std::string flight = (dir.path() / "short").string();
-  ASSERT_EQ(rio("simulate " + flight + " --scenario monte-carlo --seed 9 > " + log), 0);
+  ASSERT_EQ(rio("simulate " + flight + " --scenario monte-carlo --seed 9").status, 0);
   keep_lines(flight + "/radar0/data.csv", 600);  // two seconds of scans, most of them at rest
-  EXPECT_NE(rio("fit-noise " + flight + " > " + log + " 2>&1"), 0);
-  EXPECT_NE(text_of(log).find("fly longer"), std::string::npos) << text_of(log);
+  const Outcome brief = rio("fit-noise " + flight);
+  EXPECT_NE(brief.status, 0);
+  EXPECT_NE(brief.output.find("fly longer"), std::string::npos) << brief.output;
 }
 
 }  // namespace

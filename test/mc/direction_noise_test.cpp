@@ -17,12 +17,12 @@ constexpr int kFlights = 8;
 constexpr double kFine = 0.6 * sim::kDegree;
 constexpr double kCoarse = 8.0 * sim::kDegree;
 
-const std::vector<Variant> kVariants = {{"default", "default"},
-                                        {"naive", "default", [](Options& o) {
-                                           o.update.use_landmarks =
-                                               false;  // they average the directions of many scans
-                                           o.update.doppler_directions = DopplerDirections::kExact;
-                                         }}};
+const std::vector<Variant> kDirections = {
+    {"default", "default"}, {"naive", "default", [](Options& o) {
+                               o.update.use_landmarks =
+                                   false;  // they average the directions of many scans
+                               o.update.doppler_directions = DopplerDirections::kExact;
+                             }}};
 
 std::vector<Case> flights(const char* group, double sigma_elevation) {
   std::vector<Case> cases = cases_of("monte-carlo", kFlights, 401);
@@ -37,7 +37,7 @@ std::vector<Case> flights(const char* group, double sigma_elevation) {
 TEST(DirectionNoise, CostsTheDefaultLittle) {
   std::vector<Case> cases = flights("fine", kFine);
   for (const Case& c : flights("coarse", kCoarse)) cases.push_back(c);
-  const std::vector<Outcome> runs = run_campaign(cases, kVariants, {});
+  const std::vector<Outcome> runs = run_campaign(cases, kDirections, {});
   const auto cost = [&](const char* variant) {
     const std::vector<Score> fine = select(runs, "fine", variant);
     const std::vector<Score> coarse = select(runs, "coarse", variant);

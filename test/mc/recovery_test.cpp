@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "experiment/campaign.hpp"
+#include "rio/eval/metrics.hpp"
 #include "support/measured.hpp"
 #include "support/short_flight.hpp"
 
@@ -57,12 +58,6 @@ TEST(Recovery, AnHonestSigmaNeedsNone) {
                });
 }
 
-double tilt_error(const Step& step) {
-  const Vector3d up = step.estimate.q_WB.conjugate() * Vector3d::UnitZ();
-  const Vector3d truth = step.truth.q_WB.conjugate() * Vector3d::UnitZ();
-  return std::atan2(up.cross(truth).norm(), up.dot(truth));
-}
-
 // The start is told with a sigma of half a degree.
 TEST(Recovery, FromAWrongTiltWithinTenSeconds) {
   std::vector<Case> cases;
@@ -78,7 +73,7 @@ TEST(Recovery, FromAWrongTiltWithinTenSeconds) {
     const Time start = trial.steps.front().truth.time;
     for (const Step& step : trial.steps) {
       if (to_seconds(step.truth.time - start) < 10.0) continue;
-      worst = std::max(worst, tilt_error(step) * 180.0 / M_PI);
+      worst = std::max(worst, eval::tilt_error(step.estimate.q_WB, step.truth.q_WB));
     }
     EXPECT_GE(trial.counters.attitude_resets, 1U) << v.name << " " << c.scenario.seed;
     const Step& last = trial.steps.back();

@@ -76,8 +76,8 @@ TEST(RadarScans, RepeatAtRestAndFadeInMotionLikeThoseOfARealRadar) {
   model.sigma_azimuth = model.sigma_elevation = 1.1 * kDegree;
   double same_cell = 0.0;
   double at_rest = 0.0;
-  constexpr int kSeeds = 3;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  constexpr int kFlights = 3;
+  for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
     const Trajectory trajectory = random_flight(seed, {.length = 60.0});
     const std::vector<Places> scans = places_of(trajectory, model, seed);
     for (std::size_t i = 0; static_cast<double>(i + 1) * kScanPeriod < kTakeOff; ++i) {
@@ -87,7 +87,7 @@ TEST(RadarScans, RepeatAtRestAndFadeInMotionLikeThoseOfARealRadar) {
       at_rest += static_cast<double>(scans[i].cells.size());
     }
     for (std::size_t k = 0; k < kLags.size(); ++k) {
-      in_motion.at(k) += persistence(scans, 105, scans.size() - 90, kLags.at(k)) / kSeeds;
+      in_motion.at(k) += persistence(scans, 105, scans.size() - 90, kLags.at(k)) / kFlights;
     }
   }
   RecordProperty("same_cell_at_rest", std::to_string(same_cell / at_rest));

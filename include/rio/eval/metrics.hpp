@@ -46,7 +46,10 @@ double wrapped(double degrees);
 double yaw_error(const PosePair& pair);
 
 /// Angle between the gravity directions of estimate and truth (E4) [deg], 0 to 180.
-double tilt_error(const PosePair& pair);
+double tilt_error(const Quaternion& estimate, const Quaternion& truth);
+inline double tilt_error(const PosePair& pair) {
+  return tilt_error(pair.estimate.q, pair.truth.q);
+}
 
 /// Distance travelled by the truth up to each pair [m]: straight lines between the pairs.
 std::vector<double> path_distances(const std::vector<PosePair>& pairs);
