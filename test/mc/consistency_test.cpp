@@ -13,7 +13,7 @@
 namespace rio::experiment {
 namespace {
 
-constexpr int kRuns = 36;
+constexpr int kRuns = 50;
 // beside landmarks, the Doppler rows are what they leave over: no fair sample
 const std::vector<Variant> kVariants = {
     {"default", "default"},
