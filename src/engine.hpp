@@ -78,26 +78,27 @@ class Engine final : public Odometry::Impl {
       return Status::kImplausible;
     }
     ++counters.imu_samples;
-    if (stamp == StampVerdict::kRestarted) restart_clock();
+    if (stamp == StampVerdict::kRestarted && !was_pause(sample.time)) restart_clock();
     if (initialized && imu_.empty() && !is_near(sample.time)) carry_to(sample.time);
     stamps_.take(sample.time);
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) {
       ++counters.imu_gaps;
       pipeline_.add_gap(sample.time - imu_.newest().time);
     }
-    if (initialized && imu_.full()) catch_up(imu_[1].time);
+    if (initialized && imu_.full()) catch_up(imu_[1 + imu_.size() / kSteps].time);
     imu_.push_back(sample);
     if (!initialized) return options_.start.static_alignment ? align(sample) : Status::kOk;
     predictor_.advance(imu_);
     process_ready();
-    catch_up(sample.time - from_seconds(options_.timing.max_lag));
-    if (sample.time >= watched_ + kWatch) watch(Time{0});
+    follow(sample.time);
+    if (!watched_ || sample.time >= *watched_ + kWatch) watch(Time{0});
     recover_tilt(sample);
     return Status::kOk;
   }
 
   Status add_scan(const RadarScan& scan, std::size_t radar) override {
     if (radar >= options_.radars()) return Status::kUndeclared;
+    note_stamp(scan.time);
     if (!initialized) {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
@@ -121,24 +122,25 @@ class Engine final : public Odometry::Impl {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
+    const Time measured = pipeline_.measured_at(scan.time, radar);
+    const bool next = queue_.empty() || options_.radars() == 1;
+    const bool waits = !next || !is_ready(measured, radar);
+    if (waits && queue_.full()) {
+      ++counters.scans_overflow;
+      return Status::kQueueFull;
+    }
     if (history_.is_repeated(filtered_)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
-    const Time measured = pipeline_.measured_at(scan.time, radar);
     history_.take(radar, measured, newest_imu());
-    const bool next = queue_.empty() || options_.radars() == 1;
-    if (next && is_ready(measured, radar)) {
+    if (!waits) {
       const Status status = process(filtered_);
       process_ready();
       return status;
     }
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), {scan.time, {}, {}})) {
       watch(scan.time - imu_.newest().time);
-    }
-    if (queue_.full()) {
-      ++counters.scans_overflow;
-      return Status::kQueueFull;
     }
     queue_.insert(filtered_, measured);
     process_ready();  // scans of other radars may have waited for this one
@@ -224,7 +226,8 @@ class Engine final : public Odometry::Impl {
 
   void forget_scans() {
     queue_.clear();
-    history_.forget(newest_imu().value_or(Time{0}));
+    history_.forget(newest_imu());
+    watched_.reset();
   }
 
   bool is_ready(Time measured, std::size_t radar) const {
@@ -269,6 +272,24 @@ class Engine final : public Odometry::Impl {
     return std::chrono::abs(time - at_scan().time) <= from_seconds(options_.timing.max_pause);
   }
 
+  /// The scans, taken or not, whose stamps have gone on without a jump.
+  void note_stamp(Time stamp) {
+    if (!is_stamp(stamp)) return;
+    const Time most = from_seconds(options_.timing.max_ahead);
+    const bool goes_on =
+        stamps_of_scans_ && std::chrono::abs(stamp - stamps_of_scans_->last) < most;
+    if (!goes_on) stamps_of_scans_ = Span{stamp, stamp};
+    stamps_of_scans_->last = stamp;
+  }
+
+  /// The stamps of the scans, in the same clock, have gone through the jump: the IMU has paused.
+  bool was_pause(Time time) const {
+    const Time most = from_seconds(options_.timing.max_ahead);
+    return stamps_of_scans_ && stamps_of_scans_->first < imu_.newest().time + most &&
+           imu_.newest().time < stamps_of_scans_->last &&
+           std::chrono::abs(time - stamps_of_scans_->last) < most;
+  }
+
   /// The clock of the IMU has jumped.
   void restart_clock() {
     ++counters.clock_restarts;
@@ -303,6 +324,7 @@ class Engine final : public Odometry::Impl {
   Status align(const ImuSample& sample) {
     std::optional<Alignment> alignment;
     Status status = aligner_.add(sample, &alignment);
+    if (imu_.size() > 1 && imu_.is_gap(imu_[imu_.size() - 2], sample)) moving_start_.reset();
     const std::optional<Alignment> moving = moving_start_.add(sample);
     if (!alignment && !moving) return status;
     if (alignment) {
@@ -344,10 +366,19 @@ class Engine final : public Odometry::Impl {
 
   void watch(Time pause) {
     watched_ = imu_.newest().time;
-    pipeline_.watch(watched_, pause);
+    pipeline_.watch(*watched_, pause);
   }
 
-  /// Keeps the estimate within reach of the buffered samples while no scan arrives.
+  /// Keeps the estimate within max_lag of the newest sample while no scan arrives. In steps,
+  /// because each costs the prediction from there to the newest sample.
+  void follow(Time newest) {
+    const Time lag = from_seconds(options_.timing.max_lag);
+    const std::optional<Time> aiding = pipeline_.next_aiding();
+    const Time oldest = aiding ? std::min(*aiding, at_scan().time) : at_scan().time;
+    if (newest - oldest < lag) return;
+    catch_up(newest - lag + lag / kSteps);
+  }
+
   void catch_up(Time time) {
     while (const std::optional<Time> next = pipeline_.next_aiding()) {
       if (*next > time) break;
@@ -371,6 +402,7 @@ class Engine final : public Odometry::Impl {
     ahead_.state = at_scan();
   }
 
+  static constexpr std::size_t kSteps = 20;                      // of max_lag, or of a full buffer
   static constexpr Time kWatch = std::chrono::milliseconds(50);  // delay of reporting a silence
 
   Options options_;
@@ -387,7 +419,11 @@ class Engine final : public Odometry::Impl {
   ScanHistory history_;
   ScanQueue queue_;
   DetectionList filtered_;
-  Time watched_{0};  ///< last update of the health between scans
+  struct Span {
+    Time first, last;
+  };
+  std::optional<Span> stamps_of_scans_;  ///< since their last jump
+  std::optional<Time> watched_;          ///< last update of the health between scans
 };
 
 }  // namespace rio

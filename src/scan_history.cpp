@@ -6,10 +6,10 @@
 
 namespace rio {
 
-void ScanHistory::forget(Time now) {
+void ScanHistory::forget(std::optional<Time> now) {
   for (OfRadar& own : of_) {
     own.processed = false;
-    own.newest = Time{0};
+    own.newest.reset();
     own.heard = now;
   }
 }
@@ -28,15 +28,17 @@ bool ScanHistory::is_ready(Time measured, std::size_t radar, Time now) const {
   if (measured > now) return false;
   if (now - measured >= wait_) return true;
   for (std::size_t r = 0; r < radars_; ++r) {
-    if (r != radar && of_[r].newest < measured && now - of_[r].heard < kSilent) return false;
+    const OfRadar& other = of_[r];
+    const bool heard = other.heard && now - *other.heard < kSilent;
+    if (r != radar && heard && !(other.newest >= measured)) return false;
   }
   return true;
 }
 
 void ScanHistory::take(std::size_t radar, Time measured, std::optional<Time> now) {
   OfRadar& own = of_[radar];
-  own.newest = std::max(own.newest, measured);
-  own.heard = now.value_or(own.heard);
+  own.newest = std::max(own.newest.value_or(measured), measured);
+  if (now) own.heard = now;
 }
 
 void ScanHistory::process(Time stamp, std::size_t radar, Time estimate) {

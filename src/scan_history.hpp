@@ -20,8 +20,8 @@ class ScanHistory {
   ScanHistory(std::size_t radars, double wait) : radars_(radars), wait_(from_seconds(wait)) {}
 
   /// Starts over, but keeps the fingerprints of the last scans.
-  /// @param now newest sample of the IMU; zero if there is none
-  void forget(Time now);
+  /// @param now newest sample of the IMU, if there is one
+  void forget(std::optional<Time> now);
   /// Forgets the fingerprints.
   void forget_looks();
 
@@ -53,8 +53,8 @@ class ScanHistory {
   struct OfRadar {
     Time last{0};  ///< stamp of the last scan processed
     bool processed = false;
-    Time newest{0};                 ///< time of measurement of the newest scan accepted
-    Time heard{0};                  ///< newest IMU sample at the last accepted scan or at the start
+    std::optional<Time> newest;     ///< time of measurement of the newest scan accepted
+    std::optional<Time> heard;      ///< newest IMU sample at the last accepted scan or at the start
     std::uint64_t fingerprint = 0;  ///< of the last scan accepted or repeated
   };
 

@@ -116,7 +116,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Probability of drawing one clean triple.");
   inner("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
         option_limits::kDetections,
-        "With fewer inliers there is no static set and the scan is not used.");
+        "With fewer inliers there is no consensus: static is what the prediction says, if used.");
   inner("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
         "Zero-velocity and zero-rate updates while standing on the ground.");
   inner("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
@@ -163,7 +163,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
         "Probability of passing the chi-squared gate; 1 = no gate.");
   inner("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
-        "Past poses kept.");
+        "Past poses kept, of each radar.");
   field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
         "Persistent landmarks kept.");
 

@@ -83,7 +83,7 @@ struct FrontendOptions {
   bool own_echoes = true;  ///< reject echoes of the vehicle itself, which have no Doppler
   double ransac_outlier_ratio = 0.4;  ///< share of outliers that sizes the iteration count
   double ransac_success = 0.9999;     ///< probability of drawing one outlier-free triple
-  int ransac_min_inliers = 5;         ///< fewer: no static set, the scan updates nothing
+  int ransac_min_inliers = 5;         ///< fewer: no consensus; static is what the prediction says
   int ransac_seed = 1;                ///< of the deterministic generator
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
   bool detect_rest = true;            ///< standstill on the ground measures velocity and gyro bias
@@ -135,7 +135,7 @@ struct UpdateOptions {
   /// [m/sqrt(m)].
   double landmark_walk = 0.02;
   double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate
-  int max_clones = 3;              ///< past poses kept (N)
+  int max_clones = 3;              ///< past poses kept (N), of each radar
   int max_landmarks = 40;          ///< persistent landmarks kept
 };
 
@@ -212,7 +212,7 @@ struct StartOptions {
 struct TimingOptions {
   int imu_buffer = 2048;  ///< IMU samples kept between the estimate and now
   int scan_queue = 8;     ///< scans that may wait for the IMU
-  double max_lag = 1.0;   ///< the estimate follows the IMU at most this far behind [s]
+  double max_lag = 1.0;   ///< the estimate follows the IMU this far behind at most [s]
   /// A scan stamped farther ahead of the newest IMU sample than this is not waited for [s].
   double max_ahead = 1.0;
   /// With several radars: how long a scan is held back for an earlier one of another radar [s].

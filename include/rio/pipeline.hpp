@@ -42,7 +42,7 @@ class Pipeline {
         corrected_(options.frontend.max_detections) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
       frontends_.emplace_back(options.seen_by(r));
-      own_echoes_.emplace_back(options.radar_of(r).max_doppler);
+      own_echoes_.emplace_back(doppler_fold(options, r));
     }
     seen_.aiding = &aiding_.taken();
     aided_.aiding = &aiding_.taken();
@@ -112,16 +112,16 @@ class Pipeline {
   /// estimate counts as measured at its time. While tilt_is_lost() the scan is not used.
   /// kNumerical: the estimate is propagated by the IMU only or, if that failed, unchanged.
   Status process(const DetectionList& received, const ImuBuffer& imu) {
-    report_ = UpdateReport{};
-    report_.time = received.time;
-    report_.radar = received.radar;
-    backend_.select_radar(received.radar);
     const Time start = now();
+    backend_.select_radar(received.radar);
     const Time last = estimate().nav.time;
     const Time measured = taken_at(received, last);
     while (const std::optional<Time> full = aiding_.full_batch(measured)) {
       (void)process_aiding(*full, imu);
     }
+    report_ = UpdateReport{};
+    report_.time = received.time;
+    report_.radar = received.radar;
     report_.status = backend_.propagate(measured, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
     report_.propagation_time = propagated - start;
@@ -141,13 +141,13 @@ class Pipeline {
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     count_own_echoes();
     if (report_.status == Status::kOk) {
-      frontend().advance(seen_, next_scan_, backend_.landmark_room(seen_), &promotions_);  // (7)
+      const ScanId scan_id = number();
+      frontend().advance(seen_, scan_id, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
       const double seconds = to_seconds(estimate().nav.time - last);
       if (checks_.check_gyro_bias()) reset_frontends();
       if (checks_.check_position(health_, seconds)) reset_frontends();
-      backend_.clone(next_scan_);  // (2)
-      ++next_scan_;
+      backend_.clone(scan_id);  // (2)
     }
     summarise(scan);
     report_.update_time = now() - propagated;
@@ -165,7 +165,7 @@ class Pipeline {
     birge_ratios_ = {};
     health_.reset(prior.time);
     report_ = UpdateReport{};
-    next_scan_ = 0;
+    newest_scan_ = kNoScan;
     aiding_.clear();
   }
 
@@ -178,6 +178,15 @@ class Pipeline {
     const Time measured = measured_at(scan.time, scan.radar);
     const bool together = options_.radars() > 1 && measured - estimate_time < kTogether;
     return together ? estimate_time : std::max(measured, estimate_time);
+  }
+
+  /// The number of the scan that is processed: that of another radar's scan of this instant, or the
+  /// next one.
+  ScanId number() {
+    const Time time = estimate().nav.time;
+    if (newest_scan_ == kNoScan || time != newest_scan_time_) ++newest_scan_;
+    newest_scan_time_ = time;
+    return newest_scan_;
   }
 
   /// The front-end of the radar whose scan is processed.
@@ -207,7 +216,8 @@ class Pipeline {
   const DetectionList& without_own_echoes(const DetectionList& scan) {
     own_.clear();
     if (!options_.frontend.own_echoes) return scan;
-    own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()), velocity_covariance_, &own_);
+    own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()), velocity_covariance_, &own_,
+                                    1.0 + estimate().radar_errors[RadarErrors::kDopplerScale]);
     if (own_.empty()) return scan;
     if (&scan != &corrected_) corrected_ = scan;
     for (std::size_t i = own_.size(); i-- > 0;) {
@@ -302,8 +312,9 @@ class Pipeline {
   AidingQueue aiding_;
   Promotions promotions_;
   HealthMonitor health_;
-  Time last_static_set_{0};  ///< stamp of the last scan with a static set
-  ScanId next_scan_ = 0;
+  Time last_static_set_{0};       ///< stamp of the last scan with a static set
+  ScanId newest_scan_ = kNoScan;  ///< of the last scan processed
+  Time newest_scan_time_{0};      ///< of the estimate at it
 };
 
 }  // namespace rio

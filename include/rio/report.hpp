@@ -13,8 +13,9 @@
 
 namespace rio {
 
-/// Outcome of a call. All values but kOk, kWaiting and kNumerical leave the estimate unchanged; all
-/// but kOk and kWaiting are counted in Counters.
+/// Outcome of a call. All values but kOk, kWaiting and kNumerical leave the estimate unchanged.
+/// What is refused for its data is counted in Counters, except by reset(); kMoving, kUndeclared and
+/// a measurement before the start are not.
 enum class Status : std::uint8_t {
   kOk,
   kWaiting,         ///< scan is newer than the IMU: queued, processed when the IMU has caught up
@@ -72,7 +73,7 @@ struct InnovationRecord {
 struct ModelReport {
   int rows_used = 0;
   int rows_gated = 0;
-  int rows_out_of_domain = 0;
+  int rows_out_of_domain = 0;  ///< measurements: these have no rows
   double nis = 0.0;  ///< sum over the blocks used; consistent noise makes it about rows_used
 };
 

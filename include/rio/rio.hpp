@@ -20,18 +20,20 @@
 // millisecond or so, during which the IMU waits; with a queue it does not. Two estimators share
 // nothing and may run in separate threads without a lock.
 //
-// Inputs are checked in constant time. A refused input has its Status and its counter and changes
-// nothing else:
-//   numbers     NaN and infinity (kNonFinite). An IMU sample that is frozen, or beyond the range of
-//               the sensor (ImuOptions::max_rate, max_accel), is kImplausible and bridged as if it
-//               were lost. A detection that is not finite or beyond the range of a radar is removed
-//               from its scan.
+// Inputs are checked in constant time. A refused input has its Status, if it is data its counter,
+// and changes nothing else:
+//   numbers     NaN and infinity in samples, detections and starts (kNonFinite); a measurement of
+//               another sensor is judged by its model and its gate. An IMU sample that is frozen,
+//               or beyond the range of the sensor (ImuOptions::max_rate, max_accel), is
+//               kImplausible and bridged as if it were lost. A detection that is not finite or
+//               beyond the range of a radar is removed from its scan.
 //   IMU stamps  increase strictly (else kStale), by half a second at most (else kAhead). A single
 //               outlier is dropped. Five outliers in a row with increasing stamps are a jump. A
 //               jump forwards by up to TimingOptions::max_pause is a pause and bridged as a gap (if
 //               the tilt is lost in it, the estimate restarts a second and a half later from the
-//               specific force, Counters::restarts; position and heading are carried over). Any
-//               other jump, once it spans a tenth of a second, is a restart of the sensor clock
+//               specific force, Counters::restarts; position and heading are carried over), and
+//               so is a longer one through which the stamps of the radar have gone on. Any other
+//               jump, once it spans a tenth of a second, is a restart of the sensor clock
 //               (Counters::clock_restarts). The estimate then keeps its values in the time of the
 //               new clock, with the uncertainty of a pause of some 0.3 s; calibration and landmarks
 //               start again. After a longer pause call reset().
@@ -66,7 +68,8 @@ class RIO_API Odometry {
 
   /// Takes one IMU sample; refused: kStale, kAhead, kNonFinite, kImplausible. O(1), except that a
   /// scan waiting for this sample is processed here, which shows in report().time and
-  /// counters().scans. During static alignment kMoving says that a window was rejected; alignment
+  /// counters().scans, and that the estimate is carried along twenty times in max_lag while the
+  /// radar is silent. During static alignment kMoving says that a window was rejected; alignment
   /// tries again until StartOptions::max_wait, if given, starts it in motion.
   [[nodiscard]] Status add_imu(const ImuSample& sample) noexcept;
 
@@ -107,7 +110,8 @@ class RIO_API Odometry {
   /// Covariance of at_scan(), order of namespace body.
   const BodyCovariance& covariance() const noexcept;
   /// Covariance of now(), same order. Computed on demand from the last call: a few microseconds per
-  /// sample in between. Valid until the next call of any function.
+  /// sample in between, or since at_scan() if that has changed. Valid until the next call of any
+  /// function.
   const BodyCovariance& covariance_now() const noexcept;
   /// How far the estimate can be trusted, and why: evaluated at every scan, and at least 20 times a
   /// second while IMU samples arrive. report().health is that of the last scan.

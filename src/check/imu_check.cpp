@@ -115,9 +115,16 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
                             all[stray.first].time.count());
     if (!place.empty()) out.text += fmt::format(" ({})", place);
   }
+  constexpr double kFastest = 1e-4;  // no IMU samples at 10 kHz [s]
   constexpr double kSlowest = 0.05;  // too slow an IMU for integration in flight [s]
   const double configured = info.rate_hz.value_or(1.0 / period);
-  if (period > kSlowest) {
+  if (period < kFastest) {
+    const bool micro = 1e3 * period > kFastest;
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format(": the stamps are in {}", micro ? "us" : "ms");
+    out.change = fmt::format("multiply the stamps of all sensors by {}: they must be in ns",
+                             micro ? "1000" : "1000000");
+  } else if (period > kSlowest) {
     out.verdict = Verdict::kWrong;
     out.change = "record the IMU at 100 Hz or more";
   } else if (static_cast<double>(repeated) + static_cast<double>(stray.count) >
@@ -145,6 +152,7 @@ struct Rest {
 };
 
 Rest stillest(const std::vector<ImuSample>& samples) {
+  constexpr double kFewest = 5.0;  // samples in a second
   Rest best;
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     Rest now;
@@ -160,7 +168,7 @@ Rest stillest(const std::vector<ImuSample>& samples) {
     now.gyro /= n;
     const double variance = std::max(0.0, squares / n - now.accel.squaredNorm());
     now.spread = std::sqrt(variance) / now.accel.norm();
-    if (n > 10.0 && now.spread < best.spread) best = now;
+    if (n >= kFewest && now.spread < best.spread) best = now;
   }
   return best;
 }
@@ -173,6 +181,10 @@ Finding check_accel(const Rest& rest, Source source, double* unit) {
   constexpr std::array<Unit, 3> kUnits = {
       {{"g", kStandardGravity}, {"mg", 1e-3 * kStandardGravity}, {"ft/s^2", 0.3048}}};
   const double f = rest.accel.norm();
+  if (!std::isfinite(rest.spread)) {
+    return {Verdict::kDoubtful, "accelerometer unit", "no second has enough samples to tell",
+            "record the IMU at 100 Hz or more"};
+  }
   Finding out{Verdict::kOk, "accelerometer unit",
               fmt::format("in the stillest second the specific force is {:.4g} m/s^2 ({:+.3g} "
                           "{:+.3g} {:+.3g}), {:.1f} % off gravity",
@@ -345,7 +357,7 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
   const Rest rest = stillest(good);
   out.findings.push_back(check_stamps(samples, good, info, csv));
   out.findings.push_back(check_accel(rest, source, &out.accel_unit));
-  out.findings.push_back(check_up(rest));
+  if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
   out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));
   out.findings.push_back(check_saturation(good));
   return out;

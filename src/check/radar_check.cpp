@@ -82,6 +82,7 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
 
 Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
                      const Options& options) {
+  constexpr double kNeighbours = 8.0;  // scans a second: three within 0.25 s (motion.cpp)
   std::vector<double> counts;
   for (const ScanView scan : scans) {
     counts.push_back(static_cast<double>(scan.detections.size()));
@@ -110,7 +111,9 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
         fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile_of_each(each_snr, 0.01) - 1.0);
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
-    out.change = "more points a scan: lower the detection threshold of the radar (CFAR)";
+    const bool apart = static_cast<double>(counts.size()) < kNeighbours * duration(scans);
+    out.change = apart ? "10 scans a second or more: farther apart they cannot confirm each other"
+                       : "more points a scan: lower the detection threshold of the radar (CFAR)";
   }
   return out;
 }

@@ -8,7 +8,9 @@ namespace rio {
 Ekf::Ekf(const Options& options)
     : options_(options),
       // clones need a covariance only for the trails
-      state_estimate_(options, options.update.use_trails ? options.update.max_clones : 0),
+      state_estimate_(options, options.update.use_trails
+                                   ? static_cast<int>(clones_per_radar(options) * options.radars())
+                                   : 0),
       rows_(options),
       compression_(rows_.capacity()),
       panels_(state_estimate_.layout().capacity()),

@@ -41,11 +41,13 @@ class FlightReplay {
         if (waiting_) break;
         give(flight_.scans[next++]);
       }
+      const std::uint64_t before = restarts();
       (void)odometry_.add_imu(sample);
       if (waiting_ && odometry_.report().time == *waiting_) {
         waiting_.reset();
         record();
       }
+      if (restarts() != before) waiting_.reset();  // the scan has been discarded as late
     }
     for (; !waiting_ && next < flight_.scans.size(); ++next) give(flight_.scans[next]);
     trial_.counters = odometry_.counters();
@@ -54,6 +56,10 @@ class FlightReplay {
   }
 
  private:
+  std::uint64_t restarts() const {
+    return odometry_.counters().clock_restarts + odometry_.counters().restarts;
+  }
+
   void give(const RadarScan& scan) {
     const Status status = odometry_.add_scan(scan);
     if (status == Status::kWaiting) waiting_ = scan.time;

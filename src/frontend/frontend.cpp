@@ -13,7 +13,8 @@ Frontend::Frontend(const Options& options)
       unwrap_(options.frontend.unwrap_doppler && options.radar.max_doppler > 0.0),
       ransac_(options.frontend, unwrap_ ? options.radar.max_doppler : 0.0),
       unwrapped_(options.frontend.max_detections),
-      trails_(options.frontend.max_detections, std::max(1, options.update.max_clones)),
+      trails_(options.frontend.max_detections,
+              std::max(1, static_cast<int>(clones_per_radar(options)))),
       association_(options.frontend, static_cast<std::size_t>(options.update.max_landmarks),
                    0.5 * options.radar.noise_distance) {}
 

@@ -103,6 +103,8 @@ void VelocityPool::carry(Time last, const Estimate& x, const ImuBuffer& imu) {
 void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
   const Matrix3d R_BS = x.T_BS.rotation.toRotationMatrix();
   const Vector3d lever = (x.gyro_B - x.nav.gyro_bias).cross(x.T_BS.translation);
+  const DopplerFold fold =
+      folds_[scan.radar].divided(1.0 + x.radar_errors[RadarErrors::kDopplerScale]);
   const std::size_t stride = 1 + scan.items.size() / kScanRows;
   for (std::size_t i = 0; i < scan.items.size(); i += stride) {
     if (rows_.size() == kMaxRows) {
@@ -116,7 +118,7 @@ void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
     row.sigma_doppler = d.sigma_doppler;
     row.sigma_direction =
         std::sqrt(0.5 * (d.sigma_azimuth_S.squaredNorm() + d.sigma_elevation_S.squaredNorm()));
-    row.fold = folds_[scan.radar];
+    row.fold = fold;
     rows_.push_back(row);
   }
 }

@@ -2,15 +2,22 @@
 #include "rio/io/text_file.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 namespace rio::io {
 
 TextFile::TextFile(const std::filesystem::path& path)
-    : path_(path), stream_(path, std::ios::binary | std::ios::trunc) {
+    : path_(path), stream_(path, std::ios::binary | std::ios::app) {
   if (!stream_) fail();
 }
 
+void TextFile::replace() {
+  if (std::exchange(replaced_, true) || !std::filesystem::is_regular_file(path_)) return;
+  std::filesystem::resize_file(path_, 0);
+}
+
 void TextFile::write(std::string_view text) {
+  replace();
   stream_.write(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream_) fail();
 }
@@ -21,6 +28,7 @@ void TextFile::flush() {
 }
 
 void TextFile::close() {
+  replace();
   stream_.close();
   if (!stream_) fail();
 }

@@ -58,8 +58,11 @@ EstimateFiles::EstimateFiles(const Names& names) : to_stdout_(names.json == "-")
 void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {
   const Odometry& odometry = session.odometry();
   const NavState& state = odometry.at_scan();
-  if (tum_) tum_->write(io::tum_line({state.time, state.p_WB, state.q_WB}) + "\n");
-  if (states_) states_->add(state, odometry.covariance());
+  if (written_ != state.time) {  // scans of several radars may share an instant
+    if (tum_) tum_->write(io::tum_line({state.time, state.p_WB, state.q_WB}) + "\n");
+    if (states_) states_->add(state, odometry.covariance());
+    written_ = state.time;
+  }
   if (json_) json_->write(json_line(odometry) + "\n");
   if (!to_stdout_) return;
   fmt::print("{}\n", json_line(odometry));

@@ -36,6 +36,7 @@ class EstimateFiles : public Listener {
   std::optional<io::StatesFile> states_;
   std::optional<io::TextFile> json_;
   bool to_stdout_ = false;
+  std::optional<Time> written_;  ///< of the newest line of both
 };
 
 /// The inputs of the estimator, as a data set for `rio replay`.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/propagate/moving_start.hpp"
 
-#include <algorithm>
-
 namespace rio {
 
 std::optional<Alignment> MovingStart::add(const ImuSample& sample) {
@@ -14,18 +12,18 @@ std::optional<Alignment> MovingStart::add(const ImuSample& sample) {
   const double elapsed = to_seconds(sample.time - *begin_);
   newest_ = sample.time;
   up_B_ = quaternion_exp(-dt * sample.gyro_B) * up_B_;  // (E1)
-  if (dt > 0.0) up_B_ += (sample.accel_B - up_B_) * dt / std::min(elapsed, start_.duration);
+  if (dt > 0.0) up_B_ += (sample.accel_B - up_B_) * std::min(1.0, dt / averaged(elapsed));
   if (start_.max_wait <= 0.0 || elapsed < start_.max_wait || !(up_B_.norm() > 0.0)) return {};
-  return at(sample.time);
+  return at(sample.time, averaged(elapsed));
 }
 
-Alignment MovingStart::at(Time time) const {
+Alignment MovingStart::at(Time time, double averaged) const {
   Alignment out;
   out.state.time = time;
   const Vector3d y = up_B_.normalized();
   out.state.q_WB = level(y);  // (E2)
   const Matrix3d along = y * y.transpose();
-  const double tilt = kVelocityChange / (start_.duration * gravity_);
+  const double tilt = kVelocityChange / (averaged * gravity_);
   BodyCovariance& P = out.covariance;
   P.block<3, 3>(body::kAttitude, body::kAttitude) =
       tilt * tilt * (Matrix3d::Identity() - along) + start_.sigma_yaw * start_.sigma_yaw * along;

@@ -130,12 +130,15 @@ void Smoother::restart() {
   since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
   const int n = state_estimate_.covariance().size();
   Eigen::Ref<Eigen::MatrixXd> P = P_.topLeftCorner(n, n);
-  P = state_estimate_.covariance().matrix();
-  P.diagonal().head<body::kSize>().array() += kExact * kExact;
-  P.diagonal().tail(n - body::kSize).array() += kExact * kExact;
   auto A = A_.topLeftCorner(n, n);
+  // semi-definite: some directions are exact, and others so within the rounding of the sigmas
+  double rounding = 1e-9;
+  do {
+    P = state_estimate_.covariance().matrix();
+    P.diagonal().array() += kExact * kExact + rounding * P.diagonal().array();
+    rounding *= 100.0;
+  } while (!factorise_in_place(P) && rounding < 1.0);
   A.setIdentity();
-  factorise_in_place(P);
   P.triangularView<Eigen::Lower>().solveInPlace(A);
   P.transpose().triangularView<Eigen::Upper>().solveInPlace(A);
   for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();

@@ -47,7 +47,7 @@ void Window::publish(Estimate* x) const {
   x->clones.clear();
   for (std::size_t k = 0; k < size_; ++k) {
     const NavState& nav = (*this)[k].nav;
-    x->clones.push_back({(*this)[k].scan, {nav.q_WB.toRotationMatrix(), nav.p_WB}});
+    x->clones.push_back({(*this)[k].scan, {nav.q_WB.toRotationMatrix(), nav.p_WB}, {}});
   }
 }
 

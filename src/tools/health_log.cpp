@@ -63,7 +63,8 @@ void HealthLog::conclude(
 std::string HealthLog::verdict() const {
   if (lost()) return "lost: " + lost_because_;
   std::string why;
-  if (health_.state == HealthState::kInitializing) append(&why, "no scan was used");
+  if (health_.state == HealthState::kInitializing)
+    append(&why, "no scan was used since the start or the last restart");
   for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
     const Reason& reason = reasons_[i];
     if (reason.seconds == 0.0) continue;

@@ -20,6 +20,7 @@
 #include "live/session.hpp"
 #include "live_ports.hpp"
 #include "live_summary.hpp"
+#include "outputs.hpp"
 #include "stop_signal.hpp"
 
 namespace rio::tools {
@@ -201,6 +202,8 @@ void live(const LiveArguments& arguments) {
   if (!arguments.cli.empty() && arguments.cli.size() != arguments.radars.size()) {
     throw std::runtime_error("--cli: as many ports as there are radars");
   }
+  protect_inputs({arguments.sensors, arguments.estimator.config, arguments.radar_cfg},
+                 {arguments.out, arguments.states, arguments.json_lines});
   catch_stop_signals();
   LiveRun run(arguments);
   run.run();

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "outputs.hpp"
 #include "plot/axes.hpp"
 #include "plot/colours.hpp"
 #include "plot/legend.hpp"
@@ -304,6 +305,9 @@ void plot(const PlotArguments& arguments) {
   }
   if (with_truth) all.insert(all.begin(), truth_series(truth, all));
 
+  std::vector<std::string> inputs = arguments.estimates;
+  inputs.push_back(arguments.truth);
+  protect_inputs(inputs, {arguments.out});
   io::TextFile file(arguments.out);
   file.write(draw(all, with_truth));
   file.close();

@@ -129,7 +129,9 @@ void add_replay_command(CLI::App& app) {
                    "velocity of the start in the world [m/s]; its covariance stays")
       ->expected(3);
   command->add_option("--out", arguments->out, "trajectory to write, TUM format");
-  command->add_option("--states", arguments->states, "states with covariance to write, csv");
+  command->add_option("--states", arguments->states,
+                      "states with covariance to write, csv; P is that of position, attitude (body "
+                      "axes), velocity");
   command->add_flag("--barometer", arguments->barometer,
                     "use the heights of baro0, their offset estimated");
   command->add_flag("--no-check", arguments->no_check,

@@ -14,6 +14,7 @@
 
 #include "commands.hpp"
 #include "findings.hpp"
+#include "outputs.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
 #include "replay_feed.hpp"
@@ -104,7 +105,8 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
   return Start{file.state, file.covariance, "file"};
 }
 
-/// Outputs of the estimate at each processed scan.
+/// Outputs of the estimate at each processed scan; of scans at the same instant, as of several
+/// radars, after the last one.
 class Outputs {
  public:
   void open(const ReplayArguments& arguments, Time begin) {
@@ -116,19 +118,29 @@ class Outputs {
 
   void add(const Odometry& odometry) {
     const NavState& state = odometry.at_scan();
-    if (trajectory_) {
-      trajectory_->write(io::tum_line({state.time, state.p_WB, state.q_WB}) + "\n");
-    }
-    if (states_) states_->add(state, odometry.covariance());
+    if (newest_ && newest_->state.time != state.time) write();
+    newest_ = {state, odometry.covariance()};
     if (lines_) print_line(state, odometry.report());
   }
 
   void close() {
+    if (newest_) write();
     if (trajectory_) trajectory_->close();
     if (states_) states_->close();
   }
 
  private:
+  struct Line {
+    NavState state;
+    BodyCovariance covariance;
+  };
+
+  void write() {
+    const NavState& x = newest_->state;
+    if (trajectory_) trajectory_->write(io::tum_line({x.time, x.p_WB, x.q_WB}) + "\n");
+    if (states_) states_->add(x, newest_->covariance);
+  }
+
   void print_line(const NavState& state, const UpdateReport& report) const {
     int used = 0;
     int gated = 0;
@@ -145,6 +157,7 @@ class Outputs {
 
   Time begin_{0};
   bool lines_ = false;
+  std::optional<Line> newest_;  ///< not written yet
   std::optional<io::TextFile> trajectory_;
   std::optional<io::StatesFile> states_;
 };
@@ -242,7 +255,7 @@ class Replay {
 
   void give_imu(const ImuSample& sample) {
     const bool was_initialized = odometry_->initialized();
-    const std::uint64_t restarts = odometry_->counters().clock_restarts;
+    const std::uint64_t restarts = this->restarts();
     const Time before = steady_now();
     (void)odometry_->add_imu(sample);  // its outcome is counted
     const Time after = steady_now();
@@ -258,8 +271,11 @@ class Replay {
       record();
     }
     if (several_) record_new();
-    // do not wait for a scan of the previous clock
-    if (odometry_->counters().clock_restarts != restarts) waiting_.reset();
+    if (this->restarts() != restarts) waiting_.reset();  // the scan has been discarded as late
+  }
+
+  std::uint64_t restarts() const {
+    return odometry_->counters().clock_restarts + odometry_->counters().restarts;
   }
 
   /// Barometer heights up to that time; dropped before the start.
@@ -341,6 +357,8 @@ class Replay {
 }  // namespace
 
 void replay(const ReplayArguments& arguments) {
+  protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map},
+                 {arguments.out, arguments.states});
   const OpenRecording recording = open_any(arguments.dataset, arguments.how);
   const io::RecordingOutline& outline = recording.samples->outline();
   const Options options = make_options(arguments, recording.sensors);

@@ -15,7 +15,11 @@ namespace {
 void add_live_outputs(CLI::App* command, LiveArguments* to) {
   const std::string group = "Outputs";
   command->add_option("--out", to->out, "trajectory to write, TUM format")->group(group);
-  command->add_option("--states", to->states, "states with covariance to write, csv")->group(group);
+  command
+      ->add_option("--states", to->states,
+                   "states with covariance to write, csv; P is that of position, attitude (body "
+                   "axes), velocity")
+      ->group(group);
   command->add_option("--json-lines", to->json_lines, "a line of JSON a scan; - is standard output")
       ->group(group);
   command

@@ -96,6 +96,9 @@ io::Dataset dataset_of(const sim::Flight& flight, std::size_t radars) {
 
 void write(const fs::path& out, const sim::Flight& flight, const io::Dataset& dataset) {
   const fs::path start = out / "start.yaml";
+  if (fs::exists(out / "imu0") && !fs::exists(out / "scenario.yaml")) {
+    throw std::runtime_error(out.string() + ": holds a recording that is no simulated flight");
+  }
   if (!flight.scenario.errors.starts_wrongly() && fs::exists(start)) {
     throw std::runtime_error(start.string() + ": is left from another recording");
   }
@@ -153,6 +156,7 @@ void print_summary(const SimulateArguments& arguments, const sim::Flight& flight
 }  // namespace
 
 void simulate(const SimulateArguments& arguments) {
+  if (arguments.out.empty()) throw std::runtime_error("simulate: the name of the folder is empty");
   const sim::Flight flight = io::fly_scenario(make_scenario(arguments));
   const io::Dataset dataset = dataset_of(flight, arguments.radars);
   write(arguments.out, flight, dataset);

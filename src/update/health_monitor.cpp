@@ -89,11 +89,12 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   fade(x.nav.time);
   if (report.velocity_reset || report.attitude_reset) add_step();
   if (report.status != Status::kOk) failures_ += 1.0;
-  int used = 0;
-  for (const ModelReport& model : report.models) {
-    used += model.rows_used;
-    rows_gated_ += model.rows_gated;
-    nis_ += model.nis;
+  int used = 0;  // of the radar: what other sensors measure does not replace it
+  for (std::size_t i = 0; i < report.models.size(); ++i) {
+    if (static_cast<Model>(i) == Model::kAiding) continue;
+    used += report.models[i].rows_used;
+    rows_gated_ += report.models[i].rows_gated;
+    nis_ += report.models[i].nis;
   }
   rows_used_ += used;
   detections_ += report.detections_kept;

@@ -60,8 +60,8 @@ void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_est
   LinearizationPoint x(state_estimate.estimate());
   if (seen.rest) x.stand();
   const Time now = state_estimate.estimate().nav.time;
-  Time& last_scan = last_scan_[x.estimate.radar];
-  since_scan_ = last_scan > Time{0} ? std::min(1.0, to_seconds(now - last_scan)) : 1.0;
+  std::optional<Time>& last_scan = last_scan_[x.estimate.radar];
+  since_scan_ = last_scan ? std::min(1.0, to_seconds(now - *last_scan)) : 1.0;
   last_scan = now;
   was_used_.fill(false);
   measures_landmark_.fill(false);
@@ -261,7 +261,7 @@ bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateRepor
     record.sigma = std::sqrt(S_(0, 0));
     record.nis = normalised_innovation_squared(block);
     record.gate = gate_.threshold(block.count);
-    if (record.nis <= record.gate) {
+    if (record.nis <= record.gate && std::isfinite(record.nis)) {
       sums.rows_used += rows;
       sums.nis += record.nis;
     } else {

@@ -235,16 +235,38 @@ Eigen::Matrix4d StateEstimate::doppler_covariance(const LinearizationPoint& x) c
 }
 
 void StateEstimate::clone(ScanId scan) {
-  const auto slots = static_cast<std::size_t>(options_.update.max_clones);
-  if (slots == 0) return;
-  const std::size_t slot = static_cast<std::size_t>(scan % slots);
-  if (slot >= estimate_.clones.size()) estimate_.clones.resize(slot + 1);
-  estimate_.clones[slot] = {scan, estimate_.T_WB()};
+  if (options_.update.max_clones == 0) return;
+  const std::size_t slot = slot_for(scan);
+  Clone& clone = estimate_.clones[slot];
+  clone.scan = scan;
+  clone.T_WB = estimate_.T_WB();
+  clone.kept_for[estimate_.radar] = true;
   if (layout_.max_clones() == 0) return;
   const Eigen::Matrix<double, 6, 6> same = Eigen::Matrix<double, 6, 6>::Identity();
   covariance_.assign_clone(
       static_cast<int>(slot),
       state_rows<6>(same, BlockList<BodyPose>{}, LinearizationPoint(estimate_), {}, layout_));
+}
+
+std::size_t StateEstimate::slot_for(ScanId scan) {
+  auto& clones = estimate_.clones;
+  const std::size_t radar = estimate_.radar;
+  Clone* oldest = nullptr;
+  std::size_t own = 0;
+  for (Clone& clone : clones) {
+    if (!clone.kept_for[radar] || clone.scan == scan) continue;
+    ++own;
+    if (oldest == nullptr || clone.scan < oldest->scan) oldest = &clone;
+  }
+  if (own == clones_per_radar(options_)) oldest->kept_for[radar] = false;
+  std::size_t slot = clones.size();
+  for (std::size_t i = clones.size(); i-- > 0;) {
+    if (clones[i].scan == scan) return i;
+    const auto& kept_for = clones[i].kept_for;
+    if (std::find(kept_for.begin(), kept_for.end(), true) == kept_for.end()) slot = i;
+  }
+  if (slot == clones.size()) clones.push_back({});
+  return slot;
 }
 
 void StateEstimate::add_landmark(const Detection& d) {

@@ -205,6 +205,92 @@ TEST_F(EngineTest, AfterAResetWithoutAStateNothingIsLeft) {
   EXPECT_EQ(odometry->add_scan(scan(kStart + milliseconds(50))), Status::kNotInitialized);
 }
 
+// A scan that found no room was not taken: it may be sent again.
+TEST_F(EngineTest, AScanThatFoundNoRoomMayComeAgain) {
+  options_.timing.scan_queue = 2;
+  auto odometry = started();
+  feed(*odometry, kStart + milliseconds(10));
+  for (const int ms : {50, 100}) {
+    EXPECT_EQ(odometry->add_scan(scan(kStart + milliseconds(ms))), Status::kWaiting);
+  }
+  const RadarScan third = scan(kStart + milliseconds(150));
+  EXPECT_EQ(odometry->add_scan(third), Status::kQueueFull);
+  EXPECT_EQ(odometry->counters().scans_overflow, 1U);
+  feed(*odometry, kStart + milliseconds(110));
+  EXPECT_EQ(odometry->add_scan(third), Status::kWaiting);
+  EXPECT_EQ(odometry->counters().scans_duplicate, 0U);
+}
+
+// Semi-definite: a hundred metres beside a millimetre.
+TEST_F(EngineTest, AStartMayBeSureOfDifferencesAlone) {
+  BodyCovariance P0 = 1e-6 * BodyCovariance::Identity();
+  P0.block<3, 3>(body::kPosition, body::kPosition).setConstant(1e4);
+  for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
+    options_.backend = backend;
+    next_ = kStart;
+    auto odometry = started();
+    ASSERT_EQ(odometry->reset(truth(kStart), P0), Status::kOk);
+    for (int i = 1; i <= 20; ++i) {
+      const Time t = kStart + milliseconds(50 * i);
+      feed(*odometry, t);
+      ASSERT_EQ(odometry->add_scan(scan(t)), Status::kOk) << i;
+    }
+    EXPECT_EQ(odometry->counters().updates_failed, 0U);
+    EXPECT_LT((odometry->at_scan().v_WB - truth(odometry->at_scan().time).v_WB).norm(), 0.05);
+  }
+}
+
+/// Clocks that are ahead of the motion.
+class JumpTest : public EngineTest {
+ protected:
+  void feed_ahead(Odometry& odometry, Time until, Time ahead) {
+    for (; next_ <= until; next_ += kSample) {
+      ImuSample s = imu(next_);
+      s.time += ahead;
+      (void)odometry.add_imu(s);
+    }
+  }
+  /// With scans at 20 Hz from `begin` to `end`.
+  void fly(Odometry& odometry, Time begin, Time end, Time ahead) {
+    for (Time t = begin; t <= end; t += milliseconds(50)) {
+      feed_ahead(odometry, t + milliseconds(10), ahead);
+      EXPECT_EQ(odometry.add_scan(scan(t, ahead)), Status::kOk);
+    }
+    EXPECT_EQ(odometry.health().state, HealthState::kOk);
+  }
+};
+
+// In the time of the new clock a silence is noticed as before.
+TEST_F(JumpTest, SilenceIsNoticedAfterTheClockHasJumpedBack) {
+  auto odometry = started();
+  fly(*odometry, kStart + milliseconds(50), kStart + milliseconds(2000), Time{0});
+  const Time back = std::chrono::seconds(-9);
+  feed_ahead(*odometry, kStart + milliseconds(2500), back);
+  EXPECT_EQ(odometry->counters().clock_restarts, 1U);
+  fly(*odometry, kStart + milliseconds(2550), kStart + milliseconds(4500), back);
+  feed_ahead(*odometry, kStart + milliseconds(7000), back);
+  EXPECT_EQ(odometry->health().state, HealthState::kDeadReckoning);
+}
+
+// While the IMU pauses for longer than max_pause, the stamps of the radar go on: no clock jumped.
+TEST_F(JumpTest, APauseThatTheRadarHasSeenIsNoJumpOfTheClock) {
+  for (const bool radar : {true, false}) {
+    next_ = kStart;
+    auto odometry = started();
+    fly(*odometry, kStart + milliseconds(50), kStart + milliseconds(2000), Time{0});
+    for (int i = 41; radar && i <= 340; ++i) {
+      (void)odometry->add_scan(scan(kStart + milliseconds(50 * i)));
+    }
+    next_ = kStart + std::chrono::seconds(17);
+    feed_ahead(*odometry, next_ + milliseconds(300), Time{0});
+    EXPECT_EQ(odometry->counters().clock_restarts, radar ? 0U : 1U);
+    EXPECT_EQ(odometry->counters().imu_gaps, 1U);
+    const BodyCovariance& P = odometry->covariance_now();
+    const double heading = std::sqrt(P(body::kAttitude + 2, body::kAttitude + 2));
+    EXPECT_EQ(heading > 0.5, radar) << heading;  // it may have turned by any angle
+  }
+}
+
 /// A body that glides at 1 m/s and turns at 0.02 rad/s, which no IMU tells from standing on a tilt
 /// with a bias.
 class GlidingTest : public testing::TestWithParam<BackEnd> {

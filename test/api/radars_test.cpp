@@ -9,6 +9,9 @@
 #include <vector>
 
 #include "experiment/trial.hpp"
+#include "rio/ekf/ekf.hpp"
+#include "rio/pipeline.hpp"
+#include "rio/smoother/smoother.hpp"
 #include "rio/testing/allocation_guard.hpp"
 #include "support/measured.hpp"
 
@@ -244,6 +247,45 @@ TEST_P(RadarsTest, AllocateNothing) {
   }
   EXPECT_EQ(guard.count(), 0);
   EXPECT_GT(odometry->counters().scans, 400U);
+}
+
+/// Trails and landmarks that the scans of each radar have matched.
+template <class Estimator>
+std::vector<int> matches(const std::vector<sim::Flight>& all, Options o,
+                         const std::vector<std::size_t>& every) {
+  o.timing.imu_buffer = 100000;  // the whole flight
+  ImuBuffer imu(o.timing, o.imu);
+  for (const ImuSample& sample : all[0].imu) imu.push_back(sample);
+  Pipeline<Estimator> pipeline(o);
+  pipeline.reset(all[0].truth.front(), 1e-4 * BodyCovariance::Identity());
+  std::vector<int> sum(all.size(), 0);
+  DetectionList scan(o.frontend.max_detections);
+  for (std::size_t i = 1; i + 1 < all[0].scans.size(); ++i) {
+    for (std::size_t r = 0; r < all.size(); ++r) {
+      if (i % every[r] != 0) continue;
+      filter_detections(all[r].scans[i], o.radar_of(r), o.frontend.max_detections, scan);
+      scan.radar = r;
+      EXPECT_EQ(pipeline.process(scan, imu), Status::kOk);
+      sum[r] += pipeline.report().trails_matched + pipeline.report().landmarks_matched;
+    }
+  }
+  return sum;
+}
+
+TEST_P(RadarsTest, EachMatchesItsTrails) {
+  const auto all = flights(1, kAround);
+  const auto of_all = [&](const std::vector<std::size_t>& every) {
+    const Options o = options(all);
+    return GetParam() == BackEnd::kEkf ? matches<Ekf>(all, o, every)
+                                       : matches<Smoother>(all, o, every);
+  };
+  const std::vector<int> together = of_all({1, 1, 1, 1});
+  const std::vector<int> slow = of_all({1, 1, 1, 4});  // at 5 Hz
+  for (std::size_t r = 0; r < all.size(); ++r) {
+    measured(name() + ", radar " + std::to_string(r) + " of four: matches", together[r], "");
+    EXPECT_GT(together[r], 1000) << r;
+    EXPECT_GT(slow[r], r == 3 ? 50 : 1000) << r;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, RadarsTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),

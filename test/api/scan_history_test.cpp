@@ -80,5 +80,15 @@ TEST(ScanHistory, ASilentRadarIsNotWaitedFor) {
   EXPECT_TRUE(history.is_ready(milliseconds(500), 0, milliseconds(520)));
 }
 
+// Stamps may be before their epoch.
+TEST(ScanHistory, NegativeStampsAreAsGood) {
+  ScanHistory history(2, 0.1);
+  history.forget(milliseconds(-1000));
+  history.take(0, milliseconds(-950), milliseconds(-945));
+  EXPECT_FALSE(history.is_ready(milliseconds(-950), 0, milliseconds(-940)));
+  history.take(1, milliseconds(-948), milliseconds(-940));
+  EXPECT_TRUE(history.is_ready(milliseconds(-950), 0, milliseconds(-940)));
+}
+
 }  // namespace
 }  // namespace rio

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <utility>
 
 #include "check/check_it.hpp"
 #include "check/imu_check.hpp"
@@ -355,6 +356,42 @@ TEST(Check, AVelocityNowAndThenIsEnoughOneInTwoSecondsIsNot) {
   };
   EXPECT_EQ(points(15, 5).verdict, Verdict::kOk) << points(15, 5).text;
   EXPECT_EQ(points(90, 5).verdict, Verdict::kDoubtful) << points(90, 5).text;
+}
+
+TEST(Check, StampsOfAnotherUnitAreNamed) {
+  const io::Dataset healthy = flown("indoor-1", 30.0);
+  for (const auto& [divisor, unit] : {std::pair(1000, "us"), std::pair(1000000, "ms")}) {
+    io::Dataset damaged = healthy;
+    for (ImuSample& s : damaged.imu) s.time /= divisor;
+    for (RadarScan& s : damaged.scans) s.time /= divisor;
+    const Findings findings = check_it(damaged);
+    const Finding* said = find(findings, "imu stamps");
+    ASSERT_NE(said, nullptr);
+    EXPECT_EQ(said->verdict, Verdict::kWrong) << said->text;
+    EXPECT_NE(said->text.find(std::string("the stamps are in ") + unit), std::string::npos)
+        << said->text;
+    EXPECT_NE(said->change.find("by " + std::to_string(divisor) + ":"), std::string::npos)
+        << said->change;
+  }
+}
+
+// An IMU at 10 Hz is slow, a radar at 1 Hz, too; the units are as before.
+TEST(Check, ALowRateIsNoWrongUnit) {
+  const io::Dataset healthy = flown("indoor-1", 60.0);
+  io::Dataset slow = healthy;
+  slow.imu.clear();
+  for (std::size_t i = 0; i < healthy.imu.size(); i += 20) slow.imu.push_back(healthy.imu[i]);
+  Findings findings = check_it(slow);
+  EXPECT_EQ(find(findings, "accelerometer unit")->verdict, Verdict::kOk) << text_of(findings);
+  EXPECT_EQ(find(findings, "gyro unit")->verdict, Verdict::kOk) << text_of(findings);
+  slow = healthy;
+  slow.scans.clear();
+  for (std::size_t i = 0; i < healthy.scans.size(); i += 20) {
+    slow.scans.push_back(healthy.scans[i]);
+  }
+  findings = check_it(slow);
+  EXPECT_NE(find(findings, "points")->change.find("scans a second"), std::string::npos)
+      << text_of(findings);
 }
 
 TEST(Check, AFewSamplesAreNoRecording) {

@@ -45,7 +45,7 @@ class OwnEchoesTest : public testing::Test {
   const Vector3d v_S_{0.8, 0.1, 0.0};
   const Vector3d part_S_{0.9, 0.3, -0.4};
   DetectionList scan_;
-  OwnEchoes echoes_{0.0};
+  OwnEchoes echoes_{DopplerFold()};
 };
 
 TEST_F(OwnEchoesTest, APartOfTheVehicleIsFoundInMotion) {
@@ -113,7 +113,7 @@ TEST_F(OwnEchoesTest, OneContradictionIsNotEnough) {
 
 // At twice the largest Doppler what lies ahead folds to none.
 TEST_F(OwnEchoesTest, AFoldedDopplerIsNoContradiction) {
-  echoes_ = OwnEchoes(2.5);
+  echoes_ = OwnEchoes(DopplerFold(2.5));
   const DopplerFold fold(2.5);
   const Vector3d fast(5.0, 0.0, 0.0);
   for (int i = 0; i < 300; ++i) {

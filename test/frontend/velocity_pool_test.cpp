@@ -226,5 +226,23 @@ TEST_F(PoolTest, CanBeSwitchedOff) {
   EXPECT_LT(seconds_to_verdict(Vector3d(2.0, 1.0, 0.0), 0.05, 6), 0.0);
 }
 
+// A Doppler scale that is not zero has divided the range rates, and where they fold.
+TEST_F(PoolTest, FoldsWhereTheDividedRangeRatesDo) {
+  constexpr double kScale = 0.05;
+  Options corrected = options_;
+  corrected.radar.max_doppler = kLimit / (1.0 + kScale);
+  vehicle_.emplace(corrected, Vector3d(8.0, 0.5, 0.0), &random_);
+  pool_->reset(vehicle_->truth.time);
+  for (int i = 0; i < 40; ++i) {
+    const Time last = vehicle_->truth.time;
+    vehicle_->advance();
+    Estimate x = vehicle_->estimate();
+    x.radar_errors[RadarErrors::kDopplerScale] = kScale;
+    EXPECT_FALSE(pool_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002, last,
+                                vehicle_->imu(), false))
+        << i;
+  }
+}
+
 }  // namespace
 }  // namespace rio

@@ -174,6 +174,8 @@ TEST(OptionsYaml, UnknownKeysAreRejectedWithSuggestion) {
   EXPECT_ERROR(parsed("imu: {sigma_doppler: 1}\n"), "did you mean \"radar.sigma_doppler\"?");
   EXPECT_ERROR(parsed("max_clones: 3\n"), "did you mean \"update.max_clones\"?");
   EXPECT_ERROR(parsed("presett: default\n"), "did you mean \"preset\"?");
+  EXPECT_ERROR(parsed("preset: default\nimu: &x [*x]\n"), "o.yaml:2: an anchor that contains");
+  EXPECT_ERROR(parsed("a: &x\n  b: {c: *x}\n"), "o.yaml:2: an anchor that contains");
   EXPECT_ERROR(parsed("timing: {clock: 1}\n"), "o.yaml:1: unknown key \"timing.clock\"");
   const std::string far = test::error_of([] { parsed("colour: red\n"); });
   EXPECT_EQ(far, "o.yaml:1: unknown key \"colour\"");

@@ -144,6 +144,22 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
   EXPECT_EQ(read_trajectory(path).at(0).q.coeffs(), state.q_WB.coeffs());
 }
 
+TEST(TextFile, KeepsWhatItHeldUntilTheFirstWrite) {
+  const TempDir dir;
+  const auto path = dir.path() / "file.txt";
+  dir.write("file.txt", "old and longer");
+  { const TextFile opened(path); }
+  EXPECT_EQ(std::filesystem::file_size(path), 14U);
+  TextFile file(path);
+  file.write("new");
+  file.write("er");
+  file.close();
+  EXPECT_EQ(std::filesystem::file_size(path), 5U);
+  TextFile empty(path);
+  empty.close();
+  EXPECT_EQ(std::filesystem::file_size(path), 0U);
+}
+
 TEST(TextFile, WriteErrorsAreNotMissed) {
   const TempDir dir;
   EXPECT_ERROR(TextFile(dir.path() / "no" / "folder.txt"), "folder.txt: cannot be written");

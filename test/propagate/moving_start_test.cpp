@@ -87,5 +87,32 @@ TEST(MovingStart, ForgetsWhatWasBeforeItsDuration) {
   EXPECT_LT(alignment->state.q_WB.angularDistance(tilted), 0.3 * 0.05);  // exp(-2 / 0.5) = 0.02
 }
 
+// A shorter mean says less; of a sample after a pause no more than itself is taken.
+TEST(MovingStart, IsAsSureAsItsMeanIsLong) {
+  StartOptions options;
+  options.duration = 1.5;
+  const Vector3d up = kGravity * Vector3d::UnitZ();
+  const auto sigma = [&options, &up](double wait) {
+    options.max_wait = wait;
+    MovingStart moving(options, kGravity);
+    for (int i = 0;; ++i) {
+      const auto found = moving.add({Time(milliseconds(5 * i)), Vector3d::Zero(), up});
+      if (found) return std::sqrt(found->covariance(0, 0));
+    }
+  };
+  EXPECT_NEAR(sigma(0.3) / sigma(1.5), 5.0, 1e-9);
+  EXPECT_EQ(sigma(3.0), sigma(1.5));
+
+  options.max_wait = 3.0;
+  MovingStart moving(options, kGravity);
+  for (int i = 0; i < 200; ++i) {
+    ASSERT_FALSE(moving.add({Time(milliseconds(5 * i)), Vector3d::Zero(), up}));
+  }
+  const Vector3d tilted(1.0, 0.0, kGravity);
+  const auto after = moving.add({Time(std::chrono::seconds(10)), Vector3d::Zero(), tilted});
+  ASSERT_TRUE(after);
+  EXPECT_LT((after->state.q_WB * tilted.normalized() - Vector3d::UnitZ()).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace rio::test

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 namespace rio::test {
 namespace {
 
@@ -73,6 +75,21 @@ TEST_F(HealthMonitorTest, SilenceIsDeadReckoningOfPositionAndVelocity) {
 TEST_F(HealthMonitorTest, EmptyScansAreSilence) {
   fly(seconds(3));
   scan_ = UpdateReport{};
+  fly(milliseconds(1200));
+  EXPECT_EQ(health().state, HealthState::kDeadReckoning);
+}
+
+// What other sensors measure does not replace the radar.
+TEST_F(HealthMonitorTest, OtherSensorsDoNotHideASilence) {
+  UpdateReport height;
+  height.models[static_cast<std::size_t>(Model::kAiding)].rows_used = 5;
+  const UpdateReport scan = std::exchange(scan_, height);
+  fly(seconds(1));
+  EXPECT_EQ(health().state, HealthState::kInitializing);
+  scan_ = scan;
+  fly(seconds(3));
+  EXPECT_EQ(health().state, HealthState::kOk);
+  scan_ = height;
   fly(milliseconds(1200));
   EXPECT_EQ(health().state, HealthState::kDeadReckoning);
 }

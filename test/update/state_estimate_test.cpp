@@ -314,6 +314,28 @@ TEST_F(StateEstimateTest, TheOldestCloneGivesWay) {
   }
 }
 
+// A slow radar beside a fast one still finds its last scan.
+TEST_F(StateEstimateTest, ClonesAreThoseOfEachRadar) {
+  ASSERT_TRUE(options_.other_radars.push_back({options_.radar.T_BS, 0.0, 0.0, {}}));
+  StateEstimate b(options_, 0);
+  b.reset(nav_, BodyCovariance::Identity());
+  const auto kept = [&b](ScanId scan) { return b.estimate().find_clone(scan) >= 0; };
+  b.select_radar(1);
+  b.clone(0);
+  b.select_radar(0);
+  for (ScanId scan = 1; scan < 9; ++scan) b.clone(scan);
+  EXPECT_TRUE(kept(0));
+  EXPECT_FALSE(kept(5));
+  EXPECT_EQ(b.estimate().clones.size(), 4U);
+  b.select_radar(1);
+  b.clone(8);  // at the same instant: they share the pose
+  EXPECT_EQ(b.estimate().clones.size(), 4U);
+  for (ScanId scan = 9; scan < 12; ++scan) b.clone(scan);
+  EXPECT_FALSE(kept(0));
+  for (const ScanId scan : {6U, 7U, 8U, 9U, 10U, 11U}) EXPECT_TRUE(kept(scan)) << scan;
+  EXPECT_EQ(b.estimate().clones.size(), 6U);
+}
+
 TEST_F(StateEstimateTest, CorrectionsReachEveryBlock) {
   StateEstimate b = state_estimate();
   b.clone(0);

@@ -80,7 +80,8 @@ class Ekf {
   void maintain_landmarks(const Observations& seen, const Promotions& promotions,
                           UpdateReport* report);
 
-  /// Stage 2: the corrected pose becomes the clone of this scan, in place of the oldest one.
+  /// Stage 2: the corrected pose becomes the clone of this scan, in place of the oldest one of its
+  /// radar.
   void clone(ScanId scan) { state_estimate_.clone(scan); }
 
  private:

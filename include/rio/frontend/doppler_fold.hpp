@@ -37,6 +37,9 @@ class DopplerFold {
     return kSigmas * std::sqrt(variance) < limit_;
   }
 
+  /// The fold of range rates that have been divided by `scale`, as by an estimated Doppler scale.
+  DopplerFold divided(double scale) const { return DopplerFold(limit_ / scale); }
+
  private:
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 

@@ -25,16 +25,17 @@ namespace rio {
 /// No allocation; O(detections * kPlaces) a scan.
 class OwnEchoes {
  public:
-  /// @param max_doppler range rates fold into +-this; 0 = they do not fold [m/s]
-  explicit OwnEchoes(double max_doppler) : fold_(max_doppler) {}
+  /// @param fold of the range rates as the radar reports them
+  explicit OwnEchoes(const DopplerFold& fold) : reported_(fold), fold_(fold) {}
 
   /// Forgets all places: the radar may have been moved, or the velocity was wrong.
   void reset() { places_.clear(); }
 
   /// Takes a scan and writes the indices of the vehicle's own echoes to `own`, in ascending order.
   /// @param v_S,covariance_S predicted velocity of the radar, its axes [m/s], [m^2/s^2]
+  /// @param doppler_scale factor by which the range rates have been divided
   void observe(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S,
-               StaticVector<std::size_t, kMaxDetections>* own);
+               StaticVector<std::size_t, kMaxDetections>* own, double doppler_scale = 1.0);
 
  private:
   struct Place {
@@ -71,7 +72,8 @@ class OwnEchoes {
   static constexpr double kOnce = kSure / 3.0;
   static constexpr Time kForget = std::chrono::seconds(30);
 
-  DopplerFold fold_;
+  DopplerFold reported_;
+  DopplerFold fold_;  ///< of the current scan
   StaticVector<Place, kPlaces> places_;
 };
 

@@ -2,8 +2,8 @@
 // Stages 3 and 7: trails (feature tracks): the detections of one point in consecutive scans.
 //
 // A trail begins with an unmatched static detection, is extended by each match and ends at its
-// first miss. It keeps at most N elements, one per cloned pose and without gaps, so every element
-// has its clone. Reference: Michalczyk et al. 2023, II-B and Fig. 2.
+// first miss. It keeps at most N elements, one per scan of its radar and without gaps, so every
+// element has its clone. Reference: Michalczyk et al. 2023, II-B and Fig. 2.
 #pragma once
 
 #include <cstddef>

@@ -9,7 +9,9 @@
 namespace rio::io {
 
 /// Opens in the constructor, throws std::runtime_error naming the file when anything cannot be
-/// written. A full disk often shows only in close(): call it before relying on the file.
+/// written. What the file held stays until the first write() or close(): a command that fails
+/// before it has a result replaces nothing. A full disk often shows only in close(): call it before
+/// relying on the file.
 class TextFile {
  public:
   explicit TextFile(const std::filesystem::path& path);
@@ -19,10 +21,12 @@ class TextFile {
   void close();
 
  private:
+  void replace();
   [[noreturn]] void fail() const;
 
   std::filesystem::path path_;
   std::ofstream stream_;
+  bool replaced_ = false;
 };
 
 }  // namespace rio::io

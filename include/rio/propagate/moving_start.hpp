@@ -2,12 +2,13 @@
 // Stage 1: the first state without a standstill, from the mean specific force of some seconds. Its
 // covariance allows for the motion of a small robot; the first scans then determine the velocity.
 //
-// (E1) F <- Exp(w dt)^T F,  F <- F + (f - F) dt / min(elapsed, duration): the mean of the specific
-//      force in the axes of the body as it is now, w the measured rate
+// (E1) F <- Exp(w dt)^T F,  F <- F + (f - F) min(1, dt / T), T = min(elapsed, duration): the mean
+//      of the specific force in the axes of the body as it is now, w the measured rate
 // (E2) R F/|F| = e_z, yaw 0: exact but for the mean acceleration, i.e. the change of velocity over
-//      the duration
+// T
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "rio/core/so3.hpp"
@@ -22,6 +23,7 @@ class MovingStart {
   /// @param gravity [m/s^2]
   MovingStart(const StartOptions& start, double gravity) : start_(start), gravity_(gravity) {}
 
+  /// Starts over, as after a pause of the IMU, in which the body may have turned.
   void reset() { begin_.reset(); }
 
   /// The first state, once `StartOptions::max_wait` has passed; never if that is 0.
@@ -31,7 +33,9 @@ class MovingStart {
   double force() const { return up_B_.norm(); }
 
  private:
-  Alignment at(Time time) const;
+  Alignment at(Time time, double averaged) const;
+  /// How long the mean is [s].
+  double averaged(double elapsed) const { return std::min(elapsed, start_.duration); }
 
   static constexpr double kVelocity = 5.0;        // of a small robot: sigma per axis [m/s]
   static constexpr double kVelocityChange = 2.0;  // its change over the duration, same [m/s]

@@ -2,6 +2,7 @@
 // The mean of everything estimated, shared by both back-ends and read by the front-end.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -22,7 +23,8 @@ inline constexpr std::size_t kMaxDetections = 1024;
 /// Radars on one body.
 inline constexpr std::size_t kMaxRadars = 1 + Options::kMaxOtherRadars;
 
-/// Scans are numbered in the order they are processed.
+/// Scans are numbered in the order they are processed; scans of several radars that are processed
+/// at the same instant share the number, as they share the pose.
 using ScanId = std::uint64_t;
 /// The ScanId of a state without a scan.
 inline constexpr ScanId kNoScan = std::numeric_limits<ScanId>::max();
@@ -31,7 +33,14 @@ inline constexpr ScanId kNoScan = std::numeric_limits<ScanId>::max();
 struct Clone {
   ScanId scan = 0;
   RigidPose T_WB;
+  std::array<bool, kMaxRadars> kept_for{};  ///< by radar: one of its last scans was taken here
 };
+
+/// Past poses that are kept for each radar, of all radars together kMaxClones at most.
+inline std::size_t clones_per_radar(const Options& options) {
+  return std::min(static_cast<std::size_t>(options.update.max_clones),
+                  kMaxClones / options.radars());
+}
 
 /// A persistent landmark.
 struct LandmarkState {
@@ -63,7 +72,7 @@ struct Estimate {
   std::size_t radar = 0;                                ///< whose scan is being processed
   std::array<RadarState, kMaxRadars> others;            ///< by radar; the entry of `radar` is stale
   AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
-  StaticVector<Clone, kMaxClones> clones;  ///< a ring: the newest overwrites the oldest
+  StaticVector<Clone, kMaxClones> clones;  ///< of each radar the newest replaces the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
 
   RadarState of_radar(std::size_t r) const {

@@ -7,8 +7,7 @@
 //      - the difference to the velocity of the pool (frontend/velocity_pool.hpp) while that
 //        contradicts it;
 //      - while the gates reject more rows than usual (update/health_monitor.hpp), the rejected
-//      share
-//        times the pace of what moves;
+//        share times the pace of what moves;
 //      - while nearly all detections are outliers (same), the sigma of the predicted velocity: the
 //        consensus, sought about the prediction, may be one by chance
 // (E2) that of the position, when the interval ends: the integral of (E1)

@@ -18,7 +18,7 @@ class Gate {
   /// Largest number of rows in a block.
   static constexpr std::size_t kMaxDof = kMaxClones;
 
-  /// @param probability of a correct measurement to pass, in (0, 1)
+  /// @param probability of a correct measurement to pass, in (0, 1]; 1 = no gate
   explicit Gate(double probability) {
     for (std::size_t dof = 1; dof <= kMaxDof; ++dof) {
       thresholds_[dof - 1] = chi2_quantile(probability, static_cast<double>(dof));

@@ -39,10 +39,9 @@ class HealthMonitor {
   /// otherwise 0.
   double unusual_gated_share() const;
 
+ private:
   /// The estimate has changed discontinuously.
   void add_step();
-
- private:
   void fade(Time now);
   double& severity(HealthReason reason) {
     return health_.severity[static_cast<std::size_t>(reason)];

@@ -31,7 +31,7 @@ class ScanRows {
   /// The estimate starts over.
   void reset() {
     distance_at_scan_.fill(0.0);
-    last_scan_.fill(Time{0});
+    last_scan_.fill(std::nullopt);
   }
 
   /// Most rows of one update.
@@ -133,7 +133,7 @@ class ScanRows {
   std::array<double, kMaxRadars> doppler_grid_{};      ///< [m/s]
   std::array<double, kMaxRadars> distance_at_scan_{};  ///< travelled at its last scan [m]
   double since_scan_ = 1.0;                            ///< time since its last scan, at most 1 [s]
-  std::array<Time, kMaxRadars> last_scan_{};
+  std::array<std::optional<Time>, kMaxRadars> last_scan_{};
   Gate gate_;
   RadarModels models_;
   RowBatch batch_;

@@ -52,7 +52,7 @@ struct Contradiction {
 /// (E2) then the information 1 / P_0 - 1 / (s^2 + q t) of the tight prior is removed
 class StateEstimate {
  public:
-  /// @param max_clones past poses with a covariance: none, or as many as the options keep
+  /// @param max_clones past poses with a covariance: none, or those of all radars
   StateEstimate(const Options& options, int max_clones);
 
   const Layout& layout() const { return layout_; }
@@ -116,8 +116,9 @@ class StateEstimate {
     return doppler_covariance(LinearizationPoint(estimate_)).topLeftCorner<3, 3>();
   }
 
-  /// Stochastic cloning: keeps the current pose as the clone of `scan`, in place of the oldest one;
-  /// for matching only, without a covariance, if the layout has no clones.
+  /// Stochastic cloning: keeps the current pose as the clone of `scan`, in place of the oldest one
+  /// of its radar, or of another radar's scan of that number; for matching only, without a
+  /// covariance, if the layout has no clones.
   void clone(ScanId scan);
 
   /// Landmark augmentation by the inverse observation model.
@@ -132,6 +133,9 @@ class StateEstimate {
  private:
   /// Fills LandmarkState::covariance_S.
   void predict_landmarks();
+
+  /// Where the clone of this scan goes.
+  std::size_t slot_for(ScanId scan);
 
   void correct_calibration(std::size_t r, const Eigen::VectorXd& dx);
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a command writes does not replace what it reads.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace rio::tools {
+
+/// The files of a recording, if `path` is the folder of one: *.yaml, and all in its sub-folders.
+inline bool is_part_of(const std::filesystem::path& file, const std::filesystem::path& path) {
+  namespace fs = std::filesystem;
+  if (!fs::is_directory(path)) return fs::exists(path) && fs::equivalent(file, path);
+  for (const auto& entry : fs::recursive_directory_iterator(path)) {
+    const bool inside = entry.path().parent_path() != path || entry.path().extension() == ".yaml";
+    if (inside && entry.is_regular_file() && fs::equivalent(file, entry.path())) return true;
+  }
+  return false;
+}
+
+/// Call it before an output is opened. Empty names are none.
+/// @param inputs files, and folders of recordings
+/// @throws std::runtime_error if an output is an input, or named twice
+inline void protect_inputs(const std::vector<std::string>& inputs,
+                           const std::vector<std::string>& outputs) {
+  namespace fs = std::filesystem;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].empty()) continue;
+    for (std::size_t k = 0; k < i; ++k) {
+      if (fs::weakly_canonical(outputs[i]) == fs::weakly_canonical(outputs[k]) &&
+          !fs::is_character_file(outputs[i])) {
+        throw std::runtime_error(outputs[i] + ": is named for two outputs");
+      }
+    }
+    if (!fs::is_regular_file(outputs[i])) continue;
+    for (const std::string& input : inputs) {
+      if (!input.empty() && is_part_of(outputs[i], input)) {
+        throw std::runtime_error(outputs[i] + ": would replace an input; nothing was written");
+      }
+    }
+  }
+}
+
+}  // namespace rio::tools
