@@ -184,7 +184,7 @@ class Pipeline {
   /// next one.
   ScanId number() {
     const Time time = estimate().nav.time;
-    if (newest_scan_ == kNoScan || time != newest_scan_time_) ++newest_scan_;
+    if (newest_scan_ == kNoScan || time != newest_scan_time_) ++newest_scan_;  // kNoScan + 1 is 0
     newest_scan_time_ = time;
     return newest_scan_;
   }

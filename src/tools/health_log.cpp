@@ -41,8 +41,9 @@ void HealthLog::add(Time time, const Health& health) {
 }
 
 void HealthLog::conclude(
-    const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration,
-    bool too_fast) {
+    const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration, bool too_fast,
+    double used) {
+  used_ = used;
   calibration_.clear();
   for (std::size_t r = 0; r < calibration.size(); ++r) {
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
@@ -65,6 +66,7 @@ std::string HealthLog::verdict() const {
   std::string why;
   if (health_.state == HealthState::kInitializing)
     append(&why, "no scan was used since the start or the last restart");
+  if (used_ < 0.5) append(&why, fmt::format("only {:.0f} % of the scans were used", 100.0 * used_));
   for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
     const Reason& reason = reasons_[i];
     if (reason.seconds == 0.0) continue;

@@ -21,8 +21,9 @@ class HealthLog {
   /// Calibration at the end: doubtful parameters make the verdict doubtful.
   /// @param too_fast the path is beyond that of any vehicle
   /// @param calibration by radar
+  /// @param used share of the scans of the recording
   void conclude(const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration,
-                bool too_fast);
+                bool too_fast, double used = 1.0);
 
   bool lost() const { return !lost_because_.empty(); }
   /// Why the estimate is lost; empty if it is not.
@@ -46,6 +47,7 @@ class HealthLog {
   Health health_;
   std::array<double, kStates> seconds_{};  ///< in each state
   std::array<Reason, kHealthReasonCount> reasons_{};
+  double used_ = 1.0;        ///< share of the scans
   std::string calibration_;  ///< names of its doubtful parameters
   std::string lost_because_;
 };

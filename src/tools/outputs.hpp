@@ -9,13 +9,16 @@
 
 namespace rio::tools {
 
-/// The files of a recording, if `path` is the folder of one: *.yaml, and all in its sub-folders.
+/// Whether `file` is the file `path`, or belongs to the recording in the folder `path`: what is in
+/// its sub-folders, and beside these what no command writes as a result.
 inline bool is_part_of(const std::filesystem::path& file, const std::filesystem::path& path) {
   namespace fs = std::filesystem;
   if (!fs::is_directory(path)) return fs::exists(path) && fs::equivalent(file, path);
-  for (const auto& entry : fs::recursive_directory_iterator(path)) {
-    const bool inside = entry.path().parent_path() != path || entry.path().extension() == ".yaml";
-    if (inside && entry.is_regular_file() && fs::equivalent(file, entry.path())) return true;
+  const auto options = fs::directory_options::skip_permission_denied;
+  for (auto at = fs::recursive_directory_iterator(path, options); at != fs::end(at); ++at) {
+    const std::string kind = at->path().extension().string();
+    const bool result = at.depth() == 0 && (kind == ".tum" || kind == ".csv" || kind == ".svg");
+    if (!result && at->is_regular_file() && fs::equivalent(file, at->path())) return true;
   }
   return false;
 }

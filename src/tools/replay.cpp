@@ -333,7 +333,10 @@ class Replay {
     if (several_) summary_.scans = static_cast<int>(summary_.counters.scans);
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = outline_.imu_end - outline_.imu_begin;
-    summary_.health.conclude(summary_.calibration, summary_.is_absurd());
+    std::size_t recorded = 0;
+    for (const std::vector<Time>& stamps : outline_.scan_times) recorded += stamps.size();
+    const double used = static_cast<double>(summary_.scans) / static_cast<double>(recorded);
+    summary_.health.conclude(summary_.calibration, summary_.is_absurd(), used);
     feed_->read_rest();
     return std::move(summary_);
   }

@@ -216,6 +216,19 @@ TEST_F(Tool, ALostEstimateIsAnError) {
   EXPECT_NE(run.output.find("rio: the estimate is lost: "), std::string::npos) << run.output;
 }
 
+// A third of a flight is no healthy flight.
+TEST_F(Tool, TheVerdictSaysHowFewScansWereUsed) {
+  const fs::path flight = copy("third");
+  std::vector<std::string> samples = lines_of(flight / "imu0/data.csv");
+  samples.resize(samples.size() / 3);
+  std::ofstream out(flight / "imu0/data.csv");
+  for (const std::string& line : samples) out << line << "\n";
+  out.close();
+  const Outcome run = rio("replay " + flight.string());
+  EXPECT_EQ(run.status, 0) << run.output;
+  EXPECT_NE(run.output.find("% of the scans were used"), std::string::npos) << run.output;
+}
+
 TEST_F(Tool, UnknownOptionsAreRejectedWithASuggestion) {
   std::ofstream(file("bad.yaml")) << "update:\n  max_clone: 5\n";
   Outcome run = rio("replay " + flight_ + " --config " + file("bad.yaml"));
