@@ -23,6 +23,7 @@
 #include "rio/propagate/strapdown.hpp"
 #include "scan_history.hpp"
 #include "scan_queue.hpp"
+#include "stamp_run.hpp"
 
 namespace rio {
 
@@ -42,7 +43,8 @@ class Engine final : public Odometry::Impl {
         history_(o.radars(), o.timing.scan_wait),
         queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars(),
                o.frontend.max_detections),
-        filtered_(o.frontend.max_detections) {
+        filtered_(o.frontend.max_detections),
+        scan_stamps_(from_seconds(o.timing.max_ahead)) {
     for (std::size_t r = 0; r < o.radars(); ++r) extrinsics[r] = o.mount(r).T_BS;
   }
 
@@ -78,7 +80,10 @@ class Engine final : public Odometry::Impl {
       return Status::kImplausible;
     }
     ++counters.imu_samples;
-    if (stamp == StampVerdict::kRestarted && !was_pause(sample.time)) restart_clock();
+    if (stamp == StampVerdict::kRestarted &&
+        !scan_stamps_.goes_through(imu_.newest().time, sample.time)) {
+      restart_clock();
+    }
     if (initialized && imu_.empty() && !is_near(sample.time)) carry_to(sample.time);
     stamps_.take(sample.time);
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) {
@@ -98,7 +103,7 @@ class Engine final : public Odometry::Impl {
 
   Status add_scan(const RadarScan& scan, std::size_t radar) override {
     if (radar >= options_.radars()) return Status::kUndeclared;
-    note_stamp(scan.time);
+    scan_stamps_.add(scan.time);
     if (!initialized) {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
@@ -267,27 +272,14 @@ class Engine final : public Odometry::Impl {
     return !imu_.empty() && time - imu_.newest().time > from_seconds(options_.timing.max_ahead);
   }
 
+  /// The newest sample of the buffer is the first one after a gap.
+  bool ends_gap(const ImuSample& newest) const {
+    return imu_.size() > 1 && imu_.is_gap(imu_[imu_.size() - 2], newest);
+  }
+
   /// The first sample may belong to the time of the start.
   bool is_near(Time time) const {
     return std::chrono::abs(time - at_scan().time) <= from_seconds(options_.timing.max_pause);
-  }
-
-  /// The scans, taken or not, whose stamps have gone on without a jump.
-  void note_stamp(Time stamp) {
-    if (!is_stamp(stamp)) return;
-    const Time most = from_seconds(options_.timing.max_ahead);
-    const bool goes_on =
-        stamps_of_scans_ && std::chrono::abs(stamp - stamps_of_scans_->last) < most;
-    if (!goes_on) stamps_of_scans_ = Span{stamp, stamp};
-    stamps_of_scans_->last = stamp;
-  }
-
-  /// The stamps of the scans, in the same clock, have gone through the jump: the IMU has paused.
-  bool was_pause(Time time) const {
-    const Time most = from_seconds(options_.timing.max_ahead);
-    return stamps_of_scans_ && stamps_of_scans_->first < imu_.newest().time + most &&
-           imu_.newest().time < stamps_of_scans_->last &&
-           std::chrono::abs(time - stamps_of_scans_->last) < most;
   }
 
   /// The clock of the IMU has jumped.
@@ -324,7 +316,7 @@ class Engine final : public Odometry::Impl {
   Status align(const ImuSample& sample) {
     std::optional<Alignment> alignment;
     Status status = aligner_.add(sample, &alignment);
-    if (imu_.size() > 1 && imu_.is_gap(imu_[imu_.size() - 2], sample)) moving_start_.reset();
+    if (ends_gap(sample)) moving_start_.reset();
     const std::optional<Alignment> moving = moving_start_.add(sample);
     if (!alignment && !moving) return status;
     if (alignment) {
@@ -357,8 +349,7 @@ class Engine final : public Odometry::Impl {
       if (!diverged && !pipeline_.tilt_is_lost()) return;
       restart_.begin(at_scan(), covariance, diverged);
     }
-    const bool pause = imu_.size() > 1 && imu_.is_gap(imu_[imu_.size() - 2], sample);
-    const std::optional<Alignment> found = restart_.add(sample, pause);
+    const std::optional<Alignment> found = restart_.add(sample, ends_gap(sample));
     if (!found) return;
     ++counters.restarts;
     hold(found->state, found->covariance);
@@ -419,11 +410,8 @@ class Engine final : public Odometry::Impl {
   ScanHistory history_;
   ScanQueue queue_;
   DetectionList filtered_;
-  struct Span {
-    Time first, last;
-  };
-  std::optional<Span> stamps_of_scans_;  ///< since their last jump
-  std::optional<Time> watched_;          ///< last update of the health between scans
+  StampRun scan_stamps_;
+  std::optional<Time> watched_;  ///< last update of the health between scans
 };
 
 }  // namespace rio

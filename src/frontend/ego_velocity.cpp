@@ -29,7 +29,7 @@ EgoVelocityRansac::EgoVelocityRansac(const FrontendOptions& options, double max_
 void EgoVelocityRansac::estimate(const DetectionList& scan,
                                  const std::optional<RadarVelocity>& predicted, EgoVelocity* out,
                                  double doppler_scale) {
-  fold_ = DopplerFold(max_doppler_ / doppler_scale);
+  fold_ = DopplerFold(max_doppler_).divided(doppler_scale);
   const auto n = static_cast<std::uint32_t>(scan.items.size());
   out->clear();
   // seeded by the stamp: the static set of a scan does not depend on earlier scans

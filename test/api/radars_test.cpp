@@ -4,12 +4,14 @@
 // interleaved.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "experiment/trial.hpp"
 #include "rio/ekf/ekf.hpp"
+#include "rio/models/aids.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/smoother/smoother.hpp"
 #include "rio/testing/allocation_guard.hpp"
@@ -270,6 +272,42 @@ std::vector<int> matches(const std::vector<sim::Flight>& all, Options o,
     }
   }
   return sum;
+}
+
+/// What process() reports of a scan of radar 1 before which `count` velocities were measured.
+template <class Estimator>
+UpdateReport report_after(const std::vector<sim::Flight>& both, Options o, int count) {
+  ImuBuffer imu(o.timing, o.imu);
+  for (std::size_t i = 0; i < 1000; ++i) imu.push_back(both[0].imu[i]);
+  Pipeline<Estimator> pipeline(o);
+  const NavState start = both[0].truth.front();
+  pipeline.reset(start, 1e-4 * BodyCovariance::Identity());
+  const auto next = [&start](const RadarScan& s) {
+    return s.time > start.time + milliseconds(200);
+  };
+  const RadarScan& seen = *std::find_if(both[1].scans.begin(), both[1].scans.end(), next);
+  for (int i = 0; i < count; ++i) {
+    const WorldVelocityModel::Measurement z{start.v_WB, Matrix3d::Identity()};
+    EXPECT_TRUE(pipeline.add({start.time + milliseconds(1 + i), WorldVelocityModel{}, z}));
+  }
+  DetectionList scan(o.frontend.max_detections);
+  filter_detections(seen, o.radar_of(1), o.frontend.max_detections, scan);
+  scan.radar = 1;
+  EXPECT_EQ(pipeline.process(scan, imu), Status::kOk);
+  EXPECT_EQ(pipeline.report().time, seen.time);
+  return pipeline.report();
+}
+
+// More measurements of another sensor than one update takes are updates of their own.
+TEST_P(RadarsTest, TheReportIsThatOfTheScan) {
+  const auto both = flights(1, kFrontAndDown);
+  const int count = static_cast<int>(kMaxAiding) + 8;
+  const UpdateReport report = GetParam() == BackEnd::kEkf
+                                  ? report_after<Ekf>(both, options(both), count)
+                                  : report_after<Smoother>(both, options(both), count);
+  EXPECT_EQ(report.radar, 1U);
+  const ModelReport& aiding = report.models[static_cast<std::size_t>(Model::kAiding)];
+  EXPECT_EQ(aiding.rows_used + aiding.rows_gated, 3 * 8);
 }
 
 TEST_P(RadarsTest, EachMatchesItsTrails) {

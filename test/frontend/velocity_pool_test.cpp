@@ -228,7 +228,7 @@ TEST_F(PoolTest, CanBeSwitchedOff) {
 
 // A Doppler scale that is not zero has divided the range rates, and where they fold.
 TEST_F(PoolTest, FoldsWhereTheDividedRangeRatesDo) {
-  constexpr double kScale = 0.05;
+  constexpr double kScale = 0.1;
   Options corrected = options_;
   corrected.radar.max_doppler = kLimit / (1.0 + kScale);
   vehicle_.emplace(corrected, Vector3d(8.0, 0.5, 0.0), &random_);
@@ -241,6 +241,7 @@ TEST_F(PoolTest, FoldsWhereTheDividedRangeRatesDo) {
     EXPECT_FALSE(pool_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002, last,
                                 vehicle_->imu(), false))
         << i;
+    EXPECT_EQ(pool_->contradiction(), 0.0) << i;
   }
 }
 

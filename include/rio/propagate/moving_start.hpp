@@ -4,8 +4,7 @@
 //
 // (E1) F <- Exp(w dt)^T F,  F <- F + (f - F) min(1, dt / T), T = min(elapsed, duration): the mean
 //      of the specific force in the axes of the body as it is now, w the measured rate
-// (E2) R F/|F| = e_z, yaw 0: exact but for the mean acceleration, i.e. the change of velocity over
-// T
+// (E2) R F/|F| = e_z, yaw 0: exact but for the mean acceleration, the change of velocity over T
 #pragma once
 
 #include <algorithm>
