@@ -26,6 +26,12 @@ struct CheckedImu {
   ImuCheck check;
 };
 
+bool in_metres(const Findings& findings) {
+  return std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.subject == "distances" && finding.verdict == Verdict::kWrong;
+  });
+}
+
 /// A radar; `options` have it as the first one.
 Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::RadarInfo& info,
                          std::size_t radar, const Options& options, Source source,
@@ -40,8 +46,12 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::Ra
   const auto append = [&out](const Findings& more) {
     out.insert(out.end(), more.begin(), more.end());
   };
-  append(check_radar(scans, info, speeds, options, source, folder / name / "data.csv"));
-  out.push_back(check_ranges(scans, options, source));
+  const Findings alone =
+      check_radar(scans, info, speeds, options, source, folder / name / "data.csv");
+  append(alone);
+  if (!in_metres(alone)) return out;  // the others would find faults that are none
+  const RangeCheck ranges = check_ranges(scans, options, source);
+  out.push_back(ranges.finding);
   double gyro_unit = imu.check.gyro_unit;
   if (gyro_unit == 1.0) {
     if (const auto unit = check_rates(imu.good, scans, options, source)) {
@@ -49,7 +59,8 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::Ra
       gyro_unit = kDegree;
     }
   }
-  append(check_motion(imu.good, speeds, gyro_unit, imu.check.accel_unit, options, source, radar));
+  append(check_motion({imu.good, speeds, gyro_unit, imu.check.accel_unit, ranges.sign}, options,
+                      source, radar));
   return out;
 }
 

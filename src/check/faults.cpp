@@ -65,6 +65,12 @@ std::vector<Fault> make_faults() {
          each_detection(d, [](RadarDetection* r) { r->point_S.y() = -r->point_S.y(); });
        },
        "axes and Doppler sign", "y of the points has the wrong sign", "--axes"},
+      {"PointsInMillimetres", "points in mm",
+       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->point_S *= 1e3; }); },
+       "distances", "not in metres", "--field x=NAME*0.001"},
+      {"PointsInCentimetres", "points in cm",
+       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->point_S *= 1e2; }); },
+       "distances", "not in metres", "0.01 if they are in cm"},
       {"GyroInDegrees", "gyro in deg/s",
        [](io::Dataset* d) {
          for (ImuSample& s : d->imu) s.gyro_B *= 180.0 / kHalfTurn;

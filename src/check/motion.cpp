@@ -247,10 +247,10 @@ double noise(const std::vector<RadarSpeed>& speeds) {
 }
 
 std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                                   const Vector3d& lever_B, const std::vector<double>& shifts) {
-  constexpr double kLength = 2.0;    // [s]
+                                   double length, const Vector3d& lever_B,
+                                   const std::vector<double>& shifts) {
   constexpr int kFewest = 8;         // besides the six unknowns of v_0 and g
-  constexpr double kShortest = 1.0;  // [s]
+  constexpr double kShortest = 0.5;  // of the length
   std::vector<Agreements> out(shifts.size());
   std::vector<Sums> sums(shifts.size());
   std::vector<Vector3d> first_sum(shifts.size(), Vector3d::Zero());
@@ -258,7 +258,7 @@ std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const 
   int piece = 0;
   const auto close = [&] {
     for (std::size_t s = 0; s < shifts.size(); ++s) {
-      if (sums[s].scans >= kFewest && sums[s].last >= kShortest) {
+      if (sums[s].scans >= kFewest && sums[s].last >= kShortest * length) {
         out[s].add(sums[s].less_lines());
       }
       sums[s] = Sums();
@@ -270,7 +270,7 @@ std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const 
     if (!first || !last || *first != *last) continue;
     const double since = to_seconds(speed.time - begin);
     const bool some = sums.front().scans > 0;
-    if (some && (since > kLength || since < 0.0 || *first != piece)) close();
+    if (some && (since > length || since < 0.0 || *first != piece)) close();
     const bool opens = sums.front().scans == 0;
     if (opens) begin = speed.time;
     piece = *first;

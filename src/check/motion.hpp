@@ -124,12 +124,13 @@ double noise(const std::vector<RadarSpeed>& speeds);
 /// The longest time shift tested [s].
 inline constexpr double kMostShift = 0.3;
 
-/// For every shift, one per window of two seconds. All shifts use the same scans, limited by
-/// kMostShift.
+/// For every shift, one per window. All shifts use the same scans, limited by kMostShift.
+/// @param length of a window [s]
 /// @param shifts added to the stamps of the radar [s]
 /// @param lever_B position of the radar [m]
 std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                                   const Vector3d& lever_B, const std::vector<double>& shifts);
+                                   double length, const Vector3d& lever_B,
+                                   const std::vector<double>& shifts);
 
 /// (E6) from explained shares, in sigmas; 0 if it is not better.
 double significance(double worse, double better, std::size_t windows);

@@ -5,6 +5,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -21,16 +22,19 @@ namespace {
 
 constexpr double kSure = 3.0;       // sigmas, of (E6) of motion.hpp
 constexpr double kExplained = 0.5;  // of the movement: not reached by chance
-constexpr std::size_t kFewestWindows = 5;
-constexpr double kShiftStep = 0.02;  // [s]
-constexpr int kShifts = 14;          // to each side; below kMostShift
+constexpr std::size_t kFewestWindows = 3;
+constexpr double kLeast = 10.0;                   // in all windows together [s]
+constexpr std::array kLengths = {2.0, 4.0, 8.0};  // of the windows [s]
+constexpr double kShiftStep = 0.02;               // [s]
+constexpr int kShifts = 14;                       // to each side; below kMostShift
 
 struct Judge {
+  const MotionData& data;
   const Agreements& windows;
+  double length;  ///< of a window [s]
   const Options& options;
   Source source;
   std::size_t radar;
-  double noise;  ///< of the radar's velocities [m/s]
   Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
   Agreement all = windows.total();
 
@@ -61,10 +65,25 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   }
 }
 
-/// All candidates.
+bool mirrors_the_points(const Judge& judge, const Axes& axes) {
+  return mirror_text(judge.configured.transpose() * axes.R, "the points").has_value();
+}
+
+/// All candidates that the sign of the Doppler allows.
 std::vector<Axes> hypotheses(const Judge& judge) {
   std::vector<Axes> list = candidates(judge.options.radar.T_BS.rotation);
   append_any_angle(judge, &list);
+  std::erase_if(list, [&judge](const Axes& axes) {
+    switch (judge.data.doppler_sign) {
+      case DopplerSign::kAsConfigured:
+        return axes.doppler_flipped && !mirrors_the_points(judge, axes);
+      case DopplerSign::kOpposite:
+        return !axes.doppler_flipped;
+      case DopplerSign::kUnknown:
+        break;
+    }
+    return false;
+  });
   return list;
 }
 
@@ -85,9 +104,10 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
     }
   }
   // the same matrix up to a tilt of the mounting; mirrored points are the more likely error
-  const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6;
+  const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6 &&
+                       judge.data.doppler_sign != DopplerSign::kOpposite;
   const auto mirrored = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
-    return mirror_text(judge.configured.transpose() * axes.R, "the points").has_value();
+    return mirrors_the_points(judge, axes);
   });
   if (strange && mirrored != alike->end()) std::iter_swap(alike->begin(), mirrored);
   return alike->front();
@@ -98,11 +118,12 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
   constexpr double kMuch = 0.1;   // [m/s]
   constexpr double kClear = 2.0;  // times the noise
   const double movement = judge.all.movement();
+  const double of_speeds = noise(judge.data.speeds);
   out->text += fmt::format(
       ", at best {:.0f} % with any other; the velocity of the radar changes by {:.2f} m/s (rms, "
       "noise {:.2f})",
-      100.0 * best, movement, judge.noise);
-  if (movement < kMuch || movement < kClear * judge.noise) {
+      100.0 * best, movement, of_speeds);
+  if (movement < kMuch || movement < kClear * of_speeds) {
     out->text += ": the motion does not tell";
     return;
   }
@@ -162,10 +183,9 @@ double most_explained(const Agreements& windows, const Options& options) {
 /// Whether radar and IMU agree only with the gyro in deg/s, which the IMU alone did not show. Not
 /// the reverse: rates that are too large turn both sides of (E1) alike, and seem to explain
 /// everything.
-std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<ImuSample>& samples,
-                                       const std::vector<RadarSpeed>& speeds, double gyro_unit,
-                                       double accel_unit) {
+std::optional<Finding> check_gyro_unit(const Judge& judge) {
   constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
+  const auto& [samples, speeds, gyro_unit, accel_unit, sign] = judge.data;
   std::vector<double> rates;
   rates.reserve(samples.size());
   for (const ImuSample& s : samples) rates.push_back(gyro_unit * s.gyro_B.norm());
@@ -173,9 +193,9 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
   if (as_read > kExplained || quantile_of(&rates, 0.5) < kSlow) return std::nullopt;
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(samples, kDegree * gyro_unit, accel_unit);
-  const double most =
-      most_explained(agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front(),
-                     judge.options);
+  const double most = most_explained(
+      agreements(speeds, path, judge.length, radar.T_BS.translation, {-radar.time_offset}).front(),
+      judge.options);
   if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) {
     return std::nullopt;
   }
@@ -192,17 +212,16 @@ std::optional<Finding> check_gyro_unit(const Judge& judge, const std::vector<Imu
 
 /// Whether radar and IMU agree only with the rates negated: mirrored axes of the IMU, in which
 /// rates have the wrong sign and the radar also appears mirrored.
-std::optional<Finding> check_handedness(const Judge& judge, const std::vector<ImuSample>& samples,
-                                        const std::vector<RadarSpeed>& speeds, double gyro_unit,
-                                        double accel_unit) {
+std::optional<Finding> check_handedness(const Judge& judge) {
   double as_read = 0.0;
   for (const Axes& axes : hypotheses(judge)) {
     as_read = std::max(as_read, judge.all.explained(axes.R));
   }
   const RadarOptions& radar = judge.options.radar;
-  const ImuPath path(samples, -gyro_unit, accel_unit);
-  const Agreements mirrored =
-      agreements(speeds, path, radar.T_BS.translation, {-radar.time_offset}).front();
+  const ImuPath path(judge.data.samples, -judge.data.gyro_unit, judge.data.accel_unit);
+  const Agreements mirrored = agreements(judge.data.speeds, path, judge.length,
+                                         radar.T_BS.translation, {-radar.time_offset})
+                                  .front();
   const Agreement& all = mirrored.total();
   const std::vector<Axes> list = candidates(radar.T_BS.rotation);
   const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
@@ -256,11 +275,12 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
 }
 
 /// The windows for every shift, from the most negative on.
-std::vector<Agreements> all_shifts(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+std::vector<Agreements> all_shifts(const MotionData& data, double length,
                                    const RadarOptions& radar) {
+  const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
   std::vector<double> shifts;
   for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
-  return agreements(speeds, path, radar.T_BS.translation, shifts);
+  return agreements(data.speeds, path, length, radar.T_BS.translation, shifts);
 }
 
 /// The windows in which the axes are judged: at the configured delay, unless another shift is
@@ -321,33 +341,39 @@ Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, c
   return out;
 }
 
-}  // namespace
-
-Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
-                      double gyro_unit, double accel_unit, const Options& options, Source source,
-                      std::size_t radar) {
-  const ImuPath path(samples, gyro_unit, accel_unit);
-  const std::vector<Agreements> shifts = all_shifts(speeds, path, options.radar);
-  const Agreements& windows = windows_to_judge(shifts, options);
-  if (windows.size() < kFewestWindows) {
-    return {{Verdict::kDoubtful, "motion",
-             fmt::format("{} times two seconds with velocities of the radar and without a pause of "
-                         "the IMU: axes, signs and delays cannot be told",
-                         windows.size()),
-             "fly for half a minute with changes of speed and turns"}};
-  }
-  const Judge judge{windows, options, source, radar, noise(speeds)};
-  if (const auto unit = check_gyro_unit(judge, samples, speeds, gyro_unit, accel_unit)) {
-    return {*unit};
-  }
-  if (const auto mirrored = check_handedness(judge, samples, speeds, gyro_unit, accel_unit)) {
-    return {*mirrored};
-  }
+Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shifts) {
+  if (const auto unit = check_gyro_unit(judge)) return {*unit};
+  if (const auto mirrored = check_handedness(judge)) return {*mirrored};
   const Finding axes = check_axes(judge);
   std::vector<Axes> alike;
   const Axes found = choose(judge, hypotheses(judge), &alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
   return {axes, check_scale(judge, found.R), check_delay(judge, shifts, found.R)};
+}
+
+}  // namespace
+
+Findings check_motion(const MotionData& data, const Options& options, Source source,
+                      std::size_t radar) {
+  Findings first;  // of the shortest windows
+  for (const double length : kLengths) {
+    const std::vector<Agreements> shifts = all_shifts(data, length, options.radar);
+    const Agreements& windows = windows_to_judge(shifts, options);
+    if (windows.size() < kFewestWindows || static_cast<double>(windows.size()) * length < kLeast) {
+      if (!first.empty()) break;
+      return {{Verdict::kDoubtful, "motion",
+               fmt::format("{} times two seconds with velocities of the radar and without a pause "
+                           "of the IMU: axes, signs and delays cannot be told",
+                           windows.size()),
+               "fly for half a minute with changes of speed and turns"}};
+    }
+    const Findings found =
+        check_in_windows({data, windows, length, options, source, radar}, shifts);
+    const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
+    if (told) return found;
+    if (first.empty()) first = found;
+  }
+  return first;
 }
 
 }  // namespace rio::check

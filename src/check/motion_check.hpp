@@ -6,7 +6,12 @@
 // or of the body, each with both signs of the Doppler, and with the best at any angle if none of
 // these is near it, all at the best delay. The configuration is wrong only if another hypothesis
 // explains the movement, the configured one is clearly worse, and the difference is significant by
-// (E6) of motion.hpp.
+// (E6) of motion.hpp. What the ranges say of the sign (points_check.hpp) excludes candidates:
+// motion in a plane does not distinguish the other sign from a radar turned by 180 deg.
+//
+// Windows of two seconds hardly notice the biases of the IMU. If no candidate explains the movement
+// in them, as with a few points a scan on a slow vehicle, longer ones are tried: noise and
+// vibration matter less the more the velocity changes.
 #pragma once
 
 #include <cstddef>
@@ -14,14 +19,22 @@
 
 #include "check/finding.hpp"
 #include "check/motion.hpp"
+#include "check/points_check.hpp"
 #include "rio/options.hpp"
 
 namespace rio::check {
 
-/// @param samples usable(), @param gyro_unit, accel_unit found by check_imu()
+/// The data, and what other checks found in them.
+struct MotionData {
+  const std::vector<ImuSample>& samples;  ///< usable()
+  const std::vector<RadarSpeed>& speeds;
+  double gyro_unit = 1.0;                            ///< of check_imu() or check_rates()
+  double accel_unit = 1.0;                           ///< of check_imu()
+  DopplerSign doppler_sign = DopplerSign::kUnknown;  ///< of check_ranges()
+};
+
 /// @param radar its number; the options have its mounting as that of the first radar
-Findings check_motion(const std::vector<ImuSample>& samples, const std::vector<RadarSpeed>& speeds,
-                      double gyro_unit, double accel_unit, const Options& options, Source source,
+Findings check_motion(const MotionData& data, const Options& options, Source source,
                       std::size_t radar);
 
 }  // namespace rio::check

@@ -285,7 +285,7 @@ class TurnVotes {
 
 }  // namespace
 
-Finding check_ranges(const Scans& scans, const Options& options, Source source) {
+RangeCheck check_ranges(const Scans& scans, const Options& options, Source source) {
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);
   const double least = options.radar.min_range;
@@ -324,17 +324,19 @@ Finding check_ranges(const Scans& scans, const Options& options, Source source) 
               ""};
   const std::size_t best = votes.winner();
   const Rate& rate = all[best];
-  if (best == 0 || rate.k == 0.0) return out;
+  if (best == 0 || rate.k == 0.0) {
+    return {out, signs.sure() > kSure ? DopplerSign::kAsConfigured : DopplerSign::kUnknown};
+  }
   const Support& against = votes.of(0, best);
   const double sure = -against.sure();
-  if (!(sure > kSure)) return out;
+  if (!(sure > kSure)) return {out};
   out.verdict = Verdict::kWrong;
   out.text = fmt::format(
       "between scans the range changes as the Doppler says in {:.0f} pairs of "
       "points, in {:.0f} by {:.4g} times that, by {:.1f} sigmas: {}",
       sum(against.first), sum(against.second), rate.k, sure, meaning_of(rate));
   out.change = change_of(rate, source);
-  return out;
+  return {out, rate.k < 0.0 ? DopplerSign::kOpposite : DopplerSign::kAsConfigured};
 }
 
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,

@@ -22,8 +22,16 @@
 
 namespace rio::check {
 
-/// Sign and unit of the Doppler by (E1), subject "Doppler by the ranges".
-Finding check_ranges(const Scans& scans, const Options& options, Source source);
+/// What the ranges say of the sign of the Doppler.
+enum class DopplerSign { kUnknown, kAsConfigured, kOpposite };
+
+struct RangeCheck {
+  Finding finding;  ///< subject "Doppler by the ranges"
+  DopplerSign sign = DopplerSign::kUnknown;
+};
+
+/// Sign and unit of the Doppler by (E1).
+RangeCheck check_ranges(const Scans& scans, const Options& options, Source source);
 
 /// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; empty if it is not.
 /// The rates as configured may fit with any mounting and handedness by right angles.

@@ -118,6 +118,39 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   return out;
 }
 
+/// Whether the points are where a radar sees, in metres.
+Finding check_distances(const Scans& scans, const Options& options, Source source) {
+  constexpr double kOtherUnit = 3.0;  // times the limit: the setting of no radar
+  const auto each_range = [&scans](const auto& use) {
+    for (const ScanView scan : scans) {
+      for (const Point& d : scan.detections) use(d.point_S.norm());
+    }
+  };
+  const double nearest = quantile_of_each(each_range, 0.01);
+  const double usual = quantile_of_each(each_range, 0.5);
+  const double farthest = quantile_of_each(each_range, 0.99);
+  Finding out{Verdict::kOk, "distances",
+              fmt::format("half of the points within {:.3g} m, nearly all from {:.2g} to {:.3g} m",
+                          usual, nearest, farthest),
+              ""};
+  const double limit = options.radar.max_range;
+  if (!(usual > limit)) return out;
+  out.text += fmt::format(", dropped beyond {:.3g} m (radar.max_range)", limit);
+  if (usual > kOtherUnit * limit) {
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format(": not in metres; in mm half of them are within {:.3g} m, in cm {:.3g}",
+                            1e-3 * usual, 1e-2 * usual);
+    out.change = source == Source::kBag
+                     ? "--field x=NAME*0.001, y and z alike; 0.01 if they are in cm"
+                     : "multiply the columns x, y and z of radar0/data.csv by 0.001; by 0.01 if "
+                       "they are in cm";
+  } else {
+    out.verdict = Verdict::kDoubtful;
+    out.change = fmt::format("radar: {{max_range: {:.0f}}}", std::ceil(farthest));
+  }
+  return out;
+}
+
 /// Calls use(|Doppler|) for all finite values.
 template <typename Use>
 void each_magnitude(const Scans& scans, Use&& use) {
@@ -225,7 +258,7 @@ Findings check_radar(const Scans& scans, const io::RadarInfo& info,
                      const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
                      const std::filesystem::path& csv) {
   return {check_stamps(scans, info, csv), check_points(scans, speeds, options),
-          check_doppler(scans, options, source)};
+          check_distances(scans, options, source), check_doppler(scans, options, source)};
 }
 
 }  // namespace rio::check

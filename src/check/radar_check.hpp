@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks of the radar alone: clock, rate, points, Doppler.
+// Checks of the radar alone: clock, rate, points, distances, Doppler.
 #pragma once
 
 #include <filesystem>
