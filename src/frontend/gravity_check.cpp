@@ -6,6 +6,7 @@
 
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
+#include "rio/propagate/imu_increments.hpp"
 #include "rio/propagate/strapdown.hpp"
 
 namespace rio {
@@ -67,28 +68,22 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
 }
 
 void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu) {
-  Quaternion turn = Quaternion::Identity();  // finally from current body axes to those at `last`
-  Vector3d s = Vector3d::Zero();             // body axes at `last`
-  double variance = 0.0;
-  imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
-    const double dt = to_seconds(step.end - step.begin);
-    const Vector3d phi = dt * (step.gyro_B - x.nav.gyro_bias);
-    s += turn * (gamma(1, phi) * (step.accel_B - x.nav.accel_bias)) * dt;
-    turn = turn * quaternion_exp(phi);
-    variance += dt * process_noise(options_.imu, step).accel;
-  });
-  const Matrix3d R = turn.conjugate().toRotationMatrix();
+  const ImuIncrements since = imu_increments(last, x.nav.time, x.nav, imu);
+  const Matrix3d R = since.turn.transpose();
   for (std::size_t i = 0; i < scans_.size(); ++i) {
     Scan& scan = scans_[i];
     scan.N = R * scan.N * R.transpose();
     scan.c = R * scan.c;
-    scan.s = R * (scan.s + s);
+    scan.s = R * (scan.s + since.velocity);
     scan.C = R * scan.C;
   }
-  const double seconds = to_seconds(x.nav.time - last);
-  if (seconds > 0.0) {
-    const double forgotten = std::exp(-seconds / to_seconds(kWindow));
-    density_ = std::max(forgotten * density_, variance / seconds);
+  if (since.seconds > 0.0) {
+    double variance = 0.0;
+    imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
+      variance += to_seconds(step.end - step.begin) * process_noise(options_.imu, step).accel;
+    });
+    const double forgotten = std::exp(-since.seconds / to_seconds(kWindow));
+    density_ = std::max(forgotten * density_, variance / since.seconds);
   }
   while (!scans_.empty() && x.nav.time - scans_.front().time > kWindow) scans_.pop_front();
 }

@@ -9,6 +9,7 @@
 #include "rio/core/random.hpp"
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
+#include "rio/propagate/imu_increments.hpp"
 
 namespace rio {
 
@@ -81,18 +82,11 @@ std::nullopt_t VelocityPool::abstain(Time now) {
 }
 
 void VelocityPool::carry(Time last, const Estimate& x, const ImuBuffer& imu) {
-  Quaternion turn = Quaternion::Identity();  // finally from current body axes to those at `last`
-  Vector3d s = Vector3d::Zero();             // body axes at `last`
-  imu.for_each_step(last, x.nav.time, [&](const ImuStep& step) {
-    const double dt = to_seconds(step.end - step.begin);
-    const Vector3d phi = dt * (step.gyro_B - x.nav.gyro_bias);
-    s += turn * (gamma(1, phi) * (step.accel_B - x.nav.accel_bias)) * dt;
-    turn = turn * quaternion_exp(phi);
-  });
-  const Matrix3d C = turn.conjugate().toRotationMatrix();
+  const ImuIncrements since = imu_increments(last, x.nav.time, x.nav, imu);
+  const Matrix3d C = since.turn.transpose();
   for (Row& row : rows_) {
     row.a = C * row.a;
-    row.s = C * (row.s + s);
+    row.s = C * (row.s + since.velocity);
     row.age = to_seconds(x.nav.time - row.time);
   }
   const auto young = std::find_if(rows_.begin(), rows_.end(),

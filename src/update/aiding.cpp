@@ -3,19 +3,11 @@
 
 #include <algorithm>
 
-#include "rio/propagate/strapdown.hpp"
+#include "rio/core/so3.hpp"
 
 namespace rio {
 
-MotionSince motion_since(Time from, Time to, const NavState& biases, const ImuBuffer& imu) {
-  NavState moved;
-  moved.gyro_bias = biases.gyro_bias;
-  moved.accel_bias = biases.accel_bias;
-  imu.for_each_step(from, to, [&](const ImuStep& step) { integrate(step, 0.0, moved); });
-  return {to_seconds(to - from), moved.q_WB.toRotationMatrix(), moved.v_WB, moved.p_WB};
-}
-
-bool linearize(const AidingMeasurement& z, const MotionSince& since, const NavState& nav,
+bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
                const AuxiliaryStates& states, const AuxiliaryValues& auxiliary, double gravity,
                AidingColumns columns, AidingRows* rows) {
   const double s = since.seconds;

@@ -88,7 +88,7 @@ class AidingRowsTest : public testing::Test {
 
   Eigen::Matrix<double, 6, 1> residual(const NavState& x, const AuxiliaryValues& auxiliary) {
     const AidingMeasurement z(motion.earlier.time, Everything{}, {});
-    const MotionSince since = motion_since(motion.earlier.time, x.time, x, motion.imu);
+    const ImuIncrements since = imu_increments(motion.earlier.time, x.time, x, motion.imu);
     EXPECT_TRUE(linearize(z, since, x, states, auxiliary, kGravity, {0, 15}, &rows));
     Eigen::Matrix<double, 6, 1> r;
     for (std::size_t i = 0; i < 6; ++i) r[static_cast<Eigen::Index>(i)] = rows[i].residual;
@@ -148,7 +148,7 @@ TEST_F(AidingRowsTest, RowsOfCorrelatedNoiseAreWhite) {
   z.covariance_W << 4.0, 1.0, 0.0, 1.0, 2.0, 0.5, 0.0, 0.5, 1.0;
   z.p_W = motion.later.p_WB + Vector3d(1.0, 2.0, 3.0);
   const AidingMeasurement measurement(motion.later.time, PositionModel{}, z);
-  ASSERT_TRUE(linearize(measurement, MotionSince{}, motion.later, states, AuxiliaryValues::Zero(),
+  ASSERT_TRUE(linearize(measurement, ImuIncrements{}, motion.later, states, AuxiliaryValues::Zero(),
                         kGravity, {0, 15}, &rows));
   double squared = 0.0;
   for (const LinearRow& row : rows) squared += row.residual * row.residual;
@@ -160,7 +160,7 @@ TEST_F(AidingRowsTest, WhatIsNotFiniteIsOutsideTheDomain) {
   PositionModel::Measurement z;
   z.p_W.x() = std::numeric_limits<double>::quiet_NaN();
   const AidingMeasurement measurement(motion.later.time, PositionModel{}, z);
-  EXPECT_FALSE(linearize(measurement, MotionSince{}, motion.later, states, AuxiliaryValues::Zero(),
+  EXPECT_FALSE(linearize(measurement, ImuIncrements{}, motion.later, states, AuxiliaryValues::Zero(),
                          kGravity, {0, 15}, &rows));
 }
 

@@ -19,7 +19,7 @@ namespace rio {
 /// A measurement of another sensor, taken between the previous state and this one.
 struct AidingFactor {
   AidingMeasurement measurement;
-  MotionSince since;
+  ImuIncrements since;
 };
 
 /// A state of the window with its factors and measurements.

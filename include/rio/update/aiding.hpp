@@ -2,9 +2,7 @@
 // Stages 4 and 5 for sensors other than the radar: a measurement at its own time as rows in the
 // error of a later state.
 //
-// The IMU gives the rotation D and the changes of velocity u and position w over the s seconds
-// between the two, without gravity and initial velocity, in the body axes at the measurement, a:
-// (E1) R = R_a D,  v = v_a + g s + R_a u,  p = p_a + v_a s + g s^2 / 2 + R_a w
+// (E1) the IMU increments D, u, w over the s seconds between the two (propagate/imu_increments.hpp)
 // (E2) errors at a by those of the later state: dphi_a = D dphi + s Jl(log D) db_g,
 //      dv_a = dv + R_a [u] (dphi_a - s / 2 db_g),
 //      dp_a = dp - s dv_a + R_a [w] (dphi_a - s / 3 db_g)
@@ -14,28 +12,18 @@
 
 #include "rio/core/static_vector.hpp"
 #include "rio/models/aiding_measurement.hpp"
-#include "rio/propagate/imu_buffer.hpp"
+#include "rio/propagate/imu_increments.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/update/linear_rows.hpp"
 
 namespace rio {
 
-/// IMU increments from a measurement to a state (E1).
-struct MotionSince {
-  double seconds = 0.0;                  ///< s
-  Matrix3d turn = Matrix3d::Identity();  ///< D
-  Vector3d velocity = Vector3d::Zero();  ///< u [m/s]
-  Vector3d position = Vector3d::Zero();  ///< w [m]
-};
-/// @param biases state whose biases correct the samples
-MotionSince motion_since(Time from, Time to, const NavState& biases, const ImuBuffer& imu);
-
 /// A measurement of another sensor, used with a scan or between scans.
 struct AidingObservation {
   AidingMeasurement measurement;
-  MotionSince to_now;     ///< to the state of the scan
-  Time anchor{0};         ///< time of the window state that keeps it
-  MotionSince to_anchor;  ///< to the anchor
+  ImuIncrements to_now;     ///< to the state of the scan
+  Time anchor{0};           ///< time of the window state that keeps it
+  ImuIncrements to_anchor;  ///< to the anchor
 };
 
 /// Most aiding measurements in one update.
@@ -51,7 +39,7 @@ using AidingRows = StaticVector<LinearRow, static_cast<std::size_t>(AidingMeasur
 
 /// Rows of unit variance in the errors of `nav` and of the auxiliary states. False: outside the
 /// domain of the measurement's model.
-bool linearize(const AidingMeasurement& z, const MotionSince& since, const NavState& nav,
+bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
                const AuxiliaryStates& states, const AuxiliaryValues& auxiliary, double gravity,
                AidingColumns columns, AidingRows* rows);
 

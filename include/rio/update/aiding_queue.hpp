@@ -53,9 +53,9 @@ class AidingQueue {
     for (const AidingMeasurement& z : waiting_) {
       if (z.time() > time || taken_.size() == kMaxAiding) break;
       const Time kept = anchor(z.time());
-      const MotionSince to_now = motion_since(z.time(), x.time, x, imu);
+      const ImuIncrements to_now = imu_increments(z.time(), x.time, x, imu);
       taken_.push_back(
-          {z, to_now, kept, kept == x.time ? to_now : motion_since(z.time(), kept, x, imu)});
+          {z, to_now, kept, kept == x.time ? to_now : imu_increments(z.time(), kept, x, imu)});
     }
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(taken_.size()));
   }
