@@ -5,6 +5,10 @@
 // The window is put together from what the smoother shows before a scan (prior, states) and after
 // it (solution, what the scan measured); its oldest state has been marginalised by then and is
 // not compared. Windows are left out if a landmark left at that scan: its measurements are gone.
+#include <ceres/covariance.h>
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -202,11 +206,11 @@ class Referee {
     const auto radar =
         cost.base.radar(states_[k].data(), mount_.data(), errors_.data(), offset_.data());
     double r = 0.0;
-    (void)cost(states_[k].data(), mount_.data(), errors_.data(), offset_.data(), &r);
+    cost(states_[k].data(), mount_.data(), errors_.data(), offset_.data(), &r);
     r *= std::sqrt(m.z.variance_factor);
     uncorrected_ = uncorrected_ || (corrected && std::abs(r) > 2.999);
     // without the correction the Jacobian leaves the change of the variance out
-    if (!corrected) cost.frozen_variance = cost.variance<double>(radar.scale * radar.v_S);
+    if (!corrected) cost.frozen_variance = cost.variance(radar.scale * radar.v_S);
     add(cost, 1, m.weight, &states_[k], &mount_, &errors_, &offset_);
   }
 
@@ -243,7 +247,7 @@ class Referee {
       add_block(landmarks_[i]);
     }
     cost.factorise(before_.A, before_.g);
-    problem_.AddResidualBlock(differentiated(std::move(cost), sizes), nullptr, blocks);
+    problem_.AddResidualBlock(differentiated(cost, sizes), nullptr, blocks);
   }
 
   /// All but the oldest state, or none.

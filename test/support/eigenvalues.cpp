@@ -5,8 +5,11 @@
 
 namespace rio::test {
 
-Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A, Eigen::MatrixXd* vectors) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      A, vectors != nullptr ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+  if (vectors != nullptr) *vectors = solver.eigenvectors();
+  return solver.eigenvalues();
 }
 
 }  // namespace rio::test

@@ -6,7 +6,7 @@
 
 namespace rio::test {
 
-/// In rising order.  @param A symmetric
-Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A);
+/// In rising order.  @param A symmetric  @param vectors if given, the eigenvectors, as columns
+Eigen::VectorXd eigenvalues(const Eigen::MatrixXd& A, Eigen::MatrixXd* vectors = nullptr);
 
 }  // namespace rio::test

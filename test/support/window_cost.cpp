@@ -1,12 +1,137 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/window_cost.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <ceres/rotation.h>
 
-#include "support/differentiated_cost.hpp"
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "support/eigenvalues.hpp"
 
 namespace rio::test {
+
+namespace {
+
+using Vector15d = Eigen::Matrix<double, 15, 1>;
+using ConstVector3 = Eigen::Map<const Vector3d>;
+
+/// Rotation matrix of a rotation vector.
+Matrix3d rotation(const Vector3d& phi) {
+  Matrix3d R;
+  ceres::AngleAxisToRotationMatrix(phi.data(), R.data());
+  return R;
+}
+/// Rotation vector of a rotation matrix.
+Vector3d rotation_vector(const Matrix3d& R) {
+  Vector3d phi;
+  ceres::RotationMatrixToAngleAxis(R.data(), phi.data());
+  return phi;
+}
+/// The angle of a rotation about the vertical: what is left has none about it.
+double heading(const Matrix3d& R) {
+  double wxyz[4];
+  ceres::RotationMatrixToQuaternion(R.data(), wxyz);
+  return 2.0 * std::atan2(wxyz[3], wxyz[0]);
+}
+
+struct State {
+  Matrix3d R;
+  Vector3d p, v, gyro_bias, accel_bias;
+
+  State(const NavState& at, const double* error) {
+    const Eigen::Map<const Vector15d> e(error);
+    R = at.q_WB.toRotationMatrix() * rotation(e.segment<3>(body::kAttitude));
+    p = at.p_WB + e.segment<3>(body::kPosition);
+    v = at.v_WB + e.segment<3>(body::kVelocity);
+    gyro_bias = at.gyro_bias + e.segment<3>(body::kGyroBias);
+    accel_bias = at.accel_bias + e.segment<3>(body::kAccelBias);
+  }
+};
+
+struct Mount {
+  Matrix3d R;
+  Vector3d p;
+
+  Mount(const Pose& at, const double* error)
+      : R(at.rotation.toRotationMatrix() * rotation(ConstVector3(error))),
+        p(at.translation + ConstVector3(error + 3)) {}
+};
+
+}  // namespace
+
+ScanCost::Radar ScanCost::radar(const double* state, const double* mount, const double* errors,
+                                const double* offset) const {
+  State x(scan.nav, state);
+  const Mount m(T_BS, mount);
+  const double grown = offset[0] + time_offset - scan.scanned[0].time_offset;
+  const double later = scan.at_rest() ? 0.0 : grown;  // at rest it stands
+  const Vector3d w = scan.gyro_B - x.gyro_bias;
+  const Vector3d accel_W = x.R * scan.accel_B;
+  x.R = x.R * rotation(-later * w);
+  x.p -= later * x.v;
+  x.v -= later * accel_W;
+  Radar out;
+  out.R_WS = x.R * m.R;
+  out.p_WS = x.R * m.p + x.p;
+  out.v_S = m.R.transpose() * (x.R.transpose() * x.v + w.cross(m.p));
+  out.scale = 1.0 + errors[0] + radar_errors[0] - scan.scanned[0].radar_errors[0];
+  out.elevation = errors[1] + radar_errors[1] - scan.scanned[0].radar_errors[1];
+  return out;
+}
+
+double DopplerCost::variance(const Vector3d& scaled_v_S) const {
+  if (frozen_variance) return *frozen_variance;
+  double out = z.sigma_doppler * z.sigma_doppler;
+  if (direction_noise) out += scaled_v_S.dot(z.direction_cov * scaled_v_S);
+  return z.variance_factor * out;
+}
+
+void DopplerCost::operator()(const double* state, const double* mount, const double* errors,
+                             const double* offset, double* r) const {
+  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  const Vector3d u =
+      std::cos(radar.elevation) * z.direction_S - std::sin(radar.elevation) * z.upwards_S;
+  const Vector3d v = radar.scale * radar.v_S;
+  r[0] = (z.range_rate + length * u.dot(v)) / std::sqrt(variance(v));
+}
+
+void PointCost::operator()(const double* state, const double* mount, const double* errors,
+                           const double* offset, const double* landmark_error, double* r) const {
+  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  const Vector3d point =
+      radar.R_WS.transpose() * (landmark + ConstVector3(landmark_error) - radar.p_WS);
+  const double range = point.norm();
+  const Vector3d u = point / range;
+  const double az = z.sigma_azimuth_S.norm();
+  const double el = z.sigma_elevation_S.norm();
+  r[0] = (z.range - range) / z.sigma_range;
+  r[1] = -u.dot(z.sigma_azimuth_S / az) / az;
+  r[2] = (-u.dot(z.sigma_elevation_S / el) - radar.elevation) / el;
+  if (doppler) {
+    r[3] = (doppler->range_rate + radar.scale * u.dot(radar.v_S)) / doppler->sigma_doppler;
+  }
+}
+
+void RangeCost::operator()(const double* state, const double* mount, const double* errors,
+                           const double* offset, const double* landmark_error, double* r) const {
+  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  r[0] = (range - (landmark + ConstVector3(landmark_error) - radar.p_WS).norm()) / sigma;
+}
+
+void TrailCost::operator()(const double* state, const double* past_state, const double* mount,
+                           const double* errors, const double* offset, double* r) const {
+  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  const State then(past, past_state);
+  const Mount m(base.T_BS, mount);
+  const Vector3d point = then.R * (m.R * z.past_S + m.p) + then.p;
+  r[0] = (z.range - (point - radar.p_WS).norm()) / sigma;
+}
+
+void RestCost::operator()(const double* state, double* r) const {
+  const State x(at, state);
+  Eigen::Map<Eigen::Matrix<double, 6, 1>> out(r);
+  out << -(x.R.transpose() * x.v) / z.sigma_velocity, (z.gyro_B - x.gyro_bias) / z.sigma_rate;
+}
 
 ImuCost::ImuCost(const Preintegration& imu, double gravity, const NavState& i, const NavState& j)
     : first(i),
@@ -19,19 +144,73 @@ ImuCost::ImuCost(const Preintegration& imu, double gravity, const NavState& i, c
       seconds(to_seconds(imu.duration())),
       g_W(0.0, 0.0, -gravity) {}
 
+void ImuCost::operator()(const double* state_i, const double* state_j, double* r) const {
+  const State i(first, state_i);
+  const State j(last, state_j);
+  const Vector3d dbg = i.gyro_bias - gyro_bias;
+  const Vector3d dba = i.accel_bias - accel_bias;
+  const auto part = [&](int row, int column) -> Matrix3d { return A.block<3, 3>(row, column); };
+  const Matrix3d dR =
+      increment.delta_q.toRotationMatrix() * rotation(part(body::kAttitude, body::kGyroBias) * dbg);
+  const Vector3d dv = increment.delta_v + part(body::kVelocity, body::kGyroBias) * dbg +
+                      part(body::kVelocity, body::kAccelBias) * dba;
+  const Vector3d dp = increment.delta_p + part(body::kPosition, body::kGyroBias) * dbg +
+                      part(body::kPosition, body::kAccelBias) * dba;
+  const Matrix3d R_iW = i.R.transpose();
+  Vector15d e;
+  e << rotation_vector(dR.transpose() * R_iW * j.R),
+      R_iW * (j.p - i.p - i.v * seconds - 0.5 * seconds * seconds * g_W) - dp,
+      R_iW * (j.v - i.v - seconds * g_W) - dv, j.gyro_bias - i.gyro_bias,
+      j.accel_bias - i.accel_bias;
+  Eigen::Map<Vector15d> out(r);
+  out = whitening * e;
+}
+
 void PriorCost::factorise(const Eigen::MatrixXd& A, const Eigen::VectorXd& g) {
   const Eigen::VectorXd scale =
       A.diagonal().unaryExpr([](double a) { return a > 0.0 ? 1.0 / std::sqrt(a) : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      (scale.asDiagonal() * A * scale.asDiagonal()).eval());
+  Eigen::MatrixXd vectors;
+  const Eigen::VectorXd values = eigenvalues(scale.asDiagonal() * A * scale.asDiagonal(), &vectors);
   constexpr double kRounding = 1e-12;  // of a unit diagonal of some hundred rows
   const Eigen::Index n = A.rows();
-  const Eigen::Index zero = (eigen.eigenvalues().array() < kRounding).count();
-  const Eigen::MatrixXd V = eigen.eigenvectors().rightCols(n - zero);
-  const Eigen::VectorXd s = eigen.eigenvalues().tail(n - zero).cwiseSqrt();
+  const Eigen::Index zero = (values.array() < kRounding).count();
+  const Eigen::MatrixXd V = vectors.rightCols(n - zero);
+  const Eigen::VectorXd s = values.tail(n - zero).cwiseSqrt();
   const Eigen::VectorXd inverse = scale.unaryExpr([](double d) { return d > 0.0 ? 1.0 / d : 0.0; });
   root = s.asDiagonal() * V.transpose() * inverse.asDiagonal();
   offset = s.cwiseInverse().asDiagonal() * (V.transpose() * (scale.asDiagonal() * g));
+}
+
+void PriorCost::error(const double* const* blocks, double* out) const {
+  Eigen::Map<Eigen::VectorXd> xi(out, root.cols());
+  const State oldest(now_states[0], blocks[0]);
+  const double psi = heading(oldest.R * made_states[0].q_WB.toRotationMatrix().transpose());
+  const Matrix3d back = rotation(Vector3d(0.0, 0.0, -psi));
+  Eigen::Index at = 0;
+  std::size_t block = 0;
+  for (std::size_t s = 0; s < made_states.size(); ++s, at += body::kSize) {
+    const State x(now_states[s], blocks[block++]);
+    const NavState& made = made_states[s];
+    xi.segment<15>(at) << rotation_vector(back * x.R * made.q_WB.toRotationMatrix().transpose()),
+        back * x.p - made.p_WB, back * x.v - made.v_WB, x.gyro_bias - made.gyro_bias,
+        x.accel_bias - made.accel_bias;
+  }
+  xi[body::kAttitude + 2] = psi;
+  const Mount mount(now_T_BS, blocks[block++]);
+  if (extrinsics) {
+    xi.segment<6>(at) << rotation_vector(made_T_BS.rotation.toRotationMatrix().transpose() *
+                                         mount.R),
+        mount.p - made_T_BS.translation;
+    at += 6;
+  }
+  const double* errors = blocks[block++];
+  for (int i = 0; radar_errors && i < 2; ++i) xi[at++] = errors[i] + now_errors[i] - made_errors[i];
+  const double* late = blocks[block++];
+  if (time_offset) xi[at++] = late[0] + now_errors[2] - made_errors[2];
+  for (std::size_t i = 0; i < made_landmarks.size(); ++i, at += 3) {
+    xi.segment<3>(at) =
+        back * (now_landmarks[i] + ConstVector3(blocks[block++])) - made_landmarks[i];
+  }
 }
 
 }  // namespace rio::test
