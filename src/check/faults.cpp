@@ -123,6 +123,11 @@ std::vector<Fault> make_faults() {
          for (RadarScan& scan : d->scans) scan.time += from_seconds(1.0 / 15.0);
        },
        "delay of the radar", "moved by -", "time_offset: 0.0"},
+      {"RadarSecondsLate", "scans 1.5 s late",
+       [](io::Dataset* d) {
+         for (RadarScan& scan : d->scans) scan.time += from_seconds(1.5);
+       },
+       "delay of the radar", "moved by -1.", "--radar-offset"},
   };
 }
 

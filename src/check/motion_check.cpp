@@ -341,6 +341,46 @@ Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, c
   return out;
 }
 
+/// Whether the first or the last shift explains the motion best.
+bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options) {
+  std::vector<double> most;
+  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
+  const auto best = std::max_element(most.begin(), most.end());
+  return *best > kExplained && (best == most.begin() || best + 1 == most.end());
+}
+
+/// A delay beyond those of check_delay(), with which radar and IMU agree at last.
+std::optional<Finding> check_far_delay(const MotionData& data, const Options& options,
+                                       Source source) {
+  constexpr double kFarthest = 4.0;                        // [s]
+  constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
+  double most = kExplained;
+  double delay = 0.0;
+  std::vector<RadarSpeed> moved = data.speeds;
+  for (double middle = -kFarthest; middle <= kFarthest; middle += kCovered) {
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      moved[i].time = data.speeds[i].time + from_seconds(middle);
+    }
+    const MotionData there{data.samples, moved, data.gyro_unit, data.accel_unit};
+    const std::vector<Agreements> shifts = all_shifts(there, kLengths[0], options.radar);
+    for (int i = -kShifts; i <= kShifts; ++i) {
+      const Agreements& windows = shifts[static_cast<std::size_t>(i + kShifts)];
+      const double explained = most_explained(windows, options);
+      if (windows.size() < kFewestWindows || explained <= most) continue;
+      most = explained;
+      delay = middle + kShiftStep * i;
+    }
+  }
+  if (delay == 0.0) return std::nullopt;
+  return Finding{Verdict::kWrong, "delay of the radar",
+                 fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.2f} s, "
+                             "then in {:.0f} % of the movement",
+                             delay, 100.0 * most),
+                 source == Source::kBag
+                     ? fmt::format("--radar-offset \"{:+.2f} s\"", delay)
+                     : fmt::format("add {:.0f} to the stamps of radar0/data.csv", 1e9 * delay)};
+}
+
 Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shifts) {
   if (const auto unit = check_gyro_unit(judge)) return {*unit};
   if (const auto mirrored = check_handedness(judge)) return {*mirrored};
@@ -370,6 +410,10 @@ Findings check_motion(const MotionData& data, const Options& options, Source sou
     const Findings found =
         check_in_windows({data, windows, length, options, source, radar}, shifts);
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
+    const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
+    if (first.empty() && (unexplained || ends_at_the_best(shifts, options))) {
+      if (const auto delay = check_far_delay(data, options, source)) return {*delay};
+    }
     if (told) return found;
     if (first.empty()) first = found;
   }

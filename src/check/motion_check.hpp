@@ -11,7 +11,8 @@
 //
 // Windows of two seconds hardly notice the biases of the IMU. If no candidate explains the movement
 // in them, as with a few points a scan on a slow vehicle, longer ones are tried: noise and
-// vibration matter less the more the velocity changes.
+// vibration matter less the more the velocity changes. Delays of seconds are tried if nothing
+// explains the movement, or the longest of the usual delays does best.
 #pragma once
 
 #include <cstddef>
