@@ -159,16 +159,43 @@ bool CsvReader::next() {
   std::string_view line;
   while (next_line(&line)) {
     line = trimmed(line);
-    if (line.empty() || line.front() == '#') continue;
+    if (line.empty()) continue;
     split(line);
-    if (expected_columns_ == 0) expected_columns_ = cells_.size();
-    if (cells_.size() != expected_columns_) {
-      fail("has " + std::to_string(cells_.size()) + " columns, the rows before have " +
-           std::to_string(expected_columns_));
+    if (line.front() == '#') {
+      if (expected_columns_ == 0) header_columns_ = cells_.size();
+      continue;
     }
+    expect_columns();
     return true;
   }
   return false;
+}
+
+void CsvReader::expect_columns() {
+  const std::size_t columns = cells_.size();
+  const bool first = expected_columns_ == 0;
+  if (first) expected_columns_ = columns;
+  const auto is_whole = [](std::string_view cell) { return cell.find('.') == cell.npos; };
+  const bool halves = separator_ == ',' && columns == 2 * header_columns_ - 1 && columns > 1 &&
+                      std::all_of(cells_.begin(), cells_.end(), is_whole);  // all but the stamp
+  if (columns == expected_columns_ && !(first && halves)) return;
+  const std::string found = "has " + std::to_string(columns) + " columns, ";
+  if (halves) {
+    fail(found + "the header has " + std::to_string(header_columns_) +
+         ": numbers need a decimal point, not a comma");
+  }
+  fail(found + "the rows before have " + std::to_string(expected_columns_));
+}
+
+std::string CsvReader::other_separator(std::size_t i) const {
+  const auto at = cell(i).find_first_of(separator_ == ',' ? ";\t " : ";,");
+  if (at == std::string_view::npos) return "";
+  const char found = cell(i)[at];
+  return std::string("; columns are separated by ") + (separator_ == ',' ? "commas" : "blanks") +
+         ", not by " +
+         (found == '\t'  ? "tabs"
+          : found == ' ' ? "blanks"
+                         : std::string(1, found));
 }
 
 void CsvReader::split(std::string_view line) {
@@ -192,8 +219,10 @@ std::string_view CsvReader::cell(std::size_t i) const {
 
 double CsvReader::number(std::size_t i) const {
   const auto value = parse<double>(cell(i));
-  if (!value)
-    fail("column " + std::to_string(i + 1) + ": not a number: \"" + std::string(cell(i)) + "\"");
+  if (!value) {
+    fail("column " + std::to_string(i + 1) + ": not a number: \"" + std::string(cell(i)) + "\"" +
+         other_separator(i));
+  }
   return *value;
 }
 
@@ -206,7 +235,8 @@ bool CsvReader::is_plain_number(std::size_t i) const {
 std::int64_t CsvReader::integer(std::size_t i) const {
   const auto value = parse<std::int64_t>(cell(i));
   if (!value) {
-    fail("column " + std::to_string(i + 1) + ": not an integer: \"" + std::string(cell(i)) + "\"");
+    fail("column " + std::to_string(i + 1) + ": not an integer: \"" + std::string(cell(i)) + "\"" +
+         other_separator(i));
   }
   return *value;
 }

@@ -201,15 +201,21 @@ void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::str
   }
 }
 
-/// Samples that are not finite are kept as recorded, and the first is noted.
+/// Samples that are not finite are kept as recorded, and the first is noted. The span of the stamps
+/// leaves out a corrupt first or last one, hours from its neighbour.
 void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
   ImuRows rows(path, samples != nullptr ? Numbers::kRead : Numbers::kLookAt);
   ImuSample sample;
   int bad = 0;
   std::string first;
+  Time before{0};
   while (rows.next(&sample)) {
-    if (outline->imu_samples++ == 0) outline->imu_begin = sample.time;
-    outline->imu_end = sample.time;
+    constexpr double kCorrupt = 3600.0;  // [s]
+    const std::size_t earlier = outline->imu_samples++;
+    const bool apart = std::abs(to_seconds(sample.time) - to_seconds(before)) > kCorrupt;
+    if (earlier == 0 || (earlier == 1 && apart)) outline->imu_begin = sample.time;
+    if (earlier <= 1 || !apart) outline->imu_end = sample.time;
+    before = sample.time;
     if (samples != nullptr) samples->imu.push_back(sample);
     if (rows.is_finite()) continue;
     if (++bad == 1) first = rows.place();

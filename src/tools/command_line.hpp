@@ -8,6 +8,9 @@ namespace rio::tools {
 
 struct EstimatorArguments;
 
+/// Makes options that take a number refuse nan, for which every range has room.
+void refuse_nan(CLI::App* app);
+
 /// Common options of every command that runs the estimator.
 void add_estimator_options(CLI::App* command, EstimatorArguments* estimator);
 

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "calibration_names.hpp"
+#include "rio/propagate/stamp_guard.hpp"
 
 namespace rio::tools {
 
@@ -24,8 +26,12 @@ HealthReason reason_at(std::size_t i) {
 }  // namespace
 
 void HealthLog::add(Time time, const Health& health) {
-  if (!has_last_) begin_ = time;
-  const double seconds = has_last_ ? std::max(0.0, to_seconds(time - last_)) : 0.0;
+  constexpr Time kJump = std::chrono::hours(1);  // of the clock
+  if (!is_stamp(time)) return;
+  if (!has_last_) begin_ = last_ = time;
+  const bool jumps = time - last_ > kJump || last_ - time > kJump;
+  if (jumps) begin_ += time - last_;
+  const double seconds = jumps ? 0.0 : std::max(0.0, to_seconds(time - last_));
   has_last_ = true;
   last_ = time;
   health_ = health;

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.hpp"
 #include "experiment/experiment.hpp"
 #include "progress.hpp"
 #include "results_block.hpp"
@@ -129,6 +130,7 @@ int run(int argc, char** argv) {
   app.add_option(
       "--update", arguments.update,
       "Markdown file in which the block of this experiment is replaced, and its charts beside it");
+  rio::tools::refuse_nan(&app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

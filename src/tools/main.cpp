@@ -109,6 +109,7 @@ int run(int argc, char** argv) {
   add_calibrate_command(app);
   add_options_command(app);
   add_describe_command(app);
+  refuse_nan(&app);
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");

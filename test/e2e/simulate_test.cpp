@@ -148,7 +148,8 @@ TEST_F(Tool, WrongScenariosAreRejected) {
       {"--trajectory " + file("none.tum"), "none.tum"},
       {"--trajectory " + flight_ + " --length 30", "--length excludes --trajectory"},
       {"--seed -1", "--seed"},
-      {"--length 3", "--length"}};
+      {"--length 3", "--length"},
+      {"--length nan", "--length: nan is not a number"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome run = rio("simulate " + file("rejected") + " " + arguments);
     EXPECT_NE(run.status, 0) << arguments;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The `rio` program as a user runs it: replay, evaluate, plot, options, experiment; damaged input;
-// and a real recording where there is one. `rio simulate` is in simulate_test.cpp.
+// The `rio` program as a user runs it: replay, evaluate, plot, options, experiment; and
+// a real recording where there is one. `rio simulate` is in simulate_test.cpp, damaged input in
+// damaged_test.cpp.
 #include <gtest/gtest.h>
 
 #include <sys/wait.h>
@@ -10,9 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -153,80 +152,12 @@ TEST_F(Tool, StaticStartNeedsNoTruth) {
   EXPECT_NE(asked.output.find("no ground truth"), std::string::npos) << asked.output;
 }
 
-TEST_F(Tool, DamagedDataNamesFileAndLineAndNeverShortens) {
-  const fs::path flight = copy("damaged");
-  const fs::path radar = flight / "radar0/data.csv";
-  fs::resize_file(radar, fs::file_size(radar) - 30);  // cut inside the last row
-  Outcome run = rio("replay " + flight.string() + " --quiet");
-  EXPECT_NE(run.status, 0);
-  EXPECT_NE(run.output.find("radar0/data.csv:"), std::string::npos) << run.output;
-  fs::remove(radar);
-  run = rio("replay " + flight.string() + " --quiet");
-  EXPECT_NE(run.status, 0);
-  EXPECT_NE(run.output.find("radar0/data.csv"), std::string::npos) << run.output;
-}
-
-/// Lines changed one by one, comments and all; `change` gets the number of the row.
-void edit(const fs::path& file, const std::function<void(std::string&, std::size_t)>& change) {
-  std::vector<std::string> lines = lines_of(file);
-  std::ofstream out(file);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    change(lines[i], i);
-    out << lines[i] << "\n";
-  }
-}
-
-TEST_F(Tool, OddRadarStampsStopNothing) {
-  const fs::path flight = copy("odd_stamps");
-  std::set<std::string> stamps;
-  edit(flight / "radar0/data.csv", [&stamps](std::string& line, std::size_t) {
-    const std::string stamp = line.substr(0, line.find(','));
-    stamps.insert(stamp);
-    if (stamps.size() < 20 || stamps.size() > 22) return;
-    const std::string odd = stamps.size() == 21 ? "-9223372036854775808"
-                                                : std::to_string(std::stoll(stamp) + 3600000000000);
-    line = odd + line.substr(line.find(','));
-  });
-  const Outcome run = rio("replay " + flight.string() + " --json");
-  ASSERT_EQ(run.status, 0) << run.output;
-  const auto json = nlohmann::json::parse(run.last_line());
-  EXPECT_EQ(json["scans"], scans() - 3);
-  EXPECT_EQ(json["counters"]["scans_ahead"], 2);
-  EXPECT_EQ(json["counters"]["scans_late"], 1);
-}
-
-TEST_F(Tool, ValuesThatAreNoNumberAreNamedAndPassedOver) {
-  const fs::path flight = copy("nan");
-  edit(flight / "imu0/data.csv", [](std::string& line, std::size_t row) {
-    if (row == 100 || row == 110) line = line.substr(0, line.rfind(',')) + ",nan";
-  });
-  const Outcome run = rio("replay " + flight.string() + " --json");
-  ASSERT_EQ(run.status, 0) << run.output;
-  EXPECT_NE(run.output.find("imu0/data.csv:101: not finite, the first of 2 such samples"),
-            std::string::npos)
-      << run.output;
-  EXPECT_EQ(nlohmann::json::parse(run.last_line())["scans"], scans());
-}
-
 TEST_F(Tool, ALostEstimateIsAnError) {
   const Outcome run =
       rio("replay " + flight_ + " --quiet --preset published-ekf --init-velocity 1000 0 0");
   EXPECT_EQ(WEXITSTATUS(run.status), 3);
   EXPECT_NE(run.output.find("verdict: lost: "), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("rio: the estimate is lost: "), std::string::npos) << run.output;
-}
-
-// A third of a flight is no healthy flight.
-TEST_F(Tool, TheVerdictSaysHowFewScansWereUsed) {
-  const fs::path flight = copy("third");
-  std::vector<std::string> samples = lines_of(flight / "imu0/data.csv");
-  samples.resize(samples.size() / 3);
-  std::ofstream out(flight / "imu0/data.csv");
-  for (const std::string& line : samples) out << line << "\n";
-  out.close();
-  const Outcome run = rio("replay " + flight.string());
-  EXPECT_EQ(run.status, 0) << run.output;
-  EXPECT_NE(run.output.find("% of the scans were used"), std::string::npos) << run.output;
 }
 
 TEST_F(Tool, UnknownOptionsAreRejectedWithASuggestion) {

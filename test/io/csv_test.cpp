@@ -88,6 +88,19 @@ TEST(Csv, RejectsWhatIsNotANumber) {
   EXPECT_ERROR(rows.cell(7), "column 8 is needed");
 }
 
+TEST(Csv, DecimalCommasAndOtherSeparatorsAreNamed) {
+  const TempDir dir;
+  CsvReader commas(dir.write("a.csv", "#t,x,y\n1,-0,5,0,25\n"));
+  EXPECT_ERROR(commas.next(),
+               "a.csv:2: has 5 columns, the header has 3: numbers need a decimal point");
+  CsvReader more(dir.write("b.csv", "#t,x,y\n1,-0.5,0.25,3,4\n"));
+  EXPECT_TRUE(more.next());
+  CsvReader semicolons(dir.write("c.csv", "#t;x\n1;2.5\n"));
+  ASSERT_TRUE(semicolons.next());
+  EXPECT_ERROR(semicolons.integer(0),
+               "column 1: not an integer: \"1;2.5\"; columns are separated by commas, not by ;");
+}
+
 TEST(Csv, SecondsAreExactToTheNanosecond) {
   const TempDir dir;
   CsvReader rows(dir.write("a.tum",

@@ -17,7 +17,8 @@ namespace rio::io {
 std::string read_text(const std::filesystem::path& path);
 
 /// Every error is a std::runtime_error that begins "FILE:LINE: ". All rows must have as many cells
-/// as the first, so a truncated row is an error; CRLF and a last line without newline are accepted.
+/// as the first, so a truncated row is an error, and a decimal comma is found by the columns of a #
+/// header; CRLF and a last line without newline are accepted.
 class CsvReader {
  public:
   /// @param separator ',' or ' '; a space stands for any run of blanks and tabs
@@ -50,6 +51,9 @@ class CsvReader {
   bool next_line(std::string_view* line);
   void read_on();
   void split(std::string_view line);
+  void expect_columns();
+  /// Of a cell that is no number: the columns of the file are separated by something else.
+  std::string other_separator(std::size_t i) const;
 
   std::string name_;
   std::ifstream stream_;
@@ -57,6 +61,7 @@ class CsvReader {
   char separator_;
   std::size_t position_ = 0;  ///< in text_, of the next line
   std::size_t line_ = 0;
+  std::size_t header_columns_ = 0;  ///< of the last comment before the first row
   std::size_t expected_columns_ = 0;
   std::vector<std::string_view> cells_;
 };

@@ -19,7 +19,7 @@ struct RecordingOutline {
   /// has no scans there.
   Dataset sensors;
   std::size_t imu_samples = 0;
-  Time imu_begin{0};  ///< stamp of the first sample in the file
+  Time imu_begin{0};  ///< stamp of the first sample in the file, unless it is corrupt
   Time imu_end{0};    ///< stamp of the last one
   /// Stamps of the scans in file order, by radar.
   std::vector<std::vector<Time>> scan_times;
