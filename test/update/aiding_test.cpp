@@ -160,8 +160,8 @@ TEST_F(AidingRowsTest, WhatIsNotFiniteIsOutsideTheDomain) {
   PositionModel::Measurement z;
   z.p_W.x() = std::numeric_limits<double>::quiet_NaN();
   const AidingMeasurement measurement(motion.later.time, PositionModel{}, z);
-  EXPECT_FALSE(linearize(measurement, ImuIncrements{}, motion.later, states, AuxiliaryValues::Zero(),
-                         kGravity, {0, 15}, &rows));
+  EXPECT_FALSE(linearize(measurement, ImuIncrements{}, motion.later, states,
+                         AuxiliaryValues::Zero(), kGravity, {0, 15}, &rows));
 }
 
 TEST(AuxiliaryStates, AreFoundByName) {
