@@ -161,7 +161,7 @@ struct Counters {
   std::uint64_t imu_ahead = 0;
   std::uint64_t imu_non_finite = 0;
   std::uint64_t imu_out_of_range = 0;  ///< saturated, or beyond the range of any sensor
-  std::uint64_t imu_frozen = 0;        ///< all values as in the sample before
+  std::uint64_t imu_frozen = 0;        ///< values that repeat where noise does not
   std::uint64_t imu_gaps = 0;
   std::uint64_t clock_restarts = 0;  ///< permanent jumps of the IMU clock
   std::uint64_t scans = 0;           ///< processed

@@ -23,10 +23,11 @@
 // Inputs are checked in constant time. A refused input has its Status, if it is data its counter,
 // and changes nothing else:
 //   numbers     NaN and infinity in samples, detections and starts (kNonFinite); a measurement of
-//               another sensor is judged by its model and its gate. An IMU sample that is frozen,
-//               or beyond the range of the sensor (ImuOptions::max_rate, max_accel), is
-//               kImplausible and bridged as if it were lost. A detection that is not finite or
-//               beyond the range of a radar is removed from its scan.
+//               another sensor is judged by its model and its gate. An IMU sample that is frozen
+//               (all values, or one axis that repeats its value unlike before), or beyond the range
+//               of the sensor (ImuOptions::max_rate, max_accel), is kImplausible and bridged as if
+//               it were lost. A detection that is not finite or beyond the range of a radar is
+//               removed from its scan.
 //   IMU stamps  increase strictly (else kStale), by half a second at most (else kAhead). A single
 //               outlier is dropped. Five outliers in a row with increasing stamps are a jump. A
 //               jump forwards by up to TimingOptions::max_pause is a pause and bridged as a gap (if

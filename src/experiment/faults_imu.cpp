@@ -71,6 +71,9 @@ void add_dead_axes(std::vector<Fault>& all) {
                         [](ImuSample& s, Moment&) { s.gyro_B.x() = 0.0; }));
   all.push_back(samples("gyro z reads 0 for 5 s", 5.0, Promise::kHonest, 0.0,
                         [](ImuSample& s, Moment&) { s.gyro_B.z() = 0.0; }));
+  all.push_back(
+      samples("accel z stuck for 5 s", 5.0, kRecovered, 10.0,
+              [](ImuSample& s, Moment& m) { s.accel_B.z() = m.before.sample.accel_B.z(); }));
   all.push_back(samples("accel reads 0 for 5 s", 5.0, kRecovered, 10.0,
                         [](ImuSample& s, Moment&) { s.accel_B.setZero(); }));
   all.push_back(samples("vibration of 3 g and 1 rad/s for 10 s", 10.0, kRecovered, 10.0,

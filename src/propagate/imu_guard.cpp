@@ -9,14 +9,50 @@ namespace rio {
 ImuFault ImuGuard::check(const ImuSample& sample) {
   Vector6d x;
   x << sample.gyro_B, sample.accel_B;
-  const bool repeats = seen_ > 0.0 && x == last_;
   const bool outside = out_of_range(x);
+  count_repeats(x);
   last_ = x;
   if (outside) return ImuFault::kOutOfRange;
-  if (repeats && seen_ > kKnown && repeated_ < kRarely * seen_) return ImuFault::kFrozen;
+  if (seen_ > kKnown && is_frozen()) return ImuFault::kFrozen;
   seen_ += 1.0;
-  repeated_ += repeats ? 1.0 : 0.0;
+  for (int i = 0; i < 6; ++i) {
+    share_[i] += ((repeats_[i] > 0.0 ? 1.0 : 0.0) - share_[i]) / std::min(seen_, kMemory);
+  }
+  if (seen_ > kKnown) most_ = most_.cwiseMax(share_);
   return ImuFault::kNone;
+}
+
+void ImuGuard::count_repeats(const Vector6d& x) {
+  for (int i = 0; i < 6; ++i) {
+    const bool repeats = seen_ > 0.0 && x[i] == last_[i];
+    repeats_[i] = repeats ? repeats_[i] + 1.0 : 0.0;
+    recent_[i] += ((repeats ? 1.0 : 0.0) - recent_[i]) / kRecent;
+  }
+}
+
+bool ImuGuard::is_frozen() const {
+  constexpr double kByChance = -20.7;  // log 1e-9
+  double all = 0.0;
+  bool every = true;
+  for (int i = 0; i < 6; ++i) {
+    if (repeats_[i] == 0.0) {
+      every = false;
+      continue;
+    }
+    const double chance = repeats_[i] * std::log(most_[i]);
+    if (chance < kByChance && another_varies(i)) return true;
+    all += chance;
+  }
+  return every && all < kByChance;
+}
+
+bool ImuGuard::another_varies(int axis) const {
+  constexpr double kVaries = 0.3;  // share of repeats at most
+  const int sensor = axis < 3 ? 0 : 3;
+  for (int i = sensor; i < sensor + 3; ++i) {
+    if (i != axis && recent_[i] < kVaries) return true;
+  }
+  return false;
 }
 
 bool ImuGuard::out_of_range(const Vector6d& x) {

@@ -4,7 +4,11 @@
 //
 // Out of range: a value outside the range of the sensor (ImuOptions::max_rate, max_accel), or an
 // axis that repeats, to the last bit, the largest value it ever had: a smaller range, saturated.
-// Frozen: all six values equal those of the sample before, although the noise hardly ever repeats.
+// Frozen: values that repeat, to the last bit, where the noise does not. With r_i the largest share
+// of repeats that axis i has had for some time, and n_i how often it has just repeated:
+// (E1) prod r_i^n_i < 1e-9, over all six axes if all repeat, or for a single one, if another axis
+// of
+//      the same sensor does not: at rest a coarse sensor may repeat all its values
 #pragma once
 
 #include <cstdint>
@@ -30,18 +34,26 @@ class ImuGuard {
 
   ImuGuard(double max_rate, double max_accel) : max_rate_(max_rate), max_accel_(max_accel) {}
   bool out_of_range(const Vector6d& x);
+  void count_repeats(const Vector6d& x);
+  bool is_frozen() const;  ///< (E1)
+  bool another_varies(int axis) const;
 
   static constexpr double kSmallestRate = 4.3;    // least range of a gyroscope, 250 deg/s [rad/s]
   static constexpr double kSmallestAccel = 19.0;  // same of an accelerometer, 2 g [m/s^2]
   static constexpr double kKnown = 100.0;         // samples until the share of repeats is known
+  static constexpr double kMemory = 200.0;        // samples over which it is averaged
+  static constexpr double kRecent = 16.0;         // same, of the axes that vary
   static constexpr double kRarely = 0.02;         // share of repeats; coarse quantisation has more
 
   double max_rate_;
   double max_accel_;
   Vector6d last_ = Vector6d::Zero();
-  Vector6d largest_ = Vector6d::Zero();  ///< magnitude so far, within the range
-  double seen_ = 0.0;                    ///< samples accepted
-  double repeated_ = 0.0;                ///< of those, repeats
+  Vector6d largest_ = Vector6d::Zero();          ///< magnitude so far, within the range
+  double seen_ = 0.0;                            ///< samples accepted
+  Vector6d repeats_ = Vector6d::Zero();          ///< n of (E1)
+  Vector6d share_ = Vector6d::Zero();            ///< of repeats, of the samples accepted
+  Vector6d most_ = Vector6d::Constant(kRarely);  ///< r of (E1): the largest share so far
+  Vector6d recent_ = Vector6d::Zero();           ///< share of repeats, of the latest samples
 };
 
 }  // namespace rio
