@@ -237,15 +237,18 @@ class Pipeline {
   }
 
   /// Drops landmarks and trails after a silence of the radar, scans without a static set included,
-  /// or a pause of the IMU in which the body may have rotated: with such an uncertain pose
-  /// landmarks would be mismatched, each well inside its gate.
+  /// or a pause of the IMU in which the body may have rotated, or while the tilt is uncertain, as
+  /// in strong vibration: with such an uncertain pose landmarks would be mismatched, each well
+  /// inside its gate, and turn the heading.
   void forget_after_silence(Time time) {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
     constexpr double kTurn = 0.1;                       // half a metre at a range of 5 m [rad]
+    constexpr double kTilt = 0.05;                      // normally a tenth of that [rad]
     const BodyCovariance P = backend_.state_estimate().covariance().body();
-    const double turn =
-        std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
-    if (time - last_static_set_ > kLongest || (report_.imu_gap && turn > kTurn)) {
+    const Matrix3d P_attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
+    const double turn = std::sqrt(P_attitude.diagonal().maxCoeff());
+    const double tilt = std::sqrt(attitude_variance(estimate().nav.q_WB, P_attitude).tilt);
+    if (time - last_static_set_ > kLongest || (report_.imu_gap && turn > kTurn) || tilt > kTilt) {
       backend_.drop_landmarks(&report_);
       reset_frontends();
     }

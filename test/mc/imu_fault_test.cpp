@@ -7,6 +7,7 @@
 
 #include "experiment/trial.hpp"
 #include "rio/eval/metrics.hpp"
+#include "rio/sim/random.hpp"
 #include "support/measured.hpp"
 #include "support/short_flight.hpp"
 
@@ -79,6 +80,31 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
     EXPECT_LT(worst_tilt, 1.0) << fault.name;
     EXPECT_LT(nees / count, 3.0) << fault.name;
   }
+}
+
+// While the tilt is uncertain landmarks are mismatched, which turns the heading; afterwards the
+// position runs away at right angles to the velocity.
+TEST(ImuFault, StrongVibrationLeavesAnHonestPosition) {
+  double worst = 0.0;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    sim::Flight flight = test::short_flight("outdoor", 40.0, seed);
+    const Time first = flight.imu.front().time + from_seconds(20.0);
+    sim::Random random(seed, 1);
+    for (ImuSample& s : flight.imu) {
+      if (s.time < first || s.time > first + from_seconds(10.0)) continue;
+      s.accel_B += 30.0 * random.normal3();
+      s.gyro_B += random.normal3();
+    }
+    for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
+      Options options = options_for(flight, "default");
+      options.backend = backend;
+      const Trial trial = fly(flight, options);
+      ASSERT_TRUE(trial.complete) << seed;
+      worst = std::max(worst, block_nees(trial.steps.back()).position);
+    }
+  }
+  test::measured("strong vibration for 10 s: NEES of position / 3, worst", worst, "below 4");
+  EXPECT_LT(worst, 4.0);
 }
 
 // No gravity tells a heading: only landmarks that turn, scan after scan the same way.
