@@ -363,12 +363,12 @@ std::optional<Finding> check_far_delay(const MotionData& data, const Options& op
     }
     const MotionData there{data.samples, moved, data.gyro_unit, data.accel_unit};
     const std::vector<Agreements> shifts = all_shifts(there, kLengths[0], options.radar);
-    for (int i = -kShifts; i <= kShifts; ++i) {
-      const Agreements& windows = shifts[static_cast<std::size_t>(i + kShifts)];
+    for (std::size_t i = 0; i < shifts.size(); ++i) {
+      const Agreements& windows = shifts[i];
       const double explained = most_explained(windows, options);
       if (windows.size() < kFewestWindows || explained <= most) continue;
       most = explained;
-      delay = middle + kShiftStep * i;
+      delay = middle + kShiftStep * (static_cast<double>(i) - kShifts);
     }
   }
   if (delay == 0.0) return std::nullopt;
@@ -407,8 +407,7 @@ Findings check_motion(const MotionData& data, const Options& options, Source sou
                            windows.size()),
                "fly for half a minute with changes of speed and turns"}};
     }
-    const Findings found =
-        check_in_windows({data, windows, length, options, source, radar}, shifts);
+    Findings found = check_in_windows({data, windows, length, options, source, radar}, shifts);
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
     const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
     if (first.empty() && (unexplained || ends_at_the_best(shifts, options))) {
