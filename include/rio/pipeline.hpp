@@ -132,7 +132,7 @@ class Pipeline {
 
     velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     const DetectionList& scan = without_own_echoes(corrected(received));
-    forget_after_silence(scan.time);
+    forget_if_uncertain(scan.time);
     observe(scan, last, imu);  // (3)
     if (seen_.ego_velocity.inliers > 0) last_static_set_ = scan.time;
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
@@ -237,18 +237,18 @@ class Pipeline {
   }
 
   /// Drops landmarks and trails after a silence of the radar, scans without a static set included,
-  /// or a pause of the IMU in which the body may have rotated, or while the tilt is uncertain, as
-  /// in strong vibration: with such an uncertain pose landmarks would be mismatched, each well
+  /// after a pause of the IMU in which the body may have rotated, and while the tilt is uncertain,
+  /// as in strong vibration: with such an uncertain pose landmarks would be mismatched, each well
   /// inside its gate, and turn the heading.
-  void forget_after_silence(Time time) {
+  void forget_if_uncertain(Time time) {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
     constexpr double kTurn = 0.1;                       // half a metre at a range of 5 m [rad]
     constexpr double kTilt = 0.05;                      // normally a tenth of that [rad]
     const BodyCovariance P = backend_.state_estimate().covariance().body();
-    const Matrix3d P_attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
-    const double turn = std::sqrt(P_attitude.diagonal().maxCoeff());
-    const double tilt = std::sqrt(attitude_variance(estimate().nav.q_WB, P_attitude).tilt);
-    if (time - last_static_set_ > kLongest || (report_.imu_gap && turn > kTurn) || tilt > kTilt) {
+    const double turn =
+        std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
+    if (time - last_static_set_ > kLongest || (report_.imu_gap && turn > kTurn) ||
+        checks_.sigma_tilt() > kTilt) {
       backend_.drop_landmarks(&report_);
       reset_frontends();
     }

@@ -209,8 +209,8 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
   int bad = 0;
   std::string first;
   Time before{0};
+  constexpr double kCorrupt = 3600.0;  // [s]
   while (rows.next(&sample)) {
-    constexpr double kCorrupt = 3600.0;  // [s]
     const std::size_t earlier = outline->imu_samples++;
     const bool apart = std::abs(to_seconds(sample.time) - to_seconds(before)) > kCorrupt;
     if (earlier == 0 || (earlier == 1 && apart)) outline->imu_begin = sample.time;

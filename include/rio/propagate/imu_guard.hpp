@@ -6,9 +6,8 @@
 // axis that repeats, to the last bit, the largest value it ever had: a smaller range, saturated.
 // Frozen: values that repeat, to the last bit, where the noise does not. With r_i the largest share
 // of repeats that axis i has had for some time, and n_i how often it has just repeated:
-// (E1) prod r_i^n_i < 1e-9, over all six axes if all repeat, or for a single one, if another axis
-// of
-//      the same sensor does not: at rest a coarse sensor may repeat all its values
+// (E1) prod r_i^n_i < 1e-9, over all six axes if all repeat, or for one axis if another of the same
+//      sensor varies: at rest a coarse sensor may repeat all its values
 #pragma once
 
 #include <cstdint>

@@ -53,6 +53,14 @@ class ConsistencyChecks {
     unconfirmed_alignment_ = unconfirmed;
   }
 
+  /// Sigma of roll and pitch together [rad].
+  double sigma_tilt() const {
+    const BodyCovariance P = body_covariance();
+    return std::sqrt(attitude_variance(backend_.estimate().nav.q_WB,
+                                       P.block<3, 3>(body::kAttitude, body::kAttitude))
+                         .tilt);
+  }
+
   /// The tilt is too uncertain for a linearised update. False if the checks are switched off:
   /// updates then continue.
   bool tilt_is_lost() const {
@@ -143,14 +151,6 @@ class ConsistencyChecks {
   };
 
   BodyCovariance body_covariance() const { return backend_.state_estimate().covariance().body(); }
-
-  /// Sigma of roll and pitch together [rad].
-  double sigma_tilt() const {
-    const BodyCovariance P = body_covariance();
-    return std::sqrt(attitude_variance(backend_.estimate().nav.q_WB,
-                                       P.block<3, 3>(body::kAttitude, body::kAttitude))
-                         .tilt);
-  }
 
   /// Since when the velocity may have been wrong: one that replaced another recently and is now
   /// contradicted may have been wrong from the start, however well the scans supported it.
