@@ -12,6 +12,7 @@
 #include <string>
 
 #include "check/axes.hpp"
+#include "check/delay_check.hpp"
 #include "check/numbers.hpp"
 #include "check/units.hpp"
 #include "rio/core/so3.hpp"
@@ -20,13 +21,8 @@ namespace rio::check {
 
 namespace {
 
-constexpr double kSure = 3.0;       // sigmas, of (E6) of motion.hpp
-constexpr double kExplained = 0.5;  // of the movement: not reached by chance
-constexpr std::size_t kFewestWindows = 3;
 constexpr double kLeast = 10.0;                   // in all windows together [s]
 constexpr std::array kLengths = {2.0, 4.0, 8.0};  // of the windows [s]
-constexpr double kShiftStep = 0.02;               // [s]
-constexpr int kShifts = 14;                       // to each side; below kMostShift
 
 struct Judge {
   const MotionData& data;
@@ -58,7 +54,8 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
     const bool better = std::none_of(right.begin(), right.end(), [&](const Axes& axes) {
       const Matrix3d turn = axes.R.transpose() * R;
       return (turn.determinant() > 0.0 && quaternion_log(Quaternion(turn)).norm() < kFar) ||
-             significance(judge.all.explained(axes.R), explained, judge.windows.size()) < kSure;
+             significance(judge.all.explained(axes.R), explained, judge.windows.size()) <
+                 kSignificant;
     });
     if (!better || explained < kExplained) continue;
     list->push_back({R, sign < 0.0, angle_between(judge.configured, sign * R)});
@@ -99,7 +96,7 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
                                    [&](const Axes& a) { return (a.R - axes.R).norm() < 1e-6; });
     if (known) continue;
     if (&axes == best ||
-        (judge.all.explained(axes.R) > enough && judge.doubt(axes.R, best->R) < kSure)) {
+        (judge.all.explained(axes.R) > enough && judge.doubt(axes.R, best->R) < kSignificant)) {
       alike->push_back(axes);
     }
   }
@@ -159,8 +156,8 @@ Finding check_axes(const Judge& judge) {
   if (as_configured > 0.8 * best) {
     out.verdict = Verdict::kDoubtful;
   } else {
-    out.verdict =
-        judge.doubt(judge.configured, found.R) > kSure ? Verdict::kWrong : Verdict::kDoubtful;
+    out.verdict = judge.doubt(judge.configured, found.R) > kSignificant ? Verdict::kWrong
+                                                                        : Verdict::kDoubtful;
   }
   out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found));
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
@@ -168,16 +165,6 @@ Finding check_axes(const Judge& judge) {
   }
   out.change = change_of(judge.configured, found, judge.options, judge.source, judge.radar);
   return out;
-}
-
-/// The best of all candidates.
-double most_explained(const Agreements& windows, const Options& options) {
-  const Agreement& all = windows.total();
-  double most = 0.0;
-  for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
-    most = std::max(most, all.explained(axes.R));
-  }
-  return most;
 }
 
 /// Whether radar and IMU agree only with the gyro in deg/s, which the IMU alone did not show. Not
@@ -196,7 +183,7 @@ std::optional<Finding> check_gyro_unit(const Judge& judge) {
   const double most = most_explained(
       agreements(speeds, path, judge.length, radar.T_BS.translation, {-radar.time_offset}).front(),
       judge.options);
-  if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSure) {
+  if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSignificant) {
     return std::nullopt;
   }
   return Finding{
@@ -229,7 +216,7 @@ std::optional<Finding> check_handedness(const Judge& judge) {
   });
   const double most = all.explained(best->R);
   if (most < kExplained || !best->doppler_flipped ||
-      significance(as_read, most, mirrored.size()) < kSure) {
+      significance(as_read, most, mirrored.size()) < kSignificant) {
     return std::nullopt;
   }
   const Matrix3d of_body = best->R * judge.configured.transpose();
@@ -274,113 +261,6 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   return out;
 }
 
-/// The windows for every shift, from the most negative on.
-std::vector<Agreements> all_shifts(const MotionData& data, double length,
-                                   const RadarOptions& radar) {
-  const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
-  std::vector<double> shifts;
-  for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
-  return agreements(data.speeds, path, length, radar.T_BS.translation, shifts);
-}
-
-/// The windows in which the axes are judged: at the configured delay, unless another shift is
-/// significantly better with some axes.
-const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options) {
-  std::vector<double> most;
-  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
-  const auto best = std::max_element(most.begin(), most.end()) - most.begin();
-  const Agreements& configured = shifts[kShifts];
-  return significance(most[kShifts], most[static_cast<std::size_t>(best)], configured.size()) >
-                 kSure
-             ? shifts[static_cast<std::size_t>(best)]
-             : configured;
-}
-
-/// The shift of the stamps that explains the most.
-struct Shift {
-  double seconds = 0.0;
-  double explained = 0.0;
-};
-
-Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
-  std::vector<double> explained;
-  for (const Agreements& windows : shifts) explained.push_back(windows.total().explained(R));
-  const auto best = std::max_element(explained.begin(), explained.end());
-  const auto index = static_cast<int>(std::distance(explained.begin(), best));
-  Shift out{kShiftStep * (index - kShifts), *best};
-  if (best != explained.begin() && best + 1 != explained.end()) {  // parabola through three points
-    const double curvature = best[-1] - 2.0 * best[0] + best[1];
-    if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
-  }
-  return out;
-}
-
-Finding check_delay(const Judge& judge, const std::vector<Agreements>& shifts, const Matrix3d& R) {
-  constexpr double kNotable = 0.02;  // [s]
-  constexpr double kMaybe = 2.0;     // sigmas
-  constexpr double kWrong = 0.045;   // not corrected by an estimator with a prior of 30 ms [s]
-  const RadarOptions& radar = judge.options.radar;
-  const Shift shift = best_shift(shifts, R);
-  const double sure =
-      significance(shifts[kShifts].total().explained(R), shift.explained, judge.windows.size());
-  Finding out{Verdict::kOk, "delay of the radar",
-              fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
-                          1e3 * shift.seconds),
-              ""};
-  const double size = std::abs(shift.seconds);
-  out.text += fmt::format(", by {:.1f} sigmas", sure);
-  if (size < kNotable || sure < kMaybe) return out;
-  out.verdict = size > kWrong && sure > kSure ? Verdict::kWrong : Verdict::kDoubtful;
-  const double offset = radar.time_offset - shift.seconds;
-  out.change = judge.radar == 0
-                   ? fmt::format("radar: {{time_offset: {:.3f}}}", offset)
-                   : fmt::format("radar{}/sensor.yaml: time_offset_s: {:.3f}", judge.radar, offset);
-  if (judge.source == Source::kBag) {
-    out.change += fmt::format(", or --radar-offset \"{:+.0f} ms\"", 1e3 * shift.seconds);
-  }
-  return out;
-}
-
-/// Whether the first or the last shift explains the motion best.
-bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options) {
-  std::vector<double> most;
-  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
-  const auto best = std::max_element(most.begin(), most.end());
-  return *best > kExplained && (best == most.begin() || best + 1 == most.end());
-}
-
-/// A delay beyond those of check_delay(), with which radar and IMU agree at last.
-std::optional<Finding> check_far_delay(const MotionData& data, const Options& options,
-                                       Source source) {
-  constexpr double kFarthest = 4.0;                        // [s]
-  constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
-  double most = kExplained;
-  double delay = 0.0;
-  std::vector<RadarSpeed> moved = data.speeds;
-  for (double middle = -kFarthest; middle <= kFarthest; middle += kCovered) {
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      moved[i].time = data.speeds[i].time + from_seconds(middle);
-    }
-    const MotionData there{data.samples, moved, data.gyro_unit, data.accel_unit};
-    const std::vector<Agreements> shifts = all_shifts(there, kLengths[0], options.radar);
-    for (std::size_t i = 0; i < shifts.size(); ++i) {
-      const Agreements& windows = shifts[i];
-      const double explained = most_explained(windows, options);
-      if (windows.size() < kFewestWindows || explained <= most) continue;
-      most = explained;
-      delay = middle + kShiftStep * (static_cast<double>(i) - kShifts);
-    }
-  }
-  if (delay == 0.0) return std::nullopt;
-  return Finding{Verdict::kWrong, "delay of the radar",
-                 fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.2f} s, "
-                             "then in {:.0f} % of the movement",
-                             delay, 100.0 * most),
-                 source == Source::kBag
-                     ? fmt::format("--radar-offset \"{:+.2f} s\"", delay)
-                     : fmt::format("add {:.0f} to the stamps of radar0/data.csv", 1e9 * delay)};
-}
-
 Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shifts) {
   if (const auto unit = check_gyro_unit(judge)) return {*unit};
   if (const auto mirrored = check_handedness(judge)) return {*mirrored};
@@ -388,7 +268,8 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shi
   std::vector<Axes> alike;
   const Axes found = choose(judge, hypotheses(judge), &alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
-  return {axes, check_scale(judge, found.R), check_delay(judge, shifts, found.R)};
+  return {axes, check_scale(judge, found.R),
+          check_delay(shifts, found.R, judge.options, judge.source, judge.radar)};
 }
 
 }  // namespace
@@ -411,7 +292,7 @@ Findings check_motion(const MotionData& data, const Options& options, Source sou
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
     const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
     if (first.empty() && (unexplained || ends_at_the_best(shifts, options))) {
-      if (const auto delay = check_far_delay(data, options, source)) return {*delay};
+      if (const auto delay = check_far_delay(data, kLengths[0], options, source)) return {*delay};
     }
     if (told) return found;
     if (first.empty()) first = found;

@@ -16,23 +16,12 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "check/finding.hpp"
-#include "check/motion.hpp"
-#include "check/points_check.hpp"
+#include "check/motion_data.hpp"
 #include "rio/options.hpp"
 
 namespace rio::check {
-
-/// The data, and what other checks found in them.
-struct MotionData {
-  const std::vector<ImuSample>& samples;  ///< usable()
-  const std::vector<RadarSpeed>& speeds;
-  double gyro_unit = 1.0;                            ///< of check_imu() or check_rates()
-  double accel_unit = 1.0;                           ///< of check_imu()
-  DopplerSign doppler_sign = DopplerSign::kUnknown;  ///< of check_ranges()
-};
 
 /// @param radar its number; the options have its mounting as that of the first radar
 Findings check_motion(const MotionData& data, const Options& options, Source source,

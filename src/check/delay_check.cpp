@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/delay_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "check/axes.hpp"
+
+namespace rio::check {
+
+namespace {
+
+constexpr double kShiftStep = 0.02;  // [s]
+constexpr int kShifts = 14;          // to each side; below kMostShift
+
+std::vector<double> most_explained(const std::vector<Agreements>& shifts, const Options& options) {
+  std::vector<double> most;
+  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
+  return most;
+}
+
+/// The shift of the stamps that explains the most.
+struct Shift {
+  double seconds = 0.0;
+  double explained = 0.0;
+};
+
+Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
+  std::vector<double> explained;
+  for (const Agreements& windows : shifts) explained.push_back(windows.total().explained(R));
+  const auto best = std::max_element(explained.begin(), explained.end());
+  const auto index = static_cast<int>(std::distance(explained.begin(), best));
+  Shift out{kShiftStep * (index - kShifts), *best};
+  if (best != explained.begin() && best + 1 != explained.end()) {  // parabola through three points
+    const double curvature = best[-1] - 2.0 * best[0] + best[1];
+    if (curvature < 0.0) out.seconds += 0.5 * kShiftStep * (best[-1] - best[1]) / curvature;
+  }
+  return out;
+}
+
+}  // namespace
+
+double most_explained(const Agreements& windows, const Options& options) {
+  const Agreement& all = windows.total();
+  double most = 0.0;
+  for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
+    most = std::max(most, all.explained(axes.R));
+  }
+  return most;
+}
+
+std::vector<Agreements> all_shifts(const MotionData& data, double length,
+                                   const RadarOptions& radar) {
+  const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
+  std::vector<double> shifts;
+  for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
+  return agreements(data.speeds, path, length, radar.T_BS.translation, shifts);
+}
+
+const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options) {
+  const std::vector<double> most = most_explained(shifts, options);
+  const auto best = std::max_element(most.begin(), most.end()) - most.begin();
+  const Agreements& configured = shifts[kShifts];
+  return significance(most[kShifts], most[static_cast<std::size_t>(best)], configured.size()) >
+                 kSignificant
+             ? shifts[static_cast<std::size_t>(best)]
+             : configured;
+}
+
+Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
+                    const Options& options, Source source, std::size_t radar) {
+  constexpr double kNotable = 0.02;  // [s]
+  constexpr double kMaybe = 2.0;     // sigmas
+  constexpr double kWrong = 0.045;   // not corrected by an estimator with a prior of 30 ms [s]
+  const double configured = options.radar.time_offset;
+  const Shift shift = best_shift(shifts, R);
+  const double sure =
+      significance(shifts[kShifts].total().explained(R), shift.explained, shifts[kShifts].size());
+  Finding out{Verdict::kOk, "delay of the radar",
+              fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
+                          1e3 * shift.seconds),
+              ""};
+  const double size = std::abs(shift.seconds);
+  out.text += fmt::format(", by {:.1f} sigmas", sure);
+  if (size < kNotable || sure < kMaybe) return out;
+  out.verdict = size > kWrong && sure > kSignificant ? Verdict::kWrong : Verdict::kDoubtful;
+  const double offset = configured - shift.seconds;
+  out.change = radar == 0
+                   ? fmt::format("radar: {{time_offset: {:.3f}}}", offset)
+                   : fmt::format("radar{}/sensor.yaml: time_offset_s: {:.3f}", radar, offset);
+  if (source == Source::kBag) {
+    out.change += fmt::format(", or --radar-offset \"{:+.0f} ms\"", 1e3 * shift.seconds);
+  }
+  return out;
+}
+
+bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options) {
+  const std::vector<double> most = most_explained(shifts, options);
+  const auto best = std::max_element(most.begin(), most.end());
+  return *best > kExplained && (best == most.begin() || best + 1 == most.end());
+}
+
+std::optional<Finding> check_far_delay(const MotionData& data, double length,
+                                       const Options& options, Source source) {
+  constexpr double kFarthest = 4.0;                        // [s]
+  constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
+  double most = kExplained;
+  double delay = 0.0;
+  std::vector<RadarSpeed> moved = data.speeds;
+  for (double middle = -kFarthest; middle <= kFarthest; middle += kCovered) {
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      moved[i].time = data.speeds[i].time + from_seconds(middle);
+    }
+    const MotionData there{data.samples, moved, data.gyro_unit, data.accel_unit};
+    const std::vector<Agreements> shifts = all_shifts(there, length, options.radar);
+    for (std::size_t i = 0; i < shifts.size(); ++i) {
+      const Agreements& windows = shifts[i];
+      const double explained = most_explained(windows, options);
+      if (windows.size() < kFewestWindows || explained <= most) continue;
+      most = explained;
+      delay = middle + kShiftStep * (static_cast<double>(i) - kShifts);
+    }
+  }
+  if (delay == 0.0) return std::nullopt;
+  return Finding{Verdict::kWrong, "delay of the radar",
+                 fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.2f} s, "
+                             "then in {:.0f} % of the movement",
+                             delay, 100.0 * most),
+                 source == Source::kBag
+                     ? fmt::format("--radar-offset \"{:+.2f} s\"", delay)
+                     : fmt::format("add {:.0f} to the stamps of radar0/data.csv", 1e9 * delay)};
+}
+
+}  // namespace rio::check

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The delay of the stamps of the radar, by the shift with which the motion of radar and IMU agrees
+// best: every 20 ms up to 0.28 s to both sides of the configured delay, and up to four seconds
+// where these are not enough.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "check/finding.hpp"
+#include "check/motion.hpp"
+#include "check/motion_data.hpp"
+#include "rio/options.hpp"
+
+namespace rio::check {
+
+/// The largest share (E4) of motion.hpp with the axes of any of the candidates().
+double most_explained(const Agreements& windows, const Options& options);
+
+/// The windows for every shift, from the most negative on.
+/// @param length of a window [s]
+std::vector<Agreements> all_shifts(const MotionData& data, double length,
+                                   const RadarOptions& radar);
+
+/// The windows in which the axes are judged: at the configured delay, unless another shift is
+/// significantly better with some axes.
+/// @param shifts of all_shifts(), like those below
+const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options);
+
+/// Whether the first or the last shift explains the motion best.
+bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options);
+
+/// @param R axes of the radar as found
+/// @param radar its number
+Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
+                    const Options& options, Source source, std::size_t radar);
+
+/// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
+/// none.
+std::optional<Finding> check_far_delay(const MotionData& data, double length,
+                                       const Options& options, Source source);
+
+}  // namespace rio::check
