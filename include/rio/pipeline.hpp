@@ -74,7 +74,7 @@ class Pipeline {
   /// Propagates the estimate to `time` without a scan, not beyond the newest IMU sample.
   Status propagate(Time time, const ImuBuffer& imu) {
     bool gap = false;
-    return backend_.propagate(time, imu, &gap);
+    return propagate(time, imu, &gap);
   }
 
   /// Updates the health between scans, when the IMU has reached `now`.
@@ -98,7 +98,7 @@ class Pipeline {
     report_ = UpdateReport{};
     report_.time = time;
     const Time at = std::max(time, estimate().nav.time);
-    report_.status = backend_.propagate(at, imu, &report_.imu_gap);
+    report_.status = propagate(at, imu, &report_.imu_gap);
     gather(at, imu);
     if (report_.status == Status::kOk && !tilt_is_lost()) {
       report_.status = backend_.update(aided_, &report_);
@@ -122,7 +122,7 @@ class Pipeline {
     report_ = UpdateReport{};
     report_.time = received.time;
     report_.radar = received.radar;
-    report_.status = backend_.propagate(measured, imu, &report_.imu_gap);  // (1)
+    report_.status = propagate(measured, imu, &report_.imu_gap);  // (1)
     const Time propagated = now();
     report_.propagation_time = propagated - start;
     gather(measured, imu);
@@ -133,7 +133,7 @@ class Pipeline {
     velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     const DetectionList& scan = without_own_echoes(corrected(received));
     forget_if_uncertain(scan.time);
-    observe(scan, last, imu);  // (3)
+    observe(scan, last);  // (3)
     if (seen_.ego_velocity.inliers > 0) last_static_set_ = scan.time;
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
@@ -167,6 +167,15 @@ class Pipeline {
     report_ = UpdateReport{};
     newest_scan_ = kNoScan;
     aiding_.clear();
+  }
+
+  /// Stage 1, and the data gathered by the checks.
+  /// @param gap set if the IMU paused since
+  Status propagate(Time time, const ImuBuffer& imu, bool* gap) {
+    const Time last = estimate().nav.time;
+    const Status status = backend_.propagate(time, imu, gap);
+    if (status == Status::kOk) checks_.carry(last, imu, *gap);
+    return status;
   }
 
   Time now() const { return options_.timing.clock != nullptr ? options_.timing.clock() : Time{0}; }
@@ -255,10 +264,10 @@ class Pipeline {
   }
 
   /// Stage 3, again after a check has replaced the attitude.
-  void observe(const DetectionList& scan, Time last, const ImuBuffer& imu) {
-    if (checks_.check_velocity(scan, velocity_covariance_, last, imu)) forget_velocity();
+  void observe(const DetectionList& scan, Time last) {
+    if (checks_.check_velocity(scan, velocity_covariance_, last)) forget_velocity();
     frontend().observe(scan, estimate(), &seen_, velocity_covariance_);
-    if (checks_.check_tilt(seen_, last, imu)) {
+    if (checks_.check_tilt(seen_)) {
       forget_velocity();
       frontend().observe(scan, estimate(), &seen_, velocity_covariance_);
     } else if (checks_.consensus_is_doubtful()) {

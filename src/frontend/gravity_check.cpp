@@ -27,8 +27,7 @@ void GravityCheck::agree(Time time) {
 
 std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, const Estimate& x,
                                                     const BodyCovariance& P_body,
-                                                    const Matrix4d& P_radar, Time last,
-                                                    const ImuBuffer& imu, bool gap) {
+                                                    const Matrix4d& P_radar) {
   const Time now = x.nav.time;
   if (!options_.frontend.velocity_recovery) {
     agree(now);
@@ -36,8 +35,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   }
   // without a unique fold the unfolded Dopplers may be wrong
   const double variance = P_body.block<3, 3>(body::kVelocity, body::kVelocity).trace();
-  if (gap || !fold_.is_unique(variance)) reset(now);
-  carry(x, last, imu);
+  if (!fold_.is_unique(variance)) reset(now);
   take(seen, x);
   const double span = to_seconds(now - scans_.front().time);
   if (span < to_seconds(kSpan)) {
@@ -67,7 +65,8 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
                         other.velocity};
 }
 
-void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu) {
+void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {
+  if (gap) reset(x.nav.time);
   const ImuIncrements since = imu_increments(last, x.nav.time, x.nav, imu);
   const Matrix3d R = since.turn.transpose();
   for (std::size_t i = 0; i < scans_.size(); ++i) {

@@ -28,16 +28,10 @@ void VelocityPool::reset(Time time) {
 }
 
 std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, const Estimate& x,
-                                                     double sigma, double sigma_tilt, Time last,
-                                                     const ImuBuffer& imu, bool gap) {
+                                                     double sigma, double sigma_tilt) {
   chance_ = 0.0;
   if (!options_.frontend.velocity_recovery) return abstain(x.nav.time);
-  if (gap) {
-    rows_.clear();
-    proven_ = 0.0;
-  }
   drift_ = std::hypot(kDrift, options_.imu.gravity * sigma_tilt);
-  carry(last, x, imu);
   take(scan, x);
   complete(x);
   const Time now = x.nav.time;
@@ -81,7 +75,11 @@ std::nullopt_t VelocityPool::abstain(Time now) {
   return std::nullopt;
 }
 
-void VelocityPool::carry(Time last, const Estimate& x, const ImuBuffer& imu) {
+void VelocityPool::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {
+  if (gap) {
+    rows_.clear();
+    proven_ = 0.0;
+  }
   const ImuIncrements since = imu_increments(last, x.nav.time, x.nav, imu);
   const Matrix3d C = since.turn.transpose();
   for (Row& row : rows_) {

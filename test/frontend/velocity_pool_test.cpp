@@ -34,8 +34,8 @@ class PoolTest : public testing::Test {
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
     x.nav.v_WB += wrong_W;
-    return pool_->observe(vehicle_->scan(points, others, u_W), x, sigma, 0.002, last,
-                          vehicle_->imu(), false);
+    pool_->carry(x, last, vehicle_->imu(), false);
+    return pool_->observe(vehicle_->scan(points, others, u_W), x, sigma, 0.002);
   }
 
   /// Scans until there is a verdict, at most `count`; the seconds that took, negative if none came.
@@ -93,7 +93,8 @@ TEST_F(PoolTest, EachRadarHasItsOwnFold) {
       Estimate x = vehicle_->estimate();
       x.nav.v_WB += error;
       const DetectionList scan = vehicle_->scan_of(i % 4 == 0 ? 0 : 1, 3, 0, Vector3d::Zero());
-      other = pool_->observe(scan, x, 0.05, 0.002, last, vehicle_->imu(), false);
+      pool_->carry(x, last, vehicle_->imu(), false);
+      other = pool_->observe(scan, x, 0.05, 0.002);
     }
     ASSERT_EQ(other.has_value(), wrong > 0.0);
     if (wrong == 0.0) {
@@ -238,9 +239,8 @@ TEST_F(PoolTest, FoldsWhereTheDividedRangeRatesDo) {
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
     x.radar_errors[RadarErrors::kDopplerScale] = kScale;
-    EXPECT_FALSE(pool_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002, last,
-                                vehicle_->imu(), false))
-        << i;
+    pool_->carry(x, last, vehicle_->imu(), false);
+    EXPECT_FALSE(pool_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002)) << i;
     EXPECT_EQ(pool_->contradiction(), 0.0) << i;
   }
 }

@@ -57,16 +57,19 @@ class GravityCheck {
   /// The first of the consecutive scans that contradict it; none if the last one does not.
   std::optional<Time> contradicted_since() const { return since_; }
 
+  /// Rotates the scans to the body axes of x and adds the IMU increments (E1). Call whenever the
+  /// state is propagated, with or without a scan.
+  /// @param last time from which it was propagated; the buffer holds the samples since
+  /// @param gap the IMU paused since
+  void carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap);
+
   /// Takes a scan; returns gravity if it contradicts the state estimate's.
   /// @param seen observations of the scan: its static set
   /// @param x predicted to the scan
   /// @param P_body covariance of x, order of namespace body
   /// @param P_radar covariance of the rotation of T_BS (axes S) and of the Doppler scale
-  /// @param last time of the scan before; the buffer holds the samples since
-  /// @param gap the IMU paused since
   std::optional<GravityOpinion> observe(const Observations& seen, const Estimate& x,
-                                        const BodyCovariance& P_body, const Matrix4d& P_radar,
-                                        Time last, const ImuBuffer& imu, bool gap);
+                                        const BodyCovariance& P_body, const Matrix4d& P_radar);
 
  private:
   using Matrix34d = Eigen::Matrix<double, 3, 4>;
@@ -90,8 +93,6 @@ class GravityCheck {
   };
 
   void agree(Time time);
-  /// Rotates the scans to the current body axes and adds the IMU increments since `last` (E1).
-  void carry(const Estimate& x, Time last, const ImuBuffer& imu);
   void take(const Observations& seen, const Estimate& x);
   /// None if the Dopplers contain too little information, or if no v and g explain them.
   std::optional<Fit> fit_dopplers(Time now) const;

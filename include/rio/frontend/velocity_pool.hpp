@@ -63,15 +63,18 @@ class VelocityPool {
   /// Difference of the velocities while it is contradicted; 0 if it is not [m/s].
   double contradiction() const { return contradiction_; }
 
+  /// Transforms the Dopplers to the body axes of x (E1) and drops the old ones. Call whenever the
+  /// state is propagated, with or without a scan.
+  /// @param last time from which it was propagated; the buffer holds the samples since
+  /// @param gap the IMU paused since
+  void carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap);
+
   /// Takes a scan; returns the velocity that contradicts the state estimate's, if one does.
   /// @param x predicted to the scan
   /// @param sigma of the velocity of x, all axes [m/s]
   /// @param sigma_tilt of roll and pitch [rad]
-  /// @param last time of the scan before; the buffer holds the samples since
-  /// @param gap the IMU paused since
   std::optional<VelocityOpinion> observe(const DetectionList& scan, const Estimate& x, double sigma,
-                                         double sigma_tilt, Time last, const ImuBuffer& imu,
-                                         bool gap);
+                                         double sigma_tilt);
 
  private:
   /// One Doppler, transformed to the current body axes.
@@ -99,8 +102,6 @@ class VelocityPool {
     RowArray range;                    ///< 2 v_r / sqrt(2 pi) of (E4) [m/s]
   };
 
-  /// Transforms the rows to the time of x (E1) and drops the old ones.
-  void carry(Time last, const Estimate& x, const ImuBuffer& imu);
   /// Adds the rows of a scan.
   void take(const DetectionList& scan, const Estimate& x);
   /// Fills a_v and columns_.

@@ -68,16 +68,23 @@ class ConsistencyChecks {
     return enabled_ && sigma_tilt() > kLinear;
   }
 
+  /// The state was propagated from `last`; the buffer holds the samples since.
+  /// @param gap the IMU paused since
+  void carry(Time last, const ImuBuffer& imu, bool gap) {
+    if (!enabled_) return;
+    pool_.carry(backend_.estimate(), last, imu, gap);
+    gravity_.carry(backend_.estimate(), last, imu, gap);
+  }
+
   /// @param scan corrected for the errors of the radar
   /// @param velocity_covariance of the predicted radar velocity
-  /// @param last time of the scan before; the buffer holds the samples since
+  /// @param last time of the scan before
   [[nodiscard]] bool check_velocity(const DetectionList& scan, const Matrix3d& velocity_covariance,
-                                    Time last, const ImuBuffer& imu) {
+                                    Time last) {
     constexpr double kOpen = 0.5;  // above it the next scans determine the velocity [m/s]
     const Estimate& x = backend_.estimate();
     sigma_velocity_ = std::sqrt(velocity_covariance.trace());
-    const auto other =
-        pool_.observe(scan, x, sigma_velocity_, sigma_tilt(), last, imu, report_.imu_gap);
+    const auto other = pool_.observe(scan, x, sigma_velocity_, sigma_tilt());
     report_.velocity_reset = other.has_value();
     report_.velocity_contradicted = to_seconds(x.nav.time - pool_.contradicted_since());
     if (pool_.proven()) unconfirmed_alignment_ = false;
@@ -98,11 +105,10 @@ class ConsistencyChecks {
   }
 
   /// @param seen observations of the scan: its static set
-  [[nodiscard]] bool check_tilt(const Observations& seen, Time last, const ImuBuffer& imu) {
+  [[nodiscard]] bool check_tilt(const Observations& seen) {
     const Estimate& x = backend_.estimate();
     const auto down = gravity_.observe(seen, x, body_covariance(),
-                                       backend_.state_estimate().velocity_calibration(), last, imu,
-                                       report_.imu_gap);
+                                       backend_.state_estimate().velocity_calibration());
     report_.attitude_reset = down.has_value();
     report_.tilt_contradicted =
         to_seconds(x.nav.time - gravity_.contradicted_since().value_or(x.nav.time));
