@@ -74,6 +74,10 @@ void add_dead_axes(std::vector<Fault>& all) {
   all.push_back(
       samples("accel z stuck for 5 s", 5.0, kRecovered, 10.0,
               [](ImuSample& s, Moment& m) { s.accel_B.z() = m.before.sample.accel_B.z(); }));
+  all.push_back(samples("accel frozen for 5 s", 5.0, kRecovered, 10.0,
+                        [](ImuSample& s, Moment& m) { s.accel_B = m.before.sample.accel_B; }));
+  all.push_back(samples("gyro frozen for 5 s", 5.0, kRecovered, 10.0,
+                        [](ImuSample& s, Moment& m) { s.gyro_B = m.before.sample.gyro_B; }));
   all.push_back(samples("accel reads 0 for 5 s", 5.0, kRecovered, 10.0,
                         [](ImuSample& s, Moment&) { s.accel_B.setZero(); }));
   all.push_back(samples("vibration of 3 g and 1 rad/s for 10 s", 10.0, kRecovered, 10.0,

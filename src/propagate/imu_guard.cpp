@@ -34,23 +34,26 @@ bool ImuGuard::is_frozen() const {
   constexpr double kByChance = -20.7;  // log 1e-9
   double all = 0.0;
   bool every = true;
-  for (int i = 0; i < 6; ++i) {
-    if (repeats_[i] == 0.0) {
-      every = false;
-      continue;
+  for (int sensor = 0; sensor < 2; ++sensor) {
+    double chance = 0.0;
+    bool repeats = true;
+    for (int i = 3 * sensor; i < 3 * sensor + 3; ++i) {
+      const double of_axis = repeats_[i] * std::log(most_[i]);
+      if (of_axis < kByChance && varies(sensor, i)) return true;
+      chance += of_axis;
+      repeats = repeats && repeats_[i] > 0.0;
     }
-    const double chance = repeats_[i] * std::log(most_[i]);
-    if (chance < kByChance && another_varies(i)) return true;
+    if (repeats && chance < kByChance && varies(1 - sensor)) return true;
     all += chance;
+    every = every && repeats;
   }
   return every && all < kByChance;
 }
 
-bool ImuGuard::another_varies(int axis) const {
+bool ImuGuard::varies(int sensor, int but) const {
   constexpr double kVaries = 0.3;  // share of repeats at most
-  const int sensor = axis < 3 ? 0 : 3;
-  for (int i = sensor; i < sensor + 3; ++i) {
-    if (i != axis && recent_[i] < kVaries) return true;
+  for (int i = 3 * sensor; i < 3 * sensor + 3; ++i) {
+    if (i != but && recent_[i] < kVaries) return true;
   }
   return false;
 }

@@ -68,6 +68,31 @@ TEST_F(ImuGuardTest, AnAxisThatReadsTheSameIsFrozen) {
   }
 }
 
+TEST_F(ImuGuardTest, ASensorThatReadsTheSameIsFrozen) {
+  for (const bool gyro : {true, false}) {
+    guard_.reset();
+    warm_up();
+    const auto dead = [&] {
+      ImuSample s = noisy();
+      (gyro ? s.gyro_B : s.accel_B).setZero();
+      return s;
+    };
+    for (int i = 0; i < 2; ++i) EXPECT_EQ(guard_.check(dead()), ImuFault::kNone) << i;
+    for (int i = 0; i < 500; ++i) EXPECT_EQ(guard_.check(dead()), ImuFault::kFrozen) << i;
+    EXPECT_EQ(guard_.check(noisy()), ImuFault::kNone);
+  }
+}
+
+// The accelerometer measures half as often as the gyroscope.
+TEST_F(ImuGuardTest, ASlowerSensorIsNotFrozen) {
+  ImuSample s = noisy();
+  for (int i = 0; i < 2000; ++i) {
+    s.gyro_B = noisy().gyro_B;
+    if (i % 2 == 0) s.accel_B = noisy().accel_B;
+    ASSERT_EQ(guard_.check(s), ImuFault::kNone) << i;
+  }
+}
+
 // Its noise is below its resolution: all axes repeat most of the time, some of them for long.
 TEST_F(ImuGuardTest, ACoarseSensorAtRestIsNotFrozen) {
   const auto on_grid = [this](double noise) {

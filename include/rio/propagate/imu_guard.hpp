@@ -6,8 +6,9 @@
 // axis that repeats, to the last bit, the largest value it ever had: a smaller range, saturated.
 // Frozen: values that repeat, to the last bit, where the noise does not. With r_i the largest share
 // of repeats that axis i has had for some time, and n_i how often it has just repeated:
-// (E1) prod r_i^n_i < 1e-9, over all six axes if all repeat, or for one axis if another of the same
-//      sensor varies: at rest a coarse sensor may repeat all its values
+// (E1) prod r_i^n_i < 1e-9, over all six axes if all repeat, over the three of one sensor if the
+//      other one varies, or for one axis if another of the same sensor does: at rest coarse sensors
+//      may repeat all their values
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,8 @@ class ImuGuard {
   bool out_of_range(const Vector6d& x);
   void count_repeats(const Vector6d& x);
   bool is_frozen() const;  ///< (E1)
-  bool another_varies(int axis) const;
+  /// An axis of a sensor, 0 gyroscope or 1 accelerometer, varies; `but` this one.
+  bool varies(int sensor, int but = -1) const;
 
   static constexpr double kSmallestRate = 4.3;    // least range of a gyroscope, 250 deg/s [rad/s]
   static constexpr double kSmallestAccel = 19.0;  // same of an accelerometer, 2 g [m/s^2]
