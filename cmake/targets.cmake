@@ -7,10 +7,11 @@ function(rio_enable_warnings target)
     $<$<BOOL:${RIO_WARNINGS_AS_ERRORS}>:-Werror>)
 endfunction()
 
-# Of a target that prints, asks and draws: in Release optimised little, which compiles in three
-# quarters of the time. The estimator, the simulator and the readers are not such.
+# Of a target that prints, asks, draws or tests: optimised little, which compiles in three quarters of
+# the time. The estimator, the simulator and the readers are not such. Without a build type the flags
+# are the user's; the presets of the tests have none, to keep the asserts.
 function(rio_optimise_little target)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${target} PRIVATE $<$<OR:$<CONFIG:Release>,$<CONFIG:None>>:-O1>)
 endfunction()
 
 # The sources of a target in groups that are compiled in one go, so that what they share is parsed and
