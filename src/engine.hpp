@@ -39,7 +39,7 @@ class Engine final : public Odometry::Impl {
         predictor_(o.imu.gravity),
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
-        restart_(o.start, o.imu.gravity),
+        restart_(o.start, o.imu),
         history_(o.radars(), o.timing.scan_wait),
         queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars(),
                o.frontend.max_detections),
@@ -89,6 +89,7 @@ class Engine final : public Odometry::Impl {
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), sample)) {
       ++counters.imu_gaps;
       pipeline_.add_gap(sample.time - imu_.newest().time);
+      if (initialized) restart_.pause(at_scan(), covariance, sample.time);
     }
     if (initialized && imu_.full()) catch_up(imu_[1 + imu_.size() / kSteps].time);
     imu_.push_back(sample);
@@ -278,9 +279,7 @@ class Engine final : public Odometry::Impl {
   }
 
   /// The first sample may belong to the time of the start.
-  bool is_near(Time time) const {
-    return std::chrono::abs(time - at_scan().time) <= from_seconds(options_.timing.max_pause);
-  }
+  bool is_near(Time time) const { return std::chrono::abs(time - at_scan().time) <= kNear; }
 
   /// The clock of the IMU has jumped.
   void restart_clock() {
@@ -346,8 +345,8 @@ class Engine final : public Odometry::Impl {
     if (!options_.frontend.velocity_recovery) return;
     if (!restart_.active()) {
       const bool diverged = pipeline_.health().has_diverged();
-      if (!diverged && !pipeline_.tilt_is_lost()) return;
-      restart_.begin(at_scan(), covariance, diverged);
+      if (!diverged && !pipeline_.tilt_is_lost()) return restart_.passed(at_scan().time);
+      restart_.begin(at_scan(), covariance, diverged, sample.time);
     }
     const std::optional<Alignment> found = restart_.add(sample, ends_gap(sample));
     if (!found) return;
@@ -394,6 +393,7 @@ class Engine final : public Odometry::Impl {
   }
 
   static constexpr std::size_t kSteps = 20;                      // of max_lag, or of a full buffer
+  static constexpr Time kNear = std::chrono::seconds(10);        // of a start to the first sample
   static constexpr Time kWatch = std::chrono::milliseconds(50);  // delay of reporting a silence
 
   Options options_;

@@ -221,7 +221,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "A scan farther ahead of the IMU is not waited for.");
   inner("timing.scan_wait", o.timing.scan_wait, "s", 0, 1,
         "With several radars: how long a scan waits for an earlier one of another radar.");
-  inner("timing.max_pause", o.timing.max_pause, "s", 0.5, 60,
+  inner("timing.max_pause", o.timing.max_pause, "s", 0.5, 3600,
         "A longer pause of the IMU is a jump of its clock.");
   field("timing.aiding_delay", o.timing.aiding_delay, "s", 0, 2,
         "How long after the estimate has passed its time an aiding measurement is accepted.");

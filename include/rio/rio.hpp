@@ -24,20 +24,21 @@
 // and changes nothing else:
 //   numbers     NaN and infinity in samples, detections and starts (kNonFinite); a measurement of
 //               another sensor is judged by its model and its gate. An IMU sample that is frozen
-//               (all values, or one axis that repeats its value unlike before), or beyond the range
-//               of the sensor (ImuOptions::max_rate, max_accel), is kImplausible and bridged as if
-//               it were lost. A detection that is not finite or beyond the range of a radar is
-//               removed from its scan.
+//               (all values, those of one sensor or one axis repeat, unlike before), or beyond the
+//               range of the sensor (ImuOptions::max_rate, max_accel), is kImplausible and bridged
+//               as if it were lost. A detection that is not finite or beyond the range of a radar
+//               is removed from its scan.
 //   IMU stamps  increase strictly (else kStale), by half a second at most (else kAhead). A single
 //               outlier is dropped. Five outliers in a row with increasing stamps are a jump. A
 //               jump forwards by up to TimingOptions::max_pause is a pause and bridged as a gap (if
 //               the tilt is lost in it, the estimate restarts a second and a half later from the
-//               specific force, Counters::restarts; position and heading are carried over), and
-//               so is a longer one through which the stamps of the radar have gone on. Any other
-//               jump, once it spans a tenth of a second, is a restart of the sensor clock
-//               (Counters::clock_restarts). The estimate then keeps its values in the time of the
-//               new clock, with the uncertainty of a pause of some 0.3 s; calibration and landmarks
-//               start again. After a longer pause call reset().
+//               specific force, Counters::restarts; position and heading are those before the
+//               pause, with sigmas of what may have happened in it), and so is a longer one through
+//               which the stamps of the radar have gone on. Any other jump, once it spans a tenth
+//               of a second, is a restart of the sensor clock (Counters::clock_restarts). The
+//               estimate then keeps its values in the time of the new clock, with the uncertainty
+//               of a pause of some 0.3 s; calibration and landmarks start again. After a longer
+//               pause call reset().
 //   scan stamps are in the clock of the IMU: older than the estimate is kLate, farther ahead of the
 //               newest IMU sample than TimingOptions::max_ahead kAhead. In between they wait.
 //   all stamps  within 146 years of their epoch; beyond that they are too old, or ahead.
@@ -91,11 +92,11 @@ class RIO_API Odometry {
   /// Starts, or restarts, from a known state. `prior.time` may be before, at or after the newest
   /// IMU sample, within the buffered samples: kLate if more than TimingOptions::max_lag before the
   /// samples since the last scan, kAhead if more than max_ahead after the newest. Before the first
-  /// sample any time is accepted; if it is farther than max_pause from the first sample, the state
-  /// is taken to hold there. kNonFinite if a value is not finite, kImplausible if a position is
-  /// beyond 1e7 m, another value beyond 1e4 or a sigma beyond 1e6 (SI units), kNumerical if P0 is
-  /// not symmetric positive semi-definite or the norm of the quaternion is not near one (0.5 to 2;
-  /// it is normalised). A refused call changes nothing.
+  /// sample any time is accepted; if it is farther than ten seconds from the first sample, the
+  /// state is taken to hold there. kNonFinite if a value is not finite, kImplausible if a position
+  /// is beyond 1e7 m, another value beyond 1e4 or a sigma beyond 1e6 (SI units), kNumerical if P0
+  /// is not symmetric positive semi-definite or the norm of the quaternion is not near one (0.5 to
+  /// 2; it is normalised). A refused call changes nothing.
   /// @param P0 covariance of the body error state, order of namespace body, SI units
   [[nodiscard]] Status reset(const NavState& prior, const BodyCovariance& P0) noexcept;
   /// Discards everything and returns to the start mode of the options (static alignment).

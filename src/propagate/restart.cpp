@@ -17,26 +17,57 @@ StartOptions in_motion(StartOptions start, double duration) {
 
 }  // namespace
 
-Restart::Restart(const StartOptions& start, double gravity)
-    : gravity_(gravity), tilt_(in_motion(start, kDuration), gravity) {}
+Restart::Restart(const StartOptions& start, const ImuOptions& imu)
+    : gravity_(imu.gravity),
+      gap_rate_sigma_(imu.gap_rate_sigma),
+      tilt_(in_motion(start, kDuration), imu.gravity) {}
 
-void Restart::begin(const NavState& x, const BodyCovariance& P, bool diverged) {
+Restart::Before Restart::estimate(const NavState& x, const BodyCovariance& P) {
+  const Matrix3d attitude = P.block<3, 3>(body::kAttitude, body::kAttitude);
+  return {x, std::sqrt(P.diagonal().segment<3>(body::kPosition).maxCoeff()),
+          std::sqrt(attitude_variance(x.q_WB, attitude).heading)};
+}
+
+void Restart::reset() {
+  active_ = false;
+  before_pause_.reset();
+}
+
+void Restart::pause(const NavState& x, const BodyCovariance& P, Time end) {
+  if (!before_pause_) before_pause_ = estimate(x, P);
+  resumed_ = end;
+}
+
+void Restart::passed(Time time) {
+  if (time >= resumed_) before_pause_.reset();
+}
+
+void Restart::begin(const NavState& x, const BodyCovariance& P, bool diverged, Time now) {
   active_ = true;
   tilt_.reset();
-  before_ = x;
-  newest_ = x.time;
-  const double yaw =
-      std::sqrt(attitude_variance(x.q_WB, P.block<3, 3>(body::kAttitude, body::kAttitude)).heading);
-  sigma_yaw_ = diverged ? kAnyYaw : std::min(yaw, kAnyYaw);
-  sigma_position_ = std::sqrt(P.diagonal().segment<3>(body::kPosition).maxCoeff());
-  if (diverged) sigma_position_ += kUnnoticed * x.v_WB.norm();
+  if (before_pause_) {
+    before_ = *before_pause_;
+    newest_ = now;
+    const double pause = to_seconds(now - before_.state.time);
+    before_.sigma_yaw = std::hypot(before_.sigma_yaw, gap_rate_sigma_ * pause);
+  } else {
+    before_ = estimate(x, P);
+    newest_ = x.time;
+    if (diverged) {
+      before_.sigma_yaw = kAnyYaw;
+      before_.sigma_position += kUnnoticed * x.v_WB.norm();
+    }
+  }
+  before_.sigma_yaw = std::min(before_.sigma_yaw, kAnyYaw);
+  before_pause_.reset();
 }
 
 std::optional<Alignment> Restart::add(const ImuSample& sample, bool pause) {
   const double dt = std::max(0.0, to_seconds(sample.time - newest_));
   newest_ = sample.time;
-  before_.q_WB =
-      (before_.q_WB * quaternion_exp(dt * (sample.gyro_B - before_.gyro_bias))).normalized();
+  NavState& before = before_.state;
+  before.q_WB =
+      (before.q_WB * quaternion_exp(dt * (sample.gyro_B - before.gyro_bias))).normalized();
   if (pause) tilt_.reset();
   std::optional<Alignment> found = tilt_.add(sample);
   if (!found) return found;
@@ -46,15 +77,15 @@ std::optional<Alignment> Restart::add(const ImuSample& sample, bool pause) {
   }
   const Vector3d up_B = found->state.q_WB.conjugate() * Vector3d::UnitZ();
   NavState& x = found->state;
-  x.q_WB = (rotation_between(before_.q_WB * up_B, Vector3d::UnitZ()) * before_.q_WB).normalized();
-  x.p_WB = before_.p_WB;
-  const double seconds = to_seconds(sample.time - before_.time);
-  const double speed = before_.v_WB.norm() + kSpeed;
-  const double sigma = std::hypot(sigma_position_, seconds * speed);
+  x.q_WB = (rotation_between(before.q_WB * up_B, Vector3d::UnitZ()) * before.q_WB).normalized();
+  x.p_WB = before.p_WB;
+  const double seconds = to_seconds(sample.time - before.time);
+  const double speed = before.v_WB.norm() + kSpeed;
+  const double sigma = std::hypot(before_.sigma_position, seconds * speed);
   BodyCovariance& P = found->covariance;
   P.block<3, 3>(body::kPosition, body::kPosition) = sigma * sigma * Matrix3d::Identity();
   P.block<3, 3>(body::kAttitude, body::kAttitude) +=
-      sigma_yaw_ * sigma_yaw_ * up_B * up_B.transpose();
+      before_.sigma_yaw * before_.sigma_yaw * up_B * up_B.transpose();
   active_ = false;
   return found;
 }

@@ -18,9 +18,12 @@ StampVerdict StampGuard::check(Time stamp) {
   }
   last_ = stamp;
   run_ = std::min(run_ + 1, kMany);
-  const bool pause = first_ > *newest_ && first_ - *newest_ <= max_pause_;
-  if (run_ == kMany && pause) return StampVerdict::kFollows;
-  if (run_ == kMany && last_ - first_ >= kLasting) return StampVerdict::kRestarted;
+  const bool lasts = last_ - first_ >= kLasting;
+  const bool ahead = first_ > *newest_;
+  const bool pause = ahead && first_ - *newest_ <= max_pause_;
+  const bool usual = ahead && first_ - *newest_ <= kUsual;
+  if (run_ == kMany && pause && (usual || lasts)) return StampVerdict::kFollows;
+  if (run_ == kMany && lasts) return StampVerdict::kRestarted;
   return stamp > *newest_ ? StampVerdict::kAhead : StampVerdict::kOld;
 }
 

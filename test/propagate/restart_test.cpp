@@ -43,7 +43,7 @@ class RestartTest : public testing::Test {
     return std::nullopt;
   }
 
-  Restart restart_{StartOptions{}, kG};
+  Restart restart_{StartOptions{}, ImuOptions{}};
   NavState truth_;
   NavState believed_;
   BodyCovariance P_;
@@ -52,7 +52,7 @@ class RestartTest : public testing::Test {
 
 TEST_F(RestartTest, FindsTheTiltAndKeepsHeadingAndPosition) {
   EXPECT_FALSE(restart_.active());
-  restart_.begin(believed_, P_, false);
+  restart_.begin(believed_, P_, false, truth_.time);
   EXPECT_TRUE(restart_.active());
   const auto found = feed(1.6);
   ASSERT_TRUE(found);
@@ -74,8 +74,36 @@ TEST_F(RestartTest, FindsTheTiltAndKeepsHeadingAndPosition) {
   EXPECT_NEAR(std::sqrt(P(body::kVelocity, body::kVelocity)), 5.0, 1e-9);
 }
 
+// Half a minute may have passed in it: what was extrapolated tells nothing.
+TEST_F(RestartTest, AfterAPauseItBeginsFromTheEstimateBefore) {
+  NavState before = believed_;
+  before.time = truth_.time - std::chrono::seconds(30);
+  restart_.pause(before, 0.01 * BodyCovariance::Identity(), truth_.time);
+  believed_.p_WB += Vector3d(500.0, 0.0, -900.0);
+  restart_.passed(truth_.time - kSample);
+  restart_.begin(believed_, 1e6 * P_, false, truth_.time);
+  const auto found = feed(1.6);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->state.p_WB, before.p_WB);
+  const BodyCovariance& P = found->covariance;
+  EXPECT_NEAR(std::sqrt(P(body::kPosition, body::kPosition)), 31.5 * 1.5, 0.5);
+  const Vector3d up_B = found->state.q_WB.conjugate() * Vector3d::UnitZ();
+  EXPECT_GT(up_B.dot(P.block<3, 3>(body::kAttitude, body::kAttitude) * up_B), 1.8 * 1.8);
+}
+
+TEST_F(RestartTest, AShortPauseThatWasBridgedIsForgotten) {
+  NavState before = believed_;
+  before.p_WB.setZero();
+  restart_.pause(before, P_, truth_.time);
+  restart_.passed(truth_.time);
+  restart_.begin(believed_, P_, false, truth_.time);
+  const auto found = feed(1.6);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->state.p_WB, believed_.p_WB);
+}
+
 TEST_F(RestartTest, APauseBeginsTheSumAnew) {
-  restart_.begin(believed_, P_, false);
+  restart_.begin(believed_, P_, false, truth_.time);
   EXPECT_FALSE(feed(1.0));
   pause_ = true;
   EXPECT_FALSE(feed(1.0));
@@ -84,7 +112,7 @@ TEST_F(RestartTest, APauseBeginsTheSumAnew) {
 
 // In free fall, or with a dead accelerometer, there is no tilt to be found.
 TEST_F(RestartTest, WaitsForGravity) {
-  restart_.begin(believed_, P_, false);
+  restart_.begin(believed_, P_, false, truth_.time);
   EXPECT_FALSE(feed(4.0, 0.3 * kG));
   EXPECT_TRUE(restart_.active());
   EXPECT_TRUE(feed(3.2));
@@ -92,7 +120,7 @@ TEST_F(RestartTest, WaitsForGravity) {
 
 TEST_F(RestartTest, OfAnEstimateThatHasRunAwayNothingIsBelieved) {
   believed_.v_WB = Vector3d(60.0, 0.0, 0.0);
-  restart_.begin(believed_, P_, true);
+  restart_.begin(believed_, P_, true, truth_.time);
   const auto found = feed(1.6);
   ASSERT_TRUE(found);
   const BodyCovariance& P = found->covariance;

@@ -38,7 +38,7 @@ class StampGuardTest : public testing::Test {
   }
 
   Time now_ = seconds(1'700'000'000);
-  StampGuard guard_{seconds(10)};
+  StampGuard guard_{seconds(600)};
 };
 
 TEST_F(StampGuardTest, OddStampsAreRefusedAndNothingElse) {
@@ -60,7 +60,7 @@ TEST_F(StampGuardTest, APauseUpToHalfASecondIsNotOdd) {
 
 TEST_F(StampGuardTest, ALastingJumpIsTakenAfterATenthOfASecond) {
   for (const Time jump :
-       {Time(-now_), Time(-milliseconds(200)), Time(hours(1)), Time(seconds(10))}) {
+       {Time(-now_), Time(-milliseconds(200)), Time(hours(1)), Time(seconds(600))}) {
     now_ += jump;
     EXPECT_EQ(refused_from(now_), 20) << jump.count();
     EXPECT_EQ(guard_.newest_in_run(), now_ - kPeriod);
@@ -73,6 +73,14 @@ TEST_F(StampGuardTest, ALastingJumpIsTakenAfterATenthOfASecond) {
 TEST_F(StampGuardTest, APauseIsTakenAtTheFifthStamp) {
   now_ += seconds(10) - kPeriod;
   for (int i = 0; i < 4; ++i, now_ += kPeriod) EXPECT_EQ(next(now_), StampVerdict::kAhead);
+  EXPECT_EQ(next(now_), StampVerdict::kFollows);
+  EXPECT_EQ(next(now_ + kPeriod), StampVerdict::kFollows);
+}
+
+// If the stamps were wrong after all, much would be lost.
+TEST_F(StampGuardTest, ALongPauseIsTakenAfterATenthOfASecond) {
+  now_ += seconds(600) - kPeriod;
+  for (int i = 0; i < 20; ++i, now_ += kPeriod) EXPECT_EQ(next(now_), StampVerdict::kAhead);
   EXPECT_EQ(next(now_), StampVerdict::kFollows);
   EXPECT_EQ(next(now_ + kPeriod), StampVerdict::kFollows);
 }

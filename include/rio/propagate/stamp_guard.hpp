@@ -43,6 +43,7 @@ class StampGuard {
   static constexpr Time kSudden = std::chrono::milliseconds(500);  // longest unsuspicious step
   static constexpr int kMany = 5;  // stamps in a row that are no coincidence
   static constexpr Time kLasting = std::chrono::milliseconds(100);  // least span: no late data
+  static constexpr Time kUsual = std::chrono::seconds(10);          // pause that is believed sooner
 
   Time max_pause_;
   std::optional<Time> newest_;
