@@ -131,7 +131,6 @@ TEST_P(FaultPromises, AreKept) {
       "IMU silent for 0.3 s",
       "radar silent for 5 s",
       "scans in blocks of 2 s for 10 s",
-      "IMU and radar silent for 30 s",
       "accel frozen for 5 s",
       "IMU frozen for 0.1 s",
       "one sample of 100 m/s^2",
@@ -158,6 +157,21 @@ TEST_P(FaultPromises, AreKept) {
     EXPECT_TRUE(end.always_finite) << name;
     EXPECT_TRUE(end.always_covariance) << name;
   }
+}
+
+// Nobody knows where it flew meanwhile; the sigma has to say so.
+TEST_P(FaultPromises, OfASilenceOfBothSensorsIsKept) {
+  const sim::Flight longer = test::short_flight("indoor-1", 56.0);
+  Options options = options_for(longer, "default");
+  options.backend = GetParam();
+  const Fault& fault = fault_named("IMU and radar silent for 30 s");
+  const Survival end = survive(longer, options, fault, kBegin, kAfter);
+  test::measured(fault.name + ": position, sigmas", end.last.position_sigmas, "below 3");
+  EXPECT_TRUE(end.kept) << "wrong until " << end.wrong_until << ", in the end " << end.last.why();
+  EXPECT_LT(end.last.position_sigmas, 3.0);
+  EXPECT_LT(end.outside_unreported, 1.0);
+  EXPECT_EQ(end.counters.clock_restarts, 0U);
+  EXPECT_GE(end.counters.restarts, 1U);
 }
 
 // A spike opens the velocity, outliers then give a wrong one, and landmarks matched among them
