@@ -30,15 +30,16 @@
 //               is removed from its scan.
 //   IMU stamps  increase strictly (else kStale), by half a second at most (else kAhead). A single
 //               outlier is dropped. Five outliers in a row with increasing stamps are a jump. A
-//               jump forwards by up to TimingOptions::max_pause is a pause and bridged as a gap (if
-//               the tilt is lost in it, the estimate restarts a second and a half later from the
-//               specific force, Counters::restarts; position and heading are those before the
-//               pause, with sigmas of what may have happened in it), and so is a longer one through
-//               which the stamps of the radar have gone on. Any other jump, once it spans a tenth
-//               of a second, is a restart of the sensor clock (Counters::clock_restarts). The
-//               estimate then keeps its values in the time of the new clock, with the uncertainty
-//               of a pause of some 0.3 s; calibration and landmarks start again. After a longer
-//               pause call reset().
+//               jump forwards by up to TimingOptions::max_pause is a pause and bridged as a gap; a
+//               pause of more than ten seconds once the stamps after it span a second. If the tilt
+//               is lost in it, the estimate restarts a second and a half later from the specific
+//               force (Counters::restarts); position and heading are those before the pause, with
+//               sigmas of what may have happened in it. A longer jump through which the stamps of
+//               the radar have gone on is a pause, too. Any other, once it spans a tenth of a
+//               second, is a restart of the sensor clock (Counters::clock_restarts). The estimate
+//               then keeps its values in the time of the new clock, with the uncertainty of a pause
+//               of some 0.3 s; calibration and landmarks start again. After a longer pause call
+//               reset().
 //   scan stamps are in the clock of the IMU: older than the estimate is kLate, farther ahead of the
 //               newest IMU sample than TimingOptions::max_ahead kAhead. In between they wait.
 //   all stamps  within 146 years of their epoch; beyond that they are too old, or ahead.

@@ -18,12 +18,12 @@ StampVerdict StampGuard::check(Time stamp) {
   }
   last_ = stamp;
   run_ = std::min(run_ + 1, kMany);
-  const bool lasts = last_ - first_ >= kLasting;
-  const bool ahead = first_ > *newest_;
-  const bool pause = ahead && first_ - *newest_ <= max_pause_;
-  const bool usual = ahead && first_ - *newest_ <= kUsual;
-  if (run_ == kMany && pause && (usual || lasts)) return StampVerdict::kFollows;
-  if (run_ == kMany && lasts) return StampVerdict::kRestarted;
+  const Time span = last_ - first_;
+  const Time jump = first_ - *newest_;
+  if (run_ == kMany && jump > Time{0} && jump <= max_pause_) {
+    return jump <= kUsual || span >= kCertain ? StampVerdict::kFollows : StampVerdict::kAhead;
+  }
+  if (run_ == kMany && span >= kLasting) return StampVerdict::kRestarted;
   return stamp > *newest_ ? StampVerdict::kAhead : StampVerdict::kOld;
 }
 

@@ -78,9 +78,9 @@ TEST_F(StampGuardTest, APauseIsTakenAtTheFifthStamp) {
 }
 
 // If the stamps were wrong after all, much would be lost.
-TEST_F(StampGuardTest, ALongPauseIsTakenAfterATenthOfASecond) {
+TEST_F(StampGuardTest, ALongPauseIsTakenAfterASecond) {
   now_ += seconds(600) - kPeriod;
-  for (int i = 0; i < 20; ++i, now_ += kPeriod) EXPECT_EQ(next(now_), StampVerdict::kAhead);
+  for (int i = 0; i < 200; ++i, now_ += kPeriod) EXPECT_EQ(next(now_), StampVerdict::kAhead);
   EXPECT_EQ(next(now_), StampVerdict::kFollows);
   EXPECT_EQ(next(now_ + kPeriod), StampVerdict::kFollows);
 }

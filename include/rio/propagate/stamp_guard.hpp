@@ -43,7 +43,8 @@ class StampGuard {
   static constexpr Time kSudden = std::chrono::milliseconds(500);  // longest unsuspicious step
   static constexpr int kMany = 5;  // stamps in a row that are no coincidence
   static constexpr Time kLasting = std::chrono::milliseconds(100);  // least span: no late data
-  static constexpr Time kUsual = std::chrono::seconds(10);          // pause that is believed sooner
+  static constexpr Time kUsual = std::chrono::seconds(10);   // longest pause that is no surprise
+  static constexpr Time kCertain = std::chrono::seconds(1);  // least span after a longer one
 
   Time max_pause_;
   std::optional<Time> newest_;
