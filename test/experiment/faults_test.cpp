@@ -169,6 +169,7 @@ TEST_P(FaultPromises, OfASilenceOfBothSensorsIsKept) {
   test::measured(fault.name + ": position, sigmas", end.last.position_sigmas, "below 3");
   EXPECT_TRUE(end.kept) << "wrong until " << end.wrong_until << ", in the end " << end.last.why();
   EXPECT_LT(end.last.position_sigmas, 3.0);
+  EXPECT_LT(end.last.position, 60.0);  // 30 s at 2 m/s; extrapolated it is a kilometre
   EXPECT_LT(end.outside_unreported, 1.0);
   EXPECT_EQ(end.counters.clock_restarts, 0U);
   EXPECT_GE(end.counters.restarts, 1U);
