@@ -38,10 +38,13 @@ bool ImuGuard::is_frozen() const {
     double chance = 0.0;
     bool repeats = true;
     for (int i = 3 * sensor; i < 3 * sensor + 3; ++i) {
+      if (repeats_[i] == 0.0) {
+        repeats = false;
+        continue;
+      }
       const double of_axis = repeats_[i] * std::log(most_[i]);
       if (of_axis < kByChance && varies(sensor, i)) return true;
       chance += of_axis;
-      repeats = repeats && repeats_[i] > 0.0;
     }
     if (repeats && chance < kByChance && varies(1 - sensor)) return true;
     all += chance;
