@@ -136,6 +136,9 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner(
       "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
       "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
+  inner(
+      "frontend.match_cells", o.frontend.match_cells, "", 0, 1e6,
+      "Mahalanobis matching: no match if the prediction is spread over more noise cells; 0 = off.");
   inner("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
         "Consecutive matches that make a trail a landmark.");
   inner("frontend.landmark_timeout", o.frontend.landmark_timeout, "s", 0, 1000,

@@ -95,7 +95,10 @@ struct FrontendOptions {
   /// of noise_distance.
   double match_core = 0.6;
   double match_margin = 2.0;  ///< kMahalanobis: factor by which a landmark's match must be the best
-  int promote_after = 6;      ///< consecutive matches that make a trail a landmark
+  /// kMahalanobis: no match where the predicted position is spread over more cells of the noise, as
+  /// that of a landmark after a long way; 0 = off.
+  double match_cells = 100.0;
+  int promote_after = 6;           ///< consecutive matches that make a trail a landmark
   double landmark_timeout = 20.0;  ///< a landmark not seen for longer is dropped [s]
 };
 

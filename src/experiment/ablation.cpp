@@ -92,6 +92,9 @@ const std::vector<Switch>& switches() {
          o.update.doppler_directions = DopplerDirections::kCorrected;
          o.frontend.ransac_sigmas = o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
        }},
+      {"landmarks looked for in any region",
+       {"rough-ground"},
+       [](Options& o) { o.frontend.match_cells = 0.0; }},
       {"every match taken for right", {"hover"}, [](Options& o) { o.update.match_trust = 1.0; }},
       {"landmarks dropped at the first miss",
        {"hover"},

@@ -64,7 +64,8 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
   J->block<1, 3>(0, Blocks::column<Extrinsics>()) = v_S.cross(scaled_u).transpose();
   J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = w.cross(a).transpose();
-  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S), scale * upwards.dot(v_S);
+  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S + z.correction_S),  // (E7)
+      scale * upwards.dot(v_S);
   return true;
 }
 

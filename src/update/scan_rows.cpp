@@ -65,6 +65,11 @@ void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_est
   last_scan = now;
   was_used_.fill(false);
   measures_landmark_.fill(false);
+  if (options_.use_doppler) {
+    doppler_covariance_ = state_estimate.doppler_covariance(x);
+    correction_S_ =
+        expected_correction(seen.ego_velocity, x, doppler_covariance_.topLeftCorner<3, 3>());
+  }
   if (seen.rest) add_rest(*seen.rest, state_estimate, x, report);
   if (options_.use_landmarks) add_landmarks(seen, state_estimate, x, report);
   if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
@@ -79,16 +84,24 @@ void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& st
   if (decide(RestModel::kModel, 0, valid, report)) keep(m, 1.0);
 }
 
+Vector3d ScanRows::expected_correction(const EgoVelocity& measured, const LinearizationPoint& x,
+                                       const Matrix3d& covariance) {
+  if (!measured.covariance) return Vector3d::Zero();
+  const Matrix3d S = covariance + *measured.covariance;
+  return covariance * (S.inverse() * (measured.v_S - x.radar_velocity_S()));
+}
+
 void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_estimate,
                            const LinearizationPoint& x, UpdateReport* report) {
   Reliability reliability;
   const Vector3d v_S = x.radar_velocity_S();
-  const Eigen::Matrix4d V = state_estimate.doppler_covariance(x);
+  const Eigen::Matrix4d& V = doppler_covariance_;
   const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
     z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
+    z.correction_S = correction_S_;
     if (options_.doppler_directions < DopplerDirections::kCorrected) continue;
     Eigen::Vector4d c;
     c << z.direction_S, z.upwards_S.dot(v_S);
@@ -111,7 +124,8 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
       S_.setConstant(1, 1, c.dot(V * c) + row.variance);
     }
     if (!judge(DopplerModel::kModel, i, valid, report)) continue;
-    m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
+    m.z.predicted_var = 0.0;  // those of this prediction; the window solves for the state
+    m.z.correction_S.setZero();
     keep(m, doppler_repetition(seen.detection(i), x));
   }
 }
@@ -156,7 +170,10 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
         break;
       case LandmarkMeasurement::kPoint: {
         Measured<LandmarkPointModel> point{LandmarkPointModel::measurement(d), {}, radar, m.target};
-        if (options_.use_doppler) point.doppler = LandmarkDopplerModel::measurement(d, x.gyro_B);
+        if (options_.use_doppler) {
+          point.doppler = LandmarkDopplerModel::measurement(d, x.gyro_B);
+          point.doppler->correction_S = correction_S_;
+        }
         was_used_[m.target] = add_landmark(point, m.detection, state_estimate, x, report);
         measures_landmark_[m.detection] = was_used_[m.target];
         break;
@@ -176,6 +193,9 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
     if constexpr (std::is_same_v<M, LandmarkPointModel>) add_curvature(&m.z);
   }
   if (!judge(M::kModel, detection, valid, report)) return false;
+  if constexpr (std::is_same_v<M, LandmarkPointModel>) {
+    if (m.doppler) m.doppler->correction_S.setZero();
+  }
   const double distance = x.estimate.landmarks[m.landmark].distance_seen;
   keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
   return true;

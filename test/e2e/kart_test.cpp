@@ -42,7 +42,7 @@ TEST_P(Kart, FindsItsWay) {
   }
   std::vector<double> horizontal;
   std::vector<double> height;
-  double honest = 0.0;
+  double honest = 100.0;  // of the worst recording
   const std::vector<experiment::Recording> recordings = experiment::find_recordings(folder);
   for (const experiment::Recording& recording : recordings) {
     ASSERT_TRUE(recording.flat()) << recording.name;
@@ -54,7 +54,7 @@ TEST_P(Kart, FindsItsWay) {
     ASSERT_TRUE(score.started) << recording.name;
     horizontal.push_back(100.0 * score.horizontal / score.distance);
     height.push_back(100.0 * score.height / score.distance);
-    honest += 100.0 * score.honest / static_cast<double>(recordings.size());
+    honest = std::min(honest, 100.0 * score.honest);
   }
   const auto expect_below = [&](const char* what, double value, double bound) {
     measured(std::string(bounds.name) + ": " + what, value, "below " + std::to_string(bound));
@@ -65,7 +65,8 @@ TEST_P(Kart, FindsItsWay) {
                4.0);
   expect_below("height, median [%]", median(height), bounds.height_median);
   expect_below("height, worst [%]", *std::max_element(height.begin(), height.end()), 4.0);
-  measured(std::string(bounds.name) + ": height zero within 3 sigmas [%]", honest, "above 95");
+  measured(std::string(bounds.name) + ": height zero within 3 sigmas, worst [%]", honest,
+           "above 95");
   EXPECT_GT(honest, 95.0);
 }
 

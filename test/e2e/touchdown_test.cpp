@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A sensor carried through a room and set down, where it is touched and tilted for some seconds: it
-// stays where it is. No option set, static start, both back-ends. Skipped without RIO_TEST_DATA, a
-// folder with `ti_demo`.
+// stays where it is, in the recording and in perturbed copies of it. No option set, static start,
+// both back-ends. Skipped without RIO_TEST_DATA, a folder with `ti_demo`.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "experiment/recording.hpp"
 #include "support/measured.hpp"
@@ -25,17 +27,30 @@ TEST_P(Touchdown, StaysWhereItIs) {
     GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
   }
   const experiment::Recording recording = experiment::find_recordings(folder).front();
-  Options options;
-  io::apply_sensor_info(recording.data, &options);
-  options.backend = GetParam();
-  const experiment::Replay replay = experiment::replay(recording.data, options);
-  const experiment::RealScore score = experiment::judge(recording, replay);
-  ASSERT_TRUE(score.started);
+  std::vector<double> creep;
+  double creep_sigmas = 0.0;
+  const auto fly = [&](const experiment::Recording& one) {
+    Options options;
+    io::apply_sensor_info(one.data, &options);
+    options.backend = GetParam();
+    const experiment::RealScore score =
+        experiment::judge(one, experiment::replay(one.data, options));
+    if (!score.started) return;
+    creep.push_back(score.creep);
+    creep_sigmas = std::max(creep_sigmas, score.creep_sigmas);
+  };
+  fly(recording);
+  const int draws = GetParam() == BackEnd::kEkf ? 18 : 2;  // the window takes six times as long
+  const std::vector<experiment::Copy> copies = experiment::perturbed(recording, draws, 1);
+  for (const experiment::Copy& copy : copies) fly(copy.recording);
+  ASSERT_GE(creep.size(), copies.size());  // one has too little rest before the start
+  std::sort(creep.begin(), creep.end());
+  const double median = creep[creep.size() / 2];
   const std::string name = GetParam() == BackEnd::kEkf ? "filter" : "window";
-  measured(name + ": creep of the height after touchdown [m]", score.creep, "at most 0.02");
-  measured(name + ": creep in its sigmas", score.creep_sigmas, "below 1");
-  EXPECT_LE(score.creep, 0.02);
-  EXPECT_LT(score.creep_sigmas, 1.0);
+  measured(name + ": creep of the height after touchdown, median [m]", median, "at most 0.02");
+  measured(name + ": creep in its sigmas, worst", creep_sigmas, "below 1");
+  EXPECT_LE(median, 0.02);
+  EXPECT_LT(creep_sigmas, 1.0);
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, Touchdown, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),

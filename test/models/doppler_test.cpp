@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/model_cases.hpp"
+#include "support/random_state.hpp"
 
 namespace rio::test {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(ModelSuite);  // instantiated in model_suite_test.cpp
@@ -117,6 +118,35 @@ TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
   };
   EXPECT_GT(tilt(0.0), 0.1);
   EXPECT_NEAR(tilt(100.0), 0.0, 1e-4);
+}
+
+// (E7): the scale as at the corrected velocity, all else as predicted.
+TEST(DopplerModel, TheScaleIsLinearisedAtTheCorrectedVelocity) {
+  Random random(5);
+  const Vector3d dv_S = random.normal_vector(0.5);
+  const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector());
+  const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));
+  const Vector3d v = random.normal_vector(2.0);
+  const Vector3d corrected_v = v + T_WB.R * T_BS.R * dv_S;
+  DopplerModel::Measurement z;
+  z.sigma_doppler = 0.03;
+  const auto jacobian = [&](const Vector3d& v_WB, const Vector3d& correction_S) {
+    z.correction_S = correction_S;
+    Evaluation<DopplerModel> at;
+    EXPECT_TRUE(evaluate(DopplerModel(DopplerDirections::kNoisy), z,
+                         {T_WB, v_WB, Vector3d::Zero(), T_BS, RadarErrors::Value(0.01, 0.02)},
+                         &at));
+    return at;
+  };
+  const auto predicted = jacobian(v, Vector3d::Zero());
+  const auto corrected = jacobian(corrected_v, Vector3d::Zero());
+  auto both = jacobian(v, dv_S);
+  EXPECT_EQ(both.r, predicted.r);
+  constexpr int kScale = DopplerModel::Blocks::column<RadarErrors>() + RadarErrors::kDopplerScale;
+  EXPECT_NEAR(both.J(0, kScale), corrected.J(0, kScale), 1e-12);
+  EXPECT_GT(std::abs(both.J(0, kScale) - predicted.J(0, kScale)), 0.01);
+  both.J(0, kScale) = predicted.J(0, kScale);
+  EXPECT_EQ(both.J, predicted.J);
 }
 
 }  // namespace

@@ -15,6 +15,10 @@
 // A landmark's match under (E2) counts only if every other pairing of the two costs more by a
 // margin: among close reflectors the nearest is the one that confirms the estimate, and using it
 // would make the filter overconfident.
+// sqrt(det S / det R) is the volume of the region in which a point is looked for, in cells of the
+// noise. That of a landmark seen again after a long way holds other reflectors; most are not in
+// every scan, so the margin does not tell. Beyond a number of cells there is no match, until
+// landmarks of smaller regions have corrected the estimate.
 #pragma once
 
 #include <array>
@@ -113,6 +117,7 @@ class Association {
   double same_echo_;
   double gate_;
   double core_;
+  double max_spread_;       ///< largest det S / det R of a match
   std::vector<Seen> seen_;  ///< of the current scan, by detection
   Assignment assignment_;
 };

@@ -10,6 +10,8 @@
 // (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
 // (E6) R at u^: in (E2) v_S - (u^T v_S) (u^ - u) for v_S
 // (E5) and (E6), of second order in the direction's error, come with (E3).
+// (E7) J in the scale is that at v_S + dv, dv the expected correction of v_S by the scan, as in the
+//      second iteration of an iterated filter (Bell, Cathey 1993)
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
 // noise; (E5) Lerro, Bar-Shalom 1993 (debiased conversion).
 //
@@ -19,6 +21,10 @@
 // v_S. Of (E6): d is correlated with r, and with it the weight 1 / R of the tangents at u; u^ is
 // not. The ratio of the two R, computed by the caller from the prediction, stays constant: so the
 // cost of the window has a gradient.
+// Of (E7): the error of the predicted v_S, of covariance P, is in r and, without dv, in the column
+// of the scale: their product has the mean -u^T P u, and with a rough IMU the scale of a filter
+// drifts by its variance a scan (regression dilution). The error of v_S + dv and r do not
+// correlate.
 #pragma once
 
 #include "rio/models/concept.hpp"
@@ -43,6 +49,7 @@ class DopplerModel {
     double predicted_var = 0.0;  ///< P_h: variance of h due to the state's error [m^2/s^2]
     Matrix3d reliability = Matrix3d::Identity();  ///< L
     double variance_factor = 1.0;                 ///< (E6): multiplies R
+    Vector3d correction_S = Vector3d::Zero();     ///< dv of (E7) [m/s]
   };
 
   /// (E3) (E6): mean and covariance of the true direction given the innovation r.
@@ -71,7 +78,8 @@ class DopplerModel {
             gyro_B,
             0.0,
             Matrix3d::Identity(),
-            1.0};
+            1.0,
+            Vector3d::Zero()};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,

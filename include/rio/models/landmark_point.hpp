@@ -7,7 +7,7 @@
 // (E2) direction  h = t_az . u and t_el . u + residual elevation error, t the unit tangents at the
 //                 measured direction: the measured values are 0, the noise is that of each angle
 // (E3) Doppler    h = -u . v_S with the landmark's direction u, which is better known than the
-//                 detection's; v_S is multiplied by 1 + scale error
+//                 detection's; v_S is multiplied by 1 + scale error; (E7) of models/doppler.hpp
 // Across the line of sight e is uncertain by decimetres, where |e| is curved. Its terms of second
 // order, with M the covariance of the predicted direction [rad^2]:
 // (E4) E|e| - |e^| = |e^|/2 tr M,   additional variance |e^|^2/2 tr M^2
@@ -66,13 +66,14 @@ class LandmarkDopplerModel {
   using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors, Landmark>;
 
   struct Measurement {
-    double range_rate = 0.0;             ///< [m/s]
-    double sigma_doppler = 0.0;          ///< [m/s]
-    Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at the scan [rad/s]
+    double range_rate = 0.0;                   ///< [m/s]
+    double sigma_doppler = 0.0;                ///< [m/s]
+    Vector3d gyro_B = Vector3d::Zero();        ///< measured angular rate at the scan [rad/s]
+    Vector3d correction_S = Vector3d::Zero();  ///< expected correction of v_S [m/s]
   };
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
-    return {d.range_rate, d.sigma_doppler, gyro_B};
+    return {d.range_rate, d.sigma_doppler, gyro_B, Vector3d::Zero()};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,

@@ -58,6 +58,10 @@ class ScanRows {
   void add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                 const LinearizationPoint& x, UpdateReport* report);
 
+  /// Expected correction of the radar's velocity by the static set of the scan [m/s].
+  static Vector3d expected_correction(const EgoVelocity& measured, const LinearizationPoint& x,
+                                      const Matrix3d& covariance);
+
   void add_doppler(const Observations& seen, const StateEstimate& state_estimate,
                    const LinearizationPoint& x, UpdateReport* report);
 
@@ -143,6 +147,8 @@ class ScanRows {
   GatheredCovariance gathered_;
   GatheredCovariance::BlockMatrix S_;
   AidingRows aiding_;
+  Eigen::Matrix4d doppler_covariance_;  ///< of the prediction (StateEstimate::doppler_covariance)
+  Vector3d correction_S_ = Vector3d::Zero();  ///< of the radar's velocity [m/s]
   std::array<bool, kMaxLandmarks> was_used_{};
   std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already used
 };
