@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rio/models/landmark_point.hpp"
 #include "support/model_cases.hpp"
 #include "support/random_state.hpp"
 
@@ -121,32 +122,37 @@ TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
 }
 
 // (E7): the scale as at the corrected velocity, all else as predicted.
-TEST(DopplerModel, TheScaleIsLinearisedAtTheCorrectedVelocity) {
+template <class M, class... More>
+void expect_scale_at_corrected_velocity(const M& model, const More&... more) {
   Random random(5);
   const Vector3d dv_S = random.normal_vector(0.5);
   const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector());
   const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));
   const Vector3d v = random.normal_vector(2.0);
   const Vector3d corrected_v = v + T_WB.R * T_BS.R * dv_S;
-  DopplerModel::Measurement z;
+  typename M::Measurement z;
   z.sigma_doppler = 0.03;
-  const auto jacobian = [&](const Vector3d& v_WB, const Vector3d& correction_S) {
+  const auto at_velocity = [&](const Vector3d& v_WB, const Vector3d& correction_S) {
     z.correction_S = correction_S;
-    Evaluation<DopplerModel> at;
-    EXPECT_TRUE(evaluate(DopplerModel(DopplerDirections::kNoisy), z,
-                         {T_WB, v_WB, Vector3d::Zero(), T_BS, RadarErrors::Value(0.01, 0.02)},
-                         &at));
+    Evaluation<M> at;
+    const RadarErrors::Value errors(0.01, 0.02);
+    EXPECT_TRUE(evaluate(model, z, {T_WB, v_WB, Vector3d::Zero(), T_BS, errors, more...}, &at));
     return at;
   };
-  const auto predicted = jacobian(v, Vector3d::Zero());
-  const auto corrected = jacobian(corrected_v, Vector3d::Zero());
-  auto both = jacobian(v, dv_S);
+  const auto predicted = at_velocity(v, Vector3d::Zero());
+  const auto corrected = at_velocity(corrected_v, Vector3d::Zero());
+  auto both = at_velocity(v, dv_S);
   EXPECT_EQ(both.r, predicted.r);
-  constexpr int kScale = DopplerModel::Blocks::column<RadarErrors>() + RadarErrors::kDopplerScale;
+  constexpr int kScale = M::Blocks::template column<RadarErrors>() + RadarErrors::kDopplerScale;
   EXPECT_NEAR(both.J(0, kScale), corrected.J(0, kScale), 1e-12);
   EXPECT_GT(std::abs(both.J(0, kScale) - predicted.J(0, kScale)), 0.01);
   both.J(0, kScale) = predicted.J(0, kScale);
   EXPECT_EQ(both.J, predicted.J);
+}
+
+TEST(DopplerModel, TheScaleIsLinearisedAtTheCorrectedVelocity) {
+  expect_scale_at_corrected_velocity(DopplerModel(DopplerDirections::kNoisy));
+  expect_scale_at_corrected_velocity(LandmarkDopplerModel(), Vector3d(-3.0, 2.0, 1.0));
 }
 
 }  // namespace
