@@ -71,7 +71,6 @@ TEST_F(AssociationTest, OnlyTheCoreOfTheGateCountsOnceTheRadarHasMoved) {
 }
 
 TEST_F(AssociationTest, UncertaintyOfTheLandmarkWidensTheGate) {
-  options_.match_cells = 0.0;
   see({4.3, 0.0, 0.0});
   know({4.0, 0.0, 0.0}, 0.01);
   EXPECT_TRUE(match().landmarks.empty());

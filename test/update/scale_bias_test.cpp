@@ -105,5 +105,21 @@ TEST_F(ScaleBias, TheErrorOfThePredictedVelocityDoesNotMoveTheScale) {
   EXPECT_LT(predicted.value, -10.0 * predicted.sigma);
 }
 
+// The window solves for the velocity: it gets no correction expected from this prediction.
+TEST_F(ScaleBias, TheMeasurementsKeepNoCorrection) {
+  measure();
+  seen_.ego_velocity.v_S.x() += 0.3;
+  match_landmark(0, 0);
+  ScanRows rows(options_);
+  build(rows, state_estimate(1));
+  const auto& points = rows.measurements().of<LandmarkPointModel>();
+  ASSERT_EQ(points.size(), 1U);
+  ASSERT_TRUE(points[0].doppler.has_value());
+  EXPECT_TRUE(points[0].doppler->correction_S.isZero(0.0));
+  const auto& dopplers = rows.measurements().of<DopplerModel>();
+  ASSERT_EQ(dopplers.size(), 4U);
+  for (const auto& m : dopplers) EXPECT_TRUE(m.z.correction_S.isZero(0.0));
+}
+
 }  // namespace
 }  // namespace rio
