@@ -4,6 +4,7 @@
 #include <array>
 
 #include "rio/core/combine_columns.hpp"
+#include "rio/core/so3.hpp"
 
 namespace rio {
 

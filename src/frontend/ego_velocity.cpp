@@ -65,6 +65,10 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
   }
 }
 
+Vector3d EgoVelocityRansac::Triple::velocity() const {
+  return -inverse * rates;
+}
+
 bool EgoVelocityRansac::Triple::fold_towards(const Vector3d& v_S, const DopplerFold& fold) {
   const Vector3d measured = rates;
   const Vector3d expected = -U * v_S;
@@ -98,6 +102,10 @@ void EgoVelocityRansac::consider_neighbours(const DetectionList& scan, const Tri
       for (int c = -1; c <= 1; ++c) consider(scan, v + step * Vector3d(a, b, c), predicted, best);
     }
   }
+}
+
+double EgoVelocityRansac::residual(const Detection& d, const Vector3d& v) const {
+  return fold_.wrap(d.range_rate + d.direction_S.dot(v));
 }
 
 int EgoVelocityRansac::count_supporters(const DetectionList& scan, const Vector3d& v,

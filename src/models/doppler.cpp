@@ -14,6 +14,19 @@ double variance_of(const DopplerModel::Measurement& z, const Vector3d& v_S) {
 
 }  // namespace
 
+DopplerModel::Measurement DopplerModel::measurement(const Detection& d, const Vector3d& gyro_B) {
+  return {d.range_rate,
+          d.sigma_doppler,
+          d.direction_S,
+          d.sigma_elevation_S.normalized(),
+          direction_covariance(d),
+          gyro_B,
+          0.0,
+          Matrix3d::Identity(),
+          1.0,
+          Vector3d::Zero()};
+}
+
 DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measurement& z,
                                                                  const Vector3d& u_S,
                                                                  const Vector3d& v_S) noexcept {

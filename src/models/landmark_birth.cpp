@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/models/landmark_birth.hpp"
 
+#include "rio/core/so3.hpp"
+
 namespace rio {
 
 LandmarkBirth::LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, const Detection& d)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/models/rest.hpp"
 
+#include "rio/core/so3.hpp"
+
 namespace rio {
 
 bool RestModel::evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/propagate/static_alignment.hpp"
 
+#include "rio/core/so3.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -40,6 +42,10 @@ Status StaticAligner::add(const ImuSample& sample, std::optional<Alignment>* res
   parts_.back() = Part{};
   *begin_ += length;
   return Status::kMoving;
+}
+
+StaticAligner::Vector6d StaticAligner::Part::deviation() const {
+  return (squares / (count - 1.0)).cwiseSqrt();
 }
 
 void StaticAligner::Part::add(const ImuSample& s) {

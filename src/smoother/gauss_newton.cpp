@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/gauss_newton.hpp"
 
+#include "rio/core/so3.hpp"
+
 namespace rio {
 
 void WindowPoint::save(const Window& window, const Estimate& x) {

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "rio/core/so3.hpp"
+
 namespace rio {
 
 Observability observability(double value, double sigma, double prior_sigma) {

@@ -11,6 +11,14 @@ Covariance::Covariance(const Layout& layout)
       scratch_(Eigen::MatrixXd::Zero(body::kSize, layout.capacity())),
       size_(layout.size(0)) {}
 
+Eigen::Ref<const Eigen::MatrixXd> Covariance::matrix() const {
+  return P_.topLeftCorner(size_, size_);
+}
+
+Eigen::Ref<Eigen::MatrixXd> Covariance::matrix() {
+  return P_.topLeftCorner(size_, size_);
+}
+
 void Covariance::reset(const BodyCovariance& P0, const Eigen::VectorXd& parameters) {
   P_.setZero();
   size_ = layout_.size(0);
@@ -31,6 +39,10 @@ void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (
     P_.block<kMoving, 1>(0, c) = cross;
   }
   P_.block(kBody, 0, rest, kMoving) = P_.block(0, kBody, kMoving, rest).transpose();
+}
+
+void Covariance::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
+  P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
 }
 
 void Covariance::inflate_along(int at, const Vector3d& axis) {

@@ -234,6 +234,10 @@ Eigen::Matrix4d StateEstimate::doppler_covariance(const LinearizationPoint& x) c
   return gathered.product(rows);
 }
 
+Matrix3d StateEstimate::radar_velocity_covariance() const {
+  return doppler_covariance(LinearizationPoint(estimate_)).topLeftCorner<3, 3>();
+}
+
 void StateEstimate::clone(ScanId scan) {
   if (options_.update.max_clones == 0) return;
   const std::size_t slot = slot_for(scan);

@@ -204,7 +204,7 @@ TEST(GammaSeries, HoldsForAnyAngle) {
   for (const double angle : {1e-4, 0.5, 1.0, 3.0, 1e2, 1e5}) {
     const GammaSeries all(angle * angle);
     for (int m = 1; m <= 6; ++m) {
-      EXPECT_NEAR(all[m], so3_detail::series(m, angle * angle), 1e-16) << angle << " " << m;
+      EXPECT_NEAR(all[m], GammaSeries::term(m, angle * angle), 1e-16) << angle << " " << m;
     }
     const Vector3d phi = angle * Vector3d(0.6, 0.0, 0.8);
     const Matrix3d R = gamma(0, phi, all);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "experiment/trial.hpp"
+#include "rio/core/so3.hpp"
 #include "rio/pipeline.hpp"
 #include "support/eigenvalues.hpp"
 

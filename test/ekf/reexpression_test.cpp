@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "rio/core/mirror.hpp"
+#include "rio/core/so3.hpp"
 #include "support/covariance_case.hpp"
 
 namespace rio::test {

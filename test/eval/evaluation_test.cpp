@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "rio/core/so3.hpp"
+
 namespace rio::eval {
 namespace {
 

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "rio/core/so3.hpp"
 #include "support/matching_test.hpp"
 
 namespace rio {

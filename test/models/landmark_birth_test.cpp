@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "rio/core/so3.hpp"
 #include "rio/sim/radar_model.hpp"
 #include "rio/sim/random.hpp"
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/so3.hpp"
 #include "rio/testing/allocation_guard.hpp"
 #include "support/eigenvalues.hpp"
 #include "support/smoother_flight.hpp"

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "rio/core/so3.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_distance.hpp"
 #include "rio/models/landmark_point.hpp"

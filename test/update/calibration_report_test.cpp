@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "rio/core/so3.hpp"
+
 namespace rio::test {
 namespace {
 

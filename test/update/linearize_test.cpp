@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "rio/core/so3.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_point.hpp"
 #include "rio/models/trail_distance.hpp"

@@ -69,18 +69,7 @@ class DopplerModel {
   /// and the factor (E6)
   explicit DopplerModel(DopplerDirections directions) : directions_(directions) {}
 
-  static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
-    return {d.range_rate,
-            d.sigma_doppler,
-            d.direction_S,
-            d.sigma_elevation_S.normalized(),
-            direction_covariance(d),
-            gyro_B,
-            0.0,
-            Matrix3d::Identity(),
-            1.0,
-            Vector3d::Zero()};
-  }
+  static Measurement measurement(const Detection& d, const Vector3d& gyro_B);
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
                 const Vector3d& gyro_bias, const RigidPose& T_BS, const RadarErrors::Value& errors,

@@ -48,9 +48,7 @@ class LandmarkPointModel {
   };
 
   /// @param M covariance of the predicted direction along azimuth and elevation [rad^2]
-  static RangeCurvature range_curvature(double range, const Eigen::Matrix2d& M) {
-    return {0.5 * range * M.trace(), 0.5 * range * range * M.squaredNorm()};
-  }
+  static RangeCurvature range_curvature(double range, const Eigen::Matrix2d& M);
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
                 const RadarErrors::Value& errors, const Vector3d& p_WL, ResidualOf<kDim>& r,

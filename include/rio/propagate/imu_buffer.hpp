@@ -30,12 +30,7 @@ struct ImuStep {
 };
 
 /// Linear interpolation between two samples; `time` lies between their stamps.
-inline ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) {
-  const double span = to_seconds(b.time - a.time);
-  const double weight = span > 0.0 ? to_seconds(time - a.time) / span : 0.0;
-  return {time, a.gyro_B + weight * (b.gyro_B - a.gyro_B),
-          a.accel_B + weight * (b.accel_B - a.accel_B)};
-}
+ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time);
 
 /// Ring of samples; a new one replaces the oldest when full. No allocation after construction.
 class ImuBuffer {
@@ -47,37 +42,20 @@ class ImuBuffer {
 
   bool empty() const { return samples_.empty(); }
   bool full() const { return samples_.full(); }
-  void clear() {
-    samples_.clear();
-    noise_.clear();
-    meter_.reset();
-  }
+  void clear();
   std::size_t size() const { return samples_.size(); }
   const ImuSample& operator[](std::size_t i) const { return samples_[i]; }
   const ImuSample& newest() const { return samples_.back(); }
 
   /// Stamps must strictly increase: the caller checks.
-  void push_back(const ImuSample& sample) {
-    samples_.push_back(sample);
-    noise_.push_back(meter_.add(sample));
-  }
+  void push_back(const ImuSample& sample);
   /// Drops what is not needed to integrate from `time` on: keeps one sample at or before it.
-  void forget_before(Time time) {
-    while (samples_.size() > 1 && samples_[1].time <= time) {
-      samples_.pop_front();
-      noise_.pop_front();
-    }
-  }
+  void forget_before(Time time);
   /// The pause between two samples is longer than ImuOptions::max_gap.
   bool is_gap(const ImuSample& a, const ImuSample& b) const { return b.time - a.time > max_gap_; }
 
   /// The measurement at `time`, interpolated; held constant outside the buffered span.
-  ImuSample at(Time time) const {
-    const std::size_t i = first_after(time);
-    if (i == 0) return with_time(samples_.front(), time);
-    if (i == samples_.size()) return with_time(samples_.back(), time);
-    return interpolate(samples_[i - 1], samples_[i], time);
-  }
+  ImuSample at(Time time) const;
 
   /// Calls f(const ImuStep&) for every step between `from` and `to`, in order. O(steps + log size).
   template <class F>
@@ -90,45 +68,18 @@ class ImuBuffer {
       f(ImuStep{from, end, first.gyro_B, first.accel_B, gap(first.time - from)});
       i = 1;
     }
-    for (; i < samples_.size() && samples_[i - 1].time < to; ++i) {
-      const ImuSample& a = samples_[i - 1];
-      const ImuSample& b = samples_[i];
-      const ImuSample first = interpolate(a, b, std::max(a.time, from));
-      const ImuSample last = interpolate(a, b, std::min(b.time, to));
-      f(ImuStep{first.time, last.time, 0.5 * (first.gyro_B + last.gyro_B),
-                0.5 * (first.accel_B + last.accel_B), gap(b.time - a.time),
-                change(i, &ImuSample::gyro_B), change(i, &ImuSample::accel_B),
-                to_seconds(b.time - a.time), noise_[i]});
-    }
+    for (; i < samples_.size() && samples_[i - 1].time < to; ++i) f(step(i, from, to));
   }
 
  private:
+  /// The part of the step from sample i - 1 to i that lies between `from` and `to`.
+  ImuStep step(std::size_t i, Time from, Time to) const;
   double gap(Time pause) const { return pause > max_gap_ ? to_seconds(pause) : 0.0; }
   /// For the step from sample i - 1 to i: half the change from sample i - 2 to i, or from i - 1 to
   /// i + 1 if i - 2 has been dropped; 0 if there are only two samples.
-  Vector3d change(std::size_t i, Vector3d ImuSample::*value) const {
-    const std::size_t middle = i >= 2 ? i - 1 : i;
-    if (middle + 1 >= samples_.size()) return Vector3d::Zero();
-    return 0.5 * (samples_[middle + 1].*value - samples_[middle - 1].*value);
-  }
+  Vector3d change(std::size_t i, Vector3d ImuSample::*value) const;
   /// Index of the first sample with a stamp later than `time`; size() if there is none.
-  std::size_t first_after(Time time) const {
-    std::size_t low = 0;
-    std::size_t high = samples_.size();
-    while (low < high) {
-      const std::size_t middle = low + (high - low) / 2;
-      if (samples_[middle].time > time) {
-        high = middle;
-      } else {
-        low = middle + 1;
-      }
-    }
-    return low;
-  }
-  static ImuSample with_time(ImuSample sample, Time time) {
-    sample.time = time;
-    return sample;
-  }
+  std::size_t first_after(Time time) const;
 
   Ring<ImuSample> samples_;
   Ring<ImuNoise> noise_;  ///< of the step that ends with each sample

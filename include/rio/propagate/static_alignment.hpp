@@ -23,7 +23,6 @@
 #include <optional>
 #include <vector>
 
-#include "rio/core/so3.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/types.hpp"
@@ -64,7 +63,7 @@ class StaticAligner {
     Vector6d squares = Vector6d::Zero();
 
     void add(const ImuSample& s);
-    Vector6d deviation() const { return (squares / (count - 1.0)).cwiseSqrt(); }
+    Vector6d deviation() const;
   };
 
   /// The part of the rate about the vertical that is a rotation (E5).

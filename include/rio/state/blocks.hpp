@@ -8,7 +8,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "rio/core/so3.hpp"
+#include "rio/export.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -20,16 +20,14 @@ struct RigidPose {
 
   RigidPose() = default;
   RigidPose(const Matrix3d& rotation, const Vector3d& translation) : R(rotation), p(translation) {}
-  explicit RigidPose(const Pose& pose) : R(pose.rotation.toRotationMatrix()), p(pose.translation) {}
+  RIO_API explicit RigidPose(const Pose& pose);
 };
 
 /// Blocks of pose type: error [dphi, dp].
 struct PoseBlock {
   using Value = RigidPose;
   static constexpr int kDof = 6;
-  static Value retract(const Value& x, const Eigen::Matrix<double, kDof, 1>& error) {
-    return {x.R * gamma(0, error.head<3>()), x.p + error.tail<3>()};
-  }
+  RIO_API static Value retract(const Value& x, const Eigen::Matrix<double, kDof, 1>& error);
 };
 /// Blocks of vector type.
 template <int kSize>

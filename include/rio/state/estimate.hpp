@@ -75,61 +75,24 @@ struct Estimate {
   StaticVector<Clone, kMaxClones> clones;  ///< of each radar the newest replaces the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
 
-  RadarState of_radar(std::size_t r) const {
-    return r == radar ? RadarState{T_BS, radar_errors, time_offset} : others[r];
-  }
-  void set_radar(std::size_t r, const RadarState& state) {
-    if (r != radar) {
-      others[r] = state;
-      return;
-    }
-    T_BS = state.T_BS;
-    radar_errors = state.errors;
-    time_offset = state.time_offset;
-  }
+  RadarState of_radar(std::size_t r) const;
+  void set_radar(std::size_t r, const RadarState& state);
   /// Makes radar r the one whose scan is being processed.
-  void select_radar(std::size_t r) {
-    if (r == radar) return;
-    others[radar] = of_radar(radar);
-    radar = r;
-    set_radar(r, RadarState(others[r]));
-  }
+  void select_radar(std::size_t r);
 
   /// Body pose as matrices.
-  RigidPose T_WB() const { return {nav.q_WB.toRotationMatrix(), nav.p_WB}; }
+  RigidPose T_WB() const { return RigidPose(Pose{nav.q_WB, nav.p_WB}); }
   /// Index of the clone of `scan`, or -1 if it has left the window.
-  int find_clone(ScanId scan) const {
-    for (std::size_t i = 0; i < clones.size(); ++i) {
-      if (clones[i].scan == scan) return static_cast<int>(i);
-    }
-    return -1;
-  }
+  int find_clone(ScanId scan) const;
 };
 
 /// Radar point in world coordinates: the inverse observation model (ICRA 2023, eq. 12).
-inline Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S) {
-  Vector3d point_B = T_BS.R * point_S;
-  point_B += T_BS.p;
-  Vector3d point_W = T_WB.R * point_B;
-  point_W += T_WB.p;
-  return point_W;
-}
+Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S);
 /// World point in radar coordinates (ICRA 2023, eq. 13).
-inline Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W) {
-  const Vector3d from_body_W = point_W - T_WB.p;
-  Vector3d point_B = T_WB.R.transpose() * from_body_W;
-  point_B -= T_BS.p;
-  return T_BS.R.transpose() * point_B;
-}
+Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W);
 /// Velocity of the radar in its own axes [m/s] for a true angular rate of the body [rad/s].
-inline Vector3d radar_velocity(const RigidPose& T_WB, const Vector3d& v_WB, const Vector3d& rate_B,
-                               const RigidPose& T_BS) {
-  Vector3d v_B = T_WB.R.transpose() * v_WB;
-  v_B += rate_B.cross(T_BS.p);
-  return T_BS.R.transpose() * v_B;
-}
-inline Vector3d radar_velocity(const Estimate& x) {
-  return radar_velocity(x.T_WB(), x.nav.v_WB, x.gyro_B - x.nav.gyro_bias, RigidPose(x.T_BS));
-}
+Vector3d radar_velocity(const RigidPose& T_WB, const Vector3d& v_WB, const Vector3d& rate_B,
+                        const RigidPose& T_BS);
+Vector3d radar_velocity(const Estimate& x);
 
 }  // namespace rio

@@ -29,9 +29,9 @@ class Covariance {
 
   int size() const { return size_; }
   /// P, size() square, symmetric to the last bit.
-  Eigen::Ref<const Eigen::MatrixXd> matrix() const { return P_.topLeftCorner(size_, size_); }
+  Eigen::Ref<const Eigen::MatrixXd> matrix() const;
   /// For updates, which must leave it symmetric to the last bit.
-  Eigen::Ref<Eigen::MatrixXd> matrix() { return P_.topLeftCorner(size_, size_); }
+  Eigen::Ref<Eigen::MatrixXd> matrix();
   auto body() const { return P_.topLeftCorner<body::kSize, body::kSize>(); }
 
   /// Body block and the prior variances of the parameters; no clones, no landmarks.
@@ -72,9 +72,7 @@ class Covariance {
 
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk
-  void add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
-    P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
-  }
+  void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
 
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;

@@ -11,7 +11,6 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <type_traits>
 
 #include "rio/core/whiten.hpp"
@@ -32,38 +31,20 @@ struct StepBack {
 
 /// The estimate with its rotations as matrices and its time derivative: computed once per scan.
 struct LinearizationPoint {
-  explicit LinearizationPoint(const Estimate& x)
-      : LinearizationPoint(x, x.nav, x.gyro_B, x.accel_W) {}
+  explicit LinearizationPoint(const Estimate& x);
   /// Another body state with the clones, landmarks and calibration of x.
   LinearizationPoint(const Estimate& x, const NavState& nav, const Vector3d& measured_gyro_B,
-                     const Vector3d& acceleration_W)
-      : estimate(x),
-        T_WB(nav.q_WB.toRotationMatrix(), nav.p_WB),
-        T_BS(x.T_BS),
-        v_WB(nav.v_WB),
-        gyro_bias(nav.gyro_bias),
-        gyro_B(measured_gyro_B),
-        accel_W(acceleration_W) {
-    pose_rate << gyro_B - gyro_bias, v_WB;
-  }
+                     const Vector3d& acceleration_W);
 
   /// Moves to the state `seconds` earlier, at constant rate and acceleration. Jacobians are then in
   /// the errors of that state (E2).
-  void step_back(double seconds) {
-    const Vector3d turn = seconds * pose_rate.head<3>();
-    step = {seconds, gamma(0, turn), seconds * gamma(1, turn), seconds * skew(accel_W) * T_WB.R};
-    T_WB = PoseBlock::retract(T_WB, -seconds * pose_rate);
-    v_WB -= seconds * accel_W;
-  }
+  void step_back(double seconds);
 
   /// The body is at rest: the derivative of the estimate is noise and set to zero.
-  void stand() {
-    pose_rate.setZero();
-    accel_W.setZero();
-  }
+  void stand();
 
   /// Velocity of the radar in its own axes.
-  Vector3d radar_velocity_S() const { return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS); }
+  Vector3d radar_velocity_S() const;
 
   const Estimate& estimate;  ///< for its clones and landmarks
   RigidPose T_WB;

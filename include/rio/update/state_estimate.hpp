@@ -112,9 +112,7 @@ class StateEstimate {
   /// c^T V c, c = [u, t . v_S], due to the error of the state.
   Eigen::Matrix4d doppler_covariance(const LinearizationPoint& x) const;
   /// The velocity's part of V [m^2/s^2].
-  Matrix3d radar_velocity_covariance() const {
-    return doppler_covariance(LinearizationPoint(estimate_)).topLeftCorner<3, 3>();
-  }
+  Matrix3d radar_velocity_covariance() const;
 
   /// Stochastic cloning: keeps the current pose as the clone of `scan`, in place of the oldest one
   /// of its radar, or of another radar's scan of that number; for matching only, without a

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/state/estimate.hpp"
+
+namespace rio {
+
+RadarState Estimate::of_radar(std::size_t r) const {
+  return r == radar ? RadarState{T_BS, radar_errors, time_offset} : others[r];
+}
+
+void Estimate::set_radar(std::size_t r, const RadarState& state) {
+  if (r != radar) {
+    others[r] = state;
+    return;
+  }
+  T_BS = state.T_BS;
+  radar_errors = state.errors;
+  time_offset = state.time_offset;
+}
+
+void Estimate::select_radar(std::size_t r) {
+  if (r == radar) return;
+  others[radar] = of_radar(radar);
+  radar = r;
+  set_radar(r, RadarState(others[r]));
+}
+
+int Estimate::find_clone(ScanId scan) const {
+  for (std::size_t i = 0; i < clones.size(); ++i) {
+    if (clones[i].scan == scan) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S) {
+  Vector3d point_B = T_BS.R * point_S;
+  point_B += T_BS.p;
+  Vector3d point_W = T_WB.R * point_B;
+  point_W += T_WB.p;
+  return point_W;
+}
+
+Vector3d to_radar(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_W) {
+  const Vector3d from_body_W = point_W - T_WB.p;
+  Vector3d point_B = T_WB.R.transpose() * from_body_W;
+  point_B -= T_BS.p;
+  return T_BS.R.transpose() * point_B;
+}
+
+Vector3d radar_velocity(const RigidPose& T_WB, const Vector3d& v_WB, const Vector3d& rate_B,
+                        const RigidPose& T_BS) {
+  Vector3d v_B = T_WB.R.transpose() * v_WB;
+  v_B += rate_B.cross(T_BS.p);
+  return T_BS.R.transpose() * v_B;
+}
+
+Vector3d radar_velocity(const Estimate& x) {
+  return radar_velocity(x.T_WB(), x.nav.v_WB, x.gyro_B - x.nav.gyro_bias, RigidPose(x.T_BS));
+}
+
+}  // namespace rio

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/update/linearize.hpp"
+
+#include "rio/core/so3.hpp"
+
+namespace rio {
+
+LinearizationPoint::LinearizationPoint(const Estimate& x)
+    : LinearizationPoint(x, x.nav, x.gyro_B, x.accel_W) {}
+
+LinearizationPoint::LinearizationPoint(const Estimate& x, const NavState& nav,
+                                       const Vector3d& measured_gyro_B,
+                                       const Vector3d& acceleration_W)
+    : estimate(x),
+      T_WB(nav.q_WB.toRotationMatrix(), nav.p_WB),
+      T_BS(x.T_BS),
+      v_WB(nav.v_WB),
+      gyro_bias(nav.gyro_bias),
+      gyro_B(measured_gyro_B),
+      accel_W(acceleration_W) {
+  pose_rate << gyro_B - gyro_bias, v_WB;
+}
+
+void LinearizationPoint::step_back(double seconds) {
+  const Vector3d turn = seconds * pose_rate.head<3>();
+  step = {seconds, gamma(0, turn), seconds * gamma(1, turn), seconds * skew(accel_W) * T_WB.R};
+  T_WB = PoseBlock::retract(T_WB, -seconds * pose_rate);
+  v_WB -= seconds * accel_W;
+}
+
+void LinearizationPoint::stand() {
+  pose_rate.setZero();
+  accel_W.setZero();
+}
+
+Vector3d LinearizationPoint::radar_velocity_S() const {
+  return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS);
+}
+
+}  // namespace rio

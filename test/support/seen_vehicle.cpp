@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/seen_vehicle.hpp"
+
+#include <cmath>
+
+#include "rio/frontend/doppler_fold.hpp"
+#include "rio/propagate/strapdown.hpp"
+
+namespace rio::test {
+
+SeenVehicle::SeenVehicle(const Options& options, const Vector3d& v_W, Random* random)
+    : options_(options), imu_(TimingOptions{}, options.imu), random_(random) {
+  truth.q_WB = random_->rotation();
+  truth.v_WB = v_W;
+  imu_.push_back(sample());
+}
+
+void SeenVehicle::advance() {
+  for (int i = 0; i < 10; ++i) {
+    const ImuSample s = sample();
+    integrate(s.gyro_B, s.accel_B, 0.0066, options_.imu.gravity, truth);
+    truth.time += std::chrono::microseconds(6600);
+    imu_.push_back({truth.time, s.gyro_B + gyro_error, s.accel_B + accel_error});
+  }
+}
+
+Estimate SeenVehicle::estimate() const {
+  Estimate x;
+  x.nav = truth;
+  x.T_BS = options_.radar.T_BS;
+  x.gyro_B = imu_.newest().gyro_B;
+  return x;
+}
+
+DetectionList SeenVehicle::scan_of(std::size_t radar, int points, int others, const Vector3d& u_W) {
+  const RadarOptions seen_by = options_.radar_of(radar);
+  DetectionList out;
+  out.time = truth.time;
+  out.radar = radar;
+  const Matrix3d R = truth.q_WB.toRotationMatrix();
+  const Matrix3d R_BS = mounting.toRotationMatrix() * options_.radar.T_BS.rotation;
+  const Vector3d turn = rate.cross(options_.radar.T_BS.translation);
+  for (int i = 0; i < points + others; ++i) {
+    const double az = random_->uniform(-1.0, 1.0);
+    const double el = random_->uniform(-0.6, 0.6);
+    RadarDetection raw;
+    raw.point_S =
+        3.0 * Vector3d(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
+    Vector3d v_B = R.transpose() * truth.v_WB + turn;
+    if (i >= points) v_B -= R.transpose() * u_W;
+    const double d = -(R_BS * raw.point_S.normalized()).dot(v_B) + random_->normal(0.03);
+    raw.range_rate = DopplerFold(seen_by.max_doppler).wrap(d);
+    out.items.push_back(make_detection(raw, seen_by));
+  }
+  return out;
+}
+
+ImuSample SeenVehicle::sample() const {
+  const Vector3d f_W = acceleration + Vector3d(0.0, 0.0, options_.imu.gravity);
+  return {truth.time, rate, truth.q_WB.conjugate() * f_W};
+}
+
+}  // namespace rio::test
