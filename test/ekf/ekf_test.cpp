@@ -11,7 +11,7 @@
 #include "experiment/trial.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/pipeline.hpp"
-#include "support/eigenvalues.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {

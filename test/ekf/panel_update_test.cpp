@@ -6,6 +6,7 @@
 
 #include "rio/core/mirror.hpp"
 #include "support/covariance_case.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {
@@ -19,7 +20,7 @@ TEST_F(PanelUpdateTest, PanelUpdateEqualsTheBatchJosephUpdate) {
       fill(random_, layout_, covariance_.size(), {1, 7, 1, 3, 20, 6, 1, 1, 18, 9, 2}, &batch);
   const MatrixXd P = dense();
   const MatrixXd S = d.H * P * d.H.transpose() + d.R;
-  const MatrixXd K = S.llt().solve(d.H * P).transpose();
+  const MatrixXd K = solve(S, d.H * P).transpose();
   const MatrixXd A = MatrixXd::Identity(P.rows(), P.rows()) - K * d.H;
   VectorXd dx(layout_.capacity());
   PanelUpdate update(layout_.capacity());

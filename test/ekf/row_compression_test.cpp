@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
 #include "support/covariance_case.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {
@@ -44,7 +44,7 @@ class RowCompressionTest : public CovarianceCase {
         r[i] = row.residual;
         R(i, i) = row.variance;
       }
-      const MatrixXd weighted = R.llt().solve(H).transpose();
+      const MatrixXd weighted = solve(R, H).transpose();
       sum.leftCols(n) += weighted * H;
       sum.col(n) += weighted * r;
     }

@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <numbers>
 
 #include "rio/core/so3.hpp"
 #include "rio/sim/random.hpp"
 #include "support/measured.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::mavlink::test {
 namespace {
@@ -134,7 +134,7 @@ TEST(MavlinkAxes, CovariancesAgainstSamplesOfTheErrorState) {
     const Matrix3d D = R_frd_flu();
     const Matrix3d R = state.q_WB.toRotationMatrix();
     const Vector3d v_B = R.transpose() * state.v_WB;
-    const BodyCovariance L = P.llt().matrixL();
+    const Eigen::MatrixXd L = rio::test::root_of(P);
     Matrix6d pose = Matrix6d::Zero();
     Matrix6d twist = Matrix6d::Zero();
     for (int k = 0; k < kSamples; ++k) {

@@ -11,6 +11,7 @@
 
 #include "rio/smoother/normal_equations.hpp"
 #include "support/random_matrix.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 
@@ -94,10 +95,9 @@ inline Dense dense(const LinearWindow& window) {
 /// What is left when the first `eliminated` unknowns are gone.
 inline Dense schur(const Dense& d, Eigen::Index eliminated) {
   const Eigen::Index rest = d.H.rows() - eliminated;
-  const MatrixXd K = d.H.topLeftCorner(eliminated, eliminated)
-                         .llt()
-                         .solve(d.H.topRightCorner(eliminated, rest))
-                         .transpose();
+  const MatrixXd K =
+      solve(d.H.topLeftCorner(eliminated, eliminated), d.H.topRightCorner(eliminated, rest))
+          .transpose();
   return {d.H.bottomRightCorner(rest, rest) - K * d.H.topRightCorner(eliminated, rest),
           d.g.tail(rest) - K * d.g.head(eliminated)};
 }

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "rio/smoother/imu_factor.hpp"
 #include "support/preintegration_cases.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio {
 namespace {

@@ -14,8 +14,8 @@
 #include <cmath>
 #include <vector>
 
-#include "support/eigenvalues.hpp"
 #include "support/smoother_flight.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "rio/core/so3.hpp"
 #include "rio/testing/allocation_guard.hpp"
-#include "support/eigenvalues.hpp"
 #include "support/smoother_flight.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {

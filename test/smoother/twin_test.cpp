@@ -4,12 +4,11 @@
 // PanelUpdate) and the sliding window (NormalEquations) give one mean and one covariance.
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-
 #include "rio/core/mirror.hpp"
 #include "rio/ekf/panel_update.hpp"
 #include "rio/smoother/normal_equations.hpp"
 #include "support/covariance_case.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {
@@ -113,7 +112,7 @@ class SlidingWindow {
       const Happening& h = scans_[k];
       NormalEquations::BetweenJacobian J;
       J << -h.phi, Matrix15d::Identity();
-      h.noise.llt().matrixL().solveInPlace(J);
+      J = whitening(h.noise) * J;
       system_.add_between(state - 1, J, NormalEquations::StateVector::Zero());
     }
     add_rows(k);
@@ -135,7 +134,7 @@ class SlidingWindow {
     const Happening& h = scans_[1];
     NormalEquations::BetweenJacobian J;
     J << -h.phi, Matrix15d::Identity();
-    h.noise.llt().matrixL().solveInPlace(J);
+    J = whitening(h.noise) * J;
     system_.add_between(0, J, NormalEquations::StateVector::Zero());
     MatrixXd A(system_.size(), system_.size());
     VectorXd g(system_.size());

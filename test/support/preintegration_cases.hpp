@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <vector>
 
 #include "rio/smoother/preintegration.hpp"
@@ -54,14 +53,6 @@ inline Matrix15d to_world(const Quaternion& q_WB) {
 inline double relative_difference(const Matrix15d& A, const Matrix15d& B) {
   const BodyVector inverse_sigma = B.diagonal().cwiseSqrt().cwiseInverse();
   return (inverse_sigma.asDiagonal() * (A - B) * inverse_sigma.asDiagonal()).cwiseAbs().maxCoeff();
-}
-
-// L^-1 C L^-T with S = L L^T.
-inline Matrix15d whitened(const Matrix15d& C, const Matrix15d& S) {
-  const Eigen::LLT<Matrix15d> llt(S);
-  EXPECT_EQ(llt.info(), Eigen::Success);
-  const Matrix15d inverse = llt.matrixL().solve(Matrix15d::Identity());
-  return inverse * C * inverse.transpose();
 }
 
 }  // namespace rio::test

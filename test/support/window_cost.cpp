@@ -6,7 +6,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "support/eigenvalues.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 
@@ -140,7 +140,7 @@ ImuCost::ImuCost(const Preintegration& imu, double gravity, const NavState& i, c
       gyro_bias(imu.gyro_bias()),
       accel_bias(imu.accel_bias()),
       A(imu.transition()),
-      whitening(Matrix15d(imu.covariance().llt().matrixL()).inverse()),
+      whitening(test::whitening(imu.covariance())),
       seconds(to_seconds(imu.duration())),
       g_W(0.0, 0.0, -gravity) {}
 

@@ -7,6 +7,7 @@
 
 #include "support/random_state.hpp"
 #include "support/scan_case.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio {
 namespace {
@@ -70,7 +71,7 @@ class ScaleBias : public test::ScanCase {
     prior_variance_ = b.covariance().matrix()(scale, scale);
     const Eigen::MatrixXd PHt = b.covariance().matrix() * H.transpose();
     const Eigen::MatrixXd S = H * PHt + Eigen::MatrixXd(variances.asDiagonal());
-    return PHt.row(scale).dot(S.ldlt().solve(r));
+    return PHt.row(scale).dot(test::solve(S, r).col(0));
   }
 
   struct Mean {
