@@ -8,6 +8,7 @@
 #include <tuple>
 #include <type_traits>
 
+#include "rio/core/so3.hpp"  // a model that includes its blocks has the rotations, too
 #include "rio/export.hpp"
 #include "rio/types.hpp"
 
