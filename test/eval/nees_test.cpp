@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "support/random_state.hpp"
+
 namespace rio::eval {
 namespace {
 
@@ -17,12 +19,7 @@ TEST(BodyError, IsWhatTakesTheEstimateToTheTruth) {
   BodyError expected;
   expected << 0.02, -0.03, 0.05, 0.1, 0.2, -0.3, 0.4, -0.5, 0.6, 1e-3, 2e-3, -3e-3, 0.01, -0.02,
       0.03;
-  NavState truth = estimate;
-  truth.q_WB = estimate.q_WB * quaternion_exp(expected.segment<3>(body::kAttitude));
-  truth.p_WB += expected.segment<3>(body::kPosition);
-  truth.v_WB += expected.segment<3>(body::kVelocity);
-  truth.gyro_bias += expected.segment<3>(body::kGyroBias);
-  truth.accel_bias += expected.segment<3>(body::kAccelBias);
+  const NavState truth = test::perturbed(estimate, expected);
   EXPECT_LT((body_error(estimate, truth) - expected).norm(), 1e-15);
   StateError reordered;
   reordered << 0.1, 0.2, -0.3, 0.02, -0.03, 0.05, 0.4, -0.5, 0.6;
