@@ -194,7 +194,7 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
   }
   if (!judge(M::kModel, detection, valid, report)) return false;
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-    if (m.doppler) m.doppler->correction_S.setZero();
+    if (m.doppler) add_mismatch(&m, x);
   }
   const double distance = x.estimate.landmarks[m.landmark].distance_seen;
   keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
@@ -211,6 +211,16 @@ void ScanRows::add_curvature(LandmarkPointModel::Measurement* z) {
   S_(0, 0) += variance;
   z->range -= curvature.mean;
   z->sigma_range *= std::sqrt(1.0 + variance);
+}
+
+void ScanRows::add_mismatch(Measured<LandmarkPointModel>* m, const LinearizationPoint& x) {
+  const Vector3d v_S = x.radar_velocity_S();
+  const Eigen::Vector2d across(m->z.sigma_azimuth_S.dot(v_S), m->z.sigma_elevation_S.dot(v_S));
+  const double variance = mismatch_variance(options_.match_trust, across.squaredNorm());
+  batch_.add_variance(variance);
+  LandmarkDopplerModel::Measurement& z = *m->doppler;
+  z.sigma_doppler = std::sqrt(z.sigma_doppler * z.sigma_doppler + variance);
+  z.correction_S.setZero();  // that of this prediction; the window solves for the state
 }
 
 void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,

@@ -64,5 +64,33 @@ TEST(NoiseInflation, MismatchFactorMakesTheVarianceHonest) {
   EXPECT_GT(nees(0.7, 1.0), 2.0);
 }
 
+// Reflectors everywhere around the landmark, along one axis: of the detections of neighbours those
+// are matched whose direction fits as well as that of a right match.
+TEST(NoiseInflation, ADopplerOfAMismatchIsThatOfTheNeighbour) {
+  constexpr int kMatches = 200'000;
+  constexpr double kAngle = 0.05;    // sigma of the direction [rad]
+  constexpr double kSpeed = 1.2;     // across the line of sight [m/s]
+  constexpr double kDoppler = 0.02;  // [m/s]
+  test::Random random(5);
+  for (const double right : {1.0, 0.8, 0.68}) {
+    double sum = 0.0;
+    for (int i = 0; i < kMatches; ++i) {
+      double direction = 0.0;  // of the reflector, from the landmark's
+      if (random.uniform(0.0, 1.0) >= right) {
+        double measured = 0.0;
+        do {
+          direction = random.uniform(-8.0 * kAngle, 8.0 * kAngle);
+          measured = (direction + random.normal(kAngle)) / kAngle;
+        } while (random.uniform(0.0, 1.0) > std::exp(-0.5 * measured * measured));
+      }
+      const double residual = random.normal(kDoppler) + direction * kSpeed;
+      sum += residual * residual;
+    }
+    const double across = kAngle * kAngle * kSpeed * kSpeed;
+    const double variance = kDoppler * kDoppler + mismatch_variance(right, across);
+    EXPECT_NEAR(sum / kMatches / variance, 1.0, 0.02) << right;
+  }
+}
+
 }  // namespace
 }  // namespace rio

@@ -182,6 +182,15 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
     EXPECT_NEAR(batch.rows()[i].variance, expected, 1e-9);
   }
   EXPECT_EQ(report_.records[0].nis, nis);
+  // a neighbour's Doppler is that of another direction
+  const Detection& d = detection(0);
+  const Vector3d v(kSpeed, 0.0, 0.0);
+  const double across =
+      std::pow(d.sigma_azimuth_S.dot(v), 2) + std::pow(d.sigma_elevation_S.dot(v), 2);
+  const double doppler = d.sigma_doppler * d.sigma_doppler + mismatch_variance(0.7, across);
+  EXPECT_NEAR(batch.rows()[3].variance, expected * doppler, 1e-12);
+  const auto& z = rows.measurements().of<LandmarkPointModel>()[0].doppler;  // the window's
+  EXPECT_NEAR(z->sigma_doppler, std::sqrt(doppler), 1e-12);
 }
 
 // Nothing but rounding: it repeats until the Doppler has changed by cells.

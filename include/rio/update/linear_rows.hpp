@@ -93,6 +93,8 @@ class RowBatch {
   const RowBlock& last_block() const { return blocks_.back(); }
   /// Shifts the residual of the first row of the last block and adds to its noise variance.
   void correct_first_row(double shift, double variance);
+  /// Adds to the noise variance of the last row.
+  void add_variance(double variance) { rows_.back().variance += variance; }
   /// Multiplies the noise variance of the last block.
   void scale_variance(double factor);
   /// Removes the last block and its rows.

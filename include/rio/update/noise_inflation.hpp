@@ -17,6 +17,12 @@
 //      filter with the variance c R claims c R / n after n matches. Its gain is 1 / n, so its error
 //      obeys e_n = (1 - p / n) e_(n-1) + r / n and has the variance R / (n (2 p - 1)):
 //      c = 1 / (2 p - 1)
+// (E4) The Doppler of a mismatch is that of the neighbour, in its own direction u': seen from the
+//      landmark's direction u, the residual has in addition (u' - u)^T v. With m the measured
+//      direction, u' - m is its error, of covariance Sigma, and m - u has passed the gate of the
+//      directions: of the same size, and independent of u' - m. On average over the matches the
+//      variance of the Doppler is larger by 2 (1 - p) v^T Sigma v. Without it the landmarks are
+//      drawn to their neighbours, and the position drifts in one direction of the body.
 //
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2).
@@ -42,6 +48,13 @@ inline double repetition_factor(double flown, double distance) {
 /// @param right probability that a match is right, above a half
 inline double mismatch_factor(double right) {
   return 1.0 / (2.0 * right - 1.0);
+}
+
+/// (E4): variance that the Doppler of a match has in addition [m^2/s^2].
+/// @param right as above
+/// @param across v^T Sigma v of the detection [m^2/s^2]
+inline double mismatch_variance(double right, double across) {
+  return 2.0 * (1.0 - right) * across;
 }
 
 }  // namespace rio

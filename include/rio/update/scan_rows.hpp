@@ -90,6 +90,10 @@ class ScanRows {
   /// S_, by the terms of second order.
   void add_curvature(LandmarkPointModel::Measurement* z);
 
+  /// Noise inflation of the Doppler of a match, the last row, and of its measurement. After the
+  /// gate, which is that of right matches.
+  void add_mismatch(Measured<LandmarkPointModel>* m, const LinearizationPoint& x);
+
   /// Stage 4: the rows of a measurement as one block. False: outside the domain of its model.
   template <class M>
   bool linearize_block(const Measured<M>& m, BlockIndex index, const StateEstimate& state_estimate,
