@@ -214,7 +214,8 @@ void ScanRows::add_curvature(LandmarkPointModel::Measurement* z) {
 }
 
 void ScanRows::add_mismatch(Measured<LandmarkPointModel>* m, const LinearizationPoint& x) {
-  const Vector3d v_S = x.radar_velocity_S();
+  // as corrected by the scan: after silence the predicted velocity is far off
+  const Vector3d v_S = x.radar_velocity_S() + correction_S_;
   const Eigen::Vector2d across(m->z.sigma_azimuth_S.dot(v_S), m->z.sigma_elevation_S.dot(v_S));
   const double variance = mismatch_variance(options_.match_trust, across.squaredNorm());
   batch_.add_variance(variance);

@@ -186,5 +186,12 @@ TEST(Readme, ScenariosAreThoseOfTheResults) {
   EXPECT_NEAR(std::atof(ground[5].c_str()), 6.0, 0.5);  // "overconfident by six in variance"
 }
 
+TEST(Readme, TheEndOfADayIsThatOfTheResults) {
+  const std::string position = row("## A day in one go", {"24.00"})[1];
+  expect_figures(
+      pattern("position ends # m off at a sigma of # m"),
+      {std::atof(position.c_str()), std::atof(position.substr(position.find('/') + 1).c_str())});
+}
+
 }  // namespace
 }  // namespace rio

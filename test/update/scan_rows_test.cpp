@@ -193,6 +193,24 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
   EXPECT_NEAR(z->sigma_doppler, std::sqrt(doppler), 1e-12);
 }
 
+TEST_F(ScanRowsTest, ADoubtfulMatchHasTheVelocityOfTheScanNotThePredictedOne) {
+  options_.update.match_trust = 0.7;
+  match_landmark(0, 0);
+  StateEstimate b = state_estimate(1);
+  b.estimate().nav.v_WB.x() += 0.3;
+  const Vector3d v(kSpeed, 0.0, 0.0);
+  seen_.ego_velocity.v_S = v;
+  seen_.ego_velocity.covariance = Matrix3d(1e-9 * Matrix3d::Identity());
+  ScanRows rows(options_);
+  build(rows, b);
+  const Detection& d = detection(0);
+  const double across =
+      std::pow(d.sigma_azimuth_S.dot(v), 2) + std::pow(d.sigma_elevation_S.dot(v), 2);
+  const double doppler = d.sigma_doppler * d.sigma_doppler + mismatch_variance(0.7, across);
+  const auto& z = rows.measurements().of<LandmarkPointModel>()[0].doppler;
+  EXPECT_NEAR(z->sigma_doppler, std::sqrt(doppler), 1e-6);
+}
+
 // Nothing but rounding: it repeats until the Doppler has changed by cells.
 TEST_F(ScanRowsTest, ARoundedDopplerRepeatsUntilItChanges) {
   constexpr double kGrid = 0.5;
