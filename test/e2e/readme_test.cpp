@@ -191,6 +191,8 @@ TEST(Readme, TheEndOfADayIsThatOfTheResults) {
   expect_figures(
       pattern("position ends # m off at a sigma of # m"),
       {std::atof(position.c_str()), std::atof(position.substr(position.find('/') + 1).c_str())});
+  const Cells largest = row("## A day in one go", {"position: largest NEES of a row"});
+  expect_figures(pattern("largest NEES of the position #)"), {mean(largest[1])});
 }
 
 }  // namespace

@@ -35,6 +35,14 @@ double inflation(const ScanRows& rows, std::size_t doppler) {
 using test::kSpeed;
 using test::kVelocityVar;
 
+/// Variance of the Doppler of a match at kSpeed: a neighbour's is that of another direction.
+double doubtful_doppler(const Detection& d, double right) {
+  const Vector3d v(kSpeed, 0.0, 0.0);
+  const double across =
+      std::pow(d.sigma_azimuth_S.dot(v), 2) + std::pow(d.sigma_elevation_S.dot(v), 2);
+  return d.sigma_doppler * d.sigma_doppler + mismatch_variance(right, across);
+}
+
 TEST_F(ScanRowsTest, ALandmarksMatchIsOneBlockAndTellsNoFurtherDoppler) {
   match_landmark(1, 1);
   ScanRows rows(options_);
@@ -182,12 +190,7 @@ TEST_F(ScanRowsTest, RepetitionAndDoubtMultiplyTheVariance) {
     EXPECT_NEAR(batch.rows()[i].variance, expected, 1e-9);
   }
   EXPECT_EQ(report_.records[0].nis, nis);
-  // a neighbour's Doppler is that of another direction
-  const Detection& d = detection(0);
-  const Vector3d v(kSpeed, 0.0, 0.0);
-  const double across =
-      std::pow(d.sigma_azimuth_S.dot(v), 2) + std::pow(d.sigma_elevation_S.dot(v), 2);
-  const double doppler = d.sigma_doppler * d.sigma_doppler + mismatch_variance(0.7, across);
+  const double doppler = doubtful_doppler(detection(0), 0.7);
   EXPECT_NEAR(batch.rows()[3].variance, expected * doppler, 1e-12);
   const auto& z = rows.measurements().of<LandmarkPointModel>()[0].doppler;  // the window's
   EXPECT_NEAR(z->sigma_doppler, std::sqrt(doppler), 1e-12);
@@ -198,15 +201,11 @@ TEST_F(ScanRowsTest, ADoubtfulMatchHasTheVelocityOfTheScanNotThePredictedOne) {
   match_landmark(0, 0);
   StateEstimate b = state_estimate(1);
   b.estimate().nav.v_WB.x() += 0.3;
-  const Vector3d v(kSpeed, 0.0, 0.0);
-  seen_.ego_velocity.v_S = v;
+  seen_.ego_velocity.v_S = Vector3d(kSpeed, 0.0, 0.0);
   seen_.ego_velocity.covariance = Matrix3d(1e-9 * Matrix3d::Identity());
   ScanRows rows(options_);
   build(rows, b);
-  const Detection& d = detection(0);
-  const double across =
-      std::pow(d.sigma_azimuth_S.dot(v), 2) + std::pow(d.sigma_elevation_S.dot(v), 2);
-  const double doppler = d.sigma_doppler * d.sigma_doppler + mismatch_variance(0.7, across);
+  const double doppler = doubtful_doppler(detection(0), 0.7);
   const auto& z = rows.measurements().of<LandmarkPointModel>()[0].doppler;
   EXPECT_NEAR(z->sigma_doppler, std::sqrt(doppler), 1e-6);
 }
