@@ -199,7 +199,9 @@ std::vector<Recording> find_recordings(const fs::path& folder) {
   for (const fs::path& place : places) {
     Recording recording{place.filename().string(), io::read_dataset(place), {}};
     const fs::path reference = place / "reference.tum";
-    if (fs::exists(reference)) recording.reference = io::read_trajectory(reference);
+    if (fs::exists(reference)) {
+      recording.reference = io::read_trajectory(reference, io::TumOrder::kSorted);
+    }
     recordings.push_back(std::move(recording));
   }
   return recordings;

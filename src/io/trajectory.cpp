@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <stdexcept>
@@ -15,7 +16,7 @@ namespace rio::io {
 
 namespace {
 
-Trajectory read_tum(const std::filesystem::path& path) {
+Trajectory read_tum(const std::filesystem::path& path, TumOrder order) {
   CsvReader rows(path, ' ');
   Trajectory trajectory;
   while (rows.next()) {
@@ -29,12 +30,20 @@ Trajectory read_tum(const std::filesystem::path& path) {
     if (!q) rows.fail("not a unit quaternion");
     if (!pose.p.allFinite()) rows.fail("position is not finite");
     pose.q = *q;
-    if (!trajectory.empty() && pose.time <= trajectory.back().time) {
+    if (order == TumOrder::kStrict && !trajectory.empty() &&
+        pose.time <= trajectory.back().time) {
       rows.fail("time does not increase");
     }
     trajectory.push_back(pose);
   }
   if (trajectory.empty()) throw std::runtime_error(path.string() + ": holds no poses");
+  if (order == TumOrder::kSorted) {
+    std::stable_sort(trajectory.begin(), trajectory.end(),
+                     [](const auto& a, const auto& b) { return a.time < b.time; });
+    const auto end = std::unique(trajectory.begin(), trajectory.end(),
+                                 [](const auto& a, const auto& b) { return a.time == b.time; });
+    trajectory.erase(end, trajectory.end());
+  }
   return trajectory;
 }
 
@@ -60,8 +69,10 @@ void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) 
   file.close();
 }
 
-Trajectory read_trajectory(const std::filesystem::path& path) {
-  if (!std::filesystem::is_directory(path) && path.extension() != ".csv") return read_tum(path);
+Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order) {
+  if (!std::filesystem::is_directory(path) && path.extension() != ".csv") {
+    return read_tum(path, order);
+  }
   Trajectory trajectory;
   for (const NavState& state : read_ground_truth(path)) {
     trajectory.push_back({state.time, state.p_WB, state.q_WB});

@@ -2,6 +2,7 @@
 // Trajectory files (TUM, EuRoC ground truth) and the states file of a replay.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -22,10 +23,16 @@ std::string tum_line(const StampedPose& pose);
 
 void write_tum(const std::filesystem::path& path, const Trajectory& trajectory);
 
+/// What to do with the lines of a TUM file that are not in the order of time.
+enum class TumOrder : std::uint8_t {
+  kStrict,  ///< an error
+  kSorted,  ///< sort; of equal stamps the first is kept
+};
+
 /// A dataset folder (its ground truth), a .csv file (EuRoC ground truth, or a states file), or else
 /// a TUM file of exactly eight columns. Throws std::runtime_error "FILE:LINE: ..." if it is
 /// damaged, empty, not finite, or if stamps do not strictly increase.
-Trajectory read_trajectory(const std::filesystem::path& path);
+Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order = TumOrder::kStrict);
 
 /// Error of the states file: [dp, dtheta, dv] in W, B, W axes.
 using StateCovariance = Eigen::Matrix<double, 9, 9, Eigen::DontAlign>;
