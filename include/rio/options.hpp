@@ -187,10 +187,6 @@ struct CalibrationOptions {
 inline constexpr double kCalibrationLimit = 5.0;
 /// In sigmas of the prior: an estimate beyond this is doubtful (Observability in report.hpp).
 inline constexpr double kCalibrationDoubt = 3.0;
-/// In sigmas of the prior: initial sigma of the configured value, until the data contradict it
-/// (update/state_estimate.hpp).
-inline constexpr double kCalibrationConfiguredShare = 0.5;
-
 /// A landmark missed for less than this is still in view: the weakest echoes are missed that long
 /// [s].
 inline constexpr double kLandmarkInView = 8.0;

@@ -162,7 +162,6 @@ class Pipeline {
     rest_.reset();
     last_static_set_ = prior.time;
     backend_.reset(prior, P0);
-    birge_ratios_ = {};
     health_.reset(prior.time);
     report_ = UpdateReport{};
     newest_scan_ = kNoScan;
@@ -296,8 +295,7 @@ class Pipeline {
   }
 
   void summarise_state() {
-    report_.calibration =
-        calibration_report(backend_.state_estimate(), options_, &birge_ratios_[estimate().radar]);
+    report_.calibration = calibration_report(backend_.state_estimate(), options_);
     report_.clones = static_cast<int>(backend_.estimate().clones.size());
     report_.landmarks = static_cast<int>(backend_.estimate().landmarks.size());
   }
@@ -315,7 +313,6 @@ class Pipeline {
   BackEnd backend_;
   UpdateReport report_;
   ConsistencyChecks<BackEnd> checks_;
-  std::array<BirgeRatios, kMaxRadars> birge_ratios_{};
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
   StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
   DetectionList corrected_;

@@ -97,9 +97,8 @@ inline const char* to_string(Observability observability) {
 
 /// One parameter of the calibration.
 struct CalibrationReport {
-  double value = 0.0;      ///< estimate minus the option's value
-  double sigma = 0.0;      ///< that of the covariance times `inflation`
-  double inflation = 1.0;  ///< successive corrections vary that much more than P allows
+  double value = 0.0;  ///< estimate minus the option's value
+  double sigma = 0.0;  ///< that of the covariance
   double prior_sigma = 0.0;
   Observability observability = Observability::kNotEstimated;
 };

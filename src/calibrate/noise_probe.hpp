@@ -83,7 +83,7 @@ class NoiseProbe : public Ekf {
       nav.q_WB = truth->q_WB;
       nav.v_WB = truth->v_WB;
     }
-    const LinearizationPoint x(estimate(), nav, predicted.gyro_B, predicted.accel_W);
+    const LinearizationPoint x(estimate(), nav, predicted.gyro_B, predicted.steady);
     for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
       if (seen.is_static(i)) add_doppler(seen.detection(i), x, truth.has_value());
     }

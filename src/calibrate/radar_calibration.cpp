@@ -57,15 +57,12 @@ Values priors_of(const CalibrationOptions& c) {
           c.time_offset_sigma};
 }
 
-/// Information of a run without its prior (E1): the initial prior, or, if the sigma exceeds it, the
-/// wider one that replaced it after a contradiction.
+/// Information of a run without its prior (E1).
 Measured without_prior(const CalibrationReport& report) {
   constexpr double kSilent = 0.2;     // of the prior's information: no information
   constexpr double kNothing = 100.0;  // prior sigmas: negligible weight
-  const double first = kCalibrationConfiguredShare * report.prior_sigma;
-  const double sigma = report.sigma / report.inflation;  // halves and recordings widen it
-  const double p = sigma < first ? first : report.prior_sigma;
-  const double after = 1.0 / (sigma * sigma);
+  const double p = report.prior_sigma;
+  const double after = 1.0 / (report.sigma * report.sigma);
   const double information = after - 1.0 / (p * p);
   if (!(information > kSilent / (p * p))) return {report.value, kNothing * p};
   return {report.value * after / information, 1.0 / std::sqrt(information)};
@@ -150,12 +147,13 @@ class Repetition {
 
   /// Of the whole runs; parameters without information keep the configured value.
   Values mean(const std::vector<RecordingCalibration>& runs) const {
+    constexpr double kInformed = 0.5;  // of the prior sigma
     const Values loose = priors_of(options_.calibration);
     Values values{};
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       if (!(runs.front().whole[i].sigma > 0.0)) continue;
       const Combined whole = combine(all(runs, i, &RecordingCalibration::whole));
-      if (whole.sigma < kCalibrationConfiguredShare * loose[i]) values[i] = whole.value;
+      if (whole.sigma < kInformed * loose[i]) values[i] = whole.value;
     }
     return values;
   }
@@ -261,7 +259,7 @@ double tightened(const RadarCalibration& c, std::size_t first, std::size_t count
     if (!determined(c, i)) return configured;
     largest = std::max(largest, c.parameters[i].sigma);
   }
-  return std::min(configured, largest / kCalibrationConfiguredShare);
+  return std::min(configured, largest);
 }
 
 /// The result from the verdicts.

@@ -37,7 +37,8 @@ void Ekf::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, do
 
 Status Ekf::update(const Observations& seen, UpdateReport* report) {
   const RowBatch& rows = rows_.build(seen, state_estimate_, report);
-  if (!panels_.apply(compression_.compress(rows), &state_estimate_.covariance(), &dx_))
+  if (!panels_.apply(compression_.compress(rows, estimate().gyro_variance),
+                     &state_estimate_.covariance(), &dx_))
     return Status::kNumerical;
   before_ = state_estimate_.estimate();
   state_estimate_.correct(dx_);
@@ -46,10 +47,6 @@ Status Ekf::update(const Observations& seen, UpdateReport* report) {
                         &state_estimate_.covariance());
   }
   mirror_lower(state_estimate_.covariance().matrix());
-  for (const Contradiction& c : state_estimate_.contradictions()) {
-    state_estimate_.covariance().forget(c.column, c.value, c.information, &dx_);
-    state_estimate_.correct(dx_);
-  }
   return Status::kOk;
 }
 

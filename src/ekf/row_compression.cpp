@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/small_cholesky.hpp"
+
 namespace rio {
 
 namespace {
@@ -25,7 +27,7 @@ RowCompression::RowCompression(std::size_t capacity)
       factor_(static_cast<Eigen::Index>(capacity), kMaxRank),
       residual_(static_cast<Eigen::Index>(capacity)) {}
 
-const RowBatch& RowCompression::compress(const RowBatch& batch) {
+const RowBatch& RowCompression::compress(const RowBatch& batch, double rate_variance) {
   out_.clear();
   const std::vector<RowBlock>& blocks = batch.blocks();
   std::size_t b = 0;
@@ -36,8 +38,10 @@ const RowBatch& RowCompression::compress(const RowBatch& batch) {
            alike(first, batch.rows()[blocks[b].first])) {
       ++b;
     }
-    if (b - begin > kMaxRank &&
-        compress_run(batch, blocks[begin].first, blocks[begin].first + b - begin)) {
+    const std::size_t first_row = blocks[begin].first;
+    const bool shared = rate_variance > 0.0 && blocks[begin].count == 1;
+    if ((b - begin > kMaxRank || shared) &&
+        compress_run(batch, first_row, first_row + b - begin, rate_variance)) {
       continue;
     }
     for (std::size_t i = begin; i < b; ++i) {
@@ -49,7 +53,8 @@ const RowBatch& RowCompression::compress(const RowBatch& batch) {
   return out_;
 }
 
-bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std::size_t end) {
+bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std::size_t end,
+                                  double rate_variance) {
   constexpr double kRounding = 1e-24;  // squared rounding error of a row, relative
   const auto m = static_cast<Eigen::Index>(end - begin);
   auto rows = rows_.leftCols(m);
@@ -76,6 +81,7 @@ bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std:
       rows.col(i) -= factor_(i, rank) * b;
     }
   }
+  Rows compressed;
   LinearRow row = batch.rows()[begin];
   row.variance = 1.0;
   for (int k = 0; k < rank; ++k) {  // (E2)
@@ -91,10 +97,41 @@ bool RowCompression::compress_run(const RowBatch& batch, std::size_t begin, std:
       h += t * basis_.col(j);
     }
     row.residual = q.dot(residual);
+    (void)compressed.push_back(row);
+  }
+  if (rate_variance > 0.0) whiten(rate_variance, &compressed);
+  for (const LinearRow& done : compressed) {
     out_.begin_block();
-    out_.push(row);
+    out_.push(done);
   }
   return true;
+}
+
+void RowCompression::whiten(double rate_variance, Rows* rows) {
+  Eigen::Matrix<double, kMaxRank, 3> G = Eigen::Matrix<double, kMaxRank, 3>::Zero();
+  for (std::size_t i = 0; i < rows->size(); ++i) {
+    (*rows)[i].for_each_segment([&](int column, const double* h, int) {
+      if (column == body::kGyroBias) {
+        G.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVector3d>(h);
+      }
+    });
+  }
+  const Eigen::Matrix<double, kMaxRank, kMaxRank> covariance =
+      Eigen::Matrix<double, kMaxRank, kMaxRank>::Identity() + rate_variance * G * G.transpose();
+  const SmallCholesky<kMaxRank> root(covariance);
+  const auto& L = root.L();
+  for (std::size_t i = 0; i < rows->size(); ++i) {  // forward substitution
+    LinearRow& row = (*rows)[i];
+    Eigen::Map<Eigen::Matrix<double, kColumns, 1>> h(row.h.data());
+    for (std::size_t j = 0; j < i; ++j) {
+      const double l = L(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      h -= l * Eigen::Map<const Eigen::Matrix<double, kColumns, 1>>((*rows)[j].h.data());
+      row.residual -= l * (*rows)[j].residual;
+    }
+    const double diagonal = L(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
+    h /= diagonal;
+    row.residual /= diagonal;
+  }
 }
 
 }  // namespace rio

@@ -24,7 +24,7 @@ DopplerModel::Measurement DopplerModel::measurement(const Detection& d, const Ve
           0.0,
           Matrix3d::Identity(),
           1.0,
-          Vector3d::Zero()};
+          {}};
 }
 
 DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measurement& z,
@@ -75,10 +75,12 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   J->block<1, 3>(0, Blocks::column<BodyPose>() + 3).setZero();
   J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
   J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
-  J->block<1, 3>(0, Blocks::column<Extrinsics>()) = v_S.cross(scaled_u).transpose();
-  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = w.cross(a).transpose();
-  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S + z.correction_S),  // (E7)
-      scale * upwards.dot(v_S);
+  const Vector3d steady_v_S = v_S + z.steady.velocity_S;  // (E7)
+  const Vector3d steady_w = w + z.steady.rate_B;
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()) = steady_v_S.cross(scaled_u).transpose();
+  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = steady_w.cross(a).transpose();
+  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(steady_v_S),
+      scale * upwards.dot(steady_v_S);
   return true;
 }
 

@@ -67,9 +67,11 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
   J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
   J->block<1, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d_h);
-  J->block<1, 3>(0, Blocks::column<Extrinsics>()) += v_S.cross(scaled_u).transpose();
-  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += w.cross(a).transpose();
-  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(v_S + z.correction_S), 0.0;
+  const Vector3d steady_v_S = v_S + z.steady.velocity_S;
+  const Vector3d steady_w = w + z.steady.rate_B;
+  J->block<1, 3>(0, Blocks::column<Extrinsics>()) += steady_v_S.cross(scaled_u).transpose();
+  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += steady_w.cross(a).transpose();
+  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(steady_v_S), 0.0;
   J->block<1, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d_h);
   return true;
 }

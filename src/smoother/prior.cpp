@@ -101,26 +101,6 @@ void Prior::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
   mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
-void Prior::forget(int column, double value, double information, const Estimate& x) {
-  double moved = 0.0;  // change since the linearisation point
-  const std::size_t r = layout_.radar_of(column);
-  const Layout layout = layout_.of_radar(r);
-  const RadarState& then = radars_[r];
-  const RadarState now = x.of_radar(r);
-  if (layout.has_extrinsics() && column < layout.extrinsics() + Extrinsics::kDof) {
-    const int i = column - layout.extrinsics();
-    moved = i < 3 ? quaternion_log(then.T_BS.rotation.conjugate() * now.T_BS.rotation)[i]
-                  : (now.T_BS.translation - then.T_BS.translation)[i - 3];
-  } else if (layout.has_radar_errors() && column < layout.radar_errors() + RadarErrors::kDof) {
-    const int i = column - layout.radar_errors();
-    moved = now.errors[i] - then.errors[i];
-  } else {
-    moved = now.time_offset - then.time_offset;
-  }
-  A_(border(column), border(column)) -= information;
-  g_[border(column)] += information * (value - moved);
-}
-
 void Prior::remove_landmark(std::size_t i, std::size_t last) {
   if (i >= landmarks_.size()) return;
   const int at = border(layout_.landmark(static_cast<int>(i)));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/scan_information.hpp"
 
+#include <Eigen/LU>
+
 namespace rio {
 
 void ScanInformation::begin(const WindowLayout& layout) {
@@ -28,6 +30,24 @@ void ScanInformation::close(double weight, int landmark_column) {
   r_.segment(first_, count) *= scale;
   if (landmark_column >= 0) add_landmark(landmark_column, first_, count);
   first_ = rows_;
+}
+
+void ScanInformation::share_rate_noise(double variance) {
+  if (!(variance > 0.0)) return;
+  flush();
+  constexpr int kBias = body::kGyroBias;
+  Eigen::Matrix<double, kLocal, 3> by_bias;
+  by_bias.topRows<kBias>() = A_.block<3, kBias>(kBias, 0).transpose();
+  by_bias.bottomRows<kLocal - kBias>() = A_.block<kLocal - kBias, 3>(kBias, kBias);
+  Matrix3d own = by_bias.middleRows<3>(kBias).selfadjointView<Eigen::Lower>();
+  by_bias.middleRows<3>(kBias) = own;
+  own.diagonal().array() += 1.0 / variance;
+  const Matrix3d K = own.inverse();
+  const Vector3d g_bias = g_.segment<3>(kBias);
+  const Eigen::Matrix<double, kLocal, 3> gain = by_bias * K;
+  A_.triangularView<Eigen::Lower>() -= gain * by_bias.transpose();
+  g_ -= gain * g_bias;
+  cost_ -= 0.5 * g_bias.dot(K * g_bias);
 }
 
 double ScanInformation::end() {

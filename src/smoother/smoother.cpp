@@ -82,9 +82,6 @@ void Smoother::reopen_position(double sigma, UpdateReport* report) {
 }
 
 Status Smoother::update(const Observations& seen, UpdateReport* report) {
-  for (const Contradiction& c : state_estimate_.contradictions()) {
-    prior_.forget(c.column, c.value, c.information, estimate());
-  }
   rows_.build(seen, state_estimate_, report);
   const bool appended = window_.newest().nav.time != estimate().nav.time;
   if (appended && !append()) return Status::kNumerical;
@@ -165,7 +162,9 @@ void Smoother::copy_newest() {
   WindowState& state = window_.newest();
   state.nav = estimate().nav;
   state.gyro_B = estimate().gyro_B;
-  state.accel_B = state.nav.q_WB.conjugate() * estimate().accel_W;
+  state.gyro_variance = estimate().gyro_variance;
+  state.steady = estimate().steady;
+  state.accel_B = state.nav.q_WB.conjugate() * state.steady.accel_W;
 }
 
 void Smoother::take(const Observations& seen) {

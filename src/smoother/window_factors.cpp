@@ -58,14 +58,21 @@ double WindowFactors::add_scan_of(std::size_t k, std::size_t r, const Estimate& 
   }
   const Matrix3d believed = reliability.matrix();
   scan_.begin(layout);
-  state.measurements.for_each([&]<class M>(const Measured<M>& m) {
-    if constexpr (std::is_same_v<M, DopplerModel>) {
+  const SteadyOffset steady = x.steady_offset();
+  for (Measured<DopplerModel> m : state.measurements.of<DopplerModel>()) {
+    if (m.radar != r) continue;
+    m.z.reliability = believed;
+    m.z.steady = steady;
+    add(m, x, layout);
+  }
+  scan_.share_rate_noise(state.gyro_variance);
+  state.measurements.for_each([&]<class M>(Measured<M> m) {
+    if constexpr (!std::is_same_v<M, DopplerModel> && !M::Blocks::template has<ClonePose>()) {
       if (m.radar != r) return;
-      Measured<M> at_this_point = m;
-      at_this_point.z.reliability = believed;
-      add(at_this_point, x, layout);
-    } else if constexpr (!M::Blocks::template has<ClonePose>()) {
-      if (m.radar == r) add(m, x, layout);
+      if constexpr (std::is_same_v<M, LandmarkPointModel>) {
+        if (m.doppler) m.doppler->steady = steady;
+      }
+      add(m, x, layout);
     }
   });
   return scan_.end();
@@ -123,7 +130,9 @@ double WindowFactors::add_trail(std::size_t k, const Measured<TrailDistanceModel
 
 LinearizationPoint WindowFactors::point(const WindowState& state, std::size_t r,
                                         const Estimate& estimate) {
-  LinearizationPoint x(estimate, state.nav, state.gyro_B, state.nav.q_WB * state.accel_B);
+  SteadyMotion steady = state.steady;
+  steady.accel_W = state.nav.q_WB * state.accel_B;
+  LinearizationPoint x(estimate, state.nav, state.gyro_B, steady);
   const RadarState now = estimate.of_radar(r);
   const WindowState::Scanned& scanned = state.scanned[r];
   x.T_BS = RigidPose(now.T_BS);

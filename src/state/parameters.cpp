@@ -13,8 +13,7 @@ ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& c
   };
   const CalibrationOptions usual;
   const auto calibrate = [&](int column, int length, double sigma, double usual_sigma) {
-    set(column, length, kCalibrationConfiguredShare * sigma,
-        sigma > 0.0 ? calibration.walk * usual_sigma : 0.0);
+    set(column, length, sigma, sigma > 0.0 ? calibration.walk * usual_sigma : 0.0);
   };
   for (std::size_t r = 0; r < layout.radars(); ++r) {
     const Layout own = layout.of_radar(r);

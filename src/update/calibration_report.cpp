@@ -17,7 +17,7 @@ Observability observability(double value, double sigma, double prior_sigma) {
 }
 
 std::array<CalibrationReport, kCalibrationCount> calibration_report(
-    const StateEstimate& state_estimate, const Options& options, BirgeRatios* ratios) {
+    const StateEstimate& state_estimate, const Options& options) {
   std::array<CalibrationReport, kCalibrationCount> report{};
   const Layout& layout = state_estimate.layout();
   const Estimate& x = state_estimate.estimate();
@@ -26,15 +26,8 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(
                         int column) {
     if (!present || prior <= 0.0) return;
     const auto i = static_cast<std::size_t>(parameter);
-    const double by_covariance = std::sqrt(state_estimate.covariance().matrix()(column, column));
-    const double walk = state_estimate.parameters().walk[column - body::kSize];
-    const double inflation = (*ratios)[i].add(x.nav.time, value, by_covariance, walk);
-    const double sigma = inflation * by_covariance;
-    Observability verdict = observability(value, sigma, prior);
-    if (verdict != Observability::kAtLimit && verdict != Observability::kDoubtful) {
-      verdict = observability(0.0, sigma, state_estimate.prior_share(parameter) * prior);
-    }
-    report[i] = {value, sigma, inflation, prior, verdict};
+    const double sigma = std::sqrt(state_estimate.covariance().matrix()(column, column));
+    report[i] = {value, sigma, prior, observability(value, sigma, prior)};
   };
   const RadarMount mount = options.mount(x.radar);
   const Pose& configured = mount.T_BS;

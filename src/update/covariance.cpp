@@ -74,19 +74,6 @@ void Covariance::measure_velocity(const Vector3d& residual_W, const Matrix3d& no
   }
 }
 
-void Covariance::forget(int column, double value, double information,
-                        Eigen::VectorXd* dx) {  // (E5)
-  auto row = scratch_.row(0).head(size_);
-  row = P_.row(column).head(size_);
-  const double rest = 1.0 / information - P_(column, column);
-  dx->setZero();
-  if (!(rest > 0.0)) return;
-  dx->head(size_) = row.transpose() * (value / rest);
-  for (int c = 0; c < size_; ++c) {
-    for (int r = 0; r <= c; ++r) P_(c, r) = P_(r, c) += row[r] * row[c] / rest;
-  }
-}
-
 template <int kRows>
 void Covariance::assign(int at, const std::array<LinearRow, static_cast<std::size_t>(kRows)>& rows,
                         const Eigen::Matrix<double, kRows, kRows>& noise) {

@@ -127,7 +127,7 @@ double HealthMonitor::clock_doubt(const UpdateReport& report, Time now) {
   if (c.observability == Observability::kNotEstimated) return 0.0;
   PastOffsets& past = offsets_[report.radar];
   if (past.count == 0 || now - past.newest().time >= kClockStep) {
-    past.ring[past.count++ % kClockSteps] = {now, c.value, c.sigma / c.inflation};
+    past.ring[past.count++ % kClockSteps] = {now, c.value, c.sigma};
   }
   return std::abs(c.value - past.oldest().value) / (kClockSigmas * past.oldest().sigma);
 }

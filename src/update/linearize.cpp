@@ -6,18 +6,19 @@
 namespace rio {
 
 LinearizationPoint::LinearizationPoint(const Estimate& x)
-    : LinearizationPoint(x, x.nav, x.gyro_B, x.accel_W) {}
+    : LinearizationPoint(x, x.nav, x.gyro_B, x.steady) {}
 
 LinearizationPoint::LinearizationPoint(const Estimate& x, const NavState& nav,
                                        const Vector3d& measured_gyro_B,
-                                       const Vector3d& acceleration_W)
+                                       const SteadyMotion& steady_motion)
     : estimate(x),
       T_WB(nav.q_WB.toRotationMatrix(), nav.p_WB),
       T_BS(x.T_BS),
       v_WB(nav.v_WB),
       gyro_bias(nav.gyro_bias),
       gyro_B(measured_gyro_B),
-      accel_W(acceleration_W) {
+      accel_W(steady_motion.accel_W),
+      steady(steady_motion) {
   pose_rate << gyro_B - gyro_bias, v_WB;
 }
 
@@ -35,6 +36,12 @@ void LinearizationPoint::stand() {
 
 Vector3d LinearizationPoint::radar_velocity_S() const {
   return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS);
+}
+
+SteadyOffset LinearizationPoint::steady_offset() const {
+  const Vector3d radar_v_B = steady.v_B + steady.rate_B.cross(T_BS.p);
+  return {T_BS.R.transpose() * radar_v_B - radar_velocity_S(),
+          steady.rate_B - (gyro_B - gyro_bias)};
 }
 
 }  // namespace rio

@@ -97,14 +97,15 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
   const Vector3d v_S = x.radar_velocity_S();
   const Eigen::Matrix4d& V = doppler_covariance_;
   const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
+  const SteadyOffset steady = x.steady_offset();
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     DopplerModel::Measurement& z = dopplers_[i];
     z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
-    z.correction_S = correction_S_;
+    z.steady = steady;
     if (options_.doppler_directions < DopplerDirections::kCorrected) continue;
     Eigen::Vector4d c;
-    c << z.direction_S, z.upwards_S.dot(v_S);
+    c << z.direction_S, z.upwards_S.dot(v_S + steady.velocity_S);
     z.predicted_var = c.dot(V * c);
     const auto expected = DopplerModel::expected_direction(z, z.direction_S, v_S);
     z.variance_factor = expected.variance_factor;
@@ -124,10 +125,16 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
       S_.setConstant(1, 1, c.dot(V * c) + row.variance);
     }
     if (!judge(DopplerModel::kModel, i, valid, report)) continue;
-    m.z.predicted_var = 0.0;  // those of this prediction; the window solves for the state
-    m.z.correction_S.setZero();
+    m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
     keep(m, doppler_repetition(seen.detection(i), x));
   }
+}
+
+void ScanRows::add_gyro_noise(LandmarkDopplerModel::Measurement* z, const Vector3d& direction_S,
+                              const LinearizationPoint& x) {
+  const Vector3d by_rate = x.T_BS.p.cross(x.T_BS.R * direction_S);
+  const double variance = x.estimate.gyro_variance * by_rate.squaredNorm();
+  z->sigma_doppler = std::sqrt(z->sigma_doppler * z->sigma_doppler + variance);
 }
 
 void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_estimate,
@@ -172,7 +179,8 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
         Measured<LandmarkPointModel> point{LandmarkPointModel::measurement(d), {}, radar, m.target};
         if (options_.use_doppler) {
           point.doppler = LandmarkDopplerModel::measurement(d, x.gyro_B);
-          point.doppler->correction_S = correction_S_;
+          point.doppler->steady = x.steady_offset();
+          add_gyro_noise(&*point.doppler, d.direction_S, x);
         }
         was_used_[m.target] = add_landmark(point, m.detection, state_estimate, x, report);
         measures_landmark_[m.detection] = was_used_[m.target];
@@ -192,9 +200,14 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
     if constexpr (std::is_same_v<M, LandmarkPointModel>) add_curvature(&m.z);
   }
+  Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
+  if constexpr (std::is_same_v<M, LandmarkPointModel>) {
+    if (valid) innovation = direction_innovation();  // the gate overwrites S_
+  }
   if (!judge(M::kModel, detection, valid, report)) return false;
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-    if (m.doppler) add_mismatch(&m, x);
+    add_look(innovation, &m, x);
+    if (m.doppler) add_mismatch(&m, x);  // of directions with that noise
   }
   const double distance = x.estimate.landmarks[m.landmark].distance_seen;
   keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
@@ -213,6 +226,26 @@ void ScanRows::add_curvature(LandmarkPointModel::Measurement* z) {
   z->sigma_range *= std::sqrt(1.0 + variance);
 }
 
+Eigen::Vector2d ScanRows::direction_innovation() const {
+  const LinearRow* row = &batch_.rows()[batch_.last_block().first];
+  return {row[1].residual / std::sqrt(S_(1, 1)), row[2].residual / std::sqrt(S_(2, 2))};
+}
+
+void ScanRows::add_look(const Eigen::Vector2d& innovation, Measured<LandmarkPointModel>* m,
+                        const LinearizationPoint& x) {
+  const LandmarkState& landmark = x.estimate.landmarks[m->landmark];
+  LookCorrelation& looks = looks_[x.estimate.radar];
+  LandmarkState::Looks& sum = look_sums_[m->landmark];
+  sum = landmark.looks;
+  const double moved = x.estimate.distance_travelled - landmark.distance_seen;
+  if (moved > noise_distance_[x.estimate.radar]) looks.add(innovation, &sum);
+  const double factor = looks.factor();
+  batch_.scale_row(1, factor);
+  batch_.scale_row(2, factor);
+  m->z.sigma_azimuth_S *= std::sqrt(factor);
+  m->z.sigma_elevation_S *= std::sqrt(factor);
+}
+
 void ScanRows::add_mismatch(Measured<LandmarkPointModel>* m, const LinearizationPoint& x) {
   // as corrected by the scan: after silence the predicted velocity is far off
   const Vector3d v_S = x.radar_velocity_S() + correction_S_;
@@ -221,7 +254,6 @@ void ScanRows::add_mismatch(Measured<LandmarkPointModel>* m, const Linearization
   batch_.add_variance(variance);
   LandmarkDopplerModel::Measurement& z = *m->doppler;
   z.sigma_doppler = std::sqrt(z.sigma_doppler * z.sigma_doppler + variance);
-  z.correction_S.setZero();  // that of this prediction; the window solves for the state
 }
 
 void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,

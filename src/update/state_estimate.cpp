@@ -14,19 +14,6 @@ namespace rio {
 
 namespace {
 
-constexpr double kContradicted = 3.5;  // sigmas: eight parameters are tested at every scan
-constexpr double kMemory = 0.05;       // time constant: rotors are faster, bodies slower [s]
-
-/// The part of a smoothed acceleration that white noise of that density [(m/s^2)^2/Hz] cannot
-/// explain. The noise is in the velocity, too, and the correlation would look like a time offset.
-Vector3d beyond_noise(const Vector3d& smooth_W, double density) {
-  constexpr double kSquare = 25.0;  // five sigmas: with three, an aliased tone still passes
-  // variance of white noise after two low-passes of time constant m: density / (4 m) per axis
-  const double noise = kSquare * 3.0 * density / (4.0 * kMemory);
-  const double square = smooth_W.squaredNorm();
-  return square > noise ? Vector3d((1.0 - noise / square) * smooth_W) : Vector3d(Vector3d::Zero());
-}
-
 /// The row of a Doppler along an exact direction; residual and noise are not set.
 LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
                       const Layout& layout) {
@@ -34,6 +21,7 @@ LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
   z.direction_S = direction_S;
   z.upwards_S.setZero();
   z.gyro_B = x.gyro_B;
+  z.steady = x.steady_offset();
   Evaluation<DopplerModel> e;
   DopplerModel(DopplerDirections::kExact)
       .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R);
@@ -41,12 +29,6 @@ LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
 }
 
 }  // namespace
-
-void Acceleration::add(const Vector3d& change_W, double seconds) {
-  const double sum = kMemory + seconds;
-  once_W += (change_W - seconds * once_W) / sum;
-  smooth_W += seconds / sum * (once_W - smooth_W);
-}
 
 StateEstimate::StateEstimate(const Options& options, int max_clones)
     : options_(options),
@@ -65,10 +47,9 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
                         {configured.T_BS, {configured.doppler_scale, 0.0}, configured.time_offset});
   }
   layout_ = layout_.of_radar(0);
-  acceleration_ = {};
+  steady_.reset(prior.q_WB.conjugate() * prior.v_WB);
+  estimate_.steady = steady_.motion();
   covariance_.reset(P0, parameters_.prior);
-  started_ = prior.time;
-  contradicted_ = {};
 }
 
 void StateEstimate::select_radar(std::size_t r) {
@@ -76,77 +57,34 @@ void StateEstimate::select_radar(std::size_t r) {
   layout_ = layout_.of_radar(r);
 }
 
-double StateEstimate::prior_share(Calibration parameter) const {
-  const bool contradicted = contradicted_[estimate_.radar][static_cast<std::size_t>(parameter)];
-  return contradicted ? 1.0 : kCalibrationConfiguredShare;
-}
-
-StaticVector<Contradiction, kMaxRadars * kCalibrationCount> StateEstimate::contradictions() {
-  StaticVector<Contradiction, kMaxRadars * kCalibrationCount> out;
-  const double seconds = to_seconds(estimate_.nav.time - started_);
-  for (std::size_t r = 0; r < layout_.radars(); ++r) {
-    const Layout layout = layout_.of_radar(r);
-    const RadarState x = estimate_.of_radar(r);
-    const RadarMount mount = options_.mount(r);
-    const auto test = [&](Calibration parameter, int column, double value, double sigma) {
-      bool& contradicted = contradicted_[r][static_cast<std::size_t>(parameter)];
-      if (contradicted || !(sigma > 0.0)) return;
-      const double walked = seconds * parameters_.walk[column - body::kSize];
-      const double configured = parameters_.prior[column - body::kSize] + walked;
-      const double moved = configured - covariance_.matrix()(column, column);
-      if (value * value < std::max(kContradicted * kContradicted * moved, configured)) return;
-      contradicted = true;
-      (void)out.push_back({column, value, 1.0 / configured - 1.0 / (sigma * sigma + walked)});
-    };
-    const CalibrationOptions& priors = options_.calibration;
-    if (layout.has_extrinsics()) {
-      const Pose& configured = mount.T_BS;
-      const Vector3d turn = quaternion_log(configured.rotation.conjugate() * x.T_BS.rotation);
-      const Vector3d shift = x.T_BS.translation - configured.translation;
-      const int column = layout.extrinsics();
-      test(Calibration::kRotationX, column, turn.x(), priors.rotation_sigma);
-      test(Calibration::kRotationY, column + 1, turn.y(), priors.rotation_sigma);
-      test(Calibration::kRotationZ, column + 2, turn.z(), priors.rotation_sigma);
-      test(Calibration::kTranslationX, column + 3, shift.x(), priors.translation_sigma);
-      test(Calibration::kTranslationY, column + 4, shift.y(), priors.translation_sigma);
-      test(Calibration::kTranslationZ, column + 5, shift.z(), priors.translation_sigma);
-    }
-    if (layout.has_radar_errors()) {
-      const int column = layout.radar_errors();
-      test(Calibration::kDopplerScale, column + RadarErrors::kDopplerScale,
-           x.errors[RadarErrors::kDopplerScale] - mount.doppler_scale, priors.doppler_scale_sigma);
-      test(Calibration::kElevationBias, column + RadarErrors::kElevation,
-           x.errors[RadarErrors::kElevation], priors.elevation_bias_sigma);
-    }
-    if (layout.has_time_offset()) {
-      test(Calibration::kTimeOffset, layout.time_offset(), x.time_offset - mount.time_offset,
-           priors.time_offset_sigma);
-    }
-  }
-  return out;
-}
-
 Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   Propagation p;
   p.state = estimate_.nav;
-  Acceleration acceleration = acceleration_;
-  double density = options_.imu.accel_noise_density * options_.imu.accel_noise_density;
+  SteadyMotionFilter steady = steady_;
+  const ImuOptions& o = options_.imu;
+  double density = o.accel_noise_density * o.accel_noise_density;
+  double gyro_variance = 0.0;
   imu.for_each_step(estimate_.nav.time, to, [&](const ImuStep& step) {
     const Vector3d before = p.state.v_WB;
     p.step(step, options_.imu);
-    acceleration.add(p.state.v_WB - before, to_seconds(step.end - step.begin));
-    if (options_.imu.measure_noise) density = std::max(density, step.measured.accel);
+    steady.add(p.state.v_WB - before, to_seconds(step.end - step.begin));
+    if (!o.measure_noise) return;
+    density = std::max(density, step.measured.accel);
+    gyro_variance = std::max(o.gyro_noise_density * o.gyro_noise_density, step.measured.gyro) /
+                    step.sample_interval;
   });
   if (!p.finite()) return Status::kNumerical;
   *gap = p.gap;
-  acceleration_ = acceleration;
-  estimate_.accel_W = beyond_noise(acceleration_.smooth_W, density);
   const double distance = (p.state.p_WB - estimate_.nav.p_WB).norm();
   const double seconds = to_seconds(to - estimate_.nav.time);
+  estimate_.gyro_B = imu.at(to).gyro_B;
+  estimate_.gyro_variance = gyro_variance;
+  steady.advance(estimate_.nav, p.state, estimate_.gyro_B - p.state.gyro_bias, seconds, density,
+                 gyro_variance);
+  steady_ = steady;
+  estimate_.steady = steady_.motion();
   estimate_.nav = p.state;
   estimate_.distance_travelled += distance;
-  const ImuSample now = imu.at(to);
-  estimate_.gyro_B = now.gyro_B;
   covariance_.propagate(p.transition(), p.noise());
   const double walk = options_.update.landmark_walk;
   covariance_.add_landmark_noise(walk * walk * distance);
@@ -163,6 +101,7 @@ void StateEstimate::restart_velocity(const Vector3d& v_B, const Matrix3d& covari
   covariance_.reopen_velocity(error.squaredNorm() + covariance_B.trace(), duration);
   covariance_.measure_velocity(error, R * covariance_B * R.transpose(), &dx_);
   correct(dx_);
+  steady_.reset(v_B);
 }
 
 void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
@@ -231,7 +170,10 @@ Eigen::Matrix4d StateEstimate::doppler_covariance(const LinearizationPoint& x) c
   }
   GatheredCovariance gathered;
   gathered.begin(covariance_);
-  return gathered.product(rows);
+  Eigen::Matrix4d V = gathered.product(rows);
+  const Matrix3d lever = x.T_BS.R.transpose() * skew(x.T_BS.p);
+  V.topLeftCorner<3, 3>() += x.estimate.gyro_variance * lever * lever.transpose();
+  return V;
 }
 
 Matrix3d StateEstimate::radar_velocity_covariance() const {

@@ -10,8 +10,10 @@
 // (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
 // (E6) R at u^: in (E2) v_S - (u^T v_S) (u^ - u) for v_S
 // (E5) and (E6), of second order in the direction's error, come with (E3).
-// (E7) J in the scale is that at v_S + dv, dv the expected correction of v_S by the scan, as in the
-//      second iteration of an iterated filter (Bell, Cathey 1993)
+// (E7) J in mounting, scale and elevation error is that at the steady motion
+//      (propagate/steady_motion.hpp): at v_S + dv and w + dw
+// The noise n of the gyro sample enters all Dopplers of a scan together, as -n takes the place of
+// the error of b_g: so its coefficients are those of the gyro bias.
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
 // noise; (E5) Lerro, Bar-Shalom 1993 (debiased conversion).
 //
@@ -21,10 +23,6 @@
 // v_S. Of (E6): d is correlated with r, and with it the weight 1 / R of the tangents at u; u^ is
 // not. The ratio of the two R, computed by the caller from the prediction, stays constant: so the
 // cost of the window has a gradient.
-// Of (E7): the error of the predicted v_S, of covariance P, is in r and, without dv, in the column
-// of the scale: their product has the mean -u^T P u, and with a rough IMU the scale of a filter
-// drifts by its variance a scan (regression dilution). The error of v_S + dv and r do not
-// correlate.
 #pragma once
 
 #include "rio/models/concept.hpp"
@@ -32,6 +30,12 @@
 #include "rio/state/blocks.hpp"
 
 namespace rio {
+
+/// dv and dw of (E7); zero for the exact Jacobian.
+struct SteadyOffset {
+  Vector3d velocity_S = Vector3d::Zero();  ///< of the radar, in its axes [m/s]
+  Vector3d rate_B = Vector3d::Zero();      ///< of the body [rad/s]
+};
 
 class DopplerModel {
  public:
@@ -49,7 +53,7 @@ class DopplerModel {
     double predicted_var = 0.0;  ///< P_h: variance of h due to the state's error [m^2/s^2]
     Matrix3d reliability = Matrix3d::Identity();  ///< L
     double variance_factor = 1.0;                 ///< (E6): multiplies R
-    Vector3d correction_S = Vector3d::Zero();     ///< dv of (E7) [m/s]
+    SteadyOffset steady{};                        ///< (E7)
   };
 
   /// (E3) (E6): mean and covariance of the true direction given the innovation r.

@@ -17,6 +17,7 @@
 
 #include "rio/models/concept.hpp"
 #include "rio/models/detection.hpp"
+#include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/state/estimate.hpp"
@@ -64,14 +65,14 @@ class LandmarkDopplerModel {
   using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors, Landmark>;
 
   struct Measurement {
-    double range_rate = 0.0;                   ///< [m/s]
-    double sigma_doppler = 0.0;                ///< [m/s]
-    Vector3d gyro_B = Vector3d::Zero();        ///< measured angular rate at the scan [rad/s]
-    Vector3d correction_S = Vector3d::Zero();  ///< expected correction of v_S [m/s]
+    double range_rate = 0.0;             ///< [m/s]
+    double sigma_doppler = 0.0;          ///< [m/s]
+    Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at the scan [rad/s]
+    SteadyOffset steady{};               ///< (E7) of models/doppler.hpp
   };
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B) {
-    return {d.range_rate, d.sigma_doppler, gyro_B, Vector3d::Zero()};
+    return {d.range_rate, d.sigma_doppler, gyro_B, {}};
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,

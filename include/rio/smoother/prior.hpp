@@ -57,11 +57,6 @@ class Prior {
   /// @param walk ParameterNoise::walk
   void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
 
-  /// Removes the information of a tight calibration prior (StateEstimate, E2).
-  /// @param column of the parameter in [newest state | border]
-  /// @param value of the parameter at x minus its configured value
-  void forget(int column, double value, double information, const Estimate& x);
-
   /// Marginalises landmark i, if the prior has it; the last one takes its place.
   void remove_landmark(std::size_t i, std::size_t last);
 

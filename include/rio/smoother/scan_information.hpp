@@ -7,6 +7,9 @@
 // (E2) whitened rows r = J y + L l + n of one measurement share the weight w of the robust kernel:
 //      A_yy += w J^T J,  A_ly += w L^T J,  A_ll += w L^T L,  g_y += w J^T r,  g_l += w L^T r
 // A_yy is summed over many rows at once.
+// (E3) The Dopplers of points share the noise of the gyro sample, of variance s per axis, with the
+//      coefficients of the gyro bias b: R^-1 by the identity of Woodbury makes it
+//      A -= A_yb K A_by,  g -= A_yb K g_b,  cost -= g_b^T K g_b / 2,  K = (A_bb + I / s)^-1
 #pragma once
 
 #include <Eigen/Core>
@@ -52,6 +55,10 @@ class ScanInformation {
   void close(double weight, int landmark_column = -1);
   /// Discards the rows of the open measurement.
   void drop() { rows_ = first_; }
+
+  /// (E3) for the measurements closed so far, which must not touch landmarks.
+  /// @param variance s [rad^2/s^2]
+  void share_rate_noise(double variance);
 
   /// Adds all closed measurements to the system; returns their cost.
   double end();

@@ -9,6 +9,7 @@
 
 #include "rio/core/static_vector.hpp"
 #include "rio/options.hpp"
+#include "rio/propagate/steady_motion.hpp"
 #include "rio/state/auxiliary.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/types.hpp"
@@ -48,8 +49,14 @@ struct LandmarkState {
   Time last_seen = Time(0);         ///< scan of the last match that was used
   /// For matching: predicted covariance of its position relative to the radar, S axes [m^2].
   Matrix3d covariance_S = Matrix3d::Zero();
+  /// Innovations of its direction, summed over its looks (update/look_correlation.hpp).
+  struct Looks {
+    Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
+    double squares = 0.0;
+  };
   double distance_seen = 0.0;  ///< distance the body had travelled at its last measurement [m]
   double distance_born = 0.0;  ///< same, at its first measurement [m]
+  Looks looks{};
 };
 
 /// What is estimated of one radar.
@@ -64,7 +71,8 @@ struct RadarState {
 struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
-  Vector3d accel_W = Vector3d::Zero();  ///< of the body, without its vibration [m/s^2]
+  double gyro_variance = 0.0;          ///< of that measurement, per axis [rad^2/s^2]
+  SteadyMotion steady;                 ///< where the Jacobians of the calibration are evaluated
   Pose T_BS;
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
   double distance_travelled = 0.0;                               ///< since the start [m]

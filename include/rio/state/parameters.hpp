@@ -16,9 +16,9 @@ struct ParameterNoise {
   Eigen::VectorXd walk;   ///< variance of the random walk per time [unit^2/s]
 };
 
-/// Calibration starts with kCalibrationConfiguredShare of its prior sigma. The walk does not depend
-/// on the prior: a parameter that is known better drifts as much. The elevation bias does not walk:
-/// the rotation does, which looks almost the same.
+/// The walk of the calibration does not depend on the prior: a parameter that is known better
+/// drifts as much. The elevation bias does not walk: the rotation does, which looks almost the
+/// same.
 ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& calibration,
                                const AuxiliaryStates& auxiliary = {});
 

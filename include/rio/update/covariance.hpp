@@ -8,8 +8,6 @@
 //                                                                      (ibid., eq. 5, 10, 11)
 // (E3) inflate:   P <- P + G V G^T, G = [tau I; I] on position and velocity
 // (E4) velocity measured: P <- P - P_v^T S^-1 P_v, S = P_vv + N, dx = P_v^T S^-1 r
-// (E5) forget:    removes the information i of a prior that a parameter c, now at `value`, is zero:
-//                 P <- P + P_c^T P_c / (1 / i - P_cc), dx = P_c^T value / (1 / i - P_cc)
 // ICRA 2023 is Michalczyk et al., ICRA 2023. Nothing here allocates after construction. Clones make
 // P singular by design: it is never factorised.
 #pragma once
@@ -53,9 +51,6 @@ class Covariance {
   /// (E4). dx is the correction of the state.
   /// @param residual_W measured minus estimated velocity [m/s]
   void measure_velocity(const Vector3d& residual_W, const Matrix3d& noise_W, Eigen::VectorXd* dx);
-
-  /// (E5). dx is the correction of the state.
-  void forget(int column, double value, double information, Eigen::VectorXd* dx);
 
   /// Stochastic cloning (E2): clone `slot` becomes the pose error given by the rows.
   void assign_clone(int slot, const std::array<LinearRow, 6>& rows);

@@ -21,7 +21,7 @@ std::size_t stalest_landmark(const Estimate& x);
 /// Number of new landmarks that can be taken: those not in view may be replaced.
 std::size_t landmark_room(const Estimate& x, const Observations& seen, const Options& options);
 
-/// @param x last_seen and distance_seen of its landmarks are updated
+/// @param x last_seen, distance_seen and looks of its landmarks are updated
 /// @param remove remove(index): the last landmark takes the place of that one
 /// @param add add(detection): appends a landmark
 template <class Remove, class Add>
@@ -33,6 +33,7 @@ void maintain_landmarks(const Observations& seen, const ScanRows& rows,
     if (!rows.was_used(m.target)) continue;
     x->landmarks[m.target].last_seen = now;
     x->landmarks[m.target].distance_seen = x->distance_travelled;
+    x->landmarks[m.target].looks = rows.looks(m.target);
   }
   const auto leave = [&](std::size_t i) {
     remove(i);

@@ -95,6 +95,10 @@ class RowBatch {
   void correct_first_row(double shift, double variance);
   /// Adds to the noise variance of the last row.
   void add_variance(double variance) { rows_.back().variance += variance; }
+  /// Multiplies the noise variance of one row of the last block.
+  void scale_row(std::size_t row, double factor) {
+    rows_[blocks_.back().first + row].variance *= factor;
+  }
   /// Multiplies the noise variance of the last block.
   void scale_variance(double factor);
   /// Removes the last block and its rows.

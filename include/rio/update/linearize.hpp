@@ -15,6 +15,7 @@
 
 #include "rio/core/whiten.hpp"
 #include "rio/models/concept.hpp"
+#include "rio/models/doppler.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
 #include "rio/update/linear_rows.hpp"
@@ -34,7 +35,7 @@ struct LinearizationPoint {
   explicit LinearizationPoint(const Estimate& x);
   /// Another body state with the clones, landmarks and calibration of x.
   LinearizationPoint(const Estimate& x, const NavState& nav, const Vector3d& measured_gyro_B,
-                     const Vector3d& acceleration_W);
+                     const SteadyMotion& steady_motion);
 
   /// Moves to the state `seconds` earlier, at constant rate and acceleration. Jacobians are then in
   /// the errors of that state (E2).
@@ -45,14 +46,17 @@ struct LinearizationPoint {
 
   /// Velocity of the radar in its own axes.
   Vector3d radar_velocity_S() const;
+  /// From this motion to the steady one, at which the columns of the calibration are evaluated.
+  SteadyOffset steady_offset() const;
 
   const Estimate& estimate;  ///< for its clones and landmarks
   RigidPose T_WB;
   RigidPose T_BS;
   Vector3d v_WB;
   Vector3d gyro_bias;
-  Vector3d gyro_B;                                               ///< measured [rad/s]
-  Vector3d accel_W;                                              ///< [m/s^2]
+  Vector3d gyro_B;   ///< measured [rad/s]
+  Vector3d accel_W;  ///< [m/s^2]
+  SteadyMotion steady;
   RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< left in corrected detections
   Eigen::Matrix<double, 6, 1> pose_rate;  ///< of the error [dphi, dp] [rad/s, m/s]
   StepBack step;                          ///< from the estimate to this state

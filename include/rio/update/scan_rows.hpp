@@ -17,6 +17,7 @@
 #include "rio/update/gate.hpp"
 #include "rio/update/gathered_covariance.hpp"
 #include "rio/update/linearize.hpp"
+#include "rio/update/look_correlation.hpp"
 #include "rio/update/noise_inflation.hpp"
 #include "rio/update/reliability.hpp"
 #include "rio/update/scan_measurements.hpp"
@@ -30,6 +31,7 @@ class ScanRows {
 
   /// The estimate starts over.
   void reset() {
+    looks_.fill({});
     distance_at_scan_.fill(0.0);
     last_scan_.fill(std::nullopt);
   }
@@ -48,6 +50,8 @@ class ScanRows {
 
   /// The landmark was matched by the last scan, and the match keeps it alive.
   bool was_used(std::size_t landmark) const { return was_used_[landmark]; }
+  /// The looks at a landmark that was used, the last scan included.
+  const LandmarkState::Looks& looks(std::size_t landmark) const { return look_sums_[landmark]; }
 
  private:
   static constexpr double kHere = 0.5;  // travelled while still at one place, noise included [m]
@@ -64,6 +68,11 @@ class ScanRows {
 
   void add_doppler(const Observations& seen, const StateEstimate& state_estimate,
                    const LinearizationPoint& x, UpdateReport* report);
+
+  /// Adds the noise of the gyro sample to the Doppler of a landmark: as if independent of that in
+  /// the other Dopplers of the scan, of which few are of landmarks.
+  static void add_gyro_noise(LandmarkDopplerModel::Measurement* z, const Vector3d& direction_S,
+                             const LinearizationPoint& x);
 
   bool tells_doppler(const Observations& seen, std::size_t i) const {
     return seen.is_static(i) && !measures_landmark_[i];
@@ -89,6 +98,14 @@ class ScanRows {
   /// Corrects the range of the last block and of its measurement, and the innovation covariance in
   /// S_, by the terms of second order.
   void add_curvature(LandmarkPointModel::Measurement* z);
+
+  /// Noise inflation of the directions of a match, rows 1 and 2 of the last block, and of its
+  /// measurement (update/look_correlation.hpp). After the gate, as below.
+  /// @param innovation of azimuth and elevation over their sigmas
+  void add_look(const Eigen::Vector2d& innovation, Measured<LandmarkPointModel>* m,
+                const LinearizationPoint& x);
+  /// Innovations of azimuth and elevation over their sigmas, from the last block and S_.
+  Eigen::Vector2d direction_innovation() const;
 
   /// Noise inflation of the Doppler of a match, the last row, and of its measurement. After the
   /// gate, which is that of right matches.
@@ -153,6 +170,8 @@ class ScanRows {
   AidingRows aiding_;
   Eigen::Matrix4d doppler_covariance_;  ///< of the prediction (StateEstimate::doppler_covariance)
   Vector3d correction_S_ = Vector3d::Zero();  ///< of the radar's velocity [m/s]
+  std::array<LookCorrelation, kMaxRadars> looks_{};
+  std::array<LandmarkState::Looks, kMaxLandmarks> look_sums_{};  ///< after this scan
   std::array<bool, kMaxLandmarks> was_used_{};
   std::array<bool, kMaxDetections> measures_landmark_{};  ///< its Doppler is already used
 };

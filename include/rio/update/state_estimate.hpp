@@ -12,6 +12,7 @@
 #include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
+#include "rio/propagate/steady_motion.hpp"
 #include "rio/report.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
@@ -22,34 +23,6 @@
 
 namespace rio {
 
-/// Acceleration of the body without vibration, by a second-order low-pass: vibration in both the
-/// velocity and the acceleration would be correlated and look like a time offset.
-struct Acceleration {
-  Vector3d once_W = Vector3d::Zero();    ///< smoothed once [m/s^2]
-  Vector3d smooth_W = Vector3d::Zero();  ///< smoothed twice [m/s^2]
-
-  /// @param change_W change of the velocity in `seconds` [m/s]
-  void add(const Vector3d& change_W, double seconds);
-};
-
-/// A calibration parameter whose configured value is contradicted by the data.
-struct Contradiction {
-  int column = 0;            ///< in the layout
-  double value = 0.0;        ///< estimate minus configured value
-  double information = 0.0;  ///< of the tight prior, beyond that of the options
-};
-
-/// Calibration priors in two steps. A configured calibration is usually as accurate as it can be
-/// measured, and sometimes far off; the prior sigma s of the options covers both. With few noisy
-/// points, a parameter with a loose prior absorbs unrelated errors. So each has the tighter prior
-/// k s, k = kCalibrationConfiguredShare, until the data contradict it, and s from then on.
-///
-/// A parameter is a random walk of variance q t after the time t.
-///
-/// (E1) tight prior P_0 = (k s)^2 + q t; if right, the updates move the value with variance
-///      P_0 - P; contradicted if value^2 > 3.5^2 (P_0 - P), as eight parameters are tested at every
-///      scan, and value^2 > P_0
-/// (E2) then the information 1 / P_0 - 1 / (s^2 + q t) of the tight prior is removed
 class StateEstimate {
  public:
   /// @param max_clones past poses with a covariance: none, or those of all radars
@@ -71,13 +44,6 @@ class StateEstimate {
 
   /// Propagates to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
-
-  /// The parameters contradicted since the last call (E1); each is reported once. The caller
-  /// removes the information (E2).
-  StaticVector<Contradiction, kMaxRadars * kCalibrationCount> contradictions();
-  /// Share of the prior sigma of the options that a parameter of the current radar has as its prior
-  /// now: k or 1.
-  double prior_share(Calibration parameter) const;
 
   /// Replaces the velocity by v_B [m/s, body axes]. The difference was the error for `duration`
   /// [s], which also corrects the position, and possibly for the time `doubtful` [s]: the
@@ -109,7 +75,7 @@ class StateEstimate {
 
   /// V, covariance of the predicted velocity of the radar in its axes [m/s] and of the elevation
   /// error [rad]. A Doppler along u, t the unit tangent towards higher elevation, has the variance
-  /// c^T V c, c = [u, t . v_S], due to the error of the state.
+  /// c^T V c, c = [u, t . v_S], due to the errors of the state and of the gyro sample.
   Eigen::Matrix4d doppler_covariance(const LinearizationPoint& x) const;
   /// The velocity's part of V [m^2/s^2].
   Matrix3d radar_velocity_covariance() const;
@@ -142,10 +108,8 @@ class StateEstimate {
   ParameterNoise parameters_;
   Estimate estimate_;
   Covariance covariance_;
-  Time started_{0};
-  Acceleration acceleration_;
+  SteadyMotionFilter steady_;
   Eigen::VectorXd dx_;
-  std::array<std::array<bool, kCalibrationCount>, kMaxRadars> contradicted_{};
 };
 
 }  // namespace rio

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 1: the motion of the body as far as the noise of its sensors does not explain it: the point
+// at which the Jacobians of the calibration are evaluated.
+//
+// The predicted velocity v^ contains the noise of the accelerometer, of density q. At v^, the
+// Jacobian in the mounting, v^ x u, changes from scan to scan as if the body accelerated:
+// (E1) a scan after dt then claims the information |n x dv|^2 / (q dt) = 2 about a rotation of the
+//      mounting about the axis n, from noise alone: 1.3 deg after a thousand scans at rest or at
+//      constant speed, where nothing is known; and the estimate is drawn, because the same noise is
+//      in the residual (regression dilution)
+// A linearisation point that does not depend on this noise has neither (instrumental variables).
+// It follows the acceleration that white noise cannot explain, and otherwise v^ slowly:
+// (E2) a: change of v^ per time after two low-passes of time constant m, times (1 - n / |a|^2)+,
+//      n = 25 x 3 q / (4 m): five sigmas of what white noise leaves (James-Stein shrinkage)
+// (E3) v <- v + a dt + (v^ - v) dt / (T + dt), v^ as corrected by the scan before
+// (E4) w <- w + (1 - n / |d|^2)+ d, d = w^ - w, n = 16 x 3 sigma_w^2: four sigmas of a sample; then
+//      as (E3)
+// Frames: v in B, a in W. With a good IMU, v is v^ after the delay of (E2); with an accelerometer
+// that vibrates, the mean of T.
+// Reference: Fuller, Measurement Error Models, 1987, 1.4 (instrumental variables).
+#pragma once
+
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// Linearisation point of the calibration.
+struct SteadyMotion {
+  Vector3d v_B = Vector3d::Zero();      ///< velocity [m/s]
+  Vector3d rate_B = Vector3d::Zero();   ///< angular rate, without bias [rad/s]
+  Vector3d accel_W = Vector3d::Zero();  ///< acceleration, without vibration (E2) [m/s^2]
+};
+
+class SteadyMotionFilter {
+ public:
+  /// Starts over at the velocity v_B [m/s].
+  void reset(const Vector3d& v_B);
+
+  /// (E2): the velocity changes by `change_W` [m/s] in `seconds`.
+  void add(const Vector3d& change_W, double seconds);
+
+  /// (E2) to (E4): the body was propagated for `seconds` from `before` to `after`.
+  /// @param rate_B angular rate at `after` [rad/s]
+  /// @param accel_density of the accelerometer [(m/s^2)^2/Hz]
+  /// @param rate_variance of a gyro sample [rad^2/s^2]
+  void advance(const NavState& before, const NavState& after, const Vector3d& rate_B,
+               double seconds, double accel_density, double rate_variance);
+
+  const SteadyMotion& motion() const { return motion_; }
+
+ private:
+  SteadyMotion motion_;
+  Vector3d once_W_ = Vector3d::Zero();   ///< acceleration, smoothed once [m/s^2]
+  Vector3d twice_W_ = Vector3d::Zero();  ///< same, twice [m/s^2]
+};
+
+}  // namespace rio

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 6: noise inflation of the directions of landmarks, by the correlation of their errors,
+// measured in flight.
+//
+// The direction of a static point has an error that lasts: antenna pattern, multipath of floor and
+// walls, the side from which a reflector is seen. Looked at again, its error is the same, and to
+// average it is an illusion. Innovations of a landmark from look to look show it: independent
+// errors cancel in their sum, lasting ones add up.
+// (E1) f = E |sum b^k nu_k|^2 / E sum b^2k |nu_k|^2, nu_k the normalised innovations of azimuth and
+//      elevation, k looks ago; b gives the memory of the sum. Independent: f = 1; a share c of
+//      their variance common to all n looks: f = 1 + c (n - 1)
+// (E2) n looks have as much information as n / f independent ones: the variance is multiplied by f
+// The estimate adapts to the landmark, so that f is somewhat too small; as the inflation grows, it
+// adapts less. Looks from nearly the same place do not count: their errors repeat in any case
+// (noise_inflation.hpp). On recordings of karts f is 2 to 10, carried by hand 2, in simulated
+// flights, whose directions are independent, 1.
+// Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
+// Autocorrelated Time Series, 1946 (E2); the sums as in batch means (Law, Kelton, Simulation
+// Modeling and Analysis).
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "rio/state/estimate.hpp"
+
+namespace rio {
+
+/// Of the landmarks of one radar.
+class LookCorrelation {
+ public:
+  /// Takes the next look at a landmark.
+  /// @param innovation of azimuth and elevation, each divided by its sigma
+  /// @param sum of this landmark
+  void add(const Eigen::Vector2d& innovation, LandmarkState::Looks* sum) {
+    sum->innovation = kShare * sum->innovation + innovation;
+    sum->squares = kShare * kShare * sum->squares + innovation.squaredNorm();
+    sums_ += sum->innovation.squaredNorm() - sums_ / kMemory;
+    squares_ += sum->squares - squares_ / kMemory;
+  }
+
+  /// f of (E2), at least 1.
+  double factor() const { return std::max(1.0, sums_ / squares_); }
+
+ private:
+  static constexpr double kShare = 0.98;     ///< b: fifty looks, one to five seconds
+  static constexpr double kMemory = 1000.0;  ///< looks: a scene
+  static constexpr double kFirst = 10.0;     ///< f before the first look: that of rough recordings
+  static constexpr double kWeight = 100.0;   ///< of that: a few well-known landmarks outweigh it
+
+  double sums_ = kFirst * kWeight;
+  double squares_ = kWeight;
+};
+
+}  // namespace rio
