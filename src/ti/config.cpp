@@ -208,17 +208,15 @@ const Firmware* other_firmware(const Config& config) {
   const ConfigCommand* cfar = config.find("cfarCfg");
   const std::size_t cfar_arguments = cfar == nullptr ? 0 : cfar->arguments.size();
   const bool is_old = config.find("aoaFovCfg") == nullptr && config.find("cfarFovCfg") == nullptr &&
-                      (has_command_of(kFirmware[0]) || cfar_arguments == 7 || cfar_arguments == 8);
-  if (is_old) return &kFirmware[0];
+                      (has_command_of(kOldDemos) || cfar_arguments == 7 || cfar_arguments == 8);
+  if (is_old) return &kOldDemos;
   const ConfigCommand* channels = config.find("channelCfg");
   const bool four_transmitters = channels != nullptr && channels->whole(1) > 7;
-  const Firmware* another = nullptr;
   for (const Firmware& row : kFirmware) {
-    if (&row != &kFirmware[0] && has_command_of(row)) return &row;
-    if (row.first_sdk == 4 && four_transmitters) another = &row;
-    if (row.point == 0 && another == nullptr && unknown.size() >= kManyUnknown) another = &row;
+    if (&row != &kOldDemos && has_command_of(row)) return &row;
+    if (row.first_sdk == 4 && four_transmitters && unknown.count("chirpComnCfg") == 0) return &row;
   }
-  return another;
+  return unknown.size() >= kManyUnknown ? &kUnknownDemo : nullptr;
 }
 
 std::size_t ConfigFigures::packet_bytes(std::size_t points) const {

@@ -147,8 +147,8 @@ PacketVerdict PacketWalk::read_header(const std::uint8_t* packet) {
       layout.is_demo ? u32(packet + layout.tlvs_at) : u16(packet + layout.tlvs_at);
   if (size < layout.header || size > max_packet_) return PacketVerdict::kDamaged;
   if (tlvs > (size - layout.header) / kTlvHeader) return PacketVerdict::kDamaged;
-  if (layout.is_demo && u32(packet + 8) >> 24 <= kFirmware[0].last_sdk) {
-    firmware_ = &kFirmware[0];
+  if (layout.is_demo && u32(packet + 8) >> 24 <= kOldDemos.last_sdk) {
+    firmware_ = &kOldDemos;
     return PacketVerdict::kOldSdk;
   }
   if (!layout.is_demo && u32(packet + layout.platform_at) >> 16 != kPlatforms) {

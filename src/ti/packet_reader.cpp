@@ -109,6 +109,7 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
     end_ -= begin_;
     searched_ -= begin_;
     unclaimed_ -= begin_;  // next() leaves it at begin_ or later
+    expected_ -= std::min(expected_, begin_);
     begin_ = 0;
   }
   const std::size_t stored = std::min(count, buffer_.size() - end_);
@@ -207,6 +208,7 @@ bool PacketReader::find_packet(Time arrival) {
   begin_ = found;
   searched_ = found + 1;
   skip_to(found);
+  if (expected_ > 0 && found == expected_) ++expected_run_;
   walk_ = PacketWalk(max_packet_);
   fruitless_ = printable_ = 0;
   frame_.first_arrival = arrival;
@@ -226,7 +228,7 @@ Frame* PacketReader::hand_out(std::size_t size) {
   unclaimed_ = begin_ + size;
   begin_ = searched_;
   in_packet_ = held_ = complete_ = false;
-  fruitless_run_ = 0;
+  fruitless_run_ = expected_run_ = 0;
   whole_ = whole_ || size == walk_.size();
   state_ = whole_ ? StreamState::kFrames : StreamState::kCutShort;
   return &frame_;
@@ -239,6 +241,10 @@ void PacketReader::give_up(PacketVerdict verdict) {
   if (verdict == PacketVerdict::kDamaged) {
     ++counters_.damaged;
     if (many || finds_nothing()) state_ = StreamState::kDamaged;
+    const bool whole = expected_run_ > 1 && 2 * expected_run_ >= fruitless_run_;
+    if (whole && !frames_came) take_state_of_other(verdict);
+    const std::uint8_t* length = buffer_.data() + begin_ + 12;
+    if (begin_ + 16 <= end_) expected_ = begin_ + (length[0] | length[1] * std::size_t{256});
   } else {
     ++counters_.other_sdk;
     if (many || !frames_came) take_state_of_other(verdict);
@@ -247,8 +253,8 @@ void PacketReader::give_up(PacketVerdict verdict) {
 }
 
 void PacketReader::take_state_of_other(PacketVerdict verdict) {
-  firmware_ = walk_.firmware();
-  const bool is_new = firmware_->header == 40 && buffer_[begin_ + 11] > kFirmware[1].last_sdk;
+  firmware_ = walk_.firmware() == nullptr ? &kUnknownDemo : walk_.firmware();
+  const bool is_new = firmware_->header == 40 && buffer_[begin_ + 11] > kDemo.last_sdk;
   state_ = verdict == PacketVerdict::kOldSdk ? StreamState::kOldSdk
            : is_new                          ? StreamState::kNewSdk
                                              : StreamState::kOtherDemo;

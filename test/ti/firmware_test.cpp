@@ -210,6 +210,26 @@ TEST(TiFirmware, PeopleCountingWithALongerHeaderIsNamed) {
   }
 }
 
+/// Whole packets by totalPacketLen, whatever stands in them.
+TEST(TiFirmware, AnotherHeaderIsNotTakenForDamage) {
+  for (const std::size_t header : {44U, 56U, 64U}) {
+    Reading reading;
+    for (std::uint32_t number = 1; number < 40; ++number) {
+      Bytes bytes = packet_with(kSdk36, kXwr68, 5, {}).bytes();
+      bytes.resize(40);
+      bytes.resize(header, 0x77);
+      bytes.resize(header + 8 * number, 0x11);
+      bytes[12] = static_cast<std::uint8_t>(bytes.size());
+      bytes[13] = static_cast<std::uint8_t>(bytes.size() >> 8);
+      bytes[32] = 3;  // TLVs
+      reading.push(bytes);
+      EXPECT_EQ(reading.reader.state() == StreamState::kOtherDemo, number > 2) << number;
+    }
+    EXPECT_EQ(reading.frames.size(), 0U);
+    EXPECT_TRUE(has(reading.reader.problem(), "the header or the points of another demo"));
+  }
+}
+
 TEST(TiFirmware, OldSdksAreNamedWithWhatToLoad) {
   for (const std::uint32_t version : {0x01000000U, 0x01020005U, 0x02010004U}) {
     auto packet = packet_with(version, 0xA1642, 19, {{1, fixed_point_tlv(points_of(19), 12)}});

@@ -69,5 +69,9 @@ inline constexpr Firmware kFirmware[] = {
     {"people counting (header of 52 bytes)", 0, 255, 52, 6, 0, 16, PointForm::kNotRead, 921600,
      "load the out-of-box demo of SDK 3.x"},
 };
+inline constexpr const Firmware& kOldDemos = kFirmware[0];
+inline constexpr const Firmware& kDemo = kFirmware[1];
+inline constexpr const Firmware& kUnknownDemo = kFirmware[10];
+static_assert(kUnknownDemo.header == 40 && kUnknownDemo.point == 0);
 
 }  // namespace rio::ti

@@ -138,6 +138,8 @@ class PacketReader {
   std::size_t fruitless_ = 0;      ///< bytes skipped since the last magic word
   std::size_t printable_ = 0;      ///< of them, as in a text
   int fruitless_run_ = 0;          ///< packets since the last frame
+  std::size_t expected_ = 0;       ///< where the next magic word is, if totalPacketLen is right
+  int expected_run_ = 0;           ///< magic words found there, since the last frame
   std::uint32_t unknown_tlv_ = 0;  ///< of the last frame without points
   const Firmware* firmware_ = nullptr;
   std::uint32_t frame_number_ = 0;  ///< of the last frame
