@@ -31,9 +31,9 @@ std::string ScanWatch::look(const ti::PacketReader& reader, Time now) {
   if (silent_ || now - since_ < kPatience) return {};
   silent_ = true;
   const std::uint64_t bytes = counters.bytes - bytes_;
-  const std::string seen = bytes == 0 ? "no byte" : std::to_string(bytes) + " bytes";
+  const std::string seen = bytes == 0 ? "no byte came" : std::to_string(bytes) + " bytes came";
   const std::string problem = bytes == 0 ? "" : reader.problem();
-  return "no scan for 10 s, " + seen + (problem.empty() ? "" : ": " + problem);
+  return "no scan for 10 s; " + seen + (problem.empty() ? "" : ": " + problem);
 }
 
 }  // namespace rio::live

@@ -46,18 +46,18 @@ class Watched {
 TEST(ScanWatch, SaysOnceAfterTenSecondsWhatWasSeen) {
   Watched radar;
   EXPECT_EQ(radar.wait(9), "");
-  EXPECT_EQ(radar.wait(30), "no scan for 10 s, no byte\n");
+  EXPECT_EQ(radar.wait(30), "no scan for 10 s; no byte came\n");
   const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n";
   radar.push(Bytes(text.begin(), text.end()));
   EXPECT_EQ(radar.wait(30), "");
   radar.push_packet();
   EXPECT_EQ(radar.wait(9), "scans again\n");
-  EXPECT_EQ(radar.wait(30), "no scan for 10 s, no byte\n");
+  EXPECT_EQ(radar.wait(30), "no scan for 10 s; no byte came\n");
   radar.push_packet();
   EXPECT_EQ(radar.wait(5), "scans again\n");
   radar.push(Bytes(80000, 0xFE));
   const std::string said = radar.wait(30);
-  EXPECT_EQ(said.rfind("no scan for 10 s, 80000 bytes: bytes, but no packet", 0), 0U) << said;
+  EXPECT_EQ(said.rfind("no scan for 10 s; 80000 bytes came: bytes, but no packet", 0), 0U) << said;
 }
 
 TEST(ScanWatch, SaysNothingWhileScansCome) {
