@@ -129,11 +129,15 @@ Frame* PacketReader::next(Time arrival) {
     searched_ = cut ? magic : std::max(searched_, end_ - (kMagicSize - 1));
     const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end - begin_);
     const bool whole = begin_ + walk_.size() <= magic;
-    if (verdict == PacketVerdict::kComplete && whole) {
+    const bool agrees = verdict == PacketVerdict::kComplete || verdict == PacketVerdict::kOtherDemo;
+    if (agrees && whole) {
       if (!complete_) frame_.last_arrival = arrival;
       complete_ = true;
       held_ = !cut && may_end_in_magic();
-      return held_ ? nullptr : hand_out(walk_.size());
+      if (held_) return nullptr;
+      if (verdict == PacketVerdict::kComplete) return hand_out(walk_.size());
+      give_up(verdict);
+      continue;
     }
     if (verdict == PacketVerdict::kMore && !cut) {
       frame_.last_arrival = arrival;
@@ -145,8 +149,8 @@ Frame* PacketReader::next(Time arrival) {
       if (Frame* frame = end_early(magic - begin_)) return frame;
       continue;
     }
-    const bool other = verdict == PacketVerdict::kOldSdk || verdict == PacketVerdict::kOtherDemo;
-    give_up(other && whole ? verdict : PacketVerdict::kDamaged);
+    const bool is_old = verdict == PacketVerdict::kOldSdk;
+    give_up(is_old ? verdict : PacketVerdict::kDamaged);
   }
   return nullptr;
 }
@@ -185,11 +189,11 @@ Frame* PacketReader::end_early(std::size_t size) {
 /// What was held has its end. Of a packet that ends early the missing bytes are whatever stands in
 /// the buffer.
 Frame* PacketReader::end_held() {
-  if (complete_) return hand_out(walk_.size());
-  if (walk_.advance(buffer_.data() + begin_, walk_.size()) == PacketVerdict::kComplete) {
-    return end_early(end_ - begin_);
+  const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, walk_.size());
+  if (verdict == PacketVerdict::kComplete) {
+    return complete_ ? hand_out(walk_.size()) : end_early(end_ - begin_);
   }
-  give_up(PacketVerdict::kDamaged);
+  give_up(complete_ ? verdict : PacketVerdict::kDamaged);
   return nullptr;
 }
 

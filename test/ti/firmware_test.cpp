@@ -230,6 +230,23 @@ TEST(TiFirmware, AnotherHeaderIsNotTakenForDamage) {
   }
 }
 
+/// Packets that are not read and lose their last bytes, in two pieces.
+TEST(TiFirmware, ThePiecesDoNotDecideWhatIsDamaged) {
+  for (std::size_t missing = 0; missing < kMagicSize; ++missing) {
+    Bytes bytes = mrr(3, 10).bytes();
+    bytes.resize(bytes.size() - missing);
+    bytes = joined({bytes, packet_of(2, some_points(2, 3)).bytes()});
+    for (std::size_t split = 0; split <= bytes.size(); ++split) {
+      Reading reading;
+      reading.push(bytes.data(), split);
+      reading.push(bytes.data() + split, bytes.size() - split);
+      ASSERT_EQ(reading.counters().damaged, missing == 0 ? 0U : 1U) << missing << " " << split;
+      ASSERT_EQ(reading.counters().other_sdk, missing == 0 ? 1U : 0U) << missing << " " << split;
+      ASSERT_EQ(reading.numbers(), (std::vector<std::uint32_t>{2}));
+    }
+  }
+}
+
 TEST(TiFirmware, OldSdksAreNamedWithWhatToLoad) {
   for (const std::uint32_t version : {0x01000000U, 0x01020005U, 0x02010004U}) {
     auto packet = packet_with(version, 0xA1642, 19, {{1, fixed_point_tlv(points_of(19), 12)}});
