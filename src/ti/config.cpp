@@ -207,7 +207,7 @@ const Firmware* other_firmware(const Config& config) {
   };
   const ConfigCommand* cfar = config.find("cfarCfg");
   const std::size_t cfar_arguments = cfar == nullptr ? 0 : cfar->arguments.size();
-  const bool is_old = config.find("aoaFovCfg") == nullptr && config.find("cfarFovCfg") == nullptr &&
+  const bool is_old = config.find("aoaFovCfg") == nullptr &&  // of SDK 3.x
                       (has_command_of(kOldDemos) || cfar_arguments == 7 || cfar_arguments == 8);
   if (is_old) return &kOldDemos;
   const ConfigCommand* channels = config.find("channelCfg");

@@ -67,11 +67,12 @@ std::string PacketReader::problem() const {
       return text + " without points, but with TLV " + std::to_string(unknown_tlv_) +
              ": set guiMonitor to send the points, or load the out-of-box demo";
     case StreamState::kSearching: {
-      int baud = 0;
+      int baud = kDemo.baud;
+      text += " (" + std::to_string(baud);
       for (const Firmware& row : kFirmware) {
-        if (row.baud == baud) continue;
-        text += (baud == 0 ? " (" : ", ") + std::to_string(row.baud) + " for " + row.name;
+        if (row.baud == baud || row.baud == kDemo.baud) continue;
         baud = row.baud;
+        text += "; " + std::to_string(baud) + " for " + row.name;
       }
       return text + ")";
     }

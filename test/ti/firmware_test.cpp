@@ -108,7 +108,7 @@ TEST(TiFirmware, TheLayoutOfSdk3IsReadOfLaterOnes) {
                                         {6, Bytes(24, 5)}});
     packet.subframe = subframe;
     const RadarScan scan = scan_of(packet);
-    EXPECT_EQ(difference(scan, points), 0.0) << version;
+    ASSERT_EQ(difference(scan, points), 0.0) << version;
     EXPECT_DOUBLE_EQ(scan.detections.back().snr_db, 46.0) << version;
   }
 }
@@ -135,7 +135,7 @@ TEST(TiFirmware, SphericalPointsAreRead) {
     packet.tlvs.insert(packet.tlvs.begin(), {1010, Bytes(112, 1)});
     const RadarScan scan = scan_of(packet);
     // half a grid of 0.01 rad at 21 m, of two angles
-    EXPECT_LT(difference(scan, points_of(count)), 0.0051 * 2 * (2 + 0.125 * count)) << count;
+    ASSERT_LT(difference(scan, points_of(count)), 0.0051 * 2 * (2 + 0.125 * count)) << count;
     EXPECT_NEAR(scan.detections[0].snr_db, 10.0, 0.021);
   }
   Bytes payload;

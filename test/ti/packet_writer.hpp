@@ -87,9 +87,9 @@ inline Bytes fixed_point_tlv(const std::vector<WrittenPoint>& points, int size, 
   put(&bytes, static_cast<std::uint32_t>(places), 2);
   for (const WrittenPoint& p : points) {
     if (size == 12) put(&bytes, 40, 2);  // range bin
-    put_number(&bytes, p.velocity * (1 << places), 2);
+    put_number(&bytes, std::ldexp(p.velocity, places), 2);
     put(&bytes, 1200, 2);  // peak
-    for (const float metres : {p.x, p.y, p.z}) put_number(&bytes, metres * (1 << places), 2);
+    for (const float metres : {p.x, p.y, p.z}) put_number(&bytes, std::ldexp(metres, places), 2);
     if (size == 14) put(&bytes, 0x00140015);  // SNR
   }
   return bytes;
