@@ -191,7 +191,7 @@ bool PacketWalk::is_padded() const {
 
 /// Whether the head and the counts of the points are those of the row, for a packet of a demo.
 bool PacketWalk::agrees(const Firmware& row, const std::uint8_t* packet) const {
-  const std::size_t objects = u32(packet + 28);
+  const std::uint64_t objects = u32(packet + 28);  // no overflow where size_t has 32 bits
   const std::uint8_t* payload = packet + points_.at;
   if (row.tlv != points_.type || points_.length != row.head + objects * row.point) return false;
   if (row.form == PointForm::kNotRead || objects == 0) return true;
