@@ -78,6 +78,8 @@ std::string PacketReader::problem() const {
     }
     case StreamState::kNewSdk:
     case StreamState::kOtherDemo:
+      if (firmware_->header != kDemo.header) text = "magic words, but the header of another demo";
+      if (firmware_->tlv == kDemo.tlv) text = "packets, but TLV 1 of another demo";
       return text + ": " + firmware_->name + "; " + firmware_->advice;
     case StreamState::kCutShort:
       return "each packet ends " +
