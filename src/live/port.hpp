@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sources and destinations of bytes: a serial line or pseudo-terminal, a file or pipe, standard
-// input, UDP. Nothing blocks. POSIX.
+// input, UDP. Nothing blocks. Linux.
 //
 //   /dev/ttyACM1           a serial line at the default baud rate
-//   /dev/ttyACM1@3000000   at another
+//   /dev/ttyACM1@3125000   at another
 //   flight.bin             any other path: a file, a pipe (mkfifo), a link to one of these
 //   -                      standard input
 // udp:14551              datagrams to 127.0.0.1:14551; answers go to the last sender

@@ -33,7 +33,7 @@ Session::Session(const SessionSetup& setup, std::vector<Listener*> listeners)
   }
   for (const ti::FrameTiming& timing : setup.radars) {
     if (!timing.validate(&why)) throw std::runtime_error("timing of the radar: " + why);
-    radars_.push_back({timing, ti::PacketReader(), ti::FrameClock(timing)});
+    radars_.push_back({timing, ti::PacketReader(), ti::FrameClock(timing), {}});
   }
 }
 
@@ -47,14 +47,15 @@ bool Session::is_left_out(Radar* radar, ti::Frame* frame) {
   frame->scan.time = radar->clock.stamp(*frame);
   const bool untimed = radar->clock.odd() != odd;
   const bool made_up = is_made_up(*frame, radar->timing);
-  if (untimed) ++frames_untimed_;
-  if (made_up) ++frames_made_up_;
-  if (imu_samples_ == 0) ++frames_without_imu_;
+  if (untimed) ++radar->frames.untimed;
+  if (made_up) ++radar->frames.made_up;
+  if (imu_samples_ == 0) ++radar->frames.without_imu;
   return untimed || made_up || imu_samples_ == 0;
 }
 
 void Session::take(std::size_t r, ti::Frame* frame) {
   if (is_left_out(&radars_[r], frame)) return;
+  ++radars_[r].frames.used;
   frame->scan.time -= host_offset();
   pending_[next_pending_++ % pending_.size()] = {frame->scan.time, frame->last_arrival};
   (void)odometry_->add_scan(frame->scan, r);  // its outcome is counted
@@ -66,9 +67,16 @@ void Session::take(std::size_t r, ti::Frame* frame) {
 void Session::flush_held(Time now) {
   for (std::size_t r = 0; r < radars_.size(); ++r) {
     const std::optional<Time> since = radars_[r].reader.held_since();
-    if (!since || now - *since <= kPause) continue;
-    radars_[r].reader.flush([this, r](ti::Frame& frame) { take(r, &frame); });
+    if (since && now - *since > kPause) flush(r);
   }
+}
+
+void Session::flush(std::size_t r) {
+  radars_[r].reader.flush([this, r](ti::Frame& frame) { take(r, &frame); });
+}
+
+void Session::end() {
+  for (std::size_t r = 0; r < radars_.size(); ++r) flush(r);
 }
 
 void Session::imu(const ImuSample& sample, Time arrival) {

@@ -37,6 +37,19 @@ class Listener {
   virtual void on_estimate(const Session& /*session*/, Time /*arrival*/) {}
 };
 
+/// Of one radar; a frame may be left out for several reasons.
+struct FrameCounters {
+  std::uint64_t used = 0;         ///< passed to the estimator
+  std::uint64_t without_imu = 0;  ///< before the first sample of the IMU
+  /// Their last bytes came so late that they may belong to the next packet: if the magic word after
+  /// lost bytes is damaged as well, nothing else shows the loss, since the packets have no
+  /// checksum.
+  std::uint64_t made_up = 0;
+  /// Their measurement time is unknown (FrameClock::odd): the host stalled for a second, or the
+  /// radar has just restarted.
+  std::uint64_t untimed = 0;
+};
+
 struct SessionSetup {
   Options options;
   std::vector<ti::FrameTiming> radars;  ///< one for each radar of the options
@@ -53,6 +66,8 @@ class Session {
   void radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival);
   /// The port of a radar was reopened.
   void radar_reopened(std::size_t r) { radars_[r].reader.drop_pending(); }
+  /// No byte will come any more.
+  void end();
   /// A sample of the IMU.
   void imu(const ImuSample& sample, Time arrival);
   /// The offset of the clocks, if known better than from the arrivals of the samples.
@@ -64,15 +79,7 @@ class Session {
   const ti::FrameClock& frame_clock(std::size_t r) const { return radars_[r].clock; }
   /// Clock of the arrivals minus that of the IMU.
   Time host_offset() const;
-  /// Frames before the first sample of the IMU: they cannot be used.
-  std::uint64_t frames_without_imu() const { return frames_without_imu_; }
-  /// Frames dropped because their last bytes came so late that they may belong to the next packet:
-  /// if the magic word after lost bytes is damaged as well, nothing else shows the loss, since the
-  /// packets have no checksum.
-  std::uint64_t frames_made_up() const { return frames_made_up_; }
-  /// Frames dropped because their measurement time is unknown (FrameClock::odd): the host stalled
-  /// for a second, or the radar has just restarted.
-  std::uint64_t frames_untimed() const { return frames_untimed_; }
+  const FrameCounters& frames(std::size_t r) const { return radars_[r].frames; }
   std::uint64_t imu_samples() const { return imu_samples_; }
 
  private:
@@ -80,6 +87,7 @@ class Session {
     ti::FrameTiming timing;
     ti::PacketReader reader;
     ti::FrameClock clock;
+    FrameCounters frames;
   };
   /// A scan that may still be waiting in the estimator.
   struct Pending {
@@ -89,6 +97,7 @@ class Session {
 
   void take(std::size_t r, ti::Frame* frame);
   void flush_held(Time now);
+  void flush(std::size_t r);
   bool is_left_out(Radar* radar, ti::Frame* frame);
   void tell_estimate();
 
@@ -102,9 +111,6 @@ class Session {
   std::size_t next_pending_ = 0;
   std::uint64_t scans_reported_ = 0;
   std::uint64_t imu_samples_ = 0;
-  std::uint64_t frames_without_imu_ = 0;
-  std::uint64_t frames_made_up_ = 0;
-  std::uint64_t frames_untimed_ = 0;
 };
 
 }  // namespace rio::live

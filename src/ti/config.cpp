@@ -5,7 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
+#include <set>
+
+#include "config_commands.hpp"
 
 namespace rio::ti {
 namespace {
@@ -15,6 +19,7 @@ constexpr double kUsableBand = 0.8;     // of the samples'
 constexpr std::size_t kPacketHeader = 40;
 constexpr std::size_t kTlv = 8;  // size of its header
 constexpr std::size_t kPacketUnit = 32;
+constexpr std::size_t kManyUnknown = 3;                  // commands, not by mistake
 constexpr std::size_t kStatistics = 2 * kTlv + 24 + 28;  // and, in later 3.x, the temperatures
 
 bool is_space(char c) {
@@ -58,6 +63,9 @@ class Arguments {
   Arguments(const Config& config, const char* name, std::size_t n = 0)
       : name_(name), command_(config.find(name, n)) {
     if (command_ == nullptr) wrong_ = std::string(name) + " is missing";
+    if (command_ != nullptr && !is_counted(*command_)) {
+      wrong_ = "line " + std::to_string(command_->line) + ", " + name + ": number of arguments";
+    }
   }
 
   double real(std::size_t i, double least, double most) {
@@ -109,6 +117,7 @@ double read_chirps(const Config& config, int first, int last, ConfigFigures* f) 
   double idle = 0.0;
   int masks = 0;
   for (std::size_t n = 0; const ConfigCommand* chirp = config.find("chirpCfg", n); ++n) {
+    if (!is_counted(*chirp)) return std::numeric_limits<double>::quiet_NaN();
     const double begin = std::max<double>(first, chirp->number(0));
     const double end = std::min<double>(last, chirp->number(1));
     if (!(begin <= end)) continue;
@@ -123,7 +132,7 @@ void read_packet(const Config& config, ConfigFigures* f) {
   if (const ConfigCommand* port = config.find("configDataPort")) f->baud = port->number(0);
   const ConfigCommand* gui = config.find("guiMonitor");
   f->fixed_bytes = kPacketHeader;
-  if (gui == nullptr) return;
+  if (gui == nullptr || !is_counted(*gui)) return;
   const auto on = [gui](std::size_t i) { return gui->number(i) > 0.0; };
   const auto bins = size_of(f->range_bins);
   const auto antennas = size_of(f->receivers) * size_of(f->transmitters);
@@ -173,6 +182,43 @@ Config parse_config(std::string_view text) {
   return config;
 }
 
+const Known* find_known(const std::string& name) {
+  for (const Known& known : kKnown) {
+    if (name == known.name) return &known;
+  }
+  return nullptr;
+}
+
+bool is_counted(const ConfigCommand& command) {
+  const Known* known = find_known(command.name);
+  const std::size_t count = command.arguments.size();
+  return known != nullptr && count >= known->least && count <= known->most;
+}
+
+const Firmware* other_firmware(const Config& config) {
+  std::set<std::string> unknown;
+  for (const ConfigCommand& command : config.commands) {
+    if (find_known(command.name) == nullptr) unknown.insert(command.name);
+  }
+  const auto has_command_of = [&unknown](const Firmware& row) {
+    return std::any_of(unknown.begin(), unknown.end(), [&row](const std::string& name) {
+      return std::strstr(row.commands, (" " + name + " ").c_str()) != nullptr;
+    });
+  };
+  const ConfigCommand* cfar = config.find("cfarCfg");
+  const std::size_t cfar_arguments = cfar == nullptr ? 0 : cfar->arguments.size();
+  const bool is_old = config.find("aoaFovCfg") == nullptr &&  // of SDK 3.x
+                      (has_command_of(kOldDemos) || cfar_arguments == 7 || cfar_arguments == 8);
+  if (is_old) return &kOldDemos;
+  const ConfigCommand* channels = config.find("channelCfg");
+  const bool four_transmitters = channels != nullptr && channels->whole(1) > 7;
+  for (const Firmware& row : kFirmware) {
+    if (&row != &kOldDemos && has_command_of(row)) return &row;
+    if (row.first_sdk == 4 && four_transmitters && unknown.count("chirpComnCfg") == 0) return &row;
+  }
+  return unknown.size() >= kManyUnknown ? &kUnknownDemo : nullptr;
+}
+
 std::size_t ConfigFigures::packet_bytes(std::size_t points) const {
   return (fixed_bytes + points * point_bytes + kPacketUnit - 1) / kPacketUnit * kPacketUnit;
 }
@@ -182,6 +228,13 @@ Time ConfigFigures::packet_time(std::size_t points) const {
 }
 
 bool derive(const Config& config, ConfigFigures* figures, std::string* why) {
+  if (const Firmware* other = other_firmware(config)) {
+    if (why != nullptr) {
+      *why = std::string("the configuration of ") + other->name +
+             ", not of the out-of-box demo of SDK 3.x: not judged";
+    }
+    return false;
+  }
   ConfigFigures f;
   std::string wrong;
   const Profile p = read_profile(config, &f, &wrong);

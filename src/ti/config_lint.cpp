@@ -4,7 +4,7 @@
 #include <cstdarg>
 #include <cstdio>
 
-#include "rio/ti/config.hpp"
+#include "config_commands.hpp"
 
 namespace rio::ti {
 namespace {
@@ -13,57 +13,8 @@ constexpr double kHighCfar = 15.0;       // [dB]
 constexpr double kCoarseGrid = 0.25;     // [m/s]
 constexpr double kNarrowAzimuth = 90.0;  // full width [deg]
 constexpr double kNarrowElevation = 30.0;
+constexpr int kFirstOfFigures = 4;         // rank of channelCfg
 constexpr std::size_t kLongestLine = 255;  // of the demo's reader
-
-/// A command of the demo. Commands with a rank must come in that order.
-struct Known {
-  const char* name;
-  std::size_t least;  ///< fewest arguments
-  std::size_t most;
-  bool required;
-  int rank;
-};
-constexpr Known kKnown[] = {
-    {"sensorStop", 0, 0, false, 1},
-    {"flushCfg", 0, 0, true, 2},
-    {"dfeDataOutputMode", 1, 1, true, 3},
-    {"channelCfg", 3, 3, true, 4},
-    {"adcCfg", 2, 2, true, 5},
-    {"adcbufCfg", 5, 5, true, 6},
-    {"profileCfg", 14, 14, true, 7},
-    {"chirpCfg", 8, 8, true, 8},
-    {"frameCfg", 7, 7, true, 9},
-    {"sensorStart", 0, 1, true, 10},
-    {"configDataPort", 2, 2, false, 0},
-    {"lowPower", 2, 2, true, 0},
-    {"guiMonitor", 7, 7, true, 0},
-    {"cfarCfg", 9, 9, true, 0},
-    {"multiObjBeamForming", 3, 3, true, 0},
-    {"clutterRemoval", 2, 2, true, 0},
-    {"calibDcRangeSig", 5, 5, true, 0},
-    {"extendedMaxVelocity", 2, 2, true, 0},
-    {"lvdsStreamCfg", 4, 4, true, 0},
-    {"compRangeBiasAndRxChanPhase", 9, 25, true, 0},
-    {"measureRangeBiasAndRxChanPhase", 3, 3, true, 0},
-    {"CQRxSatMonitor", 5, 5, true, 0},
-    {"CQSigImgMonitor", 3, 3, true, 0},
-    {"analogMonitor", 2, 2, true, 0},
-    {"aoaFovCfg", 5, 5, true, 0},
-    {"cfarFovCfg", 4, 4, true, 0},
-    {"bpmCfg", 4, 4, false, 0},
-    {"calibData", 2, 3, false, 0},
-    {"advFrameCfg", 5, 5, false, 0},
-    {"subFrameCfg", 10, 10, false, 0},
-    {"queryDemoStatus", 0, 0, false, 0},
-    {"version", 0, 0, false, 0},
-};
-
-const Known* find_known(const std::string& name) {
-  for (const Known& known : kKnown) {
-    if (name == known.name) return &known;
-  }
-  return nullptr;
-}
 
 __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
   char text[400];
@@ -92,6 +43,12 @@ class Linter {
   Linter(const Config& config, const RadarUse& use) : config_(config), use_(use) {}
 
   std::vector<LintFinding> run() {
+    if (other_firmware(config_) != nullptr) {
+      std::string why;
+      (void)derive(config_, &figures_, &why);
+      add(LintKind::kOtherFirmware, true, nullptr, why, "");
+      return findings_;
+    }
     check_commands();
     check_order();
     check_missing();
@@ -105,7 +62,7 @@ class Linter {
       check_speed();
       check_time();
       check_memory();
-    } else {
+    } else if (!miscounted_) {
       add(LintKind::kInconsistent, true, nullptr, "no figures follow: " + why, "");
     }
     std::stable_sort(findings_.begin(), findings_.end(),
@@ -121,10 +78,11 @@ class Linter {
     findings_.push_back({kind, wrong, where == nullptr ? 0 : where->line, text, change});
   }
 
+  /// The commands of a name with the right number of arguments.
   template <class Check>
   void each(const char* name, Check&& check) {
     for (std::size_t n = 0; const ConfigCommand* command = config_.find(name, n); ++n) {
-      check(*command);
+      if (is_counted(*command)) check(*command);
     }
   }
 
@@ -142,11 +100,12 @@ class Linter {
 
   void check_arguments(const ConfigCommand& command, const Known& known) {
     const std::size_t count = command.arguments.size();
-    if (count < known.least || count > known.most) {
-      add(LintKind::kWrongArguments, true, &command,
-          format("%s has %zu arguments and needs %zu", known.name, count,
-                 count < known.least ? known.least : known.most),
-          "");
+    if (!is_counted(command)) {
+      miscounted_ = miscounted_ || known.rank >= kFirstOfFigures;
+      return add(LintKind::kWrongArguments, true, &command,
+                 format("%s has %zu arguments and needs %zu", known.name, count,
+                        count < known.least ? known.least : known.most),
+                 "");
     }
     for (std::size_t i = 0; i < count; ++i) {
       if (!std::isnan(command.number(i))) continue;
@@ -184,11 +143,14 @@ class Linter {
       add(LintKind::kMissingCommand, true, nullptr,
           format("%s is missing: the demo does not start without it", known.name), "");
     }
+    const bool miscounted =
+        std::any_of(config_.commands.begin(), config_.commands.end(),
+                    [](const ConfigCommand& c) { return c.name == "cfarCfg" && !is_counted(c); });
     for (const char* direction : {"range", "Doppler"}) {
       const double wanted = direction[0] == 'r' ? 0.0 : 1.0;
       int found = 0;
       each("cfarCfg", [&](const ConfigCommand& c) { found += c.number(1) == wanted ? 1 : 0; });
-      if (found == 0 && config_.find("cfarCfg") != nullptr) {
+      if (found == 0 && !miscounted && config_.find("cfarCfg") != nullptr) {
         add(LintKind::kMissingCommand, true, nullptr,
             format("there is no cfarCfg for %s", direction), format("cfarCfg -1 %g ...", wanted));
       }
@@ -395,6 +357,7 @@ class Linter {
   const Config& config_;
   RadarUse use_;
   ConfigFigures figures_;
+  bool miscounted_ = false;  ///< a line that the figures need
   std::vector<LintFinding> findings_;
 };
 
@@ -422,7 +385,8 @@ const char* to_string(LintKind kind) {
                                            "hardware trigger",
                                            "field of view",
                                            "limits of the speed",
-                                           "elevation"};
+                                           "elevation",
+                                           "other firmware"};
   static_assert(sizeof kNames / sizeof *kNames == static_cast<std::size_t>(LintKind::kCount));
   return kind < LintKind::kCount ? kNames[static_cast<std::size_t>(kind)] : "unknown";
 }

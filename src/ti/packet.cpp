@@ -1,28 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ti/packet.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <iterator>
 
 namespace rio::ti {
 namespace {
 
-constexpr std::size_t kHeader = 40;
 constexpr std::size_t kTlvHeader = 8;
-constexpr std::size_t kPoint = 16;
 constexpr std::size_t kSide = 4;
-constexpr std::size_t kUnit = 32;  // the length of a packet is a multiple of it
-constexpr std::uint32_t kSdk = 3;
+constexpr std::size_t kUnit = 32;  // the length of a padded packet is a multiple of it
 constexpr std::uint32_t kXwr14 = 0xA1443;
-enum Tlv : std::uint32_t { kDetectedPoints = 1, kSideInfo = 7 };
+constexpr std::uint32_t kPlatforms = 0xA;  // their upper half
+enum Tlv : std::uint32_t { kDetectedPoints = 1, kSideInfo = 7, kLastOfDemo = 9 };
 
+/// Positions in a header [bytes].
+struct Layout {
+  std::size_t header;
+  std::size_t length_at;
+  std::size_t platform_at;
+  std::size_t tlvs_at;
+  bool
+      is_demo;  ///< u32 numTLVs, TLV lengths of the payload; else u16, lengths with type and length
+};
+constexpr Layout kLayouts[] = {
+    {40, 12, 16, 32, true}, {48, 12, 16, 44, false}, {52, 20, 12, 48, false}};
+constexpr std::size_t kLayoutCount = sizeof kLayouts / sizeof *kLayouts;
+
+std::uint32_t u16(const std::uint8_t* b) {
+  return b[0] | static_cast<std::uint32_t>(b[1]) << 8;
+}
 std::uint32_t u32(const std::uint8_t* b) {
   return static_cast<std::uint32_t>(b[0]) | static_cast<std::uint32_t>(b[1]) << 8 |
          static_cast<std::uint32_t>(b[2]) << 16 | static_cast<std::uint32_t>(b[3]) << 24;
 }
 int i16(const std::uint8_t* b) {
-  return static_cast<std::int16_t>(static_cast<std::uint16_t>(b[0] | b[1] << 8));
+  return static_cast<std::int16_t>(u16(b));
 }
-float f32(const std::uint8_t* b) {
+double f32(const std::uint8_t* b) {
   const std::uint32_t bits = u32(b);
   float value = 0.0F;
   static_assert(sizeof value == sizeof bits);
@@ -36,21 +53,81 @@ bool is_finite(const std::uint8_t* b) {
   return (u32(b) & kExponent) != kExponent;
 }
 
-/// A point of TLV 1 in radar axes; false if it is not finite.
-bool read_point(const std::uint8_t* point, RadarDetection* detection) {
-  for (int field = 0; field < 4; ++field) {
-    if (!is_finite(point + 4 * field)) return false;
+bool are_finite(const std::uint8_t* b, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!is_finite(b + 4 * i)) return false;
   }
-  detection->point_S = {f32(point + 4), -f32(point), f32(point + 8)};
-  detection->range_rate = f32(point + 12);
   return true;
+}
+
+/// Whether the units in front of the points are some.
+bool are_units(const std::uint8_t* b, int count) {
+  for (int i = 0; i < count; ++i) {
+    if (!is_finite(b + 4 * i) || !(f32(b + 4 * i) > 0.0 && f32(b + 4 * i) <= 1.0)) return false;
+  }
+  return true;
+}
+
+Vector3d from_sphere(double range, double azimuth, double elevation) {
+  const double level = range * std::cos(elevation);
+  return {level * std::cos(azimuth), -level * std::sin(azimuth), range * std::sin(elevation)};
+}
+
+/// In radar axes; false if it is not finite.
+/// @param head payload of the TLV
+bool read_point(const Firmware& row, const std::uint8_t* head, const std::uint8_t* p,
+                RadarDetection* d) {
+  switch (row.form) {
+    case PointForm::kCartesian:
+      if (!are_finite(p, 4)) return false;
+      d->point_S = {f32(p + 4), -f32(p), f32(p + 8)};
+      d->range_rate = f32(p + 12);
+      return true;
+    case PointForm::kCartesianUnits: {
+      const double metre = f32(head);
+      const bool wide = row.point == 12;
+      d->point_S = {metre * i16(p + 2), -metre * i16(p), metre * i16(p + 4)};
+      d->range_rate = f32(head + 4) * i16(p + 6);
+      d->snr_db = f32(head + 8) * (wide ? i16(p + 8) : p[8]);
+      d->noise_db = f32(head + 12) * (wide ? i16(p + 10) : p[9]);
+      return true;
+    }
+    case PointForm::kSpherical:
+      if (!are_finite(p, 4)) return false;
+      d->point_S = from_sphere(f32(p), f32(p + 4), f32(p + 8));
+      d->range_rate = f32(p + 12);
+      return true;
+    case PointForm::kSphericalUnits: {
+      const double elevation = f32(head) * static_cast<std::int8_t>(p[0]);
+      const double azimuth = f32(head + 4) * static_cast<std::int8_t>(p[1]);
+      d->point_S = from_sphere(f32(head + 12) * u16(p + 4), azimuth, elevation);
+      d->range_rate = f32(head + 8) * i16(p + 2);
+      d->snr_db = f32(head + 16) * u16(p + 6);
+      return true;
+    }
+    case PointForm::kNotRead:
+      break;
+  }
+  return false;
 }
 
 }  // namespace
 
 PacketVerdict PacketWalk::advance(const std::uint8_t* packet, std::size_t available) {
+  while (layout_ < kLayoutCount) {
+    const PacketVerdict verdict = follow(packet, available);
+    if (verdict != PacketVerdict::kDamaged) return verdict;
+    const std::size_t next = layout_ + 1;
+    *this = PacketWalk(max_packet_);
+    layout_ = next;
+  }
+  return PacketVerdict::kDamaged;
+}
+
+/// By one layout of the header.
+PacketVerdict PacketWalk::follow(const std::uint8_t* packet, std::size_t available) {
   if (size_ == 0) {
-    if (available < kHeader) return PacketVerdict::kMore;
+    if (available < kLayouts[layout_].header) return PacketVerdict::kMore;
     const PacketVerdict verdict = read_header(packet);
     if (verdict != PacketVerdict::kMore) return verdict;
   }
@@ -59,45 +136,91 @@ PacketVerdict PacketWalk::advance(const std::uint8_t* packet, std::size_t availa
     if (available < at_ + kTlvHeader) return PacketVerdict::kMore;
     if (!read_tlv(packet)) return PacketVerdict::kDamaged;
   }
-  if (!lengths_agree()) return PacketVerdict::kDamaged;
-  return available < size_ ? PacketVerdict::kMore : PacketVerdict::kComplete;
+  if (!is_padded()) return PacketVerdict::kDamaged;
+  return available < size_ ? PacketVerdict::kMore : judge(packet);
 }
 
 PacketVerdict PacketWalk::read_header(const std::uint8_t* packet) {
-  const std::uint32_t size = u32(packet + 12);
-  const std::uint32_t tlvs = u32(packet + 32);
-  if (size < kHeader || size > max_packet_ || size % kUnit != 0) return PacketVerdict::kDamaged;
-  if (tlvs > (size - kHeader) / kTlvHeader) return PacketVerdict::kDamaged;
-  const std::uint32_t major = u32(packet + 8) >> 24;
-  if (major != kSdk) return major < kSdk ? PacketVerdict::kOldSdk : PacketVerdict::kNewSdk;
+  const Layout& layout = kLayouts[layout_];
+  const std::uint32_t size = u32(packet + layout.length_at);
+  const std::uint32_t tlvs =
+      layout.is_demo ? u32(packet + layout.tlvs_at) : u16(packet + layout.tlvs_at);
+  if (size < layout.header || size > max_packet_) return PacketVerdict::kDamaged;
+  if (tlvs > (size - layout.header) / kTlvHeader) return PacketVerdict::kDamaged;
+  if (layout.is_demo && u32(packet + 8) >> 24 <= kOldDemos.last_sdk) {
+    firmware_ = &kOldDemos;
+    return PacketVerdict::kOldSdk;
+  }
+  if (!layout.is_demo && u32(packet + layout.platform_at) >> 16 != kPlatforms) {
+    return PacketVerdict::kDamaged;
+  }
   // no TLV has type 0, and no subframe of an xWR14xx another number
   has_subframe_ = u32(packet + 16) != kXwr14 || u32(packet + 36) == 0;
   size_ = size;
   tlvs_left_ = tlvs;
-  at_ = has_subframe_ ? kHeader : kHeader - sizeof(std::uint32_t);
+  at_ = has_subframe_ ? layout.header : layout.header - sizeof(std::uint32_t);
   return PacketVerdict::kMore;
 }
 
 /// Takes the complete header of the TLV at at_ and moves to the next.
 bool PacketWalk::read_tlv(const std::uint8_t* packet) {
   const std::uint32_t type = u32(packet + at_);
-  const std::uint32_t length = u32(packet + at_ + 4);
+  const std::size_t own = kLayouts[layout_].is_demo ? 0 : kTlvHeader;
+  const std::size_t length = u32(packet + at_ + 4);
   at_ += kTlvHeader;
-  if (length > size_ - at_) return false;
-  if (type == kDetectedPoints || type == kSideInfo) {
-    Part& part = type == kDetectedPoints ? points_ : side_;
-    if (part.found || length % (type == kDetectedPoints ? kPoint : kSide) != 0) return false;
-    part = {at_, length, true};
+  if (length < own || length - own > size_ - at_) return false;
+  const bool has_points = std::any_of(
+      std::begin(kFirmware), std::end(kFirmware),
+      [type](const Firmware& row) { return row.tlv == type && row.form != PointForm::kNotRead; });
+  if (has_points || type == kSideInfo) {
+    Part& part = has_points ? points_ : side_;
+    if (part.type == type || (!has_points && length % kSide != 0)) return false;
+    if (part.type == 0) part = {at_, length - own, type};
+  } else if (type > kLastOfDemo && unknown_tlv_ == 0) {
+    unknown_tlv_ = type;
   }
-  at_ += length;
+  at_ += length - own;
   --tlvs_left_;
   return true;
 }
 
 /// For a packet whose TLVs were all read.
-bool PacketWalk::lengths_agree() const {
-  if (size_ - at_ >= kUnit) return false;
-  return side_.length == 0 || side_.length / kSide == points_.length / kPoint;
+bool PacketWalk::is_padded() const {
+  return size_ == at_ || (kLayouts[layout_].is_demo && size_ % kUnit == 0 && size_ - at_ < kUnit);
+}
+
+/// Whether the head and the counts of the points are those of the row, for a packet of a demo.
+bool PacketWalk::agrees(const Firmware& row, const std::uint8_t* packet) const {
+  const std::uint64_t objects = u32(packet + 28);  // no overflow where size_t has 32 bits
+  const std::uint8_t* payload = packet + points_.at;
+  if (row.tlv != points_.type || points_.length != row.head + objects * row.point) return false;
+  if (row.form == PointForm::kNotRead || objects == 0) return true;
+  switch (row.form) {
+    case PointForm::kCartesianUnits:
+      return are_units(payload, 4) && u16(payload + 16) + u16(payload + 18) == objects;
+    case PointForm::kSphericalUnits:
+      return are_units(payload, 5);
+    default:  // u16 number and u16 binary places; as x a number below 1e-38
+      return u16(payload) != objects || u16(payload + 2) > 15;
+  }
+}
+
+/// A packet whose lengths agree: its firmware, and whether its counts do.
+PacketVerdict PacketWalk::judge(const std::uint8_t* packet) {
+  const bool is_demo = kLayouts[layout_].is_demo;
+  if (is_demo && points_.type == 0) {
+    return side_.length == 0 ? PacketVerdict::kComplete : PacketVerdict::kDamaged;
+  }
+  const std::uint32_t sdk = u32(packet + 8) >> 24;
+  const auto fits = [&](const Firmware& row) {
+    return row.header == kLayouts[layout_].header && sdk >= row.first_sdk && sdk <= row.last_sdk &&
+           (!is_demo || row.point == 0 || agrees(row, packet));
+  };
+  firmware_ = std::find_if(std::begin(kFirmware), std::end(kFirmware), fits);
+  if (firmware_->form == PointForm::kNotRead) return PacketVerdict::kOtherDemo;
+  const bool contradicts = points_.type == kDetectedPoints && side_.length > 0 &&
+                           side_.length / kSide != u32(packet + 28);
+  return contradicts ? PacketVerdict::kDamaged : PacketVerdict::kComplete;
 }
 
 std::size_t PacketWalk::decode(const std::uint8_t* packet, Frame* frame) const {
@@ -109,11 +232,14 @@ std::size_t PacketWalk::decode(const std::uint8_t* packet, Frame* frame) const {
   frame->subframe = has_subframe_ ? u32(packet + 36) : 0;
   std::vector<RadarDetection>& detections = frame->scan.detections;
   detections.clear();
-  const std::size_t count = points_.length / kPoint;
+  if (firmware_ == nullptr) return 0;
+  const std::uint8_t* payload = packet + points_.at;
+  const std::size_t count = u32(packet + 28);
   for (std::size_t i = 0; i < count; ++i) {
     RadarDetection detection;
-    if (!read_point(packet + points_.at + i * kPoint, &detection)) continue;
-    if (side_.length > 0) {
+    const std::uint8_t* point = payload + firmware_->head + i * firmware_->point;
+    if (!read_point(*firmware_, payload, point, &detection)) continue;
+    if (points_.type == kDetectedPoints && side_.length > 0) {
       const std::uint8_t* side = packet + side_.at + i * kSide;
       detection.snr_db = 0.1 * i16(side);
       detection.noise_db = 0.1 * i16(side + 2);

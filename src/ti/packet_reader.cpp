@@ -8,7 +8,9 @@ namespace rio::ti {
 namespace {
 
 constexpr std::size_t kSmallestPacket = 64;
-constexpr std::size_t kPointSize = 16;
+constexpr std::size_t kPointSize = 8;       // the smallest
+constexpr std::size_t kFewBytes = 16;       // too few to tell a text
+constexpr int kManyFruitless = 10;          // in a row, not by chance
 constexpr std::uint32_t kMostLost = 10000;  // frames in a row; a larger jump is not a loss
 
 /// The first magic word that begins in [from, to - 7), or to.
@@ -23,6 +25,10 @@ std::size_t find_magic(const std::uint8_t* bytes, std::size_t from, std::size_t 
   return to;
 }
 
+bool is_printable(std::uint8_t byte) {
+  return (byte >= ' ' && byte <= '~') || (byte >= '\t' && byte <= '\r');
+}
+
 }  // namespace
 
 const char* to_string(StreamState state) {
@@ -32,13 +38,56 @@ const char* to_string(StreamState state) {
     case StreamState::kSearching:
       return "bytes, but no packet: another port, or another baud rate";
     case StreamState::kFrames:
-      return "packets of SDK 3.x";
+      return "packets";
     case StreamState::kOldSdk:
       return "packets of SDK 1 or 2, which are not read: load a demo of SDK 3.x";
     case StreamState::kNewSdk:
-      return "packets of SDK 4 or later, which are not read";
+      return "packets of SDK 4 or later whose points are not read";
+    case StreamState::kOtherDemo:
+      return "magic words, but the header or the points of another demo";
+    case StreamState::kText:
+      return "no packets, but text: this is the CLI port";
+    case StreamState::kDamaged:
+      return "magic words, but no whole packet: bytes are lost or changed on the way (cable, "
+             "recorder, a port that is not raw)";
+    case StreamState::kCutShort:
+      return "each packet ends early: recorder or splitter";
   }
   return "unknown";
+}
+
+std::string PacketReader::problem() const {
+  std::string text = to_string(state_);
+  switch (state_) {
+    case StreamState::kFrames:
+      if (counters_.points > 0) return {};
+      if (unknown_tlv_ == 0)
+        return text +
+               " without points: nothing is detected, or guiMonitor does not send them (-1 1 ...)";
+      return text + " without points, but with TLV " + std::to_string(unknown_tlv_) +
+             ": set guiMonitor to send the points, or load the out-of-box demo";
+    case StreamState::kSearching: {
+      int baud = kDemo.baud;
+      text += " (" + std::to_string(baud);
+      for (const Firmware& row : kFirmware) {
+        if (row.baud == baud || row.baud == kDemo.baud) continue;
+        baud = row.baud;
+        text += "; " + std::to_string(baud) + " for " + row.name;
+      }
+      return text + ")";
+    }
+    case StreamState::kNewSdk:
+    case StreamState::kOtherDemo:
+      if (firmware_->header != kDemo.header) text = "magic words, but the header of another demo";
+      if (firmware_->tlv == kDemo.tlv) text = "packets, but TLV 1 of another demo";
+      return text + ": " + firmware_->name + "; " + firmware_->advice;
+    case StreamState::kCutShort:
+      return "each packet ends " +
+             (missing_ == 1 ? std::string("one byte") : std::to_string(missing_) + " bytes") +
+             " early: recorder or splitter; points are used where that is padding";
+    default:
+      return text;
+  }
 }
 
 // Twice the packet: a move to the front never copies more than was read since the last one.
@@ -52,7 +101,7 @@ PacketReader::PacketReader(std::size_t max_packet)
 void PacketReader::drop_pending() {
   skip_to(end_);
   begin_ = end_ = unclaimed_ = searched_ = 0;
-  in_packet_ = held_ = false;
+  in_packet_ = held_ = complete_ = false;
 }
 
 /// @return number of bytes stored; at least one
@@ -63,11 +112,13 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
     end_ -= begin_;
     searched_ -= begin_;
     unclaimed_ -= begin_;  // next() leaves it at begin_ or later
+    expected_ -= std::min(expected_, begin_);
     begin_ = 0;
   }
   const std::size_t stored = std::min(count, buffer_.size() - end_);
   std::memcpy(buffer_.data() + end_, bytes, stored);
   end_ += stored;
+  counters_.bytes += stored;
   return stored;
 }
 
@@ -80,14 +131,29 @@ Frame* PacketReader::next(Time arrival) {
     const std::size_t end = cut ? magic + kMagicSize - 1 : end_;
     searched_ = cut ? magic : std::max(searched_, end_ - (kMagicSize - 1));
     const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, end - begin_);
-    if (verdict == PacketVerdict::kComplete && begin_ + walk_.size() <= magic) {
-      if (!held_) frame_.last_arrival = arrival;
+    const bool whole = begin_ + walk_.size() <= magic;
+    const bool agrees = verdict == PacketVerdict::kComplete || verdict == PacketVerdict::kOtherDemo;
+    if (agrees && whole) {
+      if (!complete_) frame_.last_arrival = arrival;
+      complete_ = true;
       held_ = !cut && may_end_in_magic();
-      return held_ ? nullptr : hand_out();
+      if (held_) return nullptr;
+      if (verdict == PacketVerdict::kComplete) return hand_out(walk_.size());
+      give_up(verdict);
+      continue;
     }
-    if (verdict == PacketVerdict::kMore && !cut) return nullptr;
-    const bool wrong = verdict == PacketVerdict::kMore || verdict == PacketVerdict::kComplete;
-    give_up(wrong ? PacketVerdict::kDamaged : verdict);
+    if (verdict == PacketVerdict::kMore && !cut) {
+      frame_.last_arrival = arrival;
+      held_ = counters_.cut_short > 0 && walk_.size_without_padding() > 0 &&
+              begin_ + walk_.size() <= buffer_.size() && is_cut_short(end_ - begin_);
+      return nullptr;
+    }
+    if (verdict == PacketVerdict::kComplete && is_cut_short(magic - begin_)) {
+      if (Frame* frame = end_early(magic - begin_)) return frame;
+      continue;
+    }
+    const bool is_old = verdict == PacketVerdict::kOldSdk;
+    give_up(is_old ? verdict : PacketVerdict::kDamaged);
   }
   return nullptr;
 }
@@ -101,6 +167,37 @@ bool PacketReader::may_end_in_magic() const {
     if (std::memcmp(buffer_.data() + at, kMagic, there) == 0) return true;
   }
   return false;
+}
+
+/// Whether a packet of so many bytes lacks as many as all before: no whole one has come yet.
+bool PacketReader::is_cut_short(std::size_t size) const {
+  if (whole_ || size >= walk_.size() || walk_.size() - size >= kMagicSize) return false;
+  return missing_ == 0 || missing_ == walk_.size() - size;
+}
+
+/// A packet whose last bytes will not come.
+/// @return null if more than padding is missing, or if it is the first, or most packets are damaged
+/// in other ways
+Frame* PacketReader::end_early(std::size_t size) {
+  ++counters_.cut_short;
+  missing_ = walk_.size() - size;
+  state_ = StreamState::kCutShort;
+  if (walk_.size_without_padding() <= size && counters_.cut_short > counters_.damaged + 1) {
+    return hand_out(size);
+  }
+  leave_packet();
+  return nullptr;
+}
+
+/// What was held has its end. Of a packet that ends early the missing bytes are whatever stands in
+/// the buffer.
+Frame* PacketReader::end_held() {
+  const PacketVerdict verdict = walk_.advance(buffer_.data() + begin_, walk_.size());
+  if (verdict == PacketVerdict::kComplete) {
+    return complete_ ? hand_out(walk_.size()) : end_early(end_ - begin_);
+  }
+  give_up(complete_ ? verdict : PacketVerdict::kDamaged);
+  return nullptr;
 }
 
 std::optional<Time> PacketReader::held_since() const {
@@ -118,37 +215,66 @@ bool PacketReader::find_packet(Time arrival) {
   begin_ = found;
   searched_ = found + 1;
   skip_to(found);
+  if (expected_ > 0 && found == expected_) ++expected_run_;
   walk_ = PacketWalk(max_packet_);
+  fruitless_ = printable_ = 0;
   frame_.first_arrival = arrival;
   in_packet_ = true;
   return true;
 }
 
-/// The packet is complete. Its last bytes are kept, since they may be the start of a magic word
-/// after all: flush() may have come too early.
-Frame* PacketReader::hand_out() {
+/// The packet has all its bytes. Its last ones are kept, since they may be the start of a magic
+/// word after all: flush() may have come too early.
+Frame* PacketReader::hand_out(std::size_t size) {
   counters_.points_left_out += walk_.decode(buffer_.data() + begin_, &frame_);
+  counters_.points += frame_.scan.detections.size();
   frame_.scan.time = frame_.first_arrival;
   count_number(frame_.number);
-  unclaimed_ = begin_ + walk_.size();
+  if (walk_.firmware() != nullptr) firmware_ = walk_.firmware();
+  unknown_tlv_ = walk_.firmware() == nullptr ? walk_.unknown_tlv() : 0;
+  unclaimed_ = begin_ + size;
   begin_ = searched_;
-  in_packet_ = held_ = false;
-  fruitless_ = 0;
-  state_ = StreamState::kFrames;
+  in_packet_ = held_ = complete_ = false;
+  fruitless_run_ = expected_run_ = 0;
+  whole_ = whole_ || size == walk_.size();
+  state_ = whole_ ? StreamState::kFrames : StreamState::kCutShort;
   return &frame_;
 }
 
-/// Not a packet of SDK 3; the search continues one byte after it.
+/// No packet that is read.
 void PacketReader::give_up(PacketVerdict verdict) {
+  const bool frames_came = state_ == StreamState::kFrames || state_ == StreamState::kCutShort;
+  const bool many = ++fruitless_run_ >= kManyFruitless;
   if (verdict == PacketVerdict::kDamaged) {
     ++counters_.damaged;
+    if (many || finds_nothing()) state_ = StreamState::kDamaged;
+    const bool whole = expected_run_ > 1 && 2 * expected_run_ >= fruitless_run_;
+    if (whole && !frames_came) take_state_of_other(verdict);
+    const std::uint8_t* length = buffer_.data() + begin_ + 12;
+    if (begin_ + 16 <= end_) expected_ = begin_ + (length[0] | length[1] * std::size_t{256});
   } else {
     ++counters_.other_sdk;
-    fruitless_ = 0;
-    state_ = verdict == PacketVerdict::kOldSdk ? StreamState::kOldSdk : StreamState::kNewSdk;
+    if (many || !frames_came) take_state_of_other(verdict);
   }
+  leave_packet();
+}
+
+void PacketReader::take_state_of_other(PacketVerdict verdict) {
+  firmware_ = walk_.firmware() == nullptr ? &kUnknownDemo : walk_.firmware();
+  const bool is_new = firmware_->header == 40 && buffer_[begin_ + 11] > kDemo.last_sdk;
+  state_ = verdict == PacketVerdict::kOldSdk ? StreamState::kOldSdk
+           : is_new                          ? StreamState::kNewSdk
+                                             : StreamState::kOtherDemo;
+}
+
+/// The search continues one byte after its beginning.
+void PacketReader::leave_packet() {
   ++begin_;
-  in_packet_ = held_ = false;
+  in_packet_ = held_ = complete_ = false;
+}
+
+bool PacketReader::finds_nothing() const {
+  return state_ == StreamState::kSearching || state_ == StreamState::kText;
 }
 
 /// Counts the bytes before `index` that belong to no frame as skipped.
@@ -156,8 +282,10 @@ void PacketReader::skip_to(std::size_t index) {
   if (index <= unclaimed_) return;
   counters_.bytes_skipped += index - unclaimed_;
   fruitless_ += index - unclaimed_;
-  unclaimed_ = index;
-  if (fruitless_ > max_packet_) state_ = StreamState::kSearching;
+  for (; unclaimed_ < index; ++unclaimed_) printable_ += is_printable(buffer_[unclaimed_]) ? 1 : 0;
+  if (fruitless_ <= max_packet_ && !finds_nothing()) return;
+  const bool is_text = fruitless_ >= kFewBytes && 20 * printable_ > 19 * fruitless_;
+  state_ = is_text ? StreamState::kText : StreamState::kSearching;
 }
 
 void PacketReader::count_number(std::uint32_t number) {

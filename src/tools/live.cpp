@@ -17,6 +17,7 @@
 #include "live/mavlink_link.hpp"
 #include "live/outputs.hpp"
 #include "live/port_set.hpp"
+#include "live/scan_watch.hpp"
 #include "live/session.hpp"
 #include "live_ports.hpp"
 #include "live_summary.hpp"
@@ -68,6 +69,7 @@ class LiveRun {
         clock_(arguments.speed),
         summary_(clock_),
         files_({arguments.out, arguments.states, arguments.json_lines}),
+        watches_(arguments.radars.size()),
         ports_(clock_, arguments.patience,
                [this](const std::string& message) { screen_.say(message); }) {
     LiveSensors sensors = find_sensors(arguments);
@@ -88,8 +90,11 @@ class LiveRun {
     while (stop_requested == 0 && ports_.wait()) {
       if (link_) link_->tick(*session_, clock_.now());
       if (link_ && link_->host_offset()) session_->tell_host_offset(*link_->host_offset());
+      watch();
       if (screen_.due()) screen_.show(summary_.line(*session_));
     }
+    session_->end();
+    watch();
     screen_.clear();
     for (const std::string& cli : arguments_.cli) stop_radar(cli);
     files_.close();
@@ -106,6 +111,13 @@ class LiveRun {
   const live::Session& session() const { return *session_; }
 
  private:
+  void watch() {
+    for (std::size_t r = 0; r < watches_.size(); ++r) {
+      const std::string message = watches_[r].look(session_->reader(r), live::HostClock::real());
+      if (!message.empty()) screen_.say(fmt::format("radar {}: {}", r, message));
+    }
+  }
+
   bool imu_is_mavlink() const { return arguments_.imu_format.starts_with("mavlink"); }
 
   void record(const std::string& to, const io::Dataset& info) {
@@ -189,6 +201,7 @@ class LiveRun {
   live::EstimateFiles files_;
   std::list<live::Recorder> recorders_;
   std::list<live::McapRecorder> mcap_recorders_;
+  std::vector<live::ScanWatch> watches_;
   live::PortSet ports_;
   std::optional<MavlinkLink> link_;
   live::ImuFrameReader frames_;
@@ -210,11 +223,17 @@ void live(const LiveArguments& arguments) {
   const bool lost = run.conclude();
   fmt::print("{}{}", arguments.json ? run.summary().json() : run.summary().text(),
              arguments.json ? "\n" : "");
-  if (run.session().imu_samples() == 0) throw std::runtime_error("no sample of the IMU");
-  if (!run.session().odometry().initialized()) {
-    throw std::runtime_error("no start: hold it still at first, or give start.max_wait");
+  std::string failed = run.summary().without_scans();
+  const auto fail = [&failed](const char* why) {
+    failed += (failed.empty() ? "" : "; ") + std::string(why);
+  };
+  if (run.session().imu_samples() == 0) {
+    fail("no sample of the IMU");
+  } else if (!run.session().odometry().initialized()) {
+    fail("no start: hold it still at first, or give start.max_wait");
   }
   if (lost) throw LostEstimate("the estimate is lost: " + run.summary().lost_because());
+  if (!failed.empty()) throw std::runtime_error(failed);
 }
 
 }  // namespace rio::tools

@@ -50,12 +50,11 @@ ti::FrameTiming timing_of(const io::RadarInfo& info) {
 }
 
 /// The figures of a configuration; its errors for odometry are noted.
-ti::ConfigFigures read_config(const std::string& path, ti::Config* config) {
-  *config = ti::parse_config(text_of(path));
+ti::ConfigFigures read_config(const std::string& path, const ti::Config& config) {
   ti::ConfigFigures figures;
   std::string why;
-  if (!ti::derive(*config, &figures, &why)) throw std::runtime_error(path + ": " + why);
-  for (const ti::LintFinding& finding : ti::lint(*config)) {
+  if (!ti::derive(config, &figures, &why)) throw std::runtime_error(path + ": " + why);
+  for (const ti::LintFinding& finding : ti::lint(config)) {
     if (!finding.wrong) continue;
     fmt::print(stderr, "note: {}:{}: {}: {}\n", path, finding.line, to_string(finding.kind),
                finding.text);
@@ -87,8 +86,15 @@ LiveSensors find_sensors(const LiveArguments& arguments) {
     fmt::print(stderr, "note: no --sensors: mounting and noise by the options\n");
   sensors.info.other_radars.resize(arguments.radars.size() - 1);
   ti::FrameTiming timing;
-  if (!arguments.radar_cfg.empty()) {
-    const ti::ConfigFigures figures = read_config(arguments.radar_cfg, &sensors.config);
+  if (!arguments.radar_cfg.empty()) sensors.config = ti::parse_config(text_of(arguments.radar_cfg));
+  const ti::Firmware* other = ti::other_firmware(sensors.config);
+  if (other != nullptr) {
+    fmt::print(stderr, "note: {}: the configuration of {}: the frame rate is that of --sensors\n",
+               arguments.radar_cfg, other->name);
+    timing = timing_of(sensors.info.radar_info);
+    timing.baud = other->baud;
+  } else if (!arguments.radar_cfg.empty()) {
+    const ti::ConfigFigures figures = read_config(arguments.radar_cfg, sensors.config);
     complete(&sensors.info.radar_info, figures);
     timing = timing_of(figures);
   } else {

@@ -20,17 +20,10 @@ Time cpu_time() {
   return of(usage.ru_utime) + of(usage.ru_stime);
 }
 
-ti::PacketCounters packets_of(const live::Session& session) {
-  ti::PacketCounters sum;
-  for (std::size_t r = 0; r < session.radars(); ++r) {
-    const ti::PacketCounters& one = session.reader(r).counters();
-    sum.frames += one.frames;
-    sum.lost += one.lost;
-    sum.damaged += one.damaged;
-    sum.other_sdk += one.other_sdk;
-    sum.bytes_skipped += one.bytes_skipped;
-  }
-  return sum;
+void add(const ti::PacketCounters& one, ti::PacketCounters* sum) {
+  sum->frames += one.frames;
+  sum->lost += one.lost;
+  sum->damaged += one.damaged;
 }
 
 }  // namespace
@@ -49,7 +42,14 @@ void LiveSummary::on_estimate(const live::Session& session, Time arrival) {
 
 std::string LiveSummary::line(const live::Session& session) const {
   const Odometry& odometry = session.odometry();
-  const ti::PacketCounters packets = packets_of(session);
+  ti::PacketCounters packets;
+  std::string silent;
+  for (std::size_t r = 0; r < session.radars(); ++r) {
+    const ti::PacketReader& reader = session.reader(r);
+    add(reader.counters(), &packets);
+    if (reader.counters().frames > 0) continue;
+    silent += fmt::format("  radar {}: {}", r, to_string(reader.state()));
+  }
   std::string state;
   if (session.imu_samples() == 0) {
     state = "no IMU yet";
@@ -62,20 +62,43 @@ std::string LiveSummary::line(const live::Session& session) const {
                         p.z(), odometry.now().v_WB.norm(), odometry.report().static_detections,
                         odometry.report().detections);
   }
-  if (packets.frames == 0)
-    state += fmt::format("  radar: {}", to_string(session.reader(0).state()));
-  return fmt::format("{:7.1f} s  {}  scans {} lost {} damaged {}  {:.2f} ms",
-                     to_seconds(replay_.span), state, packets.frames, packets.lost, packets.damaged,
-                     1e3 * latencies_.quantile(0.5));
+  return fmt::format("{:7.1f} s  {}{}  scans {} lost {} damaged {}  {:.2f} ms",
+                     to_seconds(replay_.span), state, silent, packets.frames, packets.lost,
+                     packets.damaged, 1e3 * latencies_.quantile(0.5));
+}
+
+LiveSummary::Radar LiveSummary::end_of(const live::Session& session, std::size_t r) {
+  const ti::PacketReader& reader = session.reader(r);
+  const ti::Firmware* firmware = reader.firmware();
+  Radar radar{reader.counters(), session.frames(r), firmware == nullptr ? "" : firmware->name,
+              reader.problem()};
+  const live::FrameCounters& frames = radar.frames;
+  const std::uint64_t most = std::max({frames.without_imu, frames.made_up, frames.untimed});
+  if (radar.problem.empty() && frames.used == 0) {
+    radar.problem = fmt::format("no packet is used: {}",
+                                most == frames.without_imu ? "they came before the IMU"
+                                : most == frames.made_up   ? "their bytes come too slowly"
+                                                           : "their arrival fits no frame rate");
+  }
+  return radar;
 }
 
 bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters& imu,
                            std::uint64_t odometry_sent) {
   const Odometry& odometry = session.odometry();
-  packets_ = packets_of(session);
+  for (std::size_t r = 0; r < session.radars(); ++r) {
+    const Radar radar = end_of(session, r);
+    add(radar.packets, &all_.packets);
+    all_.frames.made_up += radar.frames.made_up;
+    all_.frames.untimed += radar.frames.untimed;
+    const auto& [packets, frames, firmware, problem] = radar;
+    if (packets.points == 0 || frames.used == 0) {
+      without_scans_ +=
+          fmt::format("{}radar {}: {}", without_scans_.empty() ? "" : "; ", r, problem);
+    }
+    radars_.push_back(radar);
+  }
   imu_ = imu;
-  frames_made_up_ = session.frames_made_up();
-  frames_untimed_ = session.frames_untimed();
   odometry_sent_ = odometry_sent;
   replay_.initialised_by = odometry.initialized() ? "static" : "never: it was not held still";
   replay_.counters = odometry.counters();
@@ -88,31 +111,56 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
 }
 
 std::string LiveSummary::text() const {
-  return fmt::format(
-             "last byte to estimate: {:.3f} ms median, {:.3f} ms p99; {:.1f} % of a core\n"
-             "radar: {} packets, {} lost, {} damaged, {} made up, {} of unknown time; IMU: {} "
-             "samples, {} lost, {} "
-             "damaged; ODOMETRY: {} sent\n",
-             1e3 * latencies_.quantile(0.5), 1e3 * latencies_.quantile(0.99), 100.0 * cpu_share_,
-             packets_.frames, packets_.lost, packets_.damaged, frames_made_up_, frames_untimed_,
-             imu_.samples, imu_.lost, imu_.damaged, odometry_sent_) +
-         replay_.text();
+  std::string text = fmt::format(
+      "last byte to estimate: {:.3f} ms median, {:.3f} ms p99; {:.1f} % of a core\n"
+      "radar: {} packets, {} lost, {} damaged, {} made up, {} of unknown time; IMU: {} samples, {} "
+      "lost, {} damaged; ODOMETRY: {} sent\n",
+      1e3 * latencies_.quantile(0.5), 1e3 * latencies_.quantile(0.99), 100.0 * cpu_share_,
+      all_.packets.frames, all_.packets.lost, all_.packets.damaged, all_.frames.made_up,
+      all_.frames.untimed, imu_.samples, imu_.lost, imu_.damaged, odometry_sent_);
+  for (std::size_t r = 0; r < radars_.size(); ++r) {
+    const auto& [packets, frames, firmware, problem] = radars_[r];
+    text += fmt::format(
+        "radar {}: {} packets, {} points, {} lost, {} damaged, {} cut short, {} of other "
+        "firmware{}{}\n",
+        r, packets.frames, packets.points, packets.lost, packets.damaged, packets.cut_short,
+        packets.other_sdk, problem.empty() ? "" : "; ", problem);
+  }
+  return text + replay_.text();
 }
 
 std::string LiveSummary::json() const {
   auto all = nlohmann::ordered_json::parse(replay_.json());
+  auto radars = nlohmann::ordered_json::array();
+  for (const auto& [packets, frames, firmware, problem] : radars_) {
+    radars.push_back({{"packets", packets.frames},
+                      {"points", packets.points},
+                      {"lost", packets.lost},
+                      {"damaged", packets.damaged},
+                      {"other_firmware", packets.other_sdk},
+                      {"cut_short", packets.cut_short},
+                      {"bytes", packets.bytes},
+                      {"bytes_skipped", packets.bytes_skipped},
+                      {"used", frames.used},
+                      {"without_imu", frames.without_imu},
+                      {"made_up", frames.made_up},
+                      {"untimed", frames.untimed},
+                      {"firmware", firmware},
+                      {"problem", problem}});
+  }
   all["live"] = {{"latency_median_ms", 1e3 * latencies_.quantile(0.5)},
                  {"latency_p99_ms", 1e3 * latencies_.quantile(0.99)},
                  {"cpu_share", cpu_share_},
-                 {"packets", packets_.frames},
-                 {"packets_lost", packets_.lost},
-                 {"packets_damaged", packets_.damaged},
-                 {"packets_made_up", frames_made_up_},
-                 {"packets_untimed", frames_untimed_},
+                 {"packets", all_.packets.frames},
+                 {"packets_lost", all_.packets.lost},
+                 {"packets_damaged", all_.packets.damaged},
+                 {"packets_made_up", all_.frames.made_up},
+                 {"packets_untimed", all_.frames.untimed},
                  {"imu_samples", imu_.samples},
                  {"imu_lost", imu_.lost},
                  {"imu_damaged", imu_.damaged},
-                 {"odometry_sent", odometry_sent_}};
+                 {"odometry_sent", odometry_sent_},
+                 {"radars", radars}};
   return all.dump();
 }
 

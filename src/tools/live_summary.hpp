@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "live/host_clock.hpp"
 #include "live/imu_stream.hpp"
@@ -29,6 +30,8 @@ class LiveSummary : public live::Listener {
   std::string text() const;
   std::string json() const;
   const std::string& lost_because() const { return replay_.health.lost_because(); }
+  /// Of each radar without a usable scan, and why; empty if all have some.
+  const std::string& without_scans() const { return without_scans_; }
 
  private:
   const live::HostClock& clock_;
@@ -36,10 +39,19 @@ class LiveSummary : public live::Listener {
   live::Latencies latencies_;
   Time first_{0};
   double cpu_share_ = 0.0;
-  ti::PacketCounters packets_;  ///< of all radars
+  /// Of a radar, at the end.
+  struct Radar {
+    ti::PacketCounters packets;
+    live::FrameCounters frames;
+    std::string firmware;  ///< of the newest points
+    std::string problem;   ///< empty if there is none
+  };
+  static Radar end_of(const live::Session& session, std::size_t r);
+
+  std::vector<Radar> radars_;
+  Radar all_;  ///< their sums
+  std::string without_scans_;
   live::ImuCounters imu_;
-  std::uint64_t frames_made_up_ = 0;
-  std::uint64_t frames_untimed_ = 0;
   std::uint64_t odometry_sent_ = 0;
 };
 

@@ -73,13 +73,14 @@ void add_live_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "live",
       "Sensors on ports through the estimator, to an autopilot, into a recording.\n"
-      "A port: /dev/ttyACM1, with a baud rate /dev/ttyACM1@3000000, a file or pipe, - for standard "
+      "A port: /dev/ttyACM1, with a baud rate /dev/ttyACM1@3125000, a file or pipe, - for standard "
       "input,\nudp:PORT (on this machine) or udp:ADDRESS:PORT. Ends with its streams, or on "
       "Ctrl-C");
   auto arguments = std::make_shared<LiveArguments>();
   command
-      ->add_option("--radar", arguments->radars,
-                   "data port of a TI radar with a demo of SDK 3.x (921600 baud); up to four")
+      ->add_option(
+          "--radar", arguments->radars,
+          "data port of a TI radar (921600 baud; AWR2944 @3125000, xWRL6432 @1250000); up to four")
       ->required()
       ->expected(1, 4);
   command->add_option("--imu", arguments->imu, "port of the IMU (921600 baud)")->required();
@@ -127,7 +128,9 @@ void add_ti_config_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "ti-config",
       "Is the configuration of a TI radar (.cfg, SDK 3.x) fit for odometry? What it will measure,\n"
-      "what is wrong, what to write instead, the options. Exit status 3 if something is wrong");
+      "what is wrong, what to write instead, the options. Exit status 3 if something is wrong, or "
+      "if "
+      "it\nis of other firmware, which is named and not judged");
   auto arguments = std::make_shared<TiConfigArguments>();
   command->add_option("FILE", arguments->file, "configuration, as sent to the radar")->required();
   command->add_option("--speed", arguments->speed, "of the vehicle at most [m/s]")

@@ -35,9 +35,15 @@ void print(const ConfigFigures& f, std::size_t points) {
              f.side_info ? "on" : "off");
 }
 
+const char* verdict_of(const LintFinding& f) {
+  if (f.kind == ti::LintKind::kOtherFirmware) return "not judged";
+  return f.wrong ? "wrong" : "doubtful";
+}
+
 void print(const LintFinding& f) {
+  if (f.kind == ti::LintKind::kOtherFirmware) return fmt::print("{}.\n", f.text);
   const std::string where = f.line > 0 ? fmt::format("line {}, ", f.line) : "";
-  fmt::print("{:<9} {}{}: {}.\n", f.wrong ? "wrong" : "doubtful", where, to_string(f.kind), f.text);
+  fmt::print("{:<9} {}{}: {}.\n", verdict_of(f), where, to_string(f.kind), f.text);
   if (!f.change.empty()) fmt::print("          -> {}\n", f.change);
 }
 
@@ -62,7 +68,7 @@ void print_json(bool known, const ConfigFigures& f, std::size_t points,
   }
   all["findings"] = nlohmann::json::array();
   for (const LintFinding& finding : findings) {
-    all["findings"].push_back({{"verdict", finding.wrong ? "wrong" : "doubtful"},
+    all["findings"].push_back({{"verdict", verdict_of(finding)},
                                {"subject", to_string(finding.kind)},
                                {"line", finding.line},
                                {"text", finding.text},
@@ -89,6 +95,9 @@ void ti_config(const TiConfigArguments& arguments) {
     for (const LintFinding& finding : findings) print(finding);
     if (findings.empty()) fmt::print("Nothing is wrong with it for {:g} m/s.\n", use.speed);
     if (known) fmt::print("\nThe options that follow (--config):\n\n{}", ti::as_options(figures));
+  }
+  if (ti::other_firmware(config) != nullptr) {
+    throw WrongConfiguration(arguments.file + ": not judged");
   }
   const auto wrong =
       std::count_if(findings.begin(), findings.end(), [](const LintFinding& f) { return f.wrong; });

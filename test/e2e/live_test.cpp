@@ -16,6 +16,7 @@
 #include "e2e/tool.hpp"
 #include "examples/03_live_loop/hardware.hpp"
 #include "live/pty.hpp"
+#include "rio/sim/ti_packet.hpp"
 #include "support/measured.hpp"
 
 namespace rio::test {
@@ -271,6 +272,44 @@ TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
   EXPECT_GT(json["scans"], 30);
   EXPECT_GT(hardware.odometry_received(), 200);
   EXPECT_EQ(json["live"]["odometry_sent"], hardware.odometry_received());
+}
+
+/// Two radars without a scan: each with its cause, in every place.
+TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
+  const auto write = [](const std::string& name, const sim::Bytes& bytes) {
+    std::ofstream(file(name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
+    return file(name);
+  };
+  sim::Bytes old;
+  for (std::uint32_t number = 1; number <= 9; ++number) {
+    sim::WrittenPacket packet = sim::packet_of(number, {});
+    packet.version = 0x02010004;
+    const sim::Bytes bytes = packet.bytes();
+    old.insert(old.end(), bytes.begin(), bytes.end());
+  }
+  const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n\r\nmmwDemo:/>";
+  const std::string command = "live --sensors " + flight_ + " --radar " + write("old.bin", old) +
+                              " --radar " + write("cli.bin", {text.begin(), text.end()}) +
+                              " --imu " + file("nothing") + " --patience 0";
+  const char* causes[] = {"radar 0: packets of SDK 1 or 2, which are not read: load a demo of SDK",
+                          "radar 1: no packets, but text: this is the CLI port"};
+  const std::string to_files =
+      "sh -c '" RIO_TOOL " " + command + " >" + file("summary") + " 2>" + file("log") + "'";
+  EXPECT_EQ(WEXITSTATUS(run_command(to_files).status), 1);
+  const std::string log = dir_->read("log"), summary = dir_->read("summary");
+  const Outcome json = rio(command + " --json 2>/dev/null");
+  EXPECT_EQ(WEXITSTATUS(json.status), 1);
+  const Json live = Json::parse(json.last_line())["live"];
+  ASSERT_EQ(live["radars"].size(), 2U);
+  EXPECT_EQ(live["radars"][0]["other_firmware"], 9);
+  for (std::size_t r = 0; r < 2; ++r) {
+    const std::string cause = causes[r];
+    EXPECT_NE(log.find(cause), std::string::npos) << log;
+    EXPECT_NE(summary.find(cause.substr(9)), std::string::npos) << summary;
+    const std::string problem = live["radars"][r]["problem"];
+    EXPECT_EQ(problem.rfind(cause.substr(9), 0), 0U) << problem;
+  }
 }
 
 TEST_F(Live, WrongCommandLines) {

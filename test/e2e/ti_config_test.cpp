@@ -61,6 +61,21 @@ TEST_F(TiConfigTool, JsonHoldsTheSame) {
   EXPECT_EQ(json["findings"][0]["subject"], "unknown command");
 }
 
+TEST_F(TiConfigTool, NamesOtherFirmwareInsteadOfJudging) {
+  const Outcome run = rio("ti-config " + spoiled("ddmPhaseShiftAntOrder 0 2 3 1"));
+  EXPECT_EQ(exit_code(run), 3) << run.output;
+  for (const char* part : {"AWR2944", "not of the out-of-box demo of SDK 3.x: not judged"}) {
+    EXPECT_NE(run.output.find(part), std::string::npos) << run.output;
+  }
+  for (const char* part : {"wrong", "take the line out", "speed ", "radar:"}) {
+    EXPECT_EQ(run.output.find(part), std::string::npos) << part << "\n" << run.output;
+  }
+  const Outcome live = rio("live --sensors " + flight_ + " --radar-cfg " + file("spoiled.cfg") +
+                           " --radar " + file("no") + " --imu " + file("no") + " --patience 0");
+  EXPECT_NE(live.output.find("the frame rate is that of --sensors"), std::string::npos)
+      << live.output;
+}
+
 TEST_F(TiConfigTool, WrongCommandLines) {
   EXPECT_EQ(exit_code(rio("ti-config " + file("nothing.cfg"))), 1);
   EXPECT_EQ(exit_code(rio("ti-config")), 2);

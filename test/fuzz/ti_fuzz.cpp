@@ -31,10 +31,10 @@ struct Seen {
 
 Seen seen(const Frame& frame) {
   Seen what{frame.number, frame.bytes, frame.scan.detections.size(), 0.0};
-  RIO_FUZZ_CHECK(frame.bytes <= kMaxPacket && 16 * what.points < frame.bytes);
+  RIO_FUZZ_CHECK(frame.bytes <= kMaxPacket && 8 * what.points < frame.bytes);
   for (const RadarDetection& d : frame.scan.detections) {
     RIO_FUZZ_CHECK(d.point_S.allFinite() && std::isfinite(d.range_rate));
-    RIO_FUZZ_CHECK(std::abs(d.snr_db) < 3300.0 && std::abs(d.noise_db) < 3300.0);
+    RIO_FUZZ_CHECK(std::abs(d.snr_db) <= 65535.0 && std::abs(d.noise_db) <= 65535.0);
     what.sum += d.point_S.sum() + d.range_rate + d.snr_db + d.noise_db;
   }
   return what;
@@ -42,7 +42,7 @@ Seen seen(const Frame& frame) {
 
 bool same(const PacketCounters& a, const PacketCounters& b) {
   return a.frames == b.frames && a.lost == b.lost && a.restarts == b.restarts &&
-         a.damaged == b.damaged && a.other_sdk == b.other_sdk &&
+         a.damaged == b.damaged && a.other_sdk == b.other_sdk && a.cut_short == b.cut_short &&
          a.bytes_skipped == b.bytes_skipped && a.points_left_out == b.points_left_out;
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/port.hpp"
 
+#include <asm/termbits.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 
 #include <memory>
 #include <string>
@@ -49,6 +51,21 @@ TEST(Port, OfAPseudoTerminalPassesEveryByteBothWays) {
   EXPECT_EQ(std::string(back, back + 256), all);
 }
 
+/// Also at rates that termios has no name for: the data ports of AWR2944 and xWRL6432.
+TEST(Port, OpensAtAnyBaudRate) {
+  for (const int baud : {1200, 921600, 1250000, 3125000, 12345678}) {
+    Pty device;
+    Port port(device.path() + "@" + std::to_string(baud), 115200);
+    ASSERT_TRUE(port.open()) << baud;
+    termios2 line{};
+    ASSERT_EQ(ioctl(port.fd(), TCGETS2, &line), 0);
+    EXPECT_EQ(line.c_ospeed, static_cast<speed_t>(baud));
+    EXPECT_EQ(line.c_ispeed, static_cast<speed_t>(baud));
+    ASSERT_TRUE(write(&device, "\x11\x13\r\n"));
+    EXPECT_EQ(read(&port, 4), "\x11\x13\r\n");
+  }
+}
+
 TEST(Port, ThatVanishesComesBackAsAnotherUnderTheSameName) {
   TempDir dir;
   auto device = std::make_unique<Pty>(dir.path() / "radar0" / "port");
@@ -86,7 +103,7 @@ TEST(Port, OfUdpHearsAndAnswers) {
 }
 
 TEST(Port, NamesThatMakeNoSense) {
-  for (const char* name : {"", "@9600", "/dev/ttyS0@12345", "/dev/ttyS0@", "udp:", "udp:70000",
+  for (const char* name : {"", "@9600", "/dev/ttyS0@1199", "/dev/ttyS0@", "udp:", "udp:70000",
                            "udp:localhost:14550", "udp:127.0.0.1:"}) {
     EXPECT_THROW(Port(name, 115200), std::runtime_error) << name;
   }

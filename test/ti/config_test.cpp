@@ -172,6 +172,62 @@ TEST(TiConfig, EveryPlantedMistakeIsFound) {
   EXPECT_EQ(found, 30);
 }
 
+/// Of the committed one with other lines: one finding, no figures.
+TEST(TiConfig, OtherFirmwareIsNamedAndNotJudged) {
+  const std::string base = committed();
+  const std::string low_power =
+      "sensorStop 0\nchannelCfg 7 3 0\nchirpComnCfg 20 0 0 128 4 30 0\nchirpTimingCfg 6 32 0 75 "
+      "60\n"
+      "frameCfg 2 0 1358 64 100 0\nguiMonitor 2 0 0 0 0 1 0 0 0 0 0\nclutterRemoval 0\n"
+      "trackingCfg 1 2 100 3 61.4 191.8 100\nbaudRate 1250000\nsensorStart 0 0 0 0\n";
+  const std::string old = "sensorStop\nflushCfg\nchannelCfg 15 7 0\nclutterRemoval 0\n";
+  const std::pair<std::string, const char*> others[] = {
+      {low_power, "xWRL6432"},
+      {base + "ddmPhaseShiftAntOrder 0 2 3 1\n", "AWR2944"},
+      {base + "compressionCfg -1 1 0 0.5 8\nlocalMaxCfg -1 3 40\n", "AWR2944"},
+      {replaced(base, "channelCfg 15 7 0", "channelCfg 15 15 0"), "AWR2944"},
+      {base + "trackingCfg 1 2 500 20 50 80 60\n", "people counting or tracking"},
+      {base + "boundaryBox -3 3 0 7 0 2.5\nfovCfg -1 70 40\n", "people counting or tracking"},
+      {old + "peakGrouping 1 0 1 1 225\n", "SDK 1 or 2"},
+      {old + "cfarCfg 0 2 8 4 3 0 1200\n", "SDK 1 or 2"},
+      {old + "cfarCfg -1 0 0 8 4 4 0 1500\nnearFieldCfg -1 0 0 0\n", "SDK 1 or 2"},
+      {base + "oneCfg 1\ntwoCfg 1\nthreeCfg 1\n", "unknown demo"},
+  };
+  for (const auto& [text, name] : others) {
+    const Config config = parse_config(text);
+    const std::vector<LintFinding> findings = lint(config);
+    ASSERT_EQ(findings.size(), 1U) << name << "\n" << all(findings);
+    EXPECT_EQ(findings[0].kind, LintKind::kOtherFirmware);
+    EXPECT_NE(findings[0].text.find(name), std::string::npos) << all(findings);
+    EXPECT_NE(findings[0].text.find("not judged"), std::string::npos);
+    EXPECT_EQ(findings[0].change, "");
+    ConfigFigures figures;
+    EXPECT_FALSE(derive(config, &figures)) << name;
+  }
+  for (const char* line : {"peakGrouping -1 1 1 1 1 200", "oneCfg 1\noneCfg 2\ntwoCfg 1"}) {
+    EXPECT_EQ(other_firmware(parse_config(base + line)), nullptr) << line;
+  }
+}
+
+TEST(TiConfig, ALineWithAWrongNumberOfArgumentsIsNotJudgedFurther) {
+  const std::pair<const char*, const char*> lines[] = {
+      {"clutterRemoval -1 0", "clutterRemoval 1"},
+      {"guiMonitor -1 1 0 0 0 0 0", "guiMonitor 0 0 0 0 0 0"},
+      {"aoaFovCfg -1 -70 70 -45 45", "aoaFovCfg -1 -1 1"},
+      {"cfarCfg -1 0 2 8 4 3 0 10 1", "cfarCfg -1 0 2 8 4 3 0 99 1 1"},
+      {"frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 255 5 20 2 0 0"},
+      {"chirpCfg 1 1 0 0 0 0 0 4", "chirpCfg 1 1 0 0 0 0 0"},
+      {"channelCfg 15 7 0", "channelCfg 15 7 0 0"},
+      {"profileCfg 0 77 10 7 50", "profileCfg 0 77 10 7 40 1"},
+  };
+  for (const auto& [what, by] : lines) {
+    const Config config = parse_config(replaced(committed(), what, by));
+    const std::vector<LintFinding> findings = lint(config);
+    ASSERT_EQ(findings.size(), 1U) << all(findings);
+    EXPECT_EQ(findings[0].kind, LintKind::kWrongArguments);
+  }
+}
+
 TEST(TiConfig, TheAdviceHelps) {
   for (const auto& [what, by] : {std::pair{"profileCfg 0 77 10 7 50", "profileCfg 0 77 10 7 40"},
                                  std::pair{"frameCfg 0 2 128 0 50", "frameCfg 0 2 128 0 20"},

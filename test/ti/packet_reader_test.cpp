@@ -209,6 +209,7 @@ TEST(PacketReader, OtherSdksAreToldAndNotRead) {
   EXPECT_EQ(reading.counters().other_sdk, 2U);
   EXPECT_EQ(reading.counters().damaged, 0U);
   old.version = 0x05040000;
+  old.objects = 2;  // but three points
   reading.push(old.bytes());
   EXPECT_EQ(reading.reader.state(), StreamState::kNewSdk);
   EXPECT_TRUE(reading.frames.empty());

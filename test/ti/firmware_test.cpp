@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Packets of all firmware of the table: read, or named; and what else may come from a port.
+#include "rio/ti/firmware.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "support/measured.hpp"
+#include "ti/reading.hpp"
+
+namespace rio::ti::test {
+namespace {
+
+using Tlvs = std::vector<std::pair<std::uint32_t, Bytes>>;
+
+/// Points on all grids but those of the angles.
+std::vector<WrittenPoint> points_of(int count) {
+  std::vector<WrittenPoint> points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back({0.25F * static_cast<float>(i % 7 - 3), 2.0F + 0.125F * static_cast<float>(i),
+                      0.25F * static_cast<float>(i % 5 - 2), 0.125F * static_cast<float>(i % 9 - 4),
+                      static_cast<std::int16_t>(100 + 20 * i), 500});
+  }
+  return points;
+}
+
+WrittenPacket packet_with(std::uint32_t version, std::uint32_t platform, int points, Tlvs tlvs) {
+  WrittenPacket packet;
+  packet.version = version;
+  packet.platform = platform;
+  packet.number = 101;
+  packet.objects = static_cast<std::uint32_t>(points);
+  packet.tlvs = std::move(tlvs);
+  return packet;
+}
+constexpr std::uint32_t kSdk36 = 0x03060000, kXwr68 = 0xA6843, kSdk55 = 0x05050002;
+
+WrittenPacket low_power(int points, int side) {
+  return packet_with(kSdk55, 0xA6432, points, {{301, compressed_tlv(points_of(points), side)}});
+}
+WrittenPacket tracking(int points) {
+  return packet_with(kSdk36, kXwr68, points, {{1020, spherical_tlv(points_of(points))}});
+}
+WrittenPacket mrr(int points, int size) {
+  return packet_with(0x03050001, 0xA1843, points, {{1, fixed_point_tlv(points_of(points), size)}});
+}
+
+/// Largest difference of a coordinate or the Doppler; huge if a point is missing.
+double difference(const RadarScan& scan, const std::vector<WrittenPoint>& points) {
+  if (scan.detections.size() != points.size()) return 1e9;
+  double most = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const RadarDetection& d = scan.detections[i];
+    const Vector3d p(points[i].y, -points[i].x, points[i].z);
+    most = std::max(
+        {most, (d.point_S - p).cwiseAbs().maxCoeff(), std::abs(d.range_rate - points[i].velocity)});
+  }
+  return most;
+}
+
+/// The one frame of a packet, with padding and without.
+RadarScan scan_of(const WrittenPacket& packet) {
+  Reading reading;
+  reading.push(unpadded(packet));
+  reading.push(packet.bytes());
+  reading.flush();
+  EXPECT_EQ(reading.counters().damaged + reading.counters().other_sdk, 0U);
+  if (packet.objects > 0) {
+    EXPECT_EQ(reading.reader.problem(), "");
+  }
+  if (reading.frames.size() != 2) {
+    ADD_FAILURE() << reading.frames.size() << " frames";
+    return {};
+  }
+  EXPECT_EQ(reading.frames[0].scan.detections.size(), reading.frames[1].scan.detections.size());
+  EXPECT_EQ(reading.frames[1].version, packet.version);
+  return reading.frames[1].scan;
+}
+
+/// Expects no frame of the packet; what the reader says.
+std::string refused(const Bytes& packet) {
+  Reading reading;
+  reading.push(joined({packet, packet, packet}));
+  reading.flush();
+  EXPECT_EQ(reading.frames.size(), 0U);
+  EXPECT_EQ(reading.counters().damaged + reading.counters().other_sdk, 3U);
+  return reading.reader.problem();
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(TiFirmware, TheLayoutOfSdk3IsReadOfLaterOnes) {
+  const auto points = points_of(19);
+  for (const auto& [version, platform, subframe] :
+       {std::tuple{0x04070201U, 0xA2944U, 0U}, std::tuple{0x04050000U, 0xA2944U, 0U},
+        std::tuple{kSdk55, 0xA6432U, ~0U}, std::tuple{0x05030000U, 0xA1432U, ~0U},
+        std::tuple{0x06000100U, 0xA6844U, 0U}, std::tuple{0x03000000U, 0xA6843U, 1U}}) {
+    WrittenPacket packet = packet_with(version, platform, 19,
+                                       {{7, side_tlv(points)},
+                                        {2, Bytes(512, 1)},
+                                        {306, Bytes(24, 2)},
+                                        {1, points_tlv(points)},
+                                        {9, Bytes(28, 3)},
+                                        {4711, Bytes(5, 4)},
+                                        {6, Bytes(24, 5)}});
+    packet.subframe = subframe;
+    const RadarScan scan = scan_of(packet);
+    ASSERT_EQ(difference(scan, points), 0.0) << version;
+    EXPECT_DOUBLE_EQ(scan.detections.back().snr_db, 46.0) << version;
+  }
+}
+
+TEST(TiFirmware, CompressedPointsAreRead) {
+  for (const int count : {0, 1, 19, 150}) {
+    for (const int side : {1, 2}) {
+      WrittenPacket packet = low_power(count, side);
+      packet.tlvs.insert(packet.tlvs.begin(), {302, Bytes(64, 1)});
+      packet.tlvs.emplace_back(306, Bytes(24, 2));
+      const RadarScan scan = scan_of(packet);
+      EXPECT_EQ(difference(scan, points_of(count)), 0.0) << count << " " << side;
+      if (count != 19 || scan.detections.size() != 19) continue;
+      EXPECT_DOUBLE_EQ(scan.detections[3].snr_db, 16.0);
+      EXPECT_DOUBLE_EQ(scan.detections[3].noise_db, 50.0);
+    }
+  }
+}
+
+TEST(TiFirmware, SphericalPointsAreRead) {
+  for (const int count : {1, 19, 150}) {
+    WrittenPacket packet = tracking(count);
+    packet.tlvs.emplace_back(1011, Bytes(static_cast<std::size_t>(count), 255));
+    packet.tlvs.insert(packet.tlvs.begin(), {1010, Bytes(112, 1)});
+    const RadarScan scan = scan_of(packet);
+    // half a grid of 0.01 rad at 21 m, of two angles
+    ASSERT_LT(difference(scan, points_of(count)), 0.0051 * 2 * (2 + 0.125 * count)) << count;
+    EXPECT_NEAR(scan.detections[0].snr_db, 10.0, 0.021);
+  }
+  Bytes payload;
+  for (const float value : {2.0F, 0.5F, -0.25F, 1.5F}) put_float(&payload, value);
+  const RadarScan scan = scan_of(packet_with(kSdk36, kXwr68, 1, {{1000, payload}}));
+  ASSERT_EQ(scan.detections.size(), 1U);
+  const Vector3d wanted = 2.0 * Vector3d(std::cos(-0.25) * std::cos(0.5),
+                                         -std::cos(-0.25) * std::sin(0.5), std::sin(-0.25));
+  EXPECT_LT((scan.detections[0].point_S - wanted).norm(), 1e-12);
+  EXPECT_EQ(scan.detections[0].range_rate, 1.5);
+}
+
+TEST(TiFirmware, CountsThatContradictAreNoPoints) {
+  const auto points = points_of(8);
+  for (WrittenPacket packet :
+       {packet_with(kSdk36, kXwr68, 8, {{1, points_tlv(points)}, {7, side_tlv(points)}}),
+        packet_with(0x04070201, 0xA2944, 8, {{1, points_tlv(points)}}), low_power(8, 1),
+        low_power(8, 2), tracking(8)}) {
+    for (const std::uint32_t objects : {0U, 7U, 9U, 16U, ~0U}) {
+      packet.objects = objects;
+      refused(packet.bytes());
+      refused(unpadded(packet));
+    }
+  }
+  for (const unsigned major : {0U, 6U, 8U}) {
+    WrittenPacket packet = low_power(8, 1);
+    packet.tlvs[0].second[16] = static_cast<std::uint8_t>(major);  // of 7, and one of minor motion
+    refused(packet.bytes());
+  }
+  for (const float unit : {0.0F, -0.01F, 1e9F, std::numeric_limits<float>::quiet_NaN()}) {
+    for (WrittenPacket packet : {low_power(8, 1), tracking(8)}) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        WrittenPacket other = packet;
+        std::memcpy(&other.tlvs[0].second[4 * i], &unit, sizeof unit);
+        refused(other.bytes());
+      }
+    }
+  }
+}
+
+TEST(TiFirmware, ObjectsOfMrrAreNoPoints) {
+  for (int count = 0; count < 60; ++count) {
+    for (const int size : {10, 14}) {
+      WrittenPacket packet = mrr(count, size);
+      packet.tlvs.emplace_back(2, Bytes(12, 1));
+      packet.tlvs.emplace_back(3, Bytes(16, 2));
+      EXPECT_TRUE(has(refused(packet.bytes()), "TLV 1 of another demo: MRR"))
+          << count << " " << size;
+      EXPECT_TRUE(has(refused(unpadded(packet)), "out-of-box demo of SDK 3.x")) << count;
+    }
+    if (count == 0) continue;
+    for (const std::size_t size : {8U, 12U, 15U, 20U, 24U}) {  // of yet another demo
+      const Bytes payload(size * static_cast<std::size_t>(count), 0x3E);
+      const auto packet = packet_with(kSdk36, kXwr68, count, {{1, payload}});
+      EXPECT_TRUE(has(refused(packet.bytes()), "another demo")) << count << " " << size;
+    }
+  }
+}
+
+TEST(TiFirmware, PeopleCountingWithALongerHeaderIsNamed) {
+  for (const bool timestamp : {false, true}) {
+    for (const std::uint32_t times : {0U, 1U, 2U, 3U, 100U, 4000U, 70000U}) {
+      for (const int count : {0, 1, 19}) {
+        WrittenPacket packet = packet_with(0x03050000, kXwr68, count, {{11, Bytes(4, 1)}});
+        for (int tlvs = 0; tlvs < 3; ++tlvs) {
+          const Bytes bytes = with_long_header(packet, timestamp, times);
+          EXPECT_TRUE(has(refused(bytes), timestamp ? "header of 52" : "header of 48"))
+              << times << " " << count << " " << tlvs;
+          packet.tlvs.emplace_back(6 + tlvs, spherical_tlv(points_of(count)));
+        }
+      }
+    }
+  }
+}
+
+/// Whole packets by totalPacketLen, whatever stands in them.
+TEST(TiFirmware, AnotherHeaderIsNotTakenForDamage) {
+  for (const std::size_t header : {44U, 56U, 64U}) {
+    Reading reading;
+    for (std::uint32_t number = 1; number < 40; ++number) {
+      Bytes bytes = packet_with(kSdk36, kXwr68, 5, {}).bytes();
+      bytes.resize(40);
+      bytes.resize(header, 0x77);
+      bytes.resize(header + 8 * number, 0x11);
+      bytes[12] = static_cast<std::uint8_t>(bytes.size());
+      bytes[13] = static_cast<std::uint8_t>(bytes.size() >> 8);
+      bytes[32] = 3;  // TLVs
+      reading.push(bytes);
+      EXPECT_EQ(reading.reader.state() == StreamState::kOtherDemo, number > 2) << number;
+    }
+    EXPECT_EQ(reading.frames.size(), 0U);
+    EXPECT_TRUE(has(reading.reader.problem(), "the header or the points of another demo"));
+  }
+}
+
+/// Packets that are not read and lose their last bytes, in two pieces.
+TEST(TiFirmware, ThePiecesDoNotDecideWhatIsDamaged) {
+  for (std::size_t missing = 0; missing < kMagicSize; ++missing) {
+    Bytes bytes = mrr(3, 10).bytes();
+    bytes.resize(bytes.size() - missing);
+    bytes = joined({bytes, packet_of(2, some_points(2, 3)).bytes()});
+    for (std::size_t split = 0; split <= bytes.size(); ++split) {
+      Reading reading;
+      reading.push(bytes.data(), split);
+      reading.push(bytes.data() + split, bytes.size() - split);
+      ASSERT_EQ(reading.counters().damaged, missing == 0 ? 0U : 1U) << missing << " " << split;
+      ASSERT_EQ(reading.counters().other_sdk, missing == 0 ? 1U : 0U) << missing << " " << split;
+      ASSERT_EQ(reading.numbers(), (std::vector<std::uint32_t>{2}));
+    }
+  }
+}
+
+TEST(TiFirmware, OldSdksAreNamedWithWhatToLoad) {
+  for (const std::uint32_t version : {0x01000000U, 0x01020005U, 0x02010004U}) {
+    auto packet = packet_with(version, 0xA1642, 19, {{1, fixed_point_tlv(points_of(19), 12)}});
+    for (const bool with_subframe : {true, false}) {
+      packet.with_subframe = with_subframe;
+      EXPECT_TRUE(has(refused(packet.bytes()), "packets of SDK 1 or 2"));
+      EXPECT_TRUE(has(refused(packet.bytes()), "load a demo of SDK 3.x"));
+    }
+  }
+}
+
+TEST(TiFirmware, PacketsWithoutPointsAreNamedByTheirTlv) {
+  Reading reading;
+  reading.push(packet_with(kSdk36, kXwr68, 0, {{6, Bytes(24, 1)}}).bytes());
+  EXPECT_TRUE(has(reading.reader.problem(), "or guiMonitor does not send them"));
+  reading.push(packet_with(kSdk36, kXwr68, 12, {{6, Bytes(24, 1)}, {3001, Bytes(96, 1)}}).bytes());
+  EXPECT_EQ(reading.counters().points, 0U);
+  EXPECT_TRUE(has(reading.reader.problem(), "TLV 3001")) << reading.reader.problem();
+}
+
+/// Packets as a recorder writes them that drops the last bytes of each.
+Bytes cut(std::uint32_t number, int points, std::size_t missing) {
+  Bytes bytes = packet_of(number, some_points(number, points)).bytes();
+  bytes.resize(bytes.size() - missing);
+  return bytes;
+}
+
+TEST(TiFirmware, PacketsThatAllEndEarlyAreUsedWhereThatIsPadding) {
+  for (std::size_t missing = 1; missing < kMagicSize; ++missing) {
+    Reading reading;
+    std::size_t padded = 0;
+    for (std::uint32_t number = 1; number <= 45; ++number) {
+      const int count = static_cast<int>(number % 9);
+      reading.push(cut(number, count, missing));
+      const std::size_t size = 48 + (count > 0 ? 8U : 0U) + 20U * static_cast<unsigned>(count);
+      padded += number > 1 && (32 - size % 32) % 32 >= missing ? 1 : 0;
+    }
+    reading.flush();  // what was last is complete after a pause, too
+    EXPECT_EQ(reading.counters().cut_short, 45U) << missing;
+    EXPECT_EQ(reading.frames.size(), padded) << missing;
+    for (const Frame& frame : reading.frames) {
+      const int count = static_cast<int>(frame.number % 9);
+      EXPECT_TRUE(is_frame_of(frame, frame.number, some_points(frame.number, count)));
+    }
+    EXPECT_EQ(reading.reader.state(), StreamState::kCutShort);
+    const std::string early = missing == 1 ? "ends one byte early" : " bytes early";
+    EXPECT_TRUE(has(reading.reader.problem(), early)) << reading.reader.problem();
+  }
+}
+
+TEST(TiFirmware, APacketThatEndsEarlyAmongWholeOnesIsDamaged) {
+  Reading reading;
+  reading.push(joined({cut(1, 3, 1), cut(2, 3, 2), packet_of(3, some_points(3, 3)).bytes()}));
+  EXPECT_EQ(reading.numbers(), (std::vector<std::uint32_t>{3}));
+  for (std::uint32_t number = 4; number < 20; ++number) reading.push(cut(number, 3, 1));
+  reading.flush();
+  EXPECT_EQ(reading.frames.size(), 1U);
+  EXPECT_EQ(reading.reader.state(), StreamState::kDamaged);
+  EXPECT_TRUE(has(reading.reader.problem(), "bytes are lost"));
+}
+
+TEST(TiFirmware, OtherPortsAreNamed) {
+  Reading nothing, text, noise, damaged;
+  EXPECT_EQ(nothing.reader.problem(), "no byte yet");
+  const std::string prompt = "sensorStop\r\nDone\r\n\r\nmmwDemo:/>flushCfg\r\nDone\r\n";
+  text.push(Bytes(prompt.begin(), prompt.end()));
+  EXPECT_EQ(text.reader.state(), StreamState::kText);
+  EXPECT_TRUE(has(text.reader.problem(), "CLI port"));
+  std::mt19937 random(4);
+  Bytes bytes(3000);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  noise.push(bytes);
+  for (const char* part : {"another baud rate", "921600", "3125000 for AWR2944", "1250000"}) {
+    EXPECT_TRUE(has(noise.reader.problem(), part)) << noise.reader.problem();
+  }
+  for (int i = 0; i < 3000; ++i) damaged.push(joined({cut(1, 40, 20)}));
+  EXPECT_EQ(damaged.reader.state(), StreamState::kDamaged) << damaged.reader.problem();
+}
+
+TEST(TiFirmware, MutatedPacketsGiveFinitePointsInTheMemoryThereIs) {
+  static std::mt19937 random(11);  // other mutations in each repetition
+  const auto below = [](std::size_t limit) { return random() % limit; };
+  std::vector<Bytes> kinds;
+  for (const int count : {0, 2, 19}) {
+    for (const WrittenPacket& packet :
+         {packet_of(1, points_of(count)), low_power(count, 1), low_power(count, 2), tracking(count),
+          mrr(count, 10), mrr(count, 14)}) {
+      kinds.push_back(packet.bytes());
+      kinds.push_back(unpadded(packet));
+      for (const bool timestamp : {false, true}) {
+        kinds.push_back(with_long_header(packet, timestamp, 2));
+      }
+    }
+  }
+  PacketReader reader(4096);
+  std::size_t capacity = 0, frames = 0;
+  const auto take = [&](const Frame& frame) {
+    if (frames++ == 0) capacity = frame.scan.detections.capacity();
+    ASSERT_EQ(frame.scan.detections.capacity(), capacity);
+    ASSERT_LE(8 * frame.scan.detections.size(), frame.bytes);
+    for (const RadarDetection& d : frame.scan.detections) {
+      ASSERT_TRUE(d.point_S.allFinite() && std::isfinite(d.range_rate));
+    }
+  };
+  constexpr int kInputs = 20000;
+  for (int n = 0; n < kInputs; ++n) {
+    Bytes bytes = kinds[below(kinds.size())];
+    for (std::size_t k = below(5); k > 0; --k) {
+      const std::size_t at = kMagicSize + below(std::min<std::size_t>(bytes.size() - 8, 100));
+      const std::uint8_t some[] = {0, 1, 255, 127, static_cast<std::uint8_t>(random())};
+      bytes[at] = some[below(5)];
+    }
+    if (below(4) == 0) bytes.resize(bytes.size() - below(bytes.size() - 8));
+    reader.push(bytes.data(), bytes.size(), Time{0}, take);
+    if (below(4) == 0) reader.flush(take);
+    EXPECT_FALSE(reader.state() == StreamState::kSilent);
+    if (below(50) == 0) reader = PacketReader(4096);
+    if (HasFatalFailure()) return;
+  }
+  rio::test::measured("frames of 20000 mutated packets", static_cast<double>(frames), "some");
+  EXPECT_GT(frames, 1000U);
+}
+
+}  // namespace
+}  // namespace rio::ti::test
