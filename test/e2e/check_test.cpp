@@ -140,11 +140,17 @@ TEST_F(Check, AReplayThatCannotStartPrintsWhatCheckFinds) {
                "it is in g -> multiply the last three columns of imu0/data.csv by 9.80665");
   EXPECT_PRED2(contains, rio("replay --init static --no-check " + in_g).output, "`rio check`");
 
-  const std::string moving = changed("moving", "imu0/data.csv", "if (NR < 1600) next");
+  // at rest in the end only; nowhere
+  const std::string option = "start: {max_wait: 3}";
+  run = rio("replay --init static " + changed("late", "imu0/data.csv", "if (NR < 1600) next"));
+  EXPECT_EQ(exit_code(run), 0) << run.output;
+  EXPECT_PRED2(contains, run.output, " scans are before it, and dropped -> " + option);
+  const std::size_t end = lines_of(fs::path(flight_) / "imu0/data.csv").size() - 1000;
+  const std::string moving =
+      changed("moving", "imu0/data.csv", "if (NR < 1600 || NR > " + std::to_string(end) + ") next");
   run = rio("replay --init static " + moving);
   EXPECT_EQ(exit_code(run), 1) << run.output;
   EXPECT_PRED2(contains, run.output, "no standstill of 1.5 s");
-  const std::string option = "start: {max_wait: 3}";
   EXPECT_PRED2(contains, run.output, "-> " + option);
   // with the line of `check`, pasted
   fs::remove_all(fs::path(moving) / "state_groundtruth_estimate0");
