@@ -24,7 +24,7 @@ struct RecordingArguments {
   std::string map;    ///< file
   std::string imu;    ///< topics
   std::string radar;  ///< several with commas
-  std::string baro;
+  std::string pressure;
   std::string truth;
   std::string imu_clock;    ///< auto, header, receive, carried
   std::string radar_clock;  ///< or trigger

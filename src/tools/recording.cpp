@@ -41,7 +41,7 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   if (!a.map.empty()) request = bag::load_recording_map(a.map);
   set(a.imu, &request.imu_topic);
   set(a.radar, &request.radar_topic);
-  set(a.baro, &request.baro_topic);
+  set(a.pressure, &request.pressure_topic);
   set(a.truth, &request.truth_topic);
   request.truth = truth;
   set_named(a.imu_clock, &request.imu_clock);

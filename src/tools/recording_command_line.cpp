@@ -29,7 +29,9 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
                    "topic, or several with commas between; by default the only one with points and "
                    "Doppler, or all of whose mountings /tf_static tells")
       ->group(group);
-  command->add_option("--baro", how->baro, "topic; by default the only sensor_msgs/FluidPressure")
+  command
+      ->add_option("--pressure", how->pressure,
+                   "topic; by default the only sensor_msgs/FluidPressure")
       ->group(group);
   command
       ->add_option("--truth", how->truth,

@@ -42,9 +42,9 @@ struct RecordingRequest {
   std::string imu_topic;    ///< empty: the only one, or gyroscope and accelerometer on two topics
   std::string radar_topic;  ///< several: separated by commas; empty: the only one, or all of whose
                             ///< mountings /tf_static knows
-  std::string baro_topic;   ///< empty: the only sensor_msgs/FluidPressure
-  std::string truth_topic;  ///< empty: the only geometry_msgs/PoseStamped or nav_msgs/Odometry
-  bool truth = false;       ///< reads the ground truth
+  std::string pressure_topic;  ///< empty: the only sensor_msgs/FluidPressure
+  std::string truth_topic;     ///< empty: the only geometry_msgs/PoseStamped or nav_msgs/Odometry
+  bool truth = false;          ///< reads the ground truth
   Clock imu_clock = Clock::kAuto;
   Clock radar_clock = Clock::kAuto;
   std::string trigger_topic;  ///< for kTrigger; empty: the only std_msgs/Header
