@@ -167,7 +167,7 @@ TEST(MutatedMessages, DamagedMessagesAreDecodedOrRefused) {
       for (const auto& [type, good] : others) {
         const std::string bytes = mutate(good);
         const Topic of = topic(type);
-        attempt([&] {
+        attempt([&, type = type] {
           if (is_imu(type)) (void)decode_imu_of(of, bytes_of(bytes));
           if (is_truth(type)) (void)decode_truth(of, bytes_of(bytes), &header, &has_velocity);
           if (is_transforms(of)) (void)decode_transforms(encoding, bytes_of(bytes));
