@@ -43,7 +43,7 @@ void skip_numbers(WireReader* reader, int count) {
 /// A vector and its covariance, whose first number is -1 if there is no such sensor (REP 145). Some
 /// drivers write that although they have one.
 Vector3d read_measured(WireReader* reader, bool* is_there, ImuMessage* message) {
-  const Vector3d v = read_vector(reader);
+  Vector3d v = read_vector(reader);
   const bool none = reader->read<double>() == -1.0;
   skip_numbers(reader, 8);
   *is_there = v.allFinite() && !v.isZero(0.0);
@@ -281,7 +281,7 @@ bool is_transforms(const Topic& topic) {
 }
 
 std::vector<Transform> decode_transforms(Encoding encoding, Bytes message) {
-  const auto frame = [](std::string name) { return name.substr(name.starts_with('/') ? 1 : 0); };
+  const auto frame = [](const std::string& name) { return name.substr(name.starts_with('/') ? 1 : 0); };
   WireReader reader = reader_of(encoding, message);
   std::vector<Transform> out;
   const auto count = reader.read<std::uint32_t>();

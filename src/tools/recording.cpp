@@ -77,6 +77,11 @@ void take_radar_info(io::RadarInfo info, io::RadarInfo* radar) {
 /// The same for all sensors of the recording.
 void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   io::Dataset info = io::read_sensor_info(folder);
+  if (dataset->radar_info.T_BS) {  // of the recording
+    std::erase_if(info.notes, [](const std::string& note) {
+      return note.find("radar pose from the options") != std::string::npos;
+    });
+  }
   dataset->imu_info = info.imu_info;
   take_radar_info(info.radar_info, &dataset->radar_info);
   for (std::size_t i = 0; i < std::min(info.other_radars.size(), dataset->other_radars.size());
