@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -155,6 +156,62 @@ std::string decompress(std::string_view method, [[maybe_unused]] Bytes in, std::
 #endif
   }
   return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
+}
+
+bool is_zstd(Bytes in) {
+  constexpr std::array<std::uint8_t, 4> kMagic = {0x28, 0xB5, 0x2F, 0xFD};
+  return in.size() > kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), in.begin());
+}
+
+std::string decompress_frame([[maybe_unused]] Bytes in, std::vector<std::uint8_t>* out) {
+#ifdef RIO_HAS_ZSTD
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                     &ZSTD_freeDCtx);
+  ZSTD_inBuffer input{in.data(), in.size(), 0};
+  std::size_t used = 0;
+  for (std::size_t hint = 1; hint != 0;) {
+    out->resize(std::max<std::size_t>(used + 4 * in.size() + 256, out->size()));
+    ZSTD_outBuffer output{out->data() + used, out->size() - used, 0};
+    const std::size_t before = input.pos;
+    hint = ZSTD_decompressStream(context.get(), &output, &input);
+    used += output.pos;
+    const bool stuck = output.pos == 0 && input.pos == before;
+    if (ZSTD_isError(hint) == 0 && !(hint != 0 && stuck) && used < kMaxRecord) continue;
+    out->clear();
+    return "its zstd data is damaged";
+  }
+  out->resize(used);
+  return "";
+#else
+  fail_without("zstd");
+#endif
+}
+
+std::string decompress_file([[maybe_unused]] const std::filesystem::path& from,
+                            [[maybe_unused]] const std::filesystem::path& to) {
+#ifdef RIO_HAS_ZSTD
+  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
+                                                                     &ZSTD_freeDCtx);
+  std::ifstream packed(from, std::ios::binary);
+  std::ofstream plain(to, std::ios::binary);
+  std::vector<char> in(ZSTD_DStreamInSize());
+  std::vector<char> out(ZSTD_DStreamOutSize());
+  while (packed && plain) {
+    packed.read(in.data(), static_cast<std::streamsize>(in.size()));
+    ZSTD_inBuffer input{in.data(), static_cast<std::size_t>(packed.gcount()), 0};
+    for (bool full = true; input.pos < input.size || full;) {
+      ZSTD_outBuffer output{out.data(), out.size(), 0};
+      if (ZSTD_isError(ZSTD_decompressStream(context.get(), &output, &input)) != 0) {
+        return plain.tellp() > 0 ? "" : "its zstd data is damaged";  // used up to there
+      }
+      plain.write(out.data(), static_cast<std::streamsize>(output.pos));
+      full = output.pos == output.size;
+    }
+  }
+  return plain ? "" : "is compressed with zstd, and there is no room to unpack it";
+#else
+  return "is compressed with zstd: unpack it with `zstd -d`";
+#endif
 }
 
 std::uint32_t crc32(Bytes bytes) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,13 @@ namespace rio::bag {
 /// @throws std::runtime_error that names the missing library
 std::string decompress(std::string_view method, Bytes in, std::uint64_t declared,
                        std::vector<std::uint8_t>* out);
+
+/// Whether the bytes begin as a frame of zstd.
+bool is_zstd(Bytes in);
+/// The same for a frame of zstd of any size up to 1 GiB.
+std::string decompress_frame(Bytes in, std::vector<std::uint8_t>* out);
+/// A file of zstd frames into another one, replaced.
+std::string decompress_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// CRC-32 (IEEE 802.3).
 std::uint32_t crc32(Bytes bytes);

@@ -21,6 +21,7 @@ std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path);
 inline constexpr char kRos1Magic[] = "#ROSBAG V2.0\n";
 inline constexpr char kMcapMagic[] = "\x89MCAP0\r\n";
 inline constexpr char kSqliteMagic[] = "SQLite format 3";
+inline constexpr char kZstdMagic[] = "\x28\xB5\x2F\xFD";
 
 /// Converts "sensor_msgs/msg/Imu" to "sensor_msgs/Imu".
 std::string ros1_type(std::string type);

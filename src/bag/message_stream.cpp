@@ -2,12 +2,15 @@
 #include "rio/bag/message_stream.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "formats.hpp"
 #include "rio/bag/wire.hpp"
+#include "tidied.hpp"
 
 namespace rio::bag {
 
@@ -23,20 +26,50 @@ std::string first_bytes(const fs::path& path) {
   return bytes;
 }
 
+/// Without a ".zstd" at its end.
+fs::path plain_name(const fs::path& path) {
+  return path.extension() == ".zstd" || path.extension() == ".zst" ? path.stem() : path.filename();
+}
+
+/// Of a part of a split recording, as in "flight_12.db3"; -1 if there is none.
+std::int64_t number_of(const fs::path& path) {
+  const std::string stem = plain_name(path).stem().string();
+  const std::size_t digits = stem.find_last_not_of("0123456789") + 1;
+  const std::size_t count = stem.size() - digits;
+  return count == 0 || count > 9 ? -1 : std::stoll(stem.substr(digits));
+}
+
 /// The recordings in a folder; those of a split one in the order of their numbers.
 std::vector<fs::path> files_of(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const fs::path extension = entry.path().extension();
-    if (extension == ".db3" || extension == ".mcap") files.push_back(entry.path());
+    const fs::path extension = plain_name(entry.path()).extension();
+    if (extension == ".db3" || extension == ".mcap" || extension == ".bag") {
+      files.push_back(entry.path());
+    }
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    const std::string& x = a.native();
-    const std::string& y = b.native();
-    return x.size() != y.size() ? x.size() < y.size() : x < y;
+    return std::pair(number_of(a), a) < std::pair(number_of(b), b);
   });
   return files;
 }
+
+/// Whether these are the parts 0, 1, 2... of one recording; ROS 1 puts the time of day before the
+/// number.
+bool are_parts(const std::vector<fs::path>& files) {
+  const auto without_digits = [](const fs::path& path) {
+    std::string name = plain_name(path).string();
+    std::erase_if(name, [](char c) { return c >= '0' && c <= '9'; });
+    return name;
+  };
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (number_of(files[i]) != static_cast<std::int64_t>(i)) return false;
+    if (without_digits(files[i]) != without_digits(files[0])) return false;
+  }
+  return true;
+}
+
+std::unique_ptr<MessageStream> open_file(const fs::path& path);
 
 /// Several files as one; damage in one ends the stream.
 class Split final : public MessageStream {
@@ -45,7 +78,7 @@ class Split final : public MessageStream {
       : MessageStream(folder), files_(std::move(files)) {}
 
   std::string format() const override {
-    return "rosbag2 folder of " + std::to_string(files_.size()) + " files";
+    return "folder of " + std::to_string(files_.size()) + " files, one recording";
   }
 
  private:
@@ -53,7 +86,7 @@ class Split final : public MessageStream {
     for (;;) {
       if (part_ == nullptr) {
         if (next_ == files_.size()) return false;
-        part_ = open_messages(files_[next_++]);
+        part_ = open_file(files_[next_++]);
         numbers_.clear();
       }
       if (part_->next(message)) break;
@@ -76,16 +109,30 @@ class Split final : public MessageStream {
 
 std::unique_ptr<MessageStream> open_folder(const fs::path& folder) {
   std::vector<fs::path> files = files_of(folder);
-  if (files.size() == 1) return open_messages(files.front());
+  if (files.size() == 1) return open_file(files.front());
   if (files.empty()) throw std::runtime_error(folder.string() + ": a folder without a recording");
   const bool one_kind = std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
-    return file.extension() == files.front().extension();
+    return plain_name(file).extension() == plain_name(files.front()).extension();
   });
-  if (one_kind && fs::exists(folder / "metadata.yaml")) {
+  if (one_kind && (fs::exists(folder / "metadata.yaml") || are_parts(files))) {
     return std::make_unique<Split>(folder, std::move(files));
   }
   throw std::runtime_error(folder.string() + ": holds several recordings; name one, as " +
                            files.front().string());
+}
+
+std::unique_ptr<MessageStream> open_file(const fs::path& path) {
+  const std::string bytes = first_bytes(path);
+  if (bytes.starts_with(kRos1Magic)) return open_ros1_bag(path);
+  if (bytes.starts_with(kMcapMagic)) return open_mcap(path);
+  if (bytes.starts_with(kSqliteMagic)) return open_db3(path);
+  if (bytes.starts_with(kZstdMagic)) return open_file(unpacked(path));
+  if (bytes.starts_with("#ROSBAG V") || bytes.starts_with("#ROSRECORD V")) {
+    throw std::runtime_error(path.string() + ": a bag older than version 2.0: rosbag fix it first");
+  }
+  throw std::runtime_error(path.string() +
+                           ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "
+                           "MCAP file, nor as an sqlite3 file (.db3)");
 }
 
 }  // namespace
@@ -128,19 +175,16 @@ bool is_recording(const fs::path& path) {
   return fs::is_directory(path) ? !files_of(path).empty() : fs::is_regular_file(path);
 }
 
+bool begins_as_recording(const fs::path& path) {
+  if (!is_recording(path)) return false;
+  const std::string bytes = fs::is_directory(path) ? kRos1Magic : first_bytes(path);
+  return bytes.starts_with("#ROSBAG V") || bytes.starts_with(kMcapMagic) ||
+         bytes.starts_with(kSqliteMagic) || bytes.starts_with(kZstdMagic);
+}
+
 std::unique_ptr<MessageStream> open_messages(const fs::path& path) {
   if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such file");
-  if (fs::is_directory(path)) return open_folder(path);
-  const std::string bytes = first_bytes(path);
-  if (bytes.starts_with(kRos1Magic)) return open_ros1_bag(path);
-  if (bytes.starts_with(kMcapMagic)) return open_mcap(path);
-  if (bytes.starts_with(kSqliteMagic)) return open_db3(path);
-  if (bytes.starts_with("#ROSBAG V") || bytes.starts_with("#ROSRECORD V")) {
-    throw std::runtime_error(path.string() + ": a bag older than version 2.0: rosbag fix it first");
-  }
-  throw std::runtime_error(path.string() +
-                           ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "
-                           "MCAP file, nor as an sqlite3 file (.db3)");
+  return tidied(fs::is_directory(path) ? open_folder(path) : open_file(path));
 }
 
 }  // namespace rio::bag

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <sstream>
 
@@ -35,14 +36,103 @@ Vector3d read_vector(WireReader* reader) {
   return v;
 }
 
-/// A vector and its covariance, whose first number is -1 if there is no such sensor (REP 145).
-Vector3d read_measured(WireReader* reader, const char* name) {
+void skip_numbers(WireReader* reader, int count) {
+  for (int i = 0; i < count; ++i) (void)reader->read<double>();
+}
+
+/// A vector and its covariance, whose first number is -1 if there is no such sensor (REP 145). Some
+/// drivers write that although they have one.
+Vector3d read_measured(WireReader* reader, bool* is_there, ImuMessage* message) {
   Vector3d v = read_vector(reader);
-  const std::size_t where = reader->position();
-  const auto first = reader->read<double>();
-  for (int i = 1; i < 9; ++i) (void)reader->read<double>();
-  if (first == -1.0) throw Damage(where, std::string("says that it has no ") + name);
+  const bool none = reader->read<double>() == -1.0;
+  skip_numbers(reader, 8);
+  *is_there = v.allFinite() && !v.isZero(0.0);
+  message->denied = message->denied || (none && *is_there);
+  message->absent = message->absent || (none && !*is_there);
   return v;
+}
+
+/// Fields x, y, z... of type float32, one after the other.
+PointCloud floats(const Header& header, const std::vector<std::string>& names,
+                  const std::vector<float>& values) {
+  constexpr std::uint8_t kFloat32 = 7;
+  PointCloud cloud;
+  cloud.header = header;
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(values.size() / names.size());
+  for (const std::string& name : names) {
+    cloud.fields.push_back({name, cloud.point_step, kFloat32});
+    cloud.point_step += sizeof(float);
+  }
+  auto data = std::make_shared<std::vector<std::uint8_t>>(values.size() * sizeof(float));
+  if (!values.empty()) std::memcpy(data->data(), values.data(), data->size());
+  cloud.big_endian = std::endian::native == std::endian::big;
+  cloud.data = *data;
+  cloud.own = std::move(data);
+  return cloud;
+}
+
+ImuMessage decode_px4_imu(Encoding encoding, Bytes message) {
+  constexpr std::int32_t kNone = 0x7FFFFFFF;  // no sample of the accelerometer
+  WireReader reader = reader_of(encoding, message);
+  const auto frd = [&reader] {
+    Vector3d v;
+    for (double& value : v) value = static_cast<double>(reader.read<float>());
+    return Vector3d(v.x(), -v.y(), -v.z());
+  };
+  ImuMessage out;
+  const auto microseconds = reader.read<std::uint64_t>();
+  if (microseconds > (std::uint64_t{1} << 52)) throw Damage(4, "a stamp out of all reason");
+  out.header.stamp = Time(static_cast<std::int64_t>(microseconds) * 1000);
+  out.sample.time = out.header.stamp;
+  out.sample.gyro_B = frd();
+  (void)reader.read<std::uint32_t>();  // interval of the gyro
+  const std::size_t where = reader.position();
+  if (reader.read<std::int32_t>() == kNone) throw Damage(where, "it has no accelerometer");
+  out.sample.accel_B = frd();
+  return out;
+}
+
+/// The messages of the points of a scan, each after its length.
+PointCloud decode_ti_scan(Encoding encoding, Bytes messages) {
+  Header header;
+  std::vector<float> values;
+  WireReader points(messages);
+  while (points.remaining() > 0) {
+    WireReader reader = reader_of(encoding, points.block());
+    const Header of_point = read_header(&reader);
+    if (values.empty()) header = of_point;
+    (void)reader.read<std::uint16_t>();  // number of the point
+    std::array<float, 5> xyz_range_velocity{};
+    for (float& value : xyz_range_velocity) value = reader.read<float>();
+    (void)reader.read<std::uint16_t>();  // Doppler bin
+    (void)reader.read<float>();          // bearing
+    const auto intensity = reader.read<float>();
+    const auto& p = xyz_range_velocity;
+    values.insert(values.end(), {p[0], p[1], p[2], intensity, p[4]});
+  }
+  return floats(header, {"x", "y", "z", "intensity", "velocity"}, values);
+}
+
+PointCloud decode_radar_scan(Encoding encoding, Bytes message) {
+  const std::vector<std::string> names = {"range", "azimuth", "elevation", "doppler_velocity",
+                                          "amplitude"};
+  WireReader reader = reader_of(encoding, message);
+  const Header header = read_header(&reader);
+  const auto count = reader.read<std::uint32_t>();
+  std::vector<float> values;
+  for (std::uint64_t i = 0; i < std::uint64_t{count} * names.size(); ++i) {  // ends with the bytes
+    values.push_back(reader.read<float>());
+  }
+  return floats(header, names, values);
+}
+
+Quaternion read_xyzw(WireReader* reader) {
+  Quaternion q;
+  for (double& value : q.coeffs()) value = reader->read<double>();
+  const double norm = q.norm();
+  if (!(std::abs(norm - 1.0) < 0.01)) throw Damage(reader->position(), "no unit quaternion");
+  return q.normalized();
 }
 
 void check_points(const PointCloud& cloud, std::size_t where) {
@@ -66,15 +156,20 @@ void check_points(const PointCloud& cloud, std::size_t where) {
 
 }  // namespace
 
-ImuSample decode_imu(Encoding encoding, Bytes message, Header* header) {
-  WireReader reader = reader_of(encoding, message);
-  *header = read_header(&reader);
-  for (int i = 0; i < 4 + 9; ++i) (void)reader.read<double>();  // orientation and its covariance
-  ImuSample sample;
-  sample.time = header->stamp;
-  sample.gyro_B = read_measured(&reader, "gyroscope");
-  sample.accel_B = read_measured(&reader, "accelerometer");
-  return sample;
+bool is_imu(const std::string& type) {
+  return type == kImuType || type == kPx4ImuType;
+}
+
+ImuMessage decode_imu_of(const Topic& topic, Bytes message) {
+  if (topic.type == kPx4ImuType) return decode_px4_imu(topic.encoding, message);
+  WireReader reader = reader_of(topic.encoding, message);
+  ImuMessage out;
+  out.header = read_header(&reader);
+  skip_numbers(&reader, 4 + 9);  // orientation and its covariance
+  out.sample.time = out.header.stamp;
+  out.sample.gyro_B = read_measured(&reader, &out.gyro, &out);
+  out.sample.accel_B = read_measured(&reader, &out.accel, &out);
+  return out;
 }
 
 PointCloud decode_cloud(Encoding encoding, Bytes message) {
@@ -102,15 +197,11 @@ PointCloud decode_cloud(Encoding encoding, Bytes message) {
 }
 
 PointCloud decode_old_cloud(Encoding encoding, Bytes message) {
-  constexpr std::uint8_t kFloat32 = 7;
-  constexpr std::uint32_t kSize = 4;
   WireReader reader = reader_of(encoding, message);
-  PointCloud cloud;
-  cloud.header = read_header(&reader);
-  cloud.height = 1;
-  cloud.width = reader.read<std::uint32_t>();
+  const Header header = read_header(&reader);
+  const auto width = reader.read<std::uint32_t>();
   std::vector<std::vector<float>> columns(3);
-  for (std::uint32_t i = 0; i < cloud.width; ++i) {  // ends with the bytes
+  for (std::uint32_t i = 0; i < width; ++i) {  // ends with the bytes
     for (std::size_t k = 0; k < 3; ++k) columns[k].push_back(reader.read<float>());
   }
   std::vector<std::string> names = {"x", "y", "z"};
@@ -118,34 +209,91 @@ PointCloud decode_old_cloud(Encoding encoding, Bytes message) {
   for (std::uint32_t k = 0; k < channels; ++k) {
     names.emplace_back(reader.text());
     const std::size_t where = reader.position();
-    if (reader.read<std::uint32_t>() != cloud.width) {
+    if (reader.read<std::uint32_t>() != width) {
       throw Damage(where, "channel \"" + names.back() + "\" has not one number a point");
     }
     std::vector<float>& column = columns.emplace_back();
-    for (std::uint32_t i = 0; i < cloud.width; ++i) column.push_back(reader.read<float>());
+    for (std::uint32_t i = 0; i < width; ++i) column.push_back(reader.read<float>());
   }
-  cloud.point_step = static_cast<std::uint32_t>(columns.size()) * kSize;
-  auto data = std::make_shared<std::vector<std::uint8_t>>(cloud.size() * cloud.point_step);
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto offset = static_cast<std::uint32_t>(k) * kSize;
-    cloud.fields.push_back({names[k], offset, kFloat32});
-    for (std::size_t i = 0; i < columns[k].size(); ++i) {
-      std::memcpy(data->data() + i * cloud.point_step + offset, &columns[k][i], kSize);
-    }
+  std::vector<float> values;
+  for (std::uint32_t i = 0; i < width; ++i) {
+    for (const std::vector<float>& column : columns) values.push_back(column[i]);
   }
-  cloud.big_endian = std::endian::native == std::endian::big;
-  cloud.data = *data;
-  cloud.own = std::move(data);
-  return cloud;
+  return floats(header, names, values);
+}
+
+bool is_ti_scan(const std::string& type) {
+  return type.find("mmwave") != std::string::npos && type.ends_with("/RadarScan");
 }
 
 bool is_cloud(const std::string& type) {
-  return type == kCloudType || type == kOldCloudType;
+  return type == kCloudType || type == kOldCloudType || is_ti_scan(type) || type == kRadarScanType;
 }
 
 PointCloud decode_cloud_of(const Topic& topic, Bytes message) {
+  if (is_ti_scan(topic.type)) return decode_ti_scan(topic.encoding, message);
+  if (topic.type == kRadarScanType) return decode_radar_scan(topic.encoding, message);
   return topic.type == kOldCloudType ? decode_old_cloud(topic.encoding, message)
                                      : decode_cloud(topic.encoding, message);
+}
+
+std::optional<std::uint32_t> ti_point_id(Encoding encoding, Bytes message) {
+  try {
+    WireReader reader = reader_of(encoding, message);
+    (void)read_header(&reader);
+    return reader.read<std::uint16_t>();
+  } catch (const Damage&) {
+    return std::nullopt;
+  }
+}
+
+bool is_truth(const std::string& type) {
+  return type == kPoseType || type == kOdometryType || type == kTransformType ||
+         type == "geometry_msgs/PoseWithCovarianceStamped";
+}
+
+NavState decode_truth(const Topic& topic, Bytes message, Header* header, bool* has_velocity) {
+  WireReader reader = reader_of(topic.encoding, message);
+  *header = read_header(&reader);
+  *has_velocity = topic.type == kOdometryType;
+  if (*has_velocity || topic.type == kTransformType) (void)reader.text();  // frame of the body
+  NavState state;
+  state.time = header->stamp;
+  state.p_WB = read_vector(&reader);
+  state.q_WB = read_xyzw(&reader);
+  if (*has_velocity) {
+    skip_numbers(&reader, 36);
+    state.v_WB = state.q_WB * read_vector(&reader);  // of the body, in its axes
+  }
+  if (!(state.p_WB + state.v_WB).allFinite()) throw Damage(0, "a pose that is not finite");
+  return state;
+}
+
+double decode_pressure(Encoding encoding, Bytes message, Header* header) {
+  WireReader reader = reader_of(encoding, message);
+  *header = read_header(&reader);
+  return reader.read<double>();
+}
+
+bool is_transforms(const Topic& topic) {
+  const bool type = topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
+  return type && topic.name.ends_with("tf_static");
+}
+
+std::vector<Transform> decode_transforms(Encoding encoding, Bytes message) {
+  const auto frame = [](const std::string& name) { return name.substr(name.starts_with('/') ? 1 : 0); };
+  WireReader reader = reader_of(encoding, message);
+  std::vector<Transform> out;
+  const auto count = reader.read<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count; ++i) {  // ends with the bytes
+    Transform transform;
+    transform.parent = frame(read_header(&reader).frame_id);
+    transform.child = frame(std::string(reader.text()));
+    transform.pose.translation = read_vector(&reader);
+    transform.pose.rotation = read_xyzw(&reader);
+    out.push_back(transform);
+  }
+  return out;
 }
 
 Header decode_header(Encoding encoding, Bytes message) {
@@ -155,7 +303,9 @@ Header decode_header(Encoding encoding, Bytes message) {
 
 bool begins_with_header(const Topic& topic) {
   if (topic.encoding == Encoding::kOther) return false;
-  if (topic.type == kHeaderType || topic.type == kImuType || is_cloud(topic.type)) {
+  if (is_ti_scan(topic.type)) return false;  // the messages of a scan
+  if (topic.type == kHeaderType || topic.type == kImuType || is_cloud(topic.type) ||
+      is_truth(topic.type) || topic.type == kPressureType) {
     return true;
   }
   std::istringstream lines(topic.definition);

@@ -28,7 +28,7 @@ const std::array<std::vector<std::string>, kNoise + 1> kAliases = {{
     {"elevation", "elevation_angle"},
     {"doppler", "velocity", "v_doppler_mps", "doppler_velocity", "radial_velocity", "radial_speed",
      "range_rate", "rdot", "v_r", "vr"},
-    {"snr", "snr_db", "intensity", "power"},
+    {"snr", "snr_db", "intensity", "power", "amplitude"},
     {"noise", "noise_db"},
 }};
 
@@ -154,6 +154,7 @@ void PointMap::set_by(const PointRequest& request) {
   origin_ = preset == nullptr ? "by their names" : std::string("preset ") + preset->name;
   if (preset != nullptr) {
     axes_ = preset->axes;
+    if (request.axes.empty() && request.preset.empty()) doubt_ = preset->doubt;
     for (const std::string& assignment : words_of(preset->fields)) {
       set_by_rule(assignment);
     }
@@ -285,17 +286,32 @@ std::size_t PointMap::convert(const PointCloud& cloud,
   return left_out;
 }
 
-std::string PointMap::text() const {
-  std::string text = origin_ + ":";
+Matrix3d PointMap::rotation() const {
+  Matrix3d R;
+  for (int i = 0; i < 3; ++i) R.col(i) = to_flu(axes_, Vector3d::Unit(i));
+  return R;
+}
+
+void PointMap::name(io::RadarInfo* info) const {
+  info->axes = kAxesNames[static_cast<std::size_t>(axes_)];
+  info->fields.clear();
   for (std::size_t q = 0; q < sources_.size(); ++q) {
     if (!sources_[q]) continue;
-    std::ostringstream part;
-    part << " " << kNames[q] << "=" << sources_[q]->field.name;
-    if (sources_[q]->scale != 1.0) part << "*" << sources_[q]->scale;
-    text += part.str();
+    std::ostringstream source;
+    source << sources_[q]->field.name;
+    if (sources_[q]->scale != 1.0) source << "*" << sources_[q]->scale;
+    info->fields.emplace_back(kNames[q], source.str());
   }
+}
+
+std::string PointMap::text() const {
+  io::RadarInfo info;
+  name(&info);
+  std::string text = origin_ + ":";
+  for (const auto& [quantity, source] : info.fields) text += " " + quantity + "=" + source;
   return text + "; axes " + kAxesMeanings[static_cast<std::size_t>(axes_)] +
-         "; doppler positive = receding" + (sources_[kSnr] ? "" : "; no SNR");
+         "; doppler positive = receding" + (sources_[kSnr] ? "" : "; no SNR") +
+         (doubt_.empty() ? "" : "; " + doubt_);
 }
 
 void PointMap::fail(const std::string& what) const {

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "recording_survey.hpp"
@@ -13,8 +14,39 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// One reader for both topics: it buffers messages read before they are requested. If the topics
-/// are far apart in the file, each gets its own reader.
+/// Gyroscope and accelerometer of two topics as one IMU: the force at the stamps of the rates, on
+/// the line between its neighbours.
+class Halves {
+ public:
+  void add(const ImuSample& sample, bool is_accel) {
+    std::deque<ImuSample>& list = is_accel ? accels_ : gyros_;
+    if (list.empty() || sample.time > list.back().time) list.push_back(sample);
+  }
+  bool next(ImuSample* sample) {
+    while (!gyros_.empty() && accels_.size() > 1) {
+      const ImuSample& a = accels_[0];
+      const ImuSample& b = accels_[1];
+      if (gyros_.front().time > b.time) {
+        accels_.pop_front();
+        continue;
+      }
+      *sample = gyros_.front();
+      gyros_.pop_front();
+      if (sample->time < a.time) continue;
+      const double share = to_seconds(sample->time - a.time) / to_seconds(b.time - a.time);
+      sample->accel_B = a.accel_B + share * (b.accel_B - a.accel_B);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  std::deque<ImuSample> gyros_;
+  std::deque<ImuSample> accels_;
+};
+
+/// One reader for all topics: it buffers messages read before they are requested. If the topics are
+/// far apart in the file, each sensor gets its own reader.
 class BagStream final : public io::RecordingStream {
  public:
   BagStream(fs::path path, RecordingRequest request)
@@ -27,13 +59,24 @@ class BagStream final : public io::RecordingStream {
   static constexpr std::size_t kMostSamples = 4096;  ///< limit of the buffer
   static constexpr std::size_t kMostScans = 64;
 
-  /// The messages of a topic.
+  /// The messages of a sensor.
   template <class Item>
   struct Sensor {
-    std::unique_ptr<MessageStream> own;  ///< null: uses the common reader
-    std::deque<Item> waiting;
-    std::size_t met = 0;       ///< messages of the topic read
-    std::size_t readable = 0;  ///< of these, decodable
+    std::unique_ptr<MessageStream> own{};  ///< null: uses the common reader
+    std::deque<Item> waiting{};
+    std::size_t met = 0;  ///< messages of the sensor read
+  };
+  struct Imu : Sensor<ImuSample> {
+    std::size_t readable = 0;
+    std::size_t readable_accel = 0;  ///< on its own topic
+    Halves halves{};
+  };
+  struct Radar : Sensor<RadarScan> {
+    CloudReader clouds;
+    std::size_t readable = 0;
+    std::size_t scan = 0;  ///< next one of the outline
+
+    explicit Radar(const PointRequest& points) : clouds(points) {}
   };
 
   bool read(ImuSample* sample) override {
@@ -43,21 +86,30 @@ class BagStream final : public io::RecordingStream {
     return true;
   }
 
-  bool read(RadarScan* scan, std::size_t /*radar*/) override {
-    if (!wait_for(radar_)) return false;
-    std::swap(*scan, radar_.waiting.front());
-    radar_.waiting.pop_front();
+  bool read(RadarScan* scan, std::size_t radar) override {
+    if (!wait_for(radars_[radar])) return false;
+    std::swap(*scan, radars_[radar].waiting.front());
+    radars_[radar].waiting.pop_front();
     return true;
   }
 
-  bool read(io::BaroSample* /*sample*/) override { return false; }
+  bool read(io::BaroSample* sample) override {
+    if (baro_ == survey_.baro.size()) return false;
+    *sample = survey_.baro[baro_++];
+    return true;
+  }
 
   void start_over() override {
     common_.reset();
     imu_ = {};
-    radar_ = {};
-    clouds_.emplace(request_.points);
-    scan_ = 0;
+    radars_.clear();
+    for (std::size_t r = 0; r < survey_.radars.size(); ++r) radars_.emplace_back(request_.points);
+    start_baro_over();
+  }
+  void start_baro_over() override { baro_ = 0; }
+
+  bool is_of_imu(const Topic& topic) const {
+    return survey_.imu.role.fits(topic) || (survey_.accel && survey_.accel->role.fits(topic));
   }
 
   /// Reads until there is one; false at the end of the file.
@@ -69,10 +121,18 @@ class BagStream final : public io::RecordingStream {
       MessageStream* from = reader_of(sensor);
       if (!from->next(&message)) return false;
       const Topic& topic = from->topics()[message.topic];
-      if (from == reader_of(imu_) && survey_.imu.fits(topic)) take_imu(topic, message);
-      if (from == reader_of(radar_) && survey_.radar.fits(topic)) take_scan(topic, message);
-      if (imu_.waiting.size() > kMostSamples) read_apart(&imu_, survey_.imu);
-      if (radar_.waiting.size() > kMostScans) read_apart(&radar_, survey_.radar);
+      if (from == reader_of(imu_) && is_of_imu(topic)) take_imu(topic, message);
+      for (std::size_t r = 0; r < radars_.size(); ++r) {
+        const Role& role = survey_.radars[r].role;
+        if (from != reader_of(radars_[r]) || !role.fits(topic)) continue;
+        take_scan(r, topic, message);
+        if (radars_[r].waiting.size() > kMostScans) {
+          read_apart(&radars_[r], [&role](const Topic& t) { return role.fits(t); });
+        }
+      }
+      if (imu_.waiting.size() > kMostSamples) {
+        read_apart(&imu_, [this](const Topic& t) { return is_of_imu(t); });
+      }
     }
     return true;
   }
@@ -84,37 +144,48 @@ class BagStream final : public io::RecordingStream {
 
   void take_imu(const Topic& topic, const Message& message) {
     ++imu_.met;
+    const bool is_accel = survey_.accel && survey_.accel->role.fits(topic);
+    const Surveyed::Imu& of = is_accel ? *survey_.accel : survey_.imu;
     try {
-      Header header;
-      ImuSample sample = imu_sample(topic, message, request_, &header);
-      sample.time = (survey_.imu_received ? message.received : header.stamp) + survey_.imu_shift;
-      imu_.waiting.push_back(sample);
+      const ImuMessage read = imu_message(topic, message, request_);
+      const std::size_t i = is_accel ? imu_.readable_accel++ : imu_.readable++;
+      ImuSample sample = read.sample;
+      sample.time =
+          (of.received ? message.received : read.header.stamp + of.shifts.at(i)) + of.shift;
+      if (!survey_.accel) {
+        if (!read.absent) imu_.waiting.push_back(sample);
+        return;
+      }
+      imu_.halves.add(sample, is_accel);
+      while (imu_.halves.next(&sample)) imu_.waiting.push_back(sample);
     } catch (const Damage&) {  // already noted by the survey
     }
   }
 
-  void take_scan(const Topic& topic, const Message& message) {
-    ++radar_.met;
+  void take_scan(std::size_t r, const Topic& topic, const Message& message) {
+    Radar& radar = radars_[r];
+    const std::vector<bool>& kept = survey_.radars[r].kept;
+    ++radar.met;
     try {
       Header header;
       RadarScan scan;
-      clouds_->read(topic, message, &header, &scan.detections, nullptr);
-      const std::size_t i = radar_.readable++;
-      if (i >= survey_.kept.size() || !survey_.kept[i]) return;
-      scan.time = outline_.scan_times[0][scan_++];
-      radar_.waiting.push_back(std::move(scan));
+      radar.clouds.read(topic, message, &header, &scan.detections, nullptr);
+      const std::size_t i = radar.readable++;
+      if (i >= kept.size() || !kept[i]) return;
+      scan.time = outline_.scan_times[r][radar.scan++];
+      radar.waiting.push_back(std::move(scan));
     } catch (const Damage&) {  // already noted by the survey
     }
   }
 
   /// Switches to an own reader, which first skips what the common one has read.
-  template <class Item>
-  void read_apart(Sensor<Item>* sensor, const Role& role) {
+  template <class Item, class Fits>
+  void read_apart(Sensor<Item>* sensor, const Fits& fits) {
     if (sensor->own) return;
     sensor->own = open_messages(path_);
     Message message;
     for (std::size_t met = 0; met < sensor->met && sensor->own->next(&message);) {
-      met += role.fits(sensor->own->topics()[message.topic]) ? 1U : 0U;
+      met += fits(sensor->own->topics()[message.topic]) ? 1U : 0U;
     }
   }
 
@@ -122,10 +193,9 @@ class BagStream final : public io::RecordingStream {
   RecordingRequest request_;
   Surveyed survey_;
   std::unique_ptr<MessageStream> common_;
-  Sensor<ImuSample> imu_;
-  Sensor<RadarScan> radar_;
-  std::optional<CloudReader> clouds_;
-  std::size_t scan_ = 0;  ///< next one of the outline
+  Imu imu_;
+  std::deque<Radar> radars_;
+  std::size_t baro_ = 0;
 };
 
 }  // namespace
@@ -133,6 +203,39 @@ class BagStream final : public io::RecordingStream {
 std::unique_ptr<io::RecordingStream> open_recording(const fs::path& path,
                                                     const RecordingRequest& request) {
   return std::make_unique<BagStream>(path, request);
+}
+
+std::vector<NavState> read_truth(const fs::path& path) {
+  RecordingRequest request;
+  request.truth = true;
+  try {
+    std::vector<NavState> states = survey(path, request).outline.sensors.ground_truth;
+    if (!states.empty()) return states;
+  } catch (const std::runtime_error&) {  // no recording of a flight
+  }
+  const std::unique_ptr<MessageStream> stream = open_messages(path);
+  std::vector<NavState> states;
+  std::string of_topic;
+  Message message;
+  while (stream->next(&message)) {
+    const Topic& topic = stream->topics()[message.topic];
+    if (!Role{"truth", kPoseType, ""}.fits(topic)) continue;
+    if (!of_topic.empty() && of_topic != topic.name) {
+      throw std::runtime_error(path.string() + ": several topics with poses, " + of_topic +
+                               " and " + topic.name);
+    }
+    of_topic = topic.name;
+    try {
+      Header header;
+      bool has_velocity = false;
+      const NavState state = decode_truth(topic, message.data, &header, &has_velocity);
+      if (states.empty() || state.time > states.back().time) states.push_back(state);
+    } catch (const Damage&) {  // as a lost message
+    }
+  }
+  if (!states.empty()) return states;
+  throw std::runtime_error(path.string() + ": no topic of type " + kPoseType + " or " +
+                           kOdometryType);
 }
 
 Recording read_recording(const fs::path& path, const RecordingRequest& request) {

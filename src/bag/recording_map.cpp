@@ -32,6 +32,8 @@ void visit_fields(MapFile& file, const Visitor& visit) {
   field("imu.offset", request.imu_offset, "s");
   field("imu.gyro_unit", file.gyro_unit);
   field("imu.accel_unit", file.accel_unit);
+  field("pressure.topic", request.pressure_topic);
+  field("truth.topic", request.truth_topic);
   field("radar.topic", request.radar_topic);
   field("radar.clock", request.radar_clock);
   field("radar.trigger", request.trigger_topic);

@@ -5,14 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <deque>
-#include <exception>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "io/doppler_grid.hpp"
-#include "rio/bag/summary.hpp"
+#include "recording_sources.hpp"
 #include "trigger.hpp"
 
 namespace rio::bag {
@@ -21,203 +19,118 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The stamps of one topic, while it is read.
-struct Stamps {
-  std::size_t count = 0;
-  std::size_t zeros = 0;    ///< of the headers
-  std::deque<Time> delays;  ///< receive - header; without zero headers
-  Header first, last;
-  Time first_received{0}, last_received{0};
-  /// One a message, where all are needed.
-  bool all = true;
-  std::vector<Time> header;
-  std::vector<Time> received;
-  std::vector<std::uint32_t> sequence;
-
-  void add(const Header& head, Time when) {
-    if (count++ == 0) {
-      first = head;
-      first_received = when;
-    }
-    last = head;
-    last_received = when;
-    if (head.stamp == Time(0)) {
-      ++zeros;
-    } else {
-      delays.push_back(when - head.stamp);
-    }
-    if (!all) return;
-    header.push_back(head.stamp);
-    received.push_back(when);
-    sequence.push_back(head.sequence);
-  }
-  /// Median of the delays; sorts them partially.
-  Time delay() {
-    if (delays.empty()) return Time(0);
-    const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
-    std::nth_element(delays.begin(), middle, delays.end());
-    return *middle;
-  }
-};
-
-/// A topic, and what was dropped from it.
-struct Source : Role {
-  Stamps stamps{};
-  std::size_t unreadable = 0;
-  std::string first_error{};
-  bool wanted = true;
-};
-
-std::string topic_list(const Summary& summary) {
-  std::string text;
-  for (const TopicSummary& s : summary.topics) {
-    text += fmt::format("\n  {} {} ({} messages)", s.topic.name, s.topic.type, s.messages);
-  }
-  return text.empty() ? "\n  none" : text;
-}
-
-/// The requested topic, or the only one of the type.
-std::string choose_topic(const Summary& summary, const fs::path& path, const Role& source) {
-  std::string found;
-  std::string wrong_type;  // of the requested topic
-  for (const TopicSummary& s : summary.topics) {
-    const bool named = source.name.empty() || s.topic.name == source.name;
-    if (named && !source.name.empty()) wrong_type = s.topic.type;
-    if (!named || s.messages == 0 || !source.fits(s.topic)) continue;
-    if (!found.empty()) {
-      throw std::runtime_error(fmt::format("{}: several topics of type {}; choose with --{}:{}",
-                                           path.string(), source.type, source.role,
-                                           topic_list(summary)));
-    }
-    found = s.topic.name;
-  }
-  if (!found.empty()) return found;
-  if (!wrong_type.empty()) {
-    throw std::runtime_error(fmt::format("{}: topic {} is of type {}; read is {}", path.string(),
-                                         source.name, wrong_type, source.type));
-  }
-  throw std::runtime_error(fmt::format("{}: no topic {}; there are{}{}", path.string(),
-                                       source.name.empty() ? "of type " + source.type : source.name,
-                                       topic_list(summary),
-                                       summary.damage.empty() ? "" : "\n" + summary.damage));
-}
-
 class Survey {
  public:
   Survey(const fs::path& path, const RecordingRequest& request)
-      : path_(path), request_(request), stream_(open_messages(path)), clouds_(request.points) {
-    imu_.name = request.imu_topic;
-    radar_.name = request.radar_topic;
-    trigger_.name = request.trigger_topic;
-    trigger_.wanted = request.radar_clock == Clock::kTrigger;
-    imu_.stamps.all = false;
+      : path_(path), request_(request), sources_(path, request) {
     if (request.imu_clock == Clock::kTrigger) {
       throw std::runtime_error("the clock \"trigger\" is for the radar alone");
     }
   }
 
   Surveyed run() {
-    const Summary summary =
-        summarise(stream_.get(), [this](const Message& message) { use(message); });
-    for (Source* source : sources()) source->name = choose_topic(summary, path_, *source);
-    if (failed_) std::rethrow_exception(failed_);
-    for (const Source* source : sources()) require_some(*source);
+    sources_.choose();
+    notes_ = sources_.notes;
+    for (const Source* source : sources_.used()) require_some(*source);
     put_on_one_clock();
     tell();
-    out_.outline.damage = stream_->damage();
-    out_.imu = imu_;
-    out_.radar = radar_;
+    out_.outline.damage = sources_.damage();
     return std::move(out_);
   }
 
  private:
-  std::vector<Source*> sources() {
-    if (!trigger_.wanted) return {&imu_, &radar_};
-    return {&imu_, &radar_, &trigger_};
-  }
-
   void note(std::string text) { notes_.push_back(std::move(text)); }
 
-  /// For each possible source; the choice is made at the end, and is needed to count the errors of
-  /// the points.
-  void use(const Message& message) {
-    while (uses_.size() < stream_->topics().size()) {
-      const Topic& topic = stream_->topics()[uses_.size()];
-      uses_.emplace_back();
-      for (Source* source : sources()) {
-        if (source->fits(topic)) uses_.back().push_back(source);
-      }
-    }
-    if (failed_) return;
-    try {
-      for (Source* source : uses_[message.topic]) {
-        decode(source, stream_->topics()[message.topic], message);
-      }
-    } catch (const std::exception&) {
-      failed_ = std::current_exception();
-    }
-  }
-
-  void decode(Source* source, const Topic& topic, const Message& message) {
-    try {
-      Header header;
-      if (source == &imu_) {
-        (void)imu_sample(topic, message, request_, &header);
-      } else if (source == &trigger_) {
-        header = decode_header(topic.encoding, message.data);
-      } else {
-        clouds_.read(topic, message, &header, &scan_.detections, &notes_);
-        grid_.add(scan_);
-      }
-      source->stamps.add(header, message.received);
-    } catch (const Damage& damage) {
-      if (source->unreadable++ == 0) {
-        source->first_error = fmt::format("byte {}: {}", damage.offset, damage.what());
-      }
-    }
-  }
-
   void require_some(const Source& source) const {
-    if (source.stamps.count > 0) return;
-    throw std::runtime_error(
-        fmt::format("{}: no readable message on {}{}{}", path_.string(), source.name,
-                    source.first_error.empty() ? "" : "; the first one, " + source.first_error,
-                    stream_->damage().empty() ? "" : "; " + stream_->damage()));
+    if (source.stamps.count > source.absent) return;
+    const std::string error =
+        source.first_error.empty() ? "" : "; the first one, " + source.first_error;
+    throw std::runtime_error(fmt::format(
+        "{}: no readable message on {}{}{}{}", path_.string(), source.role.name, error,
+        source.absent > 0 ? "; they say that they have no gyroscope or no accelerometer" : "",
+        sources_.damage().empty() ? "" : "; " + sources_.damage()));
   }
 
   void put_on_one_clock() {
     Clock imu = request_.imu_clock;
     Clock radar = request_.radar_clock;
-    Source& other = trigger_.wanted ? trigger_ : radar_;
-    const bool headers = imu_.stamps.zeros == 0 && other.stamps.zeros == 0;
-    const double apart = to_seconds(imu_.stamps.delay()) - to_seconds(other.stamps.delay());
-    if (imu == Clock::kAuto && radar == Clock::kAuto && headers && std::abs(apart) < 1.0) {
+    std::vector<Source*> others = sources_.radars;
+    if (sources_.trigger != nullptr) others = {sources_.trigger};
+    bool headers = sources_.imu->stamps.zeros == 0;
+    double apart = 0.0;
+    for (Source* other : others) {
+      headers = headers && other->stamps.zeros == 0;
+      const double delay =
+          to_seconds(sources_.imu->stamps.delay()) - to_seconds(other->stamps.delay());
+      apart = std::max(apart, std::abs(delay));
+    }
+    if (imu == Clock::kAuto && radar == Clock::kAuto && headers && apart < 1.0) {
       imu = radar = Clock::kHeader;
     }
     const bool stamped = radar == Clock::kHeader || radar == Clock::kTrigger;
     if (imu == Clock::kAuto && stamped) imu = Clock::kHeader;
     if (radar == Clock::kAuto && imu == Clock::kHeader) radar = Clock::kHeader;
-    if (headers && std::abs(apart) >= 1.0) {
-      note(fmt::format("the header clocks of IMU and {} are {:.3f} s apart", other.role,
-                       std::abs(apart)));
+    if (headers && apart >= 1.0) {
+      note(fmt::format("the header clocks of IMU and {} are {:.3f} s apart", others[0]->role.role,
+                       apart));
     }
-    stamp_imu(imu);
-    std::vector<Time>& times = out_.outline.scan_times.emplace_back();
-    if (radar == Clock::kTrigger) {
-      stamp_by_triggers(&times);
-    } else {
-      stamp_scans(radar, &times);
+    out_.imu = stamp_imu(sources_.imu, imu);
+    if (sources_.accel != nullptr) out_.accel = stamp_imu(sources_.accel, imu);
+    io::RecordingOutline& outline = out_.outline;
+    const Stamps& stamps = sources_.imu->stamps;
+    const auto at = [&](const Header& head, Time received, std::size_t i) {
+      return (out_.imu.received ? received : head.stamp + out_.imu.shifts.at(i)) + out_.imu.shift;
+    };
+    outline.imu_samples = stamps.count - (sources_.accel == nullptr ? sources_.imu->absent : 0);
+    outline.imu_begin = at(stamps.first, stamps.first_received, 0);
+    outline.imu_end = at(stamps.last, stamps.last_received, stamps.count - 1);
+    for (Source* source : sources_.radars) {
+      Surveyed::Radar& of = out_.radars.emplace_back();
+      of.role = source->role;
+      std::vector<Time> times;
+      if (radar == Clock::kTrigger) {
+        stamp_by_triggers(*source, &of, &times);
+      } else {
+        times = stamp_all(source, radar, request_.radar_offset);
+        of.kept.assign(times.size(), true);
+      }
+      leave_out_repeated(&of, &times);
+      outline.scan_times.push_back(std::move(times));
     }
-    leave_out_repeated(&times);
+    take_others(imu == Clock::kHeader ? Clock::kHeader : Clock::kAuto);
   }
 
-  void leave_out_repeated(std::vector<Time>* times) {
+  /// Barometer and ground truth.
+  void take_others(Clock clock) {
+    if (sources_.baro != nullptr) {
+      const std::vector<Time> times = stamp_all(sources_.baro, clock, request_.imu_offset);
+      for (std::size_t i = 0; i < times.size(); ++i) sources_.baro->baro[i].time = times[i];
+      out_.baro = std::move(sources_.baro->baro);
+      out_.outline.baro_samples = out_.baro.size();
+    }
+    if (sources_.truth == nullptr) return;
+    const std::vector<Time> times = stamp_all(sources_.truth, clock, request_.imu_offset);
+    std::vector<NavState>& states = out_.outline.sensors.ground_truth;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      sources_.truth->truth[i].time = times[i];
+      if (states.empty() || times[i] > states.back().time)
+        states.push_back(sources_.truth->truth[i]);
+    }
+    if (sources_.truth->has_velocity) return;
+    for (std::size_t i = 0; i < states.size() && states.size() > 1; ++i) {
+      const NavState& a = states[i == 0 ? 0 : i - 1];
+      const NavState& b = states[std::min(i + 1, states.size() - 1)];
+      states[i].v_WB = (b.p_WB - a.p_WB) / to_seconds(b.time - a.time);
+    }
+  }
+
+  void leave_out_repeated(Surveyed::Radar* radar, std::vector<Time>* times) {
     std::size_t count = 0;  // of the kept ones
-    for (std::size_t i = 0, k = 0; i < out_.kept.size(); ++i) {
-      if (!out_.kept[i]) continue;
+    for (std::size_t i = 0, k = 0; i < radar->kept.size(); ++i) {
+      if (!radar->kept[i]) continue;
       const Time time = (*times)[k++];
       if (count > 0 && (*times)[count - 1] == time) {
-        out_.kept[i] = false;
+        radar->kept[i] = false;
       } else {
         (*times)[count++] = time;
       }
@@ -230,34 +143,36 @@ class Survey {
   }
 
   /// Scans without a trigger are dropped.
-  void stamp_by_triggers(std::vector<Time>* times) {
-    const std::vector<std::uint32_t>& numbers = trigger_.stamps.sequence;
+  void stamp_by_triggers(const Source& radar, Surveyed::Radar* of, std::vector<Time>* times) {
+    const std::vector<std::uint32_t>& numbers = sources_.trigger->stamps.sequence;
     const bool counted = std::any_of(numbers.begin(), numbers.end(), [](auto n) { return n > 0; });
+    const std::string& name = sources_.trigger->role.name;
     if (request_.trigger_match == TriggerMatch::kSequence && !counted) {
-      throw std::runtime_error(path_.string() + ": messages on " + trigger_.name +
+      throw std::runtime_error(path_.string() + ": messages on " + name +
                                " have no sequence numbers, as in ROS 2; match \"earlier\" does "
                                "without");
     }
-    require_no_zero(trigger_);
+    require_no_zero(*sources_.trigger);
     Triggers triggers(request_.trigger_match);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-      triggers.add(numbers[i], trigger_.stamps.header[i], trigger_.stamps.received[i]);
+      triggers.add(numbers[i], sources_.trigger->stamps.header[i],
+                   sources_.trigger->stamps.received[i]);
     }
     triggers.sort();
-    const std::size_t all = radar_.stamps.count;
+    const std::size_t all = radar.stamps.count;
     for (std::size_t i = 0; i < all; ++i) {
-      const auto time = triggers.find(radar_.stamps.sequence[i], radar_.stamps.received[i]);
-      out_.kept.push_back(time.has_value());
+      const auto time = triggers.find(radar.stamps.sequence[i], radar.stamps.received[i]);
+      of->kept.push_back(time.has_value());
       if (time) times->push_back(*time + from_seconds(request_.radar_offset));
     }
     if (times->empty()) {
       throw std::runtime_error(fmt::format("{}: no scan on {} has a trigger on {}", path_.string(),
-                                           radar_.name, trigger_.name));
+                                           radar.role.name, name));
     }
     note(
         fmt::format("{}: {} messages, {} stamped by the last trigger before on {}{}{}; {} without "
                     "one are left out",
-                    radar_.name, all, times->size(), trigger_.name,
+                    radar.role.name, all, times->size(), name,
                     request_.trigger_match == TriggerMatch::kSequence ? ", of the same number" : "",
                     moved_text(request_.radar_offset), all - times->size()));
   }
@@ -270,25 +185,27 @@ class Survey {
     if (source.stamps.zeros == 0) return;
     throw std::runtime_error(fmt::format(
         "{}: {} of {} header stamps on {} are zero{}", path_.string(), source.stamps.zeros,
-        source.stamps.count, source.name,
-        &source == &trigger_ ? "" : fmt::format("; use --{}-clock receive", source.role)));
+        source.stamps.count, source.role.name,
+        &source == sources_.trigger ? ""
+                                    : fmt::format("; use --{}-clock receive", source.role.role)));
   }
 
-  void stamp_imu(Clock clock) {
-    const auto [received, shift] = decide(&imu_, clock, request_.imu_offset);
-    const Stamps& stamps = imu_.stamps;
-    out_.imu_received = received;
-    out_.imu_shift = shift;
-    out_.outline.imu_samples = stamps.count;
-    out_.outline.imu_begin = (received ? stamps.first_received : stamps.first.stamp) + shift;
-    out_.outline.imu_end = (received ? stamps.last_received : stamps.last.stamp) + shift;
+  Surveyed::Imu stamp_imu(Source* source, Clock clock) {
+    Surveyed::Imu out;
+    out.role = source->role;
+    out.shifts = source->stamps.shifts();
+    std::tie(out.received, out.shift) = decide(source, clock, request_.imu_offset);
+    return out;
   }
 
-  void stamp_scans(Clock clock, std::vector<Time>* times) {
-    const auto [received, shift] = decide(&radar_, clock, request_.radar_offset);
-    *times = received ? radar_.stamps.received : radar_.stamps.header;
-    for (Time& time : *times) time += shift;
-    out_.kept.assign(times->size(), true);
+  std::vector<Time> stamp_all(Source* source, Clock clock, double offset) {
+    const auto [received, shift] = decide(source, clock, offset);
+    const Shifts shifts = source->stamps.shifts();
+    std::vector<Time> times = received ? source->stamps.received : source->stamps.header;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      times[i] += shift + (received ? Time(0) : shifts.at(i));
+    }
+    return times;
   }
 
   /// Whether a topic is stamped with receive times, and the shift of its stamps.
@@ -306,61 +223,114 @@ class Survey {
                                                        to_seconds(delay));
     if (zero) text += fmt::format(" ({} header stamps are zero)", stamps.zeros);
     if (offset != 0.0) text += fmt::format(", and by {} s", offset);
-    note(fmt::format("{}: {} messages, {}", source->name, stamps.count, text));
-    if (clock != Clock::kHeader && source == &radar_ && offset == 0.0) {
+    note(fmt::format("{}: {} messages, {}", source->role.name, stamps.count, text));
+    if (clock != Clock::kReceive) {
+      const Shifts shifts = stamps.shifts();
+      for (const Shifts::Jump& jump : shifts.jumps()) {
+        note(fmt::format(
+            "{}: the header clock jumps by {:+.3f} s at message {}; later stamps are "
+            "moved by {:+.6f} s: it goes on as the messages were received",
+            source->role.name, to_seconds(jump.by), jump.message + 1, to_seconds(jump.added)));
+      }
+    }
+    if (clock != Clock::kHeader && source->role.type == kCloudType && offset == 0.0) {
       note("scans arrive later than they were measured: --radar-offset, below zero");
     }
     return {clock == Clock::kReceive, delay + from_seconds(offset)};
   }
 
-  /// Notes on missing sensor files and dropped data.
+  /// The mounting that /tf_static tells.
+  std::optional<Pose> mounting(const Source& radar) const {
+    std::optional<Pose> T = sources_.frames.pose(radar.frame, sources_.imu->frame);
+    if (T && radar.clouds->map() != nullptr) {
+      T->rotation = T->rotation * Quaternion(radar.clouds->map()->rotation().transpose());
+    }
+    return radar.frame == sources_.imu->frame ? std::nullopt : T;
+  }
+
+  /// Sensor properties, and notes on missing sensor files and dropped data.
   void tell() {
-    if (!request_.mounting_is_known) {
+    io::RecordingOutline& outline = out_.outline;
+    outline.sensors.imu_info.rate_hz =
+        rate(outline.imu_begin, outline.imu_end, outline.imu_samples);
+    for (std::size_t r = 0; r < sources_.radars.size(); ++r) {
+      Source& source = *sources_.radars[r];
+      io::RadarInfo& info =
+          r == 0 ? outline.sensors.radar_info : outline.sensors.other_radars.emplace_back().info;
+      const std::vector<Time>& times = outline.scan_times[r];
+      info.rate_hz = rate(times.front(), times.back(), times.size());
+      for (std::string& text : source.notes) {
+        note(sources_.radars.size() > 1 ? source.role.name + ": " + text : std::move(text));
+      }
+      info.T_BS = mounting(source);
+      if (info.T_BS) note(mounting_text(source.role.name, *info.T_BS));
+      info.doppler_resolution = doppler_grid(r);
+      if (info.doppler_resolution) {
+        note(fmt::format("the Doppler has steps of {:.4f} m/s", *info.doppler_resolution));
+      }
+      if (source.clouds->map() != nullptr) source.clouds->map()->name(&info);
+      if (source.clouds->points_left_out() > 0) {
+        note(fmt::format("{} points are not finite and are left out",
+                         source.clouds->points_left_out()));
+      }
+    }
+    if (!request_.mounting_is_known && !outline.sensors.radar_info.T_BS) {
       note(
           "no mounting in a recording: radar pose from the options, by default at the body origin");
     }
-    io::RecordingOutline& outline = out_.outline;
-    io::RadarInfo& info = outline.sensors.radar_info;
-    const std::vector<Time>& times = outline.scan_times[0];
-    outline.sensors.imu_info.rate_hz =
-        rate(outline.imu_begin, outline.imu_end, outline.imu_samples);
-    info.rate_hz = rate(times.front(), times.back(), times.size());
-    info.doppler_resolution = doppler_grid();
-    if (info.doppler_resolution) {
-      note(fmt::format("the Doppler has steps of {:.4f} m/s", *info.doppler_resolution));
+    if (sources_.imu->type == kPx4ImuType) {
+      note(sources_.imu->role.name + ": axes forward, right, down, turned to forward, left, up");
     }
-    if (clouds_.points_left_out() > 0) {
-      note(fmt::format("{} points are not finite and are left out", clouds_.points_left_out()));
+    if (sources_.imu->denied > 0) {
+      note(
+          fmt::format("{}: {} messages have values and a covariance of -1, which says that they "
+                      "have none: the values are used",
+                      sources_.imu->role.name, sources_.imu->denied));
     }
-    for (const Source* source : sources()) {
-      if (source->unreadable == 0) continue;
+    for (const Source* source : sources_.used()) {
+      const std::size_t absent = sources_.accel == nullptr ? source->absent : 0;
+      if (source->unreadable + absent == 0) continue;
       note(fmt::format("{}: {} messages cannot be read and are left out; the first one, {}",
-                       source->name, source->unreadable, source->first_error));
+                       source->role.name, source->unreadable + absent,
+                       source->unreadable > 0 ? source->first_error
+                                              : "says that it has no gyroscope or accelerometer"));
     }
     outline.sensors.notes = std::move(notes_);
   }
 
+  static std::string mounting_text(const std::string& name, const Pose& T) {
+    const Vector3d& p = T.translation;
+    const Quaternion& q = T.rotation;
+    return fmt::format(
+        "{}: mounting of /tf_static: T_BS: {{translation: [{:.4f}, {:.4f}, {:.4f}], "
+        "quaternion_wxyz: [{:.6f}, {:.6f}, {:.6f}, {:.6f}]}}",
+        name, p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
+  }
+
   /// Of the scans of the outline.
-  std::optional<double> doppler_grid() {
-    const auto each_scan = [this](const auto& use) {
+  std::optional<double> doppler_grid(std::size_t r) {
+    const Surveyed::Radar& radar = out_.radars[r];
+    const auto each_scan = [&](const auto& use) {
       const std::unique_ptr<MessageStream> stream = open_messages(path_);
       CloudReader clouds(request_.points);
       Message message;
       Header header;
       RadarScan scan;
       bool go_on = true;
-      for (std::size_t i = 0; go_on && i < out_.kept.size() && stream->next(&message);) {
+      for (std::size_t i = 0; go_on && i < radar.kept.size() && stream->next(&message);) {
         const Topic& topic = stream->topics()[message.topic];
-        if (!radar_.fits(topic)) continue;
+        if (!radar.role.fits(topic)) continue;
         try {
           clouds.read(topic, message, &header, &scan.detections, nullptr);
         } catch (const Damage&) {
           continue;
         }
-        if (out_.kept[i++]) go_on = use(scan);
+        if (radar.kept[i++]) go_on = use(scan);
       }
     };
-    if (out_.outline.scan_times[0].size() == out_.kept.size()) return grid_.step(each_scan);
+    if (out_.outline.scan_times[r].size() == radar.kept.size()) {
+      return sources_.radars[r]->grid.step(each_scan);
+    }
     io::DopplerGrid of_kept;
     each_scan([&of_kept](const RadarScan& scan) {
       of_kept.add(scan);
@@ -377,41 +347,12 @@ class Survey {
 
   fs::path path_;
   RecordingRequest request_;
-  std::unique_ptr<MessageStream> stream_;
-  Source imu_{{"imu", kImuType, {}}};
-  Source radar_{{"radar", kCloudType, {}}};
-  Source trigger_{{"trigger", kHeaderType, {}}};
-  std::vector<std::vector<Source*>> uses_;  ///< of each topic
-  CloudReader clouds_;
-  RadarScan scan_;
-  io::DopplerGrid grid_;
+  Sources sources_;
   std::vector<std::string> notes_;
-  std::exception_ptr failed_;
   Surveyed out_;
 };
 
 }  // namespace
-
-ImuSample imu_sample(const Topic& topic, const Message& message, const RecordingRequest& request,
-                     Header* header) {
-  ImuSample sample = decode_imu(topic.encoding, message.data, header);
-  sample.gyro_B *= request.gyro_unit;
-  sample.accel_B *= request.accel_unit;
-  return sample;
-}
-
-void CloudReader::read(const Topic& topic, const Message& message, Header* header,
-                       std::vector<RadarDetection>* detections, std::vector<std::string>* notes) {
-  detections->clear();
-  const PointCloud cloud = decode_cloud_of(topic, message.data);
-  *header = cloud.header;
-  if (cloud.size() == 0) return;
-  if (!map_ || map_->fields() != cloud.fields) {
-    map_.emplace(cloud.fields, request_);
-    if (notes != nullptr) notes->push_back("points, " + map_->text());
-  }
-  points_left_out_ += map_->convert(cloud, detections);
-}
 
 Surveyed survey(const fs::path& path, const RecordingRequest& request) {
   return Survey(path, request).run();

@@ -11,25 +11,28 @@
 #include "rio/bag/messages.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/io/recording_stream.hpp"
+#include "stamps.hpp"
 
 namespace rio::bag {
 
 /// A topic, and its role in messages.
 struct Role {
-  const char* role;
-  std::string type;
+  const char* role = "";
+  std::string type;  ///< the usual one of those for this role
   std::string name;  ///< empty: any of the type
 
   bool fits(const Topic& topic) const {
-    return topic.encoding != Encoding::kOther && (name.empty() || topic.name == name) &&
-           (topic.type == type || (type == kCloudType && is_cloud(topic.type)) ||
-            (type == kHeaderType && !name.empty() && begins_with_header(topic)));
+    if (topic.encoding == Encoding::kOther || (!name.empty() && topic.name != name)) return false;
+    if (type == kImuType) return is_imu(topic.type);
+    if (type == kCloudType) return is_cloud(topic.type);
+    if (type == kPoseType) return is_truth(topic.type);
+    return topic.type == type ||
+           (type == kHeaderType && !name.empty() && begins_with_header(topic));
   }
 };
 
 /// Throws Damage if the bytes are not such a message.
-ImuSample imu_sample(const Topic& topic, const Message& message, const RecordingRequest& request,
-                     Header* header);
+ImuMessage imu_message(const Topic& topic, const Message& message, const RecordingRequest& request);
 
 /// Scans from clouds, whose fields may change within the recording.
 class CloudReader {
@@ -41,6 +44,8 @@ class CloudReader {
   /// @param notes receives the field assignment, if not null
   void read(const Topic& topic, const Message& message, Header* header,
             std::vector<RadarDetection>* detections, std::vector<std::string>* notes);
+  /// The last assignment; null before the first point.
+  const PointMap* map() const { return map_ ? &*map_ : nullptr; }
   /// Number of points so far that are not finite.
   std::size_t points_left_out() const { return points_left_out_; }
 
@@ -52,11 +57,21 @@ class CloudReader {
 
 struct Surveyed {
   io::RecordingOutline outline;
-  Role imu{"imu", kImuType, {}};
-  Role radar{"radar", kCloudType, {}};
-  bool imu_received = false;  ///< the IMU has receive stamps, else those of its headers
-  Time imu_shift{0};          ///< added to these stamps
-  std::vector<bool> kept;     ///< for each readable scan, whether the outline contains it
+  /// An IMU topic, and how its messages are stamped.
+  struct Imu {
+    Role role{"imu", kImuType, {}};
+    bool received = false;  ///< by receive times, else by headers and shifts
+    Shifts shifts;
+    Time shift{0};  ///< added to all
+  };
+  Imu imu;                   ///< or its gyroscope alone,
+  std::optional<Imu> accel;  ///< and its accelerometer
+  struct Radar {
+    Role role{"radar", kCloudType, {}};
+    std::vector<bool> kept;  ///< for each readable scan, whether the outline contains it
+  };
+  std::vector<Radar> radars;
+  std::vector<io::BaroSample> baro;
 };
 
 /// Throws as read_recording() does.

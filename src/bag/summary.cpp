@@ -28,12 +28,14 @@ void add(const Message& message, TopicSummary* s) {
   ++s->messages;
   s->first = std::min(s->first, message.received);
   s->last = std::max(s->last, message.received);
-  if (!s->has_header) return;
+  const bool points = is_cloud(s->topic.type) && s->topic.encoding != Encoding::kOther;
+  if (!s->has_header && !points) return;
   try {
-    if (is_cloud(s->topic.type) && s->fields.empty()) {
+    if (points && s->fields.empty()) {
       s->fields = decode_cloud_of(s->topic, message.data).fields;
     }
-    add_header(decode_header(s->topic.encoding, message.data), message.received, s);
+    if (s->has_header)
+      add_header(decode_header(s->topic.encoding, message.data), message.received, s);
   } catch (const Damage&) {
     ++s->unreadable;
   }

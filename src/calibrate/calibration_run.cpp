@@ -57,8 +57,7 @@ CalibrationRun run_calibration(const Recording& recording, const Options& option
     throw std::runtime_error(
         odometry->initialized()
             ? "no radar scan after the start"
-            : "static alignment failed: the sensor moves, or the recording is shorter than "
-              "start.duration");
+            : "no start: the estimator found no standstill; `rio check` looks for the cause");
   }
   run.velocity_resets = static_cast<int>(odometry->counters().velocity_resets);
   return run;

@@ -42,8 +42,8 @@ class Run {
     }
     if (!running_) {
       throw std::runtime_error(
-          "static alignment failed: the sensor moves, or the recording is shorter than "
-          "start.duration; give a start with --init");
+          "no start: the estimator found no standstill; `rio check` looks for the "
+          "cause; or give a start with --init");
     }
   }
 

@@ -53,20 +53,13 @@ std::string turn_text(const Matrix3d& configured, const Matrix3d& R) {
   return body_axis ? turn_text(of_body, "body") : turn_text(configured.transpose() * R, "radar");
 }
 
-/// An option for the first radar; for another one a line of its sensor file.
-std::string mounting_line(const Matrix3d& R, const Vector3d& p, std::size_t radar) {
+std::string mounting_line(const Matrix3d& R, const Vector3d& p, const Advice& advice) {
   const Quaternion q(R);
   const std::string line = fmt::format(
       "T_BS: {{translation: [{:.4f}, {:.4f}, {:.4f}], quaternion_wxyz: [{:.6f}, {:.6f}, {:.6f}, "
       "{:.6f}]}}",
       p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z());
-  if (radar > 0) return fmt::format("radar{}/sensor.yaml: {}", radar, line);
-  return "radar: {" + line + "}";
-}
-
-std::string sign_line(Source source) {
-  return source == Source::kBag ? "--approaching (without it, if it is given)"
-                                : "negate the column doppler of radar0/data.csv";
+  return advice.option(line, line);
 }
 
 }  // namespace
@@ -119,16 +112,21 @@ std::string describe(const Matrix3d& configured, const Axes& axes) {
 }
 
 std::string change_of(const Matrix3d& configured, const Axes& axes, const Options& options,
-                      Source source, std::size_t radar) {
+                      const Advice& advice) {
   const Vector3d& p = options.radar.T_BS.translation;
-  if (!axes.doppler_flipped) return mounting_line(axes.R, p, radar);
-  if (axes.turn < 1e-6) return sign_line(source);
-  std::string both = sign_line(source) + " and " + mounting_line(-axes.R, p, radar);
+  if (!axes.doppler_flipped) {
+    const bool mounted = (advice.info != nullptr && advice.info->T_BS.has_value()) ||
+                         (configured - Matrix3d::Identity()).norm() > 1e-6;
+    const auto of_points = mounted ? advice.axes(configured.transpose() * axes.R) : std::nullopt;
+    return of_points ? *of_points : mounting_line(axes.R, p, advice);
+  }
+  if (axes.turn < 1e-6) return advice.negate_doppler();
+  std::string both = advice.negate_doppler() + " and " + mounting_line(-axes.R, p, advice);
   const std::optional<std::string> mirrored =
       mirror_text(configured.transpose() * axes.R, "the points");
   if (!mirrored) return both;
-  const char* where = source == Source::kBag ? "--axes or --field x=... y=... z=..."
-                                             : "the columns x, y, z of radar0/data.csv";
+  const std::string where = advice.bag() ? "--axes or --field x=... y=... z=..."
+                                         : "the columns x, y, z of " + advice.csv();
   return fmt::format("{}, by {}", *mirrored, where);
 }
 

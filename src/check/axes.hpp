@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "check/finding.hpp"
+#include "check/advice.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
 
@@ -33,8 +33,9 @@ std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose);
 /// The error of the configured mounting, if these are the true axes.
 std::string describe(const Matrix3d& configured, const Axes& axes);
 
-/// The line that corrects it. @param radar its number
+/// What corrects it: other axes of the points if they are known to be mounted as configured, else
+/// the mounting.
 std::string change_of(const Matrix3d& configured, const Axes& axes, const Options& options,
-                      Source source, std::size_t radar);
+                      const Advice& advice);
 
 }  // namespace rio::check

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/check.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -13,6 +15,7 @@
 #include "check/motion_check.hpp"
 #include "check/points_check.hpp"
 #include "check/radar_check.hpp"
+#include "check/start_check.hpp"
 #include "check/units.hpp"
 
 namespace rio::check {
@@ -23,7 +26,7 @@ namespace {
 struct CheckedImu {
   const std::vector<ImuSample>& all;
   const std::vector<ImuSample>& good;  ///< usable()
-  ImuCheck check;
+  const ImuCheck& check;
 };
 
 bool in_metres(const Findings& findings) {
@@ -34,61 +37,56 @@ bool in_metres(const Findings& findings) {
 
 /// A radar; `options` have it as the first one.
 Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::RadarInfo& info,
-                         std::size_t radar, const Options& options, Source source,
+                         const Advice& advice, const Options& options,
                          const std::filesystem::path& folder) {
-  const std::string name = "radar" + std::to_string(radar);
   if (scans.empty()) return {};
   Options read = options;
   double& limit = read.radar.max_doppler;
   if (limit > 0.0) limit = std::max(limit, fastest(scans));
   const std::vector<RadarSpeed> speeds = radar_speeds(scans, read);
-  Findings out = {check_clocks(imu.all, scans, source)};
+  Findings out = {check_clocks(imu.all, scans, advice)};
   const auto append = [&out](const Findings& more) {
     out.insert(out.end(), more.begin(), more.end());
   };
-  const Findings alone =
-      check_radar(scans, info, speeds, options, source, folder / name / "data.csv");
+  const Findings alone = check_radar(scans, info, speeds, options, advice, folder / advice.csv());
   append(alone);
   if (!in_metres(alone)) return out;  // the others would find faults that are none
-  const RangeCheck ranges = check_ranges(scans, options, source);
+  const RangeCheck ranges = check_ranges(scans, options, advice);
   out.push_back(ranges.finding);
+  if (!imu.check.integrable) return out;
   double gyro_unit = imu.check.gyro_unit;
   if (gyro_unit == 1.0) {
-    if (const auto unit = check_rates(imu.good, scans, options, source)) {
+    if (const auto unit = check_rates(imu.good, scans, options, advice)) {
       out.push_back(*unit);
       gyro_unit = kDegree;
     }
   }
   append(check_motion({imu.good, speeds, gyro_unit, imu.check.accel_unit, ranges.sign}, options,
-                      source, radar));
+                      advice));
   return out;
-}
-
-/// Prefixes subject and files with the name of the radar.
-Finding of_radar(std::size_t radar, Finding finding) {
-  const std::string name = "radar" + std::to_string(radar);
-  for (std::size_t at = 0; (at = finding.change.find("radar0/", at)) != std::string::npos; ++at) {
-    finding.change.replace(at, name.size(), name);
-  }
-  finding.subject = name + ": " + finding.subject;
-  return finding;
 }
 
 Findings check_all(const std::vector<ImuSample>& samples, const std::vector<Scans>& radars,
                    const io::Dataset& sensors, const Options& options, Source source,
                    const std::filesystem::path& folder) {
   const std::optional<std::vector<ImuSample>> fewer = usable_if_not_all(samples);
-  CheckedImu imu{samples, fewer ? *fewer : samples, {}};
-  imu.check = check_imu(samples, imu.good, sensors.imu_info, source, folder / "imu0" / "data.csv");
-  Findings out = std::move(imu.check.findings);
-  if (samples.empty()) return out;
-  const Findings first =
-      check_one_radar(imu, radars[0], sensors.radar_info, 0, options, source, folder);
-  out.insert(out.end(), first.begin(), first.end());
-  for (std::size_t r = 1; r < options.radars() && r < radars.size(); ++r) {
-    for (Finding& finding : check_one_radar(imu, radars[r], sensors.other_radars[r - 1].info, r,
-                                            options.seen_by(r), source, folder)) {
-      out.push_back(of_radar(r, std::move(finding)));
+  const std::vector<ImuSample>& good = fewer ? *fewer : samples;
+  const ImuCheck check =
+      check_imu(samples, good, sensors.imu_info, source, folder / "imu0" / "data.csv");
+  Findings out = check.findings;
+  if (samples.empty() || !check.stamped) return out;
+  std::vector<ImuSample> other_way;  // the other checks are then as with the right columns
+  if (check.exchanged) other_way = exchanged(good);
+  const CheckedImu imu{samples, check.exchanged ? other_way : good, check};
+  if (worst(out) != Verdict::kWrong) {
+    out.push_back(check_start(imu.good, check.gyro_unit, check.accel_unit, radars[0], options));
+  }
+  for (std::size_t r = 0; r < options.radars() && r < radars.size(); ++r) {
+    const io::RadarInfo& info = r == 0 ? sensors.radar_info : sensors.other_radars[r - 1].info;
+    for (Finding& finding : check_one_radar(imu, radars[r], info, {source, &info, r},
+                                            r == 0 ? options : options.seen_by(r), folder)) {
+      if (r > 0) finding.subject = fmt::format("radar{}: {}", r, finding.subject);
+      out.push_back(std::move(finding));
     }
   }
   return out;

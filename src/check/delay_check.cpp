@@ -71,7 +71,7 @@ const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const 
 }
 
 Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
-                    const Options& options, Source source, std::size_t radar) {
+                    const Options& options, const Advice& advice) {
   constexpr double kNotable = 0.02;  // [s]
   constexpr double kMaybe = 2.0;     // sigmas
   constexpr double kWrong = 0.045;   // not corrected by an estimator with a prior of 30 ms [s]
@@ -88,12 +88,8 @@ Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
   if (size < kNotable || sure < kMaybe) return out;
   out.verdict = size > kWrong && sure > kSignificant ? Verdict::kWrong : Verdict::kDoubtful;
   const double offset = configured - shift.seconds;
-  out.change = radar == 0
-                   ? fmt::format("radar: {{time_offset: {:.3f}}}", offset)
-                   : fmt::format("radar{}/sensor.yaml: time_offset_s: {:.3f}", radar, offset);
-  if (source == Source::kBag) {
-    out.change += fmt::format(", or --radar-offset \"{:+.0f} ms\"", 1e3 * shift.seconds);
-  }
+  out.change = advice.option(fmt::format("time_offset: {:.3f}", offset),
+                             fmt::format("time_offset_s: {:.3f}", offset));
   return out;
 }
 
@@ -104,7 +100,7 @@ bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& opti
 }
 
 std::optional<Finding> check_far_delay(const MotionData& data, double length,
-                                       const Options& options, Source source) {
+                                       const Options& options, const Advice& advice) {
   constexpr double kFarthest = 4.0;                        // [s]
   constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
   double most = kExplained;
@@ -129,9 +125,9 @@ std::optional<Finding> check_far_delay(const MotionData& data, double length,
                  fmt::format("radar and IMU agree only with the radar's stamps moved by {:+.2f} s, "
                              "then in {:.0f} % of the movement",
                              delay, 100.0 * most),
-                 source == Source::kBag
+                 advice.bag()
                      ? fmt::format("--radar-offset \"{:+.2f} s\"", delay)
-                     : fmt::format("add {:.0f} to the stamps of radar0/data.csv", 1e9 * delay)};
+                     : fmt::format("add {:.0f} to the stamps of {}", 1e9 * delay, advice.csv())};
 }
 
 }  // namespace rio::check

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "check/finding.hpp"
+#include "check/advice.hpp"
 #include "check/motion.hpp"
 #include "check/motion_data.hpp"
 #include "rio/options.hpp"
@@ -32,13 +32,12 @@ const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const 
 bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options);
 
 /// @param R axes of the radar as found
-/// @param radar its number
 Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
-                    const Options& options, Source source, std::size_t radar);
+                    const Options& options, const Advice& advice);
 
 /// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
 /// none.
 std::optional<Finding> check_far_delay(const MotionData& data, double length,
-                                       const Options& options, Source source);
+                                       const Options& options, const Advice& advice);
 
 }  // namespace rio::check

@@ -13,6 +13,7 @@
 #include <string>
 #include <utility>
 
+#include "check/advice.hpp"
 #include "check/bridge.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
@@ -81,7 +82,8 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
 
 /// Checks the stamps one after the other.
 Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
-                     const io::ImuInfo& info, const std::filesystem::path& csv) {
+                     const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
+                     bool* in_ns) {
   int repeated = 0;
   for (std::size_t i = 1; i < all.size(); ++i) {
     repeated += all[i].time == all[i - 1].time ? 1 : 0;
@@ -92,7 +94,7 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   for (std::size_t i = 1; i < good.size(); ++i) {
     periods.push_back(to_seconds(good[i].time - good[i - 1].time));
   }
-  const double period = quantile_of(&periods, 0.5);
+  const double period = usual_period(periods);
   const double longest = *std::max_element(periods.begin(), periods.end());
   double lost = 0.0;
   for (const double p : periods) lost += std::max(0.0, std::round(p / period) - 1.0);
@@ -117,8 +119,11 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   }
   constexpr double kFastest = 1e-4;  // no IMU samples at 10 kHz [s]
   constexpr double kSlowest = 0.05;  // too slow an IMU for integration in flight [s]
-  const double configured = info.rate_hz.value_or(1.0 / period);
+  const double configured =
+      source == Source::kBag ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
+  const Jump jump = jumps_back(all);
   if (period < kFastest) {
+    *in_ns = false;
     const bool micro = 1e3 * period > kFastest;
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(": the stamps are in {}", micro ? "us" : "ms");
@@ -127,6 +132,10 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   } else if (period > kSlowest) {
     out.verdict = Verdict::kWrong;
     out.change = "record the IMU at 100 Hz or more";
+  } else if (jump.count > 0) {
+    out.verdict = Verdict::kDoubtful;
+    out.text += jump_text(jump);
+    out.change = kSplitThere;
   } else if (static_cast<double>(repeated) + static_cast<double>(stray.count) >
              0.01 * static_cast<double>(all.size())) {
     out.verdict = Verdict::kDoubtful;
@@ -149,6 +158,7 @@ struct Rest {
   Vector3d accel = Vector3d::Zero();
   Vector3d gyro = Vector3d::Zero();
   double spread = std::numeric_limits<double>::infinity();  ///< of |f|, over its mean
+  double turning = 0.0;                                     ///< rms deviation of the rate [rad/s]
 };
 
 Rest stillest(const std::vector<ImuSample>& samples) {
@@ -157,10 +167,12 @@ Rest stillest(const std::vector<ImuSample>& samples) {
   for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
     Rest now;
     double squares = 0.0;
+    double rates = 0.0;
     while (end < samples.size() && samples[end].time < samples[begin].time + from_seconds(1.0)) {
       now.accel += samples[end].accel_B;
       now.gyro += samples[end].gyro_B;
       squares += samples[end].accel_B.squaredNorm();
+      rates += samples[end].gyro_B.squaredNorm();
       ++end;
     }
     const auto n = static_cast<double>(end - begin);
@@ -168,12 +180,27 @@ Rest stillest(const std::vector<ImuSample>& samples) {
     now.gyro /= n;
     const double variance = std::max(0.0, squares / n - now.accel.squaredNorm());
     now.spread = std::sqrt(variance) / now.accel.norm();
+    now.turning = std::sqrt(std::max(0.0, rates / n - now.gyro.squaredNorm()));
     if (n >= kFewest && now.spread < best.spread) best = now;
   }
   return best;
 }
 
-Finding check_accel(const Rest& rest, Source source, double* unit) {
+/// The least specific force of a tenth of a second: near zero if gravity was removed.
+double least(const std::vector<ImuSample>& samples) {
+  double out = std::numeric_limits<double>::infinity();
+  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
+    Vector3d sum = Vector3d::Zero();
+    while (end < samples.size() && samples[end].time < samples[begin].time + from_seconds(1.0)) {
+      sum += samples[end++].accel_B;
+    }
+    out = std::min(out, sum.norm() / static_cast<double>(end - begin));
+  }
+  return out;
+}
+
+Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
+                    ImuCheck* found) {
   struct Unit {
     const char* name;
     double factor;
@@ -200,6 +227,7 @@ Finding check_accel(const Rest& rest, Source source, double* unit) {
   }
   out.verdict = Verdict::kWrong;
   if (std::abs(rest.gyro.norm() / kStandardGravity - 1.0) < 0.05) {
+    found->exchanged = true;
     out.text += fmt::format(", but the gyro reads {:.4g}: gyro and accelerometer are exchanged",
                             rest.gyro.norm());
     out.change =
@@ -208,10 +236,18 @@ Finding check_accel(const Rest& rest, Source source, double* unit) {
             : "exchange the two groups of three columns of imu0/data.csv: the gyro is first";
     return out;
   }
+  found->integrable = false;
+  constexpr double kNothing = 0.5;  // half a g of an IMU in g, little of one in m/s^2
+  if (const double smallest = least(samples); smallest < kNothing) {
+    out.text += fmt::format(", and once {:.2g}: gravity was removed", smallest);
+    out.change = "record the raw accelerometer: at rest it must read 9.81 m/s^2 upwards";
+    return out;
+  }
   out.change = "find the unit of the accelerometer; at rest it must read 9.81 m/s^2";
   for (const Unit& u : kUnits) {
     if (std::abs(f * u.factor / kStandardGravity - 1.0) > 0.1) continue;
-    *unit = u.factor;
+    found->accel_unit = u.factor;
+    found->integrable = true;
     out.text += fmt::format(": it is in {}", u.name);
     out.change =
         source == Source::kBag
@@ -256,11 +292,9 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
     *unit = kDegree;
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(", taken as deg/s to {:.1f} deg: they are in deg/s", scaled / kDegree);
-    out.change = source == Source::kBag
-                     ? "--gyro-unit deg/s"
-                     : "multiply the first three columns after the stamp of imu0/data.csv by "
-                       "0.0174533";
-  } else if (rest.gyro.norm() > 0.1 && rest.spread < 0.05) {
+    out.change = Advice{source}.gyro_in_degrees();
+  } else if (rest.gyro.norm() > 0.1 && rest.spread < 0.05 &&
+             rest.turning < 0.2 * rest.gyro.norm()) {
     out.verdict = Verdict::kDoubtful;
     out.change = "a bias of more than 6 deg/s at rest: let the gyro warm up, or begin at rest";
   }
@@ -355,12 +389,19 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
     return out;
   }
   const Rest rest = stillest(good);
-  out.findings.push_back(check_stamps(samples, good, info, csv));
-  out.findings.push_back(check_accel(rest, source, &out.accel_unit));
+  out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamped));
+  if (!out.stamped) return out;
+  out.findings.push_back(check_accel(good, rest, source, &out));
+  if (out.exchanged) return out;
   if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
   out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));
   out.findings.push_back(check_saturation(good));
   return out;
+}
+
+std::vector<ImuSample> exchanged(std::vector<ImuSample> samples) {
+  for (ImuSample& sample : samples) std::swap(sample.gyro_B, sample.accel_B);
+  return samples;
 }
 
 }  // namespace rio::check

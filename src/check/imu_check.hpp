@@ -24,6 +24,9 @@ std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSam
 
 struct ImuCheck {
   Findings findings;
+  bool stamped = true;      ///< in [ns]
+  bool integrable = true;   ///< with these units; else what is wrong must be changed first
+  bool exchanged = false;   ///< the columns of gyro and accelerometer
   double gyro_unit = 1.0;   ///< factor of the gyro to get [rad/s]
   double accel_unit = 1.0;  ///< factor of the accelerometer to get [m/s^2]
 };
@@ -36,5 +39,8 @@ double turning_error(const std::vector<ImuSample>& samples, double factor);
 /// @param csv their file, to name lines of it; may be empty
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv);
+
+/// With gyro and accelerometer exchanged.
+std::vector<ImuSample> exchanged(std::vector<ImuSample> samples);
 
 }  // namespace rio::check

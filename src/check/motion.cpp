@@ -233,6 +233,10 @@ double Agreement::movement() const {
   return weight > 0.0 ? std::sqrt(A.trace() / (3.0 * weight)) : 0.0;
 }
 
+double Agreement::movement_of_imu() const {
+  return weight > 0.0 ? std::sqrt(c / weight) : 0.0;
+}
+
 double noise(const std::vector<RadarSpeed>& speeds) {
   constexpr double kNear = 0.25;  // [s]
   double sum = 0.0;

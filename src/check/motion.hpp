@@ -101,6 +101,8 @@ struct Agreement {
   double explained(const Matrix3d& R) const;
   /// Variation of the radar velocity that v_0 and g do not explain, in any axes: rms [m/s].
   double movement() const;
+  /// The same of the velocity that the IMU measures [m/s].
+  double movement_of_imu() const;
 };
 
 /// Agreements of several windows, with their sum.

@@ -29,8 +29,7 @@ struct Judge {
   const Agreements& windows;
   double length;  ///< of a window [s]
   const Options& options;
-  Source source;
-  std::size_t radar;
+  const Advice& advice;
   Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
   Agreement all = windows.total();
 
@@ -112,14 +111,28 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
 
 /// The best explains little: is there no movement to explain, or another error?
 void say_nothing_explains(const Judge& judge, double best, Finding* out) {
-  constexpr double kMuch = 0.1;   // [m/s]
-  constexpr double kClear = 2.0;  // times the noise
+  constexpr double kMuch = 0.1;     // [m/s]
+  constexpr double kClear = 2.0;    // times the noise
+  constexpr double kNothing = 1.5;  // times the noise
+  constexpr double kChance = 0.1;   // explained
+  constexpr double kFlown = 0.2;    // changes of velocity that are no error of an IMU [m/s]
   const double movement = judge.all.movement();
+  const double of_imu = judge.all.movement_of_imu();
   const double of_speeds = noise(judge.data.speeds);
   out->text += fmt::format(
       ", at best {:.0f} % with any other; the velocity of the radar changes by {:.2f} m/s (rms, "
       "noise {:.2f})",
       100.0 * best, movement, of_speeds);
+  const bool unseen = best < kChance && movement < kNothing * of_speeds;
+  if (unseen && of_imu > kFlown && of_imu > kClear * of_speeds) {
+    out->verdict = Verdict::kWrong;
+    out->text += fmt::format(
+        ", that of the IMU by {:.2f}: the Doppler does not show the motion of the radar", of_imu);
+    out->change =
+        "record the measured Doppler: the driver subtracts the motion of the vehicle from it, or "
+        "fills in zeros";
+    return;
+  }
   if (movement < kMuch || movement < kClear * of_speeds) {
     out->text += ": the motion does not tell";
     return;
@@ -163,7 +176,7 @@ Finding check_axes(const Judge& judge) {
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
     out.text += ", or as well if " + describe(judge.configured, alike[i]);
   }
-  out.change = change_of(judge.configured, found, judge.options, judge.source, judge.radar);
+  out.change = change_of(judge.configured, found, judge.options, judge.advice);
   return out;
 }
 
@@ -191,10 +204,7 @@ std::optional<Finding> check_gyro_unit(const Judge& judge) {
       fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, "
                   "with the rates taken as deg/s {:.0f} %",
                   100.0 * as_read, 100.0 * most),
-      judge.source == Source::kBag
-          ? "--gyro-unit deg/s"
-          : "multiply the first three columns after the stamp of imu0/data.csv by "
-            "0.0174533"};
+      judge.advice.gyro_in_degrees()};
 }
 
 /// Whether radar and IMU agree only with the rates negated: mirrored axes of the IMU, in which
@@ -222,9 +232,8 @@ std::optional<Finding> check_handedness(const Judge& judge) {
   const Matrix3d of_body = best->R * judge.configured.transpose();
   const std::string how =
       mirror_text(of_body, "the IMU").value_or("an odd number of axes of the IMU is mirrored");
-  const char* where = judge.source == Source::kBag
-                          ? "the driver of the IMU, or the file of `rio convert`"
-                          : "the columns of gyro and accelerometer of imu0/data.csv";
+  const char* where = judge.advice.bag() ? "the driver of the IMU, or the file of `rio convert`"
+                                         : "the columns of gyro and accelerometer of imu0/data.csv";
   return Finding{Verdict::kWrong, "axes of the IMU",
                  fmt::format("the radar explains at most {:.0f} % of the movement the IMU "
                              "measures, with the axes of the IMU mirrored {:.0f} %: {}",
@@ -254,10 +263,7 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
     factor = 1.0 / unit->scale;
     out.text += fmt::format(": the Doppler is {}", unit->name);
   }
-  out.change =
-      judge.source == Source::kBag
-          ? fmt::format("--field doppler=NAME*{:.4g}", factor)
-          : fmt::format("multiply the column doppler of radar0/data.csv by {:.4g}", factor);
+  out.change = judge.advice.scale("doppler", factor);
   return out;
 }
 
@@ -269,13 +275,12 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shi
   const Axes found = choose(judge, hypotheses(judge), &alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
   return {axes, check_scale(judge, found.R),
-          check_delay(shifts, found.R, judge.options, judge.source, judge.radar)};
+          check_delay(shifts, found.R, judge.options, judge.advice)};
 }
 
 }  // namespace
 
-Findings check_motion(const MotionData& data, const Options& options, Source source,
-                      std::size_t radar) {
+Findings check_motion(const MotionData& data, const Options& options, const Advice& advice) {
   Findings first;  // of the shortest windows
   for (const double length : kLengths) {
     const std::vector<Agreements> shifts = all_shifts(data, length, options.radar);
@@ -288,11 +293,11 @@ Findings check_motion(const MotionData& data, const Options& options, Source sou
                            windows.size()),
                "fly for half a minute with changes of speed and turns"}};
     }
-    Findings found = check_in_windows({data, windows, length, options, source, radar}, shifts);
+    Findings found = check_in_windows({data, windows, length, options, advice}, shifts);
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
     const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
     if (first.empty() && (unexplained || ends_at_the_best(shifts, options))) {
-      if (const auto delay = check_far_delay(data, kLengths[0], options, source)) return {*delay};
+      if (const auto delay = check_far_delay(data, kLengths[0], options, advice)) return {*delay};
     }
     if (told) return found;
     if (first.empty()) first = found;

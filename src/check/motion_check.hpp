@@ -17,14 +17,13 @@
 
 #include <cstddef>
 
-#include "check/finding.hpp"
+#include "check/advice.hpp"
 #include "check/motion_data.hpp"
 #include "rio/options.hpp"
 
 namespace rio::check {
 
-/// @param radar its number; the options have its mounting as that of the first radar
-Findings check_motion(const MotionData& data, const Options& options, Source source,
-                      std::size_t radar);
+/// @param options with the mounting of the radar as that of the first one
+Findings check_motion(const MotionData& data, const Options& options, const Advice& advice);
 
 }  // namespace rio::check

@@ -27,7 +27,28 @@ inline double median(std::vector<double> values) {
   return quantile_of(&values, 0.5);
 }
 
-/// The same for many values, without copying them: digit by digit. If some are NaN, a copy is made.
+/// The usual period of stamps that may be cut to a grid, of which some are missing: the median of
+/// 30, 30 and 40 ms is not their rate. A gap counts as so many periods of the mean of the others.
+inline double usual_period(const std::vector<double>& periods) {
+  const double most = 1.6 * median(periods);
+  double sum = 0.0;
+  double count = 0.0;
+  for (const double period : periods) {
+    sum += period <= most ? period : 0.0;
+    count += period <= most ? 1.0 : 0.0;
+  }
+  const double usual = sum / count;
+  sum = 0.0;
+  count = 0.0;
+  for (const double period : periods) {
+    sum += period;
+    count += std::max(1.0, std::round(period / usual));
+  }
+  return sum / count;
+}
+
+/// The same quantile for many values, without copying them: digit by digit. If some are NaN, a copy
+/// is made.
 /// @param each calls its argument with all values; called several times
 template <typename Each>
 double quantile_of_each(Each&& each, double share) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -84,6 +85,35 @@ Strays strays(const Items& all) {
   }
   return out;
 }
+
+/// Where a clock was set back or started again: later stamps go on from there.
+struct Jump {
+  std::size_t count = 0;
+  std::size_t first = 0;  ///< item
+  double seconds = 0.0;   ///< of the first; below zero
+};
+template <typename Items>
+Jump jumps_back(const Items& all) {
+  constexpr double kBack = -0.5;  // [s]
+  Jump out;
+  for (std::size_t i = 2; i + 1 < all.size(); ++i) {
+    const double step = to_seconds(all[i].time) - to_seconds(all[i - 1].time);
+    const double after = to_seconds(all[i + 1].time) - to_seconds(all[i - 1].time);
+    if (step > kBack || after > kBack) continue;                           // not one corrupt stamp
+    if (to_seconds(all[i].time) >= to_seconds(all[i - 2].time)) continue;  // of the last
+    if (out.count++ > 0) continue;
+    out.first = i;
+    out.seconds = step;
+  }
+  return out;
+}
+inline std::string jump_text(const Jump& jump) {
+  return ": the clock goes back " +
+         (jump.count == 1 ? std::string("once") : std::to_string(jump.count) + " times") +
+         ", first by " + std::to_string(-std::lround(jump.seconds)) + " s";
+}
+inline constexpr const char* kSplitThere =
+    "split the recording there, or put all stamps on one clock that goes on";
 
 /// "FILE:LINE" of a row of a csv file, counted from 0; empty if the file cannot be read.
 inline std::string place_of(const std::filesystem::path& csv, std::size_t row) {

@@ -194,19 +194,12 @@ void select(std::size_t n, Fits&& fits, std::vector<std::size_t>* selected) {
   selected->resize(count);
 }
 
-std::string change_of(const Rate& rate, Source source) {
-  std::string change;
-  if (rate.k < 0.0) {
-    change = source == Source::kBag ? "--approaching (without it, if it is given)"
-                                    : "negate the column doppler of radar0/data.csv";
-  }
+std::string change_of(const Rate& rate, const Advice& advice) {
+  std::string change = rate.k < 0.0 ? advice.negate_doppler() : "";
   const double factor = std::abs(rate.k);
   if (factor == 1.0) return change;
   if (!change.empty()) change += ", and ";
-  return change +
-         (source == Source::kBag
-              ? fmt::format("--field doppler=NAME*{:.4g}", factor)
-              : fmt::format("multiply the column doppler of radar0/data.csv by {:.4g}", factor));
+  return change + advice.scale("doppler", factor);
 }
 
 std::string meaning_of(const Rate& rate) {
@@ -285,7 +278,7 @@ class TurnVotes {
 
 }  // namespace
 
-RangeCheck check_ranges(const Scans& scans, const Options& options, Source source) {
+RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice& advice) {
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);
   const double least = options.radar.min_range;
@@ -335,12 +328,12 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, Source sourc
       "between scans the range changes as the Doppler says in {:.0f} pairs of "
       "points, in {:.0f} by {:.4g} times that, by {:.1f} sigmas: {}",
       sum(against.first), sum(against.second), rate.k, sure, meaning_of(rate));
-  out.change = change_of(rate, source);
+  out.change = change_of(rate, advice);
   return {out, rate.k < 0.0 ? DopplerSign::kOpposite : DopplerSign::kAsConfigured};
 }
 
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
-                                   const Options& options, Source source) {
+                                   const Options& options, const Advice& advice) {
   const ImuPath as_given(samples, 1.0, 1.0);
   const ImuPath in_degrees(samples, kDegree, 1.0);
   TurnVotes votes(options.radar.T_BS.rotation);
@@ -362,10 +355,7 @@ std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const 
                              "points, with the rates taken as deg/s in {:.0f}, by {:.1f} sigmas: "
                              "they are in deg/s",
                              sum(best.second), sum(best.first), best.sure()),
-                 source == Source::kBag
-                     ? "--gyro-unit deg/s"
-                     : "multiply the first three columns after the stamp of imu0/data.csv by "
-                       "0.0174533"};
+                 advice.gyro_in_degrees()};
 }
 
 }  // namespace rio::check

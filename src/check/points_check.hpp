@@ -15,7 +15,7 @@
 #include <optional>
 #include <vector>
 
-#include "check/finding.hpp"
+#include "check/advice.hpp"
 #include "check/scans.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
@@ -31,12 +31,12 @@ struct RangeCheck {
 };
 
 /// Sign and unit of the Doppler by (E1).
-RangeCheck check_ranges(const Scans& scans, const Options& options, Source source);
+RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice& advice);
 
 /// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; empty if it is not.
 /// The rates as configured may fit with any mounting and handedness by right angles.
 /// @param samples usable()
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
-                                   const Options& options, Source source);
+                                   const Options& options, const Advice& advice);
 
 }  // namespace rio::check

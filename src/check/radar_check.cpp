@@ -34,7 +34,7 @@ std::size_t row_of(const Scans& scans, std::size_t scan) {
   return row;
 }
 
-Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
+Finding check_stamps(const Scans& scans, const io::RadarInfo& info, const Advice& advice,
                      const std::filesystem::path& csv) {
   std::vector<double> periods;
   const std::vector<std::size_t> order = in_order(scans);
@@ -48,9 +48,9 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
         fmt::format("{} scans, {} of them not later than the one before", scans.size(), unordered),
         "record at least some seconds; a scan needs a stamp of its own"};
   }
-  const double period = median(periods);
+  const double period = usual_period(periods);
   const double longest = *std::max_element(periods.begin(), periods.end());
-  const double configured = info.rate_hz.value_or(1.0 / period);
+  const double configured = advice.bag() ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
   Finding out{Verdict::kOk, "radar stamps",
               fmt::format("{} scans, one each {:.1f} ms ({:.1f} Hz), longest gap {:.2f} s, {} not "
                           "in the order of time",
@@ -66,22 +66,30 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info,
     out.text +=
         fmt::format(", in which the IMU alone may run away by {:.1f} m/s", kFeigned * longest);
   }
-  if (unordered > 0) {
+  if (const Jump jump = jumps_back(scans); jump.count > 0) {
     out.verdict = Verdict::kDoubtful;
-    out.change = "a scan needs a stamp of its own";
+    out.text += jump_text(jump);
+    out.change = kSplitThere;
+  } else if (unordered > 0) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = stray.count > 0
+                     ? "put the scans in the order of their stamps, or correct the stamp"
+                     : "a scan needs a stamp of its own";
     if (!place.empty()) out.change += "; see " + place;
   } else if (longest > kLongestSilence) {
     out.verdict = Verdict::kDoubtful;
     out.change = "look for what silenced the radar; the estimate is uncertain meanwhile";
   } else if (std::abs(configured * period - 1.0) > 0.1) {
     out.verdict = Verdict::kDoubtful;
-    out.change = fmt::format("radar0/sensor.yaml: rate_hz: {:.1f}", 1.0 / period);
+    out.change = advice.sensor_line(fmt::format("rate_hz: {:.1f}", 1.0 / period));
   }
   return out;
 }
 
 Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
-                     const Options& options) {
+                     const Options& options, const Advice& advice) {
+  constexpr double kMostSnr = 100.0;   // no radar has more [dB]
+  constexpr double kEnough = 6.0;      // points a scan, of which three give a velocity
   constexpr double kNeighbours = 8.0;  // scans a second: three within 0.25 s (motion.cpp)
   std::vector<double> counts;
   for (const ScanView scan : scans) {
@@ -105,21 +113,34 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
                   median(counts), quantile(counts, 0.05), quantile(counts, 0.95), usual_snr,
                   100.0 * with, rate, speeds.empty() ? 0.0 : 100.0 * median(shares)),
       ""};
-  if (usual_snr < options.radar.min_snr_db) {
+  const double most_snr = quantile_of_each(each_snr, 0.999);
+  if (usual_snr > kMostSnr || most_snr > 10.0 * kMostSnr) {
+    double factor = 0.1;
+    while (factor * most_snr > kMostSnr && factor > 1e-4) factor *= 0.1;
+    const bool linear = most_snr > 100.0 * std::abs(usual_snr);
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format("; an SNR of {:.0f} (up to {:.0f}) is not in dB{}", usual_snr, most_snr,
+                            linear ? " but linear" : "");
+    out.change =
+        advice.scale("snr", linear ? 0.0 : factor) + (linear ? ", which leaves it out" : "");
+  } else if (usual_snr < options.radar.min_snr_db) {
     out.verdict = Verdict::kWrong;
     out.change =
         fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile_of_each(each_snr, 0.01) - 1.0);
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     const bool apart = static_cast<double>(counts.size()) < kNeighbours * duration(scans);
-    out.change = apart ? "10 scans a second or more: farther apart they cannot confirm each other"
-                       : "more points a scan: lower the detection threshold of the radar (CFAR)";
+    const bool many = median(counts) >= kEnough;
+    out.change = apart  ? "10 scans a second or more: farther apart they cannot confirm each other"
+                 : many ? "most points move, or have another Doppler: record the detections, not "
+                          "tracks, with clutter removal off and fewer moving objects"
+                        : "more points a scan: lower the detection threshold of the radar (CFAR)";
   }
   return out;
 }
 
 /// Whether the points are where a radar sees, in metres.
-Finding check_distances(const Scans& scans, const Options& options, Source source) {
+Finding check_distances(const Scans& scans, const Options& options, const Advice& advice) {
   constexpr double kOtherUnit = 3.0;  // times the limit: the setting of no radar
   const auto each_range = [&scans](const auto& use) {
     for (const ScanView scan : scans) {
@@ -140,10 +161,7 @@ Finding check_distances(const Scans& scans, const Options& options, Source sourc
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(": not in metres; in mm half of them are within {:.3g} m, in cm {:.3g}",
                             1e-3 * usual, 1e-2 * usual);
-    out.change = source == Source::kBag
-                     ? "--field x=NAME*0.001, y and z alike; 0.01 if they are in cm"
-                     : "multiply the columns x, y and z of radar0/data.csv by 0.001; by 0.01 if "
-                       "they are in cm";
+    out.change = advice.scale("x", 1e-3) + ", y and z alike; 0.01 if they are in cm";
   } else {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("radar: {{max_range: {:.0f}}}", std::ceil(farthest));
@@ -180,7 +198,7 @@ bool looks_exchanged(const Scans& scans) {
   return static_cast<double>(weak) > kShare * static_cast<double>(all);
 }
 
-Finding check_doppler(const Scans& scans, const Options& options, Source source) {
+Finding check_doppler(const Scans& scans, const Options& options, const Advice& advice) {
   std::size_t count = 0;
   std::size_t zeros = 0;
   each_magnitude(scans, [&](double rate) {
@@ -202,13 +220,12 @@ Finding check_doppler(const Scans& scans, const Options& options, Source source)
   if (looks_exchanged(scans)) {
     out.verdict = Verdict::kWrong;
     out.text += ", never negative, while the SNR is: the two are exchanged";
-    out.change = source == Source::kBag
-                     ? "--field doppler=NAME --field snr=NAME, the other way round"
-                     : "exchange the columns doppler and snr of radar0/data.csv";
+    out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
+                              : "exchange the columns doppler and snr of " + advice.csv();
   } else if (still > 0.999) {
     out.verdict = Verdict::kWrong;
-    out.change = source == Source::kBag ? "--field doppler=NAME; `rio info` lists the fields"
-                                        : "fill the column doppler of radar0/data.csv";
+    out.change = advice.bag() ? "--field doppler=NAME; `rio info` lists the fields"
+                              : "fill the column doppler of " + advice.csv();
   } else if (limit > 0.0 && most > 1.05 * limit) {
     out.verdict = Verdict::kWrong;
     out.text += ": a radar that folds there cannot say so";
@@ -230,7 +247,8 @@ double fastest(const Scans& scans) {
   return std::isnan(most) ? 0.0 : most;
 }
 
-Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans, Source source) {
+Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
+                     const Advice& advice) {
   const auto [imu_begin, imu_end] = span_of(samples);
   const auto [radar_begin, radar_end] = span_of(scans);
   const double imu = to_seconds(imu_end - imu_begin);
@@ -247,18 +265,18 @@ Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans, 
   if (share > 0.8) return out;
   out.verdict = share < 0.1 ? Verdict::kWrong : Verdict::kDoubtful;
   out.change = "both sensors need one clock; if both began together, ";
-  out.change += source == Source::kBag
+  out.change += advice.bag()
                     ? fmt::format("--radar-offset \"{:.3f} s\", or --radar-clock receive", -late)
-                    : fmt::format("add {} to the stamps of radar0/data.csv",
-                                  (imu_begin - radar_begin).count());
+                    : fmt::format("add {} to the stamps of {}", (imu_begin - radar_begin).count(),
+                                  advice.csv());
   return out;
 }
 
 Findings check_radar(const Scans& scans, const io::RadarInfo& info,
-                     const std::vector<RadarSpeed>& speeds, const Options& options, Source source,
-                     const std::filesystem::path& csv) {
-  return {check_stamps(scans, info, csv), check_points(scans, speeds, options),
-          check_distances(scans, options, source), check_doppler(scans, options, source)};
+                     const std::vector<RadarSpeed>& speeds, const Options& options,
+                     const Advice& advice, const std::filesystem::path& csv) {
+  return {check_stamps(scans, info, advice, csv), check_points(scans, speeds, options, advice),
+          check_distances(scans, options, advice), check_doppler(scans, options, advice)};
 }
 
 }  // namespace rio::check

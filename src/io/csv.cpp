@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace rio::io {
 
@@ -121,8 +122,11 @@ std::string read_text(const std::filesystem::path& path) {
   return text;
 }
 
-CsvReader::CsvReader(const std::filesystem::path& path, char separator)
-    : name_(path.string()), stream_(open_text(path)), separator_(separator) {
+CsvReader::CsvReader(const std::filesystem::path& path, char separator, bool may_be_cut)
+    : name_(path.string()),
+      stream_(open_text(path)),
+      separator_(separator),
+      may_be_cut_(may_be_cut) {
   read_on();
   if (text_.empty()) fail_on(path, "is empty");
   if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // byte order mark of spreadsheet programs
@@ -161,14 +165,41 @@ bool CsvReader::next() {
     line = trimmed(line);
     if (line.empty()) continue;
     split(line);
-    if (line.front() == '#') {
+    if (line.front() == '#' || is_heading()) {
       if (expected_columns_ == 0) header_columns_ = cells_.size();
       continue;
+    }
+    if (is_cut()) {
+      cut_ = place() + ": the file ends inside of this line";
+      return false;
     }
     expect_columns();
     return true;
   }
   return false;
+}
+
+/// Names before the first row.
+bool CsvReader::is_heading() const {
+  const std::string_view first = cells_.front();
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return expected_columns_ == 0 && !first.empty() && (is_letter(first[0]) || first[0] == '"') &&
+         !parse<double>(first);
+}
+
+/// The last line of the file, if it is no row like those before.
+bool CsvReader::is_cut() {
+  const bool any_before = expected_columns_ > 0;
+  const bool ended_empty = std::exchange(last_is_empty_, cells_.back().empty());
+  if (!may_be_cut_ || !any_before) return false;
+  if (text_.find_first_not_of(" \t\r\n", position_) != std::string::npos) return false;
+  if (stream_ && stream_.peek() != std::ifstream::traits_type::eof()) return false;
+  if (cells_.size() != expected_columns_) return cells_.size() < expected_columns_;
+  const std::string longer(cells_.back());  // "-" and "1e" may be the beginning of a number
+  if (!last_is_empty_) return !parse<double>(longer) && parse<double>(longer + '0');
+  const bool only_stamp = std::all_of(cells_.begin() + 1, cells_.end(),
+                                      [](std::string_view cell) { return cell.empty(); });
+  return !ended_empty && !only_stamp;
 }
 
 void CsvReader::expect_columns() {

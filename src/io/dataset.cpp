@@ -201,6 +201,12 @@ void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::str
   }
 }
 
+/// A file whose last line is cut is used up to there.
+void note_cut(const std::string& cut, Dataset* sensors) {
+  if (cut.empty()) return;
+  sensors->damage += (sensors->damage.empty() ? "" : "\n") + cut;
+}
+
 /// Samples that are not finite are kept as recorded, and the first is noted. The span of the stamps
 /// leaves out a corrupt first or last one, hours from its neighbour.
 void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
@@ -220,6 +226,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
     if (rows.is_finite()) continue;
     if (++bad == 1) first = rows.place();
   }
+  note_cut(rows.cut(), &outline->sensors);
   if (outline->imu_samples == 0) throw std::runtime_error(path.string() + ": holds no samples");
   if (bad > 0) {
     outline->sensors.notes.push_back(
@@ -230,7 +237,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
 /// The stamps of the scans.
 /// @param scans receives the scans, if not null; so does the grid
 std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* scans,
-                               DopplerGrid* grid) {
+                               DopplerGrid* grid, Dataset* sensors) {
   RadarRows rows(path, scans != nullptr ? Numbers::kRead : Numbers::kLookAt);
   std::vector<Time> times;
   RadarScan scan;
@@ -239,6 +246,7 @@ std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* sca
     grid->add(scan);
     if (scans != nullptr) scans->push_back(std::move(scan));
   }
+  note_cut(rows.cut(), sensors);
   if (times.empty()) throw std::runtime_error(path.string() + ": holds no scans");
   return times;
 }
@@ -250,6 +258,7 @@ void survey_baro(const fs::path& path, RecordingOutline* outline, Dataset* sampl
     ++outline->baro_samples;
     if (samples != nullptr) samples->baro.push_back(sample);
   }
+  note_cut(rows.cut(), &outline->sensors);
 }
 
 /// A file cut between two rows looks complete to its reader; the other sensor reveals it.
@@ -285,8 +294,8 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
   Dataset& sensors = outline.sensors;
   DopplerGrid grid;
   survey_imu(root / kImu / kData, &outline, samples);
-  outline.scan_times.push_back(
-      survey_radar(root / kRadar / kData, samples != nullptr ? &samples->scans : nullptr, &grid));
+  outline.scan_times.push_back(survey_radar(
+      root / kRadar / kData, samples != nullptr ? &samples->scans : nullptr, &grid, &sensors));
   if (fs::exists(root / kBaro)) survey_baro(root / kBaro / kData, &outline, samples);
   if (fs::exists(root / kTruth)) {
     const fs::path file = root / kTruth / kData;
@@ -302,13 +311,14 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
     std::vector<RadarScan>* scans = nullptr;
     if (samples != nullptr) scans = &samples->other_radars.emplace_back().scans;
     DopplerGrid own_grid;
-    outline.scan_times.push_back(survey_radar(folder / kData, scans, &own_grid));
+    outline.scan_times.push_back(survey_radar(folder / kData, scans, &own_grid, &sensors));
     RadarInfo& info = sensors.other_radars.emplace_back().info;
     read_radar_info(folder / kSensor, &info, &sensors.notes);
     survey_doppler_grid(folder, &own_grid, &info, &sensors.notes);
   }
   note_if_cut_short(root, &outline);
   survey_doppler_grid(root / kRadar, &grid, &sensors.radar_info, &sensors.notes);
+  outline.damage = sensors.damage;
   return outline;
 }
 

@@ -20,10 +20,12 @@ Vector3d vector_at(const CsvReader& rows, std::size_t i);
 class ImuRows {
  public:
   explicit ImuRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
-      : rows_(path), numbers_(numbers) {}
+      : rows_(path, ',', true), numbers_(numbers) {}
 
   /// False at the end of the file. If numbers are only checked, the sample has the stamp alone.
   bool next(ImuSample* sample);
+  /// CsvReader::cut()
+  const std::string& cut() const { return rows_.cut(); }
   /// Whether those of the last sample are.
   bool is_finite() const { return finite_; }
   /// "FILE:LINE" of the last sample.
@@ -38,11 +40,12 @@ class ImuRows {
 class RadarRows {
  public:
   explicit RadarRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
-      : rows_(path), numbers_(numbers) {}
+      : rows_(path, ',', true), numbers_(numbers) {}
 
   /// Replaces the scan; false at the end of the file. If numbers are only checked, the detections
   /// have the Doppler alone.
   bool next(RadarScan* scan);
+  const std::string& cut() const { return rows_.cut(); }
 
  private:
   RadarDetection detection() const;
@@ -56,10 +59,11 @@ class RadarRows {
 
 class BaroRows {
  public:
-  explicit BaroRows(const std::filesystem::path& path) : rows_(path) {}
+  explicit BaroRows(const std::filesystem::path& path) : rows_(path, ',', true) {}
 
   /// False at the end of the file.
   bool next(BaroSample* sample);
+  const std::string& cut() const { return rows_.cut(); }
 
  private:
   CsvReader rows_;

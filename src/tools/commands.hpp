@@ -14,15 +14,18 @@
 
 #include "estimator_options.hpp"
 #include "live/cable.hpp"
+#include "rio/eval/stamped_pose.hpp"
 
 namespace rio::tools {
 
 /// How to read a bag; not allowed with a folder in ASL layout. For empty values the map applies,
 /// else bag::RecordingRequest{}.
 struct RecordingArguments {
-  std::string map;  ///< file
-  std::string imu;  ///< topics
-  std::string radar;
+  std::string map;    ///< file
+  std::string imu;    ///< topics
+  std::string radar;  ///< several with commas
+  std::string pressure;
+  std::string truth;
   std::string imu_clock;    ///< auto, header, receive, carried
   std::string radar_clock;  ///< or trigger
   std::string trigger;      ///< topic
@@ -162,6 +165,7 @@ struct EvaluateArguments {
   bool json = false;
 };
 void evaluate(const EvaluateArguments& arguments);
+eval::Trajectory truth_of(const std::string& path);  ///< of any file or folder, or of a bag
 
 /// `rio plot`: paths, heights and errors as a picture.
 struct PlotArguments {

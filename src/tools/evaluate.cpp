@@ -9,6 +9,9 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "recording.hpp"
+#include "rio/bag/message_stream.hpp"
+#include "rio/bag/recording.hpp"
 #include "rio/eval/evaluation.hpp"
 #include "rio/io/trajectory.hpp"
 
@@ -174,8 +177,17 @@ Evaluation evaluate_file(const EvaluateArguments& arguments, const eval::Traject
 
 }  // namespace
 
+eval::Trajectory truth_of(const std::string& path) {
+  if (is_asl_folder(path) || !bag::begins_as_recording(path)) return io::read_trajectory(path);
+  eval::Trajectory truth;
+  for (const NavState& state : bag::read_truth(path)) {
+    truth.push_back({state.time, state.p_WB, state.q_WB});
+  }
+  return truth;
+}
+
 void evaluate(const EvaluateArguments& arguments) {
-  const eval::Trajectory truth = io::read_trajectory(arguments.truth);
+  const eval::Trajectory truth = truth_of(arguments.truth);
   std::vector<Evaluation> all;
   for (const std::string& file : arguments.estimates) {
     all.push_back(evaluate_file(arguments, truth, file));

@@ -50,19 +50,25 @@ nlohmann::ordered_json findings_json(const check::Findings& findings) {
 }
 
 std::string proposed_options(const check::Findings& findings) {
-  constexpr std::string_view kHead = "radar: {";
-  std::string all;
-  for (const check::Finding& f : not_ok(findings)) {
-    if (f.change.rfind(kHead, 0) != 0) continue;
-    int depth = 1;
-    std::size_t end = kHead.size();
-    for (; end < f.change.size() && depth > 0; ++end) {
-      depth += f.change[end] == '{' ? 1 : f.change[end] == '}' ? -1 : 0;
+  std::string lines;
+  for (const std::string_view head : {"radar: {", "start: {"}) {
+    std::string all;
+    for (const check::Finding& f : not_ok(findings)) {
+      if (f.change.rfind(head, 0) != 0) continue;
+      int depth = 1;
+      std::size_t end = head.size();
+      for (; end < f.change.size() && depth > 0; ++end) {
+        depth += f.change[end] == '{' ? 1 : f.change[end] == '}' ? -1 : 0;
+      }
+      all += (all.empty() ? "" : ", ") + f.change.substr(head.size(), end - 1 - head.size());
     }
-    const std::string option = f.change.substr(kHead.size(), end - 1 - kHead.size());
-    all += (all.empty() ? "" : ", ") + option;
+    if (!all.empty()) lines += (lines.empty() ? "" : "\n") + std::string(head) + all + "}";
   }
-  return all.empty() ? "" : std::string(kHead) + all + "}";
+  return lines;
+}
+
+void without_start(check::Findings* findings) {
+  std::erase_if(*findings, [](const check::Finding& f) { return f.subject == "start"; });
 }
 
 check::Findings not_ok(const check::Findings& findings) {

@@ -23,9 +23,12 @@ check::Findings findings_of(const std::string& path, const check::CheckedData& d
 /// One object per finding.
 nlohmann::ordered_json findings_json(const check::Findings& findings);
 
-/// The options at the beginning of the proposed changes, as one line of an option file; empty if
-/// there are none. "radar: {a: 1}" and "radar: {b: 2}, or ..." give "radar: {a: 1, b: 2}".
+/// The options at the beginning of the proposed changes, as lines of an option file, one for each
+/// section. "radar: {a: 1}" and "radar: {b: 2}, or ..." give "radar: {a: 1, b: 2}".
 std::string proposed_options(const check::Findings& findings);
+
+/// Removes what is said of a start from rest: the estimator starts in another way.
+void without_start(check::Findings* findings);
 
 /// The doubtful and the wrong ones.
 check::Findings not_ok(const check::Findings& findings);

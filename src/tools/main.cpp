@@ -19,7 +19,7 @@ namespace {
 void add_evaluate_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("evaluate", "Compare an estimated path with the true one");
   auto arguments = std::make_shared<EvaluateArguments>();
-  command->add_option("TRUTH", arguments->truth, "TUM file, EuRoC csv or dataset folder")
+  command->add_option("TRUTH", arguments->truth, "TUM file, EuRoC csv, dataset folder or bag")
       ->required();
   command
       ->add_option("ESTIMATE", arguments->estimates,
@@ -55,7 +55,8 @@ void add_experiment_command(CLI::App& app) {
 void add_plot_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("plot", "Draw paths, heights and errors as an SVG file");
   auto arguments = std::make_shared<PlotArguments>();
-  command->add_option("ESTIMATE", arguments->estimates, "TUM file, EuRoC csv or dataset folder")
+  command
+      ->add_option("ESTIMATE", arguments->estimates, "TUM file, EuRoC csv, dataset folder or bag")
       ->required();
   CLI::Option* truth =
       command->add_option("--truth", arguments->truth, "true path: same formats; adds the errors");

@@ -283,8 +283,7 @@ void plot(const PlotArguments& arguments) {
   const std::vector<std::string> labels =
       arguments.labels.empty() ? default_labels(arguments.estimates) : arguments.labels;
   const bool with_truth = !arguments.truth.empty();
-  const eval::Trajectory truth =
-      with_truth ? io::read_trajectory(arguments.truth) : eval::Trajectory{};
+  const eval::Trajectory truth = with_truth ? truth_of(arguments.truth) : eval::Trajectory{};
 
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {

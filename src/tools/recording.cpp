@@ -36,11 +36,14 @@ void set_quantity(const std::string& said, const char* si_unit, double* value) {
 }
 
 /// The map, overridden by the command line.
-bag::RecordingRequest request_of(const RecordingArguments& a) {
+bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   bag::RecordingRequest request;
   if (!a.map.empty()) request = bag::load_recording_map(a.map);
   set(a.imu, &request.imu_topic);
   set(a.radar, &request.radar_topic);
+  set(a.pressure, &request.pressure_topic);
+  set(a.truth, &request.truth_topic);
+  request.truth = truth;
   set_named(a.imu_clock, &request.imu_clock);
   set_named(a.radar_clock, &request.radar_clock);
   set(a.trigger, &request.trigger_topic);
@@ -62,13 +65,29 @@ void print_notes(const io::Dataset& dataset) {
   for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
 }
 
-/// Replaces the sensor properties of the recording, except those found from the data.
+/// Replaces the properties of a radar, except those found from the data.
+void take_radar_info(io::RadarInfo info, io::RadarInfo* radar) {
+  if (!info.doppler_resolution) info.doppler_resolution = radar->doppler_resolution;
+  if (!info.T_BS) info.T_BS = radar->T_BS;
+  info.fields = radar->fields;
+  info.axes = radar->axes;
+  *radar = std::move(info);
+}
+
+/// The same for all sensors of the recording.
 void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   io::Dataset info = io::read_sensor_info(folder);
-  auto& grid = info.radar_info.doppler_resolution;
-  if (!grid) grid = dataset->radar_info.doppler_resolution;
+  if (dataset->radar_info.T_BS) {  // of the recording
+    std::erase_if(info.notes, [](const std::string& note) {
+      return note.find("radar pose from the options") != std::string::npos;
+    });
+  }
   dataset->imu_info = info.imu_info;
-  dataset->radar_info = info.radar_info;
+  take_radar_info(info.radar_info, &dataset->radar_info);
+  for (std::size_t i = 0; i < std::min(info.other_radars.size(), dataset->other_radars.size());
+       ++i) {
+    take_radar_info(info.other_radars[i].info, &dataset->other_radars[i].info);
+  }
   dataset->notes.insert(dataset->notes.end(), info.notes.begin(), info.notes.end());
 }
 
@@ -82,14 +101,17 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
 }
 
 /// Properties missing in every ROS recording.
-void print_what_is_missing(const fs::path& out) {
+void print_what_is_missing(const fs::path& out, bool mounted) {
   fmt::print(
       "Not in the recording, so fill in by hand before the first replay:\n"
-      "  {}: T_BS, the pose of the radar in the IMU frame (until then both are taken to be one\n"
-      "    frame), and what is known of max_doppler_mps, max_range_m, fov_azimuth_deg,\n"
+      "  {}: {}what is known of max_doppler_mps, max_range_m, fov_azimuth_deg,\n"
       "    fov_elevation_deg\n"
       "  {}: the noise densities of the data sheet\n",
-      (out / "radar0" / "sensor.yaml").string(), (out / "imu0" / "sensor.yaml").string());
+      (out / "radar0" / "sensor.yaml").string(),
+      mounted ? ""
+              : "T_BS, the pose of the radar in the IMU frame (until then both are taken to be "
+                "one\n    frame), and ",
+      (out / "imu0" / "sensor.yaml").string());
 }
 
 }  // namespace
@@ -99,23 +121,24 @@ bool is_asl_folder(const fs::path& path) {
 }
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage) {
+                     std::string* damage, bool truth) {
   damage->clear();
   if (!is_bag(path, arguments)) {
     io::Dataset dataset = io::read_dataset(path);
     print_notes(dataset);
+    *damage = dataset.damage;
     return dataset;
   }
-  bag::Recording recording = bag::read_recording(path, request_of(arguments));
+  bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
   *damage = recording.damage;
   if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &recording.dataset);
   print_notes(recording.dataset);
   return std::move(recording.dataset);
 }
 
-OpenRecording open_any(const std::string& path, const RecordingArguments& arguments) {
+OpenRecording open_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
   OpenRecording out;
-  out.samples = is_bag(path, arguments) ? bag::open_recording(path, request_of(arguments))
+  out.samples = is_bag(path, arguments) ? bag::open_recording(path, request_of(arguments, truth))
                                         : io::open_dataset(path);
   out.sensors = out.samples->outline().sensors;
   if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &out.sensors);
@@ -143,11 +166,11 @@ void convert(const ConvertArguments& arguments) {
     throw std::runtime_error(arguments.recording + ": no recording there");
   }
   std::string damage;
-  const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage);
+  const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage, true);
   io::write_dataset(out, dataset);
   fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
              dataset.scans.size());
-  print_what_is_missing(out);
+  print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
   throw_damage(damage);
 }
 

@@ -17,8 +17,9 @@ bool is_asl_folder(const std::filesystem::path& path);
 
 /// Reads it and prints its notes on stderr.
 /// @param damage position of damage in the file, else empty; the data set ends there
+/// @param truth also reads the ground truth of a bag
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage);
+                     std::string* damage, bool truth = false);
 
 /// The same as a stream.
 struct OpenRecording {
@@ -26,7 +27,8 @@ struct OpenRecording {
   io::Dataset sensors;  ///< their properties, and the start of the ground truth; no samples
 };
 /// Checks all of it and prints its notes on stderr. Damage is in the outline of the samples.
-OpenRecording open_any(const std::string& path, const RecordingArguments& arguments);
+OpenRecording open_any(const std::string& path, const RecordingArguments& arguments,
+                       bool truth = false);
 
 /// Throws the `damage` of read_any(), if any: the readable part has been used by then.
 void throw_damage(const std::string& damage);

@@ -19,9 +19,23 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
                    "file that says what follows, for recordings of one kind; the command line wins")
       ->check(CLI::ExistingFile)
       ->group(group);
-  command->add_option("--imu", how->imu, "topic; by default the only sensor_msgs/Imu")
+  command
+      ->add_option("--imu", how->imu,
+                   "topic; by default the only sensor_msgs/Imu or px4_msgs/SensorCombined, or "
+                   "gyroscope and accelerometer on two")
       ->group(group);
-  command->add_option("--radar", how->radar, "topic; by default the only sensor_msgs/PointCloud2")
+  command
+      ->add_option("--radar", how->radar,
+                   "topic, or several with commas between; by default the only one with points and "
+                   "Doppler, or all of whose mountings /tf_static tells")
+      ->group(group);
+  command
+      ->add_option("--pressure", how->pressure,
+                   "topic; by default the only sensor_msgs/FluidPressure")
+      ->group(group);
+  command
+      ->add_option("--truth", how->truth,
+                   "topic; by default the only geometry_msgs/PoseStamped or nav_msgs/Odometry")
       ->group(group);
   command
       ->add_option("--points", how->points,
@@ -85,14 +99,18 @@ void add_info_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("info", "What is in a bag: topics, rates, clocks, fields of the points");
   auto path = std::make_shared<std::string>();
-  command->add_option("FILE", *path, "ROS 1 bag, MCAP, or .db3 of rosbag2")->required();
+  command
+      ->add_option("FILE", *path, "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts")
+      ->required();
   command->callback([path] { info(*path); });
 }
 
 void add_convert_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("convert", "Write a bag as a folder in ASL/EuRoC layout");
   auto arguments = std::make_shared<ConvertArguments>();
-  command->add_option("FILE", arguments->recording, "ROS 1 bag, MCAP, or .db3 of rosbag2")
+  command
+      ->add_option("FILE", arguments->recording,
+                   "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts")
       ->required();
   command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
   command->add_flag("--force", arguments->force,

@@ -234,7 +234,8 @@ class Replay {
       recording.samples->rewind_baro();
       for (io::BaroSample sample; recording.samples->next(&sample);) use(sample);
     });
-    if (!scale_.any) throw std::runtime_error("--barometer: there is no baro0");
+    if (!scale_.any)
+      throw std::runtime_error("--barometer: there is no baro0 or topic of a barometer");
     recording.samples->rewind_baro();
     next_height();
   }
@@ -323,11 +324,7 @@ class Replay {
 
   ReplaySummary finish() {
     outputs_.close();
-    if (!odometry_->initialized()) {
-      throw std::runtime_error(
-          "static alignment failed: the sensor moves, or the recording is shorter than "
-          "start.duration; give a start with --init");
-    }
+    summary_.started = odometry_->initialized();
     summary_.scans_unprocessed = static_cast<int>(feed_->scans_left()) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
     if (several_) summary_.scans = static_cast<int>(summary_.counters.scans);
@@ -359,10 +356,25 @@ class Replay {
 
 }  // namespace
 
+namespace {
+
+/// What `check` found, as the causes.
+std::string no_start_text(const std::optional<check::Findings>& data) {
+  std::string text =
+      "no start: the estimator found no standstill, and start.max_wait or --init says nothing else";
+  if (!data) return text + "; `rio check` looks for the cause";
+  std::string causes = findings_text(*data);
+  causes.pop_back();  // the end of its last line
+  return text + "\n" + causes;
+}
+
+}  // namespace
+
 void replay(const ReplayArguments& arguments) {
   protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map},
                  {arguments.out, arguments.states});
-  const OpenRecording recording = open_any(arguments.dataset, arguments.how);
+  const OpenRecording recording =
+      open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
   const io::RecordingOutline& outline = recording.samples->outline();
   const Options options = make_options(arguments, recording.sensors);
   std::optional<CheckedPart> part;
@@ -373,8 +385,10 @@ void replay(const ReplayArguments& arguments) {
     (void)tell_sensors_and_file(recording.sensors, arguments.estimator.config, &checked);
     summary.data =
         not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
+    if (summary.initialised_by != "static") without_start(&*summary.data);
     summary.checked_seconds = part->seconds();
   }
+  if (!summary.started) throw std::runtime_error(no_start_text(summary.data));
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }

@@ -200,7 +200,7 @@ std::string ReplaySummary::text() const {
       {"duplicate scans", counters.scans_duplicate},
       {"scans lost because the queue was full", counters.scans_overflow},
       {"scans without a finite detection", counters.scans_non_finite},
-      {"detections not finite", counters.detections_non_finite},
+      {"detections not finite, or beyond what any radar measures", counters.detections_non_finite},
       {"IMU samples not newer than the one before", counters.imu_stale},
       {"IMU samples stamped too far ahead", counters.imu_ahead},
       {"times the clock of the sensors started again", counters.clock_restarts},

@@ -17,6 +17,7 @@
 namespace rio::tools {
 
 struct ReplaySummary {
+  bool started = true;         ///< the estimator
   std::string initialised_by;  ///< "groundtruth", "static" or "file"
   int scans = 0;               ///< processed
   int updates = 0;             ///< of these, with at least one row used

@@ -141,7 +141,7 @@ TEST(MessageStream, McapMayHoldMessagesOfRos1) {
   EXPECT_EQ(stream->format(), "MCAP");
 }
 
-TEST(MessageStream, AFolderOfRosbag2IsReadFileByFile) {
+TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
   const std::vector<Written> messages = test::at_rest(test::Wire::kCdr, 12);
   const TempDir dir;
   const auto part = [&](std::size_t i) {  // one message each
@@ -153,12 +153,15 @@ TEST(MessageStream, AFolderOfRosbag2IsReadFileByFile) {
   EXPECT_EQ(read_all(folder).messages.size(), 1U);
   for (std::size_t i = 1; i < 12; ++i)
     dir.write("folder/a_" + std::to_string(i) + ".mcap", part(i));
-  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
-  dir.write("folder/metadata.yaml", "");
   Reading reading = read_all(folder);
   EXPECT_EQ(reading.messages.size(), 12U);
   expect_prefix(reading.messages, messages);
-  EXPECT_EQ(open_messages(folder)->format(), "rosbag2 folder of 12 files");
+  EXPECT_EQ(open_messages(folder)->format(), "folder of 12 files, one recording");
+  dir.write("folder/b_12.mcap", part(0));
+  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
+  dir.write("folder/metadata.yaml", "");
+  EXPECT_EQ(read_all(folder).messages.size(), 13U);
+  std::filesystem::remove(folder / "b_12.mcap");
 
   dir.write("folder/a_10.mcap", part(10).substr(0, 60));
   reading = read_all(folder);

@@ -18,24 +18,27 @@ Bytes bytes_of(const std::string& text) {
 class Serialisation : public testing::TestWithParam<Wire::Kind> {
  protected:
   Encoding encoding() const { return GetParam() == Wire::kRos1 ? Encoding::kRos1 : Encoding::kCdr; }
+  Topic imu() const { return {"", kImuType, encoding(), ""}; }
 };
 
 TEST_P(Serialisation, ImuHasItsStampRatesAndForces) {
   const ImuSample sample{Time(1'700'000'000'987'654'321), {1.25, -2.5, 3.75}, {4.0, 5.5, -6.25}};
   const std::string bytes = imu_message(GetParam(), sample);
-  Header header;
-  const ImuSample read = decode_imu(encoding(), bytes_of(bytes), &header);
-  EXPECT_EQ(read.time, sample.time);
-  EXPECT_EQ(header.stamp, sample.time);
-  EXPECT_EQ(header.frame_id, "imu_link");
-  EXPECT_EQ(read.gyro_B, sample.gyro_B);
-  EXPECT_EQ(read.accel_B, sample.accel_B);
+  const ImuMessage read = decode_imu_of(imu(), bytes_of(bytes));
+  EXPECT_EQ(read.sample.time, sample.time);
+  EXPECT_EQ(read.header.stamp, sample.time);
+  EXPECT_EQ(read.header.frame_id, "imu_link");
+  EXPECT_EQ(read.sample.gyro_B, sample.gyro_B);
+  EXPECT_EQ(read.sample.accel_B, sample.accel_B);
+  EXPECT_TRUE(read.gyro && read.accel && !read.absent && !read.denied);
 }
 
-TEST_P(Serialisation, ImuWithoutAGyroscopeIsRefused) {
-  const std::string bytes = imu_message(GetParam(), {}, -1.0);
-  Header header;
-  EXPECT_ERROR(decode_imu(encoding(), bytes_of(bytes), &header), "has no gyroscope");
+TEST_P(Serialisation, ImuWithoutAGyroscopeIsBelievedIfItsValuesAreZero) {
+  const std::string none = imu_message(GetParam(), {}, -1.0);
+  EXPECT_TRUE(decode_imu_of(imu(), bytes_of(none)).absent);
+  const std::string some = imu_message(GetParam(), {Time(1), {0.0, 0.1, 0.0}, {}}, -1.0);
+  EXPECT_FALSE(decode_imu_of(imu(), bytes_of(some)).absent);
+  EXPECT_TRUE(decode_imu_of(imu(), bytes_of(some)).denied);
 }
 
 TEST_P(Serialisation, CloudHasItsFieldsAndPointsInRows) {
@@ -83,7 +86,7 @@ TEST_P(Serialisation, AShortMessageIsDamageWhereverItEnds) {
   Header header;
   const std::string imu = imu_message(GetParam(), {});
   for (std::size_t size = 0; size < imu.size(); ++size) {
-    EXPECT_THROW(decode_imu(encoding(), bytes_of(imu.substr(0, size)), &header), Damage) << size;
+    EXPECT_THROW(decode_imu_of(this->imu(), bytes_of(imu.substr(0, size))), Damage) << size;
   }
   const std::string cloud =
       cloud_message(GetParam(), Time(0), test::ti_fields(), {{1, 2, 3, 4, 5}}, 32);
@@ -126,7 +129,8 @@ TEST(Cdr, OtherEncapsulationsAreRefused) {
   std::string bytes = imu_message(Wire::kCdr, {});
   bytes[1] = 3;  // a parameter list
   Header header;
-  EXPECT_ERROR(decode_imu(Encoding::kCdr, bytes_of(bytes), &header), "another way than plain CDR");
+  EXPECT_ERROR(decode_imu_of({"", kImuType, Encoding::kCdr, ""}, bytes_of(bytes)),
+               "another way than plain CDR");
 }
 
 TEST(Cdr, VersionTwoAlignsToFourBytesAtMost) {

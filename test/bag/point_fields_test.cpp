@@ -82,10 +82,16 @@ TEST(PointFields, ColoRadarMscAndAltos) {
   Case coloradar = floats({"x", "y", "z", "intensity", "doppler", "range"}, {1, 2, 3, 4, 5, 9});
   EXPECT_EQ(coloradar.read().at(0).point_S, Vector3d(2, -1, 3));
   EXPECT_PRED2(test::contains, coloradar.text, "preset coloradar");
+  EXPECT_PRED2(test::contains, coloradar.text,
+               "ibcn has the same fields in forward, left, up: --axes flu");
+  PointRequest flu;
+  flu.axes = "flu";
+  EXPECT_EQ(coloradar.read(flu).at(0).point_S, Vector3d(1, 2, 3));
+  EXPECT_EQ(coloradar.text.find("ibcn"), std::string::npos);
   Case msc = floats({"x", "y", "z", "alpha", "beta", "power", "doppler", "range"},
                     {1, 2, 3, 40, 50, 60, 7, 8});
   EXPECT_EQ(msc.read().at(0).snr_db, 60.0);
-  EXPECT_EQ(msc.read().at(0).point_S, Vector3d(1, 2, 3));
+  EXPECT_EQ(msc.read().at(0).point_S, Vector3d(3, -1, -2));
   EXPECT_PRED2(test::contains, msc.text, "preset msc");
   Case altos = floats({"x", "y", "z", "h", "s", "v"}, {1, 2, 3, 4, 5, 6});
   EXPECT_EQ(altos.read().at(0).range_rate, 4.0);
@@ -120,7 +126,7 @@ TEST(PointFields, TheChannelsOfTheEagleAreTakenByTheirPlace) {
   PointRequest request;
   request.preset = "eagle";
   const RadarDetection d = c.read(request).at(0);
-  EXPECT_EQ(d.point_S, Vector3d(3, -1, -2));
+  EXPECT_EQ(d.point_S, Vector3d(1, 2, 3));
   EXPECT_EQ(d.range_rate, -0.5);
   EXPECT_EQ(d.snr_db, 30.0);
   EXPECT_ERROR(floats({"x", "y", "z"}, {1, 2, 3}).read(request), "no field \"#3\" for the doppler");

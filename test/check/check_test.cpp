@@ -12,34 +12,15 @@
 #include <utility>
 
 #include "check/check_it.hpp"
+#include "check/flown.hpp"
 #include "check/imu_check.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/sim/catalogue.hpp"
-#include "rio/sim/flight.hpp"
 #include "support/measured.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::test {
 namespace {
-
-io::Dataset flown(const sim::Scenario& scenario) {
-  const sim::Flight flight = sim::simulate_flight(scenario);
-  io::Dataset out;
-  out.imu = flight.imu;
-  out.scans = flight.scans;
-  out.radar_info.T_BS = flight.configured_T_BS;
-  if (scenario.radar.ambiguous) out.radar_info.max_doppler = scenario.radar.reported_max_doppler();
-  out.radar_info.doppler_resolution = scenario.radar.reported_doppler_resolution();
-  out.radar_info.rate_hz = scenario.radar.rate_hz;
-  return out;
-}
-
-io::Dataset flown(const std::string& name, double length) {
-  sim::Scenario scenario;
-  EXPECT_TRUE(sim::scenario(name, &scenario)) << name;
-  scenario.path.length = length;
-  return flown(scenario);
-}
 
 /// The rotation in a line to paste.
 Quaternion mounting_in(const std::string& line) {

@@ -166,6 +166,44 @@ TEST_F(Bag, ADamagedFileIsUsedAsFarAsItGoesAndIsAnError) {
   EXPECT_GT(lines_of(file("cut.tum")).size(), scans() / 4);
 }
 
+TEST_F(Bag, TruthAndBarometerOfABagAreThoseOfItsFolder) {
+  const io::Dataset data = io::read_dataset(flight_);
+  std::vector<Written> messages = messages_of(data, Wire::kRos1);
+  for (const NavState& state : data.ground_truth) {
+    Wire pose(Wire::kRos1);
+    pose.header(state.time, "map");
+    for (const double value : state.p_WB) pose.put(value);
+    for (const double value : state.q_WB.coeffs()) pose.put(value);
+    messages.push_back({"/truth", bag::kPoseType, state.time, pose.bytes});
+    const double pressure = 1e5 * std::exp(-state.p_WB.z() / 8573.0);
+    messages.push_back(
+        {"/baro", bag::kPressureType, state.time,
+         Wire(Wire::kRos1).header(state.time, "imu_link").put(pressure).put(0.0).bytes});
+  }
+  write_bag(file("truth.bag"), "ros1-none", messages, 500);
+  recorded("ros1-none");  // the mounting
+  const std::string bag = file("truth.bag");
+  ASSERT_EQ(rio("convert " + bag + " " + file("of_truth")).status, 0);
+  const io::Dataset folder = io::read_dataset(file("of_truth"));
+  EXPECT_EQ(folder.ground_truth.size(), data.ground_truth.size());
+  EXPECT_EQ(folder.baro.size(), data.ground_truth.size());
+  for (const char* init : {" --init static", " --init groundtruth"}) {
+    const std::string how =
+        " --barometer --quiet --config " + file("mounting.yaml") + init + " --out ";
+    const Outcome run = rio("replay " + bag + how + file("a.tum"));
+    ASSERT_EQ(run.status, 0) << run.output;
+    EXPECT_PRED2(contains, run.output, "barometer: offset ");
+    ASSERT_EQ(rio("replay " + file("of_truth") + how + file("b.tum")).status, 0);
+    EXPECT_EQ(dir_->read("a.tum"), dir_->read("b.tum"));
+  }
+  const auto error = [](const std::string& truth) {
+    const Outcome run = rio("evaluate " + truth + " " + file("a.tum") + " --align yaw --json");
+    return nlohmann::json::parse(run.last_line())["norm_of_rmse_m"].get<double>();
+  };
+  EXPECT_NEAR(error(bag), error(flight_), 1e-6);
+  EXPECT_LT(error(bag), 0.5);
+}
+
 TEST_F(Bag, OptionsOfABagDoNotGoWithAFolder) {
   const Outcome run = rio("replay " + flight_ + " --points ti");
   EXPECT_NE(run.status, 0);
@@ -217,8 +255,7 @@ std::vector<Written> as_ros2(const fs::path& path) {
   while (stream->next(&message)) {
     const bag::Topic& topic = stream->topics()[message.topic];
     if (topic.type == bag::kImuType) {
-      bag::Header header;
-      const ImuSample sample = bag::decode_imu(topic.encoding, message.data, &header);
+      const ImuSample sample = bag::decode_imu_of(topic, message.data).sample;
       messages.push_back(
           {topic.name, topic.type, message.received, imu_message(Wire::kCdr, sample)});
     } else if (topic.type == bag::kCloudType) {

@@ -130,6 +130,38 @@ TEST_F(Check, AReplayGivesWhatIsNotOkAsJson) {
   EXPECT_EQ(json["data"][0]["subject"], "imu stamps");
 }
 
+TEST_F(Check, AReplayThatCannotStartPrintsWhatCheckFinds) {
+  const std::string in_g =
+      changed("in_g", "imu0/data.csv", "for (i = 5; i <= 7; ++i) $i /= 9.80665");
+  Outcome run = rio("replay --init static " + in_g);
+  EXPECT_EQ(exit_code(run), 1);
+  EXPECT_PRED2(contains, run.output, "no start: the estimator found no standstill");
+  EXPECT_PRED2(contains, run.output,
+               "it is in g -> multiply the last three columns of imu0/data.csv by 9.80665");
+  EXPECT_PRED2(contains, rio("replay --init static --no-check " + in_g).output, "`rio check`");
+
+  // at rest in the end only; nowhere
+  const std::string option = "start: {max_wait: 3}";
+  run = rio("replay --init static " + changed("late", "imu0/data.csv", "if (NR < 1600) next"));
+  EXPECT_EQ(exit_code(run), 0) << run.output;
+  EXPECT_PRED2(contains, run.output, " scans are before it, and dropped -> " + option);
+  const std::size_t end = lines_of(fs::path(flight_) / "imu0/data.csv").size() - 1000;
+  const std::string moving =
+      changed("moving", "imu0/data.csv", "if (NR < 1600 || NR > " + std::to_string(end) + ") next");
+  run = rio("replay --init static " + moving);
+  EXPECT_EQ(exit_code(run), 1) << run.output;
+  EXPECT_PRED2(contains, run.output, "no standstill of 1.5 s");
+  EXPECT_PRED2(contains, run.output, "-> " + option);
+  // with the line of `check`, pasted
+  fs::remove_all(fs::path(moving) / "state_groundtruth_estimate0");
+  const Outcome check = rio("check " + moving);
+  EXPECT_PRED2(contains, check.output, "\n" + option + "\n");
+  std::ofstream(file("wait.yaml")) << option << "\n";
+  run = rio("replay " + moving + " --config " + file("wait.yaml"));
+  EXPECT_EQ(exit_code(run), 0) << run.output;
+  EXPECT_PRED2(contains, run.output, "data: nothing found");
+}
+
 TEST_F(Check, NothingToCheck) {
   EXPECT_EQ(exit_code(rio("check " + file("nothing"))), 1);
   EXPECT_EQ(exit_code(rio("check")), 2);

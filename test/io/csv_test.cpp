@@ -73,6 +73,37 @@ TEST(Csv, TruncatedRowNamesFileAndLine) {
   EXPECT_ERROR(rows.next(), "a.csv:3: has 2 columns, the rows before have 3");
 }
 
+TEST(Csv, ALastLineThatIsCutEndsATableThatMayBeCut) {
+  const TempDir dir;
+  for (const char* last : {"4,5", "4,5,", "4,5,-", "4,5,1e", "4", "4,5\n", "4,5,\n\n"}) {
+    CsvReader rows(dir.write("a.csv", std::string("#t,x,y\n1,2,3\n") + last), ',', true);
+    EXPECT_TRUE(rows.next());
+    EXPECT_FALSE(rows.next()) << last;
+    EXPECT_PRED2(test::contains, rows.cut(), "a.csv:3: the file ends inside of this line");
+  }
+  for (const char* last : {"4,5,6", "4,5,6\n", "4,,", "4,,\n"}) {  // an empty scan
+    CsvReader whole(dir.write("a.csv", std::string("1,2,3\n") + last), ',', true);
+    EXPECT_TRUE(whole.next() && whole.next() && !whole.next()) << last;
+    EXPECT_EQ(whole.cut(), "");
+  }
+  CsvReader inside(dir.write("a.csv", "1,2,3\n4,5\n7,8,9\n"), ',', true);
+  EXPECT_TRUE(inside.next());
+  EXPECT_ERROR(inside.next(), "a.csv:2: has 2 columns, the rows before have 3");
+}
+
+TEST(Csv, AHeadingNeedsNoHash) {
+  const TempDir dir;
+  for (const char* heading : {"timestamp [ns],x", "\"t\",\"x\"", "Time,x\nns,m"}) {
+    CsvReader rows(dir.write("a.csv", std::string(heading) + "\n1,2.5\n"));
+    ASSERT_TRUE(rows.next()) << heading;
+    EXPECT_EQ(rows.integer(0), 1);
+    EXPECT_FALSE(rows.next());
+  }
+  CsvReader later(dir.write("a.csv", "1,2.5\nt,x\n"));
+  ASSERT_TRUE(later.next() && later.next());
+  EXPECT_ERROR(later.integer(0), "a.csv:2: column 1: not an integer");
+}
+
 TEST(Csv, RejectsWhatIsNotANumber) {
   const TempDir dir;
   CsvReader rows(dir.write("a.csv", "1x,1.5,,+-1,0x1F,99999999999999999999,1 2\n"));

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "io/sample_dataset.hpp"
+#include "rio/io/recording_stream.hpp"
 
 namespace rio::io {
 namespace {
@@ -145,6 +146,22 @@ TEST(Dataset, KeepsTheOrderAndOddValuesOfTheFile) {
   EXPECT_TRUE(std::isinf(d.imu[1].accel_B.z()));
 }
 
+TEST(Dataset, ACutLastLineEndsItsSensorAndIsNamed) {
+  const TempDir dir;
+  write_minimal(dir);
+  dir.write("imu0/data.csv", "100,1,2,3,4,5,6\n200,1,2,3,4,5,6\n300,1,2,3");
+  dir.write("radar0/data.csv", "100,1,2,3,4,5,6\n100,2,2,3,4,5,6\n100,3,2,");
+  const Dataset d = read_dataset(dir.path());
+  EXPECT_EQ(d.imu.size(), 2U);
+  ASSERT_EQ(d.scans.size(), 1U);
+  EXPECT_EQ(d.scans[0].detections.size(), 2U);
+  EXPECT_PRED2(test::contains, d.damage, "imu0/data.csv:3: the file ends inside of this line\n");
+  EXPECT_PRED2(test::contains, d.damage, "radar0/data.csv:3: the file ends inside of this line");
+  const auto stream = open_dataset(dir.path());
+  EXPECT_EQ(stream->outline().damage, d.damage);
+  EXPECT_EQ(stream->outline().imu_samples, 2U);
+}
+
 TEST(Dataset, DamageIsAnErrorWithFileAndLine) {
   const TempDir dir;
   const auto read_with = [&dir](const char* file, const char* text) {
@@ -153,14 +170,16 @@ TEST(Dataset, DamageIsAnErrorWithFileAndLine) {
     read_dataset(dir.path());
   };
   const char* imu = "imu0/data.csv";
-  EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5,6\n2,1,2,3,4,5\n"), "imu0/data.csv:2: has 6 columns");
+  EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5,6\n2,1,2,3,4,5\n3,1,2,3,4,5,6\n"),
+               "imu0/data.csv:2: has 6 columns");
   EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5,x6\n"), "imu0/data.csv:1: column 7: not a number");
   EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5\n"), "imu0/data.csv:1: has 6 columns, column 7");
   EXPECT_ERROR(read_with(imu, "1.5,1,2,3,4,5,6\n"), "imu0/data.csv:1: column 1: not an integer");
   EXPECT_ERROR(read_with(imu, "#only a header\n"), "imu0/data.csv: holds no samples");
   EXPECT_ERROR(read_with(imu, ""), "imu0/data.csv: is empty");
   const char* radar = "radar0/data.csv";
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6\n1,1,2,3,4\n"), "radar0/data.csv:2: has 5 columns");
+  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6\n1,1,2,3,4\n2,1,2,3,4,5,6\n"),
+               "radar0/data.csv:2: has 5 columns");
   EXPECT_ERROR(read_with(radar, "1,1,2,3,,,\n"), "radar0/data.csv:1: column 5: not a number");
   EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5dB,6\n"), "radar0/data.csv:1: column 6");
   EXPECT_ERROR(read_with(radar, "1,1,2,3,4\n1,,,,\n"), "radar0/data.csv:2: an empty scan has");

@@ -158,7 +158,8 @@ TEST(RecordingStream, ErrorsNameFileAndLine) {
     const char* rows;
     const char* error;
   } kCases[] = {
-      {"imu0/data.csv", "#t\n100,1,2,3,4,5,6\n200,1,2,3,4,5\n", "imu0/data.csv:3: has 6 columns"},
+      {"imu0/data.csv", "#t\n100,1,2,3,4,5,6\n200,1,2,3,4,5\n300,1,2,3,4,5,6\n",
+       "imu0/data.csv:3: has 6 columns"},
       {"imu0/data.csv", "100,1,2,x,4,5,6\n", "imu0/data.csv:1: column 4: not a number: \"x\""},
       {"imu0/data.csv", "100,1,2,-,4,5,6\n", "imu0/data.csv:1: column 4: not a number: \"-\""},
       {"imu0/data.csv", "100,1,2,3.5e,4,5,6\n",
@@ -173,8 +174,8 @@ TEST(RecordingStream, ErrorsNameFileAndLine) {
       {"radar0/data.csv", "9,,,,\n9,1,2,3,4\n", "radar0/data.csv:2: a detection has the stamp"},
       {"radar0/data.csv", "9,1,2,3,4,5,6,0.1,0.1,-1,0\n", "radar0/data.csv:1: a sigma is negative"},
       {"radar0/data.csv", "#t\n", "radar0/data.csv: holds no scans"},
-      {"radar1/data.csv", "9,1,2,3,4\n10,1,2\n", "radar1/data.csv:2: has 3 columns"},
-      {"baro0/data.csv", "9,1\n10,\n", "baro0/data.csv:2: column 2: not a number"},
+      {"radar1/data.csv", "9,1,2,3,4\n10,1,2\n11,1,2,3,4\n", "radar1/data.csv:2: has 3 columns"},
+      {"baro0/data.csv", "9,1\n10,\n11,1\n", "baro0/data.csv:2: column 2: not a number"},
   };
   for (const auto& c : kCases) {
     const TempDir dir;

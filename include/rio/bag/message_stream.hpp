@@ -66,12 +66,15 @@ class MessageStream {
   bool ended_ = false;
 };
 
-/// Whether this is a file, or a folder of rosbag2, that open_messages() may read; guessed from the
-/// first bytes, never from the name.
+/// Whether this is a file, or a folder of recordings, that open_messages() may read.
 bool is_recording(const std::filesystem::path& path);
+/// Whether it is such a folder, or a file that begins as a recording.
+bool begins_as_recording(const std::filesystem::path& path);
 
-/// Guesses the format from the first bytes. For a folder, the one file in it; for a folder of
-/// rosbag2 (with metadata.yaml) all files in turn.
+/// Guesses the format from the first bytes. For a folder, the one file in it; for the parts of a
+/// split recording (with metadata.yaml, or numbered from 0) all files in turn. Compressed messages
+/// and files (zstd) are decompressed. If the clock of the recorder is set back, the receive times
+/// go on. The points of a ti_mmwave_rospkg/RadarScan are one message a scan.
 /// @throws std::runtime_error if there is no such file, its format is unknown, or the library for
 /// it was missing at build time
 std::unique_ptr<MessageStream> open_messages(const std::filesystem::path& path);

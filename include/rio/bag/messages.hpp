@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,13 @@ inline constexpr char kImuType[] = "sensor_msgs/Imu";
 inline constexpr char kCloudType[] = "sensor_msgs/PointCloud2";
 inline constexpr char kOldCloudType[] = "sensor_msgs/PointCloud";
 inline constexpr char kHeaderType[] = "std_msgs/Header";
+inline constexpr char kPx4ImuType[] = "px4_msgs/SensorCombined";
+inline constexpr char kTiScanType[] = "ti_mmwave_rospkg/RadarScan";
+inline constexpr char kRadarScanType[] = "radar_msgs/RadarScan";
+inline constexpr char kPoseType[] = "geometry_msgs/PoseStamped";
+inline constexpr char kOdometryType[] = "nav_msgs/Odometry";
+inline constexpr char kTransformType[] = "geometry_msgs/TransformStamped";
+inline constexpr char kPressureType[] = "sensor_msgs/FluidPressure";
 
 /// std_msgs/Header.
 struct Header {
@@ -56,16 +64,50 @@ struct PointCloud {
 
 /// All decoders throw Damage with the position if the bytes are not such a message.
 /// @{
-ImuSample decode_imu(Encoding encoding, Bytes message, Header* header);
 PointCloud decode_cloud(Encoding encoding, Bytes message);
 PointCloud decode_old_cloud(Encoding encoding, Bytes message);
 Header decode_header(Encoding encoding, Bytes message);
 /// @}
 
-/// Whether the type is one of the two cloud types.
+/// An IMU message of any type. The axes of px4_msgs/SensorCombined (forward, right, down) become
+/// forward, left, up; its stamp is the time since boot.
+struct ImuMessage {
+  Header header;
+  ImuSample sample;
+  bool gyro = true;     ///< not all zero
+  bool accel = true;    ///< the same
+  bool absent = false;  ///< a covariance says that there is none of one (REP 145), and it is zero
+  bool denied = false;  ///< the same, but it is not zero
+};
+bool is_imu(const std::string& type);
+ImuMessage decode_imu_of(const Topic& topic, Bytes message);
+
+/// Whether a message of the type is a point of a scan, as kTiScanType; of any package of that
+/// driver.
+bool is_ti_scan(const std::string& type);
+/// Whether the type is one of those for points.
 bool is_cloud(const std::string& type);
-/// Decodes either of the two cloud types.
+/// Decodes any of them. ti_mmwave_rospkg/RadarScan: the messages of a scan, each after its length.
 PointCloud decode_cloud_of(const Topic& topic, Bytes message);
+/// The number of the point in its scan; empty if the bytes are not such a message.
+std::optional<std::uint32_t> ti_point_id(Encoding encoding, Bytes message);
+
+/// A pose of geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped or
+/// nav_msgs/Odometry.
+bool is_truth(const std::string& type);
+/// @param has_velocity whether there is one, in world axes
+NavState decode_truth(const Topic& topic, Bytes message, Header* header, bool* has_velocity);
+/// sensor_msgs/FluidPressure [Pa].
+double decode_pressure(Encoding encoding, Bytes message, Header* header);
+
+/// A transform of tf2_msgs/TFMessage: the pose of `child` in `parent`.
+struct Transform {
+  std::string parent;
+  std::string child;
+  Pose pose;
+};
+bool is_transforms(const Topic& topic);  ///< those that do not change
+std::vector<Transform> decode_transforms(Encoding encoding, Bytes message);
 
 /// Whether messages of this topic are known to begin with a std_msgs/Header.
 bool begins_with_header(const Topic& topic);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rio/bag/messages.hpp"
+#include "rio/io/dataset.hpp"
 #include "rio/types.hpp"
 
 namespace rio::bag {
@@ -67,6 +68,10 @@ class PointMap {
   const std::vector<PointField>& fields() const { return fields_; }
   /// The assignment as one line.
   std::string text() const;
+  /// The same for messages, into RadarInfo::fields and ::axes.
+  void name(io::RadarInfo* info) const;
+  /// From the axes of the cloud to forward, left, up.
+  Matrix3d rotation() const;
 
  private:
   struct Source {
@@ -85,6 +90,7 @@ class PointMap {
   std::array<std::optional<Source>, kQuantityCount> sources_;
   Axes axes_ = Axes::kFlu;
   std::string origin_;  ///< of the assignment
+  std::string doubt_;   ///< another one that is possible
 };
 
 /// Names of the presets with their use, one line each.

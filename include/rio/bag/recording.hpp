@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "rio/bag/point_fields.hpp"
 #include "rio/io/dataset.hpp"
@@ -38,8 +39,12 @@ constexpr std::array<std::string_view, 2> names_of(TriggerMatch) {
 /// headers or triggers are selected for the other topic; else kCarried, or kReceive for a topic
 /// with zero stamps.
 struct RecordingRequest {
-  std::string imu_topic;    ///< empty: the only one of its type
-  std::string radar_topic;  ///< empty: the only one of its type
+  std::string imu_topic;    ///< empty: the only one, or gyroscope and accelerometer on two topics
+  std::string radar_topic;  ///< several: separated by commas; empty: the only one, or all of whose
+                            ///< mountings /tf_static knows
+  std::string pressure_topic;  ///< empty: the only sensor_msgs/FluidPressure
+  std::string truth_topic;     ///< empty: the only geometry_msgs/PoseStamped or nav_msgs/Odometry
+  bool truth = false;          ///< reads the ground truth
   Clock imu_clock = Clock::kAuto;
   Clock radar_clock = Clock::kAuto;
   std::string trigger_topic;  ///< for kTrigger; empty: the only std_msgs/Header
@@ -57,10 +62,11 @@ struct Recording {
   std::string damage;   ///< empty, or the position of damage in the file: the data set ends there
 };
 
-/// Reads the IMU (sensor_msgs/Imu) and the radar (sensor_msgs/PointCloud2, or the older PointCloud,
-/// a message per scan) of a file for open_messages(). Messages that cannot be decoded, scans with
-/// the stamp of the scan before, scans without a trigger and points that are not finite are dropped
-/// and counted in the notes.
+/// Reads IMU, radars, barometer and ground truth of a file for open_messages(); the types are those
+/// of messages.hpp. Messages that cannot be decoded, scans with the stamp of the scan before, scans
+/// without a trigger and points that are not finite are dropped and counted in the notes. If the
+/// clock of the headers jumps, later headers are moved so that it goes on as the messages were
+/// received.
 /// @throws std::runtime_error that lists the topics if one is missing or not unique; if the fields
 /// of the points do not fit; if no readable data are left
 Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
@@ -68,5 +74,10 @@ Recording read_recording(const std::filesystem::path& path, const RecordingReque
 /// The same, sample by sample; throws as read_recording() does.
 std::unique_ptr<io::RecordingStream> open_recording(const std::filesystem::path& path,
                                                     const RecordingRequest& request);
+
+/// The ground truth of a file for open_messages(): stamped as the recording in it would be by
+/// default, else by the headers.
+/// @throws std::runtime_error if there is no topic with one, or several
+std::vector<NavState> read_truth(const std::filesystem::path& path);
 
 }  // namespace rio::bag

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads tables of numbers row by row, without holding the file in memory. Only blank lines and #
-// comments are skipped silently.
+// Reads tables of numbers row by row, without holding the file in memory. Only blank lines, #
+// comments and a heading of names are skipped silently.
 #pragma once
 
 #include <cstddef>
@@ -22,10 +22,15 @@ std::string read_text(const std::filesystem::path& path);
 class CsvReader {
  public:
   /// @param separator ',' or ' '; a space stands for any run of blanks and tabs
-  explicit CsvReader(const std::filesystem::path& path, char separator = ',');
+  /// @param may_be_cut a last line that is no whole row ends the table, see cut()
+  explicit CsvReader(const std::filesystem::path& path, char separator = ',',
+                     bool may_be_cut = false);
 
   /// Moves to the next row; false at the end of the file.
   bool next();
+
+  /// Empty, or "FILE:LINE: ..." of a last line that is cut.
+  const std::string& cut() const { return cut_; }
 
   std::size_t columns() const { return cells_.size(); }
   /// Cell i without surrounding blanks; throws if the row has no such cell.
@@ -52,6 +57,8 @@ class CsvReader {
   void read_on();
   void split(std::string_view line);
   void expect_columns();
+  bool is_heading() const;
+  bool is_cut();
   /// Of a cell that is no number: the columns of the file are separated by something else.
   std::string other_separator(std::size_t i) const;
 
@@ -59,6 +66,9 @@ class CsvReader {
   std::ifstream stream_;
   std::string text_;  ///< read and not yet discarded
   char separator_;
+  bool may_be_cut_;
+  bool last_is_empty_ = false;  ///< the last cell of the last row
+  std::string cut_;
   std::size_t position_ = 0;  ///< in text_, of the next line
   std::size_t line_ = 0;
   std::size_t header_columns_ = 0;  ///< of the last comment before the first row

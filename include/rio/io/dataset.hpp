@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "rio/options.hpp"
@@ -54,6 +55,10 @@ struct RadarInfo {
   std::optional<double> prior_position;       ///< per axis [m]
   std::optional<double> prior_time_offset;    ///< [s]
   std::optional<double> prior_doppler_scale;  ///< relative
+  /// Of a bag, for messages: the field of each quantity of its points, {"snr", "intensity*0.1"},
+  /// and their axes, "flu".
+  std::vector<std::pair<std::string, std::string>> fields{};
+  std::string axes{};
 };
 
 /// One barometer sample.
@@ -78,6 +83,7 @@ struct Dataset {
   ImuInfo imu_info;
   RadarInfo radar_info;
   std::vector<std::string> notes;  ///< messages for the user, such as a missing sensor.yaml
+  std::string damage;              ///< empty, or where a file is cut: the sensor ends there
 };
 
 /// All of the ground truth, or only the start of a replay: the first state within the span of the

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The topics of a recording that may be its sensors, read once, and the choice among them; private
+// to rio_bag.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frames.hpp"
+#include "io/doppler_grid.hpp"
+#include "recording_survey.hpp"
+#include "rio/bag/summary.hpp"
+#include "stamps.hpp"
+
+namespace rio::bag {
+
+/// A topic that may have a role, while it is read.
+struct Source {
+  Role role;
+  Stamps stamps{};
+  std::string type{};   ///< of its messages
+  std::string frame{};  ///< of the first message
+  std::size_t unreadable = 0;
+  std::string first_error{};
+  // of an IMU
+  std::size_t without_gyro = 0;  ///< messages
+  std::size_t without_accel = 0;
+  std::size_t absent = 0;  ///< messages that say that they have no values
+  std::size_t denied = 0;  ///< the same, but have some
+  // of a radar
+  std::optional<CloudReader> clouds{};
+  io::DopplerGrid grid{};
+  std::vector<std::string> notes{};
+  std::exception_ptr failed{};
+  // of a barometer, of the ground truth
+  std::vector<io::BaroSample> baro{};
+  std::vector<NavState> truth{};
+  bool has_velocity = true;
+
+  bool only_gyro() const { return without_accel == stamps.count && without_gyro < stamps.count; }
+  bool only_accel() const { return without_gyro == stamps.count && without_accel < stamps.count; }
+};
+
+class Sources {
+ public:
+  /// Reads all of the file; choose() throws as read_recording() does.
+  Sources(const std::filesystem::path& path, const RecordingRequest& request);
+  void choose();
+
+  /// All with a role in the result.
+  std::vector<Source*> used() const;
+  const std::string& damage() const { return summary_.damage; }
+
+  Source* imu = nullptr;    ///< or its gyroscope
+  Source* accel = nullptr;  ///< if on another topic
+  std::vector<Source*> radars;
+  Source* trigger = nullptr;
+  Source* baro = nullptr;
+  Source* truth = nullptr;
+  Frames frames;
+  std::vector<std::string> notes;
+
+ private:
+  void want(const char* role, const char* type, const std::string& names);
+  void use(const Message& message);
+  void decode(Source* source, const Topic& topic, const Message& message);
+  /// The sources of a role with messages: those requested, in this order, or all of its type.
+  std::vector<Source*> found(const std::string& role, const std::string& names);
+  [[noreturn]] void fail_ambiguous(const Source& one) const;
+  Source* only(const std::vector<Source*>& sources) const;
+  /// Null if there is none, or several of which none is requested.
+  Source* choose_optional(const std::string& role, const std::string& name);
+  void choose_imu();
+  void choose_radars();
+  void check_number_of_radars() const;
+
+  std::filesystem::path path_;
+  RecordingRequest request_;
+  std::unique_ptr<MessageStream> stream_;
+  std::vector<Role> wanted_;
+  std::deque<Source> sources_;
+  std::vector<std::vector<Source*>> uses_;  ///< of each topic
+  Summary summary_;
+  RadarScan scan_;
+};
+
+}  // namespace rio::bag

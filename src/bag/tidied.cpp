@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tidied.hpp"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <deque>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+#include "decompress.hpp"
+#include "rio/bag/messages.hpp"
+#include "rio/bag/wire.hpp"
+
+namespace rio::bag {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostPoints = 4096;  // of a scan
+
+class Tidied final : public MessageStream {
+ public:
+  explicit Tidied(std::unique_ptr<MessageStream> raw)
+      : MessageStream(raw->path()), raw_(std::move(raw)) {}
+
+  std::string format() const override { return raw_->format(); }
+
+ private:
+  /// Of a topic.
+  struct State {
+    bool points = false;  ///< of scans, one a message
+    Time last{0};         ///< received, on the clock that goes on
+    Time last_but_one{0};
+    std::size_t count = 0;
+    std::vector<std::uint8_t> scan;  ///< so far
+    std::size_t points_of_scan = 0;
+    std::uint32_t last_id = 0;
+    Time received{0};  ///< of the first point
+  };
+
+  bool read(Message* message) override {
+    while (raw_->next(message)) {
+      while (topics_.size() < raw_->topics().size()) {
+        topics_.push_back(raw_->topics()[topics_.size()]);
+        states_.emplace_back().points = is_ti_scan(topics_.back().type);
+      }
+      State& of = states_[message->topic];
+      if (topics_[message->topic].encoding == Encoding::kCdr && is_zstd(message->data)) {
+        if (!decompress_frame(message->data, &plain_).empty()) plain_.clear();
+        message->data = plain_;
+      }
+      set_clock(&of, message);
+      if (!of.points || take_point(&of, message)) return true;
+    }
+    damage_ = raw_->damage();
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      if (states_[i].scan.empty()) continue;
+      give_scan(&states_[i], message);
+      message->topic = i;
+      return true;
+    }
+    return false;
+  }
+
+  /// A step back, unless it ends one stray time, is made good: for all topics, by the usual
+  /// interval of the first topic that shows it.
+  void set_clock(State* of, Message* message) {
+    constexpr Time kBack(300'000'000);
+    message->received += ahead_;
+    if (of->count > 1 && message->received < of->last - kBack &&
+        message->received < of->last_but_one - kBack) {
+      const Time step = of->last + (of->last - of->last_but_one) - message->received;
+      ahead_ += step;
+      message->received += step;
+    }
+    of->last_but_one = std::exchange(of->last, message->received);
+    ++of->count;
+  }
+
+  /// True if a scan is complete, which replaces the message.
+  bool take_point(State* of, Message* message) {
+    const auto id = ti_point_id(topics_[message->topic].encoding, message->data);
+    const bool begins = !id || *id <= of->last_id || of->points_of_scan == kMostPoints;
+    const Message point = *message;
+    bool complete = false;
+    if (begins && !of->scan.empty()) {
+      give_scan(of, message);
+      complete = true;
+    }
+    if (of->scan.empty()) of->received = point.received;
+    const auto size = static_cast<std::uint32_t>(point.data.size());
+    for (unsigned shift = 0; shift < 32; shift += 8) {
+      of->scan.push_back(static_cast<std::uint8_t>(size >> shift));
+    }
+    of->scan.insert(of->scan.end(), point.data.begin(), point.data.end());
+    of->last_id = id.value_or(0);
+    ++of->points_of_scan;
+    return complete;
+  }
+
+  void give_scan(State* of, Message* message) {
+    given_ = std::exchange(of->scan, {});
+    of->points_of_scan = 0;
+    message->received = of->received;
+    message->data = given_;
+  }
+
+  std::unique_ptr<MessageStream> raw_;
+  std::deque<State> states_;
+  std::vector<std::uint8_t> plain_;  ///< decompressed message
+  std::vector<std::uint8_t> given_;  ///< scan
+  Time ahead_{0};                    ///< added to receive times
+};
+
+}  // namespace
+
+std::unique_ptr<MessageStream> tidied(std::unique_ptr<MessageStream> raw) {
+  return std::make_unique<Tidied>(std::move(raw));
+}
+
+fs::path unpacked(const fs::path& path) {
+  /// Removed at the end of the program.
+  struct Copy {
+    fs::path path;
+    ~Copy() {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+    }
+  };
+  static std::map<std::pair<fs::path, std::uintmax_t>, Copy> copies;
+  const auto key = std::pair(fs::absolute(path), fs::file_size(path));
+  const auto known = copies.find(key);
+  if (known != copies.end()) return known->second.path;
+  std::string name = (fs::temp_directory_path() / "rio_unpacked_XXXXXX").string();
+  const int file = mkstemp(name.data());
+  if (file < 0) throw std::runtime_error(name + ": cannot be written");
+  close(file);
+  copies[key].path = name;
+  const std::string error = decompress_file(path, name);
+  if (error.empty()) return name;
+  copies.erase(key);
+  throw std::runtime_error(path.string() + ": " + error);
+}
+
+}  // namespace rio::bag

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/advice.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+namespace rio::check {
+
+std::string Advice::csv() const {
+  return fmt::format("radar{}/data.csv", radar);
+}
+
+std::string Advice::scale(const std::string& quantity, double factor) const {
+  if (!bag()) return fmt::format("multiply the column {} of {} by {:.4g}", quantity, csv(), factor);
+  std::string name = "NAME";
+  for (const auto& [known, field] : info != nullptr ? info->fields : io::RadarInfo().fields) {
+    if (known != quantity) continue;
+    const std::size_t star = field.rfind('*');
+    name = field.substr(0, star);
+    if (star != std::string::npos) factor *= std::atof(field.c_str() + star + 1);
+  }
+  return fmt::format("--field {}={}*{:.4g}", quantity, name, factor);
+}
+
+std::string Advice::negate_doppler() const {
+  return bag() ? "--approaching (without it, if it is given)"
+               : "negate the column doppler of " + csv();
+}
+
+std::string Advice::gyro_in_degrees() const {
+  return bag() ? "--gyro-unit deg/s"
+               : "multiply the first three columns after the stamp of imu0/data.csv by 0.0174533";
+}
+
+std::string Advice::sensor_line(const std::string& line) const {
+  return fmt::format("radar{}/sensor.yaml{}: {}", radar, bag() ? " of --sensors" : "", line);
+}
+
+std::string Advice::option(const std::string& of_first, const std::string& of_others) const {
+  return radar == 0 ? "radar: {" + of_first + "}" : sensor_line(of_others);
+}
+
+std::optional<std::string> Advice::axes(const Matrix3d& turn) const {
+  const auto to_flu = [](const std::string& name) {
+    Matrix3d M = Matrix3d::Identity();
+    if (name == "ti") M << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+    if (name == "rdf") M << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+    if (name == "frd") M << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+    return M;
+  };
+  if (!bag() || info == nullptr || info->axes.empty()) return std::nullopt;
+  for (const char* name : {"flu", "ti", "rdf", "frd"}) {
+    const bool fits = (turn * to_flu(info->axes) - to_flu(name)).norm() < 1e-6;
+    if (fits) return std::string("--axes ") + name;
+  }
+  return std::nullopt;
+}
+
+}  // namespace rio::check

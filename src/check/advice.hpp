@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The wording of proposed changes: options of the command line for a bag, edits of the files of a
+// folder.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "check/finding.hpp"
+#include "rio/io/dataset.hpp"
+#include "rio/options.hpp"
+
+namespace rio::check {
+
+struct Advice {
+  Source source = Source::kFolder;
+  const io::RadarInfo* info = nullptr;  ///< of the radar; how its points were read
+  std::size_t radar = 0;                ///< its number
+
+  bool bag() const { return source == Source::kBag; }
+  /// Multiplies a quantity of the points: "--field snr=intensity*0.1".
+  std::string scale(const std::string& quantity, double factor) const;
+  /// The other sign of the Doppler.
+  std::string negate_doppler() const;
+  std::string gyro_in_degrees() const;
+  /// "radar1/data.csv"
+  std::string csv() const;
+  /// A line of the sensor file of this radar.
+  std::string sensor_line(const std::string& line) const;
+  /// An option "radar: {...}" for the first radar, else a line of the sensor file.
+  std::string option(const std::string& of_first, const std::string& of_others) const;
+  /// "--axes flu", if points that must be turned by this are in other known axes.
+  std::optional<std::string> axes(const Matrix3d& turn) const;
+};
+
+}  // namespace rio::check

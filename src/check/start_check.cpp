@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/start_check.hpp"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+
+#include "rio/propagate/static_alignment.hpp"
+
+namespace rio::check {
+
+Finding check_start(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit,
+                    const Scans& scans, const Options& options) {
+  constexpr double kLate = 5.0;  // [s]
+  StaticAligner aligner(options.start, options.imu);
+  std::optional<Alignment> start;
+  Time at = samples.back().time;
+  for (const ImuSample& s : samples) {
+    (void)aligner.add({s.time, gyro_unit * s.gyro_B, accel_unit * s.accel_B}, &start);
+    if (!start) continue;
+    at = s.time;
+    break;
+  }
+  std::size_t before = 0;  // scans
+  for (const ScanView scan : scans) before += scan.time < at ? 1 : 0;
+  const double waited = to_seconds(at - samples.front().time);
+  const std::string rest = fmt::format("standstill of {:.3g} s", options.start.duration);
+  Finding out{Verdict::kOk, "start",
+              start ? fmt::format("the first {} ends after {:.1f} s; {} of {} scans are before it",
+                                  rest, waited, before, scans.size())
+                    : fmt::format("no {} in {:.1f} s", rest, waited),
+              ""};
+  if (options.start.max_wait > 0.0) {
+    out.text += fmt::format("; start.max_wait is {:.3g} s", options.start.max_wait);
+  } else if (!start || waited > kLate + options.start.duration) {
+    out.verdict = Verdict::kDoubtful;
+    out.text += start ? ", and dropped" : ": the estimator does not start";
+    out.change =
+        "start: {max_wait: 3}, which starts in motion after 3 s; better, record two seconds at "
+        "rest first";
+  }
+  return out;
+}
+
+}  // namespace rio::check
