@@ -238,7 +238,8 @@ void ScanRows::add_look(const Eigen::Vector2d& innovation, Measured<LandmarkPoin
   LandmarkState::Looks& sum = look_sums_[m->landmark];
   sum = landmark.looks;
   const double moved = x.estimate.distance_travelled - landmark.distance_seen;
-  if (moved > noise_distance_[x.estimate.radar]) looks.add(innovation, &sum);
+  if (!(moved > noise_distance_[x.estimate.radar])) return;
+  looks.add(innovation, &sum);
   const double factor = looks.factor();
   batch_.scale_row(1, factor);
   batch_.scale_row(2, factor);

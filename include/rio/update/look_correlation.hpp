@@ -11,12 +11,11 @@
 //      their variance common to all n looks: f = 1 + c (n - 1)
 // (E2) n looks have as much information as n / f independent ones: the variance is multiplied by f
 // The estimate adapts to the landmark, so that f is somewhat too small; as the inflation grows, it
-// adapts less. Looks from nearly the same place do not count: their errors repeat in any case
-// (noise_inflation.hpp). On recordings of karts f is 2 to 10, carried by hand 2, in simulated
-// flights, whose directions are independent, 1.
+// adapts less. Looks from nearly the same place do not count and are not inflated: there the whole
+// error repeats (noise_inflation.hpp). On recordings of karts f is 2 to 10, carried by hand 2, in
+// simulated flights, whose directions are independent, 1.
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
-// Autocorrelated Time Series, 1946 (E2); the sums as in batch means (Law, Kelton, Simulation
-// Modeling and Analysis).
+// Autocorrelated Time Series, 1946 (E2); Law and Kelton, Simulation Modeling and Analysis (sums).
 #pragma once
 
 #include <Eigen/Core>
