@@ -43,9 +43,13 @@ Result fault_campaign(const Settings& settings);
 /// matching, its correct size, comparison of estimators, NIS, time per scan.
 Result uncertainty(const Settings& settings);
 
-/// Every real recording of a folder (Settings::data) with every preset and both back-ends,
-/// unchanged and perturbed, its mounting as given and as calibrated.
+/// Every real recording of a folder (Settings::data) with every preset and both back-ends, over
+/// seeds of the RANSAC, also two radars together and perturbed copies: errors and honesty.
 Result real(const Settings& settings);
+
+/// Drives of Settings::data with an ideal IMU, with one cause of noise at a time, and with ideal
+/// Dopplers: errors of the estimator apart from those of the sensors.
+Result control(const Settings& settings);
 
 /// Recordings (Settings::data and recordings) against their simulated twins (Settings::scenario):
 /// rates, losses, vibration, points, and results of the filter.
@@ -78,6 +82,7 @@ inline const std::vector<Experiment>& experiments() {
       {"robustness", "every scenario with every preset", &robustness},
       {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
       {"real", "every recording of the folder --data, also perturbed", &real},
+      {"control", "drives of --data with an ideal IMU, one cause of noise at a time", &control},
       {"twins", "recordings DATASET... (or --data) beside their simulated twins", &twins},
       {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
       {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},

@@ -107,7 +107,6 @@ void judge_against_reference(const eval::Trajectory& reference, const eval::Traj
     errors.push_back((laid_over(pair.estimate.p) - pair.truth.p).head<2>().norm());
   }
   score->horizontal = root_mean_square(errors);
-  score->end = laid_over(poses.back().p);
 }
 
 void judge_height(const Recording& recording, const Replay& replay, RealScore* score) {
@@ -116,6 +115,7 @@ void judge_height(const Recording& recording, const Replay& replay, RealScore* s
       recording.flat() ? eval::Trajectory{} : barometer_heights(recording.data.baro);
   if (!recording.flat() && heights.empty()) return;
   std::vector<double> errors;
+  std::vector<double> sigmas;
   double honest = 0.0;
   std::optional<double> zero;
   std::size_t next = 0;
@@ -130,10 +130,16 @@ void judge_height(const Recording& recording, const Replay& replay, RealScore* s
     if (!zero) zero = error;
     errors.push_back(error - *zero);
     honest += std::abs(errors.back()) < 3.0 * step.sigma_height ? 1.0 : 0.0;
+    if (2 * errors.size() > steps.size()) {
+      sigmas.push_back(std::abs(errors.back()) / step.sigma_height);
+    }
   }
   score->height = root_mean_square(errors);
-  // a barometer with a noise of some centimetres cannot validate a sigma
-  if (recording.flat()) score->honest = honest / static_cast<double>(errors.size());
+  if (!recording.flat()) return;  // a barometer with centimetres of noise validates no sigma
+  score->honest = honest / static_cast<double>(errors.size());
+  std::sort(sigmas.begin(), sigmas.end());
+  score->sigmas_median = sigmas[sigmas.size() / 2];
+  score->sigmas_worst = sigmas.back();
 }
 
 void judge_rest(const Recording& recording, const Replay& replay, RealScore* score) {
@@ -197,14 +203,34 @@ std::vector<Recording> find_recordings(const fs::path& folder) {
   std::sort(places.begin(), places.end());
   std::vector<Recording> recordings;
   for (const fs::path& place : places) {
-    Recording recording{place.filename().string(), io::read_dataset(place), {}};
-    const fs::path reference = place / "reference.tum";
-    if (fs::exists(reference)) {
+    Recording recording{
+        place.filename().string(),
+        (place.parent_path() == folder ? place : place.parent_path()).filename().string(),
+        io::read_dataset(place),
+        {}};
+    for (const char* name : {"reference.tum", "truth.tum"}) {
+      const fs::path reference = place / name;
+      if (!fs::exists(reference)) continue;
       recording.reference = io::read_trajectory(reference, io::TumOrder::kSorted);
     }
     recordings.push_back(std::move(recording));
   }
   return recordings;
+}
+
+std::vector<Recording> fused(const std::vector<Recording>& recordings) {
+  std::vector<Recording> drives;
+  for (std::size_t i = 0; i + 1 < recordings.size(); ++i) {
+    const Recording& a = recordings[i];
+    const Recording& b = recordings[i + 1];
+    const std::string drive = a.name.substr(0, a.name.size() - 1);
+    if (a.name != drive + "A" || b.name != drive + "B" || a.group != b.group) continue;
+    Recording both = a;
+    both.name = drive + "AB";
+    both.data.other_radars.push_back({b.data.scans, b.data.radar_info});
+    drives.push_back(std::move(both));
+  }
+  return drives;
 }
 
 std::vector<Copy> perturbed(const Recording& recording, int draws, std::uint64_t seed) {
@@ -251,6 +277,8 @@ Replay replay(const io::Dataset& data, const Options& options) {
   const auto record = [&] {
     const double variance = odometry->covariance()(body::kPosition + 2, body::kPosition + 2);
     out.steps.push_back({odometry->at_scan(), std::sqrt(variance)});
+    const HealthState state = odometry->health().state;
+    out.healthy = out.healthy && (state == HealthState::kOk || state == HealthState::kInitializing);
   };
   std::array<std::size_t, 1 + Options::kMaxOtherRadars> next{};
   std::uint64_t recorded = 0;
@@ -273,19 +301,29 @@ Replay replay(const io::Dataset& data, const Options& options) {
   const auto offset = static_cast<std::size_t>(Calibration::kTimeOffset);
   out.time_offset = odometry->report().calibration[offset].value;
   out.velocity_resets = static_cast<int>(odometry->counters().velocity_resets);
+  out.calibration = odometry->report().calibration;
+  for (const CalibrationReport& c : out.calibration) {
+    const bool doubted =
+        c.observability == Observability::kDoubtful || c.observability == Observability::kAtLimit;
+    out.healthy = out.healthy && !doubted;
+  }
   return out;
 }
 
 RealScore judge(const Recording& recording, const Replay& replay) {
-  RealScore score{false, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, Vector3d::Constant(kNaN)};
+  RealScore score;
   score.started =
       !replay.steps.empty() && replay.steps.front().state.time < motion_of(recording.data).end;
   if (!recording.reference.empty()) score.distance = length_of(recording.reference);
   if (!score.started) return score;
   const eval::Trajectory poses = poses_of(replay);
   if (recording.reference.empty()) score.distance = length_of(poses);
+  score.healthy = replay.healthy;
+  score.farthest = 0.0;
+  for (const auto& pose : poses) {
+    score.farthest = std::max(score.farthest, (pose.p - poses.front().p).norm());
+  }
   score.closure = (poses.back().p - poses.front().p).norm();
-  score.end = poses.back().p;
   if (!recording.reference.empty()) {
     judge_against_reference(recording.reference, poses, &score);
   }

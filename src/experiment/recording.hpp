@@ -4,9 +4,11 @@
 // start, the rest at the end.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -21,15 +23,22 @@ namespace rio::experiment {
 /// A recording with the references of its path.
 struct Recording {
   std::string name;
+  std::string group;  ///< the folder it is in
   io::Dataset data;
-  eval::Trajectory reference;  ///< of reference.tum, may be empty; heights used if all zero
+  eval::Trajectory
+      reference;  ///< of reference.tum or truth.tum, may be empty; heights used if all zero
 
   bool flat() const;
+  /// A vehicle that stands all the time, by its name.
+  bool stands() const { return name.rfind("static_", 0) == 0; }
 };
 
 /// Every folder below `folder` that holds imu0 and radar0, by name.
 /// @throws std::runtime_error if there is none or one cannot be read
 std::vector<Recording> find_recordings(const std::filesystem::path& folder);
+
+/// The drives recorded by two radars, NAME_A and NAME_B on one clock, as NAME_AB with both.
+std::vector<Recording> fused(const std::vector<Recording>& recordings);
 
 /// A smaller Doppler counts as zero: half a cell and the noise [m/s].
 inline double still_bound(double grid) {
@@ -68,6 +77,8 @@ struct Replay {
   Pose T_BS;                        ///< as estimated at the end
   double time_offset = 0.0;         ///< same, relative to the configured one [s]
   int velocity_resets = 0;
+  std::array<CalibrationReport, kCalibrationCount> calibration{};  ///< at the end
+  bool healthy = true;  ///< never degraded after the start, no calibration doubtful at the end
 };
 
 /// @throws std::runtime_error if the options are invalid
@@ -75,16 +86,20 @@ Replay replay(const io::Dataset& data, const Options& options);
 
 /// NaN if unknown.
 struct RealScore {
-  bool started = false;       ///< before the last motion
-  double distance = 0.0;      ///< of the reference, else of the estimate [m]
-  double closure = 0.0;       ///< distance of first and last position [m]
-  double horizontal = 0.0;    ///< RMS of the distance to the reference, aligned in position and
-                              ///< heading at the first scan [m]
-  double height = 0.0;        ///< RMS against the flat floor or the barometer [m]
-  double honest = 0.0;        ///< share of the scans whose height error is within three sigmas
-  double creep = 0.0;         ///< range of the height during the rest at the end [m]
-  double creep_sigmas = 0.0;  ///< same, in its sigmas at the end
-  Vector3d end = Vector3d::Zero();  ///< in the axes of the reference, if there is one [m]
+  static constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  bool started = false;          ///< before the last motion
+  double distance = kUnknown;    ///< of the reference, else of the estimate [m]
+  double closure = kUnknown;     ///< distance of first and last position [m]
+  double horizontal = kUnknown;  ///< RMS of the distance to the reference, aligned in position and
+                                 ///< heading at the first scan [m]
+  double height = kUnknown;      ///< RMS against the flat floor or the barometer [m]
+  double honest = kUnknown;      ///< share of the scans whose height error is within three sigmas
+  double sigmas_median = kUnknown;  ///< height error over its sigma in the second half
+  double sigmas_worst = kUnknown;   ///< same
+  double farthest = kUnknown;       ///< largest distance from the first position [m]
+  bool healthy = false;             ///< see Replay
+  double creep = kUnknown;          ///< range of the height during the rest at the end [m]
+  double creep_sigmas = kUnknown;   ///< same, in its sigmas at the end
 };
 
 RealScore judge(const Recording& recording, const Replay& replay);

@@ -22,6 +22,7 @@ Quaternion level(const Vector3d& y) {
 void StaticAligner::reset() {
   for (Part& part : parts_) part = Part{};
   begin_.reset();
+  first_ = true;
 }
 
 Status StaticAligner::add(const ImuSample& sample, std::optional<Alignment>* result) {
@@ -33,11 +34,13 @@ Status StaticAligner::add(const ImuSample& sample, std::optional<Alignment>* res
   const Time elapsed = sample.time - *begin_;
   parts_[std::min(static_cast<std::size_t>(elapsed / length), kParts - 1)].add(sample);
   if (elapsed < window) return Status::kOk;
-  if (standstill()) {
-    *result = align(sample.time);
+  for (std::size_t n = kParts; n >= (first_ ? kLeast : kParts); --n) {
+    if (!standstill(n)) continue;
+    *result = align(n == kParts ? sample.time : *begin_ + static_cast<int>(n) * length, n);
     reset();
     return Status::kOk;
   }
+  first_ = false;
   std::rotate(parts_.begin(), parts_.begin() + 1, parts_.end());
   parts_.back() = Part{};
   *begin_ += length;
@@ -57,35 +60,34 @@ void StaticAligner::Part::add(const ImuSample& s) {
   squares += delta.cwiseProduct(x - mean);
 }
 
-StaticAligner::Vector6d StaticAligner::mean() const {
+StaticAligner::Vector6d StaticAligner::mean(std::size_t n) const {
   Vector6d sum = Vector6d::Zero();
-  for (const Part& part : parts_) sum += part.mean;
-  return sum / static_cast<double>(kParts);
+  for (std::size_t i = 0; i < n; ++i) sum += parts_[i].mean;
+  return sum / static_cast<double>(n);
 }
 
-StaticAligner::Vector6d StaticAligner::scatter() const {
-  const Vector6d m = mean();
+StaticAligner::Vector6d StaticAligner::scatter(std::size_t n) const {
+  const Vector6d m = mean(n);
   Vector6d sum = Vector6d::Zero();
-  for (const Part& part : parts_) sum += (part.mean - m).cwiseAbs2();
-  return sum / static_cast<double>(kParts - 1);
+  for (std::size_t i = 0; i < n; ++i) sum += (parts_[i].mean - m).cwiseAbs2();
+  return sum / static_cast<double>(n - 1);
 }
 
-bool StaticAligner::standstill() const {
-  for (const Part& part : parts_) {
+bool StaticAligner::standstill(std::size_t n) const {
+  Vector6d white = Vector6d::Zero();  // variance of the mean of a part if its noise were white
+  for (std::size_t i = 0; i < n; ++i) {
+    const Part& part = parts_[i];
     if (part.count < 2.0) return false;
     if (part.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
     if (part.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
+    white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(n));
   }
-  Vector6d white = Vector6d::Zero();  // variance of the mean of a part if its noise were white
-  for (const Part& part : parts_) {
-    white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(kParts));
-  }
-  const Vector6d sway = scatter().cwiseSqrt();
+  const Vector6d sway = scatter(n).cwiseSqrt();
   for (int i = 0; i < 6; ++i) {
     const double largest = kSway * (i < 3 ? start_.max_gyro_std : start_.max_accel_std);
     if (sway[i] > std::max(largest, kWhiteSigmas * std::sqrt(white[i]))) return false;
   }
-  const Vector6d mean = this->mean();
+  const Vector6d mean = this->mean(n);
   if (mean.head<3>().norm() > start_.max_rate) return false;
   // an accelerometer at rest reads gravity; more than ten prior sigmas off is acceleration
   return std::abs(mean.tail<3>().norm() - imu_.gravity) <= 10.0 * start_.sigma_accel_bias;
@@ -101,14 +103,15 @@ StaticAligner::Turn StaticAligner::slow_turn(double rate) const {  // (E5)
   return {w * rate, w * (bias * bias + (1.0 - w) * rate * rate)};
 }
 
-Alignment StaticAligner::align(Time time) const {
-  const Vector6d mean = this->mean();
-  const Vector6d scatter = this->scatter();
+Alignment StaticAligner::align(Time time, std::size_t n) const {
+  const Vector6d mean = this->mean(n);
+  const Vector6d scatter = this->scatter(n);
+  const auto parts = static_cast<double>(n);
   const Vector3d f = mean.tail<3>();
   const Vector3d y = f.normalized();
-  const double duration = start_.duration;
-  const auto noise_of_mean = [duration](double density, double variance) {  // (E4)
-    return std::max(density * density / duration, variance / static_cast<double>(kParts));
+  const double duration = start_.duration * parts / static_cast<double>(kParts);
+  const auto noise_of_mean = [&](double density, double variance) {  // (E4)
+    return std::max(density * density / duration, variance / parts);
   };
 
   Alignment out;
@@ -130,7 +133,7 @@ Alignment StaticAligner::align(Time time) const {
   const double gyro_bias_sigma =
       std::sqrt(noise_of_mean(imu_.gyro_noise_density, scatter.head<3>().mean())) + kGyroBiasFloor;
   // independent accelerations of that scatter, one per part, integrated over the window
-  const double sway = scatter.tail<3>().mean() * duration * duration / static_cast<double>(kParts);
+  const double sway = scatter.tail<3>().mean() * duration * duration / parts;
   BodyCovariance& P = out.covariance;
   P.block<3, 3>(kAccelBias, kAccelBias) = P_aa;
   P.block<3, 3>(kAttitude, kAccelBias) = tilt_from_bias * P_aa;

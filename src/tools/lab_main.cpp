@@ -117,7 +117,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("DATASET", arguments.recordings, "recordings, for the experiment `twins`");
   app.add_option("--data", arguments.data,
-                 "folder of recordings, for `real`, `twins` and `checks`");
+                 "folder of recordings, for `real`, `control`, `twins` and `checks`");
   app.add_option("--scenario", arguments.scenario, "name or file of a scenario, for `twins`");
   app.add_option("--hours", arguments.hours, "of flight, for `soak`")
       ->check(CLI::Range(0.01, 1000.0))

@@ -40,7 +40,9 @@ struct Alignment {
 Quaternion level(const Vector3d& y);
 
 /// Averages samples until `StartOptions::duration` is covered, then decides; a window that is not a
-/// standstill drops its oldest part and continues. O(1) memory: the window is kept as parts, whose
+/// standstill drops its oldest part and continues. A sensor that is switched on at rest and soon
+/// moved: of the first window, the first two thirds are enough, with the larger sigma of their
+/// mean. O(1) memory: the window is kept as parts, whose
 /// means must agree, so that slow motion is detected too.
 class StaticAligner {
  public:
@@ -48,13 +50,15 @@ class StaticAligner {
 
   void reset();
 
-  /// kOk: more samples are needed, or `result` holds the alignment; kMoving: the window that just
+  /// kOk: more samples are needed, or `result` holds the alignment, which may be of a time before
+  /// the sample; kMoving: the window that just
   /// ended was not a standstill, and the next one ends a part later.
   Status add(const ImuSample& sample, std::optional<Alignment>* result);
 
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   static constexpr std::size_t kParts = 6;
+  static constexpr std::size_t kLeast = 4;  ///< at rest in the first window
 
   /// Running mean and sum of squares (Welford 1962).
   struct Part {
@@ -72,12 +76,13 @@ class StaticAligner {
     double variance = 0.0;  ///< added to the bias along y [(rad/s)^2]
   };
 
-  Vector6d mean() const;
-  /// Variance of the means of the parts.
-  Vector6d scatter() const;
-  bool standstill() const;
+  // Of the first n parts.
+  Vector6d mean(std::size_t n) const;
+  /// Variance of their means.
+  Vector6d scatter(std::size_t n) const;
+  bool standstill(std::size_t n) const;
+  Alignment align(Time time, std::size_t n) const;
   Turn slow_turn(double rate) const;
-  Alignment align(Time time) const;
 
   static constexpr double kGravitySpread = 0.02;  // [m/s^2]
   static constexpr double kGyroBiasFloor = 1e-4;  // instability of a MEMS gyro over minutes [rad/s]
@@ -91,6 +96,7 @@ class StaticAligner {
 
   StartOptions start_;
   ImuOptions imu_;
+  bool first_ = true;  ///< window since reset()
   std::optional<Time> begin_;
   std::array<Part, kParts> parts_{};
 };
