@@ -55,7 +55,11 @@ class Drive {
     lean_ = level(up.normalized()).toRotationMatrix().transpose();
   }
 
-  bool moves(Time time) const { return at(time).flying; }
+  /// The fitted path creeps in the rest before and after.
+  bool moves(Time time) const {
+    constexpr double kCreep = 0.1;  // [m/s]
+    return at(time).nav.v_WB.norm() > kCreep;
+  }
   ImuSample imu(Time time) const {
     const sim::Trajectory::Point p = at(time);
     return {time, lean_ * p.gyro_B, lean_ * p.accel_B};
