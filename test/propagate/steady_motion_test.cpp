@@ -190,8 +190,8 @@ class MountingFilter {
   Vector3d error_ = Vector3d::Zero();
 };
 
-// (E1). Linearised at the prediction, noise tells the pitch to 1.3 deg, two per scan, and it is not
-// that well known.
+// (E1). Linearised at the prediction, noise tells the pitch to 0.9 deg, which it is not known to:
+// four per scan, because dv is the difference of the noise of two predictions.
 TEST(SteadyMotion, NoiseTellsNothingAboutTheMounting) {
   constexpr int kSeeds = 20;
   const auto information = [](double sigma) {
@@ -214,7 +214,7 @@ TEST(SteadyMotion, NoiseTellsNothingAboutTheMounting) {
     EXPECT_LT(std::abs(steady.error()), 3.0 * steady.sigma()) << seed;
     EXPECT_GT(steady.sigma(), 0.95 * MountingFilter::kPrior) << seed;
   }
-  EXPECT_NEAR(claimed, 2.0, 0.2);
+  EXPECT_NEAR(claimed, 4.0, 0.2);
   EXPECT_LT(steady_claimed, 0.2);
   EXPECT_GT(nees, 3.0);
   EXPECT_LT(steady_nees, 1.9);  // 20 seeds: three sigmas

@@ -9,7 +9,6 @@
 
 #include "rio/ekf/row_compression.hpp"
 #include "rio/models/landmark_point.hpp"
-#include "support/model_cases.hpp"
 #include "support/random_matrix.hpp"
 #include "support/random_state.hpp"
 
