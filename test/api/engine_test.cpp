@@ -153,7 +153,7 @@ TEST_F(EngineTest, AFullBufferIsCaughtUp) {
 // A start that is wrong by two metres a second is found out, and what it has done to the position
 // is taken back: the restart knows since when.
 TEST_F(EngineTest, AWrongVelocityIsTakenBackFromThePosition) {
-  options_.calibration.time_offset_sigma = 0.0;  // it would take a part of the error
+  options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};  // it would take a part of the error
   auto odometry = started();
   NavState wrong = truth(kStart);
   wrong.v_WB.y() += 2.0;
