@@ -102,6 +102,7 @@ void StateEstimate::restart_velocity(const Vector3d& v_B, const Matrix3d& covari
   covariance_.measure_velocity(error, R * covariance_B * R.transpose(), &dx_);
   correct(dx_);
   steady_.reset(v_B);
+  estimate_.steady = steady_.motion();
 }
 
 void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,

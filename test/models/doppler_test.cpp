@@ -121,38 +121,60 @@ TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
   EXPECT_NEAR(tilt(100.0), 0.0, 1e-4);
 }
 
-// (E7): the scale as at the corrected velocity, all else as predicted.
+// (E7): calibration as at the other motion, all else as predicted.
 template <class M, class... More>
-void expect_scale_at_corrected_velocity(const M& model, const More&... more) {
+void expect_calibration_at_steady_motion(const M& model, const More&... more) {
   Random random(5);
-  const Vector3d dv_S = random.normal_vector(0.5);
+  const SteadyOffset offset{random.normal_vector(0.5), random.normal_vector(0.3)};
   const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector());
   const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));
   const Vector3d v = random.normal_vector(2.0);
-  const Vector3d corrected_v = v + T_WB.R * T_BS.R * dv_S;
+  const Vector3d w = random.normal_vector(0.5);
+  const Vector3d steady_v = v + T_WB.R * (T_BS.R * offset.velocity_S - offset.rate_B.cross(T_BS.p));
   typename M::Measurement z;
   z.sigma_doppler = 0.03;
-  const auto at_velocity = [&](const Vector3d& v_WB, const Vector3d& correction_S) {
-    z.correction_S = correction_S;
+  if constexpr (requires { z.upwards_S; }) {
+    z.direction_S = Vector3d(0.8, 0.48, -0.36);
+    z.upwards_S = z.direction_S.cross(Vector3d::UnitY()).normalized();
+  }
+  const auto at_motion = [&](const Vector3d& v_WB, const Vector3d& rate_B, SteadyOffset steady) {
+    z.gyro_B = rate_B;
+    z.steady = steady;
     Evaluation<M> at;
     const RadarErrors::Value errors(0.01, 0.02);
     EXPECT_TRUE(evaluate(model, z, {T_WB, v_WB, Vector3d::Zero(), T_BS, errors, more...}, &at));
     return at;
   };
-  const auto predicted = at_velocity(v, Vector3d::Zero());
-  const auto corrected = at_velocity(corrected_v, Vector3d::Zero());
-  auto both = at_velocity(v, dv_S);
+  const auto predicted = at_motion(v, w, {});
+  const auto steady = at_motion(steady_v, w + offset.rate_B, {});
+  auto both = at_motion(v, w, offset);
   EXPECT_EQ(both.r, predicted.r);
-  constexpr int kScale = M::Blocks::template column<RadarErrors>() + RadarErrors::kDopplerScale;
-  EXPECT_NEAR(both.J(0, kScale), corrected.J(0, kScale), 1e-12);
-  EXPECT_GT(std::abs(both.J(0, kScale) - predicted.J(0, kScale)), 0.01);
-  both.J(0, kScale) = predicted.J(0, kScale);
+  EXPECT_EQ(both.R, predicted.R);
+  constexpr int kFirst = M::Blocks::template column<Extrinsics>();
+  constexpr int kCount = Extrinsics::kDof + RadarErrors::kDof;
+  static_assert(kFirst + Extrinsics::kDof == M::Blocks::template column<RadarErrors>());
+  const auto calibration = [](auto& at) { return at.J.template middleCols<kCount>(kFirst); };
+  EXPECT_LT((calibration(both) - calibration(steady)).norm(), 1e-12);
+  EXPECT_GT((calibration(both) - calibration(predicted)).norm(), 0.1);
+  calibration(both) = calibration(predicted);
   EXPECT_EQ(both.J, predicted.J);
 }
 
-TEST(DopplerModel, TheScaleIsLinearisedAtTheCorrectedVelocity) {
-  expect_scale_at_corrected_velocity(DopplerModel(DopplerDirections::kNoisy));
-  expect_scale_at_corrected_velocity(LandmarkDopplerModel(), Vector3d(-3.0, 2.0, 1.0));
+TEST(DopplerModel, CalibrationIsLinearisedAtTheSteadyMotion) {
+  expect_calibration_at_steady_motion(DopplerModel(DopplerDirections::kNoisy));
+  expect_calibration_at_steady_motion(LandmarkDopplerModel(), Vector3d(-3.0, 2.0, 1.0));
+}
+
+// The range rate of a landmark does not depend on how the radar is turned: no motion may tell.
+TEST(DopplerModel, ALandmarksDopplerTellsNoRotationOfTheMounting) {
+  sim::Random random(6);
+  Sample<LandmarkDopplerModel> sample = LandmarkDopplerCase::simulate(random, false);
+  sample.z.steady.velocity_S = Vector3d(0.5, -0.3, 0.2);
+  Evaluation<LandmarkDopplerModel> at;
+  ASSERT_TRUE(evaluate(LandmarkDopplerModel(), sample.z, sample.x, &at));
+  const int column = LandmarkDopplerModel::Blocks::column<Extrinsics>();
+  const Vector3d rotation = at.J.middleCols<3>(column).transpose();
+  EXPECT_LT(rotation.norm(), 1e-9);
 }
 
 }  // namespace

@@ -176,27 +176,6 @@ TEST_F(PriorTest, IsWhatItWasMadeOfWhereItWasMade) {
   expect_near(system.g().head(states), g.head(states), 1e-12);
 }
 
-// StateEstimate's (E2): the information that a parameter, off by kValue now, is zero.
-TEST_F(PriorTest, WhatIsForgottenOfTheCalibrationIsASquareInItsValue) {
-  constexpr double kValue = 0.3;
-  constexpr double kInformation = 2.5;
-  Prior before = made_of(random_information(), random_vector(kSize));
-  const Point now = later();
-  NormalEquations unused = now.system();
-  for (int i = 3; i < kCalibration; ++i) {  // from the translation on they are additive
-    Prior after = before;
-    after.forget(made_.layout.extrinsics() + i, kValue, kInformation, now.x);
-    const auto change = [&](double e) {
-      const Point there = now.moved(e * VectorXd::Unit(now.unknowns(), body::kSize * kStates + i));
-      return there.cost(&after, &unused) - there.cost(&before, &unused);
-    };
-    for (const double e : {-0.4, 0.7}) {
-      const double square = (kValue + e) * (kValue + e) - kValue * kValue;
-      EXPECT_NEAR(change(e) - change(0.0), -0.5 * kInformation * square, 1e-8) << i << " " << e;
-    }
-  }
-}
-
 TEST_F(PriorTest, TheErrorsOfTheInvariantAxesAreNotSeenWhereverTheWindowIsMoved) {
   // a prior blind for a translation and a turn about gravity costs the same when the window is
   // translated and turned as a whole: (E1) (E2)

@@ -32,7 +32,7 @@ TEST(ParameterNoise, EachParameterOfEachRadarHasItsOwn) {
   for (std::size_t r = 0; r < 2; ++r) {
     const Layout own = layout.of_radar(r);
     const auto expect = [&](double sigma, double usual, int column, int count) {
-      expect_square(0.5 * sigma, noise.prior, column, count);
+      expect_square(sigma, noise.prior, column, count);
       expect_square(kWalk * usual, noise.walk, column, count);
     };
     expect(kRotation, 0.05, own.extrinsics(), 3);

@@ -74,9 +74,16 @@ ScanCost::Radar ScanCost::radar(const double* state, const double* mount, const 
   out.R_WS = x.R * m.R;
   out.p_WS = x.R * m.p + x.p;
   out.v_S = m.R.transpose() * (x.R.transpose() * x.v + w.cross(m.p));
+  const SteadyMotion& steady = scan.steady;
+  out.steady_S = m.R.transpose() * (steady.v_B + steady.rate_B.cross(m.p));
   out.scale = 1.0 + errors[0] + radar_errors[0] - scan.scanned[0].radar_errors[0];
   out.elevation = errors[1] + radar_errors[1] - scan.scanned[0].radar_errors[1];
   return out;
+}
+
+ScanCost::Radar ScanCost::uncalibrated(const double* state, const double* offset) const {
+  constexpr double kZero[6] = {};
+  return radar(state, kZero, kZero, offset);
 }
 
 double DopplerCost::variance(const Vector3d& scaled_v_S) const {
@@ -89,10 +96,15 @@ double DopplerCost::variance(const Vector3d& scaled_v_S) const {
 void DopplerCost::operator()(const double* state, const double* mount, const double* errors,
                              const double* offset, double* r) const {
   const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
-  const Vector3d u =
-      std::cos(radar.elevation) * z.direction_S - std::sin(radar.elevation) * z.upwards_S;
-  const Vector3d v = radar.scale * radar.v_S;
-  r[0] = (z.range_rate + length * u.dot(v)) / std::sqrt(variance(v));
+  const ScanCost::Radar before = base.uncalibrated(state, offset);
+  const auto direction = [this](double elevation) -> Vector3d {
+    return std::cos(elevation) * z.direction_S - std::sin(elevation) * z.upwards_S;
+  };
+  const Vector3d u = direction(before.elevation);
+  const Vector3d steady = radar.scale * radar.steady_S;
+  const Vector3d v = before.scale * before.v_S + steady - before.scale * before.steady_S;
+  const double turned = (direction(radar.elevation) - u).dot(steady);
+  r[0] = (z.range_rate + length * (u.dot(v) + turned)) / std::sqrt(variance(v));
 }
 
 void PointCost::operator()(const double* state, const double* mount, const double* errors,
@@ -108,7 +120,14 @@ void PointCost::operator()(const double* state, const double* mount, const doubl
   r[1] = -u.dot(z.sigma_azimuth_S / az) / az;
   r[2] = (-u.dot(z.sigma_elevation_S / el) - radar.elevation) / el;
   if (doppler) {
-    r[3] = (doppler->range_rate + radar.scale * u.dot(radar.v_S)) / doppler->sigma_doppler;
+    const ScanCost::Radar before = base.uncalibrated(state, offset);
+    const Vector3d u_before =
+        (before.R_WS.transpose() * (landmark + ConstVector3(landmark_error) - before.p_WS))
+            .normalized();
+    const double calibrated =
+        radar.scale * u.dot(radar.steady_S) - before.scale * u_before.dot(before.steady_S);
+    r[3] = (doppler->range_rate + before.scale * u_before.dot(before.v_S) + calibrated) /
+           doppler->sigma_doppler;
   }
 }
 

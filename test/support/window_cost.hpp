@@ -29,9 +29,13 @@ struct ScanCost {
     Matrix3d R_WS;
     Vector3d p_WS, v_S;
     double scale, elevation;  ///< what the detections are still wrong by
+    Vector3d steady_S;        ///< the steady velocity (propagate/steady_motion.hpp)
   };
   Radar radar(const double* state, const double* mount, const double* errors,
               const double* offset) const;
+  /// The same with the calibration of the reference: a Doppler changes with the calibration as if
+  /// the radar moved at the steady velocity.
+  Radar uncalibrated(const double* state, const double* offset) const;
 };
 
 struct DopplerCost {

@@ -45,23 +45,6 @@ TEST_F(CovarianceTest, MeasuredVelocityIsAKalmanUpdate) {
   expect_equal(P - K * P_v, 1e-12);
 }
 
-// Measured again, P and the state are what they were.
-TEST_F(CovarianceTest, WhatIsForgottenCanBeMeasuredAgain) {
-  const MatrixXd before = dense();
-  const int c = layout_.extrinsics() + 1;
-  const double information = 0.7 / before(c, c);
-  constexpr double kValue = 0.3;
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(before.rows());
-  covariance_.forget(c, kValue, information, &dx);
-  const MatrixXd P = dense();
-  EXPECT_GT(P(c, c), 2.0 * before(c, c));
-  const Eigen::VectorXd K = P.col(c) / (P(c, c) + 1.0 / information);
-  // that it is zero, where it now is at kValue + dx
-  EXPECT_LT((dx.head(P.rows()) - K * (kValue + dx[c])).norm(), 1e-12 * (1.0 + dx.norm()));
-  const MatrixXd again = P - K * P.row(c);
-  EXPECT_LT((again - before).norm(), 1e-9 * before.norm());
-}
-
 TEST_F(CovarianceTest, BlocksEnterAsLinearFunctionsOfTheState) {
   const int n = covariance_.size();
   const auto expect_block = [this](int at, const MatrixXd& H, const MatrixXd& noise) {

@@ -69,7 +69,9 @@ struct Motion {
     x.p_WB += error.segment<3>(3);
     x.v_WB += error.segment<3>(6);
     x.gyro_bias += error.segment<3>(9);
-    LinearizationPoint point(kEstimate, x, gyro_B, x.q_WB * accel_B);
+    SteadyMotion steady;
+    steady.accel_W = x.q_WB * accel_B;
+    LinearizationPoint point(kEstimate, x, gyro_B, steady);
     point.step_back(seconds);
     return point;
   }
@@ -110,7 +112,7 @@ class RowsOfAModel : public testing::Test {
     const Motion motion(random);
     x_.nav = motion.nav;
     x_.gyro_B = motion.gyro_B;
-    x_.accel_W = motion.accel_B;
+    x_.steady.accel_W = motion.accel_B;
     x_.T_BS.rotation = quaternion_exp(random.in_box(-kOnes, kOnes));
     x_.T_BS.translation = random.in_box(-kOnes, kOnes);
     x_.landmarks.push_back({x_.nav.p_WB + Vector3d(9.0, 0.0, 0.0)});

@@ -15,33 +15,6 @@
 namespace rio {
 namespace {
 
-// A low-pass of second order with a memory of 0.05 s: 1 - (1 + t / m) exp(-t / m) of a step.
-TEST(Acceleration, FollowsAStepWithinItsMemory) {
-  constexpr double kMemory = 0.05;
-  for (const double dt : {1e-3, 0.25e-3}) {
-    Acceleration a;
-    double t = 0.0;
-    while (t < 0.3) {
-      a.add(dt * Vector3d(2.0, -1.0, 0.5), dt);
-      t += dt;
-      const double expected = 1.0 - (1.0 + t / kMemory) * std::exp(-t / kMemory);
-      // of first order in dt
-      EXPECT_NEAR(a.smooth_W.x(), 2.0 * expected, 15.0 * dt) << t;
-      EXPECT_NEAR(a.smooth_W.y() / a.smooth_W.x(), -0.5, 1e-9);
-    }
-  }
-}
-
-TEST(Acceleration, IsWithoutTheVibrationOfRotors) {
-  Acceleration a;
-  double largest = 0.0;
-  for (int i = 0; i < 1000; ++i) {
-    a.add(1e-3 * 10.0 * std::sin(2.0 * M_PI * 100.0 * i * 1e-3) * Vector3d::UnitX(), 1e-3);
-    if (i > 500) largest = std::max(largest, a.smooth_W.norm());
-  }
-  EXPECT_LT(largest, 10.0 / std::pow(2.0 * M_PI * 100.0 * 0.05, 2) * 1.2);
-}
-
 class StateEstimateTest : public testing::Test {
  protected:
   StateEstimateTest() {
@@ -89,7 +62,7 @@ TEST_F(StateEstimateTest, PropagationKeepsWayRateAndAcceleration) {
     // five sigmas of white noise behind two low-passes: 5 sqrt(3) 4e-3 / sqrt(4 0.05) = 0.0775
     const double noise = 25.0 * 3.0 * 4e-3 * 4e-3 / (4.0 * 0.05);
     const double expected = a * a > noise ? a - noise / a : 0.0;
-    EXPECT_NEAR(b.estimate().accel_W.x(), expected, 1e-4) << a;
+    EXPECT_NEAR(b.estimate().steady.accel_W.x(), expected, 1e-4) << a;
     EXPECT_EQ(expected > 0.0, a > 0.08);
   }
 }
@@ -264,24 +237,76 @@ TEST_F(StateEstimateTest, AReopenedPositionIsThatMuchLessCertain) {
 
 // That of the model's own row, elevation error included.
 TEST_F(StateEstimateTest, TheVarianceOfADopplerIsThatOfItsRow) {
-  options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};
+  options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.06};
+  options_.radar.T_BS.translation = Vector3d(0.1, -0.2, 0.3);
   StateEstimate b(options_, 3);
   b.reset(nav_, BodyCovariance(0.01 * BodyCovariance::Identity()));
+  b.estimate().steady.v_B += Vector3d(0.3, -0.2, 0.1);
   const LinearizationPoint x(b.estimate());
   DopplerModel::Measurement z;
   z.direction_S = Vector3d(0.8, -0.36, 0.48);
   z.upwards_S = z.direction_S.cross(Vector3d::UnitY()).normalized();
   z.gyro_B = x.gyro_B;
+  z.steady = x.steady_offset();
   Evaluation<DopplerModel> e;
   ASSERT_TRUE(
       DopplerModel(DopplerDirections::kExact)
           .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R));
   const LinearRow row = state_rows<1>(e.J, DopplerModel::Blocks{}, x, {}, b.layout())[0];
   Eigen::Vector4d c;
-  c << z.direction_S, z.upwards_S.dot(x.radar_velocity_S());
+  c << z.direction_S, z.upwards_S.dot(x.radar_velocity_S() + z.steady.velocity_S);
   const double variance = b.covariance().product(row, row);
   EXPECT_NEAR(c.dot(b.doppler_covariance(x) * c), variance, 1e-12);
-  EXPECT_GT(c[3] * c[3] * 0.03 * 0.03, 1e-3 * variance);  // it matters
+  EXPECT_GT(c[3] * c[3] * 0.06 * 0.06, 1e-3 * variance);  // it matters
+}
+
+// The noise of the gyro sample moves the radar by its lever arm.
+TEST_F(StateEstimateTest, TheVarianceOfADopplerIncludesTheGyroSample) {
+  constexpr double kSigma = 0.03;
+  options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  options_.radar.T_BS = {test::rotation_of({0.3, 0.1, -0.4}), Vector3d(0.4, -0.3, 0.2)};
+  StateEstimate b(options_, 3);
+  b.reset(nav_, BodyCovariance::Zero());
+  b.estimate().gyro_variance = kSigma * kSigma;
+  LinearizationPoint x(b.estimate());
+  const Vector3d mean = x.radar_velocity_S();
+  Matrix3d expected = Matrix3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    x.gyro_B = kSigma * Vector3d::Unit(i);
+    const Vector3d moved = x.radar_velocity_S() - mean;
+    expected += moved * moved.transpose();
+  }
+  EXPECT_GT(expected.trace(), 1e-4);
+  EXPECT_LT((b.radar_velocity_covariance() - expected).norm(), 1e-12);
+}
+
+// That of a sample: density over interval. Not modelled where the noise is not measured.
+TEST_F(StateEstimateTest, PropagationTellsTheNoiseOfTheGyroSample) {
+  for (const bool measured : {true, false}) {
+    options_.imu.measure_noise = measured;
+    StateEstimate b = state_estimate();
+    const ImuBuffer imu = samples(Vector3d::Zero(), Vector3d::Zero());
+    bool gap = false;
+    ASSERT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kOk);
+    const double density = options_.imu.gyro_noise_density;
+    const double expected = measured ? density * density / 0.005 : 0.0;
+    EXPECT_NEAR(b.estimate().gyro_variance, expected, 1e-3 * expected);
+  }
+}
+
+// At a constant velocity the steady motion is that of the body, also after a restart.
+TEST_F(StateEstimateTest, TheSteadyMotionStartsAtTheVelocity) {
+  StateEstimate b = state_estimate();
+  const auto expect_steady = [&b](const Vector3d& v_B) {
+    EXPECT_LT((b.estimate().steady.v_B - v_B).norm(), 1e-3);
+  };
+  expect_steady(nav_.q_WB.conjugate() * nav_.v_WB);
+  const ImuBuffer imu = samples(Vector3d::Zero(), {0.4, -0.2, 0.7});
+  bool gap = false;
+  ASSERT_EQ(b.propagate(imu.newest().time, imu, &gap), Status::kOk);
+  expect_steady(b.estimate().nav.q_WB.conjugate() * nav_.v_WB);
+  b.restart_velocity({1.0, 2.0, 3.0}, 1e-4 * Matrix3d::Identity(), 0.1, 0.0);
+  expect_steady({1.0, 2.0, 3.0});
 }
 
 // Of a velocity known along and across, turned with the body and the radar.
@@ -358,57 +383,6 @@ TEST_F(StateEstimateTest, CorrectionsReachEveryBlock) {
   EXPECT_LT(
       (x.landmarks[0].p_W - before.landmarks[0].p_W - dx.segment<3>(b.layout().landmark(0))).norm(),
       1e-12);
-}
-
-// Told: half the prior sigma. Contradicted beyond three sigmas of what a right prior is moved by,
-// and beyond the configured sigma; reported once.
-TEST_F(StateEstimateTest, AContradictedParameterIsBelievedToItsPrior) {
-  options_.calibration = {0.0, 0.0, 0.0, 0.02, 0.0};
-  const double configured = 0.25 * 0.02 * 0.02;
-  StateEstimate b = state_estimate();
-  const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
-  EXPECT_NEAR(b.covariance().matrix()(scale, scale), configured, 1e-15);
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
-  dx[scale] = 0.99 * std::sqrt(configured);
-  b.correct(dx);
-  EXPECT_TRUE(b.contradictions().empty());  // within the configured sigma
-  b.covariance().matrix()(scale, scale) = 0.5 * configured;
-  dx[scale] = (std::sqrt(6.125) - 0.99 - 0.01) * std::sqrt(configured);
-  b.correct(dx);
-  EXPECT_TRUE(b.contradictions().empty());  // within 3.5 sigmas of what it has moved by
-  EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), kCalibrationConfiguredShare);
-  dx[scale] = 0.02 * std::sqrt(configured);
-  b.correct(dx);
-  const auto found = b.contradictions();
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].column, scale);
-  EXPECT_NEAR(found[0].value, (std::sqrt(6.125) + 0.01) * std::sqrt(configured), 1e-12);
-  EXPECT_NEAR(found[0].information, 1.0 / configured - 1.0 / (0.02 * 0.02), 1e-6);
-  EXPECT_EQ(b.prior_share(Calibration::kDopplerScale), 1.0);
-  EXPECT_TRUE(b.contradictions().empty());
-}
-
-// The longer it walks, the less the configured value says of it: after 900 s with a fifth of the
-// prior sigma in sqrt(900 s) its variance is (0.25 + 0.04) of the prior's.
-TEST_F(StateEstimateTest, AParameterThatWalkedIsContradictedLater) {
-  constexpr double kSigma = 0.02;
-  constexpr double kSeconds = 900.0;
-  options_.calibration = {0.0, 0.0, 0.0, kSigma, 0.0, 0.2 / std::sqrt(kSeconds)};
-  StateEstimate b = state_estimate();
-  const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
-  b.estimate().nav.time += from_seconds(kSeconds);
-  b.covariance().add_parameter_noise(b.parameters().walk, kSeconds);
-  const double prior = 0.29 * kSigma * kSigma;
-  EXPECT_NEAR(b.covariance().matrix()(scale, scale), prior, 1e-9 * prior);
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
-  dx[scale] = 0.99 * std::sqrt(prior);
-  b.correct(dx);
-  EXPECT_TRUE(b.contradictions().empty());
-  dx[scale] = 0.02 * std::sqrt(prior);
-  b.correct(dx);
-  const auto found = b.contradictions();
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_NEAR(found[0].information, 1.0 / prior - 1.0 / (1.04 * kSigma * kSigma), 1e-6 / prior);
 }
 
 }  // namespace
