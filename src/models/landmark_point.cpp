@@ -60,20 +60,15 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Vector3d scaled_u = scale * u;
   const Vector3d a = T_BS.R * scaled_u;
   const Vector3d a_W = T_WB.R * a;
-  const auto by_point = [&](const Vector3d& velocity_S) {
-    const Eigen::RowVector3d d_h_d_e =
-        (u.dot(velocity_S) * scaled_u - scale * velocity_S).transpose() / h;
-    return Eigen::Matrix<double, 1, ObservedPoint::Blocks::kDof>(d_h_d_e * point.d_e);
-  };
-  const auto d_h = by_point(v_S);
+  const Eigen::RowVector3d d_h_d_e = (u.dot(v_S) * scaled_u - scale * v_S).transpose() / h;
+  const Eigen::Matrix<double, 1, ObservedPoint::Blocks::kDof> d_h = d_h_d_e * point.d_e;
   J->block<1, 6>(0, Blocks::column<BodyPose>()) = ObservedPoint::by_body(d_h);
   J->block<1, 3>(0, Blocks::column<BodyPose>()) += v_B.cross(a).transpose();
   J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
   J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
+  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d_h);
   const Vector3d steady_v_S = v_S + z.steady.velocity_S;
   const Vector3d steady_w = w + z.steady.rate_B;
-  J->block<1, 6>(0, Blocks::column<Extrinsics>()) =
-      ObservedPoint::by_extrinsics(by_point(steady_v_S));
   J->block<1, 3>(0, Blocks::column<Extrinsics>()) += steady_v_S.cross(scaled_u).transpose();
   J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += steady_w.cross(a).transpose();
   J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(steady_v_S), 0.0;

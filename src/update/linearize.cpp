@@ -32,6 +32,7 @@ void LinearizationPoint::step_back(double seconds) {
 void LinearizationPoint::stand() {
   pose_rate.setZero();
   accel_W.setZero();
+  steady = SteadyMotion{};
 }
 
 Vector3d LinearizationPoint::radar_velocity_S() const {

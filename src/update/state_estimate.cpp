@@ -114,6 +114,8 @@ void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Ve
   const Vector3d v_before_B = nav.q_WB.conjugate() * nav.v_WB;
   nav.q_WB = (rotation_between(nav.q_WB * g_B, -Vector3d::UnitZ()) * nav.q_WB).normalized();
   nav.v_WB = nav.q_WB * v_before_B;
+  steady_.reset(v_before_B);
+  estimate_.steady = steady_.motion();
   const double angle = sigma / options_.imu.gravity;
   const double rate = angle / (duration + kBefore);
   // error of the velocity: its difference, and its rotation by the tilt error

@@ -8,6 +8,8 @@
 //                 measured direction: the measured values are 0, the noise is that of each angle
 // (E3) Doppler    h = -u . v_S with the landmark's direction u, which is better known than the
 //                 detection's; v_S is multiplied by 1 + scale error; (E7) of models/doppler.hpp
+//                 for the v_S that the mounting turns; in the column of e by the mounting it is the
+//                 predicted one, as in that of the landmark, with which it cancels
 // Across the line of sight e is uncertain by decimetres, where |e| is curved. Its terms of second
 // order, with M the covariance of the predicted direction [rad^2]:
 // (E4) E|e| - |e^| = |e^|/2 tr M,   additional variance |e^|^2/2 tr M^2

@@ -4,10 +4,10 @@
 //
 // The predicted velocity v^ contains the noise of the accelerometer, of density q. At v^, the
 // Jacobian in the mounting, v^ x u, changes from scan to scan as if the body accelerated:
-// (E1) a scan after dt then claims the information |n x dv|^2 / (q dt) = 2 about a rotation of the
-//      mounting about the axis n, from noise alone: 1.3 deg after a thousand scans at rest or at
-//      constant speed, where nothing is known; and the estimate is drawn, because the same noise is
-//      in the residual (regression dilution)
+// (E1) a scan after dt then claims the information |n x dv|^2 / (q dt) = 4 about a rotation of the
+//      mounting about the axis n, dv the difference of two predictions, from noise alone: 0.9 deg
+//      after a thousand scans at constant speed, where nothing is known; and the estimate is drawn,
+//      because the same noise is in the residual (regression dilution)
 // A linearisation point that does not depend on this noise has neither (instrumental variables).
 // It follows the acceleration that white noise cannot explain, and otherwise v^ slowly:
 // (E2) a: change of v^ per time after two low-passes of time constant m, times (1 - n / |a|^2)+,

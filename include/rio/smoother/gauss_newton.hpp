@@ -64,7 +64,9 @@ class GaussNewton {
       converged = length < options_.tolerance;
       if (converged) break;
       const double next = build();
-      if (next <= cost + kCostRounding * std::abs(cost)) {
+      // at the steady motion g is not quite the gradient of the cost: a shorter next step is as
+      // good
+      if (next <= cost + kCostRounding * std::abs(cost) || step(*system) < length) {
         cost = next;
         last = damping == 0.0 ? length : kNone;
         damping = damping > kLeastDamping ? 0.1 * damping : 0.0;

@@ -41,7 +41,9 @@ struct LinearizationPoint {
   /// the errors of that state (E2).
   void step_back(double seconds);
 
-  /// The body is at rest: the derivative of the estimate is noise and set to zero.
+  /// The body is at rest: the derivative of the estimate is noise and set to zero, and so is the
+  /// steady motion, which otherwise would still be that of before: Dopplers at rest tell nothing
+  /// of the mounting.
   void stand();
 
   /// Velocity of the radar in its own axes.

@@ -7,8 +7,9 @@
 // average it is an illusion. Innovations of a landmark from look to look show it: independent
 // errors cancel in their sum, lasting ones add up.
 // (E1) f = E |sum b^k nu_k|^2 / E sum b^2k |nu_k|^2, nu_k the normalised innovations of azimuth and
-//      elevation, k looks ago; b gives the memory of the sum. Independent: f = 1; a share c of
-//      their variance common to all n looks: f = 1 + c (n - 1)
+//      elevation, k looks ago; b gives the memory of the sum, E the mean over looks. Independent:
+//      f = 1; a share c of their variance common to n looks: 1 + c (n - 1) at the last of them, on
+//      average over them some two thirds of it
 // (E2) n looks have as much information as n / f independent ones: the variance is multiplied by f
 // The estimate adapts to the landmark, so that f is somewhat too small; as the inflation grows, it
 // adapts less. Looks from nearly the same place do not count and are not inflated: there the whole

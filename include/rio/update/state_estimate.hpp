@@ -75,7 +75,8 @@ class StateEstimate {
 
   /// V, covariance of the predicted velocity of the radar in its axes [m/s] and of the elevation
   /// error [rad]. A Doppler along u, t the unit tangent towards higher elevation, has the variance
-  /// c^T V c, c = [u, t . v_S], due to the errors of the state and of the gyro sample.
+  /// c^T V c, c = [u, t . v_S] at the steady v_S, due to the errors of the state and of the gyro
+  /// sample.
   Eigen::Matrix4d doppler_covariance(const LinearizationPoint& x) const;
   /// The velocity's part of V [m^2/s^2].
   Matrix3d radar_velocity_covariance() const;
