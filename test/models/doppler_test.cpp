@@ -188,7 +188,7 @@ void expect_turn_unobservable(const M& model, typename M::Measurement z,
     return std::abs(at.J.dot(turn));
   };
   EXPECT_LT(information({noise_S, Vector3d::Zero()}), 1e-12);
-  EXPECT_GT(information({}), 0.05);
+  EXPECT_GT(information({}), 0.01);
 }
 
 TEST(DopplerModel, TurningMountingAndMotionTogetherIsNotObserved) {
