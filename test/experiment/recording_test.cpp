@@ -23,7 +23,7 @@ Recording simulated() {
   scenario.seed = 3;
   scenario.path.length = 20.0;
   const sim::Flight flight = sim::simulate_flight(scenario);
-  Recording r{"simulated", {}, {}};
+  Recording r{"simulated", "", {}, {}};
   r.data.imu = flight.imu;
   r.data.scans = flight.scans;
   r.data.radar_info.T_BS = flight.configured_T_BS;

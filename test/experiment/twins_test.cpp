@@ -25,7 +25,7 @@ Recording drive() {
   scenario.seed = 5;
   scenario.path.length = 15.0;
   const sim::Flight flight = sim::simulate_flight(scenario);
-  Recording r{"drive", {}, {}};
+  Recording r{"drive", "", {}, {}};
   r.data.imu = flight.imu;
   r.data.scans = flight.scans;
   r.data.imu_info.rate_hz = scenario.imu.rate_hz;

@@ -74,7 +74,7 @@ ScanCost::Radar ScanCost::radar(const double* state, const double* mount, const 
   out.R_WS = x.R * m.R;
   out.p_WS = x.R * m.p + x.p;
   out.v_S = m.R.transpose() * (x.R.transpose() * x.v + w.cross(m.p));
-  const SteadyMotion& steady = scan.steady;
+  const SteadyMotion steady = scan.at_rest() ? SteadyMotion{} : scan.steady;
   out.steady_S = m.R.transpose() * (steady.v_B + steady.rate_B.cross(m.p));
   out.scale = 1.0 + errors[0] + radar_errors[0] - scan.scanned[0].radar_errors[0];
   out.elevation = errors[1] + radar_errors[1] - scan.scanned[0].radar_errors[1];
@@ -121,12 +121,9 @@ void PointCost::operator()(const double* state, const double* mount, const doubl
   r[2] = (-u.dot(z.sigma_elevation_S / el) - radar.elevation) / el;
   if (doppler) {
     const ScanCost::Radar before = base.uncalibrated(state, offset);
-    const Vector3d u_before =
-        (before.R_WS.transpose() * (landmark + ConstVector3(landmark_error) - before.p_WS))
-            .normalized();
     const double calibrated =
-        radar.scale * u.dot(radar.steady_S) - before.scale * u_before.dot(before.steady_S);
-    r[3] = (doppler->range_rate + before.scale * u_before.dot(before.v_S) + calibrated) /
+        radar.scale * u.dot(radar.steady_S) - before.scale * u.dot(before.steady_S);
+    r[3] = (doppler->range_rate + before.scale * u.dot(before.v_S) + calibrated) /
            doppler->sigma_doppler;
   }
 }
