@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kRotors = 0.05;      // m of (E2): rotors are faster, bodies slower [s]
 constexpr double kVehicles = 2.0;     // T of (E3): speeding up, braking, a turn [s]
+constexpr double kReplaced = 1.0;     // no lag: a start in motion, or a velocity replaced [m/s]
 constexpr double kAccelBound = 25.0;  // square of five sigmas: with three, an aliased tone passes
 constexpr double kRateBound = 16.0;   // square of four sigmas: a tone of the rotors passes less
 
@@ -36,6 +37,7 @@ void SteadyMotionFilter::advance(const NavState& before, const NavState& after,
   motion_.accel_W = beyond_noise(twice_W_, kAccelBound * 3.0 * accel_density / (4.0 * kRotors));
   const double pull = seconds / (kVehicles + seconds);
   Vector3d v_W = before.q_WB * motion_.v_B;
+  if ((before.v_WB - v_W).norm() > kReplaced) v_W = before.v_WB;
   v_W += seconds * motion_.accel_W + pull * (before.v_WB - v_W);  // (E3)
   motion_.v_B = after.q_WB.conjugate() * v_W;
   motion_.rate_B +=

@@ -82,7 +82,6 @@ void expect_figures(const std::string& pattern, const std::vector<double>& value
 }
 
 constexpr const char* kFlights = "## The flights of the 2023 paper";
-constexpr const char* kReal = "All recordings, median (worst)";
 constexpr const char* kNumber = "([0-9.]*[0-9])";
 
 /// "#" is a figure.
@@ -105,12 +104,6 @@ TEST(Readme, AccuracyOfItsFirstScreenIsThatOfTheResults) {
           "**Accuracy**, error in % of the distance travelled: # % at the end of simulated flights "
           "of 128 to 175 m (worst # %)"),
       {mean(flights), worst(flights)});
-  const Cells real = row(kReal, {"default, filter", "as given"});
-  const Cells copies = row("Perturbed copies", {"all", "default, filter"});
-  expect_figures(pattern("kart with six points a scan # % horizontally (median; worst # %), # % in "
-                         "height (worst # %); # m after # m carried by hand"),
-                 {mean(real[4]), worst(real[4]), mean(real[5]), worst(real[5]), mean(copies[3]),
-                  mean(row("## Real recordings", {"ti_demo"})[1])});
 }
 
 TEST(Readme, CostOfItsFirstScreenIsThatOfTheResults) {
@@ -132,8 +125,6 @@ TEST(Readme, LimitsOfItsFirstScreenAreThoseOfTheResults) {
   EXPECT_NEAR(nees("people"), 3.0, 0.5);  // "a factor of three in variance"
   EXPECT_LT(nees("rough-imu"), 1.5);      // not named
   EXPECT_NE(readme().find("overconfident by a factor of three in variance"), std::string::npos);
-  const Cells moving = row("Perturbed copies", {"2 s of rest before the start", "default, filter"});
-  EXPECT_EQ(moving[2], "8 of 9");  // "some recordings do not start"
 }
 
 TEST(Readme, FlightsOfThePaperAreThoseOfTheResults) {
@@ -143,23 +134,6 @@ TEST(Readme, FlightsOfThePaperAreThoseOfTheResults) {
                  {mean(all[3]), worst(all[3]), mean(all[5]), worst(all[5])});
   const double times = std::atof(all[6].c_str() + all[6].find("default") + 8);
   expect_figures(pattern("`default` is # times what the same data would allow"), {times});
-}
-
-TEST(Readme, TableOfRealRecordingsIsThatOfTheResults) {
-  const std::string text = readme();
-  for (const char* estimator :
-       {"default, filter", "default, smoother", "published-smoother", "published-ekf"}) {
-    const Cells cells = row(kReal, {estimator, "as given"});
-    const std::string name = std::regex_replace(estimator, std::regex("([a-z-]+)(.*)"), "`$1`$2");
-    const std::string expected =
-        "| " + name + " | " + cells[4] + " | " + cells[5] + " | " + cells[6] + " |";
-    EXPECT_NE(text.find(expected), std::string::npos) << expected;
-  }
-  const Cells filter = row("Perturbed copies", {"all", "default, filter"});
-  const Cells smoother = row("Perturbed copies", {"all", "default, smoother"});
-  expect_figures(
-      pattern("perturbed copies # m with the filter, # with the smoother (worst #)"),
-      {mean(filter[3]), mean(smoother[3]), std::max(worst(filter[3]), worst(smoother[3]))});
 }
 
 TEST(Readme, ScenariosAreThoseOfTheResults) {
