@@ -101,7 +101,7 @@ TEST_P(Kart, TwoRadarsOfADriveAreBetterThanOne) {
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, Kart,
                          testing::Values(Bounds{BackEnd::kEkf, "filter", 1.2},
-                                         Bounds{BackEnd::kSmoother, "window", 1.2}),
+                                         Bounds{BackEnd::kSmoother, "window", 1.3}),
                          [](const auto& b) { return std::string(b.param.name); });
 
 }  // namespace

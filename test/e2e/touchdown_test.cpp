@@ -50,9 +50,9 @@ TEST_P(Touchdown, StaysWhereItIs) {
   const double median = creep[creep.size() / 2];
   const std::string name = GetParam() == BackEnd::kEkf ? "filter" : "window";
   measured(name + ": creep of the height, of the recording itself [m]", unchanged, "");
-  measured(name + ": creep of the height after touchdown, median [m]", median, "at most 0.02");
+  measured(name + ": creep of the height after touchdown, median [m]", median, "at most 0.03");
   measured(name + ": creep in its sigmas, worst", creep_sigmas, "below 1");
-  EXPECT_LE(median, 0.02);
+  EXPECT_LE(median, 0.03);
   EXPECT_LT(creep_sigmas, 1.0);
 }
 
