@@ -6,9 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <fstream>
+#include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -42,13 +43,20 @@ inline Texts texts_of(const std::vector<Row>& rows) {
 /// @throws std::runtime_error if the file is missing, empty or has rows of unequal length
 inline Texts read_table(const std::filesystem::path& path) {
   std::ifstream file(path);  // the heading is a row here
+  if (!file) throw std::runtime_error(path.string() + ": no such file");
   Texts result;
   for (std::string line; std::getline(file, line);) {
     if (line.empty() || line.front() == '#') continue;
     result.emplace_back();
     std::istringstream cells(line);
     for (std::string cell; std::getline(cells, cell, ',');) result.back().push_back(cell);
+    if (result.back().size() != result.front().size()) {
+      throw std::runtime_error(path.string() + ":" + std::to_string(result.size()) + ": has " +
+                               std::to_string(result.back().size()) + " columns, the rows before " +
+                               "have " + std::to_string(result.front().size()));
+    }
   }
+  if (result.empty()) throw std::runtime_error(path.string() + ": holds no rows");
   return result;
 }
 
