@@ -281,7 +281,9 @@ bool is_transforms(const Topic& topic) {
 }
 
 std::vector<Transform> decode_transforms(Encoding encoding, Bytes message) {
-  const auto frame = [](const std::string& name) { return name.substr(name.starts_with('/') ? 1 : 0); };
+  const auto frame = [](const std::string& name) {
+    return name.substr(name.starts_with('/') ? 1 : 0);
+  };
   WireReader reader = reader_of(encoding, message);
   std::vector<Transform> out;
   const auto count = reader.read<std::uint32_t>();

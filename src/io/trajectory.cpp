@@ -30,8 +30,7 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order) {
     if (!q) rows.fail("not a unit quaternion");
     if (!pose.p.allFinite()) rows.fail("position is not finite");
     pose.q = *q;
-    if (order == TumOrder::kStrict && !trajectory.empty() &&
-        pose.time <= trajectory.back().time) {
+    if (order == TumOrder::kStrict && !trajectory.empty() && pose.time <= trajectory.back().time) {
       rows.fail("time does not increase");
     }
     trajectory.push_back(pose);
