@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kRotors = 0.05;      // m of (E2): rotors are faster, bodies slower [s]
 constexpr double kVehicles = 2.0;     // T of (E3): speeding up, braking, a turn [s]
-constexpr double kReplaced = 1.0;     // no lag: a start in motion, or a velocity replaced [m/s]
+constexpr double kKnown = 0.5;        // sigma of a velocity that scans have measured [m/s]
 constexpr double kAccelBound = 25.0;  // square of five sigmas: with three, an aliased tone passes
 constexpr double kRateBound = 16.0;   // square of four sigmas: a tone of the rotors passes less
 
@@ -33,11 +33,13 @@ void SteadyMotionFilter::add(const Vector3d& change_W, double seconds) {
 
 void SteadyMotionFilter::advance(const NavState& before, const NavState& after,
                                  const Vector3d& rate_B, double seconds, double accel_density,
-                                 double rate_variance) {
+                                 double rate_variance, double velocity_variance) {
   motion_.accel_W = beyond_noise(twice_W_, kAccelBound * 3.0 * accel_density / (4.0 * kRotors));
   const double pull = seconds / (kVehicles + seconds);
   Vector3d v_W = before.q_WB * motion_.v_B;
-  if ((before.v_WB - v_W).norm() > kReplaced) v_W = before.v_WB;
+  const bool unknown = velocity_variance > kKnown * kKnown;
+  if (unknown || unknown_) v_W = before.v_WB;
+  unknown_ = unknown;
   v_W += seconds * motion_.accel_W + pull * (before.v_WB - v_W);  // (E3)
   motion_.v_B = after.q_WB.conjugate() * v_W;
   motion_.rate_B +=

@@ -80,7 +80,7 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   estimate_.gyro_B = imu.at(to).gyro_B;
   estimate_.gyro_variance = gyro_variance;
   steady.advance(estimate_.nav, p.state, estimate_.gyro_B - p.state.gyro_bias, seconds, density,
-                 gyro_variance);
+                 gyro_variance, covariance_.matrix().diagonal().segment<3>(body::kVelocity).sum());
   steady_ = steady;
   estimate_.steady = steady_.motion();
   estimate_.nav = p.state;

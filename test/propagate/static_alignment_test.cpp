@@ -315,6 +315,34 @@ TEST(StaticAlignment, SlowTurnIsNoSureBias) {
   }
 }
 
+// Switched on at rest and soon moved: the rest of the first window is used, with a larger sigma.
+TEST(StaticAlignment, ShortRestIsEnoughInTheFirstWindowOnly) {
+  const auto bias_variance = [](const Outcome& out) {
+    return out.alignment->covariance(body::kGyroBias, body::kGyroBias);
+  };
+  const auto still_for = [](double rest, double shaken_before) {
+    Imu imu = noisy(Vector3d::UnitZ());
+    imu.motion = [=](double t, ImuSample& s) {
+      const bool shakes = t < shaken_before || t >= shaken_before + rest;
+      if (shakes) s.accel_B.x() += 4.0 * std::sin(40.0 * t);
+    };
+    return imu;
+  };
+  const auto begin = [](const Imu& imu, int count) {
+    test::Random random(8);
+    StaticAligner aligner(StartOptions{}, ImuOptions{});
+    return align(aligner, imu, random, 0, count);
+  };
+  const Outcome whole = begin(still_for(2.0, 0.0), 400);
+  const Outcome part = begin(still_for(1.2, 0.0), 400);
+  ASSERT_TRUE(whole.alignment && part.alignment);
+  EXPECT_EQ(part.alignment->state.time, Time(101'000'000'000));  // two thirds of 1.5 s
+  EXPECT_LT(part.alignment->state.gyro_bias.norm(), 5.0 * 4e-4);
+  EXPECT_GT(bias_variance(part), bias_variance(whole));
+  EXPECT_FALSE(begin(still_for(0.8, 0.0), 400).alignment);
+  EXPECT_FALSE(begin(still_for(1.2, 2.0), 1000).alignment);  // no first window
+}
+
 TEST(StaticAlignment, ResetForgetsTheWindow) {
   test::Random random(7);
   Imu moving = noisy(Vector3d::UnitZ());

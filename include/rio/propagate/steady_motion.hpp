@@ -12,7 +12,8 @@
 // It follows the acceleration that white noise cannot explain, and otherwise v^ slowly:
 // (E2) a: change of v^ per time after two low-passes of time constant m, times (1 - n / |a|^2)+,
 //      n = 25 x 3 q / (4 m): five sigmas of what white noise leaves (James-Stein shrinkage)
-// (E3) v <- v + a dt + (v^ - v) dt / (T + dt), v^ as corrected by the scan before
+// (E3) v <- v + a dt + (v^ - v) dt / (T + dt), v^ as corrected by the scan before; v <- v^ while
+//      the velocity is not known (sigma above 0.5 m/s) and when it has become so
 // (E4) w <- w + (1 - n / |d|^2)+ d, d = w^ - w, n = 16 x 3 sigma_w^2: four sigmas of a sample; then
 //      as (E3)
 // Frames: v in B, a in W. With a good IMU, v is v^ after the delay of (E2); with an accelerometer
@@ -43,13 +44,16 @@ class SteadyMotionFilter {
   /// @param rate_B angular rate at `after` [rad/s]
   /// @param accel_density of the accelerometer [(m/s^2)^2/Hz]
   /// @param rate_variance of a gyro sample [rad^2/s^2]
+  /// @param velocity_variance of `before`, all axes [m^2/s^2]
   void advance(const NavState& before, const NavState& after, const Vector3d& rate_B,
-               double seconds, double accel_density, double rate_variance);
+               double seconds, double accel_density, double rate_variance,
+               double velocity_variance = 0.0);
 
   const SteadyMotion& motion() const { return motion_; }
 
  private:
   SteadyMotion motion_;
+  bool unknown_ = false;                 ///< the velocity, at the call before
   Vector3d once_W_ = Vector3d::Zero();   ///< acceleration, smoothed once [m/s^2]
   Vector3d twice_W_ = Vector3d::Zero();  ///< same, twice [m/s^2]
 };
