@@ -11,14 +11,14 @@
 
 #include "odometry_impl.hpp"
 #include "prior_check.hpp"
+#include "rio/checks/imu_guard.hpp"
+#include "rio/checks/stamp_guard.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
-#include "rio/propagate/imu_guard.hpp"
 #include "rio/propagate/moving_start.hpp"
 #include "rio/propagate/predictor.hpp"
 #include "rio/propagate/restart.hpp"
-#include "rio/propagate/stamp_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"
 #include "scan_history.hpp"
@@ -141,7 +141,7 @@ class Engine final : public Odometry::Impl {
     }
     history_.take(radar, measured, newest_imu());
     if (!waits) {
-      const Status status = process(filtered_);
+      const Status status = count(filtered_, pipeline_.process(filtered_, imu_));
       process_ready();
       return status;
     }
@@ -244,7 +244,7 @@ class Engine final : public Odometry::Impl {
     while (!queue_.empty()) {
       const DetectionList& next = queue_.front();
       if (!is_ready(pipeline_.measured_at(next.time, next.radar), next.radar)) return;
-      process(next);
+      (void)count(next, pipeline_.process(next, imu_));
       queue_.pop_front();
     }
   }
@@ -329,8 +329,8 @@ class Engine final : public Odometry::Impl {
     return Status::kOk;
   }
 
-  Status process(const DetectionList& scan) {
-    const Status status = pipeline_.process(scan, imu_);
+  /// After the pipeline has processed a scan.
+  Status count(const DetectionList& scan, Status status) {
     history_.process(scan.time, scan.radar, at_scan().time);
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
     counters.velocity_resets += pipeline_.report().velocity_reset ? 1 : 0;

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "rio/propagate/stamp_guard.hpp"
+#include "rio/checks/stamp_guard.hpp"
 #include "rio/types.hpp"
 
 namespace rio {

@@ -70,7 +70,7 @@ enum class Matching {
   kMahalanobis,  ///< closer than both uncertainties allow, and nothing else is nearly as close
 };
 
-/// Stages 3 and 7: detections to observations.
+/// Stages 2 and 6: detections to observations.
 struct FrontendOptions {
   int max_detections = 128;        ///< per scan, 1024 at most; of more, the strongest are kept
   double ransac_threshold = 0.15;  ///< |Doppler residual| of an inlier is below this [m/s] or ...
@@ -118,7 +118,7 @@ enum class DopplerDirections {
   kReliable,   ///< the part of a scan's spread of directions that is error carries no information
 };
 
-/// Stages 4 to 6: measurement models, gates, update.
+/// Stages 3 to 5: measurement models, gates, update.
 struct UpdateOptions {
   bool use_doppler = true;
   bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case

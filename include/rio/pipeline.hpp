@@ -1,49 +1,51 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The research API: the data flow of one scan, one call per stage, for any back-end
-// (ekf/ekf.hpp, smoother/smoother.hpp, or yours). C++20.
+// The research API: the data flow of one scan for any back-end (ekf/ekf.hpp, smoother/smoother.hpp,
+// or yours: update/back_end.hpp). C++20. The stages, in the order in which process() runs them:
 //
-//   (1) propagate, (3) front-end, (4) models, (5) gate, (6) update, (7) promote, (2) clone
+//   1 propagate   propagate/, the back-end      5 update    the back-end
+//   2 front-end   frontend/                     6 promote   frontend/, update/landmark_policy.hpp
+//   3 models      models/, update/scan_rows     7 clone     the back-end
+//   4 gate        update/gate, update/scan_rows (8 predict  the odometry, rio.hpp)
 //
-// The estimated errors of the radar are removed first: the stamp is corrected by the time offset,
-// the detections are corrected for elevation bias and Doppler scale. Stochastic cloning comes last:
-// a clone is the corrected pose of this scan, kept for later scans.
+// Stochastic cloning comes last: a clone is the corrected pose of this scan, kept for later scans.
+// checks/ watches the estimate before and after the update.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <optional>
 #include <vector>
 
+#include "rio/checks/calibration_report.hpp"
+#include "rio/checks/checks.hpp"
+#include "rio/checks/health_monitor.hpp"
 #include "rio/frontend/frontend.hpp"
-#include "rio/frontend/own_echoes.hpp"
 #include "rio/frontend/rest_detector.hpp"
+#include "rio/frontend/scan_correction.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/report.hpp"
 #include "rio/update/aiding_queue.hpp"
-#include "rio/update/calibration_report.hpp"
-#include "rio/update/consistency_checks.hpp"
-#include "rio/update/health_monitor.hpp"
+#include "rio/update/back_end.hpp"
+#include "rio/update/scan_rows.hpp"
 
 namespace rio {
 
-/// Front-end, consistency checks and back-end of one estimator; scans are processed in time order.
-template <class BackEnd>
+/// Front-end, measurement models, checks and back-end of one estimator; scans are processed in time
+/// order.
+template <OdometryBackEnd BackEnd>
 class Pipeline {
  public:
   /// `options` must be valid (Options::validate).
   explicit Pipeline(const Options& options)
       : options_(options),
+        correction_(options),
         rest_(options),
+        rows_(options),
         backend_(options),
-        checks_(options, &backend_, &report_),
-        corrected_(options.frontend.max_detections) {
-    for (std::size_t r = 0; r < options.radars(); ++r) {
-      frontends_.emplace_back(options.seen_by(r));
-      own_echoes_.emplace_back(doppler_fold(options, r));
-    }
+        checks_(options, &backend_, &report_) {
+    for (std::size_t r = 0; r < options.radars(); ++r) frontends_.emplace_back(options.seen_by(r));
     seen_.aiding = &aiding_.taken();
     aided_.aiding = &aiding_.taken();
   }
@@ -101,7 +103,8 @@ class Pipeline {
     report_.status = propagate(at, imu, &report_.imu_gap);
     gather(at, imu);
     if (report_.status == Status::kOk && !tilt_is_lost()) {
-      report_.status = backend_.update(aided_, &report_);
+      rows_.build(aided_, backend_.state_estimate(), &report_);
+      report_.status = backend_.update(aided_, rows_);
     }
     summarise_state();
     report_.health = health_.health();
@@ -122,32 +125,31 @@ class Pipeline {
     report_ = UpdateReport{};
     report_.time = received.time;
     report_.radar = received.radar;
-    report_.status = propagate(measured, imu, &report_.imu_gap);  // (1)
+    report_.status = propagate(measured, imu, &report_.imu_gap);  // 1
     const Time propagated = now();
     report_.propagation_time = propagated - start;
     gather(measured, imu);
     if (report_.status != Status::kOk) return conclude();
-
     if (tilt_is_lost()) return conclude();  // a linearised update could give any tilt
 
-    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
-    const DetectionList& scan = without_own_echoes(corrected(received));
-    forget_if_uncertain(scan.time);
-    observe(scan, last);  // (3)
-    if (seen_.ego_velocity.inliers > 0) last_static_set_ = scan.time;
+    predict_velocity_covariance();
+    const DetectionList& scan = correction_.correct(received, estimate(), velocity_covariance_);
+    if (checks_.check_landmarks(scan.time, report_.imu_gap)) reset_frontends();
+    observe(scan, last);  // 2
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
     checks_.predicted();
-    report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
-    count_own_echoes();
+    rows_.build(seen_, backend_.state_estimate(), &report_);  // 3 4
+    report_.status = backend_.update(seen_, rows_);           // 5
+    correction_.restore_indices(&report_);
     if (report_.status == Status::kOk) {
       const ScanId scan_id = number();
-      frontend().advance(seen_, scan_id, backend_.landmark_room(seen_), &promotions_);  // (7)
-      backend_.maintain_landmarks(seen_, promotions_, &report_);
+      frontend().advance(seen_, scan_id, backend_.landmark_room(seen_), &promotions_);  // 6
+      backend_.maintain_landmarks(seen_, rows_, promotions_, &report_);
       const double seconds = to_seconds(estimate().nav.time - last);
-      if (checks_.check_gyro_bias()) reset_frontends();
+      if (checks_.check_heading()) reset_frontends();
       if (checks_.check_position(health_, seconds)) reset_frontends();
-      backend_.clone(scan_id);  // (2)
+      backend_.clone(scan_id);  // 7
     }
     summarise(scan);
     report_.update_time = now() - propagated;
@@ -156,11 +158,11 @@ class Pipeline {
 
  private:
   void reset(const NavState& prior, const BodyCovariance& P0, bool unconfirmed) {
-    reset_own_echoes();
+    correction_.reset();
     reset_frontends();
     checks_.reset(prior.time, unconfirmed);
     rest_.reset();
-    last_static_set_ = prior.time;
+    rows_.reset();
     backend_.reset(prior, P0);
     health_.reset(prior.time);
     report_ = UpdateReport{};
@@ -168,7 +170,7 @@ class Pipeline {
     aiding_.clear();
   }
 
-  /// Stage 1, and the data gathered by the checks.
+  /// Stage 1, and the evidence gathered by the checks.
   /// @param gap set if the IMU paused since
   Status propagate(Time time, const ImuBuffer& imu, bool* gap) {
     const Time last = estimate().nav.time;
@@ -199,9 +201,6 @@ class Pipeline {
 
   /// The front-end of the radar whose scan is processed.
   Frontend& frontend() { return frontends_[estimate().radar]; }
-  void reset_own_echoes() {
-    for (OwnEchoes& own : own_echoes_) own.reset();
-  }
   void reset_frontends() {
     for (Frontend& frontend : frontends_) frontend.reset();
   }
@@ -211,58 +210,11 @@ class Pipeline {
     aiding_.take(time, estimate().nav, imu, [this](Time t) { return backend_.anchor(t); });
   }
 
-  /// The scan corrected for the estimated errors of the radar.
-  const DetectionList& corrected(const DetectionList& scan) {
-    const RadarErrors::Value& errors = estimate().radar_errors;
-    if (errors.isZero(0.0)) return scan;
-    corrected_ = scan;
-    for (Detection& d : corrected_.items) d = correct_detection(d, errors);
-    return corrected_;
+  void predict_velocity_covariance() {
+    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
   }
 
-  /// The scan without echoes of the vehicle.
-  const DetectionList& without_own_echoes(const DetectionList& scan) {
-    own_.clear();
-    if (!options_.frontend.own_echoes) return scan;
-    own_echoes_[scan.radar].observe(scan, radar_velocity(estimate()), velocity_covariance_, &own_,
-                                    1.0 + estimate().radar_errors[RadarErrors::kDopplerScale]);
-    if (own_.empty()) return scan;
-    if (&scan != &corrected_) corrected_ = scan;
-    for (std::size_t i = own_.size(); i-- > 0;) {
-      corrected_.items.erase(corrected_.items.begin() + static_cast<std::ptrdiff_t>(own_[i]));
-    }
-    return corrected_;
-  }
-
-  /// Makes the records refer to the detections of the filtered scan, own echoes included.
-  void count_own_echoes() {
-    for (InnovationRecord& record : report_.records) {
-      if (record.model == Model::kAiding) continue;
-      std::size_t detection = record.detection;
-      for (const std::size_t own : own_) detection += own <= detection ? 1 : 0;
-      record.detection = static_cast<std::uint16_t>(detection);
-    }
-  }
-
-  /// Drops landmarks and trails after a silence of the radar, scans without a static set included,
-  /// after a pause of the IMU in which the body may have rotated, and while the tilt is uncertain,
-  /// as in strong vibration: with such an uncertain pose landmarks would be mismatched, each well
-  /// inside its gate, and turn the heading.
-  void forget_if_uncertain(Time time) {
-    constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
-    constexpr double kTurn = 0.1;                       // half a metre at a range of 5 m [rad]
-    constexpr double kTilt = 0.05;                      // normally a tenth of that [rad]
-    const BodyCovariance P = backend_.state_estimate().covariance().body();
-    const double turn =
-        std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
-    if (time - last_static_set_ > kLongest || (report_.imu_gap && turn > kTurn) ||
-        checks_.sigma_tilt() > kTilt) {
-      backend_.drop_landmarks(&report_);
-      reset_frontends();
-    }
-  }
-
-  /// Stage 3, again after a check has replaced the attitude.
+  /// Stage 2, again after a check has replaced the attitude.
   void observe(const DetectionList& scan, Time last) {
     if (checks_.check_velocity(scan, velocity_covariance_, last)) forget_velocity();
     frontend().observe(scan, estimate(), &seen_, velocity_covariance_);
@@ -272,13 +224,14 @@ class Pipeline {
     } else if (checks_.consensus_is_doubtful()) {
       seen_.withdraw();
     }
+    if (seen_.ego_velocity.inliers > 0) checks_.saw_static_set(scan.time);
   }
 
   /// The velocity has been replaced.
   void forget_velocity() {
-    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
+    predict_velocity_covariance();
     reset_frontends();
-    reset_own_echoes();
+    correction_.reset();
   }
 
   void summarise(const DetectionList& scan) {
@@ -307,21 +260,19 @@ class Pipeline {
   }
 
   Options options_;
-  std::vector<Frontend> frontends_;    ///< one per radar
-  std::vector<OwnEchoes> own_echoes_;  ///< same
+  ScanCorrection correction_;
+  std::vector<Frontend> frontends_;  ///< one per radar
   RestDetector rest_;
+  ScanRows rows_;
   BackEnd backend_;
   UpdateReport report_;
-  ConsistencyChecks<BackEnd> checks_;
+  Checks<BackEnd> checks_;
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
-  StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
-  DetectionList corrected_;
   Observations seen_;
   Observations aided_;  ///< aiding only, without a scan
   AidingQueue aiding_;
   Promotions promotions_;
   HealthMonitor health_;
-  Time last_static_set_{0};       ///< stamp of the last scan with a static set
   ScanId newest_scan_ = kNoScan;  ///< of the last scan processed
   Time newest_scan_time_{0};      ///< of the estimate at it
 };

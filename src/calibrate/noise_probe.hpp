@@ -30,7 +30,7 @@ class NoiseProbe : public Ekf {
     truth_ = std::move(truth);
   }
 
-  Status update(const Observations& seen, UpdateReport* report) {
+  Status update(const Observations& seen, const ScanRows& rows) {
     const LinearizationPoint x(estimate());
     for (const Match& m : seen.matches.landmarks) {
       if (is_fresh(estimate().landmarks[m.target].distance_seen)) {
@@ -39,7 +39,7 @@ class NoiseProbe : public Ekf {
     }
     if (is_fresh(distance_at_scan_)) add_dopplers(seen, x);
     distance_at_scan_ = estimate().distance_travelled;
-    return Ekf::update(seen, report);
+    return Ekf::update(seen, rows);
   }
 
  private:

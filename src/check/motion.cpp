@@ -7,10 +7,10 @@
 #include <iterator>
 
 #include "check/numbers.hpp"
+#include "rio/checks/stamp_guard.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/models/detection.hpp"
-#include "rio/propagate/stamp_guard.hpp"
 
 namespace rio::check {
 

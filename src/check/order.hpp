@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "rio/propagate/stamp_guard.hpp"
+#include "rio/checks/stamp_guard.hpp"
 #include "rio/types.hpp"
 
 namespace rio::check {

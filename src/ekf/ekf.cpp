@@ -11,15 +11,13 @@ Ekf::Ekf(const Options& options)
       state_estimate_(options, options.update.use_trails
                                    ? static_cast<int>(clones_per_radar(options) * options.radars())
                                    : 0),
-      rows_(options),
-      compression_(rows_.capacity()),
+      compression_(ScanRows::capacity(options)),
       panels_(state_estimate_.layout().capacity()),
       reexpression_(state_estimate_.layout().capacity()),
       dx_(Eigen::VectorXd::Zero(state_estimate_.layout().capacity())) {}
 
 void Ekf::reset(const NavState& prior, const BodyCovariance& P0) {
   state_estimate_.reset(prior, P0);
-  rows_.reset();
 }
 
 void Ekf::drop_landmarks(UpdateReport* report) {
@@ -29,15 +27,8 @@ void Ekf::drop_landmarks(UpdateReport* report) {
   }
 }
 
-void Ekf::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                           double doubtful, UpdateReport* report) {
-  drop_landmarks(report);
-  state_estimate_.restart_velocity(v_B, covariance_B, duration, doubtful);
-}
-
-Status Ekf::update(const Observations& seen, UpdateReport* report) {
-  const RowBatch& rows = rows_.build(seen, state_estimate_, report);
-  if (!panels_.apply(compression_.compress(rows, estimate().gyro_variance),
+Status Ekf::update(const Observations& /*seen*/, const ScanRows& rows) {
+  if (!panels_.apply(compression_.compress(rows.batch(), estimate().gyro_variance),
                      &state_estimate_.covariance(), &dx_))
     return Status::kNumerical;
   before_ = state_estimate_.estimate();
@@ -50,10 +41,10 @@ Status Ekf::update(const Observations& seen, UpdateReport* report) {
   return Status::kOk;
 }
 
-void Ekf::maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                             UpdateReport* report) {
+void Ekf::maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                             const Promotions& promotions, UpdateReport* report) {
   rio::maintain_landmarks(
-      seen, rows_, promotions, options_, &state_estimate_.estimate(), report,
+      seen, rows, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { state_estimate_.remove_landmark(i); },
       [this](const Detection& d) { state_estimate_.add_landmark(d); });
 }

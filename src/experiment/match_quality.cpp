@@ -30,19 +30,18 @@ class Judged : public BackEnd {
 
   MatchJudge judge;
 
-  Status update(const Observations& seen, UpdateReport* report) {
+  Status update(const Observations& seen, const ScanRows& rows) {
     judge.judge(seen, this->estimate().landmarks.size());
-    const Status status = BackEnd::update(seen, report);
-    judge.tally(*report);
-    return status;
+    return BackEnd::update(seen, rows);
   }
-  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                          UpdateReport* report) {
+  void maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                          const Promotions& promotions, UpdateReport* report) {
+    judge.tally(*report);
     std::vector<Vector3d> before;
     for (const LandmarkState& landmark : this->estimate().landmarks) {
       before.push_back(landmark.p_W);
     }
-    BackEnd::maintain_landmarks(seen, promotions, report);
+    BackEnd::maintain_landmarks(seen, rows, promotions, report);
     judge.keep(before, promotions, this->estimate());
   }
 };

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "rio/checks/imu_guard.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/pipeline.hpp"
-#include "rio/propagate/imu_guard.hpp"
 #include "rio/propagate/static_alignment.hpp"
 
 namespace rio::experiment {

@@ -53,9 +53,9 @@ class Witness : public Ekf {
 
   /// Whether the following scans count; landmarks count if born then.
   void listen(bool on) { listening_ = on; }
-  Status update(const Observations& seen, UpdateReport* report);
-  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                          UpdateReport* report);
+  Status update(const Observations& seen, const ScanRows& rows);
+  void maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                          const Promotions& promotions, UpdateReport* report);
 
   const Innovations& landmarks() const { return landmarks_; }
   const Innovations& found_again() const { return found_again_; }

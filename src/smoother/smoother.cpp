@@ -11,7 +11,6 @@ namespace rio {
 Smoother::Smoother(const Options& options)
     : options_(options),
       state_estimate_(options, 0),
-      rows_(options),
       window_(capacity(options), options),
       system_(static_cast<int>(capacity(options)),
               state_estimate_.layout().capacity() - body::kSize),
@@ -27,7 +26,6 @@ Smoother::Smoother(const Options& options)
 
 void Smoother::reset(const NavState& prior, const BodyCovariance& P0) {
   state_estimate_.reset(prior, P0);
-  rows_.reset();
   restart();
 }
 
@@ -51,42 +49,11 @@ void Smoother::drop_landmarks(UpdateReport* report) {
   }
 }
 
-void Smoother::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                                double doubtful, UpdateReport* report) {
-  drop_landmarks(report);
-  state_estimate_.restart_velocity(v_B, covariance_B, duration, doubtful);
-  restart();
-}
-
-void Smoother::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
-                                double duration) {
-  state_estimate_.restart_attitude(g_B, sigma, v_B, duration);
-  restart();
-}
-
-void Smoother::withdraw_alignment(double speed) {
-  state_estimate_.withdraw_alignment(speed);
-  restart();
-}
-
-void Smoother::restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
-  drop_landmarks(report);
-  state_estimate_.restart_heading(opinion);
-  restart();
-}
-
-void Smoother::reopen_position(double sigma, UpdateReport* report) {
-  drop_landmarks(report);
-  state_estimate_.reopen_position(sigma);
-  restart();
-}
-
-Status Smoother::update(const Observations& seen, UpdateReport* report) {
-  rows_.build(seen, state_estimate_, report);
+Status Smoother::update(const Observations& seen, const ScanRows& rows) {
   const bool appended = window_.newest().nav.time != estimate().nav.time;
   if (appended && !append()) return Status::kNumerical;
   const WindowState::Mark mark = window_.newest().mark();
-  take(seen);
+  take(seen, rows);
   before_.save(window_, estimate());
   if (!solve()) {
     before_.restore(&window_, &state_estimate_.estimate());
@@ -103,10 +70,10 @@ Status Smoother::update(const Observations& seen, UpdateReport* report) {
   return Status::kOk;
 }
 
-void Smoother::maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                                  UpdateReport* report) {
+void Smoother::maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                                  const Promotions& promotions, UpdateReport* report) {
   rio::maintain_landmarks(
-      seen, rows_, promotions, options_, &state_estimate_.estimate(), report,
+      seen, rows, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { remove_landmark(i); },
       [this](const Detection& d) {
         window_.newest().measurements.add(Measured<LandmarkPointModel>{
@@ -167,7 +134,7 @@ void Smoother::copy_newest() {
   state.accel_B = state.nav.q_WB.conjugate() * state.steady.accel_W;
 }
 
-void Smoother::take(const Observations& seen) {
+void Smoother::take(const Observations& seen, const ScanRows& rows) {
   aided_.clear();
   WindowState& state = window_.newest();
   WindowState::Scanned& scanned = state.scanned[estimate().radar];
@@ -177,8 +144,8 @@ void Smoother::take(const Observations& seen) {
     const double offset = to_seconds(seen.scan->time - state.nav.time);
     if (state_estimate_.layout().radars() > 1) scanned.time_offset = offset;
   }
-  state.measurements.append(rows_.measurements());
-  for (const std::size_t i : rows_.aiding()) {
+  state.measurements.append(rows.measurements());
+  for (const std::size_t i : rows.aiding()) {
     const AidingObservation& aiding = (*seen.aiding)[i];
     std::vector<AidingFactor>& kept = keeper(aiding).aiding;
     if (kept.size() == kMaxAiding) continue;

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calibration_names.hpp"
-#include "rio/propagate/stamp_guard.hpp"
+#include "rio/checks/stamp_guard.hpp"
 
 namespace rio::tools {
 

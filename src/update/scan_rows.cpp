@@ -30,11 +30,7 @@ ScanRows::ScanRows(const Options& options)
       gravity_(options.imu.gravity),
       gate_(options.update.gate_probability),
       models_(options.update),
-      // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
-      batch_(static_cast<std::size_t>(options.frontend.max_detections *
-                                          (1 + std::max(3, options.update.max_clones)) +
-                                      RestModel::kDim) +
-             kMaxAiding * static_cast<std::size_t>(AidingMeasurement::kMaxRows)) {
+      batch_(capacity(options)) {
   measurements_.reserve(options);
   dopplers_.resize(static_cast<std::size_t>(options.frontend.max_detections));
   for (std::size_t r = 0; r < options.radars(); ++r) {
@@ -44,43 +40,52 @@ ScanRows::ScanRows(const Options& options)
   }
 }
 
-const RowBatch& ScanRows::build(const Observations& seen, const StateEstimate& state_estimate,
-                                UpdateReport* report) {
+std::size_t ScanRows::capacity(const Options& options) {
+  // a detection gives at most its Doppler and a trail of distances, or a landmark's four rows
+  const int each = 1 + std::max(3, options.update.max_clones);
+  return static_cast<std::size_t>(options.frontend.max_detections * each + RestModel::kDim) +
+         kMaxAiding * static_cast<std::size_t>(AidingMeasurement::kMaxRows);
+}
+
+void ScanRows::build(const Observations& seen, const StateEstimate& state_estimate,
+                     UpdateReport* report) {
   batch_.clear();
   measurements_.clear();
   used_aiding_.clear();
   gathered_.begin(state_estimate.covariance());
-  if (seen.scan != nullptr) add_scan(seen, state_estimate, report);
+  if (seen.scan != nullptr) {
+    LinearizationPoint x(state_estimate.estimate());
+    if (seen.rest) x.stand();
+    begin_scan(seen, state_estimate, x);
+    if (seen.rest) add_rest(*seen.rest, state_estimate, x, report);
+    if (options_.use_landmarks) add_landmarks(seen, state_estimate, x, report);
+    if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
+    if (options_.use_trails) add_trails(seen, state_estimate, x, report);
+    distance_at_scan_[x.estimate.radar] = x.estimate.distance_travelled;
+  }
   if (seen.aiding != nullptr) add_aiding(*seen.aiding, state_estimate, report);
-  return batch_;
 }
 
-void ScanRows::add_scan(const Observations& seen, const StateEstimate& state_estimate,
-                        UpdateReport* report) {
-  LinearizationPoint x(state_estimate.estimate());
-  if (seen.rest) x.stand();
-  const Time now = state_estimate.estimate().nav.time;
+void ScanRows::begin_scan(const Observations& seen, const StateEstimate& state_estimate,
+                          const LinearizationPoint& x) {
+  const Time now = x.estimate.nav.time;
   std::optional<Time>& last_scan = last_scan_[x.estimate.radar];
   since_scan_ = last_scan ? std::min(1.0, to_seconds(now - *last_scan)) : 1.0;
   last_scan = now;
   was_used_.fill(false);
   measures_landmark_.fill(false);
-  if (options_.use_doppler) {
-    doppler_covariance_ = state_estimate.doppler_covariance(x);
-    correction_S_ =
-        expected_correction(seen.ego_velocity, x, doppler_covariance_.topLeftCorner<3, 3>());
-  }
-  if (seen.rest) add_rest(*seen.rest, state_estimate, x, report);
-  if (options_.use_landmarks) add_landmarks(seen, state_estimate, x, report);
-  if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
-  if (options_.use_trails) add_trails(seen, state_estimate, x, report);
-  distance_at_scan_[x.estimate.radar] = x.estimate.distance_travelled;
+  if (!options_.use_doppler) return;
+  doppler_covariance_ = state_estimate.doppler_covariance(x);
+  correction_S_ =
+      expected_correction(seen.ego_velocity, x, doppler_covariance_.topLeftCorner<3, 3>());
 }
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                         const LinearizationPoint& x, UpdateReport* report) {
   const Measured<RestModel> m{z, x.estimate.radar};
-  const bool valid = linearize_block(m, {}, state_estimate, x);
+  batch_.begin_block();
+  const bool valid = linearize(models_.of<RestModel>(), m.z, RestModel::Blocks{}, x, {},
+                               state_estimate.layout(), &batch_);
   if (decide(RestModel::kModel, 0, valid, report)) keep(m, 1.0);
 }
 
@@ -118,7 +123,9 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
     if (!tells_doppler(seen, i)) continue;
     Measured<DopplerModel> m{dopplers_[i], x.estimate.radar};
     m.z.reliability = believed;
-    const bool valid = linearize_block(m, {}, state_estimate, x);
+    batch_.begin_block();
+    const bool valid = linearize(models_.of<DopplerModel>(), m.z, DopplerModel::Blocks{}, x, {},
+                                 state_estimate.layout(), &batch_);
     if (valid) {
       const LinearRow& row = batch_.rows().back();
       const Eigen::Vector4d c = doppler_combination(row, R_WS, state_estimate.layout());
@@ -147,7 +154,10 @@ void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_e
       distance.z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
       distance.radar = x.estimate.radar;
       distance.past = past.scan;
-      const bool valid = linearize_block(distance, {clone, 0}, state_estimate, x);
+      batch_.begin_block();
+      const bool valid =
+          linearize(models_.of<TrailDistanceModel>(), distance.z, TrailDistanceModel::Blocks{}, x,
+                    {clone, 0}, state_estimate.layout(), &batch_);
       if (decide(TrailDistanceModel::kModel, m.detection, valid, report)) keep(distance, 1.0);
     }
   }
@@ -195,7 +205,10 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
                             const StateEstimate& state_estimate, const LinearizationPoint& x,
                             UpdateReport* report) {
   const BlockIndex index{0, static_cast<int>(m.landmark)};
-  const bool valid = linearize_block(m, index, state_estimate, x);
+  batch_.begin_block();
+  const bool valid = models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
+    return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(), &batch_);
+  });
   if (valid) {
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
     if constexpr (std::is_same_v<M, LandmarkPointModel>) add_curvature(&m.z);

@@ -47,8 +47,7 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
                         {configured.T_BS, {configured.doppler_scale, 0.0}, configured.time_offset});
   }
   layout_ = layout_.of_radar(0);
-  steady_.reset(prior.q_WB.conjugate() * prior.v_WB);
-  estimate_.steady = steady_.motion();
+  restart_steady_motion(prior.q_WB.conjugate() * prior.v_WB);
   covariance_.reset(P0, parameters_.prior);
 }
 
@@ -93,59 +92,14 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   return Status::kOk;
 }
 
-void StateEstimate::restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B,
-                                     double duration, double doubtful) {
-  const Matrix3d R = estimate_.T_WB().R;
-  const Vector3d error = R * v_B - estimate_.nav.v_WB;
-  covariance_.inflate(body::kPosition, error.squaredNorm() * doubtful * doubtful);
-  covariance_.reopen_velocity(error.squaredNorm() + covariance_B.trace(), duration);
-  covariance_.measure_velocity(error, R * covariance_B * R.transpose(), &dx_);
+void StateEstimate::measure_velocity(const Vector3d& error, const Matrix3d& covariance) {
+  covariance_.measure_velocity(error, covariance, &dx_);
   correct(dx_);
+}
+
+void StateEstimate::restart_steady_motion(const Vector3d& v_B) {
   steady_.reset(v_B);
   estimate_.steady = steady_.motion();
-}
-
-void StateEstimate::restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B,
-                                     double duration) {
-  constexpr double kBefore = 4.0;  // the error existed before it was detectable [s]
-  NavState& nav = estimate_.nav;
-  const Vector3d g_W(0.0, 0.0, -options_.imu.gravity);
-  const double off = (nav.q_WB * g_B - g_W).norm();
-  const Vector3d v_before_B = nav.q_WB.conjugate() * nav.v_WB;
-  nav.q_WB = (rotation_between(nav.q_WB * g_B, -Vector3d::UnitZ()) * nav.q_WB).normalized();
-  nav.v_WB = nav.q_WB * v_before_B;
-  steady_.reset(v_before_B);
-  estimate_.steady = steady_.motion();
-  const double angle = sigma / options_.imu.gravity;
-  const double rate = angle / (duration + kBefore);
-  // error of the velocity: its difference, and its rotation by the tilt error
-  const double speed = (v_B - v_before_B).norm() + nav.v_WB.norm() * off / options_.imu.gravity;
-  const double distance = 0.5 * off * duration * duration + speed * (duration + kBefore);
-  covariance_.inflate(body::kPosition, distance * distance);
-  covariance_.inflate(body::kAttitude, angle * angle);
-  covariance_.inflate(body::kGyroBias, rate * rate);
-  covariance_.inflate(body::kAccelBias,
-                      options_.start.sigma_accel_bias * options_.start.sigma_accel_bias);
-}
-
-void StateEstimate::withdraw_alignment(double speed) {
-  const StartOptions& start = options_.start;
-  const double tilt = speed / start.duration / options_.imu.gravity;
-  estimate_.nav.gyro_bias.setZero();
-  covariance_.inflate(body::kGyroBias, start.sigma_gyro_bias * start.sigma_gyro_bias);
-  covariance_.inflate(body::kAttitude, tilt * tilt);
-}
-
-void StateEstimate::restart_heading(const GyroBiasOpinion& opinion) {
-  constexpr double kStep = 2.0;  // ratio of a step to its mean over the window it began in
-  const Vector3d up_B = estimate_.nav.q_WB.conjugate() * Vector3d::UnitZ();
-  const double heading = kStep * std::abs(opinion.error) * opinion.duration;
-  const double speed = heading * estimate_.nav.v_WB.norm();
-  const double distance = 0.5 * heading * opinion.moved_W.norm();
-  covariance_.inflate_along(body::kGyroBias, kStep * opinion.error * up_B);
-  covariance_.inflate_along(body::kAttitude, heading * up_B);
-  covariance_.inflate(body::kVelocity, speed * speed);
-  covariance_.inflate(body::kPosition, distance * distance);
 }
 
 Eigen::Matrix4d StateEstimate::velocity_calibration() const {

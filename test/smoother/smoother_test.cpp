@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/checks/replacements.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/testing/allocation_guard.hpp"
 #include "support/smoother_flight.hpp"
@@ -212,7 +213,7 @@ TEST_F(SmootherTest, TheSameInputGivesTheSameBytes) {
 /// A smoother without a front-end, which sees nothing but the points it is given as landmarks.
 class BlindSmootherTest : public SmootherTest {
  protected:
-  BlindSmootherTest() : smoother_(flight_.options()) {
+  BlindSmootherTest() : smoother_(flight_.options()), rows_(flight_.options()) {
     smoother_.reset(flight_.flight().truth.front(), flight_.start_covariance());
     nothing_.scan = &scan_;
     nothing_.trails = &trails_;
@@ -220,7 +221,11 @@ class BlindSmootherTest : public SmootherTest {
 
   Status step() {
     EXPECT_EQ(predict(), Status::kOk);
-    return smoother_.update(nothing_, &report_);
+    return update();
+  }
+  Status update() {
+    rows_.build(nothing_, smoother_.state_estimate(), &report_);
+    return smoother_.update(nothing_, rows_);
   }
   Status predict() {
     bool gap = false;
@@ -233,10 +238,11 @@ class BlindSmootherTest : public SmootherTest {
     Promotions promotions;
     promotions.births.push_back(make_detection(raw, flight_.options().radar));
     promotions.births[0].sigma_range = sigma;
-    smoother_.maintain_landmarks(nothing_, promotions, &report_);
+    smoother_.maintain_landmarks(nothing_, rows_, promotions, &report_);
   }
 
   Smoother smoother_;
+  ScanRows rows_;
   DetectionList scan_;
   TrailSet trails_{1, 1};
   Observations nothing_;
@@ -252,13 +258,13 @@ TEST_F(BlindSmootherTest, AFailedUpdateLeavesThePrediction) {
   for (int i = 0; i < 2; ++i) {
     ASSERT_EQ(predict(), Status::kOk);
     const Shown predicted(smoother_);
-    EXPECT_EQ(smoother_.update(nothing_, &report_), Status::kNumerical);
+    EXPECT_EQ(update(), Status::kNumerical);
     expect_same(Shown(smoother_), predicted);
   }
   // once the landmark is gone all goes on, with the IMU since the last solution
   smoother_.drop_landmarks(&report_);
   const Vector3d before = smoother_.estimate().nav.p_WB;
-  EXPECT_EQ(smoother_.update(nothing_, &report_), Status::kOk);
+  EXPECT_EQ(update(), Status::kOk);
   EXPECT_EQ(smoother_.window().newest().nav.time, smoother_.estimate().nav.time);
   // nothing was measured: the solution is the prediction, but for the round-off of the system
   EXPECT_LT((smoother_.estimate().nav.p_WB - before).norm(), 1e-6);
@@ -274,7 +280,9 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
   const Vector3d error(1.0, -0.7, 0.4);
   const Matrix3d R_then = before.estimate.nav.q_WB.toRotationMatrix();
   const Vector3d v_B = R_then.transpose() * (before.estimate.nav.v_WB + error);
-  smoother_.restart_velocity(v_B, kSigma * kSigma * Matrix3d::Identity(), kDuration, 0.0, &report_);
+  const IndependentVelocity found{v_B, kSigma * kSigma * Matrix3d::Identity()};
+  smoother_.replace([&](StateEstimate* x) { replace_velocity(found, kDuration, 0.0, x); },
+                    Invalidates::kLandmarks, &report_);
   EXPECT_EQ(smoother_.window().size(), 1U);
   EXPECT_EQ(smoother_.estimate().landmarks.size(), 0U);
   EXPECT_EQ(report_.landmarks_removed, 1);
@@ -306,7 +314,8 @@ TEST_F(BlindSmootherTest, AReopenedPositionBeginsANewWindow) {
   give_birth(0.03);
   const Eigen::Index position = body::kPosition;
   const Eigen::MatrixXd before = smoother_.state_estimate().covariance().matrix();
-  smoother_.reopen_position(0.5, &report_);
+  smoother_.replace([](StateEstimate* x) { widen_position(0.5, x); }, Invalidates::kLandmarks,
+                    &report_);
   EXPECT_EQ(smoother_.window().size(), 1U);
   EXPECT_EQ(report_.landmarks_removed, 1);
   ASSERT_EQ(step(), Status::kOk);  // the next solution knows it, too

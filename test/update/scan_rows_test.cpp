@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 4 and 5 on a scan made by hand: who gives which rows, what the gate does with them, and
+// Stages 3 and 4 on a scan made by hand: who gives which rows, what the gate does with them, and
 // by what their variance is multiplied.
 #include "rio/update/scan_rows.hpp"
 

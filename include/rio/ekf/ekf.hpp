@@ -11,6 +11,7 @@
 #include "rio/frontend/frontend.hpp"
 #include "rio/options.hpp"
 #include "rio/report.hpp"
+#include "rio/update/back_end.hpp"
 #include "rio/update/landmark_policy.hpp"
 #include "rio/update/scan_rows.hpp"
 #include "rio/update/state_estimate.hpp"
@@ -45,42 +46,21 @@ class Ekf {
   /// Removes all landmarks.
   void drop_landmarks(UpdateReport* report);
 
-  /// Replaces the velocity by v_B [m/s, body axes], wrong for `duration` [s] and possibly for
-  /// `doubtful` [s] (update/state_estimate.hpp). Drops all landmarks; the caller drops the trails.
-  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                        double doubtful, UpdateReport* report);
-
-  /// Replaces the tilt so that gravity is g_B, sigma per axis [m/s^2], wrong for `duration` [s], at
-  /// the velocity v_B [m/s], both in body axes (update/state_estimate.hpp).
-  void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration) {
-    state_estimate_.restart_attitude(g_B, sigma, v_B, duration);
+  /// A check replaces a part of the state: change(StateEstimate*) (checks/replacements.hpp).
+  template <class Change>
+  void replace(const Change& change, Invalidates also, UpdateReport* report) {
+    if (also == Invalidates::kLandmarks) drop_landmarks(report);
+    change(&state_estimate_);
   }
 
-  /// The static alignment was of a body in motion of that speed [m/s] (update/state_estimate.hpp).
-  void withdraw_alignment(double speed) { state_estimate_.withdraw_alignment(speed); }
+  /// Stage 5. kNumerical, with state and covariance as predicted, if the update fails.
+  Status update(const Observations& seen, const ScanRows& rows);
 
-  /// Inflates the covariance of gyro bias about the vertical and heading. Drops all landmarks; the
-  /// caller drops the trails.
-  void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report) {
-    drop_landmarks(report);
-    state_estimate_.restart_heading(opinion);
-  }
+  /// Stage 6 (update/landmark_policy.hpp).
+  void maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                          const Promotions& promotions, UpdateReport* report);
 
-  /// Inflates the covariance of the position by sigma per axis [m]. Drops all landmarks, which such
-  /// a position would mismatch; the caller drops the trails.
-  void reopen_position(double sigma, UpdateReport* report) {
-    drop_landmarks(report);
-    state_estimate_.reopen_position(sigma);
-  }
-
-  /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the update fails.
-  Status update(const Observations& seen, UpdateReport* report);
-
-  /// Stage 7 (update/landmark_policy.hpp).
-  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                          UpdateReport* report);
-
-  /// Stage 2: the corrected pose becomes the clone of this scan, in place of the oldest one of its
+  /// Stage 7: the corrected pose becomes the clone of this scan, in place of the oldest one of its
   /// radar.
   void clone(ScanId scan) { state_estimate_.clone(scan); }
 
@@ -88,7 +68,6 @@ class Ekf {
   Options options_;
   StateEstimate state_estimate_;
   Estimate before_;
-  ScanRows rows_;
   RowCompression compression_;
   PanelUpdate panels_;
   Reexpression reexpression_;

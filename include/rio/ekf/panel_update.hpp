@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 6 of the EKF: the Kalman update, rows -> correction and covariance.
+// Stage 5 of the EKF: the Kalman update, rows -> correction and covariance.
 //
 // (E1) W = P H^T L^-T, S = H P H^T + R = L L^T, dx = W L^-1 r, P <- P - W W^T, in panels of rows
 // The innovation of a panel is corrected for the panels before it, so that the result is that of

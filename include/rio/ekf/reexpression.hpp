@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 6 of the EKF: observability constraint. After a correction of the mean, the covariance of
+// Stage 5 of the EKF: observability constraint. After a correction of the mean, the covariance of
 // the standard error is re-expressed so that that of the right-invariant error is unchanged: global
 // yaw and position then stay unobservable although the linearisation points have moved. (This
 // replaces first-estimate Jacobians, FEJ.)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 6 of the EKF: measurement compression by QR: many rows that measure few directions of the
+// Stage 5 of the EKF: measurement compression by QR: many rows that measure few directions of the
 // state are replaced by as few rows.
 //
 // The Dopplers of a scan all measure one velocity: h_i = c_i^T B with three rows B. An update costs

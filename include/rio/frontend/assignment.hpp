@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: optimal one-to-one assignment with a gate.
+// Stage 2: optimal one-to-one assignment with a gate.
 //
 // Minimises the sum of the costs of the assigned pairs, where an unassigned row costs the gate. Row
 // by row, the shortest augmenting path (Kuhn 1955; Jonker and Volgenant 1987) by Dijkstra's

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: data association: optimal one-to-one matching of detections with known points, i.e.
+// Stage 2: data association: optimal one-to-one matching of detections with known points, i.e.
 // landmarks and the newest detections of trails, transformed to the current radar frame.
 //
 // (E1) Euclidean:   cost = |m - e|, below a constant gate      Michalczyk et al. 2023, II-B

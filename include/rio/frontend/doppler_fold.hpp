@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: Doppler ambiguity (aliasing, "folding"): the radar reports a range rate modulo 2 v_max.
+// Stage 2: Doppler ambiguity (aliasing, "folding"): the radar reports a range rate modulo 2 v_max.
 //
 // (E1) wrap(x) = x - 2 v_max round(x / (2 v_max)), in +-v_max
 // (E2) unfolding: of all rates d + 2 k v_max the one nearest to the expected rate,

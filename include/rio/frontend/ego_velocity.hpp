@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: the radar's own velocity and the static set from one scan, by three-point RANSAC.
+// Stage 2: the radar's own velocity and the static set from one scan, by three-point RANSAC.
 //
 // A static point at direction u has the range rate d = -u . v_S, known modulo 2 v_max.
 // (E1) iterations = ceil(ln(1 - P) / ln(1 - (1 - eps)^3)), eps the outlier ratio, P the success

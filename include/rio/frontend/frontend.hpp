@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 3 and 7: the front-end. observe() derives the observations of a scan from the predicted
+// Stages 2 and 6: the front-end. observe() derives the observations of a scan from the predicted
 // state and leaves the trails unchanged; advance() does the trail management: it extends, ends and
 // begins trails with the scan and proposes landmarks.
 //
@@ -61,7 +61,7 @@ class Frontend {
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
                const Matrix3d& velocity_covariance_S = Matrix3d::Zero());
 
-  /// Stage 7, after a successful update: extends, ends and begins trails with the scan of `id`, and
+  /// Stage 6, after a successful update: extends, ends and begins trails with the scan of `id`, and
   /// proposes trails matched `promote_after` times in a row as landmarks at their newest detection.
   /// @param room landmarks the back-end can take; a trail without room continues as a trail
   void advance(const Observations& seen, ScanId id, std::size_t room, Promotions* promotions);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: detects echoes of the vehicle that carries the radar: a bumper, a wheel, a landing gear.
+// Stage 2: detects echoes of the vehicle that carries the radar: a bumper, a wheel, a landing gear.
 // They have no Doppler, whatever the vehicle does; where points are few and Dopplers coarse they
 // look like static points of small radial speed and bias the velocity towards zero.
 //

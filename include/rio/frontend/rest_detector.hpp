@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: detects rest on the ground, for the zero-velocity update (ZUPT). Hovering is not rest.
+// Stage 2: detects rest on the ground, for the zero-velocity update (ZUPT). Hovering is not rest.
 //
 // The points of the last scans are tested together, so that a few points a scan are enough, and the
 // IMU must have had a calm moment recently: on the ground a sensor may be touched and tilted, but

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 3 and 7: trails (feature tracks): the detections of one point in consecutive scans.
+// Stages 2 and 6: trails (feature tracks): the detections of one point in consecutive scans.
 //
 // A trail begins with an unmatched static detection, is extended by each match and ends at its
 // first miss. It keeps at most N elements, one per scan of its radar and without gaps, so every

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4 for sensors other than the radar: a measurement with its model, type-erased, in a type of
+// Stage 3 for sensors other than the radar: a measurement with its model, type-erased, in a type of
 // fixed size that both back-ends accept. C++17.
 //
 // A model is a struct with

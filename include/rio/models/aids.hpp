@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4 for other sensors: position, heading, velocity, height and range to the ground, for
+// Stage 3 for other sensors: position, heading, velocity, height and range to the ground, for
 // Odometry::add_measurement (rio/aiding.hpp). W is the world frame of the estimate: measurements of
 // GNSS or motion capture must be transformed to it. C++17.
 #pragma once

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: the concept of a measurement model, shared by all back-ends.
+// Stage 3: the concept of a measurement model, shared by all back-ends.
 //
 // A model is a pure function: it does not gate, weight, look up columns, allocate or log.
 //   kModel        its name in the report; for sensors other than the radar (rio/aiding.hpp): kName

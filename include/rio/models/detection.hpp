@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: a radar detection with its polar noise.
+// Stage 2: a radar detection with its polar noise.
 //
 // m = r u, u = (cos el cos az, cos el sin az, sin el); e_az, e_el the unit tangents at u.
 // (E1) Sigma_u = sigma_az^2 cos^2(el) e_az e_az^T + sigma_el^2 e_el e_el^T

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: Doppler of a static point: the radar's velocity seen along the direction to the point.
+// Stage 3: Doppler of a static point: the radar's velocity seen along the direction to the point.
 //
 // w = gyro - b_g,  v_S = R_BS^T (R_WB^T v_WB + w x p_BS)
 // (E1) h = -u^T v_S                             positive = receding

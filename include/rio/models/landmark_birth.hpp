@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 7: landmark augmentation by the inverse observation model, and the position of a landmark
+// Stage 6: landmark augmentation by the inverse observation model, and the position of a landmark
 // in radar axes. Neither is a measurement; both have the form of a model, so that their Jacobians
 // are mapped to the error state in the same way.
 //

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: distance to a persistent landmark.
+// Stage 3: distance to a persistent landmark.
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS),  u = e/|e|,  a = R_BS u
 // (E1) h = |e|                                       Michalczyk et al. 2023, eq. 13-14

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: range, direction and Doppler of a detection matched with a persistent landmark. Each
+// Stage 3: range, direction and Doppler of a detection matched with a persistent landmark. Each
 // detection is used once: it either initialises a landmark or measures one.
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS), u = e/|e|, v_S the velocity of the radar in its axes

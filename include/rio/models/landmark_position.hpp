@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: the position of a detection compared with that of its landmark, in radar axes.
+// Stage 3: the position of a detection compared with that of its landmark, in radar axes.
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS)
 // (E1) h = e + |m| t_el (elevation error), z = m, the detection in radar axes

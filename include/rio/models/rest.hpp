@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: zero-velocity update (ZUPT): the body is at rest and the gyroscope reads its bias.
+// Stage 3: zero-velocity update (ZUPT): the body is at rest and the gyroscope reads its bias.
 //
 // (E1) 0 = R_WB^T v_WB + n_v, n_v the velocity tolerated at rest; in body axes, because a zero in
 //      world axes would make the heading observable whenever the estimated velocity is not zero

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: current distance to a point detected in a past scan, by the current pose and the clone.
+// Stage 3: current distance to a point detected in a past scan, by the current pose and the clone.
 //
 // q = R_BS m + p_BS (past detection m in body axes at its scan),  W = R_c q + p_c (clone c),
 // e = R_BS^T (R_WB^T (W - p_WB) - p_BS),  u = e/|e|,  a = R_BS u

@@ -18,6 +18,7 @@
 #include "rio/smoother/prior.hpp"
 #include "rio/smoother/window.hpp"
 #include "rio/smoother/window_factors.hpp"
+#include "rio/update/back_end.hpp"
 #include "rio/update/landmark_policy.hpp"
 #include "rio/update/scan_rows.hpp"
 #include "rio/update/state_estimate.hpp"
@@ -55,29 +56,21 @@ class Smoother {
   void drop_landmarks(UpdateReport* report);
 
   /// As in the filter (ekf/ekf.hpp); the window starts over from the result.
-  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                        double doubtful, UpdateReport* report);
+  template <class Change>
+  void replace(const Change& change, Invalidates also, UpdateReport* report) {
+    if (also == Invalidates::kLandmarks) drop_landmarks(report);
+    change(&state_estimate_);
+    restart();
+  }
 
-  /// As in the filter; the window starts over from the result.
-  void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
+  /// Stage 5. kNumerical, with state and covariance as predicted, if the solution fails.
+  Status update(const Observations& seen, const ScanRows& rows);
 
-  /// As in the filter; the window starts over from the result.
-  void withdraw_alignment(double speed);
+  /// Stage 6 (update/landmark_policy.hpp). A new landmark is measured once, by the newest state.
+  void maintain_landmarks(const Observations& seen, const ScanRows& rows,
+                          const Promotions& promotions, UpdateReport* report);
 
-  /// As in the filter; the window starts over from the result.
-  void restart_heading(const GyroBiasOpinion& opinion, UpdateReport* report);
-
-  /// As in the filter; the window starts over from the result.
-  void reopen_position(double sigma, UpdateReport* report);
-
-  /// Stages 4 to 6. kNumerical, with state and covariance as predicted, if the solution fails.
-  Status update(const Observations& seen, UpdateReport* report);
-
-  /// Stage 7 (update/landmark_policy.hpp). A new landmark is measured once, by the newest state.
-  void maintain_landmarks(const Observations& seen, const Promotions& promotions,
-                          UpdateReport* report);
-
-  /// Stage 2: assigns this scan to the newest state.
+  /// Stage 7: assigns this scan to the newest state.
   void clone(ScanId scan);
 
  private:
@@ -95,7 +88,7 @@ class Smoother {
 
   /// Measurements that passed the gates become factors of the newest state, aiding measurements
   /// also of earlier ones.
-  void take(const Observations& seen);
+  void take(const Observations& seen, const ScanRows& rows);
   WindowState& keeper(const AidingObservation& aiding);
   /// Removes the aiding factors added by take().
   void drop_aiding();
@@ -117,7 +110,6 @@ class Smoother {
 
   Options options_;
   StateEstimate state_estimate_;
-  ScanRows rows_;
   Window window_;
   NormalEquations system_;
   Prior prior_;

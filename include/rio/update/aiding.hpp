@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 4 and 5 for sensors other than the radar: a measurement at its own time as rows in the
+// Stages 3 and 4 for sensors other than the radar: a measurement at its own time as rows in the
 // error of a later state.
 //
 // (E1) the IMU increments D, u, w over the s seconds between the two (propagate/imu_increments.hpp)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: the one-sided chi-squared gate, the same for every model and back-end.
+// Stage 4: the one-sided chi-squared gate, the same for every model and back-end.
 //
 // A block passes if its normalised innovation squared r^T S^-1 r is below the quantile of its
 // degrees of freedom. There is no lower bound: a measurement that fits too well is not suspicious.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: H P H^T of a few rows. The part of P that the rows touch is gathered into a small dense
+// Stage 4: H P H^T of a few rows. The part of P that the rows touch is gathered into a small dense
 // matrix; rows of one model share it, and little of it changes from landmark to landmark.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 7: which landmarks are removed and which detections become landmarks, for every back-end.
+// Stage 6: which landmarks are removed and which detections become landmarks, for every back-end.
 //
 // A landmark is kept while its matches pass the gate, and some seconds longer. Its value is the
 // link to the pose it was first seen from; a new one is linked to the current pose only. So when

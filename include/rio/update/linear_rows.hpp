@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: linearised measurement rows, sparse in the columns of the error state.
+// Stage 4: linearised measurement rows, sparse in the columns of the error state.
 //
 // A row is r = h . dx + n with a few non-zero segments in h and independent noise n. The rows of
 // one block are gated together.

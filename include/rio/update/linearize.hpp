@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: from a model and an estimate to rows: picks each block's value and each block's column,
+// Stage 4: from a model and an estimate to rows: picks each block's value and each block's column,
 // whitens, and adds the column of the time offset.
 //
 // (E1) A scan is measured at its stamp minus t_d; the state is propagated to stamp - t_d^. The

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 6: noise inflation, for correlated errors and for mismatches.
+// Stage 5: noise inflation, for correlated errors and for mismatches.
 //
 // The error of a measurement may be correlated from scan to scan: the interference inside a
 // reflector changes with the distance travelled, and not at all while the radar is at rest.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 4: errors in variables: how much of the spread of a scan's directions is their error.
+// Stage 3: errors in variables: how much of the spread of a scan's directions is their error.
 //
 // The expected directions u^ = u_true + e of a scan (models/doppler.hpp) measure the velocity error
 // d by the score s = sum u^ r / R. With S = sum u^ u^^T / R and C = sum cov(e) / R, e uncorrelated

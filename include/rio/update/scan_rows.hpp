@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 4 and 5: the observations of one scan become typed measurements and their rows, gated
+// Stages 3 and 4: the observations of one scan become typed measurements and their rows, gated
 // (chi-squared gating), with a record of every gate.
 //
 // Landmarks come first: the Doppler of a detection used with a landmark is not used again.
@@ -37,13 +37,15 @@ class ScanRows {
   }
 
   /// Most rows of one update.
-  std::size_t capacity() const { return batch_.capacity(); }
+  static std::size_t capacity(const Options& options);
 
-  /// The rows that passed the gate; valid until the next call.
-  const RowBatch& build(const Observations& seen, const StateEstimate& state_estimate,
-                        UpdateReport* report);
+  /// Linearises and gates the observations at the predicted state; what follows is valid until the
+  /// next call.
+  void build(const Observations& seen, const StateEstimate& state_estimate, UpdateReport* report);
 
-  /// The measurements of these rows; valid as long.
+  /// The rows that passed the gate.
+  const RowBatch& batch() const { return batch_; }
+  /// Their measurements.
   const ScanMeasurements& measurements() const { return measurements_; }
   /// Those of other sensors, as indices in Observations::aiding.
   const StaticVector<std::size_t, kMaxAiding>& aiding() const { return used_aiding_; }
@@ -56,8 +58,9 @@ class ScanRows {
  private:
   static constexpr double kHere = 0.5;  // travelled while still at one place, noise included [m]
 
-  void add_scan(const Observations& seen, const StateEstimate& state_estimate,
-                UpdateReport* report);
+  /// What the measurements of a scan share.
+  void begin_scan(const Observations& seen, const StateEstimate& state_estimate,
+                  const LinearizationPoint& x);
 
   void add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                 const LinearizationPoint& x, UpdateReport* report);
@@ -111,16 +114,6 @@ class ScanRows {
   /// gate, which is that of right matches.
   void add_mismatch(Measured<LandmarkPointModel>* m, const LinearizationPoint& x);
 
-  /// Stage 4: the rows of a measurement as one block. False: outside the domain of its model.
-  template <class M>
-  bool linearize_block(const Measured<M>& m, BlockIndex index, const StateEstimate& state_estimate,
-                       const LinearizationPoint& x) {
-    batch_.begin_block();
-    return models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
-      return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(),
-                       &batch_);
-    });
-  }
   /// Keeps the measurement of the last block with its noise inflation.
   template <class M>
   void keep(Measured<M> m, double inflation) {
@@ -139,7 +132,7 @@ class ScanRows {
   /// after the gate, because a single measurement has the original variance.
   double weigh(double factor);
 
-  /// Stage 5: gates and records the last block; if it does not pass, drops it and returns false.
+  /// Stage 3: gates and records the last block; if it does not pass, drops it and returns false.
   /// @param name of the model of another sensor
   bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
               const char* name = nullptr);

@@ -3,7 +3,7 @@
 // stochastic cloning, landmark augmentation and marginalisation, re-initialisation of parts. Either
 // back-end predicts, matches and gates with a state estimate.
 //
-// Stages 1, 2 and 7.
+// Stages 1, 7 and 6.
 #pragma once
 
 #include <array>
@@ -18,7 +18,6 @@
 #include "rio/state/layout.hpp"
 #include "rio/state/parameters.hpp"
 #include "rio/update/covariance.hpp"
-#include "rio/update/gyro_bias_check.hpp"
 #include "rio/update/linearize.hpp"
 
 namespace rio {
@@ -45,29 +44,12 @@ class StateEstimate {
   /// Propagates to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
-  /// Replaces the velocity by v_B [m/s, body axes]. The difference was the error for `duration`
-  /// [s], which also corrects the position, and possibly for the time `doubtful` [s]: the
-  /// covariance of the position is inflated accordingly.
-  void restart_velocity(const Vector3d& v_B, const Matrix3d& covariance_B, double duration,
-                        double doubtful);
-
-  /// Replaces the tilt so that gravity is g_B, sigma per axis [m/s^2, body axes]; the estimated
-  /// velocity is kept in body axes. The error was present for `duration` [s], the true velocity is
-  /// v_B [m/s, body axes]. Inflates the covariance of attitude, gyro bias and accelerometer bias by
-  /// the possible causes, that of the position by the possible effect.
-  void restart_attitude(const Vector3d& g_B, double sigma, const Vector3d& v_B, double duration);
-
-  /// The static alignment was of a body in motion, now of that speed [m/s]. The mean rate was no
-  /// bias: the gyro bias is unknown as after a start in motion. The mean specific force was not
-  /// gravity alone: inflates the covariance of the attitude by the acceleration.
-  void withdraw_alignment(double speed);
-
-  /// The gyro bias is wrong about the vertical: inflates its covariance, and that of heading,
-  /// velocity and position by the effect over the window.
-  void restart_heading(const GyroBiasOpinion& opinion);
-
-  /// Inflates the covariance of the position by sigma per axis [m].
-  void reopen_position(double sigma) { covariance_.inflate(body::kPosition, sigma * sigma); }
+  /// The velocity is off by `error`, with that covariance, both in W: corrects the mean by a
+  /// measurement of it.
+  void measure_velocity(const Vector3d& error, const Matrix3d& covariance);
+  /// The motion before tells nothing of that from now on (propagate/steady_motion.hpp).
+  /// @param v_B velocity of the body in its axes [m/s]
+  void restart_steady_motion(const Vector3d& v_B);
 
   /// Covariance of the calibration that rotates and scales a measured velocity of the radar:
   /// rotation of T_BS, axes S [rad], and Doppler scale. Zero where not estimated.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which number of the state the report shows under which name, and the verdict on it.
-#include "rio/update/calibration_report.hpp"
+#include "rio/checks/calibration_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: an independent estimate of gravity in body axes, from the Dopplers of two seconds and
-// the IMU increments between them. It checks the tilt of the state estimate: if the tilt or a bias
-// is wrong, the acceleration seen by the Dopplers persistently differs from the predicted one.
+// Check of the tilt: an independent estimate of gravity in body axes, from the Dopplers of two
+// seconds and the IMU increments between them. It checks the tilt of the state estimate: if the
+// tilt or a bias is wrong, the acceleration seen by the Dopplers persistently differs from the
+// predicted one.
 //
 // In the current body axes, for a scan of age T: v velocity and g gravity now, s the specific force
 // integrated since the scan, biases as estimated,
@@ -25,10 +26,11 @@
 
 #include <optional>
 
+#include "rio/checks/record.hpp"
+#include "rio/checks/velocity_check.hpp"
 #include "rio/core/ring.hpp"
 #include "rio/frontend/doppler_fold.hpp"
 #include "rio/frontend/frontend.hpp"
-#include "rio/frontend/velocity_pool.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/state/estimate.hpp"
@@ -36,26 +38,24 @@
 namespace rio {
 
 /// Independent estimate of gravity and velocity from the Dopplers, current body axes.
-struct GravityOpinion {
+struct IndependentGravity {
   Vector3d g_B = Vector3d::Zero();  ///< [m/s^2]
   double sigma = 0.0;               ///< of g_B per axis, a possible bias included [m/s^2]
-  VelocityOpinion velocity;         ///< the estimated one may have diverged meanwhile
+  IndependentVelocity velocity;     ///< the estimated one may have diverged meanwhile
 };
 
 /// No allocation after construction.
-class GravityCheck {
+class TiltCheck {
  public:
   using Matrix4d = Eigen::Matrix4d;
 
-  explicit GravityCheck(const Options& options);
+  explicit TiltCheck(const Options& options);
 
   /// Starts over at `time`.
   void reset(Time time);
 
-  /// When the state estimate's gravity was last consistent, or could not be tested.
-  Time agreed() const { return agreed_; }
-  /// The first of the consecutive scans that contradict it; none if the last one does not.
-  std::optional<Time> contradicted_since() const { return since_; }
+  /// A gravity that cannot be tested counts as supported.
+  const CheckRecord& record() const { return record_; }
 
   /// Rotates the scans to the body axes of x and adds the IMU increments (E1). Call whenever the
   /// state is propagated, with or without a scan.
@@ -68,8 +68,8 @@ class GravityCheck {
   /// @param x predicted to the scan
   /// @param P_body covariance of x, order of namespace body
   /// @param P_radar covariance of the rotation of T_BS (axes S) and of the Doppler scale
-  std::optional<GravityOpinion> observe(const Observations& seen, const Estimate& x,
-                                        const BodyCovariance& P_body, const Matrix4d& P_radar);
+  std::optional<IndependentGravity> observe(const Observations& seen, const Estimate& x,
+                                            const BodyCovariance& P_body, const Matrix4d& P_radar);
 
  private:
   using Matrix34d = Eigen::Matrix<double, 3, 4>;
@@ -88,11 +88,10 @@ class GravityCheck {
   struct Fit {
     Vector3d g = Vector3d::Zero();
     Matrix3d covariance = Matrix3d::Zero();
-    VelocityOpinion velocity;
+    IndependentVelocity velocity;
     Matrix34d slope = Matrix34d::Zero();  ///< C of (E4)
   };
 
-  void agree(Time time);
   void take(const Observations& seen, const Estimate& x);
   /// None if the Dopplers contain too little information, or if no v and g explain them.
   std::optional<Fit> fit_dopplers(Time now) const;
@@ -116,8 +115,7 @@ class GravityCheck {
   DopplerFold fold_;
   Ring<Scan> scans_;
   double density_ = 0.0;  ///< of the accelerometer, largest in the window, about [(m/s^2)^2/Hz]
-  Time agreed_{0};
-  std::optional<Time> since_;
+  CheckRecord record_;
 };
 
 }  // namespace rio

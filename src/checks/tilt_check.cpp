@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/frontend/gravity_check.hpp"
+#include "rio/checks/tilt_check.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,26 +11,21 @@
 
 namespace rio {
 
-GravityCheck::GravityCheck(const Options& options)
+TiltCheck::TiltCheck(const Options& options)
     : options_(options), fold_(tightest_fold(options)), scans_(kMaxScans) {}
 
-void GravityCheck::reset(Time time) {
+void TiltCheck::reset(Time time) {
   scans_.clear();
   density_ = 0.0;
-  agree(time);
+  record_.reset(time);
 }
 
-void GravityCheck::agree(Time time) {
-  agreed_ = time;
-  since_.reset();
-}
-
-std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, const Estimate& x,
-                                                    const BodyCovariance& P_body,
-                                                    const Matrix4d& P_radar) {
+std::optional<IndependentGravity> TiltCheck::observe(const Observations& seen, const Estimate& x,
+                                                     const BodyCovariance& P_body,
+                                                     const Matrix4d& P_radar) {
   const Time now = x.nav.time;
   if (!options_.frontend.velocity_recovery) {
-    agree(now);
+    record_.agree(now);
     return std::nullopt;
   }
   // without a unique fold the unfolded Dopplers may be wrong
@@ -39,7 +34,7 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   take(seen, x);
   const double span = to_seconds(now - scans_.front().time);
   if (span < to_seconds(kSpan)) {
-    agree(now);
+    record_.agree(now);
     return std::nullopt;
   }
   const std::optional<Fit> fitted = fit_dopplers(now);
@@ -55,17 +50,16 @@ std::optional<GravityOpinion> GravityCheck::observe(const Observations& seen, co
   S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
   const SmallCholesky<3> root(S);
   if (!root.positive() || root.whitened(D).squaredNorm() < kSigmas * kSigmas) {
-    agree(now);
+    record_.agree(now);
     return std::nullopt;
   }
-  if (!since_) since_ = now;
-  if (now - *since_ < kPatience) return std::nullopt;
+  if (!record_.lasts(now, kPatience)) return std::nullopt;
   const double bias = std::min(D.norm(), kMaxBias);
-  return GravityOpinion{other.g, std::sqrt(other.covariance.trace() / 3.0 + bias * bias),
-                        other.velocity};
+  return IndependentGravity{other.g, std::sqrt(other.covariance.trace() / 3.0 + bias * bias),
+                            other.velocity};
 }
 
-void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {
+void TiltCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {
   if (gap) reset(x.nav.time);
   const ImuIncrements since = imu_increments(last, x.nav.time, x.nav, imu);
   const Matrix3d R = since.turn.transpose();
@@ -87,7 +81,7 @@ void GravityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, boo
   while (!scans_.empty() && x.nav.time - scans_.front().time > kWindow) scans_.pop_front();
 }
 
-void GravityCheck::take(const Observations& seen, const Estimate& x) {
+void TiltCheck::take(const Observations& seen, const Estimate& x) {
   const Matrix3d R_BS = x.T_BS.rotation.toRotationMatrix();
   const Vector3d lever = (x.gyro_B - x.nav.gyro_bias).cross(x.T_BS.translation);
   const Vector3d v_S = radar_velocity(x);
@@ -111,7 +105,7 @@ void GravityCheck::take(const Observations& seen, const Estimate& x) {
   scans_.push_back(scan);
 }
 
-std::optional<GravityCheck::Fit> GravityCheck::fit_dopplers(Time now) const {
+std::optional<TiltCheck::Fit> TiltCheck::fit_dopplers(Time now) const {
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
   Matrix6d A = Matrix6d::Zero();
   Eigen::Matrix<double, 6, 5> B = Eigen::Matrix<double, 6, 5>::Zero();  // right-hand sides
@@ -149,7 +143,7 @@ std::optional<GravityCheck::Fit> GravityCheck::fit_dopplers(Time now) const {
   return out;
 }
 
-GravityCheck::Fit GravityCheck::without_dopplers(const Estimate& x) const {
+TiltCheck::Fit TiltCheck::without_dopplers(const Estimate& x) const {
   const double T = to_seconds(x.nav.time - scans_.front().time);
   const double sigma = kVelocityChange / T;
   Fit out;

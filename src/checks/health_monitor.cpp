@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/health_monitor.hpp"
+#include "rio/checks/health_monitor.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/frontend/gravity_check.hpp"
+#include "rio/checks/tilt_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ struct Drive {
     options.radar.T_BS.translation = Vector3d(0.1, 0.05, -0.1);
     test::SeenVehicle vehicle(options, Vector3d(0.4, -0.3, 0.1), random);
     vehicle.mounting = Quaternion(Eigen::AngleAxisd(turn_mounting, Vector3d::UnitZ()));
-    GravityCheck check(options);
+    TiltCheck check(options);
     check.reset(vehicle.truth.time);
     BodyCovariance P = BodyCovariance::Zero();
     P.diagonal().segment<3>(body::kAttitude).setConstant(sigma_tilt * sigma_tilt);
@@ -77,7 +77,7 @@ std::function<void(Estimate&)> tilted_in_world(double angle) {
   };
 }
 
-TEST(GravityCheck, FindsAWrongTiltInTwoSeconds) {
+TEST(TiltCheck, FindsAWrongTiltInTwoSeconds) {
   test::Random random(3);
   double slowest = 0.0;
   for (const int points : {4, 8, 20}) {
@@ -97,7 +97,7 @@ TEST(GravityCheck, FindsAWrongTiltInTwoSeconds) {
                  slowest, "below 2.5");
 }
 
-TEST(GravityCheck, FindsAWrongAccelerometerBias) {
+TEST(TiltCheck, FindsAWrongAccelerometerBias) {
   test::Random random(4);
   Drive drive;
   drive.wrong = [](Estimate& x) { x.nav.accel_bias += Vector3d(0.3, -0.4, 0.0); };
@@ -107,7 +107,7 @@ TEST(GravityCheck, FindsAWrongAccelerometerBias) {
   EXPECT_GT(verdict.sigma, 0.4);
 }
 
-TEST(GravityCheck, WhatTheCovarianceAdmitsIsNoContradiction) {
+TEST(TiltCheck, WhatTheCovarianceAdmitsIsNoContradiction) {
   test::Random random(5);
   for (const int points : {3, 6, 20}) {
     for (int run = 0; run < 20; ++run) {
@@ -126,7 +126,7 @@ TEST(GravityCheck, WhatTheCovarianceAdmitsIsNoContradiction) {
   }
 }
 
-TEST(GravityCheck, ARightEstimateIsNeverContradicted) {
+TEST(TiltCheck, ARightEstimateIsNeverContradicted) {
   test::Random random(6);
   for (const int points : {3, 6, 20}) {
     Drive drive;
@@ -137,7 +137,7 @@ TEST(GravityCheck, ARightEstimateIsNeverContradicted) {
 }
 
 // The velocity changes while the radar is silent, one second of every two.
-TEST(GravityCheck, ARightEstimateIsNotContradictedByWhatHappenedInASilence) {
+TEST(TiltCheck, ARightEstimateIsNotContradictedByWhatHappenedInASilence) {
   test::Random random(8);
   Drive drive;
   drive.scans = 2000;
@@ -148,7 +148,7 @@ TEST(GravityCheck, ARightEstimateIsNotContradictedByWhatHappenedInASilence) {
 }
 
 // A radar turned by 20 deg sees turned changes of the velocity. Known as a sigma, that is no tilt.
-TEST(GravityCheck, AnUncertainMountingIsNoTilt) {
+TEST(TiltCheck, AnUncertainMountingIsNoTilt) {
   test::Random random(7);
   Drive drive;
   drive.scans = 2000;

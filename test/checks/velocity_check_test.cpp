@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/frontend/velocity_pool.hpp"
+#include "rio/checks/velocity_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,29 +13,29 @@ namespace {
 
 using std::chrono::milliseconds;
 
-class PoolTest : public testing::Test {
+class VelocityCheckTest : public testing::Test {
  protected:
-  PoolTest() {
+  VelocityCheckTest() {
     options_.radar.max_doppler = kLimit;
     options_.radar.T_BS.translation = Vector3d(0.1, 0.05, -0.1);
     restart();
   }
 
   void restart() {
-    pool_.emplace(options_);
+    check_.emplace(options_);
     vehicle_.emplace(options_, v_, &random_);
-    pool_->reset(vehicle_->truth.time);
+    check_->reset(vehicle_->truth.time);
   }
 
   /// One scan later. The estimate is the truth, but for its velocity.
-  std::optional<VelocityOpinion> step(const Vector3d& wrong_W, double sigma, int points,
-                                      int others = 0, const Vector3d& u_W = Vector3d::Zero()) {
+  std::optional<IndependentVelocity> step(const Vector3d& wrong_W, double sigma, int points,
+                                          int others = 0, const Vector3d& u_W = Vector3d::Zero()) {
     const Time last = vehicle_->truth.time;
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
     x.nav.v_WB += wrong_W;
-    pool_->carry(x, last, vehicle_->imu(), false);
-    return pool_->observe(vehicle_->scan(points, others, u_W), x, sigma, 0.002);
+    check_->carry(x, last, vehicle_->imu(), false);
+    return check_->observe(vehicle_->scan(points, others, u_W), x, sigma, 0.002);
   }
 
   /// Scans until there is a verdict, at most `count`; the seconds that took, negative if none came.
@@ -58,11 +58,11 @@ class PoolTest : public testing::Test {
   test::Random random_{11};
   Options options_;
   Vector3d v_{0.4, -0.3, 0.1};
-  std::optional<VelocityPool> pool_;
+  std::optional<VelocityCheck> check_;
   std::optional<test::SeenVehicle> vehicle_;
 };
 
-TEST_F(PoolTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
+TEST_F(VelocityCheckTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
   for (const int points : {3, 4, 6, 20}) {
     for (const double wrong : {2.0, 10.0}) {
       for (const double sigma : {0.05, 3.0}) {
@@ -79,26 +79,26 @@ TEST_F(PoolTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
 }
 
 // Three points a scan, of a radar that does not fold and, three times as often, of one that does.
-TEST_F(PoolTest, EachRadarHasItsOwnFold) {
+TEST_F(VelocityCheckTest, EachRadarHasItsOwnFold) {
   options_.other_radars.push_back({options_.radar.T_BS, 0.0, 0.0, options_.radar});
   options_.radar.max_doppler = 0.0;
   for (const double wrong : {0.0, 4.0}) {
     restart();
     vehicle_->truth.v_WB = vehicle_->truth.q_WB * Vector3d(4.0, 0.3, 0.0);  // beyond that limit
     const Vector3d error = wrong * random_.direction();
-    std::optional<VelocityOpinion> other;
+    std::optional<IndependentVelocity> other;
     for (std::size_t i = 0; i < 30 && !other; ++i) {
       const Time last = vehicle_->truth.time;
       vehicle_->advance();
       Estimate x = vehicle_->estimate();
       x.nav.v_WB += error;
       const DetectionList scan = vehicle_->scan_of(i % 4 == 0 ? 0 : 1, 3, 0, Vector3d::Zero());
-      pool_->carry(x, last, vehicle_->imu(), false);
-      other = pool_->observe(scan, x, 0.05, 0.002);
+      check_->carry(x, last, vehicle_->imu(), false);
+      other = check_->observe(scan, x, 0.05, 0.002);
     }
     ASSERT_EQ(other.has_value(), wrong > 0.0);
     if (wrong == 0.0) {
-      EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(200));
+      EXPECT_GT(check_->record().agreed(), vehicle_->truth.time - milliseconds(200));
       continue;
     }
     const Vector3d v_B = vehicle_->truth.q_WB.conjugate() * vehicle_->truth.v_WB;
@@ -106,7 +106,7 @@ TEST_F(PoolTest, EachRadarHasItsOwnFold) {
   }
 }
 
-TEST_F(PoolTest, ARightVelocityIsNeverContradicted) {
+TEST_F(VelocityCheckTest, ARightVelocityIsNeverContradicted) {
   for (const int points : {1, 3, 6, 20}) {
     restart();
     for (int i = 0; i < 300; ++i) {
@@ -117,14 +117,14 @@ TEST_F(PoolTest, ARightVelocityIsNeverContradicted) {
       EXPECT_FALSE(step(random_.normal_vector(0.05), 0.1, points)) << points << " " << i;
     }
     if (points >= 3) {
-      EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(500)) << points;
+      EXPECT_GT(check_->record().agreed(), vehicle_->truth.time - milliseconds(500)) << points;
     }
   }
 }
 
 // A person in front of a standing radar gives most of a few points. Their velocity is no other one
 // of the radar's: it was proven right, and they do not stay.
-TEST_F(PoolTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
+TEST_F(VelocityCheckTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
   v_.setZero();
   restart();
   vehicle_->rate.setZero();
@@ -137,28 +137,28 @@ TEST_F(PoolTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
 }
 
 // Until the patience ends it says by how much it contradicts.
-TEST_F(PoolTest, AContradictionHasASize) {
+TEST_F(VelocityCheckTest, AContradictionHasASize) {
   const Vector3d wrong = 0.8 * random_.direction();
   for (int i = 0; i < 45; ++i) {
     (void)step(Vector3d::Zero(), 0.05, 20);
-    EXPECT_EQ(pool_->contradiction(), 0.0);
+    EXPECT_EQ(check_->contradiction(), 0.0);
   }
   for (int i = 0; i < 45; ++i) {
     (void)step(wrong, 0.05, 20);
     if (i < 15) continue;
-    EXPECT_NEAR(pool_->contradiction(), 0.8, 0.1) << i;
+    EXPECT_NEAR(check_->contradiction(), 0.8, 0.1) << i;
   }
   for (int i = 0; i < 15; ++i) (void)step(Vector3d::Zero(), 0.05, 20);
-  EXPECT_EQ(pool_->contradiction(), 0.0);
+  EXPECT_EQ(check_->contradiction(), 0.0);
   restart();
   for (int i = 0; i < 75; ++i) (void)step(i < 45 ? Vector3d::Zero() : wrong, 0.05, 20);
-  EXPECT_NEAR(pool_->contradiction(), 0.8, 0.1);
-  pool_->reset(vehicle_->truth.time);
-  EXPECT_EQ(pool_->contradiction(), 0.0);
+  EXPECT_NEAR(check_->contradiction(), 0.8, 0.1);
+  check_->reset(vehicle_->truth.time);
+  EXPECT_EQ(check_->contradiction(), 0.0);
 }
 
 // Of five points a scan three move, each in another direction.
-TEST_F(PoolTest, OutliersAreNoVerdict) {
+TEST_F(VelocityCheckTest, OutliersAreNoVerdict) {
   for (int i = 0; i < 150; ++i) {
     EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 2)) << i;
     for (int k = 0; k < 3; ++k) {
@@ -169,7 +169,7 @@ TEST_F(PoolTest, OutliersAreNoVerdict) {
 
 // Less than what agrees at once, more than any other velocity has: the one believed stays right,
 // also where Dopplers do not fold.
-TEST_F(PoolTest, AThirdOfOutliersLeavesTheVelocitySupported) {
+TEST_F(VelocityCheckTest, AThirdOfOutliersLeavesTheVelocitySupported) {
   for (const double limit : {kLimit, 0.0}) {
     options_.radar.max_doppler = limit;
     restart();
@@ -179,69 +179,69 @@ TEST_F(PoolTest, AThirdOfOutliersLeavesTheVelocitySupported) {
         EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 0, 1, random_.normal_vector(2.0))) << i;
       }
     }
-    EXPECT_GT(pool_->agreed(), vehicle_->truth.time - milliseconds(200)) << limit;
+    EXPECT_GT(check_->record().agreed(), vehicle_->truth.time - milliseconds(200)) << limit;
   }
 }
 
 /// Mean share by chance over 60 scans of so many points of the world and others of random Doppler,
 /// once a second of them is there.
-double PoolTest::mean_chance(int points, int others) {
+double VelocityCheckTest::mean_chance(int points, int others) {
   restart();
   double sum = 0.0;
   for (int i = -15; i < 60; ++i) {
     step(Vector3d::Zero(), 0.02, points, others, 1e3 * random_.direction());
-    if (i >= 0) sum += pool_->chance() / 60.0;
+    if (i >= 0) sum += check_->chance() / 60.0;
   }
   return sum;
 }
 
 // Bounds are 0.2 to 0.4 m/s, of +-2.6 m/s: a random Doppler is inside with 0.08 to 0.15.
-TEST_F(PoolTest, TheShareByChanceIsThatOfRandomDopplers) {
+TEST_F(VelocityCheckTest, TheShareByChanceIsThatOfRandomDopplers) {
   EXPECT_LT(mean_chance(6, 0), 0.01);
   const double half = mean_chance(5, 5);  // 0.08 of 1.08 to 0.15 of 1.15
   EXPECT_GT(half, 0.07);
   EXPECT_LT(half, 0.13);
   EXPECT_GT(mean_chance(1, 9), 0.4);
   EXPECT_GT(mean_chance(0, 10), 0.8);
-  pool_->reset(vehicle_->truth.time);
-  EXPECT_EQ(pool_->chance(), 0.0);
+  check_->reset(vehicle_->truth.time);
+  EXPECT_EQ(check_->chance(), 0.0);
 }
 
 // What the covariance of the velocity admits is no outlier.
-TEST_F(PoolTest, AWrongVelocityWithAnHonestSigmaIsNoChance) {
+TEST_F(VelocityCheckTest, AWrongVelocityWithAnHonestSigmaIsNoChance) {
   const Vector3d wrong = random_.direction();
   for (const double sigma : {0.02, 0.5}) {
     restart();
     for (int i = 0; i < 4; ++i) step(wrong, sigma, 6);
     if (sigma > 0.1) {
-      EXPECT_EQ(pool_->chance(), 0.0);
+      EXPECT_EQ(check_->chance(), 0.0);
     } else {
-      EXPECT_GT(pool_->chance(), 0.3);
+      EXPECT_GT(check_->chance(), 0.3);
     }
   }
 }
 
-TEST_F(PoolTest, CanBeSwitchedOff) {
+TEST_F(VelocityCheckTest, CanBeSwitchedOff) {
   options_.frontend.velocity_recovery = false;
   restart();
   EXPECT_LT(seconds_to_verdict(Vector3d(2.0, 1.0, 0.0), 0.05, 6), 0.0);
 }
 
 // A Doppler scale that is not zero has divided the range rates, and where they fold.
-TEST_F(PoolTest, FoldsWhereTheDividedRangeRatesDo) {
+TEST_F(VelocityCheckTest, FoldsWhereTheDividedRangeRatesDo) {
   constexpr double kScale = 0.1;
   Options corrected = options_;
   corrected.radar.max_doppler = kLimit / (1.0 + kScale);
   vehicle_.emplace(corrected, Vector3d(8.0, 0.5, 0.0), &random_);
-  pool_->reset(vehicle_->truth.time);
+  check_->reset(vehicle_->truth.time);
   for (int i = 0; i < 40; ++i) {
     const Time last = vehicle_->truth.time;
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
     x.radar_errors[RadarErrors::kDopplerScale] = kScale;
-    pool_->carry(x, last, vehicle_->imu(), false);
-    EXPECT_FALSE(pool_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002)) << i;
-    EXPECT_EQ(pool_->contradiction(), 0.0) << i;
+    check_->carry(x, last, vehicle_->imu(), false);
+    EXPECT_FALSE(check_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002)) << i;
+    EXPECT_EQ(check_->contradiction(), 0.0) << i;
   }
 }
 

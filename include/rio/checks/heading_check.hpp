@@ -18,6 +18,7 @@
 
 #include <optional>
 
+#include "rio/checks/record.hpp"
 #include "rio/core/ring.hpp"
 #include "rio/options.hpp"
 #include "rio/state/estimate.hpp"
@@ -25,16 +26,16 @@
 namespace rio {
 
 /// Independent estimate of the error of the gyro bias about the vertical.
-struct GyroBiasOpinion {
+struct GyroBiasStep {
   double error = 0.0;                   ///< true minus estimated, mean of the window [rad/s]
   double duration = 0.0;                ///< of the window [s]
   Vector3d moved_W = Vector3d::Zero();  ///< displacement in the window [m]
 };
 
 /// No allocation after construction.
-class GyroBiasCheck {
+class HeadingCheck {
  public:
-  explicit GyroBiasCheck(const Options& options)
+  explicit HeadingCheck(const Options& options)
       : enabled_(options.frontend.velocity_recovery), parts_(kParts) {}
 
   /// Starts over.
@@ -44,7 +45,7 @@ class GyroBiasCheck {
   /// @param P_body covariance of x, order of namespace body
   void predicted(const Estimate& x, const BodyCovariance& P_body);
   /// Call after it, with the corrected state; the error, if the window contradicts the estimate.
-  std::optional<GyroBiasOpinion> corrected(const Estimate& x, const BodyCovariance& P_body);
+  std::optional<GyroBiasStep> corrected(const Estimate& x, const BodyCovariance& P_body);
 
  private:
   /// Sums over kPart.
@@ -66,7 +67,7 @@ class GyroBiasCheck {
   static constexpr double kWeak = 0.005;  // sigma of (E4), beyond any step of a bias [rad/s]
 
   bool enabled_;
-  Time agreed_{0};  ///< end of the last window that did not contradict the estimate
+  CheckRecord record_;
   Ring<Part> parts_;
   Vector3d bias_ = Vector3d::Zero();      ///< before the update
   Matrix3d variance_ = Matrix3d::Zero();  ///< same

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3: an independent estimate of the velocity, from the Dopplers of one second and the IMU
+// Check of the velocity: an independent estimate of it, from the Dopplers of one second and the IMU
 // increments between them. It needs no predicted velocity and works with a few points per
 // scan. Its purpose is to detect that the state estimate's velocity is wrong beyond its covariance,
 // so that the gates permanently reject the measurements that could correct it.
@@ -30,6 +30,7 @@
 #include <optional>
 #include <vector>
 
+#include "rio/checks/record.hpp"
 #include "rio/frontend/doppler_fold.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/options.hpp"
@@ -39,27 +40,24 @@
 namespace rio {
 
 /// Independent estimate of the velocity of the body, in body axes.
-struct VelocityOpinion {
+struct IndependentVelocity {
   Vector3d v_B = Vector3d::Zero();         ///< [m/s]
   Matrix3d covariance = Matrix3d::Zero();  ///< [m^2/s^2]
 };
 
 /// No allocation after construction.
-class VelocityPool {
+class VelocityCheck {
  public:
-  explicit VelocityPool(const Options& options);
+  explicit VelocityCheck(const Options& options);
 
   /// Starts over; the state estimate's velocity counts as supported at `time`, but not as proven.
   void reset(Time time);
 
-  /// When the state estimate's velocity was last supported.
-  Time agreed() const { return agreed_; }
+  const CheckRecord& record() const { return record_; }
   /// It has been supported for kProven since the last reset.
   bool proven() const { return proven_ > kProven; }
   /// (E5) of the state estimate's velocity, its sigma in the bound; 0 while there are few rows.
   double chance() const { return chance_; }
-  /// Since when it has been contradicted; the newest scan if it is not.
-  Time contradicted_since() const { return since_; }
   /// Difference of the velocities while it is contradicted; 0 if it is not [m/s].
   double contradiction() const { return contradiction_; }
 
@@ -73,8 +71,8 @@ class VelocityPool {
   /// @param x predicted to the scan
   /// @param sigma of the velocity of x, all axes [m/s]
   /// @param sigma_tilt of roll and pitch [rad]
-  std::optional<VelocityOpinion> observe(const DetectionList& scan, const Estimate& x, double sigma,
-                                         double sigma_tilt);
+  std::optional<IndependentVelocity> observe(const DetectionList& scan, const Estimate& x,
+                                             double sigma, double sigma_tilt);
 
  private:
   /// One Doppler, transformed to the current body axes.
@@ -120,7 +118,7 @@ class VelocityPool {
   bool search(const Vector3d& believed, Time seed, Vector3d* best) const;
 
   /// Least squares over the rows that support v; none if a direction is poorly determined.
-  std::optional<VelocityOpinion> refine(const Vector3d& v) const;
+  std::optional<IndependentVelocity> refine(const Vector3d& v) const;
 
   /// The state estimate is supported.
   std::nullopt_t agree(Time now);
@@ -155,8 +153,7 @@ class VelocityPool {
   double drift_ = kDrift;  ///< e of (E3) [m/s^2]
   std::vector<Row> rows_;  ///< oldest first
   Columns columns_;        ///< of rows_, after complete()
-  Time agreed_{0};
-  Time since_{0};        ///< begin of the contradiction
+  CheckRecord record_;
   double proven_ = 0.0;  ///< time of support [s]
   double chance_ = 0.0;
   double contradiction_ = 0.0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What makes which part of the estimate degraded, dead reckoning or lost, and how it heals.
-#include "rio/update/health_monitor.hpp"
+#include "rio/checks/health_monitor.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Possible error of the position after an interval in which the measurements contradicted the
-// estimate without replacing anything: a crowd or a lorry may have filled the view for seconds and
-// have dragged the velocity, or may only have tried to.
+// Check of the position: its possible error after an interval in which the measurements
+// contradicted the estimate without replacing anything: a crowd or a lorry may have filled the view
+// for seconds and have dragged the velocity, or may only have tried to.
 //
 // (E1) possible error of the velocity, the sum of
-//      - the difference to the velocity of the pool (frontend/velocity_pool.hpp) while that
+//      - the difference to the other velocity (checks/velocity_check.hpp) while that
 //        contradicts it;
-//      - while the gates reject more rows than usual (update/health_monitor.hpp), the rejected
+//      - while the gates reject more rows than usual (checks/health_monitor.hpp), the rejected
 //        share times the pace of what moves;
 //      - while nearly all detections are outliers (same), the sigma of the predicted velocity: the
 //        consensus, sought about the prediction, may be one by chance
@@ -19,12 +19,12 @@ namespace rio {
 
 /// What casts doubt on an update; zeros if nothing does.
 struct Doubt {
-  double contradiction = 0.0;  ///< difference to the velocity of the pool [m/s]
+  double contradiction = 0.0;  ///< difference to the other velocity [m/s]
   double gated = 0.0;          ///< share of the rows
   double sigma = 0.0;          ///< of the predicted velocity, if nearly all are outliers [m/s]
 };
 
-class DoubtfulInterval {
+class PositionCheck {
  public:
   /// The velocity was replaced; that accounts for the interval.
   void reset() { distance_ = 0.0; }

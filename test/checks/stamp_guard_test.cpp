@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/propagate/stamp_guard.hpp"
+#include "rio/checks/stamp_guard.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/propagate/imu_guard.hpp"
+#include "rio/checks/imu_guard.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/gyro_bias_check.hpp"
+#include "rio/checks/heading_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ class BiasFilter {
   void step(const Vector3d& by) { truth_ += by; }
 
   /// What the check says in so many seconds, the first time.
-  std::optional<GyroBiasOpinion> run(double seconds, GyroBiasCheck* check) {
+  std::optional<GyroBiasStep> run(double seconds, HeadingCheck* check) {
     for (int i = 0; i < static_cast<int>(seconds * kRate); ++i) {
       x_.nav.time += from_seconds(1.0 / kRate);
       x_.nav.p_WB.x() += 0.5 / kRate;
@@ -53,25 +53,25 @@ class BiasFilter {
   BodyCovariance P_ = BodyCovariance::Zero();
 };
 
-TEST(GyroBiasCheck, IsSilentOnARightBias) {
+TEST(HeadingCheck, IsSilentOnARightBias) {
   test::Random random(1);
   int contradicted = 0;
   for (int i = 0; i < 100; ++i) {
     BiasFilter filter(&random);
-    GyroBiasCheck check{Options{}};
+    HeadingCheck check{Options{}};
     contradicted += filter.run(60.0, &check).has_value() ? 1 : 0;
   }
   test::measured("windows of 100 minutes that contradict", contradicted, "at most 2");
   EXPECT_LE(contradicted, 2);  // 0.2 expected; with two sigmas it would be most of them
 }
 
-TEST(GyroBiasCheck, FindsAStepAboutTheVertical) {
+TEST(HeadingCheck, FindsAStepAboutTheVertical) {
   constexpr double kStep = 0.02;
   test::Random random(2);
   double error = 0.0;
   for (int i = 0; i < 20; ++i) {
     BiasFilter filter(&random);
-    GyroBiasCheck check{Options{}};
+    HeadingCheck check{Options{}};
     ASSERT_FALSE(filter.run(30.0, &check));
     filter.step(kStep * filter.up_B());
     const auto opinion = filter.run(20.0, &check);
@@ -86,10 +86,10 @@ TEST(GyroBiasCheck, FindsAStepAboutTheVertical) {
 }
 
 // However large: half of the parts have to agree, and then for two seconds.
-TEST(GyroBiasCheck, WaitsUntilTheContradictionLasts) {
+TEST(HeadingCheck, WaitsUntilTheContradictionLasts) {
   test::Random random(6);
   BiasFilter filter(&random);
-  GyroBiasCheck check{Options{}};
+  HeadingCheck check{Options{}};
   ASSERT_FALSE(filter.run(30.0, &check));
   filter.step(0.2 * filter.up_B());
   EXPECT_FALSE(filter.run(10.5, &check));
@@ -97,38 +97,38 @@ TEST(GyroBiasCheck, WaitsUntilTheContradictionLasts) {
 }
 
 // Twenty measurements with one error, told as twenty.
-TEST(GyroBiasCheck, IsSilentOnErrorsThatRepeat) {
+TEST(HeadingCheck, IsSilentOnErrorsThatRepeat) {
   test::Random random(5);
   int contradicted = 0;
   for (int i = 0; i < 100; ++i) {
     BiasFilter filter(&random);
     filter.repeats = 20.0;
-    GyroBiasCheck check{Options{}};
+    HeadingCheck check{Options{}};
     contradicted += filter.run(60.0, &check).has_value() ? 1 : 0;
   }
   test::measured("windows of 100 minutes that contradict", contradicted, "at most 10");
   EXPECT_LE(contradicted, 10);
 }
 
-TEST(GyroBiasCheck, LeavesTheOtherAxesToGravity) {
+TEST(HeadingCheck, LeavesTheOtherAxesToGravity) {
   test::Random random(3);
   BiasFilter filter(&random);
-  GyroBiasCheck check{Options{}};
+  HeadingCheck check{Options{}};
   filter.step(0.02 * filter.up_B().unitOrthogonal());
   EXPECT_FALSE(filter.run(20.0, &check));
 }
 
-TEST(GyroBiasCheck, ForgetsWhenItStartsOverAndIsOffWithTheRecovery) {
+TEST(HeadingCheck, ForgetsWhenItStartsOverAndIsOffWithTheRecovery) {
   test::Random random(4);
   BiasFilter filter(&random);
-  GyroBiasCheck check{Options{}};
+  HeadingCheck check{Options{}};
   filter.step(0.02 * filter.up_B());
   ASSERT_TRUE(filter.run(20.0, &check));
   check.reset();
   EXPECT_FALSE(filter.run(0.2, &check));
   Options options;
   options.frontend.velocity_recovery = false;
-  GyroBiasCheck off(options);
+  HeadingCheck off(options);
   EXPECT_FALSE(filter.run(20.0, &off));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/doubtful_interval.hpp"
+#include "rio/checks/position_check.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@ namespace {
 constexpr double kPeriod = 0.1;  // [s]
 constexpr Doubt kNone;
 
-TEST(DoubtfulInterval, LeavesTheIntegralOfThePossibleErrorOfTheVelocity) {
-  DoubtfulInterval interval;
+TEST(PositionCheck, LeavesTheIntegralOfThePossibleErrorOfTheVelocity) {
+  PositionCheck interval;
   const Doubt velocity{.contradiction = 0.5};
   const Doubt movers{.gated = 0.4};
   const Doubt both{.contradiction = 0.5, .gated = 0.4};
@@ -24,16 +24,16 @@ TEST(DoubtfulInterval, LeavesTheIntegralOfThePossibleErrorOfTheVelocity) {
   EXPECT_EQ(interval.observe(kNone, kPeriod), 0.0);
 }
 
-TEST(DoubtfulInterval, AShortOneIsNotNoticed) {
-  DoubtfulInterval interval;
+TEST(PositionCheck, AShortOneIsNotNoticed) {
+  PositionCheck interval;
   for (int repeat = 0; repeat < 5; ++repeat) {  // nor are several, one after the other
     for (int i = 0; i < 5; ++i) (void)interval.observe({.contradiction = 0.4}, kPeriod);
     EXPECT_EQ(interval.observe(kNone, kPeriod), 0.0);
   }
 }
 
-TEST(DoubtfulInterval, AReplacedVelocityAccountsForIt) {
-  DoubtfulInterval interval;
+TEST(PositionCheck, AReplacedVelocityAccountsForIt) {
+  PositionCheck interval;
   for (int i = 0; i < 20; ++i) (void)interval.observe({.contradiction = 0.5}, kPeriod);
   interval.reset();
   EXPECT_EQ(interval.observe(kNone, kPeriod), 0.0);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/gyro_bias_check.hpp"
+#include "rio/checks/heading_check.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace rio {
 
-void GyroBiasCheck::predicted(const Estimate& x, const BodyCovariance& P_body) {
+void HeadingCheck::predicted(const Estimate& x, const BodyCovariance& P_body) {
   if (!enabled_) return;
   bias_ = x.nav.gyro_bias;
   variance_ = P_body.block<3, 3>(body::kGyroBias, body::kGyroBias);
@@ -18,7 +18,7 @@ void GyroBiasCheck::predicted(const Estimate& x, const BodyCovariance& P_body) {
   }
 }
 
-double GyroBiasCheck::scatter(const Vector3d& up_B, double slope) const {
+double HeadingCheck::scatter(const Vector3d& up_B, double slope) const {
   double sum = 0.0;
   int count = 0;
   for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -31,8 +31,8 @@ double GyroBiasCheck::scatter(const Vector3d& up_B, double slope) const {
   return count > 1 ? sum / (count - 1) : 0.0;
 }
 
-std::optional<GyroBiasOpinion> GyroBiasCheck::corrected(const Estimate& x,
-                                                        const BodyCovariance& P_body) {
+std::optional<GyroBiasStep> HeadingCheck::corrected(const Estimate& x,
+                                                    const BodyCovariance& P_body) {
   if (!enabled_) return {};
   const Matrix3d P = P_body.block<3, 3>(body::kGyroBias, body::kGyroBias);
   Part& newest = parts_[parts_.size() - 1];
@@ -48,22 +48,22 @@ std::optional<GyroBiasOpinion> GyroBiasCheck::corrected(const Estimate& x,
   const double change = up_B.dot(d);
   const double variance = up_B.dot(S * up_B);
   if (variance <= 0.0 || parts_.size() < kEnough) {
-    agreed_ = x.nav.time;
+    record_.agree(x.nav.time);
     return {};
   }
   const double allowed = variance * std::max(1.0, scatter(up_B, change / variance));  // (E3)
   if (change * change <= kSigmas * kSigmas * allowed) {                               // (E2)
-    agreed_ = x.nav.time;
+    record_.agree(x.nav.time);
     return {};
   }
-  if (x.nav.time - agreed_ < kPatience) return {};
+  if (!record_.lasts(x.nav.time, kPatience)) return {};
   const double per_change = up_B.dot(P * up_B) / variance;  // (E4)
   if (per_change * std::sqrt(variance) > kWeak) return {};
-  GyroBiasOpinion opinion;
-  opinion.error = change * per_change;
-  opinion.duration = to_seconds(x.nav.time - parts_.front().begin);
-  opinion.moved_W = x.nav.p_WB - parts_.front().p_WB;
-  return opinion;
+  GyroBiasStep step;
+  step.error = change * per_change;
+  step.duration = to_seconds(x.nav.time - parts_.front().begin);
+  step.moved_W = x.nav.p_WB - parts_.front().p_WB;
+  return step;
 }
 
 }  // namespace rio

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/update/calibration_report.hpp"
+#include "rio/checks/calibration_report.hpp"
 
 #include <cmath>
 

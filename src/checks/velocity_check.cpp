@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/frontend/velocity_pool.hpp"
+#include "rio/checks/velocity_check.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace rio {
 
-VelocityPool::VelocityPool(const Options& options)
+VelocityCheck::VelocityCheck(const Options& options)
     : options_(options), tightest_(tightest_fold(options)) {
   for (std::size_t r = 0; r < options.radars(); ++r) {
     (void)folds_.push_back(doppler_fold(options, r));
@@ -21,14 +21,15 @@ VelocityPool::VelocityPool(const Options& options)
   rows_.reserve(kMaxRows);
 }
 
-void VelocityPool::reset(Time time) {
+void VelocityCheck::reset(Time time) {
   rows_.clear();
-  agreed_ = since_ = time;
+  record_.reset(time);
   proven_ = chance_ = contradiction_ = 0.0;
 }
 
-std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, const Estimate& x,
-                                                     double sigma, double sigma_tilt) {
+std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& scan,
+                                                          const Estimate& x, double sigma,
+                                                          double sigma_tilt) {
   chance_ = 0.0;
   if (!options_.frontend.velocity_recovery) return abstain(x.nav.time);
   drift_ = std::hypot(kDrift, options_.imu.gravity * sigma_tilt);
@@ -52,30 +53,30 @@ std::optional<VelocityOpinion> VelocityPool::observe(const DetectionList& scan, 
   if (!alone || rows_.back().time - rows_.front().time < kSpan) return std::nullopt;
   const int count = support(best);
   if (count < kMinRows || count < kMajority * n) return abstain(now);
-  std::optional<VelocityOpinion> other = refine(best);
+  std::optional<IndependentVelocity> other = refine(best);
   if (!other) return abstain(now);
   // an error within the covariance is corrected by the update
   const double difference = (other->v_B - believed).norm();
   if (unique_fold && difference < 3.0 * sigma) return std::nullopt;
   contradiction_ = difference;
-  if (now - since_ < (proven() ? kLongPatience : kPatience)) return std::nullopt;
+  if (!record_.lasts(now, proven() ? kLongPatience : kPatience)) return std::nullopt;
   return other;
 }
 
-std::nullopt_t VelocityPool::agree(Time now) {
-  proven_ = std::min(proven_ + to_seconds(now - agreed_), 2.0 * kProven);
-  agreed_ = since_ = now;
+std::nullopt_t VelocityCheck::agree(Time now) {
+  proven_ = std::min(proven_ + to_seconds(now - record_.agreed()), 2.0 * kProven);
+  record_.agree(now);
   contradiction_ = 0.0;
   return std::nullopt;
 }
 
-std::nullopt_t VelocityPool::abstain(Time now) {
-  since_ = now;
+std::nullopt_t VelocityCheck::abstain(Time now) {
+  record_.abstain(now);
   contradiction_ = 0.0;
   return std::nullopt;
 }
 
-void VelocityPool::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {
+void VelocityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {
   if (gap) {
     rows_.clear();
     proven_ = 0.0;
@@ -92,7 +93,7 @@ void VelocityPool::carry(const Estimate& x, Time last, const ImuBuffer& imu, boo
   rows_.erase(rows_.begin(), young);
 }
 
-void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
+void VelocityCheck::take(const DetectionList& scan, const Estimate& x) {
   const Matrix3d R_BS = x.T_BS.rotation.toRotationMatrix();
   const Vector3d lever = (x.gyro_B - x.nav.gyro_bias).cross(x.T_BS.translation);
   const DopplerFold fold =
@@ -115,7 +116,7 @@ void VelocityPool::take(const DetectionList& scan, const Estimate& x) {
   }
 }
 
-void VelocityPool::complete(const Estimate& x) {
+void VelocityCheck::complete(const Estimate& x) {
   constexpr double kRootTwoPi = 2.5066282746;
   const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
   const auto n = static_cast<Eigen::Index>(rows_.size());
@@ -139,20 +140,20 @@ void VelocityPool::complete(const Estimate& x) {
   }
 }
 
-double VelocityPool::sigma(const Row& row, double speed) const {
+double VelocityCheck::sigma(const Row& row, double speed) const {
   const double direction = row.sigma_direction * std::min(speed, kFastest);
   const double own = std::sqrt(row.sigma_doppler * row.sigma_doppler + direction * direction);
   return std::max(options_.frontend.ransac_threshold / 3.0, own) + drift_ / 3.0 * row.age;
 }
 
-int VelocityPool::support(const Vector3d& v) const {
+int VelocityCheck::support(const Vector3d& v) const {
   const double speed = v.norm();
   return static_cast<int>(std::count_if(rows_.begin(), rows_.end(), [&](const Row& row) {
     return std::abs(residual(row, v)) < 3.0 * sigma(row, speed);
   }));
 }
 
-double VelocityPool::likelihood(const Vector3d& v, double needed) const {
+double VelocityCheck::likelihood(const Vector3d& v, double needed) const {
   const double speed = std::min(v.norm(), kFastest);
   const Columns& c = columns_;
   const RowArray own = (c.variance_doppler + speed * speed * c.variance_direction)
@@ -174,7 +175,7 @@ double VelocityPool::likelihood(const Vector3d& v, double needed) const {
   return sum;
 }
 
-double VelocityPool::chance_share(const Vector3d& v, double sigma) const {
+double VelocityCheck::chance_share(const Vector3d& v, double sigma) const {
   const double speed = v.norm();
   double inside = 0.0;
   double expected = 0.0;
@@ -191,7 +192,7 @@ double VelocityPool::chance_share(const Vector3d& v, double sigma) const {
   return expected < inside ? expected / inside : 1.0;
 }
 
-bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) const {
+bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) const {
   SplitMix64 random(static_cast<std::uint64_t>(seed.count()));
   const double apart = 0.5 * std::min(tightest_.limit(), 2.0);  // half a fold, 1 m/s at most
   *best = Vector3d::Zero();
@@ -241,7 +242,7 @@ bool VelocityPool::search(const Vector3d& believed, Time seed, Vector3d* best) c
   return rival < kNearly * most;
 }
 
-std::optional<VelocityOpinion> VelocityPool::refine(const Vector3d& v) const {
+std::optional<IndependentVelocity> VelocityCheck::refine(const Vector3d& v) const {
   const double speed = v.norm();
   Matrix3d A = Matrix3d::Zero();
   Vector3d b = Vector3d::Zero();
@@ -255,8 +256,8 @@ std::optional<VelocityOpinion> VelocityPool::refine(const Vector3d& v) const {
   const Matrix3d weakest = Matrix3d::Identity() / (kWeak * kWeak);
   if (!SmallCholesky<3>(A - weakest).positive()) return std::nullopt;  // an eigenvalue is less
   const Matrix3d inverse = A.inverse();
-  return VelocityOpinion{v + inverse * b,
-                         kRepetition * inverse + kLeastSigma * kLeastSigma * Matrix3d::Identity()};
+  return IndependentVelocity{
+      v + inverse * b, kRepetition * inverse + kLeastSigma * kLeastSigma * Matrix3d::Identity()};
 }
 
 }  // namespace rio

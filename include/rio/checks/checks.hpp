@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The checks of the estimate, each by evidence that the update does not use, and what they replace.
+// All have one life cycle: they carry their evidence with the propagation, observe a scan, and act
+// only if it has contradicted the estimate for long enough (checks/record.hpp). What is
+// contradicted is replaced or its covariance inflated (checks/replacements.hpp); the landmarks,
+// which agree with the old state, are dropped.
+//
+//   landmarks       silence, gaps, tilt             before the front-end, which matches them
+//   velocity        checks/velocity_check.hpp       before association, which needs the velocity
+//   tilt            checks/tilt_check.hpp           after it: the check uses the static set
+//   heading         checks/heading_check.hpp        after the update, whose corrections it sums
+//   position        checks/position_check.hpp       same: it counts what the update gates
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "rio/checks/heading_check.hpp"
+#include "rio/checks/health_monitor.hpp"
+#include "rio/checks/position_check.hpp"
+#include "rio/checks/replacements.hpp"
+#include "rio/checks/tilt_check.hpp"
+#include "rio/checks/velocity_check.hpp"
+#include "rio/core/so3.hpp"
+#include "rio/frontend/frontend.hpp"
+#include "rio/options.hpp"
+#include "rio/propagate/imu_buffer.hpp"
+#include "rio/report.hpp"
+#include "rio/update/back_end.hpp"
+
+namespace rio {
+
+/// Every check_...() is called once per scan, in this order, and returns whether it changed the
+/// state estimate: the caller's trails are void then. No allocation after construction.
+template <OdometryBackEnd BackEnd>
+class Checks {
+ public:
+  /// @param backend checked and corrected; it and the report must outlive the checks
+  Checks(const Options& options, BackEnd* backend, UpdateReport* report)
+      : options_(options),
+        backend_(*backend),
+        report_(*report),
+        velocity_(options),
+        tilt_(options),
+        heading_(options) {}
+
+  /// The back-end starts over at `time`.
+  /// @param unconfirmed from a static alignment: the body may have been in motion
+  void reset(Time time, bool unconfirmed) {
+    velocity_.reset(time);
+    tilt_.reset(time);
+    heading_.reset();
+    position_.reset();
+    replaced_.reset();
+    last_static_set_ = time;
+    unconfirmed_alignment_ = unconfirmed;
+  }
+
+  /// The tilt is too uncertain for a linearised update. False if the checks are switched off:
+  /// updates then continue.
+  bool tilt_is_lost() const {
+    constexpr double kLinear = 0.35;  // 1 - cos is 6 % [rad]
+    return enabled() && sigma_tilt() > kLinear;
+  }
+
+  /// The state was propagated from `last`; the buffer holds the samples since.
+  /// @param gap the IMU paused since
+  void carry(Time last, const ImuBuffer& imu, bool gap) {
+    if (!enabled()) return;
+    velocity_.carry(backend_.estimate(), last, imu, gap);
+    tilt_.carry(backend_.estimate(), last, imu, gap);
+  }
+
+  /// Drops the landmarks after a silence of the radar, scans without a static set included, after a
+  /// pause of the IMU in which the body may have rotated, and while the tilt is uncertain, as in
+  /// strong vibration: with such an uncertain pose landmarks would be mismatched, each well inside
+  /// its gate, and turn the heading.
+  [[nodiscard]] bool check_landmarks(Time scan, bool imu_gap) {
+    constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
+    constexpr double kTurn = 0.1;                       // half a metre at a range of 5 m [rad]
+    constexpr double kTilt = 0.05;                      // normally a tenth of that [rad]
+    const BodyCovariance P = body_covariance();
+    const double turn =
+        std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
+    const bool outdated =
+        scan - last_static_set_ > kLongest || (imu_gap && turn > kTurn) || sigma_tilt() > kTilt;
+    if (outdated) backend_.drop_landmarks(&report_);
+    return outdated;
+  }
+  /// The scan has a static set.
+  void saw_static_set(Time scan) { last_static_set_ = scan; }
+
+  /// @param scan corrected for the errors of the radar
+  /// @param velocity_covariance of the predicted radar velocity
+  /// @param last time of the scan before
+  [[nodiscard]] bool check_velocity(const DetectionList& scan, const Matrix3d& velocity_covariance,
+                                    Time last) {
+    constexpr double kOpen = 0.5;  // above it the next scans determine the velocity [m/s]
+    const Estimate& x = backend_.estimate();
+    sigma_velocity_ = std::sqrt(velocity_covariance.trace());
+    const auto found = velocity_.observe(scan, x, sigma_velocity_, sigma_tilt());
+    report_.velocity_reset = found.has_value();
+    report_.velocity_contradicted = velocity_.record().contradicted(x.nav.time);
+    if (velocity_.proven()) unconfirmed_alignment_ = false;
+    if (!found) {
+      if (sigma_velocity_ > kOpen) replaced_ = Replaced{x.nav.time, last};
+      return false;
+    }
+    if (unconfirmed_alignment_) {
+      const double speed = found->v_B.norm();
+      replace(Invalidates::kNothing, [&](StateEstimate* state_estimate) {
+        withdraw_alignment(speed, options_, state_estimate);
+      });
+    }
+    unconfirmed_alignment_ = false;
+    act(*found, to_seconds(x.nav.time - velocity_.record().agreed()), doubtful_since());
+    return true;
+  }
+
+  /// Most of the static set may be movers.
+  bool consensus_is_doubtful() const {
+    constexpr double kMost = 0.4;  // share of the rows that agree by chance
+    return velocity_.chance() > kMost;
+  }
+
+  /// @param seen observations of the scan: its static set
+  [[nodiscard]] bool check_tilt(const Observations& seen) {
+    const Estimate& x = backend_.estimate();
+    const auto found =
+        tilt_.observe(seen, x, body_covariance(), backend_.state_estimate().velocity_calibration());
+    report_.attitude_reset = found.has_value();
+    report_.tilt_contradicted = tilt_.record().contradicted(x.nav.time);
+    if (!found) return false;
+    const Time since = std::min(tilt_.record().agreed(), velocity_.record().agreed());
+    replace(Invalidates::kNothing, [&](StateEstimate* state_estimate) {
+      replace_tilt(*found, to_seconds(x.nav.time - since), options_, state_estimate);
+    });
+    act(found->velocity, 0.0, since);  // the velocity diverged gradually
+    tilt_.reset(x.nav.time);
+    heading_.reset();
+    return true;
+  }
+
+  /// Call before the update, with the predicted state in the back-end.
+  void predicted() { heading_.predicted(backend_.estimate(), body_covariance()); }
+
+  [[nodiscard]] bool check_heading() {
+    const auto found = heading_.corrected(backend_.estimate(), body_covariance());
+    if (!found) return false;
+    replace(Invalidates::kLandmarks,
+            [&](StateEstimate* state_estimate) { widen_heading(*found, state_estimate); });
+    report_.attitude_reset = true;
+    heading_.reset();
+    return true;
+  }
+
+  /// @param health after the scan before
+  /// @param seconds since that
+  [[nodiscard]] bool check_position(const HealthMonitor& health, double seconds) {
+    if (!enabled()) return false;
+    const bool outliers = health.health().because(HealthReason::kOutliers);
+    const double sigma = position_.observe({.contradiction = velocity_.contradiction(),
+                                            .gated = health.unusual_gated_share(),
+                                            .sigma = outliers ? sigma_velocity_ : 0.0},
+                                           seconds);
+    report_.position_reopened = sigma;
+    if (sigma == 0.0) return false;
+    replace(Invalidates::kLandmarks,
+            [&](StateEstimate* state_estimate) { widen_position(sigma, state_estimate); });
+    return true;
+  }
+
+ private:
+  /// A replacement of the velocity, by a check or by scans after it had become uncertain.
+  struct Replaced {
+    Time at{0};
+    Time since{0};  ///< when the replaced velocity may have become wrong
+  };
+
+  bool enabled() const { return options_.frontend.velocity_recovery; }
+  BodyCovariance body_covariance() const { return backend_.state_estimate().covariance().body(); }
+
+  /// Sigma of roll and pitch together [rad].
+  double sigma_tilt() const {
+    const BodyCovariance P = body_covariance();
+    return std::sqrt(attitude_variance(backend_.estimate().nav.q_WB,
+                                       P.block<3, 3>(body::kAttitude, body::kAttitude))
+                         .tilt);
+  }
+
+  /// The one place where a check changes the state.
+  template <class Change>
+  void replace(Invalidates also, const Change& change) {
+    backend_.replace(change, also, &report_);
+  }
+
+  /// Since when the velocity may have been wrong: one that replaced another recently and is now
+  /// contradicted may have been wrong from the start, however well the scans supported it.
+  Time doubtful_since() const {
+    constexpr Time kLong = std::chrono::seconds(30);  // crowds and multipath are shorter
+    const Time agreed = velocity_.record().agreed();
+    const bool again = replaced_ && backend_.estimate().nav.time - replaced_->at < kLong;
+    return again ? std::min(replaced_->since, agreed) : agreed;
+  }
+
+  /// Replaces the velocity. The covariance of the position is inflated by the possible effect of
+  /// the difference since `since`.
+  void act(const IndependentVelocity& found, double duration, Time since) {
+    const Time now = backend_.estimate().nav.time;
+    replace(Invalidates::kLandmarks, [&](StateEstimate* state_estimate) {
+      replace_velocity(found, duration, to_seconds(now - since), state_estimate);
+    });
+    replaced_ = Replaced{now, since};
+    velocity_.reset(now);
+    position_.reset();
+  }
+
+  const Options options_;
+  BackEnd& backend_;
+  UpdateReport& report_;
+  VelocityCheck velocity_;
+  TiltCheck tilt_;
+  HeadingCheck heading_;
+  PositionCheck position_;
+  std::optional<Replaced> replaced_;
+  Time last_static_set_{0};      ///< stamp of the last scan with a static set
+  double sigma_velocity_ = 0.0;  ///< predicted, all axes [m/s]
+  bool unconfirmed_alignment_ = false;
+};
+
+}  // namespace rio

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a check remembers of its verdicts: the same for velocity, tilt and heading.
+#pragma once
+
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// Each scan either supports a part of the estimate, contradicts it, or tells nothing of it.
+class CheckRecord {
+ public:
+  /// The estimate is replaced or starts over; it counts as supported at `time`.
+  void reset(Time time) { agreed_ = since_ = time; }
+  /// The scan at `now` supports it.
+  void agree(Time now) { agreed_ = since_ = now; }
+  /// The scan at `now` tells nothing: a contradiction ends without support.
+  void abstain(Time now) { since_ = now; }
+
+  /// When it was last supported.
+  Time agreed() const { return agreed_; }
+  /// For how long the scans up to `now` have contradicted it [s].
+  double contradicted(Time now) const { return to_seconds(now - since_); }
+  /// They have done so for `patience`.
+  bool lasts(Time now, Time patience) const { return now - since_ >= patience; }
+
+ private:
+  Time agreed_{0};
+  Time since_{0};
+};
+
+}  // namespace rio

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/scan_correction.hpp"
+
+namespace rio {
+
+ScanCorrection::ScanCorrection(const Options& options)
+    : use_own_echoes_(options.frontend.own_echoes), corrected_(options.frontend.max_detections) {
+  for (std::size_t r = 0; r < options.radars(); ++r) {
+    own_echoes_.emplace_back(doppler_fold(options, r));
+  }
+}
+
+void ScanCorrection::reset() {
+  for (OwnEchoes& own : own_echoes_) own.reset();
+}
+
+const DetectionList& ScanCorrection::correct(const DetectionList& received, const Estimate& x,
+                                             const Matrix3d& velocity_covariance) {
+  corrected_ = received;
+  if (!x.radar_errors.isZero(0.0)) {
+    for (Detection& d : corrected_.items) d = correct_detection(d, x.radar_errors);
+  }
+  own_.clear();
+  if (!use_own_echoes_) return corrected_;
+  own_echoes_[received.radar].observe(corrected_, radar_velocity(x), velocity_covariance, &own_,
+                                      1.0 + x.radar_errors[RadarErrors::kDopplerScale]);
+  for (std::size_t i = own_.size(); i-- > 0;) {
+    corrected_.items.erase(corrected_.items.begin() + static_cast<std::ptrdiff_t>(own_[i]));
+  }
+  return corrected_;
+}
+
+void ScanCorrection::restore_indices(UpdateReport* report) const {
+  for (InnovationRecord& record : report->records) {
+    if (record.model == Model::kAiding) continue;
+    std::size_t detection = record.detection;
+    for (const std::size_t own : own_) detection += own <= detection ? 1 : 0;
+    record.detection = static_cast<std::uint16_t>(detection);
+  }
+}
+
+}  // namespace rio

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The life cycle of the checks on a back-end that only keeps a state: what each replaces, when, and
+// what that makes void.
+#include "rio/checks/checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/seen_vehicle.hpp"
+
+namespace rio {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Fulfils the contract with nothing but a state estimate.
+class StateOnly {
+ public:
+  explicit StateOnly(const Options& options) : state_estimate_(options, 0) {}
+
+  const Estimate& estimate() const { return state_estimate_.estimate(); }
+  const StateEstimate& state_estimate() const { return state_estimate_; }
+  void reset(const NavState& nav, const BodyCovariance& P0) { state_estimate_.reset(nav, P0); }
+  void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
+  Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
+    return state_estimate_.propagate(to, imu, gap);
+  }
+  Time anchor(Time /*measured*/) const { return estimate().nav.time; }
+  template <class Change>
+  void replace(const Change& change, Invalidates also, UpdateReport* report) {
+    replaced.push_back(also);
+    if (also == Invalidates::kLandmarks) drop_landmarks(report);
+    change(&state_estimate_);
+  }
+  void drop_landmarks(UpdateReport* /*report*/) { ++dropped; }
+  Status update(const Observations& /*seen*/, const ScanRows& /*rows*/) { return Status::kOk; }
+  std::size_t landmark_room(const Observations& /*seen*/) const { return 0; }
+  void maintain_landmarks(const Observations&, const ScanRows&, const Promotions&, UpdateReport*) {}
+  void clone(ScanId /*scan*/) {}
+
+  std::vector<Invalidates> replaced;
+  int dropped = 0;
+
+ private:
+  StateEstimate state_estimate_;
+};
+
+class ChecksTest : public testing::Test {
+ protected:
+  /// @param wrong_W error of the velocity in the state [m/s]
+  void begin(const Vector3d& wrong_W, bool unconfirmed, double tilt_sigma = 0.002) {
+    vehicle_.emplace(options_, Vector3d(0.4, -0.3, 0.1), &random_);
+    vehicle_->truth.time = Time(1'000'000'000);
+    backend_.emplace(options_);
+    report_ = UpdateReport{};
+    checks_.emplace(options_, &*backend_, &report_);
+    NavState start = vehicle_->truth;
+    start.v_WB += wrong_W;
+    BodyCovariance P = 1e-4 * BodyCovariance::Identity();
+    P.diagonal().segment<3>(body::kAttitude).setConstant(tilt_sigma * tilt_sigma);
+    backend_->reset(start, P);
+    checks_->reset(start.time, unconfirmed);
+  }
+  /// One scan later.
+  bool velocity_replaced() {
+    const Time last = vehicle_->truth.time;
+    vehicle_->advance();
+    bool gap = false;
+    EXPECT_EQ(backend_->propagate(vehicle_->truth.time, vehicle_->imu(), &gap), Status::kOk);
+    checks_->carry(last, vehicle_->imu(), gap);
+    return checks_->check_velocity(vehicle_->scan(12),
+                                   backend_->state_estimate().radar_velocity_covariance(), last);
+  }
+
+  test::Random random_{3};
+  Options options_;
+  std::optional<test::SeenVehicle> vehicle_;
+  std::optional<StateOnly> backend_;
+  UpdateReport report_;
+  std::optional<Checks<StateOnly>> checks_;
+};
+
+TEST_F(ChecksTest, RightVelocityIsLeftAlone) {
+  begin(Vector3d::Zero(), true);
+  for (int i = 0; i < 40; ++i) ASSERT_FALSE(velocity_replaced());
+  EXPECT_TRUE(backend_->replaced.empty());
+  EXPECT_EQ(report_.velocity_contradicted, 0.0);
+}
+
+TEST_F(ChecksTest, WrongVelocityIsReplacedOnceAndTakesTheLandmarksAlong) {
+  const Vector3d wrong(2.0, -1.0, 0.5);
+  begin(wrong, false);
+  int scans = 0;
+  while (!velocity_replaced() && scans < 40) ++scans;
+  ASSERT_LT(scans, 40);
+  EXPECT_TRUE(report_.velocity_reset);
+  EXPECT_EQ(backend_->replaced, std::vector<Invalidates>{Invalidates::kLandmarks});
+  EXPECT_EQ(backend_->dropped, 1);
+  EXPECT_LT((backend_->estimate().nav.v_WB - vehicle_->truth.v_WB).norm(), 0.3);
+  for (int i = 0; i < 40; ++i) ASSERT_FALSE(velocity_replaced());
+}
+
+// The bias of an alignment in motion goes, unless the Dopplers have confirmed the start.
+TEST_F(ChecksTest, UnconfirmedAlignmentGoesWithItsVelocity) {
+  vehicle_.reset();
+  begin(Vector3d(2.0, -1.0, 0.5), true);
+  const double before =
+      backend_->state_estimate().covariance().body()(body::kGyroBias, body::kGyroBias);
+  int scans = 0;
+  while (!velocity_replaced() && scans < 40) ++scans;
+  EXPECT_EQ(backend_->replaced,
+            (std::vector<Invalidates>{Invalidates::kNothing, Invalidates::kLandmarks}));
+  EXPECT_EQ(backend_->estimate().nav.gyro_bias, Vector3d::Zero());
+  EXPECT_GT(backend_->state_estimate().covariance().body()(body::kGyroBias, body::kGyroBias),
+            before + 0.9 * options_.start.sigma_gyro_bias * options_.start.sigma_gyro_bias);
+}
+
+TEST_F(ChecksTest, LandmarksGoAfterASilenceAGapOrWithTheTilt) {
+  begin(Vector3d::Zero(), false);
+  const Time start = vehicle_->truth.time;
+  EXPECT_FALSE(checks_->check_landmarks(start + milliseconds(900), false));
+  EXPECT_FALSE(checks_->check_landmarks(start + milliseconds(900), true));  // nor did it turn
+  EXPECT_TRUE(checks_->check_landmarks(start + milliseconds(1100), false));
+  checks_->saw_static_set(start + milliseconds(1100));
+  EXPECT_FALSE(checks_->check_landmarks(start + milliseconds(1900), false));
+  EXPECT_EQ(backend_->dropped, 1);
+  begin(Vector3d::Zero(), false, 0.2);
+  EXPECT_TRUE(checks_->check_landmarks(start + milliseconds(10), false));
+}
+
+TEST_F(ChecksTest, TiltIsLostWhereItIsNoLongerLinear) {
+  begin(Vector3d::Zero(), false, 0.1);
+  EXPECT_FALSE(checks_->tilt_is_lost());
+  begin(Vector3d::Zero(), false, 0.4);
+  EXPECT_TRUE(checks_->tilt_is_lost());
+}
+
+TEST_F(ChecksTest, PositionIsWidenedAfterADoubtfulTime) {
+  begin(Vector3d::Zero(), false);
+  HealthMonitor health;
+  health.reset(vehicle_->truth.time);
+  UpdateReport gated;
+  gated.models[static_cast<std::size_t>(Model::kDoppler)].rows_gated = 40;
+  health.observe(gated, backend_->estimate(), backend_->state_estimate().covariance().body());
+  ASSERT_GT(health.unusual_gated_share(), 0.5);
+  for (int i = 0; i < 10; ++i) EXPECT_FALSE(checks_->check_position(health, 0.1));
+  health.reset(vehicle_->truth.time);
+  const double before =
+      backend_->state_estimate().covariance().body()(body::kPosition, body::kPosition);
+  EXPECT_TRUE(checks_->check_position(health, 0.1));
+  EXPECT_GT(report_.position_reopened, 0.5);
+  EXPECT_NEAR(
+      backend_->state_estimate().covariance().body()(body::kPosition, body::kPosition) - before,
+      report_.position_reopened * report_.position_reopened, 1e-12);
+  EXPECT_EQ(backend_->replaced, std::vector<Invalidates>{Invalidates::kLandmarks});
+}
+
+TEST_F(ChecksTest, SwitchedOffTheyReplaceNothing) {
+  options_.frontend.velocity_recovery = false;
+  begin(Vector3d(2.0, -1.0, 0.5), true, 0.4);
+  for (int i = 0; i < 40; ++i) ASSERT_FALSE(velocity_replaced());
+  EXPECT_FALSE(checks_->tilt_is_lost());
+  EXPECT_TRUE(backend_->replaced.empty());
+}
+
+}  // namespace
+}  // namespace rio

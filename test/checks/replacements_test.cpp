@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What happens to mean and covariance when velocity, gravity or a bias turn out to be wrong.
+#include "rio/checks/replacements.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/random_state.hpp"
+
+namespace rio {
+namespace {
+
+class ReplacementsTest : public testing::Test {
+ protected:
+  ReplacementsTest() {
+    test::Random random(5);
+    nav_ = random.state();
+    nav_.time = Time(1'000'000'000);
+  }
+  StateEstimate state_estimate(double velocity_sigma = 0.1) const {
+    StateEstimate b(options_, 3);
+    BodyCovariance P = 1e-6 * BodyCovariance::Identity();
+    P.block<3, 3>(body::kVelocity, body::kVelocity) *= 1e6 * velocity_sigma * velocity_sigma;
+    b.reset(nav_, P);
+    return b;
+  }
+
+  Options options_;
+  NavState nav_;
+};
+
+// The velocity becomes the measured one, and the position what it would be, had it been that for
+// the duration.
+TEST_F(ReplacementsTest, VelocityTakesThePositionAlong) {
+  for (const double duration : {0.0, 0.8}) {
+    StateEstimate b = state_estimate(0.01);
+    const Vector3d v_B(1.0, -2.0, 0.5);
+    const Matrix3d noise = 1e-4 * Matrix3d::Identity();
+    const Vector3d error = nav_.q_WB * v_B - nav_.v_WB;
+    replace_velocity({v_B, noise}, duration, 0.0, &b);
+    EXPECT_LT((b.estimate().nav.v_WB - nav_.q_WB * v_B).norm(), 1e-3);
+    EXPECT_LT((b.estimate().nav.p_WB - nav_.p_WB - duration * error).norm(), 1e-3);
+    const auto P = b.covariance().matrix();
+    EXPECT_NEAR(P(body::kVelocity, body::kVelocity), 1e-4, 1e-6);
+    // what the velocity before did not know and what the measured one does not
+    EXPECT_NEAR(P(body::kPosition, body::kPosition), 1e-6 + duration * duration * 2e-4, 1e-6);
+  }
+}
+
+// The position may be off by what the difference has done since it may have been wrong.
+TEST_F(ReplacementsTest, VelocityLeavesThePositionInDoubt) {
+  StateEstimate b = state_estimate(0.01);
+  const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB + Vector3d(0.0, 0.3, 0.4);
+  replace_velocity({v_B, 1e-4 * Matrix3d::Identity()}, 0.0, 6.0, &b);
+  EXPECT_LT((b.estimate().nav.p_WB - nav_.p_WB).norm(), 1e-9);
+  EXPECT_NEAR(b.covariance().matrix()(body::kPosition, body::kPosition), 9.0, 1e-3);
+}
+
+// Measured noise in body axes counts in world axes.
+TEST_F(ReplacementsTest, VelocityHasTheNoiseOfItsAxes) {
+  StateEstimate b = state_estimate();
+  const Matrix3d noise = Vector3d(0.01, 0.04, 0.09).asDiagonal();
+  replace_velocity({Vector3d(40.0, 10.0, 20.0), noise}, 0.1, 0.0, &b);
+  const Matrix3d R = nav_.q_WB.toRotationMatrix();
+  const Matrix3d P = b.covariance().matrix().block<3, 3>(body::kVelocity, body::kVelocity);
+  EXPECT_LT((R.transpose() * P * R - noise).norm(), 1e-4);
+}
+
+TEST_F(ReplacementsTest, TiltHasGravityWhereItWasMeasured) {
+  constexpr double kSigma = 0.05;
+  constexpr double kDuration = 3.0;
+  StateEstimate b = state_estimate();
+  const Vector3d g_B = test::rotation_of({0.2, -0.1, 0.3}) *
+                       (nav_.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity));
+  const Vector3d v_B = nav_.q_WB.conjugate() * nav_.v_WB;
+  const double off = (nav_.q_WB * g_B + options_.imu.gravity * Vector3d::UnitZ()).norm();
+  const Matrix15d before = b.covariance().body();
+  const IndependentVelocity velocity{v_B + Vector3d(0.3, 0.0, 0.4), Matrix3d::Zero()};
+  replace_tilt({g_B, kSigma, velocity}, kDuration, options_, &b);
+  const NavState& x = b.estimate().nav;
+  EXPECT_LT((x.q_WB * g_B + options_.imu.gravity * Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_LT((x.q_WB.conjugate() * x.v_WB - v_B).norm(), 1e-12);
+  EXPECT_EQ(x.p_WB, nav_.p_WB);
+  const Matrix15d grown = b.covariance().body() - before;
+  const double angle = kSigma / options_.imu.gravity;
+  const double speed = 0.5 + v_B.norm() * off / options_.imu.gravity;
+  const double distance = 0.5 * off * kDuration * kDuration + speed * (kDuration + 4.0);
+  const double rate = angle / (kDuration + 4.0);
+  const double bias = options_.start.sigma_accel_bias;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(grown(body::kAttitude + i, body::kAttitude + i), angle * angle, 1e-12);
+    EXPECT_NEAR(grown(body::kPosition + i, body::kPosition + i), distance * distance, 1e-9);
+    EXPECT_NEAR(grown(body::kGyroBias + i, body::kGyroBias + i), rate * rate, 1e-12);
+    EXPECT_NEAR(grown(body::kAccelBias + i, body::kAccelBias + i), bias * bias, 1e-12);
+  }
+  EXPECT_NEAR(grown.trace(),
+              3.0 * (angle * angle + distance * distance + rate * rate + bias * bias), 1e-9);
+}
+
+// Of an alignment in motion nothing is left but what every start knows.
+TEST_F(ReplacementsTest, WithdrawnAlignmentKnowsNoBias) {
+  constexpr double kSpeed = 1.2;
+  StateEstimate b = state_estimate();
+  const Matrix15d before = b.covariance().body();
+  withdraw_alignment(kSpeed, options_, &b);
+  EXPECT_EQ(b.estimate().nav.gyro_bias, Vector3d::Zero());
+  const double tilt = kSpeed / options_.start.duration / options_.imu.gravity;
+  const double bias = options_.start.sigma_gyro_bias;
+  Matrix15d expected = Matrix15d::Zero();
+  expected.diagonal().segment<3>(body::kAttitude).setConstant(tilt * tilt);
+  expected.diagonal().segment<3>(body::kGyroBias).setConstant(bias * bias);
+  EXPECT_LT((b.covariance().body() - before - expected).norm(), 1e-12);
+}
+
+TEST_F(ReplacementsTest, WidenedHeadingKeepsTheTilt) {
+  GyroBiasStep step;
+  step.error = -0.004;
+  step.duration = 20.0;
+  step.moved_W = Vector3d(3.0, 4.0, 0.0);
+  StateEstimate b = state_estimate();
+  const Matrix15d before = b.covariance().body();
+  widen_heading(step, &b);
+  const Matrix15d grown = b.covariance().body() - before;
+  const Vector3d up_B = nav_.q_WB.conjugate() * Vector3d::UnitZ();
+  Matrix15d expected = Matrix15d::Zero();
+  expected.block<3, 3>(body::kGyroBias, body::kGyroBias) = 0.008 * 0.008 * up_B * up_B.transpose();
+  expected.block<3, 3>(body::kAttitude, body::kAttitude) = 0.16 * 0.16 * up_B * up_B.transpose();
+  expected.diagonal().segment<3>(body::kVelocity).setConstant(0.0256 * nav_.v_WB.squaredNorm());
+  expected.diagonal().segment<3>(body::kPosition).setConstant(0.4 * 0.4);
+  EXPECT_LT((grown - expected).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(b.estimate().nav.q_WB.coeffs(), nav_.q_WB.coeffs());
+}
+
+TEST_F(ReplacementsTest, WidenedPositionIsThatMuchLessCertain) {
+  StateEstimate b = state_estimate();
+  const Matrix15d before = b.covariance().body();
+  widen_position(0.7, &b);
+  Matrix15d expected = Matrix15d::Zero();
+  expected.diagonal().segment<3>(body::kPosition).setConstant(0.49);
+  EXPECT_LT((b.covariance().body() - before - expected).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_EQ(b.estimate().nav.p_WB, nav_.p_WB);
+}
+
+}  // namespace
+}  // namespace rio
