@@ -28,8 +28,6 @@ struct Arguments {
   int seeds = 0;
   int threads = 2;
   std::string data;
-  std::vector<std::string> recordings;
-  std::string scenario;
   double hours = 24.0;
   std::string backend = "ekf";
   std::string out = "out";
@@ -57,8 +55,6 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
         arguments.seeds,
         arguments.threads,
         arguments.data,
-        arguments.recordings,
-        arguments.scenario,
         arguments.hours,
         arguments.backend == "smoother",
         [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
@@ -115,10 +111,8 @@ int run(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "flights at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("DATASET", arguments.recordings, "recordings, for the experiment `twins`");
   app.add_option("--data", arguments.data,
-                 "folder of recordings, for `real`, `control`, `twins` and `checks`");
-  app.add_option("--scenario", arguments.scenario, "name or file of a scenario, for `twins`");
+                 "folder of recordings, for `real`, `control` and `checks`");
   app.add_option("--hours", arguments.hours, "of flight, for `soak`")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
