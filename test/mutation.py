@@ -6,7 +6,7 @@
                      [--results FILE] [--work DIR] [--list]
 
 Draws mutants of include/rio/ROOM and src/ROOM (frontend, update, ekf, smoother, propagate) and, as
-the room "engine", of src/engine.* and include/rio/pipeline.hpp, builds each in a copy of the sources and runs tests until one is red: those of the
+the room "engine", of src/odometry/engine.* and include/rio/pipeline.hpp, builds each in a copy of the sources and runs tests until one is red: those of the
 room, the one named like the file first, then short flights, with --deep also the long ones. The
 golden file (indication_test) notices any change, so it never counts; what only it sees is reported
 apart. The outcome is a table of survivors with file, line and change, and the share killed.
@@ -136,7 +136,7 @@ def sites(rooms):
     files = subprocess.run(['git', '-C', ROOT, 'ls-files', 'include/rio', 'src'], check=True,
                            capture_output=True, text=True).stdout.split()
     wanted = re.compile(r'(include/rio|src)/(propagate|frontend|update|ekf|smoother)/|'
-                        r'src/engine\.[ch]pp$|include/rio/pipeline\.hpp$')
+                        r'src/odometry/engine\.[ch]pp$|include/rio/pipeline\.hpp$')
     for path in sorted(files):
         if not wanted.match(path) or room_of(path) not in rooms:
             continue

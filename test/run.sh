@@ -22,7 +22,7 @@ jobs=$(nproc)
 compiler=$(basename "${CXX:-g++}")
 build=build/$mode-$compiler
 grep -qs Makefiles "$build/CMakeCache.txt" || export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"
-cmake --preset "$mode" -B "$build" -DCMAKE_CXX_COMPILER="$compiler" >/dev/null
+cmake -C "cmake/presets/$mode.cmake" -S . -B "$build" -DCMAKE_CXX_COMPILER="$compiler" >/dev/null
 
 if [ "$mode" = tidy ]; then
   git ls-files '*.hpp' '*.cpp' | xargs clang-format-14 --dry-run -Werror

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan_history.hpp"
+#include "odometry/scan_history.hpp"
 
 #include <gtest/gtest.h>
 

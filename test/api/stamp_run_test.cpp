@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stamp_run.hpp"
+#include "odometry/stamp_run.hpp"
 
 #include <gtest/gtest.h>
 

@@ -295,7 +295,7 @@ TEST(Results, HaveABlockForEveryExperiment) {
   readme << std::ifstream(fs::path(RIO_SOURCE_DIR) / "data/results/README.md").rdbuf();
   const std::string help = rio("experiment --help").output;
   for (const char* name : {"icra2023", "iros2024", "uncertainty", "consistency", "ablation",
-                           "robustness", "faults", "twins", "checks"}) {
+                           "robustness", "faults", "checks"}) {
     EXPECT_NE(help.find(name), std::string::npos) << name;
     const std::string begin = std::string("<!-- rio experiment ") + name + " -->\n";
     const std::size_t block = readme.str().find(begin);

@@ -13,7 +13,7 @@ targets=("${@:2}")
 cmake/install_dependencies.sh fuzz
 
 build=$PWD/build/fuzz
-cmake --preset fuzz >/dev/null
+cmake -C cmake/presets/fuzz.cmake -S . -B "$build" >/dev/null
 programs=("${targets[@]/#/fuzz_}")
 cmake --build "$build" -j "$(nproc)" --target "${programs[@]}"
 

@@ -10,7 +10,7 @@
 #include "rio/io/csv.hpp"
 #include "rio/io/text_file.hpp"
 
-namespace rio::tools {
+namespace rio::experiment {
 
 /// Replaces the text between `<!-- rio experiment NAME -->` and the next `<!-- end -->`.
 /// @throws std::runtime_error if the file has no such block; it is unchanged then
@@ -43,4 +43,4 @@ inline std::vector<std::string> results_blocks(const std::filesystem::path& path
   return names;
 }
 
-}  // namespace rio::tools
+}  // namespace rio::experiment

@@ -11,12 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "command_line.hpp"
 #include "experiment/experiment.hpp"
-#include "progress.hpp"
-#include "results_block.hpp"
+#include "experiment/results_block.hpp"
+#include "experiment/written_tables.hpp"
 #include "rio/io/text_file.hpp"
-#include "written_tables.hpp"
+#include "tools/command_line.hpp"
+#include "tools/progress.hpp"
 
 namespace {
 
@@ -28,8 +28,6 @@ struct Arguments {
   int seeds = 0;
   int threads = 2;
   std::string data;
-  std::vector<std::string> recordings;
-  std::string scenario;
   double hours = 24.0;
   std::string backend = "ekf";
   std::string out = "out";
@@ -57,8 +55,6 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
         arguments.seeds,
         arguments.threads,
         arguments.data,
-        arguments.recordings,
-        arguments.scenario,
         arguments.hours,
         arguments.backend == "smoother",
         [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
@@ -69,7 +65,7 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   for (const rio::experiment::Attachment& file : result.attachments)
     write(out / file.name, file.text);
   if (arguments.update.empty()) return;
-  rio::tools::replace_results_block(arguments.update, arguments.name, result.markdown);
+  rio::experiment::replace_results_block(arguments.update, arguments.name, result.markdown);
   for (const rio::experiment::Attachment& file : result.attachments) {
     const fs::path beside = fs::path(arguments.update).parent_path() / file.name;
     if (fs::exists(beside)) write(beside, file.text);  // a chart of the page
@@ -80,10 +76,10 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
 void run_all(Arguments arguments) {
   if (arguments.update.empty()) throw std::runtime_error("all needs --update PAGE");
   fs::create_directories(arguments.out);
-  const std::string how = rio::tools::fingerprint("/proc/self/exe") + " seeds " +
+  const std::string how = rio::experiment::fingerprint("/proc/self/exe") + " seeds " +
                           std::to_string(arguments.seeds) + " of " + arguments.update;
-  rio::tools::WrittenTables written(fs::path(arguments.out) / "written.txt", how);
-  for (const std::string& name : rio::tools::results_blocks(arguments.update)) {
+  rio::experiment::WrittenTables written(fs::path(arguments.out) / "written.txt", how);
+  for (const std::string& name : rio::experiment::results_blocks(arguments.update)) {
     if (written.has(name)) {
       std::fprintf(stderr, "%s: written by this program already\n", name.c_str());
       continue;
@@ -115,10 +111,8 @@ int run(int argc, char** argv) {
   app.add_option("--threads", arguments.threads, "flights at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("DATASET", arguments.recordings, "recordings, for the experiment `twins`");
   app.add_option("--data", arguments.data,
-                 "folder of recordings, for `real`, `control`, `twins` and `checks`");
-  app.add_option("--scenario", arguments.scenario, "name or file of a scenario, for `twins`");
+                 "folder of recordings, for `real`, `control` and `checks`");
   app.add_option("--hours", arguments.hours, "of flight, for `soak`")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -40,19 +39,12 @@ std::vector<Recording> find_recordings(const std::filesystem::path& folder);
 /// The drives recorded by two radars, NAME_A and NAME_B on one clock, as NAME_AB with both.
 std::vector<Recording> fused(const std::vector<Recording>& recordings);
 
-/// A smaller Doppler counts as zero: half a cell and the noise [m/s].
-inline double still_bound(double grid) {
-  return 0.5 * grid + 0.03;
-}
-
 /// First and last time of motion, by the radar; people near it do not count.
 struct Motion {
   Time begin;
   Time end;
 };
 Motion motion_of(const io::Dataset& data);
-/// A scan shows only motion faster than its grid: motion began up to this much earlier.
-inline constexpr Time kBeforeMotion = std::chrono::milliseconds(300);
 
 /// A recording with a harmless fault.
 struct Copy {

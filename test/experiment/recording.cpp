@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -40,7 +41,7 @@ double root_mean_square(const std::vector<double>& values) {
 
 /// Share of the detections that have a Doppler.
 double moving_share(const RadarScan& scan, double grid) {
-  const double still = still_bound(grid);
+  const double still = 0.5 * grid + 0.03;  // half a cell and the noise [m/s]
   const auto moving =
       std::count_if(scan.detections.begin(), scan.detections.end(),
                     [still](const auto& d) { return std::abs(d.range_rate) > still; });

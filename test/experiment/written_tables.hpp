@@ -14,7 +14,7 @@
 #include "rio/io/csv.hpp"
 #include "rio/io/text_file.hpp"
 
-namespace rio::tools {
+namespace rio::experiment {
 
 /// FNV-1a of a file as text: equal for the same program.
 inline std::string fingerprint(const std::filesystem::path& file) {
@@ -55,4 +55,4 @@ class WrittenTables {
   std::string program_;
 };
 
-}  // namespace rio::tools
+}  // namespace rio::experiment

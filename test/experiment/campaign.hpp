@@ -46,11 +46,9 @@ struct Outcome {
 struct Settings {
   int seeds = 0;  ///< flights of a kind; 0 = the default of the experiment
   int threads = 2;
-  std::string data{};  ///< folder of the recordings, for experiments on real ones
-  std::vector<std::string> recordings{};  ///< further such folders
-  std::string scenario{};                 ///< name or file, for experiments with a selectable one
-  double hours = 24.0;                    ///< of flight, for `soak`
-  bool smoother = false;                  ///< the back-end of `soak`
+  std::string data{};     ///< folder of the recordings, for experiments on real ones
+  double hours = 24.0;    ///< of flight, for `soak`
+  bool smoother = false;  ///< the back-end of `soak`
   OnProgress on_progress{};
 };
 

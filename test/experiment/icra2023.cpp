@@ -1,26 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Michalczyk et al., ICRA 2023, on simulated flights of the same lengths: Table I (norm of MAE at
 // 127 m and final drift), Fig. 6 (norm of MAE over the distance), the contribution of each kind of
-// measurement, the radars for which trails and landmarks help, and Table II (time per scan); the
-// first two include the information limit.
+// measurement, the radars for which trails and landmarks help, and Table II (time per scan).
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/information_limit.hpp"
 #include "experiment/spread.hpp"
 #include "experiment/trail_gain.hpp"
 #include "plot/chart.hpp"
 #include "plot/colours.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/sim/catalogue.hpp"
-#include "rio/state/estimate.hpp"
 
 namespace rio::experiment {
 
@@ -69,43 +65,6 @@ std::vector<double> mae_over_distance(const std::vector<eval::PosePair>& pairs) 
   std::vector<double> curve;
   for (double d = kStep; d <= length; d += kStep) curve.push_back(eval::norm_of_mae(pairs, d));
   return curve;
-}
-
-constexpr const char* kLimit = "information limit";
-
-/// The accuracy of an optimal estimator on one flight.
-struct Limit {
-  std::string group;
-  double drift = 0.0;         ///< least RMS of the last error [%]
-  std::vector<double> curve;  ///< as mae_over_distance
-};
-
-std::vector<Limit> limits_of(const std::vector<Case>& cases, const Settings& settings) {
-  std::vector<Limit> limits(cases.size());
-  parallel_for(cases.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
-    const sim::Flight flight = sim::simulate_flight(cases[i].scenario);
-    const Options options = options_for(flight, "default");
-    const std::vector<LimitStep> steps =
-        information_limit(flight, options, limit_prior(flight, options));
-    limits[i] = {cases[i].group, limit_of_drift(steps),
-                 mae_over_distance(mean_errors_at_limit(flight, steps))};
-  });
-  return limits;
-}
-
-double rms(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value / static_cast<double>(values.size());
-  return std::sqrt(sum);
-}
-
-/// Over the limits of a group, or of all groups if none is given.
-double rms_limit(const std::vector<Limit>& limits, const std::string& group = "") {
-  std::vector<double> values;
-  for (const Limit& limit : limits) {
-    if (group.empty() || limit.group == group) values.push_back(limit.drift);
-  }
-  return rms(values);
 }
 
 /// Mean and one standard deviation over the runs that flew at least as far.
@@ -161,14 +120,12 @@ std::string flight_name(std::size_t i) {
   return fmt::format("indoor-{}", i + 1);
 }
 
-std::string table_one(const std::vector<Outcome>& runs, const MaeAt127& mae_at_127,
-                      const std::vector<Limit>& limits) {
+std::string table_one(const std::vector<Outcome>& runs, const MaeAt127& mae_at_127) {
   std::vector<std::string> head = {"flight", "length [m]"};
   for (const Variant& v : presets_compared()) {
     head.push_back(v.name + ": MAE at 127 m [m]");
     head.emplace_back("drift [%]");
   }
-  head.emplace_back("limit [%]");
   head.emplace_back("paper: MAE [m]");
   head.emplace_back("drift [%]");
   MarkdownTable table(head);
@@ -184,7 +141,6 @@ std::string table_one(const std::vector<Outcome>& runs, const MaeAt127& mae_at_1
       for (const Score& s : scores) drift[v.name].push_back(s.drift);
       row.push_back(Spread::of(scores, &Score::drift).text(2));
     }
-    row.push_back(number(rms_limit(limits, flight_name(i)), 2));
     row.push_back(number(kTableOne[i].mae, 2));
     row.push_back(number(kTableOne[i].drift, 2));
     table.add(row);
@@ -194,8 +150,6 @@ std::string table_one(const std::vector<Outcome>& runs, const MaeAt127& mae_at_1
     row.push_back(Spread::of(mae[v.name]).text(2));
     row.push_back(Spread::of(drift[v.name]).text(2));
   }
-  const double limit = rms_limit(limits);
-  row.push_back(fmt::format("{:.2f}; default {:.2f} times", limit, rms(drift["default"]) / limit));
   row.push_back(number(kTableOneAverage.mae, 2));
   row.push_back(number(kTableOneAverage.drift, 2));
   table.add(row);
@@ -227,9 +181,6 @@ std::string chart(const std::map<std::string, Curves>& curves) {
     const std::string& name = presets_compared()[k].name;
     add_to_chart(curves.at(name), name, plot::curve_stroke(k), &panel);
   }
-  plot::Stroke dashed = plot::curve_stroke(presets_compared().size());
-  dashed.dashed = true;
-  add_to_chart(curves.at(kLimit), kLimit, dashed, &panel);
   return plot::draw_chart("Error over the distance flown", {panel}, 1);
 }
 
@@ -249,23 +200,18 @@ Result icra2023(const Settings& settings) {
         curves[v.name].push_back(mae_over_distance(pose_pairs(trial)));
         mae_at_127[{c.group, v.name}].push_back(eval::norm_of_mae(pose_pairs(trial), kMaeDistance));
       });
-  const std::vector<Limit> limits = limits_of(cases, settings);
-  for (const Limit& limit : limits) curves[kLimit].push_back(limit.curve);
-  const std::string first = table_one(runs, mae_at_127, limits);
+  const std::string first = table_one(runs, mae_at_127);
   const std::string second = contributions(runs);
   const std::string gain = trail_gain_table(settings, &runs);
   Result result;
   result.markdown = fmt::format(
       "Simulated flights of the published lengths, {} of each: mean (worst) ± standard deviation. "
       "The paper's own\nfigures, from seven real flights, stand beside them for orientation: the "
-      "flights are not the same. Limit: the\nleast RMS drift of an estimator that remembers {} "
-      "reflectors, those in view first and longest, with true\nmatches and linearised at the "
-      "truth.\n\n{}\nWhat each kind of "
-      "measurement contributes, all {} "
+      "flights are not the same.\n\n{}\nWhat each kind of measurement contributes, all {} "
       "flights (one past scan: as in the paper's predecessor):\n\n{}\nWith which radar trails and "
       "landmarks pay, drift [%] / norm of MAE [m] of `published-ekf`:\n\n{}\nTime per "
       "scan:\n\n{}",
-      count, kMaxLandmarks, first, cases.size(), second, gain, table_two());
+      count, first, cases.size(), second, gain, table_two());
   result.attachments.push_back({"icra2023.csv", outcomes_as_csv(runs)});
   result.attachments.push_back({"icra2023.svg", chart(curves)});
   return result;

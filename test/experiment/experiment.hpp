@@ -51,10 +51,6 @@ Result real(const Settings& settings);
 /// Dopplers: errors of the estimator apart from those of the sensors.
 Result control(const Settings& settings);
 
-/// Recordings (Settings::data and recordings) against their simulated twins (Settings::scenario):
-/// rates, losses, vibration, points, and results of the filter.
-Result twins(const Settings& settings);
-
 /// Findings of `rio check` for recordings (Settings::data) and flights with a fault, and without.
 Result checks(const Settings& settings);
 
@@ -83,7 +79,6 @@ inline const std::vector<Experiment>& experiments() {
       {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
       {"real", "every recording of the folder --data, also perturbed", &real},
       {"control", "drives of --data with an ideal IMU, one cause of noise at a time", &control},
-      {"twins", "recordings DATASET... (or --data) beside their simulated twins", &twins},
       {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
       {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},
   };
