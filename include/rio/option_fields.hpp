@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of all option fields: key, unit, meaning, allowed range. Validation, option files and
-// `rio options` are loops over it. TimingOptions::clock is not listed, since a function cannot be
-// in a file. C++17.
+// The table of the option fields: key, unit, meaning, allowed range. Validation, option files and
+// `rio options` are loops over it. What only the presets set has a table of its own.
+// TimingOptions::clock is not listed, since a function cannot be in a file. C++17.
 //
 // Two layers: `field` is what a user knows of the vehicle (sensors, mounting, priors, start,
-// budgets), `inner` is the algorithm, set by the presets.
+// budgets), `inner` is the algorithm.
 #pragma once
 
 #include <array>
@@ -17,7 +17,8 @@
 
 namespace rio {
 
-/// Capacities fixed at compile time; src/odometry/options.cpp checks that they agree with the stages.
+/// Capacities fixed at compile time; src/odometry/options.cpp checks that they agree with the
+/// stages.
 namespace option_limits {
 inline constexpr int kDetections = 1024;
 inline constexpr int kClones = 20;
@@ -55,14 +56,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Range of the gyroscope: samples beyond it are left out.");
   field("imu.max_accel", o.imu.max_accel, "m/s^2", 1, 1e5,
         "Range of the accelerometer: samples beyond it are left out.");
-  inner("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
-        "Use the noise measured in the samples if it exceeds the declared white noise.");
   field("imu.gravity", o.imu.gravity, "m/s^2", 0.1, 30, "Gravity, along -z of the world.");
   inner("imu.max_gap", o.imu.max_gap, "s", 1e-3, 10, "A longer pause between samples is a gap.");
-  inner("imu.gap_rate_sigma", o.imu.gap_rate_sigma, "rad/s", 0, 100,
-        "Unknown mean angular rate inside a gap.");
-  inner("imu.gap_accel_sigma", o.imu.gap_accel_sigma, "m/s^2", 0, 1000,
-        "Unknown mean acceleration inside a gap.");
 
   field("radar.T_BS.translation", o.radar.T_BS.translation, "m", -100, 100,
         "Position of the radar in the body frame.");
@@ -96,75 +91,16 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("radar.doppler_scale", o.radar.doppler_scale, "", -0.2, 0.2,
         "Relative error of the Doppler; positive = too large.");
 
-  field("frontend.max_detections", o.frontend.max_detections, "", 3, option_limits::kDetections,
+  field("frontend.max_detections", o.frontend.max_detections, "", 5, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");
   inner("frontend.ransac_threshold", o.frontend.ransac_threshold, "m/s", 1e-3, 10,
         "The Doppler residual of an inlier is below this or ransac_sigmas.");
-  inner("frontend.ransac_sigmas", o.frontend.ransac_sigmas, "", 0, 100,
-        "Inlier bound in sigmas, direction error included; 0 = off.");
-  inner("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
-        "The velocity predicted by the IMU is one more hypothesis.");
-  inner("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
-        "A trail whose Doppler residuals add up to this many sigmas is a mover; 0 = off.");
-  inner("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
-        "Detections this near to an outlier may belong to the same moving body; 0 = off.");
-  inner("frontend.own_echoes", o.frontend.own_echoes, "", 0, 1,
-        "Leave out echoes of the vehicle itself: points that always have zero Doppler.");
-  inner("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
-        "Share of outliers that sets the number of iterations.");
-  inner("frontend.ransac_success", o.frontend.ransac_success, "", 0.5, 0.9999999,
-        "Probability of drawing one clean triple.");
-  inner("frontend.ransac_min_inliers", o.frontend.ransac_min_inliers, "", 3,
-        option_limits::kDetections,
-        "With fewer inliers there is no consensus: static is what the prediction says, if used.");
-  inner("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
-        "Zero-velocity and zero-rate updates while standing on the ground.");
   inner("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
-  inner("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
-        "Undo the folding of range rates at radar.max_doppler.");
-  inner("frontend.velocity_recovery", o.frontend.velocity_recovery, "", 0, 1,
-        "Estimate velocity, tilt or heading rate anew if the scans contradict them for long.");
-  inner("frontend.matching", o.frontend.matching, "", 0, 2,
-        "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
-  inner("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
-        "Euclidean matching: largest distance after alignment.");
-  inner("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
-        "Probability and Mahalanobis matching: probability that a right pair passes the gate.");
-  inner("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
-        "Mahalanobis matching: probability that a right pair matches once the radar has moved on.");
-  inner(
-      "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
-      "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
-  inner(
-      "frontend.match_cells", o.frontend.match_cells, "", 0, 1e6,
-      "Mahalanobis matching: no match if the prediction is spread over more noise cells; 0 = off.");
-  inner("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
-        "Consecutive matches that make a trail a landmark.");
-  inner("frontend.landmark_timeout", o.frontend.landmark_timeout, "s", 0, 1000,
-        "A landmark not seen for longer is dropped; 0 = at its first miss.");
 
   inner("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
   inner("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
   inner("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
-  inner(
-      "update.doppler_directions", o.update.doppler_directions, "", 0, 3,
-      "Direction errors in the Doppler: exact (ignored), noisy (added to the variance), corrected "
-      "(their mean, too) or reliable (errors in variables, too).");
-  inner("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
-        "Re-express the covariance so that yaw and position stay unobservable.");
-  inner("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
-        "Noise of a distance to an element of a trail.");
-  inner("update.landmark_measurement", o.update.landmark_measurement, "", 0, 2,
-        "distance (Michalczyk et al.), position (Xu et al.) or point: range, direction, Doppler.");
-  inner("update.match_trust", o.update.match_trust, "", 0.51, 1,
-        "Probability that a match with a landmark is right.");
-  inner("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
-        "Walk of a landmark with the distance travelled.");
-  inner("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
-        "Noise of a landmark distance, if that is the measurement.");
-  inner("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
-        "Probability of passing the chi-squared gate; 1 = no gate.");
   inner("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
         "Past poses kept, of each radar.");
   field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
@@ -180,8 +116,6 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Prior of the relative error of the Doppler; 0 = not estimated.");
   inner("calibration.elevation_bias_sigma", o.calibration.elevation_bias_sigma, "rad", 0, 0.2,
         "Prior of an error common to all elevations; 0 = not estimated.");
-  inner("calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
-        "Random walk of each of them, in its default prior.");
 
   field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
         "States of the sliding window.");
@@ -190,20 +124,12 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("smoother.tolerance", o.smoother.tolerance, "", 1e-12, 10,
         "Length of a step that counts as converged, in sigmas.");
   inner("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
-  inner("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
-        "Chi-squared per degree of freedom at which the kernel begins to act.");
-  inner("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
-        "A step shorter than this share of the one before reuses its factor; 0 = never.");
 
   field("start.static_alignment", o.start.static_alignment, "", 0, 1,
         "Align while standing; false = wait for a given start.");
   inner("start.duration", o.start.duration, "s", 0.1, 600, "Length of the standstill averaged.");
   field("start.max_wait", o.start.max_wait, "s", 0, 3600,
         "Wait for a standstill, then start in motion; 0 = wait for ever.");
-  inner("start.max_gyro_std", o.start.max_gyro_std, "rad/s", 1e-5, 10,
-        "Standstill, an engine may run: largest standard deviation of a gyroscope axis.");
-  inner("start.max_accel_std", o.start.max_accel_std, "m/s^2", 1e-4, 100,
-        "Standstill, an engine may run: largest standard deviation of an accelerometer axis.");
   inner("start.max_rate", o.start.max_rate, "rad/s", 1e-5, 10,
         "Standstill: largest mean rate that can be a bias.");
   field("start.sigma_position", o.start.sigma_position, "m", 0, 1000, "Position, per axis.");
@@ -220,14 +146,87 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("timing.scan_queue", o.timing.scan_queue, "", 1, 1000, "Scans that may wait for the IMU.");
   inner("timing.max_lag", o.timing.max_lag, "s", 0.01, 60,
         "The estimate follows the IMU at most this far behind.");
-  inner("timing.max_ahead", o.timing.max_ahead, "s", 0.01, 60,
-        "A scan farther ahead of the IMU is not waited for.");
-  inner("timing.scan_wait", o.timing.scan_wait, "s", 0, 1,
-        "With several radars: how long a scan waits for an earlier one of another radar.");
   inner("timing.max_pause", o.timing.max_pause, "s", 0.5, 3600,
         "A longer pause of the IMU is a jump of its clock.");
   field("timing.aiding_delay", o.timing.aiding_delay, "s", 0, 2,
         "How long after the estimate has passed its time an aiding measurement is accepted.");
+}
+
+/// Same for what only the presets set: not in files, but validated and in their table.
+template <class OptionsT, class Visitor>
+std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_preset_fields(
+    OptionsT& o, Visitor&& visit) {
+  const auto field = [&visit](const char* key, auto& value, const char* unit, double min,
+                              double max, const char* doc) {
+    visit(FieldInfo{key, unit, doc, min, max, Layer::kAlgorithm}, value);
+  };
+  field("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
+        "Use the noise measured in the samples if it exceeds the declared white noise.");
+  field("frontend.ransac_sigmas", o.frontend.ransac_sigmas, "", 0, 100,
+        "Inlier bound in sigmas, direction error included; 0 = off.");
+  field("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
+        "The velocity predicted by the IMU is one more hypothesis.");
+  field("frontend.mover_sigmas", o.frontend.mover_sigmas, "", 0, 100,
+        "A trail whose Doppler residuals add up to this many sigmas is a mover; 0 = off.");
+  field("frontend.mover_extent", o.frontend.mover_extent, "m", 0, 10,
+        "Detections this near to an outlier may belong to the same moving body; 0 = off.");
+  field("frontend.own_echoes", o.frontend.own_echoes, "", 0, 1,
+        "Leave out echoes of the vehicle itself: points that always have zero Doppler.");
+  field("frontend.ransac_outlier_ratio", o.frontend.ransac_outlier_ratio, "", 0, 0.8,
+        "Share of outliers that sets the number of iterations.");
+  field("frontend.detect_rest", o.frontend.detect_rest, "", 0, 1,
+        "Zero-velocity and zero-rate updates while standing on the ground.");
+  field("frontend.unwrap_doppler", o.frontend.unwrap_doppler, "", 0, 1,
+        "Undo the folding of range rates at radar.max_doppler.");
+  field("frontend.matching", o.frontend.matching, "", 0, 2,
+        "euclidean (Michalczyk et al.), probability (Xu et al.) or mahalanobis.");
+  field("frontend.match_gate", o.frontend.match_gate, "m", 1e-3, 100,
+        "Euclidean matching: largest distance after alignment.");
+  field("frontend.match_probability", o.frontend.match_probability, "", 0.5, 0.9999,
+        "Probability and Mahalanobis matching: probability that a right pair passes the gate.");
+  field("frontend.match_core", o.frontend.match_core, "", 0.1, 0.9999,
+        "Mahalanobis matching: probability that a right pair matches once the radar has moved on.");
+  field(
+      "frontend.match_margin", o.frontend.match_margin, "", 0, 100,
+      "Mahalanobis matching: a landmark's match must be the best by this (chi-squared); 0 = off.");
+  field("frontend.promote_after", o.frontend.promote_after, "", 1, 1000,
+        "Consecutive matches that make a trail a landmark.");
+  field("frontend.landmark_timeout", o.frontend.landmark_timeout, "s", 0, 1000,
+        "A landmark not seen for longer is dropped; 0 = at its first miss.");
+  field("update.doppler_directions", o.update.doppler_directions, "", 0, 2,
+        "Direction errors in the Doppler: exact (ignored), noisy (added to the variance) or "
+        "corrected "
+        "(errors in variables).");
+  field("update.consistent_covariance", o.update.consistent_covariance, "", 0, 1,
+        "Re-express the covariance so that yaw and position stay unobservable.");
+  field("update.sigma_trail_distance", o.update.sigma_trail_distance, "m", 1e-4, 10,
+        "Noise of a distance to an element of a trail.");
+  field("update.landmark_measurement", o.update.landmark_measurement, "", 0, 2,
+        "distance (Michalczyk et al.), position (Xu et al.) or point: range, direction, Doppler.");
+  field("update.match_trust", o.update.match_trust, "", 0.51, 1,
+        "Probability that a match with a landmark is right.");
+  field("update.landmark_walk", o.update.landmark_walk, "m/sqrt(m)", 0, 10,
+        "Walk of a landmark with the distance travelled.");
+  field("update.sigma_landmark_distance", o.update.sigma_landmark_distance, "m", 1e-4, 10,
+        "Noise of a landmark distance, if that is the measurement.");
+  field("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
+        "Probability of passing the chi-squared gate; 1 = no gate.");
+  field("calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
+        "Random walk of each of them, in its default prior.");
+  field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
+        "Chi-squared per degree of freedom at which the kernel begins to act.");
+  field("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
+        "A step shorter than this share of the one before reuses its factor; 0 = never.");
+  field("checks.velocity", o.checks.velocity, "", 0, 1,
+        "Replace a velocity that the Dopplers of a second contradict.");
+  field("checks.tilt", o.checks.tilt, "", 0, 1,
+        "Replace a tilt that the Dopplers of two seconds contradict.");
+  field("checks.heading", o.checks.heading, "", 0, 1,
+        "Widen the heading after a step of the gyro bias about the vertical.");
+  field("checks.position", o.checks.position, "", 0, 1,
+        "Widen the position after a doubtful time.");
+  field("checks.lost_tilt", o.checks.lost_tilt, "", 0, 1,
+        "Restart from the specific force when the tilt is lost.");
 }
 
 /// The names of the values of an enumeration in files, in order.
@@ -240,8 +239,8 @@ constexpr std::array<std::string_view, 4> names_of(Kernel) {
 constexpr std::array<std::string_view, 2> names_of(BackEnd) {
   return {"ekf", "smoother"};
 }
-constexpr std::array<std::string_view, 4> names_of(DopplerDirections) {
-  return {"exact", "noisy", "corrected", "reliable"};
+constexpr std::array<std::string_view, 3> names_of(DopplerDirections) {
+  return {"exact", "noisy", "corrected"};
 }
 constexpr std::array<std::string_view, 3> names_of(LandmarkMeasurement) {
   return {"distance", "position", "point"};

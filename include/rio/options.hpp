@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every tunable of the estimator, nested by stage, with its default. SI units throughout (angles in
 // radians); the file reader also takes values such as "2 deg". Nothing derived is stored here.
-// C++17.
+// Files and command lines have the options of option_fields.hpp, which a user may know better than
+// the preset; what stands under "Of the presets" belongs to the algorithm. C++17.
 #pragma once
 
 #include <optional>
@@ -82,12 +83,9 @@ struct FrontendOptions {
   double mover_extent = 0.8;
   bool own_echoes = true;  ///< reject echoes of the vehicle itself, which have no Doppler
   double ransac_outlier_ratio = 0.4;  ///< share of outliers that sizes the iteration count
-  double ransac_success = 0.9999;     ///< probability of drawing one outlier-free triple
-  int ransac_min_inliers = 5;         ///< fewer: no consensus; static is what the prediction says
   int ransac_seed = 1;                ///< of the deterministic generator
   bool unwrap_doppler = true;         ///< undo the folding at radar.max_doppler
   bool detect_rest = true;            ///< standstill on the ground measures velocity and gyro bias
-  bool velocity_recovery = true;      ///< reset velocity, tilt, heading if contradicted or lost
   Matching matching = Matching::kMahalanobis;
   double match_gate = 0.3;          ///< kEuclidean: largest distance of a match [m]
   double match_probability = 0.95;  ///< other matchings: of a right pair to pass the gate
@@ -95,10 +93,7 @@ struct FrontendOptions {
   /// of noise_distance.
   double match_core = 0.6;
   double match_margin = 2.0;  ///< kMahalanobis: factor by which a landmark's match must be the best
-  /// kMahalanobis: no match where the predicted position is spread over more cells of the noise, as
-  /// that of a landmark after a long way; 0 = off.
-  double match_cells = 100.0;
-  int promote_after = 6;           ///< consecutive matches that make a trail a landmark
+  int promote_after = 6;      ///< consecutive matches that make a trail a landmark
   double landmark_timeout = 20.0;  ///< a landmark not seen for longer is dropped [s]
 };
 
@@ -110,12 +105,11 @@ enum class LandmarkMeasurement {
 };
 
 /// How the Doppler model treats the measured directions of its points; each value includes those
-/// before it (models/doppler.hpp, update/reliability.hpp).
+/// before it (models/doppler.hpp).
 enum class DopplerDirections {
   kExact,      ///< Michalczyk et al.: without error
   kNoisy,      ///< Xu et al.: their error is added to the variance
   kCorrected,  ///< errors in variables: the expected direction given the innovation
-  kReliable,   ///< the part of a scan's spread of directions that is error carries no information
 };
 
 /// Stages 3 to 5: measurement models, gates, update.
@@ -123,7 +117,7 @@ struct UpdateOptions {
   bool use_doppler = true;
   bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case
   bool use_landmarks = true;
-  DopplerDirections doppler_directions = DopplerDirections::kReliable;
+  DopplerDirections doppler_directions = DopplerDirections::kCorrected;
   bool consistent_covariance = true;  ///< re-express P so that yaw and position stay unobservable
   /// Rows independent [m]. The residuals have a spread of some 0.08 m, and each detection enters up
   /// to N = 7 updates: to count it once takes sqrt(7) times that.
@@ -196,8 +190,6 @@ struct StartOptions {
   bool static_alignment = true;  ///< align while standing; false = wait for reset(prior, P0)
   double duration = 1.5;         ///< length of the averaged standstill [s]
   double max_wait = 0.0;         ///< wait for a standstill, then start in motion; 0 = no limit [s]
-  double max_gyro_std = 0.1;     ///< standstill, engine running: deviation of a sample [rad/s]
-  double max_accel_std = 1.0;    ///< standstill: same for the specific force [m/s^2]
   double max_rate = 0.1;         ///< standstill: largest mean rate that can be a bias [rad/s]
   double sigma_position = 0.01;  ///< per axis [m]
   double sigma_yaw = 0.01;       ///< [rad]
@@ -205,6 +197,25 @@ struct StartOptions {
   double sigma_velocity = 0.05;  ///< per axis [m/s]
   double sigma_gyro_bias = 0.005;  ///< per axis, when there was no standstill [rad/s]
   double sigma_accel_bias = 0.05;  ///< per axis [m/s^2]
+};
+
+/// Which checks may replace a part of the estimate (checks/checks.hpp). Of the presets.
+struct CheckOptions {
+  bool landmarks = true;  ///< drop them after silence, gaps and with the tilt
+  bool velocity = true;   ///< replace it if the Dopplers of a second contradict it
+  bool tilt = true;       ///< replace it if the Dopplers of two seconds contradict gravity
+  bool heading = true;    ///< widen it if the gyro bias has stepped about the vertical
+  bool position = true;   ///< widen it after a doubtful time
+  bool lost_tilt = true;  ///< restart from the specific force when the tilt is lost
+};
+
+/// Parts of the algorithm that only the ablation experiment switches off.
+struct AblationOptions {
+  bool steady_motion = true;      ///< propagate/steady_motion.hpp
+  bool shared_gyro_noise = true;  ///< in the Dopplers of a scan
+  bool look_correlation = true;   ///< update/look_correlation.hpp
+  bool range_curvature = true;    ///< terms of second order in the range of a landmark
+  bool mismatch_doppler = true;   ///< (E4) of update/noise_inflation.hpp
 };
 
 /// Queues between the sensors and the estimator.
@@ -247,6 +258,8 @@ struct Options {
   SmootherOptions smoother;
   StartOptions start;
   TimingOptions timing;
+  CheckOptions checks;
+  AblationOptions ablation;
   /// The second, third and fourth radar (Odometry::add_scan). Not a file option: datasets have
   /// `radar1`, ... instead.
   static constexpr std::size_t kMaxOtherRadars = 3;

@@ -24,7 +24,7 @@ std::optional<IndependentGravity> TiltCheck::observe(const Observations& seen, c
                                                      const BodyCovariance& P_body,
                                                      const Matrix4d& P_radar) {
   const Time now = x.nav.time;
-  if (!options_.frontend.velocity_recovery) {
+  if (!options_.checks.tilt) {
     record_.agree(now);
     return std::nullopt;
   }

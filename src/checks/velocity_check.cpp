@@ -31,7 +31,7 @@ std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& s
                                                           const Estimate& x, double sigma,
                                                           double sigma_tilt) {
   chance_ = 0.0;
-  if (!options_.frontend.velocity_recovery) return abstain(x.nav.time);
+  if (!options_.checks.velocity) return abstain(x.nav.time);
   drift_ = std::hypot(kDrift, options_.imu.gravity * sigma_tilt);
   take(scan, x);
   complete(x);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "rio/core/small_cholesky.hpp"
 
@@ -15,8 +14,6 @@ Association::Association(const FrontendOptions& options, std::size_t max_landmar
       same_echo_(same_echo),
       gate_(chi2_quantile(options.match_probability, 3.0)),
       core_(chi2_quantile(std::min(options.match_core, options.match_probability), 3.0)),
-      max_spread_(options.match_cells > 0.0 ? options.match_cells * options.match_cells
-                                            : std::numeric_limits<double>::infinity()),
       seen_(static_cast<std::size_t>(options.max_detections)),
       assignment_(static_cast<std::size_t>(options.max_detections) + max_landmarks,
                   static_cast<std::size_t>(options.max_detections)) {}
@@ -108,7 +105,6 @@ std::optional<Association::Distance> Association::mahalanobis_distance(const Vec
   const SmallCholesky<3> root(S);
   if (!root.positive()) return std::nullopt;
   const double spread = root.determinant() / seen.variance_product;
-  if (spread > max_spread_) return std::nullopt;  // any echo of a large region would do
   const double d2 = root.whitened(y).squaredNorm();
   if (!(d2 < gate_)) return std::nullopt;
   return Distance{d2, d2 + std::log(spread)};

@@ -8,6 +8,13 @@
 
 namespace rio {
 
+namespace {
+
+constexpr double kSuccess = 0.9999;  // of drawing one outlier-free triple
+constexpr int kMinInliers = 5;       // of a consensus: two more than a triple, which always agrees
+
+}  // namespace
+
 int ransac_iterations(double outlier_ratio, double success) {
   const double clean = std::pow(1.0 - outlier_ratio, 3);
   if (clean >= 1.0) return 1;
@@ -24,7 +31,7 @@ EgoVelocityRansac::EgoVelocityRansac(const FrontendOptions& options, double max_
     : options_(options),
       max_doppler_(max_doppler),
       fold_(max_doppler),
-      iterations_(ransac_iterations(options.ransac_outlier_ratio, options.ransac_success)) {}
+      iterations_(ransac_iterations(options.ransac_outlier_ratio, kSuccess)) {}
 
 void EgoVelocityRansac::estimate(const DetectionList& scan,
                                  const std::optional<RadarVelocity>& predicted, EgoVelocity* out,
@@ -49,7 +56,7 @@ void EgoVelocityRansac::estimate(const DetectionList& scan,
       consider(scan, triple.velocity(), predicted, &best);
     }
   }
-  out->valid = best.count >= options_.ransac_min_inliers && !best.rival;
+  out->valid = best.count >= kMinInliers && !best.rival;
   if (!out->valid) {
     if (predicted) mark(scan, predicted->v_S, predicted->covariance, out);
     return;

@@ -142,8 +142,9 @@ inline std::string open_sections(std::string_view key, std::string_view previous
 template <class Object>
 class FieldsReader {
  public:
-  FieldsReader(const YamlFile& file, const std::string& base_key, Object* object)
-      : file_(file), base_key_(base_key), keys_{base_key}, object_(object) {
+  FieldsReader(const YamlFile& file, const std::string& base_key, Object* object,
+               const std::vector<std::string>& closed)
+      : file_(file), base_key_(base_key), closed_(closed), keys_{base_key}, object_(object) {
     visit_fields(*object,
                  [this](const FieldInfo& info, const auto&) { keys_.emplace_back(info.key); });
   }
@@ -159,6 +160,8 @@ class FieldsReader {
       if (is_section(key, keys_)) {
         if (!value.IsMap() && !value.IsNull()) fail_at(file_, value, key + ": a map is expected");
         read(value, key + ".");
+      } else if (std::find(closed_.begin(), closed_.end(), key) != closed_.end()) {
+        fail_at(file_, entry.first, key + " belongs to the preset, it is no option of a file");
       } else if (!set_field(key, value)) {
         fail_at(file_, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, keys_));
       }
@@ -180,6 +183,7 @@ class FieldsReader {
 
   const YamlFile& file_;
   std::string base_key_;
+  std::vector<std::string> closed_;
   std::vector<std::string> keys_;
   Object* object_;
 };
@@ -189,8 +193,9 @@ class FieldsReader {
 /// Sets every field in the file; `base_key` is skipped. Unknown keys, wrong types, units and ranges
 /// throw std::runtime_error "FILE:LINE: ...", after earlier fields have been set.
 template <class Object>
-void read_fields(const YamlFile& file, const std::string& base_key, Object* object) {
-  fields_yaml_detail::FieldsReader<Object>(file, base_key, object).read();
+void read_fields(const YamlFile& file, const std::string& base_key, Object* object,
+                 const std::vector<std::string>& closed = {}) {
+  fields_yaml_detail::FieldsReader<Object>(file, base_key, object, closed).read();
 }
 
 /// Every field with its unit and meaning as a comment; reads back to the same values.

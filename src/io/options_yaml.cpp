@@ -29,8 +29,17 @@ void apply_preset(const YamlFile& file, Options* options) {
   }
 }
 
+/// What only the presets set.
+std::vector<std::string> keys_of_presets() {
+  std::vector<std::string> keys;
+  const Options options;
+  visit_preset_fields(options,
+                      [&keys](const FieldInfo& info, const auto&) { keys.emplace_back(info.key); });
+  return keys;
+}
+
 void apply_values(const YamlFile& file, Options* options) {
-  read_fields(file, kPresetKey, options);
+  read_fields(file, kPresetKey, options, keys_of_presets());
   std::string why;
   if (!options->validate(&why)) throw std::runtime_error(file.name + ": " + why);
 }
@@ -58,7 +67,7 @@ std::vector<std::string> not_of_the_user() {
   return keys;
 }
 
-/// Value and meaning of every option.
+/// Value and meaning of every option, those of the presets included.
 struct OptionText {
   std::string key;
   std::string value;
@@ -66,10 +75,12 @@ struct OptionText {
 };
 std::vector<OptionText> option_texts(const Options& options) {
   std::vector<OptionText> texts;
-  visit_fields(options, [&texts](const FieldInfo& info, const auto& value) {
+  const auto add = [&texts](const FieldInfo& info, const auto& value) {
     const std::string unit = *info.unit == '\0' ? "" : fmt::format(" [{}]", info.unit);
     texts.push_back({info.key, PrintField{}(value), info.doc + unit});
-  });
+  };
+  visit_fields(options, add);
+  visit_preset_fields(options, add);
   return texts;
 }
 

@@ -22,7 +22,6 @@ DopplerModel::Measurement DopplerModel::measurement(const Detection& d, const Ve
           direction_covariance(d),
           gyro_B,
           0.0,
-          Matrix3d::Identity(),
           1.0,
           {}};
 }
@@ -61,7 +60,7 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   if (corrected) {
     const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
     R(0, 0) = z.variance_factor * expected.variance;
-    u = z.reliability * expected.u_S;  // (E3) (E4)
+    u = expected.u_S;  // (E3) (E4)
   } else {
     R(0, 0) = directions_ == DopplerDirections::kExact ? z.sigma_doppler * z.sigma_doppler
                                                        : variance_of(z, scale * v_S);

@@ -342,7 +342,7 @@ class Engine final : public Odometry::Impl {
 
   /// Re-initialises the tilt from the specific force where it is lost (propagate/restart.hpp).
   void recover_tilt(const ImuSample& sample) {
-    if (!options_.frontend.velocity_recovery) return;
+    if (!options_.checks.lost_tilt) return;
     if (!restart_.active()) {
       const bool diverged = pipeline_.health().has_diverged();
       if (!diverged && !pipeline_.tilt_is_lost()) return restart_.passed(at_scan().time);

@@ -18,9 +18,11 @@ namespace {
 /// The first value outside its range; empty if there is none.
 std::string range_problem(const Options& options) {
   std::string first;
-  visit_fields(options, [&first](const FieldInfo& info, const auto& value) {
+  const auto check = [&first](const FieldInfo& info, const auto& value) {
     if (first.empty()) first = field_error(info, value);
-  });
+  };
+  visit_fields(options, check);
+  visit_preset_fields(options, check);
   return first;
 }
 
@@ -28,9 +30,6 @@ std::string range_problem(const Options& options) {
 std::string coherence_problem(const Options& o) {
   if (o.radar.min_range >= o.radar.max_range) {
     return "radar.min_range is not below radar.max_range";
-  }
-  if (o.frontend.ransac_min_inliers > o.frontend.max_detections) {
-    return "frontend.ransac_min_inliers exceeds frontend.max_detections";
   }
   if ((o.update.use_trails || o.update.use_landmarks) && o.update.max_clones < 1) {
     return "update.max_clones = 0 needs update.use_trails = update.use_landmarks = false";
@@ -68,7 +67,12 @@ void publish_ekf(Options* o) {
   o->frontend.own_echoes = false;
   o->frontend.ransac_use_prediction = false;
   o->frontend.unwrap_doppler = false;
-  o->frontend.velocity_recovery = false;
+  o->checks = {.landmarks = true,
+               .velocity = false,
+               .tilt = false,
+               .heading = false,
+               .position = false,
+               .lost_tilt = false};
   o->frontend.detect_rest = false;
   o->frontend.matching = Matching::kEuclidean;
   o->frontend.promote_after = 7;

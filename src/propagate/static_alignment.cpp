@@ -8,6 +8,14 @@
 
 namespace rio {
 
+namespace {
+
+// deviation of a sample at a standstill with the engine running
+constexpr double kMaxGyroStd = 0.1;   // [rad/s]
+constexpr double kMaxAccelStd = 1.0;  // [m/s^2]
+
+}  // namespace
+
 Quaternion level(const Vector3d& y) {
   Vector3d forward = Vector3d::UnitX() - y.x() * y;
   if (forward.norm() < 1e-3) forward = Vector3d::UnitY().cross(y);
@@ -78,13 +86,13 @@ bool StaticAligner::standstill(std::size_t n) const {
   for (std::size_t i = 0; i < n; ++i) {
     const Part& part = parts_[i];
     if (part.count < 2.0) return false;
-    if (part.deviation().head<3>().maxCoeff() > start_.max_gyro_std) return false;
-    if (part.deviation().tail<3>().maxCoeff() > start_.max_accel_std) return false;
+    if (part.deviation().head<3>().maxCoeff() > kMaxGyroStd) return false;
+    if (part.deviation().tail<3>().maxCoeff() > kMaxAccelStd) return false;
     white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(n));
   }
   const Vector6d sway = scatter(n).cwiseSqrt();
   for (int i = 0; i < 6; ++i) {
-    const double largest = kSway * (i < 3 ? start_.max_gyro_std : start_.max_accel_std);
+    const double largest = kSway * (i < 3 ? kMaxGyroStd : kMaxAccelStd);
     if (sway[i] > std::max(largest, kWhiteSigmas * std::sqrt(white[i]))) return false;
   }
   const Vector6d mean = this->mean(n);

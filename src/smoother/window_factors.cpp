@@ -11,7 +11,6 @@ WindowFactors::WindowFactors(const Options& options, const Layout& layout, const
       layout_(layout),
       window_(window),
       system_(system),
-      reliable_(options.update.doppler_directions == DopplerDirections::kReliable),
       models_(options.update),
       scan_(options.smoother, system),
       row_(1) {}
@@ -50,18 +49,10 @@ double WindowFactors::add_scan_of(std::size_t k, std::size_t r, const Estimate& 
   const WindowState& state = window_[k];
   const LinearizationPoint x = point(state, r, estimate);
   const WindowLayout layout = layout_of(k, r);
-  Reliability reliability;
-  if (reliable_) {
-    for (const auto& m : state.measurements.of<DopplerModel>()) {
-      if (m.radar == r) reliability.add(m.z, x.radar_velocity_S());
-    }
-  }
-  const Matrix3d believed = reliability.matrix();
   scan_.begin(layout);
   const SteadyOffset steady = x.steady_offset();
   for (Measured<DopplerModel> m : state.measurements.of<DopplerModel>()) {
     if (m.radar != r) continue;
-    m.z.reliability = believed;
     m.z.steady = steady;
     add(m, x, layout);
   }

@@ -26,13 +26,13 @@ Eigen::Vector4d doppler_combination(const LinearRow& row, const Matrix3d& R_WS,
 
 ScanRows::ScanRows(const Options& options)
     : options_(options.update),
+      ablation_(options.ablation),
       auxiliary_(options.auxiliary),
       gravity_(options.imu.gravity),
       gate_(options.update.gate_probability),
       models_(options.update),
       batch_(capacity(options)) {
   measurements_.reserve(options);
-  dopplers_.resize(static_cast<std::size_t>(options.frontend.max_detections));
   for (std::size_t r = 0; r < options.radars(); ++r) {
     const RadarOptions radar = options.radar_of(r);
     noise_distance_[r] = radar.noise_distance;
@@ -98,31 +98,22 @@ Vector3d ScanRows::expected_correction(const EgoVelocity& measured, const Linear
 
 void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_estimate,
                            const LinearizationPoint& x, UpdateReport* report) {
-  Reliability reliability;
   const Vector3d v_S = x.radar_velocity_S();
   const Eigen::Matrix4d& V = doppler_covariance_;
   const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
   const SteadyOffset steady = x.steady_offset();
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
-    DopplerModel::Measurement& z = dopplers_[i];
-    z = DopplerModel::measurement(seen.detection(i), x.gyro_B);
-    z.steady = steady;
-    if (options_.doppler_directions < DopplerDirections::kCorrected) continue;
-    Eigen::Vector4d c;
-    c << z.direction_S, z.upwards_S.dot(v_S + steady.velocity_S);
-    z.predicted_var = c.dot(V * c);
-    const auto expected = DopplerModel::expected_direction(z, z.direction_S, v_S);
-    z.variance_factor = expected.variance_factor;
-    reliability.add(expected.u_S, expected.covariance, expected.variance);
-  }
-  const Matrix3d believed = options_.doppler_directions == DopplerDirections::kReliable
-                                ? reliability.matrix()
-                                : Matrix3d::Identity();
-  for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-    if (!tells_doppler(seen, i)) continue;
-    Measured<DopplerModel> m{dopplers_[i], x.estimate.radar};
-    m.z.reliability = believed;
+    Measured<DopplerModel> m{DopplerModel::measurement(seen.detection(i), x.gyro_B),
+                             x.estimate.radar};
+    m.z.steady = steady;
+    if (options_.doppler_directions == DopplerDirections::kCorrected) {
+      Eigen::Vector4d c;
+      c << m.z.direction_S, m.z.upwards_S.dot(v_S + steady.velocity_S);
+      m.z.predicted_var = c.dot(V * c);
+      const auto expected = DopplerModel::expected_direction(m.z, m.z.direction_S, v_S);
+      m.z.variance_factor = expected.variance_factor;
+    }
     batch_.begin_block();
     const bool valid = linearize(models_.of<DopplerModel>(), m.z, DopplerModel::Blocks{}, x, {},
                                  state_estimate.layout(), &batch_);
@@ -211,7 +202,9 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
   });
   if (valid) {
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
-    if constexpr (std::is_same_v<M, LandmarkPointModel>) add_curvature(&m.z);
+    if constexpr (std::is_same_v<M, LandmarkPointModel>) {
+      if (ablation_.range_curvature) add_curvature(&m.z);
+    }
   }
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
@@ -220,7 +213,8 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
   if (!judge(M::kModel, detection, valid, report)) return false;
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
     add_look(innovation, &m, x);
-    if (m.doppler) add_mismatch(&m, x);  // of directions with that noise
+    if (m.doppler && ablation_.mismatch_doppler)
+      add_mismatch(&m, x);  // of directions with that noise
   }
   const double distance = x.estimate.landmarks[m.landmark].distance_seen;
   keep(m, repetition(distance, x) * mismatch_factor(options_.match_trust));
@@ -252,6 +246,7 @@ void ScanRows::add_look(const Eigen::Vector2d& innovation, Measured<LandmarkPoin
   sum = landmark.looks;
   const double moved = x.estimate.distance_travelled - landmark.distance_seen;
   if (!(moved > noise_distance_[x.estimate.radar])) return;
+  if (!ablation_.look_correlation) return;
   looks.add(innovation, &sum);
   const double factor = looks.factor();
   batch_.scale_row(1, factor);

@@ -77,11 +77,15 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   const double distance = (p.state.p_WB - estimate_.nav.p_WB).norm();
   const double seconds = to_seconds(to - estimate_.nav.time);
   estimate_.gyro_B = imu.at(to).gyro_B;
-  estimate_.gyro_variance = gyro_variance;
+  estimate_.gyro_variance = options_.ablation.shared_gyro_noise ? gyro_variance : 0.0;
   steady.advance(estimate_.nav, p.state, estimate_.gyro_B - p.state.gyro_bias, seconds, density,
                  gyro_variance, covariance_.matrix().diagonal().segment<3>(body::kVelocity).sum());
   steady_ = steady;
   estimate_.steady = steady_.motion();
+  if (!options_.ablation.steady_motion) {
+    estimate_.steady.v_B = p.state.q_WB.conjugate() * p.state.v_WB;
+    estimate_.steady.rate_B = estimate_.gyro_B - p.state.gyro_bias;
+  }
   estimate_.nav = p.state;
   estimate_.distance_travelled += distance;
   covariance_.propagate(p.transition(), p.noise());

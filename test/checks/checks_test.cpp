@@ -155,7 +155,7 @@ TEST_F(ChecksTest, PositionIsWidenedAfterADoubtfulTime) {
 }
 
 TEST_F(ChecksTest, SwitchedOffTheyReplaceNothing) {
-  options_.frontend.velocity_recovery = false;
+  options_.checks = {false, false, false, false, false, false};
   begin(Vector3d(2.0, -1.0, 0.5), true, 0.4);
   for (int i = 0; i < 40; ++i) ASSERT_FALSE(velocity_replaced());
   EXPECT_FALSE(checks_->tilt_is_lost());

@@ -118,7 +118,7 @@ TEST(HeadingCheck, LeavesTheOtherAxesToGravity) {
   EXPECT_FALSE(filter.run(20.0, &check));
 }
 
-TEST(HeadingCheck, ForgetsWhenItStartsOverAndIsOffWithTheRecovery) {
+TEST(HeadingCheck, ForgetsWhenItStartsOverAndCanBeSwitchedOff) {
   test::Random random(4);
   BiasFilter filter(&random);
   HeadingCheck check{Options{}};
@@ -127,7 +127,7 @@ TEST(HeadingCheck, ForgetsWhenItStartsOverAndIsOffWithTheRecovery) {
   check.reset();
   EXPECT_FALSE(filter.run(0.2, &check));
   Options options;
-  options.frontend.velocity_recovery = false;
+  options.checks.heading = false;
   HeadingCheck off(options);
   EXPECT_FALSE(filter.run(20.0, &off));
 }

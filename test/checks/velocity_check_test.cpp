@@ -222,7 +222,7 @@ TEST_F(VelocityCheckTest, AWrongVelocityWithAnHonestSigmaIsNoChance) {
 }
 
 TEST_F(VelocityCheckTest, CanBeSwitchedOff) {
-  options_.frontend.velocity_recovery = false;
+  options_.checks.velocity = false;
   restart();
   EXPECT_LT(seconds_to_verdict(Vector3d(2.0, 1.0, 0.0), 0.05, 6), 0.0);
 }

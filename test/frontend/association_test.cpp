@@ -80,24 +80,7 @@ TEST_F(AssociationTest, UncertaintyOfTheLandmarkWidensTheGate) {
   EXPECT_EQ(match().landmarks.size(), 1U);
 }
 
-// With noise of 3, 12 and 24 cm at 4 m: 5 cells where the prediction is 10 cm off, 17 at 20 cm.
-TEST_F(AssociationTest, ALandmarkLookedForInALargeRegionIsNotMatched) {
-  options_.match_cells = 10.0;
-  see({4.0, 0.0, 0.0});
-  know({4.0, 0.0, 0.0}, 0.1);
-  EXPECT_EQ(match().landmarks.size(), 1U);
-  estimate_.landmarks.clear();
-  know({4.0, 0.0, 0.0}, 0.2);
-  EXPECT_TRUE(match().landmarks.empty());
-  EXPECT_FALSE(match().near_landmark[0]);  // a new trail may begin
-  options_.match_cells = 20.0;
-  EXPECT_EQ(match().landmarks.size(), 1U);
-  options_.match_cells = 0.0;
-  EXPECT_EQ(match().landmarks.size(), 1U);
-}
-
 TEST_F(AssociationTest, AVagueLandmarkDoesNotWinByItsVagueness) {
-  options_.match_cells = 0.0;
   options_.match_margin = 0.0;
   see({4.05, 0.0, 0.0});
   know({4.0, 0.0, 0.0}, 1.0);    // d2 is smallest here

@@ -76,7 +76,6 @@ TEST_F(ProbabilityMatching, TheNoiseOfTheLandmarkDoesNotCount) {
   see({4.0, 0.0, 0.0});
   EXPECT_EQ(landmark_of()[0], -1);
   options_.matching = Matching::kMahalanobis;
-  options_.match_cells = 0.0;
   EXPECT_EQ(landmark_of()[0], 0);
 }
 

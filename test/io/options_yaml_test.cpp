@@ -63,11 +63,19 @@ Options parsed(const std::string& yaml) {
 // What a user has to know stays short; the rest belongs to the presets.
 TEST(OptionsYaml, TheUsersLayerIsShort) {
   int user = 0;
+  int all = 0;
   const Options options;
-  visit_fields(options, [&user](const FieldInfo& info, const auto&) {
+  visit_fields(options, [&](const FieldInfo& info, const auto&) {
     user += info.layer == Layer::kUser ? 1 : 0;
+    ++all;
   });
   EXPECT_LE(user, 40);
+  EXPECT_LE(all, 60);
+}
+
+TEST(OptionsYaml, WhatThePresetsOwnIsNoFileOption) {
+  EXPECT_ERROR(parsed("preset: default\nfrontend: {matching: euclidean}\n"),
+               "o.yaml:2: frontend.matching belongs to the preset, it is no option of a file");
 }
 
 TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
@@ -137,9 +145,7 @@ TEST(OptionsYaml, PrintsUnitAndMeaning) {
   EXPECT_TRUE(test::contains(text, "\nradar:\n  T_BS:\n    translation: [0, 0, 0]  # [m] "))
       << text;
   EXPECT_TRUE(test::contains(text, "\n  min_range: 0.2  # [m] Nearer detections")) << text;
-  EXPECT_TRUE(test::contains(
-      text, "\n  doppler_directions: reliable  # Direction errors in the Doppler: exact "))
-      << text;
+  EXPECT_TRUE(test::contains(text, "\n  use_trails: false  # Use distances to trails.\n")) << text;
 }
 
 TEST(OptionsYaml, ReadsValuesWithUnits) {
@@ -152,7 +158,7 @@ TEST(OptionsYaml, ReadsValuesWithUnits) {
       "    translation: [10 cm, 0, -0.02]\n"
       "    quaternion_wxyz: [0, 0, 0.6, 0.8]\n"
       "frontend:\n"  // a section whose values are all commented out
-      "update: {doppler_directions: corrected, use_trails: false, max_clones: 3}\n"
+      "update: {use_trails: false, max_clones: 3}\n"
       "start: {max_rate: 10 deg/s}\n");
   EXPECT_EQ(o.imu.gyro_noise_density, 4e-3);
   EXPECT_EQ(o.imu.max_gap, 0.03);
@@ -160,7 +166,6 @@ TEST(OptionsYaml, ReadsValuesWithUnits) {
   EXPECT_EQ(o.radar.sigma_range, 0.05);
   EXPECT_EQ(o.radar.T_BS.translation, Vector3d(0.1, 0.0, -0.02));
   EXPECT_EQ(o.radar.T_BS.rotation.z(), 0.8);
-  EXPECT_EQ(o.update.doppler_directions, DopplerDirections::kCorrected);
   EXPECT_FALSE(o.update.use_trails);
   EXPECT_EQ(o.update.max_clones, 3);
   EXPECT_NEAR(o.start.max_rate, 0.17453292519943295, 1e-16);
@@ -194,8 +199,7 @@ TEST(OptionsYaml, WrongValuesNameFileAndLine) {
   EXPECT_ERROR(parsed("update: {max_clones: [3]}\n"), "max_clones: a whole number is expected");
   EXPECT_ERROR(parsed("update: {max_clones: 21}\n"), "update.max_clones = 21 is outside [0, 20]");
   EXPECT_ERROR(parsed("update: {use_trails: 1}\n"), "use_trails: true or false is expected");
-  EXPECT_ERROR(parsed("update: {doppler_directions: white}\n"),
-               "exact or noisy or corrected or reliable is expected");
+  EXPECT_ERROR(parsed("smoother: {kernel: white}\n"), "none or huber or cauchy or dcs is expected");
   EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2]}}\n"), "a list of 3 numbers");
   EXPECT_ERROR(parsed("radar: {T_BS: {translation: [1, 2, 3 s]}}\n"), "does not fit the unit [m]");
   EXPECT_ERROR(parsed("radar: {T_BS: {quaternion_wxyz: [1, 1, 0, 0]}}\n"), "not a unit quaternion");
@@ -222,8 +226,8 @@ TEST(OptionsYaml, ErrorsChangeNothing) {
 TEST(OptionsYaml, PresetComesFirstWhereverItStands) {
   Options options;
   options.imu.gravity = 9.8;
-  parse_options("update: {doppler_directions: noisy}\npreset: published-ekf\n", "o.yaml", &options);
-  EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kNoisy);
+  parse_options("update: {use_trails: false}\npreset: published-ekf\n", "o.yaml", &options);
+  EXPECT_FALSE(options.update.use_trails);
   EXPECT_FALSE(options.update.consistent_covariance);
   EXPECT_EQ(options.imu.gravity, Options{}.imu.gravity);
   EXPECT_ERROR(parsed("imu: {}\npreset: none\n"), "o.yaml:2: preset: no such preset: \"none\"");
@@ -237,7 +241,7 @@ TEST(OptionsYaml, FilesWithAndWithoutPreset) {
   EXPECT_EQ(preset_in_file(comments), std::nullopt);
   Options options;
   load_option_values(with, &options);
-  EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kReliable);
+  EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kCorrected);
   EXPECT_EQ(options.imu.max_gap, 0.2);
   load_options(with, &options);
   EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kExact);
@@ -309,7 +313,7 @@ TEST(Options, ValidateChecksVectorsQuaternionsAndEnums) {
   o = Options{};
   o.update.doppler_directions = static_cast<DopplerDirections>(4);
   EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "update.doppler_directions = 4 is outside [0, 3]");
+  EXPECT_EQ(why, "update.doppler_directions = 4 is outside [0, 2]");
 }
 
 TEST(Options, ValidateChecksCoherence) {
@@ -321,7 +325,7 @@ TEST(Options, ValidateChecksCoherence) {
   o = Options{};
   o.frontend.max_detections = 4;
   EXPECT_FALSE(o.validate(&why));
-  EXPECT_TRUE(test::contains(why, "ransac_min_inliers exceeds")) << why;
+  EXPECT_EQ(why, "frontend.max_detections = 4 is outside [5, 1024]");
   o = Options{};
   o.update.max_clones = 0;
   EXPECT_FALSE(o.validate(&why));

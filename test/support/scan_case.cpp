@@ -37,7 +37,8 @@ const RowBatch& ScanCase::build(ScanRows& rows, const StateEstimate& state_estim
   seen_.trails = &trails_;
   for (std::size_t i = 0; i < scan_.items.size(); ++i) seen_.ego_velocity.inlier[i] = true;
   report_ = UpdateReport{};
-  return rows.build(seen_, state_estimate, &report_);
+  rows.build(seen_, state_estimate, &report_);
+  return rows.batch();
 }
 
 }  // namespace rio::test

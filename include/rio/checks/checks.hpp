@@ -58,19 +58,18 @@ class Checks {
     unconfirmed_alignment_ = unconfirmed;
   }
 
-  /// The tilt is too uncertain for a linearised update. False if the checks are switched off:
+  /// The tilt is too uncertain for a linearised update. False if nothing would find it again:
   /// updates then continue.
   bool tilt_is_lost() const {
     constexpr double kLinear = 0.35;  // 1 - cos is 6 % [rad]
-    return enabled() && sigma_tilt() > kLinear;
+    return options_.checks.lost_tilt && sigma_tilt() > kLinear;
   }
 
   /// The state was propagated from `last`; the buffer holds the samples since.
   /// @param gap the IMU paused since
   void carry(Time last, const ImuBuffer& imu, bool gap) {
-    if (!enabled()) return;
-    velocity_.carry(backend_.estimate(), last, imu, gap);
-    tilt_.carry(backend_.estimate(), last, imu, gap);
+    if (options_.checks.velocity) velocity_.carry(backend_.estimate(), last, imu, gap);
+    if (options_.checks.tilt) tilt_.carry(backend_.estimate(), last, imu, gap);
   }
 
   /// Drops the landmarks after a silence of the radar, scans without a static set included, after a
@@ -81,6 +80,7 @@ class Checks {
     constexpr Time kLongest = std::chrono::seconds(1);  // dead reckoning stays within centimetres
     constexpr double kTurn = 0.1;                       // half a metre at a range of 5 m [rad]
     constexpr double kTilt = 0.05;                      // normally a tenth of that [rad]
+    if (!options_.checks.landmarks) return false;
     const BodyCovariance P = body_covariance();
     const double turn =
         std::sqrt(P.block<3, 3>(body::kAttitude, body::kAttitude).diagonal().maxCoeff());
@@ -159,7 +159,7 @@ class Checks {
   /// @param health after the scan before
   /// @param seconds since that
   [[nodiscard]] bool check_position(const HealthMonitor& health, double seconds) {
-    if (!enabled()) return false;
+    if (!options_.checks.position) return false;
     const bool outliers = health.health().because(HealthReason::kOutliers);
     const double sigma = position_.observe({.contradiction = velocity_.contradiction(),
                                             .gated = health.unusual_gated_share(),
@@ -179,7 +179,6 @@ class Checks {
     Time since{0};  ///< when the replaced velocity may have become wrong
   };
 
-  bool enabled() const { return options_.frontend.velocity_recovery; }
   BodyCovariance body_covariance() const { return backend_.state_estimate().covariance().body(); }
 
   /// Sigma of roll and pitch together [rad].

@@ -36,7 +36,7 @@ struct GyroBiasStep {
 class HeadingCheck {
  public:
   explicit HeadingCheck(const Options& options)
-      : enabled_(options.frontend.velocity_recovery), parts_(kParts) {}
+      : enabled_(options.checks.heading), parts_(kParts) {}
 
   /// Starts over.
   void reset() { parts_.clear(); }

@@ -117,7 +117,6 @@ class Association {
   double same_echo_;
   double gate_;
   double core_;
-  double max_spread_;       ///< largest det S / det R of a match
   std::vector<Seen> seen_;  ///< of the current scan, by detection
   Assignment assignment_;
 };

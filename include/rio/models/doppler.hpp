@@ -6,7 +6,7 @@
 //      u is corrected for the residual elevation error, v_S multiplied by 1 + scale error
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is noisy too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
-// (E4) J uses L u^, L the reliability matrix of the scan's directions (update/reliability.hpp)
+// (E4) J uses u^
 // (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
 // (E6) R at u^: in (E2) v_S - (u^T v_S) (u^ - u) for v_S
 // (E5) and (E6), of second order in the direction's error, come with (E3).
@@ -50,10 +50,9 @@ class DopplerModel {
     Vector3d upwards_S = Vector3d::UnitZ();     ///< unit tangent at u towards higher elevation
     Matrix3d direction_cov = Matrix3d::Zero();  ///< Sigma_u
     Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
-    double predicted_var = 0.0;  ///< P_h: variance of h due to the state's error [m^2/s^2]
-    Matrix3d reliability = Matrix3d::Identity();  ///< L
-    double variance_factor = 1.0;                 ///< (E6): multiplies R
-    SteadyOffset steady{};                        ///< (E7)
+    double predicted_var = 0.0;    ///< P_h: variance of h due to the state's error [m^2/s^2]
+    double variance_factor = 1.0;  ///< (E6): multiplies R
+    SteadyOffset steady{};         ///< (E7)
   };
 
   /// (E3) (E6): mean and covariance of the true direction given the innovation r.
@@ -69,8 +68,7 @@ class DopplerModel {
                                               const Vector3d& v_S) noexcept;
 
   /// @param directions kExact: R = sigma_D^2; from kNoisy on (E2); from kCorrected on (E3) to
-  /// (E5), before that u itself in the Jacobian. The caller sets L, the identity unless kReliable,
-  /// and the factor (E6)
+  /// (E5), before that u itself in the Jacobian. The caller sets the factor of (E6)
   explicit DopplerModel(DopplerDirections directions) : directions_(directions) {}
 
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B);

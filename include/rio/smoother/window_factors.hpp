@@ -13,7 +13,6 @@
 #include "rio/smoother/window.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/update/linearize.hpp"
-#include "rio/update/reliability.hpp"
 
 namespace rio {
 
@@ -57,7 +56,6 @@ class WindowFactors {
   const Layout& layout_;
   const Window& window_;
   NormalEquations* system_;
-  bool reliable_;
   RadarModels models_;
   ScanInformation scan_;
   RowBatch row_;

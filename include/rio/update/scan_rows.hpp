@@ -19,7 +19,6 @@
 #include "rio/update/linearize.hpp"
 #include "rio/update/look_correlation.hpp"
 #include "rio/update/noise_inflation.hpp"
-#include "rio/update/reliability.hpp"
 #include "rio/update/scan_measurements.hpp"
 #include "rio/update/state_estimate.hpp"
 
@@ -144,6 +143,7 @@ class ScanRows {
   double normalised_innovation_squared(const RowBlock& block);
 
   UpdateOptions options_;
+  AblationOptions ablation_;
   AuxiliaryStates auxiliary_;
   double gravity_;
   // by radar
@@ -157,7 +157,6 @@ class ScanRows {
   RowBatch batch_;
   ScanMeasurements measurements_;
   StaticVector<std::size_t, kMaxAiding> used_aiding_;
-  std::vector<DopplerModel::Measurement> dopplers_;
   GatheredCovariance gathered_;
   GatheredCovariance::BlockMatrix S_;
   AidingRows aiding_;
