@@ -28,7 +28,7 @@ Fault scans(const std::string& name, double duration, Promise promise, double wi
 Fault bad_field(const char* name, double RadarDetection::*field) {
   return scans(fmt::format("{} NaN, infinite, 1e200 for 1 s", name), 1.0, Promise::kBridged, 0.0,
                [field](RadarScan& scan, Moment& m) {
-                 constexpr std::array kBad = {NAN, INFINITY, 1e200, -INFINITY};
+                 constexpr std::array<double, 4> kBad = {NAN, INFINITY, 1e200, -INFINITY};
                  for (RadarDetection& d : scan.detections) {
                    d.*field = kBad[static_cast<std::size_t>(m.n) % kBad.size()];
                  }
