@@ -17,8 +17,7 @@
 
 namespace rio {
 
-/// Capacities fixed at compile time; src/odometry/options.cpp checks that they agree with the
-/// stages.
+/// Capacities fixed at compile time; odometry/options.cpp checks that they agree with the stages.
 namespace option_limits {
 inline constexpr int kDetections = 1024;
 inline constexpr int kClones = 20;

@@ -14,9 +14,8 @@ namespace rio::calibrate {
 
 namespace {
 
-constexpr double kKnown = 0.2;     // largest relative error of a known value
-constexpr double kFarApart = 3.0;  // halves, in sigmas, and ...
-constexpr double kFactor = 1.5;    // ... by this factor: roughly right is better than wrong
+constexpr double kKnown = 0.2;   // largest relative error of a known value
+constexpr double kFactor = 1.5;  // ... by this factor, too: roughly right is better than wrong
 
 /// Logarithm of a sigma from the whole of a recording and its halves, if determined.
 struct Fitted {

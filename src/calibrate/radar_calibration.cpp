@@ -200,7 +200,6 @@ Summary summarise(const std::vector<RecordingCalibration>& runs, std::size_t i) 
 }
 
 Determination judge(const ParameterCalibration& p, double others) {
-  constexpr double kFarApart = 3.0;     // of (E7)
   constexpr double kMostOfPrior = 0.5;  // a sigma above this share of its prior is no determination
   if (std::max(p.halves_apart, p.recordings_apart) > kFarApart * others) {
     return Determination::kContradictory;

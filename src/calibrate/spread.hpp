@@ -24,6 +24,9 @@ struct Combined {
 /// At least one measurement.
 Combined combine(const std::vector<Measured>& measured);
 
+/// Measurements farther apart than this contradict each other [sigmas].
+inline constexpr double kFarApart = 3.0;
+
 /// |a - b| over the sigma of the difference.
 double apart(const Measured& a, const Measured& b);
 

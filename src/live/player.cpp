@@ -7,11 +7,11 @@
 #include <thread>
 
 #include "live/imu_stream.hpp"
+#include "live/serial.hpp"
 
 namespace rio::live {
 namespace {
 
-constexpr double kBitsPerByte = 10.0;
 constexpr Time kImuDelay = std::chrono::microseconds(500);
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 namespace rio::live {
 
+inline constexpr double kBitsPerByte = 10.0;  ///< on the wire, 8N1
+
 /// Raw bytes both ways, 8N1, no flow control, no echo. Pending input is discarded, since its
 /// arrival time is unknown. Does nothing if it is not a terminal.
 /// @param baud any rate, 1200 to 1e8

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "live/serial.hpp"
+
 namespace rio::live {
 namespace {
 
@@ -14,7 +16,6 @@ constexpr Time kPause = std::chrono::milliseconds(5);
 
 /// Whether the bytes took longer than on the wire by more than half of the pause between packets.
 bool is_made_up(const ti::Frame& frame, const ti::FrameTiming& timing) {
-  constexpr double kBitsPerByte = 10.0;
   const double wire = timing.baud > 0.0 ? frame.bytes * kBitsPerByte / timing.baud : 0.0;
   const double period = to_seconds(timing.period);
   return to_seconds(frame.last_arrival - frame.first_arrival) >

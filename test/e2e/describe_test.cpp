@@ -2,29 +2,27 @@
 // The manual page and the completions that the program writes of itself.
 #include <gtest/gtest.h>
 
-#include <regex>
 #include <set>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "e2e/tool.hpp"
+#include "support/matches.hpp"
 
 namespace rio::test {
 namespace {
 
 /// All that fits, without repetition.
-std::set<std::string> matches(const std::string& text, const char* pattern) {
-  const std::regex regex(pattern);
-  std::set<std::string> all;
-  for (std::sregex_iterator i(text.begin(), text.end(), regex), end; i != end; ++i) {
-    all.insert((*i)[1]);
-  }
-  return all;
+std::set<std::string> words(const std::string& text, const char* pattern) {
+  const std::vector<std::string> all = matches(text, pattern);
+  return {all.begin(), all.end()};
 }
 
 /// As the help lists them.
 std::set<std::string> commands() {
   const std::string help = rio("--help").output;
-  return matches(help.substr(help.find("Subcommands:")), "\n  ([a-z-]+) ");
+  return words(help.substr(help.find("Subcommands:")), "\n  ([a-z-]+) ");
 }
 
 TEST(Describe, TheManualNamesEveryCommandAndFlag) {
@@ -39,14 +37,14 @@ TEST(Describe, TheManualNamesEveryCommandAndFlag) {
     ASSERT_NE(begin, std::string::npos) << command;
     const std::string section = text.substr(begin, text.find("\n.S", begin) - begin);
     if (command == "experiment") continue;  // has a help of its own
-    const auto flags = matches(rio(command + " --help").output, "\n  (?:-h,)?(--[a-z-]+)");
+    const auto flags = words(rio(command + " --help").output, "\n  (?:-h,)?(--[a-z-]+)");
     EXPECT_FALSE(flags.empty()) << command;
     for (const std::string& flag : flags) {
       EXPECT_PRED2(contains, section, "\n.B " + flag + " ") << command;
     }
   }
   // troff knows the requests that are used, and no line of text is taken for one
-  const std::set<std::string> requests = matches(text, "\n\\.([A-Z]+)");
+  const std::set<std::string> requests = words(text, "\n\\.([A-Z]+)");
   EXPECT_EQ(requests, (std::set<std::string>{"B", "SH", "SS", "TP"}));
 }
 
@@ -66,9 +64,9 @@ TEST(Describe, BashCompletesCommandsFlagsAndTheirWords) {
   EXPECT_EQ(completed("rio replay --backend sm"), "smoother\n");
   EXPECT_EQ(completed("rio info some"), "\n");
   std::istringstream all(completed("rio \"\""));
-  std::set<std::string> words;
-  for (std::string word; all >> word;) words.insert(word);
-  for (const std::string& command : commands()) EXPECT_EQ(words.count(command), 1U) << command;
+  std::set<std::string> offered;
+  for (std::string word; all >> word;) offered.insert(word);
+  for (const std::string& command : commands()) EXPECT_EQ(offered.count(command), 1U) << command;
 }
 
 }  // namespace

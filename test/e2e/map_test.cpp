@@ -6,16 +6,18 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "support/matches.hpp"
+
 namespace rio {
 namespace {
 
 namespace fs = std::filesystem;
+using test::matches;
 
 const fs::path kHeaders = fs::path(RIO_SOURCE_DIR) / "include" / "rio";
 
@@ -23,15 +25,6 @@ std::string text_of(const fs::path& path) {
   std::ostringstream text;
   text << std::ifstream(path).rdbuf();
   return text.str();
-}
-
-std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
-  const std::regex regex(pattern);
-  std::vector<std::string> all;
-  for (std::sregex_iterator m(text.begin(), text.end(), regex), end; m != end; ++m) {
-    all.push_back((*m)[1]);
-  }
-  return all;
 }
 
 /// Paths relative to include/rio.

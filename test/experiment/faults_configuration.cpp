@@ -13,7 +13,6 @@ namespace rio::experiment {
 namespace {
 
 constexpr double kDegree = M_PI / 180.0;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Fault turned_mounting(double degrees, Promise promise) {
   return {.name = fmt::format("mounting wrong by {} deg", degrees),
@@ -91,13 +90,13 @@ std::vector<Fault> wrong_starts() {
 std::vector<Fault> impossible_starts() {
   constexpr Promise kIgnored = Promise::kIgnored;
   return {
-      start("velocity NaN", kIgnored, 0.0, [](io::StartFile& s) { s.state.v_WB.x() = kNaN; }),
+      start("velocity NaN", kIgnored, 0.0, [](io::StartFile& s) { s.state.v_WB.x() = NAN; }),
       start("quaternion zero", kIgnored, 0.0,
             [](io::StartFile& s) { s.state.q_WB.coeffs().setZero(); }),
       start("quaternion of 1e200", kIgnored, 0.0,
             [](io::StartFile& s) { s.state.q_WB.coeffs() *= 1e200; }),
       start("time 0", kIgnored, 0.0, [](io::StartFile& s) { s.state.time = Time{0}; }),
-      start("covariance NaN", kIgnored, 0.0, [](io::StartFile& s) { s.covariance(3, 3) = kNaN; }),
+      start("covariance NaN", kIgnored, 0.0, [](io::StartFile& s) { s.covariance(3, 3) = NAN; }),
       start("covariance indefinite", kIgnored, 0.0,
             [](io::StartFile& s) { s.covariance(3, 3) = -1.0; }),
   };

@@ -2,14 +2,14 @@
 // Faults of the IMU data.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "experiment/fault.hpp"
 
 namespace rio::experiment {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
 using ChangeSample = std::function<void(ImuSample&, Moment&)>;
@@ -110,15 +110,15 @@ void add_bias_steps(std::vector<Fault>& all) {
 std::vector<Fault> imu_faults() {
   std::vector<Fault> all = {
       samples("gyro NaN for 0.2 s", 0.2, Promise::kRecovered, 2.0,
-              [](ImuSample& s, Moment&) { s.gyro_B.x() = kNaN; }),
+              [](ImuSample& s, Moment&) { s.gyro_B.x() = NAN; }),
       samples("accel NaN for 0.2 s", 0.2, Promise::kRecovered, 2.0,
-              [](ImuSample& s, Moment&) { s.accel_B.z() = kNaN; }),
+              [](ImuSample& s, Moment&) { s.accel_B.z() = NAN; }),
       samples("gyro infinite for 0.2 s", 0.2, Promise::kRecovered, 2.0,
-              [](ImuSample& s, Moment&) { s.gyro_B.y() = kInf; }),
+              [](ImuSample& s, Moment&) { s.gyro_B.y() = INFINITY; }),
       samples("accel infinite for 0.2 s", 0.2, Promise::kRecovered, 2.0,
-              [](ImuSample& s, Moment&) { s.accel_B.x() = -kInf; }),
+              [](ImuSample& s, Moment&) { s.accel_B.x() = -INFINITY; }),
       samples("IMU of NaN for 2 s", 2.0, Promise::kRecovered, 10.0,
-              [](ImuSample& s, Moment&) { s.gyro_B.setConstant(kNaN); }),
+              [](ImuSample& s, Moment&) { s.gyro_B.setConstant(NAN); }),
       samples("IMU frozen for 0.1 s", 0.1, Promise::kRecovered, 2.0, freeze),
       samples("IMU frozen for 0.5 s", 0.5, Promise::kRecovered, 5.0, freeze),
       samples("IMU frozen for 2 s", 2.0, Promise::kRecovered, 10.0, freeze),

@@ -11,9 +11,6 @@ namespace rio::experiment {
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
 using ChangeScan = std::function<void(RadarScan&, Moment&)>;
 
 Fault scans(const std::string& name, double duration, Promise promise, double within,
@@ -31,7 +28,7 @@ Fault scans(const std::string& name, double duration, Promise promise, double wi
 Fault bad_field(const char* name, double RadarDetection::*field) {
   return scans(fmt::format("{} NaN, infinite, 1e200 for 1 s", name), 1.0, Promise::kBridged, 0.0,
                [field](RadarScan& scan, Moment& m) {
-                 constexpr std::array kBad = {kNaN, kInf, 1e200, -kInf};
+                 constexpr std::array<double, 4> kBad = {NAN, INFINITY, 1e200, -INFINITY};
                  for (RadarDetection& d : scan.detections) {
                    d.*field = kBad[static_cast<std::size_t>(m.n) % kBad.size()];
                  }
@@ -121,7 +118,7 @@ std::vector<Fault> bad_fields() {
   return {
       scans("points NaN for 1 s", 1.0, Promise::kBridged, 0.0,
             [](RadarScan& scan, Moment& m) {
-              for (RadarDetection& d : scan.detections) d.point_S[m.n % 3] = kNaN;
+              for (RadarDetection& d : scan.detections) d.point_S[m.n % 3] = NAN;
             }),
       scans("points of 1e200 m for 1 s", 1.0, Promise::kBridged, 0.0,
             [](RadarScan& scan, Moment&) {

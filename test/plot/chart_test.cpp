@@ -8,31 +8,23 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "plot/colours.hpp"
+#include "support/matches.hpp"
 
 namespace rio::plot {
 namespace {
+
+using test::matches;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Coordinates are written with one decimal; two of them make a difference.
 constexpr double kPixel = 0.1 + 1e-9;
-
-/// All matches of the first group.
-std::vector<std::string> matches(const std::string& text, const std::string& expression) {
-  const std::regex regex(expression);
-  std::vector<std::string> result;
-  for (std::sregex_iterator match(text.begin(), text.end(), regex), end; match != end; ++match) {
-    result.push_back((*match)[1].str());
-  }
-  return result;
-}
 
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t result = 0;
