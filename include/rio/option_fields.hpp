@@ -82,6 +82,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Noise of elevation at boresight.");
   inner("radar.weak_snr_db", o.radar.weak_snr_db, "dB", -200, 200,
         "An echo this weak has twice the angle variance of a strong one; -200 = all are alike.");
+  inner("radar.angle_growth", o.radar.angle_growth, "", 0, 1,
+        "The angle sigmas grow off boresight as 1/cos.");
   field("radar.sigma_doppler", o.radar.sigma_doppler, "m/s", 1e-4, 10,
         "Noise of the Doppler, without quantisation.");
   field("radar.range_resolution", o.radar.range_resolution, "m", 0, 10,
@@ -145,6 +147,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "A landmark not seen for longer is dropped; 0 = at its first miss.");
 
   inner("update.use_doppler", o.update.use_doppler, "", 0, 1, "Use the Doppler model.");
+  inner("update.use_ego_velocity", o.update.use_ego_velocity, "", 0, 1,
+        "Use the least-squares velocity of a scan as one measurement (loosely coupled).");
   inner("update.use_trails", o.update.use_trails, "", 0, 1, "Use distances to trails.");
   inner("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
   inner(
@@ -192,6 +196,12 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("smoother.kernel", o.smoother.kernel, "", 0, 3, "none, huber, cauchy or dcs.");
   inner("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
+  inner("smoother.landmark_kernel_size", o.smoother.landmark_kernel_size, "", 0, 1e6,
+        "Same for landmarks; 0 = smoother.kernel_size.");
+  inner("smoother.trail_kernel_size", o.smoother.trail_kernel_size, "", 0, 1e6,
+        "Same for trails; 0 = smoother.kernel_size.");
+  inner("smoother.keep_landmark_factors", o.smoother.keep_landmark_factors, "", 0, 1,
+        "A landmark no longer matched stays while states of the window have measured it.");
   inner("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
         "A step shorter than this share of the one before reuses its factor; 0 = never.");
 

@@ -25,6 +25,7 @@
 #include "rio/update/aiding_queue.hpp"
 #include "rio/update/calibration_report.hpp"
 #include "rio/update/consistency_checks.hpp"
+#include "rio/update/ego_velocity_measurement.hpp"
 #include "rio/update/health_monitor.hpp"
 
 namespace rio {
@@ -137,6 +138,10 @@ class Pipeline {
     if (seen_.ego_velocity.inliers > 0) last_static_set_ = scan.time;
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
+    if (options_.update.use_ego_velocity) {
+      const auto velocity = ego_velocity_measurement(*seen_.scan, seen_.ego_velocity, estimate());
+      if (velocity) aiding_.take_now(*velocity);
+    }
     checks_.predicted();
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     count_own_echoes();
