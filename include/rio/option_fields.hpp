@@ -161,6 +161,10 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
   };
   field("imu.measure_noise", o.imu.measure_noise, "", 0, 1,
         "Use the noise measured in the samples if it exceeds the declared white noise.");
+  field("radar.angle_growth", o.radar.angle_growth, "", 0, 1,
+        "The angle sigmas grow off boresight as 1/cos.");
+  field("update.use_ego_velocity", o.update.use_ego_velocity, "", 0, 1,
+        "Use the least-squares velocity of a scan as one measurement (loosely coupled).");
   field("frontend.ransac_sigmas", o.frontend.ransac_sigmas, "", 0, 100,
         "Inlier bound in sigmas, direction error included; 0 = off.");
   field("frontend.ransac_use_prediction", o.frontend.ransac_use_prediction, "", 0, 1,
@@ -214,6 +218,12 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
         "Random walk of each of them, in its default prior.");
   field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
+  field("smoother.landmark_kernel_size", o.smoother.landmark_kernel_size, "", 0, 1e6,
+        "Same for landmarks; 0 = smoother.kernel_size.");
+  field("smoother.trail_kernel_size", o.smoother.trail_kernel_size, "", 0, 1e6,
+        "Same for trails; 0 = smoother.kernel_size.");
+  field("smoother.keep_landmark_factors", o.smoother.keep_landmark_factors, "", 0, 1,
+        "A landmark no longer matched stays while states of the window have measured it.");
   field("smoother.factor_reuse", o.smoother.factor_reuse, "", 0, 0.9,
         "A step shorter than this share of the one before reuses its factor; 0 = never.");
   field("checks.velocity", o.checks.velocity, "", 0, 1,

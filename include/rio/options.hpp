@@ -50,6 +50,9 @@ struct RadarOptions {
   /// An echo of this strength, the detection threshold, has twice the angle variance of a strong
   /// one: the noise of a phase falls with the SNR. -200 = all are alike [dB].
   double weak_snr_db = 10.0;
+  /// The angle sigmas grow off boresight as 1/cos, as those of an array; else they are the same in
+  /// all directions (Xu et al., eq. 4).
+  bool angle_growth = true;
   double sigma_doppler = 0.03;      ///< without quantisation [m/s]
   double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
@@ -115,6 +118,8 @@ enum class DopplerDirections {
 /// Stages 3 to 5: measurement models, gates, update.
 struct UpdateOptions {
   bool use_doppler = true;
+  /// The least-squares velocity of the static set as one measurement (Doer and Trommer 2020).
+  bool use_ego_velocity = false;
   bool use_trails = false;  ///< distances to past detections; trails become landmarks in any case
   bool use_landmarks = true;
   DopplerDirections doppler_directions = DopplerDirections::kCorrected;
@@ -150,7 +155,12 @@ struct SmootherOptions {
   int max_iterations = 5;  ///< of Gauss-Newton, per scan
   double tolerance = 0.1;  ///< length of a step that counts as converged, in sigmas
   Kernel kernel = Kernel::kNone;
-  double kernel_size = 4.0;  ///< k, in chi-squared per degree of freedom
+  double kernel_size = 4.0;           ///< k, in chi-squared per degree of freedom
+  double landmark_kernel_size = 0.0;  ///< same, of landmarks; 0 = kernel_size
+  double trail_kernel_size = 0.0;     ///< same, of trails; 0 = kernel_size
+  /// A landmark that is no longer matched stays while states of the window have measured it, and is
+  /// marginalised with the last of them; else it leaves with all its factors.
+  bool keep_landmark_factors = true;
   /// A step shorter than this share of the step before reuses its factorisation (simplified Newton
   /// method). 0: each step has its own, and the covariance is that of the solution.
   double factor_reuse = 0.3;
@@ -296,7 +306,7 @@ struct Options {
 
 /// The names of the presets.
 inline constexpr const char* kPresets[] = {"default", "published-ekf", "published-smoother",
-                                           "published-uncertainty"};
+                                           "published-uncertainty", "doppler-only"};
 /// The options named `name`; false and unchanged if there is no such preset.
 RIO_API bool preset(const std::string& name, Options* options);
 

@@ -28,6 +28,7 @@
 #include "rio/report.hpp"
 #include "rio/update/aiding_queue.hpp"
 #include "rio/update/back_end.hpp"
+#include "rio/update/ego_velocity_measurement.hpp"
 #include "rio/update/scan_rows.hpp"
 
 namespace rio {
@@ -138,6 +139,10 @@ class Pipeline {
     observe(scan, last);  // 2
     seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
+    if (options_.update.use_ego_velocity) {
+      const auto velocity = ego_velocity_measurement(*seen_.scan, seen_.ego_velocity, estimate());
+      if (velocity) aiding_.take_now(*velocity);
+    }
     checks_.predicted();
     rows_.build(seen_, backend_.state_estimate(), &report_);  // 3 4
     report_.status = backend_.update(seen_, rows_);           // 5

@@ -46,6 +46,7 @@ void Ekf::maintain_landmarks(const Observations& seen, const ScanRows& rows,
   rio::maintain_landmarks(
       seen, rows, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { state_estimate_.remove_landmark(i); },
+      [](std::size_t) { return false; },
       [this](const Detection& d) { state_estimate_.add_landmark(d); });
 }
 

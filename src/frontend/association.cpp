@@ -36,6 +36,7 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
   const RigidPose T_BS(predicted.T_BS);
   for (std::size_t i = 0; i < landmarks; ++i) {
     const LandmarkState& landmark = predicted.landmarks[i];
+    if (landmark.retired) continue;
     add_row(i,
             {to_radar(T_WB, T_BS, landmark.p_W), believed(landmark.covariance_S),
              gate_after(predicted.distance_travelled - landmark.distance_seen)},

@@ -36,12 +36,15 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
   // beyond 75 deg, where no array measures, the growth is limited and the azimuth keeps its noise
   constexpr double kMinCosine = 0.25;
   const double growth = weak_echo_growth(raw.snr_db, o.weak_snr_db);
-  const double sigma_az = own_or(
-      raw.sigma_azimuth, growth * o.sigma_azimuth / std::max(cos_az, kMinCosine), kLeastAngle);
+  // (E4) with the tangents below, a constant sigma is that of the direction
+  const double level = std::max(horizontal, kMinCosine);
+  const double off_azimuth = o.angle_growth ? std::max(cos_az, kMinCosine) : level;
+  const double off_elevation = o.angle_growth ? level : 1.0;
+  const double sigma_az =
+      own_or(raw.sigma_azimuth, growth * o.sigma_azimuth / off_azimuth, kLeastAngle);
   const double sigma_el =
-      own_or(raw.sigma_elevation, growth * o.sigma_elevation / std::max(horizontal, kMinCosine),
-             kLeastAngle);
-  d.sigma_azimuth_S = sigma_az * std::max(horizontal, kMinCosine) * Vector3d(-sin_az, cos_az, 0.0);
+      own_or(raw.sigma_elevation, growth * o.sigma_elevation / off_elevation, kLeastAngle);
+  d.sigma_azimuth_S = sigma_az * level * Vector3d(-sin_az, cos_az, 0.0);
   d.sigma_elevation_S = sigma_el * Vector3d(-u.z() * cos_az, -u.z() * sin_az, horizontal);
   return d;
 }

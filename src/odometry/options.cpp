@@ -95,8 +95,8 @@ void publish_ekf(Options* o) {
 /// sliding window whose kernels take the place of the gates. It differs from the paper
 ///   - where that is silent: the kernel's size is the one with which the published convergence from
 ///     a wrong velocity comes out (with 1, as in Agarwal et al. 2013, it diverges; the authors'
-///     public code has 4 for the Doppler, 1 for landmarks), the sigmas are those of the filter of
-///     2023, and a landmark leaves at its first miss as there;
+///     public code has 4 for the Doppler, 1 for landmarks, 1e-4 for trails), the sigmas are those
+///     of the filter of 2023, and a landmark is matched until its first miss as there;
 ///   - in the solver: damped Gauss-Newton instead of Levenberg-Marquardt;
 ///   - in the prior, which is kept in the right-invariant error (smoother/prior.hpp): in the
 ///     paper's error its linearisation points would make the heading observable.
@@ -112,7 +112,8 @@ void publish_smoother(Options* o) {
 }
 
 /// Xu, Huang, Shen, Yin: the sliding window with IMU, Doppler and the places of landmarks, weighted
-/// by the polar noise of each point; matches by the density of that noise with its 3-sigma check.
+/// by the polar noise of each point, the same in all directions; matches by the density of that
+/// noise with its 3-sigma check.
 /// It differs from the paper
 ///   - where that is wrong or silent: the Doppler keeps a noise of its own (without it a hovering
 ///     radar would measure its speed exactly), the angle sigmas stand in an aligned basis, pairs
@@ -122,6 +123,7 @@ void publish_smoother(Options* o) {
 ///     Doppler residual, Schur marginalisation instead of a fixed oldest state.
 void publish_uncertainty(Options* o) {
   publish_smoother(o);
+  o->radar.angle_growth = false;
   o->frontend.matching = Matching::kProbability;
   o->frontend.match_probability = 0.9973;
   o->frontend.promote_after = 4;
@@ -130,6 +132,21 @@ void publish_uncertainty(Options* o) {
   o->update.doppler_directions = DopplerDirections::kNoisy;
   o->update.landmark_measurement = LandmarkMeasurement::kPosition;
   o->smoother.kernel = Kernel::kNone;
+}
+
+/// Doer and Trommer, MFI 2020: the velocity that RANSAC and least squares find in a scan is one
+/// loosely coupled measurement of the filter; no points. It needs no clone for the delay of the
+/// radar, since a scan is processed at the time of its measurement. RANSAC alone rejects outliers:
+/// the covariance of the residuals does not know how direction errors shrink the velocity, and a
+/// gate with it rejects a third of the scans and at times all of them.
+void publish_doppler_only(Options* o) {
+  publish_ekf(o);
+  o->update.use_ego_velocity = true;
+  o->update.use_doppler = false;
+  o->update.use_trails = false;
+  o->update.use_landmarks = false;
+  o->update.max_clones = 0;
+  o->update.gate_probability = 1.0;
 }
 
 }  // namespace
@@ -150,6 +167,8 @@ bool preset(const std::string& name, Options* options) {
     publish_smoother(&chosen);
   } else if (name == "published-uncertainty") {
     publish_uncertainty(&chosen);
+  } else if (name == "doppler-only") {
+    publish_doppler_only(&chosen);
   } else if (name != "default") {
     return false;
   }

@@ -21,8 +21,9 @@ void ScanInformation::begin(const WindowLayout& layout) {
 void ScanInformation::close(double weight, int landmark_column) {
   const int count = rows_ - first_;
   const double chi_squared = r_.segment(first_, count).squaredNorm();
-  const KernelValue value =
-      evaluate_kernel(options_.kernel, options_.kernel_size * count, chi_squared);
+  const bool own_size = landmark_column >= 0 && options_.landmark_kernel_size > 0.0;
+  const double size = own_size ? options_.landmark_kernel_size : options_.kernel_size;
+  const KernelValue value = evaluate_kernel(options_.kernel, size * count, chi_squared);
   cost_ += 0.5 * weight * value.cost;
   const double scale = std::sqrt(weight * value.weight);
   J_.middleCols(first_, count) *= scale;

@@ -75,6 +75,9 @@ void Smoother::maintain_landmarks(const Observations& seen, const ScanRows& rows
   rio::maintain_landmarks(
       seen, rows, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { remove_landmark(i); },
+      [this](std::size_t i) {
+        return options_.smoother.keep_landmark_factors && window_.measures_landmark(i);
+      },
       [this](const Detection& d) {
         window_.newest().measurements.add(Measured<LandmarkPointModel>{
             LandmarkPointModel::measurement(d), {}, estimate().radar, estimate().landmarks.size()});

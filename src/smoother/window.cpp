@@ -51,6 +51,13 @@ void Window::publish(Estimate* x) const {
   }
 }
 
+bool Window::measures_landmark(std::size_t i) const {
+  for (std::size_t k = 0; k < size_; ++k) {
+    if ((*this)[k].measurements.has_landmark(i)) return true;
+  }
+  return false;
+}
+
 void Window::forget_landmark(std::size_t i, std::size_t last) {
   for (std::size_t k = 0; k < size_; ++k) (*this)[k].measurements.forget_landmark(i, last);
 }

@@ -113,8 +113,10 @@ double WindowFactors::add_trail(std::size_t k, const Measured<TrailDistanceModel
   });
   if (!valid) return 0.0;
   const LinearRow& row = row_.rows().front();
-  const KernelValue value = evaluate_kernel(options_.kernel, options_.kernel_size,
-                                            row.residual * row.residual / row.variance);
+  const double size =
+      options_.trail_kernel_size > 0.0 ? options_.trail_kernel_size : options_.kernel_size;
+  const KernelValue value =
+      evaluate_kernel(options_.kernel, size, row.residual * row.residual / row.variance);
   system_->add(row, value.weight);
   return 0.5 * value.cost;
 }

@@ -75,8 +75,9 @@ void add_options_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
   auto name = std::make_shared<std::string>("default");
   command
-      ->add_option("--preset", *name,
-                   "default, published-ekf, published-smoother or published-uncertainty")
+      ->add_option(
+          "--preset", *name,
+          "default, published-ekf, published-smoother, published-uncertainty or doppler-only")
       ->capture_default_str();
   auto compare = std::make_shared<bool>(false);
   command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");

@@ -88,9 +88,9 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
 
 void add_estimator_options(CLI::App* command, EstimatorArguments* estimator) {
   command->add_option("--config", estimator->config, "option file; see `rio options`");
-  command->add_option(
-      "--preset", estimator->preset,
-      "default, published-ekf, published-smoother or published-uncertainty; wins over the file's");
+  command->add_option("--preset", estimator->preset,
+                      "default, published-ekf, published-smoother, published-uncertainty or "
+                      "doppler-only; wins over the file's");
   command->add_option("--backend", estimator->backend, "ekf or smoother, whatever the preset says")
       ->check(CLI::IsMember({"ekf", "smoother"}));
 }

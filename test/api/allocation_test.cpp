@@ -148,7 +148,8 @@ INSTANTIATE_TEST_SUITE_P(
                       o->frontend.promote_after = 1;
                     },
                     [](Options* o) { EXPECT_TRUE(preset("published-smoother", o)); },
-                    [](Options* o) { EXPECT_TRUE(preset("published-uncertainty", o)); }));
+                    [](Options* o) { EXPECT_TRUE(preset("published-uncertainty", o)); },
+                    [](Options* o) { EXPECT_TRUE(preset("doppler-only", o)); }));
 
 }  // namespace
 }  // namespace rio::test

@@ -36,7 +36,8 @@ std::vector<Estimator> estimators() {
           {"default, Doppler alone", "default", BackEnd::kEkf, true},
           {"published-ekf", "published-ekf", BackEnd::kEkf},
           {"published-smoother", "published-smoother", BackEnd::kSmoother},
-          {"published-uncertainty", "published-uncertainty", BackEnd::kSmoother}};
+          {"published-uncertainty", "published-uncertainty", BackEnd::kSmoother},
+          {"doppler-only", "doppler-only", BackEnd::kEkf}};
 }
 constexpr std::size_t kOfDefault = 2;  // the first ones, by back-end
 

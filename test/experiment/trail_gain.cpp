@@ -49,6 +49,8 @@ std::vector<Variant> columns() {
                                  o.update.use_trails = o.update.use_landmarks = false;
                                }}};
   for (Variant& v : clone_variants()) all.push_back(std::move(v));
+  all.push_back({"default", "default"});
+  all.push_back({"default with trails", "default", [](Options& o) { o.update.use_trails = true; }});
   return all;
 }
 
@@ -58,7 +60,7 @@ std::vector<Variant> clone_variants() {
   const auto clones = [](int count) {  // a trail becomes a landmark at this length
     return [=](Options& o) { o.update.max_clones = o.frontend.promote_after = count; };
   };
-  return {{"published-ekf: one past scan, Doppler, trails", "published-ekf",
+  return {{kOnePastScan, "published-ekf",
            [](Options& o) {
              o.update.max_clones = 1;
              o.update.use_landmarks = false;

@@ -10,6 +10,9 @@
 
 namespace rio::experiment {
 
+/// The filter before that of 2023 (Michalczyk et al. 2022): trails of one past scan, no landmarks.
+inline constexpr const char* kOnePastScan = "published-ekf: one past scan, Doppler, trails";
+
 /// `published-ekf` with one past scan (trails, no landmarks) and with N = 7 and N = 10.
 std::vector<Variant> clone_variants();
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "experiment/experiment.hpp"
+#include "experiment/figures.hpp"
 #include "experiment/match_quality.hpp"
 #include "experiment/pose_errors.hpp"
 #include "experiment/spread.hpp"
@@ -100,6 +101,10 @@ const std::vector<Variant>& estimators() {
       {"published-smoother", "published-smoother"},
       {"full, directions in the Doppler corrected", kPreset,
        [](Options& o) { o.update.doppler_directions = DopplerDirections::kCorrected; }},
+      {"full, angle noise growing off boresight", kPreset,
+       [](Options& o) { o.radar.angle_growth = true; }},
+      {"full, without points", kPreset, [](Options& o) { o.update.use_landmarks = false; }},
+      {"doppler-only", "doppler-only"},
       {"default, filter", "default"},
       {"default, window", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }}};
   return all;
@@ -312,6 +317,16 @@ std::string time_table() {
   return table.text();
 }
 
+/// Fig. 6: with and without the noise of the points.
+std::string chart_of_flights(const Settings& settings) {
+  std::vector<FlownFlight> flights;
+  for (const Family& family : kFamilies) {
+    const std::vector<Case> cases = flights_of(family, settings);
+    flights.push_back(fly_all(cases.front(), {ablations()[0], ablations()[1]}));
+  }
+  return chart_of_paths("With and without the uncertainty of the points", flights);
+}
+
 }  // namespace
 
 Result uncertainty(const Settings& settings) {
@@ -356,6 +371,10 @@ Result uncertainty(const Settings& settings) {
   result.attachments.push_back({"uncertainty.csv", runs.errors.as_csv()});
   result.attachments.push_back({"uncertainty-scores.csv", outcomes_as_csv(runs.scores)});
   result.attachments.push_back({"uncertainty.svg", scaling_chart(runs)});
+  Options options;
+  (void)preset(kPreset, &options);
+  result.attachments.push_back({"uncertainty-points.svg", chart_of_point_noise(options.radar)});
+  result.attachments.push_back({"uncertainty-paths.svg", chart_of_flights(settings)});
   return result;
 }
 

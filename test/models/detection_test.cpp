@@ -46,6 +46,24 @@ struct Moments {
   Matrix3d direction = Matrix3d::Zero();
 };
 
+// Xu et al., eq. 4: the same covariance in the tangent plane of every direction.
+TEST(Detection, WithoutGrowthTheDirectionNoiseIsTheSameEverywhere) {
+  RadarOptions o = fine_radar();
+  for (const auto& [azimuth, elevation] : {std::pair(0.0, 0.0), {0.9, 0.0}, {-0.4, 0.8}}) {
+    RadarDetection raw;
+    raw.point_S = polar(4.0, azimuth, elevation);
+    o.angle_growth = false;
+    const Detection constant = make_detection(raw, o);
+    EXPECT_NEAR(constant.sigma_azimuth_S.norm(), o.sigma_azimuth, 1e-15);
+    EXPECT_NEAR(constant.sigma_elevation_S.norm(), o.sigma_elevation, 1e-15);
+    o.angle_growth = true;
+    const Detection grown = make_detection(raw, o);
+    EXPECT_NEAR(grown.sigma_elevation_S.norm(), o.sigma_elevation / std::cos(elevation), 1e-15);
+    EXPECT_NEAR(grown.sigma_azimuth_S.norm(),
+                o.sigma_azimuth * std::cos(elevation) / std::cos(azimuth), 1e-15);
+  }
+}
+
 // An array measures direction cosines, so its angle noise grows as 1/cos off boresight.
 Moments monte_carlo(const RadarOptions& o, double range, double azimuth, double elevation) {
   constexpr int kRuns = 40000;

@@ -111,6 +111,47 @@ TEST_F(SmootherTest, FactorsFollowTheirLandmarksWhenOthersLeave) {
   EXPECT_GT(kept, 1000);
 }
 
+/// Landmark distances in the window, and how many landmarks hold them alone.
+struct Kept {
+  int distances = 0;
+  int retired = 0;
+};
+Kept fly_published(const sim::Scenario& scenario, bool keep) {
+  SmootherFlight flight(scenario);
+  Options o = experiment::options_for(flight.flight(), "published-smoother");
+  o.timing.imu_buffer = static_cast<int>(flight.flight().imu.size()) + 1;
+  o.smoother.keep_landmark_factors = keep;
+  flight.begin(o);
+  Kept kept;
+  while (!flight.over()) {
+    EXPECT_EQ(flight.step(), Status::kOk);
+    const Window& window = flight.smoother().window();
+    const auto& landmarks = flight.estimate().landmarks;
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+      kept.retired += landmarks[i].retired ? 1 : 0;
+      EXPECT_TRUE(!landmarks[i].retired || window.measures_landmark(i)) << "no state needs it";
+    }
+    for (std::size_t k = 0; k < window.size(); ++k) {
+      for (const auto& m : window[k].measurements.of<LandmarkDistanceModel>()) {
+        EXPECT_LT(m.landmark, landmarks.size());
+        EXPECT_TRUE(k + 1 < window.size() || !landmarks[m.landmark].retired) << "matched";
+        ++kept.distances;
+      }
+    }
+  }
+  return kept;
+}
+
+// Michalczyk et al. 2024, III-B and III-D: the factors of the states of the window stay; a missed
+// landmark is marginalised when the last state that has measured it leaves.
+TEST(PublishedSmoother, KeepsTheFactorsOfAMissedLandmarkWhileTheirStatesAreInTheWindow) {
+  const Kept as_published = fly_published(short_flight(8), true);
+  const Kept dropped = fly_published(short_flight(8), false);
+  EXPECT_GT(as_published.retired, 100);
+  EXPECT_EQ(dropped.retired, 0);
+  EXPECT_GT(as_published.distances, dropped.distances + dropped.distances / 4);
+}
+
 TEST_F(SmootherTest, ABirthIsAPointMeasuredByTheNewestState) {
   int births = 0;
   while (births == 0 && !flight_.over()) {

@@ -36,6 +36,7 @@ class LandmarkPolicyTest : public test::ScanCase {
           x_.landmarks[i] = x_.landmarks.back();
           x_.landmarks.pop_back();
         },
+        [this](std::size_t i) { return x_.landmarks[i].p_W.x() == needed_; },
         [this](const Detection& d) {
           LandmarkState landmark;
           landmark.p_W = d.point_S;
@@ -57,6 +58,7 @@ class LandmarkPolicyTest : public test::ScanCase {
 
   Estimate x_;
   Promotions promotions_;
+  double needed_ = -1.0;  ///< x of the landmark that a window needs
 };
 
 TEST_F(LandmarkPolicyTest, TheStalestIsTheOneUnseenForLongest) {
@@ -100,6 +102,20 @@ TEST_F(LandmarkPolicyTest, TheUnseenLeaveAfterTheTimeout) {
   maintain(rows);
   EXPECT_EQ(count(0.0), 1);
   EXPECT_EQ(x_.landmarks.size(), 1U);
+}
+
+TEST_F(LandmarkPolicyTest, ANeededOneRetiresInsteadOfLeaving) {
+  options_.frontend.landmark_timeout = 2.0;
+  needed_ = 3.0;
+  const ScanRows rows(options_);
+  maintain(rows);
+  EXPECT_EQ(report_.landmarks_removed, 1);
+  ASSERT_EQ(count(3.0), 1);
+  for (const LandmarkState& l : x_.landmarks) EXPECT_EQ(l.retired, l.p_W.x() == 3.0);
+  needed_ = -1.0;
+  maintain(rows);
+  EXPECT_EQ(report_.landmarks_removed, 1);
+  EXPECT_EQ(count(3.0), 0);
 }
 
 TEST_F(LandmarkPolicyTest, OfTooManyTheStalestGivesWay) {

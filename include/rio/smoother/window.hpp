@@ -86,6 +86,9 @@ class Window {
   /// Copies its poses to the clones of x, for matching and for the trails.
   void publish(Estimate* x) const;
 
+  /// A state has a factor of landmark i.
+  bool measures_landmark(std::size_t i) const;
+
   /// Removes the factors of landmark i; those of the last landmark are renumbered to i.
   void forget_landmark(std::size_t i, std::size_t last);
 

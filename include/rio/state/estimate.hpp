@@ -57,6 +57,7 @@ struct LandmarkState {
   double distance_seen = 0.0;  ///< distance the body had travelled at its last measurement [m]
   double distance_born = 0.0;  ///< same, at its first measurement [m]
   Looks looks{};
+  bool retired = false;  ///< missed: no longer matched, kept for states that have measured it
 };
 
 /// What is estimated of one radar.

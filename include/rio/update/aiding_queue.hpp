@@ -60,6 +60,11 @@ class AidingQueue {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(taken_.size()));
   }
 
+  /// Adds one measured at the time of the update, if there is room.
+  void take_now(const AidingMeasurement& z) {
+    if (taken_.size() < kMaxAiding) taken_.push_back({z, {}, z.time(), {}});
+  }
+
   /// Those of the current update; the address stays valid.
   const std::vector<AidingObservation>& taken() const { return taken_; }
 

@@ -23,11 +23,14 @@ std::size_t landmark_room(const Estimate& x, const Observations& seen, const Opt
 
 /// @param x last_seen, distance_seen and looks of its landmarks are updated
 /// @param remove remove(index): the last landmark takes the place of that one
+/// @param needed needed(index): a landmark that has been missed for too long retires instead of
+///        leaving
 /// @param add add(detection): appends a landmark
-template <class Remove, class Add>
+template <class Remove, class Needed, class Add>
 void maintain_landmarks(const Observations& seen, const ScanRows& rows,
                         const Promotions& promotions, const Options& options, Estimate* x,
-                        UpdateReport* report, const Remove& remove, const Add& add) {
+                        UpdateReport* report, const Remove& remove, const Needed& needed,
+                        const Add& add) {
   const Time now = x->nav.time;
   for (const Match& m : seen.matches.landmarks) {
     if (!rows.was_used(m.target)) continue;
@@ -41,7 +44,9 @@ void maintain_landmarks(const Observations& seen, const ScanRows& rows,
   };
   const Time timeout = from_seconds(options.frontend.landmark_timeout);
   for (std::size_t i = x->landmarks.size(); i-- > 0;) {
-    if (now - x->landmarks[i].last_seen > timeout) leave(i);
+    if (now - x->landmarks[i].last_seen <= timeout) continue;
+    x->landmarks[i].retired = needed(i);
+    if (!x->landmarks[i].retired) leave(i);
   }
   for (const Detection& d : promotions.births) {
     if (static_cast<int>(x->landmarks.size()) == options.update.max_landmarks) {

@@ -138,6 +138,13 @@ class ScanMeasurements {
   void append(const ScanMeasurements& more) {
     more.for_each([this](const auto& m) { add(m); });
   }
+  bool has_landmark(std::size_t i) const {
+    bool found = false;
+    for_each([i, &found]<class M>(const Measured<M>& m) {
+      if constexpr (M::Blocks::template has<Landmark>()) found = found || m.landmark == i;
+    });
+    return found;
+  }
   /// Removes the measurements of landmark i; those of the last landmark are renumbered to i.
   void forget_landmark(std::size_t i, std::size_t last) {
     for_each_list([i, last]<class M>(std::vector<Measured<M>>& list) {
