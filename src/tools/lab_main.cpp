@@ -16,6 +16,7 @@
 #include "progress.hpp"
 #include "results_block.hpp"
 #include "rio/io/text_file.hpp"
+#include "version.hpp"
 #include "written_tables.hpp"
 
 namespace {
@@ -96,7 +97,7 @@ void run_all(Arguments arguments) {
 
 int run(int argc, char** argv) {
   CLI::App app("Answer a question with many simulated flights", "rio experiment");
-  app.set_version_flag("--version", RIO_VERSION);
+  app.set_version_flag("--version", version_text());
   Arguments arguments;
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";
