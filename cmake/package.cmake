@@ -1,5 +1,10 @@
 # `cpack` in the build folder writes Debian packages: librio0 (the shared library), librio-dev, rio (the programs) and
 # python3-rio. Configure with -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON.
+find_program(RIO_GZIP gzip)
+mark_as_advanced(RIO_GZIP)
+if(NOT RIO_GZIP)
+  return()
+endif()
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME rio)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -29,8 +34,7 @@ function(rio_package component name section depends summary text)
   file(WRITE ${docs}/copyright "${licence}")
   file(WRITE ${docs}/changelog "rio (${PROJECT_VERSION}) unstable; urgency=medium\n\n"
     "  * See CHANGELOG.md.\n\n -- ${CPACK_PACKAGE_CONTACT}  Thu, 26 Nov 2026 12:00:00 +0000\n")
-  find_program(GZIP gzip REQUIRED)
-  execute_process(COMMAND ${GZIP} -9nf ${docs}/changelog COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND ${RIO_GZIP} -9nf ${docs}/changelog)
   install(FILES ${docs}/copyright ${docs}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name}
     COMPONENT ${component} EXCLUDE_FROM_ALL)
   set(CPACK_COMPONENTS_ALL ${CPACK_COMPONENTS_ALL} ${component} PARENT_SCOPE)
@@ -40,21 +44,22 @@ function(rio_package component name section depends summary text)
   set(CPACK_COMPONENT_${upper}_DESCRIPTION "${summary}\n${text}" PARENT_SCOPE)
 endfunction()
 
-set(depends libeigen3-dev)
+set(library "")
+set(needs_library "")
 if(BUILD_SHARED_LIBS)
   set(library librio${PROJECT_VERSION_MAJOR})
-  string(APPEND depends ", ${library} (= ${PROJECT_VERSION})")
+  set(needs_library ", ${library} (= ${PROJECT_VERSION})")
   rio_package(library ${library} libs "" "radar-inertial odometry, shared library"
     "Estimates pose and velocity of a small robot from an IMU and an FMCW radar.")
 endif()
-rio_package(dev librio-dev libdevel "${depends}" "radar-inertial odometry, headers and static libraries"
+rio_package(dev librio-dev libdevel "libeigen3-dev${needs_library}" "radar-inertial odometry, headers and static libraries"
   "For find_package(rio) and pkg-config: the estimator, its stages, the drivers of\nTI radars, the link to autopilots and the simulator.")
 if(TARGET rio_tool)
-  rio_package(tools rio science "" "radar-inertial odometry, programs"
+  rio_package(tools rio science "libc6${needs_library}" "radar-inertial odometry, programs"
     "Replays and checks recordings, runs live, calibrates, simulates and evaluates:\nrio and rio-lab, with their manual page.")
 endif()
 if(TARGET rio_python)
-  rio_package(python python3-rio python "python3, python3-numpy" "radar-inertial odometry, Python package"
+  rio_package(python python3-rio python "python3, python3-numpy${needs_library}" "radar-inertial odometry, Python package"
     "Replays recordings and feeds the estimator from Python, with numpy arrays.")
 endif()
 include(CPack)

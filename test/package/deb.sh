@@ -8,7 +8,8 @@ source=$PWD
 build=${1:-build/package}
 [ -f "$build/CMakeCache.txt" ] || cmake -G Ninja -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DRIO_BUILD_TESTS=OFF \
   -DRIO_BUILD_EXAMPLES=OFF
-cmake -B "$build" -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON >/dev/null
+cmake -B "$build" -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON \
+  -DPython3_EXECUTABLE=/usr/bin/python3 >/dev/null
 cmake --build "$build" --target package -j "$(nproc)"
 version=$("$build"/src/tools/rio --version | sed -n '1s/ .*//p')
 cd "$build"
@@ -21,7 +22,7 @@ libraries=$(dirname "$(find "$root/usr" -name 'librio.so.*' | head -1)")
 export LD_LIBRARY_PATH=$libraries
 "$root/usr/bin/rio" --version
 "$root/usr/bin/rio" replay "$source/data/sample_flight" --out flight.tum
-PYTHONPATH=$root/usr/lib/python3/dist-packages python3 - "$source/data/sample_flight" flight.tum <<'CHECK'
+PYTHONPATH=$root/usr/lib/python3/dist-packages /usr/bin/python3 - "$source/data/sample_flight" flight.tum <<'CHECK'
 import pathlib, sys
 import rio
 rio.replay(sys.argv[1]).write_tum("python.tum")
