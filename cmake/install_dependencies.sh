@@ -1,15 +1,30 @@
 #!/usr/bin/env bash
 # Installs what the build needs from Debian or Ubuntu packages; asks for nothing that is there already.
-#   cmake/install_dependencies.sh [tools|tests|tidy|fuzz]     tests, fuzz = tools and more, tidy = tests and more
+#   cmake/install_dependencies.sh [tools|tests|tidy|fuzz|package|arm64|armhf|docs]
+# tests, fuzz, package and the cross builds = tools and more, tidy = tests and more
 set -euo pipefail
 
 packages=(cmake g++ make ninja-build libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
   libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
+python=(pybind11-dev python3-dev python3-numpy)
+ros2=(cyclonedds-dev cyclonedds-tools)
+foreign=
 case "${1:-tools}" in
-  tests | tidy) packages+=(libgtest-dev libceres-dev python3 valgrind) ;;&
+  tests | tidy) packages+=(libgtest-dev libceres-dev python3 valgrind "${python[@]}" python3-pytest python3-distributed
+    python3-matplotlib mypy "${ros2[@]}" libfastrtps-dev fastddsgen) ;;&
   tidy) packages+=(libbenchmark-dev clang-format-14 clang-tidy-14) ;;
+  package) packages+=("${python[@]}" "${ros2[@]}" libgtest-dev lintian dpkg-dev file) ;;
+  docs) packages=(doxygen python3-sphinx python3-myst-parser) ;;
+  arm64) foreign=arm64 packages+=(g++-aarch64-linux-gnu) ;;
+  armhf) foreign=armhf packages+=(g++-arm-linux-gnueabihf) ;;
   fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
 esac
+if [ -n "$foreign" ]; then
+  packages+=(qemu-user python3)
+  for library in libyaml-cpp-dev libfmt-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libgtest-dev; do
+    packages+=("$library:$foreign")
+  done
+fi
 
 missing=()
 for package in "${packages[@]}"; do
@@ -24,5 +39,6 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 echo "Installing: ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
+[ -z "$foreign" ] || "${as_root[@]}" dpkg --add-architecture "$foreign"
 "${as_root[@]}" apt-get update -qq
 "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

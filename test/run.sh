@@ -5,6 +5,9 @@
 #   test/run.sh sanitize    all but the Monte Carlo tests, with AddressSanitizer and UBSan
 #   test/run.sh thread      the test of two threads, with ThreadSanitizer
 #   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone, the benchmarks
+#   test/run.sh package     the Debian packages: lintian, installed into a root, used from there
+#   test/run.sh small       as for a flight controller: code size, memory, stack
+#   test/run.sh arm64       cross build (or armhf): unit tests and the sample flight under qemu-user
 # Further arguments go to ctest, as in: test/run.sh -L model.  CXX=clang++ chooses the compiler.
 # RIO_TEST_DATA names a folder with real recordings; without it their tests are skipped.
 set -euo pipefail
@@ -15,6 +18,9 @@ needs=tests
 case "${1:-}" in
   sanitize | thread) mode=$1; shift ;;
   tidy) mode=tidy needs=tidy; shift ;;
+  package) cmake/install_dependencies.sh package; exec test/package/deb.sh ;;
+  arm64 | armhf) exec test/cross.sh "$1" ;;
+  small) exec test/small.sh "${@:2}" ;;
 esac
 cmake/install_dependencies.sh "$needs"
 
@@ -22,7 +28,9 @@ jobs=$(nproc)
 compiler=$(basename "${CXX:-g++}")
 build=build/$mode-$compiler
 grep -qs Makefiles "$build/CMakeCache.txt" || export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"
-cmake -C "cmake/presets/$mode.cmake" -S . -B "$build" -DCMAKE_CXX_COMPILER="$compiler" >/dev/null
+extra=()
+[ "$mode" = test ] && extra=(-DRIO_BUILD_PYTHON=ON -DRIO_BUILD_ROS2=ON -DPython3_EXECUTABLE=/usr/bin/python3)
+cmake -C "cmake/presets/$mode.cmake" -S . -B "$build" -DCMAKE_CXX_COMPILER="$compiler" "${extra[@]}" >/dev/null
 
 if [ "$mode" = tidy ]; then
   git ls-files '*.hpp' '*.cpp' | xargs clang-format-14 --dry-run -Werror

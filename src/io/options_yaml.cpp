@@ -38,10 +38,24 @@ std::vector<std::string> keys_of_presets() {
   return keys;
 }
 
+/// The name of the preset, which is checked with its line.
+std::optional<std::string> preset_of(const YamlFile& file) {
+  Options scratch;
+  apply_preset(file, &scratch);
+  const YAML::Node node = base_node(file, kPresetKey);
+  if (!node.IsDefined()) return std::nullopt;
+  return node.Scalar();
+}
+
+/// @param name of the file, for the message
+void check(const std::string& name, const Options& options) {
+  std::string why;
+  if (!options.validate(&why)) throw std::runtime_error(name + ": " + why);
+}
+
 void apply_values(const YamlFile& file, Options* options) {
   read_fields(file, kPresetKey, options, keys_of_presets());
-  std::string why;
-  if (!options->validate(&why)) throw std::runtime_error(file.name + ": " + why);
+  check(file.name, *options);
 }
 
 void apply_file(const YamlFile& file, Options* options) {
@@ -97,16 +111,29 @@ void load_option_values(const std::filesystem::path& path, Options* options) {
 }
 
 std::optional<std::string> preset_in_file(const std::filesystem::path& path) {
-  const YamlFile file = load_yaml(path);
-  Options scratch;
-  apply_preset(file, &scratch);  // the name is checked with its line
-  const YAML::Node node = base_node(file, kPresetKey);
-  if (!node.IsDefined()) return std::nullopt;
-  return node.Scalar();
+  return preset_of(load_yaml(path));
 }
 
 void parse_options(const std::string& yaml, const std::string& name, Options* options) {
   apply_file(parse_yaml(yaml, name), options);
+}
+
+void parse_option_values(const std::vector<std::string>& yaml, const std::string& name,
+                         Options* options) {
+  Options changed = *options;
+  for (const std::string& text : yaml) read_fields(parse_yaml(text, name), kPresetKey, &changed);
+  check(name, changed);
+  *options = changed;
+}
+
+std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
+                                           const std::string& name) {
+  std::optional<std::string> last;
+  for (const std::string& text : yaml) {
+    const std::optional<std::string> found = preset_of(parse_yaml(text, name));
+    if (found) last = found;
+  }
+  return last;
 }
 
 std::string options_as_yaml(const Options& options) {

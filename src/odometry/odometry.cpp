@@ -11,9 +11,15 @@ namespace rio {
 
 std::unique_ptr<Odometry> Odometry::create(const Options& options, std::string* why) {
   if (!options.validate(why)) return nullptr;
-  const bool smoother = options.backend == BackEnd::kSmoother;
-  return std::unique_ptr<Odometry>(
-      new Odometry(smoother ? make_smoother_engine(options) : make_ekf_engine(options)));
+  if (options.backend == BackEnd::kEkf) {
+    return std::unique_ptr<Odometry>(new Odometry(make_ekf_engine(options)));
+  }
+#ifdef RIO_WITHOUT_SMOOTHER
+  if (why != nullptr) *why = "backend: this library was built without the smoother";
+  return nullptr;
+#else
+  return std::unique_ptr<Odometry>(new Odometry(make_smoother_engine(options)));
+#endif
 }
 
 Odometry::Odometry(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

@@ -16,6 +16,7 @@
 #include "calibration_names.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
+#include "notes.hpp"
 #include "recording.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/io/dataset.hpp"
@@ -76,6 +77,7 @@ std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     std::string damage;
     datasets.push_back(read_any(name, {}, &damage));
+    print_notes(datasets.back().notes);
     if (!damage.empty()) fmt::print(stderr, "note: {}; what stands before is used\n", damage);
   }
   return datasets;

@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "estimator_options.hpp"
 #include "findings.hpp"
+#include "notes.hpp"
 #include "recording.hpp"
 
 namespace rio::tools {
@@ -33,12 +34,21 @@ void print_json(const check::Findings& findings) {
 
 }  // namespace
 
-void check_recording(const CheckArguments& arguments) {
+Checked run_check(const CheckArguments& arguments) {
   std::string damage;
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
-  check::Findings findings =
-      findings_of(arguments.dataset, dataset, options_of(dataset, arguments.config));
+  Options options;
+  std::vector<std::string> notes =
+      tell_sensors_and_values(dataset, {arguments.config, {}, {}, arguments.values}, &options);
+  notes.insert(notes.begin(), dataset.notes.begin(), dataset.notes.end());
+  check::Findings findings = findings_of(arguments.dataset, dataset, options);
   if (!dataset.ground_truth.empty()) without_start(&findings);  // it starts there
+  return {std::move(findings), std::move(notes), std::move(damage)};
+}
+
+void check_recording(const CheckArguments& arguments) {
+  const auto [findings, notes, damage] = run_check(arguments);
+  print_notes(notes);
   if (arguments.json) {
     print_json(findings);
   } else {

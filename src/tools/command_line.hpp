@@ -34,6 +34,7 @@ void add_check_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
 void add_fit_noise_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
+void add_options_command(CLI::App& app);
 
 void add_live_command(CLI::App& app);
 void add_ti_config_command(CLI::App& app);

@@ -108,6 +108,7 @@ struct CheckArguments {
   RecordingArguments how;
   std::string config;
   bool json = false;
+  std::vector<std::string> values;  ///< as EstimatorArguments::values
 };
 /// Errors in a recording: also exit status 3.
 struct WrongRecording : std::runtime_error {
@@ -199,6 +200,13 @@ void calibrate(const CalibrateArguments& arguments);
 
 /// `rio options`: every option with its meaning and the values of a preset.
 void print_options(const std::string& preset_name);
+/// `rio options --from`: those that a replay of this recording flies with.
+struct FlownOptionsArguments {
+  std::string dataset;
+  RecordingArguments how;
+  EstimatorArguments estimator;
+};
+void print_flown_options(const FlownOptionsArguments& arguments);
 /// `rio options --compare`: the options that differ between presets, as a table.
 void compare_presets();
 

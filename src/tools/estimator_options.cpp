@@ -1,47 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "estimator_options.hpp"
 
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
+#include "notes.hpp"
 #include "rio/io/options_yaml.hpp"
 
 namespace rio::tools {
 
 namespace {
 
-void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) fmt::print(stderr, "note: {}\n", note);
-}
+constexpr const char* kTexts = "options";  ///< name of EstimatorArguments::values in messages
 
 }  // namespace
 
-std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
-                                               Options* options) {
+std::vector<std::string> tell_sensors_and_values(const io::Dataset& sensors,
+                                                 const EstimatorArguments& arguments,
+                                                 Options* options) {
+  const std::string& file = arguments.config;
   std::vector<std::string> configured;
   io::apply_sensor_info(sensors, options, &configured);
-  if (file.empty()) return {};
+  if (file.empty() && arguments.values.empty()) return {};
   const Options before = *options;
-  io::load_option_values(file, options);
+  if (!file.empty()) io::load_option_values(file, options);
+  if (!arguments.values.empty()) io::parse_option_values(arguments.values, kTexts, options);
   io::apply_other_radars(sensors, options);
   std::vector<std::string> changed = io::changed_options(before, *options, configured);
-  for (std::string& text : changed) text = file + " overrides the sensor files: " + text;
+  const std::string source = arguments.values.empty() ? file + " overrides" : "options override";
+  for (std::string& text : changed) text = source + " the sensor files: " + text;
   return changed;
 }
 
 Options options_of(const io::Dataset& sensors, const std::string& file) {
   Options options;
-  print_notes(tell_sensors_and_file(sensors, file, &options));
+  EstimatorArguments arguments;
+  arguments.config = file;
+  print_notes(tell_sensors_and_values(sensors, arguments, &options));
   return options;
 }
 
-Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
-                     Options base) {
+Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors, Options base,
+                     std::vector<std::string>* notes) {
   std::string name = arguments.preset;
+  if (name.empty()) name = io::preset_in_texts(arguments.values, kTexts).value_or("");
   if (name.empty() && !arguments.config.empty()) {
     name = io::preset_in_file(arguments.config).value_or("");
   }
@@ -49,7 +52,12 @@ Options make_options(const EstimatorArguments& arguments, const io::Dataset& sen
   if (!name.empty() && !preset(name, &options)) {
     throw std::runtime_error("no such preset: \"" + name + "\"");
   }
-  print_notes(tell_sensors_and_file(sensors, arguments.config, &options));
+  const std::vector<std::string> changed = tell_sensors_and_values(sensors, arguments, &options);
+  if (notes == nullptr) {
+    print_notes(changed);
+  } else {
+    notes->insert(notes->end(), changed.begin(), changed.end());
+  }
   if (!arguments.backend.empty()) {
     options.backend = arguments.backend == "smoother" ? BackEnd::kSmoother : BackEnd::kEkf;
   }

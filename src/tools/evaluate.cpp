@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "evaluate.hpp"
 #include "recording.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/bag/recording.hpp"
@@ -71,6 +72,15 @@ nlohmann::ordered_json to_json(const EvaluateArguments& arguments, const std::st
   }
   return json;
 }
+
+}  // namespace
+
+std::string evaluation_json(const EvaluateArguments& arguments, const std::string& estimate,
+                            const Evaluation& e) {
+  return to_json(arguments, estimate, e).dump();
+}
+
+namespace {
 
 /// `value` in `width` characters, "-" if undefined.
 std::string cell(double value, int width, int digits) {
@@ -161,9 +171,10 @@ void print_comparison(const EvaluateArguments& arguments, const std::vector<Eval
   }
 }
 
-Evaluation evaluate_file(const EvaluateArguments& arguments, const eval::Trajectory& truth,
-                         const std::string& file) {
-  const eval::Trajectory estimate = io::read_trajectory(file);
+}  // namespace
+
+Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajectory& truth,
+                          const eval::Trajectory& estimate, const std::string& name) {
   eval::EvaluationOptions options;
   options.alignment = *eval::alignment_kind(arguments.align);
   options.max_difference = from_seconds(arguments.max_diff);
@@ -171,11 +182,9 @@ Evaluation evaluate_file(const EvaluateArguments& arguments, const eval::Traject
   try {
     return eval::evaluate(truth, estimate, options);
   } catch (const std::runtime_error& error) {
-    throw std::runtime_error(file + " against " + arguments.truth + ": " + error.what());
+    throw std::runtime_error(name + " against " + arguments.truth + ": " + error.what());
   }
 }
-
-}  // namespace
 
 eval::Trajectory truth_of(const std::string& path) {
   if (is_asl_folder(path) || !bag::begins_as_recording(path)) return io::read_trajectory(path);
@@ -190,11 +199,11 @@ void evaluate(const EvaluateArguments& arguments) {
   const eval::Trajectory truth = truth_of(arguments.truth);
   std::vector<Evaluation> all;
   for (const std::string& file : arguments.estimates) {
-    all.push_back(evaluate_file(arguments, truth, file));
+    all.push_back(evaluate_poses(arguments, truth, io::read_trajectory(file), file));
   }
   if (arguments.json) {
     for (std::size_t i = 0; i < all.size(); ++i) {
-      std::printf("%s\n", to_json(arguments, arguments.estimates[i], all[i]).dump().c_str());
+      std::printf("%s\n", evaluation_json(arguments, arguments.estimates[i], all[i]).c_str());
     }
   } else if (all.size() == 1) {
     print_table(arguments, arguments.estimates[0], all[0]);

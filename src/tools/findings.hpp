@@ -20,6 +20,14 @@ check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
 check::Findings findings_of(const std::string& path, const check::CheckedData& data,
                             const Options& options);
 
+/// `rio check` without its output.
+struct Checked {
+  check::Findings findings;
+  std::vector<std::string> notes;  ///< of the recording and of the options
+  std::string damage;              ///< empty, or where the recording is damaged: it ends there
+};
+Checked run_check(const CheckArguments& arguments);
+
 /// One object per finding.
 nlohmann::ordered_json findings_json(const check::Findings& findings);
 

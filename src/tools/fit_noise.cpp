@@ -12,6 +12,7 @@
 #include "calibrate/noise_calibration.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
+#include "notes.hpp"
 #include "recording.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/start.hpp"
@@ -89,6 +90,7 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
 void fit_noise(const FitNoiseArguments& arguments) {
   std::string damage;
   io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
+  print_notes(dataset.notes);
   const Options options = options_of(dataset, arguments.config);
   calibrate::Recording recording;
   recording.start = make_start(arguments, dataset, options);

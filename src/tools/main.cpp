@@ -11,6 +11,7 @@
 #include "command_line.hpp"
 #include "commands.hpp"
 #include "describe.hpp"
+#include "version.hpp"
 
 namespace rio::tools {
 
@@ -71,19 +72,6 @@ void add_plot_command(CLI::App& app) {
   command->callback([arguments] { plot(*arguments); });
 }
 
-void add_options_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
-  auto name = std::make_shared<std::string>("default");
-  command
-      ->add_option(
-          "--preset", *name,
-          "default, published-ekf, published-smoother, published-uncertainty or doppler-only")
-      ->capture_default_str();
-  auto compare = std::make_shared<bool>(false);
-  command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");
-  command->callback([name, compare] { *compare ? compare_presets() : print_options(*name); });
-}
-
 void add_scenarios_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand("scenarios", "List the scenarios, or print one as a file");
   auto name = std::make_shared<std::string>();
@@ -93,7 +81,7 @@ void add_scenarios_command(CLI::App& app) {
 
 int run(int argc, char** argv) {
   CLI::App app("Radar-inertial odometry: replay, simulate, evaluate and compare", "rio");
-  app.set_version_flag("--version", RIO_VERSION);
+  app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   add_info_command(app);
   add_convert_command(app);

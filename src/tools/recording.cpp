@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "notes.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_map.hpp"
 #include "rio/bag/summary.hpp"
@@ -59,10 +60,6 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   set(a.axes, &points.axes);
   points.approaching = points.approaching || a.approaching;
   return request;
-}
-
-void print_notes(const io::Dataset& dataset) {
-  for (const std::string& note : dataset.notes) fmt::print(stderr, "note: {}\n", note);
 }
 
 /// Replaces the properties of a radar, except those found from the data.
@@ -125,14 +122,12 @@ io::Dataset read_any(const std::string& path, const RecordingArguments& argument
   damage->clear();
   if (!is_bag(path, arguments)) {
     io::Dataset dataset = io::read_dataset(path);
-    print_notes(dataset);
     *damage = dataset.damage;
     return dataset;
   }
   bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
   *damage = recording.damage;
   if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &recording.dataset);
-  print_notes(recording.dataset);
   return std::move(recording.dataset);
 }
 
@@ -142,7 +137,6 @@ OpenRecording open_any(const std::string& path, const RecordingArguments& argume
                                         : io::open_dataset(path);
   out.sensors = out.samples->outline().sensors;
   if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &out.sensors);
-  print_notes(out.sensors);
   return out;
 }
 
@@ -167,6 +161,7 @@ void convert(const ConvertArguments& arguments) {
   }
   std::string damage;
   const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage, true);
+  print_notes(dataset.notes);
   io::write_dataset(out, dataset);
   fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
              dataset.scans.size());

@@ -15,7 +15,7 @@ namespace rio::tools {
 /// Whether it is a recording in ASL layout.
 bool is_asl_folder(const std::filesystem::path& path);
 
-/// Reads it and prints its notes on stderr.
+/// Reads it.
 /// @param damage position of damage in the file, else empty; the data set ends there
 /// @param truth also reads the ground truth of a bag
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
@@ -26,7 +26,7 @@ struct OpenRecording {
   std::unique_ptr<io::RecordingStream> samples;
   io::Dataset sensors;  ///< their properties, and the start of the ground truth; no samples
 };
-/// Checks all of it and prints its notes on stderr. Damage is in the outline of the samples.
+/// Checks all of it. Its notes are in `sensors`, damage is in the outline of the samples.
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments,
                        bool truth = false);
 

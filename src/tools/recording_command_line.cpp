@@ -194,4 +194,36 @@ void add_calibrate_command(CLI::App& app) {
   command->callback([arguments] { calibrate(*arguments); });
 }
 
+void add_options_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
+  auto arguments = std::make_shared<FlownOptionsArguments>();
+  auto name = std::make_shared<std::string>("default");
+  CLI::Option* preset = command
+                            ->add_option("--preset", *name,
+                                         "default, published-ekf, published-smoother, "
+                                         "published-uncertainty or doppler-only")
+                            ->capture_default_str();
+  auto compare = std::make_shared<bool>(false);
+  command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");
+  CLI::Option* from = command->add_option(
+      "--from", arguments->dataset,
+      "the options that a replay of this folder or bag uses, sensor files and --config included");
+  command->add_option("--config", arguments->estimator.config, "option file, as of `rio replay`")
+      ->needs(from);
+  add_recording_options(command, &arguments->how);
+  command->callback([arguments, name, compare, preset] {
+    if (preset->count() > 0) arguments->estimator.preset = *name;
+    if (arguments->dataset.empty() && arguments->how != RecordingArguments{}) {
+      throw CLI::ValidationError("options of a bag are given, but no --from");
+    }
+    if (*compare) {
+      compare_presets();
+    } else if (!arguments->dataset.empty()) {
+      print_flown_options(*arguments);
+    } else {
+      print_options(*name);
+    }
+  });
+}
+
 }  // namespace rio::tools

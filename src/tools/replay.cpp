@@ -14,9 +14,11 @@
 
 #include "commands.hpp"
 #include "findings.hpp"
+#include "notes.hpp"
 #include "outputs.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
+#include "replay.hpp"
 #include "replay_feed.hpp"
 #include "replay_summary.hpp"
 #include "rio/aiding.hpp"
@@ -43,10 +45,11 @@ Time steady_now() {
   return std::chrono::steady_clock::now().time_since_epoch();
 }
 
-Options make_options(const ReplayArguments& arguments, const io::Dataset& sensors) {
+Options make_options(const ReplayArguments& arguments, const io::Dataset& sensors,
+                     std::vector<std::string>* notes) {
   Options base;
   if (arguments.barometer) (void)base.auxiliary.declare<HeightOffset>();
-  Options options = make_options(arguments.estimator, sensors, base);
+  Options options = make_options(arguments.estimator, sensors, base, notes);
   options.timing.clock = &steady_now;
   return options;
 }
@@ -170,8 +173,8 @@ class Replay {
  public:
   /// @param kept receives the samples, if not null
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
-         CheckedPart* kept)
-      : samples_(recording.samples.get()), outline_(samples_->outline()) {
+         CheckedPart* kept, const OnScan& on_scan)
+      : samples_(recording.samples.get()), outline_(samples_->outline()), on_scan_(on_scan) {
     const std::optional<Start> start = make_start(arguments, recording, options);
     Options used = options;
     used.start.static_alignment = !start;
@@ -191,7 +194,7 @@ class Replay {
   }
 
   ReplaySummary run() {
-    Progress progress(isatty(STDOUT_FILENO) == 0);
+    Progress progress(!on_scan_ && isatty(STDOUT_FILENO) == 0);
     while (const ImuSample* sample = feed_->imu()) {
       progress.show(imu_, outline_.imu_samples);
       const std::optional<Time> due = waiting_ ? std::nullopt : feed_->due();
@@ -319,6 +322,7 @@ class Replay {
                                " s");
     }
     outputs_.add(*odometry_);
+    if (on_scan_) on_scan_(*odometry_);
     summary_.add(odometry_->report(), state);
   }
 
@@ -340,6 +344,7 @@ class Replay {
 
   io::RecordingStream* samples_;
   const io::RecordingOutline& outline_;
+  const OnScan& on_scan_;
   std::optional<ReplayFeed> feed_;
   std::size_t imu_ = 0;  ///< samples that have passed
   io::BarometricScale scale_;
@@ -370,25 +375,34 @@ std::string no_start_text(const std::optional<check::Findings>& data) {
 
 }  // namespace
 
-void replay(const ReplayArguments& arguments) {
+Replayed run_replay(const ReplayArguments& arguments, const OnScan& on_scan) {
   protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map},
                  {arguments.out, arguments.states});
   const OpenRecording recording =
       open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
   const io::RecordingOutline& outline = recording.samples->outline();
-  const Options options = make_options(arguments, recording.sensors);
+  std::vector<std::string> notes = recording.sensors.notes;
+  const Options options = make_options(arguments, recording.sensors, &notes);
+  if (!on_scan) print_notes(notes);  // at once
   std::optional<CheckedPart> part;
   if (!arguments.no_check) part.emplace(recording.sensors, outline);
-  ReplaySummary summary = Replay(arguments, recording, options, part ? &*part : nullptr).run();
+  ReplaySummary summary =
+      Replay(arguments, recording, options, part ? &*part : nullptr, on_scan).run();
   if (part) {
     Options checked;  // overridden values have been noted already
-    (void)tell_sensors_and_file(recording.sensors, arguments.estimator.config, &checked);
+    (void)tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
     summary.data =
         not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
     if (summary.initialised_by != "static") without_start(&*summary.data);
     summary.checked_seconds = part->seconds();
   }
   if (!summary.started) throw std::runtime_error(no_start_text(summary.data));
+  return {std::move(summary), std::move(notes), outline.damage};
+}
+
+void replay(const ReplayArguments& arguments) {
+  const Replayed replayed = run_replay(arguments);
+  const ReplaySummary& summary = replayed.summary;
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }
@@ -403,7 +417,7 @@ void replay(const ReplayArguments& arguments) {
         "mounting and the start",
         summary.health.lost_because(), summary.fastest, summary.farthest));
   }
-  throw_damage(outline.damage);
+  throw_damage(replayed.damage);
 }
 
 }  // namespace rio::tools

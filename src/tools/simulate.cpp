@@ -15,6 +15,7 @@
 #include "rio/io/flight_dataset.hpp"
 #include "rio/io/scenario_yaml.hpp"
 #include "rio/io/text_file.hpp"
+#include "simulate.hpp"
 
 namespace rio::tools {
 
@@ -155,11 +156,16 @@ void print_summary(const SimulateArguments& arguments, const sim::Flight& flight
 
 }  // namespace
 
-void simulate(const SimulateArguments& arguments) {
+Simulated run_simulate(const SimulateArguments& arguments) {
   if (arguments.out.empty()) throw std::runtime_error("simulate: the name of the folder is empty");
-  const sim::Flight flight = io::fly_scenario(make_scenario(arguments));
-  const io::Dataset dataset = dataset_of(flight, arguments.radars);
-  write(arguments.out, flight, dataset);
+  Simulated out{io::fly_scenario(make_scenario(arguments)), {}};
+  out.dataset = dataset_of(out.flight, arguments.radars);
+  write(arguments.out, out.flight, out.dataset);
+  return out;
+}
+
+void simulate(const SimulateArguments& arguments) {
+  const auto [flight, dataset] = run_simulate(arguments);
   print_summary(arguments, flight);
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");

@@ -17,6 +17,7 @@
 #include "rio/io/text_file.hpp"
 #include "tools/command_line.hpp"
 #include "tools/progress.hpp"
+#include "tools/version.hpp"
 
 namespace {
 
@@ -92,7 +93,7 @@ void run_all(Arguments arguments) {
 
 int run(int argc, char** argv) {
   CLI::App app("Answer a question with many simulated flights", "rio experiment");
-  app.set_version_flag("--version", RIO_VERSION);
+  app.set_version_flag("--version", version_text());
   Arguments arguments;
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";

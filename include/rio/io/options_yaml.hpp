@@ -25,6 +25,15 @@ std::optional<std::string> preset_in_file(const std::filesystem::path& path);
 /// load_options() from a text; `name` replaces the file name in messages.
 void parse_options(const std::string& yaml, const std::string& name, Options* options);
 
+/// parse_options() from several texts without their presets, a later one overrides an earlier one;
+/// ranges are checked key by key, coherence once, at the end.
+void parse_option_values(const std::vector<std::string>& yaml, const std::string& name,
+                         Options* options);
+
+/// The `preset` key of the last text that has one.
+std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
+                                           const std::string& name);
+
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
 

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The parts of the Python module `rio._rio`, and what they share.
+#pragma once
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "rio/report.hpp"
+#include "rio/types.hpp"
+
+namespace rio::python {
+
+namespace py = pybind11;
+
+void bind_options(py::module_& module);
+void bind_odometry(py::module_& module);
+void bind_replay(py::module_& module);
+void bind_commands(py::module_& module);
+
+/// Hands the values to numpy, without a copy.
+/// @param shape of the array, its product with the size of Scalar is that of the vector
+template <class Scalar, class Value>
+py::array_t<Scalar> as_array(std::vector<Value>&& values, std::vector<py::ssize_t> shape) {
+  auto owner = std::make_unique<std::vector<Value>>(std::move(values));
+  auto* data = reinterpret_cast<Scalar*>(owner->data());
+  const py::capsule free(owner.get(), [](void* p) { delete static_cast<std::vector<Value>*>(p); });
+  owner.release();  // now the capsule's
+  return py::array_t<Scalar>(std::move(shape), data, free);
+}
+
+/// The same for rows of a structured array.
+template <class Row>
+py::array_t<Row> as_rows(std::vector<Row>&& rows) {
+  const auto count = static_cast<py::ssize_t>(rows.size());
+  return as_array<Row>(std::move(rows), {count});
+}
+
+/// A quaternion as numpy and the files have it.
+inline std::array<double, 4> wxyz(const Quaternion& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+/// A row of `innovations`.
+struct InnovationRow {
+  std::int64_t time;  ///< of the scan [ns]
+  std::uint8_t radar;
+  std::uint8_t model;   ///< index of rio.MODELS
+  std::uint8_t result;  ///< 0 used, 1 gated, 2 out of the domain of the model
+  std::uint16_t detection;
+  std::uint16_t dof;
+  double innovation;
+  double sigma;
+  double nis;
+  double gate;
+};
+
+void add_innovations(const UpdateReport& report, std::vector<InnovationRow>* rows);
+
+}  // namespace rio::python

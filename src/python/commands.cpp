@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rio.check, rio.evaluate and rio.simulate: the commands of the program, without its output.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bindings.hpp"
+#include "evaluate.hpp"
+#include "findings.hpp"
+#include "rio/io/trajectory.hpp"
+#include "simulate.hpp"
+
+PYBIND11_MAKE_OPAQUE(rio::eval::Trajectory)
+
+namespace rio::python {
+
+namespace {
+
+using Times = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+using Values = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+py::dict check(const std::string& path, const std::vector<std::string>& texts,
+               const std::string& map, const std::string& sensors) {
+  tools::CheckArguments arguments;
+  arguments.dataset = path;
+  arguments.values = texts;
+  arguments.how.map = map;
+  arguments.how.sensors = sensors;
+  tools::Checked checked;
+  {
+    const py::gil_scoped_release release;
+    checked = tools::run_check(arguments);
+  }
+  py::list findings;
+  for (const check::Finding& f : checked.findings) {
+    findings.append(py::make_tuple(to_string(f.verdict), f.subject, f.text, f.change));
+  }
+  py::dict out;
+  out["findings"] = findings;
+  out["options"] = tools::proposed_options(checked.findings);
+  out["notes"] = checked.notes;
+  out["damage"] = checked.damage;
+  return out;
+}
+
+eval::Trajectory trajectory_of(const Times& times, const Values& positions,
+                               const Values& orientations) {
+  const py::ssize_t count = times.size();
+  if (times.ndim() != 1 || positions.ndim() != 2 || positions.shape(0) != count ||
+      positions.shape(1) != 3 || orientations.ndim() != 2 || orientations.shape(0) != count ||
+      orientations.shape(1) != 4) {
+    throw py::value_error("a path is times (N), positions (N x 3), orientations (N x 4)");
+  }
+  const auto t = times.unchecked<1>();
+  const auto p = positions.unchecked<2>();
+  const auto q = orientations.unchecked<2>();
+  eval::Trajectory path;
+  for (py::ssize_t i = 0; i < count; ++i) {
+    path.push_back(
+        {Time(t(i)), {p(i, 0), p(i, 1), p(i, 2)}, Quaternion(q(i, 0), q(i, 1), q(i, 2), q(i, 3))});
+  }
+  return path;
+}
+
+eval::Trajectory load(const std::string& path, bool truth) {
+  return truth ? tools::truth_of(path) : io::read_trajectory(path);
+}
+
+std::string evaluate(const eval::Trajectory& truth, const std::string& truth_name,
+                     const eval::Trajectory& estimate, const std::string& estimate_name,
+                     const std::string& align, double max_diff) {
+  tools::EvaluateArguments arguments;
+  arguments.truth = truth_name;
+  arguments.align = align;
+  arguments.max_diff = max_diff;
+  return tools::evaluation_json(arguments, estimate_name,
+                                tools::evaluate_poses(arguments, truth, estimate, estimate_name));
+}
+
+void simulate(const std::string& out, const std::string& scenario,
+              std::optional<std::uint64_t> seed, std::optional<double> length,
+              const std::string& trajectory, std::size_t radars, bool ideal) {
+  tools::SimulateArguments arguments;
+  arguments.out = out;
+  arguments.scenario = scenario;
+  arguments.seed = seed;
+  arguments.length = length;
+  arguments.trajectory = trajectory;
+  arguments.radars = radars;
+  arguments.ideal = ideal;
+  (void)tools::run_simulate(arguments);
+}
+
+py::tuple path_arrays(const eval::Trajectory& path) {
+  std::vector<std::int64_t> times;
+  std::vector<std::array<double, 3>> positions;
+  std::vector<std::array<double, 4>> orientations;
+  for (const eval::StampedPose& pose : path) {
+    times.push_back(pose.time.count());
+    positions.push_back({pose.p.x(), pose.p.y(), pose.p.z()});
+    orientations.push_back(wxyz(pose.q));
+  }
+  const auto count = static_cast<py::ssize_t>(path.size());
+  return py::make_tuple(as_array<std::int64_t>(std::move(times), {count}),
+                        as_array<double>(std::move(positions), {count, 3}),
+                        as_array<double>(std::move(orientations), {count, 4}));
+}
+
+}  // namespace
+
+void bind_commands(py::module_& module) {
+  const py::call_guard<py::gil_scoped_release> long_call;
+  module.def("check", &check, py::arg("path"), py::arg("texts"), py::arg("map"),
+             py::arg("sensors"));
+  py::class_<eval::Trajectory>(module, "Trajectory")
+      .def(py::init(&trajectory_of), py::arg("times"), py::arg("positions"),
+           py::arg("orientations"))
+      .def_static("load", &load, py::arg("path"), py::arg("truth"), long_call)
+      .def("arrays", &path_arrays);
+  module.def("evaluate", &evaluate, py::arg("truth"), py::arg("truth_name"), py::arg("estimate"),
+             py::arg("estimate_name"), py::arg("align"), py::arg("max_diff"), long_call);
+  module.def("simulate", &simulate, py::arg("out"), py::arg("scenario"), py::arg("seed"),
+             py::arg("length"), py::arg("trajectory"), py::arg("radars"), py::arg("ideal"),
+             long_call);
+}
+
+}  // namespace rio::python

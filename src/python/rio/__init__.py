@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Radar-inertial odometry: pose and velocity from an IMU and an FMCW radar.
+
+    result = rio.replay("flight.bag", {"radar": {"sigma_doppler": "5 cm/s"}})
+    print(result.verdict, result.positions[-1])
+
+SI units, radians and nanoseconds throughout. World axes have z up, body axes are those of the IMU
+(x forward, y left, z up). Quaternions are w, x, y, z and take body to world axes. What goes wrong
+is an exception: rio.Error (a RuntimeError), with file and line where there is one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from typing import Any, Mapping, NamedTuple, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _rio
+from ._rio import MODELS, Error, Health, Report, State, Status, __version__
+
+__all__ = [
+    "Error", "Event", "Finding", "Findings", "HEALTH_STATES", "Health", "MODELS", "Odometry", "Options",
+    "Path", "RESULTS", "Report", "Result", "State", "Status", "__version__", "check", "evaluate",
+    "options_of", "read_path", "replay", "simulate",
+]
+
+HEALTH_STATES = ("initialising", "ok", "degraded", "dead reckoning", "lost")
+"""Names of the values of `health` in Result.scans."""
+
+RESULTS = ("used", "gated", "out of domain")
+"""Names of the values of `result` in Result.innovations."""
+
+PathLike = Union[str, "os.PathLike[str]"]
+
+
+class Options:
+    """Option values, as an option file has them: of a dict, of a file, or key by key.
+
+        options = rio.Options({"radar": {"sigma_doppler": "5 cm/s"}}, preset="default")
+        options["update.max_landmarks"] = 20
+        options["radar.max_range"]            # every key has a value
+
+    Numbers are in SI units, texts have their unit. The values lie over the preset and, in a replay,
+    over the sensor files of the recording. An unknown key, a wrong unit or a value out of range is
+    a rio.Error, with the key that was probably meant.
+    """
+
+    def __init__(self, values: Mapping[str, Any] | None = None, *, preset: str = "") -> None:
+        self._texts: list[str] = []
+        self._preset = preset
+        if values:
+            self._texts.append(_text_of(values))
+        self.as_dict()  # refuses what is wrong
+
+    @classmethod
+    def from_yaml(cls, text: str) -> Options:
+        """Of the text of an option file."""
+        options = cls()
+        options._texts.append(text)
+        options.as_dict()
+        return options
+
+    @classmethod
+    def from_file(cls, path: PathLike) -> Options:
+        """Of an option file; `rio options` writes one."""
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        try:
+            return cls.from_yaml(text)
+        except Error as error:
+            raise Error(str(error).replace("options:", f"{os.fspath(path)}:", 1)) from None
+
+    def copy(self) -> Options:
+        other = Options(preset=self._preset)
+        other._texts = list(self._texts)
+        return other
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        nested: Any = value
+        for part in reversed(key.split(".")):
+            nested = {part: nested}
+        other = self.copy()
+        other._texts.append(_text_of(nested))
+        other.as_dict()
+        self._texts = other._texts
+
+    def __getitem__(self, key: str) -> Any:
+        return self.as_dict()[key]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Every key with its value, without sensor files."""
+        return _rio.option_values(self._texts, self._preset)
+
+    def yaml(self) -> str:
+        """Every key as the text of an option file, with units and meanings."""
+        return _rio.option_file(self._texts, self._preset)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Options) and self.as_dict() == other.as_dict()
+
+    def __repr__(self) -> str:
+        default = _rio.option_values([], "")
+        changed = {k: v for k, v in self.as_dict().items() if v != default[k]}
+        return f"rio.Options({changed})"
+
+    @staticmethod
+    def meanings() -> dict[str, tuple[str, str]]:
+        """Unit and meaning of every key."""
+        return _rio.option_meanings()
+
+
+OptionsLike = Union[Options, Mapping[str, Any], None]
+
+
+def _text_of(values: Mapping[str, Any]) -> str:
+    """JSON is YAML; numpy values become lists and numbers."""
+    return json.dumps(values, default=lambda value: value.tolist(), indent=0)
+
+
+def _options(options: OptionsLike) -> Options:
+    return options if isinstance(options, Options) else Options(options)
+
+
+class Odometry(_rio.Odometry):
+    """The estimator, fed sample by sample; see rio/rio.hpp for the rules of order and time.
+
+        odometry = rio.Odometry({"radar": {"T_BS": {"translation": [0.1, 0, -0.05]}}})
+        odometry.add_imu(time, gyro, accel)      # each IMU sample
+        odometry.add_scan(time, points)          # each radar scan
+        odometry.now().position
+
+    sensors: a folder with imu0/sensor.yaml, radar0/sensor.yaml, radar1/sensor.yaml, ..., as
+    `rio calibrate` writes it; its radars can be fed. The options win over it.
+    """
+
+    def __init__(self, options: OptionsLike = None, *, sensors: PathLike = "") -> None:
+        chosen = _options(options)
+        super().__init__(chosen._texts, chosen._preset, os.fspath(sensors))
+
+
+class Path(NamedTuple):
+    """Poses by increasing time."""
+
+    times: NDArray[np.int64]
+    """(N,) [ns]"""
+    positions: NDArray[np.float64]
+    """(N, 3) [m]"""
+    orientations: NDArray[np.float64]
+    """(N, 4) w, x, y, z"""
+
+
+class Event(NamedTuple):
+    """Something that happened in a replay."""
+
+    time: int
+    """of the scan that shows it [ns]"""
+    what: str
+    """as "velocity replaced", "gap of the IMU", "health: degraded" """
+    value: float
+    """of a re-opened position its sigma [m], else zero"""
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """What a replay estimated, one row per scan; the arrays own their memory."""
+
+    times: NDArray[np.int64]
+    """(N,) [ns]; the estimate is at the scan"""
+    positions: NDArray[np.float64]
+    """(N, 3) of the body in the world [m]"""
+    orientations: NDArray[np.float64]
+    """(N, 4) w, x, y, z"""
+    velocities: NDArray[np.float64]
+    """(N, 3) in world axes [m/s]"""
+    gyro_biases: NDArray[np.float64]
+    """(N, 3) [rad/s]"""
+    accel_biases: NDArray[np.float64]
+    """(N, 3) [m/s^2]"""
+    covariances: NDArray[np.float64]
+    """(N, 15, 15) errors of attitude (body axes), position, velocity, gyro bias, accel bias"""
+    scans: NDArray[np.void]
+    """one record per processed scan: time, radar, detections, static_detections, landmarks, ..."""
+    innovations: NDArray[np.void]
+    """one record per measurement: time, radar, model (of MODELS), result (of RESULTS), detection,
+    dof, innovation, sigma (of the first row), nis, gate"""
+    events: list[Event]
+    summary: dict[str, Any]
+    """what `rio replay --json` prints"""
+    verdict: str
+    """"healthy", "doubtful: why" or "lost: why" """
+    lost: bool
+    notes: list[str] = field(default_factory=list)
+    """of the recording and of the options"""
+    damage: str = ""
+    """empty, or where the recording is damaged: it ends there"""
+
+    @property
+    def landmarks(self) -> NDArray[np.void]:
+        """How many landmarks are in the state, matched, added and removed, scan by scan."""
+        names = ["time", "landmarks", "landmarks_matched", "landmarks_added", "landmarks_removed"]
+        return self.scans[names]
+
+    @property
+    def path(self) -> Path:
+        return Path(self.times, self.positions, self.orientations)
+
+    def write_tum(self, file: PathLike) -> None:
+        """Writes t x y z qx qy qz qw, as `rio replay --out` does."""
+        with open(file, "w", encoding="ascii") as out:
+            for t, p, q in zip(self.times.tolist(), self.positions.tolist(), self.orientations.tolist()):
+                sign = "-" if t < 0 else ""
+                numbers = p + q[1:] + q[:1]
+                out.write(f"{sign}{abs(t) // 10**9}.{abs(t) % 10**9:09d} ")
+                out.write(" ".join(f"{number:.9f}" for number in numbers) + "\n")
+
+    def __repr__(self) -> str:
+        return f"<rio.Result: {len(self.times)} poses, {self.verdict}>"
+
+
+def replay(path: PathLike, options: OptionsLike = None, *, init: str = "", map: PathLike = "",
+           sensors: PathLike = "", barometer: bool = False, check: bool = False) -> Result:
+    """Runs a recording through the estimator, as `rio replay` does, to the same bits.
+
+    path: a folder in ASL/EuRoC layout, a ROS 1 bag, an MCAP or a .db3
+    options: as of `rio replay --config`; over the preset and the sensor files
+    init: "groundtruth", "static" or a file; by default groundtruth if there is one
+    map, sensors: of a bag, as the flags of that name
+    barometer: use the heights of the recording
+    check: also look for errors of the recording, into summary["data"]
+
+    A lost estimate is a Result with `lost`; a replay that could not start is a rio.Error.
+    Other threads run meanwhile.
+    """
+    chosen = _options(options)
+    arrays = _rio.replay(os.fspath(path), chosen._texts, chosen._preset, init, os.fspath(map),
+                         os.fspath(sensors), barometer, check)
+    arrays["summary"] = json.loads(arrays["summary"])
+    arrays["events"] = [Event(*event) for event in arrays["events"]]
+    return Result(**arrays)
+
+
+PathSource = Union[PathLike, Result, Path]
+
+
+def read_path(file: PathLike, *, truth: bool = False) -> Path:
+    """Poses of a TUM file, a EuRoC csv, the ground truth of a dataset folder or, with truth, of a
+    bag."""
+    return Path(*_rio.Trajectory.load(os.fspath(file), truth).arrays())
+
+
+def _trajectory(source: PathSource, truth: bool) -> tuple[_rio.Trajectory, str]:
+    if isinstance(source, Result):
+        source = source.path
+    if isinstance(source, Path):
+        return _rio.Trajectory(*source), "result"
+    return _rio.Trajectory.load(os.fspath(source), truth), os.fspath(source)
+
+
+def evaluate(truth: PathSource, estimate: PathSource, *, align: str = "none",
+             max_diff: float = 0.01) -> dict[str, Any]:
+    """Compares an estimated path with the true one; the figures of `rio evaluate --json`.
+
+    truth, estimate: a file, a folder, a rio.Path or a Result
+    align: "none", "origin", "yaw" or "se3", for all figures except `ape`
+    max_diff: largest difference of stamps if the truth is too sparse to interpolate [s]
+    """
+    true_path, true_name = _trajectory(truth, True)
+    path, name = _trajectory(estimate, False)
+    figures: dict[str, Any] = json.loads(
+        _rio.evaluate(true_path, true_name, path, name, align, max_diff))
+    return figures
+
+
+def simulate(out: PathLike, scenario: PathLike = "", *, seed: int | None = None,
+             length: float | None = None, trajectory: PathLike = "", radars: int = 1,
+             ideal: bool = False) -> str:
+    """Writes a simulated flight with its truth as a folder, as `rio simulate` does.
+
+    scenario: a name of `rio scenarios`, or a file
+    length: of the path [m]
+    trajectory: a recorded path to fly, a file
+    ideal: without any noise
+
+    Returns the name of the folder.
+    """
+    folder = os.fspath(out)
+    _rio.simulate(folder, os.fspath(scenario), seed, length, os.fspath(trajectory), radars, ideal)
+    return folder
+
+
+class Finding(NamedTuple):
+    """One thing that was checked."""
+
+    verdict: str
+    """"ok", "doubtful" or "wrong" """
+    subject: str
+    text: str
+    change: str
+    """what to change; may be empty"""
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What `rio check` finds in a recording."""
+
+    findings: list[Finding]
+    options: str
+    """proposed options as the text of an option file: Options.from_yaml()"""
+    notes: list[str]
+    damage: str
+
+    @property
+    def verdict(self) -> str:
+        """The worst one."""
+        found = {finding.verdict for finding in self.findings}
+        return next((v for v in ("wrong", "doubtful") if v in found), "ok")
+
+
+def check(path: PathLike, options: OptionsLike = None, *, map: PathLike = "",
+          sensors: PathLike = "") -> Findings:
+    """Looks for errors of a recording, as `rio check` does: units, axes, mounting, delays, stamps."""
+    found = _rio.check(os.fspath(path), _options(options)._texts, os.fspath(map), os.fspath(sensors))
+    found["findings"] = [Finding(*finding) for finding in found["findings"]]
+    return Findings(**found)
+
+
+def options_of(path: PathLike, options: OptionsLike = None) -> Options:
+    """The options with which a replay of this recording flies, sensor files included."""
+    chosen = _options(options)
+    return Options.from_yaml(_rio.options_of(os.fspath(path), chosen._texts, chosen._preset))

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The replay itself, without output on the terminal: for the program and for Python.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "replay_summary.hpp"
+#include "rio/rio.hpp"
+
+namespace rio::tools {
+
+/// Called after each processed scan.
+using OnScan = std::function<void(const Odometry&)>;
+
+struct Replayed {
+  ReplaySummary summary;
+  std::vector<std::string> notes;  ///< of the recording and of the options
+  std::string damage;              ///< empty, or where the recording is damaged: it ends there
+};
+
+/// Writes the files of the arguments and prints nothing if `on_scan` is given; if not, the lines
+/// and the progress of the program.
+/// @throws std::runtime_error if the estimator did not start; a lost estimate is in the summary
+Replayed run_replay(const ReplayArguments& arguments, const OnScan& on_scan = {});
+
+}  // namespace rio::tools

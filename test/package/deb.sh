@@ -1,0 +1,37 @@
+#!/usr/bin/env bash
+# The Debian packages: builds them, asks lintian, unpacks them into a root of their own; there the program and the
+# Python package replay the sample flight to the same bits, and a foreign project builds and runs.
+#   test/package/deb.sh BUILD     an existing build folder is used again
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+source=$PWD
+build=${1:-build/package}
+[ -f "$build/CMakeCache.txt" ] || cmake -G Ninja -S . -B "$build" -DCMAKE_BUILD_TYPE=Release -DRIO_BUILD_TESTS=OFF \
+  -DRIO_BUILD_EXAMPLES=OFF
+cmake -B "$build" -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD_PYTHON=ON \
+  -DPython3_EXECUTABLE=/usr/bin/python3 >/dev/null
+cmake --build "$build" --target package -j "$(nproc)"
+version=$("$build"/src/tools/rio --version | sed -n '1s/ .*//p')
+cd "$build"
+lintian --fail-on error --tag-display-limit 0 ./*_"$version"_*.deb
+
+root=$PWD/root
+rm -rf "$root" consumer
+for package in ./*_"$version"_"$(dpkg --print-architecture)".deb; do dpkg -x "$package" "$root"; done
+libraries=$(dirname "$(find "$root/usr" -name 'librio.so.*' | head -1)")
+export LD_LIBRARY_PATH=$libraries
+"$root/usr/bin/rio" --version
+"$root/usr/bin/rio" replay "$source/data/sample_flight" --out flight.tum
+PYTHONPATH=$root/usr/lib/python3/dist-packages /usr/bin/python3 - "$source/data/sample_flight" flight.tum <<'CHECK'
+import pathlib, sys
+import rio
+rio.replay(sys.argv[1]).write_tum("python.tum")
+same = pathlib.Path("python.tum").read_bytes() == pathlib.Path(sys.argv[2]).read_bytes()
+print("Python package:", rio.__file__, "the same bytes" if same else "OTHER BYTES")
+sys.exit(not same)
+CHECK
+cmake -G Ninja -S "$source/test/package/consumer" -B consumer -DCMAKE_PREFIX_PATH="$root/usr" \
+  -DCMAKE_BUILD_TYPE=Release -DEXAMPLE="$root/usr/share/rio/examples/02_new_model" >/dev/null
+cmake --build consumer
+for program in link driver autopilot research core new_model new_model_test; do "consumer/$program" >/dev/null; done
+echo "Packages: ok"

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""rio.replay against `rio replay`, to the bit."""
+import gc
+import json
+import threading
+
+import numpy as np
+import pytest
+
+import rio
+
+# position, attitude, velocity of the states file, in the order of the 15 errors
+OF_STATES = [3, 4, 5, 0, 1, 2, 6, 7, 8]
+MEASURED_TIME = ("update_ms", "propagation_ms", "realtime_factor")
+
+
+def states_of(file):
+    """times, numbers of a states file; float() rounds correctly, as the file is written."""
+    lines = [line.split(",") for line in file.read_text().splitlines() if line[0] not in "#t"]
+    return np.array([int(line[0]) for line in lines]), np.array([[float(v) for v in line[1:]] for line in lines])
+
+
+def without_time(summary):
+    return {key: value for key, value in summary.items() if key not in MEASURED_TIME}
+
+
+@pytest.mark.parametrize("values", [{}, {"backend": "smoother", "radar": {"sigma_doppler": 0.07}}])
+def test_equals_the_program_to_the_bit(flight, program, tmp_path, values):
+    config = tmp_path / "options.yaml"
+    config.write_text(json.dumps(values))
+    printed = program("replay", flight, "--config", config, "--states", tmp_path / "states.csv",
+                      "--out", tmp_path / "out.tum", "--json")
+    times, numbers = states_of(tmp_path / "states.csv")
+    result = rio.replay(flight, values, check=True)
+
+    assert len(times) > 50
+    assert np.array_equal(result.times, times)
+    assert np.array_equal(result.positions, numbers[:, 0:3])
+    assert np.array_equal(result.orientations, numbers[:, 3:7])
+    assert np.array_equal(result.velocities, numbers[:, 7:10])
+    assert np.array_equal(result.gyro_biases, numbers[:, 55:58])
+    assert np.array_equal(result.accel_biases, numbers[:, 58:61])
+    rows, columns = np.triu_indices(9)
+    of_states = result.covariances[:, OF_STATES][:, :, OF_STATES]
+    assert np.array_equal(of_states[:, rows, columns], numbers[:, 10:55])
+    assert without_time(result.summary) == without_time(json.loads(printed.splitlines()[-1]))
+    result.write_tum(tmp_path / "own.tum")
+    assert (tmp_path / "own.tum").read_bytes() == (tmp_path / "out.tum").read_bytes()
+
+
+def test_options_win_over_the_sensor_files(flight):
+    told = rio.replay(flight, {"radar": {"sigma_doppler": "40 cm/s"}})
+    assert any("radar.sigma_doppler" in note for note in told.notes)
+    assert not np.array_equal(told.positions, rio.replay(flight).positions)
+
+
+def test_arrays_own_their_memory(flight):
+    positions = rio.replay(flight).positions
+    before = positions.copy()
+    gc.collect()
+    assert not positions.flags.owndata and type(positions.base).__name__ == "PyCapsule"
+    assert np.array_equal(positions, before)
+
+
+def test_innovations_are_those_of_the_summary(flight):
+    result = rio.replay(flight)
+    used = result.innovations[result.innovations["result"] == 0]
+    for index, name in enumerate(rio.MODELS):
+        rows = used["dof"][used["model"] == index].sum()
+        assert rows == result.summary["models"][name]["rows_used"], name
+    assert result.summary["models"]["doppler"]["rows_used"] > 100
+
+
+def test_scans_landmarks_and_events(flight):
+    result = rio.replay(flight)
+    assert len(result.scans) == result.summary["scans"]
+    assert (result.scans["static_detections"] <= result.scans["detections_kept"]).all()
+    landmarks = result.landmarks
+    assert landmarks["landmarks"][-1] == result.summary["landmarks"]
+    assert landmarks["landmarks_added"].sum() - landmarks["landmarks_removed"].sum() == landmarks["landmarks"][-1]
+    assert result.events[0].what == "first scan"
+    assert "health: ok" in [event.what for event in result.events]
+    assert all(result.times[0] <= event.time + 10**9 for event in result.events)
+
+
+def test_other_threads_run_during_a_replay(flight):
+    thread = threading.Thread(target=rio.replay, args=(flight,))
+    counted = 0
+    thread.start()
+    while thread.is_alive():
+        counted += 1
+    assert counted > 10000  # a handful if the replay kept the interpreter
+
+
+def test_call_by_call_equals_the_replay(flight):
+    replayed = rio.replay(flight, init="static")
+    odometry = rio.Odometry(sensors=flight)
+    at_scans = {}
+    scans = scans_of(flight)
+    for line in (flight / "imu0/data.csv").read_text().splitlines()[1:]:
+        text = line.split(",")
+        values = np.array([float(v) for v in text[1:]])
+        while scans and scans[0][0] < int(text[0]):
+            odometry.add_scan(*scans.pop(0))
+        odometry.add_imu(int(text[0]), values[:3], values[3:])
+        if odometry.counters()["scans"] > len(at_scans):
+            state = odometry.at_scan()
+            at_scans[state.time] = (state.position, state.orientation, odometry.covariance())
+    assert list(at_scans) == replayed.times.tolist()
+    assert np.array_equal([s[0] for s in at_scans.values()], replayed.positions)
+    assert np.array_equal([s[1] for s in at_scans.values()], replayed.orientations)
+    assert np.array_equal([s[2] for s in at_scans.values()], replayed.covariances)
+    assert odometry.health().state == "ok" and odometry.health().reasons == {}
+    assert odometry.report().models["doppler"]["rows_used"] > 0
+    assert odometry.report().innovations["nis"].shape == (len(odometry.report().innovations),)
+    assert odometry.now().time >= odometry.at_scan().time
+
+
+def scans_of(flight):
+    """(time, N x 6) of each scan."""
+    scans = []
+    for line in (flight / "radar0/data.csv").read_text().splitlines()[1:]:
+        text = line.split(",")
+        if not scans or scans[-1][0] != int(text[0]):
+            scans.append((int(text[0]), []))
+        if text[1]:
+            scans[-1][1].append([float(v) for v in text[1:]])
+    return [(time, np.array(points)) for time, points in scans]
+
+
+def test_points_as_records(flight):
+    time, points = max(scans_of(flight), key=lambda scan: len(scan[1]))
+    names = ["x", "y", "z", "doppler", "snr", "noise"]
+    records = np.zeros(len(points), dtype=[(name, "f8") for name in reversed(names)])
+    for index, name in enumerate(names):
+        records[name] = points[:, index]
+    states = []
+    for given in (points, records):
+        odometry = rio.Odometry(sensors=flight)
+        start = rio.State(time - 10**7, [1, 2, 3], [1, 0, 0, 0], [0, 0, 0])
+        assert odometry.reset(start, np.eye(15) * 0.01) == rio.Status.OK
+        odometry.add_imu(time - 10**7, [0, 0, 0], [0, 0, 9.81])
+        odometry.add_imu(time, [0, 0, 0], [0, 0, 9.81])
+        assert odometry.add_scan(time, given) == rio.Status.OK
+        states.append((odometry.at_scan().position, odometry.at_scan().velocity, odometry.covariance()))
+    assert all(np.array_equal(a, b) for a, b in zip(*states))
+    assert not np.array_equal(states[0][1], [0, 0, 0])
+
+
+def test_wrong_points_are_named():
+    odometry = rio.Odometry()
+    with pytest.raises(ValueError, match="N x 4 to N x 10"):
+        odometry.add_scan(0, np.zeros((5, 3)))
+    with pytest.raises(ValueError, match='no field "doppler"'):
+        odometry.add_scan(0, np.zeros(5, dtype=[("x", "f8"), ("y", "f8"), ("z", "f8")]))
+    with pytest.raises(ValueError, match='unknown field "rdot"'):
+        odometry.add_scan(0, np.zeros(5, dtype=[("x", "f8"), ("rdot", "f8")]))
+    with pytest.raises(TypeError):
+        odometry.add_imu(0.5, [0, 0, 0], [0, 0, 9.81])  # seconds
+    assert odometry.add_scan(0, np.zeros((0, 4))) == rio.Status.NOT_INITIALIZED
+
+
+def test_what_is_not_there_is_an_error(tmp_path):
+    with pytest.raises(rio.Error, match="nothing"):
+        rio.replay(tmp_path / "nothing")

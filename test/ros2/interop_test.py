@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""rio-ros2 (Cyclone DDS) against a publisher and subscriber on Fast DDS in another process, over loopback.
+
+RIO_ROS2_SOAK=SECONDS makes the flight that long.
+"""
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+
+REFEREE = os.environ["RIO_ROS2_REFEREE"]
+SOAK = float(os.environ.get("RIO_ROS2_SOAK", "0"))
+SPEED = 1.0 if SOAK else 4.0
+
+
+@pytest.fixture(scope="module")
+def domain():
+    """A domain of this test."""
+    return dict(os.environ, ROS_DOMAIN_ID=str(100 + os.getpid() % 100))
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("ros2") / "flight"
+    length = SOAK * 0.9 if SOAK else 20.0
+    subprocess.run([os.environ["RIO_TOOL"], "simulate", folder, "--length", str(length), "--seed", "5"],
+                   check=True, capture_output=True)
+    return folder
+
+
+class Started:
+    """A process in the background whose output goes to a file; killed at the end."""
+
+    def __init__(self, output, *command, env):
+        self.output = output
+        with open(output, "w") as file:
+            self.process = subprocess.Popen(list(map(str, command)), stdout=file, stderr=subprocess.STDOUT, env=env)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def text(self):
+        """All of its lines that are complete."""
+        text = self.output.read_text()
+        return text[:text.rfind("\n") + 1]
+
+
+def lines(output):
+    """{first word: [[words], ...]}"""
+    found = {}
+    for line in output.splitlines():
+        words = line.split()
+        found.setdefault(words[0], []).append(words[1:])
+    return found
+
+
+@pytest.fixture(scope="module")
+def played(domain, flight, tmp_path_factory):
+    """What came back, what a subscriber that died and came back heard, and what the node said."""
+    out = tmp_path_factory.mktemp("played")
+    node = (os.environ["RIO_ROS2"], "--ros-args", "-p", f"sensors:={flight}")
+    with Started(out / "rio", *node, env=domain) as rio:
+        with Started(out / "player", REFEREE, "play", flight, SPEED, env=domain) as player:
+            with Started(out / "first", REFEREE, "listen", 600, env=domain) as first:
+                until(lambda: "odometry" in first.text())
+            # killed without a word of farewell
+            with Started(out / "second", REFEREE, "listen", 600, env=domain) as second:
+                player.process.wait(timeout=2 * SOAK + 120)
+        assert player.process.returncode == 0, player.text()
+        rio.process.send_signal(signal.SIGINT)
+        assert rio.process.wait(timeout=10) == 0, rio.text()
+    print(rio.text())
+    return lines(player.text()), lines(first.text()), lines(second.text()), rio.text()
+
+
+def until(condition):
+    end = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def test_poses_are_those_of_a_replay_to_the_bit(domain, flight, tmp_path):
+    environment = dict(domain, ROS_DOMAIN_ID=str(int(domain["ROS_DOMAIN_ID"]) - 100))
+    node = (os.environ["RIO_ROS2"], "-p", f"sensors:={flight}", "-p", "reliable:=true")
+    with Started(tmp_path / "rio", *node, env=environment):  # reliable: a busy machine loses no scan
+        with Started(tmp_path / "player", REFEREE, "play", flight, SPEED, env=environment) as player:
+            assert player.process.wait(timeout=2 * SOAK + 120) == 0, player.text()
+    subprocess.run([os.environ["RIO_TOOL"], "replay", flight, "--init", "static", "--states",
+                    tmp_path / "states.csv"], check=True, capture_output=True)
+    expected = {}
+    for line in (tmp_path / "states.csv").read_text().splitlines():
+        if line[0].isdigit():
+            cells = line.split(",")
+            expected[cells[0]] = [float(cell) for cell in cells[1:8]]
+    poses = lines(player.text())["pose"]
+    assert len(poses) > 0.5 * len(expected) > 100
+    for pose in poses:  # which takes every sample and scan so far
+        assert [float(word) for word in pose[1:8]] == expected[pose[0]]
+        assert 0 < float(pose[8]) < 1
+
+
+def test_odometry_comes_at_the_rate_of_the_imu_with_frames_and_covariances(played):
+    odometry = played[0]["odometry"]
+    times = [int(line[0]) for line in odometry]
+    assert times == sorted(times)
+    steps = sorted(b - a for a, b in zip(times, times[1:]))
+    assert 4e6 < steps[len(steps) // 2] < 1.1e7  # 100 to 250 Hz
+    assert all(line[1:3] == ["odom", "imu"] for line in odometry)
+    assert all(0 < float(line[9]) < 1 and 0 < float(line[10]) < 1 for line in odometry)
+    speed = [sum(float(word) ** 2 for word in line[6:9]) ** 0.5 for line in odometry]
+    assert max(speed) > 0.5
+
+
+def test_transforms_repeat_the_odometry(played):
+    odometry = {line[0]: line for line in played[0]["odometry"]}
+    assert len(played[0]["tf"]) > 0.9 * len(odometry)
+    for time_, parent, child, x in played[0]["tf"]:
+        assert (parent, child) == ("odom", "imu")
+        if time_ in odometry:
+            assert x == odometry[time_][3]
+
+
+def test_points_are_labelled(played):
+    points = played[0]["points"]
+    assert all(line[1] == "radar" for line in points)
+    left_out, static, landmarks = (sum(int(line[i]) for line in points) for i in (2, 3, 4))
+    assert static > left_out > 0 and landmarks > 0
+
+
+def test_health_is_a_diagnostic(played):
+    diagnostics = played[0]["diagnostics"]
+    assert len(diagnostics) >= 3
+    assert diagnostics[-1][:2] == ["0", "ok"]
+    assert diagnostics[-1][-1] == "10"
+
+
+def test_a_subscriber_that_died_comes_back(played):
+    _, first, second, _ = played
+    assert len(second["odometry"]) > 20
+    assert int(first["odometry"][-1][0]) < int(second["odometry"][-1][0])
+
+
+def test_nothing_was_left_out(played):
+    assert "0 messages left out; ok" in played[3]
+
+
+def test_a_wrong_parameter_is_named(tmp_path, domain):
+    file = tmp_path / "rio.yaml"
+    file.write_text("/rio:\n  ros__parameters:\n    imu_topik: /imu\n")
+    run = subprocess.run([os.environ["RIO_ROS2"], "--params-file", file], text=True, capture_output=True,
+                         env=domain)
+    assert run.returncode == 1
+    assert "rio.yaml:3" in run.stderr and 'did you mean "imu_topic"' in run.stderr
+    printed = subprocess.run([os.environ["RIO_ROS2"], "-p", "odometry_rate:=50", "--print-params"], text=True,
+                             capture_output=True, check=True).stdout
+    file.write_text(printed)
+    again = subprocess.run([os.environ["RIO_ROS2"], "--params-file", file, "--print-params"], text=True,
+                           capture_output=True, check=True).stdout
+    assert again == printed and "odometry_rate: 50" in printed

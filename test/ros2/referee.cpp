@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The other side of rio-ros2, with the DDS of another vendor, which is ROS 2's own default: plays a
+// dataset folder as sensor topics and prints what comes back, one line per message.
+//
+//   referee play FLIGHT SPEED     publishes /imu/data and /radar/points, prints /rio/pose and more
+//   referee listen SECONDS        prints, until SIGTERM or that long
+//   referee reset                 sends one /rio/reset
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fastdds/dds/domain/DomainParticipant.hpp>
+#include <fastdds/dds/domain/DomainParticipantFactory.hpp>
+#include <fastdds/dds/publisher/DataWriter.hpp>
+#include <fastdds/dds/publisher/Publisher.hpp>
+#include <fastdds/dds/subscriber/DataReader.hpp>
+#include <fastdds/dds/subscriber/SampleInfo.hpp>
+#include <fastdds/dds/subscriber/Subscriber.hpp>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "messagesPubSubTypes.h"
+
+namespace {
+
+namespace dds = eprosima::fastdds::dds;
+using Duration = std::chrono::duration<double>;
+using sensor_msgs::msg::dds_::Imu_;
+using sensor_msgs::msg::dds_::PointCloud2_;
+using sensor_msgs::msg::dds_::PointField_;
+
+/// As rmw_fastrtps sets it: messages of any size.
+template <class Qos>
+Qos qos_of(Qos qos, int depth, bool reliable) {
+  qos.history().depth = depth;
+  qos.reliability().kind =
+      reliable ? dds::RELIABLE_RELIABILITY_QOS : dds::BEST_EFFORT_RELIABILITY_QOS;
+  qos.endpoint().history_memory_policy =
+      eprosima::fastrtps::rtps::PREALLOCATED_WITH_REALLOC_MEMORY_MODE;
+  qos.data_sharing().off();
+  return qos;
+}
+
+class Node {
+ public:
+  Node() {
+    const char* domain = std::getenv("ROS_DOMAIN_ID");
+    participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
+        domain == nullptr ? 0U : static_cast<unsigned>(std::atoi(domain)),
+        dds::PARTICIPANT_QOS_DEFAULT);
+    publisher_ = participant_->create_publisher(dds::PUBLISHER_QOS_DEFAULT);
+    subscriber_ = participant_->create_subscriber(dds::SUBSCRIBER_QOS_DEFAULT);
+  }
+
+  template <class Type>
+  dds::DataWriter* writer(const char* name) {
+    return publisher_->create_datawriter(topic<Type>(name),
+                                         qos_of(dds::DATAWRITER_QOS_DEFAULT, 2000, true));
+  }
+  template <class Type>
+  dds::DataReader* reader(const char* name) {
+    return subscriber_->create_datareader(topic<Type>(name),
+                                          qos_of(dds::DATAREADER_QOS_DEFAULT, 500, true));
+  }
+
+ private:
+  template <class Type>
+  dds::Topic* topic(const char* name) {
+    const dds::TypeSupport type(new Type);
+    type.register_type(participant_);
+    return participant_->create_topic(name, type.get_type_name(), dds::TOPIC_QOS_DEFAULT);
+  }
+
+  dds::DomainParticipant* participant_;
+  dds::Publisher* publisher_;
+  dds::Subscriber* subscriber_;
+};
+
+template <class Header>
+long long nanoseconds(const Header& header) {
+  return 1'000'000'000LL * header.stamp().sec() + header.stamp().nanosec();
+}
+
+/// The outputs of rio-ros2.
+class Listener {
+ public:
+  explicit Listener(Node* node)
+      : odometry_(node->reader<nav_msgs::msg::dds_::Odometry_PubSubType>("rt/rio/odometry")),
+        pose_(node->reader<geometry_msgs::msg::dds_::PoseWithCovarianceStamped_PubSubType>(
+            "rt/rio/pose")),
+        transforms_(node->reader<tf2_msgs::msg::dds_::TFMessage_PubSubType>("rt/tf")),
+        points_(node->reader<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("rt/rio/points")),
+        diagnostics_(node->reader<diagnostic_msgs::msg::dds_::DiagnosticArray_PubSubType>(
+            "rt/diagnostics")) {}
+
+  bool matched() const {
+    dds::SubscriptionMatchedStatus status;
+    pose_->get_subscription_matched_status(status);
+    return status.current_count > 0;
+  }
+
+  /// Whether there was a pose.
+  bool print() {
+    bool any = false;
+    dds::SampleInfo info;
+    nav_msgs::msg::dds_::Odometry_ odometry;
+    while (take(odometry_, &odometry, &info)) {
+      const auto& p = odometry.pose().pose().position();
+      const auto& v = odometry.twist().twist().linear();
+      std::printf("odometry %lld %s %s %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n",
+                  nanoseconds(odometry.header()), odometry.header().frame_id().c_str(),
+                  odometry.child_frame_id().c_str(), p.x(), p.y(), p.z(), v.x(), v.y(), v.z(),
+                  odometry.pose().covariance()[0], odometry.twist().covariance()[0]);
+    }
+    geometry_msgs::msg::dds_::PoseWithCovarianceStamped_ pose;
+    while (take(pose_, &pose, &info)) {
+      const auto& p = pose.pose().pose().position();
+      const auto& q = pose.pose().pose().orientation();
+      any = true;
+      std::printf("pose %lld %.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n",
+                  nanoseconds(pose.header()), p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
+                  pose.pose().covariance()[0]);
+    }
+    tf2_msgs::msg::dds_::TFMessage_ transforms;
+    while (take(transforms_, &transforms, &info)) {
+      const auto& t = transforms.transforms().at(0);
+      std::printf("tf %lld %s %s %.17g\n", nanoseconds(t.header()), t.header().frame_id().c_str(),
+                  t.child_frame_id().c_str(), t.transform().translation().x());
+    }
+    PointCloud2_ cloud;
+    while (take(points_, &cloud, &info)) print_points(cloud);
+    diagnostic_msgs::msg::dds_::DiagnosticArray_ diagnostics;
+    while (take(diagnostics_, &diagnostics, &info)) {
+      const auto& status = diagnostics.status().at(0);
+      std::printf("diagnostics %d %s %zu\n", status.level(), status.message().c_str(),
+                  status.values().size());
+    }
+    std::fflush(stdout);
+    return any;
+  }
+
+ private:
+  template <class Message>
+  static bool take(dds::DataReader* reader, Message* message, dds::SampleInfo* info) {
+    while (reader->take_next_sample(message, info) == ReturnCode_t::RETCODE_OK) {
+      if (info->valid_data) return true;
+    }
+    return false;
+  }
+
+  /// Points of each label.
+  static void print_points(const PointCloud2_& cloud) {
+    unsigned labels[3] = {0, 0, 0};
+    std::uint32_t offset = 0;
+    for (const PointField_& field : cloud.fields()) {
+      if (field.name() == "label") offset = field.offset();
+    }
+    for (std::uint32_t i = 0; i < cloud.width(); ++i) {
+      std::uint32_t label = 9;
+      std::memcpy(&label, cloud.data().data() + i * cloud.point_step() + offset, sizeof label);
+      ++labels[label];
+    }
+    std::printf("points %lld %s %u %u %u\n", nanoseconds(cloud.header()),
+                cloud.header().frame_id().c_str(), labels[0], labels[1], labels[2]);
+  }
+
+  dds::DataReader* odometry_;
+  dds::DataReader* pose_;
+  dds::DataReader* transforms_;
+  dds::DataReader* points_;
+  dds::DataReader* diagnostics_;
+};
+
+template <class Message>
+void stamp(Message* message, long long time, const char* frame) {
+  message->header().stamp().sec(static_cast<std::int32_t>(time / 1'000'000'000));
+  message->header().stamp().nanosec(static_cast<std::uint32_t>(time % 1'000'000'000));
+  message->header().frame_id(frame);
+}
+
+struct Row {
+  long long time = 0;
+  std::vector<double> values;
+};
+
+std::vector<Row> rows_of(const std::string& file) {
+  std::ifstream in(file);
+  if (!in) throw std::runtime_error(file + ": not there");
+  std::vector<Row> rows;
+  for (std::string line; std::getline(in, line);) {
+    if (line[0] == '#') continue;
+    std::istringstream cells(line);
+    std::string cell;
+    std::getline(cells, cell, ',');
+    Row row{std::stoll(cell), {}};
+    while (std::getline(cells, cell, ',')) {
+      if (!cell.empty()) row.values.push_back(std::stod(cell));
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Imu_ imu_of(const Row& row) {
+  Imu_ message;
+  stamp(&message, row.time, "imu");
+  const std::vector<double>& v = row.values;
+  message.angular_velocity().x(v[0]);
+  message.angular_velocity().y(v[1]);
+  message.angular_velocity().z(v[2]);
+  message.linear_acceleration().x(v[3]);
+  message.linear_acceleration().y(v[4]);
+  message.linear_acceleration().z(v[5]);
+  return message;
+}
+
+/// Rows from..to; in doubles, so that the estimates can be those of a replay to the bit.
+PointCloud2_ cloud_of(const std::vector<Row>& rows, std::size_t from, std::size_t to) {
+  constexpr std::uint8_t kFloat64 = 8;
+  const char* const names[] = {"x", "y", "z", "doppler", "snr", "noise"};
+  PointCloud2_ message;
+  stamp(&message, rows[from].time, "radar");
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    PointField_ field;
+    field.name(names[i]);
+    field.offset(8 * i);
+    field.datatype(kFloat64);
+    field.count(1);
+    message.fields().push_back(field);
+  }
+  std::vector<std::uint8_t> data;
+  for (std::size_t i = from; i < to; ++i) {
+    if (rows[i].values.empty()) continue;
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(rows[i].values.data());
+    data.insert(data.end(), bytes, bytes + 48);
+  }
+  message.height(1);
+  message.width(static_cast<std::uint32_t>(data.size() / 48));
+  message.point_step(48);
+  message.row_step(static_cast<std::uint32_t>(data.size()));
+  message.data(data);
+  message.is_dense(true);
+  return message;
+}
+
+int play(const std::string& flight, double speed) {
+  const std::vector<Row> imu = rows_of(flight + "/imu0/data.csv");
+  const std::vector<Row> points = rows_of(flight + "/radar0/data.csv");
+  Node node;
+  dds::DataWriter* imu_writer = node.writer<sensor_msgs::msg::dds_::Imu_PubSubType>("rt/imu/data");
+  dds::DataWriter* scan_writer =
+      node.writer<sensor_msgs::msg::dds_::PointCloud2_PubSubType>("rt/radar/points");
+  Listener listener(&node);
+  const auto matched = [](dds::DataWriter* writer) {
+    dds::PublicationMatchedStatus status;
+    writer->get_publication_matched_status(status);
+    return status.current_count > 0;
+  };
+  for (int i = 0; !(matched(imu_writer) && matched(scan_writer) && listener.matched()); ++i) {
+    if (i > 200) throw std::runtime_error("rio-ros2 was not found within 20 s");
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // the other topics
+  const auto begin = std::chrono::steady_clock::now();
+  std::size_t scan = 0;
+  for (const Row& row : imu) {
+    std::this_thread::sleep_until(
+        begin + Duration(1e-9 * static_cast<double>(row.time - imu[0].time) / speed));
+    while (scan < points.size() && points[scan].time < row.time) {
+      std::size_t end = scan;
+      while (end < points.size() && points[end].time == points[scan].time) ++end;
+      PointCloud2_ message = cloud_of(points, scan, end);
+      scan_writer->write(&message);
+      scan = end;
+    }
+    Imu_ message = imu_of(row);
+    imu_writer->write(&message);
+    (void)listener.print();
+  }
+  for (int quiet = 0; quiet < 20; ++quiet) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    if (listener.print()) quiet = 0;
+  }
+  return 0;
+}
+
+int listen(double seconds) {
+  Node node;
+  Listener listener(&node);
+  const auto end = std::chrono::steady_clock::now() + Duration(seconds);
+  while (std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    (void)listener.print();
+  }
+  return 0;
+}
+
+int reset() {
+  Node node;
+  dds::DataWriter* writer = node.writer<std_msgs::msg::dds_::Empty_PubSubType>("rt/rio/reset");
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  std_msgs::msg::dds_::Empty_ message;
+  writer->write(&message);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const std::string what = argc > 1 ? argv[1] : "";
+    int status = 2;
+    if (what == "play" && argc == 4) status = play(argv[2], std::stod(argv[3]));
+    if (what == "listen" && argc == 3) status = listen(std::stod(argv[2]));
+    if (what == "reset") status = reset();
+    std::fflush(stdout);
+    std::_Exit(status);  // without the threads of DDS
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "referee: %s\n", error.what());
+    return 1;
+  }
+}
