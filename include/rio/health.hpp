@@ -2,7 +2,7 @@
 // How far the estimate can be trusted at this moment, and why. C++17.
 //
 // Every reason has a severity: a signal divided by its limit. The state follows from the severities
-// (update/health_monitor.hpp has the signals and their limits):
+// (checks/health_monitor.hpp has the signals and their limits):
 //   initialising    the radar has not measured a velocity since the start
 //   ok              all severities below 1
 //   degraded        a severity of 1 or more: the estimate continues with reduced trust

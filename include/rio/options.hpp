@@ -237,7 +237,7 @@ struct TimingOptions {
   double max_ahead = 1.0;
   /// With several radars: how long a scan is held back for an earlier one of another radar [s].
   double scan_wait = 0.1;
-  /// A longer pause of the IMU is a jump of its clock (propagate/stamp_guard.hpp). The default is
+  /// A longer pause of the IMU is a jump of its clock (checks/stamp_guard.hpp). The default is
   /// longer than sensors stay silent in flight, shorter than the step to another time zone [s].
   double max_pause = 600.0;
   /// How long after the estimate has passed its time an aiding measurement may arrive: IMU samples

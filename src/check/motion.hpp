@@ -18,7 +18,7 @@
 //      sqrt(3 n (u' - u) / u) sigmas: as if each axis of n windows were one measurement. A window
 //      has dozens, but the errors of the models repeat within it.
 // All hypotheses share A, b and c, so that evaluating one is cheap. Compare
-// frontend/velocity_pool.hpp and propagate/moving_start.hpp.
+// checks/velocity_check.hpp and propagate/moving_start.hpp.
 #pragma once
 
 #include <array>
