@@ -14,13 +14,15 @@ namespace rio::experiment {
 namespace {
 
 constexpr const char* kAxes[] = {"x", "y", "z"};
-constexpr std::size_t kPoints = 300;  // of a curve, at most
+// points of a curve, at most
+constexpr std::size_t kOverTime = 300;
+constexpr std::size_t kOfPath = 1200;
 
 /// The value of steps evenly spread over the trial.
 template <class Value>
-std::vector<plot::Point> sampled(const Trial& trial, const Value& value) {
+std::vector<plot::Point> sampled(const Trial& trial, std::size_t most, const Value& value) {
   std::vector<plot::Point> points;
-  const std::size_t every = 1 + trial.steps.size() / kPoints;
+  const std::size_t every = 1 + trial.steps.size() / most;
   for (std::size_t i = 0; i < trial.steps.size(); i += every) {
     points.push_back(value(trial.steps[i]));
   }
@@ -35,17 +37,17 @@ plot::Stroke truth_stroke() {
   return {"#000000", 1.2};
 }
 
-/// Truth and estimates; point(trial, step, state) places a state.
+/// Truth and estimates; place(trial, step, state) is the point of a state.
 template <class Place>
-std::vector<plot::Curve> curves(const FlownFlight& flight, const Place& place) {
+std::vector<plot::Curve> curves(const FlownFlight& flight, std::size_t most, const Place& place) {
   const Trial& first = flight.trials.front();
   std::vector<plot::Curve> all = {
-      {"truth", sampled(first, [&](const Step& s) { return place(first, s, s.truth); }),
+      {"truth", sampled(first, most, [&](const Step& s) { return place(first, s, s.truth); }),
        truth_stroke()}};
   for (std::size_t i = 0; i < flight.trials.size(); ++i) {
     const Trial& trial = flight.trials[i];
     all.push_back({flight.estimators[i],
-                   sampled(trial, [&](const Step& s) { return place(trial, s, s.estimate); }),
+                   sampled(trial, most, [&](const Step& s) { return place(trial, s, s.estimate); }),
                    plot::curve_stroke(i)});
   }
   return all;
@@ -96,9 +98,10 @@ std::string chart_of_paths(const std::string& title, const std::vector<FlownFlig
       panel.title = flight.name + (up == 1 ? ", from above" : ", from the side");
       panel.x_label = "x [m]";
       panel.y_label = std::string(kAxes[up]) + " [m]";
-      panel.curves = curves(flight, [up](const Trial&, const Step&, const NavState& state) {
-        return plot::Point{state.p_WB.x(), state.p_WB[up]};
-      });
+      panel.curves =
+          curves(flight, kOfPath, [up](const Trial&, const Step&, const NavState& state) {
+            return plot::Point{state.p_WB.x(), state.p_WB[up]};
+          });
       panels.push_back(std::move(panel));
     }
   }
@@ -113,9 +116,10 @@ std::string chart_of_positions(const std::string& title, const std::vector<Flown
       panel.title = flight.name;
       panel.x_label = "time [s]";
       panel.y_label = std::string(kAxes[axis]) + " [m]";
-      panel.curves = curves(flight, [axis](const Trial& t, const Step& s, const NavState& state) {
-        return plot::Point{seconds(t, s), state.p_WB[axis]};
-      });
+      panel.curves =
+          curves(flight, kOverTime, [axis](const Trial& t, const Step& s, const NavState& state) {
+            return plot::Point{seconds(t, s), state.p_WB[axis]};
+          });
       panels.push_back(std::move(panel));
     }
   }
@@ -131,22 +135,18 @@ std::string chart_of_errors(const std::string& title, const FlownFlight& flight)
       panel.title = flight.estimators[i];
       panel.x_label = "time [s]";
       panel.y_label = std::string("error of ") + kAxes[axis] + " [m]";
+      const auto error = sampled(trial, kOverTime, [&](const Step& s) {
+        return plot::Point{seconds(trial, s), s.estimate.p_WB[axis] - s.truth.p_WB[axis]};
+      });
       const auto sigmas = [&](double count) {
-        return sampled(trial, [&, count](const Step& s) {
+        return sampled(trial, kOverTime, [&, count](const Step& s) {
           const int k = body::kPosition + axis;
           return plot::Point{seconds(trial, s), count * std::sqrt(s.covariance(k, k))};
         });
       };
-      panel.curves = {
-          {"error",
-           sampled(
-               trial,
-               [&](const Step& s) {
-                 return plot::Point{seconds(trial, s), s.estimate.p_WB[axis] - s.truth.p_WB[axis]};
-               }),
-           plot::curve_stroke(0)},
-          {"three sigmas", sigmas(3.0), truth_stroke()},
-          {"", sigmas(-3.0), truth_stroke()}};
+      panel.curves = {{"error", error, plot::curve_stroke(0)},
+                      {"three sigmas", sigmas(3.0), truth_stroke()},
+                      {"", sigmas(-3.0), truth_stroke()}};
       panels.push_back(std::move(panel));
     }
   }
