@@ -13,7 +13,9 @@ cmake -B "$build" -DCMAKE_INSTALL_PREFIX=/usr -DBUILD_SHARED_LIBS=ON -DRIO_BUILD
 cmake --build "$build" --target package -j "$(nproc)"
 version=$("$build"/src/tools/rio --version | sed -n '1s/ .*//p')
 cd "$build"
-lintian --fail-on error --tag-display-limit 0 ./*_"$version"_*.deb
+# the address is that of who builds: DEBFULLNAME, DEBEMAIL
+lintian --allow-root --fail-on error --tag-display-limit 0 \
+  --suppress-tags bogus-mail-host,bogus-mail-host-in-debian-changelog ./*_"$version"_*.deb
 
 root=$PWD/root
 rm -rf "$root" consumer
