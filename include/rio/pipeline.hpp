@@ -26,6 +26,7 @@
 #include "rio/update/calibration_report.hpp"
 #include "rio/update/consistency_checks.hpp"
 #include "rio/update/health_monitor.hpp"
+#include "rio/update/point_report.hpp"
 
 namespace rio {
 
@@ -44,6 +45,7 @@ class Pipeline {
       frontends_.emplace_back(options.seen_by(r));
       own_echoes_.emplace_back(doppler_fold(options, r));
     }
+    points_.reserve(static_cast<std::size_t>(options.frontend.max_detections));
     seen_.aiding = &aiding_.taken();
     aided_.aiding = &aiding_.taken();
   }
@@ -56,6 +58,8 @@ class Pipeline {
   BackEnd& backend() { return backend_; }
   const UpdateReport& report() const { return report_; }
   const Health& health() const { return health_.health(); }
+  /// The detections of the last scan, own echoes included; empty if it was not used.
+  const std::vector<PointReport>& points() const { return points_; }
 
   /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0) { reset(prior, P0, false); }
@@ -96,6 +100,7 @@ class Pipeline {
   /// in process().
   Status process_aiding(Time time, const ImuBuffer& imu) {
     report_ = UpdateReport{};
+    points_.clear();
     report_.time = time;
     const Time at = std::max(time, estimate().nav.time);
     report_.status = propagate(at, imu, &report_.imu_gap);
@@ -120,6 +125,7 @@ class Pipeline {
       (void)process_aiding(*full, imu);
     }
     report_ = UpdateReport{};
+    points_.clear();
     report_.time = received.time;
     report_.radar = received.radar;
     report_.status = propagate(measured, imu, &report_.imu_gap);  // (1)
@@ -141,6 +147,7 @@ class Pipeline {
     report_.status = backend_.update(seen_, &report_);  // (4) (5) (6)
     count_own_echoes();
     if (report_.status == Status::kOk) {
+      report_points(received, own_, seen_, estimate(), options_.update.use_trails, &points_);
       const ScanId scan_id = number();
       frontend().advance(seen_, scan_id, backend_.landmark_room(seen_), &promotions_);  // (7)
       backend_.maintain_landmarks(seen_, promotions_, &report_);
@@ -156,6 +163,7 @@ class Pipeline {
 
  private:
   void reset(const NavState& prior, const BodyCovariance& P0, bool unconfirmed) {
+    points_.clear();
     reset_own_echoes();
     reset_frontends();
     checks_.reset(prior.time, unconfirmed);
@@ -312,9 +320,10 @@ class Pipeline {
   RestDetector rest_;
   BackEnd backend_;
   UpdateReport report_;
+  std::vector<PointReport> points_;  ///< beside it
   ConsistencyChecks<BackEnd> checks_;
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
-  StaticVector<std::size_t, kMaxDetections> own_;    ///< own echoes in the current scan
+  OwnEchoList own_;                                  ///< own echoes in the current scan
   DetectionList corrected_;
   Observations seen_;
   Observations aided_;  ///< aiding only, without a scan
