@@ -37,7 +37,7 @@ void check_recording(const CheckArguments& arguments) {
   std::string damage;
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
   check::Findings findings =
-      findings_of(arguments.dataset, dataset, options_of(dataset, arguments.config));
+      findings_of(arguments.dataset, dataset, options_of(dataset, arguments.values));
   if (!dataset.ground_truth.empty()) without_start(&findings);  // it starts there
   if (arguments.json) {
     print_json(findings);

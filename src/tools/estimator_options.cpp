@@ -20,22 +20,23 @@ void print_notes(const std::vector<std::string>& notes) {
 
 }  // namespace
 
-std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
-                                               Options* options) {
+std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors,
+                                               const OptionValues& values, Options* options) {
   std::vector<std::string> configured;
   io::apply_sensor_info(sensors, options, &configured);
-  if (file.empty()) return {};
+  const std::string& file = values.config;
   const Options before = *options;
-  io::load_option_values(file, options);
-  io::apply_other_radars(sensors, options);
+  if (!file.empty()) io::load_option_values(file, options);
   std::vector<std::string> changed = io::changed_options(before, *options, configured);
+  io::apply_settings(values.set, options);
+  if (!file.empty() || !values.set.empty()) io::apply_other_radars(sensors, options);
   for (std::string& text : changed) text = file + " overrides the sensor files: " + text;
   return changed;
 }
 
-Options options_of(const io::Dataset& sensors, const std::string& file) {
+Options options_of(const io::Dataset& sensors, const OptionValues& values) {
   Options options;
-  print_notes(tell_sensors_and_file(sensors, file, &options));
+  print_notes(tell_sensors_and_file(sensors, values, &options));
   return options;
 }
 
@@ -49,7 +50,7 @@ Options make_options(const EstimatorArguments& arguments, const io::Dataset& sen
   if (!name.empty() && !preset(name, &options)) {
     throw std::runtime_error("no such preset: \"" + name + "\"");
   }
-  print_notes(tell_sensors_and_file(sensors, arguments.config, &options));
+  print_notes(tell_sensors_and_file(sensors, arguments, &options));
   if (!arguments.backend.empty()) {
     options.backend = arguments.backend == "smoother" ? BackEnd::kSmoother : BackEnd::kEkf;
   }

@@ -10,19 +10,24 @@
 
 namespace rio::tools {
 
-/// Overrides `options` by the sensor properties, then by the values of the file, if one is given.
-/// Throws std::runtime_error.
+/// Values of options that a user gives.
+struct OptionValues {
+  std::string config;            ///< option file
+  std::vector<std::string> set;  ///< "KEY=VALUE", after the file
+};
+
+/// Overrides `options` by the sensor properties, then by the values of the file, if one is given,
+/// then by the settings. Throws std::runtime_error.
 /// @return for each value of the file that differs from the sensor files, "FILE overrides the
 /// sensor files: KEY = NEW (OLD)"
-std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors, const std::string& file,
-                                               Options* options);
+std::vector<std::string> tell_sensors_and_file(const io::Dataset& sensors,
+                                               const OptionValues& values, Options* options);
 
 /// The defaults with these overrides, for commands without presets; notes overridden values on
 /// stderr.
-Options options_of(const io::Dataset& sensors, const std::string& file);
+Options options_of(const io::Dataset& sensors, const OptionValues& values);
 
-struct EstimatorArguments {
-  std::string config;   ///< option file
+struct EstimatorArguments : OptionValues {
   std::string preset;   ///< overrides that of the file
   std::string backend;  ///< ekf or smoother; overrides both
 };

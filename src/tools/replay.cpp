@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "commands.hpp"
@@ -27,6 +28,7 @@
 #include "rio/models/aids.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/rio.hpp"
+#include "run_replay.hpp"
 
 namespace rio::tools {
 
@@ -105,6 +107,26 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
   return Start{file.state, file.covariance, "file"};
 }
 
+/// All of the ground truth; empty if there is none.
+eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenRecording& recording) {
+  const bool folder = is_asl_folder(arguments.dataset);
+  if (folder && recording.sensors.ground_truth.empty()) return {};
+  try {
+    return truth_of(arguments.dataset);
+  } catch (const std::runtime_error&) {
+    if (folder) throw;
+    return {};  // a bag without a topic of it
+  }
+}
+
+view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& recording,
+                         const Options& options, const std::string& source) {
+  std::filesystem::path path = std::filesystem::path(arguments.dataset).lexically_normal();
+  if (path.filename().empty()) path = path.parent_path();
+  return {path.filename().string(), options, truth_for_view(arguments, recording),
+          source != "groundtruth", RIO_VERSION};
+}
+
 /// Outputs of the estimate at each processed scan; of scans at the same instant, as of several
 /// radars, after the last one.
 class Outputs {
@@ -170,8 +192,8 @@ class Replay {
  public:
   /// @param kept receives the samples, if not null
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
-         CheckedPart* kept)
-      : samples_(recording.samples.get()), outline_(samples_->outline()) {
+         CheckedPart* kept, ViewOutputs* view)
+      : samples_(recording.samples.get()), outline_(samples_->outline()), view_(view) {
     const std::optional<Start> start = make_start(arguments, recording, options);
     Options used = options;
     used.start.static_alignment = !start;
@@ -183,9 +205,11 @@ class Replay {
       init_velocity_ = Vector3d(v[0], v[1], v[2]);
     }
     summary_.initialised_by = start ? start->source : "static";
+    if (view->any()) view->begin(run_start(arguments, recording, used, start ? start->source : ""));
     feed_.emplace(samples_, kept);
     summary_.reserve(feed_->scans_left());
     if (start) begin(*start);
+    watched_ = !arguments.view.port.empty();
     outputs_.open(arguments, outline_.imu_begin);
     if (arguments.barometer) open_barometer(recording);
   }
@@ -193,6 +217,7 @@ class Replay {
   ReplaySummary run() {
     Progress progress(isatty(STDOUT_FILENO) == 0);
     while (const ImuSample* sample = feed_->imu()) {
+      pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
       const std::optional<Time> due = waiting_ ? std::nullopt : feed_->due();
       if (due && *due < sample->time) {
@@ -221,6 +246,13 @@ class Replay {
       (void)feed_->take_scan(&radar);
       ++summary_.scans_before_start;
     }
+  }
+
+  /// Of the recording, for those who watch it.
+  void pace(Time time) {
+    if (!watched_) return;
+    if (!paced_from_) paced_from_ = steady_now() - time;
+    std::this_thread::sleep_for(*paced_from_ + time - steady_now());
   }
 
   void next_imu() {
@@ -319,6 +351,7 @@ class Replay {
                                " s");
     }
     outputs_.add(*odometry_);
+    view_->add(*odometry_);
     summary_.add(odometry_->report(), state);
   }
 
@@ -348,6 +381,9 @@ class Replay {
   bool several_ = outline_.scan_times.size() > 1;  ///< radars
   std::uint64_t recorded_ = 0;                     ///< scans of several radars
   Outputs outputs_;
+  ViewOutputs* view_;
+  bool watched_ = false;
+  std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;
   std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
@@ -370,25 +406,35 @@ std::string no_start_text(const std::optional<check::Findings>& data) {
 
 }  // namespace
 
-void replay(const ReplayArguments& arguments) {
+ReplaySummary run_replay(const ReplayArguments& arguments, ViewOutputs* view, std::string* damage) {
   protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map},
-                 {arguments.out, arguments.states});
+                 {arguments.out, arguments.states, arguments.view.report, arguments.view.mcap});
   const OpenRecording recording =
       open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
   const io::RecordingOutline& outline = recording.samples->outline();
   const Options options = make_options(arguments, recording.sensors);
   std::optional<CheckedPart> part;
   if (!arguments.no_check) part.emplace(recording.sensors, outline);
-  ReplaySummary summary = Replay(arguments, recording, options, part ? &*part : nullptr).run();
+  ReplaySummary summary =
+      Replay(arguments, recording, options, part ? &*part : nullptr, view).run();
   if (part) {
     Options checked;  // overridden values have been noted already
-    (void)tell_sensors_and_file(recording.sensors, arguments.estimator.config, &checked);
+    (void)tell_sensors_and_file(recording.sensors, arguments.estimator, &checked);
     summary.data =
         not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
     if (summary.initialised_by != "static") without_start(&*summary.data);
     summary.checked_seconds = part->seconds();
   }
   if (!summary.started) throw std::runtime_error(no_start_text(summary.data));
+  *damage = outline.damage;
+  return summary;
+}
+
+void replay(const ReplayArguments& arguments) {
+  std::string damage;
+  ViewOutputs view(arguments.view);
+  const ReplaySummary summary = run_replay(arguments, &view, &damage);
+  view.close(summary);
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }
@@ -403,7 +449,7 @@ void replay(const ReplayArguments& arguments) {
         "mounting and the start",
         summary.health.lost_because(), summary.fastest, summary.farthest));
   }
-  throw_damage(outline.damage);
+  throw_damage(damage);
 }
 
 }  // namespace rio::tools

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace rio::view {
 
 void take_record(const Odometry& odometry, ScanRecord* out) {
@@ -27,6 +29,15 @@ std::string reasons_text(const Health& health) {
     text += to_string(reason);
   }
   return text;
+}
+
+Pose laid_over(const eval::StampedPose& truth, const eval::StampedPose& estimate) {
+  const Matrix3d R = (estimate.q * truth.q.conjugate()).toRotationMatrix();
+  const double yaw = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
+  Pose T;
+  T.rotation = Quaternion(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
+  T.translation = estimate.p - T.rotation * truth.p;
+  return T;
 }
 
 void EventWatch::add(const ScanRecord& record, EventKind kind, bool serious,

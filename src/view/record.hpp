@@ -2,7 +2,7 @@
 // The record of a run: everything the estimator says at a scan, once, as plain values. Whoever
 // shows or stores a run (report, CSV, MCAP, live view) is a RunSink and reads nothing else.
 //
-//   RunStart     before the first scan: name, options, mounting, truth and other paths
+//   RunStart     before the first scan: name, options, truth
 //   ScanRecord   each processed scan: state and covariance, calibration, the update stage by stage,
 //                every innovation with sigma, NIS and gate, every point with label, world position
 //                and residual, every landmark, health, counters
@@ -76,18 +76,12 @@ class EventWatch {
   std::vector<Event> events_;
 };
 
-/// A path to be drawn beside the estimate.
-struct NamedPath {
-  std::string name;
-  eval::Trajectory poses;
-};
-
 /// What is known before the first scan.
 struct RunStart {
   std::string name;  ///< of the recording
   Options options;
-  std::vector<NavState> truth;    ///< empty: not known
-  std::vector<NamedPath> others;  ///< other estimates
+  eval::Trajectory truth;      ///< empty: not known
+  bool lay_truth_over = true;  ///< not started from the truth: worlds differ by heading and origin
   std::string version;
 };
 
@@ -116,6 +110,9 @@ class RunRecorder {
   ScanRecord record_;
   EventWatch watch_;
 };
+
+/// Heading and origin that lay the truth over an estimate of the same time.
+Pose laid_over(const eval::StampedPose& truth, const eval::StampedPose& estimate);
 
 /// Reasons of the health that are active: "outliers, gated".
 std::string reasons_text(const Health& health);
