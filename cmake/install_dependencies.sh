@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(cmake g++ make ninja-build libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
-  libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
+  libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libwebsockets-dev libjs-dygraphs libjs-three)
 case "${1:-tools}" in
   tests | tidy) packages+=(libgtest-dev libceres-dev valgrind) ;;&
   tidy) packages+=(libbenchmark-dev clang-format-14 clang-tidy-14) ;;

@@ -95,6 +95,13 @@ void add_option_values(CLI::App* command, OptionValues* values, const std::strin
       ->allow_extra_args(false);
 }
 
+/// Empty, or why that is no port; "true" is the flag without one.
+std::string port_fault(const std::string& text) {
+  const bool number =
+      !text.empty() && text.size() < 6 && text.find_first_not_of("0123456789") == std::string::npos;
+  return text == "true" || (number && std::stoi(text) < 65536) ? "" : text + ": is no port";
+}
+
 }  // namespace
 
 void add_view_options(CLI::App* command, ViewArguments* view, const std::string& group) {
@@ -118,7 +125,7 @@ void add_view_options(CLI::App* command, ViewArguments* view, const std::string&
           [view](const std::string& port) { view->port = port == "true" ? "8765" : port; },
           "serve the same to viewers that connect (Foxglove WebSocket), on this port or 8765")
       ->expected(0, 1)
-      ->check(CLI::IsMember({"true"}) | CLI::Range(0, 65535))
+      ->check(CLI::Validator(port_fault, "", "port"))
       ->type_name("[PORT]")
       ->group(group);
   command->add_option("--view-address", view->address, "of this machine, on which it listens")

@@ -210,12 +210,13 @@ class Replay {
     summary_.reserve(feed_->scans_left());
     if (start) begin(*start);
     watched_ = !arguments.view.port.empty();
+    lines_ = arguments.verbose && !arguments.json && !arguments.quiet && isatty(STDOUT_FILENO) != 0;
     outputs_.open(arguments, outline_.imu_begin);
     if (arguments.barometer) open_barometer(recording);
   }
 
   ReplaySummary run() {
-    Progress progress(isatty(STDOUT_FILENO) == 0);
+    Progress progress(!lines_);
     while (const ImuSample* sample = feed_->imu()) {
       pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
@@ -383,6 +384,7 @@ class Replay {
   Outputs outputs_;
   ViewOutputs* view_;
   bool watched_ = false;
+  bool lines_ = false;              ///< one a scan on the terminal, in place of the progress
   std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;

@@ -175,7 +175,7 @@ std::string ReplaySummary::text() const {
       scans, updates, initialised_by, path_length, (last_position - first_position).norm(),
       last_position.x(), last_position.y(), last_position.z());
   for (std::size_t i = 0; i < kModelCount; ++i) {
-    if (model_at(i) == Model::kAiding && !height_offset) continue;
+    if (models[i].rows_used + models[i].rows_gated == 0) continue;
     out += fmt::format("{}: {} rows used, {} gated\n", to_string(model_at(i)), models[i].rows_used,
                        models[i].rows_gated);
   }
