@@ -268,7 +268,14 @@ function startScene() {
     line.renderOrder = k === 0 ? 1 : 0;
     scene.add(line);
     if (k === 0) { // lines are a pixel wide: dots make the first one thicker
-      const dots = new THREE.Points(geometry, new THREE.PointsMaterial({ size: 2.5, sizeAttenuation: false }));
+      const between = Math.max(1, Math.ceil(8000 / path.t.length)); // as close as the pixels of a line
+      const close = new THREE.BufferGeometry();
+      const places = [];
+      for (let i = 0; i + 1 < path.t.length; ++i) {
+        for (let k = 0; k < between; ++k) places.push(...at(path.p, i).lerp(at(path.p, i + 1), k / between).toArray());
+      }
+      close.setAttribute("position", new THREE.Float32BufferAttribute(places, 3));
+      const dots = new THREE.Points(close, new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }));
       dots.material.color = line.material.color;
       dots.frustumCulled = false;
       scene.add(dots);
@@ -335,6 +342,15 @@ function startScene() {
       cloud.geometry.setAttribute("color", new THREE.Float32BufferAttribute(tints[i], 3));
     });
   }
+
+  // serious events on the path
+  const serious = [];
+  for (const event of data.events) if (event.serious && main.t.length) serious.push(...at(main.p, before(main.t, event.t)).toArray());
+  const bad = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({
+    size: 16, sizeAttenuation: false, map: new THREE.CanvasTexture(shape("ring")), alphaTest: 0.4, transparent: true }));
+  bad.geometry.setAttribute("position", new THREE.Float32BufferAttribute(serious, 3));
+  bad.frustumCulled = false;
+  scene.add(bad);
 
   // the body at the cursor: its axes, forward the longest
   const body = new THREE.Group();
@@ -415,6 +431,7 @@ function startScene() {
     const pathColours = ["x", "truth", "y", "z", "w", "soft"].map(style);
     lines.forEach((line, i) => line.material.color.set(paths[i].name === "truth" ? style("truth") : pathColours[i === 0 ? 0 : 1 + (i % 5)]));
     body.children.forEach((arrow) => arrow.setColor(new THREE.Color(style(arrow.name))));
+    bad.material.color.set(style("bad"));
     makeGrid();
     const legend = $("legend");
     legend.textContent = "";
@@ -437,7 +454,7 @@ function startScene() {
     redraw();
   }
   $("scene-note").textContent = `Left above plan (x right, y up), below side view (x right, z up), right 3-D: drag to turn, wheel to zoom. ` +
-    `Grid ${number(spacing)} m. Points are those of the scan at the cursor; orange: recedes faster than a static point, blue: slower, full colour from 0.3 m/s.`;
+    `Grid ${number(spacing)} m. Rings in red: serious events. Points are those of the scan at the cursor; orange: recedes faster than a static point, blue: slower, full colour from 0.3 m/s.`;
   listeners.push((t) => {
     showPoints(t);
     if (main.t.length) {
@@ -465,7 +482,8 @@ function startScene() {
   restyle();
 }
 if (typeof THREE !== "undefined" && paths.length) startScene();
-moveTo(begin + 0.4 * (end - begin));
+const trouble = data.events.find((event) => event.serious); // where it went wrong
+moveTo(trouble ? trouble.t : begin + 0.4 * (end - begin));
 requestIdleCallback(drawSome, { timeout: 50 });
 addEventListener("beforeprint", () => {
   drawSome();
