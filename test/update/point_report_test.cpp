@@ -9,13 +9,13 @@
 namespace rio {
 namespace {
 
-constexpr double kSpeed = 2.0;  // of the radar along its boresight [m/s]
+constexpr double kForward = 2.0;  // of the radar along its boresight [m/s]
 
 /// A point ahead at `range`, with the range rate of a static one there plus `error`.
 Detection ahead(double range, double error) {
   RadarDetection raw;
   raw.point_S = Vector3d(range, 0.0, 0.0);
-  raw.range_rate = -kSpeed + error;
+  raw.range_rate = -kForward + error;
   raw.snr_db = range;
   return make_detection(raw, RadarOptions{});
 }
@@ -34,7 +34,7 @@ class PointReports : public testing::Test {
     seen_.moves[2] = true;
     seen_.ego_velocity.outlier[3] = true;
     (void)seen_.matches.landmarks.push_back({0, 1});
-    x_.nav.v_WB = Vector3d(0.0, kSpeed, 0.0);
+    x_.nav.v_WB = Vector3d(0.0, kForward, 0.0);
     x_.nav.p_WB = Vector3d(10.0, 20.0, 30.0);
     x_.nav.q_WB = Quaternion(Eigen::AngleAxisd(std::acos(0.0), Vector3d::UnitZ()));
     x_.T_BS.translation = Vector3d(0.5, 0.0, 0.0);
