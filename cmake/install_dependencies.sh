@@ -5,7 +5,7 @@
 set -euo pipefail
 
 packages=(cmake g++ make ninja-build libeigen3-dev libyaml-cpp-dev libcli11-dev libfmt-dev nlohmann-json3-dev
-  libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev)
+  libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libwebsockets-dev libjs-dygraphs libjs-three)
 python=(pybind11-dev python3-dev python3-numpy)
 ros2=(cyclonedds-dev cyclonedds-tools)
 foreign=

@@ -29,6 +29,7 @@
 #include "rio/update/aiding_queue.hpp"
 #include "rio/update/back_end.hpp"
 #include "rio/update/ego_velocity_measurement.hpp"
+#include "rio/update/point_report.hpp"
 #include "rio/update/scan_rows.hpp"
 
 namespace rio {
@@ -47,6 +48,7 @@ class Pipeline {
         backend_(options),
         checks_(options, &backend_, &report_) {
     for (std::size_t r = 0; r < options.radars(); ++r) frontends_.emplace_back(options.seen_by(r));
+    points_.reserve(static_cast<std::size_t>(options.frontend.max_detections));
     seen_.aiding = &aiding_.taken();
     aided_.aiding = &aiding_.taken();
   }
@@ -59,6 +61,8 @@ class Pipeline {
   BackEnd& backend() { return backend_; }
   const UpdateReport& report() const { return report_; }
   const Health& health() const { return health_.health(); }
+  /// The detections of the last scan, own echoes included; empty if it was not used.
+  const std::vector<PointReport>& points() const { return points_; }
 
   /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0) { reset(prior, P0, false); }
@@ -99,6 +103,7 @@ class Pipeline {
   /// in process().
   Status process_aiding(Time time, const ImuBuffer& imu) {
     report_ = UpdateReport{};
+    points_.clear();
     report_.time = time;
     const Time at = std::max(time, estimate().nav.time);
     report_.status = propagate(at, imu, &report_.imu_gap);
@@ -124,6 +129,7 @@ class Pipeline {
       (void)process_aiding(*full, imu);
     }
     report_ = UpdateReport{};
+    points_.clear();
     report_.time = received.time;
     report_.radar = received.radar;
     report_.status = propagate(measured, imu, &report_.imu_gap);  // 1
@@ -148,6 +154,8 @@ class Pipeline {
     report_.status = backend_.update(seen_, rows_);           // 5
     correction_.restore_indices(&report_);
     if (report_.status == Status::kOk) {
+      report_points(received, correction_.own_echoes(), seen_, estimate(),
+                    options_.update.use_trails, &points_);
       const ScanId scan_id = number();
       frontend().advance(seen_, scan_id, backend_.landmark_room(seen_), &promotions_);  // 6
       backend_.maintain_landmarks(seen_, rows_, promotions_, &report_);
@@ -163,6 +171,7 @@ class Pipeline {
 
  private:
   void reset(const NavState& prior, const BodyCovariance& P0, bool unconfirmed) {
+    points_.clear();
     correction_.reset();
     reset_frontends();
     checks_.reset(prior.time, unconfirmed);
@@ -271,6 +280,7 @@ class Pipeline {
   ScanRows rows_;
   BackEnd backend_;
   UpdateReport report_;
+  std::vector<PointReport> points_;  ///< beside it
   Checks<BackEnd> checks_;
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
   Observations seen_;

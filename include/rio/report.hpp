@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/export.hpp"
@@ -67,6 +68,41 @@ struct InnovationRecord {
   double nis = 0.0;             ///< normalised innovation squared of the block
   double gate = 0.0;            ///< threshold of the gate
   const char* name = nullptr;   ///< kAiding: of the model
+};
+
+/// What the estimator took a detection for.
+enum class PointLabel : std::uint8_t {
+  kUnused,   ///< undecided: no consensus, an ambiguous fold, or the update failed before
+  kStatic,   ///< its Doppler fits the static world
+  kMatched,  ///< the same, and matched with a landmark, or with a trail whose distances are used
+  kMover,    ///< fits the static world, but is part of a mover
+  kOutlier,  ///< does not fit the static world
+  kOwnEcho,  ///< echo of the vehicle itself
+};
+inline constexpr std::size_t kPointLabelCount = 6;
+
+/// Name of a label, as in "own echo".
+inline const char* to_string(PointLabel label) {
+  constexpr std::array kNames = {"unused", "static", "matched", "mover", "outlier", "own echo"};
+  return kNames[static_cast<std::size_t>(label)];
+}
+
+/// One detection of the filtered scan, seen from the estimate after the update.
+struct PointReport {
+  PointLabel label = PointLabel::kUnused;
+  Vector3d point_S = Vector3d::Zero();  ///< corrected for the radar errors, radar frame [m]
+  Vector3d point_W = Vector3d::Zero();  ///< by the estimated pose, world [m]
+  double range_rate = 0.0;              ///< corrected and, if static, unfolded [m/s]
+  double snr_db = 0.0;                  ///< [dB]
+  double residual = 0.0;                ///< range rate minus that of a static point there [m/s]
+  double residual_sigma = 0.0;          ///< of the noise of Doppler and direction [m/s]
+};
+
+/// A landmark of the state.
+struct LandmarkReport {
+  Vector3d position_W = Vector3d::Zero();    ///< [m]
+  Matrix3d covariance_W = Matrix3d::Zero();  ///< marginal [m^2]
+  Time last_seen{0};                         ///< time of the last match that was used
 };
 
 /// Sums over the records of one model in one update.

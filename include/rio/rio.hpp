@@ -47,6 +47,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "rio/export.hpp"
 #include "rio/health.hpp"
@@ -126,6 +127,12 @@ class RIO_API Odometry {
   bool auxiliary(const char* name, double* value, double* covariance) const noexcept;
   /// The last update, stage by stage.
   const UpdateReport& report() const noexcept;
+  /// The detections of the last scan with label, world position and residual, in the order of
+  /// InnovationRecord::detection; empty if the scan was not used, as after a failed update.
+  const std::vector<PointReport>& points() const noexcept;
+  /// The landmarks in the state, in no particular order. Copied on demand; valid until the next
+  /// call of any function.
+  const std::vector<LandmarkReport>& landmarks() const noexcept;
   const Counters& counters() const noexcept;
 
   struct Impl;  ///< private implementation

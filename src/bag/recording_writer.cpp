@@ -14,30 +14,17 @@ namespace rio::bag {
 
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr const char* kImuType = "sensor_msgs/msg/Imu";
+constexpr const char* kCloudType = "sensor_msgs/msg/PointCloud2";
 constexpr std::uint8_t kInt16 = 3, kFloat32 = 7;  // sensor_msgs/PointField
 constexpr std::uint32_t kPoint = 20;              // [bytes]
 
-CdrWriter begin_message(Time stamp, const std::string& frame) {
-  const std::int64_t ns = stamp.count();
-  if (ns < 0 || ns / kSecond > UINT32_MAX) {
-    throw std::runtime_error("stamp " + std::to_string(ns) + " ns is not one of ROS");
-  }
-  CdrWriter message;
-  message.put(static_cast<std::uint32_t>(ns / kSecond));
-  message.put(static_cast<std::uint32_t>(ns % kSecond)).text(frame);
-  return message;
-}
-
-void put_vector(CdrWriter* message, const Vector3d& v) {
-  for (const double value : v) message->put(value);
-}
 void put_covariance(CdrWriter* message, double first) {
   for (int i = 0; i < 9; ++i) message->put(i == 0 ? first : 0.0);
 }
 
 std::string imu_message(const ImuSample& sample) {
-  CdrWriter message = begin_message(sample.time, "imu");
+  CdrWriter message = stamped(sample.time, "imu");
   for (const double value : {0.0, 0.0, 0.0, 1.0}) message.put(value);
   put_covariance(&message, -1.0);  // no orientation (REP 145)
   put_vector(&message, sample.gyro_B);
@@ -73,7 +60,7 @@ std::string cloud_message(const RadarScan& scan, const std::string& frame) {
                                {"z", 8, kFloat32},  {"doppler", 12, kFloat32},
                                {"snr", 16, kInt16}, {"noise", 18, kInt16}};
   const auto count = static_cast<std::uint32_t>(scan.detections.size());
-  CdrWriter message = begin_message(scan.time, frame);
+  CdrWriter message = stamped(scan.time, frame);
   message.put(std::uint32_t{1}).put(count);  // height, width
   message.put(static_cast<std::uint32_t>(std::size(kFields)));
   for (const Field& field : kFields) {
@@ -96,13 +83,11 @@ std::string radar_name(std::size_t radar) {
 
 struct RecordingWriter::Impl {
   Impl(const std::filesystem::path& path, std::size_t count)
-      : file(new_file(path)),
-        imu(file.add_channel("/imu", "sensor_msgs/msg/Imu", std::string(kImuText) + kHeaderText)) {
+      : file(new_file(path)), imu(file.add_channel("/imu", kImuType, definition_of(kImuType))) {
     for (std::size_t r = 0; r < count; ++r) {
       std::string topic = "/";
       topic += radar_name(r);
-      radars.push_back(file.add_channel(topic, "sensor_msgs/msg/PointCloud2",
-                                        std::string(kCloudText) + kHeaderText));
+      radars.push_back(file.add_channel(topic, kCloudType, definition_of(kCloudType)));
     }
   }
   void add(std::uint16_t channel, Time time, const std::string& message) {
@@ -124,7 +109,7 @@ void RecordingWriter::add(const ImuSample& sample) {
 }
 
 void RecordingWriter::add(const RadarScan& scan, std::size_t radar) {
-  impl_->add(impl_->radars.at(radar), scan.time, cloud_message(scan, radar_name(radar)));
+  impl_->add(impl_->radars.at(radar), scan.time, cloud_message(scan, radar_name(radar) + "_chip"));
 }
 
 void RecordingWriter::flush() {

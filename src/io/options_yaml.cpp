@@ -110,6 +110,26 @@ void load_option_values(const std::filesystem::path& path, Options* options) {
   *options = changed;
 }
 
+void apply_settings(const std::vector<std::string>& settings, Options* options) {
+  Options changed = *options;
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw std::runtime_error("\"" + setting + "\": is not KEY=VALUE");
+    }
+    std::string key = setting.substr(0, equals);  // "a.b" is "{a: {b: value}}"
+    std::string end = "}";
+    for (std::size_t dot; (dot = key.find('.')) != std::string::npos; end += "}") {
+      key.replace(dot, 1, ": {");
+    }
+    read_fields(parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting),
+                kPresetKey, &changed);
+  }
+  std::string why;
+  if (!changed.validate(&why)) throw std::runtime_error("settings: " + why);
+  *options = changed;
+}
+
 std::optional<std::string> preset_in_file(const std::filesystem::path& path) {
   return preset_of(load_yaml(path));
 }

@@ -92,11 +92,15 @@ StateCovariance state_covariance(const BodyCovariance& covariance) {
 }
 
 StatesFile::StatesFile(const std::filesystem::path& path) : file_(path) {
-  std::string header = "#t_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz";
-  for (int i = 0; i < 9; ++i) {
-    for (int j = i; j < 9; ++j) header += fmt::format(",P_{}_{}", i, j);
+  std::string header = "#t_ns,px_m,py_m,pz_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps";
+  // position and velocity in world axes [m, m/s], attitude error about body axes [rad]
+  constexpr std::array kErrors = {"px", "py", "pz", "thx", "thy", "thz", "vx", "vy", "vz"};
+  for (std::size_t i = 0; i < kErrors.size(); ++i) {
+    for (std::size_t j = i; j < kErrors.size(); ++j) {
+      header += fmt::format(",P_{}_{}", kErrors[i], kErrors[j]);
+    }
   }
-  file_.write(header + ",bgx,bgy,bgz,bax,bay,baz\n");
+  file_.write(header + ",bgx_radps,bgy_radps,bgz_radps,bax_mps2,bay_mps2,baz_mps2\n");
 }
 
 void StatesFile::add(const NavState& state, const BodyCovariance& covariance) {

@@ -46,12 +46,26 @@ class Engine final : public Odometry::Impl {
         filtered_(o.frontend.max_detections),
         scan_stamps_(from_seconds(o.timing.max_ahead)) {
     for (std::size_t r = 0; r < o.radars(); ++r) extrinsics[r] = o.mount(r).T_BS;
+    landmarks_.reserve(kMaxLandmarks);
   }
 
   const NavState& at_scan() const override { return pipeline_.estimate().nav; }
   const NavState& now() const override { return predictor_.state(); }
   const UpdateReport& report() const override { return pipeline_.report(); }
   const Health& health() const override { return pipeline_.health(); }
+  const std::vector<PointReport>& points() const override { return pipeline_.points(); }
+
+  const std::vector<LandmarkReport>& landmarks() override {
+    const StateEstimate& x = pipeline_.backend().state_estimate();
+    landmarks_.clear();
+    for (std::size_t i = 0; i < x.estimate().landmarks.size(); ++i) {
+      const LandmarkState& landmark = x.estimate().landmarks[i];
+      const int at = x.layout().landmark(static_cast<int>(i));
+      landmarks_.push_back(
+          {landmark.p_W, x.covariance().matrix().block<3, 3>(at, at), landmark.last_seen});
+    }
+    return landmarks_;
+  }
 
   const BodyCovariance& covariance_now() override {
     if (imu_.empty()) return covariance;
@@ -404,6 +418,7 @@ class Engine final : public Odometry::Impl {
   Predictor predictor_;
   Propagation ahead_;  ///< from the last scan to the newest sample at the last covariance_now()
   BodyCovariance covariance_now_ = BodyCovariance::Zero();
+  std::vector<LandmarkReport> landmarks_;  ///< of the last landmarks()
   StaticAligner aligner_;
   MovingStart moving_start_;
   Restart restart_;

@@ -68,6 +68,12 @@ const Pose& Odometry::extrinsics(std::size_t radar) const noexcept {
 const UpdateReport& Odometry::report() const noexcept {
   return impl_->report();
 }
+const std::vector<PointReport>& Odometry::points() const noexcept {
+  return impl_->points();
+}
+const std::vector<LandmarkReport>& Odometry::landmarks() const noexcept {
+  return impl_->landmarks();
+}
 const Counters& Odometry::counters() const noexcept {
   return impl_->counters;
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "rio/rio.hpp"
 
@@ -21,6 +22,8 @@ struct Odometry::Impl {
   virtual const NavState& at_scan() const = 0;
   virtual const NavState& now() const = 0;
   virtual const UpdateReport& report() const = 0;
+  virtual const std::vector<PointReport>& points() const = 0;
+  virtual const std::vector<LandmarkReport>& landmarks() = 0;
   virtual const Health& health() const = 0;
   virtual const BodyCovariance& covariance_now() = 0;
 

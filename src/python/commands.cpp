@@ -24,7 +24,7 @@ py::dict check(const std::string& path, const std::vector<std::string>& texts,
                const std::string& map, const std::string& sensors) {
   tools::CheckArguments arguments;
   arguments.dataset = path;
-  arguments.values = texts;
+  arguments.values.texts = texts;
   arguments.how.map = map;
   arguments.how.sensors = sensors;
   tools::Checked checked;

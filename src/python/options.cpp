@@ -67,7 +67,7 @@ std::string options_of(const std::string& path, const std::vector<std::string>& 
 tools::EstimatorArguments estimator_of(const std::vector<std::string>& texts,
                                        const std::string& preset) {
   tools::EstimatorArguments arguments;
-  arguments.values = texts;
+  arguments.texts = texts;
   arguments.preset = preset;
   return arguments;
 }

@@ -52,7 +52,8 @@ py::dict replayed_arrays(const tools::ReplayArguments& arguments) {
   tools::Replayed replayed;
   {
     const py::gil_scoped_release release;
-    replayed = tools::run_replay(arguments, [&](const Odometry& o) { recorder.add(o); });
+    tools::ViewOutputs nothing({});
+    replayed = tools::run_replay(arguments, &nothing, [&](const Odometry& o) { recorder.add(o); });
   }
   return result_of(std::move(replayed), std::move(recorder));
 }

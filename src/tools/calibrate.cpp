@@ -13,13 +13,13 @@
 #include <vector>
 
 #include "calibrate_report.hpp"
-#include "calibration_names.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
 #include "notes.hpp"
 #include "recording.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/io/dataset.hpp"
+#include "view/calibration_names.hpp"
 
 namespace rio::tools {
 
@@ -69,7 +69,7 @@ void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
   }
   notes->push_back(
       fmt::format("{} tells another T_BS ({:.1f} deg, {:.1f} cm): that of the first counts", name,
-                  kDegrees * turn, 100.0 * shift));
+                  view::kDegrees * turn, 100.0 * shift));
 }
 
 std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
@@ -131,7 +131,7 @@ void calibrate(const CalibrateArguments& arguments) {
   const std::vector<io::Dataset> datasets = read_all(arguments.datasets);
   CalibrateReport report;
   report.datasets = arguments.datasets;
-  report.configured = options_of(datasets.front(), arguments.config);
+  report.configured = options_of(datasets.front(), arguments.values);
   std::vector<calibrate::Recording> recordings;
   for (std::size_t i = 0; i < datasets.size(); ++i) {
     recordings.push_back({datasets[i].imu, datasets[i].scans, std::nullopt, {}});

@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "calibration_names.hpp"
+#include "view/calibration_names.hpp"
 
 namespace rio::tools {
 
@@ -66,10 +66,10 @@ struct NoiseName {
   double scale;
 };
 constexpr std::array<NoiseName, 4> kRadarNoise = {{{"sigma_range", "cm", 100.0},
-                                                   {"sigma_azimuth", "deg", kDegrees},
-                                                   {"sigma_elevation", "deg", kDegrees},
+                                                   {"sigma_azimuth", "deg", view::kDegrees},
+                                                   {"sigma_elevation", "deg", view::kDegrees},
                                                    {"sigma_doppler", "cm/s", 100.0}}};
-constexpr NoiseName kGyro = {"gyroscope_noise", "mdeg/s/rtHz", 1000.0 * kDegrees};
+constexpr NoiseName kGyro = {"gyroscope_noise", "mdeg/s/rtHz", 1000.0 * view::kDegrees};
 constexpr NoiseName kAccel = {"accelerometer_noise", "mm/s2/rtHz", 1000.0};
 
 Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double configured) {
@@ -98,7 +98,7 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const calibrate::ParameterCalibration& p = report.radar.parameters[i];
     if (p.verdict == Determination::kNotEstimated) continue;
-    const CalibrationName& n = kCalibrationNames[i];
+    const view::CalibrationName& n = view::kCalibrationNames[i];
     rows.push_back({.name = n.name,
                     .unit = n.unit,
                     .scale = n.scale,
@@ -143,7 +143,8 @@ Json run_json(const calibrate::MeasuredCalibration& run) {
   Json out = Json::object();
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (run[i].sigma > 0.0) {
-      out[kCalibrationNames[i].name] = {{"correction", run[i].value}, {"sigma", run[i].sigma}};
+      out[view::kCalibrationNames[i].name] = {{"correction", run[i].value},
+                                              {"sigma", run[i].sigma}};
     }
   }
   return out;

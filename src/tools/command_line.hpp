@@ -9,6 +9,7 @@
 namespace rio::tools {
 
 struct EstimatorArguments;
+struct ViewArguments;
 
 /// Makes options that take a number refuse nan, for which every range has room.
 inline void refuse_nan(CLI::App* app) {
@@ -28,10 +29,14 @@ inline void refuse_nan(CLI::App* app) {
 /// Common options of every command that runs the estimator.
 void add_estimator_options(CLI::App* command, EstimatorArguments* estimator);
 
+/// Report, log and viewers, of every command that runs the estimator over time.
+void add_view_options(CLI::App* command, ViewArguments* view, const std::string& group);
+
 void add_info_command(CLI::App& app);
 void add_convert_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_replay_command(CLI::App& app);
+void add_compare_command(CLI::App& app);
 void add_fit_noise_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);
 void add_options_command(CLI::App& app);

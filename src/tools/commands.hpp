@@ -59,6 +59,15 @@ struct LostEstimate : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What a run is shown in, besides its trajectory. Empty: not at all.
+struct ViewArguments {
+  std::string report;  ///< HTML page
+  std::string log;     ///< folder of CSV files
+  std::string mcap;    ///< file for viewers
+  std::string port;    ///< of the live view; 0: any that is free
+  std::string address = "127.0.0.1";
+};
+
 /// `rio replay`: a recording through the estimator.
 struct ReplayArguments {
   std::string dataset;
@@ -68,6 +77,7 @@ struct ReplayArguments {
   std::vector<double> init_velocity;
   std::string out;
   std::string states;
+  ViewArguments view;
   bool barometer = false;  ///< the estimator uses the barometer of the dataset
   bool no_check = false;   ///< no check of the recording, at the end
   bool json = false;
@@ -90,6 +100,7 @@ struct LiveArguments {
   std::string out;               ///< TUM
   std::string states;
   std::string json_lines;
+  ViewArguments view;
   std::vector<std::string> record;  ///< folders, and files *.mcap
   std::string mavlink;              ///< port
   double mavlink_rate = 30.0;
@@ -106,9 +117,8 @@ void live(const LiveArguments& arguments);
 struct CheckArguments {
   std::string dataset;
   RecordingArguments how;
-  std::string config;
+  OptionValues values;
   bool json = false;
-  std::vector<std::string> values;  ///< as EstimatorArguments::values
 };
 /// Errors in a recording: also exit status 3.
 struct WrongRecording : std::runtime_error {
@@ -168,6 +178,21 @@ struct EvaluateArguments {
 void evaluate(const EvaluateArguments& arguments);
 eval::Trajectory truth_of(const std::string& path);  ///< of any file or folder, or of a bag
 
+/// `rio compare`: runs of one recording side by side.
+struct CompareArguments {
+  std::vector<std::string> runs;  ///< recordings, and trajectory files of any estimator
+  RecordingArguments how;
+  EstimatorArguments estimator;       ///< of the recordings
+  std::vector<std::string> presets;   ///< a run with each
+  std::vector<std::string> backends;  ///< same
+  std::vector<std::string> vary;      ///< "KEY=VALUE,VALUE,...": same, every combination
+  std::string init;
+  std::string truth;
+  std::string align = "none";
+  std::string report;  ///< HTML page
+};
+void compare(const CompareArguments& arguments);
+
 /// `rio plot`: paths, heights and errors as a picture.
 struct PlotArguments {
   std::vector<std::string> estimates;
@@ -182,7 +207,7 @@ void plot(const PlotArguments& arguments);
 struct FitNoiseArguments {
   std::string dataset;
   RecordingArguments how;
-  std::string config;
+  OptionValues values;
   std::string init = "static";
   bool no_truth = false;
 };
@@ -191,7 +216,7 @@ void fit_noise(const FitNoiseArguments& arguments);
 /// `rio calibrate`: mounting, time offset, Doppler scale and noise from recordings.
 struct CalibrateArguments {
   std::vector<std::string> datasets;
-  std::string config;
+  OptionValues values;
   std::string out;
   bool overwrite = false;
   bool json = false;

@@ -12,39 +12,37 @@ namespace rio::tools {
 
 namespace {
 
-constexpr const char* kTexts = "options";  ///< name of EstimatorArguments::values in messages
+constexpr const char* kTexts = "options";  ///< name of OptionValues::texts in messages
 
 }  // namespace
 
 std::vector<std::string> tell_sensors_and_values(const io::Dataset& sensors,
-                                                 const EstimatorArguments& arguments,
-                                                 Options* options) {
-  const std::string& file = arguments.config;
+                                                 const OptionValues& values, Options* options) {
+  const std::string& file = values.config;
   std::vector<std::string> configured;
   io::apply_sensor_info(sensors, options, &configured);
-  if (file.empty() && arguments.values.empty()) return {};
+  if (file.empty() && values.texts.empty() && values.set.empty()) return {};
   const Options before = *options;
   if (!file.empty()) io::load_option_values(file, options);
-  if (!arguments.values.empty()) io::parse_option_values(arguments.values, kTexts, options);
-  io::apply_other_radars(sensors, options);
+  if (!values.texts.empty()) io::parse_option_values(values.texts, kTexts, options);
   std::vector<std::string> changed = io::changed_options(before, *options, configured);
-  const std::string source = arguments.values.empty() ? file + " overrides" : "options override";
+  io::apply_settings(values.set, options);
+  io::apply_other_radars(sensors, options);
+  const std::string source = values.texts.empty() ? file + " overrides" : "options override";
   for (std::string& text : changed) text = source + " the sensor files: " + text;
   return changed;
 }
 
-Options options_of(const io::Dataset& sensors, const std::string& file) {
+Options options_of(const io::Dataset& sensors, const OptionValues& values) {
   Options options;
-  EstimatorArguments arguments;
-  arguments.config = file;
-  print_notes(tell_sensors_and_values(sensors, arguments, &options));
+  print_notes(tell_sensors_and_values(sensors, values, &options));
   return options;
 }
 
 Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors, Options base,
                      std::vector<std::string>* notes) {
   std::string name = arguments.preset;
-  if (name.empty()) name = io::preset_in_texts(arguments.values, kTexts).value_or("");
+  if (name.empty()) name = io::preset_in_texts(arguments.texts, kTexts).value_or("");
   if (name.empty() && !arguments.config.empty()) {
     name = io::preset_in_file(arguments.config).value_or("");
   }

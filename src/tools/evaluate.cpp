@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "comparison.hpp"
 #include "evaluate.hpp"
 #include "recording.hpp"
 #include "rio/bag/message_stream.hpp"
@@ -152,25 +153,6 @@ void print_table(const EvaluateArguments& arguments, const std::string& estimate
   print_angle("tilt error", e.tilt);
 }
 
-/// One row per estimate, in Markdown.
-void print_comparison(const EvaluateArguments& arguments, const std::vector<Evaluation>& all) {
-  std::printf(
-      "| estimate | final drift [%%] | norm of MAE [m] | norm of RMSE [m] | "
-      "yaw RMSE [deg] | tilt RMSE [deg] | RPE over 10 m [%%] |\n|---|---|---|---|---|---|---|\n");
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Evaluation& e = all[i];
-    double relative = eval::kNan;
-    for (const RelativeError& error : e.rpe) {
-      if (error.distance == 10.0) relative = error.drift.rmse;
-    }
-    std::printf("| %s | %s | %s | %s | %s | %s | %s |\n",
-                std::filesystem::path(arguments.estimates[i]).stem().c_str(),
-                cell(e.final_drift, 0, 2).c_str(), cell(e.norm_of_mae, 0, 3).c_str(),
-                cell(e.norm_of_rmse, 0, 3).c_str(), cell(e.yaw.rmse, 0, 2).c_str(),
-                cell(e.tilt.rmse, 0, 2).c_str(), cell(relative, 0, 2).c_str());
-  }
-}
-
 }  // namespace
 
 Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajectory& truth,
@@ -183,6 +165,36 @@ Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajec
     return eval::evaluate(truth, estimate, options);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(name + " against " + arguments.truth + ": " + error.what());
+  }
+}
+
+TextTable comparison_table(const std::vector<std::string>& names,
+                           const std::vector<Evaluation>& all) {
+  TextTable rows = {{"estimate", "final drift [%]", "norm of MAE [m]", "norm of RMSE [m]",
+                     "yaw RMSE [deg]", "tilt RMSE [deg]", "RPE over 10 m [%]"}};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Evaluation& e = all[i];
+    double relative = eval::kNan;
+    for (const RelativeError& error : e.rpe) {
+      if (error.distance == 10.0) relative = error.drift.rmse;
+    }
+    rows.push_back({names[i], cell(e.final_drift, 0, 2), cell(e.norm_of_mae, 0, 3),
+                    cell(e.norm_of_rmse, 0, 3), cell(e.yaw.rmse, 0, 2), cell(e.tilt.rmse, 0, 2),
+                    cell(relative, 0, 2)});
+  }
+  return rows;
+}
+
+void print_table(const TextTable& rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    std::string line = "|";
+    std::string rule = "|";
+    for (const std::string& text : rows[i]) {
+      line += " " + text + " |";
+      rule += "---|";
+    }
+    std::printf("%s\n", line.c_str());
+    if (i == 0) std::printf("%s\n", rule.c_str());
   }
 }
 
@@ -208,7 +220,11 @@ void evaluate(const EvaluateArguments& arguments) {
   } else if (all.size() == 1) {
     print_table(arguments, arguments.estimates[0], all[0]);
   } else {
-    print_comparison(arguments, all);
+    std::vector<std::string> names;
+    for (const std::string& file : arguments.estimates) {
+      names.push_back(std::filesystem::path(file).stem().string());
+    }
+    print_table(comparison_table(names, all));
   }
 }
 

@@ -69,8 +69,8 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
              arguments.dataset, c.landmarks, c.dopplers);
   fmt::print("# {} runs; one standard error of each. The grids of the radar are not in it.\n",
              c.runs);
-  if (!arguments.config.empty()) {
-    fmt::print("# To be merged into {}, which was read.\n", arguments.config);
+  if (!arguments.values.config.empty()) {
+    fmt::print("# To be merged into {}, which was read.\n", arguments.values.config);
   }
   fmt::print("radar:\n");
   fmt::print("  sigma_range: {:.5f}  # [m] {}\n", s[0], error_text(c.fit, 0));
@@ -91,7 +91,7 @@ void fit_noise(const FitNoiseArguments& arguments) {
   std::string damage;
   io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
   print_notes(dataset.notes);
-  const Options options = options_of(dataset, arguments.config);
+  const Options options = options_of(dataset, arguments.values);
   calibrate::Recording recording;
   recording.start = make_start(arguments, dataset, options);
   recording.imu = std::move(dataset.imu);

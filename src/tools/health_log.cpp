@@ -7,8 +7,8 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "calibration_names.hpp"
 #include "rio/checks/stamp_guard.hpp"
+#include "view/calibration_names.hpp"
 
 namespace rio::tools {
 
@@ -55,8 +55,8 @@ void HealthLog::conclude(
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       const Observability verdict = calibration[r][i].observability;
       if (verdict != Observability::kDoubtful && verdict != Observability::kAtLimit) continue;
-      append(&calibration_, fmt::format("{} is {}, check {}", calibration_name(i, r),
-                                        to_string(verdict), calibration_check(i, r)));
+      append(&calibration_, fmt::format("{} is {}, check {}", view::calibration_name(i, r),
+                                        to_string(verdict), view::calibration_check(i, r)));
     }
   }
   lost_because_.clear();

@@ -23,6 +23,7 @@
 #include "live_summary.hpp"
 #include "outputs.hpp"
 #include "stop_signal.hpp"
+#include "view_outputs.hpp"
 
 namespace rio::tools {
 
@@ -62,6 +63,18 @@ class Screen {
   Time last_{0};
 };
 
+/// The record of the run, for those who look at it.
+class ViewListener : public live::Listener {
+ public:
+  explicit ViewListener(ViewOutputs* view) : view_(view) {}
+  void on_estimate(const live::Session& session, Time /*arrival*/) override {
+    view_->add(session.odometry());
+  }
+
+ private:
+  ViewOutputs* view_;
+};
+
 class LiveRun {
  public:
   explicit LiveRun(const LiveArguments& arguments)
@@ -69,6 +82,8 @@ class LiveRun {
         clock_(arguments.speed),
         summary_(clock_),
         files_({arguments.out, arguments.states, arguments.json_lines}),
+        view_(arguments.view),
+        shown_(&view_),
         watches_(arguments.radars.size()),
         ports_(clock_, arguments.patience,
                [this](const std::string& message) { screen_.say(message); }) {
@@ -79,6 +94,8 @@ class LiveRun {
     if (link_) listeners.push_back(&*link_);  // first, since the autopilot waits
     listeners.push_back(&summary_);
     listeners.push_back(&files_);
+    if (view_.any()) listeners.push_back(&shown_);
+    view_.begin({"Live run", sensors.setup.options, {}, true, RIO_VERSION});
     for (live::Recorder& recorder : recorders_) listeners.push_back(&recorder);
     for (live::McapRecorder& recorder : mcap_recorders_) listeners.push_back(&recorder);
     session_.emplace(sensors.setup, std::move(listeners));
@@ -105,7 +122,9 @@ class LiveRun {
   /// @return whether the estimate is lost
   bool conclude() {
     const live::ImuCounters imu = imu_counters();
-    return summary_.conclude(*session_, imu, link_ ? link_->sent() : 0);
+    const bool lost = summary_.conclude(*session_, imu, link_ ? link_->sent() : 0);
+    view_.close(summary_.replay());
+    return lost;
   }
   const LiveSummary& summary() const { return summary_; }
   const live::Session& session() const { return *session_; }
@@ -199,6 +218,8 @@ class LiveRun {
   Screen screen_;
   LiveSummary summary_;
   live::EstimateFiles files_;
+  ViewOutputs view_;
+  ViewListener shown_;
   std::list<live::Recorder> recorders_;
   std::list<live::McapRecorder> mcap_recorders_;
   std::vector<live::ScanWatch> watches_;
@@ -216,7 +237,8 @@ void live(const LiveArguments& arguments) {
     throw std::runtime_error("--cli: as many ports as there are radars");
   }
   protect_inputs({arguments.sensors, arguments.estimator.config, arguments.radar_cfg},
-                 {arguments.out, arguments.states, arguments.json_lines});
+                 {arguments.out, arguments.states, arguments.json_lines, arguments.view.report,
+                  arguments.view.mcap});
   catch_stop_signals();
   LiveRun run(arguments);
   run.run();

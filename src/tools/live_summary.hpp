@@ -29,6 +29,7 @@ class LiveSummary : public live::Listener {
                 std::uint64_t odometry_sent);
   std::string text() const;
   std::string json() const;
+  const ReplaySummary& replay() const { return replay_; }
   const std::string& lost_because() const { return replay_.health.lost_because(); }
   /// Of each radar without a usable scan, and why; empty if all have some.
   const std::string& without_scans() const { return without_scans_; }

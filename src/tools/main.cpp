@@ -93,6 +93,7 @@ int run(int argc, char** argv) {
   add_simulate_command(app);
   add_scenarios_command(app);
   add_evaluate_command(app);
+  add_compare_command(app);
   add_experiment_command(app);
   add_plot_command(app);
   add_fit_noise_command(app);

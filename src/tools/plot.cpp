@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio plot`: estimates, and their errors if the truth is known, as one self-contained SVG file.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "comparison.hpp"
 #include "outputs.hpp"
 #include "plot/axes.hpp"
 #include "plot/colours.hpp"
@@ -276,6 +279,14 @@ Series truth_series(const eval::Trajectory& truth, const std::vector<Series>& es
 }  // namespace
 
 void plot(const PlotArguments& arguments) {
+  const std::filesystem::path out = arguments.out;
+  if (out.extension() == ".png" || out.extension() == ".pdf") {
+    throw std::runtime_error(fmt::format(
+        "{0}: an SVG is drawn; name it {1}.svg, then: rsvg-convert {1}.svg{2} -o {0} (package "
+        "librsvg2-bin)",
+        arguments.out, std::filesystem::path(out).replace_extension().string(),
+        out.extension() == ".pdf" ? " -f pdf" : ""));
+  }
   if (!arguments.labels.empty() && arguments.labels.size() != arguments.estimates.size()) {
     throw std::runtime_error("--label: " + std::to_string(arguments.labels.size()) + " names for " +
                              std::to_string(arguments.estimates.size()) + " estimates");
@@ -302,6 +313,9 @@ void plot(const PlotArguments& arguments) {
     }
     all.push_back(std::move(series));
   }
+  std::vector<eval::Trajectory> poses;
+  for (const Series& series : all) poses.push_back(series.poses);
+  expect_common_time(labels, poses);
   if (with_truth) all.insert(all.begin(), truth_series(truth, all));
 
   std::vector<std::string> inputs = arguments.estimates;

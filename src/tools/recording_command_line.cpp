@@ -12,7 +12,8 @@ namespace rio::tools {
 namespace {
 
 /// Options to read a bag, for every command that takes one.
-void add_recording_options(CLI::App* command, RecordingArguments* how) {
+/// @param truth with --truth, its topic
+void add_recording_options(CLI::App* command, RecordingArguments* how, bool truth = true) {
   const std::string group = "Of a bag";
   command
       ->add_option("--map", how->map,
@@ -33,10 +34,12 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
       ->add_option("--pressure", how->pressure,
                    "topic; by default the only sensor_msgs/FluidPressure")
       ->group(group);
-  command
-      ->add_option("--truth", how->truth,
-                   "topic; by default the only geometry_msgs/PoseStamped or nav_msgs/Odometry")
-      ->group(group);
+  if (truth) {
+    command
+        ->add_option("--truth", how->truth,
+                     "topic; by default the only geometry_msgs/PoseStamped or nav_msgs/Odometry")
+        ->group(group);
+  }
   command
       ->add_option("--points", how->points,
                    "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548, "
@@ -84,10 +87,54 @@ void add_recording_options(CLI::App* command, RecordingArguments* how) {
   command->add_option("--accel-unit", how->accel_unit, "of the file, as g")->group(group);
 }
 
+void add_option_values(CLI::App* command, OptionValues* values, const std::string& what) {
+  command->add_option("--config", values->config, what);
+  command
+      ->add_option("--set", values->set,
+                   "one option as KEY=VALUE, with keys and units of option files; may be repeated")
+      ->allow_extra_args(false);
+}
+
+/// Empty, or why that is no port; "true" is the flag without one.
+std::string port_fault(const std::string& text) {
+  const bool number =
+      !text.empty() && text.size() < 6 && text.find_first_not_of("0123456789") == std::string::npos;
+  return text == "true" || (number && std::stoi(text) < 65536) ? "" : text + ": is no port";
+}
+
 }  // namespace
 
+void add_view_options(CLI::App* command, ViewArguments* view, const std::string& group) {
+  command
+      ->add_option("--report", view->report,
+                   "page to write, HTML: summary, paths, points, plots and events, for any browser")
+      ->group(group);
+  command
+      ->add_option(
+          "--log", view->log,
+          "folder to write, CSV: innovations, points, landmarks, calibration, health, events")
+      ->group(group);
+  command
+      ->add_option(
+          "--mcap", view->mcap,
+          "file to write for viewers (Foxglove, Lichtblick, rerun): poses, path, points, ...")
+      ->group(group);
+  command
+      ->add_option_function<std::string>(
+          "--view",
+          [view](const std::string& port) { view->port = port == "true" ? "8765" : port; },
+          "serve the same to viewers that connect (Foxglove WebSocket), on this port or 8765")
+      ->expected(0, 1)
+      ->check(CLI::Validator(port_fault, "", "port"))
+      ->type_name("[PORT]")
+      ->group(group);
+  command->add_option("--view-address", view->address, "of this machine, on which it listens")
+      ->capture_default_str()
+      ->group(group);
+}
+
 void add_estimator_options(CLI::App* command, EstimatorArguments* estimator) {
-  command->add_option("--config", estimator->config, "option file; see `rio options`");
+  add_option_values(command, estimator, "option file; see `rio options`");
   command->add_option("--preset", estimator->preset,
                       "default, published-ekf, published-smoother, published-uncertainty or "
                       "doppler-only; wins over the file's");
@@ -127,8 +174,8 @@ void add_check_command(CLI::App& app) {
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
       ->required();
-  command->add_option("--config", arguments->config,
-                      "option file with what is known of the sensors, as the mounting");
+  add_option_values(command, &arguments->values,
+                    "option file with what is known of the sensors, as the mounting");
   command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
   add_recording_options(command, &arguments->how);
   command->callback([arguments] { check_recording(*arguments); });
@@ -150,6 +197,7 @@ void add_replay_command(CLI::App& app) {
   command->add_option("--states", arguments->states,
                       "states with covariance to write, csv; P is that of position, attitude (body "
                       "axes), velocity");
+  add_view_options(command, &arguments->view, "What a person looks at");
   command->add_flag("--barometer", arguments->barometer,
                     "use the heights of baro0, their offset estimated");
   command->add_flag("--no-check", arguments->no_check,
@@ -161,13 +209,49 @@ void add_replay_command(CLI::App& app) {
   command->callback([arguments] { replay(*arguments); });
 }
 
+void add_compare_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "compare",
+      "Runs of one recording side by side: presets, back-ends, options, other estimators");
+  auto arguments = std::make_shared<CompareArguments>();
+  command
+      ->add_option("RUN", arguments->runs,
+                   "recordings, which are replayed, and trajectories (TUM, EuRoC csv)")
+      ->required();
+  command
+      ->add_option("--preset", arguments->presets, "several, separated by commas: a run with each")
+      ->delimiter(',');
+  command->add_option("--backend", arguments->backends, "ekf, smoother or both, with a comma")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"ekf", "smoother"}));
+  command
+      ->add_option("--vary", arguments->vary,
+                   "KEY=VALUE,VALUE,...: a run with each; several: every combination")
+      ->allow_extra_args(false);
+  add_option_values(command, &arguments->estimator, "option file; see `rio options`");
+  command->add_option("--init", arguments->init,
+                      "groundtruth, static or a file; by default groundtruth if there is one");
+  command->add_option("--truth", arguments->truth,
+                      "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of "
+                      "the recording");
+  command
+      ->add_option("--align", arguments->align,
+                   "lay the estimates over the truth first: none, origin, yaw, se3")
+      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
+      ->capture_default_str();
+  command->add_option("--report", arguments->report,
+                      "page to write, HTML: table, paths, differences");
+  add_recording_options(command, &arguments->how, false);
+  command->callback([arguments] { compare(*arguments); });
+}
+
 void add_fit_noise_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
   auto arguments = std::make_shared<FitNoiseArguments>();
   command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
       ->required();
-  command->add_option("--config", arguments->config, "option file; its sigmas are where it starts");
+  add_option_values(command, &arguments->values, "option file; its sigmas are where it starts");
   command->add_option("--init", arguments->init, "static, groundtruth or a file")
       ->capture_default_str();
   command->add_flag("--no-truth", arguments->no_truth,
@@ -188,8 +272,7 @@ void add_calibrate_command(CLI::App& app) {
   command->add_option("--out", arguments->out,
                       "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
   command->add_flag("--overwrite", arguments->overwrite, "replace sensor files in --out");
-  command->add_option("--config", arguments->config,
-                      "option file; its calibration.* are the priors");
+  add_option_values(command, &arguments->values, "option file; its calibration.* are the priors");
   command->add_flag("--json", arguments->json, "print one JSON line instead of the table");
   command->callback([arguments] { calibrate(*arguments); });
 }

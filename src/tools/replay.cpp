@@ -10,6 +10,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "commands.hpp"
@@ -108,6 +109,26 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
   return Start{file.state, file.covariance, "file"};
 }
 
+/// All of the ground truth; empty if there is none.
+eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenRecording& recording) {
+  const bool folder = is_asl_folder(arguments.dataset);
+  if (folder && recording.sensors.ground_truth.empty()) return {};
+  try {
+    return truth_of(arguments.dataset);
+  } catch (const std::runtime_error&) {
+    if (folder) throw;
+    return {};  // a bag without a topic of it
+  }
+}
+
+view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& recording,
+                         const Options& options, const std::string& source) {
+  std::filesystem::path path = std::filesystem::path(arguments.dataset).lexically_normal();
+  if (path.filename().empty()) path = path.parent_path();
+  return {path.filename().string(), options, truth_for_view(arguments, recording),
+          source != "groundtruth", RIO_VERSION};
+}
+
 /// Outputs of the estimate at each processed scan; of scans at the same instant, as of several
 /// radars, after the last one.
 class Outputs {
@@ -173,8 +194,11 @@ class Replay {
  public:
   /// @param kept receives the samples, if not null
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
-         CheckedPart* kept, const OnScan& on_scan)
-      : samples_(recording.samples.get()), outline_(samples_->outline()), on_scan_(on_scan) {
+         CheckedPart* kept, ViewOutputs* view, const OnScan& on_scan)
+      : samples_(recording.samples.get()),
+        outline_(samples_->outline()),
+        on_scan_(on_scan),
+        view_(view) {
     const std::optional<Start> start = make_start(arguments, recording, options);
     Options used = options;
     used.start.static_alignment = !start;
@@ -186,16 +210,20 @@ class Replay {
       init_velocity_ = Vector3d(v[0], v[1], v[2]);
     }
     summary_.initialised_by = start ? start->source : "static";
+    if (view->any()) view->begin(run_start(arguments, recording, used, start ? start->source : ""));
     feed_.emplace(samples_, kept);
     summary_.reserve(feed_->scans_left());
     if (start) begin(*start);
+    watched_ = !arguments.view.port.empty();
+    lines_ = arguments.verbose && !arguments.json && !arguments.quiet && isatty(STDOUT_FILENO) != 0;
     outputs_.open(arguments, outline_.imu_begin);
     if (arguments.barometer) open_barometer(recording);
   }
 
   ReplaySummary run() {
-    Progress progress(!on_scan_ && isatty(STDOUT_FILENO) == 0);
+    Progress progress(!lines_ && !on_scan_);
     while (const ImuSample* sample = feed_->imu()) {
+      pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
       const std::optional<Time> due = waiting_ ? std::nullopt : feed_->due();
       if (due && *due < sample->time) {
@@ -224,6 +252,13 @@ class Replay {
       (void)feed_->take_scan(&radar);
       ++summary_.scans_before_start;
     }
+  }
+
+  /// Of the recording, for those who watch it.
+  void pace(Time time) {
+    if (!watched_) return;
+    if (!paced_from_) paced_from_ = steady_now() - time;
+    std::this_thread::sleep_for(*paced_from_ + time - steady_now());
   }
 
   void next_imu() {
@@ -323,6 +358,7 @@ class Replay {
     }
     outputs_.add(*odometry_);
     if (on_scan_) on_scan_(*odometry_);
+    view_->add(*odometry_);
     summary_.add(odometry_->report(), state);
   }
 
@@ -353,6 +389,10 @@ class Replay {
   bool several_ = outline_.scan_times.size() > 1;  ///< radars
   std::uint64_t recorded_ = 0;                     ///< scans of several radars
   Outputs outputs_;
+  ViewOutputs* view_;
+  bool watched_ = false;
+  bool lines_ = false;              ///< one a scan on the terminal, in place of the progress
+  std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;
   std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
@@ -375,9 +415,9 @@ std::string no_start_text(const std::optional<check::Findings>& data) {
 
 }  // namespace
 
-Replayed run_replay(const ReplayArguments& arguments, const OnScan& on_scan) {
+Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const OnScan& on_scan) {
   protect_inputs({arguments.dataset, arguments.estimator.config, arguments.init, arguments.how.map},
-                 {arguments.out, arguments.states});
+                 {arguments.out, arguments.states, arguments.view.report, arguments.view.mcap});
   const OpenRecording recording =
       open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
   const io::RecordingOutline& outline = recording.samples->outline();
@@ -387,7 +427,7 @@ Replayed run_replay(const ReplayArguments& arguments, const OnScan& on_scan) {
   std::optional<CheckedPart> part;
   if (!arguments.no_check) part.emplace(recording.sensors, outline);
   ReplaySummary summary =
-      Replay(arguments, recording, options, part ? &*part : nullptr, on_scan).run();
+      Replay(arguments, recording, options, part ? &*part : nullptr, view, on_scan).run();
   if (part) {
     Options checked;  // overridden values have been noted already
     (void)tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
@@ -401,8 +441,10 @@ Replayed run_replay(const ReplayArguments& arguments, const OnScan& on_scan) {
 }
 
 void replay(const ReplayArguments& arguments) {
-  const Replayed replayed = run_replay(arguments);
+  ViewOutputs view(arguments.view);
+  const Replayed replayed = run_replay(arguments, &view);
   const ReplaySummary& summary = replayed.summary;
+  view.close(summary);
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "replay_summary.hpp"
 #include "rio/rio.hpp"
+#include "view_outputs.hpp"
 
 namespace rio::tools {
 
@@ -21,9 +22,11 @@ struct Replayed {
   std::string damage;              ///< empty, or where the recording is damaged: it ends there
 };
 
-/// Writes the files of the arguments and prints nothing if `on_scan` is given; if not, the lines
-/// and the progress of the program.
+/// Writes the trajectory files of the arguments and prints nothing if `on_scan` is given; if not,
+/// the lines and the progress of the program.
+/// @param view begun and given every scan; the caller closes it
 /// @throws std::runtime_error if the estimator did not start; a lost estimate is in the summary
-Replayed run_replay(const ReplayArguments& arguments, const OnScan& on_scan = {});
+Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view,
+                    const OnScan& on_scan = {});
 
 }  // namespace rio::tools

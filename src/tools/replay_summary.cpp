@@ -9,8 +9,8 @@
 #include <numeric>
 #include <utility>
 
-#include "calibration_names.hpp"
 #include "findings.hpp"
+#include "view/calibration_names.hpp"
 
 namespace rio::tools {
 
@@ -55,12 +55,13 @@ std::string calibration_text(const std::array<CalibrationReport, kCalibrationCou
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = of_radar[i];
     if (c.observability == Observability::kNotEstimated) continue;
-    const CalibrationName& name = kCalibrationNames[i];
-    out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", calibration_name(i, r),
-                       name.scale * c.value, name.unit, name.scale * c.sigma,
-                       name.scale * c.prior_sigma, to_string(c.observability));
+    const view::CalibrationName& name = view::kCalibrationNames[i];
+    out +=
+        fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", view::calibration_name(i, r),
+                    name.scale * c.value, name.unit, name.scale * c.sigma,
+                    name.scale * c.prior_sigma, to_string(c.observability));
     if (c.observability == Observability::kDoubtful || c.observability == Observability::kAtLimit) {
-      out += fmt::format("  check {}\n", calibration_check(i, r));
+      out += fmt::format("  check {}\n", view::calibration_check(i, r));
     }
   }
   return out;
@@ -115,7 +116,7 @@ std::string ReplaySummary::json() const {
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       const CalibrationReport& c = calibration[r][i];
       if (c.observability == Observability::kNotEstimated) continue;
-      calibrated[calibration_name(i, r)] = {
+      calibrated[view::calibration_name(i, r)] = {
           {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.observability)}};
     }
   }
@@ -174,8 +175,7 @@ std::string ReplaySummary::text() const {
       scans, updates, initialised_by, path_length, (last_position - first_position).norm(),
       last_position.x(), last_position.y(), last_position.z());
   for (std::size_t i = 0; i < kModelCount; ++i) {
-    const bool aided = height_offset || models[i].rows_used + models[i].rows_gated > 0;
-    if (model_at(i) == Model::kAiding && !aided) continue;
+    if (models[i].rows_used + models[i].rows_gated == 0) continue;
     out += fmt::format("{}: {} rows used, {} gated\n", to_string(model_at(i)), models[i].rows_used,
                        models[i].rows_gated);
   }

@@ -28,6 +28,7 @@ void add_live_outputs(CLI::App* command, LiveArguments* to) {
                    "twice")
       ->allow_extra_args(false)
       ->group(group);
+  add_view_options(command, &to->view, group);
   CLI::Option* link =
       command
           ->add_option("--mavlink", to->mavlink,

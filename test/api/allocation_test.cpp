@@ -38,6 +38,8 @@ TEST_P(Allocation, NoneAfterCreate) {
   ASSERT_NE(odometry, nullptr);
   std::size_t next = 0;
   int rows = 0;
+  std::size_t points = 0;
+  std::size_t landmarks = 0;
   const AllocationGuard guard;
   for (const ImuSample& sample : flight.imu) {
     if (next % 50 == 49) {  // ahead of the IMU now and then
@@ -48,6 +50,8 @@ TEST_P(Allocation, NoneAfterCreate) {
     while (next < flight.scans.size() && flight.scans[next].time <= sample.time) {
       (void)odometry->add_scan(flight.scans[next++]);
       for (const ModelReport& model : odometry->report().models) rows += model.rows_used;
+      points += odometry->points().size();
+      landmarks += odometry->landmarks().size();
     }
   }
   const BodyCovariance P = odometry->covariance();
@@ -55,6 +59,10 @@ TEST_P(Allocation, NoneAfterCreate) {
   odometry->reset();
   EXPECT_EQ(guard.count(), 0);
   EXPECT_GT(rows, 1000);
+  EXPECT_GT(points, 1000U);
+  if (options.update.use_landmarks) {
+    EXPECT_GT(landmarks, 0U);
+  }
 }
 
 class Reopening : public testing::TestWithParam<BackEnd> {};

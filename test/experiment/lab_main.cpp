@@ -93,7 +93,7 @@ void run_all(Arguments arguments) {
 
 int run(int argc, char** argv) {
   CLI::App app("Answer a question with many simulated flights", "rio experiment");
-  app.set_version_flag("--version", version_text());
+  app.set_version_flag("--version", rio::tools::version_text());
   Arguments arguments;
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";

@@ -126,7 +126,9 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
 
   const std::string text = dir.read("states.csv");
   EXPECT_FALSE(test::contains(text, "P_1_0"));
-  EXPECT_TRUE(text.starts_with("#t_ns,px,py,pz,qw,qx,qy,qz,vx,vy,vz,P_0_0,P_0_1,")) << text;
+  EXPECT_TRUE(
+      text.starts_with("#t_ns,px_m,py_m,pz_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps,P_px_px,P_px_py,"))
+      << text;
   EXPECT_TRUE(test::contains(text, ",P_0_8,P_1_1,"));
   EXPECT_TRUE(test::contains(text, ",P_8_8,bgx,bgy,bgz,bax,bay,baz\n"));
   CsvReader rows(path);
@@ -135,7 +137,7 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
   EXPECT_EQ(rows.integer(0), state.time.count());
   const double head[] = {0.1, 0.2, 0.3, 0.5, -0.5, 0.5, 0.5, 4, 5, 6};
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(rows.number(i + 1), head[i]) << i;
-  EXPECT_EQ(rows.number(11), 404);  // P_0_0
+  EXPECT_EQ(rows.number(11), 404);  // P_px_px
   EXPECT_EQ(rows.number(14), 104);  // P_0_3
   EXPECT_EQ(rows.number(20), 505);  // P_1_1
   EXPECT_EQ(rows.number(55), 909);  // P_8_8

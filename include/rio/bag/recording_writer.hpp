@@ -2,8 +2,8 @@
 // Writer of a ROS 2 recording in MCAP, during the run.
 //
 //   /imu                 sensor_msgs/msg/Imu without orientation, frame "imu"
-//   /radar0, /radar1...  sensor_msgs/msg/PointCloud2, frames "radar0"...: the points as a TI radar
-//                        sends them, in axes of the chip (x right, y forward, z up): float32 x, y,
+//   /radar0, /radar1...  sensor_msgs/msg/PointCloud2, frames "radar0_chip"...: the points as a TI
+//                        radar sends them, in axes of the chip (x right, y forward, z up): float32 x, y,
 //                        z [m], doppler [m/s, + = receding], int16 snr, noise [0.1 dB]
 //
 // Header stamps and file times are those of the samples and scans. Scans of a TI radar read back to

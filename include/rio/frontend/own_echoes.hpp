@@ -22,6 +22,9 @@
 
 namespace rio {
 
+/// Indices of detections, ascending.
+using OwnEchoList = StaticVector<std::size_t, kMaxDetections>;
+
 /// No allocation; O(detections * kPlaces) a scan.
 class OwnEchoes {
  public:
@@ -35,7 +38,7 @@ class OwnEchoes {
   /// @param v_S,covariance_S predicted velocity of the radar, its axes [m/s], [m^2/s^2]
   /// @param doppler_scale factor by which the range rates have been divided
   void observe(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S,
-               StaticVector<std::size_t, kMaxDetections>* own, double doppler_scale = 1.0);
+               OwnEchoList* own, double doppler_scale = 1.0);
 
  private:
   struct Place {

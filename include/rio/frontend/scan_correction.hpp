@@ -28,13 +28,16 @@ class ScanCorrection {
   const DetectionList& correct(const DetectionList& received, const Estimate& x,
                                const Matrix3d& velocity_covariance);
 
+  /// Own echoes in the last scan.
+  const OwnEchoList& own_echoes() const { return own_; }
+
   /// Makes the records of the corrected scan refer to the detections of the received one.
   void restore_indices(UpdateReport* report) const;
 
  private:
   bool use_own_echoes_;
-  std::vector<OwnEchoes> own_echoes_;              ///< by radar
-  StaticVector<std::size_t, kMaxDetections> own_;  ///< own echoes in the scan, ascending
+  std::vector<OwnEchoes> own_echoes_;  ///< by radar
+  OwnEchoList own_;
   DetectionList corrected_;
 };
 

@@ -19,6 +19,10 @@ void load_options(const std::filesystem::path& path, Options* options);
 /// The same without the preset, for callers that insert other values between preset and file.
 void load_option_values(const std::filesystem::path& path, Options* options);
 
+/// Applies settings "KEY=VALUE" with the keys and values of option files, in their order; throws as
+/// load_option_values() does, with the setting in place of the file.
+void apply_settings(const std::vector<std::string>& settings, Options* options);
+
 /// The file's `preset` key.
 std::optional<std::string> preset_in_file(const std::filesystem::path& path);
 

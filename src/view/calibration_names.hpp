@@ -8,7 +8,7 @@
 
 #include "rio/report.hpp"
 
-namespace rio::tools {
+namespace rio::view {
 
 /// Order of Calibration, with the display unit.
 struct CalibrationName {
@@ -46,4 +46,4 @@ inline std::string calibration_check(std::size_t i, std::size_t r) {
   return check;
 }
 
-}  // namespace rio::tools
+}  // namespace rio::view

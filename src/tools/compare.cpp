@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rio compare`: runs of one recording side by side, as a table and as a page.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "comparison.hpp"
+#include "outputs.hpp"
+#include "recording.hpp"
+#include "replay.hpp"
+#include "rio/bag/message_stream.hpp"
+#include "rio/eval/alignment.hpp"
+#include "rio/eval/metrics.hpp"
+#include "rio/eval/pairing.hpp"
+#include "rio/io/trajectory.hpp"
+#include "view/page.hpp"
+
+namespace rio::tools {
+
+namespace {
+
+/// One run: a recording with settings, or the file of another estimator.
+struct Run {
+  std::string name;
+  eval::Trajectory poses;
+  std::string verdict;  ///< of a replay
+};
+
+class PathOf : public view::RunSink {
+ public:
+  explicit PathOf(eval::Trajectory* poses) : poses_(poses) {}
+  void add(const view::ScanRecord& record, const std::vector<view::Event>& /*events*/) override {
+    const NavState& x = record.state;
+    if (!poses_->empty() && poses_->back().time >= x.time) return;
+    poses_->push_back({x.time, x.p_WB, x.q_WB});
+  }
+
+ private:
+  eval::Trajectory* poses_;
+};
+
+std::string stem(std::filesystem::path path) {
+  path = path.lexically_normal();
+  return (path.filename().empty() ? path.parent_path() : path).stem().string();
+}
+
+/// "KEY=1,2" as "KEY=1" and "KEY=2".
+std::vector<std::string> settings_of(const std::string& vary) {
+  const std::size_t equals = vary.find('=');
+  if (equals == std::string::npos) {
+    throw std::runtime_error("--vary " + vary + ": is not KEY=VALUE,VALUE,...");
+  }
+  std::vector<std::string> settings;
+  for (std::size_t at = equals; at != std::string::npos;) {
+    const std::size_t next = vary.find(',', at + 1);
+    settings.push_back(vary.substr(0, equals) + "=" + vary.substr(at + 1, next - at - 1));
+    at = next;
+  }
+  return settings;
+}
+
+/// How the estimator runs: every combination of what is varied, each with its name.
+std::vector<std::pair<std::string, EstimatorArguments>> variants_of(
+    const CompareArguments& arguments) {
+  std::vector<std::pair<std::string, EstimatorArguments>> all = {{"", arguments.estimator}};
+  const auto multiply = [&all](const std::vector<std::string>& values, const auto& apply) {
+    if (values.empty()) return;
+    std::vector<std::pair<std::string, EstimatorArguments>> more;
+    for (const auto& [name, estimator] : all) {
+      for (const std::string& value : values) {
+        more.emplace_back(name + (name.empty() ? "" : " ") + value, estimator);
+        apply(&more.back().second, value);
+      }
+    }
+    all = std::move(more);
+  };
+  multiply(arguments.presets, [](EstimatorArguments* e, const std::string& v) { e->preset = v; });
+  multiply(arguments.backends, [](EstimatorArguments* e, const std::string& v) { e->backend = v; });
+  for (const std::string& vary : arguments.vary) {
+    multiply(settings_of(vary),
+             [](EstimatorArguments* e, const std::string& v) { e->set.push_back(v); });
+  }
+  return all;
+}
+
+Run replay_of(const CompareArguments& arguments, const std::string& recording,
+              const std::string& name, const EstimatorArguments& estimator) {
+  ReplayArguments one;
+  one.dataset = recording;
+  one.how = arguments.how;
+  one.estimator = estimator;
+  one.init = arguments.init;
+  one.no_check = true;
+  one.quiet = true;
+  Run run{name, {}, {}};
+  PathOf path(&run.poses);
+  ViewOutputs view({});
+  view.add_sink(&path);
+  const Replayed replayed = run_replay(one, &view);
+  run.verdict = replayed.summary.health.verdict();
+  if (!replayed.damage.empty()) fmt::print(stderr, "note: {}\n", replayed.damage);
+  if (run.poses.empty()) throw std::runtime_error(name + ": no scan was used");
+  return run;
+}
+
+bool is_recording(const std::string& path) {
+  return is_asl_folder(path) || bag::begins_as_recording(path);
+}
+
+std::vector<Run> runs_of(const CompareArguments& arguments) {
+  std::vector<Run> runs;
+  for (const std::string& path : arguments.runs) {
+    if (!is_recording(path)) {
+      runs.push_back({stem(path), io::read_trajectory(path), {}});
+      continue;
+    }
+    for (const auto& [variant, estimator] : variants_of(arguments)) {
+      const bool alone =
+          std::count_if(arguments.runs.begin(), arguments.runs.end(), is_recording) == 1;
+      const std::string name = variant.empty() ? stem(path)
+                               : alone         ? variant
+                                               : stem(path) + " " + variant;
+      fmt::print(stderr, "{} ...\n", name);
+      runs.push_back(replay_of(arguments, path, name, estimator));
+    }
+  }
+  return runs;
+}
+
+/// The given truth, or that of the first recording that has one.
+eval::Trajectory common_truth(const CompareArguments& arguments) {
+  if (!arguments.truth.empty()) return truth_of(arguments.truth);
+  for (const std::string& path : arguments.runs) {
+    if (!is_recording(path)) continue;
+    try {
+      return truth_of(path);
+    } catch (const std::runtime_error&) {  // it has none
+    }
+  }
+  return {};
+}
+
+/// Poses of `run` at the times of `reference`.
+std::vector<eval::PosePair> at_times_of(const eval::Trajectory& reference,
+                                        const eval::Trajectory& run) {
+  return eval::associate_interpolated(run, reference, std::chrono::milliseconds(1500)).pairs;
+}
+
+/// The runs as they are shown: paths, errors, and differences from the first.
+view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) {
+  view::Page page;
+  const eval::Trajectory& first = runs.front().poses;
+  page.begin = first.front().time;
+  const auto seconds = [&page](Time time) { return to_seconds(time - page.begin); };
+  const auto add_path = [&](const std::string& name, const eval::Trajectory& poses) {
+    view::Path path{name, {}, {}, {}};
+    for (const eval::StampedPose& pose : poses) {
+      path.times.push_back(static_cast<float>(seconds(pose.time)));
+      for (const double value : pose.p) path.positions.push_back(static_cast<float>(value));
+      for (const double value : pose.q.coeffs()) {
+        path.attitudes.push_back(static_cast<float>(value));
+      }
+    }
+    page.paths.push_back(std::move(path));
+  };
+  for (const Run& run : runs) add_path(run.name, run.poses);
+  if (!truth.empty()) {
+    eval::Trajectory within;
+    for (const eval::PosePair& pair : eval::associate(truth, first).pairs) {
+      within.push_back(pair.truth);
+    }
+    add_path("truth", within);
+  }
+
+  std::vector<std::vector<eval::PosePair>> there;  // of each run at the times of the first
+  for (const Run& run : runs) there.push_back(at_times_of(first, run.poses));
+  std::vector<std::size_t> next(runs.size(), 0);
+  const auto true_pairs =
+      truth.empty() ? std::vector<eval::PosePair>{} : eval::associate(truth, first).pairs;
+  std::size_t next_true = 0;
+  for (const eval::StampedPose& pose : first) {
+    page.columns.start_row(seconds(pose.time));
+    const bool known =
+        next_true < true_pairs.size() && true_pairs[next_true].estimate.time == pose.time;
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (next[i] == there[i].size() || there[i][next[i]].estimate.time != pose.time) continue;
+      const eval::StampedPose other = there[i][next[i]++].truth;  // interpolated
+      const std::string k = std::to_string(i);
+      page.columns.set("z" + k, other.p.z());
+      if (i > 0) {
+        page.columns.set("d" + k, (other.p - pose.p).norm());
+        page.columns.set("y" + k, eval::yaw_error({pose, other}));
+      }
+      if (!known) continue;
+      const eval::PosePair pair{true_pairs[next_true].truth, other};
+      page.columns.set("e" + k, (other.p - pair.truth.p).norm());
+      page.columns.set("a" + k, eval::yaw_error(pair));
+      page.columns.set("t" + k, eval::tilt_error(pair));
+    }
+    if (known) ++next_true;
+  }
+  const auto plot = [&](const std::string& title, const std::string& note, const char* column) {
+    view::Plot out{title, note, {}, {}, false, "Over time"};
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      out.curves.push_back({runs[i].name, column + std::to_string(i)});
+    }
+    page.plots.push_back(std::move(out));
+  };
+  const std::string to_first = "from " + runs.front().name + ", at its times";
+  plot("Position error [m]", "distance from the truth", "e");
+  plot("Yaw error [deg]", "against the truth", "a");
+  plot("Tilt error [deg]", "against the truth", "t");
+  plot("Difference of position [m]", to_first, "d");
+  plot("Difference of yaw [deg]", to_first, "y");
+  plot("Height [m]", "", "z");
+  return page;
+}
+
+/// Without a truth: what the runs say of themselves.
+TextTable table_without_truth(const std::vector<Run>& runs) {
+  TextTable rows = {{"run", "path [m]", "first to last [m]", "end from the first run's [m]"}};
+  for (const Run& run : runs) {
+    double length = 0.0;
+    for (std::size_t i = 1; i < run.poses.size(); ++i) {
+      length += (run.poses[i].p - run.poses[i - 1].p).norm();
+    }
+    const Vector3d& last = run.poses.back().p;
+    rows.push_back({run.name, fmt::format("{:.2f}", length),
+                    fmt::format("{:.3f}", (last - run.poses.front().p).norm()),
+                    fmt::format("{:.3f}", (last - runs.front().poses.back().p).norm())});
+  }
+  return rows;
+}
+
+}  // namespace
+
+void expect_common_time(const std::vector<std::string>& names,
+                        const std::vector<eval::Trajectory>& trajectories) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const eval::Trajectory& a = trajectories[k];
+      const eval::Trajectory& b = trajectories[i];
+      if (std::max(a.front().time, b.front().time) <= std::min(a.back().time, b.back().time)) {
+        continue;
+      }
+      throw std::runtime_error(fmt::format(
+          "no time in common: {} is from {} s to {} s, {} from {} s to {} s; estimates of one "
+          "recording in one clock can be compared",
+          names[k], io::seconds_text(a.front().time), io::seconds_text(a.back().time), names[i],
+          io::seconds_text(b.front().time), io::seconds_text(b.back().time)));
+    }
+  }
+}
+
+void compare(const CompareArguments& arguments) {
+  std::vector<std::string> inputs = arguments.runs;
+  inputs.push_back(arguments.truth);
+  protect_inputs(inputs, {arguments.report});
+  std::vector<Run> runs = runs_of(arguments);
+  const eval::Trajectory truth = common_truth(arguments);
+  std::vector<std::string> names;
+  std::vector<eval::Trajectory> poses;
+  for (const Run& run : runs) {
+    names.push_back(run.name);
+    poses.push_back(run.poses);
+  }
+  if (!truth.empty()) {
+    names.emplace_back("the truth");
+    poses.push_back(truth);
+  }
+  expect_common_time(names, poses);
+
+  TextTable rows;
+  if (truth.empty()) {
+    rows = table_without_truth(runs);
+  } else {
+    eval::EvaluationOptions options;
+    options.alignment = *eval::alignment_kind(arguments.align);
+    std::vector<eval::Evaluation> all;
+    for (Run& run : runs) {
+      all.push_back(eval::evaluate(truth, run.poses, options));
+      const auto pairs = eval::associate(truth, run.poses).pairs;
+      const Pose T = eval::find_alignment(pairs, options.alignment).transform;
+      for (eval::StampedPose& pose : run.poses) pose = eval::transformed(T, pose);
+    }
+    rows = comparison_table(names, all);
+  }
+  rows.front().emplace_back("verdict");
+  for (std::size_t i = 0; i < runs.size(); ++i) rows[i + 1].push_back(runs[i].verdict);
+  print_table(rows);
+  if (arguments.report.empty()) return;
+  view::Page page = page_of(runs, truth);
+  page.title = "Comparison of " + std::to_string(runs.size()) + " runs";
+  page.subtitle = truth.empty() ? "no truth is known" : "errors with alignment: " + arguments.align;
+  page.tables.push_back({"Figures", rows});
+  for (const std::string& note : view::write_page(page, arguments.report)) {
+    fmt::print(stderr, "note: {} is {}\n", arguments.report, note);
+  }
+}
+
+}  // namespace rio::tools

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "view/calibration_names.hpp"
+#include "view/csv_log.hpp"
+#include "view/messages.hpp"
+#ifdef RIO_HAS_LIBWEBSOCKETS
+#include "view/live_server.hpp"
+#endif
+
+namespace rio::tools {
+
+namespace {
+
+std::string calibration_line(const CalibrationReport& c, const view::CalibrationName& name) {
+  return fmt::format("{:+.2f} {} ± {:.2f}, {}", name.scale * c.value, name.unit,
+                     name.scale * c.sigma, to_string(c.observability));
+}
+
+void fill_card(const ReplaySummary& summary, view::Page* page) {
+  page->verdict = summary.health.verdict();
+  std::vector<view::CardLine> card = {
+      {"Duration", fmt::format("{:.1f} s, {} scans", to_seconds(summary.span), summary.scans)},
+      {"Distance",
+       fmt::format("{:.1f} m, at most {:.2f} m/s", summary.path_length, summary.fastest)},
+      {"First to last position",
+       fmt::format("{:.3f} m", (summary.last_position - summary.first_position).norm())}};
+  card.insert(card.end(), page->card.begin(), page->card.end());
+  card.push_back({"Start", summary.initialised_by});
+  if (summary.wall > Time{0}) {
+    card.push_back({"Real-time factor",
+                    fmt::format("{:.0f}", to_seconds(summary.span) / to_seconds(summary.wall))});
+  }
+  for (std::size_t r = 0; r < summary.calibration.size(); ++r) {
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      const CalibrationReport& c = summary.calibration[r][i];
+      const bool doubtful =
+          c.observability == Observability::kDoubtful || c.observability == Observability::kAtLimit;
+      if (c.observability == Observability::kNotEstimated) continue;
+      std::string name = view::calibration_name(i, r);
+      for (char& letter : name) letter = letter == '_' ? ' ' : letter;
+      card.push_back({name, calibration_line(c, view::kCalibrationNames[i]),
+                      doubtful ? "check " + view::calibration_check(i, r) : ""});
+    }
+  }
+  page->card = std::move(card);
+}
+
+}  // namespace
+
+ViewOutputs::ViewOutputs(const ViewArguments& arguments) : report_path_(arguments.report) {
+  if (!arguments.report.empty()) {
+    auto report = std::make_unique<view::ReportBuilder>();
+    report_ = report.get();
+    sinks_.push_back(std::move(report));
+  }
+  if (!arguments.log.empty()) sinks_.push_back(std::make_unique<view::CsvLog>(arguments.log));
+  if (!arguments.mcap.empty()) send_to(std::make_unique<view::McapTarget>(arguments.mcap));
+  if (!arguments.port.empty()) serve(arguments);
+  for (const auto& sink : sinks_) recorder_.add_sink(sink.get());
+}
+
+void ViewOutputs::send_to(std::unique_ptr<view::MessageTarget> target) {
+  sinks_.push_back(std::make_unique<view::Messages>(target.get()));
+  targets_.push_back(std::move(target));
+}
+
+void ViewOutputs::serve(const ViewArguments& arguments) {
+#ifdef RIO_HAS_LIBWEBSOCKETS
+  auto server = std::make_unique<view::LiveServer>(arguments.address, std::stoi(arguments.port));
+  fmt::print(stderr, "view: ws://{}:{} (Foxglove, Lichtblick: open connection)\n",
+             arguments.address, server->port());
+  server_ = server.get();
+  send_to(std::move(server));
+#else
+  (void)arguments;
+  throw std::runtime_error("--view: built without libwebsockets (package libwebsockets-dev)");
+#endif
+}
+
+void ViewOutputs::tell_dropped() const {
+#ifdef RIO_HAS_LIBWEBSOCKETS
+  if (server_ == nullptr || server_->dropped() == 0) return;
+  fmt::print(stderr, "view: {} messages dropped, since viewers read too slowly\n",
+             server_->dropped());
+#endif
+}
+
+void ViewOutputs::close(const ReplaySummary& summary) {
+  recorder_.close();
+  tell_dropped();
+  if (report_ == nullptr) return;
+  fill_card(summary, &report_->page());
+  for (const std::string& note : view::write_page(report_->page(), report_path_)) {
+    fmt::print(stderr, "note: {} is {}\n", report_path_, note);
+  }
+}
+
+}  // namespace rio::tools

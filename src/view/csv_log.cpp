@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/csv_log.hpp"
+
+#include <fmt/format.h>
+
+#include "view/calibration_names.hpp"
+
+namespace rio::view {
+
+namespace {
+
+/// The folder, there afterwards.
+std::filesystem::path made(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+std::string list(const Vector3d& v) {
+  return fmt::format(",{},{},{}", v.x(), v.y(), v.z());
+}
+
+const char* to_string(GateResult result) {
+  switch (result) {
+    case GateResult::kUsed:
+      return "used";
+    case GateResult::kGated:
+      return "gated";
+    case GateResult::kOutOfDomain:
+      break;
+  }
+  return "out of domain";
+}
+
+std::string underscored(std::string name) {
+  for (char& c : name) c = c == ' ' ? '_' : c;
+  return name;
+}
+
+/// The name of a parameter says no unit: the CSV has SI units.
+const char* unit_of(std::size_t i) {
+  if (i < 3 || i == 7) return "rad";
+  if (i < 6) return "m";
+  return i == 8 ? "s" : "1";
+}
+
+}  // namespace
+
+CsvLog::CsvLog(const std::filesystem::path& folder)
+    : scans_(made(folder) / "scans.csv"),
+      innovations_(folder / "innovations.csv"),
+      points_(folder / "points.csv"),
+      landmarks_(folder / "landmarks.csv"),
+      calibration_(folder / "calibration.csv"),
+      health_(folder / "health.csv"),
+      events_(folder / "events.csv") {
+  const std::string head = "t_ns,stamp_ns,radar,";
+  scans_.write(
+      head +
+      "p_x_m,p_y_m,p_z_m,q_w,q_x,q_y,q_z,v_x_mps,v_y_mps,v_z_mps,"
+      "bg_x_radps,bg_y_radps,bg_z_radps,ba_x_mps2,ba_y_mps2,ba_z_mps2,"
+      "sigma_p_x_m,sigma_p_y_m,sigma_p_z_m,sigma_phi_x_rad,sigma_phi_y_rad,sigma_phi_z_rad,"
+      "sigma_v_x_mps,sigma_v_y_mps,sigma_v_z_mps,points,points_kept,points_static,"
+      "ego_v_x_mps,ego_v_y_mps,ego_v_z_mps,landmarks,landmarks_matched,clones,at_rest,"
+      "update_ms,propagation_ms\n");
+  innovations_.write(head + "model,name,point,rows,innovation,sigma,nis,gate,result\n");
+  points_.write(head +
+                "point,label,S_x_m,S_y_m,S_z_m,W_x_m,W_y_m,W_z_m,range_rate_mps,snr_db,"
+                "residual_mps,residual_sigma_mps\n");
+  landmarks_.write(head +
+                   "W_x_m,W_y_m,W_z_m,P_xx_m2,P_xy_m2,P_xz_m2,P_yy_m2,P_yz_m2,P_zz_m2,"
+                   "last_seen_ns\n");
+  calibration_.write(head + "parameter,unit,correction,sigma,prior_sigma,observability\n");
+  std::string severities;
+  for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
+    severities += "," + underscored(rio::to_string(static_cast<HealthReason>(i)));
+  }
+  health_.write(head + "state,position,velocity,heading,quality,reset_counter" + severities + "\n");
+  events_.write("t_ns,kind,serious,text\n");
+}
+
+void CsvLog::add(const ScanRecord& record, const std::vector<Event>& events) {
+  const NavState& x = record.state;
+  const UpdateReport& r = record.report;
+  const std::string head =
+      fmt::format("{},{},{}", x.time.count(), record.stamp.count(), record.radar);
+  const Quaternion& q = x.q_WB;
+  scans_.write(head + list(x.p_WB) + fmt::format(",{},{},{},{}", q.w(), q.x(), q.y(), q.z()) +
+               list(x.v_WB) + list(x.gyro_bias) + list(x.accel_bias) +
+               list(record.sigma(body::kPosition)) + list(record.sigma(body::kAttitude)) +
+               list(record.sigma(body::kVelocity)) +
+               fmt::format(",{},{},{}", r.detections, r.detections_kept, r.static_detections) +
+               (r.ego_velocity_valid ? list(r.ego_velocity_S) : ",,,") +
+               fmt::format(",{},{},{},{},{},{}\n", r.landmarks, r.landmarks_matched, r.clones,
+                           r.at_rest ? 1 : 0, 1e3 * to_seconds(r.update_time),
+                           1e3 * to_seconds(r.propagation_time)));
+  for (const InnovationRecord& i : r.records) {
+    innovations_.write(fmt::format("{},{},{},{},{},{},{},{},{},{}\n", head, rio::to_string(i.model),
+                                   i.name == nullptr ? "" : i.name, i.detection, i.dof,
+                                   i.innovation, i.sigma, i.nis, i.gate, to_string(i.result)));
+  }
+  for (std::size_t i = 0; i < record.points.size(); ++i) {
+    const PointReport& p = record.points[i];
+    points_.write(
+        fmt::format("{},{},{}", head, i, rio::to_string(p.label)) + list(p.point_S) +
+        list(p.point_W) +
+        fmt::format(",{},{},{},{}\n", p.range_rate, p.snr_db, p.residual, p.residual_sigma));
+  }
+  for (const LandmarkReport& l : record.landmarks) {
+    const Matrix3d& P = l.covariance_W;
+    landmarks_.write(head + list(l.position_W) + list(P.row(0).transpose()) +
+                     fmt::format(",{},{},{},{}\n", P(1, 1), P(1, 2), P(2, 2), l.last_seen.count()));
+  }
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = r.calibration[i];
+    if (c.observability == Observability::kNotEstimated) continue;
+    calibration_.write(fmt::format("{},{},{},{},{},{},{}\n", head,
+                                   calibration_name(i, record.radar), unit_of(i), c.value, c.sigma,
+                                   c.prior_sigma, rio::to_string(c.observability)));
+  }
+  const Health& h = r.health;
+  std::string severities;
+  for (const double severity : h.severity) severities += fmt::format(",{}", severity);
+  health_.write(fmt::format("{},{},{},{},{},{},{}{}\n", head, rio::to_string(h.state),
+                            rio::to_string(h.position), rio::to_string(h.velocity),
+                            rio::to_string(h.heading), h.quality, h.reset_counter, severities));
+  for (const Event& event : events) {
+    events_.write(fmt::format("{},{},{},\"{}\"\n", event.time.count(),
+                              kEventNames[static_cast<std::size_t>(event.kind)],
+                              event.serious ? 1 : 0, event.text));
+  }
+}
+
+void CsvLog::close() {
+  for (io::TextFile* file :
+       {&scans_, &innovations_, &points_, &landmarks_, &calibration_, &health_, &events_}) {
+    file->close();
+  }
+}
+
+}  // namespace rio::view

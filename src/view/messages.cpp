@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/messages.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <utility>
+
+#include "bag/ros2_types.hpp"
+#include "rio/eval/alignment.hpp"
+#include "rio/eval/pairing.hpp"
+#include "view/calibration_names.hpp"
+
+namespace rio::view {
+
+namespace {
+
+using bag::CdrWriter;
+using bag::put_quaternion;
+using bag::put_vector;
+using bag::stamped;
+
+constexpr const char* kWorld = "world";
+constexpr const char* kBody = "imu";
+constexpr std::uint8_t kFloat32 = 7, kUint8 = 2;  // sensor_msgs/PointField
+
+std::string radar_frame(std::size_t radar) {
+  return fmt::format("radar{}", radar);
+}
+
+void put_header(CdrWriter* message, Time stamp, const std::string& frame) {
+  bag::put_time(message, stamp);
+  message->text(frame);
+}
+
+void put_transform(CdrWriter* message, Time stamp, const std::string& from, const std::string& to,
+                   const Pose& pose) {
+  put_header(message, stamp, from);
+  message->text(to);
+  put_vector(message, pose.translation);
+  put_quaternion(message, pose.rotation);
+}
+
+CdrWriter path_message(Time time, const eval::Trajectory& poses) {
+  CdrWriter message = stamped(time, kWorld);
+  message.put(static_cast<std::uint32_t>(poses.size()));
+  for (const eval::StampedPose& pose : poses) {
+    put_header(&message, pose.time, kWorld);
+    put_vector(&message, pose.p);
+    put_quaternion(&message, pose.q);
+  }
+  return message;
+}
+
+/// 6 x 6 with the first block at the top left.
+void put_covariance(CdrWriter* message, const Eigen::Matrix<double, 6, 6>& P) {
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) message->put(P(i, j));
+  }
+}
+
+/// A cloud of float32 fields and, at the end, perhaps one byte.
+CdrWriter cloud(Time stamp, const std::string& frame, const std::vector<const char*>& floats,
+                const char* byte, std::size_t count, const std::string& data) {
+  CdrWriter message = stamped(stamp, frame);
+  const auto size = static_cast<std::uint32_t>(4 * floats.size() + (byte != nullptr ? 1 : 0));
+  message.put(std::uint32_t{1}).put(static_cast<std::uint32_t>(count));  // height, width
+  message.put(static_cast<std::uint32_t>(floats.size() + (byte != nullptr ? 1 : 0)));
+  std::uint32_t offset = 0;
+  for (const char* name : floats) {
+    message.text(name).put(offset).put(kFloat32).put(std::uint32_t{1});
+    offset += 4;
+  }
+  if (byte != nullptr) message.text(byte).put(offset).put(kUint8).put(std::uint32_t{1});
+  message.put(std::uint8_t{0}).put(size).put(static_cast<std::uint32_t>(size * count));
+  return message.block(data).put(std::uint8_t{1});
+}
+
+void put_floats(bag::ByteWriter* data, const Vector3d& v) {
+  for (const double value : v) data->put(static_cast<float>(value));
+}
+
+/// A sphere stretched to three sigmas.
+void put_ellipsoid(CdrWriter* message, Time stamp, std::int32_t id,
+                   const LandmarkReport& landmark) {
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(landmark.covariance_W);
+  Matrix3d axes = solver.eigenvectors();
+  if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
+  put_header(message, stamp, kWorld);
+  message->text("landmarks").put(id).put(std::int32_t{2}).put(std::int32_t{0});  // sphere, add
+  put_vector(message, landmark.position_W);
+  put_quaternion(message, Quaternion(axes));
+  put_vector(message, 6.0 * solver.eigenvalues().cwiseMax(1e-8).cwiseSqrt());
+  for (const float channel : {0.0F, 0.45F, 0.70F, 0.5F}) message->put(channel);
+  message->put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});  // for ever, not locked
+  message->put(std::uint32_t{0}).put(std::uint32_t{0});                      // points, colours
+  message->text("").text("").put(std::uint8_t{0});
+}
+
+CdrWriter marker_array(Time stamp, const std::vector<LandmarkReport>& landmarks) {
+  CdrWriter message;
+  message.put(static_cast<std::uint32_t>(1 + landmarks.size()));
+  put_header(&message, stamp, kWorld);
+  message.text("landmarks").put(std::int32_t{0}).put(std::int32_t{2}).put(std::int32_t{3});
+  put_vector(&message, Vector3d::Zero());  // delete all
+  put_quaternion(&message, Quaternion::Identity());
+  put_vector(&message, Vector3d::Zero());
+  for (int i = 0; i < 4; ++i) message.put(0.0F);
+  message.put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});
+  message.put(std::uint32_t{0}).put(std::uint32_t{0}).text("").text("").put(std::uint8_t{0});
+  std::int32_t id = 0;
+  for (const LandmarkReport& landmark : landmarks) put_ellipsoid(&message, stamp, ++id, landmark);
+  return message;
+}
+
+CdrWriter log_message(const Event& event) {
+  CdrWriter message;
+  bag::put_time(&message, event.time);
+  message.put(std::uint8_t{event.serious ? std::uint8_t{40} : std::uint8_t{20}});  // error, info
+  message.text("rio")
+      .text(event.text)
+      .text("")
+      .text(kEventNames[static_cast<std::size_t>(event.kind)])
+      .put(std::uint32_t{0});
+  return message;
+}
+
+}  // namespace
+
+void Messages::send(const std::string& topic, const char* type, Time time, const CdrWriter& message,
+                    bool latest_stays) {
+  auto at = channels_.find(topic);
+  if (at == channels_.end()) {
+    const std::uint16_t channel =
+        target_->add_channel(topic, type, bag::definition_of(type), latest_stays);
+    at = channels_.emplace(topic, channel).first;
+  }
+  target_->add(at->second, time, message.bytes());
+}
+
+void Messages::send_number(const std::string& topic, Time time, double value) {
+  send(topic, "std_msgs/msg/Float64", time, CdrWriter().put(value));
+}
+
+void Messages::send_vector(const std::string& topic, Time time, const Vector3d& value) {
+  CdrWriter message = stamped(time, topic.rfind("/bias", 0) == 0 ? kBody : kWorld);
+  put_vector(&message, value);
+  send(topic, "geometry_msgs/msg/Vector3Stamped", time, message);
+}
+
+void Messages::begin(const RunStart& start) {
+  start_ = start;
+}
+
+void Messages::send_pose(const ScanRecord& record) {
+  const NavState& x = record.state;
+  CdrWriter tf;
+  tf.put(std::uint32_t{3});
+  put_transform(&tf, x.time, kWorld, kBody, {x.q_WB, x.p_WB});
+  put_transform(&tf, x.time, kBody, radar_frame(record.radar), record.T_BS);
+  const Quaternion chip(std::sqrt(0.5), 0.0, 0.0, -std::sqrt(0.5));  // its y is the boresight
+  put_transform(&tf, x.time, radar_frame(record.radar), radar_frame(record.radar) + "_chip",
+                {chip, Vector3d::Zero()});
+  send("/tf", "tf2_msgs/msg/TFMessage", x.time, tf);
+
+  CdrWriter pose = stamped(x.time, kWorld);
+  put_vector(&pose, x.p_WB);
+  put_quaternion(&pose, x.q_WB);
+  send("/pose", "geometry_msgs/msg/PoseStamped", x.time, pose);
+
+  // pose: position and rotation about the axes of the world; twist: in body axes
+  const Matrix3d R = x.q_WB.toRotationMatrix();
+  Eigen::Matrix<double, 6, 15> J = Eigen::Matrix<double, 6, 15>::Zero();
+  J.block<3, 3>(0, body::kPosition).setIdentity();
+  J.block<3, 3>(3, body::kAttitude) = R;
+  Eigen::Matrix<double, 6, 15> K = Eigen::Matrix<double, 6, 15>::Zero();
+  const Vector3d v_B = R.transpose() * x.v_WB;
+  K.block<3, 3>(0, body::kVelocity) = R.transpose();
+  K.block<3, 3>(0, body::kAttitude) << 0.0, -v_B.z(), v_B.y(), v_B.z(), 0.0, -v_B.x(), -v_B.y(),
+      v_B.x(), 0.0;
+  Eigen::Matrix<double, 6, 6> twist = K * record.covariance * K.transpose();
+  twist.bottomRightCorner<3, 3>().diagonal().setConstant(1e9);  // angular velocity: not estimated
+  CdrWriter odometry = stamped(x.time, kWorld);
+  odometry.text(kBody);
+  put_vector(&odometry, x.p_WB);
+  put_quaternion(&odometry, x.q_WB);
+  put_covariance(&odometry, J * record.covariance * J.transpose());
+  put_vector(&odometry, v_B);
+  put_vector(&odometry, Vector3d::Zero());
+  put_covariance(&odometry, twist);
+  send("/odometry", "nav_msgs/msg/Odometry", x.time, odometry);
+}
+
+void Messages::send_path(const std::string& topic, Time time, const eval::Trajectory& poses) {
+  send(topic, "nav_msgs/msg/Path", time, path_message(time, poses), true);
+}
+
+/// A path is sent when it has grown by a tenth: all of them together are ten times the last one.
+void Messages::extend_path(const NavState& state) {
+  if (!path_.empty() && path_.back().time >= state.time) return;
+  path_.push_back({state.time, state.p_WB, state.q_WB});
+  if (10 * path_.size() < 11 * path_sent_ + 10) return;
+  path_sent_ = path_.size();
+  send_path("/path", state.time, path_);
+}
+
+void Messages::send_points(const ScanRecord& record) {
+  bag::ByteWriter data;
+  for (const PointReport& point : record.points) {
+    put_floats(&data, point.point_S);
+    for (const double value :
+         {point.range_rate, point.residual, point.residual_sigma, point.snr_db}) {
+      data.put(static_cast<float>(value));
+    }
+    data.put(static_cast<std::uint8_t>(point.label));
+  }
+  send("/" + radar_frame(record.radar) + "/points", "sensor_msgs/msg/PointCloud2",
+       record.state.time,
+       cloud(record.state.time, radar_frame(record.radar),
+             {"x", "y", "z", "doppler", "residual", "sigma", "snr"}, "label", record.points.size(),
+             data.bytes()));
+}
+
+void Messages::send_landmarks(const ScanRecord& record) {
+  bag::ByteWriter data;
+  for (const LandmarkReport& landmark : record.landmarks) {
+    put_floats(&data, landmark.position_W);
+    const Matrix3d& P = landmark.covariance_W;
+    for (const double value : {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)}) {
+      data.put(static_cast<float>(value));
+    }
+  }
+  const Time time = record.state.time;
+  send("/landmarks", "sensor_msgs/msg/PointCloud2", time,
+       cloud(time, kWorld, {"x", "y", "z", "xx", "xy", "xz", "yy", "yz", "zz"}, nullptr,
+             record.landmarks.size(), data.bytes()));
+  if (ellipsoids_sent_ != Time::min() && time - ellipsoids_sent_ < std::chrono::seconds(1)) return;
+  ellipsoids_sent_ = time;
+  send("/landmarks/ellipsoids", "visualization_msgs/msg/MarkerArray", time,
+       marker_array(time, record.landmarks), true);
+}
+
+void Messages::send_innovations(const ScanRecord& record) {
+  CdrWriter message = stamped(record.state.time, kWorld);
+  message.put(static_cast<std::uint32_t>(record.report.records.size()));
+  for (const InnovationRecord& i : record.report.records) {
+    message.text(i.name == nullptr ? to_string(i.model) : i.name).put(i.detection).put(i.dof);
+    message.put(i.innovation).put(i.sigma).put(i.nis).put(i.gate);
+    message.put(static_cast<std::uint8_t>(i.result == GateResult::kUsed ? 1 : 0));
+  }
+  send("/innovations", "rio/msg/Innovations", record.state.time, message);
+}
+
+void Messages::send_series(const ScanRecord& record) {
+  const Time time = record.state.time;
+  const UpdateReport& report = record.report;
+  send_vector("/sigma/position", time, record.sigma(body::kPosition));
+  send_vector("/sigma/attitude", time, record.sigma(body::kAttitude));
+  send_vector("/sigma/velocity", time, record.sigma(body::kVelocity));
+  send_vector("/bias/gyro", time, record.state.gyro_bias);
+  send_vector("/bias/accel", time, record.state.accel_bias);
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = report.calibration[i];
+    if (c.observability == Observability::kNotEstimated) continue;
+    const std::string topic = "/calibration/" + calibration_name(i, record.radar);
+    send_number(topic, time, c.value);
+    send_number(topic + "/sigma", time, c.sigma);
+  }
+  for (std::size_t i = 0; i < kModelCount; ++i) {
+    const ModelReport& model = report.models[i];
+    if (model.rows_used == 0) continue;
+    send_number(std::string("/nis/") + to_string(static_cast<Model>(i)), time,
+                model.nis / model.rows_used);
+  }
+  send_number("/health/quality", time, report.health.quality);
+  send_number("/health/state", time, static_cast<double>(report.health.state));
+  if (report.detections_kept > 0) {
+    send_number("/points/static_share", time,
+                static_cast<double>(report.static_detections) / report.detections_kept);
+  }
+  send_number("/update_ms", time, 1e3 * to_seconds(report.update_time));
+}
+
+/// In the world of the estimate, at the first scan with a true pose.
+void Messages::tell_truth(const NavState& state) {
+  if (start_.truth.empty()) return;
+  const eval::StampedPose here{state.time, state.p_WB, state.q_WB};
+  const auto pairs = eval::associate(start_.truth, {here}).pairs;
+  if (pairs.empty()) return;
+  if (start_.lay_truth_over) {
+    const Pose T = laid_over(pairs.front().truth, here);
+    for (eval::StampedPose& pose : start_.truth) pose = eval::transformed(T, pose);
+  }
+  send_path("/truth", state.time, start_.truth);
+  start_.truth.clear();
+}
+
+void Messages::add(const ScanRecord& record, const std::vector<Event>& events) {
+  tell_truth(record.state);
+  send_pose(record);
+  extend_path(record.state);
+  send_points(record);
+  send_landmarks(record);
+  send_innovations(record);
+  send_series(record);
+  for (const Event& event : events) {
+    send("/events", "rcl_interfaces/msg/Log", event.time, log_message(event));
+  }
+  target_->flush(record.state.time);
+}
+
+void Messages::close() {
+  if (path_.size() > path_sent_) send_path("/path", path_.back().time, path_);
+  target_->close();
+}
+
+}  // namespace rio::view

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The record of a run in messages of ROS 2 that viewers open without a plugin. Frames: world, imu
+// (the body), radar0... (x boresight, y left, z up) and radar0_chip... (x right, y forward, z up).
+//
+//   /tf                     tf2_msgs/TFMessage: world -> imu -> radar0 -> radar0_chip
+//   /pose /odometry         geometry_msgs/PoseStamped, nav_msgs/Odometry with covariance
+//   /path /truth            nav_msgs/Path: the estimate, and the truth laid over it
+//   /radar0/points          sensor_msgs/PointCloud2, frame radar0: x y z [m], doppler, residual,
+//                           sigma [m/s], snr [dB], label (rio::PointLabel)
+//   /landmarks              sensor_msgs/PointCloud2, frame world: x y z [m], xx ... zz [m^2]
+//   /landmarks/ellipsoids   visualization_msgs/MarkerArray, 3 sigma, once a second
+//   /innovations            rio/Innovations: every measurement; defined in the file
+//   /sigma/position [m], /sigma/attitude [rad], /sigma/velocity [m/s], /bias/gyro [rad/s],
+//   /bias/accel [m/s^2]     geometry_msgs/Vector3Stamped
+//   /calibration/NAME, /calibration/NAME/sigma, /nis/MODEL (a row), /health/quality [%],
+//   /health/state, /points/static_share, /update_ms           std_msgs/Float64
+//   /events                 rcl_interfaces/Log
+//
+// Stamps of headers are corrected times of estimates.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bag/byte_writer.hpp"
+#include "bag/mcap_writer.hpp"
+#include "view/record.hpp"
+
+namespace rio::view {
+
+/// Where messages go: a file, or viewers.
+class MessageTarget {
+ public:
+  virtual ~MessageTarget() = default;
+  /// @param latest_stays a later viewer gets the newest message, as of a path
+  /// @return number of the channel
+  virtual std::uint16_t add_channel(const std::string& topic, const std::string& type,
+                                    const std::string& definition, bool latest_stays) = 0;
+  virtual void add(std::uint16_t channel, Time time, std::string_view message) = 0;
+  /// After the messages of a scan.
+  virtual void flush(Time /*time*/) {}
+  virtual void close() {}
+};
+
+class McapTarget : public MessageTarget {
+ public:
+  explicit McapTarget(const std::filesystem::path& path) : file_(path) {}
+  std::uint16_t add_channel(const std::string& topic, const std::string& type,
+                            const std::string& definition, bool /*latest_stays*/) override {
+    return file_.add_channel(topic, type, definition);
+  }
+  void add(std::uint16_t channel, Time time, std::string_view message) override {
+    file_.add(channel, static_cast<std::uint64_t>(time.count()), message);
+  }
+  /// Once a second, so that a crash loses no more.
+  void flush(Time time) override {
+    if (time - flushed_ < std::chrono::seconds(1)) return;
+    flushed_ = time;
+    file_.flush();
+  }
+  void close() override { file_.close(); }
+
+ private:
+  bag::McapWriter file_;
+  Time flushed_{0};
+};
+
+class Messages : public RunSink {
+ public:
+  /// @param target must outlive this
+  explicit Messages(MessageTarget* target) : target_(target) {}
+
+  void begin(const RunStart& start) override;
+  void add(const ScanRecord& record, const std::vector<Event>& events) override;
+  void close() override;
+
+ private:
+  void send(const std::string& topic, const char* type, Time time, const bag::CdrWriter& message,
+            bool latest_stays = false);
+  void send_number(const std::string& topic, Time time, double value);
+  void send_vector(const std::string& topic, Time time, const Vector3d& value);
+  void tell_truth(const NavState& state);
+  void send_pose(const ScanRecord& record);
+  void send_path(const std::string& topic, Time time, const eval::Trajectory& poses);
+  void extend_path(const NavState& state);
+  void send_points(const ScanRecord& record);
+  void send_landmarks(const ScanRecord& record);
+  void send_innovations(const ScanRecord& record);
+  void send_series(const ScanRecord& record);
+
+  MessageTarget* target_;
+  std::map<std::string, std::uint16_t> channels_;  ///< by topic
+  RunStart start_;                                 ///< the truth until it is sent
+  eval::Trajectory path_;
+  std::size_t path_sent_ = 0;  ///< its length then
+  Time ellipsoids_sent_ = Time::min();
+};
+
+}  // namespace rio::view

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "page_text.hpp"
+#include "rio/io/text_file.hpp"
+
+namespace rio::view {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+constexpr std::size_t kMostRows = 6000;     // of a series: two for each of 3000 pixels
+constexpr std::size_t kMostMarks = 300000;  // of nine bytes
+
+template <class T>
+std::string base64(const std::vector<T>& values) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes(values.size() * sizeof(T));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  std::string text;
+  text.reserve(4 * (bytes.size() / 3 + 1));
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      group = (group << 8) | (i + k < bytes.size() ? bytes[i + k] : 0U);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += i + k > bytes.size() ? '=' : kDigits[(group >> (18 - 6 * k)) & 63U];
+    }
+  }
+  return text;
+}
+
+std::int16_t rounded(double value) {
+  if (!std::isfinite(value)) return 0;
+  return static_cast<std::int16_t>(std::clamp(std::round(value), -32767.0, 32767.0));
+}
+
+/// The two values that a bucket of a column is drawn with.
+std::pair<float, float> fold(const Columns::Column& column, std::size_t from, std::size_t to) {
+  std::size_t low = to;
+  std::size_t high = to;
+  for (std::size_t i = from; i < to; ++i) {
+    if (std::isnan(column.values[i])) continue;
+    if (low == to || column.values[i] < column.values[low]) low = i;
+    if (high == to || column.values[i] > column.values[high]) high = i;
+  }
+  if (low == to) return {kMissing, kMissing};
+  const float smallest = column.values[low];
+  const float largest = column.values[high];
+  if (column.fold == Fold::kLow) return {smallest, smallest};
+  if (column.fold == Fold::kHigh) return {largest, largest};
+  return low < high ? std::pair(smallest, largest) : std::pair(largest, smallest);
+}
+
+/// A library of Debian as text; empty if it is not installed.
+std::string library(const std::vector<std::string>& places) {
+  for (const std::string& place : places) {
+    std::ifstream file(place, std::ios::binary);
+    if (!file) continue;
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  return {};
+}
+
+/// Text that does not end the element it stands in.
+std::string inlined(std::string text, const std::string& element) {
+  const std::string end = "</" + element;
+  for (std::size_t at = 0; (at = text.find(end, at)) != std::string::npos; at += end.size() + 1) {
+    text.insert(at + 1, "\\");
+  }
+  return text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  }
+  return out;
+}
+
+Json columns_json(const Page& page, std::size_t* every) {
+  const Columns columns = page.columns.folded(kMostRows, every);
+  Json json = {{"t", base64(columns.times())}};
+  for (const auto& [name, column] : columns.all()) json[name] = base64(column.values);
+  return json;
+}
+
+Json plots_json(const Page& page) {
+  Json plots = Json::array();
+  for (const Plot& plot : page.plots) {
+    Json curves = Json::array();
+    for (const Curve& c : plot.curves) {
+      if (!page.columns.has(c.value)) continue;
+      curves.push_back({{"label", c.label},
+                        {"value", c.value},
+                        {"sigma", c.sigma},
+                        {"low", c.low},
+                        {"high", c.high},
+                        {"zero", c.about_zero}});
+    }
+    if (curves.empty()) continue;
+    plots.push_back({{"group", plot.group},
+                     {"title", plot.title},
+                     {"note", plot.note},
+                     {"curves", curves},
+                     {"lines", plot.lines},
+                     {"steps", plot.steps}});
+  }
+  return plots;
+}
+
+Json page_json(const Page& page) {
+  std::size_t every = 1;
+  Json json = {{"columns", columns_json(page, &every)},
+               {"every", every},
+               {"plots", plots_json(page)},
+               {"paths", Json::array()},
+               {"histograms", Json::array()},
+               {"events", Json::array()},
+               {"labels", Json::array()}};
+  for (const Path& path : page.paths) {
+    json["paths"].push_back({{"name", path.name},
+                             {"t", base64(path.times)},
+                             {"p", base64(path.positions)},
+                             {"q", base64(path.attitudes)}});
+  }
+  for (const Histogram& h : page.histograms) {
+    json["histograms"].push_back({{"title", h.title},
+                                  {"note", h.note},
+                                  {"first", h.first},
+                                  {"width", h.width},
+                                  {"counts", h.counts},
+                                  {"lines", h.lines}});
+  }
+  for (const Event& event : page.events) {
+    json["events"].push_back({{"t", to_seconds(event.time - page.begin)},
+                              {"kind", kEventNames[static_cast<std::size_t>(event.kind)]},
+                              {"serious", event.serious},
+                              {"text", event.text}});
+  }
+  for (std::size_t i = 0; i < kPointLabelCount; ++i) {
+    json["labels"].push_back(to_string(static_cast<PointLabel>(i)));
+  }
+  json["labels"].push_back("landmark");
+  json["marks"] = {{"stride", page.marks.stride},          {"t", base64(page.marks.times)},
+                   {"centre", base64(page.marks.centres)}, {"first", base64(page.marks.firsts)},
+                   {"values", base64(page.marks.values)},  {"labels", base64(page.marks.labels)}};
+  return json;
+}
+
+std::string card_html(const Page& page) {
+  const std::string kind = page.verdict.substr(0, page.verdict.find(':'));
+  std::string html = page.verdict.empty()
+                         ? ""
+                         : fmt::format("<p class='verdict {}'><strong>{}</strong>{}</p>\n", kind,
+                                       escaped(kind), escaped(page.verdict.substr(kind.size())));
+  html += "<dl class='card'>\n";
+  for (const CardLine& line : page.card) {
+    html += fmt::format("<div><dt>{}</dt><dd>{}{}</dd></div>\n", escaped(line.name),
+                        escaped(line.value),
+                        line.advice.empty() ? "" : "<em>" + escaped(line.advice) + "</em>");
+  }
+  html += "</dl>\n";
+  for (const Table& table : page.tables) {
+    html += "<h2>" + escaped(table.title) + "</h2><div class='scroll'><table>\n";
+    for (std::size_t r = 0; r < table.rows.size(); ++r) {
+      html += "<tr>";
+      for (const std::string& cell : table.rows[r]) {
+        html += fmt::format("<{0}>{1}</{0}>", r == 0 ? "th" : "td", escaped(cell));
+      }
+      html += "</tr>\n";
+    }
+    html += "</table></div>\n";
+  }
+  return html;
+}
+
+}  // namespace
+
+void Columns::set(const std::string& name, double value, Fold fold_by) {
+  Column& column = columns_[name];
+  column.fold = fold_by;
+  column.values.resize(times_.size(), kMissing);
+  column.values.back() = static_cast<float>(value);
+}
+
+Columns Columns::folded(std::size_t most, std::size_t* every) const {
+  Columns out;
+  *every = std::max<std::size_t>(1, (2 * rows() + most - 1) / most);
+  if (rows() <= most) *every = 1;
+  const std::size_t step = *every;
+  for (const auto& [name, column] : columns_) {
+    Column all = column;
+    all.values.resize(rows(), kMissing);
+    if (step > 1) {
+      Column& to = out.columns_[name];
+      to.fold = column.fold;
+      for (std::size_t i = 0; i < rows(); i += step) {
+        const auto [first, second] = fold(all, i, std::min(i + step, rows()));
+        to.values.push_back(first);
+        to.values.push_back(second);
+      }
+    } else {
+      out.columns_[name] = std::move(all);
+    }
+  }
+  if (step == 1) {
+    out.times_ = times_;
+    return out;
+  }
+  for (std::size_t i = 0; i < rows(); i += step) {
+    const float end = times_[std::min(i + step, rows() - 1)];
+    out.times_.push_back(times_[i]);
+    out.times_.push_back(0.5F * (times_[i] + end));
+  }
+  return out;
+}
+
+void Marks::start_scan(double seconds, const Vector3d& centre) {
+  kept_ = scan_++ % stride == 0;
+  if (!kept_) return;
+  if (labels.size() > kMostMarks) {
+    drop_every_second();
+    kept_ = (scan_ - 1) % stride == 0;
+    if (!kept_) return;
+  }
+  times.push_back(static_cast<float>(seconds));
+  for (const double value : centre) centres.push_back(static_cast<float>(value));
+  firsts.push_back(static_cast<std::uint32_t>(labels.size()));
+}
+
+void Marks::add(const Vector3d& point_W, double value, std::uint8_t label) {
+  if (!kept_) return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double centre = centres[centres.size() - 3 + i];
+    values.push_back(rounded(100.0 * (point_W[static_cast<Eigen::Index>(i)] - centre)));
+  }
+  values.push_back(rounded(1000.0 * value));
+  labels.push_back(label);
+}
+
+void Marks::drop_every_second() {
+  Marks kept;
+  for (std::size_t s = 0; s < times.size(); s += 2) {
+    const auto take = [](const auto& from, std::size_t first, std::size_t last, auto* to) {
+      to->insert(to->end(), from.begin() + static_cast<std::ptrdiff_t>(first),
+                 from.begin() + static_cast<std::ptrdiff_t>(last));
+    };
+    const std::size_t end = s + 1 < times.size() ? firsts[s + 1] : labels.size();
+    kept.times.push_back(times[s]);
+    kept.firsts.push_back(static_cast<std::uint32_t>(kept.labels.size()));
+    take(centres, 3 * s, 3 * s + 3, &kept.centres);
+    take(values, 4UL * firsts[s], 4 * end, &kept.values);
+    take(labels, firsts[s], end, &kept.labels);
+  }
+  kept.stride = 2 * stride;
+  kept.scan_ = scan_;
+  *this = std::move(kept);
+}
+
+std::vector<std::string> write_page(const Page& page, const std::filesystem::path& path) {
+  const std::string root = "/usr/share/javascript/";
+  const std::string dygraphs =
+      library({root + "dygraphs/dygraph.min.js", root + "dygraphs/dygraph-combined.js"});
+  const std::string dygraphs_css = library({root + "dygraphs/dygraph.min.css"});
+  std::string three = library({root + "three/three.min.js", root + "three/three.js"});
+  if (!three.empty()) three += library({root + "three/examples/js/controls/OrbitControls.js"});
+  std::vector<std::string> notes;
+  if (dygraphs.empty()) {
+    notes.emplace_back("without plots over time: the package libjs-dygraphs is not installed");
+  }
+  if (three.empty()) {
+    notes.emplace_back("without paths and points in 3-D: the package libjs-three is not installed");
+  }
+  io::TextFile file(path);
+  file.write("<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<title>" +
+             escaped(page.title) +
+             "</title>\n<meta name='viewport' content='width=device-width, initial-scale=1'>\n");
+  file.write("<style>" + inlined(dygraphs_css, "style") + kPageStyle +
+             "</style>\n</head>\n<body>\n");
+  file.write(fmt::format("<header><h1>{}</h1><p>{}</p></header>\n<main>\n", escaped(page.title),
+                         escaped(page.subtitle)));
+  for (const std::string& note : notes) {
+    file.write("<p class='missing'>This page is " + escaped(note) + ".</p>\n");
+  }
+  file.write("<section id='summary'>" + card_html(page) + "</section>\n");
+  file.write(kPageBody);
+  file.write("<script>" + inlined(dygraphs, "script") + "</script>\n");
+  file.write("<script>" + inlined(three, "script") + "</script>\n");
+  file.write(
+      "<script type='application/json' id='data'>" +
+      inlined(page_json(page).dump(-1, ' ', false, Json::error_handler_t::replace), "script") +
+      "</script>\n<script>" + inlined(kPageScript, "script") + "</script>\n</body>\n</html>\n");
+  file.close();
+  return notes;
+}
+
+}  // namespace rio::view

@@ -1,0 +1,365 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "rio/core/chi2.hpp"
+#include "rio/eval/metrics.hpp"
+#include "rio/eval/pairing.hpp"
+#include "view/calibration_names.hpp"
+
+namespace rio::view {
+
+namespace {
+
+constexpr double kDeg = 57.29577951308232;
+constexpr double kRateBin = 0.05;  // of a radar without a grid [m/s]
+constexpr const char* kAxes[] = {"x", "y", "z"};
+const std::string kState = "State", kErrors = "Errors against the truth",
+                  kInnovations = "Innovations", kScans = "Scans", kCalibration = "Calibration";
+
+/// Three curves with bands of columns NAME.x, NAME.y, NAME.z and sNAME.x...
+Plot vector_plot(const std::string& group, const std::string& title, const std::string& name,
+                 const std::string& note = "with 3-sigma bands") {
+  Plot plot{title, note, {}, {}, false, group};
+  for (const char* axis : kAxes) {
+    const std::string column = name + "." + axis;
+    plot.curves.push_back({axis, column, "s" + column});
+  }
+  return plot;
+}
+
+void set_vector(Columns* columns, const std::string& name, const Vector3d& value,
+                const Vector3d& sigma, double scale = 1.0) {
+  for (int i = 0; i < 3; ++i) {
+    const std::string column = name + "." + kAxes[i];
+    columns->set(column, scale * value[i]);
+    columns->set("s" + column, scale * sigma[i], Fold::kHigh);
+  }
+}
+
+std::vector<Plot> state_plots() {
+  Plot attitude{"Attitude [deg]", "with 3-sigma bands; yaw unwound", {}, {}, false, kState};
+  for (const char* name : {"roll", "pitch", "yaw"}) {
+    attitude.curves.push_back({name, std::string("a.") + name, std::string("sa.") + name});
+  }
+  return {vector_plot(kState, "Position [m]", "p"), vector_plot(kState, "Velocity [m/s]", "v"),
+          attitude, vector_plot(kState, "Gyro bias [deg/s]", "bg"),
+          vector_plot(kState, "Accelerometer bias [m/s²]", "ba")};
+}
+
+std::vector<Plot> error_plots() {
+  Plot position{"Position error [m]",
+                "bands: 3 sigma about zero; 99.7 % of the errors belong inside",
+                {},
+                {0.0},
+                false,
+                kErrors};
+  for (const char* axis : kAxes) {
+    position.curves.push_back({axis, std::string("e.") + axis, std::string("sp.") + axis});
+    position.curves.back().about_zero = true;
+  }
+  Plot attitude{
+      "Attitude error [deg]", "band: 3 sigma of the yaw about zero", {}, {0.0}, false, kErrors};
+  attitude.curves.push_back({"yaw", "e.yaw", "sa.yaw"});
+  attitude.curves.back().about_zero = true;
+  attitude.curves.push_back({"tilt", "e.tilt"});
+  return {position, attitude};
+}
+
+std::vector<Plot> model_plots(const std::string& name) {
+  std::string title = name;
+  title[0] = static_cast<char>(std::toupper(title[0]));
+  std::replace(title.begin(), title.end(), '_', ' ');
+  return {
+      {title + ": rows of the update",
+       "used, and rejected by the gate",
+       {{"used", name + ".used"}, {"gated", name + ".gated"}},
+       {},
+       false,
+       kInnovations},
+      {title + ": innovation over its sigma",
+       "mean of each scan, band from the smallest to the largest; lines at 3 sigma",
+       {{"mean", name + ".mean", "", name + ".low", name + ".high"}},
+       {-3.0, 0.0, 3.0},
+       false,
+       kInnovations},
+      {title + ": NIS a row",
+       "of the blocks used; 95 % belong in the band of the chi-squared distribution",
+       {{"NIS", name + ".nis"}, {"expected", name + ".one", "", name + ".nlow", name + ".nhigh"}},
+       {},
+       false,
+       kInnovations}};
+}
+
+std::vector<Plot> scan_plots() {
+  return {{"Points of a scan",
+           "received, kept by the filter, static",
+           {{"received", "n.received"}, {"kept", "n.kept"}, {"static", "n.static"}},
+           {},
+           false,
+           kScans},
+          {"Share of static points", "", {{"share", "n.share"}}, {0.5, 1.0}, false, kScans},
+          {"Landmarks, matches, past poses",
+           "in the state after the update",
+           {{"landmarks", "n.landmarks"}, {"matched", "n.matched"}, {"past poses", "n.clones"}},
+           {},
+           true,
+           kScans},
+          {"Time of an update [ms]", "", {{"update", "n.ms"}}, {}, false, kScans},
+          {"Health: quality [%]",
+           "below 50 the estimate is degraded",
+           {{"quality", "n.quality"}},
+           {50.0},
+           true,
+           kScans}};
+}
+
+/// The parameters of the calibration of one radar, by unit.
+std::vector<Plot> calibration_plots(std::size_t radar) {
+  std::vector<Plot> plots;
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationName& name = kCalibrationNames[i];
+    const bool follows = i > 0 && i < 6 && i != 3;  // one plot a vector
+    if (!follows) {
+      const std::string what = i == 0 ? "radar rotation" : i == 3 ? "radar position" : name.name;
+      std::string title = fmt::format(
+          "{}{} [{}]", radar > 0 ? fmt::format("radar {}: ", radar) : "", what, name.unit);
+      std::replace(title.begin(), title.end(), '_', ' ');
+      title[0] = static_cast<char>(std::toupper(title[0]));
+      plots.push_back({title,
+                       "correction of the option's value, with 3-sigma bands",
+                       {},
+                       {0.0},
+                       true,
+                       kCalibration});
+    }
+    const std::string column = calibration_name(i, radar);
+    plots.back().curves.push_back({i < 6 ? kAxes[i % 3] : "correction", column, "s" + column});
+  }
+  return plots;
+}
+
+}  // namespace
+
+void ReportBuilder::begin(const RunStart& start) {
+  start_ = start;
+  page_.title = start.name;
+  page_.subtitle = fmt::format("Radar-inertial odometry by rio {}: {}, {} radar{}", start.version,
+                               start.options.backend == BackEnd::kEkf ? "filter" : "smoother",
+                               start.options.radars(), start.options.radars() > 1 ? "s" : "");
+  page_.paths.push_back({"estimate", {}, {}, {}});
+  if (!start.truth.empty()) page_.paths.push_back({"truth", {}, {}, {}});
+  const auto append = [this](const std::vector<Plot>& plots) {
+    page_.plots.insert(page_.plots.end(), plots.begin(), plots.end());
+  };
+  append(error_plots());
+  append(state_plots());
+  for (std::size_t i = 0; i < kModelCount; ++i)
+    append(model_plots(to_string(static_cast<Model>(i))));
+  append(scan_plots());
+  for (std::size_t r = 0; r < start.options.radars(); ++r) append(calibration_plots(r));
+}
+
+void ReportBuilder::add(const ScanRecord& record, const std::vector<Event>& events) {
+  if (!begun_) page_.begin = record.state.time;
+  begun_ = true;
+  const double seconds = to_seconds(record.state.time - page_.begin);
+  page_.columns.start_row(seconds);
+  Path& path = page_.paths.front();
+  path.times.push_back(static_cast<float>(seconds));
+  for (const double value : record.state.p_WB) path.positions.push_back(static_cast<float>(value));
+  for (const double value : record.state.q_WB.coeffs()) {
+    path.attitudes.push_back(static_cast<float>(value));
+  }
+  add_state(record);
+  add_calibration(record);
+  add_models(record);
+  add_points(record, seconds);
+  add_truth(record, seconds);
+  page_.events.insert(page_.events.end(), events.begin(), events.end());
+}
+
+void ReportBuilder::add_state(const ScanRecord& record) {
+  Columns& columns = page_.columns;
+  const NavState& x = record.state;
+  set_vector(&columns, "p", x.p_WB, record.sigma(body::kPosition));
+  set_vector(&columns, "v", x.v_WB, record.sigma(body::kVelocity));
+  set_vector(&columns, "bg", x.gyro_bias, record.sigma(body::kGyroBias), kDeg);
+  set_vector(&columns, "ba", x.accel_bias, record.sigma(body::kAccelBias));
+  columns.set("speed", x.v_WB.norm());
+  const Matrix3d R = x.q_WB.toRotationMatrix();
+  const double yaw = std::atan2(R(1, 0), R(0, 0));
+  yaw_ += std::remainder(yaw - yaw_, 2.0 * std::acos(-1.0));
+  const Matrix3d P =
+      R * record.covariance.block<3, 3>(body::kAttitude, body::kAttitude) * R.transpose();
+  const auto sigma = [](double variance) { return kDeg * std::sqrt(std::max(0.0, variance)); };
+  columns.set("a.roll", kDeg * std::atan2(R(2, 1), R(2, 2)));
+  columns.set("a.pitch", -kDeg * std::asin(std::clamp(R(2, 0), -1.0, 1.0)));
+  columns.set("a.yaw", kDeg * yaw_);
+  columns.set("sa.roll", sigma(P(0, 0)), Fold::kHigh);   // about the axes of the world: as roll and
+  columns.set("sa.pitch", sigma(P(1, 1)), Fold::kHigh);  // pitch up to the heading
+  columns.set("sa.yaw", sigma(P(2, 2)), Fold::kHigh);
+}
+
+void ReportBuilder::add_calibration(const ScanRecord& record) {
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    const CalibrationReport& c = record.report.calibration[i];
+    if (c.observability == Observability::kNotEstimated) continue;
+    const std::string column = calibration_name(i, record.radar);
+    page_.columns.set(column, kCalibrationNames[i].scale * c.value);
+    page_.columns.set("s" + column, kCalibrationNames[i].scale * c.sigma, Fold::kHigh);
+  }
+}
+
+std::pair<double, double> ReportBuilder::nis_band(int rows) {
+  const auto [at, added] = bands_.try_emplace(rows);
+  if (added) {
+    const double n = rows;
+    at->second = {chi2_quantile(0.025, n) / n, chi2_quantile(0.975, n) / n};
+  }
+  return at->second;
+}
+
+void ReportBuilder::add_models(const ScanRecord& record) {
+  Columns& columns = page_.columns;
+  for (std::size_t i = 0; i < kModelCount; ++i) {
+    const ModelReport& model = record.report.models[i];
+    const std::string name = to_string(static_cast<Model>(i));
+    if (model.rows_used + model.rows_gated == 0) {
+      if (!columns.has(name + ".used")) continue;
+      columns.set(name + ".used", 0);
+      columns.set(name + ".gated", 0);
+      continue;
+    }
+    columns.set(name + ".used", model.rows_used);
+    columns.set(name + ".gated", model.rows_gated);
+    double low = 1e300;
+    double high = -1e300;
+    double sum = 0.0;
+    int count = 0;
+    for (const InnovationRecord& innovation : record.report.records) {
+      if (static_cast<std::size_t>(innovation.model) != i || !(innovation.sigma > 0.0)) continue;
+      const double ratio = innovation.innovation / innovation.sigma;
+      low = std::min(low, ratio);
+      high = std::max(high, ratio);
+      sum += ratio;
+      ++count;
+    }
+    if (count > 0) {
+      columns.set(name + ".low", low, Fold::kLow);
+      columns.set(name + ".mean", sum / count);
+      columns.set(name + ".high", high, Fold::kHigh);
+    }
+    if (model.rows_used == 0) continue;
+    const auto [from, to] = nis_band(model.rows_used);
+    columns.set(name + ".nis", model.nis / model.rows_used);
+    columns.set(name + ".nlow", from, Fold::kLow);
+    columns.set(name + ".one", 1.0);
+    columns.set(name + ".nhigh", to, Fold::kHigh);
+  }
+}
+
+void ReportBuilder::add_points(const ScanRecord& record, double seconds) {
+  Columns& columns = page_.columns;
+  const UpdateReport& report = record.report;
+  columns.set("n.received", report.detections);
+  columns.set("n.kept", report.detections_kept);
+  columns.set("n.static", report.static_detections);
+  if (report.detections_kept > 0) {
+    columns.set("n.share", static_cast<double>(report.static_detections) / report.detections_kept);
+  }
+  columns.set("n.landmarks", report.landmarks);
+  columns.set("n.matched", report.landmarks_matched);
+  columns.set("n.clones", report.clones);
+  columns.set("n.ms", 1e3 * to_seconds(report.update_time));
+  columns.set("n.quality", report.health.quality);
+  page_.marks.start_scan(seconds, record.state.p_WB);
+  for (const PointReport& point : record.points) {
+    page_.marks.add(point.point_W, point.residual, static_cast<std::uint8_t>(point.label));
+    ++rates_[static_cast<int>(std::lround(point.range_rate / rate_bin()))];
+  }
+  for (const LandmarkReport& landmark : record.landmarks) {
+    const double sigma = std::sqrt(std::max(0.0, landmark.covariance_W.diagonal().maxCoeff()));
+    page_.marks.add(landmark.position_W, sigma, Marks::kLandmark);
+  }
+}
+
+void ReportBuilder::add_truth(const ScanRecord& record, double seconds) {
+  const eval::Trajectory& truth = start_->truth;
+  const Time time = record.state.time;
+  while (next_truth_ < truth.size() && truth[next_truth_].time < time) ++next_truth_;
+  if (next_truth_ >= truth.size() || truth[next_truth_ - 1].time > time) return;
+  const eval::StampedPose& before = truth[next_truth_ - 1];
+  const eval::StampedPose& after = truth[next_truth_];
+  if (after.time - before.time > std::chrono::seconds(1)) return;  // a gap of the truth
+  eval::StampedPose there = eval::interpolate(before, after, time);
+  const eval::StampedPose here{time, record.state.p_WB, record.state.q_WB};
+  if (!over_) {
+    over_ = start_->lay_truth_over ? laid_over(there, here) : Pose{};
+    last_truth_ = over_->rotation * there.p + over_->translation;
+  }
+  there = {time, over_->rotation * there.p + over_->translation, over_->rotation * there.q};
+  truth_length_ += (there.p - last_truth_).norm();
+  last_truth_ = there.p;
+  Path& path = page_.paths[1];
+  path.times.push_back(static_cast<float>(seconds));
+  for (const double value : there.p) path.positions.push_back(static_cast<float>(value));
+  const Vector3d error = here.p - there.p;
+  last_error_ = error.norm();
+  squares_ += error.squaredNorm();
+  for (int i = 0; i < 3; ++i) page_.columns.set(std::string("e.") + kAxes[i], error[i]);
+  page_.columns.set("e.yaw", eval::yaw_error({there, here}));
+  page_.columns.set("e.tilt", eval::tilt_error({there, here}));
+}
+
+double ReportBuilder::rate_bin() const {
+  const double grid = start_->options.radar.doppler_resolution;
+  return grid > 0.0 ? grid : kRateBin;
+}
+
+void ReportBuilder::finish_histogram() {
+  if (rates_.empty()) return;
+  const int first = rates_.begin()->first;
+  const int last = rates_.rbegin()->first;
+  const int merged = 1 + (last - first) / 160;
+  Histogram h{"Range rates of all points [m/s]",
+              "static ones unfolded",
+              (first - 0.5) * rate_bin(),
+              merged * rate_bin(),
+              {}};
+  h.counts.resize(static_cast<std::size_t>((last - first) / merged + 1));
+  for (const auto& [bin, count] : rates_) {
+    h.counts[static_cast<std::size_t>((bin - first) / merged)] += count;
+  }
+  const double fold = start_->options.radar.max_doppler;
+  if (fold > 0.0) {
+    h.lines = {-fold, fold};
+    h.note += fmt::format("; lines at the ambiguity, {:.2f} m/s", fold);
+  }
+  page_.histograms.push_back(std::move(h));
+}
+
+void ReportBuilder::close() {
+  finish_histogram();
+  std::erase_if(page_.paths, [](const Path& path) { return path.times.empty(); });
+  const std::size_t pairs = page_.paths.size() > 1 ? page_.paths[1].times.size() : 0;
+  if (pairs == 0) return;
+  page_.card.push_back(
+      {"Error at the end",
+       fmt::format("{:.3f} m{}", last_error_,
+                   truth_length_ > 0.0
+                       ? fmt::format(", {:.2f} % of {:.1f} m", 100.0 * last_error_ / truth_length_,
+                                     truth_length_)
+                       : "")});
+  page_.card.push_back(
+      {"Position error (RMSE)",
+       fmt::format("{:.3f} m{}", std::sqrt(squares_ / static_cast<double>(pairs)),
+                   start_->lay_truth_over ? ", truth laid over the first pose" : "")});
+}
+
+}  // namespace rio::view

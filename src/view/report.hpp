@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page about one run.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "view/page.hpp"
+
+namespace rio::view {
+
+/// Gathers the record of a run as a page; verdict and further lines of the card are the caller's.
+class ReportBuilder : public RunSink {
+ public:
+  void begin(const RunStart& start) override;
+  void add(const ScanRecord& record, const std::vector<Event>& events) override;
+  void close() override;
+
+  /// After close().
+  Page& page() { return page_; }
+
+ private:
+  void add_state(const ScanRecord& record);
+  void add_calibration(const ScanRecord& record);
+  void add_models(const ScanRecord& record);
+  void add_points(const ScanRecord& record, double seconds);
+  void add_truth(const ScanRecord& record, double seconds);
+  double rate_bin() const;  ///< of the histogram [m/s]
+  void finish_histogram();
+
+  /// Bounds of the NIS a row that hold 95 % of consistent scans.
+  std::pair<double, double> nis_band(int rows);
+
+  Page page_;
+  std::optional<RunStart> start_;
+  bool begun_ = false;
+  double yaw_ = 0.0;            ///< unwound [rad]
+  std::size_t next_truth_ = 1;  ///< first true pose after the newest scan
+  std::optional<Pose> over_;    ///< lays the truth over the estimate
+  Vector3d last_truth_ = Vector3d::Zero();
+  double truth_length_ = 0.0;  ///< [m]
+  double last_error_ = 0.0;    ///< [m]
+  double squares_ = 0.0;       ///< of the position errors [m^2]
+  std::map<int, std::pair<double, double>> bands_;
+  std::map<int, std::uint64_t> rates_;  ///< range rates by bins of rate_bin()
+};
+
+}  // namespace rio::view

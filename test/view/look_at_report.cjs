@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Opens a page of `rio replay --report` in a real browser, headless, without a network, and checks
+// what a person would: node look_at_report.cjs PAGE.html FOLDER. Leaves screenshots in the folder.
+// Needs playwright-core of npm (NODE_PATH) and Debian's chromium. Prints the time to open in ms.
+const { chromium } = require("playwright-core");
+const path = require("path");
+
+const [file, folder] = process.argv.slice(2);
+const fail = (what) => {
+  throw new Error(what);
+};
+
+/** Share of the pixels of each canvas of a plot that are drawn. */
+const drawn = () =>
+  [...document.querySelectorAll(".plot .area")].map((area) => {
+    let count = 0;
+    for (const canvas of area.querySelectorAll("canvas")) {
+      const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+      for (let i = 3; i < pixels.length; i += 4) count += pixels[i] > 100 ? 1 : 0;
+    }
+    return count;
+  });
+
+async function main() {
+  const browser = await chromium.launch({
+    executablePath: "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"],
+  });
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, offline: true });
+  const page = await context.newPage();
+  page.setDefaultTimeout(120000); // a busy machine
+  const errors = [];
+  page.on("console", (m) => m.type() === "error" && errors.push(m.text()));
+  page.on("pageerror", (e) => errors.push(String(e)));
+  const shot = (name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
+
+  const start = Date.now();
+  await page.goto("file://" + path.resolve(file));
+  const opened = Date.now() - start;
+  await page.waitForFunction(() => document.documentElement.dataset.drawn === "yes");
+  console.log(`opened in ${opened} ms, all drawn in ${Date.now() - start} ms`);
+  await shot("first");
+
+  // every plot has a curve in it
+  const counts = await page.evaluate(drawn);
+  if (counts.length < 5) fail(`only ${counts.length} plots`);
+  counts.forEach((count, i) => count > 200 || fail(`plot ${i} is empty`));
+
+  // the cursor moves the line in all plots
+  const hairs = () => page.$$eval(".plot .hair", (all) => all.map((h) => h.style.left));
+  const before = await hairs();
+  const now = await page.textContent("#now");
+  await page.focus("#cursor");
+  await page.$eval("#cursor", (e) => {
+    e.value = +e.min + 0.8 * (e.max - e.min);
+    e.dispatchEvent(new Event("input"));
+  });
+  const after = await hairs();
+  if (before.some((left, i) => left === after[i])) fail("a plot does not follow the cursor");
+  if ((await page.textContent("#now")) === now) fail("the time is not told");
+
+  // zoom in one plot zooms all, and the events
+  const labels = () =>
+    page.$$eval(".plot .area", (all) => all.map((a) => [...a.querySelectorAll(".dygraph-axis-label-x")].map((l) => l.textContent).join()));
+  const wide = await labels();
+  const hairCount = after.length;
+  await page.focus(".plot .area");
+  await page.keyboard.press("+");
+  await page.waitForTimeout(300);
+  const narrow = await labels();
+  for (let i = 0; i < hairCount; ++i) if (wide[i] === narrow[i]) fail(`plot ${i} does not zoom`);
+  await page.click("#whole");
+  await page.waitForTimeout(300);
+  if ((await labels()).slice(0, hairCount).join() !== wide.slice(0, hairCount).join()) fail("the zoom does not end");
+
+  // the 3-D view turns
+  const scene = () => page.$eval("#view", (c) => c.toDataURL());
+  await page.focus("#view");
+  const one = await scene();
+  await page.keyboard.press("ArrowLeft");
+  await page.waitForTimeout(300);
+  const two = await scene();
+  if (one === two) fail("the 3-D view does not turn");
+  const box = await (await page.$("#view")).boundingBox();
+  await page.mouse.move(box.x + 0.75 * box.width, box.y + 0.5 * box.height);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.85 * box.width, box.y + 0.6 * box.height, { steps: 4 });
+  await page.mouse.up();
+  await page.waitForTimeout(300);
+  if ((await scene()) === two) fail("the mouse does not turn the 3-D view");
+  await shot("turned");
+
+  // an event moves the cursor
+  if (await page.$("#strip button")) {
+    const at = await page.textContent("#now");
+    await page.click("#events button >> nth=-1");
+    if (at === (await page.textContent("#now"))) fail("an event does not move the cursor");
+  }
+
+  await page.emulateMedia({ colorScheme: "dark" });
+  await page.waitForTimeout(500);
+  const ground = await page.$eval("body", (b) => getComputedStyle(b).backgroundColor);
+  if (ground === "rgb(255, 255, 255)") fail("there is no dark view");
+  await shot("dark");
+  await page.emulateMedia({ colorScheme: "light" });
+  await page.pdf({ path: path.join(folder, "print.pdf"), format: "A4", printBackground: true });
+  await page.screenshot({ path: path.join(folder, "whole.png"), fullPage: true });
+  if (errors.length) fail(`the console says: ${errors.join("; ")}`);
+  await browser.close();
+}
+
+main().catch((error) => {
+  console.error(error.message);
+  process.exit(1);
+});
