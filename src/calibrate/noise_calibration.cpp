@@ -104,6 +104,8 @@ Options measuring_options(Options options) {
   options.frontend.matching = Matching::kMahalanobis;
   options.frontend.match_probability = options.frontend.match_core = 0.997;
   options.frontend.match_margin = std::max(4.0, options.frontend.match_margin);
+  // by that margin exp(4 / 2) times as likely as the next: right with a probability of 0.88
+  options.update.match_trust = std::max(0.88, options.update.match_trust);
   options.update.gate_probability = 0.999;
   options.frontend.ransac_sigmas = 1.5 * options.frontend.ransac_sigmas;
   return options;

@@ -211,7 +211,7 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
     if (valid) {  // the gate overwrites S_
       innovation = direction_innovation();
-      predicted = predicted_share();
+      predicted = predicted_variances();
     }
   }
   if (!judge(M::kModel, detection, valid, report)) return false;
@@ -243,19 +243,19 @@ Eigen::Vector2d ScanRows::direction_innovation() const {
   return {row[1].residual / std::sqrt(S_(1, 1)), row[2].residual / std::sqrt(S_(2, 2))};
 }
 
-Vector3d ScanRows::predicted_share() const {
+Vector3d ScanRows::predicted_variances() const {
   const LinearRow* row = &batch_.rows()[batch_.last_block().first];
-  Vector3d share;
-  for (int i = 0; i < 3; ++i) share[i] = S_(i, i) / row[i].variance - 1.0;
-  return share;
+  return {S_(0, 0) - row[0].variance, S_(1, 1) - row[1].variance, S_(2, 2) - row[2].variance};
 }
 
 void ScanRows::add_doubt(const Vector3d& predicted, double repetition,
                          Measured<LandmarkPointModel>* m) {
   if (!ablation_.doubtful_growth) return;
+  const LinearRow* row = &batch_.rows()[batch_.last_block().first];
   Vector3d growth;
   for (int i = 0; i < 3; ++i) {
-    growth[i] = doubtful_growth(options_.match_trust, predicted[i], repetition);
+    const double share = predicted[i] / row[i].variance;
+    growth[i] = doubtful_growth(options_.match_trust, share, repetition);
     batch_.scale_row(static_cast<std::size_t>(i), growth[i]);
   }
   m->z.sigma_range *= std::sqrt(growth[0]);
