@@ -79,7 +79,7 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   estimate_.gyro_B = imu.at(to).gyro_B;
   estimate_.gyro_variance = options_.ablation.shared_gyro_noise ? gyro_variance : 0.0;
   steady.advance(estimate_.nav, p.state, estimate_.gyro_B - p.state.gyro_bias, seconds, density,
-                 gyro_variance, covariance_.matrix().diagonal().segment<3>(body::kVelocity).sum());
+                 gyro_variance, body_velocity_variance());
   steady_ = steady;
   estimate_.steady = steady_.motion();
   if (!options_.ablation.steady_motion) {
@@ -94,6 +94,15 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   covariance_.add_parameter_noise(parameters_.walk, seconds);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
+}
+
+double StateEstimate::body_velocity_variance() const {
+  const Matrix3d R_BW = estimate_.T_WB().R.transpose();
+  const Matrix3d A = skew(R_BW * estimate_.nav.v_WB);  // v_B = Exp(-dphi) R_BW (v + dv)
+  const auto P = covariance_.matrix();
+  const Matrix3d cross = A * P.block<3, 3>(body::kAttitude, body::kVelocity) * R_BW.transpose();
+  return (A * P.block<3, 3>(body::kAttitude, body::kAttitude) * A.transpose()).trace() +
+         P.block<3, 3>(body::kVelocity, body::kVelocity).trace() + 2.0 * cross.trace();
 }
 
 void StateEstimate::measure_velocity(const Vector3d& error, const Matrix3d& covariance) {

@@ -47,7 +47,8 @@ class StateOnly {
 class ChecksTest : public testing::Test {
  protected:
   /// @param wrong_W error of the velocity in the state [m/s]
-  void begin(const Vector3d& wrong_W, bool unconfirmed, double tilt_sigma = 0.002) {
+  void begin(const Vector3d& wrong_W, bool unconfirmed, double tilt_sigma = 0.002,
+             const Vector3d& gyro_bias = Vector3d::Zero()) {
     vehicle_.emplace(options_, Vector3d(0.4, -0.3, 0.1), &random_);
     vehicle_->truth.time = Time(1'000'000'000);
     backend_.emplace(options_);
@@ -55,6 +56,7 @@ class ChecksTest : public testing::Test {
     checks_.emplace(options_, &*backend_, &report_);
     NavState start = vehicle_->truth;
     start.v_WB += wrong_W;
+    start.gyro_bias = gyro_bias;
     BodyCovariance P = 1e-4 * BodyCovariance::Identity();
     P.diagonal().segment<3>(body::kAttitude).setConstant(tilt_sigma * tilt_sigma);
     backend_->reset(start, P);
@@ -101,15 +103,14 @@ TEST_F(ChecksTest, WrongVelocityIsReplacedOnceAndTakesTheLandmarksAlong) {
 
 // The bias of an alignment in motion goes, unless the Dopplers have confirmed the start.
 TEST_F(ChecksTest, UnconfirmedAlignmentGoesWithItsVelocity) {
-  vehicle_.reset();
-  begin(Vector3d(2.0, -1.0, 0.5), true);
+  begin(Vector3d(2.0, -1.0, 0.5), true, 0.002, Vector3d(0.01, 0.0, 0.0));
   const double before =
       backend_->state_estimate().covariance().body()(body::kGyroBias, body::kGyroBias);
   int scans = 0;
   while (!velocity_replaced() && scans < 40) ++scans;
   EXPECT_EQ(backend_->replaced,
             (std::vector<Invalidates>{Invalidates::kNothing, Invalidates::kLandmarks}));
-  EXPECT_EQ(backend_->estimate().nav.gyro_bias, Vector3d::Zero());
+  EXPECT_LT(backend_->estimate().nav.gyro_bias.norm(), 1e-4);  // but for what the velocity tells
   EXPECT_GT(backend_->state_estimate().covariance().body()(body::kGyroBias, body::kGyroBias),
             before + 0.9 * options_.start.sigma_gyro_bias * options_.start.sigma_gyro_bias);
 }

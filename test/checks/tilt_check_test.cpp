@@ -78,10 +78,10 @@ std::function<void(Estimate&)> tilted_in_world(double angle) {
 }
 
 TEST(TiltCheck, FindsAWrongTiltInTwoSeconds) {
-  test::Random random(3);
   double slowest = 0.0;
   for (const int points : {4, 8, 20}) {
     for (const double degrees : {3.0, 10.0, 30.0}) {
+      test::Random random(3);
       Drive drive;
       drive.points = points;
       drive.wrong = tilted_in_world(degrees * kDegree);

@@ -329,7 +329,7 @@ TEST_F(Tool, BenchMeasuresEveryPresetWithEitherBackEnd) {
   const Outcome run = rio("bench --seconds 2 --detections 20 --json");
   ASSERT_EQ(run.status, 0) << run.output;
   const auto json = nlohmann::json::parse(run.last_line());
-  ASSERT_EQ(json["rows"].size(), 8U);
+  ASSERT_EQ(json["rows"].size(), 10U);
   for (const auto& row : json["rows"]) {
     for (const char* figure :
          {"updates", "update_median_ms", "update_p99_ms", "imu_step_us", "create_ms"}) {

@@ -129,8 +129,8 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
   EXPECT_TRUE(
       text.starts_with("#t_ns,px_m,py_m,pz_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps,P_px_px,P_px_py,"))
       << text;
-  EXPECT_TRUE(test::contains(text, ",P_0_8,P_1_1,"));
-  EXPECT_TRUE(test::contains(text, ",P_8_8,bgx,bgy,bgz,bax,bay,baz\n"));
+  EXPECT_TRUE(test::contains(text, ",P_px_vz,P_py_py,"));
+  EXPECT_TRUE(test::contains(text, ",P_vz_vz,bgx_radps,bgy_radps,bgz_radps,bax_mps2,bay_mps2,baz_mps2\n"));
   CsvReader rows(path);
   ASSERT_TRUE(rows.next());
   ASSERT_EQ(rows.columns(), 62U);
@@ -138,9 +138,9 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
   const double head[] = {0.1, 0.2, 0.3, 0.5, -0.5, 0.5, 0.5, 4, 5, 6};
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(rows.number(i + 1), head[i]) << i;
   EXPECT_EQ(rows.number(11), 404);  // P_px_px
-  EXPECT_EQ(rows.number(14), 104);  // P_0_3
-  EXPECT_EQ(rows.number(20), 505);  // P_1_1
-  EXPECT_EQ(rows.number(55), 909);  // P_8_8
+  EXPECT_EQ(rows.number(14), 104);  // P_px_thx
+  EXPECT_EQ(rows.number(20), 505);  // P_py_py
+  EXPECT_EQ(rows.number(55), 909);  // P_vz_vz
   for (std::size_t i = 0; i < 6; ++i) EXPECT_EQ(rows.number(56 + i), 7.0 + double(i)) << i;
   EXPECT_FALSE(rows.next());
   EXPECT_EQ(read_trajectory(path).at(0).q.coeffs(), state.q_WB.coeffs());

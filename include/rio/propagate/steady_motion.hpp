@@ -44,7 +44,7 @@ class SteadyMotionFilter {
   /// @param rate_B angular rate at `after` [rad/s]
   /// @param accel_density of the accelerometer [(m/s^2)^2/Hz]
   /// @param rate_variance of a gyro sample [rad^2/s^2]
-  /// @param velocity_variance of `before`, all axes [m^2/s^2]
+  /// @param velocity_variance of `before` in body axes, all axes [m^2/s^2]
   void advance(const NavState& before, const NavState& after, const Vector3d& rate_B,
                double seconds, double accel_density, double rate_variance,
                double velocity_variance = 0.0);

@@ -81,6 +81,9 @@ class StateEstimate {
   /// Fills LandmarkState::covariance_S.
   void predict_landmarks();
 
+  /// Variance of the velocity in body axes, all axes: the heading does not count [m^2/s^2].
+  double body_velocity_variance() const;
+
   /// Where the clone of this scan goes.
   std::size_t slot_for(ScanId scan);
 
