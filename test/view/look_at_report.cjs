@@ -98,9 +98,8 @@ async function main() {
   }
 
   await page.emulateMedia({ colorScheme: "dark" });
-  await page.waitForTimeout(500);
-  const ground = await page.$eval("body", (b) => getComputedStyle(b).backgroundColor);
-  if (ground === "rgb(255, 255, 255)") fail("there is no dark view");
+  const is_dark = () => getComputedStyle(document.body).backgroundColor !== "rgb(255, 255, 255)";
+  await page.waitForFunction(is_dark).catch(() => fail("there is no dark view"));
   await shot("dark");
   await page.emulateMedia({ colorScheme: "light" });
   await page.pdf({ path: path.join(folder, "print.pdf"), format: "A4", printBackground: true });
