@@ -130,7 +130,8 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
       text.starts_with("#t_ns,px_m,py_m,pz_m,qw,qx,qy,qz,vx_mps,vy_mps,vz_mps,P_px_px,P_px_py,"))
       << text;
   EXPECT_TRUE(test::contains(text, ",P_px_vz,P_py_py,"));
-  EXPECT_TRUE(test::contains(text, ",P_vz_vz,bgx_radps,bgy_radps,bgz_radps,bax_mps2,bay_mps2,baz_mps2\n"));
+  EXPECT_TRUE(
+      test::contains(text, ",P_vz_vz,bgx_radps,bgy_radps,bgz_radps,bax_mps2,bay_mps2,baz_mps2\n"));
   CsvReader rows(path);
   ASSERT_TRUE(rows.next());
   ASSERT_EQ(rows.columns(), 62U);

@@ -3,8 +3,8 @@
 //
 //   /imu                 sensor_msgs/msg/Imu without orientation, frame "imu"
 //   /radar0, /radar1...  sensor_msgs/msg/PointCloud2, frames "radar0_chip"...: the points as a TI
-//                        radar sends them, in axes of the chip (x right, y forward, z up): float32 x, y,
-//                        z [m], doppler [m/s, + = receding], int16 snr, noise [0.1 dB]
+//                        radar sends them, in axes of the chip (x right, y forward, z up): float32
+//                        x, y, z [m], doppler [m/s, + = receding], int16 snr, noise [0.1 dB]
 //
 // Header stamps and file times are those of the samples and scans. Scans of a TI radar read back to
 // the last bit, with the preset "mav" (data/README.md); those of others are rounded to these number
