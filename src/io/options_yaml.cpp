@@ -123,7 +123,7 @@ void apply_settings(const std::vector<std::string>& settings, Options* options) 
       key.replace(dot, 1, ": {");
     }
     read_fields(parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting),
-                kPresetKey, &changed);
+                kPresetKey, &changed, keys_of_presets());
   }
   std::string why;
   if (!changed.validate(&why)) throw std::runtime_error("settings: " + why);
@@ -141,7 +141,9 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 void parse_option_values(const std::vector<std::string>& yaml, const std::string& name,
                          Options* options) {
   Options changed = *options;
-  for (const std::string& text : yaml) read_fields(parse_yaml(text, name), kPresetKey, &changed);
+  for (const std::string& text : yaml) {
+    read_fields(parse_yaml(text, name), kPresetKey, &changed, keys_of_presets());
+  }
   check(name, changed);
   *options = changed;
 }

@@ -76,6 +76,9 @@ TEST(OptionsYaml, TheUsersLayerIsShort) {
 TEST(OptionsYaml, WhatThePresetsOwnIsNoFileOption) {
   EXPECT_ERROR(parsed("preset: default\nfrontend: {matching: euclidean}\n"),
                "o.yaml:2: frontend.matching belongs to the preset, it is no option of a file");
+  Options options;
+  EXPECT_ERROR(apply_settings({"update.gate_probability=1"}, &options),
+               "update.gate_probability belongs to the preset");
 }
 
 TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
