@@ -8,6 +8,13 @@
 
 namespace rio {
 
+namespace {
+
+// cells of the noise in the region where a landmark is looked for: in more there are other echoes
+constexpr double kMostCells = 100.0;
+
+}  // namespace
+
 Association::Association(const FrontendOptions& options, std::size_t max_landmarks,
                          double same_echo)
     : options_(options),
@@ -106,6 +113,7 @@ std::optional<Association::Distance> Association::mahalanobis_distance(const Vec
   const SmallCholesky<3> root(S);
   if (!root.positive()) return std::nullopt;
   const double spread = root.determinant() / seen.variance_product;
+  if (spread > kMostCells * kMostCells) return std::nullopt;  // any echo of the region would do
   const double d2 = root.whitened(y).squaredNorm();
   if (!(d2 < gate_)) return std::nullopt;
   return Distance{d2, d2 + std::log(spread)};

@@ -80,10 +80,21 @@ TEST_F(AssociationTest, UncertaintyOfTheLandmarkWidensTheGate) {
   EXPECT_EQ(match().landmarks.size(), 1U);
 }
 
+// With noise of 3, 12 and 24 cm at 4 m: 17 cells where the prediction is 20 cm off, 200 at 50 cm.
+TEST_F(AssociationTest, LandmarkLookedForInALargeRegionIsNotMatched) {
+  see({4.0, 0.0, 0.0});
+  know({4.0, 0.0, 0.0}, 0.2);
+  EXPECT_EQ(match().landmarks.size(), 1U);
+  estimate_.landmarks.clear();
+  know({4.0, 0.0, 0.0}, 0.5);
+  EXPECT_TRUE(match().landmarks.empty());
+  EXPECT_FALSE(match().near_landmark[0]);  // a new trail may begin
+}
+
 TEST_F(AssociationTest, AVagueLandmarkDoesNotWinByItsVagueness) {
   options_.match_margin = 0.0;
   see({4.05, 0.0, 0.0});
-  know({4.0, 0.0, 0.0}, 1.0);    // d2 is smallest here
+  know({4.0, 0.0, 0.0}, 0.3);    // d2 is smallest here
   know({4.0, 0.05, 0.0}, 0.02);  // but this is likelier
   const AssociationResult result = match();
   ASSERT_EQ(result.landmarks.size(), 1U);
