@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every tunable of the estimator, nested by stage, with its default. SI units throughout (angles in
 // radians); the file reader also takes values such as "2 deg". Nothing derived is stored here.
-// Files and command lines have the options of option_fields.hpp, which a user may know better than
-// the preset; what stands under "Of the presets" belongs to the algorithm. C++17.
+// Files and command lines have those of visit_fields() in option_fields.hpp, which a user may know
+// better than the preset; those of visit_preset_fields() belong to the presets. C++17.
 #pragma once
 
 #include <optional>

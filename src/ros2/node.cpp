@@ -142,17 +142,21 @@ void Node::take_scans(std::size_t r) {
 
 void Node::take_pressure() {
   while (pressure_ && pressure_->take(&bytes_)) {
-    bag::Header header;
-    const double pressure = bag::decode_pressure(bag::Encoding::kCdr, bytes_, &header);
-    const io::BaroSample sample{header.stamp, pressure};
-    if (!heights_.any && heights_.height(sample)) {
-      heights_.zero = *heights_.height(sample);
-      heights_.any = true;
+    try {
+      bag::Header header;
+      const double pressure = bag::decode_pressure(bag::Encoding::kCdr, bytes_, &header);
+      const io::BaroSample sample{header.stamp, pressure};
+      if (!heights_.any && heights_.height(sample)) {
+        heights_.zero = *heights_.height(sample);
+        heights_.any = true;
+      }
+      const std::optional<double> height = heights_.height(sample);
+      if (!height) continue;
+      const HeightModel::Measurement z{*height, parameters_.pressure_sigma};
+      (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // its outcome is counted
+    } catch (const bag::Damage& damage) {
+      refuse(parameters_.pressure_topic, damage.what());
     }
-    const std::optional<double> height = heights_.height(sample);
-    if (!height) continue;
-    const HeightModel::Measurement z{*height, parameters_.pressure_sigma};
-    (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // its outcome is counted
     tell();
   }
 }

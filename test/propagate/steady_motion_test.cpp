@@ -49,6 +49,24 @@ TEST(SteadyMotion, TheAccelerationIsWithoutTheVibrationOfRotors) {
   EXPECT_LT(largest, 10.0 / std::pow(2.0 * M_PI * 100.0 * 0.05, 2) * 1.2);
 }
 
+// A start in motion: the scans that determine the velocity move it by metres per second, which is
+// no noise to be smoothed; once it is known, and a scan later, it is smoothed.
+TEST(SteadyMotion, UnknownVelocityIsFollowedAtOnce) {
+  NavState nav;
+  SteadyMotionFilter filter;
+  const auto follows = [&](double v, double variance) {
+    nav.v_WB.x() = v;
+    filter.advance(nav, nav, Vector3d::Zero(), 0.1, 0.0, 0.0, variance);
+    return std::abs(filter.motion().v_B.x() - v) < 1e-9;
+  };
+  EXPECT_TRUE(follows(3.0, 9.0));
+  EXPECT_TRUE(follows(-1.0, 0.26));  // the scan before has corrected it
+  EXPECT_TRUE(follows(2.0, 0.01));   // that of this correction
+  EXPECT_FALSE(follows(2.5, 0.01));
+  EXPECT_NEAR(filter.motion().v_B.x(), 2.0 + 0.5 * 0.1 / 2.1, 1e-9);  // (E3)
+  EXPECT_FALSE(follows(3.5, 0.24));
+}
+
 /// A body whose velocity is predicted with white noise and corrected exactly by scans at 10 Hz.
 class Flight {
  public:

@@ -7,9 +7,8 @@
 // The angle sigmas grow off boresight as 1/cos: an array measures the direction cosine.
 // (E3) weak echoes: sigma_az^2 and sigma_el^2 times 1 + 10^(-(SNR - SNR_weak) / 10), at most 2: the
 //      phase noise of a receiver falls with the SNR (Cramer-Rao bound), other errors do not
-// (E4) with RadarOptions::angle_growth off: Sigma_u = sigma_az^2 e_az e_az^T + sigma_el^2 e_el
-// e_el^T,
-//      the same in all directions (Xu et al., eq. 4)
+// (E4) Sigma_u = sigma_az^2 e_az e_az^T + sigma_el^2 e_el e_el^T with RadarOptions::angle_growth
+//      off: the same in all directions (Xu et al., eq. 4)
 // A sigma supplied with the detection is used instead, but not below the least value an option may
 // have: no radar is that accurate, and products of smaller ones underflow.
 #pragma once
