@@ -59,7 +59,7 @@ std::string options_of(const std::string& path, const std::vector<std::string>& 
   const tools::OpenRecording recording = tools::open_any(path, {});
   std::vector<std::string> notes;
   return io::options_as_yaml(
-      tools::make_options(estimator_of(texts, preset), recording.sensors, {}, &notes));
+      io::flown_options(estimator_of(texts, preset), recording.sensors, {}, &notes));
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ Options make_options(const std::vector<std::string>& texts, const std::string& p
   io::Dataset dataset;
   if (!sensors.empty()) dataset = io::read_sensor_info(sensors);
   std::vector<std::string> notes;
-  return tools::make_options(estimator_of(texts, preset), dataset, {}, &notes);
+  return io::flown_options(estimator_of(texts, preset), dataset, {}, &notes);
 }
 
 void bind_options(py::module_& module) {

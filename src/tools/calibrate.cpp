@@ -72,11 +72,11 @@ void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
                   view::kDegrees * turn, 100.0 * shift));
 }
 
-std::vector<io::Dataset> read_all(const std::vector<std::string>& names) {
+std::vector<io::Dataset> read_all(const CalibrateArguments& arguments) {
   std::vector<io::Dataset> datasets;
-  for (const std::string& name : names) {
+  for (const std::string& name : arguments.datasets) {
     std::string damage;
-    datasets.push_back(read_any(name, {}, &damage));
+    datasets.push_back(read_any(name, arguments.how, &damage));
     print_notes(datasets.back().notes);
     if (!damage.empty()) fmt::print(stderr, "note: {}; what stands before is used\n", damage);
   }
@@ -128,7 +128,7 @@ void write_files(const CalibrateArguments& arguments, const io::Dataset& first,
 
 void calibrate(const CalibrateArguments& arguments) {
   check_output(arguments);
-  const std::vector<io::Dataset> datasets = read_all(arguments.datasets);
+  const std::vector<io::Dataset> datasets = read_all(arguments);
   CalibrateReport report;
   report.datasets = arguments.datasets;
   report.configured = options_of(datasets.front(), arguments.values);

@@ -38,7 +38,7 @@ Checked run_check(const CheckArguments& arguments) {
   std::string damage;
   const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
   Options options;
-  std::vector<std::string> notes = tell_sensors_and_values(dataset, arguments.values, &options);
+  std::vector<std::string> notes = io::tell_sensors_and_values(dataset, arguments.values, &options);
   notes.insert(notes.begin(), dataset.notes.begin(), dataset.notes.end());
   check::Findings findings = findings_of(arguments.dataset, dataset, options);
   if (!dataset.ground_truth.empty()) without_start(&findings);  // it starts there

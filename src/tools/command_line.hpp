@@ -6,9 +6,10 @@
 #include <cmath>
 #include <string>
 
+#include "estimator_options.hpp"
+
 namespace rio::tools {
 
-struct EstimatorArguments;
 struct ViewArguments;
 
 /// Makes options that take a number refuse nan, for which every range has room.

@@ -45,7 +45,7 @@ struct RecordingArguments {
 /// `rio info`: contents of a bag.
 void info(const std::string& path);
 
-/// `rio convert`: a bag as a folder in ASL layout.
+/// `rio convert`: a recording as a folder in ASL layout, or as MCAP.
 struct ConvertArguments {
   std::string recording;
   std::string out;
@@ -216,6 +216,7 @@ void fit_noise(const FitNoiseArguments& arguments);
 /// `rio calibrate`: mounting, time offset, Doppler scale and noise from recordings.
 struct CalibrateArguments {
   std::vector<std::string> datasets;
+  RecordingArguments how;
   OptionValues values;
   std::string out;
   bool overwrite = false;

@@ -1,44 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The options of the estimator from presets, option files, the sensor files of a recording and the
-// command line.
+// The options of a command's estimator; what overrides the sensor files is noted on stderr.
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "rio/io/dataset.hpp"
-#include "rio/options.hpp"
+#include "notes.hpp"
+#include "rio/io/flown_options.hpp"
 
 namespace rio::tools {
 
-/// Values of options that a user gives; each overrides those before.
-struct OptionValues {
-  std::string config{};              ///< option file
-  std::vector<std::string> texts{};  ///< the texts of further option files
-  std::vector<std::string> set{};    ///< "KEY=VALUE"
-};
+using io::EstimatorArguments;
+using io::OptionValues;
 
-struct EstimatorArguments : OptionValues {
-  std::string preset{};   ///< overrides that of file and texts
-  std::string backend{};  ///< ekf or smoother; overrides both
-};
+/// Without presets.
+inline Options options_of(const io::Dataset& sensors, const OptionValues& values) {
+  Options options;
+  print_notes(io::tell_sensors_and_values(sensors, values, &options));
+  return options;
+}
 
-/// Overrides `options` by the sensor properties, then by the values of the user. Throws
-/// std::runtime_error.
-/// @return for each value of file and texts that differs from the sensor files, "FILE overrides the
-/// sensor files: KEY = NEW (OLD)"
-std::vector<std::string> tell_sensors_and_values(const io::Dataset& sensors,
-                                                 const OptionValues& values, Options* options);
-
-/// The defaults with these overrides, for commands without presets; notes overridden values on
-/// stderr.
-Options options_of(const io::Dataset& sensors, const OptionValues& values);
-
-/// Preset, then the sensor properties, then the values of the user, then the back-end of the
-/// command line. Throws std::runtime_error.
-/// @param base the options that the preset modifies
-/// @param notes receives the sensor properties that were overridden; if null, stderr does
-Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
-                     Options base = {}, std::vector<std::string>* notes = nullptr);
+inline Options make_options(const EstimatorArguments& arguments, const io::Dataset& sensors,
+                            Options base = {}) {
+  std::vector<std::string> notes;
+  Options options = io::flown_options(arguments, sensors, std::move(base), &notes);
+  print_notes(notes);
+  return options;
+}
 
 }  // namespace rio::tools

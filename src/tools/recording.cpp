@@ -9,8 +9,10 @@
 #include <stdexcept>
 
 #include "notes.hpp"
+#include "outputs.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_map.hpp"
+#include "rio/bag/recording_writer.hpp"
 #include "rio/bag/summary.hpp"
 #include "rio/io/units.hpp"
 
@@ -97,6 +99,39 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   return false;
 }
 
+/// IMU and radars by their stamps, as they would be received.
+void write_mcap(const fs::path& out, const io::Dataset& dataset) {
+  struct Radar {
+    const std::vector<RadarScan>* scans;
+    std::size_t next = 0;
+  };
+  std::vector<Radar> radars{{&dataset.scans}};
+  for (const io::Dataset::OtherRadar& other : dataset.other_radars)
+    radars.push_back({&other.scans});
+  bag::RecordingWriter writer(out, radars.size());
+  const auto add_scans_until = [&](Time time) {
+    for (std::size_t r = 0; r < radars.size(); ++r) {
+      const std::vector<RadarScan>& scans = *radars[r].scans;
+      for (std::size_t& i = radars[r].next; i < scans.size() && scans[i].time <= time; ++i) {
+        writer.add(scans[i], r);
+      }
+    }
+  };
+  for (const ImuSample& sample : dataset.imu) {
+    add_scans_until(sample.time);
+    writer.add(sample);
+  }
+  add_scans_until(Time::max());
+  writer.close();
+}
+
+/// What a bag of rio does not hold of this recording.
+void print_what_is_left_out(const std::string& source, const io::Dataset& dataset) {
+  fmt::print("Not in the bag: mounting and noise, which `rio replay OUT --sensors {}` takes{}{}.\n",
+             source, dataset.ground_truth.empty() ? "" : "; the ground truth",
+             dataset.baro.empty() ? "" : "; the barometer");
+}
+
 /// Properties missing in every ROS recording.
 void print_what_is_missing(const fs::path& out, bool mounted) {
   fmt::print(
@@ -151,21 +186,27 @@ void info(const std::string& path) {
 }
 
 void convert(const ConvertArguments& arguments) {
+  protect_inputs({arguments.recording}, {arguments.out});
   const fs::path out = arguments.out;
   const bool taken = fs::exists(out / "imu0") || fs::exists(out / "radar0");
   if (taken && !arguments.force) {
     throw std::runtime_error(out.string() + ": holds a recording already; --force overwrites it");
   }
-  if (!bag::is_recording(arguments.recording)) {
-    throw std::runtime_error(arguments.recording + ": no recording there");
-  }
   std::string damage;
   const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage, true);
   print_notes(dataset.notes);
-  io::write_dataset(out, dataset);
+  const bool is_folder = is_asl_folder(arguments.recording);
+  const bool to_bag = out.extension() == ".mcap";
+  if (to_bag) {
+    if (arguments.force) fs::remove(out);
+    write_mcap(out, dataset);
+  } else {
+    io::write_dataset(out, dataset);
+  }
   fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
              dataset.scans.size());
-  print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
+  if (to_bag) print_what_is_left_out(is_folder ? arguments.recording : "FOLDER", dataset);
+  if (!to_bag && !is_folder) print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
   throw_damage(damage);
 }
 

@@ -153,13 +153,15 @@ void add_info_command(CLI::App& app) {
 }
 
 void add_convert_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("convert", "Write a bag as a folder in ASL/EuRoC layout");
+  CLI::App* command = app.add_subcommand(
+      "convert", "Write a bag as a folder in ASL/EuRoC layout, or a folder as MCAP");
   auto arguments = std::make_shared<ConvertArguments>();
   command
-      ->add_option("FILE", arguments->recording,
-                   "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts")
+      ->add_option(
+          "FILE", arguments->recording,
+          "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts, or in ASL layout")
       ->required();
-  command->add_option("OUT", arguments->out, "folder of the new dataset")->required();
+  command->add_option("OUT", arguments->out, "folder to write, or file *.mcap")->required();
   command->add_flag("--force", arguments->force,
                     "overwrite a recording in OUT, with what was filled in there by hand");
   add_recording_options(command, &arguments->how);
@@ -266,14 +268,17 @@ void add_calibrate_command(CLI::App& app) {
       "Estimate mounting, time offset and Doppler scale of the radar and the noise of the sensors");
   auto arguments = std::make_shared<CalibrateArguments>();
   command
-      ->add_option("DATASET", arguments->datasets,
-                   "folders in ASL/EuRoC layout, of one and the same mounting; each begins at rest")
+      ->add_option(
+          "DATASET", arguments->datasets,
+          "folders in ASL/EuRoC layout, or bags, of one and the same mounting; each begins at "
+          "rest")
       ->required();
   command->add_option("--out", arguments->out,
                       "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
   command->add_flag("--overwrite", arguments->overwrite, "replace sensor files in --out");
   add_option_values(command, &arguments->values, "option file; its calibration.* are the priors");
   command->add_flag("--json", arguments->json, "print one JSON line instead of the table");
+  add_recording_options(command, &arguments->how);
   command->callback([arguments] { calibrate(*arguments); });
 }
 
@@ -288,16 +293,19 @@ void add_options_command(CLI::App& app) {
                             ->capture_default_str();
   auto compare = std::make_shared<bool>(false);
   command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");
-  CLI::Option* from = command->add_option(
+  command->add_option(
       "--from", arguments->dataset,
       "the options that a replay of this folder or bag uses, sensor files and --config included");
-  command->add_option("--config", arguments->estimator.config, "option file, as of `rio replay`")
-      ->needs(from);
+  add_option_values(command, &arguments->estimator, "option file, as of `rio replay`");
   add_recording_options(command, &arguments->how);
   command->callback([arguments, name, compare, preset] {
     if (preset->count() > 0) arguments->estimator.preset = *name;
+    const io::OptionValues& values = arguments->estimator;
     if (arguments->dataset.empty() && arguments->how != RecordingArguments{}) {
       throw CLI::ValidationError("options of a bag are given, but no --from");
+    }
+    if (arguments->dataset.empty() && !(values.config.empty() && values.set.empty())) {
+      throw CLI::ValidationError("--config and --set need --from");
     }
     if (*compare) {
       compare_presets();

@@ -50,7 +50,7 @@ Options make_options(const ReplayArguments& arguments, const io::Dataset& sensor
                      std::vector<std::string>* notes) {
   Options base;
   if (arguments.barometer) (void)base.auxiliary.declare<HeightOffset>();
-  Options options = make_options(arguments.estimator, sensors, base, notes);
+  Options options = io::flown_options(arguments.estimator, sensors, base, notes);
   options.timing.clock = &steady_now;
   return options;
 }
@@ -430,7 +430,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
       Replay(arguments, recording, options, part ? &*part : nullptr, view, on_scan).run();
   if (part) {
     Options checked;  // overridden values have been noted already
-    (void)tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
+    (void)io::tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
     summary.data =
         not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
     if (summary.initialised_by != "static") without_start(&*summary.data);

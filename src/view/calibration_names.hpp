@@ -18,7 +18,7 @@ struct CalibrationName {
   const char* check;  ///< possible cause when it is doubtful
 };
 
-inline constexpr const char* kMounting = "T_BS in radar0/sensor.yaml";
+inline constexpr const char* kMounting = "T_BS of radar0";
 inline constexpr double kDegrees = 57.29577951308232;
 inline constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationNames = {
     {{"radar_rotation_x", "deg", kDegrees, kMounting},

@@ -208,7 +208,48 @@ TEST_F(Bag, OptionsOfABagDoNotGoWithAFolder) {
   const Outcome run = rio("replay " + flight_ + " --points ti");
   EXPECT_NE(run.status, 0);
   EXPECT_PRED2(contains, run.output, "options of a bag are given, but it is none");
-  EXPECT_NE(rio("convert " + flight_ + " " + file("x")).status, 0);
+  EXPECT_NE(rio("convert " + flight_ + " " + file("x") + " --imu /imu").status, 0);
+}
+
+TEST_F(Bag, FolderAsMcapHoldsWhatTheFolderHolds) {
+  const std::string mcap = file("of_folder.mcap");
+  const Outcome convert = rio("convert " + flight_ + " " + mcap);
+  ASSERT_EQ(convert.status, 0) << convert.output;
+  EXPECT_PRED2(contains, convert.output, "--sensors " + flight_);
+  ASSERT_EQ(rio("convert " + mcap + " " + file("back")).status, 0);
+  const io::Dataset folder = io::read_dataset(flight_), back = io::read_dataset(file("back"));
+  ASSERT_EQ(back.imu.size(), folder.imu.size());
+  for (std::size_t i = 0; i < folder.imu.size(); ++i) {
+    ASSERT_EQ(back.imu[i].time, folder.imu[i].time);
+    ASSERT_EQ(back.imu[i].gyro_B, folder.imu[i].gyro_B);
+    ASSERT_EQ(back.imu[i].accel_B, folder.imu[i].accel_B);
+  }
+  ASSERT_EQ(back.scans.size(), folder.scans.size());
+  for (std::size_t i = 0; i < folder.scans.size(); ++i) {
+    ASSERT_EQ(back.scans[i].time, folder.scans[i].time);
+    ASSERT_EQ(back.scans[i].detections.size(), folder.scans[i].detections.size());
+    for (std::size_t k = 0; k < folder.scans[i].detections.size(); ++k) {
+      const RadarDetection &a = folder.scans[i].detections[k], &b = back.scans[i].detections[k];
+      ASSERT_LT((a.point_S - b.point_S).norm(), 1e-5);  // float32
+      ASSERT_NEAR(a.range_rate, b.range_rate, 1e-6);
+      ASSERT_NEAR(a.snr_db, b.snr_db, 0.0501);  // 0.1 dB
+    }
+  }
+  const Outcome onto_itself = rio("convert " + mcap + " " + mcap + " --force");
+  EXPECT_NE(onto_itself.status, 0);
+  EXPECT_EQ(rio("convert " + flight_ + " " + mcap + " --force").status, 0);
+}
+
+TEST_F(Bag, CalibratesAsItsFolderDoes) {
+  const std::string bag = recorded("ros1-none");
+  ASSERT_EQ(rio("convert " + bag + " " + file("to_calibrate")).status, 0);
+  const std::string how = " --json --config " + file("mounting.yaml");
+  const Outcome folder = rio("calibrate " + file("to_calibrate") + how);
+  const Outcome run = rio("calibrate " + bag + " --radar /radar" + how);
+  ASSERT_EQ(run.status, 0) << run.output;
+  const auto of_folder = nlohmann::json::parse(folder.last_line());
+  const auto of_bag = nlohmann::json::parse(run.last_line());
+  for (const char* part : {"T_BS", "parameters"}) EXPECT_EQ(of_folder[part], of_bag[part]) << part;
 }
 
 TEST_F(Bag, TheTriggersOfTheRealRecordingGiveTheTimesOfItsCorrectedCopy) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "e2e/tool.hpp"
+#include "rio/files.hpp"
 #include "rio/options.hpp"
 #include "support/measured.hpp"
 
@@ -216,6 +217,31 @@ TEST_F(Tool, PrintedOptionsLeaveTheSensorFilesAloneAndWhatOverridesThemIsSaid) {
             std::string::npos)
       << over.output;
   EXPECT_EQ(over.output.find("min_range"), std::string::npos) << over.output;
+}
+
+TEST_F(Tool, LibraryLoadsTheOptionsThatAReplayFliesWith) {
+  std::ofstream(file("some.yaml")) << "preset: published-ekf\nradar: {sigma_range: 0.2}\n";
+  const files::Sources sources{
+      "", flight_, file("some.yaml"), {"frontend.ransac_seed=4", "radar.fov_azimuth=100 deg"}};
+  std::vector<std::string> notes;
+  const std::string loaded = files::as_yaml(files::load(sources, &notes));
+  const Outcome flown = rio("options --from " + flight_ + " --config " + file("some.yaml") +
+                            " --set frontend.ransac_seed=4 --set \"radar.fov_azimuth=100 deg\"");
+  ASSERT_EQ(flown.status, 0) << flown.output;
+  EXPECT_NE(flown.output.find(loaded), std::string::npos) << flown.output << loaded;
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("radar.sigma_range = 0.2 (0.03)"), std::string::npos) << notes[0];
+  EXPECT_NE(loaded, files::as_yaml({}));
+
+  const auto refused = [](const files::Sources& wrong) {
+    std::vector<std::string> left{"as before"};
+    EXPECT_THROW((void)files::load(wrong, &left), std::runtime_error);
+    EXPECT_EQ(left.size(), 1u);
+  };
+  refused({"no such preset", "", "", {}});
+  refused({"", dir_->path() / "missing", "", {}});
+  refused({"", "", file("missing.yaml"), {}});
+  refused({"", "", "", {"frontend.ransac_sed=4"}});
 }
 
 TEST_F(Tool, EveryCommandWithAnOptionFileSaysWhatItOverrides) {
