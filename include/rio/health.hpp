@@ -44,6 +44,7 @@ enum class HealthReason : std::uint8_t {
   /// radar moved within ten seconds by more than five of its former sigmas: its clock was changed.
   kCalibration,
   kNumerical,  ///< an update failed and was undone
+  kAiding,     ///< the gates reject measurements of other sensors, or innovations are too large
   kCount
 };
 inline constexpr std::size_t kHealthReasonCount = static_cast<std::size_t>(HealthReason::kCount);

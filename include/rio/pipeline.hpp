@@ -113,6 +113,7 @@ class Pipeline {
       report_.status = backend_.update(aided_, rows_);
     }
     summarise_state();
+    health_.observe_aiding(report_);
     report_.health = health_.health();
     return report_.status;
   }
@@ -147,7 +148,7 @@ class Pipeline {
                                backend_.state_estimate().covariance().body());
     if (options_.update.use_ego_velocity) {
       const auto velocity = ego_velocity_measurement(*seen_.scan, seen_.ego_velocity, estimate());
-      if (velocity) aiding_.take_now(*velocity);
+      if (velocity) aiding_.take_ego_velocity(*velocity);
     }
     checks_.predicted();
     rows_.build(seen_, backend_.state_estimate(), &report_);  // 3 4

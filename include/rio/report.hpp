@@ -46,7 +46,8 @@ enum class Model : std::uint8_t {
   kLandmarkPoint,
   kLandmarkPosition,
   kRest,
-  kAiding,  ///< of another sensor, InnovationRecord::name
+  kAiding,       ///< of another sensor, InnovationRecord::name
+  kEgoVelocity,  ///< the velocity of a scan's static set as one measurement
   kCount
 };
 inline constexpr std::size_t kModelCount = static_cast<std::size_t>(Model::kCount);
@@ -61,13 +62,14 @@ enum class GateResult : std::uint8_t { kUsed, kGated, kOutOfDomain };
 struct InnovationRecord {
   Model model = Model::kDoppler;
   GateResult result = GateResult::kUsed;
-  std::uint16_t detection = 0;  ///< index in the filtered scan; kAiding: in those of the update
-  std::uint16_t dof = 0;        ///< rows of the block
-  double innovation = 0.0;      ///< z - h(x) of its first row [unit of the model]
-  double sigma = 0.0;           ///< sqrt of the innovation variance of its first row
-  double nis = 0.0;             ///< normalised innovation squared of the block
-  double gate = 0.0;            ///< threshold of the gate
-  const char* name = nullptr;   ///< kAiding: of the model
+  std::uint16_t detection =
+      0;  ///< index in the filtered scan; kAiding, kEgoVelocity: in those of the update
+  std::uint16_t dof = 0;       ///< rows of the block
+  double innovation = 0.0;     ///< z - h(x) of its first row [unit of the model]
+  double sigma = 0.0;          ///< sqrt of the innovation variance of its first row
+  double nis = 0.0;            ///< normalised innovation squared of the block
+  double gate = 0.0;           ///< threshold of the gate
+  const char* name = nullptr;  ///< kAiding: of the model
 };
 
 /// What the estimator took a detection for.

@@ -45,6 +45,8 @@ Effect effect(HealthReason reason) {
     case HealthReason::kTooFast:
     case HealthReason::kNumerical:
       return {true, true, true, true};
+    case HealthReason::kAiding:
+      return {true, true, true, false};
     case HealthReason::kCalibration:
       return {true, true, false, false};
     case HealthReason::kCount:
@@ -79,6 +81,8 @@ void HealthMonitor::fade(Time now) {
        {&detections_, &static_detections_, &rows_used_, &rows_gated_, &nis_, &gaps_}) {
     *sum *= kept;
   }
+  const double kept_aiding = std::exp(-seconds / kAidingMemory);
+  for (double* sum : {&aiding_used_, &aiding_gated_, &aiding_nis_}) *sum *= kept_aiding;
   const double kept_step = std::exp(-seconds / kStepMemory);
   steps_ *= kept_step;
   failures_ *= kept_step;
@@ -106,9 +110,26 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   calibration_[report.radar] = std::max(calibration_doubt(report), clock_doubt(report, x.nav.time));
   severity(HealthReason::kCalibration) =
       *std::max_element(calibration_.begin(), calibration_.end());
+  judge_aiding(report);
   judge_scans(x.nav.time, Time{0});
   judge_sigmas(x, P_body);
   conclude();
+}
+
+void HealthMonitor::observe_aiding(const UpdateReport& report) {
+  fade(report.time);
+  judge_aiding(report);
+  conclude();
+}
+
+void HealthMonitor::judge_aiding(const UpdateReport& report) {
+  const ModelReport& aiding = report.models[static_cast<std::size_t>(Model::kAiding)];
+  aiding_used_ += aiding.rows_used;
+  aiding_gated_ += aiding.rows_gated;
+  aiding_nis_ += aiding.nis;
+  const double gated = aiding_gated_ / std::max(aiding_used_ + aiding_gated_, kFewAiding);
+  const double nis = aiding_nis_ / std::max(aiding_used_, kFewAiding);
+  severity(HealthReason::kAiding) = std::max(gated / kGated, nis / kInnovations);
 }
 
 double HealthMonitor::calibration_doubt(const UpdateReport& report) const {

@@ -48,6 +48,10 @@ std::string coherence_problem(const Options& o) {
     const bool good = state.sigma > 0.0 && std::isfinite(state.sigma) && state.walk >= 0.0 &&
                       std::isfinite(state.walk);
     if (!good) return std::string("auxiliary state ") + state.name + ": sigma or walk out of range";
+    if (!std::all_of(state.initial.begin(), state.initial.end(),
+                     [](double value) { return std::isfinite(value); })) {
+      return std::string("auxiliary state ") + state.name + ": initial value not finite";
+    }
   }
   return {};
 }

@@ -51,6 +51,8 @@ const char* to_string(Model model) {
       return "rest";
     case Model::kAiding:
       return "aiding";
+    case Model::kEgoVelocity:
+      return "ego_velocity";
     case Model::kCount:
       break;
   }
@@ -107,6 +109,8 @@ const char* to_string(HealthReason reason) {
       return "calibration doubtful";
     case HealthReason::kNumerical:
       return "update failed";
+    case HealthReason::kAiding:
+      return "other sensors contradict";
     case HealthReason::kCount:
       break;
   }

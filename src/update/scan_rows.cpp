@@ -301,7 +301,7 @@ void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,
     if (valid) {
       for (const LinearRow& row : aiding_) batch_.push(row);
     }
-    if (decide(Model::kAiding, i, valid, report, seen.measurement.name())) {
+    if (decide(seen.model, i, valid, report, seen.measurement.name())) {
       (void)used_aiding_.push_back(i);
     }
   }

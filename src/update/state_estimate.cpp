@@ -41,6 +41,7 @@ StateEstimate::StateEstimate(const Options& options, int max_clones)
 void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_ = Estimate{};
   estimate_.nav = prior;
+  estimate_.auxiliary = options_.auxiliary.initial();
   for (std::size_t r = 0; r < options_.radars(); ++r) {
     const RadarMount configured = options_.mount(r);
     estimate_.set_radar(r,

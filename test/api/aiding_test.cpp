@@ -305,8 +305,46 @@ TEST_P(AidingTest, ADeclaredStateThatNothingMeasuresChangesNothing) {
   EXPECT_GE(offset->covariance(0, 0), HeightOffset::kSigma * HeightOffset::kSigma);
 }
 
+TEST_P(AidingTest, AStateBeginsAtItsInitialValue) {
+  constexpr double kOffset = 40.0;  // ten sigmas of a prior around zero
+  Barometer barometer;
+  barometer.offset = kOffset;
+  Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare_at<HeightOffset>(HeightOffset::Value(kOffset + 1.0), 2.0));
+  fly(o, std::ref(barometer));
+  EXPECT_NEAR(auxiliary<HeightOffset>(*odometry)->value[0], barometer.offset, 0.5);
+  EXPECT_LT(gated, 0.02 * rows);
+  EXPECT_FALSE(odometry->health().because(HealthReason::kAiding));
+}
+
+// A barometer that jumps by 50 m is rejected, and the health says so until ten seconds after.
+TEST_P(AidingTest, RejectedMeasurementsAreAReasonOfTheHealth) {
+  Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare<HeightOffset>());
+  Barometer barometer;
+  const Time from = flight().imu.front().time + std::chrono::seconds(10);
+  const Time to = from + std::chrono::seconds(5);
+  bool before = false, during = false;
+  fly(o, [&](Odometry& odo, const NavState& x, sim::Random& random) {
+    if (x.time > to) return;
+    if (x.time >= from) barometer.offset = 50.0;
+    const bool now = odo.health().because(HealthReason::kAiding);
+    (x.time < from ? before : during) |= now;
+    if (now) {
+      EXPECT_GE(odo.health().position, HealthState::kDegraded);
+    }
+    barometer(odo, x, random);
+  });
+  EXPECT_FALSE(before);
+  EXPECT_TRUE(during);
+  EXPECT_FALSE(odometry->health().because(HealthReason::kAiding));
+}
+
 TEST_P(AidingTest, OptionsOfAStateAreChecked) {
   Options o = options();
+  ASSERT_TRUE(o.auxiliary.declare_at<HeightOffset>(HeightOffset::Value(NAN)));
+  EXPECT_EQ(Odometry::create(o), nullptr);
+  o = options();
   ASSERT_TRUE(o.auxiliary.declare<HeightOffset>(-1.0));
   std::string why;
   EXPECT_EQ(Odometry::create(o, &why), nullptr);

@@ -28,6 +28,9 @@ class HealthMonitor {
   /// @param P_body covariance of x, order of namespace body
   void observe(const UpdateReport& report, const Estimate& x, const BodyCovariance& P_body);
 
+  /// Measurements of other sensors were processed, without a scan.
+  void observe_aiding(const UpdateReport& report);
+
   /// The IMU has reached `now`; the estimate, which may be older, is x.
   /// @param pause of the IMU so far, according to the stamps of the scans that wait for it
   void wait(Time now, Time pause, const Estimate& x, const BodyCovariance& P_body);
@@ -48,13 +51,17 @@ class HealthMonitor {
   }
   double calibration_doubt(const UpdateReport& report) const;
   double clock_doubt(const UpdateReport& report, Time now);
+  void judge_aiding(const UpdateReport& report);
   void judge_scans(Time now, Time pause);
   double gated_share() const;
   void judge_sigmas(const Estimate& x, const BodyCovariance& P_body);
   void conclude();
 
-  static constexpr double kMemory = 1.0;        // of shares: a person passes, a fault stays [s]
-  static constexpr double kStepMemory = 3.0;    // of a step [s]
+  static constexpr double kMemory = 1.0;      // of shares: a person passes, a fault stays [s]
+  static constexpr double kStepMemory = 3.0;  // of a step [s]
+  static constexpr double kAidingMemory =
+      10.0;                                     // of shares: some sensors measure once a second [s]
+  static constexpr double kFewAiding = 5.0;     // one rejected row of a slow sensor is no share
   static constexpr double kSilence = 1.0;       // the IMU alone is good to centimetres [s]
   static constexpr double kFewRows = 3.0;       // a velocity has three components
   static constexpr double kOutliers = 0.7;      // above that a consensus is unreliable
@@ -98,6 +105,9 @@ class HealthMonitor {
   double rows_gated_ = 0.0;
   double nis_ = 0.0;
   double gaps_ = 0.0;  ///< [s]
+  double aiding_used_ = 0.0;
+  double aiding_gated_ = 0.0;
+  double aiding_nis_ = 0.0;
   double steps_ = 0.0;
   double failures_ = 0.0;
   std::array<PastOffsets, kMaxRadars> offsets_{};

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "rio/core/static_vector.hpp"
@@ -15,19 +17,32 @@ struct AuxiliaryState {
   int size = 0;           ///< elements
   double sigma = 0.0;     ///< prior, per element [its unit]
   double walk = 0.0;      ///< density of the random walk [its unit / sqrt(s)]; 0 = a constant
+  static constexpr int kMaxSize = 12;
+  std::array<double, kMaxSize> initial{};  ///< value of each element at the start [its unit]
 };
+
+/// Values of all states in the order of declaration; unused elements at the end are 0.
+using AuxiliaryValues = Eigen::Matrix<double, AuxiliaryState::kMaxSize, 1>;
 
 /// All auxiliary states of an estimator, one after the other.
 class AuxiliaryStates {
  public:
   static constexpr std::size_t kMaxStates = 8;
-  static constexpr int kMaxSize = 12;  ///< elements of all states together
+  static constexpr int kMaxSize = AuxiliaryState::kMaxSize;  ///< elements of all states together
 
   /// Adds a block with its default prior and random walk, or with those given. False, and nothing
   /// is added, if there is no room or the name is taken.
   template <class Block>
   bool declare(double sigma = Block::kSigma, double walk = Block::kWalk) {
-    return declare(AuxiliaryState{Block::kName, Block::kDof, sigma, walk});
+    return declare(AuxiliaryState{Block::kName, Block::kDof, sigma, walk, {}});
+  }
+  /// The same, with the value at the start, which is zero otherwise.
+  template <class Block>
+  bool declare_at(const typename Block::Value& initial, double sigma = Block::kSigma,
+                  double walk = Block::kWalk) {
+    AuxiliaryState state{Block::kName, Block::kDof, sigma, walk, {}};
+    std::copy(initial.data(), initial.data() + Block::kDof, state.initial.begin());
+    return declare(state);
   }
   bool declare(const AuxiliaryState& state) {
     if (find(state.name) >= 0 || size_ + state.size > kMaxSize || !states_.push_back(state)) {
@@ -47,6 +62,17 @@ class AuxiliaryStates {
     return -1;
   }
 
+  AuxiliaryValues initial() const {
+    AuxiliaryValues values = AuxiliaryValues::Zero();
+    int first = 0;
+    for (const AuxiliaryState& state : states_) {
+      for (int i = 0; i < state.size; ++i) {
+        values[first++] = state.initial[static_cast<std::size_t>(i)];
+      }
+    }
+    return values;
+  }
+
   /// Elements of all states together.
   int size() const { return size_; }
   const AuxiliaryState* begin() const { return states_.begin(); }
@@ -56,8 +82,5 @@ class AuxiliaryStates {
   StaticVector<AuxiliaryState, kMaxStates> states_;
   int size_ = 0;
 };
-
-/// Values of all states in the order of declaration; unused elements at the end are 0.
-using AuxiliaryValues = Eigen::Matrix<double, AuxiliaryStates::kMaxSize, 1>;
 
 }  // namespace rio

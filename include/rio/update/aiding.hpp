@@ -24,6 +24,7 @@ struct AidingObservation {
   ImuIncrements to_now;     ///< to the state of the scan
   Time anchor{0};           ///< time of the window state that keeps it
   ImuIncrements to_anchor;  ///< to the anchor
+  Model model = Model::kAiding;
 };
 
 /// Most aiding measurements in one update.

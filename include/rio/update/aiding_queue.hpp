@@ -60,9 +60,10 @@ class AidingQueue {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(taken_.size()));
   }
 
-  /// Adds one measured at the time of the update, if there is room.
-  void take_now(const AidingMeasurement& z) {
-    if (taken_.size() < kMaxAiding) taken_.push_back({z, {}, z.time(), {}});
+  /// Adds the velocity of the scan, measured at the time of the update, if there is room.
+  void take_ego_velocity(const AidingMeasurement& z) {
+    if (taken_.size() == kMaxAiding) return;
+    taken_.push_back({z, {}, z.time(), {}, Model::kEgoVelocity});
   }
 
   /// Those of the current update; the address stays valid.
