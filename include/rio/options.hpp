@@ -225,8 +225,7 @@ struct AblationOptions {
   bool shared_gyro_noise = true;  ///< in the Dopplers of a scan
   bool look_correlation = true;   ///< update/look_correlation.hpp
   bool range_curvature = true;    ///< terms of second order in the range of a landmark
-  bool doubtful_growth = true;    ///< (E3) of update/noise_inflation.hpp, for vague landmarks
-  bool mismatch_doppler = true;   ///< (E4) of the same
+  bool mismatch_doppler = true;   ///< (E4) of update/noise_inflation.hpp
 };
 
 /// Queues between the sensors and the estimator.

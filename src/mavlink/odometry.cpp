@@ -16,6 +16,12 @@ HealthState state_of(const Health& health, Content content) {
   return content == Content::kVelocity ? health.velocity : health.state;
 }
 
+/// kAll or kVelocity.
+Content usable(const Health& health, Content content) {
+  if (content != Content::kAllOrVelocity) return content;
+  return health.state == HealthState::kLost ? Content::kVelocity : Content::kAll;
+}
+
 template <class Derived>
 bool is_sound(const Eigen::MatrixBase<Derived>& values) {
   return (values.array().abs() < kMost).all();  // false for NaN
@@ -59,7 +65,8 @@ void put_no_rates(OdometryMessage* message) {
 std::optional<OdometryMessage> odometry_message(const NavState& now, const BodyCovariance& P,
                                                 const Health& health,
                                                 const std::optional<Vector3d>& gyro_B,
-                                                double gyro_sigma, Content content) {
+                                                double gyro_sigma, Content wanted) {
+  const Content content = usable(health, wanted);
   const HealthState state = state_of(health, content);
   if (state == HealthState::kInitializing || state == HealthState::kLost) return std::nullopt;
   const Vector3d rates = gyro_B.value_or(now.gyro_bias) - now.gyro_bias;
@@ -77,14 +84,16 @@ std::optional<OdometryMessage> odometry_message(const NavState& now, const BodyC
   return message;
 }
 
-Heartbeat heartbeat(const Health& health, Content content) {
+Heartbeat heartbeat(const Health& health, Content wanted) {
   Heartbeat message;
+  const Content content = usable(health, wanted);
   switch (state_of(health, content)) {
     case HealthState::kInitializing:
       message.system_status = kCalibrating;
       break;
     case HealthState::kOk:
-      message.system_status = kActive;
+      message.system_status =
+          wanted == Content::kAllOrVelocity && content == Content::kVelocity ? kCritical : kActive;
       break;
     case HealthState::kDegraded:
     case HealthState::kDeadReckoning:

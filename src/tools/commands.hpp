@@ -106,6 +106,7 @@ struct LiveArguments {
   double mavlink_rate = 30.0;
   int mavlink_system = 1;
   bool velocity_only = false;
+  bool velocity_when_lost = false;  ///< velocity alone while the pose is lost
   double patience = std::numeric_limits<double>::infinity();  ///< wait for a lost port [s]
   double speed = 1.0;                                         ///< factor of the clock
   bool json = false;                                          ///< prints the summary as JSON

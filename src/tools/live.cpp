@@ -168,8 +168,9 @@ class LiveRun {
     if (to_autopilot == nullptr) return;
     MavlinkLink::Settings settings;
     settings.rate = arguments_.mavlink.empty() ? 0.0 : arguments_.mavlink_rate;
-    settings.content =
-        arguments_.velocity_only ? mavlink::Content::kVelocity : mavlink::Content::kAll;
+    settings.content = arguments_.velocity_only        ? mavlink::Content::kVelocity
+                       : arguments_.velocity_when_lost ? mavlink::Content::kAllOrVelocity
+                                                       : mavlink::Content::kAll;
     settings.system = static_cast<std::uint8_t>(arguments_.mavlink_system);
     settings.raw_imu = arguments_.imu_format == "mavlink-raw";
     settings.asks_clock = imu_is_mavlink();

@@ -45,9 +45,16 @@ void add_live_outputs(CLI::App* command, LiveArguments* to) {
       ->needs(link)
       ->group(group)
       ->capture_default_str();
+  CLI::Option* only = command
+                          ->add_flag("--velocity-only", to->velocity_only,
+                                     "tell the autopilot no position or attitude")
+                          ->needs(link)
+                          ->group(group);
   command
-      ->add_flag("--velocity-only", to->velocity_only, "tell the autopilot no position or attitude")
+      ->add_flag("--velocity-when-lost", to->velocity_when_lost,
+                 "the same while position or heading are lost; PX4")
       ->needs(link)
+      ->excludes(only)
       ->group(group);
   command->add_flag("--json", to->json, "print one JSON line instead of the summary")->group(group);
 }

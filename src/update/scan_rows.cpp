@@ -207,12 +207,8 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
     }
   }
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
-  Vector3d predicted = Vector3d::Zero();
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-    if (valid) {  // the gate overwrites S_
-      innovation = direction_innovation();
-      predicted = predicted_variances();
-    }
+    if (valid) innovation = direction_innovation();  // the gate overwrites S_
   }
   if (!judge(M::kModel, detection, valid, report)) return false;
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
@@ -221,7 +217,6 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
       add_mismatch(&m, x);  // of directions with that noise
   }
   const double repeated = repetition(x.estimate.landmarks[m.landmark].distance_seen, x);
-  if constexpr (std::is_same_v<M, LandmarkPointModel>) add_doubt(predicted, repeated, &m);
   keep(m, repeated * mismatch_factor(options_.match_trust));
   return true;
 }
@@ -241,26 +236,6 @@ void ScanRows::add_curvature(LandmarkPointModel::Measurement* z) {
 Eigen::Vector2d ScanRows::direction_innovation() const {
   const LinearRow* row = &batch_.rows()[batch_.last_block().first];
   return {row[1].residual / std::sqrt(S_(1, 1)), row[2].residual / std::sqrt(S_(2, 2))};
-}
-
-Vector3d ScanRows::predicted_variances() const {
-  const LinearRow* row = &batch_.rows()[batch_.last_block().first];
-  return {S_(0, 0) - row[0].variance, S_(1, 1) - row[1].variance, S_(2, 2) - row[2].variance};
-}
-
-void ScanRows::add_doubt(const Vector3d& predicted, double repetition,
-                         Measured<LandmarkPointModel>* m) {
-  if (!ablation_.doubtful_growth) return;
-  const LinearRow* row = &batch_.rows()[batch_.last_block().first];
-  Vector3d growth;
-  for (int i = 0; i < 3; ++i) {
-    const double share = predicted[i] / row[i].variance;
-    growth[i] = doubtful_growth(options_.match_trust, share, repetition);
-    batch_.scale_row(static_cast<std::size_t>(i), growth[i]);
-  }
-  m->z.sigma_range *= std::sqrt(growth[0]);
-  m->z.sigma_azimuth_S *= std::sqrt(growth[1]);
-  m->z.sigma_elevation_S *= std::sqrt(growth[2]);
 }
 
 void ScanRows::add_look(const Eigen::Vector2d& innovation, Measured<LandmarkPointModel>* m,

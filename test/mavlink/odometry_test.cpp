@@ -101,8 +101,10 @@ TEST(MavlinkOdometry, NothingOfWhatHealthCallsLost) {
     health.state = health.position = state;
     EXPECT_FALSE(sent(health, Content::kAll));
     EXPECT_TRUE(sent(health, Content::kVelocity));
+    EXPECT_EQ(sent(health, Content::kAllOrVelocity), state == HealthState::kLost);
     health.velocity = state;
     EXPECT_FALSE(sent(health, Content::kVelocity));
+    EXPECT_FALSE(sent(health, Content::kAllOrVelocity));
   }
   for (const HealthState state : {HealthState::kDegraded, HealthState::kDeadReckoning}) {
     Health health = good_health();
@@ -112,6 +114,18 @@ TEST(MavlinkOdometry, NothingOfWhatHealthCallsLost) {
     ASSERT_TRUE(message);
     EXPECT_EQ(message->quality, 1);  // 0 would be "unknown"
   }
+}
+
+TEST(MavlinkOdometry, TheVelocityGoesOnWithoutALostPose) {
+  Health health = good_health();
+  const auto position = [&health] {
+    return odometry_message(some_state(), some_covariance(), health, {}, 0.01,
+                            Content::kAllOrVelocity)
+        ->position[0];
+  };
+  EXPECT_TRUE(std::isfinite(position()));
+  health.state = health.heading = HealthState::kLost;
+  EXPECT_TRUE(std::isnan(position()));
 }
 
 TEST(MavlinkOdometry, NothingThatIsNoNumber) {
@@ -150,6 +164,9 @@ TEST(MavlinkOdometry, TheHeartbeatTellsTheHealth) {
   health.state = HealthState::kLost;
   EXPECT_EQ(heartbeat(health).system_status, 8);
   EXPECT_EQ(heartbeat(health, Content::kVelocity).system_status, 4);
+  EXPECT_EQ(heartbeat(health, Content::kAllOrVelocity).system_status, 5);
+  health.velocity = HealthState::kLost;
+  EXPECT_EQ(heartbeat(health, Content::kAllOrVelocity).system_status, 8);
   EXPECT_EQ(heartbeat(Health{}).system_status, 2);
   EXPECT_EQ(heartbeat(health).type, 18);
   EXPECT_EQ(heartbeat(health).autopilot, 8);

@@ -35,35 +35,6 @@ TEST(NoiseInflation, WhatIsNewCountsInFull) {
   EXPECT_EQ(mismatch_factor(1.0), 1.0);
 }
 
-// One match of a scalar of variance P, R = 1: right with probability p, otherwise anywhere in the
-// gate. The filter's variance covers the mean square error however vague the prediction.
-TEST(NoiseInflation, VagueMatchIsDoubtedMore) {
-  constexpr int kRuns = 200000;
-  test::Random random(9);
-  const auto ratio = [&](double p, double P, double noise) {
-    const double K = P / (P + noise);
-    double square = 0.0;
-    for (int run = 0; run < kRuns; ++run) {
-      const double error = random.normal(std::sqrt(P));
-      const bool right = random.uniform(0.0, 1.0) < p;
-      const double residual = right ? error + random.normal() : random.normal(std::sqrt(P + 1.0));
-      square += (error - K * residual) * (error - K * residual);
-    }
-    return square / kRuns / ((1.0 - K) * P);
-  };
-  for (const double p : {0.6, 0.68, 0.9}) {
-    for (const double P : {0.1, 1.0, 10.0, 1000.0}) {
-      const double c = mismatch_factor(p);
-      const double told = ratio(p, P, c * doubtful_growth(p, P, 1.0));
-      EXPECT_NEAR(told, 1.0, 0.02) << p << " " << P;
-      if (P > 5.0) {
-        EXPECT_GT(ratio(p, P, c), 1.5) << p << " " << P;
-      }
-    }
-  }
-  EXPECT_EQ(doubtful_growth(1.0, 100.0, 1.0), 1.0);
-}
-
 // A scalar with many measurements of which a share p is right, and the others have residuals as
 // large that tell nothing: the variance of a filter that knows p is its mean square error.
 TEST(NoiseInflation, MismatchFactorMakesTheVarianceHonest) {

@@ -36,6 +36,9 @@ namespace rio::mavlink {
 enum class Content : std::uint8_t {
   kAll,       ///< pose, velocity, and the rates if a gyro sample is given
   kVelocity,  ///< velocity and rates only: position, attitude and their covariance are NaN
+  /// kAll, and kVelocity while position or heading are lost and the velocity is not: for an
+  /// autopilot that takes NaN for "not known"
+  kAllOrVelocity,
 };
 
 /// ODOMETRY of an estimate, in axes FRD. `pose_covariance`: position, and rotation about the axes

@@ -17,10 +17,6 @@
 //      filter with the variance c R claims c R / n after n matches. Its gain is 1 / n, so its error
 //      obeys e_n = (1 - p / n) e_(n-1) + r / n and has the variance R / (n (2 p - 1)):
 //      c = 1 / (2 p - 1)
-//      Where h P h^T is not small, as of a landmark found again after a while, a mismatch lies
-//      anywhere in the gate: its residual has the variance S = R + h P h^T. With the gain K, P h^T
-//      h becomes p (1 - K)^2 P + (1 - p) (1 + K^2) P, which the filter's (1 - K) P covers for K <=
-//      2 p - 1: the noise c R + (c - 1) h P h^T divides the gain by c for any P
 // (E4) The Doppler of a mismatch is that of the neighbour, in its own direction u': seen from the
 //      landmark's direction u, the residual has in addition (u' - u)^T v. With m the measured
 //      direction, u' - m is its error, of covariance Sigma, and m - u has passed the gate of the
@@ -48,18 +44,10 @@ inline double repetition_factor(double flown, double distance) {
   return (1.0 + rho) / (1.0 - rho);
 }
 
-/// (E3): c, factor of the variance where h P h^T is small.
+/// (E3): c, factor of the variance.
 /// @param right probability that a match is right, above a half
 inline double mismatch_factor(double right) {
   return 1.0 / (2.0 * right - 1.0);
-}
-
-/// (E3): factor of a variance R, besides c and the repetition: c R grows to c R + (c - 1) h P h^T.
-/// @param predicted h P h^T over R
-/// @param repetition factor (E2), which counts for R alone
-inline double doubtful_growth(double right, double predicted, double repetition) {
-  const double c = mismatch_factor(right);
-  return 1.0 + (c - 1.0) / (c * repetition) * predicted;
 }
 
 /// (E4): variance that the Doppler of a match has in addition [m^2/s^2].

@@ -109,12 +109,6 @@ class ScanRows {
   /// Innovations of azimuth and elevation over their sigmas, from the last block and S_.
   Eigen::Vector2d direction_innovation() const;
 
-  /// h P h^T of range, azimuth and elevation, from the last block and S_.
-  Vector3d predicted_variances() const;
-  /// Noise inflation of the same rows, the more the vaguer the landmark ((E3) of
-  /// update/noise_inflation.hpp), and of their measurement. After the gate, as above.
-  void add_doubt(const Vector3d& predicted, double repetition, Measured<LandmarkPointModel>* m);
-
   /// Noise inflation of the Doppler of a match, the last row, and of its measurement. After the
   /// gate, which is that of right matches.
   void add_mismatch(Measured<LandmarkPointModel>* m, const LinearizationPoint& x);
