@@ -23,130 +23,75 @@
 namespace rio::test {
 namespace {
 
-/// As the sources of a data set describe it, apart from the table of the program.
+/// As the sources of a data set describe it, apart from the table of the program. Axes: where x, y,
+/// z point, of f, l, u: forward, left, up, and b, r, d, the opposite.
 struct Miniature {
-  const char* name;
-  const char* imu;
+  std::string name;
+  std::string format;
+  std::string imu;
+  std::string imu_axes;
   std::vector<std::string> radars;
-  const char* fields;            ///< NAME=QUANTITY, *10 as int16; "old": channels of PointCloud;
-                                 ///< a quantity without a name is not among the fields
-  const char* axes = "flu";      ///< of the points: where x, y, z point
-  const char* imu_axes = "flu";  ///< f, l, u: forward, left, up; b, r, d the opposite
-  const char* pressure = "";
-  const char* truth = "";
-  const char* truth_type = "geometry_msgs/PoseStamped";
-  const char* format = "ros1-none";
-  const char* points = "sensor_msgs/PointCloud2";
+  std::string axes;  ///< of the points
+  std::string pressure;
+  std::string truth;
+  std::string fields;  ///< NAME=QUANTITY; *10: as int16; without a name: not among the fields
+
+  Wire::Kind wire() const { return wire_of(format); }
+  bool is_old() const { return fields.starts_with("Doppler"); }  ///< channels of PointCloud
+  bool has_int16() const { return fields.find("*10") != std::string::npos; }
+  std::string truth_type() const {
+    return truth.find("pose") == std::string::npos || truth.find("odom") != std::string::npos
+               ? "nav_msgs/Odometry"
+               : "geometry_msgs/PoseStamped";
+  }
 };
 
-constexpr const char* kRio =
-    "x=x y=y z=z snr_db=snr noise_db=noise v_doppler_mps=doppler range=range";
-constexpr const char* kTi = "x=x y=y z=z intensity=snr velocity=doppler";
-constexpr const char* kHugin =
-    "x=x y=y z=z range=range azimuth=azimuth elevation=elevation power=snr doppler=doppler";
+/// Columns as in Miniature; - is none.
+constexpr const char* kTable = R"(
+icins-2021 ros1-none /sensor_platform/imu flu /sensor_platform/radar/scan rfu /sensor_platform/baro /ground_truth/pose x=x y=y z=z snr_db=snr noise_db=noise v_doppler_mps=doppler range=range
+jgn-2022 ros1-none /sensor_platform/imu flu /sensor_platform/radar_left/scan,/sensor_platform/radar_right/scan,/sensor_platform/radar_center/scan rfu /sensor_platform/baro /ground_truth/pose x=x y=y z=z snr_db=snr noise_db=noise v_doppler_mps=doppler
+irs-rtvi ros1-none /sensor_platform/imu flu /sensor_platform/radar/scan rfu - - x=x y=y z=z snr_db=snr noise_db=noise v_doppler_mps=doppler
+brio ros1-none /imu/data_raw flu /radar/cfar_detections rfu /baro/pressure - x=x y=y z=z doppler=doppler snr=snr*10 noise=noise*10
+aau ros1-none /mavros/imu/data_raw flu /ti_mmwave/radar_scan_pcl flu - /twins_cns4/vrpn_client/raw_pose x=x y=y z=z =doppler intensity=snr
+ekf-rio-tc ros1-none /imu/data flu /ti_mmwave/radar_scan_pcl_0 flu - - x=x y=y z=z intensity=snr velocity=doppler
+coloradar ros1-none /gx5/imu/data flu /mmWaveDataHdl/RScan rfu - /lidar_ground_truth x=x y=y z=z intensity=snr range=range doppler=doppler
+hkust ros1-none /mavros/imu/data flu /radar_raw_message flu - /pos_vel_mocap/odom_TA azimuth=azimuth azimuthSTD=sigma elevation=elevation elevationSTD=sigma range=range rangeSTD=sigma velocity=doppler velocitySTD=sigma
+ntu4dradlm ros1-none /vectornav/imu frd /radar_enhanced_pcl flu - - Doppler=doppler Range=range Power=snr Alpha=azimuth Beta=elevation
+msc-rad4r ros1-none /imu/data flu /oculii_radar/point_cloud rdf - - x=x y=y z=z alpha=azimuth beta=elevation power=snr doppler=doppler range=range recoveredSpeed=sigma denoiseFlag=sigma
+snail ros1-none /mti3dk/imu flu /ars548 flu - - x=x y=y z=z doppler=doppler intensity=snr range_std=sigma azimuth_std=sigma
+mine-and-forest ros1-none /imu/data rfu /hugin_raf_1/radar_data flu - - x=x y=y z=z range=range azimuth=azimuth elevation=elevation power=snr doppler=doppler
+orebro mcap-none /imu/data flu /hugin_1/radar_data,/hugin_2/radar_data,/hugin_3/radar_data flu - /icp_odom x=x y=y z=z range=range azimuth=azimuth elevation=elevation power=snr doppler=doppler
+ntnu ros1-none /vectornav_driver_node/imu/data flu /radar/cloud flu - - x=x y=y z=z intensity=snr velocity=doppler
+)";
 
-const std::vector<Miniature> kMiniatures = {
-    {"icins-2021",
-     "/sensor_platform/imu",
-     {"/sensor_platform/radar/scan"},
-     kRio,
-     "rfu",
-     "flu",
-     "/sensor_platform/baro",
-     "/ground_truth/pose"},
-    {"jgn-2022",
-     "/sensor_platform/imu",
-     {"/sensor_platform/radar_left/scan", "/sensor_platform/radar_right/scan",
-      "/sensor_platform/radar_center/scan"},
-     kRio,
-     "rfu",
-     "flu",
-     "/sensor_platform/baro",
-     "/ground_truth/pose"},
-    {"irs-rtvi", "/sensor_platform/imu", {"/sensor_platform/radar/scan"}, kRio, "rfu"},
-    {"brio",
-     "/imu/data_raw",
-     {"/radar/cfar_detections"},
-     "x=x y=y z=z doppler=doppler snr=snr*10 noise=noise*10",
-     "rfu",
-     "flu",
-     "/baro/pressure"},
-    {"aau",
-     "/mavros/imu/data_raw",
-     {"/ti_mmwave/radar_scan_pcl"},
-     "x=x y=y z=z =doppler intensity=snr",
-     "flu",
-     "flu",
-     "",
-     "/twins_cns4/vrpn_client/raw_pose"},
-    {"ekf-rio-tc", "/imu/data", {"/ti_mmwave/radar_scan_pcl_0"}, kTi},
-    {"coloradar",
-     "/gx5/imu/data",
-     {"/mmWaveDataHdl/RScan"},
-     "x=x y=y z=z intensity=snr range=range doppler=doppler",
-     "rfu",
-     "flu",
-     "",
-     "/lidar_ground_truth",
-     "nav_msgs/Odometry"},
-    {"hkust",
-     "/mavros/imu/data",
-     {"/radar_raw_message"},
-     "azimuth=azimuth azimuthSTD=sigma elevation=elevation elevationSTD=sigma range=range "
-     "rangeSTD=sigma "
-     "velocity=doppler velocitySTD=sigma",
-     "flu",
-     "flu",
-     "",
-     "/pos_vel_mocap/odom_TA",
-     "nav_msgs/Odometry"},
-    {"ntu4dradlm",
-     "/vectornav/imu",
-     {"/radar_enhanced_pcl"},
-     "Doppler=doppler Range=range Power=snr Alpha=azimuth Beta=elevation",
-     "flu",
-     "frd",
-     "",
-     "",
-     "",
-     "ros1-none",
-     "sensor_msgs/PointCloud"},
-    {"msc-rad4r",
-     "/imu/data",
-     {"/oculii_radar/point_cloud"},
-     "x=x y=y z=z alpha=azimuth beta=elevation power=snr doppler=doppler range=range "
-     "recoveredSpeed=one denoiseFlag=one",
-     "rdf"},
-    {"snail",
-     "/mti3dk/imu",
-     {"/ars548"},
-     "x=x y=y z=z doppler=doppler intensity=snr range_std=one azimuth_std=one"},
-    {"mine-and-forest", "/imu/data", {"/hugin_raf_1/radar_data"}, kHugin, "flu", "rfu"},
-    {"orebro",
-     "/imu/data",
-     {"/hugin_1/radar_data", "/hugin_2/radar_data", "/hugin_3/radar_data"},
-     kHugin,
-     "flu",
-     "flu",
-     "",
-     "/icp_odom",
-     "nav_msgs/Odometry",
-     "mcap-none"},
-    {"ntnu", "/vectornav_driver_node/imu/data", {"/radar/cloud"}, kTi},
-};
+std::vector<Miniature> miniatures() {
+  std::vector<Miniature> all;
+  std::istringstream table(kTable + 1);
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream row(line);
+    Miniature m;
+    std::string radars;
+    row >> m.name >> m.format >> m.imu >> m.imu_axes >> radars >> m.axes >> m.pressure >> m.truth;
+    std::getline(row >> std::ws, m.fields);
+    std::istringstream list(radars);
+    for (std::string radar; std::getline(list, radar, ',');) m.radars.push_back(radar);
+    all.push_back(m);
+  }
+  return all;
+}
 
 /// Forward, left, up in other axes.
-Vector3d in_axes(const char* axes, const Vector3d& v) {
+Vector3d in_axes(const std::string& axes, const Vector3d& v) {
   Vector3d out;
   for (int i = 0; i < 3; ++i) {
-    const char c = axes[i];
+    const char c = axes[static_cast<std::size_t>(i)];
     const double value = c == 'f' || c == 'b' ? v.x() : c == 'l' || c == 'r' ? v.y() : v.z();
     out[i] = c == 'b' || c == 'r' || c == 'd' ? -value : value;
   }
   return out;
 }
 
-double quantity(const std::string& name, const char* axes, const RadarDetection& d) {
+double quantity(const std::string& name, const std::string& axes, const RadarDetection& d) {
   const Vector3d p = in_axes(axes, d.point_S);
   if (name == "x" || name == "y" || name == "z") return p[name[0] - 'x'];
   if (name == "range") return d.point_S.norm();
@@ -201,10 +146,8 @@ std::string cloud_of(const Miniature& mini, const RadarScan& scan) {
       row.push_back(whole ? std::round(10.0 * value) : value);
     }
   }
-  const Wire::Kind kind = wire_of(mini.format);
-  if (std::string(mini.points).ends_with("PointCloud")) {
-    return old_cloud(scan.time, fields, rows, points);
-  }
+  const Wire::Kind kind = mini.wire();
+  if (mini.is_old()) return old_cloud(scan.time, fields, rows, points);
   std::string bytes = cloud_message(kind, scan.time, fields, rows, step);
   for (std::size_t i = 0; hidden > 0 && i < scan.detections.size(); ++i) {
     const auto value = static_cast<float>(scan.detections[i].range_rate);
@@ -227,19 +170,20 @@ std::string pose_message(Wire::Kind kind, const std::string& type, const NavStat
 
 /// The flight as the data set would have it: received 20 ms after its stamps, with decoys.
 std::vector<Written> messages_of(const Miniature& mini, const io::Dataset& data) {
-  const Wire::Kind kind = wire_of(mini.format);
+  const Wire::Kind kind = mini.wire();
   const Time delay(20'000'000);
   std::vector<Written> messages;
   const auto add = [&](const std::string& topic, const std::string& type, Time time,
                        const std::string& bytes) {
-    if (!topic.empty()) messages.push_back({topic, type, time + delay, bytes});
+    if (topic != "-") messages.push_back({topic, type, time + delay, bytes});
   };
   std::size_t scan = 0;
   for (std::size_t i = 0; i < data.imu.size(); ++i) {
     ImuSample sample = data.imu[i];
     for (; scan < data.scans.size() && data.scans[scan].time < sample.time; ++scan) {
       for (const std::string& radar : mini.radars) {
-        add(radar, mini.points, data.scans[scan].time, cloud_of(mini, data.scans[scan]));
+        add(radar, mini.is_old() ? "sensor_msgs/PointCloud" : "sensor_msgs/PointCloud2",
+            data.scans[scan].time, cloud_of(mini, data.scans[scan]));
       }
     }
     sample.gyro_B = in_axes(mini.imu_axes, sample.gyro_B);
@@ -249,10 +193,11 @@ std::vector<Written> messages_of(const Miniature& mini, const io::Dataset& data)
     add("/decoy/imu", "sensor_msgs/Imu", sample.time, imu_message(kind, sample));
     if (i % 20 != 0) continue;
     NavState state = data.ground_truth.at(i * (data.ground_truth.size() - 1) / data.imu.size());
-    add(mini.truth, mini.truth_type, state.time, pose_message(kind, mini.truth_type, state));
+    add(mini.truth, mini.truth_type(), state.time, pose_message(kind, mini.truth_type(), state));
     state.p_WB.setConstant(99.0);
-    if (*mini.truth != '\0') {
-      add("/decoy/pose", mini.truth_type, state.time, pose_message(kind, mini.truth_type, state));
+    if (mini.truth != "-") {
+      add("/decoy/pose", mini.truth_type(), state.time,
+          pose_message(kind, mini.truth_type(), state));
     }
     Wire pressure(kind);
     pressure.header(sample.time, "baro").put(1.0e5 + static_cast<double>(i)).put(0.0);
@@ -347,27 +292,26 @@ TEST_F(DataSets, EveryNameHasAMiniature) {
   std::set<std::string> names;
   std::set<std::string> written = {"hercules"};  // a folder, below
   for (const bag::DatasetPreset& preset : bag::dataset_presets()) names.insert(preset.name);
-  for (const Miniature& mini : kMiniatures) written.insert(mini.name);
+  for (const Miniature& mini : miniatures()) written.insert(mini.name);
   EXPECT_EQ(names, written);
 }
 
 TEST_F(DataSets, AreReadByTheirNames) {
-  for (const Miniature& mini : kMiniatures) {
+  for (const Miniature& mini : miniatures()) {
     SCOPED_TRACE(mini.name);
     const bag::DatasetPreset& preset = bag::dataset_preset(mini.name);
     const io::Dataset put = turned(preset);
-    const std::string recording = file(std::string(mini.name) + ".bag");
+    const std::string recording = file(mini.name + ".bag");
     write_bag(recording, mini.format, messages_of(mini, put), 500);
-    const std::string options = std::string(" --dataset ") + mini.name;
+    const std::string options = " --dataset " + mini.name;
     const Outcome convert = rio("convert " + recording + " " + file("out") + " --force" + options);
     ASSERT_EQ(convert.status, 0) << convert.output;
     const io::Dataset read = io::read_dataset(file("out"));
-    const bool whole = std::string(mini.fields).find("*10") != std::string::npos;
-    expect_same(read, put, whole ? 0.051 : 1e-5);
+    expect_same(read, put, mini.has_int16() ? 0.051 : 1e-5);
     EXPECT_EQ(read.other_radars.size() + 1, mini.radars.size());
     expect_mounted(read.radar_info.T_BS, mini.name);
-    EXPECT_EQ(read.baro.empty(), *mini.pressure == '\0');
-    EXPECT_EQ(read.ground_truth.empty(), *mini.truth == '\0');
+    EXPECT_EQ(read.baro.empty(), mini.pressure == "-");
+    EXPECT_EQ(read.ground_truth.empty(), mini.truth == "-");
     for (const NavState& state : read.ground_truth) EXPECT_LT(state.p_WB.norm(), 50.0);
     if (*preset.doubt != '\0') {
       EXPECT_PRED2(contains, convert.output, std::string("not sure: ") + preset.doubt);
@@ -379,7 +323,7 @@ TEST_F(DataSets, AreReadByTheirNames) {
 }
 
 TEST_F(DataSets, MapAndCommandLineWinAndAWrongNameIsTold) {
-  const Miniature& mini = kMiniatures[5];
+  const Miniature mini = miniatures()[5];
   const std::string recording = file("mini");
   write_bag(recording, mini.format, messages_of(mini, *flight_data_), 500);
   const std::string map = dir_->write("map.yaml", "imu: {topic: /decoy/imu}\n");
