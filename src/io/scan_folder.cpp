@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -13,7 +12,6 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "doppler_grid.hpp"
@@ -102,18 +100,14 @@ class ScanFolder final : public RecordingStream {
     for (const fs::directory_entry& entry : fs::directory_iterator(root / kHerculesScans)) {
       if (entry.path().extension() == ".bin") files_.push_back(entry.path());
     }
-    const auto stamp = [](const fs::path& file) {
+    std::sort(files_.begin(), files_.end());  // names of 19 digits
+    for (const fs::path& file : files_) {
       const std::string name = file.stem().string();
-      Time::rep ns = 0;
-      const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), ns);
-      if (error != std::errc{} || end != name.data() + name.size()) {
+      if (name.size() != 19 || name.find_first_not_of("0123456789") != name.npos) {
         throw std::runtime_error(file.string() + ": its name is no stamp in nanoseconds");
       }
-      return Time(ns);
-    };
-    std::sort(files_.begin(), files_.end(),
-              [&](const fs::path& a, const fs::path& b) { return stamp(a) < stamp(b); });
-    for (const fs::path& file : files_) outline_.scan_times[0].push_back(stamp(file));
+      outline_.scan_times[0].emplace_back(std::stoll(name));
+    }
     outline_.sensors.radar_info.axes = "flu";
   }
 
@@ -132,6 +126,9 @@ class ScanFolder final : public RecordingStream {
       return true;
     });
     Dataset& sensors = outline_.sensors;
+    if (left_out_ > 0) {
+      sensors.notes.push_back(fmt::format("{} points are not finite and are left out", left_out_));
+    }
     const std::vector<Time>& times = outline_.scan_times[0];
     outline_.imu_samples = imu_.size();
     outline_.imu_begin = imu_.front().time;
@@ -145,10 +142,6 @@ class ScanFolder final : public RecordingStream {
     sensors.radar_info.doppler_resolution = grid.step(each_scan);
     sensors.notes.emplace_back(
         "no mounting in a recording: radar pose from the options, by default at the body origin");
-    if (left_out_ > 0) {
-      sensors.notes.push_back(
-          fmt::format("{} points are not finite and are left out", std::exchange(left_out_, 0)));
-    }
   }
 
   void read_points(const fs::path& file, RadarScan* scan) {

@@ -410,9 +410,12 @@ TEST_F(DataSets, AFolderOfHercules) {
       const Vector3d& p = d.point_S;
       bytes += floats({p.x(), p.y(), p.z(), d.range_rate, p.norm()}) + "\x07" + floats({0.1, 0.2});
     }
+    bytes += floats({NAN, 1, 1, 0, 1}) + "\x07" + floats({0.1, 0.2});
     dir_->write("hercules/Radar/Continental/" + std::to_string(scan.time.count()) + ".bin", bytes);
   }
   expect_same(io::read_dataset(file("hercules")), put, 0.0);
+  EXPECT_PRED2(contains, rio("info " + file("hercules")).output,
+               std::to_string(put.scans.size()) + " points are not finite and are left out");
   expect_runs(file("hercules"), " --dataset hercules");
 }
 

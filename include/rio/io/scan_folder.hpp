@@ -4,7 +4,7 @@
 //   ColoRadar  imu/imu_data.txt            accel x y z [m/s^2], gyro x y z [rad/s]
 //              imu/timestamps.txt          [s]
 //              single_chip/pointclouds/data/radar_pointcloud_N.bin   float32 x y z (TI's axes) [m],
-//                                          intensity [dB], doppler [m/s]
+//                                          intensity, doppler [m/s]
 //              single_chip/pointclouds/timestamps.txt   [s]
 //              groundtruth/                of a frame of the rig: for read_trajectory() alone
 //   HeRCULES   sensor_data/xsens_imu.csv   t [ns], q xyzw, 3 angles, gyro, accel, magnetic field
