@@ -126,6 +126,7 @@ class ScanFolder final : public RecordingStream {
       return true;
     });
     Dataset& sensors = outline_.sensors;
+    sensors.notes.emplace_back("no mounting in the files: T_BS of --config or --sensors");
     if (left_out_ > 0) {
       sensors.notes.push_back(fmt::format("{} points are not finite and are left out", left_out_));
     }
@@ -140,8 +141,6 @@ class ScanFolder final : public RecordingStream {
     sensors.imu_info.rate_hz = rate(outline_.imu_end - outline_.imu_begin, imu_.size());
     sensors.radar_info.rate_hz = rate(times.back() - times.front(), times.size());
     sensors.radar_info.doppler_resolution = grid.step(each_scan);
-    sensors.notes.emplace_back(
-        "no mounting in a recording: radar pose from the options, by default at the body origin");
   }
 
   void read_points(const fs::path& file, RadarScan* scan) {

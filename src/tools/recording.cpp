@@ -93,23 +93,28 @@ void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   dataset->notes.insert(dataset->notes.end(), info.notes.begin(), info.notes.end());
 }
 
-/// Mounting and notes of the data set.
-void take_preset(const std::string& name, io::Dataset* dataset) {
-  if (name.empty()) return;
-  const bag::DatasetPreset& preset = bag::dataset_preset(name);
-  const std::string begin = std::string("data set ") + preset.name + ": ";
-  if (preset.is_mounted() && !dataset->radar_info.T_BS) {
-    dataset->radar_info.T_BS = preset.T_BS();
-    dataset->notes.push_back(begin + "radar pose as published");
+/// Mounting and notes of the data set; the sensor files win.
+void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
+  if (!arguments.dataset.empty()) {
+    const bag::DatasetPreset& preset = bag::dataset_preset(arguments.dataset);
+    const std::string begin = std::string("data set ") + preset.name + ": ";
+    if (preset.is_mounted() && !dataset->radar_info.T_BS) {
+      dataset->radar_info.T_BS = preset.T_BS();
+      dataset->notes.push_back(begin + "radar pose as published");
+    }
+    if (*preset.doubt != '\0') dataset->notes.push_back(begin + "not sure: " + preset.doubt);
   }
-  if (*preset.doubt != '\0') dataset->notes.push_back(begin + "not sure: " + preset.doubt);
+  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, dataset);
 }
 
 /// Whether it is a ROS recording; throws if it is not, but options for one are given.
 bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   if (!is_dataset_folder(path) && bag::is_recording(path)) return true;
   RecordingArguments allowed;
-  if (io::is_scan_folder(path)) allowed.dataset = arguments.dataset;
+  if (io::is_scan_folder(path)) {
+    allowed.dataset = arguments.dataset;
+    allowed.sensors = arguments.sensors;
+  }
   if (arguments != allowed) {
     throw std::runtime_error(path + ": options of a bag are given, but it is none");
   }
@@ -142,18 +147,17 @@ bool is_dataset_folder(const fs::path& path) {
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
                      std::string* damage, bool truth) {
-  damage->clear();
-  if (!is_bag(path, arguments)) {
-    io::Dataset dataset = io::read_dataset(path);
-    take_preset(arguments.dataset, &dataset);
+  io::Dataset dataset;
+  if (is_bag(path, arguments)) {
+    bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
+    *damage = recording.damage;
+    dataset = std::move(recording.dataset);
+  } else {
+    dataset = io::read_dataset(path);
     *damage = dataset.damage;
-    return dataset;
   }
-  bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
-  *damage = recording.damage;
-  take_preset(arguments.dataset, &recording.dataset);
-  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &recording.dataset);
-  return std::move(recording.dataset);
+  take_settings(arguments, &dataset);
+  return dataset;
 }
 
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
@@ -161,8 +165,7 @@ OpenRecording open_any(const std::string& path, const RecordingArguments& argume
   out.samples = is_bag(path, arguments) ? bag::open_recording(path, request_of(arguments, truth))
                                         : io::open_dataset(path);
   out.sensors = out.samples->outline().sensors;
-  take_preset(arguments.dataset, &out.sensors);
-  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &out.sensors);
+  take_settings(arguments, &out.sensors);
   return out;
 }
 

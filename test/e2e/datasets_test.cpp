@@ -391,6 +391,10 @@ TEST_F(DataSets, AFolderOfColoRadar) {
   expect_runs(folder, "");
   expect_runs(folder, " --dataset coloradar");
   EXPECT_PRED2(contains, rio("replay " + folder + " --axes flu").output, "it is none");
+  EXPECT_EQ(rio("convert " + folder + " " + file("asl") + " --sensors " + flight_).status, 0);
+  const io::Dataset asl = io::read_dataset(file("asl"));
+  expect_same(asl, put, 1e-5);
+  EXPECT_LT((asl.radar_info.T_BS->translation - put.radar_info.T_BS->translation).norm(), 1e-9);
   dir_->write("colo/single_chip/pointclouds/data/radar_pointcloud_3.bin", "damaged");
   EXPECT_PRED2(contains, rio("check " + folder).output,
                "radar_pointcloud_3.bin: 7 bytes are no points of 20 bytes");
