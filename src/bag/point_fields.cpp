@@ -32,24 +32,10 @@ const std::array<std::vector<std::string>, kNoise + 1> kAliases = {{
     {"noise", "noise_db"},
 }};
 
-constexpr std::array<const char*, 4> kAxesNames = {"flu", "ti", "rdf", "frd"};
+constexpr auto kAxesNames = names_of(Axes::kFlu);
 constexpr std::array<const char*, 4> kAxesMeanings = {
     "x forward, y left, z up", "TI's: x right, y forward, z up", "x right, y down, z forward",
     "x forward, y right, z down"};
-
-Vector3d to_flu(Axes axes, const Vector3d& p) {
-  switch (axes) {
-    case Axes::kTi:
-      return {p.y(), -p.x(), p.z()};
-    case Axes::kRdf:
-      return {p.z(), -p.x(), -p.y()};
-    case Axes::kFrd:
-      return {p.x(), -p.y(), -p.z()};
-    case Axes::kFlu:
-      break;
-  }
-  return p;
-}
 
 std::vector<std::string> words_of(const std::string& text) {
   std::istringstream stream(text);
@@ -139,6 +125,26 @@ std::string lower(std::string text) {
 }
 
 }  // namespace
+
+Vector3d to_flu(Axes axes, const Vector3d& v) {
+  switch (axes) {
+    case Axes::kTi:
+      return {v.y(), -v.x(), v.z()};
+    case Axes::kRdf:
+      return {v.z(), -v.x(), -v.y()};
+    case Axes::kFrd:
+      return {v.x(), -v.y(), -v.z()};
+    case Axes::kFlu:
+      break;
+  }
+  return v;
+}
+
+Matrix3d flu_from(Axes axes) {
+  Matrix3d R;
+  for (int i = 0; i < 3; ++i) R.col(i) = to_flu(axes, Vector3d::Unit(i));
+  return R;
+}
 
 PointMap::PointMap(const std::vector<PointField>& fields, const PointRequest& request)
     : fields_(fields) {
@@ -284,12 +290,6 @@ std::size_t PointMap::convert(const PointCloud& cloud,
     }
   }
   return left_out;
-}
-
-Matrix3d PointMap::rotation() const {
-  Matrix3d R;
-  for (int i = 0; i < 3; ++i) R.col(i) = to_flu(axes_, Vector3d::Unit(i));
-  return R;
 }
 
 void PointMap::name(io::RadarInfo* info) const {

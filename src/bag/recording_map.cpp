@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "io/fields_yaml.hpp"
 #include "rio/io/units.hpp"
@@ -30,6 +31,7 @@ void visit_fields(MapFile& file, const Visitor& visit) {
   field("imu.topic", request.imu_topic);
   field("imu.clock", request.imu_clock);
   field("imu.offset", request.imu_offset, "s");
+  field("imu.axes", request.imu_axes);
   field("imu.gyro_unit", file.gyro_unit);
   field("imu.accel_unit", file.accel_unit);
   field("pressure.topic", request.pressure_topic);
@@ -92,9 +94,10 @@ void read_point_fields(const io::YamlFile& file, PointRequest* points) {
 
 }  // namespace
 
-RecordingRequest load_recording_map(const std::filesystem::path& path) {
+RecordingRequest load_recording_map(const std::filesystem::path& path, RecordingRequest base) {
   const io::YamlFile file = io::load_yaml(path);
   MapFile map;
+  map.request = std::move(base);
   io::read_fields(file, kFields, &map);
   map.request.gyro_unit = unit_of(file, "gyro_unit", map.gyro_unit, "rad/s");
   map.request.accel_unit = unit_of(file, "accel_unit", map.accel_unit, "m/s^2");

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 #include <stdexcept>
 
 namespace rio::bag {
@@ -19,11 +18,15 @@ std::string topic_list(const Summary& summary) {
   return text.empty() ? "\n  none" : text;
 }
 
-std::vector<std::string> names_in(const std::string& list) {
-  std::istringstream text(list);
+/// At least one, which may be empty.
+std::vector<std::string> names_in(const std::string& list, char separator = ',') {
   std::vector<std::string> names;
-  for (std::string name; std::getline(text, name, ',');) names.push_back(name);
-  return names.empty() ? std::vector<std::string>{""} : names;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+    end = list.find(separator, begin);
+    names.push_back(list.substr(begin, end - begin));
+  }
+  return names;
 }
 
 }  // namespace
@@ -39,6 +42,11 @@ Sources::Sources(const std::filesystem::path& path, const RecordingRequest& requ
 }
 
 void Sources::choose() {
+  request_.imu_topic = present("imu", request_.imu_topic);
+  request_.radar_topic = present("radar", request_.radar_topic);
+  request_.trigger_topic = present("trigger", request_.trigger_topic);
+  request_.pressure_topic = present("pressure", request_.pressure_topic);
+  request_.truth_topic = present("truth", request_.truth_topic);
   choose_imu();
   choose_radars();
   if (request_.radar_clock == Clock::kTrigger) {
@@ -52,7 +60,24 @@ void Sources::choose() {
 }
 
 void Sources::want(const char* role, const char* type, const std::string& names) {
-  for (const std::string& name : names_in(names)) wanted_.push_back({role, type, name});
+  for (const std::string& each : names_in(names)) {
+    for (const std::string& name : names_in(each, '|')) wanted_.push_back({role, type, name});
+  }
+}
+
+/// Of each name with alternatives the first with messages; the first of all if none has.
+std::string Sources::present(const std::string& role, const std::string& names) const {
+  std::string list;
+  for (const std::string& each : names_in(names)) {
+    const std::vector<std::string> all = names_in(each, '|');
+    const auto there = std::find_if(all.begin(), all.end(), [&](const std::string& name) {
+      return name.empty() || std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
+               return s.role.role == role && s.role.name == name;
+             });
+    });
+    list += (list.empty() ? "" : ",") + (there == all.end() ? all.front() : *there);
+  }
+  return list;
 }
 
 /// For each possible source; the choice is made at the end.
@@ -252,8 +277,8 @@ std::vector<Source*> Sources::used() const {
 ImuMessage imu_message(const Topic& topic, const Message& message,
                        const RecordingRequest& request) {
   ImuMessage read = decode_imu_of(topic, message.data);
-  read.sample.gyro_B *= request.gyro_unit;
-  read.sample.accel_B *= request.accel_unit;
+  read.sample.gyro_B = request.gyro_unit * to_flu(request.imu_axes, read.sample.gyro_B);
+  read.sample.accel_B = request.accel_unit * to_flu(request.imu_axes, read.sample.accel_B);
   return read;
 }
 

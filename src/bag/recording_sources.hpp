@@ -68,6 +68,7 @@ class Sources {
 
  private:
   void want(const char* role, const char* type, const std::string& names);
+  std::string present(const std::string& role, const std::string& names) const;
   void use(const Message& message);
   void decode(Source* source, const Topic& topic, const Message& message);
   /// The sources of a role with messages: those requested, in this order, or all of its type.

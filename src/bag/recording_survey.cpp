@@ -242,6 +242,10 @@ class Survey {
   /// The mounting that /tf_static tells.
   std::optional<Pose> mounting(const Source& radar) const {
     std::optional<Pose> T = sources_.frames.pose(radar.frame, sources_.imu->frame);
+    if (T) {
+      T->translation = to_flu(request_.imu_axes, T->translation);
+      T->rotation = Quaternion(flu_from(request_.imu_axes)) * T->rotation;
+    }
     if (T && radar.clouds->map() != nullptr) {
       T->rotation = T->rotation * Quaternion(radar.clouds->map()->rotation().transpose());
     }
@@ -277,6 +281,10 @@ class Survey {
     if (!request_.mounting_is_known && !outline.sensors.radar_info.T_BS) {
       note(
           "no mounting in a recording: radar pose from the options, by default at the body origin");
+    }
+    if (request_.imu_axes != Axes::kFlu) {
+      note(fmt::format("{}: axes {}, turned to forward, left, up", sources_.imu->role.name,
+                       names_of(request_.imu_axes)[static_cast<std::size_t>(request_.imu_axes)]));
     }
     if (sources_.imu->type == kPx4ImuType) {
       note(sources_.imu->role.name + ": axes forward, right, down, turned to forward, left, up");

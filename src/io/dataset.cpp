@@ -14,6 +14,7 @@
 #include "dataset_survey.hpp"
 #include "doppler_grid.hpp"
 #include "rio/io/csv.hpp"
+#include "rio/io/scan_folder.hpp"
 #include "sensor_files.hpp"
 #include "sensor_rows.hpp"
 #include "unit_quaternion.hpp"
@@ -218,6 +219,7 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
 }
 
 Dataset read_dataset(const fs::path& path, Truth truth) {
+  if (is_scan_folder(path)) return collect(open_scan_folder(path).get());
   Dataset all;
   Dataset sensors = survey(dataset_root(path), truth, &all).sensors;
   sensors.imu = std::move(all.imu);

@@ -6,6 +6,7 @@
 
 #include "dataset_layout.hpp"
 #include "dataset_survey.hpp"
+#include "rio/io/scan_folder.hpp"
 #include "sensor_rows.hpp"
 
 namespace rio::io {
@@ -83,6 +84,7 @@ void RecordingStream::rewind_baro() {
 }
 
 std::unique_ptr<RecordingStream> open_dataset(const fs::path& path, Truth truth) {
+  if (is_scan_folder(path)) return open_scan_folder(path);
   return std::make_unique<FolderStream>(path, truth);
 }
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "rio/io/csv.hpp"
 #include "rio/io/dataset.hpp"
@@ -16,17 +18,35 @@ namespace rio::io {
 
 namespace {
 
+constexpr const char* kColoradarPoses = "groundtruth/groundtruth_poses.txt";
+
+/// Decimal seconds, or integer nanoseconds of our time.
+Time stamp_at(const CsvReader& rows) {
+  constexpr std::size_t kDigits = 15;
+  const std::string_view text = rows.cell(0);
+  const bool ns = text.size() >= kDigits && text.find_first_not_of("0123456789") == text.npos;
+  return Time(ns ? rows.integer(0) : rows.seconds_to_ns(0));
+}
+
+/// Rows without stamps have them in timestamps.txt beside the file.
 Trajectory read_tum(const std::filesystem::path& path, TumOrder order) {
   CsvReader rows(path, ' ');
+  std::optional<CsvReader> stamps;
   Trajectory trajectory;
   while (rows.next()) {
-    if (rows.columns() != 8) {
-      rows.fail("has " + std::to_string(rows.columns()) + " columns, a TUM file has 8");
+    const std::size_t columns = rows.columns();
+    const std::filesystem::path beside = path.parent_path() / "timestamps.txt";
+    if (columns == 7 && !stamps && std::filesystem::exists(beside)) stamps.emplace(beside, ' ');
+    if (columns != 8 && !stamps) {
+      rows.fail("has " + std::to_string(columns) + " columns, a TUM file has 8");
     }
+    if (stamps && !stamps->next()) rows.fail("has no stamp in " + beside.string());
+    const std::size_t i = stamps ? 0 : 1;
     StampedPose pose;
-    pose.time = Time(rows.seconds_to_ns(0));
-    pose.p = Vector3d(rows.number(1), rows.number(2), rows.number(3));
-    const auto q = unit_quaternion(rows.number(7), rows.number(4), rows.number(5), rows.number(6));
+    pose.time = stamp_at(stamps ? *stamps : rows);
+    pose.p = Vector3d(rows.number(i), rows.number(i + 1), rows.number(i + 2));
+    const auto q = unit_quaternion(rows.number(i + 6), rows.number(i + 3), rows.number(i + 4),
+                                   rows.number(i + 5));
     if (!q) rows.fail("not a unit quaternion");
     if (!pose.p.allFinite()) rows.fail("position is not finite");
     pose.q = *q;
@@ -44,6 +64,13 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order) {
     trajectory.erase(end, trajectory.end());
   }
   return trajectory;
+}
+
+/// Whether the columns of a .csv are separated by blanks.
+bool has_blanks(const std::filesystem::path& path) {
+  CsvReader rows(path);
+  return rows.next() && rows.columns() == 1 &&
+         rows.cell(0).find_first_of(" \t") != std::string::npos;
 }
 
 }  // namespace
@@ -69,7 +96,10 @@ void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) 
 }
 
 Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order) {
-  if (!std::filesystem::is_directory(path) && path.extension() != ".csv") {
+  if (std::filesystem::exists(path / kColoradarPoses)) {
+    return read_tum(path / kColoradarPoses, order);
+  }
+  if (!std::filesystem::is_directory(path) && (path.extension() != ".csv" || has_blanks(path))) {
     return read_tum(path, order);
   }
   Trajectory trajectory;

@@ -19,11 +19,12 @@
 namespace rio::tools {
 
 /// How to read a bag; not allowed with a folder in ASL layout. For empty values the map applies,
-/// else bag::RecordingRequest{}.
+/// else the data set, else bag::RecordingRequest{}.
 struct RecordingArguments {
-  std::string map;    ///< file
-  std::string imu;    ///< topics
-  std::string radar;  ///< several with commas
+  std::string dataset;  ///< of bag::dataset_presets()
+  std::string map;      ///< file
+  std::string imu;      ///< topics
+  std::string radar;    ///< several with commas
   std::string pressure;
   std::string truth;
   std::string imu_clock;    ///< auto, header, receive, carried
@@ -32,6 +33,7 @@ struct RecordingArguments {
   std::string trigger_match;
   std::string imu_offset;  ///< with a unit, or seconds
   std::string radar_offset;
+  std::string imu_axes;
   std::string gyro_unit;
   std::string accel_unit;
   std::string points;  ///< preset of fields

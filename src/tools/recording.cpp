@@ -10,10 +10,12 @@
 
 #include "notes.hpp"
 #include "outputs.hpp"
+#include "rio/bag/dataset_presets.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_map.hpp"
 #include "rio/bag/recording_writer.hpp"
 #include "rio/bag/summary.hpp"
+#include "rio/io/scan_folder.hpp"
 #include "rio/io/units.hpp"
 
 namespace rio::tools {
@@ -38,10 +40,11 @@ void set_quantity(const std::string& said, const char* si_unit, double* value) {
   if (!said.empty()) *value = io::parse_quantity(said, si_unit);
 }
 
-/// The map, overridden by the command line.
+/// The data set, overridden by the map, overridden by the command line.
 bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   bag::RecordingRequest request;
-  if (!a.map.empty()) request = bag::load_recording_map(a.map);
+  if (!a.dataset.empty()) request = bag::request_of(bag::dataset_preset(a.dataset));
+  if (!a.map.empty()) request = bag::load_recording_map(a.map, std::move(request));
   set(a.imu, &request.imu_topic);
   set(a.radar, &request.radar_topic);
   set(a.pressure, &request.pressure_topic);
@@ -55,8 +58,10 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   set_quantity(a.radar_offset, "s", &request.radar_offset);
   if (!a.gyro_unit.empty()) set_quantity("1 " + a.gyro_unit, "rad/s", &request.gyro_unit);
   if (!a.accel_unit.empty()) set_quantity("1 " + a.accel_unit, "m/s^2", &request.accel_unit);
-  request.mounting_is_known = !a.sensors.empty();
+  set_named(a.imu_axes, &request.imu_axes);
+  request.mounting_is_known = request.mounting_is_known || !a.sensors.empty();
   bag::PointRequest& points = request.points;
+  if (!a.points.empty()) points.axes.clear();  // those of the data set
   set(a.points, &points.preset);
   for (const std::string& field : a.fields) points.fields.push_back({field, ""});
   set(a.axes, &points.axes);
@@ -90,10 +95,29 @@ void take_sensor_info(const fs::path& folder, io::Dataset* dataset) {
   dataset->notes.insert(dataset->notes.end(), info.notes.begin(), info.notes.end());
 }
 
+/// Mounting and notes of the data set; the sensor files win.
+void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
+  if (!arguments.dataset.empty()) {
+    const bag::DatasetPreset& preset = bag::dataset_preset(arguments.dataset);
+    const std::string begin = std::string("data set ") + preset.name + ": ";
+    if (preset.is_mounted() && !dataset->radar_info.T_BS) {
+      dataset->radar_info.T_BS = preset.T_BS();
+      dataset->notes.push_back(begin + "radar pose as published");
+    }
+    if (*preset.doubt != '\0') dataset->notes.push_back(begin + "not sure: " + preset.doubt);
+  }
+  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, dataset);
+}
+
 /// Whether it is a ROS recording; throws if it is not, but options for one are given.
 bool is_bag(const std::string& path, const RecordingArguments& arguments) {
-  if (!is_asl_folder(path) && bag::is_recording(path)) return true;
-  if (arguments != RecordingArguments{}) {
+  if (!is_dataset_folder(path) && bag::is_recording(path)) return true;
+  RecordingArguments allowed;
+  if (io::is_scan_folder(path)) {
+    allowed.dataset = arguments.dataset;
+    allowed.sensors = arguments.sensors;
+  }
+  if (arguments != allowed) {
     throw std::runtime_error(path + ": options of a bag are given, but it is none");
   }
   return false;
@@ -152,18 +176,23 @@ bool is_asl_folder(const fs::path& path) {
   return fs::exists(path / "imu0") || fs::exists(path / "mav0");
 }
 
+bool is_dataset_folder(const fs::path& path) {
+  return is_asl_folder(path) || io::is_scan_folder(path);
+}
+
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
                      std::string* damage, bool truth) {
-  damage->clear();
-  if (!is_bag(path, arguments)) {
-    io::Dataset dataset = io::read_dataset(path);
+  io::Dataset dataset;
+  if (is_bag(path, arguments)) {
+    bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
+    *damage = recording.damage;
+    dataset = std::move(recording.dataset);
+  } else {
+    dataset = io::read_dataset(path);
     *damage = dataset.damage;
-    return dataset;
   }
-  bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
-  *damage = recording.damage;
-  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &recording.dataset);
-  return std::move(recording.dataset);
+  take_settings(arguments, &dataset);
+  return dataset;
 }
 
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
@@ -171,7 +200,7 @@ OpenRecording open_any(const std::string& path, const RecordingArguments& argume
   out.samples = is_bag(path, arguments) ? bag::open_recording(path, request_of(arguments, truth))
                                         : io::open_dataset(path);
   out.sensors = out.samples->outline().sensors;
-  if (!arguments.sensors.empty()) take_sensor_info(arguments.sensors, &out.sensors);
+  take_settings(arguments, &out.sensors);
   return out;
 }
 
@@ -180,6 +209,12 @@ void throw_damage(const std::string& damage) {
 }
 
 void info(const std::string& path) {
+  if (io::is_scan_folder(path)) {
+    const io::RecordingOutline outline = io::open_scan_folder(path)->outline();
+    fmt::print("{}: {} IMU samples, {} scans in files\n", path, outline.imu_samples,
+               outline.scan_times[0].size());
+    return print_notes(outline.sensors.notes);
+  }
   const bag::Summary summary = bag::summarise(bag::open_messages(path).get());
   fmt::print("{}: {}", path, bag::summary_text(summary));
   throw_damage(summary.damage);

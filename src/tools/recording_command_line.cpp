@@ -6,6 +6,7 @@
 
 #include "command_line.hpp"
 #include "commands.hpp"
+#include "rio/bag/dataset_presets.hpp"
 
 namespace rio::tools {
 
@@ -15,6 +16,14 @@ namespace {
 /// @param truth with --truth, its topic
 void add_recording_options(CLI::App* command, RecordingArguments* how, bool truth = true) {
   const std::string group = "Of a bag";
+  std::string names;
+  for (const bag::DatasetPreset& preset : bag::dataset_presets()) {
+    names += (names.empty() ? "" : ", ") + std::string(preset.name);
+  }
+  command
+      ->add_option("--dataset", how->dataset,
+                   "public data set, for what follows; --map and the command line win:\n" + names)
+      ->group(group);
   command
       ->add_option("--map", how->map,
                    "file that says what follows, for recordings of one kind; the command line wins")
@@ -77,6 +86,9 @@ void add_recording_options(CLI::App* command, RecordingArguments* how, bool trut
   command->add_option("--imu-offset", how->imu_offset, "added to the stamps, as \"3 ms\"")
       ->group(group);
   command->add_option("--radar-offset", how->radar_offset, "added to the stamps, as \"-0.12 s\"")
+      ->group(group);
+  command->add_option("--imu-axes", how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd")
+      ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))
       ->group(group);
   command->add_option("--gyro-unit", how->gyro_unit, "of the file, as deg/s")->group(group);
   command

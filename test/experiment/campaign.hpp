@@ -50,6 +50,7 @@ struct Settings {
   double hours = 24.0;    ///< of flight, for `soak`
   bool smoother = false;  ///< the back-end of `soak`
   OnProgress on_progress{};
+  std::string dataset{};  ///< name of the data set, for `benchmark`
 };
 
 /// Called with each trial before it is discarded, never by two threads at a time.

@@ -47,6 +47,10 @@ Result uncertainty(const Settings& settings);
 /// seeds of the RANSAC, also two radars together and perturbed copies: errors and honesty.
 Result real(const Settings& settings);
 
+/// Every recording below a folder (Settings::data: bags of Settings::dataset, and folders) with
+/// both back-ends: ATE, RPE, final error, NEES, time, verdict; failures are rows, too.
+Result benchmark(const Settings& settings);
+
 /// Drives of Settings::data with an ideal IMU, with one cause of noise at a time, and with ideal
 /// Dopplers: errors of the estimator apart from those of the sensors.
 Result control(const Settings& settings);
@@ -78,6 +82,7 @@ inline const std::vector<Experiment>& experiments() {
       {"robustness", "every scenario with every preset", &robustness},
       {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
       {"real", "every recording of the folder --data, also perturbed", &real},
+      {"benchmark", "every recording below --data: ATE, RPE, NEES, time, verdict", &benchmark},
       {"control", "drives of --data with an ideal IMU, one cause of noise at a time", &control},
       {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
       {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},

@@ -29,6 +29,7 @@ struct Arguments {
   int seeds = 0;
   int threads = 2;
   std::string data;
+  std::string dataset;
   double hours = 24.0;
   std::string backend = "ekf";
   std::string out = "out";
@@ -58,7 +59,8 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
         arguments.data,
         arguments.hours,
         arguments.backend == "smoother",
-        [&](std::size_t done, std::size_t total) { progress.show(done, total); }};
+        [&](std::size_t done, std::size_t total) { progress.show(done, total); },
+        arguments.dataset};
     result = chosen->run(settings);
   }
   std::fputs(result.markdown.c_str(), stdout);
@@ -113,7 +115,9 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   app.add_option("--data", arguments.data,
-                 "folder of recordings, for `real`, `control` and `checks`");
+                 "folder of recordings, for `real`, `benchmark`, `control` and `checks`");
+  app.add_option("--dataset", arguments.dataset,
+                 "public data set of the bags, for `benchmark`, as of `rio replay`");
   app.add_option("--hours", arguments.hours, "of flight, for `soak`")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();

@@ -276,8 +276,8 @@ Replay replay(const io::Dataset& data, const Options& options) {
   if (!odometry) throw std::runtime_error(why);
   Replay out;
   const auto record = [&] {
-    const double variance = odometry->covariance()(body::kPosition + 2, body::kPosition + 2);
-    out.steps.push_back({odometry->at_scan(), std::sqrt(variance)});
+    const Matrix3d P = odometry->covariance().block<3, 3>(body::kPosition, body::kPosition);
+    out.steps.push_back({odometry->at_scan(), std::sqrt(P(2, 2)), P});
     const HealthState state = odometry->health().state;
     out.healthy = out.healthy && (state == HealthState::kOk || state == HealthState::kInitializing);
   };
@@ -289,6 +289,7 @@ Replay replay(const io::Dataset& data, const Options& options) {
       (void)odometry->add_scan(scans[i], radar);
     }
   };
+  const auto begin = std::chrono::steady_clock::now();
   for (const ImuSample& sample : data.imu) {
     (void)odometry->add_imu(sample);  // its outcome is counted
     give(data.scans, 0, sample.time);
@@ -298,6 +299,8 @@ Replay replay(const io::Dataset& data, const Options& options) {
     if (odometry->counters().scans != recorded) record();
     recorded = odometry->counters().scans;
   }
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  out.state = odometry->health().state;
   out.T_BS = odometry->extrinsics();
   const auto offset = static_cast<std::size_t>(Calibration::kTimeOffset);
   out.time_offset = odometry->report().calibration[offset].value;

@@ -61,6 +61,7 @@ std::vector<Copy> perturbed(const Recording& recording, int draws, std::uint64_t
 struct RecordedStep {
   NavState state;
   double sigma_height = 0.0;  ///< [m]
+  Matrix3d P_position = Matrix3d::Zero();
 };
 
 /// A replay with static start.
@@ -69,6 +70,8 @@ struct Replay {
   Pose T_BS;                        ///< as estimated at the end
   double time_offset = 0.0;         ///< same, relative to the configured one [s]
   int velocity_resets = 0;
+  double seconds = 0.0;                                            ///< of the whole run
+  HealthState state = HealthState::kInitializing;                  ///< at the end
   std::array<CalibrationReport, kCalibrationCount> calibration{};  ///< at the end
   bool healthy = true;  ///< never degraded after the start, no calibration doubtful at the end
 };

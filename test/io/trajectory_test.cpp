@@ -87,6 +87,29 @@ TEST(Trajectory, ReadsEurocGroundTruth) {
   check(read_trajectory(dir.path()));
 }
 
+TEST(Trajectory, ReadsTheTruthFilesOfPublicDataSets) {
+  const TempDir dir;
+  const auto check = [](const Trajectory& read) {
+    ASSERT_EQ(read.size(), 2U);
+    EXPECT_EQ(read[0].time, Time(1403636579758555392));
+    EXPECT_EQ(read[1].p, Vector3d(4, 5, 6));
+    EXPECT_EQ(read[1].q.coeffs(), Quaternion(-0.5, 0.5, 0.5, 0.5).coeffs());
+  };
+  const std::string poses = " 1 2 3 0 0 0 1\n";
+  const std::string others = " 4 5 6 0.5 0.5 0.5 -0.5\n";
+  const std::string seconds = "1403636579.758555392" + poses + "1403636580.758555392" + others;
+  check(read_trajectory(dir.write("truth.csv", "timestamp tx ty tz qx qy qz qw\n" + seconds)));
+  check(read_trajectory(
+      dir.write("truth.txt", "1403636579758555392" + poses + "1403636580758555392" + others)));
+  dir.write("groundtruth/timestamps.txt", "1403636579.758555392\n1403636580.758555392\n");
+  const auto file =
+      dir.write("groundtruth/groundtruth_poses.txt", poses.substr(1) + others.substr(1));
+  check(read_trajectory(file));
+  check(read_trajectory(dir.path()));
+  dir.write("groundtruth/timestamps.txt", "1403636579.758555392\n");
+  EXPECT_ERROR(read_trajectory(file), "groundtruth_poses.txt:2: has no stamp in ");
+}
+
 TEST(StatesFile, ReordersTheCovariance) {
   // entry (i, j) of the body covariance is 100 (i + 1) + (j + 1), mirrored: every entry is told
   // apart

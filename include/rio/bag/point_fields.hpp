@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rio/bag/messages.hpp"
@@ -36,6 +37,14 @@ enum Quantity {
 /// Axes of the points: forward left up (those of rio), TI's right forward up, right down forward,
 /// forward right down.
 enum class Axes { kFlu, kTi, kRdf, kFrd };
+constexpr std::array<std::string_view, 4> names_of(Axes) {
+  return {"flu", "ti", "rdf", "frd"};
+}
+
+/// To forward, left, up.
+Vector3d to_flu(Axes axes, const Vector3d& v);
+/// The same as a matrix.
+Matrix3d flu_from(Axes axes);
 
 /// User settings for the points. All may be empty: then a preset with exactly the given fields is
 /// used, else every quantity that has exactly one known name.
@@ -71,7 +80,7 @@ class PointMap {
   /// The same for messages, into RadarInfo::fields and ::axes.
   void name(io::RadarInfo* info) const;
   /// From the axes of the cloud to forward, left, up.
-  Matrix3d rotation() const;
+  Matrix3d rotation() const { return flu_from(axes_); }
 
  private:
   struct Source {

@@ -38,6 +38,8 @@ constexpr std::array<std::string_view, 2> names_of(TriggerMatch) {
 /// kAuto: the headers of both topics if none is zero and both clocks agree to a second, or if
 /// headers or triggers are selected for the other topic; else kCarried, or kReceive for a topic
 /// with zero stamps.
+/// A topic may be several with | between: the first that has messages counts, an empty one at the
+/// end stands for the default.
 struct RecordingRequest {
   std::string imu_topic;    ///< empty: the only one, or gyroscope and accelerometer on two topics
   std::string radar_topic;  ///< several: separated by commas; empty: the only one, or all of whose
@@ -49,10 +51,11 @@ struct RecordingRequest {
   Clock radar_clock = Clock::kAuto;
   std::string trigger_topic;  ///< for kTrigger; empty: the only std_msgs/Header
   TriggerMatch trigger_match = TriggerMatch::kSequence;
-  double imu_offset = 0.0;    ///< added to the stamps [s]
-  double radar_offset = 0.0;  ///< added to the stamps [s]
-  double gyro_unit = 1.0;     ///< [rad/s]
-  double accel_unit = 1.0;    ///< [m/s^2]
+  double imu_offset = 0.0;     ///< added to the stamps [s]
+  double radar_offset = 0.0;   ///< added to the stamps [s]
+  Axes imu_axes = Axes::kFlu;  ///< of the messages; those of PX4 are turned before
+  double gyro_unit = 1.0;      ///< [rad/s]
+  double accel_unit = 1.0;     ///< [m/s^2]
   PointRequest points;
   bool mounting_is_known = false;  ///< from another source: no note about it
 };

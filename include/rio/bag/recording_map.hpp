@@ -14,9 +14,9 @@
 
 namespace rio::bag {
 
-/// Missing keys keep the value of RecordingRequest{}.
+/// Missing keys keep the value of `base`.
 /// @throws std::runtime_error "FILE:LINE: ..." for unknown keys, clocks and units, and for values
 /// that are not text; PointMap checks field names once there are points
-RecordingRequest load_recording_map(const std::filesystem::path& path);
+RecordingRequest load_recording_map(const std::filesystem::path& path, RecordingRequest base = {});
 
 }  // namespace rio::bag

@@ -90,9 +90,9 @@ struct Dataset {
 /// IMU, else the last one.
 enum class Truth : std::uint8_t { kAll, kStart };
 
-/// Reads the folder, or `mav0` inside it. Throws std::runtime_error, with "FILE:LINE: ..." if a
-/// line is at fault, if anything is missing, empty or damaged: the result is never silently
-/// shorter.
+/// Reads the folder, or `mav0` inside it, or one of scan_folder.hpp. Throws std::runtime_error,
+/// with "FILE:LINE: ..." if a line is at fault, if anything is missing, empty or damaged: the
+/// result is never silently shorter.
 /// @param truth the part of the ground truth to keep; all of it is read and checked
 Dataset read_dataset(const std::filesystem::path& path, Truth truth = Truth::kAll);
 

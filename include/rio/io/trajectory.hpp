@@ -30,7 +30,9 @@ enum class TumOrder : std::uint8_t {
 };
 
 /// A dataset folder (its ground truth), a .csv file (EuRoC ground truth, or a states file), or else
-/// a TUM file of exactly eight columns. Throws std::runtime_error "FILE:LINE: ..." if it is
+/// a TUM file of exactly eight columns; of seven if timestamps.txt is beside it (ColoRadar, or its
+/// folder). A .csv with blanks between the columns is a TUM file, an integer stamp of 15 digits or
+/// more is in nanoseconds. Throws std::runtime_error "FILE:LINE: ..." if it is
 /// damaged, empty, not finite, or if stamps do not strictly increase.
 Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order = TumOrder::kStrict);
 
