@@ -193,6 +193,14 @@ void draw_panel(Svg* svg, const plot::Box& box, const Range& time, const TimePan
   for (std::size_t i = 0; i < all.size(); ++i) axes.curve(panel.curves[i], all[i].stroke);
 }
 
+/// Every other one is thinner and dashed: one that lies upon another lets it show.
+Stroke overlaid_stroke(std::size_t i) {
+  Stroke stroke = plot::curve_stroke(i);
+  stroke.dashed = i % 2 == 1;
+  if (!stroke.dashed) stroke.width *= 1.5;
+  return stroke;
+}
+
 /// Line samples and names, then the meaning of the markers; returns the position of the last line.
 double draw_legend(Svg* svg, double left, double top, double right,
                    const std::vector<Series>& all) {
@@ -207,10 +215,8 @@ double draw_legend(Svg* svg, double left, double top, double right,
     }
     legend.line(text, series.stroke);
   }
-  legend.entry("start", [svg](Point at) {
-    svg->circle({at.x + 24.0, at.y}, 5.0, "#ffffff", {"#555555", 2.0});
-  });
-  legend.entry("end", [svg](Point at) {
+  legend.entry("start, end", [svg](Point at) {
+    svg->circle({at.x + 6.0, at.y}, 5.0, "#ffffff", {"#555555", 2.0});
     svg->rectangle(at.x + 19.5, at.y - 4.5, 9.0, 9.0, "#555555", {"none", 0.0});
   });
   return legend.bottom();
@@ -299,7 +305,7 @@ void plot(const PlotArguments& arguments) {
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     eval::Trajectory poses = io::read_trajectory(arguments.estimates[i]);
-    Series series{labels[i], plot::curve_stroke(i), std::move(poses), {}};
+    Series series{labels[i], overlaid_stroke(i), std::move(poses), {}};
     if (with_truth) {
       series.pairs = eval::associate(truth, series.poses).pairs;
       if (series.pairs.size() < 2) {

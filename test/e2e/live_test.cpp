@@ -103,6 +103,28 @@ class Live : public Tool {
   }
 };
 
+// A file for viewers, a server that nobody has asked and a report: each scan is in the file.
+TEST_F(Live, ShowsTheFlightWhileItHappens) {
+  const std::string mcap = file("shown.mcap"), page = file("shown.html");
+  const auto [player, live] =
+      fly("shown", "",
+          " --mcap " + mcap + " --view 0 --report " + page + " --states " + file("shown.csv"));
+  ASSERT_EQ(live.status, 0) << live.output << player.output;
+  const std::size_t rows = lines_of(file("shown.csv")).size();
+  EXPECT_GT(rows, 50U);
+  const Outcome info = rio("info " + mcap);
+  ASSERT_EQ(info.status, 0) << info.output;
+  for (const char* topic : {"/tf ", "/odometry ", "/radar0/points "}) {
+    const std::size_t at = info.output.find(topic);
+    ASSERT_NE(at, std::string::npos) << topic << info.output;
+    std::string type;
+    std::size_t messages = 0;
+    std::istringstream(info.output.substr(at + std::string(topic).size())) >> type >> messages;
+    EXPECT_EQ(messages, rows) << topic;
+  }
+  EXPECT_GT(fs::file_size(page), 100'000U);
+}
+
 TEST_F(Live, IsTheReplayOfWhatItRecorded) {
   Json json;
   ASSERT_TRUE(is_its_replay("clean", "", &json));
