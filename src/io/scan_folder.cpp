@@ -5,13 +5,16 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "doppler_grid.hpp"
@@ -103,10 +106,13 @@ class ScanFolder final : public RecordingStream {
     std::sort(files_.begin(), files_.end());  // names of 19 digits
     for (const fs::path& file : files_) {
       const std::string name = file.stem().string();
-      if (name.size() != 19 || name.find_first_not_of("0123456789") != name.npos) {
+      std::int64_t stamp = 0;
+      const char* const end = name.data() + name.size();
+      const auto [at, error] = std::from_chars(name.data(), end, stamp);
+      if (name.size() != 19 || error != std::errc{} || at != end || stamp < 0) {
         throw std::runtime_error(file.string() + ": its name is no stamp in nanoseconds");
       }
-      outline_.scan_times[0].emplace_back(std::stoll(name));
+      outline_.scan_times[0].emplace_back(stamp);
     }
     outline_.sensors.radar_info.axes = "flu";
   }

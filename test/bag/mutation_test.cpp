@@ -10,6 +10,7 @@
 #include "bag/bag_writer.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/bag/summary.hpp"
+#include "rio/io/scan_folder.hpp"
 #include "support/measured.hpp"
 #include "support/temp_dir.hpp"
 
@@ -189,6 +190,50 @@ TEST(MutatedMessages, DamagedMessagesAreDecodedOrRefused) {
     EXPECT_LT(refused, all);
     test::measured("refused of " + std::to_string(all), refused, "some, not all");
   }
+}
+
+// Sequences with a file per scan: text of the IMU and the stamps, points, names.
+TEST(MutatedSequences, DamagedFilesAreReadOrRefused) {
+  const char* const asked = std::getenv("RIO_MUTATIONS");
+  const int count = asked == nullptr ? 2000 : std::atoi(asked);
+  const std::string points(58, '\1');
+  const std::string stamp = "Radar/Continental/1700000000000000000.bin";
+  using Files = std::vector<std::pair<std::string, std::string>>;
+  const Files sequences[] = {
+      {{"imu/imu_data.txt", "0.1 0.2 9.8 0 0 0\n0.1 0.2 9.8 0 0 0\n"},
+       {"imu/timestamps.txt", "1700000000.01\n1700000000.02\n"},
+       {"single_chip/pointclouds/timestamps.txt", "1700000000.015\n"},
+       {"single_chip/pointclouds/data/radar_pointcloud_0.bin", std::string(40, '\1')}},
+      {{"sensor_data/xsens_imu.csv",
+        "1700000000000000000,0,0,0,1,0,0,0,0.1,0.2,0.3,1,2,9.8,0,0,0\n"},
+       {stamp, points}}};
+  const test::TempDir dir;
+  int read = 0, refused = 0;
+  for (int i = 0; i < count; ++i) {
+    Mutator mutate(static_cast<unsigned>(i + 1));
+    const Files& files = sequences[i % 2];
+    const std::size_t bad = static_cast<std::size_t>(i / 2) % (files.size() + 1);
+    const std::string folder = "sequence/";
+    for (std::size_t k = 0; k < files.size(); ++k) {
+      dir.write(folder + files[k].first, k == bad ? mutate(files[k].second) : files[k].second);
+    }
+    if (bad == files.size()) {  // a stamp in a name
+      dir.write(folder + "Radar/Continental/" + (i % 4 < 2 ? "9" : "-") + "999999999999999999.bin",
+                points);
+    }
+    try {
+      const auto stream = io::open_scan_folder(dir.path() / "sequence");
+      const io::Dataset data = io::collect(stream.get());
+      EXPECT_FALSE(data.imu.empty() || data.scans.empty());
+      ++read;
+    } catch (const std::runtime_error&) {
+      ++refused;
+    }
+    std::filesystem::remove_all(dir.path() / "sequence");
+  }
+  EXPECT_EQ(read + refused, count);
+  EXPECT_GT(read, count / 20);
+  EXPECT_GT(refused, count / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Bag, Mutation, testing::ValuesIn(test::formats()), test::format_name);
