@@ -13,6 +13,9 @@ namespace {
 // deviation of a sample at a standstill with the engine running
 constexpr double kMaxGyroStd = 0.1;   // [rad/s]
 constexpr double kMaxAccelStd = 1.0;  // [m/s^2]
+// of the gyro with the engine off: some times the noise of a MEMS gyro at 200 Hz
+constexpr double kQuietGyroStd = 0.01;  // [rad/s]
+constexpr double kQuietSway = 0.05;     // of the accelerometer: a tilt by 0.3 deg [m/s^2]
 
 }  // namespace
 
@@ -86,13 +89,15 @@ bool StaticAligner::standstill(std::size_t n) const {
   for (std::size_t i = 0; i < n; ++i) {
     const Part& part = parts_[i];
     if (part.count < 2.0) return false;
-    if (part.deviation().head<3>().maxCoeff() > kMaxGyroStd) return false;
+    const double largest = n < kLeastNoisy ? kQuietGyroStd : kMaxGyroStd;
+    if (part.deviation().head<3>().maxCoeff() > largest) return false;
     if (part.deviation().tail<3>().maxCoeff() > kMaxAccelStd) return false;
     white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(n));
   }
   const Vector6d sway = scatter(n).cwiseSqrt();
   for (int i = 0; i < 6; ++i) {
-    const double largest = kSway * (i < 3 ? kMaxGyroStd : kMaxAccelStd);
+    double largest = kSway * (i < 3 ? kMaxGyroStd : kMaxAccelStd);
+    if (n < kLeastNoisy) largest = i < 3 ? kSway * kQuietGyroStd : kQuietSway;
     if (sway[i] > std::max(largest, kWhiteSigmas * std::sqrt(white[i]))) return false;
   }
   const Vector6d mean = this->mean(n);

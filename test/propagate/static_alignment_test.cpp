@@ -244,7 +244,7 @@ TEST(StaticAlignment, RefusesMotionAndRecovers) {
   expect_refused_then_aligned(imu, "accelerating upwards at 1 m/s^2");
   // forwards: from rest and back within each window; a constant one would be a tilt to any IMU
   imu.motion = [&](double t, ImuSample& s) {
-    if (std::fmod(t, 301.0 / kRate) > 0.7) s.accel_B += 1.0 * level;
+    if (std::fmod(t, 301.0 / kRate) > 0.3) s.accel_B += 1.0 * level;
   };
   expect_refused_then_aligned(imu, "starting forwards at 1 m/s^2");
 }
@@ -339,8 +339,51 @@ TEST(StaticAlignment, ShortRestIsEnoughInTheFirstWindowOnly) {
   EXPECT_EQ(part.alignment->state.time, Time(101'000'000'000));  // two thirds of 1.5 s
   EXPECT_LT(part.alignment->state.gyro_bias.norm(), 5.0 * 4e-4);
   EXPECT_GT(bias_variance(part), bias_variance(whole));
-  EXPECT_FALSE(begin(still_for(0.8, 0.0), 400).alignment);
+  const Outcome third = begin(still_for(0.7, 0.0), 400);
+  ASSERT_TRUE(third.alignment);
+  EXPECT_EQ(third.alignment->state.time, Time(100'500'000'000));
+  EXPECT_GT(bias_variance(third), bias_variance(part));
+  EXPECT_FALSE(begin(still_for(0.4, 0.0), 400).alignment);
+  Imu humming = still_for(0.8, 0.0);  // an engine hides slow motion
+  humming.gyro_sigma = 0.02;
+  EXPECT_FALSE(begin(humming, 400).alignment);
   EXPECT_FALSE(begin(still_for(1.2, 2.0), 1000).alignment);  // no first window
+}
+
+// Half a second of rest: its larger sigmas are those of its errors.
+TEST(StaticAlignment, SigmasOfAShortRestAreHonest) {
+  test::Random random(12);
+  constexpr int kRuns = 300;
+  double gyro = 0.0, tilt = 0.0;
+  int aligned = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    Imu imu = noisy(random.direction());
+    imu.gyro_bias = random.normal_vector(0.003);
+    imu.accel_bias = random.normal_vector(StartOptions{}.sigma_accel_bias);
+    const Vector3d aside = imu.up_B.unitOrthogonal();
+    imu.motion = [&](double t, ImuSample& s) {
+      if (t > 0.52) s.accel_B += 4.0 * std::sin(40.0 * t) * aside;
+    };
+    StaticAligner aligner(StartOptions{}, ImuOptions{});
+    const Outcome out = align(aligner, imu, random, 0, 400);
+    if (!out.alignment) continue;  // three sigmas of noise look like motion
+    ++aligned;
+    ASSERT_LT(out.alignment->state.time, Time(100'600'000'000));
+    const BodyCovariance& P = out.alignment->covariance;
+    const Vector3d e = out.alignment->state.gyro_bias - imu.gyro_bias;
+    const Matrix3d P_gyro = P.block<3, 3>(body::kGyroBias, body::kGyroBias);
+    gyro += e.dot(P_gyro.ldlt().solve(e)) / 3.0;
+    const Vector3d up = out.alignment->state.q_WB.conjugate() * Vector3d::UnitZ();
+    const Vector3d across = up.cross(imu.up_B);  // without the rotation about the vertical
+    const Matrix3d level = Matrix3d::Identity() - up * up.transpose();
+    const Matrix3d P_phi = P.block<3, 3>(body::kAttitude, body::kAttitude);
+    tilt += across.squaredNorm() / (level * P_phi * level).trace();
+  }
+  EXPECT_GT(aligned, 0.95 * kRuns);
+  EXPECT_LT(gyro / aligned, 1.1);  // (E4) takes the larger of two noises
+  EXPECT_GT(gyro / aligned, 0.5);
+  EXPECT_NEAR(tilt / aligned, 1.0, 0.3);
+  test::measured("NEES of the gyro bias after half a second of rest", gyro / aligned, "0.5 to 1.1");
 }
 
 TEST(StaticAlignment, ResetForgetsTheWindow) {

@@ -41,9 +41,10 @@ Quaternion level(const Vector3d& y);
 
 /// Averages samples until `StartOptions::duration` is covered, then decides; a window that is not a
 /// standstill drops its oldest part and continues. A sensor that is switched on at rest and soon
-/// moved: of the first window, the first two thirds are enough, with the larger sigma of their
-/// mean. O(1) memory: the window is kept as parts, whose
-/// means must agree, so that slow motion is detected too.
+/// moved: of the first window, the first third is enough, with the larger sigma of its mean; less
+/// than two thirds only if the gyro shows no running engine either, whose noise hides a slow
+/// motion. O(1) memory: the window is kept as parts, whose means must agree, so that slow motion is
+/// detected too.
 class StaticAligner {
  public:
   StaticAligner(const StartOptions& start, const ImuOptions& imu) : start_(start), imu_(imu) {}
@@ -58,7 +59,8 @@ class StaticAligner {
  private:
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   static constexpr std::size_t kParts = 6;
-  static constexpr std::size_t kLeast = 4;  ///< at rest in the first window
+  static constexpr std::size_t kLeast = 2;       ///< at rest in the first window
+  static constexpr std::size_t kLeastNoisy = 4;  ///< same, with an engine running
 
   /// Running mean and sum of squares (Welford 1962).
   struct Part {
