@@ -15,6 +15,7 @@ void Recorder::add(const Odometry& odometry) {
   add_state(odometry.at_scan(), odometry.covariance());
   add_scan(odometry.report());
   add_innovations(odometry.report(), &innovations);
+  add_landmarks(odometry);
   add_events(odometry.report(), odometry.counters());
 }
 
@@ -56,6 +57,17 @@ void Recorder::add_scan(const UpdateReport& r) {
                    r.at_rest,
                    static_cast<std::uint8_t>(r.health.state),
                    r.health.quality});
+}
+
+void Recorder::add_landmarks(const Odometry& odometry) {
+  for (const LandmarkReport& l : odometry.landmarks()) {
+    LandmarkRow row{odometry.report().time.count(), {}, {}, l.last_seen.count()};
+    for (int i = 0; i < 3; ++i) {
+      row.position[i] = l.position_W[i];
+      for (int j = 0; j < 3; ++j) row.covariance[i][j] = l.covariance_W(i, j);
+    }
+    landmark_states.push_back(row);
+  }
 }
 
 void Recorder::add_events(const UpdateReport& r, const Counters& counters) {

@@ -32,6 +32,14 @@ struct ScanRow {
   std::int32_t quality;  ///< 0 to 100
 };
 
+/// A row of Result.landmark_states.
+struct LandmarkRow {
+  std::int64_t time;        ///< of the scan [ns]
+  double position[3];       ///< world axes [m]
+  double covariance[3][3];  ///< of it [m^2]
+  std::int64_t last_seen;   ///< [ns]
+};
+
 struct Event {
   std::int64_t time;  ///< of the scan [ns]
   std::string what;
@@ -53,11 +61,13 @@ class Recorder {
   std::vector<std::array<double, body::kSize * body::kSize>> covariances;
   std::vector<ScanRow> scans;
   std::vector<InnovationRow> innovations;
+  std::vector<LandmarkRow> landmark_states;
   std::vector<Event> events;
 
  private:
   void add_state(const NavState& state, const BodyCovariance& covariance);
   void add_scan(const UpdateReport& report);
+  void add_landmarks(const Odometry& odometry);
   void add_events(const UpdateReport& report, const Counters& counters);
 
   HealthState health_ = HealthState::kInitializing;  ///< the last one

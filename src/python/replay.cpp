@@ -38,6 +38,7 @@ py::dict result_of(tools::Replayed&& replayed, Recorder&& recorder) {
       std::move(recorder.covariances), {count, py::ssize_t{body::kSize}, py::ssize_t{body::kSize}});
   out["scans"] = as_rows(std::move(recorder.scans));
   out["innovations"] = as_rows(std::move(recorder.innovations));
+  out["landmark_states"] = as_rows(std::move(recorder.landmark_states));
   out["events"] = events_of(recorder.events);
   out["summary"] = replayed.summary.json();
   out["verdict"] = replayed.summary.health.verdict();
@@ -65,23 +66,25 @@ void bind_replay(py::module_& module) {
                        ego_velocity, ego_velocity_valid, trails, clones, landmarks,
                        landmarks_matched, landmarks_added, landmarks_removed, at_rest, health,
                        quality);
+  PYBIND11_NUMPY_DTYPE(LandmarkRow, time, position, covariance, last_seen);
   module.def(
       "replay",
       [](const std::string& path, const std::vector<std::string>& texts, const std::string& preset,
          const std::string& init, const std::string& map, const std::string& sensors,
-         bool barometer, bool check) {
+         const std::string& dataset, bool barometer, bool check) {
         tools::ReplayArguments arguments;
         arguments.dataset = path;
         arguments.estimator = estimator_of(texts, preset);
         arguments.init = init;
         arguments.how.map = map;
         arguments.how.sensors = sensors;
+        arguments.how.dataset = dataset;
         arguments.barometer = barometer;
         arguments.no_check = !check;
         return replayed_arrays(arguments);
       },
       py::arg("path"), py::arg("texts"), py::arg("preset"), py::arg("init"), py::arg("map"),
-      py::arg("sensors"), py::arg("barometer"), py::arg("check"));
+      py::arg("sensors"), py::arg("dataset"), py::arg("barometer"), py::arg("check"));
 }
 
 }  // namespace rio::python

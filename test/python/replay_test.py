@@ -78,6 +78,11 @@ def test_scans_landmarks_and_events(flight):
     landmarks = result.landmarks
     assert landmarks["landmarks"][-1] == result.summary["landmarks"]
     assert landmarks["landmarks_added"].sum() - landmarks["landmarks_removed"].sum() == landmarks["landmarks"][-1]
+    states = result.landmark_states
+    assert len(states) == result.scans["landmarks"].sum()
+    assert states["position"].shape[1:] == (3,) and states["covariance"].shape[1:] == (3, 3)
+    assert (np.linalg.eigvalsh(states["covariance"]) > 0).all()
+    assert (states["last_seen"] <= states["time"] + 10**8).all()  # of the estimate, not the stamp
     assert result.events[0].what == "first scan"
     assert "health: ok" in [event.what for event in result.events]
     assert all(result.times[0] <= event.time + 10**9 for event in result.events)

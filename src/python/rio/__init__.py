@@ -187,6 +187,8 @@ class Result:
     innovations: NDArray[np.void]
     """one record per measurement: time, radar, model (of MODELS), result (of RESULTS), detection,
     dof, innovation, sigma (of the first row), nis, gate"""
+    landmark_states: NDArray[np.void]
+    """one record per landmark and scan: time, position (3) in the world, covariance (3, 3), last_seen"""
     events: list[Event]
     summary: dict[str, Any]
     """what `rio replay --json` prints"""
@@ -222,13 +224,14 @@ class Result:
 
 
 def replay(path: PathLike, options: OptionsLike = None, *, init: str = "", map: PathLike = "",
-           sensors: PathLike = "", barometer: bool = False, check: bool = False) -> Result:
+           sensors: PathLike = "", dataset: str = "", barometer: bool = False,
+           check: bool = False) -> Result:
     """Runs a recording through the estimator, as `rio replay` does, to the same bits.
 
     path: a folder in ASL/EuRoC layout, a ROS 1 bag, an MCAP or a .db3
     options: as of `rio replay --config`; over the preset and the sensor files
     init: "groundtruth", "static" or a file; by default groundtruth if there is one
-    map, sensors: of a bag, as the flags of that name
+    map, sensors, dataset: of a bag, as the flags of that name
     barometer: use the heights of the recording
     check: also look for errors of the recording, into summary["data"]
 
@@ -237,7 +240,7 @@ def replay(path: PathLike, options: OptionsLike = None, *, init: str = "", map: 
     """
     chosen = _options(options)
     arrays = _rio.replay(os.fspath(path), chosen._texts, chosen._preset, init, os.fspath(map),
-                         os.fspath(sensors), barometer, check)
+                         os.fspath(sensors), dataset, barometer, check)
     arrays["summary"] = json.loads(arrays["summary"])
     arrays["events"] = [Event(*event) for event in arrays["events"]]
     return Result(**arrays)

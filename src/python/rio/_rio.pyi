@@ -142,6 +142,7 @@ def replay(
     init: str,
     map: str,
     sensors: str,
+    dataset: str,
     barometer: bool,
     check: bool,
 ) -> dict[str, Any]: ...
