@@ -170,7 +170,7 @@ TEST(ScenarioYaml, ReadsValuesWithUnitsOnTopOfTheBase) {
 }
 
 TEST(ScenarioYaml, ExampleInDataIsValid) {
-  const std::filesystem::path root = std::filesystem::path(__FILE__).parent_path() / "../..";
+  const std::filesystem::path root = RIO_SOURCE_DIR;
   const sim::Scenario s = load_scenario(root / "data/config/scenario_corridor.yaml");
   EXPECT_EQ(s.room.high_W, Vector3d(34.0, 1.2, 2.4));
   EXPECT_EQ(s.path.max_leg, 20.0);
