@@ -144,6 +144,12 @@ const DatasetPreset& dataset_preset(const std::string& name) {
                            "; there are" + list);
 }
 
+bool take_mounting(const DatasetPreset& preset, io::RadarInfo* radar) {
+  if (!preset.is_mounted() || radar->T_BS) return false;
+  radar->T_BS = preset.T_BS();
+  return true;
+}
+
 RecordingRequest request_of(const DatasetPreset& preset) {
   RecordingRequest request;
   request.imu_topic = preset.imu;

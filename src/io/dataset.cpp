@@ -218,6 +218,14 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
   return outline;
 }
 
+bool is_asl_folder(const fs::path& path) {
+  return fs::exists(path / kImu) || fs::exists(path / "mav0");
+}
+
+bool is_dataset_folder(const fs::path& path) {
+  return is_asl_folder(path) || is_scan_folder(path);
+}
+
 Dataset read_dataset(const fs::path& path, Truth truth) {
   if (is_scan_folder(path)) return collect(open_scan_folder(path).get());
   Dataset all;

@@ -110,7 +110,7 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
 }
 
 bool is_recording(const std::string& path) {
-  return is_dataset_folder(path) || bag::begins_as_recording(path);
+  return io::is_dataset_folder(path) || bag::begins_as_recording(path);
 }
 
 std::vector<Run> runs_of(const CompareArguments& arguments) {

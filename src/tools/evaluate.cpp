@@ -199,7 +199,8 @@ void print_table(const TextTable& rows) {
 }
 
 eval::Trajectory truth_of(const std::string& path) {
-  if (is_dataset_folder(path) || !bag::begins_as_recording(path)) return io::read_trajectory(path);
+  if (io::is_dataset_folder(path) || !bag::begins_as_recording(path))
+    return io::read_trajectory(path);
   eval::Trajectory truth;
   for (const NavState& state : bag::read_truth(path)) {
     truth.push_back({state.time, state.p_WB, state.q_WB});

@@ -20,7 +20,7 @@ namespace {
 
 template <class Data>
 check::Findings findings(const std::string& path, const Data& data, const Options& options) {
-  if (!is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
+  if (!io::is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
   fs::path root = path;
   if (!fs::exists(root / "imu0")) root /= "mav0";
   return check::check_recording(data, options, check::Source::kFolder, root);

@@ -100,8 +100,7 @@ void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
   if (!arguments.dataset.empty()) {
     const bag::DatasetPreset& preset = bag::dataset_preset(arguments.dataset);
     const std::string begin = std::string("data set ") + preset.name + ": ";
-    if (preset.is_mounted() && !dataset->radar_info.T_BS) {
-      dataset->radar_info.T_BS = preset.T_BS();
+    if (bag::take_mounting(preset, &dataset->radar_info)) {
       dataset->notes.push_back(begin + "radar pose as published");
     }
     if (*preset.doubt != '\0') dataset->notes.push_back(begin + "not sure: " + preset.doubt);
@@ -111,7 +110,7 @@ void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
 
 /// Whether it is a ROS recording; throws if it is not, but options for one are given.
 bool is_bag(const std::string& path, const RecordingArguments& arguments) {
-  if (!is_dataset_folder(path) && bag::is_recording(path)) return true;
+  if (!io::is_dataset_folder(path) && bag::is_recording(path)) return true;
   RecordingArguments allowed;
   if (io::is_scan_folder(path)) {
     allowed.dataset = arguments.dataset;
@@ -172,14 +171,6 @@ void print_what_is_missing(const fs::path& out, bool mounted) {
 
 }  // namespace
 
-bool is_asl_folder(const fs::path& path) {
-  return fs::exists(path / "imu0") || fs::exists(path / "mav0");
-}
-
-bool is_dataset_folder(const fs::path& path) {
-  return is_asl_folder(path) || io::is_scan_folder(path);
-}
-
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
                      std::string* damage, bool truth) {
   io::Dataset dataset;
@@ -223,15 +214,16 @@ void info(const std::string& path) {
 void convert(const ConvertArguments& arguments) {
   protect_inputs({arguments.recording}, {arguments.out});
   const fs::path out = arguments.out;
-  const bool taken = fs::exists(out / "imu0") || fs::exists(out / "radar0");
+  const bool to_bag = out.extension() == ".mcap";
+  const bool taken =
+      to_bag ? fs::exists(out) : fs::exists(out / "imu0") || fs::exists(out / "radar0");
   if (taken && !arguments.force) {
     throw std::runtime_error(out.string() + ": holds a recording already; --force overwrites it");
   }
   std::string damage;
   const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage, true);
   print_notes(dataset.notes);
-  const bool is_folder = is_asl_folder(arguments.recording);
-  const bool to_bag = out.extension() == ".mcap";
+  const bool is_folder = io::is_asl_folder(arguments.recording);
   if (to_bag) {
     if (arguments.force) fs::remove(out);
     write_mcap(out, dataset);

@@ -12,11 +12,6 @@
 
 namespace rio::tools {
 
-/// Whether it is a recording in ASL layout.
-bool is_asl_folder(const std::filesystem::path& path);
-/// Or another one that io::open_dataset() reads.
-bool is_dataset_folder(const std::filesystem::path& path);
-
 /// Reads it.
 /// @param damage position of damage in the file, else empty; the data set ends there
 /// @param truth also reads the ground truth of a bag

@@ -111,7 +111,7 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
 
 /// All of the ground truth; empty if there is none.
 eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenRecording& recording) {
-  const bool folder = is_dataset_folder(arguments.dataset);
+  const bool folder = io::is_dataset_folder(arguments.dataset);
   if (folder && recording.sensors.ground_truth.empty()) return {};
   try {
     return truth_of(arguments.dataset);

@@ -18,7 +18,6 @@
 #include "rio/eval/evaluation.hpp"
 #include "rio/eval/nees.hpp"
 #include "rio/io/options_yaml.hpp"
-#include "rio/io/scan_folder.hpp"
 #include "rio/io/trajectory.hpp"
 
 namespace rio::experiment {
@@ -30,13 +29,9 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBackEnds = 2;
 constexpr const char* kNames[kBackEnds] = {"filter", "smoother"};
 
-bool is_asl(const fs::path& path) {
-  return fs::exists(path / "imu0") || fs::exists(path / "mav0");
-}
-
 /// A folder of files, a bag, or a folder of the parts of one bag.
 bool is_recording(const fs::path& path) {
-  if (is_asl(path) || io::is_scan_folder(path)) return true;
+  if (io::is_dataset_folder(path)) return true;
   if (!bag::begins_as_recording(path)) return false;
   if (!fs::is_directory(path)) return true;
   const auto bags = std::count_if(fs::directory_iterator(path), {}, [](const auto& entry) {
@@ -95,11 +90,9 @@ io::Dataset read(const fs::path& path, const std::string& dataset) {
   bag::RecordingRequest request;
   if (!dataset.empty()) request = bag::request_of(bag::dataset_preset(dataset));
   request.truth = true;
-  const bool folder = is_asl(path) || io::is_scan_folder(path);
-  io::Dataset data = folder ? io::read_dataset(path) : bag::read_recording(path, request).dataset;
-  if (!dataset.empty() && bag::dataset_preset(dataset).is_mounted() && !data.radar_info.T_BS) {
-    data.radar_info.T_BS = bag::dataset_preset(dataset).T_BS();
-  }
+  io::Dataset data = io::is_dataset_folder(path) ? io::read_dataset(path)
+                                                 : bag::read_recording(path, request).dataset;
+  if (!dataset.empty()) bag::take_mounting(bag::dataset_preset(dataset), &data.radar_info);
   return data;
 }
 

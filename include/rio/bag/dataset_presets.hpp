@@ -34,6 +34,9 @@ std::span<const DatasetPreset> dataset_presets();
 /// @throws std::runtime_error that lists the names if there is none like it
 const DatasetPreset& dataset_preset(const std::string& name);
 
+/// The published mounting, if there is one and the recording has none. True: it was taken.
+bool take_mounting(const DatasetPreset& preset, io::RadarInfo* radar);
+
 /// What to ask for in a recording of the data set.
 RecordingRequest request_of(const DatasetPreset& preset);
 

@@ -90,6 +90,11 @@ struct Dataset {
 /// IMU, else the last one.
 enum class Truth : std::uint8_t { kAll, kStart };
 
+/// Whether it is a folder of this layout, or has it in `mav0`.
+bool is_asl_folder(const std::filesystem::path& path);
+/// Whether read_dataset() reads it: the same, or one of scan_folder.hpp.
+bool is_dataset_folder(const std::filesystem::path& path);
+
 /// Reads the folder, or `mav0` inside it, or one of scan_folder.hpp. Throws std::runtime_error,
 /// with "FILE:LINE: ..." if a line is at fault, if anything is missing, empty or damaged: the
 /// result is never silently shorter.
