@@ -62,8 +62,8 @@ enum class GateResult : std::uint8_t { kUsed, kGated, kOutOfDomain };
 struct InnovationRecord {
   Model model = Model::kDoppler;
   GateResult result = GateResult::kUsed;
-  std::uint16_t detection =
-      0;  ///< index in the filtered scan; kAiding, kEgoVelocity: in those of the update
+  /// Index in the filtered scan; of kAiding and kEgoVelocity in the measurements of the update.
+  std::uint16_t detection = 0;
   std::uint16_t dof = 0;       ///< rows of the block
   double innovation = 0.0;     ///< z - h(x) of its first row [unit of the model]
   double sigma = 0.0;          ///< sqrt of the innovation variance of its first row

@@ -93,7 +93,7 @@ Heartbeat heartbeat(const Health& health, Content wanted) {
       break;
     case HealthState::kOk:
       message.system_status =
-          wanted == Content::kAllOrVelocity && content == Content::kVelocity ? kCritical : kActive;
+          content == Content::kVelocity && wanted != content ? kCritical : kActive;
       break;
     case HealthState::kDegraded:
     case HealthState::kDeadReckoning:

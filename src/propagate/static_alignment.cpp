@@ -85,19 +85,20 @@ StaticAligner::Vector6d StaticAligner::scatter(std::size_t n) const {
 }
 
 bool StaticAligner::standstill(std::size_t n) const {
+  const bool noisy = n >= kLeastNoisy;
+  const double gyro_std = noisy ? kMaxGyroStd : kQuietGyroStd;
+  const double accel_sway = noisy ? kSway * kMaxAccelStd : kQuietSway;
   Vector6d white = Vector6d::Zero();  // variance of the mean of a part if its noise were white
   for (std::size_t i = 0; i < n; ++i) {
     const Part& part = parts_[i];
     if (part.count < 2.0) return false;
-    const double largest = n < kLeastNoisy ? kQuietGyroStd : kMaxGyroStd;
-    if (part.deviation().head<3>().maxCoeff() > largest) return false;
+    if (part.deviation().head<3>().maxCoeff() > gyro_std) return false;
     if (part.deviation().tail<3>().maxCoeff() > kMaxAccelStd) return false;
     white += part.deviation().cwiseAbs2() / (part.count * static_cast<double>(n));
   }
   const Vector6d sway = scatter(n).cwiseSqrt();
   for (int i = 0; i < 6; ++i) {
-    double largest = kSway * (i < 3 ? kMaxGyroStd : kMaxAccelStd);
-    if (n < kLeastNoisy) largest = i < 3 ? kSway * kQuietGyroStd : kQuietSway;
+    const double largest = i < 3 ? kSway * gyro_std : accel_sway;
     if (sway[i] > std::max(largest, kWhiteSigmas * std::sqrt(white[i]))) return false;
   }
   const Vector6d mean = this->mean(n);

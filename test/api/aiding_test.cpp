@@ -306,7 +306,7 @@ TEST_P(AidingTest, ADeclaredStateThatNothingMeasuresChangesNothing) {
 }
 
 TEST_P(AidingTest, AStateBeginsAtItsInitialValue) {
-  constexpr double kOffset = 40.0;  // ten sigmas of a prior around zero
+  constexpr double kOffset = 40.0;  // twenty sigmas from zero
   Barometer barometer;
   barometer.offset = kOffset;
   Options o = options();

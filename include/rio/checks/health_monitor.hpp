@@ -57,20 +57,19 @@ class HealthMonitor {
   void judge_sigmas(const Estimate& x, const BodyCovariance& P_body);
   void conclude();
 
-  static constexpr double kMemory = 1.0;      // of shares: a person passes, a fault stays [s]
-  static constexpr double kStepMemory = 3.0;  // of a step [s]
-  static constexpr double kAidingMemory =
-      10.0;                                     // of shares: some sensors measure once a second [s]
-  static constexpr double kFewAiding = 5.0;     // one rejected row of a slow sensor is no share
-  static constexpr double kSilence = 1.0;       // the IMU alone is good to centimetres [s]
-  static constexpr double kFewRows = 3.0;       // a velocity has three components
-  static constexpr double kOutliers = 0.7;      // above that a consensus is unreliable
-  static constexpr double kGated = 0.3;         // nominally a gate rejects one in a hundred
-  static constexpr double kInnovations = 2.0;   // mean NIS of a row
-  static constexpr double kVelocityTime = 0.5;  // contradicted [s]
-  static constexpr double kTiltTime = 0.75;     // same: a person may pass by [s]
-  static constexpr double kLostTime = 0.3;      // of the last second [s]
-  static constexpr double kPosition = 1.0;      // [m]
+  static constexpr double kMemory = 1.0;         // of shares: a person passes, a fault stays [s]
+  static constexpr double kStepMemory = 3.0;     // of a step [s]
+  static constexpr double kAidingMemory = 10.0;  // of shares: some measure once a second [s]
+  static constexpr double kFewAiding = 5.0;      // one rejected row of a slow sensor is no share
+  static constexpr double kSilence = 1.0;        // the IMU alone is good to centimetres [s]
+  static constexpr double kFewRows = 3.0;        // a velocity has three components
+  static constexpr double kOutliers = 0.7;       // above that a consensus is unreliable
+  static constexpr double kGated = 0.3;          // nominally a gate rejects one in a hundred
+  static constexpr double kInnovations = 2.0;    // mean NIS of a row
+  static constexpr double kVelocityTime = 0.5;   // contradicted [s]
+  static constexpr double kTiltTime = 0.75;      // same: a person may pass by [s]
+  static constexpr double kLostTime = 0.3;       // of the last second [s]
+  static constexpr double kPosition = 1.0;       // [m]
   static constexpr double kPositionShare = 0.05;
   static constexpr double kVelocity = 0.5;  // [m/s]
   static constexpr double kHeading = 0.17;  // [rad]
