@@ -116,6 +116,24 @@ TEST_F(HealthMonitorTest, OutliersAndGatedMeasurementsDegrade) {
 }
 
 // A contradiction degrades at once, and loses the estimate when it lasts.
+TEST_F(HealthMonitorTest, OtherSensorsContradictWhenGatedOrBeyondTheirNoise) {
+  ModelReport& aiding = scan_.models[static_cast<std::size_t>(Model::kAiding)];
+  aiding.rows_used = 1;
+  aiding.nis = 1.0;
+  fly(seconds(3));
+  EXPECT_FALSE(health().because(HealthReason::kAiding));
+  aiding.nis = 3.0;  // none is gated, but their noise is not what it is said to be
+  fly(seconds(30));
+  EXPECT_TRUE(health().because(HealthReason::kAiding));
+  EXPECT_EQ(health().state, HealthState::kDegraded);
+  aiding.nis = 1.0;
+  fly(seconds(40));
+  EXPECT_FALSE(health().because(HealthReason::kAiding));
+  aiding.rows_gated = 1;  // every second one
+  fly(seconds(30));
+  EXPECT_TRUE(health().because(HealthReason::kAiding));
+}
+
 TEST_F(HealthMonitorTest, ContradictionLosesInTheEnd) {
   fly(seconds(3));
   scan_.velocity_contradicted = 0.6;
