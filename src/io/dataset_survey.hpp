@@ -8,9 +8,6 @@
 
 namespace rio::io {
 
-/// The folder that holds the sensor folders: `path`, or `mav0` inside it.
-std::filesystem::path dataset_root(const std::filesystem::path& path);
-
 /// Throws as read_dataset() does.
 /// @param samples receives the samples and scans, if not null
 RecordingOutline survey(const std::filesystem::path& root, Truth truth, Dataset* samples);

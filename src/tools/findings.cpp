@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -14,16 +13,12 @@
 
 namespace rio::tools {
 
-namespace fs = std::filesystem;
-
 namespace {
 
 template <class Data>
 check::Findings findings(const std::string& path, const Data& data, const Options& options) {
   if (!io::is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
-  fs::path root = path;
-  if (!fs::exists(root / "imu0")) root /= "mav0";
-  return check::check_recording(data, options, check::Source::kFolder, root);
+  return check::check_recording(data, options, check::Source::kFolder, io::dataset_root(path));
 }
 
 }  // namespace

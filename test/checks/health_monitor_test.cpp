@@ -115,7 +115,6 @@ TEST_F(HealthMonitorTest, OutliersAndGatedMeasurementsDegrade) {
   EXPECT_EQ(health().heading, HealthState::kOk);
 }
 
-// A contradiction degrades at once, and loses the estimate when it lasts.
 TEST_F(HealthMonitorTest, OtherSensorsContradictWhenGatedOrBeyondTheirNoise) {
   ModelReport& aiding = scan_.models[static_cast<std::size_t>(Model::kAiding)];
   aiding.rows_used = 1;
@@ -134,6 +133,7 @@ TEST_F(HealthMonitorTest, OtherSensorsContradictWhenGatedOrBeyondTheirNoise) {
   EXPECT_TRUE(health().because(HealthReason::kAiding));
 }
 
+// A contradiction degrades at once, and loses the estimate when it lasts.
 TEST_F(HealthMonitorTest, ContradictionLosesInTheEnd) {
   fly(seconds(3));
   scan_.velocity_contradicted = 0.6;

@@ -225,6 +225,9 @@ TEST_F(Bag, FolderAsMcapHoldsWhatTheFolderHolds) {
                         });
   const Outcome onto_itself = rio("convert " + mcap + " " + mcap + " --force");
   EXPECT_NE(onto_itself.status, 0);
+  const Outcome again = rio("convert " + flight_ + " " + mcap);
+  EXPECT_NE(again.status, 0);
+  EXPECT_PRED2(contains, again.output, "holds a recording already; --force overwrites it");
   EXPECT_EQ(rio("convert " + flight_ + " " + mcap + " --force").status, 0);
 }
 

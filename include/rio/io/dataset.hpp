@@ -94,6 +94,9 @@ enum class Truth : std::uint8_t { kAll, kStart };
 bool is_asl_folder(const std::filesystem::path& path);
 /// Whether read_dataset() reads it: the same, or one of scan_folder.hpp.
 bool is_dataset_folder(const std::filesystem::path& path);
+/// The folder that holds the sensor folders: `path`, or `mav0` inside it.
+/// @throws std::runtime_error if `path` is not a folder
+std::filesystem::path dataset_root(const std::filesystem::path& path);
 
 /// Reads the folder, or `mav0` inside it, or one of scan_folder.hpp. Throws std::runtime_error,
 /// with "FILE:LINE: ..." if a line is at fault, if anything is missing, empty or damaged: the
