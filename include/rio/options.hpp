@@ -181,7 +181,6 @@ struct CalibrationOptions {
   double time_offset_sigma = 0.03;
   /// Relative: some firmware scales by the start frequency of the chirp, 2.8 % too large.
   double doppler_scale_sigma = 0.02;
-  double elevation_bias_sigma = 0.0;  ///< all elevations too high by this [rad]
   /// Random walk of each that is estimated, in its default sigma above: a rotation drifts by 0.09
   /// deg in a minute, with temperature, load and the directions of the reflectors [1/sqrt(s)].
   double walk = 0.004;

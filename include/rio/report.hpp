@@ -149,11 +149,10 @@ enum class Calibration : std::uint8_t {
   kTranslationX,  ///< of T_BS, body axes [m]
   kTranslationY,
   kTranslationZ,
-  kDopplerScale,   ///< relative error of the range rates
-  kElevationBias,  ///< elevations read too high by [rad]
-  kTimeOffset,     ///< stamps late by [s]
+  kDopplerScale,  ///< relative error of the range rates
+  kTimeOffset,    ///< stamps late by [s]
 };
-inline constexpr std::size_t kCalibrationCount = 9;
+inline constexpr std::size_t kCalibrationCount = 8;
 
 /// The last update, stage by stage: of a scan, or, while the radar is silent, of measurements of
 /// other sensors alone.

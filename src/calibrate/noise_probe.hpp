@@ -51,9 +51,8 @@ class NoiseProbe : public Ekf {
   void add_landmark(const Detection& d, std::size_t landmark, const LinearizationPoint& x) {
     using M = LandmarkPointModel;
     Evaluation<M> e;
-    const RigidPose& T_BS = x.T_BS;
-    if (!M{}.evaluate(M::measurement(d), x.T_WB, T_BS, x.radar_errors,
-                      estimate().landmarks[landmark].p_W, e.r, &e.J, e.R)) {
+    if (!M{}.evaluate(M::measurement(d), x.T_WB, x.T_BS, estimate().landmarks[landmark].p_W, e.r,
+                      &e.J, e.R)) {
       return;
     }
     const BlockIndex index{0, static_cast<int>(landmark)};
@@ -94,7 +93,7 @@ class NoiseProbe : public Ekf {
     using M = DopplerModel;
     Evaluation<M> e;
     M(DopplerDirections::kNoisy)
-        .evaluate(M::measurement(d, x.gyro_B), x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors,
+        .evaluate(M::measurement(d, x.gyro_B), x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.doppler_scale,
                   e.r, &e.J, e.R);
     if (exact) {
       e.J.middleCols<6>(M::Blocks::column<BodyPose>()).setZero();

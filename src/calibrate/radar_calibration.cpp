@@ -50,11 +50,8 @@ Values between(const RadarOptions& configured, const RadarOptions& now) {
 }
 
 Values priors_of(const CalibrationOptions& c) {
-  return {c.rotation_sigma,      c.rotation_sigma,
-          c.rotation_sigma,      c.translation_sigma,
-          c.translation_sigma,   c.translation_sigma,
-          c.doppler_scale_sigma, 0.0,  // an elevation bias cannot be distinguished from a pitch
-          c.time_offset_sigma};
+  return {c.rotation_sigma,    c.rotation_sigma,    c.rotation_sigma,      c.translation_sigma,
+          c.translation_sigma, c.translation_sigma, c.doppler_scale_sigma, c.time_offset_sigma};
 }
 
 /// Information of a run without its prior (E1).
@@ -107,7 +104,6 @@ class Repetition {
     c.translation_sigma = std::min(10.0, kLoose * c.translation_sigma);
     c.time_offset_sigma = std::min(0.1, kLoose * c.time_offset_sigma);
     c.doppler_scale_sigma = std::min(0.1, kLoose * c.doppler_scale_sigma);
-    c.elevation_bias_sigma = 0.0;
     c.walk = 0.0;  // the halves say how constant they are
   }
 

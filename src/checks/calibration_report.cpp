@@ -42,12 +42,8 @@ std::array<CalibrationReport, kCalibrationCount> calibration_report(
     fill(offset(Calibration::kTranslationX), shift[i], priors.translation_sigma,
          layout.has_extrinsics(), layout.extrinsics() + 3 + i);
   }
-  fill(Calibration::kDopplerScale, x.radar_errors[RadarErrors::kDopplerScale] - mount.doppler_scale,
-       priors.doppler_scale_sigma, layout.has_radar_errors(),
-       layout.radar_errors() + RadarErrors::kDopplerScale);
-  fill(Calibration::kElevationBias, x.radar_errors[RadarErrors::kElevation],
-       priors.elevation_bias_sigma, layout.has_radar_errors(),
-       layout.radar_errors() + RadarErrors::kElevation);
+  fill(Calibration::kDopplerScale, x.doppler_scale - mount.doppler_scale,
+       priors.doppler_scale_sigma, layout.has_doppler_scale(), layout.doppler_scale());
   fill(Calibration::kTimeOffset, x.time_offset - mount.time_offset, priors.time_offset_sigma,
        layout.has_time_offset(), layout.time_offset());
   return report;

@@ -96,8 +96,7 @@ void VelocityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bo
 void VelocityCheck::take(const DetectionList& scan, const Estimate& x) {
   const Matrix3d R_BS = x.T_BS.rotation.toRotationMatrix();
   const Vector3d lever = (x.gyro_B - x.nav.gyro_bias).cross(x.T_BS.translation);
-  const DopplerFold fold =
-      folds_[scan.radar].divided(1.0 + x.radar_errors[RadarErrors::kDopplerScale]);
+  const DopplerFold fold = folds_[scan.radar].divided(1.0 + x.doppler_scale);
   const std::size_t stride = 1 + scan.items.size() / kScanRows;
   for (std::size_t i = 0; i < scan.items.size(); i += stride) {
     if (rows_.size() == kMaxRows) {

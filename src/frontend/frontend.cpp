@@ -20,15 +20,18 @@ Frontend::Frontend(const Options& options)
 
 void Frontend::observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
                        const Matrix3d& velocity_covariance_S) {
-  out->scan = &scan;
-  out->trails = &trails_;
-  out->moves.fill(false);
   std::optional<RadarVelocity> predicted_velocity;
   if (options_.ransac_use_prediction) {
     predicted_velocity = {radar_velocity(predicted), velocity_covariance_S};
   }
-  ransac_.estimate(scan, predicted_velocity, &out->ego_velocity,
-                   1.0 + predicted.radar_errors[RadarErrors::kDopplerScale]);
+  ransac_.estimate(scan, predicted_velocity, &out->ego_velocity, 1.0 + predicted.doppler_scale);
+  match(scan, predicted, out);
+}
+
+void Frontend::match(const DetectionList& scan, const Estimate& predicted, Observations* out) {
+  out->scan = &scan;
+  out->trails = &trails_;
+  out->moves.fill(false);
   if (unwrap_) unwrap(scan, out);
   find_companions(out);
   out->matches.clear();

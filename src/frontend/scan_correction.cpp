@@ -17,13 +17,11 @@ void ScanCorrection::reset() {
 const DetectionList& ScanCorrection::correct(const DetectionList& received, const Estimate& x,
                                              const Matrix3d& velocity_covariance) {
   corrected_ = received;
-  if (!x.radar_errors.isZero(0.0)) {
-    for (Detection& d : corrected_.items) d = correct_detection(d, x.radar_errors);
-  }
+  for (Detection& d : corrected_.items) d.range_rate /= 1.0 + x.doppler_scale;
   own_.clear();
   if (!use_own_echoes_) return corrected_;
   own_echoes_[received.radar].observe(corrected_, radar_velocity(x), velocity_covariance, &own_,
-                                      1.0 + x.radar_errors[RadarErrors::kDopplerScale]);
+                                      1.0 + x.doppler_scale);
   for (std::size_t i = own_.size(); i-- > 0;) {
     corrected_.items.erase(corrected_.items.begin() + static_cast<std::ptrdiff_t>(own_[i]));
   }

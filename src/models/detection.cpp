@@ -49,19 +49,6 @@ Detection make_detection(const RadarDetection& raw, const RadarOptions& o) {
   return d;
 }
 
-Detection correct_detection(const Detection& received, const RadarErrors::Value& errors) {
-  Detection d = received;
-  const double sine = std::sin(errors[RadarErrors::kElevation]);
-  const double cosine = std::cos(errors[RadarErrors::kElevation]);
-  const double sigma = received.sigma_elevation_S.norm();
-  const Vector3d upwards = received.sigma_elevation_S / sigma;
-  d.direction_S = cosine * received.direction_S - sine * upwards;
-  d.sigma_elevation_S = sigma * (cosine * upwards + sine * received.direction_S);
-  d.point_S = d.range * d.direction_S;
-  d.range_rate = received.range_rate / (1.0 + errors[RadarErrors::kDopplerScale]);
-  return d;
-}
-
 std::uint64_t fingerprint(const DetectionList& scan) {
   std::uint64_t hash = 14695981039346656037U;  // FNV-1a, by words
   bool moves = false;

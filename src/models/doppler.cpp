@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/models/doppler.hpp"
 
-#include <cmath>
-
 namespace rio {
 
 namespace {
@@ -15,15 +13,8 @@ double variance_of(const DopplerModel::Measurement& z, const Vector3d& v_S) {
 }  // namespace
 
 DopplerModel::Measurement DopplerModel::measurement(const Detection& d, const Vector3d& gyro_B) {
-  return {d.range_rate,
-          d.sigma_doppler,
-          d.direction_S,
-          d.sigma_elevation_S.normalized(),
-          direction_covariance(d),
-          gyro_B,
-          0.0,
-          1.0,
-          {}};
+  return {
+      d.range_rate, d.sigma_doppler, d.direction_S, direction_covariance(d), gyro_B, 0.0, 1.0, {}};
 }
 
 DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measurement& z,
@@ -41,21 +32,17 @@ DopplerModel::ExpectedDirection DopplerModel::expected_direction(const Measureme
 }
 
 bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
-                            const Vector3d& gyro_bias, const RigidPose& T_BS,
-                            const RadarErrors::Value& errors, ResidualOf<kDim>& r,
-                            JacobianOf<kDim, Blocks::kDof>* J,
+                            const Vector3d& gyro_bias, const RigidPose& T_BS, double scale_error,
+                            ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
                             JacobianOf<kDim, kDim>& R) const noexcept {
   const Vector3d w = z.gyro_B - gyro_bias;
   const Vector3d v_B = T_WB.R.transpose() * v_WB;
   const Vector3d radar_v_B = v_B + w.cross(T_BS.p);
   const Vector3d v_S = T_BS.R.transpose() * radar_v_B;
-  const double sine = std::sin(errors[RadarErrors::kElevation]);
-  const double cosine = std::cos(errors[RadarErrors::kElevation]);
-  const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
+  const double scale = 1.0 + scale_error;
   const bool corrected = directions_ >= DopplerDirections::kCorrected;
   const double length = corrected ? 1.0 + 0.5 * z.direction_cov.trace() : 1.0;  // (E5)
-  Vector3d u = length * (cosine * z.direction_S - sine * z.upwards_S);
-  const Vector3d upwards = length * (cosine * z.upwards_S + sine * z.direction_S);
+  Vector3d u = length * z.direction_S;
   r[0] = z.range_rate + scale * u.dot(v_S);  // (E1)
   if (corrected) {
     const ExpectedDirection expected = expected_direction(z, u, scale * v_S);
@@ -78,8 +65,7 @@ bool DopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB, const V
   const Vector3d steady_w = w + z.steady.rate_B;
   J->block<1, 3>(0, Blocks::column<Extrinsics>()) = steady_v_S.cross(scaled_u).transpose();
   J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) = steady_w.cross(a).transpose();
-  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(steady_v_S),
-      scale * upwards.dot(steady_v_S);
+  (*J)(0, Blocks::column<DopplerScale>()) = -u.dot(steady_v_S);
   return true;
 }
 

@@ -9,8 +9,7 @@ LandmarkPointModel::RangeCurvature LandmarkPointModel::range_curvature(double ra
 }
 
 bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
-                                  const RigidPose& T_BS, const RadarErrors::Value& errors,
-                                  const Vector3d& p_WL, ResidualOf<kDim>& r,
+                                  const RigidPose& T_BS, const Vector3d& p_WL, ResidualOf<kDim>& r,
                                   JacobianOf<kDim, Blocks::kDof>* J,
                                   JacobianOf<kDim, kDim>& R) const noexcept {
   const ObservedPoint point(T_WB, T_BS, p_WL);
@@ -21,7 +20,7 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const double sigma_el = z.sigma_elevation_S.norm();
   const Vector3d t_az = z.sigma_azimuth_S / sigma_az;
   const Vector3d t_el = z.sigma_elevation_S / sigma_el;
-  r << z.range - h, -t_az.dot(u), -t_el.dot(u) - errors[RadarErrors::kElevation];  // (E1) (E2)
+  r << z.range - h, -t_az.dot(u), -t_el.dot(u);  // (E1) (E2)
   R.setZero();
   R.diagonal() << z.sigma_range * z.sigma_range, sigma_az * sigma_az, sigma_el * sigma_el;
   if (J == nullptr) return true;
@@ -33,16 +32,14 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Eigen::Matrix<double, 3, ObservedPoint::Blocks::kDof> d = D * point.d_e;
   J->block<3, 6>(0, Blocks::column<BodyPose>()) = ObservedPoint::by_body(d);
   J->block<3, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d);
-  J->block<3, 2>(0, Blocks::column<RadarErrors>()) << 0.0, 0.0, 0.0, 0.0, 0.0, 1.0;
   J->block<3, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d);
   return true;
 }
 
 bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
                                     const Vector3d& v_WB, const Vector3d& gyro_bias,
-                                    const RigidPose& T_BS, const RadarErrors::Value& errors,
-                                    const Vector3d& p_WL, ResidualOf<kDim>& r,
-                                    JacobianOf<kDim, Blocks::kDof>* J,
+                                    const RigidPose& T_BS, double scale_error, const Vector3d& p_WL,
+                                    ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
                                     JacobianOf<kDim, kDim>& R) const noexcept {
   const ObservedPoint point(T_WB, T_BS, p_WL);
   const double h = point.e_S.norm();
@@ -52,7 +49,7 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Vector3d v_B = T_WB.R.transpose() * v_WB;
   const Vector3d radar_v_B = v_B + w.cross(T_BS.p);
   const Vector3d v_S = T_BS.R.transpose() * radar_v_B;
-  const double scale = 1.0 + errors[RadarErrors::kDopplerScale];
+  const double scale = 1.0 + scale_error;
   r[0] = z.range_rate + scale * u.dot(v_S);  // (E3)
   R(0, 0) = z.sigma_doppler * z.sigma_doppler;
   if (J == nullptr) return true;
@@ -71,7 +68,7 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Vector3d steady_w = w + z.steady.rate_B;
   J->block<1, 3>(0, Blocks::column<Extrinsics>()) += steady_v_S.cross(scaled_u).transpose();
   J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += steady_w.cross(a).transpose();
-  J->block<1, 2>(0, Blocks::column<RadarErrors>()) << -u.dot(steady_v_S), 0.0;
+  (*J)(0, Blocks::column<DopplerScale>()) = -u.dot(steady_v_S);
   J->block<1, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d_h);
   return true;
 }

@@ -145,8 +145,8 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
       xi_.segment<3>(at) = quaternion_log(then.T_BS.rotation.conjugate() * now.T_BS.rotation);
       xi_.segment<3>(at + 3) = now.T_BS.translation - then.T_BS.translation;
     }
-    if (layout.has_radar_errors()) {
-      xi_.segment<2>(border(layout.radar_errors())) = now.errors - then.errors;
+    if (layout.has_doppler_scale()) {
+      xi_[border(layout.doppler_scale())] = now.doppler_scale - then.doppler_scale;
     }
     if (layout.has_time_offset()) {
       xi_[border(layout.time_offset())] = now.time_offset - then.time_offset;

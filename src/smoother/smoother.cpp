@@ -142,7 +142,7 @@ void Smoother::take(const Observations& seen, const ScanRows& rows) {
   WindowState& state = window_.newest();
   WindowState::Scanned& scanned = state.scanned[estimate().radar];
   if (seen.scan != nullptr && !scanned.here) {
-    scanned = {true, estimate().time_offset, estimate().radar_errors};
+    scanned = {true, estimate().time_offset, estimate().doppler_scale};
     // a second radar's scan at nearly the same time was measured slightly later than the state
     const double offset = to_seconds(seen.scan->time - state.nav.time);
     if (state_estimate_.layout().radars() > 1) scanned.time_offset = offset;

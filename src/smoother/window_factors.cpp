@@ -129,7 +129,7 @@ LinearizationPoint WindowFactors::point(const WindowState& state, std::size_t r,
   const RadarState now = estimate.of_radar(r);
   const WindowState::Scanned& scanned = state.scanned[r];
   x.T_BS = RigidPose(now.T_BS);
-  x.radar_errors = now.errors - scanned.radar_errors;
+  x.doppler_scale = now.doppler_scale - scanned.doppler_scale;
   const double later = now.time_offset - scanned.time_offset;
   if (state.at_rest()) {
     x.stand();

@@ -4,7 +4,7 @@
 namespace rio {
 
 RadarState Estimate::of_radar(std::size_t r) const {
-  return r == radar ? RadarState{T_BS, radar_errors, time_offset} : others[r];
+  return r == radar ? RadarState{T_BS, doppler_scale, time_offset} : others[r];
 }
 
 void Estimate::set_radar(std::size_t r, const RadarState& state) {
@@ -13,7 +13,7 @@ void Estimate::set_radar(std::size_t r, const RadarState& state) {
     return;
   }
   T_BS = state.T_BS;
-  radar_errors = state.errors;
+  doppler_scale = state.doppler_scale;
   time_offset = state.time_offset;
 }
 

@@ -21,11 +21,8 @@ ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& c
       calibrate(own.extrinsics(), 3, calibration.rotation_sigma, usual.rotation_sigma);
       calibrate(own.extrinsics() + 3, 3, calibration.translation_sigma, usual.translation_sigma);
     }
-    if (own.has_radar_errors()) {
-      calibrate(own.radar_errors() + RadarErrors::kDopplerScale, 1, calibration.doppler_scale_sigma,
-                usual.doppler_scale_sigma);
-      calibrate(own.radar_errors() + RadarErrors::kElevation, 1, calibration.elevation_bias_sigma,
-                usual.elevation_bias_sigma);
+    if (own.has_doppler_scale()) {
+      calibrate(own.doppler_scale(), 1, calibration.doppler_scale_sigma, usual.doppler_scale_sigma);
     }
     if (own.has_time_offset()) {
       calibrate(own.time_offset(), 1, calibration.time_offset_sigma, usual.time_offset_sigma);

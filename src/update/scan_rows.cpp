@@ -9,17 +9,13 @@ namespace rio {
 
 namespace {
 
-/// The coefficients c of a Doppler's row in the four rows of StateEstimate::doppler_covariance: the
-/// row is -R_WS c_0..2 in the velocity, axes W, and c_3 in the elevation error.
-Eigen::Vector4d doppler_combination(const LinearRow& row, const Matrix3d& R_WS,
-                                    const Layout& layout) {
-  Eigen::Vector4d c = Eigen::Vector4d::Zero();
-  const int errors = layout.has_radar_errors() ? layout.radar_errors() : -1;
-  row.for_each_segment([&](int column, const double* h, int) {
-    if (column == body::kVelocity) c.head<3>() = -R_WS.transpose() * Eigen::Map<const Vector3d>(h);
-    if (column == errors) c[3] = h[RadarErrors::kElevation];
+/// The direction along which a Doppler's row measures the velocity, radar axes.
+Vector3d direction_of(const LinearRow& doppler, const Matrix3d& R_WS) {
+  Vector3d u_S = Vector3d::Zero();
+  doppler.for_each_segment([&](int column, const double* h, int) {
+    if (column == body::kVelocity) u_S = -R_WS.transpose() * Eigen::Map<const Vector3d>(h);
   });
-  return c;
+  return u_S;
 }
 
 }  // namespace
@@ -75,9 +71,8 @@ void ScanRows::begin_scan(const Observations& seen, const StateEstimate& state_e
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (!options_.use_doppler) return;
-  doppler_covariance_ = state_estimate.doppler_covariance(x);
-  correction_S_ =
-      expected_correction(seen.ego_velocity, x, doppler_covariance_.topLeftCorner<3, 3>());
+  velocity_covariance_ = state_estimate.radar_velocity_covariance(x);
+  correction_S_ = expected_correction(seen.ego_velocity, x, velocity_covariance_);
 }
 
 void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
@@ -99,7 +94,7 @@ Vector3d ScanRows::expected_correction(const EgoVelocity& measured, const Linear
 void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_estimate,
                            const LinearizationPoint& x, UpdateReport* report) {
   const Vector3d v_S = x.radar_velocity_S();
-  const Eigen::Matrix4d& V = doppler_covariance_;
+  const Matrix3d& V = velocity_covariance_;
   const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
   const SteadyOffset steady = x.steady_offset();
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
@@ -108,9 +103,7 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
                              x.estimate.radar};
     m.z.steady = steady;
     if (options_.doppler_directions == DopplerDirections::kCorrected) {
-      Eigen::Vector4d c;
-      c << m.z.direction_S, m.z.upwards_S.dot(v_S + steady.velocity_S);
-      m.z.predicted_var = c.dot(V * c);
+      m.z.predicted_var = m.z.direction_S.dot(V * m.z.direction_S);
       const auto expected = DopplerModel::expected_direction(m.z, m.z.direction_S, v_S);
       m.z.variance_factor = expected.variance_factor;
     }
@@ -119,8 +112,8 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
                                  state_estimate.layout(), &batch_);
     if (valid) {
       const LinearRow& row = batch_.rows().back();
-      const Eigen::Vector4d c = doppler_combination(row, R_WS, state_estimate.layout());
-      S_.setConstant(1, 1, c.dot(V * c) + row.variance);
+      const Vector3d u_S = direction_of(row, R_WS);
+      S_.setConstant(1, 1, u_S.dot(V * u_S) + row.variance);
     }
     if (!judge(DopplerModel::kModel, i, valid, report)) continue;
     m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
@@ -200,21 +193,19 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
   const bool valid = models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
     return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(), &batch_);
   });
+  Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   if (valid) {
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
     if constexpr (std::is_same_v<M, LandmarkPointModel>) {
       if (ablation_.range_curvature) add_curvature(&m.z);
+      innovation = direction_innovation();  // now, since the gate overwrites S_
     }
-  }
-  Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
-  if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-    if (valid) innovation = direction_innovation();  // the gate overwrites S_
   }
   if (!judge(M::kModel, detection, valid, report)) return false;
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
     add_look(innovation, &m, x);
-    if (m.doppler && ablation_.mismatch_doppler)
-      add_mismatch(&m, x);  // of directions with that noise
+    // of directions with that noise
+    if (m.doppler && ablation_.mismatch_doppler) add_mismatch(&m, x);
   }
   const double repeated = repetition(x.estimate.landmarks[m.landmark].distance_seen, x);
   keep(m, repeated * mismatch_factor(options_.match_trust));

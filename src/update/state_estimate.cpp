@@ -19,12 +19,11 @@ LinearRow doppler_row(const Vector3d& direction_S, const LinearizationPoint& x,
                       const Layout& layout) {
   DopplerModel::Measurement z;
   z.direction_S = direction_S;
-  z.upwards_S.setZero();
   z.gyro_B = x.gyro_B;
   z.steady = x.steady_offset();
   Evaluation<DopplerModel> e;
   DopplerModel(DopplerDirections::kExact)
-      .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.radar_errors, e.r, &e.J, e.R);
+      .evaluate(z, x.T_WB, x.v_WB, x.gyro_bias, x.T_BS, x.doppler_scale, e.r, &e.J, e.R);
   return state_rows<1>(e.J, DopplerModel::Blocks{}, x, {}, layout)[0];
 }
 
@@ -44,8 +43,7 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_.auxiliary = options_.auxiliary.initial();
   for (std::size_t r = 0; r < options_.radars(); ++r) {
     const RadarMount configured = options_.mount(r);
-    estimate_.set_radar(r,
-                        {configured.T_BS, {configured.doppler_scale, 0.0}, configured.time_offset});
+    estimate_.set_radar(r, {configured.T_BS, configured.doppler_scale, configured.time_offset});
   }
   layout_ = layout_.of_radar(0);
   restart_steady_motion(prior.q_WB.conjugate() * prior.v_WB);
@@ -122,33 +120,25 @@ Eigen::Matrix4d StateEstimate::velocity_calibration() const {
   if (layout_.has_extrinsics()) {
     P.topLeftCorner<3, 3>() = all.block<3, 3>(layout_.extrinsics(), layout_.extrinsics());
   }
-  if (layout_.has_radar_errors()) {
-    const int scale = layout_.radar_errors() + RadarErrors::kDopplerScale;
-    P(3, 3) = all(scale, scale);
+  if (layout_.has_doppler_scale()) {
+    P(3, 3) = all(layout_.doppler_scale(), layout_.doppler_scale());
   }
   return P;
 }
 
-Eigen::Matrix4d StateEstimate::doppler_covariance(const LinearizationPoint& x) const {
-  std::array<LinearRow, 4> rows;
+Matrix3d StateEstimate::radar_velocity_covariance(const LinearizationPoint& x) const {
+  std::array<LinearRow, 3> rows;
   for (int i = 0; i < 3; ++i) {  // a Doppler along an axis is a component of the velocity
     rows[static_cast<std::size_t>(i)] = doppler_row(Vector3d::Unit(i), x, layout_);
   }
-  if (layout_.has_radar_errors()) {
-    rows[3].segments[0] = {layout_.radar_errors() + RadarErrors::kElevation, 1};
-    rows[3].segment_count = 1;
-    rows[3].h[0] = 1.0;
-  }
   GatheredCovariance gathered;
   gathered.begin(covariance_);
-  Eigen::Matrix4d V = gathered.product(rows);
   const Matrix3d lever = x.T_BS.R.transpose() * skew(x.T_BS.p);
-  V.topLeftCorner<3, 3>() += x.estimate.gyro_variance * lever * lever.transpose();
-  return V;
+  return gathered.product(rows) + x.estimate.gyro_variance * lever * lever.transpose();
 }
 
 Matrix3d StateEstimate::radar_velocity_covariance() const {
-  return doppler_covariance(LinearizationPoint(estimate_)).topLeftCorner<3, 3>();
+  return radar_velocity_covariance(LinearizationPoint(estimate_));
 }
 
 void StateEstimate::clone(ScanId scan) {
@@ -292,12 +282,9 @@ void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx
     x.T_BS = {(configured.T_BS.rotation * quaternion_exp(turn)).normalized(),
               configured.T_BS.translation + shift};
   }
-  if (layout.has_radar_errors()) {
-    x.errors += dx.segment<2>(layout.radar_errors());
-    double& scale = x.errors[RadarErrors::kDopplerScale];
-    double& elevation = x.errors[RadarErrors::kElevation];
-    scale = limited(scale, priors.doppler_scale_sigma, configured.doppler_scale);
-    elevation = limited(elevation, priors.elevation_bias_sigma);
+  if (layout.has_doppler_scale()) {
+    x.doppler_scale = limited(x.doppler_scale + dx[layout.doppler_scale()],
+                              priors.doppler_scale_sigma, configured.doppler_scale);
   }
   if (layout.has_time_offset()) {
     x.time_offset = limited(x.time_offset + dx[layout.time_offset()], priors.time_offset_sigma,

@@ -28,7 +28,6 @@ inline constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationName
      {"radar_position_y", "cm", 100.0, kMounting},
      {"radar_position_z", "cm", 100.0, kMounting},
      {"doppler_scale", "%", 100.0, "the unit and the grid of the Doppler"},
-     {"elevation_bias", "deg", kDegrees, "the elevation of the points, the tilt in T_BS"},
      {"time_offset", "ms", 1000.0, "the stamps of the scans: the middle of the chirps?"}}};
 
 /// Of radar r: "radar_rotation_x" is "radar1_rotation_x", "time_offset" is "radar1_time_offset".

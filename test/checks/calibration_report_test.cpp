@@ -51,8 +51,7 @@ class CalibrationOfAnEstimate : public testing::Test {
     options_.calibration = {.rotation_sigma = 0.05,
                             .translation_sigma = 0.03,
                             .time_offset_sigma = 0.04,
-                            .doppler_scale_sigma = 0.02,
-                            .elevation_bias_sigma = 0.06};
+                            .doppler_scale_sigma = 0.02};
   }
   /// A state estimate that has been corrected by `step` times 1, 2, ... in the parameters as laid
   /// out.
@@ -73,7 +72,7 @@ class CalibrationOfAnEstimate : public testing::Test {
   Options options_;
 };
 
-constexpr std::array kPriors = {0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.02, 0.06, 0.04};
+constexpr std::array kPriors = {0.05, 0.05, 0.05, 0.03, 0.03, 0.03, 0.02, 0.04};
 
 TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
   StateEstimate state_estimate = corrected(1e-3);
@@ -89,7 +88,7 @@ TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
     EXPECT_NEAR(all[i].sigma, 0.1 * rank * kPriors[i], 1e-15) << i;
     EXPECT_EQ(all[i].prior_sigma, kPriors[i]) << i;
     const Observability expected = i < 4 ? Observability::kObserved : Observability::kWeak;
-    if (i != 4 && i != 8) {  // half and nine tenths are the bounds themselves
+    if (i != 4) {  // half is the bound itself
       EXPECT_EQ(all[i].observability, expected) << i;
     }
   }
@@ -109,11 +108,10 @@ TEST_F(CalibrationOfAnEstimate, CountsFromTheConfiguredValue) {
   options_.radar.time_offset = -0.3;
   options_.radar.doppler_scale = 0.15;
   StateEstimate state_estimate = corrected(1e-3);
-  EXPECT_NEAR(state_estimate.estimate().time_offset, -0.3 + 9e-3, 1e-12);
-  EXPECT_NEAR(state_estimate.estimate().radar_errors[RadarErrors::kDopplerScale], 0.15 + 7e-3,
-              1e-12);
+  EXPECT_NEAR(state_estimate.estimate().time_offset, -0.3 + 8e-3, 1e-12);
+  EXPECT_NEAR(state_estimate.estimate().doppler_scale, 0.15 + 7e-3, 1e-12);
   const auto all = report(state_estimate);
-  EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kTimeOffset)].value, 9e-3, 1e-12);
+  EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kTimeOffset)].value, 8e-3, 1e-12);
   EXPECT_NEAR(all[static_cast<std::size_t>(Calibration::kDopplerScale)].value, 7e-3, 1e-12);
 }
 
@@ -139,11 +137,10 @@ TEST_F(CalibrationOfAnEstimate, WhatHasNoPriorIsNotReported) {
   options_.calibration = {.rotation_sigma = 0.05,
                           .translation_sigma = 0.0,
                           .time_offset_sigma = 0.0,
-                          .doppler_scale_sigma = 0.0,
-                          .elevation_bias_sigma = 0.06};
+                          .doppler_scale_sigma = 0.02};
   const auto all = report(corrected(1e-3));
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const bool estimated = i < 3 || i == static_cast<std::size_t>(Calibration::kElevationBias);
+    const bool estimated = i < 3 || i == static_cast<std::size_t>(Calibration::kDopplerScale);
     EXPECT_EQ(all[i].observability != Observability::kNotEstimated, estimated) << i;
     EXPECT_EQ(all[i].sigma > 0.0, estimated) << i;
     EXPECT_EQ(all[i].value != 0.0, estimated) << i;

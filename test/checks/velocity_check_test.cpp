@@ -238,7 +238,7 @@ TEST_F(VelocityCheckTest, FoldsWhereTheDividedRangeRatesDo) {
     const Time last = vehicle_->truth.time;
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
-    x.radar_errors[RadarErrors::kDopplerScale] = kScale;
+    x.doppler_scale = kScale;
     check_->carry(x, last, vehicle_->imu(), false);
     EXPECT_FALSE(check_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002)) << i;
     EXPECT_EQ(check_->contradiction(), 0.0) << i;

@@ -87,12 +87,12 @@ TEST_F(RowCompressionTest, OtherBlocksStayAndDivideTheRuns) {
 class SharedRateNoise : public RowCompressionTest {
  protected:
   static constexpr double kRateVariance = 0.3;
-  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors>;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, DopplerScale>;
 
   LinearRow row_of(const MatrixXd& h) {
     LinearRow row = linear_rows<1>(Eigen::Matrix<double, 1, Blocks::kDof>(h), Blocks{},
                                    {body::kAttitude, body::kVelocity, body::kGyroBias,
-                                    layout_.extrinsics(), layout_.radar_errors()},
+                                    layout_.extrinsics(), layout_.doppler_scale()},
                                    random_matrix(random_, 1, 1), -1)[0];
     row.residual = random_.normal();
     row.variance = 0.01 + random_.uniform();
@@ -160,7 +160,7 @@ class SharedRateNoise : public RowCompressionTest {
 };
 
 TEST_F(SharedRateNoise, IsThatOfTheDenseCovariance) {
-  for (const int rank : {1, 2, 3, 4}) {
+  for (const int rank : {1, 2, 3}) {
     batch_.clear();
     push_dopplers(18, rank);
     (void)expect_shared(static_cast<std::size_t>(rank));
@@ -168,12 +168,12 @@ TEST_F(SharedRateNoise, IsThatOfTheDenseCovariance) {
 }
 
 TEST_F(SharedRateNoise, OfFewRowsToo) {
-  for (const int rows : {1, 2, 3, 4}) {
+  for (const int rows : {1, 2, 3}) {
     batch_.clear();
     push_dopplers(rows, rows);
     (void)expect_shared(static_cast<std::size_t>(rows));
     EXPECT_GT((information(batch_) - expected_information()).norm(),
-              0.01 * expected_information().norm());
+              1e-3 * expected_information().norm());  // a million times the tolerance
   }
 }
 

@@ -237,11 +237,11 @@ TEST(DopplerFold, TheFoldIsScaledWithTheRates) {
   options.update.use_trails = options.update.use_landmarks = false;
   Estimate x;
   x.nav.v_WB = Vector3d(3.5, 1.0, 0.3);
-  x.radar_errors[RadarErrors::kDopplerScale] = kScale - 1.0;
+  x.doppler_scale = kScale - 1.0;
   RadarOptions radar = folding_radar();
   radar.sigma_azimuth = radar.sigma_elevation = 1e-4;
   DetectionList scan = folded_scan(random, 30, kScale * x.nav.v_WB, radar);  // as received
-  for (Detection& d : scan.items) d = correct_detection(d, x.radar_errors);
+  for (Detection& d : scan.items) d.range_rate /= kScale;
   Observations seen;
   Frontend frontend(options);
   frontend.observe(scan, x, &seen, 0.01 * Matrix3d::Identity());

@@ -142,37 +142,5 @@ TEST(DopplerScale, IsFoundWithinThreeThousandths) {
   }
 }
 
-// An elevation bias looks like a pitch of the mounting, which at the azimuth a raises by cos(a) of
-// itself: their sum is found, weighted with the mean of the cosine. The parts are not, and the path
-// does not suffer.
-TEST(ElevationBias, IsFoundTogetherWithTheMounting) {
-  constexpr double kBias = 0.035;  // two degrees
-  constexpr double kCosine =
-      0.89;  // of azimuths within 60 degrees, more of them ahead: 0.83 if even
-  const auto fly_biased = [](std::uint64_t seed, double bias) {
-    return fly_one(
-        seed, 60.0, [bias](sim::Scenario& s) { s.radar.elevation_bias = bias; },
-        [](Options& o) { o.calibration.elevation_bias_sigma = 0.03; });
-  };
-  double without = 0.0;
-  double with = 0.0;
-  for (const std::uint64_t seed : {401U, 402U, 403U, 404U}) {
-    const Result straight = fly_biased(seed, 0.0);
-    const Result tilted = fly_biased(seed, kBias);
-    without += straight.score.drift;
-    with += tilted.score.drift;
-    EXPECT_FALSE(tilted.score.lost) << seed;
-    const double sum = tilted.of(Calibration::kElevationBias).value +
-                       kCosine * tilted.of(Calibration::kRotationY).value;
-    EXPECT_NEAR(sum, kBias, 0.003) << seed;  // the sigma of the parts; they are off by up to 0.09
-    // the bias is what the flights differ by
-    EXPECT_NEAR(tilted.of(Calibration::kElevationBias).value -
-                    straight.of(Calibration::kElevationBias).value,
-                kBias, 0.006)
-        << seed;
-  }
-  EXPECT_LT(with, 1.3 * without);  // measured: 0.9 to 1.0
-}
-
 }  // namespace
 }  // namespace rio::experiment

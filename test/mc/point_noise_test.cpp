@@ -107,9 +107,8 @@ TEST(PointNoise, DopplerVarianceIsThatOfTheResidualInEveryDirection) {
       const auto evaluate_at = [&](const RadarDetection& d) {
         const auto z = DopplerModel::measurement(make_detection(d, radar()), Vector3d::Zero());
         Evaluation<DopplerModel> result;
-        EXPECT_TRUE(evaluate(
-            model, z, {RigidPose(), v_S, Vector3d::Zero(), RigidPose(), RadarErrors::Value::Zero()},
-            &result, false));
+        EXPECT_TRUE(evaluate(model, z, {RigidPose(), v_S, Vector3d::Zero(), RigidPose(), 0.0},
+                             &result, false));
         return result;
       };
       Random random(52);

@@ -74,7 +74,7 @@ Vector3d solve_velocity(bool correction, double sigma_elevation) {
           correction ? DopplerModel::expected_direction(z, z.direction_S, v).variance_factor : 1.0;
       Evaluation<DopplerModel> at;
       EXPECT_TRUE(
-          evaluate(model, z, {RigidPose(), v, Vector3d::Zero(), RigidPose(), kNoErrors}, &at));
+          evaluate(model, z, {RigidPose(), v, Vector3d::Zero(), RigidPose(), kNoScaleError}, &at));
       const Vector3d J = at.J.segment<3>(DopplerModel::Blocks::column<BodyVelocity>());
       A += J * J.transpose() / at.R(0, 0);
       b += J * at.r[0] / at.R(0, 0);
@@ -98,8 +98,8 @@ TEST(DopplerModel, ReceedingIsPositive) {
   z.sigma_doppler = 0.03;
   Evaluation<DopplerModel> at;
   const Vector3d backwards(-1.0, 0.0, 0.0);  // away from a point ahead
-  ASSERT_TRUE(
-      evaluate(model, z, {RigidPose(), backwards, Vector3d::Zero(), RigidPose(), kNoErrors}, &at));
+  ASSERT_TRUE(evaluate(
+      model, z, {RigidPose(), backwards, Vector3d::Zero(), RigidPose(), kNoScaleError}, &at));
   EXPECT_DOUBLE_EQ(at.r[0], -1.0);  // measured 0, predicted +1
 }
 
@@ -110,7 +110,7 @@ TEST(DopplerModel, PredictedVarianceTempersTheCorrection) {
   z.sigma_doppler = 0.03;
   z.direction_cov = Matrix3d(Vector3d(0.0, 0.01, 0.01).asDiagonal());
   const DopplerModel::Blocks::Values x{RigidPose(), Vector3d(0.0, 0.0, 1.0), Vector3d::Zero(),
-                                       RigidPose(), kNoErrors};
+                                       RigidPose(), kNoScaleError};
   const auto tilt = [&](double predicted_var) {
     z.predicted_var = predicted_var;
     Evaluation<DopplerModel> at;
@@ -134,13 +134,11 @@ TEST(DopplerModel, CalibrationIsLinearisedAtTheSteadyMotion) {
   DopplerModel::Measurement z;
   z.sigma_doppler = 0.03;
   z.direction_S = Vector3d(0.8, 0.48, -0.36);
-  z.upwards_S = z.direction_S.cross(Vector3d::UnitY()).normalized();
   const auto at_motion = [&](const Vector3d& v_WB, const Vector3d& rate_B, SteadyOffset steady) {
     z.gyro_B = rate_B;
     z.steady = steady;
     Evaluation<DopplerModel> at;
-    EXPECT_TRUE(evaluate(
-        model, z, {T_WB, v_WB, Vector3d::Zero(), T_BS, RadarErrors::Value(0.01, 0.02)}, &at));
+    EXPECT_TRUE(evaluate(model, z, {T_WB, v_WB, Vector3d::Zero(), T_BS, 0.01}, &at));
     return at;
   };
   const auto predicted = at_motion(v, w, {});
@@ -149,7 +147,7 @@ TEST(DopplerModel, CalibrationIsLinearisedAtTheSteadyMotion) {
   EXPECT_EQ(both.r, predicted.r);
   EXPECT_EQ(both.R, predicted.R);
   constexpr int kFirst = DopplerModel::Blocks::column<Extrinsics>();
-  constexpr int kCount = Extrinsics::kDof + RadarErrors::kDof;
+  constexpr int kCount = Extrinsics::kDof + DopplerScale::kDof;
   const auto calibration = [](auto& at) { return at.J.template middleCols<kCount>(kFirst); };
   EXPECT_LT((calibration(both) - calibration(steady)).norm(), 1e-12);
   EXPECT_GT((calibration(both) - calibration(predicted)).norm(), 0.1);
@@ -177,7 +175,6 @@ void expect_turn_unobservable(const M& model, typename M::Measurement z,
     std::get<1>(values) = v;
     std::get<2>(values) = Vector3d::Zero();
     std::get<3>(values) = T_BS;
-    std::get<4>(values) = RadarErrors::Value::Zero();
     JacobianOf<1, M::Blocks::kDof> turn = JacobianOf<1, M::Blocks::kDof>::Zero();
     turn.template segment<3>(M::Blocks::template column<Extrinsics>()) = n.transpose();
     const Vector3d steady_S = R_WS.transpose() * v + noise_S;

@@ -44,8 +44,7 @@ Scene make_scene(Random& random, double scale, const Vector3d& sigmas) {
 template <class M>
 Evaluation<M> evaluate_at(const Scene& s) {
   Evaluation<M> at;
-  EXPECT_TRUE(M{}.evaluate(M::measurement(s.detection), s.T_WB, s.T_BS, RadarErrors::Value::Zero(),
-                           s.p_WL, at.r, &at.J, at.R));
+  EXPECT_TRUE(M{}.evaluate(M::measurement(s.detection), s.T_WB, s.T_BS, s.p_WL, at.r, &at.J, at.R));
   return at;
 }
 

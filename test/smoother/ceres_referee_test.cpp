@@ -104,7 +104,7 @@ class Referee {
     for (auto& landmark : landmarks_) shift(landmark);
     const Layout layout(options_.calibration, 0, 0);
     if (layout.has_extrinsics()) shift(mount_);
-    if (layout.has_radar_errors()) shift(errors_);
+    if (layout.has_doppler_scale()) shift(scale_);
     if (layout.has_time_offset()) shift(offset_);
     return solve();
   }
@@ -117,7 +117,7 @@ class Referee {
     for (std::size_t k = 1; k < states_.size(); ++k) take(states_[k]);
     for (const auto& landmark : landmarks_) take(landmark);
     take(mount_);
-    take(errors_);
+    take(scale_);
     return largest;
   }
   /// Of the newest state, at the solution of the smoother.
@@ -138,7 +138,7 @@ class Referee {
 
  private:
   ScanCost base(std::size_t k) const {
-    return {window_[k], x_.T_BS, x_.radar_errors, x_.time_offset};
+    return {window_[k], x_.T_BS, x_.doppler_scale, x_.time_offset};
   }
   /// @param loss owned from now on; null = none
   template <class Cost, class... Blocks>
@@ -168,7 +168,7 @@ class Referee {
       if (!estimated) problem_.SetParameterBlockConstant(block.data());
     };
     fix(mount_, layout.has_extrinsics());
-    fix(errors_, layout.has_radar_errors());
+    fix(scale_, layout.has_doppler_scale());
     fix(offset_, layout.has_time_offset());
   }
 
@@ -181,19 +181,19 @@ class Referee {
       if (m.landmark >= landmarks_.size()) continue;  // born by this scan, after the solution
       const Vector3d& l = x_.landmarks[m.landmark].p_W;
       add(PointCost{base(k), m.z, m.doppler, l}, m.doppler ? 4 : 3, m.weight, &state, &mount_,
-          &errors_, &offset_, &landmarks_[m.landmark]);
+          &scale_, &offset_, &landmarks_[m.landmark]);
     }
     for (const auto& m : seen.of<LandmarkDistanceModel>()) {
       add(RangeCost{base(k), m.z.range, options_.update.sigma_landmark_distance,
                     x_.landmarks[m.landmark].p_W},
-          1, m.weight, &state, &mount_, &errors_, &offset_, &landmarks_[m.landmark]);
+          1, m.weight, &state, &mount_, &scale_, &offset_, &landmarks_[m.landmark]);
     }
     for (const auto& m : seen.of<TrailDistanceModel>()) {
       const auto past = std::find_if(window_.begin(), window_.end(),
                                      [&m](const WindowState& w) { return w.scan == m.past; });
       if (past == window_.end()) continue;
       add(TrailCost{base(k), past->nav, m.z, options_.update.sigma_trail_distance}, 1, 1.0, &state,
-          &states_[static_cast<std::size_t>(past - window_.begin())], &mount_, &errors_, &offset_);
+          &states_[static_cast<std::size_t>(past - window_.begin())], &mount_, &scale_, &offset_);
     }
     for (const auto& m : seen.of<RestModel>()) add(RestCost{s.nav, m.z}, 6, 1.0, &state);
   }
@@ -204,14 +204,14 @@ class Referee {
     const bool corrected = options_.update.doppler_directions >= DopplerDirections::kCorrected;
     if (corrected) cost.length = 1.0 + 0.5 * m.z.direction_cov.trace();
     const auto radar =
-        cost.base.radar(states_[k].data(), mount_.data(), errors_.data(), offset_.data());
+        cost.base.radar(states_[k].data(), mount_.data(), scale_.data(), offset_.data());
     double r = 0.0;
-    cost(states_[k].data(), mount_.data(), errors_.data(), offset_.data(), &r);
+    cost(states_[k].data(), mount_.data(), scale_.data(), offset_.data(), &r);
     r *= std::sqrt(m.z.variance_factor);
     uncorrected_ = uncorrected_ || (corrected && std::abs(r) > 2.999);
     // without the correction the Jacobian leaves the change of the variance out
     if (!corrected) cost.frozen_variance = cost.variance(radar.scale * radar.v_S);
-    add(cost, 1, m.weight, &states_[k], &mount_, &errors_, &offset_);
+    add(cost, 1, m.weight, &states_[k], &mount_, &scale_, &offset_);
   }
 
   void add_prior() {
@@ -233,13 +233,13 @@ class Referee {
     }
     cost.made_T_BS = before_.estimate.T_BS;
     cost.now_T_BS = x_.T_BS;
-    cost.made_errors << before_.estimate.radar_errors, before_.estimate.time_offset;
-    cost.now_errors << x_.radar_errors, x_.time_offset;
+    cost.made_errors << before_.estimate.doppler_scale, before_.estimate.time_offset;
+    cost.now_errors << x_.doppler_scale, x_.time_offset;
     add_block(mount_);
-    add_block(errors_);
+    add_block(scale_);
     add_block(offset_);
     cost.extrinsics = layout.has_extrinsics();
-    cost.radar_errors = layout.has_radar_errors();
+    cost.doppler_scale = layout.has_doppler_scale();
     cost.time_offset = layout.has_time_offset();
     for (std::size_t i = 0; i < known; ++i) {
       cost.made_landmarks.push_back(before_.estimate.landmarks[i].p_W);
@@ -258,7 +258,7 @@ class Referee {
     for (double* block : blocks) {
       if (block == states_[0].data()) continue;
       if (block == mount_.data() && !layout.has_extrinsics()) continue;
-      if (block == errors_.data() && !layout.has_radar_errors()) continue;
+      if (block == scale_.data() && !layout.has_doppler_scale()) continue;
       if (block == offset_.data() && !layout.has_time_offset()) continue;
       if (held) {
         problem_.SetParameterBlockConstant(block);
@@ -289,7 +289,7 @@ class Referee {
   std::vector<std::array<double, 15>> states_;
   std::vector<std::array<double, 3>> landmarks_;
   std::array<double, 6> mount_{};
-  std::array<double, 2> errors_{};
+  std::array<double, 1> scale_{};
   std::array<double, 1> offset_{};
   bool uncorrected_ = false;
   ceres::Problem problem_;

@@ -21,7 +21,7 @@ constexpr int kLeading = 2;
 constexpr int kLandmarks = 4;  // of the window; the prior knows the first three
 constexpr int kKnown = 3;
 
-constexpr int kCalibration = 9;
+constexpr int kCalibration = 8;
 
 CalibrationOptions calibration() {
   return {0.05, 0.03, 0.02, 0.02, 0.03};
@@ -57,8 +57,8 @@ struct Point {
     int at = body::kSize * kStates;
     out.x.T_BS.rotation = x.T_BS.rotation * rotation_of(e.segment<3>(at));
     out.x.T_BS.translation += e.segment<3>(at + 3);
-    out.x.radar_errors += e.segment<2>(at + 6);
-    out.x.time_offset += e[at + 8];
+    out.x.doppler_scale += e[at + 6];
+    out.x.time_offset += e[at + 7];
     at += kCalibration;
     for (LandmarkState& l : out.x.landmarks) {
       l.p_W += e.segment<3>(at);
@@ -90,7 +90,7 @@ class PriorTest : public testing::Test {
   PriorTest() {
     for (int s = 0; s < kStates; ++s) made_.window.push().nav = random_.state();
     made_.x.T_BS = {random_.rotation(), random_.normal_vector()};
-    made_.x.radar_errors << 0.01, -0.02;
+    made_.x.doppler_scale = 0.01;
     made_.x.time_offset = 0.01;
     for (int i = 0; i < kKnown; ++i) made_.x.landmarks.push_back({random_.normal_vector(5.0)});
   }
@@ -284,10 +284,10 @@ TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
   expect_near(prior.g(), expected * mean, 1e-9 * largest(before.g));
 }
 
-// Two of the nine are constant.
+// Two of them are constant.
 TEST_F(PriorTest, ParametersThatWalkLoseInformation) {
   VectorXd walk = VectorXd::LinSpaced(kCalibration, 0.1, 0.9);
-  walk[3] = walk[8] = 0.0;
+  walk[3] = walk[7] = 0.0;
   Prior prior = made_of(random_information(), random_vector(kSize));
   const Dense before = dense(prior);
   prior.add_parameter_noise(walk, 0.5);

@@ -130,7 +130,7 @@ TEST_F(ScanInformationTest, IsThatOfTheCompressedRowsOfTheFilter) {
   const VectorXd g = system_.g();
   RowCompression compression(kPoints);
   const RowBatch& compressed = compression.compress(rows(), kRateVariance);
-  EXPECT_EQ(compressed.rows().size(), 4U);
+  EXPECT_EQ(compressed.rows().size(), 3U);
   system_.clear(1, 12);
   for (const LinearRow& row : compressed.rows()) system_.add(row);
   EXPECT_LT((H() - window).cwiseAbs().maxCoeff(), 1e-9 * window.cwiseAbs().maxCoeff());

@@ -340,8 +340,9 @@ TEST_F(BlindSmootherTest, AnotherVelocityBeginsANewWindow) {
   Eigen::MatrixXd M = Eigen::MatrixXd::Identity(P.rows(), P.cols());
   const Matrix3d R = nav.q_WB.toRotationMatrix();
   M.topLeftCorner<3, 3>() = R;
-  M.block<3, 3>(body::kPosition, 0) = skew(nav.p_WB) * R;
-  M.block<3, 3>(body::kVelocity, 0) = skew(nav.v_WB) * R;
+  const Matrix3d heading = Vector3d::UnitZ() * R.row(2);
+  M.block<3, 3>(body::kPosition, 0) = skew(nav.p_WB) * heading;
+  M.block<3, 3>(body::kVelocity, 0) = skew(nav.v_WB) * heading;
   const Eigen::MatrixXd product = smoother_.prior().A() * M * P * M.transpose();
   // it adds 1e-5 squared to every variance; the least one is that of the gyroscope's bias
   const double least = P.diagonal().minCoeff();

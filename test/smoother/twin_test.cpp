@@ -14,7 +14,7 @@ namespace rio::test {
 namespace {
 
 constexpr int kBody = body::kSize;
-constexpr int kBorder = 9;  // extrinsics, radar errors and time offset
+constexpr int kBorder = 8;  // extrinsics, Doppler scale and time offset
 constexpr int kTail = kBody + kBorder;
 constexpr int kWindow = 3;
 constexpr int kSteps = 30;
@@ -29,10 +29,10 @@ struct Happening {
 
 LinearRow random_row(sim::Random& random) {
   // position with attitude, velocity, all of the border
-  auto rows = linear_rows<1>(random_matrix(random, 1, 6 + 3 + 6 + 2),
-                             BlockList<BodyPose, BodyVelocity, Extrinsics, RadarErrors>{},
+  auto rows = linear_rows<1>(random_matrix(random, 1, 6 + 3 + 6 + 1),
+                             BlockList<BodyPose, BodyVelocity, Extrinsics, DopplerScale>{},
                              {0, body::kVelocity, kBody, kBody + 6}, random_matrix(random, 1, 1),
-                             kBody + 8);
+                             kBody + 7);
   rows[0].residual = random.normal();
   rows[0].variance = 0.5 + random.uniform();
   return rows[0];

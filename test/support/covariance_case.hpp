@@ -54,9 +54,9 @@ class CovarianceCase : public testing::Test {
                           {body::kAttitude}, random_matrix(random_, 6, 1), layout_.time_offset());
   }
   std::array<LinearRow, 3> landmark_rows() {
-    return linear_rows<3>(random_matrix(random_, 3, 14),
-                          BlockList<BodyPose, Extrinsics, RadarErrors>{},
-                          {body::kAttitude, layout_.extrinsics(), layout_.radar_errors()},
+    return linear_rows<3>(random_matrix(random_, 3, 13),
+                          BlockList<BodyPose, Extrinsics, DopplerScale>{},
+                          {body::kAttitude, layout_.extrinsics(), layout_.doppler_scale()},
                           random_matrix(random_, 3, 1), layout_.time_offset());
   }
   MatrixXd dense() const { return covariance_.matrix(); }

@@ -41,8 +41,8 @@ inline RadarOptions test_radar_options() {
   return o;
 }
 
-/// The detections of the simulated radar are free of systematic errors.
-inline const RadarErrors::Value kNoErrors = RadarErrors::Value::Zero();
+/// The range rates of the simulated radar have the right scale.
+inline constexpr double kNoScaleError = 0.0;
 
 /// A body in motion with a radar on it.
 struct RandomBody {
@@ -88,7 +88,7 @@ struct DopplerCase {
     const RandomBody body(random);
     const Detection d = body.detect(body.place(random), random, noise);
     return {DopplerModel::measurement(d, body.point.gyro_B + body.gyro_bias),
-            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoErrors}};
+            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoScaleError}};
   }
   static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
@@ -149,7 +149,7 @@ struct DetectedLandmark {
     const RandomBody body(random);
     const Vector3d place = body.place(random);
     const Detection d = body.detect(place, random, noise);
-    return {Model::measurement(d), {body.pose(), body.mount(), kNoErrors, place}};
+    return {Model::measurement(d), {body.pose(), body.mount(), place}};
   }
 };
 
@@ -161,7 +161,7 @@ struct LandmarkPointCase : DetectedLandmark<LandmarkPointModel> {
   static std::optional<Sample<Model>> outside(sim::Random& random) {
     Sample<Model> sample = simulate(random, false);
     const RigidPose& body = std::get<0>(sample.x);
-    std::get<3>(sample.x) = body.R * std::get<1>(sample.x).p + body.p;  // where the radar is
+    std::get<2>(sample.x) = body.R * std::get<1>(sample.x).p + body.p;  // where the radar is
     return sample;
   }
 };
@@ -174,7 +174,7 @@ struct LandmarkDopplerCase {
     const Vector3d place = body.place(random);
     const Detection d = body.detect(place, random, noise);
     return {Model::measurement(d, body.point.gyro_B + body.gyro_bias),
-            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoErrors, place}};
+            {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoScaleError, place}};
   }
   static std::optional<Sample<Model>> outside(sim::Random& random) {
     Sample<Model> sample = simulate(random, false);

@@ -59,7 +59,7 @@ struct Mount {
 
 }  // namespace
 
-ScanCost::Radar ScanCost::radar(const double* state, const double* mount, const double* errors,
+ScanCost::Radar ScanCost::radar(const double* state, const double* mount, const double* scale_error,
                                 const double* offset) const {
   State x(scan.nav, state);
   const Mount m(T_BS, mount);
@@ -76,8 +76,7 @@ ScanCost::Radar ScanCost::radar(const double* state, const double* mount, const 
   out.v_S = m.R.transpose() * (x.R.transpose() * x.v + w.cross(m.p));
   const SteadyMotion steady = scan.at_rest() ? SteadyMotion{} : scan.steady;
   out.steady_S = m.R.transpose() * (steady.v_B + steady.rate_B.cross(m.p));
-  out.scale = 1.0 + errors[0] + radar_errors[0] - scan.scanned[0].radar_errors[0];
-  out.elevation = errors[1] + radar_errors[1] - scan.scanned[0].radar_errors[1];
+  out.scale = 1.0 + scale_error[0] + doppler_scale - scan.scanned[0].doppler_scale;
   return out;
 }
 
@@ -93,23 +92,18 @@ double DopplerCost::variance(const Vector3d& scaled_v_S) const {
   return z.variance_factor * out;
 }
 
-void DopplerCost::operator()(const double* state, const double* mount, const double* errors,
+void DopplerCost::operator()(const double* state, const double* mount, const double* scale_error,
                              const double* offset, double* r) const {
-  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  const ScanCost::Radar radar = base.radar(state, mount, scale_error, offset);
   const ScanCost::Radar before = base.uncalibrated(state, offset);
-  const auto direction = [this](double elevation) -> Vector3d {
-    return std::cos(elevation) * z.direction_S - std::sin(elevation) * z.upwards_S;
-  };
-  const Vector3d u = direction(before.elevation);
   const Vector3d steady = radar.scale * radar.steady_S;
   const Vector3d v = before.scale * before.v_S + steady - before.scale * before.steady_S;
-  const double turned = (direction(radar.elevation) - u).dot(steady);
-  r[0] = (z.range_rate + length * (u.dot(v) + turned)) / std::sqrt(variance(v));
+  r[0] = (z.range_rate + length * z.direction_S.dot(v)) / std::sqrt(variance(v));
 }
 
-void PointCost::operator()(const double* state, const double* mount, const double* errors,
+void PointCost::operator()(const double* state, const double* mount, const double* scale_error,
                            const double* offset, const double* landmark_error, double* r) const {
-  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  const ScanCost::Radar radar = base.radar(state, mount, scale_error, offset);
   const Vector3d point =
       radar.R_WS.transpose() * (landmark + ConstVector3(landmark_error) - radar.p_WS);
   const double range = point.norm();
@@ -118,7 +112,7 @@ void PointCost::operator()(const double* state, const double* mount, const doubl
   const double el = z.sigma_elevation_S.norm();
   r[0] = (z.range - range) / z.sigma_range;
   r[1] = -u.dot(z.sigma_azimuth_S / az) / az;
-  r[2] = (-u.dot(z.sigma_elevation_S / el) - radar.elevation) / el;
+  r[2] = -u.dot(z.sigma_elevation_S / el) / el;
   if (doppler) {
     const ScanCost::Radar before = base.uncalibrated(state, offset);
     const double calibrated =
@@ -128,15 +122,15 @@ void PointCost::operator()(const double* state, const double* mount, const doubl
   }
 }
 
-void RangeCost::operator()(const double* state, const double* mount, const double* errors,
+void RangeCost::operator()(const double* state, const double* mount, const double* scale_error,
                            const double* offset, const double* landmark_error, double* r) const {
-  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+  const ScanCost::Radar radar = base.radar(state, mount, scale_error, offset);
   r[0] = (range - (landmark + ConstVector3(landmark_error) - radar.p_WS).norm()) / sigma;
 }
 
 void TrailCost::operator()(const double* state, const double* past_state, const double* mount,
-                           const double* errors, const double* offset, double* r) const {
-  const ScanCost::Radar radar = base.radar(state, mount, errors, offset);
+                           const double* scale_error, const double* offset, double* r) const {
+  const ScanCost::Radar radar = base.radar(state, mount, scale_error, offset);
   const State then(past, past_state);
   const Mount m(base.T_BS, mount);
   const Vector3d point = then.R * (m.R * z.past_S + m.p) + then.p;
@@ -219,10 +213,10 @@ void PriorCost::error(const double* const* blocks, double* out) const {
         mount.p - made_T_BS.translation;
     at += 6;
   }
-  const double* errors = blocks[block++];
-  for (int i = 0; radar_errors && i < 2; ++i) xi[at++] = errors[i] + now_errors[i] - made_errors[i];
+  const double* scale_error = blocks[block++];
+  if (doppler_scale) xi[at++] = scale_error[0] + now_errors[0] - made_errors[0];
   const double* late = blocks[block++];
-  if (time_offset) xi[at++] = late[0] + now_errors[2] - made_errors[2];
+  if (time_offset) xi[at++] = late[0] + now_errors[1] - made_errors[1];
   for (std::size_t i = 0; i < made_landmarks.size(); ++i, at += 3) {
     xi.segment<3>(at) =
         back * (now_landmarks[i] + ConstVector3(blocks[block++])) - made_landmarks[i];

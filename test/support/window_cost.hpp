@@ -2,7 +2,7 @@
 // The cost of a sliding window as residuals, written anew from the documentation of the models and
 // differentiated numerically: a referee for the smoother. The unknowns are errors relative to a
 // reference point, in the order of namespace body and of the blocks:
-//   state 15 | T_BS 6 | radar errors 2 | time offset 1 | landmark 3
+//   state 15 | T_BS 6 | Doppler scale 1 | time offset 1 | landmark 3
 // so that the solution of Ceres is the distance of its minimum from that point.
 #pragma once
 
@@ -21,17 +21,17 @@ namespace rio::test {
 struct ScanCost {
   WindowState scan;  ///< its state is the reference
   Pose T_BS;
-  RadarErrors::Value radar_errors;
+  double doppler_scale = 0.0;
   double time_offset = 0.0;
 
   /// The radar as it measured: the state of the scan, earlier by what the time offset has grown.
   struct Radar {
     Matrix3d R_WS;
     Vector3d p_WS, v_S;
-    double scale, elevation;  ///< what the detections are still wrong by
-    Vector3d steady_S;        ///< the steady velocity (propagate/steady_motion.hpp)
+    double scale;       ///< what the range rates are still too large by
+    Vector3d steady_S;  ///< the steady velocity (propagate/steady_motion.hpp)
   };
-  Radar radar(const double* state, const double* mount, const double* errors,
+  Radar radar(const double* state, const double* mount, const double* scale_error,
               const double* offset) const;
   /// The same with the calibration of the reference: a Doppler changes with the calibration as if
   /// the radar moved at the steady velocity.
@@ -47,7 +47,7 @@ struct DopplerCost {
   double length = 1.0;  ///< of the direction: 1 + tr Sigma_u / 2 if its errors are corrected
 
   double variance(const Vector3d& scaled_v_S) const;
-  void operator()(const double* state, const double* mount, const double* errors,
+  void operator()(const double* state, const double* mount, const double* scale_error,
                   const double* offset, double* r) const;
 };
 
@@ -57,7 +57,7 @@ struct PointCost {
   std::optional<LandmarkDopplerModel::Measurement> doppler;
   Vector3d landmark;
 
-  void operator()(const double* state, const double* mount, const double* errors,
+  void operator()(const double* state, const double* mount, const double* scale_error,
                   const double* offset, const double* landmark_error, double* r) const;
 };
 
@@ -67,7 +67,7 @@ struct RangeCost {
   double sigma = 0.0;
   Vector3d landmark;
 
-  void operator()(const double* state, const double* mount, const double* errors,
+  void operator()(const double* state, const double* mount, const double* scale_error,
                   const double* offset, const double* landmark_error, double* r) const;
 };
 
@@ -78,7 +78,7 @@ struct TrailCost {
   double sigma = 0.0;
 
   void operator()(const double* state, const double* past_state, const double* mount,
-                  const double* errors, const double* offset, double* r) const;
+                  const double* scale_error, const double* offset, double* r) const;
 };
 
 struct RestCost {
@@ -109,16 +109,16 @@ struct ImuCost {
 struct PriorCost {
   std::vector<NavState> made_states, now_states;
   Pose made_T_BS, now_T_BS;
-  Vector3d made_errors, now_errors;  ///< radar errors, time offset
+  Eigen::Vector2d made_errors, now_errors;  ///< Doppler scale, time offset
   std::vector<Vector3d> made_landmarks, now_landmarks;
-  bool extrinsics = false, radar_errors = false, time_offset = false;
+  bool extrinsics = false, doppler_scale = false, time_offset = false;
   Eigen::MatrixXd root;    ///< s^1/2 V^T D^-1
   Eigen::VectorXd offset;  ///< s^-1/2 V^T D g
 
   void factorise(const Eigen::MatrixXd& A, const Eigen::VectorXd& g);
 
   /// xi.
-  /// @param blocks leading states, T_BS, radar errors, time offset, landmarks
+  /// @param blocks leading states, T_BS, Doppler scale, time offset, landmarks
   void error(const double* const* blocks, double* xi) const;
 };
 

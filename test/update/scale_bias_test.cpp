@@ -56,7 +56,7 @@ class ScaleBias : public test::ScanCase {
       r[i] = row.residual;
       variances[i] = row.variance;
     }
-    const int scale = b.layout().radar_errors() + RadarErrors::kDopplerScale;
+    const int scale = b.layout().doppler_scale();
     prior_variance_ = b.covariance().matrix()(scale, scale);
     const Eigen::MatrixXd PHt = b.covariance().matrix() * H.transpose();
     const Eigen::MatrixXd S = H * PHt + Eigen::MatrixXd(variances.asDiagonal());

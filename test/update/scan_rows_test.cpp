@@ -339,9 +339,7 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirections) {
   const RowBatch& batch = build(rows, b);
   const Vector3d v(kSpeed, 0.0, 0.0);
   DopplerModel::Measurement z = DopplerModel::measurement(detection(0), Vector3d::Zero());
-  Eigen::Vector4d c;
-  c << z.direction_S, z.upwards_S.dot(v);
-  z.predicted_var = c.dot(b.doppler_covariance(LinearizationPoint(b.estimate())) * c);
+  z.predicted_var = z.direction_S.dot(b.radar_velocity_covariance() * z.direction_S);
   const auto at_u = DopplerModel::expected_direction(z, z.direction_S, v);
   const double length = 1.0 + 0.5 * z.direction_cov.trace();  // (E5) of the model
   const auto u = DopplerModel::expected_direction(z, length * z.direction_S, v);
@@ -354,7 +352,7 @@ TEST_F(ScanRowsTest, DopplersUseExpectedDirections) {
 
 // The innovation variance of a Doppler, taken from the velocity's covariance, is that of its row.
 TEST_F(ScanRowsTest, TheGateOfADopplerHoldsItsRow) {
-  options_.calibration = {0.05, 0.03, 0.02, 0.02, 0.03};
+  options_.calibration = {0.05, 0.03, 0.02, 0.02};
   options_.radar.T_BS.rotation = Quaternion(0.9, 0.1, -0.3, 0.2).normalized();
   options_.radar.T_BS.translation = Vector3d(0.1, -0.2, 0.3);
   for (const DopplerDirections directions :

@@ -32,7 +32,7 @@ class RowCompression {
   const RowBatch& compress(const RowBatch& batch, double rate_variance = 0.0);
 
  private:
-  static constexpr int kMaxRank = 4;  // three components of a velocity, the elevation error
+  static constexpr int kMaxRank = 3;  // the components of a velocity
   static constexpr int kColumns = static_cast<int>(LinearRow::kMaxColumns);
 
   /// Compresses rows [begin, end) of the batch, each a block of its own. False, and nothing is

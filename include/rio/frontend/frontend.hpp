@@ -55,11 +55,13 @@ class Frontend {
   const TrailSet& trails() const { return trails_; }
   void reset() { trails_.clear(); }
 
-  /// Static set and matches of a scan, which is corrected for the radar errors of the state
+  /// Static set and matches of a scan, which is corrected for the Doppler scale of the state
   /// predicted to its time. Does not change the trails.
   /// @param velocity_covariance_S of the predicted radar velocity, radar axes [m^2/s^2]
   void observe(const DetectionList& scan, const Estimate& predicted, Observations* out,
                const Matrix3d& velocity_covariance_S = Matrix3d::Zero());
+  /// Same, given the static set and the velocity of the scan in out->ego_velocity.
+  void match(const DetectionList& scan, const Estimate& predicted, Observations* out);
 
   /// Stage 6, after a successful update: extends, ends and begins trails with the scan of `id`, and
   /// proposes trails matched `promote_after` times in a row as landmarks at their newest detection.

@@ -77,10 +77,6 @@ inline double own_or(double own, double otherwise, double least) {
 /// A detection with direction, range and noise filled in from its point.
 Detection make_detection(const RadarDetection& raw, const RadarOptions& o);
 
-/// The detection corrected for the radar's systematic errors: its direction lowered by the
-/// elevation error, its range rate divided by 1 + scale error.
-Detection correct_detection(const Detection& received, const RadarErrors::Value& errors);
-
 /// The point is finite; range rate, SNR and sigmas do not exceed 1000 (SI units, dB), which no
 /// radar reports; no sigma is negative.
 bool is_valid(const RadarDetection& d);

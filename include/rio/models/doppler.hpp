@@ -3,14 +3,14 @@
 //
 // w = gyro - b_g,  v_S = R_BS^T (R_WB^T v_WB + w x p_BS)
 // (E1) h = -u^T v_S                             positive = receding
-//      u is corrected for the residual elevation error, v_S multiplied by 1 + scale error
+//      v_S is multiplied by 1 + scale error
 // (E2) R = sigma_D^2 + v_S^T Sigma_u v_S        the direction is noisy too
 // (E3) u^ = u - Sigma_u v_S r / (R + P_h)       expected true direction given the innovation r
 // (E4) J uses u^
 // (E5) u in (E1) is multiplied by 1 + tr Sigma_u / 2: E u = (1 - tr Sigma_u / 2) u_true
 // (E6) R at u^: in (E2) v_S - (u^T v_S) (u^ - u) for v_S
 // (E5) and (E6), of second order in the direction's error, come with (E3).
-// (E7) J in mounting, scale and elevation error is that at the steady motion
+// (E7) J in mounting and scale error is that at the steady motion
 //      (propagate/steady_motion.hpp): at v_S + dv and w + dw
 // The noise n of the gyro sample enters all Dopplers of a scan together, as -n takes the place of
 // the error of b_g: so its coefficients are those of the gyro bias.
@@ -41,13 +41,12 @@ class DopplerModel {
  public:
   static constexpr Model kModel = Model::kDoppler;
   static constexpr int kDim = 1;
-  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors>;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, DopplerScale>;
 
   struct Measurement {
     double range_rate = 0.0;                    ///< [m/s]
     double sigma_doppler = 0.0;                 ///< [m/s]
     Vector3d direction_S = Vector3d::UnitX();   ///< measured u
-    Vector3d upwards_S = Vector3d::UnitZ();     ///< unit tangent at u towards higher elevation
     Matrix3d direction_cov = Matrix3d::Zero();  ///< Sigma_u
     Vector3d gyro_B = Vector3d::Zero();         ///< measured angular rate at the scan [rad/s]
     double predicted_var = 0.0;    ///< P_h: variance of h due to the state's error [m^2/s^2]
@@ -63,7 +62,7 @@ class DopplerModel {
     double variance_factor = 1.0;  ///< (E6)
   };
   /// Beyond three sigmas of r, u_S is returned unchanged: that is no direction error.
-  /// @param u_S corrected for the elevation error, @param v_S times 1 + scale error
+  /// @param v_S times 1 + scale error
   static ExpectedDirection expected_direction(const Measurement& z, const Vector3d& u_S,
                                               const Vector3d& v_S) noexcept;
 
@@ -74,7 +73,7 @@ class DopplerModel {
   static Measurement measurement(const Detection& d, const Vector3d& gyro_B);
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
-                const Vector3d& gyro_bias, const RigidPose& T_BS, const RadarErrors::Value& errors,
+                const Vector3d& gyro_bias, const RigidPose& T_BS, double scale_error,
                 ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
                 JacobianOf<kDim, kDim>& R) const noexcept;
 

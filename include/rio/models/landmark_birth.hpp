@@ -17,7 +17,7 @@ namespace rio {
 
 /// A new landmark at the position of a detection (E1), with H_x and the noise of (E2).
 struct LandmarkBirth {
-  using Blocks = BlockList<BodyPose, Extrinsics, RadarErrors>;
+  using Blocks = BlockList<BodyPose, Extrinsics>;
 
   Vector3d p_WL;                    ///< [m]
   JacobianOf<3, Blocks::kDof> d_l;  ///< H_x

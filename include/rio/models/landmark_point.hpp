@@ -4,8 +4,8 @@
 //
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS), u = e/|e|, v_S the velocity of the radar in its axes
 // (E1) range      h = |e|
-// (E2) direction  h = t_az . u and t_el . u + residual elevation error, t the unit tangents at the
-//                 measured direction: the measured values are 0, the noise is that of each angle
+// (E2) direction  h = t_az . u and t_el . u, t the unit tangents at the measured direction: the
+//                 measured values are 0, the noise is that of each angle
 // (E3) Doppler    h = -u . v_S with the landmark's direction u, which is better known than the
 //                 detection's; v_S is multiplied by 1 + scale error; (E7) of models/doppler.hpp
 //                 for the v_S that the mounting turns; in the column of e by the mounting it is the
@@ -31,7 +31,7 @@ class LandmarkPointModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 3;
-  using Blocks = BlockList<BodyPose, Extrinsics, RadarErrors, Landmark>;
+  using Blocks = BlockList<BodyPose, Extrinsics, Landmark>;
 
   struct Measurement {
     double range = 0.0;                              ///< [m]
@@ -54,8 +54,8 @@ class LandmarkPointModel {
   static RangeCurvature range_curvature(double range, const Eigen::Matrix2d& M);
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
-                const RadarErrors::Value& errors, const Vector3d& p_WL, ResidualOf<kDim>& r,
-                JacobianOf<kDim, Blocks::kDof>* J, JacobianOf<kDim, kDim>& R) const noexcept;
+                const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
+                JacobianOf<kDim, kDim>& R) const noexcept;
 };
 static_assert(MeasurementModel<LandmarkPointModel>);
 
@@ -64,7 +64,7 @@ class LandmarkDopplerModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 1;
-  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, RadarErrors, Landmark>;
+  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, DopplerScale, Landmark>;
 
   struct Measurement {
     double range_rate = 0.0;             ///< [m/s]
@@ -78,7 +78,7 @@ class LandmarkDopplerModel {
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
-                const Vector3d& gyro_bias, const RigidPose& T_BS, const RadarErrors::Value& errors,
+                const Vector3d& gyro_bias, const RigidPose& T_BS, double scale_error,
                 const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
                 JacobianOf<kDim, kDim>& R) const noexcept;
 };

@@ -2,7 +2,7 @@
 // Accumulates the information of the measurements of one state about the state, the calibration and
 // landmarks, in matrices of fixed size, before it is added to the normal equations.
 //
-// (E1) local unknowns y = [pose 6 | velocity 3 | gyro bias 3 | extrinsics 6 | radar errors 2 |
+// (E1) local unknowns y = [pose 6 | velocity 3 | gyro bias 3 | extrinsics 6 | Doppler scale 1 |
 //      time offset 1] and, for some measurements, one landmark l
 // (E2) whitened rows r = J y + L l + n of one measurement share the weight w of the robust kernel:
 //      A_yy += w J^T J,  A_ly += w L^T J,  A_ll += w L^T L,  g_y += w J^T r,  g_l += w L^T r
@@ -66,8 +66,8 @@ class ScanInformation {
  private:
   static constexpr int kBody = 12;  // pose, velocity and gyro bias: the first unknowns of a state
   static constexpr int kExtrinsics = kBody;
-  static constexpr int kRadarErrors = kExtrinsics + Extrinsics::kDof;
-  static constexpr int kTimeOffset = kRadarErrors + RadarErrors::kDof;
+  static constexpr int kDopplerScale = kExtrinsics + Extrinsics::kDof;
+  static constexpr int kTimeOffset = kDopplerScale + 1;
   static constexpr int kLocal = kTimeOffset + 1;
   static constexpr int kCapacity = cholesky::kPanel;  // no product is deeper
   static_assert(body::kGyroBias + 3 == kBody);
@@ -84,7 +84,7 @@ class ScanInformation {
     if constexpr (std::is_same_v<Block, BodyVelocity>) return body::kVelocity;
     if constexpr (std::is_same_v<Block, GyroBias>) return body::kGyroBias;
     if constexpr (std::is_same_v<Block, Extrinsics>) return kExtrinsics;
-    if constexpr (std::is_same_v<Block, RadarErrors>) return kRadarErrors;
+    if constexpr (std::is_same_v<Block, DopplerScale>) return kDopplerScale;
   }
 
   template <int kDim, class... B>

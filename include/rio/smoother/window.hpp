@@ -32,9 +32,9 @@ struct WindowState {
   Vector3d accel_B = Vector3d::Zero();  ///< acceleration of the body, body axes [m/s^2]
   /// The calibration that was applied to a radar's scan of this state.
   struct Scanned {
-    bool here = false;         ///< the radar has a scan here
-    double time_offset = 0.0;  ///< stamp minus time of the state [s]
-    RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< detections corrected by this
+    bool here = false;           ///< the radar has a scan here
+    double time_offset = 0.0;    ///< stamp minus time of the state [s]
+    double doppler_scale = 0.0;  ///< detections corrected by this
   };
   std::array<Scanned, kMaxRadars> scanned;
   ImuFactor to_next;                 ///< not valid for the newest state

@@ -44,11 +44,13 @@ struct GyroBias : VectorBlock<3> {};      ///< [rad/s]
 struct ClonePose : PoseBlock {};          ///< T_WB at a past scan
 struct Extrinsics : PoseBlock {};         ///< T_BS
 struct Landmark : VectorBlock<3> {};      ///< p_WL [m]
-/// Systematic errors of the radar left after the detections were corrected by their estimate:
-/// relative error of the range rate, bias of the elevation (positive = read too high) [rad].
-struct RadarErrors : VectorBlock<2> {
-  static constexpr int kDopplerScale = 0;
-  static constexpr int kElevation = 1;
+/// Relative error of the range rates left after the detections were corrected by its estimate.
+struct DopplerScale {
+  using Value = double;
+  static constexpr int kDof = 1;
+  static Value retract(Value x, const Eigen::Matrix<double, kDof, 1>& error) {
+    return x + error[0];
+  }
 };
 
 /// Base of a state that an extension adds: additive, zero at the start, a random walk. The derived

@@ -63,11 +63,11 @@ struct LandmarkState {
 /// What is estimated of one radar.
 struct RadarState {
   Pose T_BS;
-  RadarErrors::Value errors = RadarErrors::Value::Zero();  ///< of the detections as received
-  double time_offset = 0.0;                                ///< stamp minus time of measurement [s]
+  double doppler_scale = 0.0;  ///< relative error of the range rates as received
+  double time_offset = 0.0;    ///< stamp minus time of measurement [s]
 };
 
-/// Predicted or corrected means at one instant. With several radars, T_BS, radar_errors and
+/// Predicted or corrected means at one instant. With several radars, T_BS, doppler_scale and
 /// time_offset are those of the radar whose scan is being processed.
 struct Estimate {
   NavState nav;
@@ -75,11 +75,11 @@ struct Estimate {
   double gyro_variance = 0.0;          ///< of that measurement, per axis [rad^2/s^2]
   SteadyMotion steady;                 ///< where the Jacobians of the calibration are evaluated
   Pose T_BS;
-  RadarErrors::Value radar_errors = RadarErrors::Value::Zero();  ///< of the detections as received
-  double distance_travelled = 0.0;                               ///< since the start [m]
-  double time_offset = 0.0;                             ///< stamp minus time of measurement [s]
-  std::size_t radar = 0;                                ///< whose scan is being processed
-  std::array<RadarState, kMaxRadars> others;            ///< by radar; the entry of `radar` is stale
+  double doppler_scale = 0.0;                 ///< relative error of the range rates as received
+  double distance_travelled = 0.0;            ///< since the start [m]
+  double time_offset = 0.0;                   ///< stamp minus time of measurement [s]
+  std::size_t radar = 0;                      ///< whose scan is being processed
+  std::array<RadarState, kMaxRadars> others;  ///< by radar; the entry of `radar` is stale
   AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
   StaticVector<Clone, kMaxClones> clones;  ///< of each radar the newest replaces the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;

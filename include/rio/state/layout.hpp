@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Position of each block in the error state:
-//   [body 15 | of each radar: extrinsics 0 or 6, radar errors 0 or 2, time offset 0 or 1 |
+//   [body 15 | of each radar: extrinsics 0 or 6, Doppler scale 0 or 1, time offset 0 or 1 |
 //    auxiliary states | clones 6 N | landmarks 3 M]
 //
 // The clone region always has room for N clones (stochastic cloning); a new one replaces the
@@ -19,8 +19,7 @@ class Layout {
   Layout(const CalibrationOptions& calibration, int max_clones, int max_landmarks,
          int auxiliary = 0, std::size_t radars = 1)
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
-        radar_errors_(calibration.doppler_scale_sigma > 0.0 ||
-                      calibration.elevation_bias_sigma > 0.0),
+        doppler_scale_(calibration.doppler_scale_sigma > 0.0),
         time_offset_(calibration.time_offset_sigma > 0.0),
         radars_(static_cast<int>(radars)),
         auxiliary_(auxiliary),
@@ -40,7 +39,7 @@ class Layout {
   }
 
   bool has_extrinsics() const { return extrinsics_; }
-  bool has_radar_errors() const { return radar_errors_; }
+  bool has_doppler_scale() const { return doppler_scale_; }
   bool has_time_offset() const { return time_offset_; }
   int max_clones() const { return max_clones_; }
   int max_landmarks() const { return max_landmarks_; }
@@ -48,8 +47,8 @@ class Layout {
   // First column of each block, the calibration that of the selected radar. Valid only for blocks
   // that are estimated.
   int extrinsics() const { return body::kSize + radar_ * calibration_size(); }
-  int radar_errors() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
-  int time_offset() const { return radar_errors() + (radar_errors_ ? RadarErrors::kDof : 0); }
+  int doppler_scale() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
+  int time_offset() const { return doppler_scale() + (doppler_scale_ ? 1 : 0); }
   int auxiliary() const { return body::kSize + radars_ * calibration_size(); }
   int auxiliary_size() const { return auxiliary_; }
   int clone(int slot) const { return auxiliary() + auxiliary_ + 6 * slot; }
@@ -64,7 +63,7 @@ class Layout {
     if constexpr (std::is_same_v<Block, BodyVelocity>) return body::kVelocity;
     if constexpr (std::is_same_v<Block, GyroBias>) return body::kGyroBias;
     if constexpr (std::is_same_v<Block, Extrinsics>) return extrinsics_ ? extrinsics() : -1;
-    if constexpr (std::is_same_v<Block, RadarErrors>) return radar_errors_ ? radar_errors() : -1;
+    if constexpr (std::is_same_v<Block, DopplerScale>) return doppler_scale_ ? doppler_scale() : -1;
     if constexpr (std::is_same_v<Block, ClonePose>) return max_clones_ > 0 ? clone(index) : -1;
     if constexpr (std::is_same_v<Block, Landmark>) return landmark(index);
   }
@@ -74,12 +73,11 @@ class Layout {
  private:
   /// Columns of the calibration of one radar.
   int calibration_size() const {
-    return (extrinsics_ ? Extrinsics::kDof : 0) + (radar_errors_ ? RadarErrors::kDof : 0) +
-           (time_offset_ ? 1 : 0);
+    return (extrinsics_ ? Extrinsics::kDof : 0) + (doppler_scale_ ? 1 : 0) + (time_offset_ ? 1 : 0);
   }
 
   bool extrinsics_;
-  bool radar_errors_;
+  bool doppler_scale_;
   bool time_offset_;
   int radars_;
   int radar_ = 0;

@@ -17,8 +17,7 @@ struct ParameterNoise {
 };
 
 /// The walk of the calibration does not depend on the prior: a parameter that is known better
-/// drifts as much. The elevation bias does not walk: the rotation does, which looks almost the
-/// same.
+/// drifts as much.
 ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& calibration,
                                const AuxiliaryStates& auxiliary = {});
 

@@ -160,7 +160,7 @@ class ScanRows {
   GatheredCovariance gathered_;
   GatheredCovariance::BlockMatrix S_;
   AidingRows aiding_;
-  Eigen::Matrix4d doppler_covariance_;  ///< of the prediction (StateEstimate::doppler_covariance)
+  Matrix3d velocity_covariance_;              ///< of the radar as predicted, radar axes [m^2/s^2]
   Vector3d correction_S_ = Vector3d::Zero();  ///< of the radar's velocity [m/s]
   std::array<LookCorrelation, kMaxRadars> looks_{};
   std::array<LandmarkState::Looks, kMaxLandmarks> look_sums_{};  ///< after this scan

@@ -55,12 +55,10 @@ class StateEstimate {
   /// rotation of T_BS, axes S [rad], and Doppler scale. Zero where not estimated.
   Eigen::Matrix4d velocity_calibration() const;
 
-  /// V, covariance of the predicted velocity of the radar in its axes [m/s] and of the elevation
-  /// error [rad]. A Doppler along u, t the unit tangent towards higher elevation, has the variance
-  /// c^T V c, c = [u, t . v_S] at the steady v_S, due to the errors of the state and of the gyro
-  /// sample.
-  Eigen::Matrix4d doppler_covariance(const LinearizationPoint& x) const;
-  /// The velocity's part of V [m^2/s^2].
+  /// V, covariance of the predicted velocity of the radar in its axes, scaled as it measures it
+  /// [m^2/s^2]: a Doppler along u has the variance u^T V u due to the errors of the state and of
+  /// the gyro sample.
+  Matrix3d radar_velocity_covariance(const LinearizationPoint& x) const;
   Matrix3d radar_velocity_covariance() const;
 
   /// Stochastic cloning: keeps the current pose as the clone of `scan`, in place of the oldest one
