@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The research API: the data flow of one scan for any back-end (ekf/ekf.hpp, smoother/smoother.hpp,
-// or yours: update/back_end.hpp). C++20. The stages, in the order in which process() runs them:
+// or yours: update/back_end.hpp) and any front-end (frontend/frontend.hpp, or yours:
+// frontend/front_end.hpp). C++20. The stages, in the order in which process() runs them:
 //
 //   1 propagate   propagate/, the back-end      5 update    the back-end
 //   2 front-end   frontend/                     6 promote   frontend/, update/landmark_policy.hpp
@@ -19,7 +20,7 @@
 #include "rio/checks/calibration_report.hpp"
 #include "rio/checks/checks.hpp"
 #include "rio/checks/health_monitor.hpp"
-#include "rio/frontend/frontend.hpp"
+#include "rio/frontend/front_end.hpp"
 #include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/scan_correction.hpp"
 #include "rio/options.hpp"
@@ -36,7 +37,7 @@ namespace rio {
 
 /// Front-end, measurement models, checks and back-end of one estimator; scans are processed in time
 /// order.
-template <OdometryBackEnd BackEnd>
+template <OdometryBackEnd BackEnd, OdometryFrontEnd FrontEnd = Frontend>
 class Pipeline {
  public:
   /// `options` must be valid (Options::validate).
@@ -215,9 +216,9 @@ class Pipeline {
   }
 
   /// The front-end of the radar whose scan is processed.
-  Frontend& frontend() { return frontends_[estimate().radar]; }
+  FrontEnd& frontend() { return frontends_[estimate().radar]; }
   void reset_frontends() {
-    for (Frontend& frontend : frontends_) frontend.reset();
+    for (FrontEnd& frontend : frontends_) frontend.reset();
   }
 
   /// Moves the queued measurements up to `time` to the current update.
@@ -276,7 +277,7 @@ class Pipeline {
 
   Options options_;
   ScanCorrection correction_;
-  std::vector<Frontend> frontends_;  ///< one per radar
+  std::vector<FrontEnd> frontends_;  ///< one per radar
   RestDetector rest_;
   ScanRows rows_;
   BackEnd backend_;

@@ -33,7 +33,7 @@ print("Python package:", rio.__file__, "the same bytes" if same else "OTHER BYTE
 sys.exit(not same)
 CHECK
 cmake -G Ninja -S "$source/test/package/consumer" -B consumer -DCMAKE_PREFIX_PATH="$root/usr" \
-  -DCMAKE_BUILD_TYPE=Release -DEXAMPLE="$root/usr/share/rio/examples/02_new_model" >/dev/null
+  -DCMAKE_BUILD_TYPE=Release -DEXAMPLES="$root/usr/share/rio/examples" >/dev/null
 cmake --build consumer
 for program in link driver autopilot research core new_model new_model_test; do "consumer/$program" >/dev/null; done
 echo "Packages: ok"
