@@ -15,7 +15,7 @@ cmake/install_dependencies.sh tools
 echo "Building (Release) ..."
 grep -qs Makefiles build/demo/CMakeCache.txt || export CMAKE_GENERATOR="${CMAKE_GENERATOR:-Ninja}"
 cmake -S . -B build/demo -DCMAKE_BUILD_TYPE=Release -DRIO_BUILD_TESTS=OFF -DRIO_BUILD_LAB=OFF >/dev/null
-cmake --build build/demo -j "$(nproc)" >build/demo/build.log 2>&1 ||
+cmake --build build/demo --target rio_tool -j "$(nproc)" >build/demo/build.log 2>&1 ||
   { cat build/demo/build.log >&2; exit 1; }
 rio=build/demo/src/tools/rio
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "rio/core/so3.hpp"
+#include "rio/state/calibration.hpp"
 
 namespace rio::calibrate {
 
@@ -18,40 +18,19 @@ constexpr auto kTranslation = static_cast<std::size_t>(Calibration::kTranslation
 constexpr auto kDopplerScale = static_cast<std::size_t>(Calibration::kDopplerScale);
 constexpr auto kTimeOffset = static_cast<std::size_t>(Calibration::kTimeOffset);
 
-using Values = std::array<double, kCalibrationCount>;
 using Progress = std::function<void(const std::string&)>;
 
-Vector3d three(const Values& values, std::size_t first) {
-  return {values[first], values[first + 1], values[first + 2]};
+RadarState calibration_of(const RadarOptions& radar) {
+  return {radar.T_BS, radar.doppler_scale, radar.time_offset};
 }
 
-/// `configured` with the corrections `values`.
-RadarOptions moved(RadarOptions configured, const Values& values) {
-  configured.T_BS.rotation =
-      (configured.T_BS.rotation * quaternion_exp(three(values, kRotation))).normalized();
-  configured.T_BS.translation += three(values, kTranslation);
-  configured.doppler_scale += values[kDopplerScale];
-  configured.time_offset += values[kTimeOffset];
+/// `configured` with the corrections.
+RadarOptions moved(RadarOptions configured, const CalibrationVector& corrections) {
+  const RadarState to = corrected(calibration_of(configured), corrections);
+  configured.T_BS = to.T_BS;
+  configured.doppler_scale = to.doppler_scale;
+  configured.time_offset = to.time_offset;
   return configured;
-}
-
-/// The corrections from `configured` to `now`; the inverse of moved().
-Values between(const RadarOptions& configured, const RadarOptions& now) {
-  Values values{};
-  const Vector3d turn = quaternion_log(configured.T_BS.rotation.conjugate() * now.T_BS.rotation);
-  const Vector3d shift = now.T_BS.translation - configured.T_BS.translation;
-  for (std::size_t i = 0; i < 3; ++i) {
-    values[kRotation + i] = turn[static_cast<int>(i)];
-    values[kTranslation + i] = shift[static_cast<int>(i)];
-  }
-  values[kDopplerScale] = now.doppler_scale - configured.doppler_scale;
-  values[kTimeOffset] = now.time_offset - configured.time_offset;
-  return values;
-}
-
-Values priors_of(const CalibrationOptions& c) {
-  return {c.rotation_sigma,    c.rotation_sigma,    c.rotation_sigma,      c.translation_sigma,
-          c.translation_sigma, c.translation_sigma, c.doppler_scale_sigma, c.time_offset_sigma};
 }
 
 /// Information of a run without its prior (E1).
@@ -66,12 +45,13 @@ Measured without_prior(const CalibrationReport& report) {
 }
 
 /// A report relative to `centre`, converted to the configured values.
-MeasuredCalibration off_configured(const CalibrationReports& reports, const Values& centre) {
+MeasuredCalibration off_configured(const CalibrationReports& reports,
+                                   const CalibrationVector& centre) {
   MeasuredCalibration out{};
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     if (reports[i].observability == Observability::kNotEstimated) continue;
     out[i] = without_prior(reports[i]);
-    out[i].value += centre[i];
+    out[i].value += centre[static_cast<Eigen::Index>(i)];
   }
   return out;
 }
@@ -115,7 +95,8 @@ class Repetition {
 
  private:
   std::vector<RecordingCalibration> pass(bool with_halves) {
-    const Values centre = between(configured_, options_.radar);
+    const CalibrationVector centre =
+        corrections_between(calibration_of(configured_), calibration_of(options_.radar));
     std::vector<RecordingCalibration> out;
     for (std::size_t i = 0; i < recordings_.size(); ++i) {
       const std::string name = "recording " + std::to_string(i + 1);
@@ -142,14 +123,15 @@ class Repetition {
   }
 
   /// Of the whole runs; parameters without information keep the configured value.
-  Values mean(const std::vector<RecordingCalibration>& runs) const {
+  CalibrationVector mean(const std::vector<RecordingCalibration>& runs) const {
     constexpr double kInformed = 0.5;  // of the prior sigma
-    const Values loose = priors_of(options_.calibration);
-    Values values{};
+    const CalibrationVector loose = calibration_sigmas(options_.calibration);
+    CalibrationVector values = CalibrationVector::Zero();
     for (std::size_t i = 0; i < kCalibrationCount; ++i) {
       if (!(runs.front().whole[i].sigma > 0.0)) continue;
       const Combined whole = combine(all(runs, i, &RecordingCalibration::whole));
-      if (whole.sigma < kInformed * loose[i]) values[i] = whole.value;
+      const auto k = static_cast<Eigen::Index>(i);
+      if (whole.sigma < kInformed * loose[k]) values[k] = whole.value;
     }
     return values;
   }
@@ -212,7 +194,7 @@ double spread_of_others(double squares, double own, std::size_t count, std::size
 }
 
 /// (E6) (E7); parameters that were not estimated are unchanged.
-void judge_all(const std::vector<RecordingCalibration>& runs, const Values& priors,
+void judge_all(const std::vector<RecordingCalibration>& runs, const CalibrationVector& priors,
                RadarCalibration* out) {
   std::array<Summary, kCalibrationCount> summaries{};
   double squares = 0.0;
@@ -230,7 +212,7 @@ void judge_all(const std::vector<RecordingCalibration>& runs, const Values& prio
     const double others = spread_of_others(squares, s.squares, count, runs.size());
     ParameterCalibration& p = out->parameters[i];
     p.value = s.whole.value;
-    p.prior = priors[i];
+    p.prior = priors[static_cast<Eigen::Index>(i)];
     p.run_sigma = s.whole.sigma;
     p.halves_apart = s.halves_apart;
     p.recordings_apart = s.recordings_apart;
@@ -259,9 +241,9 @@ double tightened(const RadarCalibration& c, std::size_t first, std::size_t count
 
 /// The result from the verdicts.
 void fill_result(const Options& configured, RadarCalibration* out) {
-  Values values{};
+  CalibrationVector values = CalibrationVector::Zero();
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    if (determined(*out, i)) values[i] = out->parameters[i].value;
+    if (determined(*out, i)) values[static_cast<Eigen::Index>(i)] = out->parameters[i].value;
   }
   out->radar = moved(configured.radar, values);
   CalibrationOptions& c = out->priors;
@@ -283,7 +265,7 @@ RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const
                                  const Progress& each) {
   if (recordings.empty()) throw std::runtime_error("no recording");
   RadarCalibration out;
-  const Values priors = priors_of(options.calibration);
+  const CalibrationVector priors = calibration_sigmas(options.calibration);
   out.recordings = Repetition(recordings, options, each).run();
   judge_all(out.recordings, priors, &out);
   Options again = options;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rio/core/so3.hpp"
+#include "rio/state/calibration.hpp"
 
 namespace rio {
 
@@ -19,33 +19,17 @@ Observability observability(double value, double sigma, double prior_sigma) {
 std::array<CalibrationReport, kCalibrationCount> calibration_report(
     const StateEstimate& state_estimate, const Options& options) {
   std::array<CalibrationReport, kCalibrationCount> report{};
-  const Layout& layout = state_estimate.layout();
   const Estimate& x = state_estimate.estimate();
-  const CalibrationOptions& priors = options.calibration;
-  const auto fill = [&](Calibration parameter, double value, double prior, bool present,
-                        int column) {
-    if (!present || prior <= 0.0) return;
-    const auto i = static_cast<std::size_t>(parameter);
+  const CalibrationVector values =
+      corrections_between(configured_state(options.mount(x.radar)), x.of_radar(x.radar));
+  const CalibrationVector priors = calibration_sigmas(options.calibration);
+  for (int i = 0; i < values.size(); ++i) {
+    const int column = calibration_column(state_estimate.layout(), i);
+    if (column < 0 || priors[i] <= 0.0) continue;
     const double sigma = std::sqrt(state_estimate.covariance().matrix()(column, column));
-    report[i] = {value, sigma, prior, observability(value, sigma, prior)};
-  };
-  const RadarMount mount = options.mount(x.radar);
-  const Pose& configured = mount.T_BS;
-  const Vector3d turn = quaternion_log(configured.rotation.conjugate() * x.T_BS.rotation);
-  const Vector3d shift = x.T_BS.translation - configured.translation;
-  for (int i = 0; i < 3; ++i) {
-    const auto offset = [i](Calibration first) {
-      return static_cast<Calibration>(static_cast<int>(first) + i);
-    };
-    fill(offset(Calibration::kRotationX), turn[i], priors.rotation_sigma, layout.has_extrinsics(),
-         layout.extrinsics() + i);
-    fill(offset(Calibration::kTranslationX), shift[i], priors.translation_sigma,
-         layout.has_extrinsics(), layout.extrinsics() + 3 + i);
+    report[static_cast<std::size_t>(i)] = {values[i], sigma, priors[i],
+                                           observability(values[i], sigma, priors[i])};
   }
-  fill(Calibration::kDopplerScale, x.doppler_scale - mount.doppler_scale,
-       priors.doppler_scale_sigma, layout.has_doppler_scale(), layout.doppler_scale());
-  fill(Calibration::kTimeOffset, x.time_offset - mount.time_offset, priors.time_offset_sigma,
-       layout.has_time_offset(), layout.time_offset());
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rio/core/mirror.hpp"
+#include "rio/state/calibration.hpp"
 
 namespace rio {
 
@@ -138,18 +139,10 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
   xi_[kHeading] = -quaternion_log(back).z();
   for (std::size_t r = 0; r < layout_.radars(); ++r) {
     const Layout layout = layout_.of_radar(r);
-    const RadarState& then = radars_[r];
-    const RadarState now = x.of_radar(r);
-    if (layout.has_extrinsics()) {
-      const int at = border(layout.extrinsics());
-      xi_.segment<3>(at) = quaternion_log(then.T_BS.rotation.conjugate() * now.T_BS.rotation);
-      xi_.segment<3>(at + 3) = now.T_BS.translation - then.T_BS.translation;
-    }
-    if (layout.has_doppler_scale()) {
-      xi_[border(layout.doppler_scale())] = now.doppler_scale - then.doppler_scale;
-    }
-    if (layout.has_time_offset()) {
-      xi_[border(layout.time_offset())] = now.time_offset - then.time_offset;
+    const CalibrationVector moved = corrections_between(radars_[r], x.of_radar(r));
+    for (int i = 0; i < moved.size(); ++i) {
+      const int column = calibration_column(layout, i);
+      if (column >= 0) xi_[border(column)] = moved[i];
     }
   }
   xi_.segment(border(layout_.auxiliary()), layout_.auxiliary_size()) =

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/state/parameters.hpp"
 
+#include "rio/state/calibration.hpp"
+
 namespace rio {
 
 ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& calibration,
@@ -11,21 +13,13 @@ ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& c
     out.prior.segment(column - body::kSize, length).setConstant(sigma * sigma);
     out.walk.segment(column - body::kSize, length).setConstant(walk * walk);
   };
-  const CalibrationOptions usual;
-  const auto calibrate = [&](int column, int length, double sigma, double usual_sigma) {
-    set(column, length, sigma, sigma > 0.0 ? calibration.walk * usual_sigma : 0.0);
-  };
+  const CalibrationVector sigmas = calibration_sigmas(calibration);
+  const CalibrationVector usual = calibration_sigmas({});
   for (std::size_t r = 0; r < layout.radars(); ++r) {
-    const Layout own = layout.of_radar(r);
-    if (own.has_extrinsics()) {
-      calibrate(own.extrinsics(), 3, calibration.rotation_sigma, usual.rotation_sigma);
-      calibrate(own.extrinsics() + 3, 3, calibration.translation_sigma, usual.translation_sigma);
-    }
-    if (own.has_doppler_scale()) {
-      calibrate(own.doppler_scale(), 1, calibration.doppler_scale_sigma, usual.doppler_scale_sigma);
-    }
-    if (own.has_time_offset()) {
-      calibrate(own.time_offset(), 1, calibration.time_offset_sigma, usual.time_offset_sigma);
+    for (int i = 0; i < sigmas.size(); ++i) {
+      const int column = calibration_column(layout.of_radar(r), i);
+      if (column >= 0)
+        set(column, 1, sigmas[i], sigmas[i] > 0.0 ? calibration.walk * usual[i] : 0.0);
     }
   }
   int column = layout.auxiliary();

@@ -8,6 +8,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/propagate/strapdown.hpp"
+#include "rio/state/calibration.hpp"
 #include "rio/update/gathered_covariance.hpp"
 
 namespace rio {
@@ -42,8 +43,7 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   estimate_.nav = prior;
   estimate_.auxiliary = options_.auxiliary.initial();
   for (std::size_t r = 0; r < options_.radars(); ++r) {
-    const RadarMount configured = options_.mount(r);
-    estimate_.set_radar(r, {configured.T_BS, configured.doppler_scale, configured.time_offset});
+    estimate_.set_radar(r, configured_state(options_.mount(r)));
   }
   layout_ = layout_.of_radar(0);
   restart_steady_motion(prior.q_WB.conjugate() * prior.v_WB);
@@ -263,34 +263,17 @@ void StateEstimate::predict_landmarks() {
 }
 
 void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx) {
-  const CalibrationOptions& priors = options_.calibration;
   const Layout layout = layout_.of_radar(r);
-  const RadarMount configured = options_.mount(r);
-  RadarState x = estimate_.of_radar(r);
-  const auto limited = [](double value, double sigma, double configured_value = 0.0) {
-    const double limit = kCalibrationLimit * sigma;
-    return std::clamp(value, configured_value - limit, configured_value + limit);
-  };
-  if (layout.has_extrinsics()) {
-    const int at = layout.extrinsics();
-    x.T_BS.rotation = (x.T_BS.rotation * quaternion_exp(dx.segment<3>(at))).normalized();
-    x.T_BS.translation += dx.segment<3>(at + 3);
-    Vector3d turn = quaternion_log(configured.T_BS.rotation.conjugate() * x.T_BS.rotation);
-    Vector3d shift = x.T_BS.translation - configured.T_BS.translation;
-    for (double& angle : turn) angle = limited(angle, priors.rotation_sigma);
-    for (double& length : shift) length = limited(length, priors.translation_sigma);
-    x.T_BS = {(configured.T_BS.rotation * quaternion_exp(turn)).normalized(),
-              configured.T_BS.translation + shift};
+  CalibrationVector step = CalibrationVector::Zero();
+  for (int i = 0; i < step.size(); ++i) {
+    const int column = calibration_column(layout, i);
+    if (column >= 0) step[i] = dx[column];
   }
-  if (layout.has_doppler_scale()) {
-    x.doppler_scale = limited(x.doppler_scale + dx[layout.doppler_scale()],
-                              priors.doppler_scale_sigma, configured.doppler_scale);
-  }
-  if (layout.has_time_offset()) {
-    x.time_offset = limited(x.time_offset + dx[layout.time_offset()], priors.time_offset_sigma,
-                            configured.time_offset);
-  }
-  estimate_.set_radar(r, x);
+  const RadarState configured = configured_state(options_.mount(r));
+  const CalibrationVector limits = kCalibrationLimit * calibration_sigmas(options_.calibration);
+  const CalibrationVector total =
+      corrections_between(configured, corrected(estimate_.of_radar(r), step));
+  estimate_.set_radar(r, corrected(configured, total.cwiseMin(limits).cwiseMax(-limits)));
 }
 
 }  // namespace rio

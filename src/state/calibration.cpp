@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/state/calibration.hpp"
+
+#include "rio/core/so3.hpp"
+
+namespace rio {
+
+namespace {
+
+constexpr int kRotation = static_cast<int>(Calibration::kRotationX);
+constexpr int kTranslation = static_cast<int>(Calibration::kTranslationX);
+constexpr int kDopplerScale = static_cast<int>(Calibration::kDopplerScale);
+constexpr int kTimeOffset = static_cast<int>(Calibration::kTimeOffset);
+
+}  // namespace
+
+CalibrationVector calibration_sigmas(const CalibrationOptions& options) {
+  CalibrationVector sigmas;
+  sigmas.segment<3>(kRotation).setConstant(options.rotation_sigma);
+  sigmas.segment<3>(kTranslation).setConstant(options.translation_sigma);
+  sigmas[kDopplerScale] = options.doppler_scale_sigma;
+  sigmas[kTimeOffset] = options.time_offset_sigma;
+  return sigmas;
+}
+
+RadarState corrected(const RadarState& from, const CalibrationVector& corrections) {
+  const Quaternion turn = quaternion_exp(corrections.segment<3>(kRotation));
+  return {{(from.T_BS.rotation * turn).normalized(),
+           from.T_BS.translation + corrections.segment<3>(kTranslation)},
+          from.doppler_scale + corrections[kDopplerScale],
+          from.time_offset + corrections[kTimeOffset]};
+}
+
+CalibrationVector corrections_between(const RadarState& from, const RadarState& to) {
+  CalibrationVector corrections;
+  corrections.segment<3>(kRotation) =
+      quaternion_log(from.T_BS.rotation.conjugate() * to.T_BS.rotation);
+  corrections.segment<3>(kTranslation) = to.T_BS.translation - from.T_BS.translation;
+  corrections[kDopplerScale] = to.doppler_scale - from.doppler_scale;
+  corrections[kTimeOffset] = to.time_offset - from.time_offset;
+  return corrections;
+}
+
+int calibration_column(const Layout& layout, int i) {
+  if (i < kDopplerScale) return layout.has_extrinsics() ? layout.extrinsics() + i : -1;
+  if (i == kDopplerScale) return layout.has_doppler_scale() ? layout.doppler_scale() : -1;
+  return layout.time_offset_column();
+}
+
+}  // namespace rio
