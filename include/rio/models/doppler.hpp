@@ -14,15 +14,10 @@
 //      (propagate/steady_motion.hpp): at v_S + dv and w + dw
 // The noise n of the gyro sample enters all Dopplers of a scan together, as -n takes the place of
 // the error of b_g: so its coefficients are those of the gyro bias.
+// The ratio of the two R of (E6) is computed by the caller from the prediction and stays constant,
+// so that the cost of the window has a gradient. Derivation: data/theory.md, 5.
 // Reference: Michalczyk et al. 2024, eq. 4; (E2) Xu et al., eq. 10-12, plus the Doppler's own
 // noise; (E5) Lerro, Bar-Shalom 1993 (debiased conversion).
-//
-// Derivation of (E3): with u = u_true + d, r = h-error + d^T v_S + n, so cov(d, r) = Sigma_u v_S
-// and u^ = u - E[d | r]. Using u itself shrinks the velocity along poorly measured angles
-// (errors-in-variables attenuation). With P_h = 0, -r/R u^^T is the gradient of r^2 / (2 R) in
-// v_S. Of (E6): d is correlated with r, and with it the weight 1 / R of the tangents at u; u^ is
-// not. The ratio of the two R, computed by the caller from the prediction, stays constant: so the
-// cost of the window has a gradient.
 #pragma once
 
 #include "rio/models/concept.hpp"

@@ -4,18 +4,13 @@
 //
 // n_k: the part of the samples x_k, at the interval h, that is not motion; stationary, with the
 // spectrum S(f) up to half the rate, vibration above that folded in.
-// (E1) var(h sum n_k) over the time T -> T S(0): in the integrated velocity or attitude, n acts as
-//      white noise of density S(0). Vibration below half the rate does not contribute: its integral
-//      is bounded and the samples follow it.
-// S(0) itself cannot be observed, because the motion is at low frequencies. It is inferred from the
-// octaves above the motion:
+// (E1) var(h sum n_k) over the time T -> T S(0): integrated, n acts as white noise of density S(0)
+// Motion hides S(0) itself; it is inferred from the octaves above (data/theory.md, 2):
 // (E2) y = (x_0 + 2 x_1 + x_2) / 4 at twice the interval, and so on: the octaves l = 0, 1, 2 ...
 // (E3) e = y_0 - 4 y_1 + 6 y_2 - 4 y_3 + y_4: zero for motion that is a cubic over five values
 // (E4) q_l = h E[e^2] / g_l, g_l the variance of e for white x of unit variance: S, averaged over
 //      the octave; the density itself where S is flat
-// (E5) S(0) = min q_l, l >= 1: noise that reaches down to zero fills all octaves, a tone fills one,
-//      motion the lowest. Octave 0 does not count: the sensor's low-pass filter, or interpolation
-//      of lost samples, attenuates it.
+// (E5) S(0) = min q_l, l >= 1; the highest octave, 0, is attenuated by the sensor's low-pass filter
 // (E6) a step over m intervals, with the samples between lost, has the density m S(0): one value
 //      replaces m.
 // (E7) an onset: E[e^2] of octave 1 over its last few values is far above the mean. The means start

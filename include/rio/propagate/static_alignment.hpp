@@ -8,15 +8,13 @@
 // (E3) P_aa = sigma_ba^2 (I - y y^T) + s^2 y y^T,  P_theta,a = [y] P_aa / g,
 //      P_theta,theta = [y] P_aa [y]^T / g^2 + (noise/g)^2 (I - y y^T) + sigma_yaw^2 y y^T
 // where s^2 is the posterior variance of b_a along y given |f| - g and the spread of local gravity.
-// Derivation: f = g exp(-theta) y_true + b_a + n to first order.
+// Derivation: data/theory.md, 3.
 // (E4) noise: the variance of the mean, from the configured density or from the scatter of the
 //      means m_i of the n parts of the window, whichever is more: sum (m_i - m)^2 / ((n - 1) n).
 //      The scatter includes a running engine and a swaying body.
-// (E5) A rotation about y at the rate r looks like a bias of r. Two hypotheses: at rest, the bias
-//      is r and r ~ N(0, s_b^2); or, with probability p_t, on a rotating platform, r ~ N(0, s_t^2)
-//      and the bias has its prior s_b. With the posterior probability w of the second, the moments
-//      of the mixture: b_g along y is (1 - w) r, its variance grows by w (s_b^2 + (1 - w) r^2). w
-//      is negligible for rates typical of a bias.
+// (E5) A rotation about y at the rate r looks like a bias of r. With the posterior probability w of
+//      a rotating platform, b_g along y is (1 - w) r, its variance grows by
+//      w (s_b^2 + (1 - w) r^2). w is negligible for rates typical of a bias.
 #pragma once
 
 #include <array>

@@ -2,14 +2,12 @@
 // Stage 1: the motion of the body as far as the noise of its sensors does not explain it: the point
 // at which the Jacobians of the calibration are evaluated.
 //
-// The predicted velocity v^ contains the noise of the accelerometer, of density q. At v^, the
-// Jacobian in the mounting, v^ x u, changes from scan to scan as if the body accelerated:
-// (E1) a scan after dt then claims the information |n x dv|^2 / (q dt) = 4 about a rotation of the
-//      mounting about the axis n, dv the difference of two predictions, from noise alone: 0.9 deg
-//      after a thousand scans at constant speed, where nothing is known; and the estimate is drawn,
-//      because the same noise is in the residual (regression dilution)
-// A linearisation point that does not depend on this noise has neither (instrumental variables).
-// It follows the acceleration that white noise cannot explain, and otherwise v^ slowly:
+// The predicted velocity v^ contains the noise of the accelerometer, of density q: at v^ a scan
+// after dt claims from noise alone the information
+// (E1) E|n x dv|^2 / (q dt) = 4 about a rotation of the mounting about the axis n,
+// and the same noise in its residual draws the estimate (data/theory.md, 6). A linearisation point
+// without this noise has neither fault: it follows the acceleration that white noise cannot
+// explain, and otherwise v^ slowly:
 // (E2) a: change of v^ per time after two low-passes of time constant m, times (1 - n / |a|^2)+,
 //      n = 25 x 3 q / (4 m): five sigmas of what white noise leaves (James-Stein shrinkage)
 // (E3) v <- v + a dt + (v^ - v) dt / (T + dt), v^ as corrected by the scan before; v <- v^ while

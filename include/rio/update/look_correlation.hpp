@@ -2,10 +2,9 @@
 // Stage 5: noise inflation of the directions of landmarks, by the correlation of their errors,
 // measured in flight.
 //
-// The direction of a static point has an error that lasts: antenna pattern, multipath of floor and
-// walls, the side from which a reflector is seen. Looked at again, its error is the same, and to
-// average it is an illusion. Innovations of a landmark from look to look show it: independent
-// errors cancel in their sum, lasting ones add up.
+// The direction of a static point has an error that lasts: antenna pattern, multipath, the side
+// from which a reflector is seen. Over the looks at a landmark, independent innovations cancel in
+// their sum, lasting ones add up (data/theory.md, 8):
 // (E1) f = E |sum b^k nu_k|^2 / E sum b^2k |nu_k|^2, nu_k the normalised innovations of azimuth and
 //      elevation, k looks ago; b gives the memory of the sum, E the mean over looks. Independent:
 //      f = 1; a share c of their variance common to n looks: 1 + c (n - 1) at the last of them, on

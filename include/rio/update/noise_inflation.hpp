@@ -1,28 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: noise inflation, for correlated errors and for mismatches.
-//
-// The error of a measurement may be correlated from scan to scan: the interference inside a
-// reflector changes with the distance travelled, and not at all while the radar is at rest.
+// Stage 5: noise inflation, for errors that repeat from scan to scan while the radar hardly moves,
+// and for matches with a neighbour of the landmark. Derivations: data/theory.md, 8.
 //
 // (E1) correlation with the previous measurement, d travelled since: rho = (1 - f) exp(-d / d0), f
 //      the share of the variance that is independent in every scan (receiver noise)
-// (E2) n values of a first-order Gauss-Markov error have as much information about a constant as
-//      n (1 - rho) / (1 + rho) independent ones (n large): the variance of each is multiplied by
-//      (1 + rho) / (1 - rho)
-//
-// A match may be of a neighbour of the landmark: it passes the same gate, so its residual is of the
-// same size, but it contains no information about this landmark.
-//
-// (E3) A match that is right with probability p has E[r] = p h dx and var(r) = R, h P h^T small. A
-//      filter with the variance c R claims c R / n after n matches. Its gain is 1 / n, so its error
-//      obeys e_n = (1 - p / n) e_(n-1) + r / n and has the variance R / (n (2 p - 1)):
-//      c = 1 / (2 p - 1)
-// (E4) The Doppler of a mismatch is that of the neighbour, in its own direction u': seen from the
-//      landmark's direction u, the residual has in addition (u' - u)^T v. With m the measured
-//      direction, u' - m is its error, of covariance Sigma, and m - u has passed the gate of the
-//      directions: of the same size, and independent of u' - m. On average over the matches the
-//      variance of the Doppler is larger by 2 (1 - p) v^T Sigma v. Without it the landmarks are
-//      drawn to their neighbours, and the position drifts in one direction of the body.
+// (E2) the variance is multiplied by (1 + rho) / (1 - rho)
+// (E3) a match that is right with probability p: the variance is multiplied by 1 / (2 p - 1)
+// (E4) its Doppler: the variance grows by 2 (1 - p) v^T Sigma v, Sigma that of the direction
 //
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2).
