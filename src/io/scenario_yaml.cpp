@@ -75,9 +75,12 @@ sim::Trajectory recorded_path(const sim::Scenario& scenario) {
   }
 }
 
-sim::Flight fly_path(const sim::Scenario& scenario) {
-  if (scenario.path.file.empty()) return sim::simulate_flight(scenario);
-  return sim::simulate_flight(recorded_path(scenario), scenario);
+sim::Flight fly_path(const sim::Scenario& scenario,
+                     const std::function<void(std::size_t, std::size_t)>& each) {
+  const sim::Trajectory path =
+      scenario.path.file.empty() ? sim::random_flight(scenario.seed, scenario.path, scenario.start)
+                                 : recorded_path(scenario);
+  return sim::simulate_flight(path, scenario, each);
 }
 
 }  // namespace
@@ -97,8 +100,9 @@ std::string scenario_as_yaml(const sim::Scenario& scenario) {
          fields_text(scenario);
 }
 
-sim::Flight fly_scenario(const sim::Scenario& scenario) {
-  sim::Flight flight = fly_path(scenario);
+sim::Flight fly_scenario(const sim::Scenario& scenario,
+                         const std::function<void(std::size_t, std::size_t)>& each) {
+  sim::Flight flight = fly_path(scenario, each);
   if (flight.imu.empty() || flight.scans.empty()) {
     throw std::runtime_error("the disturbances silence a sensor for the whole flight");
   }

@@ -61,19 +61,22 @@ void fly_imu(double seconds, Flight* flight) {
   lose(is_lost, model.lost_filled, &flight->imu);
 }
 
-void fly_radar(double seconds, Flight* flight) {
+void fly_radar(double seconds, const std::function<void(std::size_t, std::size_t)>& each,
+               Flight* flight) {
   // the radar's clock starts between two IMU samples and its period is not a multiple of theirs
   constexpr Time kFirstScan{23'456'789};
   const RadarModel& model = flight->scenario.radar;
   const Disturbances& disturbances = flight->scenario.disturbances;
   RadarSimulator radar(model, flight->room, flight->scenario.seed);
   Random loss(flight->scenario.seed, 14);
+  const auto scans = static_cast<std::size_t>(seconds * model.rate_hz) + 1;
   for (std::int64_t i = 0;; ++i) {
     const Time since = kFirstScan + from_seconds(static_cast<double>(i) / model.rate_hz);
     const Time time = flight->trajectory.start() + since;
     const Time stamp = time + from_seconds(model.stamp_offset);
     if (flight->imu.empty() || std::max(time, stamp) > flight->imu.back().time) break;
     const double t = to_seconds(since);
+    if (each) each(std::min(static_cast<std::size_t>(i), scans), scans);
     if (disturbances.outages.contain(t, seconds)) continue;
     const double outlier_share =
         disturbances.bursts.contain(t, seconds) ? model.burst_outlier_share : model.outlier_share;
@@ -117,7 +120,8 @@ NavState Flight::configured_start() const {
   return state;
 }
 
-Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario) {
+Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario,
+                       const std::function<void(std::size_t, std::size_t)>& each) {
   Flight flight;
   flight.scenario = scenario;
   flight.trajectory = trajectory;
@@ -125,7 +129,7 @@ Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario) {
   flight.configured_T_BS = configured_mounting(scenario);
   const double seconds = std::min(trajectory.duration(), scenario.max_duration);
   fly_imu(seconds, &flight);
-  fly_radar(seconds, &flight);
+  fly_radar(seconds, each, &flight);
   return flight;
 }
 

@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "play.hpp"
+#include "progress.hpp"
 #include "rio/io/flight_dataset.hpp"
 #include "rio/io/scenario_yaml.hpp"
 #include "rio/io/text_file.hpp"
@@ -158,7 +159,13 @@ void print_summary(const SimulateArguments& arguments, const sim::Flight& flight
 
 Simulated run_simulate(const SimulateArguments& arguments) {
   if (arguments.out.empty()) throw std::runtime_error("simulate: the name of the folder is empty");
-  Simulated out{io::fly_scenario(make_scenario(arguments)), {}};
+  Simulated out;
+  {
+    Progress progress(true);
+    out.flight = io::fly_scenario(make_scenario(arguments), [&](std::size_t done, std::size_t all) {
+      progress.show(done, all);
+    });
+  }
   out.dataset = dataset_of(out.flight, arguments.radars);
   write(arguments.out, out.flight, out.dataset);
   return out;

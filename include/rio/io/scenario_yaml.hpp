@@ -24,6 +24,7 @@ std::string scenario_as_yaml(const sim::Scenario& scenario);
 /// Flies the path recorded in `path.file`, smoothed by a spline, or a random one if that is empty.
 /// @throws std::runtime_error if the recorded path cannot be read or flown, or if the disturbances
 /// leave no sample or no scan
-sim::Flight fly_scenario(const sim::Scenario& scenario);
+sim::Flight fly_scenario(const sim::Scenario& scenario,
+                         const std::function<void(std::size_t, std::size_t)>& each = {});
 
 }  // namespace rio::io

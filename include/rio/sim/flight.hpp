@@ -3,6 +3,8 @@
 // Deterministic: the same scenario gives the same bytes. Scan stamps never equal IMU stamps.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "rio/core/so3.hpp"
@@ -39,7 +41,9 @@ struct Flight {
 Pose configured_mounting(const Scenario& scenario);
 
 /// Moves the sensors along `trajectory` through a room that is large enough for it.
-Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario);
+/// @param each called before every scan with its number and the number of scans
+Flight simulate_flight(const Trajectory& trajectory, const Scenario& scenario,
+                       const std::function<void(std::size_t, std::size_t)>& each = {});
 
 /// A random flight of the scenario; its `path.file` is ignored.
 inline Flight simulate_flight(const Scenario& scenario = {}) {
