@@ -271,7 +271,7 @@ RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const
   Options again = options;
   const auto leave_out = [&](std::size_t i, double* sigma) {
     if (*sigma > 0.0 && !determined(out, i)) *sigma = 0.0;
-    return *sigma == 0.0 && priors[i] > 0.0;
+    return *sigma == 0.0 && priors[static_cast<Eigen::Index>(i)] > 0.0;
   };
   const bool no_scale = leave_out(kDopplerScale, &again.calibration.doppler_scale_sigma);
   const bool no_offset = leave_out(kTimeOffset, &again.calibration.time_offset_sigma);
