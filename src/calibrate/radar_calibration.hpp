@@ -83,8 +83,8 @@ struct RadarCalibration {
 /// Errors common to all halves, of flights in the default simulated room (60 m, grids, fading,
 /// ghosts, highlights), beyond their sigmas: roll and pitch 0.1 deg, Doppler scale 0.3 % too large,
 /// stamps 0.5 ms [rad, m, 1, s].
-inline constexpr std::array<double, kCalibrationCount> kCommonError = {
-    0.002, 0.002, 0.0, 0.0, 0.0, 0.0, 0.003, 0.0005};
+inline constexpr std::array<double, kCalibrationCount> kCommonError = {0.002, 0.002, 0.0,   0.0,
+                                                                       0.0,   0.0,   0.003, 0.0005};
 
 /// Calibrates options.radar, with options.calibration as its prior sigmas. If the Doppler scale and
 /// the time offset are not determined, a last repetition omits them, so that they do not bias the
