@@ -6,9 +6,23 @@
 #include <rio/propagate/imu_buffer.hpp>
 #include <rio/sim/flight.hpp>
 
+/// 30 m through the default room, and the options with its mounting.
+struct ResearchFlight {
+  ResearchFlight() {
+    rio::sim::Scenario scenario;
+    scenario.path.length = 30.0;
+    flight = rio::sim::simulate_flight(scenario);
+    options.radar.T_BS = flight.configured_T_BS;
+  }
+
+  rio::sim::Flight flight;
+  rio::Options options;
+};
+
 /// Flies with a rio::Pipeline<...> from the true start; returns the position error at the end [m].
 template <class Pipeline>
-double fly(const rio::sim::Flight& flight, const rio::Options& options, Pipeline* pipeline) {
+double fly(const ResearchFlight& research, Pipeline* pipeline) {
+  const auto& [flight, options] = research;
   rio::BodyCovariance P0 = rio::BodyCovariance::Identity() * 1e-4;  // 1 cm, 0.6 deg, 1 cm/s
   P0.diagonal().segment<3>(rio::body::kGyroBias).setConstant(2.5e-5);
   P0.diagonal().segment<3>(rio::body::kAccelBias).setConstant(2.5e-3);

@@ -86,7 +86,7 @@ TEST_F(RowCompressionTest, OtherBlocksStayAndDivideTheRuns) {
 /// Dopplers that share the noise of a gyro sample.
 class SharedRateNoise : public RowCompressionTest {
  protected:
-  static constexpr double kRateVariance = 0.3;
+  static constexpr double kRateVariance = 1.0;
   using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, DopplerScale>;
 
   LinearRow row_of(const MatrixXd& h) {
@@ -173,7 +173,7 @@ TEST_F(SharedRateNoise, OfFewRowsToo) {
     push_dopplers(rows, rows);
     (void)expect_shared(static_cast<std::size_t>(rows));
     EXPECT_GT((information(batch_) - expected_information()).norm(),
-              1e-3 * expected_information().norm());  // a million times the tolerance
+              0.01 * expected_information().norm());
   }
 }
 

@@ -366,5 +366,19 @@ TEST(Flight, RoomHoldsThePath) {
   EXPECT_GT(furthest, options.room.high_W.x());  // it had to grow
 }
 
+TEST(Flight, CountsItsScans) {
+  Scenario scenario;
+  scenario.path.length = 20.0;
+  const Trajectory path = random_flight(scenario.seed, scenario.path, scenario.start);
+  std::size_t calls = 0;
+  std::size_t expected = 0;
+  const Flight flight = simulate_flight(path, scenario, [&](std::size_t done, std::size_t all) {
+    EXPECT_EQ(done, calls++);
+    expected = all;
+  });
+  EXPECT_EQ(calls, flight.scans.size());  // none is lost
+  EXPECT_NEAR(static_cast<double>(calls), static_cast<double>(expected), 2.0);
+}
+
 }  // namespace
 }  // namespace rio::sim
