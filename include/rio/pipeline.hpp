@@ -13,6 +13,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 #include <vector>
@@ -104,6 +105,14 @@ class Pipeline {
   /// in process().
   Status process_aiding(Time time, const ImuBuffer& imu) {
     report_ = UpdateReport{};
+  /// The clock of a radar has stepped: its time offset is known to the jitter of arrivals.
+  void add_clock_step(std::size_t radar) {
+    const auto change = [radar](StateEstimate* state_estimate) {
+      widen_time_offset(radar, state_estimate);
+    };
+    backend_.replace(change, Invalidates::kNothing, &report_);
+  }
+
     points_.clear();
     report_.time = time;
     const Time at = std::max(time, estimate().nav.time);

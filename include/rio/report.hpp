@@ -199,8 +199,9 @@ struct Counters {
   std::uint64_t imu_out_of_range = 0;  ///< saturated, or beyond the range of any sensor
   std::uint64_t imu_frozen = 0;        ///< values that repeat where noise does not
   std::uint64_t imu_gaps = 0;
-  std::uint64_t clock_restarts = 0;  ///< permanent jumps of the IMU clock
-  std::uint64_t scans = 0;           ///< processed
+  std::uint64_t clock_restarts = 0;     ///< permanent jumps of the IMU clock
+  std::uint64_t radar_clock_steps = 0;  ///< found and carried
+  std::uint64_t scans = 0;              ///< processed
   std::uint64_t scans_late = 0;
   std::uint64_t scans_ahead = 0;
   std::uint64_t scans_duplicate = 0;

@@ -40,8 +40,12 @@
 //               then keeps its values in the time of the new clock, with the uncertainty of a pause
 //               of some 0.3 s; calibration and landmarks start again. After a longer pause call
 //               reset().
-//   scan stamps are in the clock of the IMU: older than the estimate is kLate, farther ahead of the
-//               newest IMU sample than TimingOptions::max_ahead kAhead. In between they wait.
+//   scan stamps are in the clock of the IMU. If that of a radar steps by more than a tenth of a
+//               second - five scans arrive when they are due, with stamps that do not follow - the
+//               step is taken out of the stamps from then on (Counters::radar_clock_steps,
+//               report().time is without it) and the time offset estimated anew. Older than the
+//               estimate is kLate, farther ahead of the newest IMU sample than
+//               TimingOptions::max_ahead kAhead. In between they wait.
 //   all stamps  within 146 years of their epoch; beyond that they are too old, or ahead.
 #pragma once
 

@@ -60,6 +60,12 @@ void widen_position(double sigma, StateEstimate* state_estimate) {
   state_estimate->covariance().inflate(body::kPosition, sigma * sigma);
 }
 
+void widen_time_offset(std::size_t r, StateEstimate* state_estimate) {
+  constexpr double kArrival = 0.02;  // of the mean of a few scans [s]
+  const int column = state_estimate->layout().of_radar(r).time_offset_column();
+  if (column >= 0) state_estimate->covariance().matrix()(column, column) += kArrival * kArrival;
+}
+
 void withdraw_alignment(double speed, const Options& options, StateEstimate* state_estimate) {
   const double tilt = speed / options.start.duration / options.imu.gravity;
   const double bias = options.start.sigma_gyro_bias;

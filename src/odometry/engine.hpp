@@ -3,6 +3,7 @@
 // Each back-end is compiled in its own file.
 #pragma once
 
+#include <array>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -21,6 +22,7 @@
 #include "rio/propagate/restart.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"
+#include "scan_clock.hpp"
 #include "scan_history.hpp"
 #include "scan_queue.hpp"
 #include "stamp_run.hpp"
@@ -118,31 +120,34 @@ class Engine final : public Odometry::Impl {
 
   Status add_scan(const RadarScan& scan, std::size_t radar) override {
     if (radar >= options_.radars()) return Status::kUndeclared;
-    scan_stamps_.add(scan.time);
+    const Time stamp = clocks_[radar].corrected(scan.time, newest_imu());
+    if (clocks_[radar].stepped()) carry_radar_clock(radar);
+    scan_stamps_.add(stamp);
     if (!initialized) {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
     }
-    if (history_.is_last(scan.time, radar) || queue_.contains(scan.time, radar)) {
+    if (history_.is_last(stamp, radar) || queue_.contains(stamp, radar)) {
       ++counters.scans_duplicate;
       return Status::kDuplicate;
     }
-    if (is_late(scan.time, radar)) {
+    if (is_late(stamp, radar)) {
       ++counters.scans_late;
       return Status::kLate;
     }
-    if (is_ahead(scan.time)) {
+    if (is_ahead(stamp)) {
       ++counters.scans_ahead;
       return Status::kAhead;
     }
     filter_detections(scan, options_.radar_of(radar), options_.frontend.max_detections, filtered_);
+    filtered_.time = stamp;
     filtered_.radar = radar;
     counters.detections_non_finite += static_cast<std::uint64_t>(filtered_.non_finite);
     if (filtered_.received > 0 && filtered_.non_finite == filtered_.received) {
       ++counters.scans_non_finite;
       return Status::kNonFinite;
     }
-    const Time measured = pipeline_.measured_at(scan.time, radar);
+    const Time measured = pipeline_.measured_at(stamp, radar);
     const bool next = queue_.empty() || options_.radars() == 1;
     const bool waits = !next || !is_ready(measured, radar);
     if (waits && queue_.full()) {
@@ -159,12 +164,12 @@ class Engine final : public Odometry::Impl {
       process_ready();
       return status;
     }
-    if (!imu_.empty() && imu_.is_gap(imu_.newest(), {scan.time, {}, {}})) {
-      watch(scan.time - imu_.newest().time);
+    if (!imu_.empty() && imu_.is_gap(imu_.newest(), {stamp, {}, {}})) {
+      watch(stamp - imu_.newest().time);
     }
     queue_.insert(filtered_, measured);
     process_ready();  // scans of other radars may have waited for this one
-    return queue_.contains(scan.time, radar) ? Status::kWaiting : pipeline_.report().status;
+    return queue_.contains(stamp, radar) ? Status::kWaiting : pipeline_.report().status;
   }
 
   Status add_measurement(const AidingMeasurement& z) override {
@@ -228,6 +233,7 @@ class Engine final : public Odometry::Impl {
     initialized = false;
     imu_.clear();
     stamps_.reset();
+    for (ScanClock& clock : clocks_) clock.reset();
     guard_.reset();
     aligner_.reset();
     moving_start_.reset();
@@ -305,12 +311,22 @@ class Engine final : public Odometry::Impl {
     aligner_.reset();
     moving_start_.reset();
     if (!initialized) return;
+    for (ScanClock& clock : clocks_) clock.reset();
     imu_.push_back(last);  // a gap follows, to the first sample of the new clock
     add_unknown_pause(options_.imu, at_scan().v_WB.norm(), covariance);
     carry_to(last.time);
   }
 
   /// Restarts the pipeline with the estimate assumed valid at `time`.
+  /// The clock of a radar has stepped. Its scans that wait have stamps of neither clock.
+  void carry_radar_clock(std::size_t radar) {
+    ++counters.radar_clock_steps;
+    counters.scans_late += queue_.size();
+    forget_scans();
+    pipeline_.add_clock_step(radar);
+    publish();
+  }
+
   void carry_to(Time time) {
     NavState state = at_scan();
     state.time = time;
@@ -423,6 +439,7 @@ class Engine final : public Odometry::Impl {
   MovingStart moving_start_;
   Restart restart_;
   ScanHistory history_;
+  std::array<ScanClock, kMaxRadars> clocks_;
   ScanQueue queue_;
   DetectionList filtered_;
   StampRun scan_stamps_;

@@ -238,6 +238,7 @@ py::dict counters_of(const Odometry& odometry) {
   out["imu_frozen"] = c.imu_frozen;
   out["imu_gaps"] = c.imu_gaps;
   out["clock_restarts"] = c.clock_restarts;
+  out["radar_clock_steps"] = c.radar_clock_steps;
   out["scans"] = c.scans;
   out["scans_late"] = c.scans_late;
   out["scans_ahead"] = c.scans_ahead;

@@ -65,6 +65,7 @@ const std::vector<Event>& EventWatch::look(const ScanRecord& record) {
   count(record, &Counters::attitude_resets, EventKind::kReset,
         "tilt, heading or biases were re-initialised");
   count(record, &Counters::restarts, EventKind::kReset, "the tilt was lost and found again");
+  count(record, &Counters::radar_clock_steps, EventKind::kReset, "the clock of a radar stepped");
   if (report.position_reopened > 0.0) {
     add(record, EventKind::kReopened, false,
         fmt::format("the position was re-opened by {:.2f} m", report.position_reopened));

@@ -163,10 +163,13 @@ std::vector<Fault> time_faults() {
       jump("all clocks go back by 0.3 s", Promise::kRecovered, -milliseconds(300)),
       jump("all clocks jump by 2 s", Promise::kHonest, seconds(2)),
       jump("the radar's clock late by 0.05 s", Promise::kHonest, milliseconds(50), true),
-      jump("the radar's clock late by 0.2 s", Promise::kReported, milliseconds(200), true),
-      jump("the radar's clock early by 0.2 s", Promise::kReported, -milliseconds(200), true),
+      jump("the radar's clock late by 0.2 s", Promise::kRecovered, milliseconds(200), true),
+      jump("the radar's clock early by 0.2 s", Promise::kRecovered, -milliseconds(200), true),
+      jump("the radar's clock late by 0.3 s", Promise::kRecovered, milliseconds(300), true),
+      jump("the radar's clock early by 0.3 s", Promise::kRecovered, -milliseconds(300), true),
       {.name = "the radar's clock starts again at 0",
-       .promise = Promise::kReported,
+       .promise = Promise::kRecovered,
+       .within = kPause,
        .duration = kForGood,
        .change =
            [](Event& e, Moment& m) {

@@ -29,6 +29,9 @@ void widen_heading(const GyroBiasStep& found, StateEstimate* state_estimate);
 /// Inflates the covariance of the position by sigma per axis [m].
 void widen_position(double sigma, StateEstimate* state_estimate);
 
+/// The clock of radar r has stepped by what its arrivals show: inflates its time offset.
+void widen_time_offset(std::size_t r, StateEstimate* state_estimate);
+
 /// The static alignment was of a body in motion, now of that speed [m/s]. The mean rate was no
 /// bias: the gyro bias is unknown as after a start in motion. The mean specific force was not
 /// gravity alone: inflates the covariance of the attitude by the acceleration.

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steps of the clock of one radar. The lag of a scan, its stamp minus the newest IMU stamp at its
+// arrival, is constant but for delays. A step of the radar's clock changes it for good, at a scan
+// whose stamp does not follow the one before although it arrives when it is due. A late scan is the
+// opposite: its stamp follows, but it is not due.
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "rio/types.hpp"
+
+namespace rio {
+
+/// O(1) a scan, no allocation.
+class ScanClock {
+ public:
+  /// The stamp without the steps found so far. Takes the scan as evidence of a new one.
+  /// @param imu stamp of the newest IMU sample, if there is one
+  Time corrected(Time stamp, std::optional<Time> imu);
+
+  /// The last call has found a step.
+  bool stepped() const { return stepped_; }
+  /// Sum of the steps: as received minus corrected.
+  Time shift() const { return shift_; }
+
+  /// The clock of the IMU has jumped, that of the radar perhaps, too: starts over.
+  void reset() { *this = ScanClock{}; }
+
+ private:
+  // what the estimated time offset follows, and the jitter of an arrival
+  static constexpr Time kStep = std::chrono::milliseconds(100);
+  static constexpr Time kSteady = std::chrono::milliseconds(50);
+  static constexpr int kMany = 5;  // scans in a row that are no coincidence
+  static constexpr int kMean = 8;  // scans of the mean lag
+
+  struct Scan {
+    Time stamp{0};
+    Time imu{0};  ///< newest sample at its arrival
+  };
+  /// Scans in a row whose lag is not that of before.
+  struct Run {
+    Time lag{0};  ///< mean
+    int count = 0;
+  };
+
+  void observe(const Scan& scan);
+  /// A scan after `interval` is due.
+  bool is_due(Time interval) const { return std::chrono::abs(interval - interval_) < kStep; }
+
+  Time shift_{0};
+  bool stepped_ = false;
+  std::optional<Scan> last_;
+  Time interval_{0};  ///< usual, between scans
+  Time lag_{0};       ///< mean
+  int lags_ = 0;      ///< in it
+  Run run_;
+};
+
+}  // namespace rio

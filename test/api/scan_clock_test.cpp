@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "odometry/scan_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+namespace rio {
+namespace {
+
+using std::chrono::hours;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Scan k of a radar of 20 Hz and an IMU of 200 Hz: measured at 50 k ms, received 10 ms later.
+struct Arrival {
+  Time stamp;
+  Time imu;
+};
+Arrival usual(int k) {
+  return {milliseconds(50 * k), milliseconds(50 * k + 10)};
+}
+
+/// The shift after so many scans, changed from the hundredth on.
+Time shift_after(const std::function<void(int, Arrival*)>& change, int scans = 200) {
+  ScanClock clock;
+  for (int k = 0; k < scans; ++k) {
+    Arrival a = usual(k);
+    if (k >= 100) change(k, &a);
+    (void)clock.corrected(a.stamp, a.imu);
+  }
+  return clock.shift();
+}
+
+TEST(ScanClock, FindsAStepInEitherDirection) {
+  for (const Time step :
+       {Time(milliseconds(300)), Time(-milliseconds(300)), Time(-seconds(5)), Time(hours(2))}) {
+    EXPECT_EQ(shift_after([step](int, Arrival* a) { a->stamp += step; }), step);
+  }
+}
+
+TEST(ScanClock, CorrectsFromTheFifthScanOn) {
+  ScanClock clock;
+  for (int k = 0; k < 120; ++k) {
+    const Time step = k < 100 ? Time(0) : Time(milliseconds(300));
+    const Time corrected = clock.corrected(usual(k).stamp + step, usual(k).imu);
+    EXPECT_EQ(corrected, usual(k).stamp + (k < 104 ? step : Time(0))) << k;
+    EXPECT_EQ(clock.stepped(), k == 104) << k;
+  }
+  clock.reset();
+  EXPECT_EQ(clock.shift(), Time(0));
+}
+
+TEST(ScanClock, DelaysArePassedOver) {
+  const auto none = [](const std::function<void(int, Arrival*)>& change) {
+    EXPECT_EQ(shift_after(change), Time(0));
+  };
+  none([](int, Arrival* a) { a->imu += milliseconds(400); });              // late from now on
+  none([](int k, Arrival* a) { a->imu += milliseconds(50 * (k % 10)); });  // in blocks
+  none([](int, Arrival* a) { a->imu -= milliseconds(400); });              // the IMU is late
+  none([](int, Arrival* a) { *a = {a->stamp + seconds(5), a->imu + seconds(5)}; });  // a silence
+  none([](int, Arrival* a) { a->imu = usual(100).imu; });                           // the IMU stops
+  none([](int k, Arrival* a) { a->stamp -= milliseconds(k % 2 == 0 ? 300 : 0); });  // repeated
+  none([](int k, Arrival* a) { a->stamp += milliseconds(k < 104 ? 900 : 0); });     // four odd ones
+  none([](int, Arrival* a) { a->stamp += milliseconds(90); });  // found as a time offset
+  // both clocks jump, and the samples of the IMU are not believed for a second
+  none([](int k, Arrival* a) {
+    a->stamp += seconds(30);
+    a->imu = k < 120 ? usual(100).imu : a->imu + seconds(30);
+  });
+}
+
+// Delivered late from the hundredth scan on, then an odd stamp: not taken for a step back to zero.
+TEST(ScanClock, TheLagOfBeforeIsThatOfTheLastScans) {
+  EXPECT_EQ(shift_after([](int k, Arrival* a) {
+              a->imu += milliseconds(400);
+              if (k == 150) a->stamp += milliseconds(200);
+            }),
+            Time(0));
+}
+
+TEST(ScanClock, FollowsALagThatDrifts) {
+  ScanClock clock;
+  for (int k = 0; k < 1000; ++k) {
+    const Arrival a = usual(k);
+    (void)clock.corrected(a.stamp, a.imu + Time(milliseconds(k)) / 2);
+  }
+  EXPECT_EQ(clock.shift(), Time(0));
+  EXPECT_EQ(clock.corrected(Time::min(), seconds(60)), Time::min()) << "no stamp";
+  EXPECT_EQ(clock.corrected(seconds(1), std::nullopt), Time(seconds(1))) << "no IMU";
+}
+
+}  // namespace
+}  // namespace rio
