@@ -3,7 +3,8 @@
 //
 // Every reason has a severity: a signal divided by its limit. The state follows from the severities
 // (checks/health_monitor.hpp has the signals and their limits):
-//   initialising    the radar has not measured a velocity since the start
+//   initialising    the radar has not determined velocity and tilt since the start or a restart, or
+//                   its mounting is not known yet
 //   ok              all severities below 1
 //   degraded        a severity of 1 or more: the estimate continues with reduced trust
 //   dead reckoning  the radar is silent: position and velocity by the IMU alone

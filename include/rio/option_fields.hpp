@@ -105,8 +105,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
         "Persistent landmarks kept.");
 
-  field("calibration.rotation_sigma", o.calibration.rotation_sigma, "rad", 0, 1,
-        "Prior of the radar's rotation per axis; 0 = not estimated.");
+  field("calibration.rotation_sigma", o.calibration.rotation_sigma, "rad", 0, kPi,
+        "Prior of the radar's rotation per axis; 0 = not estimated, above 1 = sought in flight.");
   field("calibration.translation_sigma", o.calibration.translation_sigma, "m", 0, 10,
         "Prior of the radar's position per axis; 0 = not estimated.");
   field("calibration.time_offset_sigma", o.calibration.time_offset_sigma, "s", 0, 0.1,

@@ -175,7 +175,9 @@ enum class BackEnd {
 /// Which calibration parameters of the radar are estimated: one-sigma priors, 0 = not estimated. An
 /// estimate is limited to kCalibrationLimit sigmas from the value of the option.
 struct CalibrationOptions {
-  double rotation_sigma = 0.05;     ///< of T_BS, per axis [rad]
+  /// Of T_BS, per axis, pi at most. Above 1 rad the mounting is unknown: it is found in the first
+  /// seconds of motion, before the radar is used (frontend/mounting_search.hpp) [rad].
+  double rotation_sigma = 0.05;
   double translation_sigma = 0.03;  ///< of T_BS, per axis [m]
   /// Stamps are late by this: a stamp on arrival instead of the middle of the chirps [s].
   double time_offset_sigma = 0.03;

@@ -22,6 +22,7 @@
 #include "rio/checks/checks.hpp"
 #include "rio/checks/health_monitor.hpp"
 #include "rio/frontend/front_end.hpp"
+#include "rio/frontend/mounting_search.hpp"
 #include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/scan_correction.hpp"
 #include "rio/options.hpp"
@@ -49,7 +50,11 @@ class Pipeline {
         rows_(options),
         backend_(options),
         checks_(options, &backend_, &report_) {
-    for (std::size_t r = 0; r < options.radars(); ++r) frontends_.emplace_back(options.seen_by(r));
+    for (std::size_t r = 0; r < options.radars(); ++r) {
+      frontends_.emplace_back(options.seen_by(r));
+      if (MountingSearch::is_unknown(options.calibration))
+        searches_.emplace_back(options.seen_by(r));
+    }
     points_.reserve(static_cast<std::size_t>(options.frontend.max_detections));
     seen_.aiding = &aiding_.taken();
     aided_.aiding = &aiding_.taken();
@@ -71,6 +76,12 @@ class Pipeline {
   /// Starts from a static alignment. If the Dopplers contradict its velocity before they have
   /// confirmed it, the body was in motion, and so its tilt and its gyro bias are withdrawn.
   void reset(const Alignment& alignment) { reset(alignment.state, alignment.covariance, true); }
+
+  /// The radars may have been mounted anew: unknown mountings that were found are sought again.
+  void forget_mountings() {
+    for (MountingSearch& search : searches_) search.reset();
+    mountings_.fill(std::nullopt);
+  }
 
   /// Time of measurement of a scan with that stamp, by the current estimate of the time offset.
   Time measured_at(Time stamp, std::size_t radar = 0) const {
@@ -94,6 +105,14 @@ class Pipeline {
   /// The IMU has paused for `duration`.
   void add_gap(Time duration) { health_.add_gap(duration); }
 
+  /// The clock of a radar has stepped: its time offset is known to the jitter of arrivals.
+  void add_clock_step(std::size_t radar) {
+    const auto change = [radar](StateEstimate* state_estimate) {
+      widen_time_offset(radar, state_estimate);
+    };
+    backend_.replace(change, Invalidates::kNothing, &report_);
+  }
+
   /// Queues a measurement of another sensor, in any order: it is used with the first scan not
   /// before its time. False if too many wait.
   bool add(const AidingMeasurement& measurement) { return aiding_.add(measurement); }
@@ -105,14 +124,6 @@ class Pipeline {
   /// in process().
   Status process_aiding(Time time, const ImuBuffer& imu) {
     report_ = UpdateReport{};
-  /// The clock of a radar has stepped: its time offset is known to the jitter of arrivals.
-  void add_clock_step(std::size_t radar) {
-    const auto change = [radar](StateEstimate* state_estimate) {
-      widen_time_offset(radar, state_estimate);
-    };
-    backend_.replace(change, Invalidates::kNothing, &report_);
-  }
-
     points_.clear();
     report_.time = time;
     const Time at = std::max(time, estimate().nav.time);
@@ -150,12 +161,15 @@ class Pipeline {
     if (report_.status != Status::kOk) return conclude();
     if (tilt_is_lost()) return conclude();  // a linearised update could give any tilt
 
+    const bool unusable = mounting_is_unknown(received.radar) && !find_mounting(received);
     predict_velocity_covariance();
-    const DetectionList& scan = correction_.correct(received, estimate(), velocity_covariance_);
+    const DetectionList& scan =
+        correction_.correct(unusable ? empty_ : received, estimate(), velocity_covariance_);
     if (checks_.check_landmarks(scan.time, report_.imu_gap)) reset_frontends();
     observe(scan, last);  // 2
-    seen_.rest = rest_.observe(scan, last, imu, estimate().nav,
+    seen_.rest = rest_.observe(unusable ? received : scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
+    if (seen_.rest) restart_searches();
     if (options_.update.use_ego_velocity) {
       const auto velocity = ego_velocity_measurement(*seen_.scan, seen_.ego_velocity, estimate());
       if (velocity) aiding_.take_ego_velocity(*velocity);
@@ -189,6 +203,14 @@ class Pipeline {
     rest_.reset();
     rows_.reset();
     backend_.reset(prior, P0);
+    for (std::size_t r = 0; r < mountings_.size(); ++r) {
+      if (!mountings_[r]) continue;
+      const auto change = [&](StateEstimate* state_estimate) {
+        state_estimate->set_mounting(r, *mountings_[r]);
+      };
+      backend_.replace(change, Invalidates::kLandmarks, &report_);
+    }
+    restart_searches();
     health_.reset(prior.time);
     report_ = UpdateReport{};
     newest_scan_ = kNoScan;
@@ -233,6 +255,37 @@ class Pipeline {
   /// Moves the queued measurements up to `time` to the current update.
   void gather(Time time, const ImuBuffer& imu) {
     aiding_.take(time, estimate().nav, imu, [this](Time t) { return backend_.anchor(t); });
+  }
+
+  /// The radar is not used yet: no Doppler and no point of it means anything in the body frame.
+  bool mounting_is_unknown(std::size_t radar) const {
+    return !searches_.empty() && !mountings_[radar];
+  }
+
+  /// Takes the scan as evidence of the mounting; true if it is known now.
+  bool find_mounting(const DetectionList& received) {
+    MountingSearch& search = searches_[received.radar];
+    if (report_.imu_gap) search.restart_drift();
+    std::optional<Mounting>& mounting = mountings_[received.radar];
+    mounting = search.add(received, estimate(), backend_.state_estimate().covariance().body());
+    report_.mounting_unknown = !mounting.has_value();
+    if (mounting) {
+      const auto change = [&](StateEstimate* state_estimate) {
+        state_estimate->set_mounting_and_motion(received.radar, *mounting);
+      };
+      backend_.replace(change, Invalidates::kLandmarks, &report_);
+      restart_searches();
+    } else {
+      empty_.time = received.time;
+      empty_.radar = received.radar;
+      empty_.received = received.received;
+    }
+    return mounting.has_value();
+  }
+
+  /// The velocity of the IMU is about to be corrected.
+  void restart_searches() {
+    for (MountingSearch& search : searches_) search.restart_drift();
   }
 
   void predict_velocity_covariance() {
@@ -286,7 +339,10 @@ class Pipeline {
 
   Options options_;
   ScanCorrection correction_;
-  std::vector<FrontEnd> frontends_;  ///< one per radar
+  std::vector<FrontEnd> frontends_;       ///< one per radar
+  std::vector<MountingSearch> searches_;  ///< one per radar if their mounting is unknown, or none
+  std::array<std::optional<Mounting>, kMaxRadars> mountings_;  ///< found
+  DetectionList empty_;                                        ///< a scan that cannot be used yet
   RestDetector rest_;
   ScanRows rows_;
   BackEnd backend_;

@@ -176,6 +176,7 @@ struct UpdateReport {
   int landmarks_removed = 0;
   bool imu_gap = false;                ///< the propagation to this scan crossed a gap
   bool at_rest = false;                ///< standstill for a while, by IMU and radar
+  bool mounting_unknown = false;       ///< of the radar: the scan served to find it, nothing else
   bool velocity_reset = false;         ///< the velocity was replaced before the update
   bool attitude_reset = false;         ///< tilt, heading or biases were re-initialised
   double position_reopened = 0.0;      ///< sigma added to the position after a doubtful time [m]

@@ -104,7 +104,6 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   detections_ += report.detections_kept;
   static_detections_ += report.static_detections;
   if (used > 0) last_used_ = x.nav.time;
-  begun_ = begun_ || rows_used_ > kFewRows;
   severity(HealthReason::kVelocityContradicted) = report.velocity_contradicted / kVelocityTime;
   severity(HealthReason::kTiltContradicted) = report.tilt_contradicted / kTiltTime;
   calibration_[report.radar] = std::max(calibration_doubt(report), clock_doubt(report, x.nav.time));
@@ -113,6 +112,9 @@ void HealthMonitor::observe(const UpdateReport& report, const Estimate& x,
   judge_aiding(report);
   judge_scans(x.nav.time, Time{0});
   judge_sigmas(x, P_body);
+  const bool known = severity(HealthReason::kUncertainVelocity) < kHealthLost &&
+                     severity(HealthReason::kUncertainTilt) < kHealthLost;
+  begun_ = (begun_ || (rows_used_ > kFewRows && known)) && !report.mounting_unknown;
   conclude();
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <stdexcept>
 
 #include "dataset_layout.hpp"
@@ -53,12 +54,12 @@ Pose read_pose(const YamlFile& file, const YAML::Node& node) {
 /// Notes a key that is not read, such as a misspelt one.
 void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector<SensorKey>& keys,
                   std::vector<std::string>* notes) {
-  constexpr const char* kDescriptive[] = {"T_BS", "sensor_type", "comment"};  // as in EuRoC
+  constexpr const char* kOther[] = {"T_BS", "mounting", "sensor_type", "comment"};
   const std::string& name = key.Scalar();
-  if (std::find(std::begin(kDescriptive), std::end(kDescriptive), name) != std::end(kDescriptive)) {
+  if (std::find(std::begin(kOther), std::end(kOther), name) != std::end(kOther)) {
     return;
   }
-  std::vector<std::string> names{"T_BS"};
+  std::vector<std::string> names{"T_BS", "mounting"};
   for (const SensorKey& known : keys) names.emplace_back(known.key);
   notes->push_back(fmt::format("{}:{}: unknown key \"{}\" is not used{}", file.name,
                                key.Mark().line + 1, name, did_you_mean(name, names)));
@@ -118,10 +119,19 @@ void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::str
   }
   const YamlFile file = load_yaml(path);
   read_sensor_keys(file, radar_keys(info), notes);
+  bool unknown = false;
   for (const auto& entry : file.root) {
     if (entry.first.Scalar() == "T_BS") info->T_BS = read_pose(file, entry.second);
+    if (entry.first.Scalar() != "mounting") continue;
+    if (entry.second.Scalar() != "unknown") {
+      fail_at(file, entry.second, "mounting: is \"unknown\" or left out");
+    }
+    constexpr double kAnywhere = 1.0;  // on a small vehicle [m]
+    info->prior_rotation = info->prior_rotation.value_or(std::numbers::pi);
+    info->prior_position = info->prior_position.value_or(kAnywhere);
+    unknown = true;
   }
-  if (!info->T_BS) {
+  if (!info->T_BS && !unknown) {
     notes->push_back(path.string() + " has no T_BS" + consequence);
   }
 }

@@ -240,6 +240,7 @@ class Engine final : public Odometry::Impl {
     restart_.reset();
     forget_scans();
     counters = Counters{};
+    pipeline_.forget_mountings();
     pipeline_.reset(NavState{}, BodyCovariance::Zero());
     publish();
   }
@@ -310,14 +311,13 @@ class Engine final : public Odometry::Impl {
     imu_.clear();
     aligner_.reset();
     moving_start_.reset();
-    if (!initialized) return;
     for (ScanClock& clock : clocks_) clock.reset();
+    if (!initialized) return;
     imu_.push_back(last);  // a gap follows, to the first sample of the new clock
     add_unknown_pause(options_.imu, at_scan().v_WB.norm(), covariance);
     carry_to(last.time);
   }
 
-  /// Restarts the pipeline with the estimate assumed valid at `time`.
   /// The clock of a radar has stepped. Its scans that wait have stamps of neither clock.
   void carry_radar_clock(std::size_t radar) {
     ++counters.radar_clock_steps;
@@ -327,6 +327,7 @@ class Engine final : public Odometry::Impl {
     publish();
   }
 
+  /// Restarts the pipeline with the estimate assumed valid at `time`.
   void carry_to(Time time) {
     NavState state = at_scan();
     state.time = time;
@@ -438,8 +439,8 @@ class Engine final : public Odometry::Impl {
   StaticAligner aligner_;
   MovingStart moving_start_;
   Restart restart_;
-  ScanHistory history_;
   std::array<ScanClock, kMaxRadars> clocks_;
+  ScanHistory history_;
   ScanQueue queue_;
   DetectionList filtered_;
   StampRun scan_stamps_;

@@ -76,6 +76,7 @@ void Recorder::add_events(const UpdateReport& r, const Counters& counters) {
   };
   if (scans.size() == 1) add("first scan");
   if (r.imu_gap) add("gap of the IMU");
+  if (r.mounting_unknown) add("mounting unknown");
   if (r.velocity_reset) add("velocity replaced");
   if (r.attitude_reset) add("attitude or biases replaced");
   if (r.position_reopened > 0.0) add("position re-opened", r.position_reopened);

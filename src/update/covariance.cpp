@@ -41,6 +41,24 @@ void Covariance::propagate(const Matrix15d& phi, const Matrix15d& noise) {  // (
   P_.block(kBody, 0, rest, kMoving) = P_.block(0, kBody, kMoving, rest).transpose();
 }
 
+void Covariance::replace(std::initializer_list<int> at,
+                         const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
+  for (const int column : at) {
+    P_.middleRows<3>(column).setZero();
+    P_.middleCols<3>(column).setZero();
+  }
+  int i = 0;
+  for (const int row : at) {
+    int j = 0;
+    for (const int column : at) {
+      const Matrix3d block = covariance.block<3, 3>(i, j);
+      P_.block<3, 3>(row, column) = 0.5 * (block + covariance.block<3, 3>(j, i).transpose());
+      j += 3;
+    }
+    i += 3;
+  }
+}
+
 void Covariance::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
   P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
 }

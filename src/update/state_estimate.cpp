@@ -76,6 +76,7 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   const double distance = (p.state.p_WB - estimate_.nav.p_WB).norm();
   const double seconds = to_seconds(to - estimate_.nav.time);
   estimate_.gyro_B = imu.at(to).gyro_B;
+  estimate_.accel_density = density;
   estimate_.gyro_variance = options_.ablation.shared_gyro_noise ? gyro_variance : 0.0;
   steady.advance(estimate_.nav, p.state, estimate_.gyro_B - p.state.gyro_bias, seconds, density,
                  gyro_variance, body_velocity_variance());
@@ -112,6 +113,24 @@ void StateEstimate::measure_velocity(const Vector3d& error, const Matrix3d& cova
 void StateEstimate::restart_steady_motion(const Vector3d& v_B) {
   steady_.reset(v_B);
   estimate_.steady = steady_.motion();
+}
+
+void StateEstimate::set_mounting(std::size_t r, const Mounting& mounting) {
+  RadarState radar = estimate_.of_radar(r);
+  radar.T_BS = mounting.T_BS;
+  estimate_.set_radar(r, radar);
+  const int at = layout_.of_radar(r).extrinsics();
+  covariance_.replace({at, at + 3}, mounting.covariance.topLeftCorner<6, 6>());
+}
+
+void StateEstimate::set_mounting_and_motion(std::size_t r, const Mounting& mounting) {
+  set_mounting(r, mounting);
+  NavState& nav = estimate_.nav;
+  nav.p_WB += mounting.position_error_W;
+  nav.v_WB += mounting.velocity_error_W;
+  const int at = layout_.of_radar(r).extrinsics();
+  covariance_.replace({at, at + 3, body::kPosition, body::kVelocity}, mounting.covariance);
+  restart_steady_motion(nav.q_WB.conjugate() * nav.v_WB);
 }
 
 Eigen::Matrix4d StateEstimate::velocity_calibration() const {

@@ -59,13 +59,17 @@ const std::vector<Event>& EventWatch::look(const ScanRecord& record) {
   if (!started_) add(record, EventKind::kStart, false, "first scan used");
   started_ = true;
   const UpdateReport& report = record.report;
+  if (mounting_unknown_ && !report.mounting_unknown) {
+    add(record, EventKind::kStart, false, "the mounting of the radar was found");
+  }
+  mounting_unknown_ = report.mounting_unknown;
   if (report.imu_gap) add(record, EventKind::kGap, false, "the IMU paused before this scan");
   count(record, &Counters::clock_restarts, EventKind::kReset, "the clock of the sensors restarted");
+  count(record, &Counters::radar_clock_steps, EventKind::kReset, "the clock of a radar stepped");
   count(record, &Counters::velocity_resets, EventKind::kReset, "the velocity was replaced");
   count(record, &Counters::attitude_resets, EventKind::kReset,
         "tilt, heading or biases were re-initialised");
   count(record, &Counters::restarts, EventKind::kReset, "the tilt was lost and found again");
-  count(record, &Counters::radar_clock_steps, EventKind::kReset, "the clock of a radar stepped");
   if (report.position_reopened > 0.0) {
     add(record, EventKind::kReopened, false,
         fmt::format("the position was re-opened by {:.2f} m", report.position_reopened));

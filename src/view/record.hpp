@@ -71,6 +71,7 @@ class EventWatch {
              const char* text);
 
   bool started_ = false;
+  bool mounting_unknown_ = false;
   HealthState health_ = HealthState::kInitializing;
   Counters counters_;
   std::vector<Event> events_;

@@ -146,6 +146,7 @@ INSTANTIATE_TEST_SUITE_P(
                       o->frontend.promote_after = 1;
                     },
                     [](Options* o) { EXPECT_TRUE(preset("published-ekf", o)); },
+                    [](Options* o) { o->calibration.rotation_sigma = 3.0; },
                     [](Options* o) { o->backend = BackEnd::kSmoother; },
                     [](Options* o) {  // many landmarks, a long window, few iterations
                       o->backend = BackEnd::kSmoother;

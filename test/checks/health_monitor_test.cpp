@@ -57,6 +57,28 @@ TEST_F(HealthMonitorTest, BeginsWithTheFirstScanThatTellsAVelocity) {
   EXPECT_GT(health().quality, 75);
 }
 
+// A restart whose first scans have yet to determine it is no loss, a later one is.
+TEST_F(HealthMonitorTest, AStartWithAnUnknownTiltBeginsWhenItIsKnown) {
+  const auto tilt = [this](double sigma) {
+    P_.diagonal().segment<2>(body::kAttitude).setConstant(0.5 * sigma * sigma);
+    fly(kPeriod);
+    return health().state;
+  };
+  EXPECT_EQ(tilt(0.25), HealthState::kInitializing);
+  EXPECT_EQ(tilt(0.15), HealthState::kDegraded);
+  EXPECT_EQ(tilt(0.02), HealthState::kOk);
+  EXPECT_EQ(tilt(0.25), HealthState::kLost);
+}
+
+TEST_F(HealthMonitorTest, WithoutAMountingItHasNotBegun) {
+  scan_.mounting_unknown = true;
+  fly(seconds(1));
+  EXPECT_EQ(health().state, HealthState::kInitializing);
+  scan_.mounting_unknown = false;
+  fly(seconds(1));
+  EXPECT_EQ(health().state, HealthState::kOk);
+}
+
 TEST_F(HealthMonitorTest, SilenceIsDeadReckoningOfPositionAndVelocity) {
   fly(seconds(3));
   be_silent(milliseconds(900));

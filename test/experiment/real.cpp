@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -27,17 +28,33 @@ struct Estimator {
   std::string name;
   std::string preset;
   BackEnd backend;
-  bool doppler_alone = false;
+  void (*change)(Options&) = nullptr;
 };
 
+void doppler_alone(Options& options) {
+  options.update.use_landmarks = false;
+  options.update.use_trails = false;
+}
+
+/// As `mounting: unknown` in sensor.yaml, without T_BS.
+void take_mounting_away(Options& options) {
+  options.radar.T_BS = Pose{};
+  for (RadarMount& other : options.other_radars) other.T_BS = Pose{};
+  options.calibration.rotation_sigma = std::numbers::pi;
+  options.calibration.translation_sigma = 1.0;
+}
+
 std::vector<Estimator> estimators() {
-  return {{"default, filter", "default", BackEnd::kEkf},
-          {"default, smoother", "default", BackEnd::kSmoother},
-          {"default, Doppler alone", "default", BackEnd::kEkf, true},
-          {"published-ekf", "published-ekf", BackEnd::kEkf},
-          {"published-smoother", "published-smoother", BackEnd::kSmoother},
-          {"published-uncertainty", "published-uncertainty", BackEnd::kSmoother},
-          {"doppler-only", "doppler-only", BackEnd::kEkf}};
+  return {
+      {"default, filter", "default", BackEnd::kEkf},
+      {"default, smoother", "default", BackEnd::kSmoother},
+      {"default, Doppler alone", "default", BackEnd::kEkf, &doppler_alone},
+      {"default, mounting unknown, filter", "default", BackEnd::kEkf, &take_mounting_away},
+      {"default, mounting unknown, smoother", "default", BackEnd::kSmoother, &take_mounting_away},
+      {"published-ekf", "published-ekf", BackEnd::kEkf},
+      {"published-smoother", "published-smoother", BackEnd::kSmoother},
+      {"published-uncertainty", "published-uncertainty", BackEnd::kSmoother},
+      {"doppler-only", "doppler-only", BackEnd::kEkf}};
 }
 constexpr std::size_t kOfDefault = 2;  // the first ones, by back-end
 
@@ -47,10 +64,7 @@ Options options_for(const Recording& recording, const Estimator& estimator, int 
   io::apply_sensor_info(recording.data, &options);
   options.backend = estimator.backend;
   options.frontend.ransac_seed = seed;
-  if (estimator.doppler_alone) {
-    options.update.use_landmarks = false;
-    options.update.use_trails = false;
-  }
+  if (estimator.change != nullptr) estimator.change(options);
   return options;
 }
 

@@ -66,6 +66,23 @@ TEST(SensorInfo, MissingRadarPoseIsNoted) {
   EXPECT_EQ(d.radar_info.rate_hz, 10.0);
 }
 
+TEST(SensorInfo, AnUnknownMountingIsAPriorOfAnyRotation) {
+  const TempDir dir;
+  write_minimal(dir);
+  dir.write("imu0/sensor.yaml", "rate_hz: 200\n");
+  dir.write("radar0/sensor.yaml", "rate_hz: 10\nmounting: unknown\n");
+  const Dataset d = read_dataset(dir.path());
+  EXPECT_TRUE(d.notes.empty()) << d.notes[0];
+  Options options;
+  apply_sensor_info(d, &options);
+  EXPECT_DOUBLE_EQ(options.calibration.rotation_sigma, 3.14159265358979323846);
+  EXPECT_EQ(options.calibration.translation_sigma, 1.0);
+  EXPECT_TRUE(options.validate());
+  dir.write("radar0/sensor.yaml", "rate_hz: 10\nmounting: unknown\nprior_position_m: 0.02\n");
+  apply_sensor_info(read_dataset(dir.path()), &options);
+  EXPECT_EQ(options.calibration.translation_sigma, 0.02);
+}
+
 TEST(SensorInfo, UnknownKeysAreNamedWithASuggestion) {
   const TempDir dir;
   write_minimal(dir);
@@ -107,6 +124,8 @@ TEST(SensorInfo, SensorFilesAreChecked) {
                "sensor.yaml:2: azimuth_fov_rad: given twice");
   EXPECT_ERROR(read_with(radar, "rate_hz: 1\nrate_hz: 2\n"), "sensor.yaml:2: duplicate key");
   EXPECT_ERROR(read_with(radar, "rate_hz: [1\n"), "radar0/sensor.yaml:");
+  EXPECT_ERROR(read_with(radar, "rate_hz: 1\nmounting: upside down\n"),
+               "sensor.yaml:2: mounting: is \"unknown\" or left out");
   std::filesystem::remove(dir.path() / radar);
   EXPECT_ERROR(
       read_with("imu0/sensor.yaml", "T_BS: {data: [1,0,0,0.01, 0,1,0,0, 0,0,1,0, 0,0,0,1]}\n"),

@@ -96,7 +96,7 @@ class HealthMonitor {
   Health health_;
   Time now_{0};         ///< time up to which the sums have decayed
   Time last_used_{0};   ///< last scan with a row used
-  bool begun_ = false;  ///< the radar has determined a velocity since the start
+  bool begun_ = false;  ///< the radar has determined velocity and tilt since the start
   // decaying sums
   double detections_ = 0.0;
   double static_detections_ = 0.0;

@@ -73,6 +73,7 @@ struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
   double gyro_variance = 0.0;          ///< of that measurement, per axis [rad^2/s^2]
+  double accel_density = 0.0;          ///< of the accelerometer, measured [(m/s^2)^2/Hz]
   SteadyMotion steady;                 ///< where the Jacobians of the calibration are evaluated
   Pose T_BS;
   double doppler_scale = 0.0;                 ///< relative error of the range rates as received

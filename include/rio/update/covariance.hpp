@@ -14,6 +14,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <initializer_list>
 
 #include "rio/propagate/strapdown.hpp"
 #include "rio/state/layout.hpp"
@@ -64,6 +65,10 @@ class Covariance {
   void add_landmark_noise(double variance) {
     inflate(layout_.landmark(0), size_ - layout_.landmark(0), variance);
   }
+
+  /// Replaces parts of the state, each of three columns from `at[i]` on, by ones with this joint
+  /// covariance and independent of the rest.
+  void replace(std::initializer_list<int> at, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk

@@ -9,6 +9,7 @@
 #include <array>
 
 #include "rio/core/static_vector.hpp"
+#include "rio/frontend/mounting_search.hpp"
 #include "rio/models/detection.hpp"
 #include "rio/options.hpp"
 #include "rio/propagate/imu_buffer.hpp"
@@ -50,6 +51,11 @@ class StateEstimate {
   /// The motion before tells nothing of that from now on (propagate/steady_motion.hpp).
   /// @param v_B velocity of the body in its axes [m/s]
   void restart_steady_motion(const Vector3d& v_B);
+
+  /// The mounting of radar r, which was unknown, has been found. It must be estimated.
+  void set_mounting(std::size_t r, const Mounting& mounting);
+  /// Same, at the time of the scan that completed the evidence: corrects position and velocity.
+  void set_mounting_and_motion(std::size_t r, const Mounting& mounting);
 
   /// Covariance of the calibration that rotates and scales a measured velocity of the radar:
   /// rotation of T_BS, axes S [rad], and Doppler scale. Zero where not estimated.

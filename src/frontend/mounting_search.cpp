@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rio/frontend/mounting_search.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "rio/core/so3.hpp"
+
+namespace rio {
+
+namespace {
+
+constexpr double kLasting = 0.08;    // error of a scene's directions (data/theory.md, 12) [rad]
+constexpr double kLastingFor = 2.0;  // [s]
+constexpr double kTurning = 10.0;    // in which the heading may turn the accelerometer bias [s]
+constexpr double kExact = 1e-6;      // sigma of what is not estimated, SI units
+constexpr double kMoving = 0.2;      // slower tells no direction [m/s]
+constexpr double kVague = 0.5;       // sigma of a scan's velocity that tells none [m/s]
+constexpr double kLinear =
+    0.25;                        // sigma from which updates refine a mounting: 1 - cos is 3 % [rad]
+constexpr double kOther = 0.35;  // minima farther apart are two mountings [rad]
+constexpr double kTold = 9.0;    // difference of chi-squared that tells them apart
+constexpr double kLeast = 2.0;   // motion before a solution: errors of directions last as long [s]
+constexpr double kPatience = 5.0;  // motion after which an axis is not shown any more [s]
+constexpr double kEvery = 0.5;     // of motion between solutions [s]
+
+using Matrix93d = Eigen::Matrix<double, 9, 3>;
+using Vector9d = Eigen::Matrix<double, 9, 1>;
+using Vector10d = Eigen::Matrix<double, 10, 1>;
+
+Vector9d vec(const Matrix3d& R) {
+  return Eigen::Map<const Vector9d>(R.data());
+}
+
+Vector10d with_one(const Matrix3d& R) {
+  return (Vector10d() << vec(R), 1.0).finished();
+}
+
+/// Log(A^T B).
+Vector3d turn_between(const Matrix3d& A, const Matrix3d& B) {
+  return quaternion_log(Quaternion(Matrix3d(A.transpose() * B)));
+}
+
+/// Derivative of vec(R Exp(phi)) by phi.
+Matrix93d vec_jacobian(const Matrix3d& R) {
+  Matrix93d J;
+  for (int i = 0; i < 3; ++i) J.col(i) = vec(R * skew(Vector3d::Unit(i)));
+  return J;
+}
+
+/// (E5): f(R) = x^T M x with x = (vec R, 1), and the prior.
+struct RotationCost {
+  Eigen::Matrix<double, 10, 10> M;
+  Matrix3d prior;
+  double prior_information = 0.0;
+
+  double operator()(const Matrix3d& R) const {
+    const Vector10d x = with_one(R);
+    return x.dot(M * x) + prior_information * offset(R).squaredNorm();
+  }
+  Vector3d offset(const Matrix3d& R) const { return turn_between(prior, R); }
+};
+
+struct Minimum {
+  Matrix3d R;
+  double cost = 0.0;
+};
+
+/// The least-squares velocity without the shrinkage by the noise of the directions (errors in
+/// variables, ego_velocity.hpp (E4)).
+Vector3d unshrunk(const DetectionList& scan, const EgoVelocity& velocity) {
+  Matrix3d A = Matrix3d::Zero();
+  Matrix3d noise = Matrix3d::Zero();
+  for (std::size_t i = 0; i < scan.items.size(); ++i) {
+    if (!velocity.inlier[i]) continue;
+    const Detection& d = scan.items[i];
+    A += d.direction_S * d.direction_S.transpose();
+    noise += direction_covariance(d);
+  }
+  const Eigen::LDLT<Matrix3d> root(A);
+  Vector3d v_S = velocity.v_S;
+  for (int i = 0; i < 4; ++i) v_S = velocity.v_S + root.solve(noise * v_S);  // (A - noise)^-1 A v
+  return v_S;
+}
+
+bool cheaper(const Minimum& a, const Minimum& b) {
+  return a.cost < b.cost;
+}
+
+/// Levenberg-Marquardt from R.
+Minimum minimum_from(Matrix3d R, const RotationCost& cost) {
+  constexpr int kIterations = 20;
+  constexpr double kSmall = 1e-6;  // step [rad]
+  double f = cost(R);
+  double damping = 1e-3;
+  for (int i = 0; i < kIterations; ++i) {
+    const Matrix93d J = vec_jacobian(R);
+    const Vector3d gradient = J.transpose() * (cost.M.topRows<9>() * with_one(R)) +
+                              cost.prior_information * cost.offset(R);
+    Matrix3d H = J.transpose() * cost.M.topLeftCorner<9, 9>() * J;
+    H.diagonal().array() += cost.prior_information;
+    H.diagonal() *= 1.0 + damping;
+    const Vector3d step = -H.ldlt().solve(gradient);
+    const Matrix3d next = R * quaternion_exp(step).toRotationMatrix();
+    const double there = cost(next);
+    if (!(there < f)) {
+      damping = 10.0 * damping + 1e-3;
+      continue;
+    }
+    damping *= 0.1;
+    R = next;
+    f = there;
+    if (step.norm() < kSmall) break;
+  }
+  return {R, f};
+}
+
+/// The minima from the 24 rotations of the prior by right angles.
+std::array<Minimum, 24> minima(const RotationCost& cost) {
+  std::array<Minimum, 24> all;
+  std::size_t n = 0;
+  for (int x = 0; x < 3; ++x) {  // the axis that becomes x, one of the others becomes y
+    for (int other = 1; other < 3; ++other) {
+      for (int signs = 0; signs < 4; ++signs) {
+        Matrix3d P = Matrix3d::Zero();
+        P(x, 0) = (signs & 1) != 0 ? -1.0 : 1.0;
+        P((x + other) % 3, 1) = (signs & 2) != 0 ? -1.0 : 1.0;
+        P.col(2) = P.col(0).cross(P.col(1));
+        all[n++] = minimum_from(cost.prior * P, cost);
+      }
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+MountingSearch::MountingSearch(const Options& options)
+    : configured_(options.radar.T_BS),
+      priors_(options.calibration),
+      gravity_(options.imu.gravity),
+      doppler_scale_(1.0 + options.radar.doppler_scale),
+      ransac_(options.frontend, options.frontend.unwrap_doppler ? options.radar.max_doppler : 0.0) {
+  reset();
+}
+
+void MountingSearch::reset() {
+  const Vector3d& p = configured_.translation;
+  const double sigma = std::max(priors_.translation_sigma, kExact);
+  Eigen::Matrix<double, 3, kSize> A = Eigen::Matrix<double, 3, kSize>::Zero();
+  A.middleCols<3>(kLever).setIdentity();
+  A.col(kOne) = -p;
+  sum_ = A.transpose() * A / (sigma * sigma);
+  last_.reset();
+  expected_ = motion_ = solved_ = 0.0;
+}
+
+void MountingSearch::restart_drift() {
+  if (!last_) return;
+  const Eigen::Matrix<double, kDrift, kKept> cross = sum_.bottomLeftCorner<kDrift, kKept>();
+  const Eigen::LDLT<Drift> drift(sum_.bottomRightCorner<kDrift, kDrift>());
+  sum_.topLeftCorner<kKept, kKept>() -= cross.transpose() * drift.solve(cross);
+  sum_.rightCols<kDrift>().setZero();
+  sum_.bottomRows<kDrift>().setZero();
+  last_.reset();
+}
+
+std::optional<Mounting> MountingSearch::add(const DetectionList& scan, const Estimate& x,
+                                            const BodyCovariance& P) {
+  const double dt = advance(x, P);
+  ransac_.estimate(scan, std::nullopt, &velocity_);
+  if (dt > 0.0 && velocity_.valid && velocity_.covariance) {
+    velocity_.v_S = unshrunk(scan, velocity_) / doppler_scale_;
+    accumulate(x, dt);
+  }
+  if (motion_ < kLeast || motion_ < solved_ + kEvery) return std::nullopt;
+  solved_ = motion_;
+  return solve();
+}
+
+double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
+  const auto largest = [&P](int at) {  // an exact start has none
+    return std::max(kExact * kExact, P.diagonal().segment<3>(at).maxCoeff());
+  };
+  const double bias = largest(body::kAccelBias);
+  if (!last_) {
+    const double tilt = gravity_ * gravity_ * largest(body::kAttitude);
+    auto information = sum_.diagonal().segment<kDrift>(kKept);
+    information.head<3>().setConstant(1.0 / largest(body::kPosition));
+    information.segment<3>(3).setConstant(1.0 / largest(body::kVelocity));
+    information.tail<3>().setConstant(1.0 / (tilt + bias));
+    last_ = x.nav.time;
+    return 0.0;
+  }
+  const double dt = to_seconds(x.nav.time - *last_);
+  last_ = x.nav.time;
+  if (!(dt > 0.0)) return 0.0;
+  Drift F = Drift::Identity();
+  F.block<3, 3>(0, 3).diagonal().setConstant(dt);
+  F.block<3, 3>(3, 6).diagonal().setConstant(dt);
+  const double noise = std::max(kExact * kExact, x.accel_density) * dt;
+  Eigen::Matrix<double, kDrift, 1> information;  // of the noise of (E2)
+  information.head<3>().setConstant(3.0 / (noise * dt * dt));
+  information.segment<3>(3).setConstant(1.0 / noise);
+  information.tail<3>().setConstant(kTurning / (bias * dt));
+  const Drift to_next = information.asDiagonal() * F;
+  const Eigen::LDLT<Drift> past(sum_.bottomRightCorner<kDrift, kDrift>() + F.transpose() * to_next);
+  const Eigen::Matrix<double, kDrift, kKept> cross = sum_.bottomLeftCorner<kDrift, kKept>();
+  const Eigen::Matrix<double, kDrift, kKept> from_kept = past.solve(cross);
+  const Drift from_next = past.solve(to_next.transpose());
+  sum_.topLeftCorner<kKept, kKept>() -= cross.transpose() * from_kept;
+  sum_.bottomLeftCorner<kDrift, kKept>() = to_next * from_kept;
+  sum_.topRightCorner<kKept, kDrift>() = sum_.bottomLeftCorner<kDrift, kKept>().transpose();
+  sum_.bottomRightCorner<kDrift, kDrift>() = -to_next * from_next;
+  sum_.diagonal().segment<kDrift>(kKept) += information;
+  return dt;
+}
+
+void MountingSearch::accumulate(const Estimate& x, double dt) {
+  const double white = velocity_.covariance->trace() / 3.0;
+  if (white > kVague * kVague) return;
+  const double speed = velocity_.v_S.norm();
+  if (speed > kMoving) motion_ += std::min(dt, kEvery);
+  const double lasting = kLasting * kLasting * speed * speed;
+  const double weight = 1.0 / (white + lasting * std::max(1.0, kLastingFor / dt));
+  expected_ += 3.0 * weight * (white + lasting);
+
+  const Matrix3d R_BW = x.nav.q_WB.conjugate().toRotationMatrix();
+  Eigen::Matrix<double, 3, kSize> A = Eigen::Matrix<double, 3, kSize>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    A.middleCols<3>(kRotation + 3 * i).diagonal().setConstant(velocity_.v_S[i]);
+  }
+  A.middleCols<3>(kLever) = -skew(x.gyro_B - x.nav.gyro_bias);
+  A.col(kOne) = -R_BW * x.nav.v_WB;
+  A.middleCols<3>(kVelocity) = -R_BW;
+  sum_ += weight * A.transpose() * A;
+}
+
+std::optional<Mounting> MountingSearch::solve() const {
+  constexpr int kForm = kOne + 1;
+  constexpr int kLinearPart = kSize - kForm;  // p, e, d, a
+  const Eigen::LDLT<Eigen::Matrix<double, kLinearPart, kLinearPart>> linear(
+      sum_.bottomRightCorner<kLinearPart, kLinearPart>());
+  const Eigen::Matrix<double, kLinearPart, kForm> cross =
+      sum_.bottomLeftCorner<kLinearPart, kForm>();
+  const Eigen::Matrix<double, kLinearPart, kForm> to_linear = linear.solve(cross);
+  RotationCost cost;
+  cost.M = sum_.topLeftCorner<kForm, kForm>() - cross.transpose() * to_linear;
+  cost.prior = configured_.rotation.toRotationMatrix();
+  cost.prior_information = 1.0 / (priors_.rotation_sigma * priors_.rotation_sigma);
+
+  const std::array<Minimum, 24> all = minima(cost);
+  Minimum best = *std::min_element(all.begin(), all.end(), cheaper);
+  const double excess = std::max(1.0, best.cost / expected_);
+  const double bound = best.cost + kTold * excess;
+  for (const Minimum& m : all) {
+    const bool nearer = cost.offset(m.R).norm() < cost.offset(best.R).norm();
+    if (m.cost < bound && nearer) best = m;
+  }
+  const bool alone = std::none_of(all.begin(), all.end(), [&](const Minimum& m) {
+    return m.cost < bound && turn_between(best.R, m.R).norm() > kOther;
+  });
+
+  constexpr int kAll = 3 + kLinearPart;  // phi, p, e, d, a
+  Eigen::Matrix<double, kSize, kAll> J = Eigen::Matrix<double, kSize, kAll>::Zero();
+  J.topLeftCorner<9, 3>() = vec_jacobian(best.R);
+  J.bottomRightCorner<kLinearPart, kLinearPart>().setIdentity();
+  Eigen::Matrix<double, kAll, kAll> information = J.transpose() * sum_ * J;
+  information.diagonal().head<3>().array() += cost.prior_information;
+  Mounting found;
+  found.covariance = excess * information.inverse().topLeftCorner<12, 12>();
+  const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(found.covariance.topLeftCorner<3, 3>());
+  const Vector3d sigmas = axes.eigenvalues().cwiseSqrt();
+  const bool shown = alone && sigmas[2] < kLinear;
+  if (sigmas[1] > kLinear || (!shown && motion_ < kPatience)) return std::nullopt;
+  if (!shown) {  // the axis that the motion does not show: as configured
+    const Vector3d axis = axes.eigenvectors().col(2);
+    const Matrix3d scale =
+        Matrix3d::Identity() + (kLinear / sigmas[2] - 1.0) * axis * axis.transpose();
+    found.covariance.topRows<3>() =
+        scale * Eigen::Matrix<double, 3, 12>(found.covariance.topRows<3>());
+    found.covariance.leftCols<3>() =
+        Eigen::Matrix<double, 12, 3>(found.covariance.leftCols<3>()) * scale;
+  }
+  const Eigen::Matrix<double, kLinearPart, 1> x = -to_linear * with_one(best.R);
+  found.T_BS = {Quaternion(best.R), x.head<3>()};
+  found.position_error_W = x.segment<3>(3);
+  found.velocity_error_W = x.segment<3>(6);
+  return found;
+}
+
+}  // namespace rio

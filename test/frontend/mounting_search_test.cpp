@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The mounting from scans of the simulator and its true motion, with errors of an IMU added.
+#include "rio/frontend/mounting_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "rio/core/so3.hpp"
+#include "rio/sim/catalogue.hpp"
+#include "rio/sim/flight.hpp"
+#include "support/measured.hpp"
+
+namespace rio::test {
+namespace {
+
+using sim::kDegree;
+
+/// The error of an integrated IMU, (E2) of the header, and what is claimed of it.
+struct Drift {
+  double sigma_position = 0.01;  // [m]
+  double sigma_velocity = 0.05;  // [m/s]
+  double sigma_accel = 0.05;     // [m/s^2]
+  Vector3d velocity = Vector3d::Zero();
+  Vector3d accel = Vector3d::Zero();
+
+  BodyCovariance covariance() const {
+    BodyCovariance P = BodyCovariance::Identity() * 1e-12;
+    P.diagonal().segment<3>(body::kPosition).setConstant(sigma_position * sigma_position);
+    P.diagonal().segment<3>(body::kVelocity).setConstant(sigma_velocity * sigma_velocity);
+    P.diagonal().segment<3>(body::kAccelBias).setConstant(sigma_accel * sigma_accel);
+    return P;
+  }
+};
+
+struct Found {
+  Mounting mounting;
+  Time time{0};
+  Estimate predicted;  ///< at the scan that completed the evidence
+};
+
+sim::Flight flight_of(const char* name, std::uint64_t seed, double duration) {
+  sim::Scenario scenario;
+  EXPECT_TRUE(sim::scenario(name, &scenario));
+  scenario.seed = seed;
+  scenario.max_duration = duration;
+  return sim::simulate_flight(scenario);
+}
+
+Options options_with(const sim::Flight& flight, const Pose& configured) {
+  const sim::RadarModel& radar = flight.scenario.radar;
+  Options options;
+  options.radar.T_BS = configured;
+  options.radar.sigma_azimuth = radar.sigma_azimuth;
+  options.radar.sigma_elevation = radar.sigma_elevation;
+  options.radar.sigma_doppler = radar.sigma_doppler;
+  options.radar.doppler_resolution = radar.doppler_resolution;
+  options.radar.max_doppler = radar.max_doppler;
+  options.calibration.rotation_sigma = std::numbers::pi;
+  options.calibration.translation_sigma = 0.5;
+  return options;
+}
+
+/// Every scan from the first motion on, `each` before it.
+template <class Each>
+std::optional<Found> search(const sim::Flight& flight, const Pose& configured, const Drift& drift,
+                            const Each& each) {
+  const Options options = options_with(flight, configured);
+  MountingSearch search(options);
+  DetectionList list(options.frontend.max_detections);
+  std::optional<Time> begin;
+  for (const RadarScan& scan : flight.scans) {
+    Estimate x;
+    x.nav = flight.truth_at(scan.time);
+    if (!begin && x.nav.v_WB.norm() < 0.05) continue;
+    if (!begin) begin = scan.time;
+    const double t = to_seconds(scan.time - *begin);
+    x.nav.v_WB -= drift.velocity + t * drift.accel;
+    x.nav.p_WB -= t * drift.velocity + 0.5 * t * t * drift.accel;
+    x.gyro_B = flight.trajectory.at(scan.time).gyro_B + x.nav.gyro_bias;
+    x.accel_density = 1e-6;
+    each(&search, &x, t);
+    filter_detections(scan, options.radar, options.frontend.max_detections, list);
+    const auto found = search.add(list, x, drift.covariance());
+    if (found) return Found{*found, scan.time, x};
+  }
+  return std::nullopt;
+}
+std::optional<Found> search(const sim::Flight& flight, const Pose& configured,
+                            const Drift& drift = {}) {
+  return search(flight, configured, drift, [](MountingSearch*, Estimate*, double) {});
+}
+
+/// True minus found, as the covariance is ordered.
+Eigen::Matrix<double, 12, 1> error_of(const Found& found, const sim::Flight& flight) {
+  const Pose& truth = flight.scenario.radar.T_BS;
+  const NavState nav = flight.truth_at(found.time);
+  Eigen::Matrix<double, 12, 1> e;
+  e << quaternion_log(found.mounting.T_BS.rotation.conjugate() * truth.rotation),
+      truth.translation - found.mounting.T_BS.translation,
+      nav.p_WB - found.predicted.nav.p_WB - found.mounting.position_error_W,
+      nav.v_WB - found.predicted.nav.v_WB - found.mounting.velocity_error_W;
+  return e;
+}
+
+Pose turned(const Pose& mounting, double angle, const Vector3d& axis) {
+  return {
+      (mounting.rotation * Quaternion(Eigen::AngleAxisd(angle, axis.normalized()))).normalized(),
+      mounting.translation};
+}
+
+TEST(MountingSearch, FindsAMountingTurnedByAnyAngle) {
+  const sim::Flight flight = flight_of("indoor-1", 3, 25.0);
+  const Pose truth = flight.scenario.radar.T_BS;
+  for (const double angle : {0.0, 30.0, 90.0, 150.0, 180.0}) {
+    for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(1, -2, 3)}) {
+      const auto found = search(flight, turned(truth, angle * kDegree, axis));
+      ASSERT_TRUE(found) << angle;
+      const auto e = error_of(*found, flight);
+      for (int i = 0; i < 12; ++i) {
+        EXPECT_LT(std::abs(e[i]), 3.0 * std::sqrt(found->mounting.covariance(i, i)))
+            << angle << " deg about " << axis.transpose() << ", " << i;
+      }
+      EXPECT_LT(e.head<3>().norm(), 0.3);
+    }
+  }
+}
+
+TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
+  double rotation = 0.0;
+  double motion = 0.0;
+  constexpr int kFlights = 12;
+  for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
+    const sim::Flight flight = flight_of("indoor-1", seed, 25.0);
+    sim::Random random(seed);
+    Drift drift;
+    for (int i = 0; i < 3; ++i) {
+      drift.velocity[i] = drift.sigma_velocity * random.normal();
+      drift.accel[i] = drift.sigma_accel * random.normal();
+    }
+    const auto found = search(flight, turned(flight.scenario.radar.T_BS, 2.0, {1, 2, 3}), drift);
+    ASSERT_TRUE(found) << seed;
+    const auto e = error_of(*found, flight);
+    const auto nees = [&](int at, int size) {
+      const Eigen::VectorXd part = e.segment(at, size);
+      return part.dot(found->mounting.covariance.block(at, at, size, size).ldlt().solve(part)) /
+             size;
+    };
+    rotation += nees(0, 3) / kFlights;
+    motion += nees(6, 6) / kFlights;
+  }
+  measured("NEES of the rotation", rotation, "0.02 to 1.5");
+  measured("NEES of position and velocity", motion, "below 1.5");
+  // the simulator has no error of the directions that lasts: the claim (E4) is wider than needed
+  EXPECT_LT(rotation, 1.5);
+  EXPECT_GT(rotation, 0.02);
+  EXPECT_LT(motion, 1.5);
+}
+
+TEST(MountingSearch, WhatAStraightDriveDoesNotShowIsAsConfigured) {
+  sim::Scenario scenario;
+  scenario.path.ground = true;
+  scenario.path.low = {-2.0, -0.2, 0.3};
+  scenario.path.high = {40.0, 0.2, 0.3};
+  scenario.path.reach = {30.0, 0.1, 0.1};
+  scenario.path.max_yaw = 0.02;
+  scenario.path.length = 30.0;
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  const Pose truth = flight.scenario.radar.T_BS;
+  // ahead in radar axes: the direction that the drive shows
+  const Vector3d ahead_S = truth.rotation.conjugate() * Vector3d::UnitX();
+  const Pose rolled = turned(truth, 40.0 * kDegree, ahead_S);
+  const auto found = search(flight, rolled);
+  ASSERT_TRUE(found);
+  const Vector3d off = quaternion_log(truth.rotation.conjugate() * found->mounting.T_BS.rotation);
+  EXPECT_NEAR(off.dot(ahead_S), 40.0 * kDegree, 5.0 * kDegree);
+  const Matrix3d P = found->mounting.covariance.topLeftCorner<3, 3>();
+  const double along = ahead_S.dot(P * ahead_S);
+  EXPECT_NEAR(std::sqrt(along), 0.25, 0.05);
+  EXPECT_LT((off - off.dot(ahead_S) * ahead_S).norm(), 3.0 * std::sqrt(P.trace() - along));
+  EXPECT_LT(std::sqrt(P.trace() - along), 0.3);
+}
+
+TEST(MountingSearch, ACorrectedVelocityNeedsARestart) {
+  const sim::Flight flight = flight_of("indoor-1", 3, 25.0);
+  const Pose configured = turned(flight.scenario.radar.T_BS, 2.0, {1, 2, 3});
+  Drift drift;
+  drift.sigma_velocity = 1.0;
+  const auto rotation_error = [&](bool restart) {
+    bool corrected = false;
+    const auto found =
+        search(flight, configured, drift, [&](MountingSearch* search, Estimate* x, double t) {
+          if (t < 1.5) {
+            x->nav.v_WB += Vector3d(1.0, -1.0, 0.5);
+          } else if (restart && !corrected) {
+            search->restart_drift();
+            corrected = true;
+          }
+        });
+    return found ? error_of(*found, flight).head<3>().norm() : 10.0;
+  };
+  EXPECT_LT(rotation_error(true), 0.4);
+  EXPECT_GT(rotation_error(false), 0.6);
+}
+
+TEST(MountingSearch, IsOnlyForAPriorThatIsNoCalibration) {
+  CalibrationOptions calibration;
+  EXPECT_FALSE(MountingSearch::is_unknown(calibration));
+  calibration.rotation_sigma = 1.0;
+  EXPECT_FALSE(MountingSearch::is_unknown(calibration));
+  calibration.rotation_sigma = std::numbers::pi;
+  EXPECT_TRUE(MountingSearch::is_unknown(calibration));
+}
+
+}  // namespace
+}  // namespace rio::test
