@@ -11,34 +11,30 @@ namespace rio {
 Time ScanClock::corrected(Time stamp, std::optional<Time> imu) {
   stepped_ = false;
   if (!imu || !is_stamp(stamp)) return stamp;
-  const Scan scan{stamp - shift_, *imu};
-  observe(scan);
+  observe(stamp - shift_, *imu);
   if (run_.count == kMany) {
-    const Time step = run_.lag - lag_;
-    shift_ += step;
-    last_->stamp -= step;
+    shift_ += run_.lag - lag_;
+    newest_ = stamp - shift_;
     run_ = Run{};
     stepped_ = true;
   }
   return stamp - shift_;
 }
 
-void ScanClock::observe(const Scan& scan) {
-  const Time lag = scan.stamp - scan.imu;
-  const std::optional<Scan> before = std::exchange(last_, scan);
-  if (!before) {
-    lag_ = lag;
-    return;
-  }
-  const Time interval = scan.stamp - before->stamp;
-  const bool away = std::chrono::abs(lag - lag_) > kStep && scan.imu > before->imu;
+void ScanClock::observe(Time stamp, Time imu) {
+  const Time lag = stamp - imu;
+  const Time before = newest_.value_or(stamp);
+  const Time interval = stamp - before;
+  const Time arrival = imu - std::exchange(imu_, imu);
+  newest_ = std::max(before, stamp);
+  const bool away = std::chrono::abs(lag - lag_) > kStep && arrival > Time{0};
   if (run_.count > 0 && away && std::chrono::abs(lag - run_.lag) < kSteady) {
     ++run_.count;
     run_.lag += (lag - run_.lag) / run_.count;
     return;
   }
   run_ = Run{};
-  if (lags_ == kMean && away && is_due(scan.imu - before->imu) && !is_due(interval)) {
+  if (lags_ == kMean && away && is_due(arrival) && !is_due(interval)) {
     run_ = {lag, 1};
     return;
   }

@@ -34,26 +34,23 @@ class ScanClock {
   static constexpr int kMany = 5;  // scans in a row that are no coincidence
   static constexpr int kMean = 8;  // scans of the mean lag
 
-  struct Scan {
-    Time stamp{0};
-    Time imu{0};  ///< newest sample at its arrival
-  };
   /// Scans in a row whose lag is not that of before.
   struct Run {
     Time lag{0};  ///< mean
     int count = 0;
   };
 
-  void observe(const Scan& scan);
+  void observe(Time stamp, Time imu);
   /// A scan after `interval` is due.
   bool is_due(Time interval) const { return std::chrono::abs(interval - interval_) < kStep; }
 
   Time shift_{0};
   bool stepped_ = false;
-  std::optional<Scan> last_;
-  Time interval_{0};  ///< usual, between scans
-  Time lag_{0};       ///< mean
-  int lags_ = 0;      ///< in it
+  std::optional<Time> newest_;  ///< stamp, corrected: late scans may come between
+  Time imu_{0};                 ///< at the last scan
+  Time interval_{0};            ///< usual, between scans
+  Time lag_{0};                 ///< mean
+  int lags_ = 0;                ///< in it
   Run run_;
 };
 

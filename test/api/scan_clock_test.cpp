@@ -79,6 +79,22 @@ TEST(ScanClock, TheLagOfBeforeIsThatOfTheLastScans) {
             Time(0));
 }
 
+// From the twentieth late scan on the radar delivers on time again: new scans overtake late ones.
+TEST(ScanClock, ADelayThatEndsIsNoStep) {
+  ScanClock clock;
+  const auto add = [&clock](int k, int late) {
+    (void)clock.corrected(usual(k).stamp, usual(k + late).imu);
+  };
+  for (int k = 0; k < 100; ++k) add(k, 0);
+  for (int k = 100; k < 120; ++k) add(k, 18);
+  for (int k = 120; k < 138; ++k) {
+    add(k, 18);
+    add(k + 18, 0);
+  }
+  for (int k = 156; k < 200; ++k) add(k, 0);
+  EXPECT_EQ(clock.shift(), Time(0));
+}
+
 TEST(ScanClock, FollowsALagThatDrifts) {
   ScanClock clock;
   for (int k = 0; k < 1000; ++k) {
