@@ -26,7 +26,7 @@ void ScanClock::observe(Time stamp, Time imu) {
   const Time before = newest_.value_or(stamp);
   const Time interval = stamp - before;
   const Time arrival = imu - std::exchange(imu_, imu);
-  newest_ = std::max(before, stamp);
+  newest_ = lag - lag_ < kOdd ? std::max(before, stamp) : before;
   const bool away = std::chrono::abs(lag - lag_) > kStep && arrival > Time{0};
   if (run_.count > 0 && away && std::chrono::abs(lag - run_.lag) < kSteady) {
     ++run_.count;
@@ -39,7 +39,7 @@ void ScanClock::observe(Time stamp, Time imu) {
     return;
   }
   lags_ = std::min(lags_ + 1, kMean);
-  lag_ += (lag - lag_) / lags_;
+  lag_ += lags_ < kMean ? (lag - lag_) / lags_ : std::clamp(lag - lag_, -kPull, kPull) / kMean;
   if (is_due(interval) || lags_ < kMean) interval_ += (interval - interval_) / lags_;
 }
 

@@ -95,6 +95,19 @@ TEST(ScanClock, ADelayThatEndsIsNoStep) {
   EXPECT_EQ(clock.shift(), Time(0));
 }
 
+// One odd stamp, wherever it comes from, must not make the scans after it look irregular.
+TEST(ScanClock, AnOddStampIsForgotten) {
+  for (const Time odd : {Time(hours(1)), Time(-hours(1)), Time(seconds(3))}) {
+    for (const bool due : {true, false}) {
+      EXPECT_EQ(shift_after([&](int k, Arrival* a) {
+                  if (k == 100) *a = {a->stamp + odd, due ? a->imu : a->imu + milliseconds(200)};
+                  if (k >= 170) a->imu += milliseconds(400);  // late from then on
+                }),
+                Time(0));
+    }
+  }
+}
+
 TEST(ScanClock, FollowsALagThatDrifts) {
   ScanClock clock;
   for (int k = 0; k < 1000; ++k) {
