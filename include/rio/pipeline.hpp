@@ -52,8 +52,8 @@ class Pipeline {
         checks_(options, &backend_, &report_) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
       frontends_.emplace_back(options.seen_by(r));
-      if (MountingSearch::is_unknown(options.calibration))
-        searches_.emplace_back(options.seen_by(r));
+      if (!MountingSearch::is_unknown(options.calibration)) continue;
+      searches_.emplace_back(options.seen_by(r));
     }
     points_.reserve(static_cast<std::size_t>(options.frontend.max_detections));
     seen_.aiding = &aiding_.taken();

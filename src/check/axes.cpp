@@ -13,24 +13,6 @@ namespace rio::check {
 
 namespace {
 
-/// The 24 rotations by right angles.
-std::vector<Matrix3d> right_angles() {
-  std::vector<Matrix3d> out;
-  for (int x = 0; x < 3; ++x) {
-    for (int y = 0; y < 3; ++y) {
-      if (x == y) continue;
-      for (int signs = 0; signs < 4; ++signs) {
-        Matrix3d P = Matrix3d::Zero();
-        P(x, 0) = (signs & 1) != 0 ? -1.0 : 1.0;
-        P(y, 1) = (signs & 2) != 0 ? -1.0 : 1.0;
-        P.col(2) = P.col(0).cross(P.col(1));
-        out.push_back(P);
-      }
-    }
-  }
-  return out;
-}
-
 /// "90 deg about the +z axis", if it is about an axis.
 std::string turn_text(const Matrix3d& turn, const char* whose) {
   const Vector3d phi = quaternion_log(Quaternion(turn));

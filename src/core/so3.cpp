@@ -126,6 +126,24 @@ Quaternion rotation_between(const Vector3d& a, const Vector3d& b) {
   return Quaternion(from.dot(middle), xyz.x(), xyz.y(), xyz.z()).normalized();
 }
 
+std::array<Matrix3d, 24> right_angles() {
+  std::array<Matrix3d, 24> all;
+  std::size_t n = 0;
+  for (int x = 0; x < 3; ++x) {
+    for (int y = 0; y < 3; ++y) {
+      if (x == y) continue;
+      for (int signs = 0; signs < 4; ++signs) {
+        Matrix3d& R = all[n++];
+        R.setZero();
+        R(x, 0) = (signs & 1) != 0 ? -1.0 : 1.0;
+        R(y, 1) = (signs & 2) != 0 ? -1.0 : 1.0;
+        R.col(2) = R.col(0).cross(R.col(1));
+      }
+    }
+  }
+  return all;
+}
+
 AttitudeVariance attitude_variance(const Quaternion& q_WB, const Matrix3d& P) {
   const Vector3d up_B = q_WB.conjugate() * Vector3d::UnitZ();
   const double heading = up_B.dot(P * up_B);

@@ -123,17 +123,7 @@ Minimum minimum_from(Matrix3d R, const RotationCost& cost) {
 std::array<Minimum, 24> minima(const RotationCost& cost) {
   std::array<Minimum, 24> all;
   std::size_t n = 0;
-  for (int x = 0; x < 3; ++x) {  // the axis that becomes x, one of the others becomes y
-    for (int other = 1; other < 3; ++other) {
-      for (int signs = 0; signs < 4; ++signs) {
-        Matrix3d P = Matrix3d::Zero();
-        P(x, 0) = (signs & 1) != 0 ? -1.0 : 1.0;
-        P((x + other) % 3, 1) = (signs & 2) != 0 ? -1.0 : 1.0;
-        P.col(2) = P.col(0).cross(P.col(1));
-        all[n++] = minimum_from(cost.prior * P, cost);
-      }
-    }
-  }
+  for (const Matrix3d& P : right_angles()) all[n++] = minimum_from(cost.prior * P, cost);
   return all;
 }
 

@@ -54,6 +54,7 @@ Pose read_pose(const YamlFile& file, const YAML::Node& node) {
 /// Notes a key that is not read, such as a misspelt one.
 void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector<SensorKey>& keys,
                   std::vector<std::string>* notes) {
+  // read elsewhere, or descriptive as in EuRoC
   constexpr const char* kOther[] = {"T_BS", "mounting", "sensor_type", "comment"};
   const std::string& name = key.Scalar();
   if (std::find(std::begin(kOther), std::end(kOther), name) != std::end(kOther)) {

@@ -2,8 +2,6 @@
 // A radar whose mounting is unknown: found in flight, with either back-end.
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "experiment/trial.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/sim/catalogue.hpp"
@@ -37,9 +35,7 @@ class UnknownMounting : public testing::TestWithParam<BackEnd> {
   /// Nothing is known, not even the position of the radar.
   static Options unknown() {
     Options o = options();
-    o.radar.T_BS = Pose{};
-    o.calibration.rotation_sigma = std::numbers::pi;
-    o.calibration.translation_sigma = 1.0;
+    experiment::forget_mounting(o);
     return o;
   }
   static double error_of(const Trial& trial) {

@@ -63,11 +63,24 @@ TEST(ScanClock, DelaysArePassedOver) {
   none([](int k, Arrival* a) { a->stamp -= milliseconds(k % 2 == 0 ? 300 : 0); });  // repeated
   none([](int k, Arrival* a) { a->stamp += milliseconds(k < 104 ? 900 : 0); });     // four odd ones
   none([](int, Arrival* a) { a->stamp += milliseconds(90); });  // found as a time offset
+  none([](int k, Arrival* a) { a->stamp += milliseconds(k % 2 == 0 ? 300 : 600); });  // no one step
   // both clocks jump, and the samples of the IMU are not believed for a second
   none([](int k, Arrival* a) {
     a->stamp += seconds(30);
     a->imu = k < 120 ? usual(100).imu : a->imu + seconds(30);
   });
+}
+
+// The same with a radar so fast that its scans within a step of the IMU have nearly the same lag.
+TEST(ScanClock, TheImuMustGoOn) {
+  ScanClock clock;
+  for (int k = 0; k < 400; ++k) {
+    const Time jump = k < 200 ? Time(0) : Time(seconds(30));
+    const Time t = milliseconds(10 * k);
+    const bool believed = k < 200 || k >= 300;
+    (void)clock.corrected(t + jump, believed ? t + jump : milliseconds(2000));
+  }
+  EXPECT_EQ(clock.shift(), Time(0));
 }
 
 // Delivered late from the hundredth scan on, then an odd stamp: not taken for a step back to zero.
@@ -88,8 +101,8 @@ TEST(ScanClock, ADelayThatEndsIsNoStep) {
   for (int k = 0; k < 100; ++k) add(k, 0);
   for (int k = 100; k < 120; ++k) add(k, 18);
   for (int k = 120; k < 138; ++k) {
-    add(k, 18);
     add(k + 18, 0);
+    add(k, 18);
   }
   for (int k = 156; k < 200; ++k) add(k, 0);
   EXPECT_EQ(clock.shift(), Time(0));

@@ -185,6 +185,15 @@ TEST(So3, RotationBetweenTurnsAIntoBByTheAngleBetweenThem) {
 }
 
 // The angles about the vertical and across it, in world axes.
+TEST(So3, RightAnglesAreTheRotationsOfACube) {
+  const auto all = right_angles();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i] * all[i].transpose(), Matrix3d::Identity());
+    EXPECT_EQ(all[i].determinant(), 1.0);
+    for (std::size_t k = 0; k < i; ++k) EXPECT_NE(all[i], all[k]);
+  }
+}
+
 TEST(So3, VariancesOfHeadingAndTilt) {
   test::Random random(10);
   for (int i = 0; i < 20; ++i) {

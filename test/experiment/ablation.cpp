@@ -12,6 +12,7 @@
 #include "experiment/experiment.hpp"
 #include "experiment/recording.hpp"
 #include "experiment/spread.hpp"
+#include "experiment/trial.hpp"
 #include "rio/sim/catalogue.hpp"
 
 namespace rio::experiment {
@@ -47,6 +48,9 @@ const std::vector<Switch>& switches() {
       {"mounting not estimated",
        {"extrinsics"},
        [](Options& o) { o.calibration.rotation_sigma = o.calibration.translation_sigma = 0.0; }},
+      {"mounting unknown",
+       {"people", "sparse", "outdoor", "hover"},
+       [](Options& o) { forget_mounting(o); }},
       {"time offset not estimated",
        {"late-stamps"},
        [](Options& o) { o.calibration.time_offset_sigma = 0.0; }},

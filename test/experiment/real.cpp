@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "experiment/experiment.hpp"
 #include "experiment/recording.hpp"
 #include "experiment/spread.hpp"
+#include "experiment/trial.hpp"
 
 namespace rio::experiment {
 
@@ -36,25 +36,16 @@ void doppler_alone(Options& options) {
   options.update.use_trails = false;
 }
 
-/// As `mounting: unknown` in sensor.yaml, without T_BS.
-void take_mounting_away(Options& options) {
-  options.radar.T_BS = Pose{};
-  for (RadarMount& other : options.other_radars) other.T_BS = Pose{};
-  options.calibration.rotation_sigma = std::numbers::pi;
-  options.calibration.translation_sigma = 1.0;
-}
-
 std::vector<Estimator> estimators() {
-  return {
-      {"default, filter", "default", BackEnd::kEkf},
-      {"default, smoother", "default", BackEnd::kSmoother},
-      {"default, Doppler alone", "default", BackEnd::kEkf, &doppler_alone},
-      {"default, mounting unknown, filter", "default", BackEnd::kEkf, &take_mounting_away},
-      {"default, mounting unknown, smoother", "default", BackEnd::kSmoother, &take_mounting_away},
-      {"published-ekf", "published-ekf", BackEnd::kEkf},
-      {"published-smoother", "published-smoother", BackEnd::kSmoother},
-      {"published-uncertainty", "published-uncertainty", BackEnd::kSmoother},
-      {"doppler-only", "doppler-only", BackEnd::kEkf}};
+  return {{"default, filter", "default", BackEnd::kEkf},
+          {"default, smoother", "default", BackEnd::kSmoother},
+          {"default, Doppler alone", "default", BackEnd::kEkf, &doppler_alone},
+          {"default, mounting unknown, filter", "default", BackEnd::kEkf, &forget_mounting},
+          {"default, mounting unknown, smoother", "default", BackEnd::kSmoother, &forget_mounting},
+          {"published-ekf", "published-ekf", BackEnd::kEkf},
+          {"published-smoother", "published-smoother", BackEnd::kSmoother},
+          {"published-uncertainty", "published-uncertainty", BackEnd::kSmoother},
+          {"doppler-only", "doppler-only", BackEnd::kEkf}};
 }
 constexpr std::size_t kOfDefault = 2;  // the first ones, by back-end
 

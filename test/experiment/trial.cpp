@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -170,6 +171,13 @@ Trial with_drawn_start(const Trial& trial, const StartOptions& start, std::uint6
     truth.v_WB = turn * truth.v_WB;
   }
   return drawn;
+}
+
+void forget_mounting(Options& options) {
+  options.radar.T_BS = Pose{};
+  for (RadarMount& other : options.other_radars) other.T_BS = Pose{};
+  options.calibration.rotation_sigma = std::numbers::pi;
+  options.calibration.translation_sigma = 1.0;
 }
 
 Time steady_now() {

@@ -20,6 +20,9 @@ namespace rio::experiment {
 /// @throws std::runtime_error if there is no such preset
 Options options_for(const sim::Flight& flight, const std::string& preset);
 
+/// As `mounting: unknown` without T_BS in sensor.yaml: of no radar anything is known of its pose.
+void forget_mounting(Options& options);
+
 /// Estimate, truth and covariance at one processed scan.
 struct Step {
   NavState estimate;

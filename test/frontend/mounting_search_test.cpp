@@ -128,6 +128,20 @@ TEST(MountingSearch, FindsAMountingTurnedByAnyAngle) {
   }
 }
 
+TEST(MountingSearch, FindsALongLeverArm) {
+  sim::Scenario scenario;
+  scenario.max_duration = 25.0;
+  scenario.radar.T_BS.translation = {1.0, 0.4, -0.3};
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  const auto found = search(flight, Pose{});
+  ASSERT_TRUE(found);
+  const auto e = error_of(*found, flight);
+  for (int i = 3; i < 6; ++i) {
+    EXPECT_LT(std::abs(e[i]), 3.0 * std::sqrt(found->mounting.covariance(i, i))) << i;
+  }
+  EXPECT_LT(std::abs(e[3]), 0.5);
+}
+
 TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
   double rotation = 0.0;
   double motion = 0.0;
@@ -181,6 +195,16 @@ TEST(MountingSearch, WhatAStraightDriveDoesNotShowIsAsConfigured) {
   EXPECT_NEAR(std::sqrt(along), 0.25, 0.05);
   EXPECT_LT((off - off.dot(ahead_S) * ahead_S).norm(), 3.0 * std::sqrt(P.trace() - along));
   EXPECT_LT(std::sqrt(P.trace() - along), 0.3);
+}
+
+// With a lever arm that is unknown, too, a turn on level ground looks the same upside down.
+TEST(MountingSearch, ADriveOnLevelGroundIsNotUpsideDown) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const sim::Flight flight = flight_of("rough-ground", seed, 40.0);
+    const auto found = search(flight, Pose{});
+    ASSERT_TRUE(found) << seed;
+    EXPECT_LT(error_of(*found, flight).head<3>().norm(), 1.0) << seed;
+  }
 }
 
 TEST(MountingSearch, ACorrectedVelocityNeedsARestart) {

@@ -10,17 +10,14 @@
 //      past.
 // (E4) w^-1 = tr(Sigma_v) / 3 + (kLasting |v|)^2 T / dt: white noise of the consensus, and an error
 //      of the directions that a scene keeps for T, so that many scans do not average it away.
-// (E5) Without e, d, a, p it is a quadratic form of vec R on SO(3): Gauss-Newton from the 24
-// rotations
-//      by right angles, R <- R Exp(phi). Of minima that the evidence does not tell apart, the one
-//      nearest to the configured mounting.
+// (E5) Without p, e, d, a it is a quadratic form of vec R on SO(3): Levenberg-Marquardt from 24
+//      rotations by right angles, R <- R Exp(phi). Of minima that the evidence does not tell
+//      apart, the one nearest to the configured mounting.
 // A vehicle that only drives ahead never shows the rotation about its way: after kPatience of
 // motion it is taken from the configured mounting, with the sigma kLinear.
 // Derivation: data/theory.md, 12. Reference for (E5): Wahba 1965, problem 65-1.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 
 #include "rio/frontend/ego_velocity.hpp"
