@@ -64,7 +64,7 @@ RIO_API Vector3d quaternion_log(const Quaternion& q);
 RIO_API Quaternion rotation_between(const Vector3d& a, const Vector3d& b);
 
 /// The 24 rotations that map axes to axes.
-RIO_API std::array<Matrix3d, 24> right_angles();
+std::array<Matrix3d, 24> right_angles();
 
 /// Variances of an attitude error: about the vertical, and of roll and pitch together [rad^2].
 struct AttitudeVariance {
