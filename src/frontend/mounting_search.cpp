@@ -3,11 +3,11 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio {
@@ -28,16 +28,37 @@ constexpr double kLeast = 2.0;   // motion before a solution: errors of directio
 constexpr double kPatience = 5.0;  // motion after which an axis is not shown any more [s]
 constexpr double kEvery = 0.5;     // of motion between solutions [s]
 
-using Matrix93d = Eigen::Matrix<double, 9, 3>;
-using Vector9d = Eigen::Matrix<double, 9, 1>;
-using Vector10d = Eigen::Matrix<double, 10, 1>;
+using Block = MountingSearch::Block;
 
-Vector9d vec(const Matrix3d& R) {
-  return Eigen::Map<const Vector9d>(R.data());
+/// a^T b
+Block dot(const Block& a, const Block& b) {
+  return a.transpose() * b;
 }
 
-Vector10d with_one(const Matrix3d& R) {
-  return (Vector10d() << vec(R), 1.0).finished();
+/// A^-1 b
+Block solve(const Block& A, const Block& b) {
+  return Eigen::LDLT<Block>(A).solve(b);
+}
+
+/// Elimination of all but the first n unknowns of M.
+struct Schur {
+  Block complement;  ///< M_nn - M_nr M_rr^-1 M_rn
+  Block gain;        ///< M_rr^-1 M_rn
+
+  Schur(const Block& M, Eigen::Index n) {
+    const Eigen::Index rest = M.rows() - n;
+    const Block cross = M.bottomLeftCorner(rest, n);
+    gain = solve(M.bottomRightCorner(rest, rest), cross);
+    complement = M.topLeftCorner(n, n) - dot(cross, gain);
+  }
+};
+
+/// (vec R, end)
+Block vec(const Matrix3d& R, double end) {
+  Block x(10, 1);
+  for (int i = 0; i < 9; ++i) x(i) = R.data()[i];
+  x(9) = end;
+  return x;
 }
 
 /// Log(A^T B).
@@ -45,22 +66,22 @@ Vector3d turn_between(const Matrix3d& A, const Matrix3d& B) {
   return quaternion_log(Quaternion(Matrix3d(A.transpose() * B)));
 }
 
-/// Derivative of vec(R Exp(phi)) by phi.
-Matrix93d vec_jacobian(const Matrix3d& R) {
-  Matrix93d J;
-  for (int i = 0; i < 3; ++i) J.col(i) = vec(R * skew(Vector3d::Unit(i)));
+/// Derivative of (vec(R Exp(phi)), 1) by phi.
+Block vec_jacobian(const Matrix3d& R) {
+  Block J(10, 3);
+  for (int i = 0; i < 3; ++i) J.col(i) = vec(R * skew(Vector3d::Unit(i)), 0.0);
   return J;
 }
 
 /// (E5): f(R) = x^T M x with x = (vec R, 1), and the prior.
 struct RotationCost {
-  Eigen::Matrix<double, 10, 10> M;
+  Block M;
   Matrix3d prior;
   double prior_information = 0.0;
 
   double operator()(const Matrix3d& R) const {
-    const Vector10d x = with_one(R);
-    return x.dot(M * x) + prior_information * offset(R).squaredNorm();
+    const Block x = vec(R, 1.0);
+    return dot(x, M * x)(0) + prior_information * offset(R).squaredNorm();
   }
   Vector3d offset(const Matrix3d& R) const { return turn_between(prior, R); }
 };
@@ -81,9 +102,10 @@ Vector3d unshrunk(const DetectionList& scan, const EgoVelocity& velocity) {
     A += d.direction_S * d.direction_S.transpose();
     noise += direction_covariance(d);
   }
-  const Eigen::LDLT<Matrix3d> root(A);
+  const SmallCholesky<3> root(A);
   Vector3d v_S = velocity.v_S;
-  for (int i = 0; i < 4; ++i) v_S = velocity.v_S + root.solve(noise * v_S);  // (A - noise)^-1 A v
+  for (int i = 0; i < 4; ++i)
+    v_S = velocity.v_S + root.solve(Vector3d(noise * v_S));  // (A - noise)^-1 A v
   return v_S;
 }
 
@@ -98,13 +120,13 @@ Minimum minimum_from(Matrix3d R, const RotationCost& cost) {
   double f = cost(R);
   double damping = 1e-3;
   for (int i = 0; i < kIterations; ++i) {
-    const Matrix93d J = vec_jacobian(R);
-    const Vector3d gradient = J.transpose() * (cost.M.topRows<9>() * with_one(R)) +
-                              cost.prior_information * cost.offset(R);
-    Matrix3d H = J.transpose() * cost.M.topLeftCorner<9, 9>() * J;
+    const Block J = vec_jacobian(R);
+    const Block MJ = cost.M * J;
+    const Vector3d gradient = dot(MJ, vec(R, 1.0)) + cost.prior_information * cost.offset(R);
+    Matrix3d H = dot(J, MJ);
     H.diagonal().array() += cost.prior_information;
     H.diagonal() *= 1.0 + damping;
-    const Vector3d step = -H.ldlt().solve(gradient);
+    const Vector3d step = -SmallCholesky<3>(H).solve(gradient);
     const Matrix3d next = R * quaternion_exp(step).toRotationMatrix();
     const double there = cost(next);
     if (!(there < f)) {
@@ -141,21 +163,19 @@ MountingSearch::MountingSearch(const Options& options)
 void MountingSearch::reset() {
   const Vector3d& p = configured_.translation;
   const double sigma = std::max(priors_.translation_sigma, kExact);
-  Eigen::Matrix<double, 3, kSize> A = Eigen::Matrix<double, 3, kSize>::Zero();
-  A.middleCols<3>(kLever).setIdentity();
-  A.col(kOne) = -p;
-  sum_ = A.transpose() * A / (sigma * sigma);
+  Block A = Block::Zero(3, kSize);
+  A.middleCols<3>(kLever).diagonal().setConstant(1.0 / sigma);
+  A.col(kOne) = -p / sigma;
+  sum_ = dot(A, A);
   last_.reset();
   expected_ = motion_ = solved_ = 0.0;
 }
 
 void MountingSearch::restart_drift() {
   if (!last_) return;
-  const Eigen::Matrix<double, kDrift, kKept> cross = sum_.bottomLeftCorner<kDrift, kKept>();
-  const Eigen::LDLT<Drift> drift(sum_.bottomRightCorner<kDrift, kDrift>());
-  sum_.topLeftCorner<kKept, kKept>() -= cross.transpose() * drift.solve(cross);
-  sum_.rightCols<kDrift>().setZero();
-  sum_.bottomRows<kDrift>().setZero();
+  const Block kept = Schur(sum_, kKept).complement;
+  sum_.setZero();
+  sum_.topLeftCorner(kKept, kKept) = kept;
   last_.reset();
 }
 
@@ -189,7 +209,7 @@ double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
   const double dt = to_seconds(x.nav.time - *last_);
   last_ = x.nav.time;
   if (!(dt > 0.0)) return 0.0;
-  Drift F = Drift::Identity();
+  Block F = Block::Identity(kDrift, kDrift);
   F.block<3, 3>(0, 3).diagonal().setConstant(dt);
   F.block<3, 3>(3, 6).diagonal().setConstant(dt);
   const double noise = std::max(kExact * kExact, x.accel_density) * dt;
@@ -197,15 +217,15 @@ double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
   information.head<3>().setConstant(3.0 / (noise * dt * dt));
   information.segment<3>(3).setConstant(1.0 / noise);
   information.tail<3>().setConstant(kTurning / (bias * dt));
-  const Drift to_next = information.asDiagonal() * F;
-  const Eigen::LDLT<Drift> past(sum_.bottomRightCorner<kDrift, kDrift>() + F.transpose() * to_next);
-  const Eigen::Matrix<double, kDrift, kKept> cross = sum_.bottomLeftCorner<kDrift, kKept>();
-  const Eigen::Matrix<double, kDrift, kKept> from_kept = past.solve(cross);
-  const Drift from_next = past.solve(to_next.transpose());
-  sum_.topLeftCorner<kKept, kKept>() -= cross.transpose() * from_kept;
-  sum_.bottomLeftCorner<kDrift, kKept>() = to_next * from_kept;
-  sum_.topRightCorner<kKept, kDrift>() = sum_.bottomLeftCorner<kDrift, kKept>().transpose();
-  sum_.bottomRightCorner<kDrift, kDrift>() = -to_next * from_next;
+  const Block to_next = information.asDiagonal() * F;
+  sum_.bottomRightCorner(kDrift, kDrift) += dot(F, to_next);
+  const Schur past(sum_, kKept);
+  const Block from_next = rio::solve(sum_.bottomRightCorner(kDrift, kDrift), to_next.transpose());
+  sum_.topLeftCorner(kKept, kKept) = past.complement;
+  const Block cross = to_next * past.gain;
+  sum_.bottomLeftCorner(kDrift, kKept) = cross;
+  sum_.topRightCorner(kKept, kDrift) = cross.transpose();
+  sum_.bottomRightCorner(kDrift, kDrift) = -to_next * from_next;
   sum_.diagonal().segment<kDrift>(kKept) += information;
   return dt;
 }
@@ -220,26 +240,21 @@ void MountingSearch::accumulate(const Estimate& x, double dt) {
   expected_ += 3.0 * weight * (white + lasting);
 
   const Matrix3d R_BW = x.nav.q_WB.conjugate().toRotationMatrix();
-  Eigen::Matrix<double, 3, kSize> A = Eigen::Matrix<double, 3, kSize>::Zero();
+  Block A = Block::Zero(3, kSize);
   for (int i = 0; i < 3; ++i) {
     A.middleCols<3>(kRotation + 3 * i).diagonal().setConstant(velocity_.v_S[i]);
   }
   A.middleCols<3>(kLever) = -skew(x.gyro_B - x.nav.gyro_bias);
   A.col(kOne) = -R_BW * x.nav.v_WB;
   A.middleCols<3>(kVelocity) = -R_BW;
-  sum_ += weight * A.transpose() * A;
+  A *= std::sqrt(weight);
+  sum_ += dot(A, A);
 }
 
 std::optional<Mounting> MountingSearch::solve() const {
-  constexpr int kForm = kOne + 1;
-  constexpr int kLinearPart = kSize - kForm;  // p, e, d, a
-  const Eigen::LDLT<Eigen::Matrix<double, kLinearPart, kLinearPart>> linear(
-      sum_.bottomRightCorner<kLinearPart, kLinearPart>());
-  const Eigen::Matrix<double, kLinearPart, kForm> cross =
-      sum_.bottomLeftCorner<kLinearPart, kForm>();
-  const Eigen::Matrix<double, kLinearPart, kForm> to_linear = linear.solve(cross);
+  const Schur rotation(sum_, kLever);  // without p, e, d, a
   RotationCost cost;
-  cost.M = sum_.topLeftCorner<kForm, kForm>() - cross.transpose() * to_linear;
+  cost.M = rotation.complement;
   cost.prior = configured_.rotation.toRotationMatrix();
   cost.prior_information = 1.0 / (priors_.rotation_sigma * priors_.rotation_sigma);
 
@@ -255,14 +270,15 @@ std::optional<Mounting> MountingSearch::solve() const {
     return m.cost < bound && turn_between(best.R, m.R).norm() > kOther;
   });
 
+  constexpr int kLinearPart = kSize - kLever;
   constexpr int kAll = 3 + kLinearPart;  // phi, p, e, d, a
-  Eigen::Matrix<double, kSize, kAll> J = Eigen::Matrix<double, kSize, kAll>::Zero();
-  J.topLeftCorner<9, 3>() = vec_jacobian(best.R);
-  J.bottomRightCorner<kLinearPart, kLinearPart>().setIdentity();
-  Eigen::Matrix<double, kAll, kAll> information = J.transpose() * sum_ * J;
+  Block J = Block::Zero(kSize, kAll);
+  J.topLeftCorner(kLever, 3) = vec_jacobian(best.R);
+  J.bottomRightCorner(kLinearPart, kLinearPart).setIdentity();
+  Block information = dot(J, sum_ * J);
   information.diagonal().head<3>().array() += cost.prior_information;
   Mounting found;
-  found.covariance = excess * information.inverse().topLeftCorner<12, 12>();
+  found.covariance = excess * rio::solve(information, Block::Identity(kAll, 12)).topRows(12);
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(found.covariance.topLeftCorner<3, 3>());
   const Vector3d sigmas = axes.eigenvalues().cwiseSqrt();
   const bool shown = alone && sigmas[2] < kLinear;
@@ -276,10 +292,10 @@ std::optional<Mounting> MountingSearch::solve() const {
     found.covariance.leftCols<3>() =
         Eigen::Matrix<double, 12, 3>(found.covariance.leftCols<3>()) * scale;
   }
-  const Eigen::Matrix<double, kLinearPart, 1> x = -to_linear * with_one(best.R);
-  found.T_BS = {Quaternion(best.R), x.head<3>()};
-  found.position_error_W = x.segment<3>(3);
-  found.velocity_error_W = x.segment<3>(6);
+  const Block x = -rotation.gain * vec(best.R, 1.0);
+  found.T_BS = {Quaternion(best.R), x.topRows<3>()};
+  found.position_error_W = x.middleRows<3>(3);
+  found.velocity_error_W = x.middleRows<3>(6);
   return found;
 }
 

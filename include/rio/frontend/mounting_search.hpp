@@ -40,6 +40,17 @@ struct Mounting {
 /// No allocation after construction; the scans are a sum of constant size.
 class MountingSearch {
  public:
+  // x of (E3)
+  static constexpr int kRotation = 0;
+  static constexpr int kOne = 9;
+  static constexpr int kLever = 10;
+  static constexpr int kKept = 13;
+  static constexpr int kDrift = 9;  // e, d, a
+  static constexpr int kVelocity = kKept + 3;
+  static constexpr int kSize = kKept + kDrift;
+  /// Up to M; one type, because each size of Eigen's solvers costs a second of compile time.
+  using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kSize, kSize>;
+
   /// @param options of the radar (Options::seen_by)
   explicit MountingSearch(const Options& options);
 
@@ -60,17 +71,6 @@ class MountingSearch {
                               const BodyCovariance& P);
 
  private:
-  // x of (E3)
-  static constexpr int kRotation = 0;
-  static constexpr int kOne = 9;
-  static constexpr int kLever = 10;
-  static constexpr int kKept = 13;
-  static constexpr int kDrift = 9;  // e, d, a
-  static constexpr int kVelocity = kKept + 3;
-  static constexpr int kSize = kKept + kDrift;
-  using Sum = Eigen::Matrix<double, kSize, kSize>;
-  using Drift = Eigen::Matrix<double, kDrift, kDrift>;
-
   /// (E2) to the time of x, from the prior P if it starts over. The time since the last scan [s].
   double advance(const Estimate& x, const BodyCovariance& P);
   /// (E3) with the velocity of the scan.
@@ -83,7 +83,7 @@ class MountingSearch {
   double doppler_scale_;
   EgoVelocityRansac ransac_;
   EgoVelocity velocity_;      ///< of the last scan
-  Sum sum_;                   ///< M, with the prior of p
+  Block sum_;                 ///< M, with the prior of p
   std::optional<Time> last_;  ///< time of e, d, a; none: they start over
   double expected_ = 0.0;     ///< sum of squares by (E4)
   double motion_ = 0.0;       ///< time in motion so far [s]
