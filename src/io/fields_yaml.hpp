@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -114,6 +115,12 @@ inline YAML::Node base_node(const YamlFile& file, const std::string& base_key) {
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
+/// A key that is not for files, and why: "KEY WHY" is the error.
+struct ClosedKey {
+  std::string key;
+  std::string why;
+};
+
 namespace fields_yaml_detail {
 
 inline bool is_section(const std::string& key, const std::vector<std::string>& keys) {
@@ -143,7 +150,7 @@ template <class Object>
 class FieldsReader {
  public:
   FieldsReader(const YamlFile& file, const std::string& base_key, Object* object,
-               const std::vector<std::string>& closed)
+               const std::vector<ClosedKey>& closed)
       : file_(file), base_key_(base_key), closed_(closed), keys_{base_key}, object_(object) {
     visit_fields(*object,
                  [this](const FieldInfo& info, const auto&) { keys_.emplace_back(info.key); });
@@ -160,12 +167,18 @@ class FieldsReader {
       if (is_section(key, keys_)) {
         if (!value.IsMap() && !value.IsNull()) fail_at(file_, value, key + ": a map is expected");
         read(value, key + ".");
-      } else if (std::find(closed_.begin(), closed_.end(), key) != closed_.end()) {
-        fail_at(file_, entry.first, key + " belongs to the preset, it is no option of a file");
+      } else if (const auto why = why_closed(key)) {
+        fail_at(file_, entry.first, key + " " + *why);
       } else if (!set_field(key, value)) {
         fail_at(file_, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, keys_));
       }
     }
+  }
+
+  std::optional<std::string> why_closed(const std::string& key) const {
+    const auto same = [&key](const ClosedKey& closed) { return closed.key == key; };
+    const auto found = std::find_if(closed_.begin(), closed_.end(), same);
+    return found == closed_.end() ? std::nullopt : std::optional(found->why);
   }
 
   /// False if there is no such field.
@@ -183,7 +196,7 @@ class FieldsReader {
 
   const YamlFile& file_;
   std::string base_key_;
-  std::vector<std::string> closed_;
+  std::vector<ClosedKey> closed_;
   std::vector<std::string> keys_;
   Object* object_;
 };
@@ -194,7 +207,7 @@ class FieldsReader {
 /// throw std::runtime_error "FILE:LINE: ...", after earlier fields have been set.
 template <class Object>
 void read_fields(const YamlFile& file, const std::string& base_key, Object* object,
-                 const std::vector<std::string>& closed = {}) {
+                 const std::vector<ClosedKey>& closed = {}) {
   fields_yaml_detail::FieldsReader<Object>(file, base_key, object, closed).read();
 }
 

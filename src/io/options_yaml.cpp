@@ -29,12 +29,40 @@ void apply_preset(const YamlFile& file, Options* options) {
   }
 }
 
-/// What only the presets set.
-std::vector<std::string> keys_of_presets() {
-  std::vector<std::string> keys;
+/// What only the presets set, and what earlier versions had.
+std::vector<ClosedKey> closed_keys() {
+  const char* constant = "is a constant now";
+  const char* merged = "is part of update.doppler_directions now (exact, noisy, corrected)";
+  const char* of_library = "is an option of the library only now (rio/options.hpp)";
+  const char* no_effect = "is gone: neither flights nor recordings showed an effect";
+  std::vector<ClosedKey> keys = {
+      {"calibration.elevation_bias_sigma",
+       "is gone: calibration.rotation_sigma estimates a pitch of the mounting, and no flight can "
+       "tell the two apart"},
+      {"frontend.landmark_miss_tolerance",
+       "is Options::frontend.landmark_timeout of the library now [s]"},
+      {"frontend.match_cells", constant},
+      {"frontend.ransac_min_inliers", constant},
+      {"frontend.ransac_min_share", no_effect},
+      {"frontend.ransac_success", constant},
+      {"frontend.velocity_recovery", "is Options::checks of the library now, one for each check"},
+      {"imu.gap_accel_sigma", of_library},
+      {"imu.gap_rate_sigma", of_library},
+      {"start.max_accel_std", constant},
+      {"start.max_gyro_std", constant},
+      {"timing.max_ahead", of_library},
+      {"timing.scan_wait", of_library},
+      {"update.direction_correction", merged},
+      {"update.direction_noise", merged},
+      {"update.direction_reliability", merged},
+      {"update.extrinsic_rotation_sigma", "is calibration.rotation_sigma now"},
+      {"update.extrinsic_translation_sigma", "is calibration.translation_sigma now"},
+      {"update.trail_noise", no_effect},
+  };
   const Options options;
-  visit_preset_fields(options,
-                      [&keys](const FieldInfo& info, const auto&) { keys.emplace_back(info.key); });
+  visit_preset_fields(options, [&keys](const FieldInfo& info, const auto&) {
+    keys.push_back({info.key, "belongs to the preset, it is no option of a file"});
+  });
   return keys;
 }
 
@@ -54,7 +82,7 @@ void check(const std::string& name, const Options& options) {
 }
 
 void apply_values(const YamlFile& file, Options* options) {
-  read_fields(file, kPresetKey, options, keys_of_presets());
+  read_fields(file, kPresetKey, options, closed_keys());
   check(file.name, *options);
 }
 
@@ -123,7 +151,7 @@ void apply_settings(const std::vector<std::string>& settings, Options* options) 
       key.replace(dot, 1, ": {");
     }
     read_fields(parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting),
-                kPresetKey, &changed, keys_of_presets());
+                kPresetKey, &changed, closed_keys());
   }
   std::string why;
   if (!changed.validate(&why)) throw std::runtime_error("settings: " + why);
@@ -142,7 +170,7 @@ void parse_option_values(const std::vector<std::string>& yaml, const std::string
                          Options* options) {
   Options changed = *options;
   for (const std::string& text : yaml) {
-    read_fields(parse_yaml(text, name), kPresetKey, &changed, keys_of_presets());
+    read_fields(parse_yaml(text, name), kPresetKey, &changed, closed_keys());
   }
   check(name, changed);
   *options = changed;

@@ -81,6 +81,16 @@ TEST(OptionsYaml, WhatThePresetsOwnIsNoFileOption) {
                "update.gate_probability belongs to the preset");
 }
 
+TEST(OptionsYaml, KeysOfEarlierVersionsNameWhatReplacesThem) {
+  EXPECT_ERROR(parsed("update:\n  direction_noise: true\n"),
+               "o.yaml:2: update.direction_noise is part of update.doppler_directions now");
+  EXPECT_ERROR(parsed("calibration: {elevation_bias_sigma: 0.1}\n"),
+               "o.yaml:1: calibration.elevation_bias_sigma is gone: calibration.rotation_sigma");
+  Options options;
+  EXPECT_ERROR(apply_settings({"frontend.velocity_recovery=false"}, &options),
+               "frontend.velocity_recovery is Options::checks of the library now");
+}
+
 TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
   for (const char* name : {"default", "published-ekf"}) {
     Options options;
