@@ -193,16 +193,17 @@ std::optional<Mounting> MountingSearch::add(const DetectionList& scan, const Est
 }
 
 double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
-  const auto largest = [&P](int at) {  // an exact start has none
-    return std::max(kExact * kExact, P.diagonal().segment<3>(at).maxCoeff());
-  };
-  const double bias = largest(body::kAccelBias);
+  const Matrix3d R_WB = x.nav.q_WB.toRotationMatrix();
   if (!last_) {
-    const double tilt = gravity_ * gravity_ * largest(body::kAttitude);
-    auto information = sum_.diagonal().segment<kDrift>(kKept);
-    information.head<3>().setConstant(1.0 / largest(body::kPosition));
-    information.segment<3>(3).setConstant(1.0 / largest(body::kVelocity));
-    information.tail<3>().setConstant(1.0 / (tilt + bias));
+    Block J = Block::Zero(kDrift, body::kSize);  // of (e, d, a) by the error of the body
+    J.block<3, 3>(0, body::kPosition).setIdentity();
+    J.block<3, 3>(3, body::kVelocity).setIdentity();
+    J.block<3, 3>(6, body::kAttitude) = -gravity_ * skew(Vector3d::UnitZ()) * R_WB;
+    J.block<3, 3>(6, body::kAccelBias) = -R_WB;
+    Block covariance = J * Block(P) * J.transpose();
+    covariance.diagonal().array() += kExact * kExact;  // an exact start has none
+    sum_.bottomRightCorner(kDrift, kDrift) =
+        rio::solve(covariance, Block::Identity(kDrift, kDrift));
     last_ = x.nav.time;
     return 0.0;
   }
@@ -216,7 +217,11 @@ double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
   Eigen::Matrix<double, kDrift, 1> information;  // of the noise of (E2)
   information.head<3>().setConstant(3.0 / (noise * dt * dt));
   information.segment<3>(3).setConstant(1.0 / noise);
-  information.tail<3>().setConstant(kTurning / (bias * dt));
+  const Matrix3d bias = R_WB * P.block<3, 3>(body::kAccelBias, body::kAccelBias) * R_WB.transpose();
+  const double level = std::max(bias(0, 0), bias(1, 1));  // the heading turns it
+  information.tail<3>() =
+      (kTurning / dt) *
+      (Vector3d(level, level, bias(2, 2)).array() + kExact * kExact).inverse().matrix();
   const Block to_next = information.asDiagonal() * F;
   sum_.bottomRightCorner(kDrift, kDrift) += dot(F, to_next);
   const Schur past(sum_, kKept);
@@ -233,9 +238,9 @@ double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
 void MountingSearch::accumulate(const Estimate& x, double dt) {
   const double white = velocity_.covariance->trace() / 3.0;
   if (white > kVague * kVague) return;
-  const double speed = velocity_.v_S.norm();
-  if (speed > kMoving) motion_ += std::min(dt, kEvery);
-  const double lasting = kLasting * kLasting * speed * speed;
+  if (velocity_.v_S.norm() > kMoving) motion_ += std::min(dt, kEvery);
+  // by the IMU: weights that depend on the noise of the scan would prefer the short velocities
+  const double lasting = kLasting * kLasting * x.nav.v_WB.squaredNorm();
   const double weight = 1.0 / (white + lasting * std::max(1.0, kLastingFor / dt));
   expected_ += 3.0 * weight * (white + lasting);
 
