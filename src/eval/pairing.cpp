@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace rio::eval {
 
@@ -92,11 +93,16 @@ Association associate_interpolated(const Trajectory& truth, const Trajectory& es
 
 Association associate(const Trajectory& truth, const Trajectory& estimate, Time max_difference,
                       Time max_gap) {
-  const Time interval = median_interval(truth);
-  if (interval > Time(0) && interval < max_gap) {
-    return associate_interpolated(truth, estimate, max_gap);
-  }
-  return associate_nearest(truth, estimate, max_difference);
+  const auto is_dense = [max_gap](const Trajectory& poses) {
+    const Time interval = median_interval(poses);
+    return interval > Time(0) && 3 * interval <= 2 * max_gap;  // jitter is no gap
+  };
+  if (is_dense(truth)) return associate_interpolated(truth, estimate, max_gap);
+  if (!is_dense(estimate)) return associate_nearest(truth, estimate, max_difference);
+  Association at_truth = associate_interpolated(estimate, truth, max_gap);
+  for (PosePair& pair : at_truth.pairs) std::swap(pair.truth, pair.estimate);
+  at_truth.estimates = sorted_without_duplicates(estimate).size();
+  return at_truth;
 }
 
 }  // namespace rio::eval

@@ -123,6 +123,24 @@ TEST(Associate, InterpolatesOnlyADenseTruth) {
   EXPECT_EQ(associate(sparse, {at(95)}).pairs.size(), 1U);
 }
 
+TEST(Associate, InterpolatesTheEstimateAtASparseTruth) {
+  Trajectory estimate;
+  for (int t = 0; t <= 1000; t += 50) estimate.push_back(at(t, 0.01 * t));
+  for (const int period : {100, 200, 990}) {  // with jitter, no stamp of the estimate
+    Trajectory truth;
+    for (int t = 7; t <= 1000; t += period) truth.push_back(at(t + t % 3, 0.01 * t));
+    const Association found = associate(truth, estimate);
+    ASSERT_EQ(found.pairs.size(), truth.size()) << period;
+    EXPECT_EQ(found.estimates, estimate.size());
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      EXPECT_EQ(found.pairs[i].truth.time, truth[i].time);
+      EXPECT_EQ(found.pairs[i].estimate.time, truth[i].time);
+      EXPECT_NEAR(found.pairs[i].estimate.p.x(), 1e-8 * static_cast<double>(truth[i].time.count()),
+                  1e-12);
+    }
+  }
+}
+
 TEST(MedianInterval, IgnoresOrderAndDuplicates) {
   EXPECT_EQ(median_interval({at(300), at(0), at(0), at(10), at(20)}), milliseconds(10));
   EXPECT_EQ(median_interval({at(5)}), milliseconds(0));
