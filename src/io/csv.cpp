@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/io/csv.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <limits>
 #include <optional>
@@ -37,6 +41,19 @@ std::optional<Number> parse(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+/// In small letters, without its unit; components of a quaternion as "qw".
+std::string name_of_column(std::string_view cell) {
+  while (!cell.empty() && (is_blank(cell.front()) || cell.front() == '#' || cell.front() == '"')) {
+    cell.remove_prefix(1);
+  }
+  std::string name(cell.substr(0, cell.find_first_of(" \t[(\"")));
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  constexpr std::string_view kComponents = "wxyz";
+  const bool is_quaternion =
+      name.size() > 1 && name[0] == 'q' && kComponents.find(name.back()) != kComponents.npos;
+  return is_quaternion ? std::string("q") + name.back() : name;
 }
 
 /// Matches -12.5, 3, 1e-05, unless a double would overflow.
@@ -166,7 +183,7 @@ bool CsvReader::next() {
     if (line.empty()) continue;
     split(line);
     if (line.front() == '#' || is_heading()) {
-      if (expected_columns_ == 0) header_columns_ = cells_.size();
+      if (expected_columns_ == 0) heading_.assign(cells_.begin(), cells_.end());
       continue;
     }
     if (is_cut()) {
@@ -206,16 +223,34 @@ void CsvReader::expect_columns() {
   const std::size_t columns = cells_.size();
   const bool first = expected_columns_ == 0;
   if (first) expected_columns_ = columns;
+  if (first && columns == heading_.size()) compare_names();
   const auto is_whole = [](std::string_view cell) { return cell.find('.') == cell.npos; };
-  const bool halves = separator_ == ',' && columns == 2 * header_columns_ - 1 && columns > 1 &&
+  const bool halves = separator_ == ',' && columns + 1 == 2 * heading_.size() && columns > 1 &&
                       std::all_of(cells_.begin(), cells_.end(), is_whole);  // all but the stamp
   if (columns == expected_columns_ && !(first && halves)) return;
   const std::string found = "has " + std::to_string(columns) + " columns, ";
   if (halves) {
-    fail(found + "the header has " + std::to_string(header_columns_) +
+    fail(found + "the header has " + std::to_string(heading_.size()) +
          ": numbers need a decimal point, not a comma");
   }
   fail(found + "the rows before have " + std::to_string(expected_columns_));
+}
+
+void CsvReader::compare_names() const {
+  std::vector<std::string> names;
+  for (const std::string& cell : heading_) names.push_back(name_of_column(cell));
+  const std::size_t most = std::min(names.size(), expected_names_.size());
+  for (std::size_t i = 0; i < most; ++i) {
+    if (names[i].empty() || names[i] == expected_names_[i]) continue;
+    const auto is_known = [&name = names[i]](std::string_view known) { return name == known; };
+    constexpr std::array<std::string_view, 3> kPolar = {"range", "azimuth", "elevation"};
+    if (std::none_of(expected_names_.begin(), expected_names_.end(), is_known) &&
+        std::none_of(kPolar.begin(), kPolar.end(), is_known)) {
+      continue;  // some other name for the same
+    }
+    fail(fmt::format("by the heading column {} is \"{}\"; the columns are read as {}", i + 1,
+                     heading_[i], fmt::join(expected_names_, ", ")));
+  }
 }
 
 std::string CsvReader::other_separator(std::size_t i) const {

@@ -64,6 +64,7 @@ Time look_at_truth(const CsvReader& rows) {
 void read_truth_file(const fs::path& path, std::size_t min_columns,
                      const std::function<Time(const CsvReader&)>& take) {
   CsvReader rows(path);
+  rows.expect_names({"timestamp", "px", "py", "pz", "qw", "qx", "qy", "qz"});
   std::optional<Time> last;
   while (rows.next()) {
     if (rows.columns() < min_columns) {

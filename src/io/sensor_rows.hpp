@@ -40,7 +40,9 @@ class ImuRows {
 class RadarRows {
  public:
   explicit RadarRows(const std::filesystem::path& path, Numbers numbers = Numbers::kRead)
-      : rows_(path, ',', true), numbers_(numbers) {}
+      : rows_(path, ',', true), numbers_(numbers) {
+    rows_.expect_names({"timestamp", "x", "y", "z", "doppler", "snr", "noise"});
+  }
 
   /// Replaces the scan; false at the end of the file. If numbers are only checked, the detections
   /// have the Doppler alone.

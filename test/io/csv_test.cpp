@@ -104,6 +104,24 @@ TEST(Csv, AHeadingNeedsNoHash) {
   EXPECT_ERROR(later.integer(0), "a.csv:2: column 1: not an integer");
 }
 
+TEST(Csv, NamesAtAnotherPlaceAreAnError) {
+  const auto read = [](const std::string& heading) {
+    const TempDir dir;
+    CsvReader rows(dir.write("a.csv", heading + "\n1,2,3,4\n"));
+    rows.expect_names({"timestamp", "x", "y", "qw"});
+    EXPECT_TRUE(rows.next());
+  };
+  read("#timestamp [ns],x [m],y [m],q_RS_w []");
+  read("t,X,\"Y\",");
+  read("a,b,c,d");         // names of their own
+  read("#timestamp,y,x");  // no heading of this table
+  EXPECT_ERROR(read("#timestamp [ns],y [m],x [m],qw"),
+               "a.csv:2: by the heading column 2 is \"y [m]\"; the columns are read as timestamp, "
+               "x, y, qw");
+  EXPECT_ERROR(read("timestamp,range,azimuth,doppler"), "column 2 is \"range\"");
+  EXPECT_ERROR(read("timestamp,x,qw,y"), "column 3 is \"qw\"");
+}
+
 TEST(Csv, RejectsWhatIsNotANumber) {
   const TempDir dir;
   CsvReader rows(dir.write("a.csv", "1x,1.5,,+-1,0x1F,99999999999999999999,1 2\n"));

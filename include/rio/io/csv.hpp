@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rio::io {
@@ -25,6 +26,10 @@ class CsvReader {
   /// @param may_be_cut a last line that is no whole row ends the table, see cut()
   explicit CsvReader(const std::filesystem::path& path, char separator = ',',
                      bool may_be_cut = false);
+
+  /// What the first columns are read as, without units: a heading that has one of these names at
+  /// another place is an error. Before the first row.
+  void expect_names(std::vector<std::string_view> names) { expected_names_ = std::move(names); }
 
   /// Moves to the next row; false at the end of the file.
   bool next();
@@ -57,6 +62,7 @@ class CsvReader {
   void read_on();
   void split(std::string_view line);
   void expect_columns();
+  void compare_names() const;
   bool is_heading() const;
   bool is_cut();
   /// Of a cell that is no number: the columns of the file are separated by something else.
@@ -71,7 +77,8 @@ class CsvReader {
   std::string cut_;
   std::size_t position_ = 0;  ///< in text_, of the next line
   std::size_t line_ = 0;
-  std::size_t header_columns_ = 0;  ///< of the last comment before the first row
+  std::vector<std::string> heading_;  ///< cells of the last comment or heading before the first row
+  std::vector<std::string_view> expected_names_;
   std::size_t expected_columns_ = 0;
   std::vector<std::string_view> cells_;
 };
