@@ -95,6 +95,7 @@ void Port::open_path() {
   }
   struct stat status {};
   const bool exists = stat(path_.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) fail(name_, "is a folder: give a port or a file in it");
   const bool is_device = exists && S_ISCHR(status.st_mode);
   fd_ = ::open(path_.c_str(), (is_device ? O_RDWR : O_RDONLY) | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0 && is_gone(errno)) return;

@@ -12,7 +12,7 @@ bool is_certain(ti::StreamState state) {
 
 }  // namespace
 
-std::string ScanWatch::look(const ti::PacketReader& reader, Time now) {
+std::string ScanWatch::look(const ti::PacketReader& reader, Time now, const std::string& times) {
   const ti::PacketCounters& counters = reader.counters();
   const std::uint64_t frames = counters.points > 0 ? counters.frames : 0;
   if (!waits_ || frames != frames_) {
@@ -27,6 +27,10 @@ std::string ScanWatch::look(const ti::PacketReader& reader, Time now) {
   if (is_certain(reader.state()) && reader.state() != said_) {
     said_ = reader.state();
     return reader.problem();
+  }
+  if (!times.empty() && !timed_) {
+    timed_ = true;
+    return times;
   }
   if (silent_ || now - since_ < kPatience) return {};
   silent_ = true;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "live/session.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -13,6 +15,9 @@ namespace {
 
 /// Bytes of one packet are closer together than this, USB included.
 constexpr Time kPause = std::chrono::milliseconds(5);
+/// So much faster than configured is no radar, but a file read at once.
+constexpr double kAtOnce = 0.1;
+constexpr std::uint64_t kFewFrames = 20;  // too few to judge their times by
 
 /// Whether the bytes took longer than on the wire by more than half of the pause between packets.
 bool is_made_up(const ti::Frame& frame, const ti::FrameTiming& timing) {
@@ -34,12 +39,39 @@ Session::Session(const SessionSetup& setup, std::vector<Listener*> listeners)
   }
   for (const ti::FrameTiming& timing : setup.radars) {
     if (!timing.validate(&why)) throw std::runtime_error("timing of the radar: " + why);
-    radars_.push_back({timing, ti::PacketReader(), ti::FrameClock(timing), {}});
+    radars_.push_back({timing, ti::PacketReader(), ti::FrameClock(timing), {}, 0, 0, false});
   }
 }
 
 void Session::radar(std::size_t r, const std::uint8_t* bytes, std::size_t count, Time arrival) {
   radars_[r].reader.push(bytes, count, arrival, [this, r](ti::Frame& frame) { take(r, &frame); });
+}
+
+std::string Session::times_problem(std::size_t r) const {
+  const Radar& radar = radars_[r];
+  const FrameCounters& frames = radar.frames;
+  if (radar.has_subframes) {
+    return "several packets have one frame number: advanced frames (subframes) are not supported "
+           "live, use one frame (dfeDataOutputMode 1)";
+  }
+  const double configured = to_seconds(radar.timing.period);
+  const std::optional<double> period = radar.clock.other_period();
+  if (period && *period < kAtOnce * configured) {
+    return "the packets come all at once: a file read at once has no times, play it at its speed";
+  }
+  if (period) {
+    return fmt::format(
+        "frames come every {:.1f} ms by their numbers, not every {:.1f}: correct rate_hz of "
+        "sensor.yaml, or --radar-cfg",
+        1e3 * *period, 1e3 * configured);
+  }
+  const std::uint64_t unusable = frames.untimed + frames.made_up;
+  if (unusable <= frames.used || unusable < kFewFrames) return {};
+  if (frames.made_up > frames.untimed) {
+    return "most packets are not used: their bytes come more slowly than baud rate and rate_hz say";
+  }
+  return "most packets are not used: their numbers do not count the frames, or they come all at "
+         "once, from a file";
 }
 
 /// Stamps it, in the clock of the arrivals.
@@ -48,6 +80,11 @@ bool Session::is_left_out(Radar* radar, ti::Frame* frame) {
   frame->scan.time = radar->clock.stamp(*frame);
   const bool untimed = radar->clock.odd() != odd;
   const bool made_up = is_made_up(*frame, radar->timing);
+  if (frame->number == radar->number && frame->subframe != radar->subframe) {
+    radar->has_subframes = true;
+  }
+  radar->number = frame->number;
+  radar->subframe = frame->subframe;
   if (untimed) ++radar->frames.untimed;
   if (made_up) ++radar->frames.made_up;
   if (imu_samples_ == 0) ++radar->frames.without_imu;

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "live/clock_offset.hpp"
@@ -80,6 +81,8 @@ class Session {
   /// Clock of the arrivals minus that of the IMU.
   Time host_offset() const;
   const FrameCounters& frames(std::size_t r) const { return radars_[r].frames; }
+  /// What is wrong with the times of most frames of a radar, and what to do; empty if nothing is.
+  std::string times_problem(std::size_t r) const;
   std::uint64_t imu_samples() const { return imu_samples_; }
 
  private:
@@ -88,6 +91,9 @@ class Session {
     ti::PacketReader reader;
     ti::FrameClock clock;
     FrameCounters frames;
+    std::uint32_t number = 0;    ///< of the newest frame
+    std::uint32_t subframe = 0;  ///< same
+    bool has_subframes = false;
   };
   /// A scan that may still be waiting in the estimator.
   struct Pending {

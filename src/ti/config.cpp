@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <limits>
 #include <set>
 
@@ -19,6 +18,7 @@ constexpr double kUsableBand = 0.8;     // of the samples'
 constexpr std::size_t kPacketHeader = 40;
 constexpr std::size_t kTlv = 8;  // size of its header
 constexpr std::size_t kPacketUnit = 32;
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";   // in front of what some editors save
 constexpr std::size_t kManyUnknown = 3;                  // commands, not by mistake
 constexpr std::size_t kStatistics = 2 * kTlv + 24 + 28;  // and, in later 3.x, the temperatures
 
@@ -60,8 +60,7 @@ int bits_in(int mask) {
 /// Takes arguments in turn, each within its range; remembers the first invalid one.
 class Arguments {
  public:
-  Arguments(const Config& config, const char* name, std::size_t n = 0)
-      : name_(name), command_(config.find(name, n)) {
+  Arguments(const ConfigCommand* command, const char* name) : name_(name), command_(command) {
     if (command_ == nullptr) wrong_ = std::string(name) + " is missing";
     if (command_ != nullptr && !is_counted(*command_)) {
       wrong_ = "line " + std::to_string(command_->line) + ", " + name + ": number of arguments";
@@ -99,7 +98,7 @@ struct Profile {
 };
 
 Profile read_profile(const Config& config, ConfigFigures* f, std::string* wrong) {
-  Arguments a(config, "profileCfg");
+  Arguments a(used_profile(config), "profileCfg");
   Profile p;
   p.start = 1e9 * a.real(1, 55.0, 90.0);
   p.idle = 1e-6 * a.real(2, 0.0, 5300.0);
@@ -126,6 +125,13 @@ double read_chirps(const Config& config, int first, int last, ConfigFigures* f) 
   }
   f->transmitters = bits_in(masks);
   return idle;
+}
+
+/// Whether it is the frameCfg of SDK 4, with the number of samples in front of the period: of eight
+/// arguments the last but one is the trigger.
+bool has_samples(const ConfigCommand* frame) {
+  if (frame == nullptr || frame->arguments.size() != 8) return false;
+  return frame->number(6) == 1.0 || frame->number(6) == 2.0;
 }
 
 void read_packet(const Config& config, ConfigFigures* f) {
@@ -170,6 +176,7 @@ const ConfigCommand* Config::find(std::string_view name, std::size_t n) const {
 
 Config parse_config(std::string_view text) {
   Config config;
+  if (text.substr(0, kUtf8Mark.size()) == kUtf8Mark) text.remove_prefix(kUtf8Mark.size());
   for (int number = 1; !text.empty(); ++number) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::vector<std::string> words = words_of(text.substr(0, end));
@@ -195,14 +202,60 @@ bool is_counted(const ConfigCommand& command) {
   return known != nullptr && count >= known->least && count <= known->most;
 }
 
+std::string unreadable(const Config& config) {
+  const auto has_nul = [](const std::string& word) { return word.find('\0') != std::string::npos; };
+  bool knows_any = other_firmware(config) != nullptr;
+  for (const ConfigCommand& command : config.commands) {
+    knows_any = knows_any || find_known(command.name) != nullptr;
+    const auto& words = command.arguments;
+    if (has_nul(command.name) || std::any_of(words.begin(), words.end(), has_nul)) {
+      return "UTF-16 or binary: save it as plain text";
+    }
+  }
+  return knows_any ? "" : "no configuration of a TI radar: it has none of the commands";
+}
+
+Config without_replaced(const Config& config) {
+  Config last;
+  for (const ConfigCommand& command : config.commands) {
+    const Known* known = find_known(command.name);
+    if (known != nullptr && known->key != kRepeatable && is_counted(command)) {
+      const auto is_replaced = [&command, known](const ConfigCommand& earlier) {
+        const bool same = known->key == kStoredOnce || command.number(size_of(known->key)) ==
+                                                           earlier.number(size_of(known->key));
+        return same && earlier.name == command.name && is_counted(earlier);
+      };
+      last.commands.erase(std::remove_if(last.commands.begin(), last.commands.end(), is_replaced),
+                          last.commands.end());
+    }
+    last.commands.push_back(command);
+  }
+  return last;
+}
+
+const ConfigCommand* used_profile(const Config& config) {
+  const ConfigCommand* frame = config.find("frameCfg");
+  const double first = frame == nullptr ? 0.0 : frame->number(0);
+  for (std::size_t n = 0; const ConfigCommand* chirp = config.find("chirpCfg", n); ++n) {
+    if (!(chirp->number(0) <= first && first <= chirp->number(1))) continue;
+    for (std::size_t k = 0; const ConfigCommand* profile = config.find("profileCfg", k); ++k) {
+      if (profile->number(0) == chirp->number(2)) return profile;
+    }
+  }
+  return config.find("profileCfg");
+}
+
 const Firmware* other_firmware(const Config& config) {
   std::set<std::string> unknown;
+  bool knows_any = false;
   for (const ConfigCommand& command : config.commands) {
-    if (find_known(command.name) == nullptr) unknown.insert(command.name);
+    const bool known = find_known(command.name) != nullptr;
+    knows_any = knows_any || known;
+    if (!known) unknown.insert(command.name);
   }
   const auto has_command_of = [&unknown](const Firmware& row) {
     return std::any_of(unknown.begin(), unknown.end(), [&row](const std::string& name) {
-      return std::strstr(row.commands, (" " + name + " ").c_str()) != nullptr;
+      return std::string_view(row.commands).find(" " + name + " ") != std::string_view::npos;
     });
   };
   const ConfigCommand* cfar = config.find("cfarCfg");
@@ -212,11 +265,12 @@ const Firmware* other_firmware(const Config& config) {
   if (is_old) return &kOldDemos;
   const ConfigCommand* channels = config.find("channelCfg");
   const bool four_transmitters = channels != nullptr && channels->whole(1) > 7;
+  const bool is_sdk4 = four_transmitters || has_samples(config.find("frameCfg"));
   for (const Firmware& row : kFirmware) {
     if (&row != &kOldDemos && has_command_of(row)) return &row;
-    if (row.first_sdk == 4 && four_transmitters && unknown.count("chirpComnCfg") == 0) return &row;
+    if (row.first_sdk == 4 && is_sdk4 && unknown.count("chirpComnCfg") == 0) return &row;
   }
-  return unknown.size() >= kManyUnknown ? &kUnknownDemo : nullptr;
+  return knows_any && unknown.size() >= kManyUnknown ? &kUnknownDemo : nullptr;
 }
 
 std::size_t ConfigFigures::packet_bytes(std::size_t points) const {
@@ -227,7 +281,13 @@ Time ConfigFigures::packet_time(std::size_t points) const {
   return from_seconds(10.0 * static_cast<double>(packet_bytes(points)) / baud);
 }
 
-bool derive(const Config& config, ConfigFigures* figures, std::string* why) {
+bool derive(const Config& all, ConfigFigures* figures, std::string* why) {
+  const std::string no_text = unreadable(all);
+  if (!no_text.empty()) {
+    if (why != nullptr) *why = no_text;
+    return false;
+  }
+  const Config config = without_replaced(all);
   if (const Firmware* other = other_firmware(config)) {
     if (why != nullptr) {
       *why = std::string("the configuration of ") + other->name +
@@ -238,12 +298,12 @@ bool derive(const Config& config, ConfigFigures* figures, std::string* why) {
   ConfigFigures f;
   std::string wrong;
   const Profile p = read_profile(config, &f, &wrong);
-  Arguments frame(config, "frameCfg");
+  Arguments frame(config.find("frameCfg"), "frameCfg");
   const int first = frame.whole(0, 0, 511);
   const int last = frame.whole(1, first, 511);
   f.loops = frame.whole(2, 1, 255);
   f.period = from_seconds(1e-3 * frame.real(4, 0.1, 1e5));
-  Arguments channels(config, "channelCfg");
+  Arguments channels(config.find("channelCfg"), "channelCfg");
   f.receivers = bits_in(channels.whole(0, 1, 15));
   if (wrong.empty()) wrong = frame.wrong();
   if (wrong.empty()) wrong = channels.wrong();

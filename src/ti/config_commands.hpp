@@ -6,6 +6,9 @@
 
 namespace rio::ti {
 
+inline constexpr int kStoredOnce = -1;  ///< key of a command of which the demo stores the last
+inline constexpr int kRepeatable = -2;  ///< key of one that may be repeated
+
 /// Commands with a rank must come in that order.
 struct Known {
   const char* name;
@@ -13,22 +16,23 @@ struct Known {
   std::size_t most;
   bool required;
   int rank;
+  int key = kStoredOnce;  ///< argument that tells those apart of which the demo stores the last
 };
 inline constexpr Known kKnown[] = {
-    {"sensorStop", 0, 0, false, 1},
-    {"flushCfg", 0, 0, true, 2},
+    {"sensorStop", 0, 0, false, 1, kRepeatable},
+    {"flushCfg", 0, 0, true, 2, kRepeatable},
     {"dfeDataOutputMode", 1, 1, true, 3},
     {"channelCfg", 3, 3, true, 4},
     {"adcCfg", 2, 2, true, 5},
     {"adcbufCfg", 5, 5, true, 6},
-    {"profileCfg", 14, 14, true, 7},
-    {"chirpCfg", 8, 8, true, 8},
+    {"profileCfg", 14, 14, true, 7, 0},
+    {"chirpCfg", 8, 8, true, 8, kRepeatable},
     {"frameCfg", 7, 7, true, 9},
-    {"sensorStart", 0, 1, true, 10},
+    {"sensorStart", 0, 1, true, 10, kRepeatable},
     {"configDataPort", 2, 2, false, 0},
     {"lowPower", 2, 2, true, 0},
     {"guiMonitor", 7, 7, true, 0},
-    {"cfarCfg", 9, 9, true, 0},
+    {"cfarCfg", 9, 9, true, 0, 1},
     {"multiObjBeamForming", 3, 3, true, 0},
     {"clutterRemoval", 2, 2, true, 0},
     {"calibDcRangeSig", 5, 5, true, 0},
@@ -40,18 +44,24 @@ inline constexpr Known kKnown[] = {
     {"CQSigImgMonitor", 3, 3, true, 0},
     {"analogMonitor", 2, 2, true, 0},
     {"aoaFovCfg", 5, 5, true, 0},
-    {"cfarFovCfg", 4, 4, true, 0},
+    {"cfarFovCfg", 4, 4, true, 0, 1},
     {"bpmCfg", 4, 4, false, 0},
     {"calibData", 2, 3, false, 0},
     {"advFrameCfg", 5, 5, false, 0},
-    {"subFrameCfg", 10, 10, false, 0},
-    {"queryDemoStatus", 0, 0, false, 0},
-    {"version", 0, 0, false, 0},
+    {"subFrameCfg", 10, 10, false, 0, 0},
+    {"queryDemoStatus", 0, 0, false, 0, kRepeatable},
+    {"version", 0, 0, false, 0, kRepeatable},
 };
 
 /// Null if it is none of them.
 const Known* find_known(const std::string& name);
 /// Whether the number of its arguments is right; false for an unknown command.
 bool is_counted(const ConfigCommand& command);
+/// Why the text is no configuration, and what to do; empty if it is one.
+std::string unreadable(const Config& config);
+/// The commands without those in whose place the demo stores a later one.
+Config without_replaced(const Config& config);
+/// The profile of the first chirp of the frame; the first one if none is.
+const ConfigCommand* used_profile(const Config& config);
 
 }  // namespace rio::ti

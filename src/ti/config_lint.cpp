@@ -40,23 +40,31 @@ std::string number(double value) {
 
 class Linter {
  public:
-  Linter(const Config& config, const RadarUse& use) : config_(config), use_(use) {}
+  Linter(const Config& config, const RadarUse& use)
+      : all_(config), config_(without_replaced(config)), use_(use) {}
 
   std::vector<LintFinding> run() {
-    if (other_firmware(config_) != nullptr) {
+    const std::string no_text = unreadable(all_);
+    if (!no_text.empty()) {
+      add(LintKind::kUnknownCommand, true, nullptr, no_text, "");
+      return findings_;
+    }
+    if (other_firmware(all_) != nullptr) {
       std::string why;
-      (void)derive(config_, &figures_, &why);
+      (void)derive(all_, &figures_, &why);
       add(LintKind::kOtherFirmware, true, nullptr, why, "");
       return findings_;
     }
     check_commands();
     check_order();
+    check_repeated();
     check_missing();
     check_output();
     check_detection();
     check_hardware();
     std::string why;
     if (derive(config_, &figures_, &why)) {
+      profile_ = used_profile(config_);
       check_profile();
       check_chirps();
       check_speed();
@@ -87,7 +95,7 @@ class Linter {
   }
 
   void check_commands() {
-    for (const ConfigCommand& command : config_.commands) {
+    for (const ConfigCommand& command : all_.commands) {
       const Known* known = find_known(command.name);
       if (known == nullptr) {
         add(LintKind::kUnknownCommand, true, &command,
@@ -100,6 +108,14 @@ class Linter {
 
   void check_arguments(const ConfigCommand& command, const Known& known) {
     const std::size_t count = command.arguments.size();
+    const auto is_comment = [](const std::string& word) {
+      return word[0] == '%' || word[0] == '#';
+    };
+    if (std::any_of(command.arguments.begin(), command.arguments.end(), is_comment)) {
+      miscounted_ = miscounted_ || known.rank >= kFirstOfFigures;
+      return add(LintKind::kWrongArguments, true, &command,
+                 "a comment needs a line of its own: the demo takes it for arguments", "");
+    }
     if (!is_counted(command)) {
       miscounted_ = miscounted_ || known.rank >= kFirstOfFigures;
       return add(LintKind::kWrongArguments, true, &command,
@@ -124,7 +140,7 @@ class Linter {
 
   void check_order() {
     const Known* latest = nullptr;
-    for (const ConfigCommand& command : config_.commands) {
+    for (const ConfigCommand& command : all_.commands) {
       const Known* known = find_known(command.name);
       if (known == nullptr) continue;
       const bool started = latest != nullptr && latest->rank == 10;
@@ -137,23 +153,41 @@ class Linter {
     }
   }
 
+  void check_repeated() {
+    auto in_force = config_.commands.begin();
+    for (const ConfigCommand& command : all_.commands) {
+      if (in_force != config_.commands.end() && in_force->line == command.line) {
+        ++in_force;
+        continue;
+      }
+      add(LintKind::kInconsistent, true, &command,
+          format("%s is given twice, the last counts", command.name.c_str()), "take one out");
+    }
+  }
+
   void check_missing() {
     for (const Known& known : kKnown) {
       if (!known.required || config_.find(known.name) != nullptr) continue;
       add(LintKind::kMissingCommand, true, nullptr,
           format("%s is missing: the demo does not start without it", known.name), "");
     }
+    for (const char* name : {"cfarCfg", "cfarFovCfg"}) check_directions(name);
+  }
+
+  /// A command that is needed for both.
+  void check_directions(const char* name) {
     const bool miscounted =
         std::any_of(config_.commands.begin(), config_.commands.end(),
-                    [](const ConfigCommand& c) { return c.name == "cfarCfg" && !is_counted(c); });
+                    [name](const ConfigCommand& c) { return c.name == name && !is_counted(c); });
+    if (miscounted || config_.find(name) == nullptr) return;
     for (const char* direction : {"range", "Doppler"}) {
       const double wanted = direction[0] == 'r' ? 0.0 : 1.0;
       int found = 0;
-      each("cfarCfg", [&](const ConfigCommand& c) { found += c.number(1) == wanted ? 1 : 0; });
-      if (found == 0 && !miscounted && config_.find("cfarCfg") != nullptr) {
-        add(LintKind::kMissingCommand, true, nullptr,
-            format("there is no cfarCfg for %s", direction), format("cfarCfg -1 %g ...", wanted));
-      }
+      each(name, [&](const ConfigCommand& c) { found += c.number(1) == wanted ? 1 : 0; });
+      if (found > 0) continue;
+      add(LintKind::kMissingCommand, true, nullptr,
+          format("there is no %s for %s: the demo does not start without it", name, direction),
+          format("%s -1 %g ...", name, wanted));
     }
   }
 
@@ -218,6 +252,12 @@ class Linter {
             format("the radar stops after %g frames", c.number(3)), with(c, 3, "0"));
       }
     });
+    each("sensorStart", [&](const ConfigCommand& c) {
+      if (c.number(0) != 0.0 || config_.find("frameCfg") == nullptr) return;
+      add(LintKind::kInconsistent, true, &c,
+          "sensorStart 0 is for a radar with a configuration: the demo refuses it behind a new one",
+          "sensorStart");
+    });
     each("dfeDataOutputMode", [&](const ConfigCommand& c) {
       if (c.number(0) == 1.0) return;
       add(LintKind::kInconsistent, true, &c,
@@ -227,7 +267,7 @@ class Linter {
   }
 
   void check_profile() {
-    const ConfigCommand& p = *config_.find("profileCfg");
+    const ConfigCommand& p = *profile_;
     const double start = p.number(1), adc_start = p.number(3), ramp = p.number(4);
     const double slope = p.number(7), sampling = 1e3 * p.number(9) / p.number(10);
     if (adc_start + sampling > ramp) {
@@ -246,10 +286,13 @@ class Linter {
                  low_edge, high_edge),
           with(p, 7, number(std::floor(10.0 * std::min(slope, fitting)) / 10.0)));
     }
-    if (config_.find("profileCfg", 1) != nullptr) {
-      add(LintKind::kInconsistent, true, config_.find("profileCfg", 1),
-          "a second profile: the figures are those of the first", "take the line out");
-    }
+    each("profileCfg", [&](const ConfigCommand& c) {
+      if (c.number(0) == p.number(0)) return;
+      add(LintKind::kInconsistent, true, &c,
+          format("another profile than %g, that of the first chirp: the figures are those of one",
+                 p.number(0)),
+          "take the line out");
+    });
   }
 
   /// Checks that each chirp of the frame is defined once, by the profile, with one enabled
@@ -277,10 +320,11 @@ class Linter {
   }
 
   void check_chirp(const ConfigCommand& c, int on) {
-    if (c.number(2) != config_.find("profileCfg")->number(0)) {
+    if (c.number(2) != profile_->number(0)) {
       add(LintKind::kInconsistent, true, &c,
-          format("the chirp uses profile %g, which is not defined", c.number(2)),
-          with(c, 2, config_.find("profileCfg")->arguments[0]));
+          format("the chirp uses profile %g, not %g, for which the figures are", c.number(2),
+                 profile_->number(0)),
+          with(c, 2, profile_->arguments[0]));
     }
     const int mask = c.whole(7);
     if (mask == 0 || (mask & ~on) != 0) {
@@ -290,10 +334,9 @@ class Linter {
   }
 
   void check_speed() {
-    const ConfigCommand& profile = *config_.find("profileCfg");
     if (figures_.max_speed < use_.speed) {
       const double share = figures_.max_speed / use_.speed;
-      add(LintKind::kTooSlow, true, &profile,
+      add(LintKind::kTooSlow, true, profile_,
           format("Dopplers fold at +-%.2f m/s, the vehicle flies %g m/s", figures_.max_speed,
                  use_.speed),
           format("a loop of %d chirps must take %.0f us instead of %.0f: shorter idle time and "
@@ -354,10 +397,12 @@ class Linter {
         "half the samples, or half the loops");
   }
 
-  const Config& config_;
+  const Config& all_;
+  const Config config_;  ///< what is in force
   RadarUse use_;
   ConfigFigures figures_;
-  bool miscounted_ = false;  ///< a line that the figures need
+  const ConfigCommand* profile_ = nullptr;  ///< for which they are
+  bool miscounted_ = false;                 ///< a line that the figures need
   std::vector<LintFinding> findings_;
 };
 

@@ -15,6 +15,11 @@ constexpr double kBusy = 1.0;             // longest lateness of a busy host [s]
 constexpr double kBitsPerByte = 10.0;     // start, eight, stop
 constexpr std::size_t kLeastWindow = 16;  // [frames]
 constexpr std::size_t kMostWindow = 4096;
+constexpr std::size_t kNewest = 128;      // frames that measure the period
+constexpr std::size_t kLag = 8;           // frames between two of a pair: jitter is divided by it
+constexpr std::size_t kFewestPairs = 48;  // their median shakes off a second's stall
+constexpr std::uint32_t kLongestPair = 128;       // [frames]; more is a jump of the number
+constexpr double kWrongRate = 0.01;               // no quartz is that far off
 constexpr Time kLongest = std::chrono::hours(1);  // upper bound of all times
 
 std::size_t frames_in(const FrameTiming& timing) {
@@ -51,7 +56,10 @@ bool FrameTiming::validate(std::string* why) const {
 }
 
 FrameClock::FrameClock(const FrameTiming& timing)
-    : timing_(timing), period_(to_seconds(timing.period)), window_(frames_in(timing)) {
+    : timing_(timing),
+      period_(to_seconds(timing.period)),
+      newest_(kNewest),
+      window_(frames_in(timing)) {
   RIO_ASSERT(timing.validate());
   hull_.reserve(window_.capacity());
 }
@@ -60,6 +68,7 @@ void FrameClock::reset() {
   started_ = false;
   odd_ = restarts_ = 0;
   trigger_count_ = 0;
+  newest_.clear();
 }
 
 void FrameClock::add_trigger(Time edge) {
@@ -69,11 +78,13 @@ void FrameClock::add_trigger(Time edge) {
 Time FrameClock::stamp(const Frame& frame) {
   const Time first = first_byte(frame);
   const Time to_middle = timing_.processing_delay + timing_.chirp_block / 2;
+  newest_.push_back({frame.number, first});
   if (!started_) start(frame, first);
   Arrival now = arrival(frame, first);
   const double lateness = now.y - (intercept_ + slope_ * now.x);
   if (contradicts(frame, first, lateness)) {
-    const bool busy = frame.number > newest_number_ && lateness > 0.0 && lateness < kBusy;
+    const bool busy =
+        frame.number > newest_number_ && lateness > 0.0 && lateness < kBusy && !other_period();
     if (run_ == kMany && first - run_begin_ >= kLasting) {
       ++restarts_;
       start(frame, first);
@@ -88,6 +99,23 @@ Time FrameClock::stamp(const Frame& frame) {
   fit();
   const double begun = intercept_ + slope_ * now.x + now.x * period_;
   return triggered(origin_time_ + from_seconds(begun) - to_middle);
+}
+
+/// The median over pairs of frames.
+std::optional<double> FrameClock::other_period() const {
+  std::array<double, kNewest> periods{};
+  std::size_t pairs = 0;
+  for (std::size_t i = kLag; i < newest_.size(); ++i) {
+    const Counted& begin = newest_[i - kLag];
+    const std::uint32_t frames = newest_[i].number - begin.number;
+    if (frames == 0 || frames > kLongestPair) continue;
+    periods[pairs++] = to_seconds(newest_[i].first_byte - begin.first_byte) / frames;
+  }
+  if (pairs < kFewestPairs) return std::nullopt;
+  const auto median = periods.begin() + static_cast<long>(pairs / 2);
+  std::nth_element(periods.begin(), median, periods.begin() + static_cast<long>(pairs));
+  if (std::abs(*median / period_ - 1.0) <= kWrongRate) return std::nullopt;
+  return *median;
 }
 
 /// Neither estimate is ever early: the bytes came at the rate of the UART at most.

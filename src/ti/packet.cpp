@@ -14,7 +14,7 @@ constexpr std::size_t kSide = 4;
 constexpr std::size_t kUnit = 32;  // the length of a padded packet is a multiple of it
 constexpr std::uint32_t kXwr14 = 0xA1443;
 constexpr std::uint32_t kPlatforms = 0xA;  // their upper half
-enum Tlv : std::uint32_t { kDetectedPoints = 1, kSideInfo = 7, kLastOfDemo = 9 };
+enum Tlv : std::uint32_t { kSideInfo = 7, kLastOfDemo = 9 };
 
 /// Positions in a header [bytes].
 struct Layout {
@@ -71,6 +71,11 @@ bool are_units(const std::uint8_t* b, int count) {
 Vector3d from_sphere(double range, double azimuth, double elevation) {
   const double level = range * std::cos(elevation);
   return {level * std::cos(azimuth), -level * std::sin(azimuth), range * std::sin(elevation)};
+}
+
+/// Whether the points have SNR themselves, so that TLV 7 tells nothing.
+bool has_own_snr(PointForm form) {
+  return form == PointForm::kCartesianUnits || form == PointForm::kSphericalUnits;
 }
 
 /// In radar axes; false if it is not finite.
@@ -218,8 +223,8 @@ PacketVerdict PacketWalk::judge(const std::uint8_t* packet) {
   };
   firmware_ = std::find_if(std::begin(kFirmware), std::end(kFirmware), fits);
   if (firmware_->form == PointForm::kNotRead) return PacketVerdict::kOtherDemo;
-  const bool contradicts = points_.type == kDetectedPoints && side_.length > 0 &&
-                           side_.length / kSide != u32(packet + 28);
+  const bool contradicts =
+      !has_own_snr(firmware_->form) && side_.length > 0 && side_.length / kSide != u32(packet + 28);
   return contradicts ? PacketVerdict::kDamaged : PacketVerdict::kComplete;
 }
 
@@ -239,7 +244,7 @@ std::size_t PacketWalk::decode(const std::uint8_t* packet, Frame* frame) const {
     RadarDetection detection;
     const std::uint8_t* point = payload + firmware_->head + i * firmware_->point;
     if (!read_point(*firmware_, payload, point, &detection)) continue;
-    if (points_.type == kDetectedPoints && side_.length > 0) {
+    if (!has_own_snr(firmware_->form) && side_.length > 0) {
       const std::uint8_t* side = packet + side_.at + i * kSide;
       detection.snr_db = 0.1 * i16(side);
       detection.noise_db = 0.1 * i16(side + 2);

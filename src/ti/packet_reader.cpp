@@ -8,8 +8,11 @@ namespace rio::ti {
 namespace {
 
 constexpr std::size_t kSmallestPacket = 64;
-constexpr std::size_t kPointSize = 8;       // the smallest
-constexpr std::size_t kFewBytes = 16;       // too few to tell a text
+constexpr std::size_t kPointSize = 8;      // the smallest
+constexpr std::size_t kFewBytes = 16;      // too few to tell a text
+constexpr std::uint64_t kManyDamaged = 4;  // one damaged packet to so many whole ones
+constexpr const char* kOnTheWay =
+    "bytes are lost or changed on the way (cable, recorder, a port that is not raw)";
 constexpr int kManyFruitless = 10;          // in a row, not by chance
 constexpr std::uint32_t kMostLost = 10000;  // frames in a row; a larger jump is not a loss
 
@@ -23,6 +26,25 @@ std::size_t find_magic(const std::uint8_t* bytes, std::size_t from, std::size_t 
     ++from;
   }
   return to;
+}
+
+/// What compressed it, by the first four bytes; null if nothing has.
+const char* compression(const std::uint8_t* head) {
+  static constexpr struct {
+    const char* magic;
+    const char* name;
+  } kKinds[] = {
+      {"\x1F\x8B", "gzip"}, {"BZh", "bzip2"}, {"PK\x03\x04", "zip"}, {"\x28\xB5\x2F\xFD", "zstd"}};
+  for (const auto& kind : kKinds) {
+    if (std::memcmp(head, kind.magic, std::strlen(kind.magic)) == 0) return kind.name;
+  }
+  return nullptr;
+}
+
+/// As in the output of hexdump and xxd.
+bool is_of_dump(std::uint8_t byte) {
+  return (byte >= '0' && byte <= '9') || (byte >= 'a' && byte <= 'f') ||
+         (byte >= 'A' && byte <= 'F') || (byte != 0 && std::strchr(" \t\r\n.:|", byte) != nullptr);
 }
 
 bool is_printable(std::uint8_t byte) {
@@ -48,8 +70,7 @@ const char* to_string(StreamState state) {
     case StreamState::kText:
       return "no packets, but text: this is the CLI port";
     case StreamState::kDamaged:
-      return "magic words, but no whole packet: bytes are lost or changed on the way (cable, "
-             "recorder, a port that is not raw)";
+      return "magic words, but no whole packet";
     case StreamState::kCutShort:
       return "each packet ends early: recorder or splitter";
   }
@@ -60,13 +81,28 @@ std::string PacketReader::problem() const {
   std::string text = to_string(state_);
   switch (state_) {
     case StreamState::kFrames:
-      if (counters_.points > 0) return {};
+      if (counters_.points > 0 && kManyDamaged * counters_.damaged <= counters_.frames) return {};
+      if (counters_.points > 0) {
+        return std::to_string(counters_.damaged) + " packets are damaged, " +
+               std::to_string(counters_.frames) + " whole: " + kOnTheWay;
+      }
+      if (counters_.points_left_out > 0) {
+        return text + " with " + std::to_string(counters_.points_left_out) +
+               " points, none of them finite: load the out-of-box demo";
+      }
       if (unknown_tlv_ == 0)
         return text +
                " without points: nothing is detected, or guiMonitor does not send them (-1 1 ...)";
       return text + " without points, but with TLV " + std::to_string(unknown_tlv_) +
              ": set guiMonitor to send the points, or load the out-of-box demo";
+    case StreamState::kText:
+      return 20 * dumped_ > 19 * fruitless_
+                 ? "no packets, but a dump in text (hexdump, xxd): give the bytes themselves"
+                 : text;
     case StreamState::kSearching: {
+      if (const char* kind = compression(head_.data())) {
+        return std::string("no packets, but a compressed file (") + kind + "): unpack it first";
+      }
       int baud = kDemo.baud;
       text += " (" + std::to_string(baud);
       for (const Firmware& row : kFirmware) {
@@ -76,6 +112,10 @@ std::string PacketReader::problem() const {
       }
       return text + ")";
     }
+    case StreamState::kDamaged:
+      if (too_long_ == 0) return text + ": " + kOnTheWay;
+      return "packets of " + std::to_string(too_long_) + " bytes, longer than the " +
+             std::to_string(max_packet_) + " that are read: switch the heat maps off (guiMonitor)";
     case StreamState::kNewSdk:
     case StreamState::kOtherDemo:
       if (firmware_->header != kDemo.header) text = "magic words, but the header of another demo";
@@ -116,6 +156,9 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
     begin_ = 0;
   }
   const std::size_t stored = std::min(count, buffer_.size() - end_);
+  for (std::size_t i = 0; counters_.bytes + i < head_.size() && i < stored; ++i) {
+    head_[counters_.bytes + i] = bytes[i];
+  }
   std::memcpy(buffer_.data() + end_, bytes, stored);
   end_ += stored;
   counters_.bytes += stored;
@@ -181,7 +224,8 @@ bool PacketReader::is_cut_short(std::size_t size) const {
 Frame* PacketReader::end_early(std::size_t size) {
   ++counters_.cut_short;
   missing_ = walk_.size() - size;
-  state_ = StreamState::kCutShort;
+  const bool most = counters_.cut_short > counters_.damaged;
+  state_ = most ? StreamState::kCutShort : StreamState::kDamaged;
   if (walk_.size_without_padding() <= size && counters_.cut_short > counters_.damaged + 1) {
     return hand_out(size);
   }
@@ -217,7 +261,7 @@ bool PacketReader::find_packet(Time arrival) {
   skip_to(found);
   if (expected_ > 0 && found == expected_) ++expected_run_;
   walk_ = PacketWalk(max_packet_);
-  fruitless_ = printable_ = 0;
+  fruitless_ = printable_ = dumped_ = 0;
   frame_.first_arrival = arrival;
   in_packet_ = true;
   return true;
@@ -236,6 +280,7 @@ Frame* PacketReader::hand_out(std::size_t size) {
   begin_ = searched_;
   in_packet_ = held_ = complete_ = false;
   fruitless_run_ = expected_run_ = 0;
+  too_long_ = 0;
   whole_ = whole_ || size == walk_.size();
   state_ = whole_ ? StreamState::kFrames : StreamState::kCutShort;
   return &frame_;
@@ -251,7 +296,12 @@ void PacketReader::give_up(PacketVerdict verdict) {
     const bool whole = expected_run_ > 1 && 2 * expected_run_ >= fruitless_run_;
     if (whole && !frames_came) take_state_of_other(verdict);
     const std::uint8_t* length = buffer_.data() + begin_ + 12;
-    if (begin_ + 16 <= end_) expected_ = begin_ + (length[0] | length[1] * std::size_t{256});
+    if (begin_ + 16 <= end_) {
+      const std::size_t low = length[0] | length[1] * std::size_t{256};
+      const std::size_t size = low | length[2] * std::size_t{1U << 16};
+      expected_ = begin_ + low;
+      too_long_ = size > max_packet_ && length[3] == 0 ? size : 0;
+    }
   } else {
     ++counters_.other_sdk;
     if (many || !frames_came) take_state_of_other(verdict);
@@ -282,8 +332,11 @@ void PacketReader::skip_to(std::size_t index) {
   if (index <= unclaimed_) return;
   counters_.bytes_skipped += index - unclaimed_;
   fruitless_ += index - unclaimed_;
-  for (; unclaimed_ < index; ++unclaimed_) printable_ += is_printable(buffer_[unclaimed_]) ? 1 : 0;
-  if (fruitless_ <= max_packet_ && !finds_nothing()) return;
+  for (; unclaimed_ < index; ++unclaimed_) {
+    printable_ += is_printable(buffer_[unclaimed_]) ? 1 : 0;
+    dumped_ += is_of_dump(buffer_[unclaimed_]) ? 1 : 0;
+  }
+  if (fruitless_ <= max_packet_ + too_long_ && !finds_nothing()) return;
   const bool is_text = fruitless_ >= kFewBytes && 20 * printable_ > 19 * fruitless_;
   state_ = is_text ? StreamState::kText : StreamState::kSearching;
 }

@@ -132,7 +132,8 @@ class LiveRun {
  private:
   void watch() {
     for (std::size_t r = 0; r < watches_.size(); ++r) {
-      const std::string message = watches_[r].look(session_->reader(r), live::HostClock::real());
+      const std::string message = watches_[r].look(session_->reader(r), live::HostClock::real(),
+                                                   session_->times_problem(r));
       if (!message.empty()) screen_.say(fmt::format("radar {}: {}", r, message));
     }
   }
@@ -254,6 +255,8 @@ void live(const LiveArguments& arguments) {
     fail("no sample of the IMU");
   } else if (!run.session().odometry().initialized()) {
     fail("no start: hold it still at first, or give start.max_wait");
+  } else if (run.summary().replay().updates == 0 && failed.empty()) {
+    fail("no scan gave an update: their points or times are of no use, see the counters above");
   }
   if (lost) throw LostEstimate("the estimate is lost: " + run.summary().lost_because());
   if (!failed.empty()) throw std::runtime_error(failed);

@@ -74,6 +74,7 @@ LiveSummary::Radar LiveSummary::end_of(const live::Session& session, std::size_t
               reader.problem()};
   const live::FrameCounters& frames = radar.frames;
   const std::uint64_t most = std::max({frames.without_imu, frames.made_up, frames.untimed});
+  if (radar.problem.empty()) radar.problem = session.times_problem(r);
   if (radar.problem.empty() && frames.used == 0) {
     radar.problem = fmt::format("no packet is used: {}",
                                 most == frames.without_imu ? "they came before the IMU"
@@ -92,7 +93,9 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
     all_.frames.made_up += radar.frames.made_up;
     all_.frames.untimed += radar.frames.untimed;
     const auto& [packets, frames, firmware, problem] = radar;
-    if (packets.points == 0 || frames.used == 0) {
+    const bool of_little_use =
+        frames.untimed + frames.made_up > frames.used || replay_.updates == 0;
+    if (packets.points == 0 || frames.used == 0 || (of_little_use && !problem.empty())) {
       without_scans_ +=
           fmt::format("{}radar {}: {}", without_scans_.empty() ? "" : "; ", r, problem);
     }
@@ -121,10 +124,10 @@ std::string LiveSummary::text() const {
   for (std::size_t r = 0; r < radars_.size(); ++r) {
     const auto& [packets, frames, firmware, problem] = radars_[r];
     text += fmt::format(
-        "radar {}: {} packets, {} points, {} lost, {} damaged, {} cut short, {} of other "
-        "firmware{}{}\n",
-        r, packets.frames, packets.points, packets.lost, packets.damaged, packets.cut_short,
-        packets.other_sdk, problem.empty() ? "" : "; ", problem);
+        "radar {}: {} packets, {} points, {} not finite, {} lost, {} damaged, {} cut short, "
+        "{} of other firmware{}{}\n",
+        r, packets.frames, packets.points, packets.points_left_out, packets.lost, packets.damaged,
+        packets.cut_short, packets.other_sdk, problem.empty() ? "" : "; ", problem);
   }
   return text + replay_.text();
 }
@@ -135,6 +138,7 @@ std::string LiveSummary::json() const {
   for (const auto& [packets, frames, firmware, problem] : radars_) {
     radars.push_back({{"packets", packets.frames},
                       {"points", packets.points},
+                      {"points_not_finite", packets.points_left_out},
                       {"lost", packets.lost},
                       {"damaged", packets.damaged},
                       {"other_firmware", packets.other_sdk},

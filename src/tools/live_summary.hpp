@@ -31,7 +31,7 @@ class LiveSummary : public live::Listener {
   std::string json() const;
   const ReplaySummary& replay() const { return replay_; }
   const std::string& lost_because() const { return replay_.health.lost_because(); }
-  /// Of each radar without a usable scan, and why; empty if all have some.
+  /// Of each radar without usable scans, or few of many, and why; empty if all have them.
   const std::string& without_scans() const { return without_scans_; }
 
  private:

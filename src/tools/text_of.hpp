@@ -2,6 +2,7 @@
 // A file as text.
 #pragma once
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
@@ -11,6 +12,9 @@ namespace rio::tools {
 
 /// Throws std::runtime_error if it cannot be read.
 inline std::string text_of(const std::string& path) {
+  if (std::filesystem::is_directory(path)) {
+    throw std::runtime_error(path + ": is a folder: give a file in it");
+  }
   std::ifstream file(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   if (!file) throw std::runtime_error(path + ": cannot be read");

@@ -296,6 +296,32 @@ TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
   EXPECT_EQ(json["live"]["odometry_sent"], hardware.odometry_received());
 }
 
+/// The IMU of a flight, and packets of such points, read at once: what the program says and its
+/// status.
+TEST_F(Live, FailsWhereNoScanIsOfUse) {
+  const auto write = [](const std::string& name, const sim::Bytes& bytes) {
+    std::ofstream(file(name), std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
+    return file(name);
+  };
+  const auto said = [&](std::uint32_t packets, float range) {
+    sim::Bytes log;
+    for (std::uint32_t number = 1; number <= packets; ++number) {
+      const std::vector<sim::WrittenPoint> points(9, {range, range, 0.0F, 1.0F, 200, 400});
+      const sim::Bytes bytes = sim::packet_of(number, points).bytes();
+      log.insert(log.end(), bytes.begin(), bytes.end());
+    }
+    const Outcome run = rio("live --sensors " + flight_ + " --radar " + write("log.bin", log) +
+                            " --imu-format csv --imu " + flight_ + "/imu0/data.csv --patience 0");
+    EXPECT_EQ(WEXITSTATUS(run.status), 1) << run.output;
+    return run.output;
+  };
+  const std::string at_once = said(300, 3.0F), far_away = said(1, 1e30F);
+  EXPECT_NE(at_once.find("rio: radar 0: the packets come all at once"), std::string::npos)
+      << at_once;
+  EXPECT_NE(far_away.find("no scan gave an update"), std::string::npos) << far_away;
+}
+
 /// Two radars without a scan: each with its cause, in every place.
 TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
   const auto write = [](const std::string& name, const sim::Bytes& bytes) {
@@ -340,6 +366,8 @@ TEST_F(Live, WrongCommandLines) {
   const Outcome no_rate = rio("live --radar " + file("nothing") + " " + imu);
   EXPECT_NE(no_rate.output.find("frame rate of the radar is not known"), std::string::npos)
       << no_rate.output;
+  const Outcome folder = rio("ti-config " + flight_);
+  EXPECT_NE(folder.output.find(flight_ + ": is a folder"), std::string::npos) << folder.output;
   const Outcome nothing =
       rio("live --radar " + file("nothing") + " " + imu + " --sensors " + flight_);
   EXPECT_EQ(WEXITSTATUS(nothing.status), 1);

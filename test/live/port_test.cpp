@@ -107,6 +107,7 @@ TEST(Port, NamesThatMakeNoSense) {
                            "udp:localhost:14550", "udp:127.0.0.1:"}) {
     EXPECT_THROW(Port(name, 115200), std::runtime_error) << name;
   }
+  EXPECT_ERROR(Port("/tmp", 115200).open(), "is a folder");
   EXPECT_EQ(Port("/dev/ttyACM1@3000000", 921600).baud(), 3000000);
   EXPECT_EQ(Port("/dev/ttyACM1", 921600).baud(), 921600);
 }

@@ -26,11 +26,11 @@ class Watched {
     push(packet.bytes());
   }
   /// What is said in so many seconds, ten looks each.
-  std::string wait(int seconds) {
+  std::string wait(int seconds, const std::string& times = "") {
     std::string said;
     for (int i = 0; i < 10 * seconds; ++i) {
       now_ += std::chrono::milliseconds(100);
-      const std::string message = watch_.look(reader_, now_);
+      const std::string message = watch_.look(reader_, now_, times);
       if (!message.empty()) said += message + "\n";
     }
     return said;
@@ -66,6 +66,13 @@ TEST(ScanWatch, SaysNothingWhileScansCome) {
     radar.push_packet();
     EXPECT_EQ(radar.wait(1), "");
   }
+}
+
+TEST(ScanWatch, SaysOnceThatTimesAreWrong) {
+  Watched radar;
+  radar.push_packet();
+  EXPECT_EQ(radar.wait(1, "frames come every 66.7 ms"), "frames come every 66.7 ms\n");
+  EXPECT_EQ(radar.wait(1, "frames come every 66.8 ms"), "");
 }
 
 TEST(ScanWatch, SaysAnotherFirmwareAtOnceAndOnce) {

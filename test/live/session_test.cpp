@@ -95,6 +95,39 @@ TEST(Session, IsTheReplayOfItsData) {
   }
   measured("stamps of the scans off by, ms", 1e3 * to_seconds(off), "0.5, the delay of the IMU");
   EXPECT_LT(off, std::chrono::microseconds(600));
+  EXPECT_EQ(session.times_problem(0), "");
+}
+
+TEST(Session, SaysWhyTheTimesOfMostFramesAreWrong) {
+  const sim::Flight flight = short_flight();
+  SessionSetup setup = setup_of(flight);
+  setup.radars[0].period = setup.radars[0].period * 15 / 16;
+  Session session(setup, {});
+  fly(flight, {}, &session);
+  EXPECT_EQ(session.times_problem(0).rfind("frames come every 66.7 ms by their numbers, not every "
+                                           "62.5: correct rate_hz of sensor.yaml",
+                                           0),
+            0U)
+      << session.times_problem(0);
+  EXPECT_GT(session.frames(0).untimed, session.frames(0).used);
+
+  const auto said_of = [&](std::uint32_t number_step, std::uint32_t subframes, Time between) {
+    Session one(setup_of(flight), {});
+    one.imu(flight.imu[0], kHostAhead);
+    for (std::uint32_t i = 0; i < 100; ++i) {
+      sim::WrittenPacket packet = sim::packet_of(i / subframes * number_step, {});
+      packet.subframe = i % subframes;
+      const Bytes bytes = packet.bytes();
+      one.radar(0, bytes.data(), bytes.size(), kHostAhead + i * between);
+    }
+    return one.times_problem(0);
+  };
+  const Time period = setup_of(flight).radars[0].period;
+  EXPECT_EQ(said_of(1, 1, period), "");
+  EXPECT_NE(said_of(1, 1, Time{1000}).find("a file read at once"), std::string::npos);
+  EXPECT_NE(said_of(2, 1, period).find("every 33.3 ms"), std::string::npos);
+  EXPECT_NE(said_of(0, 1, period).find("numbers do not count"), std::string::npos);
+  EXPECT_NE(said_of(1, 2, period / 2).find("subframes"), std::string::npos);
 }
 
 TEST(Session, NothingIsInventedWhereBytesAreLost) {

@@ -156,6 +156,14 @@ TEST(TiConfig, EveryPlantedMistakeIsFound) {
        "stops after 100 frames"},
       {"frameCfg 0 2 128", "frameCfg 0 1 128", LintKind::kFlatElevation, "2 transmitters"},
       {"frameCfg 0 2 128", "frameCfg 0 2 16", LintKind::kCoarseSpeed, "more than 16 loops"},
+      {"guiMonitor -1 1 0", "guiMonitor -1 1 0 0 0 0 0\nguiMonitor -1 0 0", LintKind::kNoPoints,
+       "guiMonitor is given twice, the last counts"},
+      {"sensorStart", "sensorStart 0", LintKind::kInconsistent, "refuses it behind a new one"},
+      {"cfarFovCfg -1 1 -5.36 5.36", "", LintKind::kMissingCommand, "no cfarFovCfg for Doppler"},
+      {"frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 128 0 50 1 0 % 20 Hz", LintKind::kWrongArguments,
+       "a comment needs a line of its own"},
+      {"profileCfg", "profileCfg 5 77 10 7 50 0 0 23.4 1 64 3200 0 0 30\nprofileCfg",
+       LintKind::kInconsistent, "another profile than 0"},
       {"frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 abc 0 50 1 0", LintKind::kInconsistent,
        "argument 3 must be 1 to 255"},
   };
@@ -168,8 +176,8 @@ TEST(TiConfig, EveryPlantedMistakeIsFound) {
                                                                      << all(findings);
     found += has(findings, mistake.kind) ? 1 : 0;
   }
-  rio::test::measured("planted mistakes found", found, "all of 30");
-  EXPECT_EQ(found, 30);
+  rio::test::measured("planted mistakes found", found, "all of 35");
+  EXPECT_EQ(found, 35);
 }
 
 /// Of the committed one with other lines: one finding, no figures.
@@ -186,6 +194,7 @@ TEST(TiConfig, OtherFirmwareIsNamedAndNotJudged) {
       {base + "ddmPhaseShiftAntOrder 0 2 3 1\n", "AWR2944"},
       {base + "compressionCfg -1 1 0 0.5 8\nlocalMaxCfg -1 3 40\n", "AWR2944"},
       {replaced(base, "channelCfg 15 7 0", "channelCfg 15 15 0"), "AWR2944"},
+      {replaced(base, "frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 128 0 128 50 1 0"), "AWR2944"},
       {base + "trackingCfg 1 2 500 20 50 80 60\n", "people counting or tracking"},
       {base + "boundaryBox -3 3 0 7 0 2.5\nfovCfg -1 70 40\n", "people counting or tracking"},
       {old + "peakGrouping 1 0 1 1 225\n", "SDK 1 or 2"},
@@ -226,6 +235,53 @@ TEST(TiConfig, ALineWithAWrongNumberOfArgumentsIsNotJudgedFurther) {
     ASSERT_EQ(findings.size(), 1U) << all(findings);
     EXPECT_EQ(findings[0].kind, LintKind::kWrongArguments);
   }
+}
+
+TEST(TiConfig, OfACommandGivenTwiceTheLastCounts) {
+  const std::string text = replaced(committed(), "frameCfg", "frameCfg 0 2 64 0 100 1 0\nframeCfg");
+  EXPECT_DOUBLE_EQ(figures_of(text).frame_rate(), 20.0);
+  const std::vector<LintFinding> findings = lint(parse_config(text));
+  ASSERT_EQ(findings.size(), 1U) << all(findings);
+  EXPECT_EQ(findings[0].text, "frameCfg is given twice, the last counts");
+  EXPECT_EQ(all(lint(parse_config("sensorStop\n" + committed()))), "");
+}
+
+TEST(TiConfig, TheProfileIsThatOfTheChirps) {
+  std::string text = replaced(committed(), "profileCfg",
+                              "profileCfg 7 77 10 7 50 0 0 23.4 1 64 3200 0 0 30\n"
+                              "profileCfg");
+  EXPECT_EQ(figures_of(text).samples, 128);
+  for (const char* chirp : {"0 0", "1 1", "2 2"}) {
+    const std::string command = std::string("chirpCfg ") + chirp;
+    text = replaced(text, command + " 0", command + " 7");
+  }
+  EXPECT_EQ(figures_of(text).samples, 64);
+}
+
+TEST(TiConfig, WhatIsNoConfigurationIsOneFinding) {
+  const std::string text = committed();
+  std::string wide, old_mac = text;
+  for (const char c : text) wide += {c, '\0'};
+  std::replace(old_mac.begin(), old_mac.end(), '\n', '\r');
+  const std::pair<std::string, const char*> inputs[] = {
+      {"", "no configuration of a TI radar"},
+      {"{\n \"a\": 1,\n \"b\": 2,\n \"c\": 3\n}\n", "no configuration of a TI radar"},
+      {old_mac.substr(old_mac.find('\r') + 1), "no configuration of a TI radar"},
+      {"\xFF\xFE" + wide, "UTF-16 or binary: save it as plain text"},
+      {text + std::string("version 3.6\0", 12), "UTF-16 or binary: save it as plain text"},
+      {text + std::string("guiMonitor\0", 11), "UTF-16 or binary: save it as plain text"},
+  };
+  for (const auto& [input, said] : inputs) {
+    const std::vector<LintFinding> findings = lint(parse_config(input));
+    ASSERT_EQ(findings.size(), 1U) << all(findings);
+    EXPECT_EQ(findings[0].text.rfind(said, 0), 0U) << findings[0].text;
+    std::string why;
+    ConfigFigures figures;
+    EXPECT_FALSE(derive(parse_config(input), &figures, &why));
+    EXPECT_EQ(why, findings[0].text);
+    EXPECT_EQ(other_firmware(parse_config(input)), nullptr);
+  }
+  EXPECT_EQ(all(lint(parse_config("\xEF\xBB\xBF" + text.substr(text.find("sensorStop"))))), "");
 }
 
 TEST(TiConfig, TheAdviceHelps) {

@@ -140,12 +140,17 @@ TEST(TiFirmware, SphericalPointsAreRead) {
   }
   Bytes payload;
   for (const float value : {2.0F, 0.5F, -0.25F, 1.5F}) put_float(&payload, value);
-  const RadarScan scan = scan_of(packet_with(kSdk36, kXwr68, 1, {{1000, payload}}));
+  Bytes side;
+  put(&side, 153, 2);
+  put(&side, 421, 2);
+  const RadarScan scan = scan_of(packet_with(kSdk36, kXwr68, 1, {{1000, payload}, {7, side}}));
   ASSERT_EQ(scan.detections.size(), 1U);
   const Vector3d wanted = 2.0 * Vector3d(std::cos(-0.25) * std::cos(0.5),
                                          -std::cos(-0.25) * std::sin(0.5), std::sin(-0.25));
   EXPECT_LT((scan.detections[0].point_S - wanted).norm(), 1e-12);
   EXPECT_EQ(scan.detections[0].range_rate, 1.5);
+  EXPECT_DOUBLE_EQ(scan.detections[0].snr_db, 15.3);
+  EXPECT_DOUBLE_EQ(scan.detections[0].noise_db, 42.1);
 }
 
 TEST(TiFirmware, CountsThatContradictAreNoPoints) {
@@ -309,6 +314,59 @@ TEST(TiFirmware, APacketThatEndsEarlyAmongWholeOnesIsDamaged) {
   EXPECT_TRUE(has(reading.reader.problem(), "bytes are lost"));
 }
 
+/// One byte of each is lost, anywhere behind the magic word: few end early by chance.
+TEST(TiFirmware, LostBytesAreNoRecorderThatCutsPackets) {
+  std::mt19937 random(3);
+  Reading reading;
+  for (std::uint32_t number = 1; number < 300; ++number) {
+    Bytes bytes = packet_of(number, some_points(number, 10)).bytes();
+    bytes.erase(bytes.begin() + 8 + static_cast<long>(random() % (bytes.size() - 8)));
+    reading.push(bytes);
+    if (number > 20) {
+      ASSERT_EQ(reading.reader.state(), StreamState::kDamaged) << number;
+    }
+  }
+  EXPECT_GT(reading.counters().cut_short, 20U);
+  EXPECT_TRUE(has(reading.reader.problem(), "bytes are lost")) << reading.reader.problem();
+}
+
+TEST(TiFirmware, ManyDamagedPacketsAreAProblemAlsoAmongWholeOnes) {
+  Reading reading;
+  for (std::uint32_t number = 1; number <= 100; ++number) {
+    reading.push(number % 5 == 0 ? packet_of(number, some_points(number, 3)).bytes()
+                                 : cut(number, 3, 20));
+  }
+  EXPECT_EQ(reading.reader.problem().rfind("80 packets are damaged, 20 whole: bytes are lost", 0),
+            0U)
+      << reading.reader.problem();
+  for (std::uint32_t number = 101; number <= 400; ++number) {
+    reading.push(packet_of(number, some_points(number, 3)).bytes());
+  }
+  EXPECT_EQ(reading.reader.problem(), "");
+}
+
+TEST(TiFirmware, PointsThatAreNotFiniteAreNotNothing) {
+  std::vector<WrittenPoint> points = some_points(1, 6);
+  for (WrittenPoint& p : points) p.velocity = std::numeric_limits<float>::infinity();
+  Reading reading;
+  reading.push(packet_of(1, points).bytes());
+  EXPECT_TRUE(has(reading.reader.problem(), "6 points, none of them finite"));
+}
+
+TEST(TiFirmware, PacketsTooLongForTheBufferAreNamed) {
+  Reading reading;
+  for (std::uint32_t number = 1; number <= 3; ++number) {
+    WrittenPacket packet = packet_of(number, points_of(9));
+    packet.tlvs.emplace_back(4, Bytes(98304, 3));  // heat map of 256 bins and 12 antennas, twice
+    packet.tlvs.emplace_back(5, Bytes(98304, 4));
+    reading.push(packet.bytes());
+    EXPECT_TRUE(has(reading.reader.problem(), "packets of 196864 bytes")) << number;
+    EXPECT_TRUE(has(reading.reader.problem(), "switch the heat maps off (guiMonitor)"));
+  }
+  reading.push(Bytes(300000, 3));
+  EXPECT_EQ(reading.reader.state(), StreamState::kSearching);
+}
+
 TEST(TiFirmware, OtherPortsAreNamed) {
   Reading nothing, text, noise, damaged;
   EXPECT_EQ(nothing.reader.problem(), "no byte yet");
@@ -325,6 +383,28 @@ TEST(TiFirmware, OtherPortsAreNamed) {
   }
   for (int i = 0; i < 3000; ++i) damaged.push(joined({cut(1, 40, 20)}));
   EXPECT_EQ(damaged.reader.state(), StreamState::kDamaged) << damaged.reader.problem();
+}
+
+TEST(TiFirmware, FilesThatMustBeUnpackedAreNamed) {
+  const auto said = [](std::string content) {
+    Reading reading;
+    content += std::string(3000, '\x11');
+    for (const char c : content) reading.push(Bytes(1, static_cast<std::uint8_t>(c)));
+    return reading.reader.problem();
+  };
+  for (const auto& [magic, name] :
+       {std::pair{"\x1F\x8B\x08", "(gzip): unpack it first"}, std::pair{"BZh9", "(bzip2)"},
+        std::pair{"PK\x03\x04", "(zip)"}, std::pair{"\x28\xB5\x2F\xFD", "(zstd)"}}) {
+    EXPECT_TRUE(has(said(magic), name)) << said(magic);
+  }
+  EXPECT_TRUE(has(said("BZ"), "another baud rate"));
+  std::string dump;
+  for (int i = 0; i < 40; ++i) {
+    dump += "00000010: 0201 0403 0605 0807 0000 0603 a000 0000  ................\n";
+  }
+  Reading reading;
+  reading.push(Bytes(dump.begin(), dump.end()));
+  EXPECT_TRUE(has(reading.reader.problem(), "give the bytes themselves"));
 }
 
 TEST(TiFirmware, MutatedPacketsGiveFinitePointsInTheMemoryThereIs) {

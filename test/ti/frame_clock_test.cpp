@@ -137,6 +137,27 @@ TEST(FrameClock, ABusyHostDelaysNoStamp) {
   EXPECT_EQ(clock.odd() + clock.restarts(), 0);
 }
 
+// Frames that come later and later are no busy host: none is stamped far off by the line.
+TEST(FrameClock, AWrongRateIsMeasured) {
+  for (const double off : {-0.5, -0.06, -0.0125, 0.0, 0.005, 0.0125, 0.06, 0.33}) {
+    Radar radar(usual(), off);
+    FrameClock clock(usual());
+    std::mt19937 random(2);
+    std::exponential_distribution<double> late(200.0);
+    for (std::uint32_t n = 0; n < 600; ++n) {
+      const Time lateness = from_seconds(late(random));
+      const int odd = clock.odd();
+      const double error = error_of(clock.stamp(radar.frame(n, lateness, lateness)), radar);
+      if (n < 64 || clock.odd() > odd) continue;
+      EXPECT_EQ(clock.other_period().has_value(), std::abs(off) > 0.01) << off << " " << n;
+      EXPECT_LT(std::abs(error), 0.5 * to_seconds(usual().period) + 0.03) << off << " " << n;
+    }
+    const double period = to_seconds(usual().period) * (1.0 + off);
+    EXPECT_NEAR(clock.other_period().value_or(period), period, 0.003 * period) << off;
+    EXPECT_EQ(clock.odd() > 20, off < -0.1 || off > 0.01) << off;
+  }
+}
+
 TEST(FrameClock, APauseOrASwitchOffStartsItAgain) {
   // sensorStop for a while, numbers go on; power off, numbers from 0; the clock of the host is set
   const struct {
@@ -154,6 +175,7 @@ TEST(FrameClock, APauseOrASwitchOffStartsItAgain) {
       }
     }
     EXPECT_EQ(clock.restarts(), 1) << c.pause.count();
+    EXPECT_FALSE(clock.other_period()) << c.pause.count();
   }
 }
 

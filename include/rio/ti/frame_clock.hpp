@@ -15,6 +15,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,8 +53,8 @@ class FrameClock {
   /// start of the frame (within half a period of the arrivals' estimate), its time is used. A frame
   /// whose number or arrival contradicts the line by more than half a period is stamped by its
   /// arrival alone if it is early or more than a second late, and by the line if it is less late (a
-  /// busy host). Five such frames in a row over a second restart the clock from them.
-  /// again from them.
+  /// busy host) at the configured rate. Five such frames in a row over a second restart the clock
+  /// from them.
   Time stamp(const Frame& frame);
 
   /// A pulse to the radar's trigger input; the newest 16 are kept.
@@ -64,6 +66,9 @@ class FrameClock {
   int restarts() const { return restarts_; }
   /// Period of the radar over the configured one, minus one, from the line.
   double drift() const { return slope_ / period_; }
+  /// The period by arrivals and numbers of the newest frames [s], if it is more than a percent off
+  /// the configured one: that is wrong, or the numbers do not count the frames.
+  std::optional<double> other_period() const;
 
   void reset();
 
@@ -72,6 +77,10 @@ class FrameClock {
   struct Arrival {
     double x = 0.0;
     double y = 0.0;
+  };
+  struct Counted {
+    std::uint32_t number = 0;
+    Time first_byte{0};
   };
 
   Time first_byte(const Frame& frame) const;
@@ -83,6 +92,7 @@ class FrameClock {
 
   FrameTiming timing_;
   double period_;  ///< [s]
+  Ring<Counted> newest_;
   Ring<Arrival> window_;
   std::vector<Arrival> hull_;
   double slope_ = 0.0;      ///< of the line [s a frame]

@@ -30,7 +30,8 @@
 //   TLV 1020, spherical points (people tracking): f32 units of elevation, azimuth [rad], velocity [m/s],
 //   range [m], SNR [dB]; then 8 bytes each
 //    0  i8  elevation, up     1  i8  azimuth, to the right   2  i16  velocity   4  u16  range   6  u16  snr
-//   TLV 1000, the same without units, 16 bytes each: f32 range [m], azimuth, elevation [rad], velocity [m/s]
+//   TLV 1000, the same without units, 16 bytes each: f32 range [m], azimuth, elevation [rad], velocity [m/s];
+//   SNR and noise in TLV 7
 //
 //   Others (profiles 2 and 3, heat maps 4, 5 and 8, statistics 6, temperature 9, tracks) are skipped.
 // clang-format on

@@ -22,6 +22,7 @@
 // packet or flush().
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -100,7 +101,8 @@ class PacketReader {
   StreamState state() const { return state_; }
   /// Firmware of the newest packet with points; null if there is none.
   const Firmware* firmware() const { return firmware_; }
-  /// Why there are no points, and what to do; empty if there are. Allocates.
+  /// Why there are no points, or many packets are damaged, and what to do; empty if neither.
+  /// Allocates.
   std::string problem() const;
 
   /// Discards the bytes of an incomplete packet, for example after the port was reopened; keeps the
@@ -137,13 +139,16 @@ class PacketReader {
   std::size_t missing_ = 0;        ///< bytes that the packets are short of
   std::size_t fruitless_ = 0;      ///< bytes skipped since the last magic word
   std::size_t printable_ = 0;      ///< of them, as in a text
+  std::size_t dumped_ = 0;         ///< same, as in a dump in text
   int fruitless_run_ = 0;          ///< packets since the last frame
   std::size_t expected_ = 0;       ///< where the next magic word is, if totalPacketLen is right
   int expected_run_ = 0;           ///< magic words found there, since the last frame
+  std::size_t too_long_ = 0;       ///< of the newest packet, if longer than the longest [bytes]
   std::uint32_t unknown_tlv_ = 0;  ///< of the last frame without points
   const Firmware* firmware_ = nullptr;
   std::uint32_t frame_number_ = 0;  ///< of the last frame
   PacketCounters counters_;
+  std::array<std::uint8_t, 4> head_{};  ///< the first bytes of all
   StreamState state_ = StreamState::kSilent;
   Frame frame_;
 };
