@@ -117,7 +117,9 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
     allowed.sensors = arguments.sensors;
   }
   if (arguments != allowed) {
-    throw std::runtime_error(path + ": options of a bag are given, but it is none");
+    throw std::runtime_error(path +
+                             ": options of a bag are given, but it is none: "
+                             "topics, clocks and sensors are those of its own files");
   }
   return false;
 }

@@ -460,6 +460,9 @@ void replay(const ReplayArguments& arguments) {
         summary.health.lost_because(), summary.fastest, summary.farthest));
   }
   throw_damage(replayed.damage);
+  if (summary.updates == 0) {
+    throw std::runtime_error("no scan gave an update: the path is that of the IMU alone");
+  }
 }
 
 }  // namespace rio::tools

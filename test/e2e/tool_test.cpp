@@ -169,6 +169,14 @@ TEST_F(Tool, ALostEstimateIsAnError) {
   EXPECT_NE(run.output.find("rio: the estimate is lost: "), std::string::npos) << run.output;
 }
 
+TEST_F(Tool, AReplayWithoutAnyScanIsAnError) {
+  fs::copy(flight_, file("apart"), fs::copy_options::recursive);
+  std::ofstream(file("apart/radar0/data.csv")) << "1,1,2,3,0,9,9\n2,1,2,3,0,9,9\n";
+  const Outcome run = rio("replay --no-check " + file("apart"));
+  EXPECT_EQ(WEXITSTATUS(run.status), 1);
+  EXPECT_PRED2(contains, run.output, "no scan gave an update: the path is that of the IMU alone");
+}
+
 TEST_F(Tool, UnknownOptionsAreRejectedWithASuggestion) {
   std::ofstream(file("bad.yaml")) << "update:\n  max_clone: 5\n";
   Outcome run = rio("replay " + flight_ + " --config " + file("bad.yaml"));
