@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/bag/message_stream.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
@@ -54,17 +56,38 @@ std::vector<fs::path> files_of(const fs::path& folder) {
   return files;
 }
 
+std::string without_digits(const fs::path& path) {
+  std::string name = plain_name(path).string();
+  std::erase_if(name, [](char c) { return c >= '0' && c <= '9'; });
+  return name;
+}
+
+/// The parts of the same recording that rosbag did not close, when it was killed.
+std::vector<fs::path> not_closed(const fs::path& folder, const fs::path& part) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (without_digits(entry.path()) == without_digits(part) + ".active") {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 /// Whether these are the parts 0, 1, 2... of one recording; ROS 1 puts the time of day before the
-/// number.
+/// number. Throws if one in the middle is missing.
 bool are_parts(const std::vector<fs::path>& files) {
-  const auto without_digits = [](const fs::path& path) {
-    std::string name = plain_name(path).string();
-    std::erase_if(name, [](char c) { return c >= '0' && c <= '9'; });
-    return name;
-  };
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    if (number_of(files[i]) != static_cast<std::int64_t>(i)) return false;
-    if (without_digits(files[i]) != without_digits(files[0])) return false;
+  for (const fs::path& file : files) {
+    if (without_digits(file) != without_digits(files[0])) return false;
+  }
+  if (number_of(files[0]) != 0) return false;
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const std::int64_t before = number_of(files[i - 1]);
+    if (number_of(files[i]) <= before) return false;
+    if (number_of(files[i]) == before + 1) continue;
+    throw std::runtime_error(
+        fmt::format("{}: holds several recordings, or part {} of one is missing; name one, as {}",
+                    files[0].parent_path().string(), before + 1, files[0].string()));
   }
   return true;
 }
@@ -85,13 +108,13 @@ class Split final : public MessageStream {
   bool read(Message* message) override {
     for (;;) {
       if (part_ == nullptr) {
-        if (next_ == files_.size()) return false;
+        if (next_ == files_.size()) return end();
         part_ = open_file(files_[next_++]);
         numbers_.clear();
       }
       if (part_->next(message)) break;
       damage_ = part_->damage();
-      if (!damage_.empty()) return false;
+      if (!damage_.empty()) return end();
       part_.reset();
     }
     while (numbers_.size() < part_->topics().size()) {
@@ -99,6 +122,21 @@ class Split final : public MessageStream {
     }
     message->topic = numbers_[message->topic];
     return true;
+  }
+
+  /// Says what is not read; false.
+  bool end() {
+    if (next_ < files_.size()) {
+      damage_ += fmt::format("; the {} parts after it are not read, from {} on",
+                             files_.size() - next_, files_[next_].filename().string());
+    }
+    for (const fs::path& file : not_closed(path(), files_[0])) {
+      damage_ += fmt::format(
+          "{}{} was not closed and is not read: rosbag reindex it, then name it "
+          "as the others",
+          damage_.empty() ? "" : "; ", file.string());
+    }
+    return false;
   }
 
   std::vector<fs::path> files_;
@@ -109,12 +147,17 @@ class Split final : public MessageStream {
 
 std::unique_ptr<MessageStream> open_folder(const fs::path& folder) {
   std::vector<fs::path> files = files_of(folder);
-  if (files.size() == 1) return open_file(files.front());
-  if (files.empty()) throw std::runtime_error(folder.string() + ": a folder without a recording");
+  if (files.size() == 1 && not_closed(folder, files[0]).empty()) return open_file(files.front());
+  if (files.empty()) {
+    const bool csv = fs::exists(folder / "imu0") || fs::exists(folder / "mav0");
+    throw std::runtime_error(folder.string() + (csv ? ": a folder of CSV files, for rio replay and "
+                                                      "rio check: it has no topics"
+                                                    : ": a folder without a recording"));
+  }
   const bool one_kind = std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
     return plain_name(file).extension() == plain_name(files.front()).extension();
   });
-  if (one_kind && (fs::exists(folder / "metadata.yaml") || are_parts(files))) {
+  if (one_kind && (are_parts(files) || fs::exists(folder / "metadata.yaml"))) {
     return std::make_unique<Split>(folder, std::move(files));
   }
   throw std::runtime_error(folder.string() + ": holds several recordings; name one, as " +
@@ -129,6 +172,11 @@ std::unique_ptr<MessageStream> open_file(const fs::path& path) {
   if (bytes.starts_with(kZstdMagic)) return open_file(unpacked(path));
   if (bytes.starts_with("#ROSBAG V") || bytes.starts_with("#ROSRECORD V")) {
     throw std::runtime_error(path.string() + ": a bag older than version 2.0: rosbag fix it first");
+  }
+  if (bytes.starts_with(kTiMagic)) {
+    throw std::runtime_error(path.string() +
+                             ": raw packets of a TI radar, without times: record it with rio live "
+                             "--radar PORT --imu PORT --record FOLDER");
   }
   throw std::runtime_error(path.string() +
                            ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "

@@ -131,7 +131,8 @@ Quaternion read_xyzw(WireReader* reader) {
   Quaternion q;
   for (double& value : q.coeffs()) value = reader->read<double>();
   const double norm = q.norm();
-  if (!(std::abs(norm - 1.0) < 0.01)) throw Damage(reader->position(), "no unit quaternion");
+  if (!(std::abs(norm - 1.0) < 0.01))
+    throw Damage(reader->position(), "no unit quaternion, which a pose needs");
   return q.normalized();
 }
 
@@ -272,7 +273,11 @@ NavState decode_truth(const Topic& topic, Bytes message, Header* header, bool* h
 double decode_pressure(Encoding encoding, Bytes message, Header* header) {
   WireReader reader = reader_of(encoding, message);
   *header = read_header(&reader);
-  return reader.read<double>();
+  const std::size_t where = reader.position();
+  const auto pressure = reader.read<double>();
+  if (!(std::isfinite(pressure) && pressure > 0.0))
+    throw Damage(where, "a pressure that is not above zero");
+  return pressure;
 }
 
 bool is_transforms(const Topic& topic) {

@@ -258,13 +258,7 @@ std::size_t PointMap::convert(const PointCloud& cloud,
   }
   std::size_t left_out = 0;
   for (std::uint64_t i = 0; i < cloud.size(); ++i) {
-    const Bytes bytes = cloud.point(i);
-    const auto get = [&](Quantity q) {
-      const auto& source = sources_[q];
-      if (!source) return 0.0;
-      return source->scale * number_of_type(bytes.data() + source->field.offset,
-                                            source->field.datatype, cloud.big_endian);
-    };
+    const auto get = [&](Quantity q) { return number(cloud, i, q); };
     RadarDetection d;
     if (sources_[kX]) {
       d.point_S = {get(kX), get(kY), get(kZ)};
@@ -290,6 +284,32 @@ std::size_t PointMap::convert(const PointCloud& cloud,
     }
   }
   return left_out;
+}
+
+double PointMap::number(const PointCloud& cloud, std::uint64_t point, std::size_t quantity) const {
+  const auto& source = sources_[quantity];
+  if (!source) return 0.0;
+  return source->scale * number_of_type(cloud.point(point).data() + source->field.offset,
+                                        source->field.datatype, cloud.big_endian);
+}
+
+void PointMap::check_angles(const PointCloud& cloud) const {
+  constexpr double kTurn = 6.4;  // [rad] of an azimuth, counted from 0 or both ways
+  constexpr double kHalfTurn =
+      3.2;  // [rad] of an elevation, counted from the horizon or the zenith
+  if (!sources_[kRange]) return;
+  std::size_t beyond = 0;
+  for (std::uint64_t i = 0; i < cloud.size(); ++i) {
+    const bool turns = std::abs(number(cloud, i, kAzimuth)) > kTurn ||
+                       std::abs(number(cloud, i, kElevation)) > kHalfTurn;
+    beyond += turns ? 1 : 0;
+  }
+  if (beyond < 2) return;  // one may be corrupt
+  std::string how;
+  for (const Quantity q : {kAzimuth, kElevation}) {
+    how += std::string(" --field ") + kNames[q] + "=" + sources_[q]->field.name + "*0.0174533";
+  }
+  fail("angles in degrees:" + how);
 }
 
 void PointMap::name(io::RadarInfo* info) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/bag/recording.hpp"
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <stdexcept>
@@ -15,9 +16,11 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Gyroscope and accelerometer of two topics as one IMU: the force at the stamps of the rates, on
-/// the line between its neighbours.
+/// the line between its neighbours, unless they are so far apart that forces are missing.
 class Halves {
  public:
+  explicit Halves(Time interval)
+      : longest_(std::max(kLongest, 5 * std::min(interval, 10 * kLongest))) {}
   void add(const ImuSample& sample, bool is_accel) {
     std::deque<ImuSample>& list = is_accel ? accels_ : gyros_;
     if (list.empty() || sample.time > list.back().time) list.push_back(sample);
@@ -33,6 +36,7 @@ class Halves {
       *sample = gyros_.front();
       gyros_.pop_front();
       if (sample->time < a.time) continue;
+      if (sample->time > a.time && b.time - a.time > longest_) continue;
       const double share = to_seconds(sample->time - a.time) / to_seconds(b.time - a.time);
       sample->accel_B = a.accel_B + share * (b.accel_B - a.accel_B);
       return true;
@@ -41,6 +45,8 @@ class Halves {
   }
 
  private:
+  static constexpr Time kLongest{100'000'000};  ///< a drone may turn its motion around meanwhile
+  Time longest_;
   std::deque<ImuSample> gyros_;
   std::deque<ImuSample> accels_;
 };
@@ -50,7 +56,10 @@ class Halves {
 class BagStream final : public io::RecordingStream {
  public:
   BagStream(fs::path path, RecordingRequest request)
-      : path_(std::move(path)), request_(std::move(request)), survey_(survey(path_, request_)) {
+      : path_(std::move(path)),
+        request_(std::move(request)),
+        survey_(survey(path_, request_)),
+        imu_(survey_) {
     outline_ = std::move(survey_.outline);
     start_over();
   }
@@ -69,7 +78,10 @@ class BagStream final : public io::RecordingStream {
   struct Imu : Sensor<ImuSample> {
     std::size_t readable = 0;
     std::size_t readable_accel = 0;  ///< on its own topic
-    Halves halves{};
+    Halves halves;
+
+    explicit Imu(const Surveyed& survey)
+        : halves(survey.accel ? survey.accel->interval : Time(0)) {}
   };
   struct Radar : Sensor<RadarScan> {
     CloudReader clouds;
@@ -101,7 +113,7 @@ class BagStream final : public io::RecordingStream {
 
   void start_over() override {
     common_.reset();
-    imu_ = {};
+    imu_ = Imu(survey_);
     radars_.clear();
     for (std::size_t r = 0; r < survey_.radars.size(); ++r) radars_.emplace_back(request_.points);
     start_baro_over();
@@ -216,6 +228,7 @@ std::vector<NavState> read_truth(const fs::path& path) {
   const std::unique_ptr<MessageStream> stream = open_messages(path);
   std::vector<NavState> states;
   std::string of_topic;
+  std::string error;  // the first one
   Message message;
   while (stream->next(&message)) {
     const Topic& topic = stream->topics()[message.topic];
@@ -230,10 +243,15 @@ std::vector<NavState> read_truth(const fs::path& path) {
       bool has_velocity = false;
       const NavState state = decode_truth(topic, message.data, &header, &has_velocity);
       if (states.empty() || state.time > states.back().time) states.push_back(state);
-    } catch (const Damage&) {  // as a lost message
+    } catch (const Damage& damage) {  // as a lost message
+      if (error.empty()) error = "byte " + std::to_string(damage.offset) + ": " + damage.what();
     }
   }
   if (!states.empty()) return states;
+  if (!of_topic.empty()) {
+    throw std::runtime_error(path.string() + ": no readable message on " + of_topic +
+                             "; the first one, " + error);
+  }
   throw std::runtime_error(path.string() + ": no topic of type " + kPoseType + " or " +
                            kOdometryType);
 }

@@ -31,6 +31,11 @@ std::vector<std::string> names_in(const std::string& list, char separator = ',')
 
 }  // namespace
 
+std::string left_out_text(const std::string& topic, std::size_t count, const std::string& first) {
+  return fmt::format("{}: {} messages cannot be read and are left out; the first one, {}", topic,
+                     count, first);
+}
+
 Sources::Sources(const std::filesystem::path& path, const RecordingRequest& request)
     : path_(path), request_(request), stream_(open_messages(path)) {
   want("imu", kImuType, request.imu_topic);
@@ -191,7 +196,11 @@ Source* Sources::choose_optional(const std::string& role, const std::string& nam
   Source* one = nullptr;
   std::size_t count = 0;
   for (Source& source : sources_) {
-    if (source.role.role != role || source.stamps.count == 0) continue;
+    if (source.role.role != role) continue;
+    if (source.stamps.count == 0) {
+      notes.push_back(left_out_text(source.role.name, source.unreadable, source.first_error));
+      continue;
+    }
     one = &source;
     ++count;
   }
@@ -293,6 +302,7 @@ void CloudReader::read(const Topic& topic, const Message& message, Header* heade
     if (notes != nullptr) notes->push_back("points, " + map_->text());
   }
   points_left_out_ += map_->convert(cloud, detections);
+  map_->check_angles(cloud);
 }
 
 }  // namespace rio::bag

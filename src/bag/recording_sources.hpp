@@ -20,6 +20,9 @@
 
 namespace rio::bag {
 
+/// A note on messages that cannot be read.
+std::string left_out_text(const std::string& topic, std::size_t count, const std::string& first);
+
 /// A topic that may have a role, while it is read.
 struct Source {
   Role role;

@@ -33,6 +33,8 @@ class Survey {
     notes_ = sources_.notes;
     for (const Source* source : sources_.used()) require_some(*source);
     put_on_one_clock();
+    tell_pauses();
+    tell_ends();
     tell();
     out_.outline.damage = sources_.damage();
     return std::move(out_);
@@ -51,29 +53,41 @@ class Survey {
         sources_.damage().empty() ? "" : "; " + sources_.damage()));
   }
 
+  /// The first one whose headers are not on the clock of the IMU, with a note; null if all are.
+  const Source* on_another_clock(const std::vector<Source*>& others) {
+    constexpr double kLate = 10.0;  // [s] a topic may be: not much for two clocks
+    Stamps& imu = sources_.imu->stamps;
+    const auto other = std::find_if(others.begin(), others.end(), [&](const Source* source) {
+      return !source->stamps.is_on_clock_of(imu);
+    });
+    if (other == others.end()) return nullptr;
+    const double apart = std::abs(to_seconds((*other)->stamps.delay()) - to_seconds(imu.delay()));
+    const bool is_accel = *other == sources_.accel;
+    const bool by_default =
+        request_.imu_clock == Clock::kAuto && request_.radar_clock == Clock::kAuto;
+    note(fmt::format("the header clocks of IMU and {} are {:.3f} s apart{}",
+                     is_accel ? "accelerometer" : (*other)->role.role, apart,
+                     by_default && apart < kLate ? "; if one only arrives late: --imu-clock header "
+                                                   "--radar-clock header"
+                                                 : ""));
+    return *other;
+  }
+
   void put_on_one_clock() {
     Clock imu = request_.imu_clock;
     Clock radar = request_.radar_clock;
     std::vector<Source*> others = sources_.radars;
     if (sources_.trigger != nullptr) others = {sources_.trigger};
+    if (sources_.accel != nullptr) others.push_back(sources_.accel);
     bool headers = sources_.imu->stamps.zeros == 0;
-    double apart = 0.0;
-    for (Source* other : others) {
-      headers = headers && other->stamps.zeros == 0;
-      const double delay =
-          to_seconds(sources_.imu->stamps.delay()) - to_seconds(other->stamps.delay());
-      apart = std::max(apart, std::abs(delay));
-    }
-    if (imu == Clock::kAuto && radar == Clock::kAuto && headers && apart < 1.0) {
+    for (const Source* other : others) headers = headers && other->stamps.zeros == 0;
+    const Source* const apart = headers ? on_another_clock(others) : nullptr;
+    if (imu == Clock::kAuto && radar == Clock::kAuto && headers && apart == nullptr) {
       imu = radar = Clock::kHeader;
     }
     const bool stamped = radar == Clock::kHeader || radar == Clock::kTrigger;
     if (imu == Clock::kAuto && stamped) imu = Clock::kHeader;
     if (radar == Clock::kAuto && imu == Clock::kHeader) radar = Clock::kHeader;
-    if (headers && apart >= 1.0) {
-      note(fmt::format("the header clocks of IMU and {} are {:.3f} s apart", others[0]->role.role,
-                       apart));
-    }
     out_.imu = stamp_imu(sources_.imu, imu);
     if (sources_.accel != nullptr) out_.accel = stamp_imu(sources_.accel, imu);
     io::RecordingOutline& outline = out_.outline;
@@ -97,19 +111,19 @@ class Survey {
       leave_out_repeated(&of, &times);
       outline.scan_times.push_back(std::move(times));
     }
-    take_others(imu == Clock::kHeader ? Clock::kHeader : Clock::kAuto);
+    take_others(imu == Clock::kHeader);
   }
 
-  /// Barometer and ground truth.
-  void take_others(Clock clock) {
+  /// Barometer and ground truth, on the clock of the IMU.
+  void take_others(bool by_headers) {
     if (sources_.baro != nullptr) {
-      const std::vector<Time> times = stamp_all(sources_.baro, clock, request_.imu_offset);
+      const std::vector<Time> times = stamp_other(sources_.baro, by_headers);
       for (std::size_t i = 0; i < times.size(); ++i) sources_.baro->baro[i].time = times[i];
       out_.baro = std::move(sources_.baro->baro);
       out_.outline.baro_samples = out_.baro.size();
     }
     if (sources_.truth == nullptr) return;
-    const std::vector<Time> times = stamp_all(sources_.truth, clock, request_.imu_offset);
+    const std::vector<Time> times = stamp_other(sources_.truth, by_headers);
     std::vector<NavState>& states = out_.outline.sensors.ground_truth;
     for (std::size_t i = 0; i < times.size(); ++i) {
       sources_.truth->truth[i].time = times[i];
@@ -195,6 +209,9 @@ class Survey {
     out.role = source->role;
     out.shifts = source->stamps.shifts();
     std::tie(out.received, out.shift) = decide(source, clock, request_.imu_offset);
+    const Stamps& stamps = source->stamps;
+    const auto intervals = static_cast<std::int64_t>(std::max<std::size_t>(stamps.count, 2) - 1);
+    out.interval = (stamps.last_received - stamps.first_received) / intervals;
     return out;
   }
 
@@ -206,6 +223,17 @@ class Survey {
       times[i] += shift + (received ? Time(0) : shifts.at(i));
     }
     return times;
+  }
+
+  /// @param by_headers as the IMU is; a topic on another clock, or without stamps, is put there by
+  /// its receive times
+  std::vector<Time> stamp_other(Source* source, bool by_headers) {
+    Stamps& imu = sources_.imu->stamps;
+    const Stamps& of = source->stamps;
+    const bool same = of.zeros == 0 && (of.is_on_clock_of(imu) || !of.is_recorded_with(imu));
+    if (!by_headers) return stamp_all(source, Clock::kAuto, request_.imu_offset);
+    if (same) return stamp_all(source, Clock::kHeader, request_.imu_offset);
+    return stamp_all(source, Clock::kAuto, request_.imu_offset - to_seconds(imu.delay()));
   }
 
   /// Whether a topic is stamped with receive times, and the shift of its stamps.
@@ -250,6 +278,32 @@ class Survey {
       T->rotation = T->rotation * Quaternion(radar.clouds->map()->rotation().transpose());
     }
     return radar.frame == sources_.imu->frame ? std::nullopt : T;
+  }
+
+  /// Pauses of the IMU and of all radars.
+  void tell_pauses() {
+    const Stamps& imu = sources_.imu->stamps;
+    std::vector<const Stamps*> radars;
+    for (const Source* radar : sources_.radars) radars.push_back(&radar->stamps);
+    for (const Stamps::Pause& pause : imu.common_pauses(radars)) {
+      note(fmt::format(
+          "clock set forward by {:.1f} s, or the recorder paused, {:.1f} s after the "
+          "begin: the flight behind needs a recording of its own",
+          to_seconds(pause.length), to_seconds(pause.end - pause.length - imu.first_received)));
+    }
+  }
+
+  /// Radars that end before the IMU.
+  void tell_ends() {
+    constexpr double kEarly = 1.0;  // [s] some scans
+    for (std::size_t r = 0; r < sources_.radars.size(); ++r) {
+      // not of the difference, which may overflow
+      const double ahead =
+          to_seconds(out_.outline.imu_end) - to_seconds(out_.outline.scan_times[r].back());
+      if (ahead < kEarly) continue;
+      note(fmt::format("{} ends {:.1f} s before {}", sources_.radars[r]->role.name, ahead,
+                       sources_.imu->role.name));
+    }
   }
 
   /// Sensor properties, and notes on missing sensor files and dropped data.
@@ -298,10 +352,10 @@ class Survey {
     for (const Source* source : sources_.used()) {
       const std::size_t absent = sources_.accel == nullptr ? source->absent : 0;
       if (source->unreadable + absent == 0) continue;
-      note(fmt::format("{}: {} messages cannot be read and are left out; the first one, {}",
-                       source->role.name, source->unreadable + absent,
-                       source->unreadable > 0 ? source->first_error
-                                              : "says that it has no gyroscope or accelerometer"));
+      note(left_out_text(source->role.name, source->unreadable + absent,
+                         source->unreadable > 0
+                             ? source->first_error
+                             : "says that it has no gyroscope or accelerometer"));
     }
     outline.sensors.notes = std::move(notes_);
   }

@@ -62,7 +62,8 @@ struct Surveyed {
     Role role{"imu", kImuType, {}};
     bool received = false;  ///< by receive times, else by headers and shifts
     Shifts shifts;
-    Time shift{0};  ///< added to all
+    Time shift{0};     ///< added to all
+    Time interval{0};  ///< mean, between messages
   };
   Imu imu;                   ///< or its gyroscope alone,
   std::optional<Imu> accel;  ///< and its accelerometer

@@ -8,12 +8,14 @@ namespace rio::bag {
 namespace {
 
 constexpr Time kJump(300'000'000);
+constexpr Time kBack(50'000'000);  // a clock that is set back; messages that are swapped are nearer
+constexpr Time kJitter(100'000'000);
+constexpr Time kPause(500'000'000);
 constexpr std::size_t kStray = 3;  // so many messages with another clock are corrupt stamps
 
 /// Up to the jitter of a delay: no jump of the clock, but a message that came late.
-bool is_same(Time a, Time b) {
-  constexpr Time kJitter(100'000'000);
-  return a - b < kJitter && b - a < kJitter;
+bool is_same(Time a, Time b, Time jitter) {
+  return a - b < jitter && b - a < jitter;
 }
 
 bool is_far(Time a, Time b) {
@@ -31,18 +33,20 @@ void Stamps::add(const Header& head, Time when, bool all) {
     const Time step = head.stamp - stamped_;
     const Time passed = when - stamped_received_;
     const bool odd = step < Time(0) || step > kJump;
-    const bool opens = !pieces_.empty() && odd && is_far(step, passed);
+    const bool set_back = !pieces_.empty() && is_step_back(step, passed);
+    const bool opens = !pieces_.empty() && (set_back || (odd && is_far(step, passed)));
     if (opens && pieces_.size() == 1 && pieces_[0].delays.size() <= kStray) pieces_.clear();
-    if (pieces_.empty()) pieces_.emplace_back();
+    if (pieces_.empty()) pieces_.push_back({0, Time(0), head.stamp, kJitter, {}});
     const std::size_t n = pieces_.size();
     const bool back = n > 1 && pieces_.back().delays.size() <= kStray &&
                       !is_far(delay, pieces_[n - 2].delays.back());
     if (opens && back) {
       pieces_.pop_back();
     } else if (opens && !pieces_.back().delays.empty()) {
-      pieces_.push_back({count, step - passed, {}});
+      pieces_.push_back({count, step - passed, head.stamp, set_back ? kBack : kJitter, {}});
     }
     pieces_.back().delays.push_back(delay);
+    if (count > 0) note_pause(step, passed, when);
     stamped_ = head.stamp;
     stamped_received_ = when;
   }
@@ -58,6 +62,25 @@ void Stamps::add(const Header& head, Time when, bool all) {
   sequence.push_back(head.sequence);
 }
 
+/// What is on its way when the clock is set has a header from before and is received behind.
+void Stamps::note_pause(Time step, Time passed, Time when) {
+  constexpr Time kUnderWay(1'000'000'000);
+  if (step > kPause) headers_went_on_ = when;
+  if (passed > kPause) receiving_went_on_ = when;
+  const Time both = std::min(headers_went_on_, receiving_went_on_);
+  if (std::max(step, passed) <= kPause || when - both > kUnderWay) return;
+  pauses_.push_back({when, std::max(step, passed)});
+  headers_went_on_ = receiving_went_on_ = Time(0);
+}
+
+bool Stamps::is_step_back(Time step, Time passed) const {
+  const Piece& piece = pieces_.back();
+  const auto n = static_cast<std::int64_t>(piece.delays.size());
+  const Time interval = n < 2 ? Time(0) : (stamped_ - piece.first) / (n - 1);
+  const Time least = interval > kBack ? interval / 2 : Time(0);
+  return step < least && passed - step > kBack;
+}
+
 Time Stamps::Piece::median() {
   const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
   std::nth_element(delays.begin(), middle, delays.end());
@@ -68,12 +91,41 @@ Time Stamps::delay() {
   return pieces_.empty() ? Time(0) : pieces_.front().median();
 }
 
+Time Stamps::least_delay() const {
+  if (pieces_.empty()) return Time(0);
+  const std::deque<Time>& delays = pieces_.front().delays;
+  return *std::min_element(delays.begin(), delays.end());
+}
+
+bool Stamps::is_on_clock_of(const Stamps& other) const {
+  constexpr Time kSecond(1'000'000'000);
+  const auto agree = [kSecond](Time a, Time b) { return a - b < kSecond && b - a < kSecond; };
+  return agree(least_delay(), other.least_delay()) ||
+         (agree(first.stamp, other.first.stamp) && agree(last.stamp, other.last.stamp));
+}
+
+std::vector<Stamps::Pause> Stamps::common_pauses(const std::vector<const Stamps*>& others) const {
+  constexpr Time kTogether(500'000'000);  // interval and delay of a radar
+  const auto agree = [kTogether](Time a, Time b) { return a - b < kTogether && b - a < kTogether; };
+  std::vector<Pause> common;
+  for (const Pause& pause : pauses_) {
+    const bool all = std::all_of(others.begin(), others.end(), [&](const Stamps* other) {
+      return std::any_of(other->pauses_.begin(), other->pauses_.end(), [&](const Pause& p) {
+        return agree(p.end, pause.end) && agree(p.length, pause.length);
+      });
+    });
+    if (all) common.push_back(pause);
+  }
+  return common;
+}
+
 Shifts Stamps::shifts() {
   Shifts out;
   for (std::size_t k = 1; k < pieces_.size(); ++k) {
     if (pieces_[k].delays.size() <= kStray) continue;  // the end of the recording
     const Time added = pieces_[k].median() - pieces_.front().median();
-    out.add({pieces_[k].begin, pieces_[k].by, is_same(added, out.last()) ? out.last() : added});
+    const bool same = is_same(added, out.last(), pieces_[k].jitter);
+    out.add({pieces_[k].begin, pieces_[k].by, same ? out.last() : added});
   }
   return out;
 }

@@ -41,6 +41,11 @@ class Shifts {
 /// Filled while the topic is read.
 class Stamps {
  public:
+  /// Without messages, longer than a driver that stumbles.
+  struct Pause {
+    Time end{0};  ///< received
+    Time length{0};
+  };
   /// @param all keeps one of each for every message
   void add(const Header& head, Time when, bool all);
 
@@ -54,19 +59,39 @@ class Stamps {
 
   /// Median of receive - header, up to the first jump; without zero headers.
   Time delay();
+  /// The smallest one: a topic that arrives later and later had it when it was on time.
+  Time least_delay() const;
+  /// Whether the headers are on one clock, to a second: the smallest delays agree, or the headers
+  /// begin and end together.
+  bool is_on_clock_of(const Stamps& other) const;
+  /// Whether they were recorded at the same time; else one was added later.
+  bool is_recorded_with(const Stamps& other) const {
+    return first_received <= other.last_received && other.first_received <= last_received;
+  }
   Shifts shifts();
+  /// Those of headers and receive times that all of the others have as well.
+  std::vector<Pause> common_pauses(const std::vector<const Stamps*>& others) const;
 
  private:
   /// Headers of one clock that does not jump.
   struct Piece {
     std::size_t begin = 0;    ///< message
     Time by{0};               ///< the jump before
+    Time first{0};            ///< header
+    Time jitter{0};           ///< up to which the delay is the same as before
     std::deque<Time> delays;  ///< receive - header
     Time median();
   };
+  /// Of the header clock, rather than a message that came late or was stamped twice.
+  bool is_step_back(Time step, Time passed) const;
+  void note_pause(Time step, Time passed, Time when);
+
   std::vector<Piece> pieces_;
+  std::vector<Pause> pauses_;
   Time stamped_{0};  ///< the last header that is not zero
   Time stamped_received_{0};
+  Time headers_went_on_{0};  ///< received, after a pause
+  Time receiving_went_on_{0};
 };
 
 }  // namespace rio::bag

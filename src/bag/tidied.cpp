@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <deque>
 #include <map>
@@ -42,7 +43,7 @@ class Tidied final : public MessageStream {
   };
 
   bool read(Message* message) override {
-    while (raw_->next(message)) {
+    while (next_raw(message)) {
       while (topics_.size() < raw_->topics().size()) {
         topics_.push_back(raw_->topics()[topics_.size()]);
         states_.emplace_back().points = is_ti_scan(topics_.back().type);
@@ -65,19 +66,49 @@ class Tidied final : public MessageStream {
     return false;
   }
 
+  bool next_raw(Message* message) {
+    if (waiting_.empty()) return raw_->next(message);
+    held_ = std::move(waiting_.front());
+    waiting_.pop_front();
+    *message = {held_.topic, held_.received, held_.data};
+    return true;
+  }
+
   /// A step back, unless it ends one stray time, is made good: for all topics, by the usual
   /// interval of the first topic that shows it.
   void set_clock(State* of, Message* message) {
-    constexpr Time kBack(300'000'000);
+    constexpr Time kFar(300'000'000);
+    constexpr Time kBack(50'000'000);  // messages that are swapped are nearer
     message->received += ahead_;
-    if (of->count > 1 && message->received < of->last - kBack &&
-        message->received < of->last_but_one - kBack) {
+    const Time back = std::min(of->last, of->last_but_one) - message->received;
+    if (of->count > 1 && back > kBack && (back > kFar || is_kept(message, of->last))) {
       const Time step = of->last + (of->last - of->last_but_one) - message->received;
       ahead_ += step;
       message->received += step;
     }
     of->last_but_one = std::exchange(of->last, message->received);
     ++of->count;
+  }
+
+  /// Whether the next messages of the topic were received before `last` as well: none that was
+  /// late.
+  bool is_kept(Message* message, Time last) {
+    constexpr std::size_t kLater = 3;
+    constexpr std::size_t kMost = 256;  // messages of all topics
+    here_.assign(message->data.begin(), message->data.end());
+    message->data = here_;
+    std::size_t later = 0;
+    for (std::size_t i = 0; later < kLater; ++i) {
+      if (i == waiting_.size()) {
+        Message next;
+        if (i == kMost || !raw_->next(&next)) return false;
+        waiting_.push_back({next.topic, next.received, {next.data.begin(), next.data.end()}});
+      }
+      if (waiting_[i].topic != message->topic) continue;
+      if (waiting_[i].received + ahead_ > last) return false;
+      ++later;
+    }
+    return true;
   }
 
   /// True if a scan is complete, which replaces the message.
@@ -108,7 +139,17 @@ class Tidied final : public MessageStream {
     message->data = given_;
   }
 
+  /// A message read before its turn.
+  struct Waiting {
+    std::size_t topic = 0;
+    Time received{0};
+    std::vector<std::uint8_t> data;
+  };
+
   std::unique_ptr<MessageStream> raw_;
+  std::deque<Waiting> waiting_;
+  Waiting held_;                    ///< the last one that waited
+  std::vector<std::uint8_t> here_;  ///< copy of the message at hand
   std::deque<State> states_;
   std::vector<std::uint8_t> plain_;  ///< decompressed message
   std::vector<std::uint8_t> given_;  ///< scan

@@ -158,6 +158,20 @@ void survey_baro(const fs::path& path, RecordingOutline* outline, Dataset* sampl
   note_cut(rows.cut(), &outline->sensors);
 }
 
+/// Those behind a number that is missing, and those that are too many.
+/// @param used their number
+void note_radars_left_out(const fs::path& root, std::size_t used, std::vector<std::string>* notes) {
+  constexpr std::size_t kNumbers = 10;
+  const std::string why =
+      used <= Options::kMaxOtherRadars
+          ? "there is no " + radar_folder(used) + "; number the radars without a gap"
+          : fmt::format("at most {} radars are used", used);
+  for (std::size_t r = used; r < kNumbers; ++r) {
+    const fs::path folder = root / radar_folder(r);
+    if (fs::exists(folder)) notes->push_back(folder.string() + " is not read: " + why);
+  }
+}
+
 /// A file cut between two rows looks complete to its reader; the other sensor reveals it.
 void note_if_cut_short(const fs::path& root, RecordingOutline* outline) {
   // not of the difference, which may overflow
@@ -213,6 +227,7 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
     read_radar_info(folder / kSensor, &info, &sensors.notes);
     survey_doppler_grid(folder, &own_grid, &info, &sensors.notes);
   }
+  note_radars_left_out(root, 1 + sensors.other_radars.size(), &sensors.notes);
   note_if_cut_short(root, &outline);
   survey_doppler_grid(root / kRadar, &grid, &sensors.radar_info, &sensors.notes);
   outline.damage = sensors.damage;

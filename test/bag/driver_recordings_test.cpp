@@ -3,9 +3,12 @@
 // types, several radars, parts of a recording, compression. Each reads as the plain one does.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstring>
 #include <functional>
 #include <numbers>
+#include <optional>
 
 #include "bag/bag_writer.hpp"
 #include "rio/bag/recording.hpp"
@@ -51,6 +54,17 @@ class DriverRecording : public testing::Test {
   TempDir dir_;
 };
 
+/// Of a message of ROS 1: sequence number, seconds, nanoseconds.
+void set_header(Written* message, Time stamp) {
+  const std::string header = Wire(Wire::kRos1).header(stamp, "").bytes;
+  message->data.replace(4, 8, header.substr(4, 8));
+}
+void move_header(Written* message, Time by) {
+  std::array<std::uint32_t, 2> stamp{};
+  std::memcpy(stamp.data(), message->data.data() + 4, 8);
+  set_header(message, stamp[0] * kSecond + Time(stamp[1]) + by);
+}
+
 /// at_rest() whose clocks jump after half of the messages.
 /// @param of "imu", "radar" or both
 std::vector<Written> jumping(const std::string& of, Time headers, Time received) {
@@ -62,12 +76,7 @@ std::vector<Written> jumping(const std::string& of, Time headers, Time received)
     const bool jumps = late && (of == "both" || of == (is_imu ? "imu" : "radar"));
     Written m = good[i];
     if (late) m.received += received;
-    if (jumps) {  // ROS 1: sequence number, seconds, nanoseconds
-      std::uint32_t seconds = 0;
-      std::memcpy(&seconds, m.data.data() + 4, 4);
-      seconds += static_cast<std::uint32_t>(headers.count() / kSecond.count());
-      std::memcpy(m.data.data() + 4, &seconds, 4);
-    }
+    if (jumps) move_header(&m, headers);
     messages.push_back(m);
   }
   return messages;
@@ -76,7 +85,8 @@ std::vector<Written> jumping(const std::string& of, Time headers, Time received)
 TEST_F(DriverRecording, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
   const Recording good = read(test::at_rest(Wire::kRos1, 40));
   for (const char* of : {"both", "imu", "radar"}) {
-    for (const Time jump : {-9 * kSecond, 9 * kSecond, -1'599'999'000 * kSecond}) {
+    for (const Time jump :
+         {-9 * kSecond, 9 * kSecond, -1'599'999'000 * kSecond, -kSecond / 5, -kSecond / 10}) {
       const Recording recording = read(jumping(of, jump, Time(0)));
       expect_same(recording.dataset, good.dataset);
       EXPECT_PRED2(test::contains, notes_of(recording), "the header clock jumps by ");
@@ -85,9 +95,75 @@ TEST_F(DriverRecording, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
   // the clock of the recorder with them: the interval at the step is that of the IMU before
   const Recording back = read(jumping("both", -10 * kSecond, -10 * kSecond));
   expect_same(back.dataset, good.dataset);
+  for (const Time step : {-kSecond / 5, -kSecond / 10}) {  // NTP
+    const Recording set = read(jumping("both", step, step));
+    expect_same(set.dataset, good.dataset);
+  }
   const auto path =
       dir_.write("b", test::ros1_bag(jumping("both", -10 * kSecond, -10 * kSecond), "none", 20));
   EXPECT_PRED2(test::contains, summary_text(summarise(open_messages(path).get())), "  100.00 Hz");
+}
+
+TEST_F(DriverRecording, MessagesThatAreSwappedOrStampedLateAreNoJump) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+  std::vector<std::size_t> scans;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (messages[i].topic == "/radar") scans.push_back(i);
+  }
+  for (const std::size_t k : {3U, 9U, 20U, 30U}) {  // swapped by a queue, and stamped 80 ms early
+    std::swap(messages[scans[k]].data, messages[scans[k + 1]].data);
+    std::swap(messages[scans[k]].received, messages[scans[k] + 7].received);
+    move_header(&messages[scans[k + 4]], -kSecond / 12);
+    move_header(&messages[scans[k] + 3], -kSecond / 12);
+  }
+  const Recording recording = read(messages);
+  EXPECT_EQ(notes_of(recording).find("jumps"), std::string::npos) << notes_of(recording);
+}
+
+TEST_F(DriverRecording, AClockSetForwardOrAPauseIsTold) {
+  const std::string notes = notes_of(read(jumping("both", 5 * kSecond, 5 * kSecond)));
+  EXPECT_PRED2(test::contains, notes,
+               "clock set forward by 5.0 s, or the recorder paused, 2.0 s after the begin: the "
+               "flight behind needs a recording of its own");
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+  std::erase_if(messages, [&](const Written& m) {  // of the IMU alone
+    const Time at = m.received - messages[0].received;
+    return m.topic == "/imu" && at > kSecond && at < 2 * kSecond;
+  });
+  EXPECT_EQ(notes_of(read(messages)).find("set forward"), std::string::npos);
+}
+
+/// at_rest() of 16 s; the messages of a topic are late by what `late` says of the time so far.
+std::vector<Written> arriving(const std::string& topic, const std::function<Time(Time)>& late) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 160);
+  const Time begin = messages[0].received;
+  for (Written& m : messages) {
+    if (m.topic == topic || topic.empty()) m.received += late(m.received - begin);
+  }
+  return messages;
+}
+
+TEST_F(DriverRecording, ATopicThatArrivesLateIsOnItsClock) {
+  const Recording good = read(test::at_rest(Wire::kRos1, 160));
+  const auto growing = [](Time at) { return at / 5; };
+  const auto drained = [](Time at) { return at < 9 * kSecond ? 3 * kSecond / 2 : Time(0); };
+  const auto slow = [](Time at) { return 9 * at; };
+  for (const std::string topic : {"/radar", "/imu"}) {
+    expect_same(read(arriving(topic, growing)).dataset, good.dataset);
+    expect_same(read(arriving(topic, drained)).dataset, good.dataset);
+  }
+  std::vector<Written> played = arriving("", slow);  // at a tenth of the speed, recorded again
+  std::erase_if(played, [&](const Written& m) {      // a radar that begins later
+    return m.topic == "/radar" && m.received < played[0].received + 7 * kSecond;
+  });
+  EXPECT_EQ(read(played).dataset.scans[0].time, good.dataset.scans[7].time);
+
+  std::vector<Written> apart = test::at_rest(Wire::kRos1, 40);
+  for (Written& m : apart) {
+    if (m.topic == "/radar") move_header(&m, -5 * kSecond);
+  }
+  EXPECT_PRED2(test::contains, notes_of(read(apart)),
+               "5.000 s apart; if one only arrives late: --imu-clock header --radar-clock header");
 }
 
 TEST_F(DriverRecording, OneCorruptStampIsNoJump) {
@@ -160,6 +236,32 @@ TEST_F(DriverRecording, HalvesOfAnImuAreOne) {
   std::vector<Written> one = halves();
   std::erase_if(one, [](const Written& m) { return m.topic == "/accel"; });
   EXPECT_ERROR(read(one), "/gyro has no accelerometer, and no other topic has it");
+}
+
+TEST_F(DriverRecording, AnAccelerometerOnAnotherClockIsOnThatOfTheRecorder) {
+  const Recording good = read(halves());
+  std::vector<Written> messages = halves();
+  for (Written& m : messages) {
+    if (m.topic == "/accel") move_header(&m, -1'000'000 * kSecond);
+  }
+  const Recording recording = read(messages);
+  ASSERT_EQ(recording.dataset.imu.size(), good.dataset.imu.size());
+  EXPECT_EQ(recording.dataset.imu[20].accel_B, good.dataset.imu[20].accel_B);
+  EXPECT_PRED2(test::contains, notes_of(recording), "clocks of IMU and accelerometer are 1000000.");
+}
+
+TEST_F(DriverRecording, ForcesThatAreMissingAreNotMadeUp) {
+  std::vector<Written> messages = halves();
+  std::erase_if(messages, [&](const Written& m) {
+    const Time at = m.received - messages[0].received;
+    return m.topic == "/accel" && at > kSecond / 2 && at < kSecond;
+  });
+  const std::vector<ImuSample> imu = read(messages).dataset.imu;
+  Time longest{0};
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    longest = std::max(longest, imu[i].time - imu[i - 1].time);
+  }
+  EXPECT_GT(longest, kSecond / 2);
 }
 
 TEST_F(DriverRecording, Px4SensorsAreAnImu) {
@@ -241,6 +343,24 @@ TEST_F(DriverRecording, RadarReturnsArePoints) {
     EXPECT_EQ(d.range_rate, 0.75);
     EXPECT_EQ(d.snr_db, 20.0);
   }
+}
+
+TEST_F(DriverRecording, AnglesInDegreesAreAnError) {
+  const auto returns = [](Time stamp, Time received, std::vector<Written>* messages) {
+    Wire wire(Wire::kRos1);
+    wire.header(stamp, "radar").put(std::uint32_t{2});
+    for (const float side : {1.F, -1.F}) wire.put(2.F).put(side * 30.F).put(0.F).put(0.5F).put(9.F);
+    messages->push_back({"/scan", "radar_msgs/RadarScan", received, wire.bytes});
+  };
+  const std::vector<Written> messages = with_scans(Wire::kRos1, returns);
+  EXPECT_ERROR(read(messages),
+               "points: angles in degrees: --field azimuth=azimuth*0.0174533 --field "
+               "elevation=elevation*0.0174533");
+  RecordingRequest request;
+  request.points.fields = {{"azimuth=azimuth*0.0174533", ""},
+                           {"elevation=elevation*0.0174533", ""}};
+  const RadarDetection d = read(messages, request).dataset.scans[3].detections.at(0);
+  EXPECT_LT((d.point_S - Vector3d(std::sqrt(3.0), 1.0, 0.0)).norm(), 1e-5);
 }
 
 Written transforms(Time when, const std::vector<Transform>& all) {
@@ -351,6 +471,78 @@ TEST_F(DriverRecording, PosesAreTheTruthAndPressuresTheBarometer) {
     EXPECT_EQ(data.baro[7].pressure, 1e5 + 7);
     EXPECT_EQ(read_truth(dir_.path() / "a").size(), 100U);
   }
+}
+
+/// at_rest() with a pressure and a pose of `orientation` at each message of the IMU, `by` behind it
+/// on their own clock, or without stamps.
+std::vector<Written> with_others(std::optional<Time> by, double pressure, double orientation) {
+  std::vector<Written> messages;
+  for (const Written& m : test::at_rest(Wire::kRos1, 20)) {
+    messages.push_back(m);
+    if (m.topic != "/imu") continue;
+    const Time stamp = by ? m.received - Time(250'000'000) + *by : Time(0);
+    Wire pose(Wire::kRos1);
+    pose.header(stamp, "map");
+    for (const double value : {1.0, 2.0, 3.0, 0.0, 0.0, 0.0, orientation}) pose.put(value);
+    messages.push_back({"/truth", kPoseType, m.received, pose.bytes});
+    messages.push_back({"/baro", kPressureType, m.received,
+                        Wire(Wire::kRos1).header(stamp, "b").put(pressure).put(0.0).bytes});
+  }
+  return messages;
+}
+
+TEST_F(DriverRecording, TruthAndBarometerOnAnotherClockAreOnThatOfTheImu) {
+  RecordingRequest request;
+  request.truth = true;
+  for (const std::optional<Time> by :
+       {std::optional(-1'500'000'000 * kSecond), std::optional<Time>()}) {
+    const io::Dataset data = read(with_others(by, 1e5, 1.0), request).dataset;
+    ASSERT_EQ(data.ground_truth.size(), 200U);
+    ASSERT_EQ(data.baro.size(), 200U);
+    EXPECT_LT(std::abs(to_seconds(data.ground_truth[7].time - data.imu[7].time)), 1e-6);
+    EXPECT_LT(std::abs(to_seconds(data.baro[7].time - data.imu[7].time)), 1e-6);
+  }
+}
+
+TEST_F(DriverRecording, ATruthThatWasAddedLaterKeepsItsHeaders) {
+  RecordingRequest request;
+  request.truth = true;
+  std::vector<Written> messages = with_others(Time(0), 1e5, 1.0);
+  std::erase_if(messages, [](const Written& m) { return m.topic == "/truth"; });
+  for (const Written& m : with_others(Time(0), 1e5, 1.0)) {  // from 1.2 s on
+    if (m.topic != "/truth" || m.received < messages[0].received + 6 * kSecond / 5) continue;
+    messages.push_back(m);
+    messages.back().received += 1'000'000 * kSecond;
+  }
+  const io::Dataset data = read(messages, request).dataset;
+  EXPECT_EQ(data.ground_truth.at(0).time, data.imu[120].time);
+}
+
+TEST_F(DriverRecording, ATruthOrBarometerThatCannotBeReadIsTold) {
+  RecordingRequest request;
+  request.truth = true;
+  for (const double pressure : {0.0, std::nan("")}) {
+    const Recording recording = read(with_others(Time(0), pressure, 0.0), request);
+    EXPECT_TRUE(recording.dataset.ground_truth.empty());
+    EXPECT_TRUE(recording.dataset.baro.empty());
+    for (const char* text : {"/truth: 200 messages cannot be read and are left out; the first one, "
+                             "byte 75: no unit quaternion, which a pose needs",
+                             "/baro: 200 messages cannot be read and are left out; the first one, "
+                             "byte 17: a pressure that is not above zero"}) {
+      EXPECT_PRED2(test::contains, notes_of(recording), text);
+    }
+  }
+  EXPECT_ERROR(read_truth(dir_.path() / "a"),
+               "no readable message on /truth; the first one, byte 75: no unit quaternion, which a "
+               "pose needs");
+}
+
+TEST_F(DriverRecording, ARadarThatEndsEarlyIsTold) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+  std::erase_if(messages, [&](const Written& m) {
+    return m.topic == "/radar" && m.received > messages[0].received + kSecond;
+  });
+  EXPECT_PRED2(test::contains, notes_of(read(messages)), "/radar ends 3.0 s before /imu");
 }
 
 TEST_F(DriverRecording, PartsAreReadInTheOrderOfTheirNumbers) {

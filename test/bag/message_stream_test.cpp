@@ -167,8 +167,23 @@ TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
   reading = read_all(folder);
   EXPECT_EQ(reading.messages.size(), 10U);
   EXPECT_PRED2(test::contains, reading.damage, "a_10.mcap: byte ");
+  EXPECT_PRED2(test::contains, reading.damage,
+               "; the 1 parts after it are not read, from a_11.mcap on");
+  std::filesystem::remove(folder / "a_5.mcap");
+  EXPECT_ERROR(open_messages(folder), "or part 5 of one is missing; name one");
+  dir.write("folder/a_5.mcap", part(5));
   dir.write("folder/a_11.db3", "");
   EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
+}
+
+TEST(MessageStream, APartThatWasNotClosedIsNamed) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
+  const TempDir dir;
+  dir.write("a_0.bag", test::ros1_bag(messages, "none", 100));
+  dir.write("a_1.bag.active", test::ros1_bag(messages, "none", 100));
+  const Reading reading = read_all(dir.path());
+  EXPECT_EQ(reading.messages.size(), messages.size());
+  EXPECT_PRED2(test::contains, reading.damage, "a_1.bag.active was not closed and is not read");
 }
 
 TEST(MessageStream, OtherFilesAreRefused) {
@@ -177,7 +192,11 @@ TEST(MessageStream, OtherFilesAreRefused) {
   EXPECT_ERROR(open_messages(dir.write("a", "hello")), "a: is no recording");
   EXPECT_ERROR(open_messages(dir.write("b", "")), "b: is no recording");
   EXPECT_ERROR(open_messages(dir.write("c", "#ROSRECORD V1.2\n")), "older than version 2.0");
+  EXPECT_ERROR(open_messages(dir.write("d", "\x02\x01\x04\x03\x06\x05\x08\x07 and so on")),
+               "d: raw packets of a TI radar, without times: record it with rio live");
   EXPECT_ERROR(open_messages(dir.path()), "a folder without a recording");
+  dir.write("imu0/data.csv", "");
+  EXPECT_ERROR(open_messages(dir.path()), "a folder of CSV files, for rio replay and rio check");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -210,6 +211,19 @@ TEST_F(Bag, OptionsOfABagDoNotGoWithAFolder) {
   EXPECT_NE(run.status, 0);
   EXPECT_PRED2(contains, run.output, "options of a bag are given, but it is none");
   EXPECT_NE(rio("convert " + flight_ + " " + file("x") + " --imu /imu").status, 0);
+}
+
+TEST_F(Bag, AFolderOfARadarWithoutTheOneBeforeIsNamed) {
+  fs::copy(flight_, file("gap"), fs::copy_options::recursive);
+  fs::copy(file("gap/radar0"), file("gap/radar2"));
+  const io::Dataset data = io::read_dataset(file("gap"));
+  EXPECT_TRUE(data.other_radars.empty());
+  EXPECT_EQ(std::count(data.notes.begin(), data.notes.end(),
+                       file("gap/radar2") +
+                           " is not read: there is no radar1; number the radars without a gap"),
+            1);
+  EXPECT_PRED2(contains, rio("info " + file("gap")).output,
+               "a folder of CSV files, for rio replay");
 }
 
 TEST_F(Bag, FolderAsMcapHoldsWhatTheFolderHolds) {

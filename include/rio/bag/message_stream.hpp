@@ -75,8 +75,8 @@ bool begins_as_recording(const std::filesystem::path& path);
 /// split recording (with metadata.yaml, or numbered from 0) all files in turn. Compressed messages
 /// and files (zstd) are decompressed. If the clock of the recorder is set back, the receive times
 /// go on. The points of a ti_mmwave_rospkg/RadarScan are one message a scan.
-/// @throws std::runtime_error if there is no such file, its format is unknown, or the library for
-/// it was missing at build time
+/// @throws std::runtime_error if there is no such file, its format is unknown, a part is missing
+/// between others, or the library for it was missing at build time
 std::unique_ptr<MessageStream> open_messages(const std::filesystem::path& path);
 
 }  // namespace rio::bag

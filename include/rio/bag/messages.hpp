@@ -97,7 +97,7 @@ std::optional<std::uint32_t> ti_point_id(Encoding encoding, Bytes message);
 bool is_truth(const std::string& type);
 /// @param has_velocity whether there is one, in world axes
 NavState decode_truth(const Topic& topic, Bytes message, Header* header, bool* has_velocity);
-/// sensor_msgs/FluidPressure [Pa].
+/// sensor_msgs/FluidPressure [Pa]. Throws Damage as well if it is not above zero.
 double decode_pressure(Encoding encoding, Bytes message, Header* header);
 
 /// A transform of tf2_msgs/TFMessage: the pose of `child` in `parent`.

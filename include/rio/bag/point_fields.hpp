@@ -73,6 +73,9 @@ class PointMap {
   /// @return number of dropped points
   std::size_t convert(const PointCloud& cloud, std::vector<RadarDetection>* detections) const;
 
+  /// @throws std::runtime_error if azimuths or elevations are beyond a turn: they are degrees
+  void check_angles(const PointCloud& cloud) const;
+
   /// The fields of the cloud.
   const std::vector<PointField>& fields() const { return fields_; }
   /// The assignment as one line.
@@ -91,6 +94,8 @@ class PointMap {
   void set_by_rule(const std::string& rule);
   void set(int quantity, const std::string& name_and_scale);
   std::optional<PointField> find(const std::string& name) const;
+  /// Of a point, with the scale; 0 without a field.
+  double number(const PointCloud& cloud, std::uint64_t point, std::size_t quantity) const;
   void match_names();
   void settle_point();  ///< keeps x y z, or else the polar quantities
   [[noreturn]] void fail(const std::string& what) const;

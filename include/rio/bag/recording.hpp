@@ -37,7 +37,9 @@ constexpr std::array<std::string_view, 2> names_of(TriggerMatch) {
 
 /// kAuto: the headers of both topics if none is zero and both clocks agree to a second, or if
 /// headers or triggers are selected for the other topic; else kCarried, or kReceive for a topic
-/// with zero stamps.
+/// with zero stamps. Clocks are compared by the smallest delay of a topic: one that arrives later
+/// and later is on its clock. Barometer and ground truth are stamped as the IMU is; on another
+/// clock, or with zero stamps, as kAuto does.
 /// A topic may be several with | between: the first that has messages counts, an empty one at the
 /// end stands for the default.
 struct RecordingRequest {
@@ -69,7 +71,8 @@ struct Recording {
 /// of messages.hpp. Messages that cannot be decoded, scans with the stamp of the scan before, scans
 /// without a trigger and points that are not finite are dropped and counted in the notes. If the
 /// clock of the headers jumps, later headers are moved so that it goes on as the messages were
-/// received.
+/// received; a pause of all sensors, which may be a clock set forward, is told in the notes. Forces
+/// of an accelerometer on its own topic are not interpolated across a gap.
 /// @throws std::runtime_error that lists the topics if one is missing or not unique; if the fields
 /// of the points do not fit; if no readable data are left
 Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
