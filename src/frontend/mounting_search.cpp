@@ -25,8 +25,10 @@ constexpr double kLinear =
 constexpr double kOther = 0.35;  // minima farther apart are two mountings [rad]
 constexpr double kTold = 9.0;    // difference of chi-squared that tells them apart
 constexpr double kLeast = 2.0;   // motion before a solution: errors of directions last as long [s]
-constexpr double kPatience = 5.0;  // motion after which an axis is not shown any more [s]
-constexpr double kEvery = 0.5;     // of motion between solutions [s]
+constexpr double kPatience = 5.0;         // motion after which an axis is not shown any more [s]
+constexpr double kPatienceInClimb = 7.5;  // same, of the vertical axis: a climb ends [s]
+constexpr double kSteep = 0.7;            // sine of 45 deg
+constexpr double kEvery = 0.5;            // of motion between solutions [s]
 
 using Block = MountingSearch::Block;
 
@@ -91,22 +93,29 @@ struct Minimum {
   double cost = 0.0;
 };
 
-/// The least-squares velocity without the shrinkage by the noise of the directions (errors in
-/// variables, ego_velocity.hpp (E4)).
-Vector3d unshrunk(const DetectionList& scan, const EgoVelocity& velocity) {
+/// The velocity of a scan without the shrinkage by the noise N of its directions (errors in
+/// variables, ego_velocity.hpp (E4)): (A - N)^-1 A v; none if they are as noisy as they are spread.
+/// @param speed by which they turn into noise [m/s]: not that of the scan, since weights that know
+///        its noise would prefer short velocities
+std::optional<RadarVelocity> unshrunk(const DetectionList& scan, const EgoVelocity& velocity,
+                                      double speed) {
   Matrix3d A = Matrix3d::Zero();
   Matrix3d noise = Matrix3d::Zero();
+  Matrix3d weighted = Matrix3d::Zero();
   for (std::size_t i = 0; i < scan.items.size(); ++i) {
     if (!velocity.inlier[i]) continue;
     const Detection& d = scan.items[i];
-    A += d.direction_S * d.direction_S.transpose();
-    noise += direction_covariance(d);
+    const Matrix3d square = d.direction_S * d.direction_S.transpose();
+    const Matrix3d of_direction = direction_covariance(d);
+    A += square;
+    noise += of_direction;
+    weighted +=
+        (d.sigma_doppler * d.sigma_doppler + 0.5 * speed * speed * of_direction.trace()) * square;
   }
-  const SmallCholesky<3> root(A);
-  Vector3d v_S = velocity.v_S;
-  for (int i = 0; i < 4; ++i)
-    v_S = velocity.v_S + root.solve(Vector3d(noise * v_S));  // (A - noise)^-1 A v
-  return v_S;
+  const SmallCholesky<3> root(A - noise);
+  if (!root.positive()) return std::nullopt;
+  const Matrix3d inverse = root.inverse();
+  return RadarVelocity{inverse * (A * velocity.v_S), inverse * weighted * inverse};
 }
 
 bool cheaper(const Minimum& a, const Minimum& b) {
@@ -184,12 +193,14 @@ std::optional<Mounting> MountingSearch::add(const DetectionList& scan, const Est
   const double dt = advance(x, P);
   ransac_.estimate(scan, std::nullopt, &velocity_);
   if (dt > 0.0 && velocity_.valid && velocity_.covariance) {
-    velocity_.v_S = unshrunk(scan, velocity_) / doppler_scale_;
-    accumulate(x, dt);
+    const auto velocity = unshrunk(scan, velocity_, x.nav.v_WB.norm());
+    const Vector3d& v_S = velocity ? velocity->v_S : velocity_.v_S;
+    if (v_S.norm() > kMoving) motion_ += std::min(dt, kEvery);
+    if (velocity) accumulate(*velocity, x, dt);
   }
   if (motion_ < kLeast || motion_ < solved_ + kEvery) return std::nullopt;
   solved_ = motion_;
-  return solve();
+  return solve(x.nav.q_WB.toRotationMatrix());
 }
 
 double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
@@ -235,11 +246,10 @@ double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
   return dt;
 }
 
-void MountingSearch::accumulate(const Estimate& x, double dt) {
-  const double white = velocity_.covariance->trace() / 3.0;
+void MountingSearch::accumulate(const RadarVelocity& velocity, const Estimate& x, double dt) {
+  const double white = velocity.covariance.trace() / 3.0;
   if (white > kVague * kVague) return;
-  if (velocity_.v_S.norm() > kMoving) motion_ += std::min(dt, kEvery);
-  // by the IMU: weights that depend on the noise of the scan would prefer the short velocities
+  const Vector3d v_S = velocity.v_S / doppler_scale_;
   const double lasting = kLasting * kLasting * x.nav.v_WB.squaredNorm();
   const double weight = 1.0 / (white + lasting * std::max(1.0, kLastingFor / dt));
   expected_ += 3.0 * weight * (white + lasting);
@@ -247,7 +257,7 @@ void MountingSearch::accumulate(const Estimate& x, double dt) {
   const Matrix3d R_BW = x.nav.q_WB.conjugate().toRotationMatrix();
   Block A = Block::Zero(3, kSize);
   for (int i = 0; i < 3; ++i) {
-    A.middleCols<3>(kRotation + 3 * i).diagonal().setConstant(velocity_.v_S[i]);
+    A.middleCols<3>(kRotation + 3 * i).diagonal().setConstant(v_S[i]);
   }
   A.middleCols<3>(kLever) = -skew(x.gyro_B - x.nav.gyro_bias);
   A.col(kOne) = -R_BW * x.nav.v_WB;
@@ -256,7 +266,7 @@ void MountingSearch::accumulate(const Estimate& x, double dt) {
   sum_ += dot(A, A);
 }
 
-std::optional<Mounting> MountingSearch::solve() const {
+std::optional<Mounting> MountingSearch::solve(const Matrix3d& R_WB) const {
   const Schur rotation(sum_, kLever);  // without p, e, d, a
   RotationCost cost;
   cost.M = rotation.complement;
@@ -287,9 +297,11 @@ std::optional<Mounting> MountingSearch::solve() const {
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(found.covariance.topLeftCorner<3, 3>());
   const Vector3d sigmas = axes.eigenvalues().cwiseSqrt();
   const bool shown = alone && sigmas[2] < kLinear;
-  if (sigmas[1] > kLinear || (!shown && motion_ < kPatience)) return std::nullopt;
+  const Vector3d axis = axes.eigenvectors().col(2);
+  const bool steep = std::abs((R_WB * (best.R * axis)).z()) > kSteep;
+  const double patience = steep ? kPatienceInClimb : kPatience;
+  if (sigmas[1] > kLinear || (!shown && motion_ < patience)) return std::nullopt;
   if (!shown) {  // the axis that the motion does not show: as configured
-    const Vector3d axis = axes.eigenvectors().col(2);
     const Matrix3d scale =
         Matrix3d::Identity() + (kLinear / sigmas[2] - 1.0) * axis * axis.transpose();
     found.covariance.topRows<3>() =

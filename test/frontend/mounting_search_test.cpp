@@ -210,6 +210,17 @@ TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {
   EXPECT_GT(std::min(sigma(9), sigma(10)), 0.05);
 }
 
+// Flights that begin with a climb of five seconds, which does not show the heading of the radar.
+TEST(MountingSearch, WhatAClimbDoesNotShowIsAwaited) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const sim::Flight flight = flight_of("outdoor", seed, 25.0);
+    const Pose truth = flight.scenario.radar.T_BS;
+    const auto found = search(flight, turned(truth, 90.0 * kDegree, {1, -2, 3}));
+    ASSERT_TRUE(found) << seed;
+    EXPECT_LT(error_of(*found, flight).head<3>().norm(), 0.6) << seed;
+  }
+}
+
 TEST(MountingSearch, WhatAStraightDriveDoesNotShowIsAsConfigured) {
   sim::Scenario scenario;
   scenario.path.ground = true;

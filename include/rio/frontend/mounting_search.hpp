@@ -9,12 +9,13 @@
 //      sum M = sum w A^T A, an information matrix. (E2) is its time update, and eliminates the
 //      past.
 // (E4) w^-1 = tr(Sigma_v) / 3 + (kLasting |v|)^2 T / dt: white noise of the consensus, and an error
-//      of the directions that a scene keeps for T, so that many scans do not average it away.
+//      of the directions that a scene keeps for T, so that many scans do not average it away; |v|
+//      by the IMU.
 // (E5) Without p, e, d, a it is a quadratic form of vec R on SO(3): Levenberg-Marquardt from 24
 //      rotations by right angles, R <- R Exp(phi). Of minima that the evidence does not tell
 //      apart, the one nearest to the configured mounting.
 // A vehicle that only drives ahead never shows the rotation about its way: after kPatience of
-// motion it is taken from the configured mounting, with the sigma kLinear.
+// motion, later in a climb, it is taken from the configured mounting, with the sigma kLinear.
 // Derivation: data/theory.md, 12. Reference for (E5): Wahba 1965, problem 65-1.
 #pragma once
 
@@ -74,8 +75,8 @@ class MountingSearch {
   /// (E2) to the time of x, from the prior P if it starts over. The time since the last scan [s].
   double advance(const Estimate& x, const BodyCovariance& P);
   /// (E3) with the velocity of the scan.
-  void accumulate(const Estimate& x, double dt);
-  std::optional<Mounting> solve() const;
+  void accumulate(const RadarVelocity& velocity, const Estimate& x, double dt);
+  std::optional<Mounting> solve(const Matrix3d& R_WB) const;
 
   Pose configured_;
   CalibrationOptions priors_;
