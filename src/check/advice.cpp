@@ -28,9 +28,16 @@ std::string Advice::negate_doppler() const {
                : "negate the column doppler of " + csv();
 }
 
-std::string Advice::gyro_in_degrees() const {
-  return bag() ? "--gyro-unit deg/s"
-               : "multiply the first three columns after the stamp of imu0/data.csv by 0.0174533";
+std::string Advice::gyro_in(const std::string& unit, double factor) const {
+  const bool no_option = unit == "mdeg/s";  // units.cpp of io
+  if (bag() && no_option) {
+    return fmt::format("multiply the rates by {:.6g} in the driver of the IMU", factor);
+  }
+  return bag() ? "--gyro-unit " + unit
+               : fmt::format(
+                     "multiply the first three columns after the stamp of imu0/data.csv by "
+                     "{:.6g}",
+                     factor);
 }
 
 std::string Advice::sensor_line(const std::string& line) const {

@@ -23,7 +23,8 @@ struct Advice {
   std::string scale(const std::string& quantity, double factor) const;
   /// The other sign of the Doppler.
   std::string negate_doppler() const;
-  std::string gyro_in_degrees() const;
+  /// @param factor of the unit in [rad/s]
+  std::string gyro_in(const std::string& unit, double factor) const;
   /// "radar1/data.csv"
   std::string csv() const;
   /// A line of the sensor file of this radar.

@@ -50,6 +50,21 @@ double angle_between(const Matrix3d& a, const Matrix3d& b) {
   return quaternion_log(Quaternion(a.transpose() * b)).norm();
 }
 
+bool mirrors_the_points(const Axes& axes, const Matrix3d& configured) {
+  return mirror_text(configured.transpose() * axes.R, "the points").has_value();
+}
+
+bool allowed(const Axes& axes, const Matrix3d& configured, DopplerSign sign) {
+  switch (sign) {
+    case DopplerSign::kAsConfigured:
+      return !axes.doppler_flipped || axes.turn < 1e-6 || mirrors_the_points(axes, configured);
+    case DopplerSign::kOpposite:
+      return axes.doppler_flipped;
+    default:
+      return true;
+  }
+}
+
 std::vector<Axes> candidates(const Quaternion& configured) {
   const Matrix3d R = configured.toRotationMatrix();
   std::vector<Axes> out;

@@ -14,6 +14,9 @@
 
 namespace rio::check {
 
+/// What the ranges say of the sign of the Doppler.
+enum class DopplerSign { kUnknown, kAsConfigured, kOpposite };
+
 /// A hypothesis on the axes and sign of the radar velocities.
 struct Axes {
   Matrix3d R = Matrix3d::Identity();  ///< from radar axes to body axes; improper if mirrored
@@ -23,6 +26,13 @@ struct Axes {
 
 /// The configured mounting first, then the same with the Doppler flipped, then by increasing angle.
 std::vector<Axes> candidates(const Quaternion& configured);
+
+/// Whether these axes mirror the points: two swapped, or one of the wrong sign.
+bool mirrors_the_points(const Axes& axes, const Matrix3d& configured);
+
+/// Whether the sign of the Doppler allows these axes: what looks like the other sign may be
+/// mirrored points, or an inverted accelerometer.
+bool allowed(const Axes& axes, const Matrix3d& configured, DopplerSign sign);
 
 /// Between two rotations [rad].
 double angle_between(const Matrix3d& a, const Matrix3d& b);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "check/doppler_check.hpp"
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_check.hpp"
@@ -22,17 +23,21 @@ namespace rio::check {
 
 namespace {
 
-/// The IMU data for the other checks.
-struct CheckedImu {
-  const std::vector<ImuSample>& all;
-  const std::vector<ImuSample>& good;  ///< usable()
-  const ImuCheck& check;
-};
-
-bool in_metres(const Findings& findings) {
+/// Whether the others would not find faults that are none.
+bool usable(const Findings& findings) {
   return std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
-    return finding.subject == "distances" && finding.verdict == Verdict::kWrong;
+    const bool basic = finding.subject == "distances" || finding.subject == "radar stamps";
+    return basic && finding.verdict == Verdict::kWrong;
   });
+}
+
+/// Empty if the radar is as near to the IMU as in a car.
+std::optional<Finding> check_lever_arm(const Vector3d& p) {
+  constexpr double kFarthest = 5.0;  // from the rear axle of a car to its front [m]
+  if (p.norm() < kFarthest) return std::nullopt;
+  return Finding{Verdict::kDoubtful, "lever arm",
+                 fmt::format("the radar is {:.3g} m from the IMU", p.norm()),
+                 "the translation of T_BS is in metres: is this one in mm or cm?"};
 }
 
 /// A radar; `options` have it as the first one.
@@ -44,13 +49,16 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::Ra
   double& limit = read.radar.max_doppler;
   if (limit > 0.0) limit = std::max(limit, fastest(scans));
   const std::vector<RadarSpeed> speeds = radar_speeds(scans, read);
+  if (const auto unit = check_stamp_unit(imu.all, scans)) return {*unit};
   Findings out = {check_clocks(imu.all, scans, advice)};
+  if (const auto lever = check_lever_arm(options.radar.T_BS.translation)) out.push_back(*lever);
   const auto append = [&out](const Findings& more) {
     out.insert(out.end(), more.begin(), more.end());
   };
-  const Findings alone = check_radar(scans, info, speeds, options, advice, folder / advice.csv());
+  const Findings alone =
+      check_radar(scans, info, speeds, imu, options, advice, folder / advice.csv());
   append(alone);
-  if (!in_metres(alone)) return out;  // the others would find faults that are none
+  if (!usable(alone)) return out;
   const RangeCheck ranges = check_ranges(scans, options, advice);
   out.push_back(ranges.finding);
   if (!imu.check.integrable) return out;
@@ -79,7 +87,7 @@ Findings check_all(const std::vector<ImuSample>& samples, const std::vector<Scan
   if (check.exchanged) other_way = exchanged(good);
   const CheckedImu imu{samples, check.exchanged ? other_way : good, check};
   if (worst(out) != Verdict::kWrong) {
-    out.push_back(check_start(imu.good, check.gyro_unit, check.accel_unit, radars[0], options));
+    out.push_back(check_start(imu, radars[0], options));
   }
   for (std::size_t r = 0; r < options.radars() && r < radars.size(); ++r) {
     const io::RadarInfo& info = r == 0 ? sensors.radar_info : sensors.other_radars[r - 1].info;

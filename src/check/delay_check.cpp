@@ -16,9 +16,10 @@ namespace {
 constexpr double kShiftStep = 0.02;  // [s]
 constexpr int kShifts = 14;          // to each side; below kMostShift
 
-std::vector<double> most_explained(const std::vector<Agreements>& shifts, const Options& options) {
+std::vector<double> most_explained(const std::vector<Agreements>& shifts, const Options& options,
+                                   DopplerSign sign) {
   std::vector<double> most;
-  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options));
+  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options, sign));
   return most;
 }
 
@@ -43,10 +44,12 @@ Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
 
 }  // namespace
 
-double most_explained(const Agreements& windows, const Options& options) {
+double most_explained(const Agreements& windows, const Options& options, DopplerSign sign) {
   const Agreement& all = windows.total();
+  const Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
   double most = 0.0;
   for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
+    if (!allowed(axes, configured, sign)) continue;
     most = std::max(most, all.explained(axes.R));
   }
   return most;
@@ -60,8 +63,9 @@ std::vector<Agreements> all_shifts(const MotionData& data, double length,
   return agreements(data.speeds, path, length, radar.T_BS.translation, shifts);
 }
 
-const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options) {
-  const std::vector<double> most = most_explained(shifts, options);
+const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options,
+                                   DopplerSign sign) {
+  const std::vector<double> most = most_explained(shifts, options, sign);
   const auto best = std::max_element(most.begin(), most.end()) - most.begin();
   const Agreements& configured = shifts[kShifts];
   return significance(most[kShifts], most[static_cast<std::size_t>(best)], configured.size()) >
@@ -93,16 +97,18 @@ Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
   return out;
 }
 
-bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options) {
-  const std::vector<double> most = most_explained(shifts, options);
+bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options,
+                      DopplerSign sign) {
+  const std::vector<double> most = most_explained(shifts, options, sign);
   const auto best = std::max_element(most.begin(), most.end());
   return *best > kExplained && (best == most.begin() || best + 1 == most.end());
 }
 
-std::optional<Finding> check_far_delay(const MotionData& data, double length,
+std::optional<Finding> check_far_delay(const MotionData& data, double length, double near,
                                        const Options& options, const Advice& advice) {
   constexpr double kFarthest = 4.0;                        // [s]
   constexpr double kCovered = 2.0 * kShifts * kShiftStep;  // by all_shifts() [s]
+  constexpr double kSure = 5.0;                            // the best of 400 [sigmas]
   double most = kExplained;
   double delay = 0.0;
   std::vector<RadarSpeed> moved = data.speeds;
@@ -114,10 +120,15 @@ std::optional<Finding> check_far_delay(const MotionData& data, double length,
     const std::vector<Agreements> shifts = all_shifts(there, length, options.radar);
     for (std::size_t i = 0; i < shifts.size(); ++i) {
       const Agreements& windows = shifts[i];
-      const double explained = most_explained(windows, options);
-      if (windows.size() < kFewestWindows || explained <= most) continue;
+      const double moved_by = middle + kShiftStep * (static_cast<double>(i) - kShifts);
+      const double explained = most_explained(windows, options, data.doppler_sign);
+      if (windows.size() < kFewestWindows || explained <= most ||
+          std::abs(moved_by) < 0.5 * kCovered ||
+          significance(near, explained, windows.size()) < kSure) {
+        continue;
+      }
       most = explained;
-      delay = middle + kShiftStep * (static_cast<double>(i) - kShifts);
+      delay = moved_by;
     }
   }
   if (delay == 0.0) return std::nullopt;

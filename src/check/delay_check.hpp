@@ -15,8 +15,9 @@
 
 namespace rio::check {
 
-/// The largest share (E4) of motion.hpp with the axes of any of the candidates().
-double most_explained(const Agreements& windows, const Options& options);
+/// The largest share (E4) of motion.hpp with the axes of any of the candidates() that the sign of
+/// the Doppler allows.
+double most_explained(const Agreements& windows, const Options& options, DopplerSign sign);
 
 /// The windows for every shift, from the most negative on.
 /// @param length of a window [s]
@@ -26,10 +27,12 @@ std::vector<Agreements> all_shifts(const MotionData& data, double length,
 /// The windows in which the axes are judged: at the configured delay, unless another shift is
 /// significantly better with some axes.
 /// @param shifts of all_shifts(), like those below
-const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options);
+const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options,
+                                   DopplerSign sign);
 
 /// Whether the first or the last shift explains the motion best.
-bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options);
+bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options,
+                      DopplerSign sign);
 
 /// @param R axes of the radar as found
 Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
@@ -37,7 +40,8 @@ Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
 
 /// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
 /// none.
-std::optional<Finding> check_far_delay(const MotionData& data, double length,
+/// @param near explained at most with those of check_delay()
+std::optional<Finding> check_far_delay(const MotionData& data, double length, double near,
                                        const Options& options, const Advice& advice);
 
 }  // namespace rio::check

@@ -62,12 +62,14 @@ std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSampl
   return std::pair(period * period / count * angle, period * period / count * velocity);
 }
 
-std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, double period) {
+/// @param usual in longer intervals samples are lost [s]
+std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, double period,
+                                    double usual) {
   std::map<std::size_t, double> gaps;  // number of gaps by length in periods
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const double dt = to_seconds(samples[i].time - samples[i - 1].time);
     const auto n = static_cast<std::size_t>(std::min(1e9, std::round(dt / period)));
-    if (n > 1) gaps[n] += 1.0;
+    if (n > 1 && dt > usual) gaps[n] += 1.0;
   }
   Bridged out;
   for (const auto& [n, count] : gaps) {
@@ -94,10 +96,15 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   for (std::size_t i = 1; i < good.size(); ++i) {
     periods.push_back(to_seconds(good[i].time - good[i - 1].time));
   }
-  const double period = usual_period(periods);
+  const bool known = source == Source::kFolder && info.rate_hz.has_value();
+  const double usual =
+      longest_usual(periods, known ? std::optional(1.0 / *info.rate_hz) : std::nullopt);
+  const double period = usual_period(periods, usual);
   const double longest = *std::max_element(periods.begin(), periods.end());
   double lost = 0.0;
-  for (const double p : periods) lost += std::max(0.0, std::round(p / period) - 1.0);
+  for (const double p : periods) {
+    lost += p <= usual ? 0.0 : std::max(0.0, std::round(p / period) - 1.0);
+  }
   const double share = lost / (lost + static_cast<double>(good.size()));
   Finding out{
       Verdict::kOk, "imu stamps",
@@ -106,7 +113,7 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
                   all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
                   1.0 / period, 100.0 * share, 1e3 * longest, repeated, stray.count),
       ""};
-  const std::optional<Bridged> bridged = cost_of_gaps(good, period);
+  const std::optional<Bridged> bridged = cost_of_gaps(good, period, usual);
   if (lost > 0.0 && bridged) {
     out.text += fmt::format(", bridged at {:.2f} m/s for the longest and {:.1f} deg for all",
                             bridged->velocity, bridged->angle / kDegree);
@@ -153,14 +160,6 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   return out;
 }
 
-/// The second in which the specific force varies least.
-struct Rest {
-  Vector3d accel = Vector3d::Zero();
-  Vector3d gyro = Vector3d::Zero();
-  double spread = std::numeric_limits<double>::infinity();  ///< of |f|, over its mean
-  double turning = 0.0;                                     ///< rms deviation of the rate [rad/s]
-};
-
 Rest stillest(const std::vector<ImuSample>& samples) {
   constexpr double kFewest = 5.0;  // samples in a second
   Rest best;
@@ -181,6 +180,8 @@ Rest stillest(const std::vector<ImuSample>& samples) {
     const double variance = std::max(0.0, squares / n - now.accel.squaredNorm());
     now.spread = std::sqrt(variance) / now.accel.norm();
     now.turning = std::sqrt(std::max(0.0, rates / n - now.gyro.squaredNorm()));
+    now.begin = samples[begin].time;
+    now.end = samples[end - 1].time;
     if (n >= kFewest && now.spread < best.spread) best = now;
   }
   return best;
@@ -222,7 +223,9 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
   if (off < 0.05) return out;
   if (off < 0.2) {
     out.verdict = Verdict::kDoubtful;
-    out.change = "an accelerometer bias this large, or no moment of rest: begin at rest";
+    out.change = rest.is_quiet(1.0)
+                     ? "calibrate the accelerometer: at rest its scale or bias is off"
+                     : "an accelerometer bias this large, or no moment of rest: begin at rest";
     return out;
   }
   out.verdict = Verdict::kWrong;
@@ -280,6 +283,7 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   const double usual = quantile_of(&rates, 0.5);
   const double most = *std::max_element(rates.begin(), rates.end());
   const double as_given = turning_error(samples, 1.0);
+  const bool smaller = usual * kDegree > kFastest;  // than deg/s
   const double scaled = turning_error(samples, kDegree);
   Finding out{Verdict::kOk, "gyro unit",
               fmt::format("rates of {:.3g} rad/s (median) to {:.3g} rad/s, {:.3g} rad/s in the "
@@ -291,8 +295,15 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
     out.verdict = Verdict::kWrong;
+    if (smaller) {
+      *unit = 1e-3 * usual > kFastest ? 1e-3 * kDegree : 1e-3;
+      const char* name = *unit == 1e-3 ? "mrad/s" : "mdeg/s";
+      out.text += fmt::format(": they are in {}", name);
+      out.change = Advice{source}.gyro_in(name, *unit);
+      return out;
+    }
     out.text += fmt::format(", taken as deg/s to {:.1f} deg: they are in deg/s", scaled / kDegree);
-    out.change = Advice{source}.gyro_in_degrees();
+    out.change = Advice{source}.gyro_in("deg/s", kDegree);
   } else if (rest.gyro.norm() > 0.1 && rest.spread < 0.05 &&
              rest.turning < 0.2 * rest.gyro.norm()) {
     out.verdict = Verdict::kDoubtful;
@@ -388,7 +399,7 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
                             "record at least some seconds"});
     return out;
   }
-  const Rest rest = stillest(good);
+  const Rest& rest = out.rest = stillest(good);
   out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamped));
   if (!out.stamped) return out;
   out.findings.push_back(check_accel(good, rest, source, &out));

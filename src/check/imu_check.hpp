@@ -9,6 +9,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <vector>
 
 #include "check/finding.hpp"
@@ -22,6 +23,23 @@ std::vector<ImuSample> usable(const std::vector<ImuSample>& samples);
 /// The same; empty if all samples are usable.
 std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
 
+/// The second in which the specific force varies least.
+struct Rest {
+  Time begin{0};
+  Time end{0};
+  Vector3d accel = Vector3d::Zero();                        ///< mean, as recorded
+  Vector3d gyro = Vector3d::Zero();                         ///< same
+  double spread = std::numeric_limits<double>::infinity();  ///< of |f|, over its mean
+  double turning = 0.0;  ///< rms deviation of the rate, as recorded
+
+  /// As still as with all engines off.
+  bool is_quiet(double gyro_unit) const {
+    constexpr double kGyro = 0.01;    // [rad/s]
+    constexpr double kSpread = 0.02;  // of |f|
+    return spread < kSpread && gyro_unit * turning < kGyro;
+  }
+};
+
 struct ImuCheck {
   Findings findings;
   bool stamped = true;      ///< in [ns]
@@ -29,6 +47,14 @@ struct ImuCheck {
   bool exchanged = false;   ///< the columns of gyro and accelerometer
   double gyro_unit = 1.0;   ///< factor of the gyro to get [rad/s]
   double accel_unit = 1.0;  ///< factor of the accelerometer to get [m/s^2]
+  Rest rest;
+};
+
+/// The IMU data for the other checks.
+struct CheckedImu {
+  const std::vector<ImuSample>& all;
+  const std::vector<ImuSample>& good;  ///< usable()
+  const ImuCheck& check;
 };
 
 /// (E1) in radians; NaN with fewer than ten pairs.

@@ -146,7 +146,7 @@ void ImuPath::advance(std::size_t i, Point* now) const {
   const ImuSample& sample = samples_[i];
   const double dt = to_seconds(sample.time - last.time);
   const Vector3d before = now->turn * last.accel_B;
-  now->rate = 0.5 * gyro_unit_ * (last.gyro_B + sample.gyro_B);
+  now->rate = 0.5 * gyro_unit_.cwiseProduct(last.gyro_B + sample.gyro_B);
   now->turn = (now->turn * quaternion_exp(dt * now->rate)).normalized();
   now->sum += 0.5 * dt * accel_unit_ * (before + now->turn * sample.accel_B);
   if (dt > kPause) ++now->piece;
@@ -288,6 +288,22 @@ std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const 
   }
   close();
   return out;
+}
+
+double movement_of(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit) {
+  constexpr double kPeriod = 0.1;  // ten of them in a window at least [s]
+  constexpr double kLength = 2.0;  // [s]
+  std::vector<RadarSpeed> times;
+  for (const ImuSample& s : samples) {
+    if (!times.empty() && to_seconds(s.time - times.back().time) < kPeriod) continue;
+    times.emplace_back();
+    times.back().time = s.time;
+  }
+  const ImuPath path(samples, gyro_unit, accel_unit);
+  return agreements(times, path, kLength, Vector3d::Zero(), {0.0})
+      .front()
+      .total()
+      .movement_of_imu();
 }
 
 double significance(double worse, double better, std::size_t windows) {

@@ -55,8 +55,11 @@ class ImuPath {
     int piece = 0;                             ///< changes at pauses of the IMU
   };
   /// @param samples stamps strictly increasing; they outlive the path
-  ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit)
+  /// @param gyro_unit factor of each axis
+  ImuPath(const std::vector<ImuSample>& samples, const Vector3d& gyro_unit, double accel_unit)
       : samples_(samples), gyro_unit_(gyro_unit), accel_unit_(accel_unit) {}
+  ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit)
+      : ImuPath(samples, Vector3d(Vector3d::Constant(gyro_unit)), accel_unit) {}
   /// Empty outside of the samples.
   std::optional<Point> at(Time time) const;
   /// Point::piece alone.
@@ -74,7 +77,7 @@ class ImuPath {
   void advance(std::size_t i, Point* now) const;
 
   const std::vector<ImuSample>& samples_;
-  double gyro_unit_;
+  Vector3d gyro_unit_;
   double accel_unit_;
   mutable std::vector<Point> marks_;  ///< at every kPart-th sample, as far as accessed
   struct Part {
@@ -119,6 +122,13 @@ class Agreements {
   Agreement sum_;
   std::size_t windows_ = 0;
 };
+
+/// Change of the velocity of the IMU in two seconds that no tilt explains, whatever the radar says:
+/// rms [m/s].
+double movement_of(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit);
+
+/// Less than this is noise, vibration and the biases of an IMU, in two seconds [m/s].
+inline constexpr double kFlown = 0.2;
 
 /// Noise of the velocities, from the deviation of three consecutive ones from a line: rms [m/s].
 double noise(const std::vector<RadarSpeed>& speeds);

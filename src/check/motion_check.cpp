@@ -13,9 +13,11 @@
 
 #include "check/axes.hpp"
 #include "check/delay_check.hpp"
+#include "check/gyro_check.hpp"
 #include "check/numbers.hpp"
 #include "check/units.hpp"
 #include "rio/core/so3.hpp"
+#include "rio/frontend/mounting_search.hpp"
 
 namespace rio::check {
 
@@ -23,20 +25,6 @@ namespace {
 
 constexpr double kLeast = 10.0;                   // in all windows together [s]
 constexpr std::array kLengths = {2.0, 4.0, 8.0};  // of the windows [s]
-
-struct Judge {
-  const MotionData& data;
-  const Agreements& windows;
-  double length;  ///< of a window [s]
-  const Options& options;
-  const Advice& advice;
-  Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
-  Agreement all = windows.total();
-
-  double doubt(const Matrix3d& worse, const Matrix3d& better) const {
-    return significance(all.explained(worse), all.explained(better), windows.size());
-  }
-};
 
 /// The mountings at any angle, without and with the Doppler flipped, that maximise b^T r of (E4)
 /// (Wahba's problem), if they are far from all right angles and clearly better.
@@ -61,26 +49,49 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   }
 }
 
-bool mirrors_the_points(const Judge& judge, const Axes& axes) {
-  return mirror_text(judge.configured.transpose() * axes.R, "the points").has_value();
-}
-
 /// All candidates that the sign of the Doppler allows.
 std::vector<Axes> hypotheses(const Judge& judge) {
   std::vector<Axes> list = candidates(judge.options.radar.T_BS.rotation);
   append_any_angle(judge, &list);
   std::erase_if(list, [&judge](const Axes& axes) {
-    switch (judge.data.doppler_sign) {
-      case DopplerSign::kAsConfigured:
-        return axes.doppler_flipped && !mirrors_the_points(judge, axes);
-      case DopplerSign::kOpposite:
-        return !axes.doppler_flipped;
-      case DopplerSign::kUnknown:
-        break;
-    }
-    return false;
+    return !allowed(axes, judge.configured, judge.data.doppler_sign);
   });
   return list;
+}
+
+/// The rotation, without mirrors, with which b^T r is largest.
+Matrix3d best_rotation(const Agreement& all) {
+  const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(all.b.data()),
+                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+  return svd.matrixU() * Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
+}
+
+/// With the mounting that the motion shows, if it is unknown.
+Options as_seen(const Options& options, const Agreements& windows) {
+  Options out = options;
+  if (MountingSearch::is_unknown(options.calibration) && windows.total().c > 0.0) {
+    out.radar.T_BS.rotation = Quaternion(best_rotation(windows.total())).normalized();
+  }
+  return out;
+}
+
+/// The rotation by right angles near that of the mounting, if there is one.
+std::string right_angle_text(const Matrix3d& R) {
+  constexpr double kNear = 20.0 * kDegree;
+  for (const Matrix3d& P : right_angles()) {
+    if (angle_between(P, R) > kNear) continue;
+    const double turn = angle_between(P, Matrix3d::Identity());
+    return turn < 1e-6 ? "; here the radar seems to have the axes of the body"
+                       : "; here it seems that " + describe(Matrix3d::Identity(), {P, false, turn});
+  }
+  return "";
+}
+
+/// The other sign of the Doppler, although the ranges show the configured one.
+bool inverts_the_accelerometer(const Judge& judge, const Axes& axes) {
+  return axes.doppler_flipped && axes.turn < 1e-6 &&
+         judge.data.doppler_sign == DopplerSign::kAsConfigured;
 }
 
 /// The best of the candidates; the first of those that it does not beat significantly.
@@ -99,11 +110,17 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
       alike->push_back(axes);
     }
   }
+  // of a plane motion an inverted accelerometer is the same as a radar turned by 180 deg
+  if (inverts_the_accelerometer(judge, alike->front())) {
+    const auto turned = std::find_if(alike->begin(), alike->end(),
+                                     [](const Axes& axes) { return !axes.doppler_flipped; });
+    if (turned != alike->end()) std::iter_swap(alike->begin(), turned);
+  }
   // the same matrix up to a tilt of the mounting; mirrored points are the more likely error
   const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6 &&
                        judge.data.doppler_sign != DopplerSign::kOpposite;
   const auto mirrored = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
-    return mirrors_the_points(judge, axes);
+    return mirrors_the_points(axes, judge.configured);
   });
   if (strange && mirrored != alike->end()) std::iter_swap(alike->begin(), mirrored);
   return alike->front();
@@ -115,7 +132,6 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
   constexpr double kClear = 2.0;    // times the noise
   constexpr double kNothing = 1.5;  // times the noise
   constexpr double kChance = 0.1;   // explained
-  constexpr double kFlown = 0.2;    // changes of velocity that are no error of an IMU [m/s]
   const double movement = judge.all.movement();
   const double of_imu = judge.all.movement_of_imu();
   const double of_speeds = noise(judge.data.speeds);
@@ -123,7 +139,9 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
       ", at best {:.0f} % with any other; the velocity of the radar changes by {:.2f} m/s (rms, "
       "noise {:.2f})",
       100.0 * best, movement, of_speeds);
-  const bool unseen = best < kChance && movement < kNothing * of_speeds;
+  // longer windows show the bias of the gyro, which turns gravity
+  const bool unseen =
+      best < kChance && movement < kNothing * of_speeds && judge.length == kLengths[0];
   if (unseen && of_imu > kFlown && of_imu > kClear * of_speeds) {
     out->verdict = Verdict::kWrong;
     out->text += fmt::format(
@@ -133,7 +151,8 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
         "fills in zeros";
     return;
   }
-  if (movement < kMuch || movement < kClear * of_speeds) {
+  // of a standing vehicle the radar sees what moves around it
+  if (movement < kMuch || movement < kClear * of_speeds || of_imu < kMuch) {
     out->text += ": the motion does not tell";
     return;
   }
@@ -144,10 +163,9 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
       "fields of the points";
 }
 
-Finding check_axes(const Judge& judge) {
+/// @param found,alike of choose()
+Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes>& alike) {
   const double as_configured = judge.all.explained(judge.configured);
-  std::vector<Axes> alike;
-  const Axes found = choose(judge, hypotheses(judge), &alike);
   const double best = judge.all.explained(found.R);
   Finding out{
       Verdict::kOk, "axes and Doppler sign",
@@ -155,9 +173,20 @@ Finding check_axes(const Judge& judge) {
                   "movement the IMU measures",
                   100.0 * as_configured),
       ""};
+  const bool unknown = MountingSearch::is_unknown(judge.options.calibration);
+  if (unknown) {
+    out.text = fmt::format(
+        "the mounting is unknown: it is found in flight; without a mirror the radar explains at "
+        "most {:.0f} % of the movement the IMU measures",
+        100.0 * as_configured);
+  }
   const bool is_configured = !found.doppler_flipped && found.turn < 1e-6;
   if (best < kExplained) {
     say_nothing_explains(judge, best, &out);
+    return out;
+  }
+  if (unknown && !found.doppler_flipped) {
+    if (alike.size() == 1) out.text += right_angle_text(found.R);
     return out;
   }
   if (is_configured) {
@@ -172,73 +201,26 @@ Finding check_axes(const Judge& judge) {
     out.verdict = judge.doubt(judge.configured, found.R) > kSignificant ? Verdict::kWrong
                                                                         : Verdict::kDoubtful;
   }
+  if (inverts_the_accelerometer(judge, found)) {
+    out.text += fmt::format(", and {:.0f} % with the accelerometer negated", 100.0 * best);
+    out.change =
+        "the accelerometer has the wrong sign: at rest it reads +9.81 m/s^2 on the axis that is up";
+    return out;
+  }
+  if (unknown) {
+    out.text += fmt::format(
+        ", and {:.0f} % if the Doppler has the wrong sign, or an axis of the "
+        "points",
+        100.0 * best);
+    out.change = judge.advice.negate_doppler() + ", or look at the axes of the points";
+    return out;
+  }
   out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found));
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
     out.text += ", or as well if " + describe(judge.configured, alike[i]);
   }
   out.change = change_of(judge.configured, found, judge.options, judge.advice);
   return out;
-}
-
-/// Whether radar and IMU agree only with the gyro in deg/s, which the IMU alone did not show. Not
-/// the reverse: rates that are too large turn both sides of (E1) alike, and seem to explain
-/// everything.
-std::optional<Finding> check_gyro_unit(const Judge& judge) {
-  constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
-  const auto& [samples, speeds, gyro_unit, accel_unit, sign] = judge.data;
-  std::vector<double> rates;
-  rates.reserve(samples.size());
-  for (const ImuSample& s : samples) rates.push_back(gyro_unit * s.gyro_B.norm());
-  const double as_read = most_explained(judge.windows, judge.options);
-  if (as_read > kExplained || quantile_of(&rates, 0.5) < kSlow) return std::nullopt;
-  const RadarOptions& radar = judge.options.radar;
-  const ImuPath path(samples, kDegree * gyro_unit, accel_unit);
-  const double most = most_explained(
-      agreements(speeds, path, judge.length, radar.T_BS.translation, {-radar.time_offset}).front(),
-      judge.options);
-  if (most < kExplained || significance(as_read, most, judge.windows.size()) < kSignificant) {
-    return std::nullopt;
-  }
-  return Finding{
-      Verdict::kWrong, "gyro unit by the radar",
-      fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, "
-                  "with the rates taken as deg/s {:.0f} %",
-                  100.0 * as_read, 100.0 * most),
-      judge.advice.gyro_in_degrees()};
-}
-
-/// Whether radar and IMU agree only with the rates negated: mirrored axes of the IMU, in which
-/// rates have the wrong sign and the radar also appears mirrored.
-std::optional<Finding> check_handedness(const Judge& judge) {
-  double as_read = 0.0;
-  for (const Axes& axes : hypotheses(judge)) {
-    as_read = std::max(as_read, judge.all.explained(axes.R));
-  }
-  const RadarOptions& radar = judge.options.radar;
-  const ImuPath path(judge.data.samples, -judge.data.gyro_unit, judge.data.accel_unit);
-  const Agreements mirrored = agreements(judge.data.speeds, path, judge.length,
-                                         radar.T_BS.translation, {-radar.time_offset})
-                                  .front();
-  const Agreement& all = mirrored.total();
-  const std::vector<Axes> list = candidates(radar.T_BS.rotation);
-  const auto best = std::max_element(list.begin(), list.end(), [&](const Axes& a, const Axes& b) {
-    return all.explained(a.R) < all.explained(b.R);
-  });
-  const double most = all.explained(best->R);
-  if (most < kExplained || !best->doppler_flipped ||
-      significance(as_read, most, mirrored.size()) < kSignificant) {
-    return std::nullopt;
-  }
-  const Matrix3d of_body = best->R * judge.configured.transpose();
-  const std::string how =
-      mirror_text(of_body, "the IMU").value_or("an odd number of axes of the IMU is mirrored");
-  const char* where = judge.advice.bag() ? "the driver of the IMU, or the file of `rio convert`"
-                                         : "the columns of gyro and accelerometer of imu0/data.csv";
-  return Finding{Verdict::kWrong, "axes of the IMU",
-                 fmt::format("the radar explains at most {:.0f} % of the movement the IMU "
-                             "measures, with the axes of the IMU mirrored {:.0f} %: {}",
-                             100.0 * as_read, 100.0 * most, how),
-                 fmt::format("{}, in {}", how, where)};
 }
 
 /// (E5); R as found.
@@ -268,11 +250,10 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
 }
 
 Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shifts) {
-  if (const auto unit = check_gyro_unit(judge)) return {*unit};
-  if (const auto mirrored = check_handedness(judge)) return {*mirrored};
-  const Finding axes = check_axes(judge);
   std::vector<Axes> alike;
   const Axes found = choose(judge, hypotheses(judge), &alike);
+  if (const auto gyro = check_gyro_by_radar(judge, judge.all.explained(found.R))) return {*gyro};
+  const Finding axes = check_axes(judge, found, alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
   return {axes, check_scale(judge, found.R),
           check_delay(shifts, found.R, judge.options, judge.advice)};
@@ -284,7 +265,7 @@ Findings check_motion(const MotionData& data, const Options& options, const Advi
   Findings first;  // of the shortest windows
   for (const double length : kLengths) {
     const std::vector<Agreements> shifts = all_shifts(data, length, options.radar);
-    const Agreements& windows = windows_to_judge(shifts, options);
+    const Agreements& windows = windows_to_judge(shifts, options, data.doppler_sign);
     if (windows.size() < kFewestWindows || static_cast<double>(windows.size()) * length < kLeast) {
       if (!first.empty()) break;
       return {{Verdict::kDoubtful, "motion",
@@ -293,11 +274,14 @@ Findings check_motion(const MotionData& data, const Options& options, const Advi
                            windows.size()),
                "fly for half a minute with changes of speed and turns"}};
     }
-    Findings found = check_in_windows({data, windows, length, options, advice}, shifts);
+    const Options seen = as_seen(options, windows);
+    Findings found = check_in_windows({data, windows, length, seen, advice}, shifts);
     const bool told = found.size() > 1 || found.front().verdict == Verdict::kWrong;
     const bool unexplained = !told && found.front().verdict == Verdict::kDoubtful;
-    if (first.empty() && (unexplained || ends_at_the_best(shifts, options))) {
-      if (const auto delay = check_far_delay(data, kLengths[0], options, advice)) return {*delay};
+    if (first.empty() && (unexplained || ends_at_the_best(shifts, seen, data.doppler_sign))) {
+      if (const auto delay = check_far_delay(
+              data, kLengths[0], most_explained(windows, seen, data.doppler_sign), seen, advice))
+        return {*delay};
     }
     if (told) return found;
     if (first.empty()) first = found;

@@ -9,6 +9,9 @@
 // (E6) of motion.hpp. What the ranges say of the sign (points_check.hpp) excludes candidates:
 // motion in a plane does not distinguish the other sign from a radar turned by 180 deg.
 //
+// An unknown mounting is not judged: the rotation that the motion shows takes its place. Rates of
+// another sign or range (gyro_check.hpp) come first.
+//
 // Windows of two seconds hardly notice the biases of the IMU. If no candidate explains the movement
 // in them, as with a few points a scan on a slow vehicle, longer ones are tried: noise and
 // vibration matter less the more the velocity changes. Delays of seconds are tried if nothing

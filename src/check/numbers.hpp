@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace rio::check {
@@ -25,10 +26,34 @@ inline double median(std::vector<double> values) {
   return quantile_of(&values, 0.5);
 }
 
+/// Whether single and double steps of a grid alternate, with next to nothing longer: a period in
+/// between, cut to the grid. Steps that are lost by chance would also be lost in pairs.
+inline bool alternates(const std::vector<double>& periods, double step) {
+  constexpr double kFewest = 10.0;  // pairs that chance would have lost
+  constexpr double kRare = 0.2;     // of these
+  double twice = 0.0;
+  double other = 0.0;
+  for (const double period : periods) {
+    const double steps = period / step;
+    twice += std::abs(steps - 2.0) < 0.2 ? 1.0 : 0.0;
+    other += steps > 1.2 && std::abs(steps - 2.0) >= 0.2 ? 1.0 : 0.0;
+  }
+  const double by_chance = twice * twice / static_cast<double>(periods.size());
+  return by_chance > kFewest && other < kRare * by_chance;
+}
+
+/// A longer period is a gap.
+/// @param known period of the sensor, if configured: steps of this length do not alternate [s]
+inline double longest_usual(const std::vector<double>& periods, std::optional<double> known) {
+  const double step = median(periods);
+  const bool is_known = known && std::abs(*known / step - 1.0) < 0.1;
+  return (!is_known && alternates(periods, step) ? 2.4 : 1.6) * step;
+}
+
 /// The usual period of stamps that may be cut to a grid, of which some are missing: the median of
 /// 30, 30 and 40 ms is not their rate. A gap counts as so many periods of the mean of the others.
-inline double usual_period(const std::vector<double>& periods) {
-  const double most = 1.6 * median(periods);
+/// @param most longest_usual() of them
+inline double usual_period(const std::vector<double>& periods, double most) {
   double sum = 0.0;
   double count = 0.0;
   for (const double period : periods) {
@@ -40,7 +65,7 @@ inline double usual_period(const std::vector<double>& periods) {
   count = 0.0;
   for (const double period : periods) {
     sum += period;
-    count += std::max(1.0, std::round(period / usual));
+    count += period <= most ? 1.0 : std::max(1.0, std::round(period / usual));
   }
   return sum / count;
 }

@@ -11,7 +11,6 @@
 #include <string>
 #include <utility>
 
-#include "check/axes.hpp"
 #include "check/motion.hpp"
 #include "check/units.hpp"
 #include "rio/core/so3.hpp"
@@ -62,6 +61,19 @@ struct Support {
     const double variance = (square / n - mean * mean) / (n - 1.0);
     return mean / std::sqrt(std::max(variance, 1e-12));
   }
+  /// With too few blocks for sure(): whether many pairs, in every block, favour the first.
+  bool leans() const {
+    constexpr double kLead = 1.5;           // to one, of the pairs
+    constexpr double kFewestPairs = 300.0;  // a few reflectors for seconds
+    double n = 0.0;
+    for (std::size_t b = 0; b < first.size(); ++b) {
+      if (first[b] < second[b]) return false;
+      n += first[b] + second[b] > 0.0 ? 1.0 : 0.0;
+    }
+    return n > 1.0 && n < static_cast<double>(kFewestBlocks) &&
+           sum(first) + sum(second) > kFewestPairs && sum(first) > kLead * sum(second);
+  }
+  Support reversed() const { return {second, first}; }
 };
 
 /// Difference of any two stamps [s].
@@ -317,8 +329,14 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
               ""};
   const std::size_t best = votes.winner();
   const Rate& rate = all[best];
+  if (signs.reversed().leans()) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = advice.negate_doppler() + ", if a longer recording says the same";
+    return {out};
+  }
   if (best == 0 || rate.k == 0.0) {
-    return {out, signs.sure() > kSure ? DopplerSign::kAsConfigured : DopplerSign::kUnknown};
+    const bool as_configured = signs.sure() > kSure || signs.leans();
+    return {out, as_configured ? DopplerSign::kAsConfigured : DopplerSign::kUnknown};
   }
   const Support& against = votes.of(0, best);
   const double sure = -against.sure();
@@ -332,9 +350,12 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
   return {out, rate.k < 0.0 ? DopplerSign::kOpposite : DopplerSign::kAsConfigured};
 }
 
-std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
-                                   const Options& options, const Advice& advice) {
-  const ImuPath as_given(samples, 1.0, 1.0);
+namespace {
+
+/// (E2) of the rates taken as deg/s against this many times those as given.
+Support turn_votes(const std::vector<ImuSample>& samples, const Scans& scans,
+                   const Options& options, double factor) {
+  const ImuPath as_given(samples, factor, 1.0);
   const ImuPath in_degrees(samples, kDegree, 1.0);
   TurnVotes votes(options.radar.T_BS.rotation);
   each_pair_of_scans(scans,
@@ -348,14 +369,24 @@ std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const 
                        const auto whole = turn(as_given);
                        if (whole) votes.add(from, to, *whole, *turn(in_degrees), block);
                      });
-  const Support& best = votes.best();
+  return votes.best();
+}
+
+}  // namespace
+
+std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
+                                   const Options& options, const Advice& advice) {
+  const Support best = turn_votes(samples, scans, options, 1.0);
   if (!(best.sure() > kSure)) return std::nullopt;
+  for (const double range : {0.5, 0.25}) {  // a wrong range of the gyro is no other unit
+    if (!(turn_votes(samples, scans, options, range).sure() > kSure)) return std::nullopt;
+  }
   return Finding{Verdict::kWrong, "gyro unit by the points",
                  fmt::format("between scans the points turn as the gyro says in {:.0f} pairs of "
                              "points, with the rates taken as deg/s in {:.0f}, by {:.1f} sigmas: "
                              "they are in deg/s",
                              sum(best.second), sum(best.first), best.sure()),
-                 advice.gyro_in_degrees()};
+                 advice.gyro_in("deg/s", kDegree)};
 }
 
 }  // namespace rio::check

@@ -16,14 +16,12 @@
 #include <vector>
 
 #include "check/advice.hpp"
+#include "check/axes.hpp"
 #include "check/scans.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
 
 namespace rio::check {
-
-/// What the ranges say of the sign of the Doppler.
-enum class DopplerSign { kUnknown, kAsConfigured, kOpposite };
 
 struct RangeCheck {
   Finding finding;  ///< subject "Doppler by the ranges"

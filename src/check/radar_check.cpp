@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "check/bridge.hpp"
+#include "check/doppler_check.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
 
@@ -48,7 +49,14 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info, const Advice
         fmt::format("{} scans, {} of them not later than the one before", scans.size(), unordered),
         "record at least some seconds; a scan needs a stamp of its own"};
   }
-  const double period = usual_period(periods);
+  constexpr double kFastest = 1e-3;  // no radar scans at 1 kHz [s]
+  if (median(periods) < kFastest) {
+    return {Verdict::kWrong, "radar stamps",
+            fmt::format("{} scans, half of them within {:.2g} ms of the one before", scans.size(),
+                        1e3 * median(periods)),
+            "all points of a scan must share its stamp, and be in one message"};
+  }
+  const double period = usual_period(periods, longest_usual(periods, std::nullopt));
   const double longest = *std::max_element(periods.begin(), periods.end());
   const double configured = advice.bag() ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
   Finding out{Verdict::kOk, "radar stamps",
@@ -169,82 +177,30 @@ Finding check_distances(const Scans& scans, const Options& options, const Advice
   return out;
 }
 
-/// Calls use(|Doppler|) for all finite values.
-template <typename Use>
-void each_magnitude(const Scans& scans, Use&& use) {
-  for (const ScanView scan : scans) {
-    for (const Point& d : scan.detections) {
-      if (std::isfinite(d.range_rate)) use(std::abs(d.range_rate));
-    }
-  }
-}
-
-double quantile_of_magnitudes(const Scans& scans, double share) {
-  return quantile_of_each([&scans](const auto& use) { each_magnitude(scans, use); }, share);
-}
-
-/// Approaching targets have a negative Doppler, but no detection has an SNR far below zero.
-bool looks_exchanged(const Scans& scans) {
-  constexpr double kShare = 0.1;
-  std::size_t all = 0;
-  std::size_t weak = 0;
-  for (const ScanView scan : scans) {
-    for (const Point& d : scan.detections) {
-      if (d.range_rate < 0.0) return false;
-      ++all;
-      weak += d.snr_db < 0.0 ? 1U : 0U;
-    }
-  }
-  return static_cast<double>(weak) > kShare * static_cast<double>(all);
-}
-
-Finding check_doppler(const Scans& scans, const Options& options, const Advice& advice) {
-  std::size_t count = 0;
-  std::size_t zeros = 0;
-  each_magnitude(scans, [&](double rate) {
-    ++count;
-    zeros += rate == 0.0 ? 1U : 0U;
-  });
-  if (count == 0) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
-  const double limit = options.radar.max_doppler;
-  const double most = quantile_of_magnitudes(scans, 0.999);
-  const double middle = quantile_of_magnitudes(scans, 0.5);
-  const double still = static_cast<double>(zeros) / static_cast<double>(count);
-  const double grid = options.radar.doppler_resolution;
-  Finding out{Verdict::kOk, "Doppler",
-              fmt::format("up to {:.2f} m/s (half of them below {:.2f}), {:.0f} % exactly zero, {}",
-                          most, middle, 100.0 * still,
-                          grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid"),
-              ""};
-  if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
-  if (looks_exchanged(scans)) {
-    out.verdict = Verdict::kWrong;
-    out.text += ", never negative, while the SNR is: the two are exchanged";
-    out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
-                              : "exchange the columns doppler and snr of " + advice.csv();
-  } else if (still > 0.999) {
-    out.verdict = Verdict::kWrong;
-    out.change = advice.bag() ? "--field doppler=NAME; `rio info` lists the fields"
-                              : "fill the column doppler of " + advice.csv();
-  } else if (limit > 0.0 && most > 1.05 * limit) {
-    out.verdict = Verdict::kWrong;
-    out.text += ": a radar that folds there cannot say so";
-    out.change = fmt::format(
-        "the unit of the Doppler (see \"Doppler scale\"), or radar: {{max_doppler: {:.2f}}}", most);
-  } else if (limit > 0.0 && middle > 0.5 * limit) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "much of it may be folded: a faster chirp, or slower flight";
-  } else if (!(limit > 0.0)) {
-    out.change = "if the radar folds below the speed flown, tell it: radar: {max_doppler: ...}";
-  }
-  return out;
+/// Whether one stamp is this factor of the other.
+bool is_ratio(Time a, Time b, double factor) {
+  constexpr double kNear = 0.01;  // five days of a clock that counts from 1970 are less
+  const auto x = static_cast<double>(a.count());
+  const auto y = static_cast<double>(b.count());
+  return std::abs(x - factor * y) < kNear * std::abs(x);
 }
 
 }  // namespace
 
-double fastest(const Scans& scans) {
-  const double most = quantile_of_magnitudes(scans, 0.999);
-  return std::isnan(most) ? 0.0 : most;
+std::optional<Finding> check_stamp_unit(const std::vector<ImuSample>& samples, const Scans& scans) {
+  const auto [imu_begin, imu_end] = span_of(samples);
+  const auto [radar_begin, radar_end] = span_of(scans);
+  const double imu = to_seconds(imu_end - imu_begin);
+  const double radar = to_seconds(radar_end - radar_begin);
+  for (const auto& [factor, unit] : {std::pair(1e3, "us"), std::pair(1e6, "ms")}) {
+    if (!is_ratio(imu_begin, radar_begin, factor) || imu < 0.5 * factor * radar) continue;
+    return Finding{
+        Verdict::kWrong, "clocks",
+        fmt::format("the stamps of the radar are those of the IMU divided by {:.0f}: in {}", factor,
+                    unit),
+        fmt::format("multiply the stamps of the radar by {:.0f}: they must be in ns", factor)};
+  }
+  return std::nullopt;
 }
 
 Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
@@ -273,10 +229,13 @@ Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
 }
 
 Findings check_radar(const Scans& scans, const io::RadarInfo& info,
-                     const std::vector<RadarSpeed>& speeds, const Options& options,
-                     const Advice& advice, const std::filesystem::path& csv) {
-  return {check_stamps(scans, info, advice, csv), check_points(scans, speeds, options, advice),
-          check_distances(scans, options, advice), check_doppler(scans, options, advice)};
+                     const std::vector<RadarSpeed>& speeds, const CheckedImu& imu,
+                     const Options& options, const Advice& advice,
+                     const std::filesystem::path& csv) {
+  const Finding stamps = check_stamps(scans, info, advice, csv);
+  if (stamps.verdict == Verdict::kWrong) return {stamps};
+  return {stamps, check_points(scans, speeds, options, advice),
+          check_distances(scans, options, advice), check_doppler(scans, imu, options, advice)};
 }
 
 }  // namespace rio::check

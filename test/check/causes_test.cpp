@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "check/check_it.hpp"
 #include "check/flown.hpp"
 #include "check/motion.hpp"
+#include "check/points_check.hpp"
+#include "rio/core/so3.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::test {
@@ -188,6 +191,197 @@ TEST(Causes, PointsInOtherKnownAxesNeedNoMounting) {
   EXPECT_EQ(said(dataset, "axes and Doppler sign").change, "--axes flu");
   dataset.radar_info.axes = "";
   EXPECT_PRED2(contains, said(dataset, "axes and Doppler sign").change, "T_BS");
+}
+
+/// A minute at rest with this bias of the gyro about x, in front of walls and a walking person.
+io::Dataset standing(double bias) {
+  io::Dataset out;
+  out.radar_info = flight().radar_info;
+  for (int k = 0; k < 12000; ++k) {
+    const double wave = 0.02 * std::sin(2.4 * k);
+    out.imu.push_back({Time(1'000'000'000LL + 5'000'000LL * k),
+                       {bias + 0.01 * wave, 0.01 * wave, 0.01 * wave},
+                       {wave, wave, 9.81 + wave}});
+  }
+  for (int k = 0; k < 900; ++k) {
+    RadarScan scan;
+    scan.time = Time(1'000'000'000LL + 66'666'667LL * k);
+    const double walked = std::sin(0.04 * k);
+    for (int i = 0; i < 18; ++i) {
+      const bool person = i > 11;
+      const double noise = 0.03 * std::sin(7.1 * k * (i + 1));
+      RadarDetection d;
+      d.point_S = Vector3d(4.0 + noise, 0.5 * i - 3.0, 0.2 * (i % 5) - 0.4);
+      if (person) d.point_S = Vector3d(3.0 + 2.0 * walked, 0.5 + noise, noise);
+      d.range_rate = person ? 1.2 * std::cos(0.04 * k) + noise : 0.0;
+      d.snr_db = 20.0;
+      scan.detections.push_back(d);
+    }
+    out.scans.push_back(scan);
+  }
+  return out;
+}
+
+TEST(Causes, AStandingVehicleHasNoMotionToShow) {
+  io::Dataset dataset = standing(0.0175);
+  EXPECT_EQ(worst(check_it(dataset)), Verdict::kOk) << text_of(check_it(dataset));
+  const auto make_zero = [](io::Dataset* d) {
+    for (RadarScan& scan : d->scans) {
+      for (RadarDetection& point : scan.detections) point.range_rate = 0.0;
+    }
+  };
+  make_zero(&dataset);
+  EXPECT_EQ(worst(check_it(dataset)), Verdict::kOk) << text_of(check_it(dataset));
+  dataset = flight();
+  make_zero(&dataset);
+  EXPECT_PRED2(contains, said(dataset, "Doppler").change, "--field doppler=NAME");
+}
+
+TEST(Causes, ADopplerOffByOneBinShowsAtRest) {
+  io::Dataset dataset = flight();
+  const double bin = *dataset.radar_info.doppler_resolution;
+  for (RadarScan& scan : dataset.scans) {
+    for (RadarDetection& d : scan.detections) d.range_rate += bin;
+  }
+  const Finding finding = said(dataset, "Doppler");
+  EXPECT_EQ(finding.verdict, Verdict::kWrong) << finding.text;
+  EXPECT_PRED2(contains, finding.text, "off by +1.0 steps of its grid");
+}
+
+TEST(Causes, AnUnknownMountingIsNotJudged) {
+  io::Dataset dataset = flight();
+  const Matrix3d quarter = quaternion_exp(Vector3d(0.0, 0.0, -0.5 * kHalfTurn)).toRotationMatrix();
+  const Matrix3d turn = quarter * dataset.radar_info.T_BS->rotation.toRotationMatrix();
+  for (RadarScan& scan : dataset.scans) {
+    for (RadarDetection& d : scan.detections) d.point_S = turn * d.point_S;
+  }
+  dataset.radar_info.T_BS.reset();
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kWrong);
+  dataset.radar_info.prior_rotation = kHalfTurn;
+  const Finding finding = said(dataset, "axes and Doppler sign");
+  EXPECT_EQ(finding.verdict, Verdict::kOk) << finding.text;
+  EXPECT_PRED2(contains, finding.text, "the mounting is unknown: it is found in flight");
+  EXPECT_PRED2(contains, finding.text, "turned by 90 deg about the z axis of the body");
+  for (RadarScan& scan : dataset.scans) {
+    for (RadarDetection& d : scan.detections) d.range_rate = -d.range_rate;
+  }
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kWrong);
+}
+
+TEST(Causes, SignsOfTheGyroAreNoDelay) {
+  for (const auto& [signs, text] : {std::pair(Vector3d(-1, -1, -1), "negate all axes of the gyro"),
+                                    std::pair(Vector3d(1, 1, -1), "negate z of the gyro"),
+                                    std::pair(Vector3d(1, -1, -1), "negate y and z of the gyro")}) {
+    io::Dataset dataset = flight();
+    for (ImuSample& s : dataset.imu) s.gyro_B = s.gyro_B.cwiseProduct(signs);
+    EXPECT_PRED2(contains, said(dataset, "axes of the IMU").change, text);
+    EXPECT_EQ(find(check_it(dataset), "delay of the radar"), nullptr);
+  }
+}
+
+TEST(Causes, AnInvertedAccelerometerIsNoSignOfTheDoppler) {
+  io::Dataset dataset = flight();
+  for (ImuSample& s : dataset.imu) s.accel_B = -s.accel_B;
+  const Finding finding = said(dataset, "axes and Doppler sign");
+  EXPECT_EQ(finding.verdict, Verdict::kWrong) << finding.text;
+  EXPECT_PRED2(contains, finding.change, "the accelerometer has the wrong sign");
+}
+
+// Too few blocks for a test of the votes; many pairs are a hint.
+TEST(Causes, AFewSecondsOfRangesAgainstTheDopplerAreDoubtful) {
+  const auto approaching = [](double doppler) {
+    std::vector<RadarScan> scans;
+    for (int k = 0; k < 150; ++k) {
+      RadarScan scan;
+      scan.time = Time(66'666'667LL * k);
+      for (int i = 0; i < 8; ++i) {
+        RadarDetection d;
+        d.point_S = (15.0 + 0.7 * i - 66.7e-3 * k) * Vector3d(1.0, 0.2 * i - 0.7, 0.0).normalized();
+        d.range_rate = doppler;
+        scan.detections.push_back(d);
+      }
+      scans.push_back(scan);
+    }
+    return check::check_ranges(check::Scans(scans), Options{}, {});
+  };
+  EXPECT_EQ(approaching(-1.0).finding.verdict, Verdict::kOk);
+  EXPECT_EQ(approaching(-1.0).sign, check::DopplerSign::kAsConfigured);
+  const check::RangeCheck against = approaching(1.0);
+  EXPECT_EQ(against.finding.verdict, Verdict::kDoubtful) << against.finding.text;
+  EXPECT_EQ(against.sign, check::DopplerSign::kUnknown);
+}
+
+TEST(Causes, AnotherRangeOfTheGyroIsNamed) {
+  for (const auto& [factor, text] : {std::pair(0.25, "by 4:"), std::pair(0.5, "by 2:"),
+                                     std::pair(2.0, "by 0.5:"), std::pair(4.0, "by 0.25:")}) {
+    io::Dataset dataset = flight();
+    for (ImuSample& s : dataset.imu) s.gyro_B *= factor;
+    const Finding finding = said(dataset, "gyro unit by the radar");
+    EXPECT_EQ(finding.verdict, Verdict::kWrong) << finding.text;
+    EXPECT_PRED2(contains, finding.change, text);
+  }
+  for (const auto& [factor, unit] : {std::pair(1e3, "in mrad/s"), std::pair(5.73e4, "in mdeg/s")}) {
+    io::Dataset dataset = flight();
+    for (ImuSample& s : dataset.imu) s.gyro_B *= factor;
+    EXPECT_PRED2(contains, said(dataset, "gyro unit").text, unit);
+  }
+}
+
+TEST(Causes, ALeverArmInMillimetresIsDoubtful) {
+  io::Dataset dataset = flight();
+  EXPECT_EQ(find(check_it(dataset), "lever arm"), nullptr);
+  dataset.radar_info.T_BS->translation = Vector3d(100.0, 0.0, -50.0);
+  EXPECT_PRED2(contains, said(dataset, "lever arm").change, "in mm or cm?");
+}
+
+TEST(Causes, APeriodBetweenOneAndTwoStepsOfItsGridLosesNothing) {
+  io::Dataset dataset = flight();
+  const auto cut = [](std::size_t i, double hz, double step) {
+    return from_seconds(step * std::floor(static_cast<double>(i) / hz / step + 1e-9));
+  };
+  for (std::size_t i = 0; i < dataset.scans.size(); ++i) {
+    dataset.scans[i].time = Time(1'000'000'000) + cut(i, 15.0, 0.05);
+  }
+  for (std::size_t i = 0; i < dataset.imu.size(); ++i) {
+    dataset.imu[i].time = Time(1'000'000'000) + cut(i, 700.0, 0.001);
+  }
+  EXPECT_PRED2(contains, said(dataset, "radar stamps").text, "(15.0 Hz)");
+  EXPECT_PRED2(contains, said(dataset, "imu stamps").text, "(700 Hz), 0.0 % lost");
+  dataset.imu_info.rate_hz = 1000.0;  // unless the sensor is known to be faster
+  EXPECT_PRED2(contains, said(dataset, "imu stamps", Source::kFolder).text, "(1000 Hz), 30.0 %");
+}
+
+TEST(Causes, AnAccelerometerOffAtRestIsNoMissingRest) {
+  io::Dataset dataset = flight();
+  for (ImuSample& s : dataset.imu) s.accel_B *= 1.06;
+  EXPECT_PRED2(contains, said(dataset, "accelerometer unit").change, "scale or bias is off");
+  EXPECT_PRED2(contains, said(dataset, "start").text, "too far off gravity");
+}
+
+TEST(Causes, PointsOfAScanShareItsStamp) {
+  io::Dataset dataset = flight();
+  dataset.scans.clear();
+  for (const RadarScan& scan : flight().scans) {
+    for (std::size_t i = 0; i < scan.detections.size(); ++i) {
+      RadarScan one;
+      one.time = scan.time + Time(1000 * static_cast<std::int64_t>(i));
+      one.detections = {scan.detections[i]};
+      dataset.scans.push_back(one);
+    }
+  }
+  const Finding finding = said(dataset, "radar stamps");
+  EXPECT_EQ(finding.verdict, Verdict::kWrong) << finding.text;
+  EXPECT_PRED2(contains, finding.change, "all points of a scan must share its stamp");
+  EXPECT_EQ(find(check_it(dataset), "points"), nullptr);
+}
+
+TEST(Causes, StampsOfTheRadarInMicrosecondsNeedNoOffset) {
+  io::Dataset dataset = flight();
+  for (ImuSample& s : dataset.imu) s.time += from_seconds(1.7e9);
+  for (RadarScan& s : dataset.scans) s.time = (s.time + from_seconds(1.7e9)) / 1000;
+  const Finding finding = said(dataset, "clocks", Source::kFolder);
+  EXPECT_PRED2(contains, finding.text, "in us");
+  EXPECT_EQ(finding.change, "multiply the stamps of the radar by 1000: they must be in ns");
 }
 
 }  // namespace

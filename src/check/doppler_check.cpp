@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/doppler_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "check/motion.hpp"
+#include "check/numbers.hpp"
+
+namespace rio::check {
+
+namespace {
+
+/// Calls use(|Doppler|) for all finite values.
+template <typename Use>
+void each_magnitude(const Scans& scans, Use&& use) {
+  for (const ScanView scan : scans) {
+    for (const Point& d : scan.detections) {
+      if (std::isfinite(d.range_rate)) use(std::abs(d.range_rate));
+    }
+  }
+}
+
+double quantile_of_magnitudes(const Scans& scans, double share) {
+  return quantile_of_each([&scans](const auto& use) { each_magnitude(scans, use); }, share);
+}
+
+/// Approaching targets have a negative Doppler, but no detection has an SNR far below zero.
+bool looks_exchanged(const Scans& scans) {
+  constexpr double kShare = 0.1;
+  std::size_t all = 0;
+  std::size_t weak = 0;
+  for (const ScanView scan : scans) {
+    for (const Point& d : scan.detections) {
+      if (d.range_rate < 0.0) return false;
+      ++all;
+      weak += d.snr_db < 0.0 ? 1U : 0U;
+    }
+  }
+  return static_cast<double>(weak) > kShare * static_cast<double>(all);
+}
+
+/// Whether the Dopplers of the IMU's way cannot all be zero.
+bool moves(const CheckedImu& imu) {
+  const ImuCheck& check = imu.check;
+  return !check.integrable || movement_of(imu.good, check.gyro_unit, check.accel_unit) > kFlown;
+}
+
+/// The Doppler of all points at rest, beyond half a step of the grid; 0 if it is none, or unknown.
+double offset_at_rest(const Scans& scans, const Rest& rest, double gyro_unit, double grid) {
+  constexpr std::size_t kFewest = 30;  // points
+  constexpr double kAlike = 0.9;       // of the points; in motion it depends on their directions
+  if (!(grid > 0.0) || !rest.is_quiet(gyro_unit)) return 0.0;
+  std::vector<double> rates;
+  for (const ScanView scan : scans) {
+    if (scan.time < rest.begin || scan.time > rest.end) continue;
+    for (const Point& d : scan.detections) rates.push_back(d.range_rate);
+  }
+  if (rates.size() < kFewest) return 0.0;
+  const double usual = quantile_of(&rates, 0.5);
+  const auto alike = std::count_if(
+      rates.begin(), rates.end(), [&](double rate) { return std::abs(rate - usual) < 0.5 * grid; });
+  const bool all = static_cast<double>(alike) > kAlike * static_cast<double>(rates.size());
+  return all && std::abs(usual) > 0.5 * grid ? usual : 0.0;
+}
+
+}  // namespace
+
+double fastest(const Scans& scans) {
+  const double most = quantile_of_magnitudes(scans, 0.999);
+  return std::isnan(most) ? 0.0 : most;
+}
+
+Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& options,
+                      const Advice& advice) {
+  std::size_t count = 0;
+  std::size_t zeros = 0;
+  each_magnitude(scans, [&](double rate) {
+    ++count;
+    zeros += rate == 0.0 ? 1U : 0U;
+  });
+  if (count == 0) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
+  const double limit = options.radar.max_doppler;
+  const double most = quantile_of_magnitudes(scans, 0.999);
+  const double middle = quantile_of_magnitudes(scans, 0.5);
+  const double still = static_cast<double>(zeros) / static_cast<double>(count);
+  const double grid = options.radar.doppler_resolution;
+  Finding out{Verdict::kOk, "Doppler",
+              fmt::format("up to {:.2f} m/s (half of them below {:.2f}), {:.0f} % exactly zero, {}",
+                          most, middle, 100.0 * still,
+                          grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid"),
+              ""};
+  if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
+  if (looks_exchanged(scans)) {
+    out.verdict = Verdict::kWrong;
+    out.text += ", never negative, while the SNR is: the two are exchanged";
+    out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
+                              : "exchange the columns doppler and snr of " + advice.csv();
+  } else if (still > 0.999 && moves(imu)) {
+    out.verdict = Verdict::kWrong;
+    out.change = advice.bag() ? "--field doppler=NAME; `rio info` lists the fields"
+                              : "fill the column doppler of " + advice.csv();
+  } else if (const double offset = offset_at_rest(scans, imu.check.rest, imu.check.gyro_unit, grid);
+             offset != 0.0) {
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format(", {:+.3f} m/s at rest: off by {:+.1f} steps of its grid", offset,
+                            offset / grid);
+    out.change = fmt::format(
+        "subtract {:.4g} m/s from the Doppler: the driver numbers its bins otherwise", offset);
+  } else if (limit > 0.0 && most > 1.05 * limit) {
+    out.verdict = Verdict::kWrong;
+    out.text += ": a radar that folds there cannot say so";
+    out.change = fmt::format(
+        "the unit of the Doppler (see \"Doppler scale\"), or radar: {{max_doppler: {:.2f}}}", most);
+  } else if (limit > 0.0 && middle > 0.5 * limit) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "much of it may be folded: a faster chirp, or slower flight";
+  } else if (!(limit > 0.0)) {
+    out.change = "if the radar folds below the speed flown, tell it: radar: {max_doppler: ...}";
+  }
+  return out;
+}
+
+}  // namespace rio::check

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "check/gyro_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "check/axes.hpp"
+#include "check/numbers.hpp"
+#include "check/units.hpp"
+
+namespace rio::check {
+
+namespace {
+
+/// The best axes with the rates multiplied by this.
+struct Trial {
+  Vector3d factor = Vector3d::Zero();
+  Axes axes;
+  double explained = 0.0;
+  std::size_t windows = 0;
+
+  bool as_configured() const { return !axes.doppler_flipped && axes.turn < 1e-6; }
+  double better_than(double other) const { return significance(other, explained, windows); }
+};
+
+Trial with_rates(const Judge& judge, const Vector3d& factor) {
+  const RadarOptions& radar = judge.options.radar;
+  const ImuPath path(judge.data.samples, judge.data.gyro_unit * factor, judge.data.accel_unit);
+  const Agreements windows = agreements(judge.data.speeds, path, judge.length,
+                                        radar.T_BS.translation, {-radar.time_offset})
+                                 .front();
+  Trial best{factor, {}, 0.0, windows.size()};
+  for (const Axes& axes : candidates(radar.T_BS.rotation)) {
+    const double explained = windows.total().explained(axes.R);
+    if (explained > best.explained) best = {factor, axes, explained, windows.size()};
+  }
+  return best;
+}
+
+Trial scaled(const Judge& judge, double factor) {
+  return with_rates(judge, Vector3d::Constant(factor));
+}
+
+constexpr double kGain = 0.1;     // explained, by another range of the gyro
+constexpr double kClearly = 5.0;  // sigmas, same
+
+bool is_clear(const Trial& trial, double as_read) {
+  return trial.as_configured() && trial.explained > as_read + kGain &&
+         trial.better_than(as_read) > kClearly;
+}
+
+/// Whether radar and IMU agree only with smaller rates, which the IMU alone did not show.
+std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
+  constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
+  std::vector<double> rates;
+  for (const ImuSample& s : judge.data.samples) {
+    rates.push_back(judge.data.gyro_unit * s.gyro_B.norm());
+  }
+  Trial best = scaled(judge, 0.5);
+  for (const double factor : {0.25, kDegree}) {
+    if (factor == kDegree && quantile_of(&rates, 0.5) < kSlow) continue;
+    const Trial trial = scaled(judge, factor);
+    if (trial.explained > best.explained) best = trial;
+  }
+  const double unturned = scaled(judge, 0.0).explained;
+  if (best.explained < kExplained || best.better_than(as_read) < kSignificant ||
+      best.better_than(unturned) < kSignificant ||
+      (as_read > kExplained && !is_clear(best, as_read))) {
+    return std::nullopt;
+  }
+  Finding out{Verdict::kWrong, "gyro unit by the radar",
+              fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, ",
+                          100.0 * as_read),
+              judge.advice.gyro_in("deg/s", kDegree)};
+  const double factor = best.factor.x();
+  if (factor == kDegree) {
+    out.text += fmt::format("with the rates taken as deg/s {:.0f} %", 100.0 * best.explained);
+    return out;
+  }
+  out.text += fmt::format("with {:.4g} times the rates {:.0f} %", factor, 100.0 * best.explained);
+  out.change = fmt::format("multiply the rates of the gyro by {:.4g}: look at its range", factor);
+  return out;
+}
+
+/// Whether they agree better with larger rates. These turn both sides of (E1) of motion.hpp alike
+/// and in the end explain everything: the configured axes must explain something before, and still
+/// larger rates less.
+std::optional<Finding> check_too_small(const Judge& judge, double as_read) {
+  constexpr double kSomething = 0.4;
+  if (as_read < kSomething) return std::nullopt;
+  const Trial twice = scaled(judge, 2.0);
+  const Trial four = scaled(judge, 4.0);
+  const Trial& best = four.explained > twice.explained ? four : twice;
+  const double beyond = &best == &twice ? four.explained : scaled(judge, 8.0).explained;
+  if (!is_clear(best, as_read) || beyond > best.explained - kGain) return std::nullopt;
+  const double factor = best.factor.x();
+  return Finding{
+      Verdict::kWrong, "gyro unit by the radar",
+      fmt::format("the radar explains {:.0f} % of the movement the IMU measures, with {:.0f} times "
+                  "the rates {:.0f} %",
+                  100.0 * as_read, factor, 100.0 * best.explained),
+      fmt::format("multiply the rates of the gyro by {:.0f}: look at its range", factor)};
+}
+
+/// The axes that have the other sign: "x and z".
+std::string negated(const Vector3d& signs) {
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (signs[axis] > 0.0) continue;
+    text += fmt::format("{}{}", text.empty() ? "" : " and ", "xyz"[axis]);
+  }
+  return text;
+}
+
+Finding mirrored_imu(const Judge& judge, const Trial& best, double as_read) {
+  const Matrix3d of_body = best.axes.R * judge.configured.transpose();
+  const std::string how =
+      mirror_text(of_body, "the IMU").value_or("an odd number of axes of the IMU is mirrored");
+  const char* where = judge.advice.bag() ? "the driver of the IMU, or the file of `rio convert`"
+                                         : "the columns of gyro and accelerometer of imu0/data.csv";
+  return {Verdict::kWrong, "axes of the IMU",
+          fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, with "
+                      "the axes of the IMU mirrored {:.0f} %: {}",
+                      100.0 * as_read, 100.0 * best.explained, how),
+          fmt::format("{}, in {}", how, where)};
+}
+
+/// Whether radar and IMU agree only with other signs of the rates: of the gyro alone, of the
+/// accelerometer alone, or with mirrored axes of the IMU, in which rates have the wrong sign and
+/// the radar also appears mirrored.
+std::optional<Finding> check_signs(const Judge& judge, double as_read) {
+  constexpr double kMuchLess = 0.75;  // of the best
+  constexpr double kAlike = 0.005;    // explained
+  const Trial all = with_rates(judge, -Vector3d::Ones());
+  Trial best = all;
+  for (unsigned bits = 1; bits < 7; ++bits) {
+    const auto sign = [bits](unsigned axis) { return (bits >> axis & 1U) != 0 ? -1.0 : 1.0; };
+    const Trial trial = with_rates(judge, {sign(0), sign(1), sign(2)});
+    const double lead = trial.explained - best.explained;
+    if (lead > (best.as_configured() ? kAlike : 0.0) || (trial.as_configured() && lead > -kAlike)) {
+      best = trial;
+    }
+  }
+  if (best.explained < kExplained || best.better_than(as_read) < kSignificant) return std::nullopt;
+  const bool is_mirrored = all.axes.doppler_flipped && all.explained > kExplained &&
+                           all.better_than(as_read) > kSignificant &&
+                           best.better_than(all.explained) < kSignificant;
+  const bool whole = best.factor == all.factor;
+  const std::string axes = whole ? "all axes" : negated(best.factor);
+  if (is_mirrored) {
+    Finding mirrored = mirrored_imu(judge, all, as_read);
+    if (best.as_configured()) mirrored.text += fmt::format(", or {} of the gyro alone", axes);
+    return mirrored;
+  }
+  if (as_read > kMuchLess * best.explained) return std::nullopt;
+  Finding out{Verdict::kWrong, "axes of the IMU",
+              fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, "
+                          "with {} of the gyro negated {:.0f} %",
+                          100.0 * as_read, axes, 100.0 * best.explained),
+              ""};
+  out.change =
+      best.as_configured()
+          ? fmt::format("negate {} of the gyro: it has the wrong sign", axes)
+          : "gyro and accelerometer need the same axes: turn both, or none, where they are "
+            "recorded";
+  return out;
+}
+
+}  // namespace
+
+std::optional<Finding> check_gyro_by_radar(const Judge& judge, double as_read) {
+  constexpr double kWell = 0.9;  // explained: nothing can do much better
+  if (as_read > kWell) return std::nullopt;
+  if (auto signs = check_signs(judge, as_read)) return signs;
+  if (auto large = check_too_large(judge, as_read)) return large;
+  return check_too_small(judge, as_read);
+}
+
+}  // namespace rio::check

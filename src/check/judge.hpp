@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the checks from the motion judge: the windows of one length.
+#pragma once
+
+#include "check/advice.hpp"
+#include "check/motion.hpp"
+#include "check/motion_data.hpp"
+#include "rio/options.hpp"
+
+namespace rio::check {
+
+struct Judge {
+  const MotionData& data;
+  const Agreements& windows;
+  double length;  ///< of a window [s]
+  const Options& options;
+  const Advice& advice;
+  Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
+  Agreement all = windows.total();
+
+  double doubt(const Matrix3d& worse, const Matrix3d& better) const {
+    return significance(all.explained(worse), all.explained(better), windows.size());
+  }
+};
+
+}  // namespace rio::check
