@@ -21,7 +21,7 @@ case "${1:-tools}" in
 esac
 if [ -n "$foreign" ]; then
   packages+=(qemu-user python3)
-  for library in libyaml-cpp-dev libfmt-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libgtest-dev; do
+  for library in libfmt-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libgtest-dev; do
     packages+=("$library:$foreign")
   done
 fi

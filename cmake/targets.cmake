@@ -33,6 +33,8 @@ function(rio_library_target target)
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   if(RIO_NATIVE)  # public: Eigen aligns its types by it
     target_compile_options(${target} PUBLIC -march=native)
+  else()  # the same bits on every processor, also where multiply-add is one instruction
+    target_compile_options(${target} PRIVATE -ffp-contract=off)
   endif()
   rio_enable_warnings(${target})
 endfunction()
