@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings as drivers and recorders make them, read and compared with plain ones.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "bag/bag_writer.hpp"
+#include "rio/bag/recording.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::bag {
+
+using test::TempDir;
+using test::Wire;
+using test::Written;
+
+inline constexpr Time kSecond(1'000'000'000);
+
+inline std::string notes_of(const Recording& recording) {
+  std::string text;
+  for (const std::string& note : recording.dataset.notes) text += note + "\n";
+  return text;
+}
+
+class DriverRecording : public testing::Test {
+ protected:
+  Recording read(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
+    return read_recording(dir_.write("a", test::ros1_bag(messages, "none", 20)), request);
+  }
+  Recording read_ros2(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
+    return read_recording(dir_.write("a", test::mcap(messages, "none", 20)), request);
+  }
+  /// Stamps, to `tolerance`, and detections.
+  static void expect_same(const io::Dataset& a, const io::Dataset& b, Time tolerance = Time(0)) {
+    ASSERT_EQ(a.imu.size(), b.imu.size());
+    ASSERT_EQ(a.scans.size(), b.scans.size());
+    for (std::size_t i = 0; i < a.imu.size(); ++i) {
+      EXPECT_LE(std::abs((a.imu[i].time - b.imu[i].time).count()), tolerance.count()) << i;
+    }
+    for (std::size_t i = 0; i < a.scans.size(); ++i) {
+      EXPECT_LE(std::abs((a.scans[i].time - b.scans[i].time).count()), tolerance.count()) << i;
+      EXPECT_EQ(a.scans[i].detections.size(), b.scans[i].detections.size()) << i;
+    }
+  }
+
+  TempDir dir_;
+};
+
+/// Of a message of ROS 1: sequence number, seconds, nanoseconds.
+inline void set_header(Written* message, Time stamp) {
+  const std::string header = Wire(Wire::kRos1).header(stamp, "").bytes;
+  message->data.replace(4, 8, header.substr(4, 8));
+}
+
+inline void move_header(Written* message, Time by) {
+  std::array<std::uint32_t, 2> stamp{};
+  std::memcpy(stamp.data(), message->data.data() + 4, 8);
+  set_header(message, stamp[0] * kSecond + Time(stamp[1]) + by);
+}
+
+}  // namespace rio::bag

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Clocks that jump, topics that arrive late, stamps that are corrupt: each recording reads as one
+// of a clock that runs.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bag/driver_recording.hpp"
+#include "rio/bag/summary.hpp"
+
+namespace rio::bag {
+namespace {
+
+class RecordingClocks : public DriverRecording {};
+
+/// at_rest() whose clocks jump after half of the messages.
+/// @param of "imu", "radar" or both
+std::vector<Written> jumping(const std::string& of, Time headers, Time received) {
+  std::vector<Written> messages;
+  const std::vector<Written> good = test::at_rest(Wire::kRos1, 40);
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    const bool late = i >= good.size() / 2;
+    const bool is_imu = good[i].topic == "/imu";
+    const bool jumps = late && (of == "both" || of == (is_imu ? "imu" : "radar"));
+    Written m = good[i];
+    if (late) m.received += received;
+    if (jumps) move_header(&m, headers);
+    messages.push_back(m);
+  }
+  return messages;
+}
+
+TEST_F(RecordingClocks, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
+  const Recording good = read(test::at_rest(Wire::kRos1, 40));
+  for (const char* of : {"both", "imu", "radar"}) {
+    for (const Time jump :
+         {-9 * kSecond, 9 * kSecond, -1'599'999'000 * kSecond, -kSecond / 5, -kSecond / 10}) {
+      const Recording recording = read(jumping(of, jump, Time(0)));
+      expect_same(recording.dataset, good.dataset);
+      EXPECT_PRED2(test::contains, notes_of(recording), "the header clock jumps by ");
+    }
+  }
+  // the clock of the recorder with them: the interval at the step is that of the IMU before
+  const Recording back = read(jumping("both", -10 * kSecond, -10 * kSecond));
+  expect_same(back.dataset, good.dataset);
+  for (const Time step : {-kSecond / 5, -kSecond / 10}) {  // NTP
+    const Recording set = read(jumping("both", step, step));
+    expect_same(set.dataset, good.dataset);
+  }
+  const auto path =
+      dir_.write("b", test::ros1_bag(jumping("both", -10 * kSecond, -10 * kSecond), "none", 20));
+  EXPECT_PRED2(test::contains, summary_text(summarise(open_messages(path).get())), "  100.00 Hz");
+}
+
+TEST_F(RecordingClocks, MessagesThatAreSwappedOrStampedLateAreNoJump) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+  std::vector<std::size_t> scans;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    if (messages[i].topic == "/radar") scans.push_back(i);
+  }
+  for (const std::size_t k : {3U, 9U, 20U, 30U}) {  // swapped by a queue, and stamped 80 ms early
+    std::swap(messages[scans[k]].data, messages[scans[k + 1]].data);
+    std::swap(messages[scans[k]].received, messages[scans[k] + 7].received);
+    move_header(&messages[scans[k + 4]], -kSecond / 12);
+    move_header(&messages[scans[k] + 3], -kSecond / 12);
+  }
+  const Recording recording = read(messages);
+  EXPECT_EQ(notes_of(recording).find("jumps"), std::string::npos) << notes_of(recording);
+}
+
+TEST_F(RecordingClocks, AClockSetForwardOrAPauseIsTold) {
+  const std::string notes = notes_of(read(jumping("both", 5 * kSecond, 5 * kSecond)));
+  EXPECT_PRED2(test::contains, notes,
+               "clock set forward by 5.0 s, or the recorder paused, 2.0 s after the begin: the "
+               "flight behind needs a recording of its own");
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+  std::erase_if(messages, [&](const Written& m) {  // of the IMU alone
+    const Time at = m.received - messages[0].received;
+    return m.topic == "/imu" && at > kSecond && at < 2 * kSecond;
+  });
+  EXPECT_EQ(notes_of(read(messages)).find("set forward"), std::string::npos);
+}
+
+/// at_rest() of 16 s; the messages of a topic are late by what `late` says of the time so far.
+std::vector<Written> arriving(const std::string& topic, const std::function<Time(Time)>& late) {
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 160);
+  const Time begin = messages[0].received;
+  for (Written& m : messages) {
+    if (m.topic == topic || topic.empty()) m.received += late(m.received - begin);
+  }
+  return messages;
+}
+
+TEST_F(RecordingClocks, ATopicThatArrivesLateIsOnItsClock) {
+  const Recording good = read(test::at_rest(Wire::kRos1, 160));
+  const auto growing = [](Time at) { return at / 5; };
+  const auto drained = [](Time at) { return at < 9 * kSecond ? 3 * kSecond / 2 : Time(0); };
+  const auto slow = [](Time at) { return 9 * at; };
+  for (const std::string topic : {"/radar", "/imu"}) {
+    expect_same(read(arriving(topic, growing)).dataset, good.dataset);
+    expect_same(read(arriving(topic, drained)).dataset, good.dataset);
+  }
+  std::vector<Written> played = arriving("", slow);  // at a tenth of the speed, recorded again
+  std::erase_if(played, [&](const Written& m) {      // a radar that begins later
+    return m.topic == "/radar" && m.received < played[0].received + 7 * kSecond;
+  });
+  EXPECT_EQ(read(played).dataset.scans[0].time, good.dataset.scans[7].time);
+
+  std::vector<Written> apart = test::at_rest(Wire::kRos1, 40);
+  for (Written& m : apart) {
+    if (m.topic == "/radar") move_header(&m, -5 * kSecond);
+  }
+  EXPECT_PRED2(test::contains, notes_of(read(apart)),
+               "5.000 s apart; if one only arrives late: --imu-clock header --radar-clock header");
+}
+
+TEST_F(RecordingClocks, OneCorruptStampIsNoJump) {
+  for (const std::size_t place : {std::size_t{0}, std::size_t{57}}) {
+    std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+    messages[place].data[5] = static_cast<char>(messages[place].data[5] ^ 0x10);
+    const Recording good = read(test::at_rest(Wire::kRos1, 40));
+    const Recording recording = read(messages);
+    EXPECT_EQ(notes_of(recording).find("jumps"), std::string::npos) << notes_of(recording);
+    EXPECT_NE(recording.dataset.imu[place - place / 11].time,
+              good.dataset.imu[place - place / 11].time);
+    EXPECT_EQ(recording.dataset.imu.back().time, good.dataset.imu.back().time);
+  }
+}
+
+}  // namespace
+}  // namespace rio::bag
