@@ -171,7 +171,7 @@ TEST(TiFirmware, CountsThatContradictAreNoPoints) {
     refused(packet.bytes());
   }
   for (const float unit : {0.0F, -0.01F, 1e9F, std::numeric_limits<float>::quiet_NaN()}) {
-    for (WrittenPacket packet : {low_power(8, 1), tracking(8)}) {
+    for (const WrittenPacket& packet : {low_power(8, 1), tracking(8)}) {
       for (std::size_t i = 0; i < 4; ++i) {
         WrittenPacket other = packet;
         std::memcpy(&other.tlvs[0].second[4 * i], &unit, sizeof unit);
