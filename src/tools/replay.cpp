@@ -21,26 +21,19 @@
 #include "recording.hpp"
 #include "replay.hpp"
 #include "replay_feed.hpp"
+#include "replay_start.hpp"
 #include "replay_summary.hpp"
 #include "rio/aiding.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/start.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/models/aids.hpp"
-#include "rio/propagate/static_alignment.hpp"
 #include "rio/rio.hpp"
+#include "scan_outputs.hpp"
 
 namespace rio::tools {
 
 namespace {
-
-/// First state and covariance, with their source.
-struct Start {
-  NavState state;
-  BodyCovariance covariance;
-  std::string source;
-};
 
 Time steady_now() {
   return std::chrono::steady_clock::now().time_since_epoch();
@@ -53,60 +46,6 @@ Options make_options(const ReplayArguments& arguments, const io::Dataset& sensor
   Options options = io::flown_options(arguments.estimator, sensors, base, notes);
   options.timing.clock = &steady_now;
   return options;
-}
-
-/// As standstill_gyro_bias() of static_alignment.hpp, without reading farther than necessary.
-std::optional<Vector3d> gyro_bias_at_rest(io::RecordingStream* samples, Time from,
-                                          const Options& options) {
-  StaticAligner aligner(options.start, options.imu);
-  std::optional<Alignment> result;
-  samples->rewind();
-  for (ImuSample sample; samples->next(&sample);) {
-    if (sample.time < from || !(sample.gyro_B + sample.accel_B).allFinite()) continue;
-    if (aligner.add(sample, &result) == Status::kMoving) return std::nullopt;
-    if (result) return result->state.gyro_bias;
-  }
-  return std::nullopt;
-}
-
-/// The first pose and velocity of the ground truth inside the span of the IMU. Biases start at
-/// zero, except that a standstill at that time measures the gyro bias.
-Start start_from_truth(const OpenRecording& recording, const Options& options) {
-  const io::RecordingOutline& outline = recording.samples->outline();
-  const std::vector<NavState>& truth = recording.sensors.ground_truth;
-  const auto row = std::find_if(truth.begin(), truth.end(), [&](const NavState& state) {
-    return state.time >= outline.imu_begin && state.time <= outline.imu_end;
-  });
-  if (row == truth.end()) {
-    throw std::runtime_error(
-        "--init groundtruth: the dataset has no ground truth " +
-        std::string(truth.empty() ? "at all" : "within the time span of its IMU"));
-  }
-  Start start{*row, io::start_covariance(row->q_WB, options.start), "groundtruth"};
-  start.state.gyro_bias.setZero();
-  start.state.accel_bias.setZero();
-  const auto bias = gyro_bias_at_rest(recording.samples.get(), row->time, options);
-  if (bias) {
-    constexpr double kGyroBiasFloor = 1e-4;  // instability over minutes [rad/s]
-    const double sigma =
-        kGyroBiasFloor + options.imu.gyro_noise_density / std::sqrt(options.start.duration);
-    start.state.gyro_bias = *bias;
-    start.covariance.block<3, 3>(body::kGyroBias, body::kGyroBias) =
-        Matrix3d::Identity() * sigma * sigma;
-  }
-  return start;
-}
-
-/// Empty for a static start.
-std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
-                                const Options& options) {
-  std::string init = arguments.init;
-  if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
-  if (init == "static") return std::nullopt;
-  if (init == "groundtruth") return start_from_truth(recording, options);
-  const io::StartFile file =
-      io::load_start(init, options.start, recording.samples->outline().imu_begin);
-  return Start{file.state, file.covariance, "file"};
 }
 
 /// All of the ground truth; empty if there is none.
@@ -128,63 +67,6 @@ view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& 
   return {path.filename().string(), options, truth_for_view(arguments, recording),
           source != "groundtruth", RIO_VERSION};
 }
-
-/// Outputs of the estimate at each processed scan; of scans at the same instant, as of several
-/// radars, after the last one.
-class Outputs {
- public:
-  void open(const ReplayArguments& arguments, Time begin) {
-    begin_ = begin;
-    lines_ = arguments.verbose && !arguments.json && !arguments.quiet;
-    if (!arguments.out.empty()) trajectory_.emplace(arguments.out);
-    if (!arguments.states.empty()) states_.emplace(arguments.states);
-  }
-
-  void add(const Odometry& odometry) {
-    const NavState& state = odometry.at_scan();
-    if (newest_ && newest_->state.time != state.time) write();
-    newest_ = {state, odometry.covariance()};
-    if (lines_) print_line(state, odometry.report());
-  }
-
-  void close() {
-    if (newest_) write();
-    if (trajectory_) trajectory_->close();
-    if (states_) states_->close();
-  }
-
- private:
-  struct Line {
-    NavState state;
-    BodyCovariance covariance;
-  };
-
-  void write() {
-    const NavState& x = newest_->state;
-    if (trajectory_) trajectory_->write(io::tum_line({x.time, x.p_WB, x.q_WB}) + "\n");
-    if (states_) states_->add(x, newest_->covariance);
-  }
-
-  void print_line(const NavState& state, const UpdateReport& report) const {
-    int used = 0;
-    int gated = 0;
-    for (const ModelReport& model : report.models) {
-      used += model.rows_used;
-      gated += model.rows_gated;
-    }
-    fmt::print(
-        "{:9.3f} s  position {:8.3f} {:8.3f} {:8.3f} m  speed {:6.3f} m/s  points {:3} static {:3}"
-        "  rows {:3} gated {:3}\n",
-        to_seconds(state.time - begin_), state.p_WB.x(), state.p_WB.y(), state.p_WB.z(),
-        state.v_WB.norm(), report.detections_kept, report.static_detections, used, gated);
-  }
-
-  Time begin_{0};
-  bool lines_ = false;
-  std::optional<Line> newest_;  ///< not written yet
-  std::optional<io::TextFile> trajectory_;
-  std::optional<io::StatesFile> states_;
-};
 
 /// Feeds the samples in the order of their stamps. At most one scan waits for the IMU, so that no
 /// report is overwritten before it was read; scans inside a gap of the IMU are therefore given
@@ -388,7 +270,7 @@ class Replay {
   Time height_time_{0};
   bool several_ = outline_.scan_times.size() > 1;  ///< radars
   std::uint64_t recorded_ = 0;                     ///< scans of several radars
-  Outputs outputs_;
+  ScanOutputs outputs_;
   ViewOutputs* view_;
   bool watched_ = false;
   bool lines_ = false;              ///< one a scan on the terminal, in place of the progress
