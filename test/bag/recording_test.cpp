@@ -118,7 +118,8 @@ std::vector<Written> triggered(Wire::Kind kind) {
     const Time t = kBegin + i * Time(100'000'000);
     const auto number = static_cast<std::uint32_t>(40 + i);
     const Time stamp = kOwn + (t - kBegin);
-    messages.push_back({"/imu", "sensor_msgs/Imu", t, imu_message(kind, {stamp, {}, {0, 0, 9.8}})});
+    messages.push_back(
+        {"/imu", "sensor_msgs/Imu", t, imu_message(kind, {stamp, {0.01, 0, 0}, {0, 0, 9.8}})});
     messages.push_back({"/tick", "std_msgs/Header", t, Wire(kind).header(stamp, "", number).bytes});
     if (i == 9) break;
     messages.push_back(
