@@ -294,9 +294,8 @@ double PointMap::number(const PointCloud& cloud, std::uint64_t point, std::size_
 }
 
 void PointMap::check_angles(const PointCloud& cloud) const {
-  constexpr double kTurn = 6.4;  // [rad] of an azimuth, counted from 0 or both ways
-  constexpr double kHalfTurn =
-      3.2;  // [rad] of an elevation, counted from the horizon or the zenith
+  constexpr double kTurn = 6.4;      // of an azimuth, counted from 0 or both ways [rad]
+  constexpr double kHalfTurn = 3.2;  // of an elevation, from the horizon or the zenith [rad]
   if (!sources_[kRange]) return;
   std::size_t beyond = 0;
   for (std::uint64_t i = 0; i < cloud.size(); ++i) {

@@ -23,8 +23,9 @@ namespace rio::check {
 
 namespace {
 
-/// Whether the others would not find faults that are none.
-bool usable(const Findings& findings) {
+/// Whether distances and stamps are right: otherwise the other checks would report what follows
+/// from these.
+bool has_sound_basis(const Findings& findings) {
   return std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
     const bool basic = finding.subject == "distances" || finding.subject == "radar stamps";
     return basic && finding.verdict == Verdict::kWrong;
@@ -58,7 +59,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::Ra
   const Findings alone =
       check_radar(scans, info, speeds, imu, options, advice, folder / advice.csv());
   append(alone);
-  if (!usable(alone)) return out;
+  if (!has_sound_basis(alone)) return out;
   const RangeCheck ranges = check_ranges(scans, options, advice);
   out.push_back(ranges.finding);
   if (!imu.check.integrable) return out;

@@ -26,17 +26,22 @@ namespace {
 constexpr double kLeast = 10.0;                   // in all windows together [s]
 constexpr std::array kLengths = {2.0, 4.0, 8.0};  // of the windows [s]
 
+/// The rotation with which b^T r of (E4) is largest (Wahba's problem).
+/// @param sign -1: the mirrored one, as if the Doppler were flipped
+Matrix3d best_rotation(const Agreement& all, double sign = 1.0) {
+  const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(all.b.data()),
+                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double handed = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+  return svd.matrixU() * Vector3d(1.0, 1.0, sign * handed).asDiagonal() * svd.matrixV().transpose();
+}
+
 /// The mountings at any angle, without and with the Doppler flipped, that maximise b^T r of (E4)
 /// (Wahba's problem), if they are far from all right angles and clearly better.
 void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   constexpr double kFar = 20.0 * kDegree;
-  const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(judge.all.b.data()),
-                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
   const std::vector<Axes> right = *list;
   for (const double sign : {1.0, -1.0}) {
-    const Matrix3d UV = svd.matrixU() * svd.matrixV().transpose();
-    const Vector3d signs(1.0, 1.0, sign * UV.determinant());
-    const Matrix3d R = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+    const Matrix3d R = best_rotation(judge.all, sign);
     const double explained = judge.all.explained(R);
     const bool better = std::none_of(right.begin(), right.end(), [&](const Axes& axes) {
       const Matrix3d turn = axes.R.transpose() * R;
@@ -57,14 +62,6 @@ std::vector<Axes> hypotheses(const Judge& judge) {
     return !allowed(axes, judge.configured, judge.data.doppler_sign);
   });
   return list;
-}
-
-/// The rotation, without mirrors, with which b^T r is largest.
-Matrix3d best_rotation(const Agreement& all) {
-  const Eigen::JacobiSVD<Matrix3d> svd(Eigen::Map<const Matrix3d>(all.b.data()),
-                                       Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  return svd.matrixU() * Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
 }
 
 /// With the mounting that the motion shows, if it is unknown.

@@ -44,13 +44,14 @@ Block solve(const Block& A, const Block& b) {
 
 /// Elimination of all but the first n unknowns of M.
 struct Schur {
-  Block complement;  ///< M_nn - M_nr M_rr^-1 M_rn
-  Block gain;        ///< M_rr^-1 M_rn
+  Eigen::LDLT<Block> rest;  ///< M_rr
+  Block complement;         ///< M_nn - M_nr M_rr^-1 M_rn
+  Block gain;               ///< M_rr^-1 M_rn
 
-  Schur(const Block& M, Eigen::Index n) {
-    const Eigen::Index rest = M.rows() - n;
-    const Block cross = M.bottomLeftCorner(rest, n);
-    gain = solve(M.bottomRightCorner(rest, rest), cross);
+  Schur(const Block& M, Eigen::Index n)
+      : rest(Block(M.bottomRightCorner(M.rows() - n, M.rows() - n))) {
+    const Block cross = M.bottomLeftCorner(M.rows() - n, n);
+    gain = rest.solve(cross);
     complement = M.topLeftCorner(n, n) - dot(cross, gain);
   }
 };
@@ -236,7 +237,7 @@ double MountingSearch::advance(const Estimate& x, const BodyCovariance& P) {
   const Block to_next = information.asDiagonal() * F;
   sum_.bottomRightCorner(kDrift, kDrift) += dot(F, to_next);
   const Schur past(sum_, kKept);
-  const Block from_next = rio::solve(sum_.bottomRightCorner(kDrift, kDrift), to_next.transpose());
+  const Block from_next = past.rest.solve(Block(to_next.transpose()));
   sum_.topLeftCorner(kKept, kKept) = past.complement;
   const Block cross = to_next * past.gain;
   sum_.bottomLeftCorner(kDrift, kKept) = cross;
