@@ -26,7 +26,7 @@ constexpr int kSeeds = 14;  // twice the seven lengths
 struct Switch {
   const char* name;
   std::vector<std::string> families;
-  std::function<void(Options&)> change;
+  Change change;
 };
 
 const std::vector<Switch>& switches() {
@@ -48,9 +48,7 @@ const std::vector<Switch>& switches() {
       {"mounting not estimated",
        {"extrinsics"},
        [](Options& o) { o.calibration.rotation_sigma = o.calibration.translation_sigma = 0.0; }},
-      {"mounting unknown",
-       {"people", "sparse", "outdoor", "hover"},
-       [](Options& o) { forget_mounting(o); }},
+      {"mounting unknown", {"people", "sparse", "outdoor", "hover"}, forget_mounting},
       {"time offset not estimated",
        {"late-stamps"},
        [](Options& o) { o.calibration.time_offset_sigma = 0.0; }},
@@ -156,37 +154,26 @@ std::vector<std::string> families() {
   return names;
 }
 
-std::vector<Variant> variants_in(const std::string& family) {
-  std::vector<Variant> variants = {{"default", "default"}};
+/// The default and the switches that hold.
+template <class Holds>
+Variants variants_where(const Holds& holds) {
+  Variants variants = {{"default", "default"}};
   for (const Switch& s : switches()) {
-    const bool here = std::find(s.families.begin(), s.families.end(), family) != s.families.end();
-    if (family == "indoor" || here) variants.push_back({s.name, "default", s.change});
+    if (holds(s)) variants.push_back({s.name, "default", s.change});
   }
   return variants;
 }
 
 /// Flights of a family; "indoor" covers the seven lengths.
-std::vector<Case> family(const std::string& name, int count) {
+Cases family(const std::string& name, int count) {
   if (name != "indoor") return cases_of(name, count);
-  std::vector<Case> cases;
+  Cases cases;
   for (int i = 0; i < count; ++i) {
     const int flight = i % static_cast<int>(sim::kIcraLengths.size());
-    Case c = cases_of(fmt::format("indoor-{}", flight + 1), 1, static_cast<std::uint64_t>(i) + 1)
-                 .front();
-    c.group = name;
-    cases.push_back(c);
+    const auto seed = static_cast<std::uint64_t>(i) + 1;
+    cases.push_back(cases_of(fmt::format("indoor-{}", flight + 1), 1, seed).front());
   }
-  return cases;
-}
-
-/// Mean difference of two lists of paired runs and its standard error.
-std::string difference(const std::vector<Score>& with, const std::vector<Score>& without,
-                       double Score::*value) {
-  std::vector<double> differences;
-  for (std::size_t i = 0; i < with.size(); ++i) {
-    differences.push_back(without[i].*value - with[i].*value);
-  }
-  return mean_with_error(differences, 3);
+  return grouped(std::move(cases), name);
 }
 
 /// Every recording with every switch, the filter: changes of the same recordings and seeds.
@@ -194,50 +181,39 @@ std::string table_of_recordings(const Settings& settings) {
   constexpr int kRealSeeds = 8;
   std::vector<Recording> recordings = find_recordings(settings.data);
   std::erase_if(recordings, [](const Recording& r) { return r.group == "car"; });
-  const auto seeds = static_cast<std::size_t>(settings.seeds > 0 ? settings.seeds : kRealSeeds);
-  const std::size_t flights = recordings.size() * seeds;
-  const std::size_t variants = switches().size() + 1;
-  std::vector<RealScore> scores(variants * flights);
-  parallel_for(scores.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
-    const std::size_t flight = i % flights;
-    const Recording& recording = recordings[flight / seeds];
-    Options options;
-    io::apply_sensor_info(recording.data, &options);
-    options.frontend.ransac_seed = static_cast<int>(flight % seeds) + 1;
-    if (i >= flights) switches()[i / flights - 1].change(options);
-    scores[i] = judge(recording, replay(recording.data, options));
-  });
-  const auto share = [](double RealScore::*value) {
-    return [value](const RealScore& s) { return 100.0 * s.*value / s.distance; };
-  };
+  const Variants variants = variants_where([](const Switch&) { return true; });
+  const int seeds = settings.seeds_or(kRealSeeds);
+  const std::vector<RealRun> runs = replay_campaign(recordings, variants, seeds, settings);
   /// Means over the seeds of a recording, then over recordings: seeds are no independent drives.
   const auto change = [&](std::size_t variant, const auto& value) {
     std::vector<double> of_recordings;
-    for (std::size_t r = 0; r < recordings.size(); ++r) {
+    for (std::size_t first = 0; first < runs.size(); first += variants.size()) {
       double sum = 0.0;
-      for (std::size_t k = 0; k < seeds; ++k) {
-        const std::size_t flight = r * seeds + k;
-        sum += value(scores[variant * flights + flight]) - value(scores[flight]);
+      for (std::size_t k = 0; k < runs[first].scores.size(); ++k) {
+        sum += std::invoke(value, runs[first + variant].scores[k]) -
+               std::invoke(value, runs[first].scores[k]);
       }
-      if (std::isfinite(sum)) of_recordings.push_back(sum / static_cast<double>(seeds));
+      if (std::isfinite(sum)) of_recordings.push_back(sum / seeds);
     }
     return mean_with_error(of_recordings, 2);
   };
   MarkdownTable table({"recordings", "horizontal [% of the distance]", "height [%]", "closure [m]",
                        "square of height error / sigma, 2nd half", "honest"});
-  for (std::size_t v = 0; v < variants; ++v) {
-    std::size_t honest = 0;
-    for (std::size_t f = 0; f < flights; ++f) honest += scores[v * flights + f].honest >= 0.95;
-    const std::string of = fmt::format("{} of {}", honest, flights);
+  for (std::size_t v = 0; v < variants.size(); ++v) {
+    int honest = 0;
+    for (const RealRun& run : runs) {
+      for (const RealScore& s : run.scores) honest += run.variant == v && s.honest >= 0.95 ? 1 : 0;
+    }
+    const std::string of =
+        fmt::format("{} of {}", honest, recordings.size() * static_cast<std::size_t>(seeds));
     if (v == 0) {
       table.add({"default", "-", "-", "-", "-", of});
       continue;
     }
-    table.add({switches()[v - 1].name, change(v, share(&RealScore::horizontal)),
-               change(v, share(&RealScore::height)),
-               change(v, [](const RealScore& s) { return s.closure; }),
-               change(v, [](const RealScore& s) { return s.sigmas_median * s.sigmas_median; }),
-               of});
+    const auto square = [](const RealScore& s) { return s.sigmas_median * s.sigmas_median; };
+    table.add({variants[v].name, change(v, &RealScore::horizontal_share),
+               change(v, &RealScore::height_share), change(v, &RealScore::closure),
+               change(v, square), of});
   }
   return table.text();
 }
@@ -254,39 +230,34 @@ Result ablation(const Settings& settings) {
         table_of_recordings(settings));
     return real;
   }
-  std::vector<Outcome> runs;
-  for (const std::string& name : families()) {
-    const std::vector<Case> cases = family(name, settings.seeds > 0 ? settings.seeds : kSeeds);
-    for (Outcome& run : run_campaign(cases, variants_in(name), settings)) {
-      runs.push_back(std::move(run));
-    }
-  }
-
+  const std::vector<Column> columns = {spread_of("final error [m]", &Score::final_error, 2),
+                                       change_of("change [m]", &Score::final_error, 3),
+                                       spread_of("norm of MAE [m]", &Score::mae, 2),
+                                       change_of("change [m]", &Score::mae, 3),
+                                       mean_of("heading [deg]", &Score::heading, 2),
+                                       nees_of("NEES position / heading / velocity", 2),
+                                       lost_of("lost")};
+  Outcomes all;
   Result result;
   result.markdown =
       "Mean (worst) ± standard deviation over the flights. Change: mean difference to `default` in "
       "the same flights ±\nits standard error; above zero the mechanism helps.\n";
   for (const std::string& name : families()) {
-    const std::vector<Score> reference = select(runs, name, "default");
-    MarkdownTable table({fmt::format("{} ({} flights)", name, reference.size()), "final error [m]",
-                         "change [m]", "norm of MAE [m]", "change [m]", "heading [deg]",
-                         "NEES position / heading / velocity", "lost"});
-    for (const Variant& variant : variants_in(name)) {
-      const std::vector<Score> scores = select(runs, name, variant.name);
-      const auto mean = [&](double Score::*value) {
-        return number(Spread::of(scores, value).mean, 2);
-      };
-      table.add({variant.name, Spread::of(scores, &Score::final_error).text(2),
-                 difference(reference, scores, &Score::final_error),
-                 Spread::of(scores, &Score::mae).text(2),
-                 difference(reference, scores, &Score::mae), mean(&Score::heading),
-                 mean(&Score::nees_position) + " / " + mean(&Score::nees_heading) + " / " +
-                     mean(&Score::nees_velocity),
-                 fmt::format("{}", count_lost(scores))});
+    const Cases cases = family(name, settings.seeds_or(kSeeds));
+    const Variants variants = variants_where([&name](const Switch& s) {
+      return name == "indoor" ||
+             std::find(s.families.begin(), s.families.end(), name) != s.families.end();
+    });
+    const Outcomes runs = run_campaign(cases, variants, settings);
+    all.insert(all.end(), runs.begin(), runs.end());
+    MarkdownTable table(head_of({fmt::format("{} ({} flights)", name, cases.size())}, columns));
+    for (const Variant& v : variants) {
+      table.add(
+          row_of({v.name}, columns, select(runs, name, v.name), select(runs, name, "default")));
     }
     result.markdown += "\n" + table.text();
   }
-  result.attachments.push_back({"ablation.csv", outcomes_as_csv(runs)});
+  result.attachments.push_back({"ablation.csv", outcomes_as_csv(all)});
   return result;
 }
 

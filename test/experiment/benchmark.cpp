@@ -125,10 +125,7 @@ std::vector<std::string> failure(const std::string& name, const std::string& est
 std::vector<std::string> row(const std::string& name, const char* estimator,
                              const eval::Trajectory& truth, const Replay& replay) {
   if (replay.steps.empty()) return failure(name, estimator, "did not start");
-  eval::Trajectory poses;
-  for (const RecordedStep& s : replay.steps) {
-    poses.push_back({s.state.time, s.state.p_WB, s.state.q_WB});
-  }
+  const eval::Trajectory poses = poses_of(replay);
   eval::Evaluation e;
   e.path_length = eval::kNan;
   std::string verdict = replay.healthy ? "healthy" : "doubtful";

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many trials: cases (a scenario and a seed) times variants (a preset and a change of its options).
+// Many trials: cases (a scenario and a seed) times variants (a preset and a change of its options),
+// and tables of them.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +11,7 @@
 
 #include "experiment/parallel.hpp"
 #include "experiment/score.hpp"
+#include "experiment/spread.hpp"
 #include "rio/sim/scenario.hpp"
 
 namespace rio::experiment {
@@ -19,17 +21,33 @@ struct Case {
   std::string group;  ///< cases of one group share the rows of a table
   sim::Scenario scenario;
 };
+using Cases = std::vector<Case>;
 
 /// `count` flights of a named scenario with seeds first, first + 1, ...
 /// @throws std::runtime_error if the catalogue has no such scenario
-std::vector<Case> cases_of(const std::string& name, int count, std::uint64_t first = 1);
+Cases cases_of(const std::string& name, int count, std::uint64_t first = 1);
+
+/// `each` flights of each of the seven lengths of the paper of 2023, `indoor-1` to `indoor-7`.
+Cases indoor_cases(int each);
+
+/// The cases as one group.
+Cases grouped(Cases cases, const std::string& group);
+
+using Change = std::function<void(Options&)>;
 
 /// One estimator.
 struct Variant {
   std::string name;
   std::string preset;
-  std::function<void(Options&)> change{};  ///< applied to the preset, if set
+  Change change{};  ///< applied to the preset, if set
 };
+using Variants = std::vector<Variant>;
+
+/// The presets that experiments compare, the best first.
+inline const Variants& presets_compared() {
+  static const Variants presets = {{"default", "default"}, {"published-ekf", "published-ekf"}};
+  return presets;
+}
 
 /// Options of the variant's preset with the sensors of the flight and its change.
 Options options_of(const sim::Flight& flight, const Variant& variant);
@@ -41,6 +59,7 @@ struct Outcome {
   std::string variant;
   Score score;
 };
+using Outcomes = std::vector<Outcome>;
 
 /// Settings of an experiment.
 struct Settings {
@@ -51,27 +70,49 @@ struct Settings {
   bool smoother = false;  ///< the back-end of `soak`
   OnProgress on_progress{};
   std::string dataset{};  ///< name of the data set, for `benchmark`
+
+  int seeds_or(int usual) const { return seeds > 0 ? seeds : usual; }
 };
 
 /// Called with each trial before it is discarded, never by two threads at a time.
 using EachTrial = std::function<void(const Case&, const Variant&, const Trial&)>;
 
 /// Flies every case with every variant. Runs come by case, then by variant.
-std::vector<Outcome> run_campaign(const std::vector<Case>& cases,
-                                  const std::vector<Variant>& variants, const Settings& settings,
-                                  const EachTrial& each = {});
+Outcomes run_campaign(const Cases& cases, const Variants& variants, const Settings& settings,
+                      const EachTrial& each = {});
 
 /// Median time of a scan of one flight alone on its thread [ms].
 double median_time_per_scan(const sim::Flight& flight, const Variant& variant);
 
-/// The runs of one group and variant.
-std::vector<Score> select(const std::vector<Outcome>& runs, std::string_view group,
-                          std::string_view variant);
+/// The runs of one group and variant; an empty group: of all.
+Scores select(const Outcomes& runs, std::string_view group, std::string_view variant);
 
 /// Number of lost runs.
-int count_lost(const std::vector<Score>& scores);
+int count_lost(const Scores& scores);
 
 /// All figures of all runs, a row per run.
-std::string outcomes_as_csv(const std::vector<Outcome>& runs);
+std::string outcomes_as_csv(const Outcomes& runs);
+
+/// A column over the runs of an estimator, beside those of a reference in the same flights.
+struct Column {
+  std::string head;
+  std::function<std::string(const Scores& scores, const Scores& reference)> cell;
+};
+/// "mean (worst) ± std".
+Column spread_of(const std::string& head, double Score::*value, int decimals);
+Column mean_of(const std::string& head, double Score::*value, int decimals);
+/// Increase over the reference: "+0.12 ± 0.03", the mean of the differences and its standard error.
+Column change_of(const std::string& head, double Score::*value, int decimals);
+/// Mean NEES of position, heading and velocity.
+Column nees_of(const std::string& head, int decimals);
+Column lost_of(const std::string& head);
+
+/// The cells of `names`, then of the columns.
+std::vector<std::string> row_of(std::vector<std::string> names, const std::vector<Column>& columns,
+                                const Scores& scores, const Scores& reference = {});
+
+/// Heads of leading cells and columns.
+std::vector<std::string> head_of(std::vector<std::string> names,
+                                 const std::vector<Column>& columns);
 
 }  // namespace rio::experiment

@@ -76,10 +76,6 @@ std::string said_of(const Healthy& healthy) {
   return text.empty() ? "ok" : text;
 }
 
-std::string row(const std::string& head, const std::vector<std::string>& cells) {
-  return fmt::format("| {} | {} |\n", head, fmt::join(cells, " | "));
-}
-
 }  // namespace
 
 Result checks(const Settings& settings) {
@@ -99,38 +95,39 @@ Result checks(const Settings& settings) {
     }
   });
 
-  std::vector<std::string> names;
-  for (const Healthy& healthy : recordings) names.push_back(healthy.name);
-  Result result;
-  std::string& text = result.markdown;
+  std::vector<std::string> head = {"fault"};
+  for (const Healthy& healthy : recordings) head.push_back(healthy.name);
+  MarkdownTable table(head);
   std::string csv = "fault,recording,said\n";
-  text =
-      "The verdict where it names the fault and proposes the right change; in brackets what else "
-      "was not ok; - = nothing was.\n\n" +
-      row("fault", names) + row("---", std::vector<std::string>(columns, "---"));
   std::vector<std::size_t> named(columns);
   for (std::size_t f = 0; f < faults.size(); ++f) {
-    const auto* const first = &said[f * columns];
-    const std::vector<std::string> cells(first, first + columns);
-    text += row(faults[f].meaning, cells);
+    std::vector<std::string> row = {faults[f].meaning};
     for (std::size_t k = 0; k < columns; ++k) {
-      named[k] += cells[k] == "wrong" || cells[k] == "doubtful" ? 1U : 0U;
-      csv += fmt::format("{},{},{}\n", faults[f].name, names[k], cells[k]);
+      row.push_back(said[f * columns + k]);
+      named[k] += row.back() == "wrong" || row.back() == "doubtful" ? 1U : 0U;
+      csv += fmt::format("{},{},{}\n", faults[f].name, recordings[k].name, row.back());
     }
+    table.add(row);
   }
-  std::vector<std::string> sums;
+  std::vector<std::string> sums = {"named"};
   for (const std::size_t n : named) sums.push_back(fmt::format("{} of {}", n, faults.size()));
-  text += row("named", sums) + "\nWithout a fault:\n\n| recording | verdict |\n| --- | --- |\n";
+  table.add(sums);
+  MarkdownTable without({"recording", "verdict"});
   std::size_t fine = 0;
   for (std::size_t i = damaged; i < said.size(); ++i) {
     const std::string name = i < damaged + columns
-                                 ? names[i - damaged]
+                                 ? recordings[i - damaged].name
                                  : std::string(catalogue[i - damaged - columns].name) + ", 40 m";
     csv += fmt::format("none,{},{}\n", name, said[i]);
-    if (said[i] != "ok") text += row(name, {said[i]});
+    if (said[i] != "ok") without.add({name, said[i]});
     fine += said[i] == "ok" ? 1U : 0U;
   }
-  text += row(fmt::format("the other {}", fine), {"ok"});
+  without.add({fmt::format("the other {}", fine), "ok"});
+  Result result;
+  result.markdown = fmt::format(
+      "The verdict where it names the fault and proposes the right change; in brackets what else "
+      "was not ok; - = nothing was.\n\n{}\nWithout a fault:\n\n{}",
+      table.text(), without.text());
   result.attachments.push_back({"checks.csv", csv});
   return result;
 }

@@ -7,15 +7,15 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/spread.hpp"
 #include "plot/chart.hpp"
 #include "plot/colours.hpp"
+#include "rio/eval/metrics.hpp"
 #include "rio/eval/nees.hpp"
 
 namespace rio::experiment {
@@ -25,7 +25,7 @@ namespace {
 constexpr int kRuns = 100;
 constexpr std::uint64_t kFirstSeed = 200;
 constexpr double kProbability = 0.99;
-constexpr double kStanding = 6.0;  // the flight begins some time before this [s]
+constexpr long kStanding = 6;  // the flight begins some time before this [s]
 
 /// A block whose error is tested.
 struct Block {
@@ -37,6 +37,8 @@ constexpr std::array kBlocks = {
     Block{"position", 3, &BlockNees::position}, Block{"attitude", 3, &BlockNees::attitude},
     Block{"heading", 1, &BlockNees::heading}, Block{"velocity", 3, &BlockNees::velocity}};
 
+constexpr BlockNees kNothing = {eval::kNan, eval::kNan, eval::kNan, eval::kNan};
+
 /// NEES of one variant's runs: a vector per run, one entry per second since the first IMU sample.
 struct Series {
   std::vector<std::vector<BlockNees>> runs;
@@ -47,47 +49,30 @@ struct Series {
     for (const Step& step : trial.steps) {
       // the first scan of each second; seconds before the start of the filter stay empty
       const double since = to_seconds(step.estimate.time - start);
-      while (static_cast<double>(run.size()) < since - 1.0) run.push_back(nothing());
+      while (static_cast<double>(run.size()) < since - 1.0) run.push_back(kNothing);
       if (static_cast<double>(run.size()) <= since) run.push_back(block_nees(step));
     }
     runs.push_back(std::move(run));
     if (!trial.steps.empty()) landed.push_back(block_nees(trial.steps.back()));
   }
-  static BlockNees nothing() {
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    return {kNan, kNan, kNan, kNan};
+
+  /// Mean over the runs at each second that all of them have.
+  std::vector<double> means(double BlockNees::*value) const {
+    std::vector<double> all;
+    for (std::size_t i = 0;; ++i) {
+      std::vector<double> now;
+      for (const auto& run : runs) {
+        if (i < run.size()) now.push_back(run[i].*value);
+      }
+      if (now.empty() || now.size() < runs.size()) return all;
+      all.push_back(Spread::of(now).mean);
+    }
   }
 
-  /// Seconds present in every run.
-  std::size_t seconds() const {
-    std::size_t shortest = std::numeric_limits<std::size_t>::max();
-    for (const auto& run : runs) shortest = std::min(shortest, run.size());
-    return runs.empty() ? 0 : shortest;
-  }
-  /// Mean over the runs at one second.
-  double mean(std::size_t second, double BlockNees::*value) const {
-    double sum = 0.0;
-    for (const auto& run : runs) sum += run[second].*value / static_cast<double>(runs.size());
-    return sum;
-  }
-  /// Mean over the seconds in flight.
-  double mean_in_flight(double BlockNees::*value) const {
-    double sum = 0.0;
-    const auto first = static_cast<std::size_t>(kStanding);
-    for (std::size_t i = first; i < seconds(); ++i) sum += mean(i, value);
-    return sum / static_cast<double>(seconds() - first);
-  }
   double mean_landed(double BlockNees::*value) const {
-    double sum = 0.0;
-    for (const BlockNees& nees : landed) sum += nees.*value / static_cast<double>(landed.size());
-    return sum;
-  }
-  /// Share of the seconds in flight whose mean is above the bound.
-  double share_above(double BlockNees::*value, double bound) const {
-    const auto first = static_cast<std::size_t>(kStanding);
-    double above = 0.0;
-    for (std::size_t i = first; i < seconds(); ++i) above += mean(i, value) > bound ? 1.0 : 0.0;
-    return above / static_cast<double>(seconds() - first);
+    std::vector<double> values;
+    for (const BlockNees& nees : landed) values.push_back(nees.*value);
+    return Spread::of(values).mean;
   }
 };
 
@@ -110,10 +95,9 @@ std::string chart(const std::map<std::string, Series>& all, int runs) {
     panel.levels = {{b.lower, "", dashed}, {b.upper, "99 % bounds", dashed}};
     for (std::size_t k = 0; k < presets_compared().size(); ++k) {
       const std::string& name = presets_compared()[k].name;
-      const Series& series = all.at(name);
       plot::Curve curve{name, {}, plot::curve_stroke(k)};
-      for (std::size_t i = 0; i < series.seconds(); ++i) {
-        curve.points.push_back({static_cast<double>(i), series.mean(i, block.value)});
+      for (const double mean : all.at(name).means(block.value)) {
+        curve.points.push_back({static_cast<double>(curve.points.size()), mean});
       }
       panel.curves.push_back(std::move(curve));
     }
@@ -127,10 +111,11 @@ std::string series_as_csv(const std::map<std::string, Series>& all) {
   for (const Block& block : kBlocks) text += fmt::format(",nees_{}", block.name);
   text += '\n';
   for (const auto& [name, series] : all) {
-    for (std::size_t i = 0; i < series.seconds(); ++i) {
+    std::vector<std::vector<double>> columns;
+    for (const Block& block : kBlocks) columns.push_back(series.means(block.value));
+    for (std::size_t i = 0; i < columns.front().size(); ++i) {
       text += fmt::format("{},{}", name, i);
-      for (const Block& block : kBlocks)
-        text += fmt::format(",{:.4f}", series.mean(i, block.value));
+      for (const auto& column : columns) text += fmt::format(",{:.4f}", column[i]);
       text += '\n';
     }
   }
@@ -140,10 +125,10 @@ std::string series_as_csv(const std::map<std::string, Series>& all) {
 }  // namespace
 
 Result consistency(const Settings& settings) {
-  const int count = settings.seeds > 0 ? settings.seeds : kRuns;
-  const std::vector<Case> cases = cases_of("monte-carlo", count, kFirstSeed);
+  const int count = settings.seeds_or(kRuns);
+  const Cases cases = cases_of("monte-carlo", count, kFirstSeed);
   std::map<std::string, Series> all;
-  const std::vector<Outcome> runs = run_campaign(
+  const Outcomes runs = run_campaign(
       cases, presets_compared(), settings,
       [&](const Case& c, const Variant& v, const Trial& trial) {
         all[v.name].add(with_drawn_start(trial, StartOptions{}, c.scenario.seed), c.scenario.start);
@@ -151,25 +136,31 @@ Result consistency(const Settings& settings) {
 
   MarkdownTable nees(
       {"preset", "block", "in flight", "above the bound", "landed", "99 % bounds", "verdict"});
-  MarkdownTable nis({"preset", "Doppler", "trail distance", "landmark distance", "landmark point"});
+  const std::vector<Column> columns = {spread_of("Doppler", &Score::nis_doppler, 2),
+                                       spread_of("trail distance", &Score::nis_trails, 2),
+                                       spread_of("landmark distance", &Score::nis_landmarks, 2),
+                                       spread_of("landmark point", &Score::nis_points, 2)};
+  MarkdownTable nis(head_of({"preset"}, columns));
   for (const Variant& variant : presets_compared()) {
     const Series& series = all.at(variant.name);
     for (const Block& block : kBlocks) {
       const eval::AneesBounds b = bounds(block, count);
-      const double in_flight = series.mean_in_flight(block.value);
+      std::vector<double> flight = series.means(block.value);
+      flight.erase(flight.begin(), flight.begin() + std::min<long>(kStanding, std::ssize(flight)));
+      const double in_flight = Spread::of(flight).mean;
+      const auto above =
+          std::count_if(flight.begin(), flight.end(), [&b](double mean) { return mean > b.upper; });
       const double landed = series.mean_landed(block.value);
       const char* verdict = "consistent";
       if (in_flight < b.lower) verdict = "cautious in flight";
       if (!(landed <= b.upper)) verdict = "overconfident after landing";
       if (!(in_flight <= b.upper)) verdict = "overconfident";
       nees.add({variant.name, block.name, number(in_flight, 2),
-                fmt::format("{:.0f} %", 100.0 * series.share_above(block.value, b.upper)),
+                fmt::format("{:.0f} %", 100.0 * static_cast<double>(above) /
+                                            static_cast<double>(flight.size())),
                 number(landed, 2), fmt::format("{:.2f} - {:.2f}", b.lower, b.upper), verdict});
     }
-    const std::vector<Score> scores = select(runs, "monte-carlo", variant.name);
-    const auto text = [&](double Score::*value) { return Spread::of(scores, value).text(2); };
-    nis.add({variant.name, text(&Score::nis_doppler), text(&Score::nis_trails),
-             text(&Score::nis_landmarks), text(&Score::nis_points)});
+    nis.add(row_of({variant.name}, columns, select(runs, "monte-carlo", variant.name)));
   }
   Result result;
   result.markdown = fmt::format(

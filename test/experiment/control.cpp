@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "experiment/experiment.hpp"
+#include "experiment/parallel.hpp"
 #include "experiment/recording.hpp"
 #include "experiment/spread.hpp"
 #include "rio/core/so3.hpp"

@@ -33,26 +33,29 @@ void sort(Stream& all) {
                    [](const Event& a, const Event& b) { return a.arrival < b.arrival; });
 }
 
+const Fault& named(const std::vector<Fault>& all, std::string_view name) {
+  const auto found =
+      std::find_if(all.begin(), all.end(), [name](const Fault& f) { return f.name == name; });
+  if (found == all.end()) throw std::runtime_error(fmt::format("no such fault: \"{}\"", name));
+  return *found;
+}
+
 std::vector<Fault> make_catalogue() {
-  std::vector<Fault> all = {{.name = "none", .promise = Promise::kIgnored}};
+  std::vector<Fault> all = {{.name = "none", .promised = Promise::kIgnored}};
   for (const auto& group : {time_faults, imu_faults, radar_faults, configuration_faults}) {
     for (Fault& fault : group()) all.push_back(std::move(fault));
   }
-  const auto pair = [&all](std::string_view a, std::string_view b, Promise promise,
-                           double within = 0.0) {
-    const auto named = [&all](std::string_view name) {
-      return *std::find_if(all.begin(), all.end(), [&](const Fault& f) { return f.name == name; });
-    };
-    all.push_back(together(named(a), named(b), promise, within));
+  const auto pair = [&all](std::string_view a, std::string_view b, Promised promised) {
+    all.push_back(together(named(all, a), named(all, b), promised));
   };
-  pair("radar silent for 5 s", "IMU silent for 0.3 s", Promise::kRecovered, 5.0);
+  pair("radar silent for 5 s", "IMU silent for 0.3 s", recovered(5.0));
   pair("radar silent for 10 s", "all clocks start again at 0", Promise::kHonest);
-  pair("radar silent for 10 s", "gyro bias x +0.01 rad/s", Promise::kRecovered, 15.0);
-  pair("empty scans for 5 s", "IMU frozen for 0.5 s", Promise::kRecovered, 5.0);
-  pair("empty scans for 5 s", "accel bias x +0.5 m/s^2", Promise::kRecovered, 15.0);
-  pair("80 % random outliers for 3 s", "gyro bias y +0.01 rad/s", Promise::kRecovered, 15.0);
-  pair("80 % random outliers for 3 s", "one sample of 100 m/s^2", Promise::kRecovered, 5.0);
-  pair("60 % coherent outliers for 3 s", "IMU silent for 0.3 s", Promise::kRecovered, 5.0);
+  pair("radar silent for 10 s", "gyro bias x +0.01 rad/s", recovered(15.0));
+  pair("empty scans for 5 s", "IMU frozen for 0.5 s", recovered(5.0));
+  pair("empty scans for 5 s", "accel bias x +0.5 m/s^2", recovered(15.0));
+  pair("80 % random outliers for 3 s", "gyro bias y +0.01 rad/s", recovered(15.0));
+  pair("80 % random outliers for 3 s", "one sample of 100 m/s^2", recovered(5.0));
+  pair("60 % coherent outliers for 3 s", "IMU silent for 0.3 s", recovered(5.0));
   pair("70 % movers for 10 s", "IMU samples swapped for 10 s", Promise::kBridged);
   pair("70 % movers for 10 s", "gyro bias z +0.01 rad/s", Promise::kHonest);
   return all;
@@ -60,11 +63,21 @@ std::vector<Fault> make_catalogue() {
 
 }  // namespace
 
+Fault changing(Of of, std::string name, double duration, Promised promised,
+               std::function<void(Event&, Moment&)> change) {
+  return {.name = std::move(name),
+          .promised = promised,
+          .duration = duration,
+          .change = [of, change = std::move(change)](Event& e, Moment& m) {
+            if (of == Of::kBoth || e.is_imu() == (of == Of::kImu)) change(e, m);
+          }};
+}
+
 std::string promise_text(const Fault& fault) {
   constexpr std::array kTexts = {"ignored", "bridged", "honest", "recovered", "reported"};
-  const std::string text = kTexts[static_cast<std::size_t>(fault.promise)];
-  return fault.promise == Promise::kRecovered ? fmt::format("{} in {} s", text, fault.within)
-                                              : text;
+  const auto& [promise, within] = fault.promised;
+  const std::string text = kTexts[static_cast<std::size_t>(promise)];
+  return promise == Promise::kRecovered ? fmt::format("{} in {} s", text, within) : text;
 }
 
 const std::vector<Fault>& faults() {
@@ -73,23 +86,17 @@ const std::vector<Fault>& faults() {
 }
 
 const Fault& fault_named(std::string_view name) {
-  for (const Fault& fault : faults()) {
-    if (fault.name == name) return fault;
-  }
-  throw std::runtime_error(fmt::format("no such fault: \"{}\"", name));
+  return named(faults(), name);
 }
 
-Fault together(const Fault& a, const Fault& b, Promise promise, double within) {
+Fault together(const Fault& a, const Fault& b, Promised promised) {
   const auto change = [a, b](Event& e, Moment& m) {
     for (const Fault* fault : {&a, &b}) {
       if (m.t < fault->duration && fault->change) fault->change(e, m);
     }
   };
-  return {.name = a.name + ", and " + b.name,
-          .promise = promise,
-          .within = within,
-          .duration = std::max(a.duration, b.duration),
-          .change = change};
+  return changing(Of::kBoth, a.name + ", and " + b.name, std::max(a.duration, b.duration), promised,
+                  change);
 }
 
 Stream disturbed(const sim::Flight& flight, const Fault& fault, Time begin) {

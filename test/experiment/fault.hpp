@@ -59,17 +59,35 @@ enum class Promise : std::uint8_t {
   kReported,   ///< may be wrong, but reports it within a second
 };
 
+/// A promise and its time.
+struct Promised {
+  Promise promise;
+  double within = 0.0;  ///< of kRecovered, after the end of the fault [s]
+
+  Promised(Promise kept) : promise(kept) {}  // NOLINT: a promise without a time
+  Promised(Promise kept, double seconds) : promise(kept), within(seconds) {}
+};
+inline Promised recovered(double within) {
+  return {Promise::kRecovered, within};
+}
+
 inline constexpr double kForGood = std::numeric_limits<double>::infinity();
 
 struct Fault {
   std::string name;
-  Promise promise = Promise::kBridged;
-  double within = 0.0;    ///< of kRecovered [s]
+  Promised promised = Promise::kBridged;
   double duration = 1.0;  ///< events arriving within it are changed; kForGood [s]
   std::function<void(Event&, Moment&)> change{};
   std::function<void(sim::Scenario&)> sensors{};  ///< the flight differs from its start on
   std::function<void(Options&)> configure{};      ///< wrong configuration of the estimator
 };
+
+/// Which events a fault changes.
+enum class Of : std::uint8_t { kImu, kScans, kBoth };
+
+/// Changes those events of a kind that arrive during the fault.
+Fault changing(Of of, std::string name, double duration, Promised promised,
+               std::function<void(Event&, Moment&)> change);
 
 /// "recovered within 5 s".
 std::string promise_text(const Fault& fault);
@@ -86,7 +104,7 @@ std::vector<Fault> time_faults();
 std::vector<Fault> configuration_faults();
 
 /// Both faults; lasts as long as the longer one.
-Fault together(const Fault& a, const Fault& b, Promise promise, double within = 0.0);
+Fault together(const Fault& a, const Fault& b, Promised promised);
 
 /// The events of a flight, by arrival, with a fault from `begin` after its first sample on.
 Stream disturbed(const sim::Flight& flight, const Fault& fault, Time begin);

@@ -27,7 +27,7 @@ constexpr double kLongest = 120.0;  // of the passing faults [s]
 struct Run {
   const Fault* fault;
   const sim::Flight* flight;  ///< without the fault
-  std::string flight_name;
+  const char* flight_name;
   BackEnd backend;
   Survival survival{};
 };
@@ -45,36 +45,38 @@ sim::Scenario scenario_of(const char* name, std::uint64_t seed, double duration)
   return scenario;
 }
 
-Survival fly(const Run& run) {
-  Options options = options_of(*run.flight, {"default", "default"});
-  options.backend = run.backend;
-  return survive(*run.flight, options, *run.fault);
-}
-
 /// A flight with other sensors is simulated separately.
-Survival fly_with_other_sensors(const Run& run) {
-  sim::Scenario scenario =
-      scenario_of(run.flight_name.c_str(), run.flight->scenario.seed, kFaultBegins + kJudgedAfter);
-  run.fault->sensors(scenario);
-  const sim::Flight flight = sim::simulate_flight(scenario);
-  Run other = run;
-  other.flight = &flight;
-  return fly(other);
+Survival fly(const Run& run) {
+  const sim::Flight* flight = run.flight;
+  sim::Flight other;
+  if (run.fault->sensors) {
+    sim::Scenario scenario =
+        scenario_of(run.flight_name, flight->scenario.seed, kFaultBegins + kJudgedAfter);
+    run.fault->sensors(scenario);
+    other = sim::simulate_flight(scenario);
+    flight = &other;
+  }
+  Options options = options_for(*flight, "default");
+  options.backend = run.backend;
+  return survive(*flight, options, *run.fault);
 }
 
-double worst(const Runs& runs, const std::function<double(const Survival&)>& value) {
+/// The largest of a member; NaN if one is.
+template <class Member>
+double worst(const Runs& runs, const Member& value) {
   double largest = 0.0;
   for (const Run* run : runs) {
-    const double v = value(run->survival);
+    const double v = std::invoke(value, run->survival);
     if (!(v <= largest)) largest = v;
     if (std::isnan(largest)) break;
   }
   return largest;
 }
 
-long count(const Runs& runs, const std::function<bool(const Survival&)>& holds) {
+template <class Member>
+long count(const Runs& runs, const Member& holds) {
   return std::count_if(runs.begin(), runs.end(),
-                       [&](const Run* run) { return holds(run->survival); });
+                       [&](const Run* run) { return std::invoke(holds, run->survival); });
 }
 
 bool is_wrong(const Survival& s) {
@@ -82,12 +84,15 @@ bool is_wrong(const Survival& s) {
 }
 
 /// Worst tilt, speed, position and sigmas at the end.
-std::vector<std::string> deviation_cells(const Runs& runs) {
-  const auto cell = [&runs](double Deviation::*value, int decimals) {
-    return number(worst(runs, [value](const Survival& s) { return s.last.*value; }), decimals);
+void add_deviations(const Runs& runs, std::vector<std::string>* row) {
+  const auto add = [&](double Deviation::*value, int decimals) {
+    row->push_back(
+        number(worst(runs, [value](const Survival& s) { return s.last.*value; }), decimals));
   };
-  return {cell(&Deviation::tilt, 2), cell(&Deviation::speed, 2), cell(&Deviation::position, 2),
-          cell(&Deviation::position_sigmas, 1)};
+  add(&Deviation::tilt, 2);
+  add(&Deviation::speed, 2);
+  add(&Deviation::position, 2);
+  add(&Deviation::position_sigmas, 1);
 }
 
 std::string table_of_faults(const std::vector<Run>& runs) {
@@ -99,15 +104,14 @@ std::string table_of_faults(const std::vector<Run>& runs) {
     for (const Run& run : runs) {
       if (run.fault == &fault) some.push_back(&run);
     }
+    const auto reported = [](const Survival& s) { return is_wrong(s) && s.reported_last; };
     std::vector<std::string> row = {
         fault.name, promise_text(fault),
-        fmt::format("{} of {}", count(some, [](const Survival& s) { return s.kept; }), some.size()),
-        fmt::format("{}", count(some, is_wrong)),
-        fmt::format("{}",
-                    count(some, [](const Survival& s) { return is_wrong(s) && s.reported_last; }))};
-    for (std::string& cell : deviation_cells(some)) row.push_back(cell);
-    row.push_back(number(worst(some, [](const Survival& s) { return s.wrong_until; }), 1));
-    row.push_back(number(worst(some, [](const Survival& s) { return s.outside_unreported; }), 1));
+        fmt::format("{} of {}", count(some, &Survival::kept), some.size()),
+        fmt::format("{}", count(some, is_wrong)), fmt::format("{}", count(some, reported))};
+    add_deviations(some, &row);
+    row.push_back(number(worst(some, &Survival::wrong_until), 1));
+    row.push_back(number(worst(some, &Survival::outside_unreported), 1));
     std::uint32_t states = 0;
     for (const Run* run : some) states |= run->survival.states;
     row.push_back(states_text(states));
@@ -123,7 +127,7 @@ std::string table_of_wrong(const Runs& wrong) {
     std::vector<std::string> row = {run->fault->name, run->flight_name,
                                     fmt::format("{}", run->flight->scenario.seed),
                                     name_of(run->backend), run->survival.last.why()};
-    for (std::string& cell : deviation_cells({run})) row.push_back(cell);
+    add_deviations({run}, &row);
     row.emplace_back(run->survival.reported_last ? "yes" : "no");
     table.add(row);
   }
@@ -166,17 +170,16 @@ std::vector<Run> runs_of(const std::vector<sim::Flight>& flights) {
 }
 
 std::string totals(const Runs& all, const Runs& wrong) {
-  const auto reported = count(wrong, [](const Survival& s) { return s.reported_last; });
   return fmt::format(
       "Wrong at the end: {} of {} ({:.1f} %); of these reported while wrong: {}. Promises kept: {} "
       "of {}. At any time\nnot finite: {}, covariance indefinite: {}; reported before the fault, "
       "when all was well: {}.\n",
       wrong.size(), all.size(),
-      100.0 * static_cast<double>(wrong.size()) / static_cast<double>(all.size()), reported,
-      count(all, [](const Survival& s) { return s.kept; }), all.size(),
+      100.0 * static_cast<double>(wrong.size()) / static_cast<double>(all.size()),
+      count(wrong, &Survival::reported_last), count(all, &Survival::kept), all.size(),
       count(all, [](const Survival& s) { return !s.always_finite; }),
       count(all, [](const Survival& s) { return s.always_finite && !s.always_covariance; }),
-      count(all, [](const Survival& s) { return s.reported_before; }));
+      count(all, &Survival::reported_before));
 }
 
 }  // namespace
@@ -190,9 +193,8 @@ Result fault_campaign(const Settings& settings) {
                                          kFaultBegins + kLongest + kJudgedAfter));
   });
   std::vector<Run> runs = runs_of(flights);
-  parallel_for(runs.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
-    runs[i].survival = runs[i].fault->sensors ? fly_with_other_sensors(runs[i]) : fly(runs[i]);
-  });
+  parallel_for(runs.size(), settings.threads, settings.on_progress,
+               [&](std::size_t i) { runs[i].survival = fly(runs[i]); });
 
   Runs all;
   Runs wrong;

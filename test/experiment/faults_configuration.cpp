@@ -14,41 +14,42 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-Fault turned_mounting(double degrees, Promise promise) {
-  return {.name = fmt::format("mounting wrong by {} deg", degrees),
-          .promise = promise,
+Fault wrong_mounting(const std::string& by, Promised promised,
+                     const std::function<void(Pose&)>& change) {
+  return {.name = "mounting wrong by " + by,
+          .promised = promised,
           .duration = kForGood,
-          .configure = [degrees](Options& o) {
-            const Vector3d axis = Vector3d(1.0, 1.0, 1.0).normalized();
-            Quaternion& rotation = o.radar.T_BS.rotation;
-            rotation = (rotation * quaternion_exp(degrees * kDegree * axis)).normalized();
-          }};
+          .configure = [change](Options& o) { change(o.radar.T_BS); }};
+}
+
+Fault turned_mounting(double degrees, Promised promised) {
+  return wrong_mounting(fmt::format("{} deg", degrees), promised, [degrees](Pose& T_BS) {
+    const Vector3d axis = Vector3d(1.0, 1.0, 1.0).normalized();
+    T_BS.rotation = (T_BS.rotation * quaternion_exp(degrees * kDegree * axis)).normalized();
+  });
 }
 
 /// A start in flight from the truth with the sigmas of the options' start, modified.
-Fault start(const std::string& name, Promise promise, double within,
+Fault start(const std::string& name, Promised promised,
             const std::function<void(io::StartFile&)>& change) {
-  return {.name = "start in flight, " + name,
-          .promise = promise,
-          .within = within,
-          .duration = promise == Promise::kIgnored ? 1.0 : kForGood,
-          .change = [change](Event& e, Moment& m) {
-            if (!e.is_imu() || m.n != 0) return;
-            auto start = std::make_shared<io::StartFile>();
-            start->state = m.flight.truth_at(e.measured);
-            start->covariance = io::start_covariance(start->state.q_WB, StartOptions{});
-            change(*start);
-            m.more.push_back({.arrival = e.arrival,
-                              .measured = e.measured,
-                              .kind = Event::Kind::kReset,
-                              .start = start});
-          }};
+  const double duration = promised.promise == Promise::kIgnored ? 1.0 : kForGood;
+  return changing(Of::kImu, "start in flight, " + name, duration, promised,
+                  [change](Event& e, Moment& m) {
+                    if (m.n != 0) return;
+                    auto start = std::make_shared<io::StartFile>();
+                    start->state = m.flight.truth_at(e.measured);
+                    start->covariance = io::start_covariance(start->state.q_WB, StartOptions{});
+                    change(*start);
+                    m.more.push_back({.arrival = e.arrival,
+                                      .measured = e.measured,
+                                      .kind = Event::Kind::kReset,
+                                      .start = start});
+                  });
 }
 
 /// An error of `size` in one component, with the start's sigma (lying) or its own size (honest).
-Fault off(const char* what, int component, double size, bool honest, Promise promise,
-          double within) {
-  return start(fmt::format("{}, sigma {}", what, honest ? "honest" : "lying"), promise, within,
+Fault off(const char* what, int component, double size, bool honest, Promised promised) {
+  return start(fmt::format("{} off, sigma {}", what, honest ? "honest" : "lying"), promised,
                [component, size, honest](io::StartFile& s) {
                  Eigen::Matrix<double, body::kSize, 1> error = {};
                  error.setZero();
@@ -62,45 +63,27 @@ Fault off(const char* what, int component, double size, bool honest, Promise pro
                });
 }
 
-std::vector<Fault> wrong_starts() {
-  constexpr Promise kRecovered = Promise::kRecovered;
-  constexpr Promise kHonest = Promise::kHonest;
-  constexpr int kRoll = body::kAttitude;
-  constexpr int kYaw = body::kAttitude + 2;
-  return {
-      off("1 m off", body::kPosition, 1.0, true, kHonest, 0.0),
-      off("20 deg of yaw off", kYaw, 20.0 * kDegree, true, kRecovered, 10.0),
-      off("5 deg of roll off", kRoll, 5.0 * kDegree, true, kRecovered, 10.0),
-      off("5 deg of roll off", kRoll, 5.0 * kDegree, false, kRecovered, 15.0),
-      off("20 deg of roll off", kRoll, 20.0 * kDegree, true, kRecovered, 10.0),
-      off("20 deg of roll off", kRoll, 20.0 * kDegree, false, kRecovered, 15.0),
-      off("90 deg of roll off", kRoll, 90.0 * kDegree, true, kRecovered, 20.0),
-      off("90 deg of roll off", kRoll, 90.0 * kDegree, false, kRecovered, 20.0),
-      off("1 m/s off", body::kVelocity, 1.0, true, kRecovered, 5.0),
-      off("1 m/s off", body::kVelocity, 1.0, false, kRecovered, 15.0),
-      off("5 m/s off", body::kVelocity, 5.0, true, kRecovered, 5.0),
-      off("5 m/s off", body::kVelocity, 5.0, false, kRecovered, 15.0),
-      off("gyro bias 0.05 rad/s off", body::kGyroBias, 0.05, true, kRecovered, 10.0),
-      off("gyro bias 0.05 rad/s off", body::kGyroBias, 0.05, false, kRecovered, 15.0),
-      off("accel bias 0.5 m/s^2 off", body::kAccelBias, 0.5, true, kRecovered, 10.0),
-      off("accel bias 0.5 m/s^2 off", body::kAccelBias, 0.5, false, kRecovered, 15.0),
-  };
+/// A start that is refused.
+Fault impossible(const char* name, const std::function<void(io::StartFile&)>& change) {
+  return start(name, Promise::kIgnored, change);
 }
 
-std::vector<Fault> impossible_starts() {
-  constexpr Promise kIgnored = Promise::kIgnored;
-  return {
-      start("velocity NaN", kIgnored, 0.0, [](io::StartFile& s) { s.state.v_WB.x() = NAN; }),
-      start("quaternion zero", kIgnored, 0.0,
-            [](io::StartFile& s) { s.state.q_WB.coeffs().setZero(); }),
-      start("quaternion of 1e200", kIgnored, 0.0,
-            [](io::StartFile& s) { s.state.q_WB.coeffs() *= 1e200; }),
-      start("time 0", kIgnored, 0.0, [](io::StartFile& s) { s.state.time = Time{0}; }),
-      start("covariance NaN", kIgnored, 0.0, [](io::StartFile& s) { s.covariance(3, 3) = NAN; }),
-      start("covariance indefinite", kIgnored, 0.0,
-            [](io::StartFile& s) { s.covariance(3, 3) = -1.0; }),
-  };
-}
+/// Errors of a start, first with an honest sigma and then with a lying one.
+struct StartError {
+  const char* what;
+  int component;
+  double size;
+  double honest_within;  ///< time of recovery [s]
+  double lying_within;   ///< same
+};
+constexpr StartError kStartErrors[] = {
+    {"5 deg of roll", body::kAttitude, 5.0 * kDegree, 10.0, 15.0},
+    {"20 deg of roll", body::kAttitude, 20.0 * kDegree, 10.0, 15.0},
+    {"90 deg of roll", body::kAttitude, 90.0 * kDegree, 20.0, 20.0},
+    {"1 m/s", body::kVelocity, 1.0, 5.0, 15.0},
+    {"5 m/s", body::kVelocity, 5.0, 5.0, 15.0},
+    {"gyro bias 0.05 rad/s", body::kGyroBias, 0.05, 10.0, 15.0},
+    {"accel bias 0.5 m/s^2", body::kAccelBias, 0.5, 10.0, 15.0}};
 
 }  // namespace
 
@@ -110,13 +93,22 @@ std::vector<Fault> configuration_faults() {
       turned_mounting(20.0, Promise::kReported),
       turned_mounting(90.0, Promise::kReported),
       turned_mounting(180.0, Promise::kReported),
-      {.name = "mounting wrong by 0.3 m",
-       .promise = Promise::kHonest,
-       .duration = kForGood,
-       .configure = [](Options& o) { o.radar.T_BS.translation.x() += 0.3; }},
+      wrong_mounting("0.3 m", Promise::kHonest, [](Pose& T_BS) { T_BS.translation.x() += 0.3; }),
+      off("1 m", body::kPosition, 1.0, true, Promise::kHonest),
+      off("20 deg of yaw", body::kAttitude + 2, 20.0 * kDegree, true, recovered(10.0)),
   };
-  for (Fault& fault : wrong_starts()) all.push_back(std::move(fault));
-  for (Fault& fault : impossible_starts()) all.push_back(std::move(fault));
+  for (const StartError& e : kStartErrors) {
+    all.push_back(off(e.what, e.component, e.size, true, recovered(e.honest_within)));
+    all.push_back(off(e.what, e.component, e.size, false, recovered(e.lying_within)));
+  }
+  using Start = io::StartFile;
+  all.push_back(impossible("velocity NaN", [](Start& s) { s.state.v_WB.x() = NAN; }));
+  all.push_back(impossible("quaternion zero", [](Start& s) { s.state.q_WB.coeffs().setZero(); }));
+  all.push_back(
+      impossible("quaternion of 1e200", [](Start& s) { s.state.q_WB.coeffs() *= 1e200; }));
+  all.push_back(impossible("time 0", [](Start& s) { s.state.time = Time{0}; }));
+  all.push_back(impossible("covariance NaN", [](Start& s) { s.covariance(3, 3) = NAN; }));
+  all.push_back(impossible("covariance indefinite", [](Start& s) { s.covariance(3, 3) = -1.0; }));
   return all;
 }
 

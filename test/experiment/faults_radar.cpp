@@ -12,27 +12,30 @@ namespace rio::experiment {
 namespace {
 
 using ChangeScan = std::function<void(RadarScan&, Moment&)>;
+using ChangePoint = std::function<void(RadarDetection&, Moment&)>;
 
-Fault scans(const std::string& name, double duration, Promise promise, double within,
-            const ChangeScan& change) {
-  return {.name = name,
-          .promise = promise,
-          .within = within,
-          .duration = duration,
-          .change = [change](Event& e, Moment& m) {
-            if (e.is_scan()) change(e.scan, m);
-          }};
+Fault scans(const std::string& name, double duration, Promised promised, const ChangeScan& change) {
+  return changing(Of::kScans, name, duration, promised,
+                  [change](Event& e, Moment& m) { change(e.scan, m); });
+}
+
+/// A share of the points.
+Fault points(const std::string& name, double duration, Promised promised, double share,
+             const ChangePoint& change) {
+  return scans(name, duration, promised, [share, change](RadarScan& scan, Moment& m) {
+    for (RadarDetection& d : scan.detections) {
+      if (m.random.uniform() < share) change(d, m);
+    }
+  });
 }
 
 /// One field of all detections, in turn NaN, infinite and absurd.
 Fault bad_field(const char* name, double RadarDetection::*field) {
-  return scans(fmt::format("{} NaN, infinite, 1e200 for 1 s", name), 1.0, Promise::kBridged, 0.0,
-               [field](RadarScan& scan, Moment& m) {
-                 constexpr std::array<double, 4> kBad = {NAN, INFINITY, 1e200, -INFINITY};
-                 for (RadarDetection& d : scan.detections) {
-                   d.*field = kBad[static_cast<std::size_t>(m.n) % kBad.size()];
-                 }
-               });
+  return points(fmt::format("{} NaN, infinite, 1e200 for 1 s", name), 1.0, Promise::kBridged, 1.0,
+                [field](RadarDetection& d, Moment& m) {
+                  constexpr std::array<double, 4> kBad = {NAN, INFINITY, 1e200, -INFINITY};
+                  d.*field = kBad[static_cast<std::size_t>(m.n) % kBad.size()];
+                });
 }
 
 /// A point somewhere in view with random motion.
@@ -53,49 +56,37 @@ double folded(double range_rate, const sim::RadarModel& radar) {
   return std::remainder(range_rate, 2.0 * radar.max_doppler);
 }
 
-Fault random_outliers(double share, double duration, Promise promise, double within) {
-  return scans(fmt::format("{:.0f} % random outliers for {} s", 100.0 * share, duration), duration,
-               promise, within, [share](RadarScan& scan, Moment& m) {
-                 for (RadarDetection& d : scan.detections) {
-                   if (m.random.uniform() >= share) continue;
-                   d = anything(m.flight.scenario.radar, m.random);
-                 }
-               });
+void replace(RadarDetection& d, Moment& m) {
+  d = anything(m.flight.scenario.radar, m.random);
 }
 
-/// A share of the points has an additional common velocity, like a lorry that fills the view.
-Fault coherent_outliers(double share, double duration, Promise promise, double within) {
-  return scans(fmt::format("{:.0f} % coherent outliers for {} s", 100.0 * share, duration),
-               duration, promise, within, [share](RadarScan& scan, Moment& m) {
-                 const Vector3d velocity_S(0.6, 0.5, 0.0);
-                 for (RadarDetection& d : scan.detections) {
-                   if (m.random.uniform() >= share) continue;
-                   d.range_rate = folded(d.range_rate + velocity_S.dot(d.point_S.normalized()),
-                                         m.flight.scenario.radar);
-                 }
-               });
+void add_velocity(const Vector3d& velocity_S, RadarDetection& d, Moment& m) {
+  d.range_rate =
+      folded(d.range_rate + velocity_S.dot(d.point_S.normalized()), m.flight.scenario.radar);
 }
 
-/// Points that move with one of four bodies; a body is a sector of the view.
-Fault movers(double share, double duration, Promise promise, double within) {
-  return scans(fmt::format("{:.0f} % movers for {} s", 100.0 * share, duration), duration, promise,
-               within, [share](RadarScan& scan, Moment& m) {
-                 const sim::RadarModel& radar = m.flight.scenario.radar;
-                 for (RadarDetection& d : scan.detections) {
-                   if (m.random.uniform() >= share) continue;
-                   const double azimuth = std::atan2(d.point_S.y(), d.point_S.x());
-                   const double body = std::floor(4.0 * (azimuth / radar.fov_azimuth + 0.5));
-                   const double heading = 1.0 + 2.0 * body + 0.2 * m.t;
-                   const Vector3d velocity_S(std::cos(heading), std::sin(heading), 0.0);
-                   d.range_rate =
-                       folded(d.range_rate + velocity_S.dot(d.point_S.normalized()), radar);
-                 }
-               });
+/// A common velocity, like a lorry that fills the view.
+void move_together(RadarDetection& d, Moment& m) {
+  add_velocity({0.6, 0.5, 0.0}, d, m);
 }
 
-Fault many_detections(const char* name, Promise promise, double within, double stronger_db,
-                      bool same_room) {
-  return scans(name, 10.0, promise, within, [stronger_db, same_room](RadarScan& scan, Moment& m) {
+/// The velocity of one of four bodies; a body is a sector of the view.
+void move_in_four(RadarDetection& d, Moment& m) {
+  const double azimuth = std::atan2(d.point_S.y(), d.point_S.x());
+  const double body = std::floor(4.0 * (azimuth / m.flight.scenario.radar.fov_azimuth + 0.5));
+  const double heading = 1.0 + 2.0 * body + 0.2 * m.t;
+  add_velocity({std::cos(heading), std::sin(heading), 0.0}, d, m);
+}
+
+/// "80 % random outliers for 3 s".
+Fault outliers(const char* what, double share, double duration, Promised promised,
+               const ChangePoint& change) {
+  return points(fmt::format("{:.0f} % {} for {} s", 100.0 * share, what, duration), duration,
+                promised, share, change);
+}
+
+Fault many_detections(const char* name, Promised promised, double stronger_db, bool same_room) {
+  return scans(name, 10.0, promised, [stronger_db, same_room](RadarScan& scan, Moment& m) {
     constexpr std::size_t kMany = 5000;
     const sim::RadarModel& radar = m.flight.scenario.radar;
     const std::size_t real = scan.detections.size();
@@ -114,20 +105,17 @@ Fault many_detections(const char* name, Promise promise, double within, double s
   });
 }
 
-std::vector<Fault> bad_fields() {
-  return {
-      scans("points NaN for 1 s", 1.0, Promise::kBridged, 0.0,
-            [](RadarScan& scan, Moment& m) {
-              for (RadarDetection& d : scan.detections) d.point_S[m.n % 3] = NAN;
-            }),
-      scans("points of 1e200 m for 1 s", 1.0, Promise::kBridged, 0.0,
-            [](RadarScan& scan, Moment&) {
-              for (RadarDetection& d : scan.detections) d.point_S *= 1e200;
-            }),
-      scans("points at 0 for 1 s", 1.0, Promise::kBridged, 0.0,
-            [](RadarScan& scan, Moment&) {
-              for (RadarDetection& d : scan.detections) d.point_S.setZero();
-            }),
+}  // namespace
+
+std::vector<Fault> radar_faults() {
+  constexpr Promise kBridged = Promise::kBridged;
+  std::vector<Fault> all = {
+      points("points NaN for 1 s", 1.0, kBridged, 1.0,
+             [](RadarDetection& d, Moment& m) { d.point_S[m.n % 3] = NAN; }),
+      points("points of 1e200 m for 1 s", 1.0, kBridged, 1.0,
+             [](RadarDetection& d, Moment&) { d.point_S *= 1e200; }),
+      points("points at 0 for 1 s", 1.0, kBridged, 1.0,
+             [](RadarDetection& d, Moment&) { d.point_S.setZero(); }),
       bad_field("range rate", &RadarDetection::range_rate),
       bad_field("SNR", &RadarDetection::snr_db),
       bad_field("noise floor", &RadarDetection::noise_db),
@@ -136,43 +124,33 @@ std::vector<Fault> bad_fields() {
       bad_field("sigma of the elevation", &RadarDetection::sigma_elevation),
       bad_field("sigma of the Doppler", &RadarDetection::sigma_doppler),
   };
-}
-
-Fault empty_scans(double duration, Promise promise) {
-  return scans(fmt::format("empty scans for {} s", duration), duration, promise, 0.0,
-               [](RadarScan& scan, Moment&) { scan.detections.clear(); });
-}
-
-Fault frozen_scan(double duration, Promise promise, double within) {
-  return scans(fmt::format("the same scan again for {} s", duration), duration, promise, within,
-               [](RadarScan& scan, Moment& m) { scan.detections = m.before.scan.detections; });
-}
-
-}  // namespace
-
-std::vector<Fault> radar_faults() {
-  constexpr Promise kRecovered = Promise::kRecovered;
-  std::vector<Fault> all = bad_fields();
-  for (const double s : {1.0, 5.0}) all.push_back(empty_scans(s, Promise::kBridged));
-  for (const double s : {15.0, 30.0}) all.push_back(empty_scans(s, Promise::kHonest));
-  for (const double s : {1.0, 3.0, 10.0}) all.push_back(frozen_scan(s, kRecovered, 10.0));
-  for (const double s : {1.0, 3.0, 10.0}) {
-    all.push_back(random_outliers(0.8, s, s < 10.0 ? Promise::kBridged : kRecovered, 5.0));
+  for (const double s : {1.0, 5.0, 15.0, 30.0}) {
+    all.push_back(scans(fmt::format("empty scans for {} s", s), s,
+                        s < 10.0 ? kBridged : Promise::kHonest,
+                        [](RadarScan& scan, Moment&) { scan.detections.clear(); }));
   }
-  all.push_back(random_outliers(1.0, 10.0, kRecovered, 5.0));
   for (const double s : {1.0, 3.0, 10.0}) {
-    all.push_back(coherent_outliers(0.6, s, kRecovered, 5.0));
-    all.push_back(coherent_outliers(1.0, s, kRecovered, 10.0));
+    all.push_back(
+        scans(fmt::format("the same scan again for {} s", s), s, recovered(10.0),
+              [](RadarScan& scan, Moment& m) { scan.detections = m.before.scan.detections; }));
   }
-  all.push_back(movers(0.5, 10.0, Promise::kBridged, 0.0));
-  for (const double share : {0.7, 0.9}) all.push_back(movers(share, 10.0, kRecovered, 5.0));
-  all.push_back(many_detections("5000 detections, noise", Promise::kBridged, 0.0, -20.0, false));
-  all.push_back(many_detections("5000 detections, strong noise", kRecovered, 5.0, 20.0, false));
-  all.push_back(
-      many_detections("5000 detections of the same room", Promise::kBridged, 0.0, 0.0, true));
+  all.push_back(outliers("random outliers", 0.8, 1.0, kBridged, replace));
+  all.push_back(outliers("random outliers", 0.8, 3.0, kBridged, replace));
+  all.push_back(outliers("random outliers", 0.8, 10.0, recovered(5.0), replace));
+  all.push_back(outliers("random outliers", 1.0, 10.0, recovered(5.0), replace));
+  for (const double s : {1.0, 3.0, 10.0}) {
+    all.push_back(outliers("coherent outliers", 0.6, s, recovered(5.0), move_together));
+    all.push_back(outliers("coherent outliers", 1.0, s, recovered(10.0), move_together));
+  }
+  all.push_back(outliers("movers", 0.5, 10.0, kBridged, move_in_four));
+  all.push_back(outliers("movers", 0.7, 10.0, recovered(5.0), move_in_four));
+  all.push_back(outliers("movers", 0.9, 10.0, recovered(5.0), move_in_four));
+  all.push_back(many_detections("5000 detections, noise", kBridged, -20.0, false));
+  all.push_back(many_detections("5000 detections, strong noise", recovered(5.0), 20.0, false));
+  all.push_back(many_detections("5000 detections of the same room", kBridged, 0.0, true));
   for (const double hz : {1.0, 2.0, 5.0, 30.0, 60.0}) {
     all.push_back({.name = fmt::format("radar at {} Hz", hz),
-                   .promise = hz < 5.0 ? Promise::kHonest : Promise::kBridged,
+                   .promised = hz < 5.0 ? Promise::kHonest : kBridged,
                    .duration = kForGood,
                    .sensors = [hz](sim::Scenario& s) { s.radar.rate_hz = hz; }});
   }

@@ -180,7 +180,7 @@ TEST_P(FaultPromises, OfASilenceOfBothSensorsIsKept) {
 TEST(Faults, PositionAfterOutliersThatFollowASpike) {
   const sim::Flight hover = test::short_flight("hover", 54.0, 2);
   const Fault both = together(fault_named("80 % random outliers for 3 s"),
-                              fault_named("one sample of 100 m/s^2"), Promise::kRecovered, 5.0);
+                              fault_named("one sample of 100 m/s^2"), recovered(5.0));
   const Survival end = survive(hover, options_for(hover, "default"), both);
   test::measured("outliers after a spike: position, sigmas", end.last.position_sigmas, "below 5");
   EXPECT_GT(end.counters.position_reopened, 0U);

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experiment/figures.hpp"
 
-#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <utility>
 
-#include "plot/chart.hpp"
 #include "plot/colours.hpp"
-#include "rio/models/detection.hpp"
 
 namespace rio::experiment {
 
@@ -33,6 +31,14 @@ double seconds(const Trial& trial, const Step& step) {
   return to_seconds(step.truth.time - trial.steps.front().truth.time);
 }
 
+plot::Panel panel(const std::string& title, const char* x_label, const std::string& y_label) {
+  plot::Panel panel;
+  panel.title = title;
+  panel.x_label = x_label;
+  panel.y_label = y_label;
+  return panel;
+}
+
 plot::Stroke truth_stroke() {
   return {"#000000", 1.2};
 }
@@ -53,31 +59,6 @@ std::vector<plot::Curve> curves(const FlownFlight& flight, std::size_t most, con
   return all;
 }
 
-/// The three-sigma ellipse of a point in the plane of x and another axis.
-plot::Curve ellipse(const std::string& label, const Vector3d& point, const Matrix3d& covariance,
-                    int axis, std::size_t colour) {
-  constexpr int kSteps = 48;
-  Eigen::Matrix2d plane;
-  plane << covariance(0, 0), covariance(0, axis), covariance(axis, 0), covariance(axis, axis);
-  const Eigen::Matrix2d root = plane.llt().matrixL();
-  plot::Curve curve{label, {}, plot::curve_stroke(colour)};
-  for (int i = 0; i <= kSteps; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / kSteps;
-    const Eigen::Vector2d off = 3.0 * root * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    curve.points.push_back({point.x() + off.x(), point[axis] + off.y()});
-  }
-  return curve;
-}
-
-/// A small cross at a point.
-plot::Curve cross(const std::string& label, double x, double y, std::size_t colour) {
-  constexpr double kArm = 0.05;  // [m]
-  const double nan = std::nan("");
-  return {label,
-          {{x - kArm, y}, {x + kArm, y}, {nan, nan}, {x, y - kArm}, {x, y + kArm}},
-          plot::curve_stroke(colour)};
-}
-
 }  // namespace
 
 FlownFlight fly_all(const Case& flight, const std::vector<Variant>& estimators) {
@@ -94,15 +75,12 @@ std::string chart_of_paths(const std::string& title, const std::vector<FlownFlig
   std::vector<plot::Panel> panels;
   for (const FlownFlight& flight : flights) {
     for (const int up : {1, 2}) {
-      plot::Panel panel;
-      panel.title = flight.name + (up == 1 ? ", from above" : ", from the side");
-      panel.x_label = "x [m]";
-      panel.y_label = std::string(kAxes[up]) + " [m]";
-      panel.curves =
+      panels.push_back(panel(flight.name + (up == 1 ? ", from above" : ", from the side"), "x [m]",
+                             std::string(kAxes[up]) + " [m]"));
+      panels.back().curves =
           curves(flight, kOfPath, [up](const Trial&, const Step&, const NavState& state) {
             return plot::Point{state.p_WB.x(), state.p_WB[up]};
           });
-      panels.push_back(std::move(panel));
     }
   }
   return plot::draw_chart(title, panels, 2);
@@ -112,15 +90,11 @@ std::string chart_of_positions(const std::string& title, const std::vector<Flown
   std::vector<plot::Panel> panels;
   for (const FlownFlight& flight : flights) {
     for (int axis = 0; axis < 3; ++axis) {
-      plot::Panel panel;
-      panel.title = flight.name;
-      panel.x_label = "time [s]";
-      panel.y_label = std::string(kAxes[axis]) + " [m]";
-      panel.curves =
+      panels.push_back(panel(flight.name, "time [s]", std::string(kAxes[axis]) + " [m]"));
+      panels.back().curves =
           curves(flight, kOverTime, [axis](const Trial& t, const Step& s, const NavState& state) {
             return plot::Point{seconds(t, s), state.p_WB[axis]};
           });
-      panels.push_back(std::move(panel));
     }
   }
   return plot::draw_chart(title, panels, 3);
@@ -130,57 +104,52 @@ std::string chart_of_errors(const std::string& title, const FlownFlight& flight)
   std::vector<plot::Panel> panels;
   for (std::size_t i = 0; i < flight.trials.size(); ++i) {
     const Trial& trial = flight.trials[i];
-    for (int axis = 0; axis < 3; ++axis) {
-      plot::Panel panel;
-      panel.title = flight.estimators[i];
-      panel.x_label = "time [s]";
-      panel.y_label = std::string("error of ") + kAxes[axis] + " [m]";
-      const auto error = sampled(trial, kOverTime, [&](const Step& s) {
-        return plot::Point{seconds(trial, s), s.estimate.p_WB[axis] - s.truth.p_WB[axis]};
+    const auto over_time = [&trial](const auto& value) {
+      return sampled(trial, kOverTime, [&](const Step& s) {
+        return plot::Point{seconds(trial, s), value(s)};
       });
-      const auto sigmas = [&](double count) {
-        return sampled(trial, kOverTime, [&, count](const Step& s) {
-          const int k = body::kPosition + axis;
-          return plot::Point{seconds(trial, s), count * std::sqrt(s.covariance(k, k))};
-        });
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto sigma = [axis](const Step& s) {
+        const int k = body::kPosition + axis;
+        return std::sqrt(s.covariance(k, k));
       };
-      panel.curves = {{"error", error, plot::curve_stroke(0)},
-                      {"three sigmas", sigmas(3.0), truth_stroke()},
-                      {"", sigmas(-3.0), truth_stroke()}};
-      panels.push_back(std::move(panel));
+      panels.push_back(
+          panel(flight.estimators[i], "time [s]", std::string("error of ") + kAxes[axis] + " [m]"));
+      panels.back().curves = {
+          {"error",
+           over_time([axis](const Step& s) { return s.estimate.p_WB[axis] - s.truth.p_WB[axis]; }),
+           plot::curve_stroke(0)},
+          {"three sigmas", over_time([&](const Step& s) { return 3.0 * sigma(s); }),
+           truth_stroke()},
+          {"", over_time([&](const Step& s) { return -3.0 * sigma(s); }), truth_stroke()}};
     }
   }
   return plot::draw_chart(title, panels, 3);
 }
 
-std::string chart_of_point_noise(const RadarOptions& radar) {
-  plot::Panel above{"polar noise, from above", "x [m]", "y [m]", {}, {}, {}};
-  plot::Panel side{"polar and Cartesian noise, from the side", "x [m]", "z [m]", {}, {}, {}};
-  plot::Panel match{"the likelier landmark is not the nearer one", "x [m]", "y [m]", {}, {}, {}};
-  const auto seen = [&](double range, double azimuth, double elevation) {
-    const Vector3d u(std::cos(elevation) * std::cos(azimuth),
-                     std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-    return make_detection({.point_S = range * u}, radar);
-  };
-  const Matrix3d everywhere =
-      point_covariance(seen(4.0, 0.0, 0.0)).trace() / 3.0 * Matrix3d::Identity();
-  for (const double range : {2.0, 4.0, 6.0, 8.0}) {
-    for (const double angle : {-0.7, -0.35, 0.0, 0.35, 0.7}) {
-      const Detection aside = seen(range, angle, 0.0);
-      above.curves.push_back(ellipse("polar", aside.point_S, point_covariance(aside), 1, 0));
-      if (std::abs(angle) > 0.5) continue;
-      const Detection up = seen(range, 0.0, 0.7 * angle);
-      side.curves.push_back(ellipse("polar", up.point_S, point_covariance(up), 2, 0));
-      side.curves.push_back(ellipse("Cartesian", up.point_S, everywhere, 2, 1));
+void add_mean_curve(const std::vector<Curve>& runs, const std::string& name,
+                    const plot::Stroke& stroke, plot::Panel* panel) {
+  plot::Curve mean{name, {}, stroke};
+  plot::Band band;
+  band.colour = stroke.colour;
+  for (std::size_t i = 0;; ++i) {
+    std::vector<double> values;
+    double x = 0.0;
+    for (const Curve& run : runs) {
+      if (i >= run.size()) continue;
+      values.push_back(run[i].y);
+      x = run[i].x;
     }
+    if (values.size() < std::min<std::size_t>(2, runs.size()) || values.empty()) break;
+    const Spread s = Spread::of(values);
+    mean.points.push_back({x, s.mean});
+    band.x.push_back(x);
+    band.low.push_back(s.mean - s.std);
+    band.high.push_back(s.mean + s.std);
   }
-  const Detection point = seen(6.0, 0.0, 0.0);
-  const double aside = 2.0 * 6.0 * radar.sigma_azimuth;
-  const double behind = 5.0 * radar.sigma_range;
-  match.curves = {ellipse("polar", point.point_S, point_covariance(point), 1, 0),
-                  cross("detection", 6.0, 0.0, 2), cross("likelier landmark", 6.0, aside, 3),
-                  cross("nearer landmark", 6.0 + behind, 0.0, 1)};
-  return plot::draw_chart("Noise of points: three sigmas", {above, side, match}, 3);
+  panel->curves.push_back(std::move(mean));
+  panel->bands.push_back(std::move(band));
 }
 
 }  // namespace rio::experiment

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "experiment/campaign.hpp"
+#include "plot/chart.hpp"
 
 namespace rio::experiment {
 
@@ -28,9 +29,11 @@ std::string chart_of_positions(const std::string& title, const std::vector<Flown
 /// Errors of x, y and z over time with their bounds of three sigmas, a row per estimator.
 std::string chart_of_errors(const std::string& title, const FlownFlight& flight);
 
-/// The three-sigma ellipses of points by the options: polar noise from above; from the side, polar
-/// and the same in all axes; a likelier landmark that is not the nearer one (Xu et al., Fig. 5a, 5b
-/// and 3).
-std::string chart_of_point_noise(const RadarOptions& radar);
+/// The values of one run.
+using Curve = std::vector<plot::Point>;
+
+/// Mean and one standard deviation over the runs, as far as two of them go, or the only one.
+void add_mean_curve(const std::vector<Curve>& runs, const std::string& name,
+                    const plot::Stroke& stroke, plot::Panel* panel);
 
 }  // namespace rio::experiment

@@ -4,16 +4,17 @@
 // line.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/results_block.hpp"
-#include "experiment/written_tables.hpp"
+#include "rio/io/csv.hpp"
 #include "rio/io/text_file.hpp"
 #include "tools/command_line.hpp"
 #include "tools/progress.hpp"
@@ -22,15 +23,13 @@
 namespace {
 
 namespace fs = std::filesystem;
+using rio::experiment::Attachment;
 using rio::experiment::Experiment;
+using rio::experiment::Settings;
 
 struct Arguments {
   std::string name;
-  int seeds = 0;
-  int threads = 2;
-  std::string data;
-  std::string dataset;
-  double hours = 24.0;
+  Settings settings;
   std::string backend = "ekf";
   std::string out = "out";
   std::string update;
@@ -40,6 +39,46 @@ void write(const fs::path& path, const std::string& text) {
   rio::io::TextFile file(path);
   file.write(text);
   file.close();
+}
+
+constexpr const char* kBegin = "<!-- rio experiment ";
+constexpr const char* kEnd = "<!-- end -->";
+
+/// Replaces the text between `<!-- rio experiment NAME -->` and the next `<!-- end -->`.
+/// @throws std::runtime_error if the page has no such block; it is unchanged then
+void replace_block(const fs::path& page, const std::string& name, const std::string& markdown) {
+  const std::string begin = kBegin + name + " -->";
+  std::string text = rio::io::read_text(page);
+  const std::size_t from = text.find(begin + "\n");
+  const std::size_t to = from == std::string::npos ? from : text.find(kEnd, from);
+  if (to == std::string::npos) {
+    throw std::runtime_error(page.string() + ": no block from \"" + begin + "\" to \"" + kEnd +
+                             "\"");
+  }
+  write(page, text.replace(from, to - from, begin + "\n\n" + markdown + "\n"));
+}
+
+/// The experiments that have a block, in the order of the page.
+std::vector<std::string> blocks_of(const fs::path& page) {
+  const std::string begin = kBegin;
+  const std::string text = rio::io::read_text(page);
+  std::vector<std::string> names;
+  for (std::size_t at = 0; (at = text.find(begin, at)) != std::string::npos;) {
+    at += begin.size();
+    names.push_back(text.substr(at, text.find(" -->", at) - at));
+  }
+  return names;
+}
+
+/// FNV-1a of this program: equal for the same one.
+std::string fingerprint() {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char c : rio::io::read_text("/proc/self/exe")) {
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  }
+  std::ostringstream text;
+  text << std::hex << hash;
+  return text.str();
 }
 
 /// @param name prefix of progress lines if stderr is not a terminal; empty: none
@@ -53,43 +92,39 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
   rio::experiment::Result result;
   {
     rio::tools::Progress progress(true, name);
-    const rio::experiment::Settings settings{
-        arguments.seeds,
-        arguments.threads,
-        arguments.data,
-        arguments.hours,
-        arguments.backend == "smoother",
-        [&](std::size_t done, std::size_t total) { progress.show(done, total); },
-        arguments.dataset};
+    Settings settings = arguments.settings;
+    settings.smoother = arguments.backend == "smoother";
+    settings.on_progress = [&](std::size_t done, std::size_t total) { progress.show(done, total); };
     result = chosen->run(settings);
   }
   std::fputs(result.markdown.c_str(), stdout);
   write(out / (arguments.name + ".md"), result.markdown);
-  for (const rio::experiment::Attachment& file : result.attachments)
-    write(out / file.name, file.text);
+  for (const Attachment& file : result.attachments) write(out / file.name, file.text);
   if (arguments.update.empty()) return;
-  rio::experiment::replace_results_block(arguments.update, arguments.name, result.markdown);
-  for (const rio::experiment::Attachment& file : result.attachments) {
+  replace_block(arguments.update, arguments.name, result.markdown);
+  for (const Attachment& file : result.attachments) {
     const fs::path beside = fs::path(arguments.update).parent_path() / file.name;
     if (fs::exists(beside)) write(beside, file.text);  // a chart of the page
   }
 }
 
-/// Every table of the page that this program has not written yet with the same arguments.
+/// Every table of the page that this program has not written yet with the same arguments. A file
+/// beside the reports has a line for each written one, so that a long series can be resumed.
 void run_all(Arguments arguments) {
   if (arguments.update.empty()) throw std::runtime_error("all needs --update PAGE");
   fs::create_directories(arguments.out);
-  const std::string how = rio::experiment::fingerprint("/proc/self/exe") + " seeds " +
-                          std::to_string(arguments.seeds) + " of " + arguments.update;
-  rio::experiment::WrittenTables written(fs::path(arguments.out) / "written.txt", how);
-  for (const std::string& name : rio::experiment::results_blocks(arguments.update)) {
-    if (written.has(name)) {
+  const fs::path list = fs::path(arguments.out) / "written.txt";
+  const std::string how = fingerprint() + " seeds " + std::to_string(arguments.settings.seeds) +
+                          " of " + arguments.update + " ";
+  for (const std::string& name : blocks_of(arguments.update)) {
+    const std::string written = fs::exists(list) ? rio::io::read_text(list) : "";
+    if (("\n" + written).find("\n" + how + name + "\n") != std::string::npos) {
       std::fprintf(stderr, "%s: written by this program already\n", name.c_str());
       continue;
     }
     arguments.name = name;
     run_experiment(arguments, name);
-    written.add(name);
+    write(list, written + how + name + "\n");
   }
 }
 
@@ -109,16 +144,17 @@ int run(int argc, char** argv) {
   app.add_option("NAME", arguments.name, "of the experiment")
       ->required()
       ->check(CLI::IsMember(names));
-  app.add_option("--seeds", arguments.seeds, "flights of a kind, instead of the usual number")
+  app.add_option("--seeds", arguments.settings.seeds,
+                 "flights of a kind, instead of the usual number")
       ->check(CLI::Range(1, 10000));
-  app.add_option("--threads", arguments.threads, "flights at a time")
+  app.add_option("--threads", arguments.settings.threads, "flights at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("--data", arguments.data,
-                 "folder of recordings, for `real`, `benchmark`, `control` and `checks`");
-  app.add_option("--dataset", arguments.dataset,
+  app.add_option("--data", arguments.settings.data,
+                 "folder of recordings, for `real`, `benchmark`, `ablation` and `checks`");
+  app.add_option("--dataset", arguments.settings.dataset,
                  "public data set of the bags, for `benchmark`, as of `rio replay`");
-  app.add_option("--hours", arguments.hours, "of flight, for `soak`")
+  app.add_option("--hours", arguments.settings.hours, "of flight, for `soak`")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
   app.add_option("--backend", arguments.backend, "for `soak`")

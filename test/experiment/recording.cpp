@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "rio/core/so3.hpp"
+#include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/trajectory.hpp"
@@ -26,17 +27,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 double heading(const Quaternion& q) {
   const Matrix3d R = q.toRotationMatrix();
   return std::atan2(R(1, 0), R(0, 0));
-}
-
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return values.empty() ? kNaN : std::sqrt(sum / static_cast<double>(values.size()));
 }
 
 /// Share of the detections that have a Doppler.
@@ -73,14 +66,6 @@ eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
   return heights;
 }
 
-eval::Trajectory poses_of(const Replay& replay) {
-  eval::Trajectory poses;
-  for (const RecordedStep& step : replay.steps) {
-    poses.push_back({step.state.time, step.state.p_WB, step.state.q_WB});
-  }
-  return poses;
-}
-
 /// Sampled every half second, so that the jitter of the estimate does not count.
 double length_of(const eval::Trajectory& poses) {
   double distance = 0.0;
@@ -107,7 +92,7 @@ void judge_against_reference(const eval::Trajectory& reference, const eval::Traj
   for (const eval::PosePair& pair : pairs) {
     errors.push_back((laid_over(pair.estimate.p) - pair.truth.p).head<2>().norm());
   }
-  score->horizontal = root_mean_square(errors);
+  score->horizontal = eval::statistics(errors).rmse;
 }
 
 void judge_height(const Recording& recording, const Replay& replay, RealScore* score) {
@@ -135,7 +120,7 @@ void judge_height(const Recording& recording, const Replay& replay, RealScore* s
       sigmas.push_back(std::abs(errors.back()) / step.sigma_height);
     }
   }
-  score->height = root_mean_square(errors);
+  score->height = eval::statistics(errors).rmse;
   if (!recording.flat()) return;  // a barometer with centimetres of noise validates no sigma
   score->honest = honest / static_cast<double>(errors.size());
   std::sort(sigmas.begin(), sigmas.end());
@@ -171,6 +156,14 @@ Recording thinned(const Recording& recording, std::size_t first) {
 
 }  // namespace
 
+eval::Trajectory poses_of(const Replay& replay) {
+  eval::Trajectory poses;
+  for (const RecordedStep& step : replay.steps) {
+    poses.push_back({step.state.time, step.state.p_WB, step.state.q_WB});
+  }
+  return poses;
+}
+
 Motion motion_of(const io::Dataset& data) {
   constexpr double kMajority = 0.5;
   const double grid = data.radar_info.doppler_resolution.value_or(0.0);
@@ -204,11 +197,9 @@ std::vector<Recording> find_recordings(const fs::path& folder) {
   std::sort(places.begin(), places.end());
   std::vector<Recording> recordings;
   for (const fs::path& place : places) {
+    const fs::path group = place.parent_path() == folder ? place : place.parent_path();
     Recording recording{
-        place.filename().string(),
-        (place.parent_path() == folder ? place : place.parent_path()).filename().string(),
-        io::read_dataset(place),
-        {}};
+        place.filename().string(), group.filename().string(), io::read_dataset(place), {}};
     for (const char* name : {"reference.tum", "truth.tum"}) {
       const fs::path reference = place / name;
       if (!fs::exists(reference)) continue;
@@ -301,10 +292,6 @@ Replay replay(const io::Dataset& data, const Options& options) {
   }
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   out.state = odometry->health().state;
-  out.T_BS = odometry->extrinsics();
-  const auto offset = static_cast<std::size_t>(Calibration::kTimeOffset);
-  out.time_offset = odometry->report().calibration[offset].value;
-  out.velocity_resets = static_cast<int>(odometry->counters().velocity_resets);
   out.calibration = odometry->report().calibration;
   for (const CalibrationReport& c : out.calibration) {
     const bool doubted =
@@ -334,6 +321,29 @@ RealScore judge(const Recording& recording, const Replay& replay) {
   judge_height(recording, replay, &score);
   judge_rest(recording, replay, &score);
   return score;
+}
+
+std::vector<RealRun> replay_campaign(const std::vector<Recording>& recordings,
+                                     const Variants& variants, int seeds,
+                                     const Settings& settings) {
+  const auto count = static_cast<std::size_t>(seeds);
+  std::vector<RealRun> runs;
+  for (const Recording& recording : recordings) {
+    for (std::size_t v = 0; v < variants.size(); ++v) {
+      runs.push_back({&recording, v, std::vector<RealScore>(count)});
+    }
+  }
+  parallel_for(runs.size() * count, settings.threads, settings.on_progress, [&](std::size_t i) {
+    RealRun& run = runs[i / count];
+    const Variant& variant = variants[run.variant];
+    Options options;
+    if (!preset(variant.preset, &options)) throw std::runtime_error("no such preset");
+    io::apply_sensor_info(run.recording->data, &options);
+    options.frontend.ransac_seed = static_cast<int>(i % count) + 1;
+    if (variant.change) variant.change(options);
+    run.scores[i % count] = judge(*run.recording, replay(run.recording->data, options));
+  });
+  return runs;
 }
 
 }  // namespace rio::experiment

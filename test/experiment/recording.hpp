@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "experiment/campaign.hpp"
 #include "rio/eval/stamped_pose.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/options.hpp"
@@ -66,10 +67,7 @@ struct RecordedStep {
 
 /// A replay with static start.
 struct Replay {
-  std::vector<RecordedStep> steps;  ///< empty if it did not start
-  Pose T_BS;                        ///< as estimated at the end
-  double time_offset = 0.0;         ///< same, relative to the configured one [s]
-  int velocity_resets = 0;
+  std::vector<RecordedStep> steps;                                 ///< empty if it did not start
   double seconds = 0.0;                                            ///< of the whole run
   HealthState state = HealthState::kInitializing;                  ///< at the end
   std::array<CalibrationReport, kCalibrationCount> calibration{};  ///< at the end
@@ -78,6 +76,8 @@ struct Replay {
 
 /// @throws std::runtime_error if the options are invalid
 Replay replay(const io::Dataset& data, const Options& options);
+
+eval::Trajectory poses_of(const Replay& replay);
 
 /// NaN if unknown.
 struct RealScore {
@@ -95,8 +95,23 @@ struct RealScore {
   bool healthy = false;             ///< see Replay
   double creep = kUnknown;          ///< range of the height during the rest at the end [m]
   double creep_sigmas = kUnknown;   ///< same, in its sigmas at the end
+
+  double horizontal_share() const { return 100.0 * horizontal / distance; }  ///< [%]
+  double height_share() const { return 100.0 * height / distance; }          ///< [%]
+  double dishonest_share() const { return 100.0 * (1.0 - honest); }          ///< of the scans [%]
 };
 
 RealScore judge(const Recording& recording, const Replay& replay);
+
+/// A recording with one estimator, a score for each seed of the RANSAC.
+struct RealRun {
+  const Recording* recording;
+  std::size_t variant;  ///< index
+  std::vector<RealScore> scores{};
+};
+
+/// Every recording with every variant and seed. Runs come by recording, then by variant.
+std::vector<RealRun> replay_campaign(const std::vector<Recording>& recordings,
+                                     const Variants& variants, int seeds, const Settings& settings);
 
 }  // namespace rio::experiment

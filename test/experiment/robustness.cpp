@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/spread.hpp"
 #include "rio/eval/nees.hpp"
 #include "rio/sim/catalogue.hpp"
 
@@ -22,13 +22,13 @@ constexpr double kLongFlight = 600.0;  // [s]; such flights are flown with a qua
 int seeds_for(const std::string& name, const Settings& settings) {
   sim::Scenario scenario;
   sim::scenario(name, &scenario);
-  const int seeds = settings.seeds > 0 ? settings.seeds : kSeeds;
+  const int seeds = settings.seeds_or(kSeeds);
   const bool is_long = scenario.path.length <= 0.0 && scenario.path.duration >= kLongFlight;
   return is_long ? std::max(1, seeds / 4) : seeds;
 }
 
 /// The blocks whose mean NEES is above what 99 % of consistent filters show at one instant.
-std::string overconfident_in(const std::vector<Score>& scores) {
+std::string overconfident_in(const Scores& scores) {
   const int runs = static_cast<int>(scores.size());
   const double three = eval::anees_bounds(3, runs, 0.99).upper / 3.0;
   const double one = eval::anees_bounds(1, runs, 0.99).upper;
@@ -43,12 +43,12 @@ std::string overconfident_in(const std::vector<Score>& scores) {
   return fmt::format("{}", fmt::join(blocks, ", "));
 }
 
-std::string lost_text(const std::vector<Score>& scores) {
+std::string lost_text(const Scores& scores) {
   return fmt::format("lost in {} of {}", count_lost(scores), scores.size());
 }
 
 /// Remarks on a row.
-std::string remark(const std::vector<Score>& scores, const std::vector<Score>& published) {
+std::string remark(const Scores& scores, const Scores& published) {
   std::vector<std::string> remarks;
   if (count_lost(scores) > 0) remarks.push_back(lost_text(scores));
   const std::string blocks = overconfident_in(scores);
@@ -62,44 +62,36 @@ std::string remark(const std::vector<Score>& scores, const std::vector<Score>& p
   return fmt::format("{}", fmt::join(remarks, "; "));
 }
 
-/// The cells of one preset.
-std::vector<std::string> cells(const std::vector<Score>& scores) {
-  const auto text = [&](double Score::*value) { return Spread::of(scores, value).text(2); };
-  const auto mean = [&](double Score::*value) { return number(Spread::of(scores, value).mean, 1); };
-  return {text(&Score::final_error), text(&Score::drift), text(&Score::mae),
-          mean(&Score::nees_position) + " / " + mean(&Score::nees_heading) + " / " +
-              mean(&Score::nees_velocity)};
-}
-
 }  // namespace
 
 Result robustness(const Settings& settings) {
-  std::vector<Case> cases;
+  Cases cases;
   for (const sim::CatalogueEntry& entry : sim::catalogue()) {
-    for (Case& c : cases_of(entry.name, seeds_for(entry.name, settings))) cases.push_back(c);
+    for (const Case& c : cases_of(entry.name, seeds_for(entry.name, settings))) cases.push_back(c);
   }
   // the long flights first: no thread ends alone with one
   std::stable_sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) {
     return a.scenario.path.length < b.scenario.path.length;
   });
-  const std::vector<Outcome> runs = run_campaign(cases, presets_compared(), settings);
+  const Outcomes runs = run_campaign(cases, presets_compared(), settings);
 
   std::vector<std::string> head = {"scenario", "flights"};
-  for (const Variant& variant : presets_compared()) {
-    head.push_back(variant.name + ": final error [m]");
-    for (const char* name : {"drift [%]", "norm of MAE [m]", "NEES p / h / v"}) {
-      head.emplace_back(name);
-    }
+  const std::vector<Column> columns = {spread_of("final error [m]", &Score::final_error, 2),
+                                       spread_of("drift [%]", &Score::drift, 2),
+                                       spread_of("norm of MAE [m]", &Score::mae, 2),
+                                       nees_of("NEES p / h / v", 1)};
+  for (const Variant& v : presets_compared()) {
+    const std::size_t first = head.size();
+    head = head_of(std::move(head), columns);
+    head[first] = v.name + ": " + head[first];
   }
   head.push_back("remark on " + presets_compared().front().name);
   MarkdownTable table(head);
   for (const sim::CatalogueEntry& entry : sim::catalogue()) {
-    const std::vector<Score> best = select(runs, entry.name, "default");
-    const std::vector<Score> published = select(runs, entry.name, "published-ekf");
+    const Scores best = select(runs, entry.name, "default");
+    const Scores published = select(runs, entry.name, "published-ekf");
     std::vector<std::string> row = {entry.name, fmt::format("{}", best.size())};
-    for (const Variant& variant : presets_compared()) {
-      for (std::string& cell : cells(select(runs, entry.name, variant.name))) row.push_back(cell);
-    }
+    for (const Scores* scores : {&best, &published}) row = row_of(std::move(row), columns, *scores);
     row.push_back(remark(best, published));
     table.add(row);
   }

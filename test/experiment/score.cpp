@@ -14,9 +14,26 @@ namespace {
 constexpr double kLostShare = 0.05;    // of the path
 constexpr double kLostDistance = 2.0;  // [m]
 
+constexpr double kMaeDistance = 127.0;  // of Table I of Michalczyk et al. 2023 [m]
+
 double mean_nis(const Trial& trial, Model model) {
   const ModelReport& sum = trial.models[static_cast<std::size_t>(model)];
   return sum.rows_used == 0 ? eval::kNan : sum.nis / sum.rows_used;
+}
+
+/// From each pose to the next. An absolute error of these is (E2): the rotation of the true step
+/// does not change its norms.
+std::vector<eval::PosePair> steps_of(const std::vector<eval::PosePair>& pairs) {
+  const auto step = [](const eval::StampedPose& from, const eval::StampedPose& to) {
+    const Quaternion back = from.q.conjugate();
+    return eval::StampedPose{to.time, back * (to.p - from.p), back * to.q};
+  };
+  std::vector<eval::PosePair> steps;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    steps.push_back(
+        {step(pairs[i - 1].truth, pairs[i].truth), step(pairs[i - 1].estimate, pairs[i].estimate)});
+  }
+  return steps;
 }
 
 }  // namespace
@@ -44,6 +61,13 @@ Score score(const Trial& trial) {
   s.final_error = (pairs.back().estimate.p - pairs.back().truth.p).norm();
   s.drift = eval::final_drift(pairs);
   s.mae = eval::norm_of_mae(pairs);
+  s.mae_at_127 = eval::norm_of_mae(pairs, kMaeDistance);
+  const eval::AbsoluteError absolute = eval::absolute_error(pairs);
+  s.ape = absolute.translation.rmse;
+  s.ape_angle = absolute.rotation.rmse;
+  const eval::AbsoluteError relative = eval::absolute_error(steps_of(pairs));
+  s.rpe = relative.translation.rmse;
+  s.rpe_angle = relative.rotation.rmse;
   s.heading = eval::yaw_errors(pairs).rmse;
   s.velocity = std::sqrt(squares);
   s.nis_doppler = mean_nis(trial, Model::kDoppler);

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The figures of one trial. Estimate and truth share the world frame: nothing is aligned.
+//
+// (E1) APE = RMSE of |p_est - p_true| and of the angle of R_est R_true^T
+// (E2) RPE = RMSE of the same two of the steps T_i^-1 T_i+1, from one scan to the next
+// Reference: M. Grupp, evo, 2017; Sturm et al., 2012.
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "experiment/trial.hpp"
 
@@ -27,35 +32,45 @@ struct Score {
   double nis_points = 0.0;     ///< same, landmarks measured as points
   double nis_positions = 0.0;  ///< same, landmarks measured as positions
   double nis_landmarks = 0.0;  ///< same, ranges
+  double mae_at_127 = 0.0;     ///< norm of MAE over the first 127 m [m]
+  double ape = 0.0;            ///< (E1), also the norm of RMSE of the position [m]
+  double ape_angle = 0.0;      ///< (E1) [deg]
+  double rpe = 0.0;            ///< (E2) [m]
+  double rpe_angle = 0.0;      ///< (E2) [deg]
 };
+using Scores = std::vector<Score>;
 
 Score score(const Trial& trial);
 
-/// One figure of the score: its name in tables and files.
+/// One figure of the score: its name in files.
 struct Figure {
   const char* name;
   const char* unit;
-  int decimals;
   double Score::*value;
 };
 
 /// All numbers of a score, in the order of the files.
 inline constexpr std::array kFigures = {
-    Figure{"path", "m", 1, &Score::path_length},
-    Figure{"final_error", "m", 3, &Score::final_error},
-    Figure{"drift", "%", 3, &Score::drift},
-    Figure{"mae", "m", 3, &Score::mae},
-    Figure{"heading", "deg", 2, &Score::heading},
-    Figure{"velocity", "m/s", 3, &Score::velocity},
-    Figure{"nees_position", "", 2, &Score::nees_position},
-    Figure{"nees_attitude", "", 2, &Score::nees_attitude},
-    Figure{"nees_heading", "", 2, &Score::nees_heading},
-    Figure{"nees_velocity", "", 2, &Score::nees_velocity},
-    Figure{"nis_doppler", "", 3, &Score::nis_doppler},
-    Figure{"nis_trails", "", 3, &Score::nis_trails},
-    Figure{"nis_landmarks", "", 3, &Score::nis_landmarks},
-    Figure{"nis_points", "", 3, &Score::nis_points},
-    Figure{"nis_positions", "", 3, &Score::nis_positions},
+    Figure{"path", "m", &Score::path_length},
+    Figure{"final_error", "m", &Score::final_error},
+    Figure{"drift", "%", &Score::drift},
+    Figure{"mae", "m", &Score::mae},
+    Figure{"heading", "deg", &Score::heading},
+    Figure{"velocity", "m/s", &Score::velocity},
+    Figure{"nees_position", "", &Score::nees_position},
+    Figure{"nees_attitude", "", &Score::nees_attitude},
+    Figure{"nees_heading", "", &Score::nees_heading},
+    Figure{"nees_velocity", "", &Score::nees_velocity},
+    Figure{"nis_doppler", "", &Score::nis_doppler},
+    Figure{"nis_trails", "", &Score::nis_trails},
+    Figure{"nis_landmarks", "", &Score::nis_landmarks},
+    Figure{"nis_points", "", &Score::nis_points},
+    Figure{"nis_positions", "", &Score::nis_positions},
+    Figure{"mae_at_127", "m", &Score::mae_at_127},
+    Figure{"ape", "m", &Score::ape},
+    Figure{"ape_angle", "deg", &Score::ape_angle},
+    Figure{"rpe", "m", &Score::rpe},
+    Figure{"rpe_angle", "deg", &Score::rpe_angle},
 };
 
 }  // namespace rio::experiment

@@ -85,6 +85,11 @@ class Verdict {
   void add(const std::string& what, const std::string& found, const std::string& asked, bool held) {
     table_.add({what, found, asked, held ? "yes" : "NO"});
   }
+  void below(const std::string& what, const char* format, double found, double bound,
+             const char* asked) {
+    add(what, fmt::format(fmt::runtime(format), found), fmt::format("below {}", asked),
+        found < bound);
+  }
   const std::string& text() const { return table_.text(); }
 
  private:
@@ -96,12 +101,12 @@ void judge_constancy(const SoakRun& run, Verdict* verdict) {
   // of the second row: the first includes the start
   const double grown =
       rows.back().resident - rows[std::min<std::size_t>(1, rows.size() - 1)].resident;
-  verdict->add("growth of memory [MB]", fmt::format("{:.2f}", grown), "below 1", grown < 1.0);
+  verdict->below("growth of memory [MB]", "{:.2f}", grown, 1.0, "1");
   verdict->add("finite at every scan", run.finite ? "yes" : "no", "yes", run.finite);
   const double asymmetry = largest(rows, &SoakRow::asymmetry);
   verdict->add("asymmetry of P", fmt::format("{:.0e}", asymmetry), "0", asymmetry == 0.0);
-  const double norm = largest(rows, &SoakRow::norm_error);
-  verdict->add("norm of q, less 1", fmt::format("{:.0e}", norm), "below 1e-14", norm < 1e-14);
+  verdict->below("norm of q, less 1", "{:.0e}", largest(rows, &SoakRow::norm_error), 1e-14,
+                 "1e-14");
   const double lag = largest(rows, &SoakRow::lag);
   verdict->add("now() off the newest sample [s]", fmt::format("{}", lag), "0", lag == 0.0);
   const Counters& c = run.counters;
@@ -109,28 +114,23 @@ void judge_constancy(const SoakRun& run, Verdict* verdict) {
                c.scans == run.scans);
   const std::uint64_t failed = c.updates_failed + c.velocity_resets + c.attitude_resets;
   verdict->add("updates failed, states replaced", fmt::format("{}", failed), "0", failed == 0);
-  const std::size_t part = std::max<std::size_t>(1, rows.size() / 4);
-  const double first =
-      mean({rows.begin(), rows.begin() + static_cast<long>(part)}, &SoakRow::time_per_scan);
-  const double last =
-      mean({rows.end() - static_cast<long>(part), rows.end()}, &SoakRow::time_per_scan);
-  verdict->add("time a scan, last quarter over first", fmt::format("{:.2f}", last / first),
-               "below 1.5", last < 1.5 * first);
+  const auto part = static_cast<long>(std::max<std::size_t>(1, rows.size() / 4));
+  const double first = mean({rows.begin(), rows.begin() + part}, &SoakRow::time_per_scan);
+  const double last = mean({rows.end() - part, rows.end()}, &SoakRow::time_per_scan);
+  verdict->below("time a scan, last quarter over first", "{:.2f}", last / first, 1.5, "1.5");
 }
 
-void judge_errors(const SoakRun& run, Verdict* verdict) {
-  const std::vector<SoakRow>& rows = run.rows;
-  const double position = largest(rows, &SoakRow::nees_position);
+void judge_errors(const std::vector<SoakRow>& rows, Verdict* verdict) {
   const double bound = chi2_quantile(0.9999, 3.0) / 3.0;  // at any time of the run
-  verdict->add("position: largest NEES of a row", fmt::format("{:.2f}", position),
-               fmt::format("below {:.1f}", bound), position < bound);
-  const double velocity = mean(rows, &SoakRow::nees_velocity);
-  verdict->add("velocity: mean NEES", fmt::format("{:.2f}", velocity), "below 1.5", velocity < 1.5);
-  const double tilt = mean(rows, &SoakRow::nees_tilt);
-  verdict->add("tilt: mean NEES", fmt::format("{:.2f}", tilt), "below 1.5", tilt < 1.5);
-  const double calibration = mean(rows, &SoakRow::calibration);
-  verdict->add("calibration: mean NEES", fmt::format("{:.2f}", calibration), "below 1.5",
-               calibration < 1.5);
+  verdict->below("position: largest NEES of a row", "{:.2f}",
+                 largest(rows, &SoakRow::nees_position), bound,
+                 fmt::format("{:.1f}", bound).c_str());
+  const auto mean_below = [&](const char* what, double SoakRow::*value) {
+    verdict->below(what, "{:.2f}", mean(rows, value), 1.5, "1.5");
+  };
+  mean_below("velocity: mean NEES", &SoakRow::nees_velocity);
+  mean_below("tilt: mean NEES", &SoakRow::nees_tilt);
+  mean_below("calibration: mean NEES", &SoakRow::calibration);
 }
 
 void judge_order(const SoakSettings& settings, Verdict* verdict) {
@@ -162,7 +162,7 @@ Result soak(const Settings& settings) {
   });
   Verdict verdict;
   judge_constancy(run, &verdict);
-  judge_errors(run, &verdict);
+  judge_errors(run.rows, &verdict);
   judge_order(chosen, &verdict);
   const char* name = settings.smoother ? "smoother" : "filter";
   Result result;

@@ -20,17 +20,11 @@ TEST(Spread, MeanWorstAndSampleDeviation) {
   EXPECT_EQ(s.text(2), "2.00 (4.00) ± 1.73");
 }
 
-TEST(Spread, OneRunHasNoDeviation) {
+TEST(Spread, AsText) {
   EXPECT_EQ(Spread::of(std::vector<double>{0.5}).text(1), "0.5 (0.5) ± 0.0");
-}
-
-TEST(Spread, LargeFiguresHaveNoDecimals) {
-  EXPECT_EQ(number(999.96, 1), "1000.0");
-  EXPECT_EQ(number(-12345.6, 2), "-12346");
-}
-
-TEST(Spread, NothingIsNotZero) {
   EXPECT_EQ(Spread::of(std::vector<double>{}).text(1), "- (-) ± -");
+  EXPECT_EQ(number(999.96, 1), "1000.0");
+  EXPECT_EQ(number(-12345.6, 2), "-12346");  // large figures have no decimals
 }
 
 TEST(Spread, OneMissingFigureIsTheWorst) {
@@ -39,14 +33,6 @@ TEST(Spread, OneMissingFigureIsTheWorst) {
     EXPECT_TRUE(std::isnan(Spread::of(values).worst));
     EXPECT_TRUE(std::isnan(Spread::of(values).mean));
   }
-}
-
-TEST(Spread, OfScoresTakesTheFigure) {
-  std::vector<Score> scores(2);
-  scores[0].drift = 1.0;
-  scores[1].drift = 3.0;
-  scores[1].mae = 9.0;
-  EXPECT_DOUBLE_EQ(Spread::of(scores, &Score::drift).mean, 2.0);
 }
 
 TEST(MarkdownTable, HeadRuleAndRows) {

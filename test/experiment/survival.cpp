@@ -162,7 +162,7 @@ class Watch {
 
   bool kept() const {
     const Counters& n = result_.counters;
-    switch (fault_.promise) {
+    switch (fault_.promised.promise) {
       case Promise::kIgnored:
         return !ever_wrong_ &&
                n.velocity_resets + n.attitude_resets + n.restarts + n.clock_restarts == 0;
@@ -171,7 +171,7 @@ class Watch {
       case Promise::kHonest:
         return !ever_dishonest_ && !result_.last.wrong();
       case Promise::kRecovered:
-        return !ever_wrong_ || result_.wrong_until < fault_.within;
+        return !ever_wrong_ || result_.wrong_until < fault_.promised.within;
       case Promise::kReported:
         break;
     }

@@ -41,7 +41,7 @@ struct Deviation {
 /// Result of a flight with a fault. Times in seconds.
 struct Survival {
   Deviation last;                 ///< at the end
-  bool kept = false;              ///< Fault::promise
+  bool kept = false;              ///< Fault::promised
   bool reported_last = false;     ///< at the end
   bool reported_before = false;   ///< degraded or worse at any time before the fault
   bool always_finite = true;      ///< from the fault on

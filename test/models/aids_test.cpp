@@ -27,9 +27,7 @@ double draw(sim::Random& random, double sigma, bool noise) {
   return noise ? sigma * random.normal() : 0.0;
 }
 
-struct PositionCase {
-  using Model = PositionModel;
-  static Model model() { return {}; }
+struct PositionCase : CaseOf<PositionModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Noise error(random);
@@ -37,12 +35,9 @@ struct PositionCase {
     const Vector3d at = body.point.nav.q_WB * lever + body.point.nav.p_WB;
     return {{at + error.draw(random, noise), error.covariance(), lever}, {body.pose()}};
   }
-  static std::optional<Sample<Model>> outside(sim::Random& /*random*/) { return {}; }
 };
 
-struct HeadingCase {
-  using Model = HeadingModel;
-  static Model model() { return {}; }
+struct HeadingCase : CaseOf<HeadingModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const double heading = random.uniform(-7.0, 7.0);
     const Quaternion q = Quaternion(Eigen::AngleAxisd(heading, Vector3d::UnitZ())) *
@@ -57,9 +52,7 @@ struct HeadingCase {
   }
 };
 
-struct BodyVelocityCase {
-  using Model = BodyVelocityModel;
-  static Model model() { return {}; }
+struct BodyVelocityCase : CaseOf<BodyVelocityModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Noise error(random);
@@ -69,37 +62,28 @@ struct BodyVelocityCase {
     return {{v + error.draw(random, noise), error.covariance(), lever, body.point.gyro_B},
             {body.pose(), body.point.nav.v_WB, body.gyro_bias}};
   }
-  static std::optional<Sample<Model>> outside(sim::Random& /*random*/) { return {}; }
 };
 
-struct WorldVelocityCase {
-  using Model = WorldVelocityModel;
-  static Model model() { return {}; }
+struct WorldVelocityCase : CaseOf<WorldVelocityModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Noise error(random);
     return {{body.point.nav.v_WB + error.draw(random, noise), error.covariance()},
             {body.point.nav.v_WB}};
   }
-  static std::optional<Sample<Model>> outside(sim::Random& /*random*/) { return {}; }
 };
 
-struct HeightCase {
-  using Model = HeightModel;
-  static Model model() { return {}; }
+struct HeightCase : CaseOf<HeightModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const HeightOffset::Value offset(random.uniform(-5.0, 5.0));
     return {{body.point.nav.p_WB.z() + offset[0] + draw(random, 0.3, noise), 0.3},
             {body.pose(), offset}};
   }
-  static std::optional<Sample<Model>> outside(sim::Random& /*random*/) { return {}; }
 };
 
 /// The beam is followed to the ground.
-struct GroundRangeCase {
-  using Model = GroundRangeModel;
-  static Model model() { return {}; }
+struct GroundRangeCase : CaseOf<GroundRangeModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const Quaternion q =
         quaternion_exp(random.in_box(-0.4 * Vector3d::Ones(), 0.4 * Vector3d::Ones()));

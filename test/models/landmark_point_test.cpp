@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The second-order terms of a landmark's range against Monte Carlo. The Jacobians are in the model
-// suite.
+// The second-order terms of a landmark's range against Monte Carlo, and a place in Cartesian axes
+// against the same as range and direction. The Jacobians are in the model suite.
 #include "rio/models/landmark_point.hpp"
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
+#include "rio/models/landmark_position.hpp"
 #include "rio/sim/random.hpp"
+#include "support/random_state.hpp"
 
 namespace rio {
 namespace {
@@ -50,6 +53,31 @@ TEST(LandmarkPoint, RangeOfAnUncertainPoint) {
     EXPECT_NEAR(curvature.mean, sampled.mean, 0.02 * sampled.mean) << c.range << " " << c.rho;
     EXPECT_NEAR(curvature.variance, sampled.variance, 0.08 * sampled.variance)
         << c.range << " " << c.rho;
+  }
+}
+
+// A place with its covariance, and range and direction with their sigmas, tell the same of the
+// state to first order.
+TEST(LandmarkPoint, APlaceTellsTheSameOfTheState) {
+  test::Random random(42);
+  RadarOptions radar;
+  radar.sigma_azimuth = 0.03;
+  radar.sigma_elevation = 0.07;
+  for (int i = 0; i < 200; ++i) {
+    const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector(5.0));
+    const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));
+    RadarDetection raw;
+    raw.point_S =
+        Vector3d(random.uniform(1.0, 8.0), random.uniform(-3.0, 3.0), random.uniform(-2.0, 2.0));
+    const Detection d = make_detection(raw, radar);
+    const auto information = [&]<class M>(const M& model) -> Eigen::MatrixXd {
+      Evaluation<M> at;
+      EXPECT_TRUE(model.evaluate(M::measurement(d), T_WB, T_BS, to_world(T_WB, T_BS, d.point_S),
+                                 at.r, &at.J, at.R));
+      return at.J.transpose() * at.R.inverse() * at.J;
+    };
+    const Eigen::MatrixXd polar = information(LandmarkPointModel{});
+    EXPECT_LT((information(LandmarkPositionModel{}) - polar).norm(), 1e-9 * polar.norm()) << i;
   }
 }
 

@@ -28,23 +28,6 @@ TEST_P(KernelTest, CostIsTheIntegralOfTheWeight) {
   }
 }
 
-TEST_P(KernelTest, WeightIsTheDerivativeOfTheCost) {
-  for (const double x : {0.01, 1.0, 2.0, 3.0, 10.0, 1000.0}) {
-    const double h = 1e-4 * x;  // central differences: relative error 1e-8
-    const double slope = (evaluate_kernel(GetParam(), kSize, x + h).cost -
-                          evaluate_kernel(GetParam(), kSize, x - h).cost) /
-                         (2.0 * h);
-    EXPECT_NEAR(evaluate_kernel(GetParam(), kSize, x).weight, slope, 1e-7);
-  }
-}
-
-TEST_P(KernelTest, IsContinuousAtItsSize) {
-  const KernelValue below = evaluate_kernel(GetParam(), kSize, kSize * (1.0 - 1e-12));
-  const KernelValue above = evaluate_kernel(GetParam(), kSize, kSize * (1.0 + 1e-12));
-  EXPECT_NEAR(below.cost, above.cost, 1e-11);  // the slope times the distance
-  EXPECT_NEAR(below.weight, above.weight, 1e-11);
-}
-
 TEST_P(KernelTest, BeginsAsTheSquareAndNeverGivesMoreWeight) {
   EXPECT_EQ(evaluate_kernel(GetParam(), kSize, 0.0).cost, 0.0);
   EXPECT_EQ(evaluate_kernel(GetParam(), kSize, 0.0).weight, 1.0);

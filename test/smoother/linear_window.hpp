@@ -10,8 +10,7 @@
 #include <vector>
 
 #include "rio/smoother/normal_equations.hpp"
-#include "support/random_matrix.hpp"
-#include "support/symmetric.hpp"
+#include "support/dense_rows.hpp"
 
 namespace rio::test {
 
@@ -59,19 +58,11 @@ struct Dense {
   VectorXd g;
 };
 
-inline VectorXd dense_row(const LinearRow& row, int size) {
-  VectorXd h = VectorXd::Zero(size);
-  row.for_each_segment([&h](int column, const double* values, int length) {
-    for (int i = 0; i < length; ++i) h[column + i] += values[i];
-  });
-  return h;
-}
-
 inline Dense dense(const LinearWindow& window) {
   const int n = window.size();
   Dense d{MatrixXd::Zero(n, n), VectorXd::Zero(n)};
   for (const Row& r : window.rows) {
-    const VectorXd h = dense_row(r.row, n);
+    const VectorXd h = dense_rows({&r.row, 1}, n).H.transpose();
     d.H += r.weight / r.row.variance * h * h.transpose();
     d.g += r.weight / r.row.variance * r.row.residual * h;
   }
@@ -100,14 +91,6 @@ inline Dense schur(const Dense& d, Eigen::Index eliminated) {
           .transpose();
   return {d.H.bottomRightCorner(rest, rest) - K * d.H.topRightCorner(eliminated, rest),
           d.g.tail(rest) - K * d.g.head(eliminated)};
-}
-
-inline void expect_close(const MatrixXd& actual, const MatrixXd& expected,
-                         double relative = kRelative) {
-  ASSERT_EQ(actual.rows(), expected.rows());
-  ASSERT_EQ(actual.cols(), expected.cols());
-  if (expected.size() == 0) return;
-  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff(), relative * expected.cwiseAbs().maxCoeff());
 }
 
 inline int random_index(sim::Random& random, int count) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The envelope solver against dense matrices of Eigen, on random windows: factorisation, solution,
-// covariance of the tail. The elimination of the oldest state is in elimination_test.cpp.
+// covariance of the tail, elimination of the oldest state.
 #include "rio/smoother/normal_equations.hpp"
 
 #include <gtest/gtest.h>
@@ -19,15 +19,46 @@ TEST_F(NormalEquationsTest, EqualsTheDenseSystem) {
   for (const LinearWindow& window : random_windows()) {
     window.add_to(&equations_);
     const Dense d = dense(window);
-    expect_close(MatrixXd(equations_.H().selfadjointView<Eigen::Lower>()), d.H);
-    expect_close(equations_.g(), d.g);
+    expect_close(MatrixXd(equations_.H().selfadjointView<Eigen::Lower>()), d.H, kRelative);
+    expect_close(equations_.g(), d.g, kRelative);
     ASSERT_TRUE(equations_.factorise());
-    expect_close(solution(), solve(d.H, d.g));
+    expect_close(solution(), solve(d.H, d.g), kRelative);
     const MatrixXd P = tail_covariance();
     const int tail = equations_.tail_size();
-    expect_close(P, d.H.inverse().bottomRightCorner(tail, tail));
+    expect_close(P, d.H.inverse().bottomRightCorner(tail, tail), kRelative);
     EXPECT_EQ(P, P.transpose());
   }
+}
+
+// The oldest state is eliminated.
+TEST_F(NormalEquationsTest, EliminationEqualsTheSchurComplement) {
+  for (const LinearWindow& window : random_windows()) {
+    window.add_to(&equations_);
+    const Dense expected = schur(dense(window), kState);
+    ASSERT_TRUE(equations_.factorise());
+    const VectorXd before = solution();
+    const Quadratic rest = eliminate();
+    EXPECT_EQ(rest.states, window.states - 1);  // the chain touches every state
+    expect_close(rest.A, expected.H, kRelative);
+    expect_close(rest.g, expected.g, kRelative);
+    EXPECT_EQ(rest.A, rest.A.transpose());
+    EXPECT_EQ(solution(), before);  // the factor is still there
+  }
+}
+
+TEST_F(NormalEquationsTest, OnlyTheMarkovBlanketOfTheOldestStateIsLeft) {
+  sim::Random random(44);
+  LinearWindow oldest = random_window(random, 7, 9, false);  // its measurements alone
+  oldest.chain.resize(1);
+  std::erase_if(oldest.rows, [](const Row& r) {
+    bool touches = false;
+    r.row.for_each_segment([&](int column, const double*, int) { touches |= column < kState; });
+    return !touches;
+  });
+  oldest.add_to(&equations_);
+  EXPECT_EQ(eliminate().states, 1);
+  equations_.add(make_row(random, {{0, 6}, {kState * 4, 6}}).row);
+  EXPECT_EQ(eliminate().states, 4);
 }
 
 TEST_F(NormalEquationsTest, DampingIsRelativeToTheDiagonalAndForgotten) {
@@ -40,9 +71,9 @@ TEST_F(NormalEquationsTest, DampingIsRelativeToTheDiagonalAndForgotten) {
     MatrixXd H = d.H;
     H.diagonal() *= 1.0 + damping;
     ASSERT_TRUE(equations_.factorise(damping));
-    expect_close(solution(), solve(H, d.g));
+    expect_close(solution(), solve(H, d.g), kRelative);
     EXPECT_EQ(tail_covariance().size() == 0, damping > 0.0);  // no covariance of a damped system
-    expect_close(eliminate().A, rest.H);                      // never damped
+    expect_close(eliminate().A, rest.H, kRelative);           // never damped
   }
 }
 
@@ -70,7 +101,7 @@ TEST_F(NormalEquationsTest, ReportsASystemThatIsNotPositiveDefiniteAndGoesOn) {
     window.add_to(&equations_);
     ASSERT_TRUE(equations_.factorise());
     const Dense d = dense(window);
-    expect_close(solution(), solve(d.H, d.g));
+    expect_close(solution(), solve(d.H, d.g), kRelative);
   }
   negative.add_to(&equations_);
   int leading = 0;
@@ -91,22 +122,6 @@ TEST_F(NormalEquationsTest, ReportsAChainWithOneUnknownOrigin) {
     EXPECT_FALSE(equations_.factorise());
     EXPECT_TRUE(equations_.factorise(1e-3));  // damping makes it definite
   }
-}
-
-TEST_F(NormalEquationsTest, TheOrderOfAdditionsDoesNotMatter) {
-  sim::Random random(46);
-  const LinearWindow window = random_window(random, 8, 24, true);
-  window.add_to(&equations_);
-  NormalEquations other(8, 24);
-  other.clear(8, 24);
-  other.add_quadratic(window.prior.states, window.prior.A, window.prior.g);
-  for (auto b = window.chain.rbegin(); b != window.chain.rend(); ++b) {
-    other.add_between(b->state, b->J, b->r);
-  }
-  for (auto r = window.rows.rbegin(); r != window.rows.rend(); ++r) other.add(r->row, r->weight);
-  expect_close(other.H(), equations_.H(), 1e-13);  // sums of some ten terms
-  expect_close(other.g(), equations_.g(), 1e-13);
-  for (int s = 0; s < 8; ++s) EXPECT_EQ(other.reach(s), equations_.reach(s));
 }
 
 TEST_F(NormalEquationsTest, TheEnvelopeFollowsTheMeasurements) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Preintegration against strapdown integration step by step and against Monte Carlo.
+// Preintegration against strapdown integration step by step, whose noise is held against Monte
+// Carlo in strapdown_noise_test.cpp.
 #include "rio/smoother/preintegration.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -12,7 +12,6 @@
 
 #include "rio/smoother/imu_factor.hpp"
 #include "support/preintegration_cases.hpp"
-#include "support/symmetric.hpp"
 
 namespace rio {
 namespace {
@@ -21,10 +20,8 @@ using test::kRates;
 using test::preintegrate;
 using test::random_steps;
 using test::relative_difference;
-using test::seconds;
 using test::Steps;
 using test::to_world;
-using test::whitened;
 
 TEST(Preintegration, PredictEqualsStrapdown) {
   test::Random random(11);
@@ -68,40 +65,6 @@ TEST(Preintegration, TransitionAndCovarianceEqualPropagation) {
   }
 }
 
-// Independent of the noise of strapdown.hpp: samples with white noise, biases that walk.
-TEST(Preintegration, CovarianceEqualsMonteCarlo) {
-  constexpr int kRuns = 10000;
-  ImuOptions options;  // the walks are raised until they matter within the third of a second
-  options.gyro_random_walk = 1e-3;
-  options.accel_random_walk = 1e-2;
-  test::Random random(13);
-  const NavState from = random.state();
-  const Steps steps = random_steps(random, 30, 1.5);
-  const Preintegration imu = preintegrate(steps, from.gyro_bias, from.accel_bias, options);
-  const NavState predicted = imu.predict(from, options.gravity);
-  Matrix15d sum = Matrix15d::Zero();
-  for (int run = 0; run < kRuns; ++run) {
-    NavState truth = from;
-    const auto walk = [&](double half_step) {
-      truth.gyro_bias += random.normal_vector(options.gyro_random_walk * std::sqrt(half_step));
-      truth.accel_bias += random.normal_vector(options.accel_random_walk * std::sqrt(half_step));
-    };
-    for (ImuStep step : steps) {
-      const double dt = seconds(step);
-      step.gyro_B += random.normal_vector(options.gyro_noise_density / std::sqrt(dt));
-      step.accel_B += random.normal_vector(options.accel_noise_density / std::sqrt(dt));
-      walk(0.5 * dt);
-      integrate(step, options.gravity, truth);
-      walk(0.5 * dt);
-    }
-    const test::BodyVector e = to_world(from.q_WB).transpose() * test::error_of(truth, predicted);
-    sum += e * e.transpose();
-  }
-  // sqrt(2/10000) = 0.014 on the diagonal, 0.01 off it: 5 sigma for 120 entries
-  EXPECT_LT((whitened(sum / kRuns, imu.covariance()) - Matrix15d::Identity()).cwiseAbs().maxCoeff(),
-            0.07);
-}
-
 TEST(Preintegration, BiasCorrectionIsOfFirstOrder) {
   test::Random random(14);
   for (int i = 0; i < 10; ++i) {
@@ -133,69 +96,6 @@ TEST(Preintegration, BiasCorrectionIsOfFirstOrder) {
   }
 }
 
-// What the comment of corrected() promises of its error.
-TEST(Preintegration, BiasCorrectionHoldsAsFarAsDocumented) {
-  test::Random random(15);
-  constexpr double kRate = 1.5;
-  constexpr double kForce = 10.0;
-  const std::array<std::array<double, 2>, 2> spans = {{{0.1, 0.1}, {1.0, 0.01}}};  // [s], [rad/s]
-  for (const auto& [duration, change] : spans) {
-    const double square = change * change * std::pow(duration, 3);
-    double worst_attitude = 0.0;
-    double worst_velocity = 0.0;
-    for (int i = 0; i < 100; ++i) {
-      const ImuStep step{Time{0}, from_seconds(duration), kRate * random.direction(),
-                         kForce * random.direction(), 0.0};
-      const Vector3d bias = change * random.direction();
-      const Vector3d zero = Vector3d::Zero();
-      const ImuIncrement corrected = preintegrate({step}, zero, zero).corrected(bias, zero);
-      const ImuIncrement exact = preintegrate({step}, bias, zero).increment();
-      worst_attitude = std::max(worst_attitude, corrected.delta_q.angularDistance(exact.delta_q) /
-                                                    (kRate * square / 12.0));
-      worst_velocity = std::max(
-          worst_velocity, (corrected.delta_v - exact.delta_v).norm() / (kForce * square / 6.0));
-    }
-    // the worst of 100 directions comes near the bound; the third order may exceed it by a
-    // hundredth
-    EXPECT_GT(worst_attitude, 0.8);
-    EXPECT_LT(worst_attitude, 1.01);
-    EXPECT_GT(worst_velocity, 0.8);
-    EXPECT_LT(worst_velocity, 1.01);
-  }
-}
-
-TEST(Preintegration, AStepCutInTwoIsTheSame) {
-  test::Random random(16);
-  for (const double rate : {1e-9, 1.5}) {
-    Steps whole = random_steps(random, 20, rate);
-    whole[3].gap = 0.2;
-    Steps cut;
-    for (const ImuStep& step : whole) {
-      ImuStep first = step;
-      ImuStep second = step;
-      first.end = second.begin = step.begin + (step.end - step.begin) / 3;
-      cut.push_back(first);
-      cut.push_back(second);
-    }
-    const Vector3d gyro_bias = random.normal_vector(0.02);
-    const Vector3d accel_bias = random.normal_vector(0.1);
-    const Preintegration a = preintegrate(whole, gyro_bias, accel_bias);
-    const Preintegration b = preintegrate(cut, gyro_bias, accel_bias);
-    EXPECT_EQ(a.duration(), b.duration());
-    EXPECT_LT(a.increment().delta_q.angularDistance(b.increment().delta_q), 1e-14);
-    EXPECT_LT((a.increment().delta_v - b.increment().delta_v).norm(), 1e-14);
-    EXPECT_LT((a.increment().delta_p - b.increment().delta_p).norm(), 1e-14);
-    EXPECT_LT((a.transition() - b.transition()).cwiseAbs().maxCoeff(), 1e-14);
-    // sums of 40 terms, and the noise of a step that turns (strapdown.hpp)
-    double phi = 0.0;
-    for (const ImuStep& step : whole) {
-      const double dt = to_seconds(step.end - step.begin);
-      phi = std::max(phi, dt * (step.gyro_B - gyro_bias).norm());
-    }
-    EXPECT_LT(relative_difference(b.covariance(), a.covariance()), 1e-13 + phi * phi / 12.0);
-  }
-}
-
 TEST(Preintegration, ResetForgetsAndNonFiniteDataAreNoticed) {
   test::Random random(17);
   Steps steps = random_steps(random, 5, 1.5);
@@ -215,8 +115,6 @@ TEST(Preintegration, ResetForgetsAndNonFiniteDataAreNoticed) {
   EXPECT_FALSE(imu.finite());
   EXPECT_FALSE(ImuFactor(imu, 9.81).valid());
 }
-
-// Every combination of noise densities set to zero, from one sample to a second.
 
 }  // namespace
 }  // namespace rio

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-#include "support/smoother_flight.hpp"
+#include "support/scanwise_flight.hpp"
 #include "support/symmetric.hpp"
 
 namespace rio::test {
@@ -67,7 +67,7 @@ TEST(PriorInFlight, ConditionDoesNotGetWorseInTwentyMinutes) {
   while (!flight.over()) {
     ASSERT_EQ(flight.step(), Status::kOk);
     if (flight.next() % 60 != 0) continue;
-    const MatrixXd A = flight.smoother().prior().A();
+    const MatrixXd A = flight.back_end().prior().A();
     EXPECT_EQ(A, A.transpose());
     const VectorXd all = eigenvalues(A);
     // zero for a landmark of which nothing is known; round-off: 1e-16 of 1e10, an exact calibration
@@ -122,7 +122,7 @@ TEST(PriorInFlight, NeverLearnsPositionAndHeading) {
   while (!flight.over()) {
     ASSERT_EQ(flight.step(), Status::kOk);
     if (flight.next() % 150 != 0) continue;
-    const Prior& prior = flight.smoother().prior();
+    const Prior& prior = flight.back_end().prior();
     const MatrixXd A = prior.A();
     const MatrixXd N = null_space(prior, calibration);
     const Eigen::Vector4d learnt = (N.transpose() * A * N).diagonal();

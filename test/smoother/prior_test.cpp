@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The prior of the sliding window: its derivatives against differences of its own cost, the
-// elimination of landmarks against dense matrices, and over a long flight that it never learns what
-// cannot be observed.
+// elimination of landmarks and what walks against dense matrices. prior_in_flight_test.cpp: that it
+// never learns what cannot be observed.
 #include "rio/smoother/prior.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
-#include "support/covariance_case.hpp"
+#include "rio/sim/random.hpp"
+#include "support/random_matrix.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {
@@ -25,17 +27,6 @@ constexpr int kCalibration = 8;
 
 CalibrationOptions calibration() {
   return {0.05, 0.03, 0.02, 0.02, 0.03};
-}
-
-/// No element differs by more; one type of matrix for all keeps the compilation small.
-void expect_near(const MatrixXd& a, const MatrixXd& b, double most) {
-  ASSERT_EQ(a.rows(), b.rows());
-  ASSERT_EQ(a.cols(), b.cols());
-  const MatrixXd difference = a - b;
-  EXPECT_LE(difference.cwiseAbs().maxCoeff(), most);
-}
-double largest(const MatrixXd& A) {
-  return A.cwiseAbs().maxCoeff();
 }
 
 /// Unknowns, order [states | calibration | landmarks].
@@ -104,16 +95,11 @@ class PriorTest : public testing::Test {
     prior.assign(A, g, made_.window, 0, kLeading, made_.x);
     return prior;
   }
-  MatrixXd random_information() {
-    MatrixXd L(kSize, kSize);
-    for (int c = 0; c < kSize; ++c) L.col(c) = random_vector(kSize);
-    return L * L.transpose() + MatrixXd::Identity(kSize, kSize);
+  MatrixXd random_information(int n = kSize) {
+    const MatrixXd L = random_matrix(numbers_, n, n);
+    return L * L.transpose() + MatrixXd::Identity(n, n);
   }
-  VectorXd random_vector(int n) {
-    VectorXd v(n);
-    for (double& value : v) value = random_.normal();
-    return v;
-  }
+  VectorXd random_vector(int n) { return random_matrix(numbers_, n, 1); }
   /// The states have moved far, and a landmark has come.
   Point later() {
     Point out = made_.moved(0.3 * random_vector(made_.unknowns()));
@@ -121,6 +107,7 @@ class PriorTest : public testing::Test {
     return out;
   }
 
+  sim::Random numbers_{41};
   Random random_{41};
   Point made_;  ///< where the prior is made
 };
@@ -133,7 +120,7 @@ TEST_F(PriorTest, VectorIsTheSlopeOfTheCost) {
   NormalEquations system = now.system();
   (void)now.cost(&prior, &system);
   const VectorXd expected = -now.slope(&prior);
-  expect_near(system.g(), expected, 1e-7 * largest(expected));
+  expect_close(system.g(), expected, 1e-7);
 }
 
 TEST_F(PriorTest, InformationFollowsTheChangeOfTheError) {
@@ -154,7 +141,7 @@ TEST_F(PriorTest, InformationFollowsTheChangeOfTheError) {
   (void)now.cost(&prior, &system);
   const MatrixXd H = MatrixXd(system.H()).selfadjointView<Eigen::Lower>();
   const MatrixXd expected = M.transpose() * A * M;
-  expect_near(H, expected, 1e-7 * largest(expected));
+  expect_close(H, expected, 1e-7);
 }
 
 TEST_F(PriorTest, IsWhatItWasMadeOfWhereItWasMade) {
@@ -172,15 +159,15 @@ TEST_F(PriorTest, IsWhatItWasMadeOfWhereItWasMade) {
       A.bottomRightCorner(made_.border(), made_.border());
   const MatrixXd H = MatrixXd(system.H()).triangularView<Eigen::Lower>();
   const MatrixXd lower = expected.triangularView<Eigen::Lower>();
-  expect_near(H, lower, 1e-12 * largest(A));
-  expect_near(system.g().head(states), g.head(states), 1e-12);
+  expect_close(H, lower, 1e-12);
+  expect_close(system.g().head(states), g.head(states), 1e-12);
 }
 
 TEST_F(PriorTest, TheErrorsOfTheInvariantAxesAreNotSeenWhereverTheWindowIsMoved) {
   // a prior blind for a translation and a turn about gravity costs the same when the window is
   // translated and turned as a whole: (E1) (E2)
   const MatrixXd A = random_information();
-  MatrixXd N = MatrixXd::Zero(kSize, 4);  // in the standard error: as test/ekf/reexpression_test
+  MatrixXd N = MatrixXd::Zero(kSize, 4);  // in the standard error: as in observability_test.cpp
   const Vector3d z = Vector3d::UnitZ();
   for (int s = 0; s < kLeading; ++s) {
     const NavState& nav = made_.window[static_cast<std::size_t>(s)].nav;
@@ -218,70 +205,71 @@ TEST_F(PriorTest, TheErrorsOfTheInvariantAxesAreNotSeenWhereverTheWindowIsMoved)
 
 /// Information and vector of the prior.
 struct Dense {
+  explicit Dense(const Prior& prior) : A(prior.A()), g(prior.g()) {}
+
+  /// Three unknowns from `at` on are eliminated; their rows and columns stay, zero.
+  Dense without(int at) const {
+    const MatrixXd A_E = A.middleCols(at, 3);
+    const MatrixXd own = A.block(at, at, 3, 3);
+    const MatrixXd K = A_E * own.inverse();
+    Dense out = *this;
+    out.A -= K * A_E.transpose();
+    out.g -= K * VectorXd(g.segment(at, 3));
+    out.A.middleRows(at, 3).setZero();
+    out.A.middleCols(at, 3).setZero();
+    out.g.segment(at, 3).setZero();
+    return out;
+  }
+  /// The variances of the unknowns from `at` on have grown, the mean has not moved.
+  Dense grown(Eigen::Index at, const VectorXd& variances) const {
+    MatrixXd P = A.inverse();
+    const VectorXd mean = P * g;
+    P.diagonal().segment(at, variances.size()) += variances;
+    Dense out = *this;
+    out.A = P.inverse();
+    out.g = out.A * mean;
+    return out;
+  }
+
   MatrixXd A;
   VectorXd g;
 };
-Dense dense(const Prior& prior) {
-  return {prior.A(), prior.g()};
-}
-
-/// Three unknowns from `at` on are eliminated; their rows and columns stay, zero.
-Dense without(const Dense& d, int at) {
-  const MatrixXd A_E = d.A.middleCols(at, 3);
-  const MatrixXd own = d.A.block(at, at, 3, 3);
-  const MatrixXd K = A_E * own.inverse();
-  Dense out = d;
-  out.A -= K * A_E.transpose();
-  out.g -= K * VectorXd(d.g.segment(at, 3));
-  out.A.middleRows(at, 3).setZero();
-  out.A.middleCols(at, 3).setZero();
-  out.g.segment(at, 3).setZero();
-  return out;
+void expect_prior(const Prior& prior, const Dense& expected, double relative) {
+  expect_close(prior.A(), expected.A, relative);
+  expect_close(prior.g(), expected.g, relative);
 }
 
 TEST_F(PriorTest, RemovingALandmarkIsTheSchurComplement) {
   for (int i = 0; i < kKnown; ++i) {
     Prior prior = made_of(random_information(), random_vector(kSize));
-    const Dense before = dense(prior);
+    Dense expected = Dense(prior).without(landmark(i));
     prior.remove_landmark(static_cast<std::size_t>(i), kKnown - 1);
-    // the last one has moved to i
-    const int n = kSize - 3;
-    std::vector<Eigen::Index> order;
-    for (int c = 0; c < n; ++c) order.push_back(c);
+    std::vector<Eigen::Index> order(kSize - 3);  // the last one has moved to i
+    std::iota(order.begin(), order.end(), 0);
     for (int c = 0; c < 3 && i < kKnown - 1; ++c) {
-      order[static_cast<std::size_t>(landmark(i)) + static_cast<std::size_t>(c)] =
-          landmark(kKnown - 1) + c;
+      order[static_cast<std::size_t>(landmark(i) + c)] = landmark(kKnown - 1) + c;
     }
-    const Dense expected = without(before, landmark(i));
-    ASSERT_EQ(prior.A().rows(), n);
-    expect_near(prior.A(), expected.A(order, order), 1e-10 * largest(before.A));
-    expect_near(prior.g(), expected.g(order), 1e-10 * largest(before.g));
+    expected.A = expected.A(order, order).eval();
+    expected.g = expected.g(order).eval();
+    expect_prior(prior, expected, 1e-10);
   }
 }
 
 TEST_F(PriorTest, ALandmarkUnknownToThePriorMayTakeThePlaceOfAKnownOne) {
   Prior prior = made_of(random_information(), random_vector(kSize));
-  const Dense before = dense(prior);
+  const Dense before(prior);
   prior.remove_landmark(kKnown, kKnown);  // none of its business
   EXPECT_EQ(MatrixXd(prior.A()), before.A);
   prior.remove_landmark(1, kKnown);
-  const Dense expected = without(before, landmark(1));
-  ASSERT_EQ(prior.A().rows(), kSize);
-  expect_near(prior.A(), expected.A, 1e-10 * largest(before.A));
-  expect_near(prior.g(), expected.g, 1e-10 * largest(before.g));
+  expect_prior(prior, before.without(landmark(1)), 1e-10);
 }
 
 TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
   constexpr double kVariance = 0.3;
   Prior prior = made_of(random_information(), random_vector(kSize));
-  const Dense before = dense(prior);
+  const Dense before(prior);
   prior.add_landmark_noise(kVariance);
-  MatrixXd P = before.A.inverse();
-  const VectorXd mean = P * before.g;
-  P.diagonal().tail(3 * kKnown).array() += kVariance;
-  const MatrixXd expected = P.inverse();
-  expect_near(prior.A(), expected, 1e-9 * largest(expected));
-  expect_near(prior.g(), expected * mean, 1e-9 * largest(before.g));
+  expect_prior(prior, before.grown(landmark(0), VectorXd::Constant(3 * kKnown, kVariance)), 1e-9);
 }
 
 // Two of them are constant.
@@ -289,69 +277,49 @@ TEST_F(PriorTest, ParametersThatWalkLoseInformation) {
   VectorXd walk = VectorXd::LinSpaced(kCalibration, 0.1, 0.9);
   walk[3] = walk[7] = 0.0;
   Prior prior = made_of(random_information(), random_vector(kSize));
-  const Dense before = dense(prior);
+  const Dense before(prior);
   prior.add_parameter_noise(walk, 0.5);
-  MatrixXd P = before.A.inverse();
-  const VectorXd mean = P * before.g;
-  P.diagonal().segment(body::kSize * kLeading, kCalibration) += 0.5 * walk;
-  const MatrixXd expected = P.inverse();
-  expect_near(prior.A(), expected, 1e-9 * largest(expected));
-  expect_near(prior.g(), expected * mean, 1e-9 * largest(before.g));
+  expect_prior(prior, before.grown(body::kSize * kLeading, 0.5 * walk), 1e-9);
 }
 
 // Four radars have more parameters than one product may be deep.
 TEST_F(PriorTest, AnyNumberOfParametersWalks) {
   constexpr int kRadars = 4;
-  const Layout layout(calibration(), 0, 0, 0, kRadars);
-  const int n = body::kSize * kLeading + kRadars * kCalibration;
-  MatrixXd L(n, n);
-  for (int c = 0; c < n; ++c) L.col(c) = random_vector(n);
-  Prior prior(layout, kStates);
-  Estimate x;
-  prior.assign(L * L.transpose() + MatrixXd::Identity(n, n), random_vector(n), made_.window, 0,
-               kLeading, x);
+  constexpr int n = body::kSize * kLeading + kRadars * kCalibration;
+  Prior prior(Layout(calibration(), 0, 0, 0, kRadars), kStates);
+  prior.assign(random_information(n), random_vector(n), made_.window, 0, kLeading, Estimate{});
+  const Dense before(prior);
   const VectorXd walk = VectorXd::Constant(kRadars * kCalibration, 0.3);
-  MatrixXd P = MatrixXd(prior.A()).inverse();
-  P.diagonal().tail(walk.size()) += walk;
   prior.add_parameter_noise(walk, 1.0);
-  const MatrixXd expected = P.inverse();
-  expect_near(prior.A(), expected, 1e-8 * largest(expected));
+  expect_prior(prior, before.grown(body::kSize * kLeading, walk), 1e-8);
 }
 
 // Ten at a call: each has walked as far as all the others when its turn comes, wherever it stands.
 TEST_F(PriorTest, ManyLandmarksWalkInTurn) {
   constexpr int kMany = 25;
   constexpr double kVariance = 0.3;
-  const int n = kSize + 3 * (kMany - kKnown);
-  const int first = n - 3 * kMany;
-  const Layout layout(calibration(), 0, kMany);
+  constexpr int n = kSize + 3 * (kMany - kKnown);
   for (int i = kKnown; i < kMany; ++i) made_.x.landmarks.push_back({random_.normal_vector(5.0)});
-  MatrixXd L(n, n);
-  for (int c = 0; c < n; ++c) L.col(c) = random_vector(n);
-  Prior prior(layout, kStates);
-  prior.assign(L * L.transpose() + MatrixXd::Identity(n, n), random_vector(n), made_.window, 0,
-               kLeading, made_.x);
-  const auto expect_walk = [&](const MatrixXd& A_before, const std::vector<double>& walked) {
-    MatrixXd P = A_before.inverse();
-    for (std::size_t i = 0; i < walked.size(); ++i) {
-      P.diagonal().segment<3>(first + 3 * static_cast<int>(i)).array() += kVariance * walked[i];
+  Prior prior(Layout(calibration(), 0, kMany), kStates);
+  prior.assign(random_information(n), random_vector(n), made_.window, 0, kLeading, made_.x);
+  const auto expect_walk = [&](const std::vector<double>& walked) {
+    const Dense before(prior);
+    VectorXd variances(3 * walked.size());
+    for (int i = 0; i < variances.size(); ++i) {
+      variances[i] = kVariance * walked[static_cast<std::size_t>(i / 3)];
     }
-    const MatrixXd expected = P.inverse();
-    expect_near(prior.A(), expected, 1e-8 * largest(expected));
+    for (int call = 0; call < 3; ++call) prior.add_landmark_noise(kVariance);
+    expect_prior(prior, before.grown(landmark(0), variances), 1e-8);
   };
   std::vector<double> walked(kMany, 1.0);
   std::fill(walked.begin() + 10, walked.end(), 2.0);
   std::fill(walked.begin() + 20, walked.end(), 3.0);
-  const MatrixXd A = prior.A();
-  for (int call = 0; call < 3; ++call) prior.add_landmark_noise(kVariance);
-  expect_walk(A, walked);
+  expect_walk(walked);
   // the last one, whose walk is done, takes the place of one that two steps are owed
   prior.remove_landmark(0, kMany - 1);
-  const MatrixXd A_rest = prior.A();
   walked.assign(kMany - 1, 3.0);
   walked[0] = 1.0;
-  for (int call = 0; call < 3; ++call) prior.add_landmark_noise(kVariance);
-  expect_walk(A_rest, walked);
+  expect_walk(walked);
 }
 
 }  // namespace

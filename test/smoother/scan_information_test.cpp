@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Dopplers that share the noise of a gyro sample: against dense matrices, and filter against
-// window.
+// Dopplers that share the noise of a gyro sample: against dense matrices.
 #include "rio/smoother/scan_information.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
-#include "rio/ekf/row_compression.hpp"
 #include "rio/models/landmark_point.hpp"
-#include "support/random_matrix.hpp"
+#include "support/dense_rows.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {
@@ -73,28 +69,16 @@ TEST_F(ScanInformationTest, SharedNoiseIsTheDenseCovarianceOfTheDopplers) {
   scan_.share_rate_noise(kRateVariance);
   const double cost = scan_.end();
   const int n = system_.size();
-  const RowBatch batch = rows();
-  MatrixXd J = MatrixXd::Zero(kPoints, n);
-  VectorXd r(kPoints);
-  MatrixXd R = MatrixXd::Zero(kPoints, kPoints);
-  for (int i = 0; i < kPoints; ++i) {
-    const LinearRow& row = batch.rows()[static_cast<std::size_t>(i)];
-    row.for_each_segment([&](int column, const double* h, int length) {
-      for (int k = 0; k < length; ++k) J(i, column + k) = h[k];
-    });
-    r[i] = row.residual;
-    R(i, i) = row.variance;
-  }
-  const MatrixXd G = J.middleCols<3>(body::kGyroBias);
-  const MatrixXd independent = J.transpose() * R.inverse() * J;
-  R += kRateVariance * G * G.transpose();
-  const MatrixXd W = R.inverse();
-  const MatrixXd expected = J.transpose() * W * J;
-  const double size = expected.cwiseAbs().maxCoeff();
-  EXPECT_LT((H() - expected).cwiseAbs().maxCoeff(), 1e-9 * size);
-  EXPECT_GT((independent - expected).cwiseAbs().maxCoeff(), 0.1 * size);
-  EXPECT_LT((VectorXd(system_.g()) - J.transpose() * W * r).norm(), 1e-9 * system_.g().norm());
-  EXPECT_NEAR(cost, 0.5 * r.dot(W * r), 1e-9 * cost);
+  DenseRows expected = dense_rows(rows().rows(), n);
+  const MatrixXd independent = expected.information();
+  const MatrixXd G = expected.H.middleCols<3>(body::kGyroBias);
+  expected.R += kRateVariance * G * G.transpose();
+  const MatrixXd shared = expected.information();
+  const double size = shared.leftCols(n).cwiseAbs().maxCoeff();
+  EXPECT_LT((H() - shared.leftCols(n)).cwiseAbs().maxCoeff(), 1e-9 * size);
+  EXPECT_GT((independent - shared).leftCols(n).cwiseAbs().maxCoeff(), 0.1 * size);
+  EXPECT_LT((VectorXd(system_.g()) - shared.col(n)).norm(), 1e-9 * system_.g().norm());
+  EXPECT_NEAR(cost, 0.5 * expected.r.dot(solve(expected.R, expected.r).col(0)), 1e-9 * cost);
 }
 
 // The noise is not shared with what follows, and no noise changes nothing.
@@ -117,24 +101,6 @@ TEST_F(ScanInformationTest, OnlyTheMeasurementsBeforeShareIt) {
   const MatrixXd expected = sum(kRateVariance, true, false) + sum(0.0, false, true);
   EXPECT_LT((both - expected).norm(), 1e-9 * both.norm());
   EXPECT_GT((sum(0.0, true, true) - both).norm(), 0.01 * both.norm());
-}
-
-// A window of one state and the filter: the same rows, the same information.
-TEST_F(ScanInformationTest, IsThatOfTheCompressedRowsOfTheFilter) {
-  system_.clear(1, 12);
-  scan_.begin(layout_);
-  for (int i = 0; i < kPoints; ++i) push(model_, doppler(i));
-  scan_.share_rate_noise(kRateVariance);
-  (void)scan_.end();
-  const MatrixXd window = H();
-  const VectorXd g = system_.g();
-  RowCompression compression(kPoints);
-  const RowBatch& compressed = compression.compress(rows(), kRateVariance);
-  EXPECT_EQ(compressed.rows().size(), 3U);
-  system_.clear(1, 12);
-  for (const LinearRow& row : compressed.rows()) system_.add(row);
-  EXPECT_LT((H() - window).cwiseAbs().maxCoeff(), 1e-9 * window.cwiseAbs().maxCoeff());
-  EXPECT_LT((VectorXd(system_.g()) - g).norm(), 1e-9 * g.norm());
 }
 
 }  // namespace

@@ -7,22 +7,9 @@
 
 #include "rio/state/parameters.hpp"
 #include "rio/update/covariance.hpp"
-#include "rio/update/linear_rows.hpp"
-#include "support/random_matrix.hpp"
+#include "support/dense_rows.hpp"
 
 namespace rio::test {
-
-/// The same rows as a dense matrix of n columns.
-template <std::size_t kRows>
-MatrixXd dense_rows(const std::array<LinearRow, kRows>& rows, int n) {
-  MatrixXd H = MatrixXd::Zero(kRows, n);
-  for (std::size_t i = 0; i < kRows; ++i) {
-    rows[i].for_each_segment([&](int column, const double* h, int length) {
-      for (int k = 0; k < length; ++k) H(static_cast<Eigen::Index>(i), column + k) = h[k];
-    });
-  }
-  return H;
-}
 
 class CovarianceCase : public testing::Test {
  protected:
@@ -72,36 +59,23 @@ class CovarianceCase : public testing::Test {
   Covariance covariance_;
 };
 
-/// Blocks of rows with their dense equivalent.
-struct DenseRows {
-  MatrixXd H;
-  MatrixXd R;
-  VectorXd r;
-};
-
 /// Rows as a model with a body, a clone and a velocity block would produce.
 inline DenseRows fill(sim::Random& random, const Layout& layout, int n,
                       const std::vector<int>& block_sizes, RowBatch* batch) {
-  int count = 0;
-  for (const int size : block_sizes) count += size;
-  DenseRows d{MatrixXd::Zero(count, n), MatrixXd::Zero(count, count), VectorXd::Zero(count)};
-  int at = 0;
+  const std::size_t first = batch->rows().size();
   for (const int size : block_sizes) {
     batch->begin_block();
-    for (int i = 0; i < size; ++i, ++at) {
-      auto row = linear_rows<1>(random_matrix(random, 1, 15),
-                                BlockList<BodyPose, ClonePose, BodyVelocity>{},
-                                {0, layout.clone(i % layout.max_clones()), body::kVelocity},
-                                random_matrix(random, 1, 1), layout.time_offset());
-      row[0].residual = random.normal();
-      row[0].variance = 0.5 + random.uniform();
-      batch->push(row[0]);
-      d.H.row(at) = dense_rows(row, n);
-      d.r[at] = row[0].residual;
-      d.R(at, at) = row[0].variance;
+    for (int i = 0; i < size; ++i) {
+      LinearRow row = linear_rows<1>(random_matrix(random, 1, 15),
+                                     BlockList<BodyPose, ClonePose, BodyVelocity>{},
+                                     {0, layout.clone(i % layout.max_clones()), body::kVelocity},
+                                     random_matrix(random, 1, 1), layout.time_offset())[0];
+      row.residual = random.normal();
+      row.variance = 0.5 + random.uniform();
+      batch->push(row);
     }
   }
-  return d;
+  return dense_rows(std::span(batch->rows()).subspan(first), n);
 }
 
 }  // namespace rio::test

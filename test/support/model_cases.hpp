@@ -81,8 +81,15 @@ struct RandomBody {
   Vector3d gyro_bias;
 };
 
-struct DopplerCase {
-  using Model = DopplerModel;
+/// A model without options that is defined everywhere; a case of another one replaces the function.
+template <class M>
+struct CaseOf {
+  using Model = M;
+  static Model model() { return {}; }
+  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
+};
+
+struct DopplerCase : CaseOf<DopplerModel> {
   static Model model() { return Model(DopplerDirections::kNoisy); }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
@@ -90,11 +97,9 @@ struct DopplerCase {
     return {DopplerModel::measurement(d, body.point.gyro_B + body.gyro_bias),
             {body.pose(), body.point.nav.v_WB, body.gyro_bias, body.mount(), kNoScaleError}};
   }
-  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
 
-struct TrailDistanceCase {
-  using Model = TrailDistanceModel;
+struct TrailDistanceCase : CaseOf<TrailDistanceModel> {
   static constexpr double kSigma = 0.05;
   static Model model() { return Model(kSigma); }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
@@ -122,8 +127,7 @@ struct TrailDistanceCase {
   }
 };
 
-struct LandmarkDistanceCase {
-  using Model = LandmarkDistanceModel;
+struct LandmarkDistanceCase : CaseOf<LandmarkDistanceModel> {
   static constexpr double kSigma = 0.05;
   static Model model() { return Model(kSigma); }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
@@ -142,20 +146,16 @@ struct LandmarkDistanceCase {
 
 /// A model of one detection and its landmark.
 template <class M>
-struct DetectedLandmark {
-  using Model = M;
-  static Model model() { return {}; }
-  static Sample<Model> simulate(sim::Random& random, bool noise) {
+struct DetectedLandmark : CaseOf<M> {
+  static Sample<M> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Vector3d place = body.place(random);
     const Detection d = body.detect(place, random, noise);
-    return {Model::measurement(d), {body.pose(), body.mount(), place}};
+    return {M::measurement(d), {body.pose(), body.mount(), place}};
   }
 };
 
-struct LandmarkPositionCase : DetectedLandmark<LandmarkPositionModel> {
-  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
-};
+struct LandmarkPositionCase : DetectedLandmark<LandmarkPositionModel> {};
 
 struct LandmarkPointCase : DetectedLandmark<LandmarkPointModel> {
   static std::optional<Sample<Model>> outside(sim::Random& random) {
@@ -166,9 +166,7 @@ struct LandmarkPointCase : DetectedLandmark<LandmarkPointModel> {
   }
 };
 
-struct LandmarkDopplerCase {
-  using Model = LandmarkDopplerModel;
-  static Model model() { return {}; }
+struct LandmarkDopplerCase : CaseOf<LandmarkDopplerModel> {
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Vector3d place = body.place(random);
@@ -185,11 +183,9 @@ struct LandmarkDopplerCase {
 };
 
 /// A body that stands: what it still moves, and what the mean of the gyroscope is off by, is noise.
-struct RestCase {
-  using Model = RestModel;
+struct RestCase : CaseOf<RestModel> {
   static constexpr double kSigmaVelocity = 0.01;
   static constexpr double kSigmaRate = 1e-3;
-  static Model model() { return {}; }
   static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     Model::Measurement z{body.gyro_bias, kSigmaVelocity, kSigmaRate};
@@ -200,7 +196,6 @@ struct RestCase {
     }
     return {z, {body.pose(), v_WB, body.gyro_bias}};
   }
-  static std::optional<Sample<Model>> outside(sim::Random&) { return std::nullopt; }
 };
 
 }  // namespace rio::test

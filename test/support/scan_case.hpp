@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "rio/update/scan_rows.hpp"
 
 namespace rio::test {
@@ -29,6 +31,14 @@ class ScanCase : public testing::Test {
   /// The state estimate with a landmark at each of the first detections.
   StateEstimate state_estimate(std::size_t landmarks = 0) const;
   const RowBatch& build(ScanRows& rows, const StateEstimate& state_estimate);
+  /// With rows that know of no scan before, as the options are now.
+  const RowBatch& build(const StateEstimate& state_estimate) {
+    return build(rows_.emplace(options_), state_estimate);
+  }
+  template <class M>
+  const auto& measured() const {
+    return rows_->measurements().of<M>();
+  }
   const ModelReport& sums(Model model) const {
     return report_.models[static_cast<std::size_t>(model)];
   }
@@ -38,6 +48,7 @@ class ScanCase : public testing::Test {
   TrailSet trails_{8, 4};
   Observations seen_;
   UpdateReport report_;
+  std::optional<ScanRows> rows_;  ///< of the last build() without others
 };
 
 }  // namespace rio::test

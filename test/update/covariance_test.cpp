@@ -57,7 +57,7 @@ TEST_F(CovarianceTest, BlocksEnterAsLinearFunctionsOfTheState) {
   };
   const std::array<LinearRow, 6> clone = clone_rows();
   const MatrixXd with_clone =
-      expect_block(layout_.clone(1), dense_rows(clone, n), MatrixXd::Zero(6, 6));
+      expect_block(layout_.clone(1), dense_rows(clone, n).H, MatrixXd::Zero(6, 6));
   covariance_.assign_clone(1, clone);
   expect_equal(with_clone, 1e-12);
 
@@ -65,7 +65,7 @@ TEST_F(CovarianceTest, BlocksEnterAsLinearFunctionsOfTheState) {
   const Matrix3d noise = Vector3d(0.1, 0.2, 0.3).asDiagonal();
   MatrixXd H = MatrixXd::Zero(n + 3, n);
   H.topRows(n).setIdentity();
-  H.bottomRows(3) = dense_rows(landmark, n);
+  H.bottomRows(3) = dense_rows(landmark, n).H;
   MatrixXd with_landmark = H * dense() * H.transpose();
   with_landmark.bottomRightCorner(3, 3) += noise;
   covariance_.add_landmark(2, landmark, noise);

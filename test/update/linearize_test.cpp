@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
@@ -14,76 +13,59 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_point.hpp"
 #include "rio/models/trail_distance.hpp"
-#include "rio/sim/random.hpp"
+#include "support/random_matrix.hpp"
+#include "support/random_state.hpp"
+#include "support/symmetric.hpp"
 
-namespace rio {
+namespace rio::test {
 namespace {
-
-const Vector3d kOnes = Vector3d::Ones();
-
-template <int kRows, int kCols>
-Eigen::Matrix<double, kRows, kCols> random_matrix(sim::Random& random) {
-  Eigen::Matrix<double, kRows, kCols> m;
-  for (int i = 0; i < kRows; ++i) {
-    for (int j = 0; j < kCols; ++j) m(i, j) = random.normal();
-  }
-  return m;
-}
 
 TEST(Whiten, IsTheInverseOfTheCholeskyFactor) {
   constexpr int kDim = 4;
   constexpr int kDof = 7;
   sim::Random random(3);
   for (int i = 0; i < 20; ++i) {
-    const auto root = random_matrix<kDim, kDim>(random);
-    const JacobianOf<kDim, kDim> R = root * root.transpose() + JacobianOf<kDim, kDim>::Identity();
-    ResidualOf<kDim> r = random_matrix<kDim, 1>(random);
-    JacobianOf<kDim, kDof> J = random_matrix<kDim, kDof>(random);
-    const Eigen::LLT<JacobianOf<kDim, kDim>> llt(R);
-    const ResidualOf<kDim> expected_r = llt.matrixL().solve(r);
-    const JacobianOf<kDim, kDof> expected_J = llt.matrixL().solve(J);
+    const MatrixXd root = random_matrix(random, kDim, kDim);
+    const JacobianOf<kDim, kDim> R = root * root.transpose() + MatrixXd::Identity(kDim, kDim);
+    ResidualOf<kDim> r = random_matrix(random, kDim, 1);
+    JacobianOf<kDim, kDof> J = random_matrix(random, kDim, kDof);
+    const MatrixXd W = whitening(R);
+    const ResidualOf<kDim> expected_r = W * r;
+    const JacobianOf<kDim, kDof> expected_J = W * J;
     whiten<kDim, kDof>(R, &r, &J);
     EXPECT_LT((r - expected_r).norm(), 1e-12);
     EXPECT_LT((J - expected_J).norm(), 1e-12);
   }
 }
 
-/// A body in motion, and the errors that it is looked at with: [dphi dp dv db_g].
-struct Motion {
-  NavState nav;
-  Vector3d gyro_B;
-  Vector3d accel_B;
+/// A body in motion.
+struct MovingBody {
+  explicit MovingBody(Random& random)
+      : nav(random.state()), gyro_B(random.normal_vector()), accel_B(random.normal_vector(2.0)) {}
 
-  explicit Motion(sim::Random& random)
-      : gyro_B(2.0 * random.in_box(-kOnes, kOnes)), accel_B(4.0 * random.in_box(-kOnes, kOnes)) {
-    nav.q_WB = quaternion_exp(2.0 * random.in_box(-kOnes, kOnes));
-    nav.p_WB = 5.0 * random.in_box(-kOnes, kOnes);
-    nav.v_WB = 3.0 * random.in_box(-kOnes, kOnes);
-    nav.gyro_bias = 0.1 * random.in_box(-kOnes, kOnes);
-  }
-
-  LinearizationPoint stepped_back(const Eigen::VectorXd& error, double seconds) const {
+  /// @param error the body is looked at with
+  LinearizationPoint stepped_back(const BodyVector& error, double seconds) const {
     static const Estimate kEstimate;
-    NavState x = nav;
-    x.q_WB = x.q_WB * quaternion_exp(error.segment<3>(0));
-    x.p_WB += error.segment<3>(3);
-    x.v_WB += error.segment<3>(6);
-    x.gyro_bias += error.segment<3>(9);
+    const NavState x = perturbed(nav, error);
     SteadyMotion steady;
     steady.accel_W = x.q_WB * accel_B;
     LinearizationPoint point(kEstimate, x, gyro_B, steady);
     point.step_back(seconds);
     return point;
   }
+
+  NavState nav;
+  Vector3d gyro_B;
+  Vector3d accel_B;
 };
 
 TEST(StepBack, HasTheDerivativeItSays) {
   constexpr double kSeconds = 0.1;
   constexpr double kStep = 1e-5;
-  sim::Random random(4);
+  Random random(4);
   for (int i = 0; i < 20; ++i) {
-    const Motion motion(random);
-    const LinearizationPoint at = motion.stepped_back(Eigen::VectorXd::Zero(12), kSeconds);
+    const MovingBody motion(random);
+    const LinearizationPoint at = motion.stepped_back(BodyVector::Zero(), kSeconds);
     Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(9, 12);  // (E2)
     expected.block<3, 3>(0, 0) = at.step.attitude;
     expected.block<3, 3>(0, 9) = at.step.bias;
@@ -92,7 +74,7 @@ TEST(StepBack, HasTheDerivativeItSays) {
     expected.block<3, 3>(6, 0) = at.step.velocity;
     expected.block<3, 3>(6, 6).setIdentity();
     for (int k = 0; k < 12; ++k) {
-      const Eigen::VectorXd error = kStep * Eigen::VectorXd::Unit(12, k);
+      const BodyVector error = kStep * BodyVector::Unit(k);
       const LinearizationPoint plus = motion.stepped_back(error, kSeconds);
       const LinearizationPoint minus = motion.stepped_back(-error, kSeconds);
       Eigen::VectorXd difference(9);
@@ -108,13 +90,11 @@ TEST(StepBack, HasTheDerivativeItSays) {
 class RowsOfAModel : public testing::Test {
  protected:
   RowsOfAModel() {
-    sim::Random random(7);
-    const Motion motion(random);
-    x_.nav = motion.nav;
-    x_.gyro_B = motion.gyro_B;
-    x_.steady.accel_W = motion.accel_B;
-    x_.T_BS.rotation = quaternion_exp(random.in_box(-kOnes, kOnes));
-    x_.T_BS.translation = random.in_box(-kOnes, kOnes);
+    Random random(7);
+    x_.nav = random.state();
+    x_.gyro_B = random.normal_vector();
+    x_.steady.accel_W = random.normal_vector(2.0);
+    x_.T_BS = {random.rotation(), random.normal_vector(0.5)};
     x_.landmarks.push_back({x_.nav.p_WB + Vector3d(9.0, 0.0, 0.0)});
     x_.landmarks.push_back({x_.nav.p_WB + Vector3d(3.0, -4.0, 1.0)});
     x_.clones.push_back({5, {Matrix3d::Identity(), Vector3d(1.0, 2.0, 3.0)}});
@@ -211,5 +191,16 @@ TEST_F(RowsOfAModel, ValuesAreThoseOfTheIndex) {
   EXPECT_EQ(x.radar_velocity_S(), radar_velocity(x_));
 }
 
+TEST_F(RowsOfAModel, TheSteadyOffsetIsTheChangeOfTheMotion) {
+  x_.steady.v_B = Vector3d(1.0, -2.0, 0.5);
+  x_.steady.rate_B = Vector3d(0.3, 0.1, -0.4);
+  Estimate steady = x_;
+  steady.nav.v_WB = x_.nav.q_WB * x_.steady.v_B;
+  steady.gyro_B = x_.nav.gyro_bias + x_.steady.rate_B;
+  const SteadyOffset offset = LinearizationPoint(x_).steady_offset();
+  EXPECT_LT((offset.velocity_S - radar_velocity(steady) + radar_velocity(x_)).norm(), 1e-12);
+  EXPECT_LT((offset.rate_B - steady.gyro_B + x_.gyro_B).norm(), 1e-12);
+}
+
 }  // namespace
-}  // namespace rio
+}  // namespace rio::test

@@ -1,27 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A simulated flight fed to the sliding-window smoother scan by scan, so that a test can stop at
-// any scan and look into the window.
+// A simulated flight fed to a back-end scan by scan, so that a test can stop at any scan and look
+// into it.
 #pragma once
 
 #include <cstddef>
 #include <memory>
+#include <string>
+#include <type_traits>
 
 #include "experiment/trial.hpp"
+#include "rio/ekf/ekf.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/smoother/smoother.hpp"
 
 namespace rio::test {
 
-class SmootherFlight {
+template <class B>
+class ScanwiseFlight {
  public:
-  /// Starts at the true first state.
-  explicit SmootherFlight(const sim::Scenario& scenario)
+  explicit ScanwiseFlight(const sim::Scenario& scenario)
       : flight_(sim::simulate_flight(scenario)) {}
 
-  /// Of the default preset, told the sensors of the flight.
-  Options options() const {
-    Options o = experiment::options_for(flight_, "default");
-    o.backend = BackEnd::kSmoother;
+  /// Of a preset, told the sensors of the flight.
+  Options options(const std::string& preset = "default") const {
+    Options o = experiment::options_for(flight_, preset);
+    o.backend = std::is_same_v<B, Smoother> ? BackEnd::kSmoother : BackEnd::kEkf;
     o.timing.imu_buffer = static_cast<int>(flight_.imu.size()) + 1;  // the whole flight
     return o;
   }
@@ -32,10 +35,11 @@ class SmootherFlight {
     list_ = DetectionList(options.frontend.max_detections);
     imu_ = std::make_unique<ImuBuffer>(options_.timing, options_.imu);
     for (const ImuSample& sample : flight_.imu) imu_->push_back(sample);
-    pipeline_ = std::make_unique<Pipeline<Smoother>>(options_);
+    pipeline_ = std::make_unique<Pipeline<B>>(options_);
     pipeline_->reset(start, start_covariance());
     next_ = 0;
   }
+  /// At the true first state.
   void begin(const Options& options) { begin(options, flight_.truth.front()); }
 
   /// 1 cm, 1 cm/s, 0.6 deg; the biases at turn-on.
@@ -49,11 +53,10 @@ class SmootherFlight {
     return P0;
   }
 
-  std::size_t scans() const { return flight_.scans.size(); }
   std::size_t next() const { return next_; }
   /// The next scan is lost.
   void skip() { ++next_; }
-  bool over() const { return next_ >= scans(); }
+  bool over() const { return next_ >= flight_.scans.size(); }
   Status step() { return process(flight_.scans[next_++]); }
   Status process(const RadarScan& scan) {
     filter_detections(scan, options_.radar, options_.frontend.max_detections, list_);
@@ -62,9 +65,9 @@ class SmootherFlight {
 
   const sim::Flight& flight() const { return flight_; }
   const ImuBuffer& imu() const { return *imu_; }
-  Pipeline<Smoother>& pipeline() { return *pipeline_; }
-  const Pipeline<Smoother>& pipeline() const { return *pipeline_; }
-  const Smoother& smoother() const { return pipeline_->backend(); }
+  Pipeline<B>& pipeline() { return *pipeline_; }
+  const B& back_end() const { return pipeline_->backend(); }
+  const StateEstimate& state_estimate() const { return back_end().state_estimate(); }
   const Estimate& estimate() const { return pipeline_->estimate(); }
   const UpdateReport& report() const { return pipeline_->report(); }
 
@@ -72,9 +75,12 @@ class SmootherFlight {
   sim::Flight flight_;
   Options options_;
   std::unique_ptr<ImuBuffer> imu_;
-  std::unique_ptr<Pipeline<Smoother>> pipeline_;
+  std::unique_ptr<Pipeline<B>> pipeline_;
   DetectionList list_;
   std::size_t next_ = 0;
 };
+
+using EkfFlight = ScanwiseFlight<Ekf>;
+using SmootherFlight = ScanwiseFlight<Smoother>;
 
 }  // namespace rio::test
