@@ -15,7 +15,6 @@
 #include "calibrate_report.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
-#include "notes.hpp"
 #include "recording.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/io/dataset.hpp"

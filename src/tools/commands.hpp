@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The commands of the `rio` program: their arguments, and the functions that run them. The options
-// are described in main.cpp and *_command_line.cpp. Every command throws std::runtime_error on
-// failure.
+// are described in *_command_line.cpp. Every command throws std::runtime_error on failure.
 #pragma once
 
 #include <cstddef>
@@ -56,8 +55,9 @@ struct ConvertArguments {
 };
 void convert(const ConvertArguments& arguments);
 
-/// A replay whose estimate is lost at its end: exit status 3; all other failures have 1.
-struct LostEstimate : std::runtime_error {
+/// The estimate is lost at its end, or a recording or configuration is wrong: exit status 3; all
+/// other failures have 1. Thrown after all outputs are written.
+struct WrongResult : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -86,7 +86,6 @@ struct ReplayArguments {
   bool verbose = false;
   bool quiet = false;  ///< overrides verbose
 };
-/// @throws LostEstimate after all outputs are written
 void replay(const ReplayArguments& arguments);
 
 /// `rio live`: sensors on ports through the estimator, to an autopilot, into a recording.
@@ -113,7 +112,6 @@ struct LiveArguments {
   double speed = 1.0;                                         ///< factor of the clock
   bool json = false;                                          ///< prints the summary as JSON
 };
-/// @throws LostEstimate after all outputs are written
 void live(const LiveArguments& arguments);
 
 /// `rio check`: do the data of a recording agree with the assumptions of an estimator?
@@ -123,11 +121,6 @@ struct CheckArguments {
   OptionValues values;
   bool json = false;
 };
-/// Errors in a recording: also exit status 3.
-struct WrongRecording : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-/// @throws WrongRecording after everything is printed
 void check_recording(const CheckArguments& arguments);
 
 /// `rio ti-config`: is the configuration of a TI radar fit for odometry?
@@ -137,11 +130,6 @@ struct TiConfigArguments {
   std::size_t points = 60;  ///< in a frame
   bool json = false;
 };
-/// Errors in a configuration: also exit status 3.
-struct WrongConfiguration : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-/// @throws WrongConfiguration after everything is printed
 void ti_config(const TiConfigArguments& arguments);
 
 /// `rio bench`: cost of the estimator on this machine.
@@ -227,17 +215,15 @@ struct CalibrateArguments {
 };
 void calibrate(const CalibrateArguments& arguments);
 
-/// `rio options`: every option with its meaning and the values of a preset.
-void print_options(const std::string& preset_name);
-/// `rio options --from`: those that a replay of this recording flies with.
-struct FlownOptionsArguments {
-  std::string dataset;
+/// `rio options`: every option with its meaning and the values of a preset, or those that a replay
+/// of a recording flies with.
+struct OptionsArguments {
+  std::string dataset;  ///< empty: a preset
   RecordingArguments how;
-  EstimatorArguments estimator;
+  EstimatorArguments estimator;  ///< without a dataset the preset only
+  bool compare = false;          ///< the options that differ between presets, as a table
 };
-void print_flown_options(const FlownOptionsArguments& arguments);
-/// `rio options --compare`: the options that differ between presets, as a table.
-void compare_presets();
+void print_options(const OptionsArguments& arguments);
 
 /// `rio scenarios`: the catalogue of simulated flights; with a name or a file that one as YAML.
 void scenarios(const std::string& name_or_file);

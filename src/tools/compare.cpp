@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "commands.hpp"
-#include "comparison.hpp"
+#include "evaluate.hpp"
 #include "outputs.hpp"
 #include "recording.hpp"
 #include "replay.hpp"
@@ -146,10 +147,22 @@ eval::Trajectory common_truth(const CompareArguments& arguments) {
   return {};
 }
 
-/// Poses of `run` at the times of `reference`.
-std::vector<eval::PosePair> at_times_of(const eval::Trajectory& reference,
-                                        const eval::Trajectory& run) {
-  return eval::associate_interpolated(run, reference, std::chrono::milliseconds(1500)).pairs;
+/// Those of the truth, or of another run, at the times of the first.
+using PosesByTime = std::map<Time, eval::StampedPose>;
+PosesByTime poses_of(const std::vector<eval::PosePair>& pairs) {
+  PosesByTime poses;
+  for (const eval::PosePair& pair : pairs) poses.emplace(pair.estimate.time, pair.truth);
+  return poses;
+}
+
+view::Path path_of(const std::string& name, const eval::Trajectory& poses, Time begin) {
+  view::Path path{name, {}, {}, {}};
+  for (const eval::StampedPose& pose : poses) {
+    path.times.push_back(static_cast<float>(to_seconds(pose.time - begin)));
+    for (const double value : pose.p) path.positions.push_back(static_cast<float>(value));
+    for (const double value : pose.q.coeffs()) path.attitudes.push_back(static_cast<float>(value));
+  }
+  return path;
 }
 
 /// The runs as they are shown: paths, errors, and differences from the first.
@@ -157,53 +170,39 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
   view::Page page;
   const eval::Trajectory& first = runs.front().poses;
   page.begin = first.front().time;
-  const auto seconds = [&page](Time time) { return to_seconds(time - page.begin); };
-  const auto add_path = [&](const std::string& name, const eval::Trajectory& poses) {
-    view::Path path{name, {}, {}, {}};
-    for (const eval::StampedPose& pose : poses) {
-      path.times.push_back(static_cast<float>(seconds(pose.time)));
-      for (const double value : pose.p) path.positions.push_back(static_cast<float>(value));
-      for (const double value : pose.q.coeffs()) {
-        path.attitudes.push_back(static_cast<float>(value));
-      }
-    }
-    page.paths.push_back(std::move(path));
-  };
-  for (const Run& run : runs) add_path(run.name, run.poses);
+  PosesByTime true_poses;
+  if (!truth.empty()) true_poses = poses_of(eval::associate(truth, first).pairs);
+  std::vector<PosesByTime> there;  // of each run at the times of the first
+  for (const Run& run : runs) {
+    page.paths.push_back(path_of(run.name, run.poses, page.begin));
+    constexpr auto kGap = std::chrono::milliseconds(1500);
+    there.push_back(poses_of(eval::associate_interpolated(run.poses, first, kGap).pairs));
+  }
   if (!truth.empty()) {
     eval::Trajectory within;
-    for (const eval::PosePair& pair : eval::associate(truth, first).pairs) {
-      within.push_back(pair.truth);
-    }
-    add_path("truth", within);
+    for (const auto& [time, pose] : true_poses) within.push_back(pose);
+    page.paths.push_back(path_of("truth", within, page.begin));
   }
 
-  std::vector<std::vector<eval::PosePair>> there;  // of each run at the times of the first
-  for (const Run& run : runs) there.push_back(at_times_of(first, run.poses));
-  std::vector<std::size_t> next(runs.size(), 0);
-  const auto true_pairs =
-      truth.empty() ? std::vector<eval::PosePair>{} : eval::associate(truth, first).pairs;
-  std::size_t next_true = 0;
   for (const eval::StampedPose& pose : first) {
-    page.columns.start_row(seconds(pose.time));
-    const bool known =
-        next_true < true_pairs.size() && true_pairs[next_true].estimate.time == pose.time;
+    page.columns.start_row(to_seconds(pose.time - page.begin));
+    const auto known = true_poses.find(pose.time);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (next[i] == there[i].size() || there[i][next[i]].estimate.time != pose.time) continue;
-      const eval::StampedPose other = there[i][next[i]++].truth;  // interpolated
+      const auto found = there[i].find(pose.time);
+      if (found == there[i].end()) continue;
+      const eval::StampedPose& other = found->second;
       const std::string k = std::to_string(i);
       page.columns.set("z" + k, other.p.z());
       if (i > 0) {
         page.columns.set("d" + k, (other.p - pose.p).norm());
         page.columns.set("y" + k, eval::yaw_error({pose, other}));
       }
-      if (!known) continue;
-      const eval::PosePair pair{true_pairs[next_true].truth, other};
+      if (known == true_poses.end()) continue;
+      const eval::PosePair pair{known->second, other};
       page.columns.set("e" + k, (other.p - pair.truth.p).norm());
       page.columns.set("a" + k, eval::yaw_error(pair));
       page.columns.set("t" + k, eval::tilt_error(pair));
     }
-    if (known) ++next_true;
   }
   const auto plot = [&](const std::string& title, const std::string& note, const char* column) {
     view::Plot out{title, note, {}, {}, false, "Over time"};
@@ -240,19 +239,18 @@ TextTable table_without_truth(const std::vector<Run>& runs) {
 
 }  // namespace
 
-void expect_common_time(const std::vector<std::string>& names,
-                        const std::vector<eval::Trajectory>& trajectories) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
+void expect_common_time(const std::vector<NamedPath>& paths) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      const eval::Trajectory& a = trajectories[k];
-      const eval::Trajectory& b = trajectories[i];
+      const auto& [name_a, a] = paths[k];
+      const auto& [name_b, b] = paths[i];
       if (std::max(a.front().time, b.front().time) <= std::min(a.back().time, b.back().time)) {
         continue;
       }
       throw std::runtime_error(fmt::format(
           "no time in common: {} is from {} s to {} s, {} from {} s to {} s; estimates of one "
           "recording in one clock can be compared",
-          names[k], io::seconds_text(a.front().time), io::seconds_text(a.back().time), names[i],
+          name_a, io::seconds_text(a.front().time), io::seconds_text(a.back().time), name_b,
           io::seconds_text(b.front().time), io::seconds_text(b.back().time)));
     }
   }
@@ -264,17 +262,10 @@ void compare(const CompareArguments& arguments) {
   protect_inputs(inputs, {arguments.report});
   std::vector<Run> runs = runs_of(arguments);
   const eval::Trajectory truth = common_truth(arguments);
-  std::vector<std::string> names;
-  std::vector<eval::Trajectory> poses;
-  for (const Run& run : runs) {
-    names.push_back(run.name);
-    poses.push_back(run.poses);
-  }
-  if (!truth.empty()) {
-    names.emplace_back("the truth");
-    poses.push_back(truth);
-  }
-  expect_common_time(names, poses);
+  std::vector<NamedPath> paths;
+  for (const Run& run : runs) paths.emplace_back(run.name, run.poses);
+  if (!truth.empty()) paths.emplace_back("the truth", truth);
+  expect_common_time(paths);
 
   TextTable rows;
   if (truth.empty()) {
@@ -282,14 +273,14 @@ void compare(const CompareArguments& arguments) {
   } else {
     eval::EvaluationOptions options;
     options.alignment = *eval::alignment_kind(arguments.align);
-    std::vector<eval::Evaluation> all;
+    std::vector<NamedEvaluation> all;
     for (Run& run : runs) {
-      all.push_back(eval::evaluate(truth, run.poses, options));
+      all.emplace_back(run.name, eval::evaluate(truth, run.poses, options));
       const auto pairs = eval::associate(truth, run.poses).pairs;
       const Pose T = eval::find_alignment(pairs, options.alignment).transform;
       for (eval::StampedPose& pose : run.poses) pose = eval::transformed(T, pose);
     }
-    rows = comparison_table(names, all);
+    rows = comparison_table(all);
   }
   rows.front().emplace_back("verdict");
   for (std::size_t i = 0; i < runs.size(); ++i) rows[i + 1].push_back(runs[i].verdict);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "describe.hpp"
-
+// The manual page and the bash completions, from the description of the command line.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +7,8 @@
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include "command_line.hpp"
 
 namespace rio::tools {
 

@@ -2,17 +2,22 @@
 // The options of a command's estimator; what overrides the sensor files is noted on stderr.
 #pragma once
 
+#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "notes.hpp"
 #include "rio/io/flown_options.hpp"
 
 namespace rio::tools {
 
 using io::EstimatorArguments;
 using io::OptionValues;
+
+/// What a user should know of the inputs, on stderr.
+inline void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fprintf(stderr, "note: %s\n", note.c_str());
+}
 
 /// Without presets.
 inline Options options_of(const io::Dataset& sensors, const OptionValues& values) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio evaluate`: the error figures of an estimate, as a table or as a JSON line.
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -9,7 +10,6 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "comparison.hpp"
 #include "evaluate.hpp"
 #include "recording.hpp"
 #include "rio/bag/message_stream.hpp"
@@ -48,9 +48,76 @@ nlohmann::ordered_json to_json(const AngleError& error) {
   return {{"rmse", error.rmse}, {"final", error.final}, {"max", error.max}};
 }
 
-/// Undefined figures (NaN) become null.
-nlohmann::ordered_json to_json(const EvaluateArguments& arguments, const std::string& estimate,
-                               const Evaluation& e) {
+/// `value` in `width` characters, "-" if undefined.
+std::string cell(double value, int width, int digits) {
+  return std::isnan(value) ? fmt::format("{:>{}}", "-", width)
+                           : fmt::format("{:{}.{}f}", value, width, digits);
+}
+
+std::string rmse_and_median(const Statistics& s, int digits) {
+  return cell(s.rmse, 9, digits) + cell(s.median, 9, digits);
+}
+
+void print_absolute(const char* name, const AbsoluteError& error) {
+  const auto cells = [](const Statistics& s, int digits) {
+    return cell(s.rmse, 9, digits) + cell(s.mean, 9, digits) + cell(s.median, 9, digits) +
+           cell(s.max, 9, digits) + cell(s.std, 9, digits);
+  };
+  fmt::print("  {:<14}{}   {}\n", name, cells(error.translation, 3), cells(error.rotation, 2));
+}
+
+void print_angle(const char* name, const AngleError& error) {
+  fmt::print("  {:<14}{} deg rmse {} deg final {} deg max\n", name, cell(error.rmse, 9, 2),
+             cell(error.final, 9, 2), cell(error.max, 9, 2));
+}
+
+void print_figures(const EvaluateArguments& arguments, const std::string& estimate,
+                   const Evaluation& e) {
+  fmt::print(
+      "truth     {}\nestimate  {}\n"
+      "          {} of {} poses have a true pose ({:.1f} %)\n"
+      "          {:.2f} s, true path {:.2f} m\n",
+      arguments.truth, estimate, e.associated, e.estimates,
+      100.0 * static_cast<double>(e.associated) / static_cast<double>(e.estimates), e.duration,
+      e.path_length);
+
+  const char* heads = "     rmse     mean   median      max      std";
+  fmt::print("\nAPE             {:<45}   {}\n  alignment     {}   {}\n", "    translation [m]",
+             "    rotation [deg]", heads, heads);
+  print_absolute("none", e.ape_none);
+  print_absolute("yaw+position", e.ape_yaw);
+  print_absolute("SE(3)", e.ape_se3);
+  if (!e.yaw_unique) fmt::print("  yaw+position: no horizontal motion, yaw left as it is\n");
+  if (!e.se3_unique) {
+    fmt::print("  SE(3): the path is a line, its alignment leaves the rotation open\n");
+  }
+
+  const char* columns = "     rmse   median";
+  fmt::print("\nRPE               {:<18}   {:<18}   {}\n  over     pieces {}   {}   {}\n",
+             "  translation [%]", "  translation [m]", "  rotation [deg/m]", columns, columns,
+             columns);
+  for (const RelativeError& r : e.rpe) {
+    fmt::print("  {:4.0f} m {:8} {}   {}   {}\n", r.distance, r.translation.count,
+               rmse_and_median(r.drift, 2), rmse_and_median(r.translation, 3),
+               rmse_and_median(r.rotation_per_metre, 3));
+  }
+
+  fmt::print("\nAlignment: {}\n  {:<14}{} m\n", arguments.align, "norm of MAE",
+             cell(e.norm_of_mae, 9, 3));
+  if (!std::isnan(arguments.mae_at)) {
+    fmt::print("  {:<14}{} m up to {:g} m of path\n", "", cell(e.norm_of_mae_at, 9, 3),
+               arguments.mae_at);
+  }
+  fmt::print("  {:<14}{} m\n  {:<14}{} % of the path\n", "norm of RMSE", cell(e.norm_of_rmse, 9, 3),
+             "final drift", cell(e.final_drift, 9, 2));
+  print_angle("yaw error", e.yaw);
+  print_angle("tilt error", e.tilt);
+}
+
+}  // namespace
+
+std::string evaluation_json(const EvaluateArguments& arguments, const std::string& estimate,
+                            const Evaluation& e) {
   nlohmann::ordered_json json = {
       {"truth", arguments.truth},
       {"estimate", estimate},
@@ -71,89 +138,8 @@ nlohmann::ordered_json to_json(const EvaluateArguments& arguments, const std::st
   if (!std::isnan(arguments.mae_at)) {
     json["norm_of_mae_at"] = {{"distance_m", arguments.mae_at}, {"value_m", e.norm_of_mae_at}};
   }
-  return json;
+  return json.dump();
 }
-
-}  // namespace
-
-std::string evaluation_json(const EvaluateArguments& arguments, const std::string& estimate,
-                            const Evaluation& e) {
-  return to_json(arguments, estimate, e).dump();
-}
-
-namespace {
-
-/// `value` in `width` characters, "-" if undefined.
-std::string cell(double value, int width, int digits) {
-  char text[64];
-  if (std::isnan(value)) {
-    std::snprintf(text, sizeof text, "%*s", width, "-");
-  } else {
-    std::snprintf(text, sizeof text, "%*.*f", width, digits, value);
-  }
-  return text;
-}
-
-std::string cells(const Statistics& s, int digits) {
-  return cell(s.rmse, 9, digits) + cell(s.mean, 9, digits) + cell(s.median, 9, digits) +
-         cell(s.max, 9, digits) + cell(s.std, 9, digits);
-}
-
-void print_absolute(const char* name, const AbsoluteError& error) {
-  std::printf("  %-14s%s   %s\n", name, cells(error.translation, 3).c_str(),
-              cells(error.rotation, 2).c_str());
-}
-
-void print_relative(const RelativeError& e) {
-  std::printf("  %4.0f m %8zu %s%s   %s%s   %s%s\n", e.distance, e.translation.count,
-              cell(e.drift.rmse, 9, 2).c_str(), cell(e.drift.median, 9, 2).c_str(),
-              cell(e.translation.rmse, 9, 3).c_str(), cell(e.translation.median, 9, 3).c_str(),
-              cell(e.rotation_per_metre.rmse, 9, 3).c_str(),
-              cell(e.rotation_per_metre.median, 9, 3).c_str());
-}
-
-void print_angle(const char* name, const AngleError& error) {
-  std::printf("  %-14s%s deg rmse %s deg final %s deg max\n", name, cell(error.rmse, 9, 2).c_str(),
-              cell(error.final, 9, 2).c_str(), cell(error.max, 9, 2).c_str());
-}
-
-void print_table(const EvaluateArguments& arguments, const std::string& estimate,
-                 const Evaluation& e) {
-  std::printf("truth     %s\nestimate  %s\n", arguments.truth.c_str(), estimate.c_str());
-  std::printf("          %zu of %zu poses have a true pose (%.1f %%)\n", e.associated, e.estimates,
-              100.0 * static_cast<double>(e.associated) / static_cast<double>(e.estimates));
-  std::printf("          %.2f s, true path %.2f m\n", e.duration, e.path_length);
-
-  const char* heads = "     rmse     mean   median      max      std";
-  std::printf("\nAPE             %-45s   %s\n  alignment     %s   %s\n", "    translation [m]",
-              "    rotation [deg]", heads, heads);
-  print_absolute("none", e.ape_none);
-  print_absolute("yaw+position", e.ape_yaw);
-  print_absolute("SE(3)", e.ape_se3);
-  if (!e.yaw_unique) std::printf("  yaw+position: no horizontal motion, yaw left as it is\n");
-  if (!e.se3_unique) {
-    std::printf("  SE(3): the path is a line, its alignment leaves the rotation open\n");
-  }
-
-  const char* relative_heads = "     rmse   median";
-  std::printf("\nRPE               %-18s   %-18s   %s\n  over     pieces %s   %s   %s\n",
-              "  translation [%]", "  translation [m]", "  rotation [deg/m]", relative_heads,
-              relative_heads, relative_heads);
-  for (const RelativeError& error : e.rpe) print_relative(error);
-
-  std::printf("\nAlignment: %s\n", arguments.align.c_str());
-  std::printf("  %-14s%s m\n", "norm of MAE", cell(e.norm_of_mae, 9, 3).c_str());
-  if (!std::isnan(arguments.mae_at)) {
-    std::printf("  %-14s%s m up to %g m of path\n", "", cell(e.norm_of_mae_at, 9, 3).c_str(),
-                arguments.mae_at);
-  }
-  std::printf("  %-14s%s m\n", "norm of RMSE", cell(e.norm_of_rmse, 9, 3).c_str());
-  std::printf("  %-14s%s %% of the path\n", "final drift", cell(e.final_drift, 9, 2).c_str());
-  print_angle("yaw error", e.yaw);
-  print_angle("tilt error", e.tilt);
-}
-
-}  // namespace
 
 Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajectory& truth,
                           const eval::Trajectory& estimate, const std::string& name) {
@@ -168,17 +154,15 @@ Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajec
   }
 }
 
-TextTable comparison_table(const std::vector<std::string>& names,
-                           const std::vector<Evaluation>& all) {
+TextTable comparison_table(const std::vector<NamedEvaluation>& all) {
   TextTable rows = {{"estimate", "final drift [%]", "norm of MAE [m]", "norm of RMSE [m]",
                      "yaw RMSE [deg]", "tilt RMSE [deg]", "RPE over 10 m [%]"}};
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Evaluation& e = all[i];
+  for (const auto& [name, e] : all) {
     double relative = eval::kNan;
     for (const RelativeError& error : e.rpe) {
       if (error.distance == 10.0) relative = error.drift.rmse;
     }
-    rows.push_back({names[i], cell(e.final_drift, 0, 2), cell(e.norm_of_mae, 0, 3),
+    rows.push_back({name, cell(e.final_drift, 0, 2), cell(e.norm_of_mae, 0, 3),
                     cell(e.norm_of_rmse, 0, 3), cell(e.yaw.rmse, 0, 2), cell(e.tilt.rmse, 0, 2),
                     cell(relative, 0, 2)});
   }
@@ -187,14 +171,10 @@ TextTable comparison_table(const std::vector<std::string>& names,
 
 void print_table(const TextTable& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::string line = "|";
-    std::string rule = "|";
-    for (const std::string& text : rows[i]) {
-      line += " " + text + " |";
-      rule += "---|";
-    }
-    std::printf("%s\n", line.c_str());
-    if (i == 0) std::printf("%s\n", rule.c_str());
+    fmt::print("| {} |\n", fmt::join(rows[i], " | "));
+    if (i > 0) continue;
+    for (std::size_t k = 0; k < rows[i].size(); ++k) fmt::print("|---");
+    fmt::print("|\n");
   }
 }
 
@@ -210,22 +190,19 @@ eval::Trajectory truth_of(const std::string& path) {
 
 void evaluate(const EvaluateArguments& arguments) {
   const eval::Trajectory truth = truth_of(arguments.truth);
-  std::vector<Evaluation> all;
+  std::vector<NamedEvaluation> all;
   for (const std::string& file : arguments.estimates) {
-    all.push_back(evaluate_poses(arguments, truth, io::read_trajectory(file), file));
+    all.push_back({std::filesystem::path(file).stem().string(),
+                   evaluate_poses(arguments, truth, io::read_trajectory(file), file)});
   }
-  if (arguments.json) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      std::printf("%s\n", evaluation_json(arguments, arguments.estimates[i], all[i]).c_str());
+  if (all.size() > 1 && !arguments.json) return print_table(comparison_table(all));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const std::string& file = arguments.estimates[i];
+    if (arguments.json) {
+      fmt::print("{}\n", evaluation_json(arguments, file, all[i].second));
+    } else {
+      print_figures(arguments, file, all[i].second);
     }
-  } else if (all.size() == 1) {
-    print_table(arguments, arguments.estimates[0], all[0]);
-  } else {
-    std::vector<std::string> names;
-    for (const std::string& file : arguments.estimates) {
-      names.push_back(std::filesystem::path(file).stem().string());
-    }
-    print_table(comparison_table(names, all));
   }
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The evaluation of one estimate, without output: for the program and for Python.
+// Evaluations of estimates, without output: for the program and for Python; and as tables.
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "commands.hpp"
 #include "rio/eval/evaluation.hpp"
@@ -17,5 +19,20 @@ eval::Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::
 /// The JSON line of `rio evaluate --json`.
 std::string evaluation_json(const EvaluateArguments& arguments, const std::string& estimate,
                             const eval::Evaluation& evaluation);
+
+/// Rows of cells, the first is the head.
+using TextTable = std::vector<std::vector<std::string>>;
+
+/// The error figures, a row per estimate.
+using NamedEvaluation = std::pair<std::string, eval::Evaluation>;
+TextTable comparison_table(const std::vector<NamedEvaluation>& all);
+
+/// In Markdown.
+void print_table(const TextTable& rows);
+
+/// Throws std::runtime_error with both spans if two trajectories have no time in common: they are
+/// not of one recording, or not in one clock.
+using NamedPath = std::pair<std::string, eval::Trajectory>;
+void expect_common_time(const std::vector<NamedPath>& paths);
 
 }  // namespace rio::tools

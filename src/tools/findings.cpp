@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// `rio check`: do the data of a recording agree with the assumptions of an estimator?
 #include "findings.hpp"
 
 #include <fmt/format.h>
@@ -8,34 +9,33 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "check/check.hpp"
+#include "estimator_options.hpp"
 #include "recording.hpp"
 
 namespace rio::tools {
 
 namespace {
 
-template <class Data>
-check::Findings findings(const std::string& path, const Data& data, const Options& options) {
-  if (!io::is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
-  return check::check_recording(data, options, check::Source::kFolder, io::dataset_root(path));
+using check::Finding;
+using check::Verdict;
+
+void print(const Finding& finding) {
+  fmt::print("{:<9} {}: {}.\n", to_string(finding.verdict), finding.subject, finding.text);
+  if (!finding.change.empty()) fmt::print("          -> {}\n", finding.change);
+}
+
+void print_json(const check::Findings& findings) {
+  const nlohmann::ordered_json all = {{"verdict", to_string(worst(findings))},
+                                      {"findings", findings_json(findings)},
+                                      {"options", proposed_options(findings)}};
+  fmt::print("{}\n", all.dump());
 }
 
 }  // namespace
 
-check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
-                            const Options& options) {
-  return findings(path, dataset, options);
-}
-
-check::Findings findings_of(const std::string& path, const check::CheckedData& data,
-                            const Options& options) {
-  return findings(path, data, options);
-}
-
 nlohmann::ordered_json findings_json(const check::Findings& findings) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const check::Finding& f : findings) {
+  for (const Finding& f : findings) {
     list.push_back({{"verdict", to_string(f.verdict)},
                     {"subject", f.subject},
                     {"text", f.text},
@@ -48,7 +48,7 @@ std::string proposed_options(const check::Findings& findings) {
   std::string lines;
   for (const std::string_view head : {"radar: {", "start: {"}) {
     std::string all;
-    for (const check::Finding& f : not_ok(findings)) {
+    for (const Finding& f : not_ok(findings)) {
       if (f.change.rfind(head, 0) != 0) continue;
       int depth = 1;
       std::size_t end = head.size();
@@ -63,23 +63,50 @@ std::string proposed_options(const check::Findings& findings) {
 }
 
 void without_start(check::Findings* findings) {
-  std::erase_if(*findings, [](const check::Finding& f) { return f.subject == "start"; });
+  std::erase_if(*findings, [](const Finding& f) { return f.subject == "start"; });
 }
 
 check::Findings not_ok(const check::Findings& findings) {
   check::Findings out;
   std::copy_if(findings.begin(), findings.end(), std::back_inserter(out),
-               [](const check::Finding& f) { return f.verdict != check::Verdict::kOk; });
+               [](const Finding& f) { return f.verdict != Verdict::kOk; });
   return out;
 }
 
 std::string findings_text(const check::Findings& findings) {
   std::string text;
-  for (const check::Finding& f : findings) {
+  for (const Finding& f : findings) {
     text +=
         fmt::format("data {}: {}: {} -> {}\n", to_string(f.verdict), f.subject, f.text, f.change);
   }
   return text.empty() ? "data: nothing found\n" : text;
+}
+
+Checked run_check(const CheckArguments& arguments) {
+  std::string damage;
+  const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
+  Options options;
+  std::vector<std::string> notes = io::tell_sensors_and_values(dataset, arguments.values, &options);
+  notes.insert(notes.begin(), dataset.notes.begin(), dataset.notes.end());
+  check::Findings findings = findings_of(arguments.dataset, dataset, options);
+  if (!dataset.ground_truth.empty()) without_start(&findings);  // it starts there
+  return {std::move(findings), std::move(notes), std::move(damage)};
+}
+
+void check_recording(const CheckArguments& arguments) {
+  const auto [findings, notes, damage] = run_check(arguments);
+  print_notes(notes);
+  if (arguments.json) {
+    print_json(findings);
+  } else {
+    for (const Finding& finding : findings) print(finding);
+    const std::string options = proposed_options(findings);
+    if (!options.empty()) fmt::print("As an option file, for --config:\n{}\n", options);
+  }
+  throw_damage(damage);
+  const auto wrong = std::count_if(findings.begin(), findings.end(),
+                                   [](const Finding& f) { return f.verdict == Verdict::kWrong; });
+  if (wrong > 0) throw WrongResult(fmt::format("{}: {} wrong", arguments.dataset, wrong));
 }
 
 }  // namespace rio::tools

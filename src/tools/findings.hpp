@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Output of the findings of `rio check`.
+// The findings of `rio check` and their output.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "check/check.hpp"
 #include "check/finding.hpp"
@@ -13,12 +14,13 @@
 
 namespace rio::tools {
 
-/// Checks the result of read_any() for `path`, or a part of it.
-check::Findings findings_of(const std::string& path, const io::Dataset& dataset,
-                            const Options& options);
-
-check::Findings findings_of(const std::string& path, const check::CheckedData& data,
-                            const Options& options);
+/// Checks a recording or a part of it.
+/// @param data result of read_any() for `path`, or check::CheckedData
+template <class Data>
+check::Findings findings_of(const std::string& path, const Data& data, const Options& options) {
+  if (!io::is_asl_folder(path)) return check::check_recording(data, options, check::Source::kBag);
+  return check::check_recording(data, options, check::Source::kFolder, io::dataset_root(path));
+}
 
 /// `rio check` without its output.
 struct Checked {

@@ -12,7 +12,6 @@
 #include "calibrate/noise_calibration.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
-#include "notes.hpp"
 #include "recording.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/start.hpp"
@@ -65,18 +64,21 @@ std::string error_text(const eval::NoiseFit& fit, int k) {
 
 void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCalibration& c) {
   const Eigen::Vector4d& s = c.fit.noise.sigma;
-  fmt::print("# Noise of the radar, fitted to {} by `rio fit-noise`: {} matches, {} Dopplers,\n",
-             arguments.dataset, c.landmarks, c.dopplers);
-  fmt::print("# {} runs; one standard error of each. The grids of the radar are not in it.\n",
-             c.runs);
+  fmt::print(
+      "# Noise of the radar, fitted to {} by `rio fit-noise`: {} matches, {} Dopplers,\n"
+      "# {} runs; one standard error of each. The grids of the radar are not in it.\n",
+      arguments.dataset, c.landmarks, c.dopplers, c.runs);
   if (!arguments.values.config.empty()) {
     fmt::print("# To be merged into {}, which was read.\n", arguments.values.config);
   }
-  fmt::print("radar:\n");
-  fmt::print("  sigma_range: {:.5f}  # [m] {}\n", s[0], error_text(c.fit, 0));
-  fmt::print("  sigma_azimuth: \"{:.3f} deg\"  # {}\n", s[1] / kDegree, error_text(c.fit, 1));
-  fmt::print("  sigma_elevation: \"{:.3f} deg\"  # {}\n", s[2] / kDegree, error_text(c.fit, 2));
-  fmt::print("  sigma_doppler: {:.5f}  # [m/s] {}\n", s[3], error_text(c.fit, 3));
+  fmt::print(
+      "radar:\n"
+      "  sigma_range: {:.5f}  # [m] {}\n"
+      "  sigma_azimuth: \"{:.3f} deg\"  # {}\n"
+      "  sigma_elevation: \"{:.3f} deg\"  # {}\n"
+      "  sigma_doppler: {:.5f}  # [m/s] {}\n",
+      s[0], error_text(c.fit, 0), s[1] / kDegree, error_text(c.fit, 1), s[2] / kDegree,
+      error_text(c.fit, 2), s[3], error_text(c.fit, 3));
   if (c.fit.growth_seen) {
     fmt::print("  weak_snr_db: {:.1f}  # [dB] +- {:.1f}\n", c.fit.noise.weak_snr_db,
                c.fit.weak_error_db);

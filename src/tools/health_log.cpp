@@ -25,6 +25,23 @@ HealthReason reason_at(std::size_t i) {
 
 }  // namespace
 
+std::vector<CalibrationLine> calibration_lines(const Calibrations& calibration) {
+  std::vector<CalibrationLine> lines;
+  for (std::size_t r = 0; r < calibration.size(); ++r) {
+    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+      const CalibrationReport& report = calibration[r][i];
+      const Observability verdict = report.observability;
+      if (verdict == Observability::kNotEstimated) continue;
+      const bool doubtful =
+          verdict == Observability::kDoubtful || verdict == Observability::kAtLimit;
+      lines.push_back({view::calibration_name(i, r), view::kCalibrationNames[i].unit,
+                       view::kCalibrationNames[i].scale, report,
+                       doubtful ? view::calibration_check(i, r) : ""});
+    }
+  }
+  return lines;
+}
+
 void HealthLog::add(Time time, const Health& health) {
   constexpr Time kJump = std::chrono::hours(1);  // of the clock
   if (!is_stamp(time)) return;
@@ -46,18 +63,13 @@ void HealthLog::add(Time time, const Health& health) {
   }
 }
 
-void HealthLog::conclude(
-    const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration, bool too_fast,
-    double used) {
+void HealthLog::conclude(const Calibrations& calibration, bool too_fast, double used) {
   used_ = used;
   calibration_.clear();
-  for (std::size_t r = 0; r < calibration.size(); ++r) {
-    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-      const Observability verdict = calibration[r][i].observability;
-      if (verdict != Observability::kDoubtful && verdict != Observability::kAtLimit) continue;
-      append(&calibration_, fmt::format("{} is {}, check {}", view::calibration_name(i, r),
-                                        to_string(verdict), view::calibration_check(i, r)));
-    }
+  for (const CalibrationLine& line : calibration_lines(calibration)) {
+    if (line.check.empty()) continue;
+    append(&calibration_, fmt::format("{} is {}, check {}", line.name,
+                                      to_string(line.report.observability), line.check));
   }
   lost_because_.clear();
   if (too_fast) append(&lost_because_, "faster or farther than anything that carries a radar");

@@ -13,6 +13,19 @@
 
 namespace rio::tools {
 
+/// By radar.
+using Calibrations = std::vector<std::array<CalibrationReport, kCalibrationCount>>;
+
+/// An estimated parameter of the calibration, for display.
+struct CalibrationLine {
+  std::string name;  ///< "radar1_time_offset"
+  const char* unit;
+  double scale;  ///< from SI to it
+  CalibrationReport report;
+  std::string check;  ///< possible cause if it is doubtful or at its limit, else empty
+};
+std::vector<CalibrationLine> calibration_lines(const Calibrations& calibration);
+
 class HealthLog {
  public:
   /// The health at `time`, valid until the next call.
@@ -20,10 +33,8 @@ class HealthLog {
 
   /// Calibration at the end: doubtful parameters make the verdict doubtful.
   /// @param too_fast the path is beyond that of any vehicle
-  /// @param calibration by radar
   /// @param used share of the scans of the recording
-  void conclude(const std::vector<std::array<CalibrationReport, kCalibrationCount>>& calibration,
-                bool too_fast, double used = 1.0);
+  void conclude(const Calibrations& calibration, bool too_fast, double used = 1.0);
 
   bool lost() const { return !lost_because_.empty(); }
   /// Why the estimate is lost; empty if it is not.

@@ -258,7 +258,7 @@ void live(const LiveArguments& arguments) {
   } else if (run.summary().replay().updates == 0 && failed.empty()) {
     fail("no scan gave an update: their points or times are of no use, see the counters above");
   }
-  if (lost) throw LostEstimate("the estimate is lost: " + run.summary().lost_because());
+  if (lost) throw WrongResult("the estimate is lost: " + run.summary().lost_because());
   if (!failed.empty()) throw std::runtime_error(failed);
 }
 

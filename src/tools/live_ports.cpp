@@ -4,13 +4,15 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 #include "live/host_clock.hpp"
 #include "live/port.hpp"
 #include "rio/ti/config_sender.hpp"
 #include "stop_signal.hpp"
-#include "text_of.hpp"
 
 namespace rio::tools {
 
@@ -30,14 +32,7 @@ void complete(io::RadarInfo* info, const ti::ConfigFigures& figures) {
   set(&info->max_range, figures.max_range);
 }
 
-ti::FrameTiming timing_of(const ti::ConfigFigures& figures) {
-  ti::FrameTiming timing;
-  timing.period = figures.period;
-  timing.chirp_block = figures.chirp_block;
-  timing.baud = figures.baud;
-  return timing;
-}
-
+/// Of the sensor file.
 ti::FrameTiming timing_of(const io::RadarInfo& info) {
   if (!info.rate_hz || *info.rate_hz <= 0.0) {
     throw std::runtime_error(
@@ -50,7 +45,7 @@ ti::FrameTiming timing_of(const io::RadarInfo& info) {
 }
 
 /// The figures of a configuration; its errors for odometry are noted.
-ti::ConfigFigures read_config(const std::string& path, const ti::Config& config) {
+ti::ConfigFigures figures_of(const std::string& path, const ti::Config& config) {
   ti::ConfigFigures figures;
   std::string why;
   if (!ti::derive(config, &figures, &why)) throw std::runtime_error(path + ": " + why);
@@ -78,27 +73,42 @@ bool write(live::Port* port, const std::string& text) {
 
 }  // namespace
 
+ti::Config read_config(const std::string& path) {
+  if (std::filesystem::is_directory(path)) {
+    throw std::runtime_error(path + ": is a folder: give a file in it");
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw std::runtime_error(path + ": cannot be read");
+  return ti::parse_config(text);
+}
+
 LiveSensors find_sensors(const LiveArguments& arguments) {
   LiveSensors sensors;
-  if (!arguments.sensors.empty()) sensors.info = io::read_sensor_info(arguments.sensors);
-  for (const std::string& note : sensors.info.notes) fmt::print(stderr, "note: {}\n", note);
-  if (arguments.sensors.empty())
-    fmt::print(stderr, "note: no --sensors: mounting and noise by the options\n");
+  if (arguments.sensors.empty()) {
+    print_notes({"no --sensors: mounting and noise by the options"});
+  } else {
+    sensors.info = io::read_sensor_info(arguments.sensors);
+    print_notes(sensors.info.notes);
+  }
   sensors.info.other_radars.resize(arguments.radars.size() - 1);
-  ti::FrameTiming timing;
-  if (!arguments.radar_cfg.empty()) sensors.config = ti::parse_config(text_of(arguments.radar_cfg));
+  const std::string& path = arguments.radar_cfg;
+  if (!path.empty()) sensors.config = read_config(path);
   const ti::Firmware* other = ti::other_firmware(sensors.config);
+  ti::FrameTiming timing;
   if (other != nullptr) {
-    fmt::print(stderr, "note: {}: the configuration of {}: the frame rate is that of --sensors\n",
-               arguments.radar_cfg, other->name);
+    print_notes({fmt::format("{}: the configuration of {}: the frame rate is that of --sensors",
+                             path, other->name)});
     timing = timing_of(sensors.info.radar_info);
     timing.baud = other->baud;
-  } else if (!arguments.radar_cfg.empty()) {
-    const ti::ConfigFigures figures = read_config(arguments.radar_cfg, sensors.config);
-    complete(&sensors.info.radar_info, figures);
-    timing = timing_of(figures);
-  } else {
+  } else if (path.empty()) {
     timing = timing_of(sensors.info.radar_info);
+  } else {
+    const ti::ConfigFigures figures = figures_of(path, sensors.config);
+    complete(&sensors.info.radar_info, figures);
+    timing.period = figures.period;
+    timing.chirp_block = figures.chirp_block;
+    timing.baud = figures.baud;
   }
   sensors.setup.options = make_options(arguments.estimator, sensors.info);
   sensors.setup.options.timing.clock = &live::HostClock::real;

@@ -13,6 +13,9 @@
 
 namespace rio::tools {
 
+/// Throws std::runtime_error if it is no file that can be read.
+ti::Config read_config(const std::string& path);
+
 struct LiveSensors {
   io::Dataset info;  ///< without data
   live::SessionSetup setup;

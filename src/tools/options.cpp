@@ -6,17 +6,17 @@
 
 #include "commands.hpp"
 #include "estimator_options.hpp"
-#include "notes.hpp"
 #include "recording.hpp"
 #include "rio/io/options_yaml.hpp"
 
 namespace rio::tools {
 
-void print_options(const std::string& preset_name) {
-  fmt::print("{}", io::option_file(preset_name));
-}
-
-void print_flown_options(const FlownOptionsArguments& arguments) {
+void print_options(const OptionsArguments& arguments) {
+  if (arguments.compare) return fmt::print("{}", io::presets_as_table());
+  const std::string& preset = arguments.estimator.preset;
+  if (arguments.dataset.empty()) {
+    return fmt::print("{}", io::option_file(preset.empty() ? "default" : preset));
+  }
   const OpenRecording recording = open_any(arguments.dataset, arguments.how);
   print_notes(recording.sensors.notes);
   const Options options = make_options(arguments.estimator, recording.sensors);
@@ -24,10 +24,6 @@ void print_flown_options(const FlownOptionsArguments& arguments) {
     fmt::print("# Of radar0; that of the others is in their sensor.yaml, with these defaults.\n");
   }
   fmt::print("{}", io::options_as_yaml(options));
-}
-
-void compare_presets() {
-  fmt::print("{}", io::presets_as_table());
 }
 
 }  // namespace rio::tools

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio simulate --live`: a simulated flight as bytes on pseudo-terminals.
-#include "play.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "live/player.hpp"
 #include "live/pty.hpp"
+#include "simulate.hpp"
 #include "stop_signal.hpp"
 
 namespace rio::tools {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "comparison.hpp"
+#include "evaluate.hpp"
 #include "outputs.hpp"
 #include "plot/axes.hpp"
 #include "plot/colours.hpp"
@@ -43,76 +43,52 @@ struct Series {
   std::vector<eval::PosePair> pairs;  ///< with the truth, if given
 };
 
-/// Interrupts a curve where samples are missing: at intervals far above the usual one.
-class GapBreaker {
- public:
-  explicit GapBreaker(std::vector<double> times) {
-    std::vector<double> intervals;
-    for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
-    longest_ = 5.0 * eval::statistics(std::move(intervals)).median;
+/// The points as a curve that is interrupted where samples are missing, at intervals far above the
+/// usual one, and where y jumps by more than `max_jump`.
+/// @param times of the points [s]
+std::vector<Point> interrupted(const std::vector<double>& times, const std::vector<Point>& points,
+                               double max_jump = std::numeric_limits<double>::infinity()) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
+  const double longest = 5.0 * eval::statistics(intervals).median;
+  std::vector<Point> curve;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const bool breaks =
+        i > 0 && (intervals[i - 1] > longest || std::abs(points[i].y - points[i - 1].y) > max_jump);
+    if (breaks) curve.push_back({eval::kNan, eval::kNan});
+    curve.push_back(points[i]);
   }
-  void add(double time, Point point) {
-    if (!points.empty() && time - last_ > longest_) interrupt();
-    points.push_back(point);
-    last_ = time;
-  }
-  void interrupt() { points.push_back({eval::kNan, eval::kNan}); }
+  return curve;
+}
 
-  std::vector<Point> points;
+Time time_of(const eval::StampedPose& pose) {
+  return pose.time;
+}
+Time time_of(const eval::PosePair& pair) {
+  return pair.estimate.time;
+}
 
- private:
-  double longest_ = 0.0;
-  double last_ = 0.0;
-};
-
-/// A point for each sample at its time [s] since `start`; gaps, and jumps of more than `max_jump`,
-/// interrupt the curve.
+/// A value of each sample over the time since `start` [s].
 template <class Sample, class Value>
 std::vector<Point> over_time(const std::vector<Sample>& samples, Time start, Value value,
                              double max_jump = std::numeric_limits<double>::infinity()) {
   std::vector<double> times;
-  times.reserve(samples.size());
-  for (const Sample& sample : samples) times.push_back(to_seconds(value(sample).first - start));
-  GapBreaker curve(times);
-  double last = 0.0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double y = value(samples[i]).second;
-    if (i > 0 && std::abs(y - last) > max_jump) curve.interrupt();
-    curve.add(times[i], {times[i], y});
-    last = y;
+  std::vector<Point> points;
+  for (const Sample& sample : samples) {
+    times.push_back(to_seconds(time_of(sample) - start));
+    points.push_back({times.back(), value(sample)});
   }
-  return std::move(curve.points);
+  return interrupted(times, points, max_jump);
 }
 
 std::vector<Point> plan(const eval::Trajectory& poses) {
   std::vector<double> times;
-  times.reserve(poses.size());
+  std::vector<Point> points;
   for (const eval::StampedPose& pose : poses) {
     times.push_back(to_seconds(pose.time - poses.front().time));
+    points.push_back({pose.p.x(), pose.p.y()});
   }
-  GapBreaker curve(times);
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    curve.add(times[i], {poses[i].p.x(), poses[i].p.y()});
-  }
-  return std::move(curve.points);
-}
-
-std::vector<Point> heights(const eval::Trajectory& poses, Time start) {
-  return over_time(poses, start,
-                   [](const eval::StampedPose& pose) { return std::pair(pose.time, pose.p.z()); });
-}
-
-std::vector<Point> position_errors(const std::vector<eval::PosePair>& pairs, Time start) {
-  return over_time(pairs, start, [](const eval::PosePair& pair) {
-    return std::pair(pair.estimate.time, (pair.estimate.p - pair.truth.p).norm());
-  });
-}
-
-std::vector<Point> yaw_errors(const std::vector<eval::PosePair>& pairs, Time start) {
-  const auto error = [](const eval::PosePair& pair) {
-    return std::pair(pair.estimate.time, eval::yaw_error(pair));
-  };
-  return over_time(pairs, start, error, 180.0);
+  return interrupted(times, points);
 }
 
 /// File name without extension; with its folder if two would be equal.
@@ -231,9 +207,12 @@ std::string draw(const std::vector<Series>& all, bool with_truth) {
   TimePanel position{"Position error", "|error| [m]", {}, 0.02, true};
   TimePanel yaw{"Yaw error", "error [deg]", {}, 0.2, false};
   for (const Series& series : all) {
-    height.curves.push_back(heights(series.poses, start));
-    position.curves.push_back(position_errors(series.pairs, start));
-    yaw.curves.push_back(yaw_errors(series.pairs, start));
+    height.curves.push_back(
+        over_time(series.poses, start, [](const eval::StampedPose& pose) { return pose.p.z(); }));
+    position.curves.push_back(over_time(series.pairs, start, [](const eval::PosePair& pair) {
+      return (pair.estimate.p - pair.truth.p).norm();
+    }));
+    yaw.curves.push_back(over_time(series.pairs, start, eval::yaw_error, 180.0));
     for (const Point& point : height.curves.back()) time.add(point.x);
   }
   time = time.padded(0.0, 0.1);
@@ -319,9 +298,9 @@ void plot(const PlotArguments& arguments) {
     }
     all.push_back(std::move(series));
   }
-  std::vector<eval::Trajectory> poses;
-  for (const Series& series : all) poses.push_back(series.poses);
-  expect_common_time(labels, poses);
+  std::vector<NamedPath> paths;
+  for (const Series& series : all) paths.emplace_back(series.label, series.poses);
+  expect_common_time(paths);
   if (with_truth) all.insert(all.begin(), truth_series(truth, all));
 
   std::vector<std::string> inputs = arguments.estimates;

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "notes.hpp"
+#include "estimator_options.hpp"
 #include "outputs.hpp"
 #include "rio/bag/dataset_presets.hpp"
 #include "rio/bag/recording.hpp"
@@ -126,19 +126,15 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
 
 /// IMU and radars by their stamps, as they would be received.
 void write_mcap(const fs::path& out, const io::Dataset& dataset) {
-  struct Radar {
-    const std::vector<RadarScan>* scans;
-    std::size_t next = 0;
-  };
-  std::vector<Radar> radars{{&dataset.scans}};
-  for (const io::Dataset::OtherRadar& other : dataset.other_radars)
-    radars.push_back({&other.scans});
+  std::vector<const std::vector<RadarScan>*> radars = {&dataset.scans};
+  for (const io::Dataset::OtherRadar& other : dataset.other_radars) radars.push_back(&other.scans);
+  std::vector<std::size_t> next(radars.size(), 0);
   bag::RecordingWriter writer(out, radars.size());
   const auto add_scans_until = [&](Time time) {
     for (std::size_t r = 0; r < radars.size(); ++r) {
-      const std::vector<RadarScan>& scans = *radars[r].scans;
-      for (std::size_t& i = radars[r].next; i < scans.size() && scans[i].time <= time; ++i) {
-        writer.add(scans[i], r);
+      const std::vector<RadarScan>& scans = *radars[r];
+      for (; next[r] < scans.size() && scans[next[r]].time <= time; ++next[r]) {
+        writer.add(scans[next[r]], r);
       }
     }
   };

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The command lines for recordings.
-#include <CLI/CLI.hpp>
-#include <memory>
+// The command lines for recordings and trajectories.
 #include <string>
 
 #include "command_line.hpp"
@@ -10,323 +8,248 @@
 
 namespace rio::tools {
 
+using enum Trait;
+
 namespace {
+
+constexpr const char* kFolderOrBag = "folder in ASL/EuRoC layout, or a bag";
+constexpr const char* kTrajectory = "TUM file, EuRoC csv, dataset folder or bag";
+
+constexpr const char* kInit =
+    "groundtruth, static or a file; by default groundtruth if there is one";
 
 /// Options to read a bag, for every command that takes one.
 /// @param truth with --truth, its topic
-void add_recording_options(CLI::App* command, RecordingArguments* how, bool truth = true) {
-  const std::string group = "Of a bag";
+void add_recording_options(const Command& command, RecordingArguments* how, bool truth = true) {
+  const Command of_a_bag = command.under("Of a bag");
+  const CLI::IsMember axes({"flu", "ti", "rdf", "frd"});
   std::string names;
   for (const bag::DatasetPreset& preset : bag::dataset_presets()) {
     names += (names.empty() ? "" : ", ") + std::string(preset.name);
   }
-  command
-      ->add_option("--dataset", how->dataset,
-                   "public data set, for what follows; --map and the command line win:\n" + names)
-      ->group(group);
-  command
-      ->add_option("--map", how->map,
-                   "file that says what follows, for recordings of one kind; the command line wins")
-      ->check(CLI::ExistingFile)
-      ->group(group);
-  command
-      ->add_option("--imu", how->imu,
-                   "topic; by default the only sensor_msgs/Imu or px4_msgs/SensorCombined, or "
-                   "gyroscope and accelerometer on two")
-      ->group(group);
-  command
-      ->add_option("--radar", how->radar,
-                   "topic, or several with commas between; by default the only one with points and "
-                   "Doppler, or all of whose mountings /tf_static tells")
-      ->group(group);
-  command
-      ->add_option("--pressure", how->pressure,
-                   "topic; by default the only sensor_msgs/FluidPressure")
-      ->group(group);
+  of_a_bag.add("--dataset", &how->dataset,
+               "public data set, for what follows; --map and the command line win:\n" + names);
+  of_a_bag.add("--map", &how->map,
+               "file that says what follows, for recordings of one kind; the command line wins",
+               CLI::ExistingFile);
+  of_a_bag.add("--imu", &how->imu,
+               "topic; by default the only sensor_msgs/Imu or px4_msgs/SensorCombined, or "
+               "gyroscope and accelerometer on two");
+  of_a_bag.add("--radar", &how->radar,
+               "topic, or several with commas between; by default the only one with points and "
+               "Doppler, or all of whose mountings /tf_static tells");
+  of_a_bag.add("--pressure", &how->pressure,
+               "topic; by default the only sensor_msgs/FluidPressure");
   if (truth) {
-    command
-        ->add_option("--truth", how->truth,
-                     "topic; by default the only geometry_msgs/PoseStamped or nav_msgs/Odometry")
-        ->group(group);
+    of_a_bag.add("--truth", &how->truth,
+                 "topic; by default the only geometry_msgs/PoseStamped or nav_msgs/Odometry");
   }
-  command
-      ->add_option("--points", how->points,
-                   "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548, "
-                   "eagle or altos; by default guessed from their names")
-      ->group(group);
-  command
-      ->add_option("--field", how->fields,
-                   "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float), or\n"
-                   "doppler=rdot,velocity: the one that is there")
-      ->allow_extra_args(false)
-      ->group(group);
-  command->add_option("--axes", how->axes, "of the points: flu, ti, rdf or frd; wins over --points")
-      ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))
-      ->group(group);
-  command->add_flag("--approaching", how->approaching, "the Doppler is positive towards the radar")
-      ->group(group);
-  command
-      ->add_option("--imu-clock", how->imu_clock,
-                   "stamps: header, receive, carried (headers moved onto the receive clock), auto")
-      ->check(CLI::IsMember({"auto", "header", "receive", "carried"}))
-      ->group(group);
-  command
-      ->add_option("--radar-clock", how->radar_clock,
-                   "as --imu-clock; or trigger: headers of the messages of what triggers the scans")
-      ->check(CLI::IsMember({"auto", "header", "receive", "carried", "trigger"}))
-      ->group(group);
-  command->add_option("--trigger", how->trigger, "topic; by default the only std_msgs/Header")
-      ->group(group);
-  command
-      ->add_option("--trigger-match", how->trigger_match,
-                   "the last trigger before a scan: sequence, of those with its number (default), "
-                   "or earlier, of all")
-      ->check(CLI::IsMember({"sequence", "earlier"}))
-      ->group(group);
-  command->add_option("--imu-offset", how->imu_offset, "added to the stamps, as \"3 ms\"")
-      ->group(group);
-  command->add_option("--radar-offset", how->radar_offset, "added to the stamps, as \"-0.12 s\"")
-      ->group(group);
-  command->add_option("--imu-axes", how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd")
-      ->check(CLI::IsMember({"flu", "ti", "rdf", "frd"}))
-      ->group(group);
-  command->add_option("--gyro-unit", how->gyro_unit, "of the file, as deg/s")->group(group);
-  command
-      ->add_option("--sensors", how->sensors,
-                   "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise")
-      ->check(CLI::ExistingDirectory)
-      ->group(group);
-  command->add_option("--accel-unit", how->accel_unit, "of the file, as g")->group(group);
+  of_a_bag.add("--points", &how->points,
+               "fields of the points: ti, rio, mav, coloradar, mimosa, pointxyzi, msc, ars548, "
+               "eagle or altos; by default guessed from their names");
+  of_a_bag.add("--field", &how->fields,
+               "one field, as doppler=rdot, snr=power*0.1, doppler=@12 (byte of a float), or\n"
+               "doppler=rdot,velocity: the one that is there",
+               kOneEach);
+  of_a_bag.add("--axes", &how->axes, "of the points: flu, ti, rdf or frd; wins over --points",
+               axes);
+  of_a_bag.add("--approaching", &how->approaching, "the Doppler is positive towards the radar");
+  of_a_bag.add("--imu-clock", &how->imu_clock,
+               "stamps: header, receive, carried (headers moved onto the receive clock), auto",
+               CLI::IsMember({"auto", "header", "receive", "carried"}));
+  of_a_bag.add("--radar-clock", &how->radar_clock,
+               "as --imu-clock; or trigger: headers of the messages of what triggers the scans",
+               CLI::IsMember({"auto", "header", "receive", "carried", "trigger"}));
+  of_a_bag.add("--trigger", &how->trigger, "topic; by default the only std_msgs/Header");
+  of_a_bag.add("--trigger-match", &how->trigger_match,
+               "the last trigger before a scan: sequence, of those with its number (default), "
+               "or earlier, of all",
+               CLI::IsMember({"sequence", "earlier"}));
+  of_a_bag.add("--imu-offset", &how->imu_offset, "added to the stamps, as \"3 ms\"");
+  of_a_bag.add("--radar-offset", &how->radar_offset, "added to the stamps, as \"-0.12 s\"");
+  of_a_bag.add("--imu-axes", &how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd", axes);
+  of_a_bag.add("--gyro-unit", &how->gyro_unit, "of the file, as deg/s");
+  of_a_bag.add("--sensors", &how->sensors,
+               "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise",
+               CLI::ExistingDirectory);
+  of_a_bag.add("--accel-unit", &how->accel_unit, "of the file, as g");
 }
 
-void add_option_values(CLI::App* command, OptionValues* values, const std::string& what) {
-  command->add_option("--config", values->config, what);
-  command
-      ->add_option("--set", values->set,
-                   "one option as KEY=VALUE, with keys and units of option files; may be repeated")
-      ->allow_extra_args(false);
+constexpr const char* kOverTruth = "lay the estimates over the truth first: none, origin, yaw, se3";
+
+CLI::Option* add_alignment(const Command& command, std::string* to, const char* what = kOverTruth) {
+  return command.add("--align", to, what, CLI::IsMember({"none", "origin", "yaw", "se3"}), kShown);
 }
 
-/// Empty, or why that is no port; "true" is the flag without one.
-std::string port_fault(const std::string& text) {
-  const bool number =
-      !text.empty() && text.size() < 6 && text.find_first_not_of("0123456789") == std::string::npos;
-  return text == "true" || (number && std::stoi(text) < 65536) ? "" : text + ": is no port";
+void print_checked_options(const OptionsArguments& arguments) {
+  const OptionValues& values = arguments.estimator;
+  if (arguments.dataset.empty() && arguments.how != RecordingArguments{}) {
+    throw CLI::ValidationError("options of a bag are given, but no --from");
+  }
+  if (arguments.dataset.empty() && !(values.config.empty() && values.set.empty())) {
+    throw CLI::ValidationError("--config and --set need --from");
+  }
+  print_options(arguments);
 }
 
 }  // namespace
 
-void add_view_options(CLI::App* command, ViewArguments* view, const std::string& group) {
-  command
-      ->add_option("--report", view->report,
-                   "page to write, HTML: summary, paths, points, plots and events, for any browser")
-      ->group(group);
-  command
-      ->add_option(
-          "--log", view->log,
-          "folder to write, CSV: innovations, points, landmarks, calibration, health, events")
-      ->group(group);
-  command
-      ->add_option(
-          "--mcap", view->mcap,
-          "file to write for viewers (Foxglove, Lichtblick, rerun): poses, path, points, ...")
-      ->group(group);
-  command
-      ->add_option_function<std::string>(
-          "--view",
-          [view](const std::string& port) { view->port = port == "true" ? "8765" : port; },
-          "serve the same to viewers that connect (Foxglove WebSocket), on this port or 8765")
-      ->expected(0, 1)
-      ->check(CLI::Validator(port_fault, "", "port"))
-      ->type_name("[PORT]")
-      ->group(group);
-  command->add_option("--view-address", view->address, "of this machine, on which it listens")
-      ->capture_default_str()
-      ->group(group);
-}
-
-void add_estimator_options(CLI::App* command, EstimatorArguments* estimator) {
-  add_option_values(command, estimator, "option file; see `rio options`");
-  command->add_option("--preset", estimator->preset,
-                      "default, published-ekf, published-smoother, published-uncertainty or "
-                      "doppler-only; wins over the file's");
-  command->add_option("--backend", estimator->backend, "ekf or smoother, whatever the preset says")
-      ->check(CLI::IsMember({"ekf", "smoother"}));
-}
-
 void add_info_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("info", "What is in a bag: topics, rates, clocks, fields of the points");
-  auto path = std::make_shared<std::string>();
-  command
-      ->add_option("FILE", *path, "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts")
-      ->required();
-  command->callback([path] { info(*path); });
+  const Command command(app, "info",
+                        "What is in a bag: topics, rates, clocks, fields of the points");
+  command.add("FILE", command.runs(&info),
+              "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts", kRequired);
 }
 
 void add_convert_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "convert", "Write a bag as a folder in ASL/EuRoC layout, or a folder as MCAP");
-  auto arguments = std::make_shared<ConvertArguments>();
-  command
-      ->add_option(
-          "FILE", arguments->recording,
-          "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts, or in ASL layout")
-      ->required();
-  command->add_option("OUT", arguments->out, "folder to write, or file *.mcap")->required();
-  command->add_flag("--force", arguments->force,
-                    "overwrite a recording in OUT, with what was filled in there by hand");
-  add_recording_options(command, &arguments->how);
-  command->callback([arguments] { convert(*arguments); });
+  const Command command(app, "convert",
+                        "Write a bag as a folder in ASL/EuRoC layout, or a folder as MCAP");
+  ConvertArguments* to = command.runs(&convert);
+  command.add("FILE", &to->recording,
+              "ROS 1 bag, MCAP, or .db3 of rosbag2; or a folder of its parts, or in ASL layout",
+              kRequired);
+  command.add("OUT", &to->out, "folder to write, or file *.mcap", kRequired);
+  command.add("--force", &to->force,
+              "overwrite a recording in OUT, with what was filled in there by hand");
+  add_recording_options(command, &to->how);
 }
 
 void add_check_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "check",
+  const Command command(
+      app, "check",
       "Is a recording what an estimator takes it to be? Stamps, units, Doppler, axes and delays,\n"
       "each ok, doubtful or wrong, with what to change. Exit status 3 if something is wrong");
-  auto arguments = std::make_shared<CheckArguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
-      ->required();
-  add_option_values(command, &arguments->values,
+  CheckArguments* to = command.runs(&check_recording);
+  command.add("DATASET", &to->dataset, kFolderOrBag, kRequired);
+  add_option_values(command, &to->values,
                     "option file with what is known of the sensors, as the mounting");
-  command->add_flag("--json", arguments->json, "print one JSON line instead of the sentences");
-  add_recording_options(command, &arguments->how);
-  command->callback([arguments] { check_recording(*arguments); });
+  command.add("--json", &to->json, "print one JSON line instead of the sentences");
+  add_recording_options(command, &to->how);
 }
 
 void add_replay_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("replay", "Run a recording through the estimator");
-  auto arguments = std::make_shared<ReplayArguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
-      ->required();
-  add_estimator_options(command, &arguments->estimator);
-  command->add_option("--init", arguments->init,
-                      "groundtruth, static or a file; by default groundtruth if there is one");
+  const Command command(app, "replay", "Run a recording through the estimator");
+  ReplayArguments* to = command.runs(&replay);
+  command.add("DATASET", &to->dataset, kFolderOrBag, kRequired);
+  add_estimator_options(command, &to->estimator);
+  command.add("--init", &to->init, kInit);
   command
-      ->add_option("--init-velocity", arguments->init_velocity,
-                   "velocity of the start in the world [m/s]; its covariance stays")
+      .add("--init-velocity", &to->init_velocity,
+           "velocity of the start in the world [m/s]; its covariance stays")
       ->expected(3);
-  command->add_option("--out", arguments->out, "trajectory to write, TUM format");
-  command->add_option("--states", arguments->states,
-                      "states with covariance to write, csv; P is that of position, attitude (body "
-                      "axes), velocity");
-  add_view_options(command, &arguments->view, "What a person looks at");
-  command->add_flag("--barometer", arguments->barometer,
-                    "use the heights of baro0, their offset estimated");
-  command->add_flag("--no-check", arguments->no_check,
-                    "do not check the recording at the end, as `rio check` does");
-  command->add_flag("--json", arguments->json, "print one JSON line instead of the summary");
-  command->add_flag("--verbose", arguments->verbose, "a line per scan before the summary");
-  command->add_flag("--quiet", arguments->quiet, "no line per scan, whatever else is given");
-  add_recording_options(command, &arguments->how);
-  command->callback([arguments] { replay(*arguments); });
+  add_path_files(command, &to->out, &to->states);
+  add_view_options(command.under("What a person looks at"), &to->view);
+  command.add("--barometer", &to->barometer, "use the heights of baro0, their offset estimated");
+  command.add("--no-check", &to->no_check,
+              "do not check the recording at the end, as `rio check` does");
+  command.add("--json", &to->json, "print one JSON line instead of the summary");
+  command.add("--verbose", &to->verbose, "a line per scan before the summary");
+  command.add("--quiet", &to->quiet, "no line per scan, whatever else is given");
+  add_recording_options(command, &to->how);
+}
+
+void add_evaluate_command(CLI::App& app) {
+  const Command command(app, "evaluate", "Compare an estimated path with the true one");
+  EvaluateArguments* to = command.runs(&evaluate);
+  command.add("TRUTH", &to->truth, kTrajectory, kRequired);
+  command.add("ESTIMATE", &to->estimates, "same formats; several give a table of a row each",
+              kRequired);
+  add_alignment(command, &to->align,
+                "for MAE, RMSE, drift, yaw and tilt: none (as the papers), origin, yaw, se3");
+  command.add("--json", &to->json, "print one JSON line an estimate");
+  command.add("--max-diff", &to->max_diff,
+              "largest difference of stamps if the truth is too sparse to interpolate [s]",
+              CLI::NonNegativeNumber, kShown);
+  command.add("--mae-at", &to->mae_at,
+              "also the norm of MAE up to this length of the true path [m]", CLI::PositiveNumber);
 }
 
 void add_compare_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "compare",
+  const Command command(
+      app, "compare",
       "Runs of one recording side by side: presets, back-ends, options, other estimators");
-  auto arguments = std::make_shared<CompareArguments>();
-  command
-      ->add_option("RUN", arguments->runs,
-                   "recordings, which are replayed, and trajectories (TUM, EuRoC csv)")
-      ->required();
-  command
-      ->add_option("--preset", arguments->presets, "several, separated by commas: a run with each")
+  CompareArguments* to = command.runs(&compare);
+  command.add("RUN", &to->runs, "recordings, which are replayed, and trajectories (TUM, EuRoC csv)",
+              kRequired);
+  command.add("--preset", &to->presets, "several, separated by commas: a run with each")
       ->delimiter(',');
-  command->add_option("--backend", arguments->backends, "ekf, smoother or both, with a comma")
-      ->delimiter(',')
-      ->check(CLI::IsMember({"ekf", "smoother"}));
   command
-      ->add_option("--vary", arguments->vary,
-                   "KEY=VALUE,VALUE,...: a run with each; several: every combination")
-      ->allow_extra_args(false);
-  add_option_values(command, &arguments->estimator, "option file; see `rio options`");
-  command->add_option("--init", arguments->init,
-                      "groundtruth, static or a file; by default groundtruth if there is one");
-  command->add_option("--truth", arguments->truth,
-                      "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of "
-                      "the recording");
-  command
-      ->add_option("--align", arguments->align,
-                   "lay the estimates over the truth first: none, origin, yaw, se3")
-      ->check(CLI::IsMember({"none", "origin", "yaw", "se3"}))
-      ->capture_default_str();
-  command->add_option("--report", arguments->report,
-                      "page to write, HTML: table, paths, differences");
-  add_recording_options(command, &arguments->how, false);
-  command->callback([arguments] { compare(*arguments); });
+      .add("--backend", &to->backends, "ekf, smoother or both, with a comma",
+           CLI::IsMember({"ekf", "smoother"}))
+      ->delimiter(',');
+  command.add("--vary", &to->vary,
+              "KEY=VALUE,VALUE,...: a run with each; several: every combination", kOneEach);
+  add_option_values(command, &to->estimator, "option file; see `rio options`");
+  command.add("--init", &to->init, kInit);
+  command.add("--truth", &to->truth,
+              "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of "
+              "the recording");
+  add_alignment(command, &to->align);
+  command.add("--report", &to->report, "page to write, HTML: table, paths, differences");
+  add_recording_options(command, &to->how, false);
+}
+
+/// rio-lab has its own options and its own help.
+void add_experiment_command(CLI::App& app) {
+  const Command command(app, "experiment",
+                        "Answer a question with many simulated flights (starts rio-lab)");
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([command] { experiment(command->remaining()); });
+}
+
+void add_plot_command(CLI::App& app) {
+  const Command command(app, "plot", "Draw paths, heights and errors as an SVG file");
+  PlotArguments* to = command.runs(&plot);
+  command.add("ESTIMATE", &to->estimates, kTrajectory, kRequired);
+  CLI::Option* truth =
+      command.add("--truth", &to->truth, "true path: same formats; adds the errors");
+  command.add("--label", &to->labels, "names for the legend, one for each estimate");
+  add_alignment(command, &to->align)->needs(truth);
+  command.add("--out", &to->out, "SVG file to write", kRequired);
 }
 
 void add_fit_noise_command(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("fit-noise", "Estimate the noise of the radar from a recording");
-  auto arguments = std::make_shared<FitNoiseArguments>();
-  command->add_option("DATASET", arguments->dataset, "folder in ASL/EuRoC layout, or a bag")
-      ->required();
-  add_option_values(command, &arguments->values, "option file; its sigmas are where it starts");
-  command->add_option("--init", arguments->init, "static, groundtruth or a file")
-      ->capture_default_str();
-  command->add_flag("--no-truth", arguments->no_truth,
-                    "hold the Doppler against the estimated velocity, not the true one");
-  add_recording_options(command, &arguments->how);
-  command->callback([arguments] { fit_noise(*arguments); });
+  const Command command(app, "fit-noise", "Estimate the noise of the radar from a recording");
+  FitNoiseArguments* to = command.runs(&fit_noise);
+  command.add("DATASET", &to->dataset, kFolderOrBag, kRequired);
+  add_option_values(command, &to->values, "option file; its sigmas are where it starts");
+  command.add("--init", &to->init, "static, groundtruth or a file", kShown);
+  command.add("--no-truth", &to->no_truth,
+              "hold the Doppler against the estimated velocity, not the true one");
+  add_recording_options(command, &to->how);
 }
 
 void add_calibrate_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand(
-      "calibrate",
+  const Command command(
+      app, "calibrate",
       "Estimate mounting, time offset and Doppler scale of the radar and the noise of the sensors");
-  auto arguments = std::make_shared<CalibrateArguments>();
-  command
-      ->add_option(
-          "DATASET", arguments->datasets,
-          "folders in ASL/EuRoC layout, or bags, of one and the same mounting; each begins at "
-          "rest")
-      ->required();
-  command->add_option("--out", arguments->out,
-                      "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
-  command->add_flag("--overwrite", arguments->overwrite, "replace sensor files in --out");
-  add_option_values(command, &arguments->values, "option file; its calibration.* are the priors");
-  command->add_flag("--json", arguments->json, "print one JSON line instead of the table");
-  add_recording_options(command, &arguments->how);
-  command->callback([arguments] { calibrate(*arguments); });
+  CalibrateArguments* to = command.runs(&calibrate);
+  command.add("DATASET", &to->datasets,
+              "folders in ASL/EuRoC layout, or bags, of one and the same mounting; each begins at "
+              "rest",
+              kRequired);
+  command.add("--out", &to->out,
+              "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
+  command.add("--overwrite", &to->overwrite, "replace sensor files in --out");
+  add_option_values(command, &to->values, "option file; its calibration.* are the priors");
+  command.add("--json", &to->json, "print one JSON line instead of the table");
+  add_recording_options(command, &to->how);
 }
 
 void add_options_command(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("options", "Print every option as a file to start from");
-  auto arguments = std::make_shared<FlownOptionsArguments>();
-  auto name = std::make_shared<std::string>("default");
-  CLI::Option* preset = command
-                            ->add_option("--preset", *name,
-                                         "default, published-ekf, published-smoother, "
-                                         "published-uncertainty or doppler-only")
-                            ->capture_default_str();
-  auto compare = std::make_shared<bool>(false);
-  command->add_flag("--compare", *compare, "the options in which the presets differ, as a table");
-  command->add_option(
-      "--from", arguments->dataset,
-      "the options that a replay of this folder or bag uses, sensor files and --config included");
-  add_option_values(command, &arguments->estimator, "option file, as of `rio replay`");
-  add_recording_options(command, &arguments->how);
-  command->callback([arguments, name, compare, preset] {
-    if (preset->count() > 0) arguments->estimator.preset = *name;
-    const io::OptionValues& values = arguments->estimator;
-    if (arguments->dataset.empty() && arguments->how != RecordingArguments{}) {
-      throw CLI::ValidationError("options of a bag are given, but no --from");
-    }
-    if (arguments->dataset.empty() && !(values.config.empty() && values.set.empty())) {
-      throw CLI::ValidationError("--config and --set need --from");
-    }
-    if (*compare) {
-      compare_presets();
-    } else if (!arguments->dataset.empty()) {
-      print_flown_options(*arguments);
-    } else {
-      print_options(*name);
-    }
-  });
+  const Command command(app, "options", "Print every option as a file to start from");
+  OptionsArguments* to = command.runs(&print_checked_options);
+  command
+      .add("--preset", &to->estimator.preset,
+           "default, published-ekf, published-smoother, published-uncertainty or doppler-only")
+      ->default_str("default");
+  command.add("--compare", &to->compare, "the options in which the presets differ, as a table");
+  command.add("--from", &to->dataset,
+              "the options that a replay of this folder or bag uses, sensor files and --config "
+              "included");
+  add_option_values(command, &to->estimator, "option file, as of `rio replay`");
+  add_recording_options(command, &to->how);
 }
 
 }  // namespace rio::tools

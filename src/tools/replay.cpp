@@ -15,7 +15,6 @@
 
 #include "commands.hpp"
 #include "findings.hpp"
-#include "notes.hpp"
 #include "outputs.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
@@ -87,10 +86,7 @@ class Replay {
     std::string why;
     odometry_ = Odometry::create(used, &why);
     if (odometry_ == nullptr) throw std::runtime_error(why);
-    if (!arguments.init_velocity.empty()) {
-      const std::vector<double>& v = arguments.init_velocity;
-      init_velocity_ = Vector3d(v[0], v[1], v[2]);
-    }
+    if (!arguments.init_velocity.empty()) init_velocity_ = Vector3d(arguments.init_velocity.data());
     summary_.initialised_by = start ? start->source : "static";
     if (view->any()) view->begin(run_start(arguments, recording, used, start ? start->source : ""));
     feed_.emplace(samples_, kept);
@@ -281,10 +277,6 @@ class Replay {
   ReplaySummary summary_;
 };
 
-}  // namespace
-
-namespace {
-
 /// What `check` found, as the causes.
 std::string no_start_text(const std::optional<check::Findings>& data) {
   std::string text =
@@ -336,7 +328,7 @@ void replay(const ReplayArguments& arguments) {
     fmt::print("{}", summary.text());
   }
   if (summary.health.lost()) {
-    throw LostEstimate(fmt::format(
+    throw WrongResult(fmt::format(
         "the estimate is lost: {}; fastest {:.3g} m/s, farthest {:.3g} m; check units, axes, "
         "mounting and the start",
         summary.health.lost_because(), summary.fastest, summary.farthest));

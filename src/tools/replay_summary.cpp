@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "findings.hpp"
-#include "view/calibration_names.hpp"
 
 namespace rio::tools {
 
@@ -47,24 +46,6 @@ double realtime_factor(const ReplaySummary& s) {
 
 Model model_at(std::size_t i) {
   return static_cast<Model>(i);
-}
-
-std::string calibration_text(const std::array<CalibrationReport, kCalibrationCount>& of_radar,
-                             std::size_t r) {
-  std::string out;
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const CalibrationReport& c = of_radar[i];
-    if (c.observability == Observability::kNotEstimated) continue;
-    const view::CalibrationName& name = view::kCalibrationNames[i];
-    out +=
-        fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", view::calibration_name(i, r),
-                    name.scale * c.value, name.unit, name.scale * c.sigma,
-                    name.scale * c.prior_sigma, to_string(c.observability));
-    if (c.observability == Observability::kDoubtful || c.observability == Observability::kAtLimit) {
-      out += fmt::format("  check {}\n", view::calibration_check(i, r));
-    }
-  }
-  return out;
 }
 
 }  // namespace
@@ -112,13 +93,10 @@ std::string ReplaySummary::json() const {
                                         {"rows_gated", models[i].rows_gated}};
   }
   Json calibrated = Json::object();
-  for (std::size_t r = 0; r < calibration.size(); ++r) {
-    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-      const CalibrationReport& c = calibration[r][i];
-      if (c.observability == Observability::kNotEstimated) continue;
-      calibrated[view::calibration_name(i, r)] = {
-          {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.observability)}};
-    }
+  for (const CalibrationLine& line : calibration_lines(calibration)) {
+    const CalibrationReport& c = line.report;
+    calibrated[line.name] = {
+        {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.observability)}};
   }
   const Vector3d& p = last_position;
   Json all = {
@@ -191,7 +169,11 @@ std::string ReplaySummary::text() const {
       "time\n",
       update.mean, update.p99, update.max, propagation.mean, realtime_factor(*this));
 
-  for (std::size_t r = 0; r < calibration.size(); ++r) out += calibration_text(calibration[r], r);
+  for (const auto& [name, unit, scale, c, check] : calibration_lines(calibration)) {
+    out += fmt::format("{}: {:+.2f} {} +- {:.2f} (prior {:.2f}), {}\n", name, scale * c.value, unit,
+                       scale * c.sigma, scale * c.prior_sigma, to_string(c.observability));
+    if (!check.empty()) out += fmt::format("  check {}\n", check);
+  }
 
   const std::pair<const char*, std::uint64_t> irregular[] = {
       {"scans before the start", static_cast<std::uint64_t>(scans_before_start)},

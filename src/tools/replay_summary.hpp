@@ -26,9 +26,9 @@ struct ReplaySummary {
   std::vector<double> update_ms;
   std::vector<double> propagation_ms;
   std::array<ModelReport, kModelCount> models{};
-  std::vector<std::array<CalibrationReport, kCalibrationCount>> calibration;  ///< by radar, last
-  int clones = 0;                                                             ///< at the end
-  int landmarks = 0;                                                          ///< at the end
+  Calibrations calibration;  ///< last
+  int clones = 0;            ///< at the end
+  int landmarks = 0;         ///< at the end
   Vector3d first_position = Vector3d::Zero();
   Vector3d last_position = Vector3d::Zero();
   double path_length = 0.0;  ///< through the scans [m]

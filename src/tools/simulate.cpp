@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio simulate`: a flight of a scenario with exact truth, written as a dataset.
+// `rio simulate`: a flight of a scenario with exact truth, written as a dataset. `rio scenarios`:
+// the catalogue of them, or one with units and meaning.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,11 +12,11 @@
 #include <string>
 
 #include "commands.hpp"
-#include "play.hpp"
 #include "progress.hpp"
 #include "rio/io/flight_dataset.hpp"
 #include "rio/io/scenario_yaml.hpp"
 #include "rio/io/text_file.hpp"
+#include "rio/sim/catalogue.hpp"
 #include "simulate.hpp"
 
 namespace rio::tools {
@@ -184,6 +185,16 @@ void simulate(const SimulateArguments& arguments) {
   live::CableNoise noise = arguments.cable;
   noise.seed = flight.scenario.seed;
   play_live(arguments.out, dataset, noise, arguments.speed);
+}
+
+void scenarios(const std::string& name_or_file) {
+  if (!name_or_file.empty()) {
+    fmt::print("{}", io::scenario_as_yaml(io::load_scenario(name_or_file)));
+    return;
+  }
+  for (const sim::CatalogueEntry& entry : sim::catalogue()) {
+    fmt::print("{:16}{}\n", entry.name, entry.summary);
+  }
 }
 
 }  // namespace rio::tools

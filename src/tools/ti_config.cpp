@@ -7,8 +7,8 @@
 #include <string>
 
 #include "commands.hpp"
+#include "live_ports.hpp"
 #include "rio/ti/config.hpp"
-#include "text_of.hpp"
 
 namespace rio::tools {
 
@@ -81,7 +81,7 @@ void print_json(bool known, const ConfigFigures& f, std::size_t points,
 }  // namespace
 
 void ti_config(const TiConfigArguments& arguments) {
-  const ti::Config config = ti::parse_config(text_of(arguments.file));
+  const ti::Config config = read_config(arguments.file);
   ti::RadarUse use;
   use.speed = arguments.speed;
   use.points = arguments.points;
@@ -97,11 +97,11 @@ void ti_config(const TiConfigArguments& arguments) {
     if (known) fmt::print("\nThe options that follow (--config):\n\n{}", ti::as_options(figures));
   }
   if (ti::other_firmware(config) != nullptr) {
-    throw WrongConfiguration(arguments.file + ": not judged");
+    throw WrongResult(arguments.file + ": not judged");
   }
   const auto wrong =
       std::count_if(findings.begin(), findings.end(), [](const LintFinding& f) { return f.wrong; });
-  if (wrong > 0) throw WrongConfiguration(fmt::format("{}: {} wrong", arguments.file, wrong));
+  if (wrong > 0) throw WrongResult(fmt::format("{}: {} wrong", arguments.file, wrong));
 }
 
 }  // namespace rio::tools

@@ -3,11 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
-#include "view/calibration_names.hpp"
 #include "view/csv_log.hpp"
 #include "view/messages.hpp"
 #ifdef RIO_HAS_LIBWEBSOCKETS
@@ -17,11 +16,6 @@
 namespace rio::tools {
 
 namespace {
-
-std::string calibration_line(const CalibrationReport& c, const view::CalibrationName& name) {
-  return fmt::format("{:+.2f} {} ± {:.2f}, {}", name.scale * c.value, name.unit,
-                     name.scale * c.sigma, to_string(c.observability));
-}
 
 void fill_card(const ReplaySummary& summary, view::Page* page) {
   page->verdict = summary.health.verdict();
@@ -37,17 +31,12 @@ void fill_card(const ReplaySummary& summary, view::Page* page) {
     card.push_back({"Real-time factor",
                     fmt::format("{:.0f}", to_seconds(summary.span) / to_seconds(summary.wall))});
   }
-  for (std::size_t r = 0; r < summary.calibration.size(); ++r) {
-    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-      const CalibrationReport& c = summary.calibration[r][i];
-      const bool doubtful =
-          c.observability == Observability::kDoubtful || c.observability == Observability::kAtLimit;
-      if (c.observability == Observability::kNotEstimated) continue;
-      std::string name = view::calibration_name(i, r);
-      for (char& letter : name) letter = letter == '_' ? ' ' : letter;
-      card.push_back({name, calibration_line(c, view::kCalibrationNames[i]),
-                      doubtful ? "check " + view::calibration_check(i, r) : ""});
-    }
+  for (auto [name, unit, scale, c, check] : calibration_lines(summary.calibration)) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    card.push_back({name,
+                    fmt::format("{:+.2f} {} ± {:.2f}, {}", scale * c.value, unit, scale * c.sigma,
+                                to_string(c.observability)),
+                    check.empty() ? "" : "check " + check});
   }
   page->card = std::move(card);
 }

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -14,11 +13,10 @@
 #include "rio/io/barometer.hpp"
 #include "rio/models/aids.hpp"
 #include "support/measured.hpp"
+#include "support/real_data.hpp"
 
 namespace rio::test {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct Heights {
   double held_back = 0.0;  ///< RMS against the mean of each second of the held-back samples [m]
@@ -79,11 +77,8 @@ class Barometer : public testing::TestWithParam<BackEnd> {
 };
 
 TEST_P(Barometer, IsAnAid) {
-  const char* folder = std::getenv("RIO_TEST_DATA");
-  const fs::path path = fs::path(folder != nullptr ? folder : "") / "ti_demo";
-  if (folder == nullptr || !fs::exists(path)) {
-    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
-  }
+  const std::filesystem::path path = real_data("ti_demo");
+  if (path.empty()) GTEST_SKIP() << kNoRealData;
   const experiment::Recording recording = experiment::find_recordings(path).front();
   const Heights alone = fly(recording.data, false);
   const Heights aided = fly(recording.data, true);

@@ -26,9 +26,7 @@ std::set<std::string> commands() {
 }
 
 TEST(Describe, TheManualNamesEveryCommandAndFlag) {
-  const Outcome manual = rio("describe man");
-  ASSERT_EQ(manual.status, 0);
-  std::string text = manual.output;
+  std::string text = rio("describe man").output;
   for (std::size_t at; (at = text.find("\\-")) != std::string::npos;) text.erase(at, 1);
   EXPECT_GT(commands().size(), 12U);
   EXPECT_EQ(commands().count("describe"), 0U);
@@ -39,9 +37,7 @@ TEST(Describe, TheManualNamesEveryCommandAndFlag) {
     if (command == "experiment") continue;  // has a help of its own
     const auto flags = words(rio(command + " --help").output, "\n  (?:-h,)?(--[a-z-]+)");
     EXPECT_FALSE(flags.empty()) << command;
-    for (const std::string& flag : flags) {
-      EXPECT_PRED2(contains, section, "\n.B " + flag + " ") << command;
-    }
+    for (const std::string& flag : flags) expect_parts(section, {"\n.B " + flag + " "});
   }
   // troff knows the requests that are used, and no line of text is taken for one
   const std::set<std::string> requests = words(text, "\n\\.([A-Z]+)");
@@ -57,8 +53,7 @@ std::string completed(const std::string& words) {
 }
 
 TEST(Describe, BashCompletesCommandsFlagsAndTheirWords) {
-  EXPECT_EQ(run_command(std::string("bash -c '") + RIO_TOOL + " describe bash | bash -n'").status,
-            0);
+  EXPECT_EQ(run_command("bash -c '" RIO_TOOL " describe bash | bash -n'").code, 0);
   EXPECT_EQ(completed("rio rep"), "replay\n");
   EXPECT_EQ(completed("rio replay --bar"), "--barometer\n");
   EXPECT_EQ(completed("rio replay --backend sm"), "smoother\n");

@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio simulate --live` and `rio live` as a user runs them, side by side, on pseudo-terminals.
-#include <sys/wait.h>
-
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <future>
 #include <iostream>
-#include <map>
-#include <nlohmann/json.hpp>
+#include <iterator>
 #include <sstream>
 #include <thread>
 
 #include "e2e/tool.hpp"
+#include "e2e/wire_points.hpp"
 #include "examples/03_live_loop/hardware.hpp"
 #include "live/pty.hpp"
 #include "rio/sim/ti_packet.hpp"
@@ -21,8 +18,6 @@
 
 namespace rio::test {
 namespace {
-
-using Json = nlohmann::json;
 
 constexpr const char* kSpeed = " --speed 3";  // 12 s of flight in 4
 constexpr int kTries = 3;                     // of a flight that a busy machine made another
@@ -42,12 +37,12 @@ class Live : public Tool {
     const std::string out = file(name);
     std::ofstream(file("short.yaml")) << "seed: 9\nmax_duration: 12 s\n";
     auto player = std::async(std::launch::async, [&] {
-      return rio("simulate " + out + " --scenario " + file("short.yaml") + " --live" + kSpeed +
-                 simulate);
+      return try_rio("simulate " + out + " --scenario " + file("short.yaml") + " --live" + kSpeed +
+                     simulate);
     });
     EXPECT_TRUE(appears(out + "/radar0/port"));
-    Outcome run = rio("live --sensors " + out + " --radar " + out + "/radar0/port --imu " + out +
-                      "/imu0/port --patience 0 --json" + kSpeed + live + " 2>/dev/null");
+    Outcome run = try_rio("live --sensors " + out + " --radar " + out + "/radar0/port --imu " +
+                          out + "/imu0/port --patience 0 --json" + kSpeed + live + " 2>/dev/null");
     return {player.get(), run};
   }
 
@@ -64,12 +59,12 @@ class Live : public Tool {
               " --record " + recording + " --states " + states + " --out " + recording + ".tum");
       const std::string again = file("again.csv");
       const Outcome replay =
-          rio("replay " + recording + " --init static --no-check --states " + again);
-      if (player.status != 0 || live.status != 0 || replay.status != 0) {
+          try_rio("replay " + recording + " --init static --no-check --states " + again);
+      if (player.code != 0 || live.code != 0 || replay.code != 0) {
         std::cerr << player.output << live.output << replay.output;
         continue;
       }
-      *run = Json::parse(live.last_line());
+      *run = live.json();
       const std::size_t rows = lines_of(states).size();
       if (rows > 50 && equal_rows(states, again) == rows &&
           lines_of(recording + ".tum").size() == rows) {
@@ -81,25 +76,14 @@ class Live : public Tool {
     return false;
   }
 
-  /// States by stamp.
-  static std::map<std::string, std::string> states_of(const std::string& path) {
-    std::map<std::string, std::string> rows;
-    for (const std::string& line : lines_of(path)) {
-      const std::size_t comma = line.find(',');
-      rows[line.substr(0, comma)] = line.substr(comma);
-    }
-    return rows;
-  }
-
   /// Rows of `a` that `b` has to the last digit.
   static std::size_t equal_rows(const std::string& a, const std::string& b) {
-    const auto other = states_of(b);
-    std::size_t equal = 0;
-    for (const auto& [stamp, row] : states_of(a)) {
-      const auto found = other.find(stamp);
-      equal += found != other.end() && found->second == row ? 1 : 0;
-    }
-    return equal;
+    std::vector<std::string> rows = lines_of(a), others = lines_of(b), equal;
+    std::sort(rows.begin(), rows.end());
+    std::sort(others.begin(), others.end());
+    std::set_intersection(rows.begin(), rows.end(), others.begin(), others.end(),
+                          std::back_inserter(equal));
+    return equal.size();
   }
 };
 
@@ -109,11 +93,10 @@ TEST_F(Live, ShowsTheFlightWhileItHappens) {
   const auto [player, live] =
       fly("shown", "",
           " --mcap " + mcap + " --view 0 --report " + page + " --states " + file("shown.csv"));
-  ASSERT_EQ(live.status, 0) << live.output << player.output;
+  ASSERT_EQ(live.code, 0) << live.output << player.output;
   const std::size_t rows = lines_of(file("shown.csv")).size();
   EXPECT_GT(rows, 50U);
   const Outcome info = rio("info " + mcap);
-  ASSERT_EQ(info.status, 0) << info.output;
   for (const char* topic : {"/tf ", "/odometry ", "/radar0/points "}) {
     const std::size_t at = info.output.find(topic);
     ASSERT_NE(at, std::string::npos) << topic << info.output;
@@ -142,20 +125,15 @@ TEST_F(Live, IsTheReplayOfWhatItRecorded) {
 TEST_F(Live, RecordsMcapThatReplaysAsTheFolder) {
   const auto [player, run] = fly("flown", " --damaged 0.02 --split 0.2",
                                  " --record " + file("f") + " --record " + file("f.mcap"));
-  ASSERT_EQ(run.status, 0) << run.output;
+  ASSERT_EQ(run.code, 0) << run.output;
   const auto replay = [](const std::string& recording, const std::string& states) {
     return rio("replay " + recording + " --init static --no-check --states " + file(states));
   };
-  ASSERT_EQ(replay(file("f"), "f.csv").status, 0);
-  const Outcome mcap = replay(file("f.mcap") + " --sensors " + file("f"), "m.csv");
-  ASSERT_EQ(mcap.status, 0) << mcap.output;
-  EXPECT_EQ(mcap.output.find("mounting"), std::string::npos) << mcap.output;
+  replay(file("f"), "f.csv");
+  expect_none(replay(file("f.mcap") + " --sensors " + file("f"), "m.csv").output, {"mounting"});
   EXPECT_GT(lines_of(file("f.csv")).size(), 50U);
   EXPECT_EQ(dir_->read("f.csv"), dir_->read("m.csv"));
-  const Outcome info = rio("info " + file("f.mcap"));
-  EXPECT_EQ(info.status, 0) << info.output;
-  EXPECT_NE(info.output.find("/radar0  sensor_msgs/PointCloud2"), std::string::npos) << info.output;
-  EXPECT_NE(info.output.find("points preset mav"), std::string::npos) << info.output;
+  rio("info " + file("f.mcap"), {"/radar0  sensor_msgs/PointCloud2", "points preset mav"});
 }
 
 /// Killed in flight: all but the last second is there.
@@ -163,11 +141,8 @@ TEST_F(Live, AnMcapOfAKilledRunIsReadable) {
   const auto [player, run] =
       fly("killed", "", " --record " + file("k.mcap") + " & sleep 3; kill -9 $!; wait $!; true");
   ASSERT_TRUE(fs::exists(file("k.mcap"))) << run.output;
-  const Outcome info = rio("info " + file("k.mcap"));
-  EXPECT_EQ(WEXITSTATUS(info.status), 1);
-  EXPECT_NE(info.output.find("What stands before was used."), std::string::npos) << info.output;
-  const Outcome convert = rio("convert " + file("k.mcap") + " " + file("k"));
-  EXPECT_EQ(WEXITSTATUS(convert.status), 1);
+  fails(1, "info " + file("k.mcap"), {"What stands before was used."});
+  fails(1, "convert " + file("k.mcap") + " " + file("k"), {"What stands before was used."});
   measured("seconds of IMU in 3 s at three times the speed, killed",
            static_cast<double>(lines_of(file("k") + "/imu0/data.csv").size()) / 200.0, "4 to 10");
   EXPECT_GT(lines_of(file("k") + "/imu0/data.csv").size(), 4U * 200);
@@ -177,31 +152,13 @@ TEST_F(Live, AnMcapOfAKilledRunIsReadable) {
 TEST_F(Live, ABadCableInventsNothing) {
   const auto [player, run] = fly("bad", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2",
                                  " --record " + file("bad_rec"));
-  ASSERT_EQ(run.status, 0) << run.output;
-  const Json json = Json::parse(run.last_line());
+  ASSERT_EQ(run.code, 0) << run.output;
+  const Json json = run.json();
   EXPECT_GT(json["live"]["packets_lost"], 0);
   EXPECT_GT(json["live"]["imu_lost"], 0);
-  EXPECT_FALSE(json["verdict"].get<std::string>().starts_with("lost"));
-  const auto points = [](const fs::path& dataset) {
-    std::map<std::string, std::vector<std::array<float, 4>>> scans;
-    for (const std::string& line : lines_of(dataset / "radar0/data.csv")) {
-      std::array<float, 4> point{};
-      std::istringstream fields(line);
-      std::string stamp, field;
-      std::getline(fields, stamp, ',');
-      for (float& value : point) {
-        std::getline(fields, field, ',');
-        value = field.empty() ? 0.0F : std::stof(field);
-      }
-      scans[stamp].push_back(point);
-    }
-    std::vector<std::vector<std::array<float, 4>>> sorted;
-    for (auto& [stamp, scan] : scans) sorted.push_back(std::move(scan));
-    std::sort(sorted.begin(), sorted.end());
-    return sorted;
-  };
-  const auto sent = points(file("bad"));
-  const auto came = points(file("bad_rec"));
+  expect_none(json["verdict"], {"lost: "});
+  const auto sent = wire_points(io::read_dataset(file("bad")));
+  const auto came = wire_points(io::read_dataset(file("bad_rec")));
   std::size_t accounted = came.size();
   for (const char* what : {"packets_lost", "packets_made_up", "packets_untimed"}) {
     accounted += json["live"][what].get<std::size_t>();
@@ -265,18 +222,14 @@ TEST_F(Live, SendsTheConfigurationFirst) {
   const std::string live = "live --patience 0 --radar " + file("nothing") + " --imu " +
                            file("nothing") + " --radar-cfg " + cfg + " --cli ";
   CliRadar radar;
-  (void)rio(live + radar.path());
+  (void)try_rio(live + radar.path());
   std::string wanted;
   for (const std::string& line : lines_of(cfg)) {
     if (!line.starts_with('%')) wanted += line + "\n";
   }
   EXPECT_EQ(radar.lines(), wanted + "sensorStop\n");
   CliRadar strict("profileCfg");
-  const Outcome refused = rio(live + strict.path());
-  EXPECT_EQ(WEXITSTATUS(refused.status), 1);
-  EXPECT_NE(refused.output.find("profileCfg: the radar says \"Error: Invalid range; Error -1\""),
-            std::string::npos)
-      << refused.output;
+  fails(1, live + strict.path(), {"profileCfg: the radar says \"Error: Invalid range; Error -1\""});
 }
 
 /// One line to the autopilot, both ways; the program ends by a signal, which comes twice, as that
@@ -289,90 +242,72 @@ TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
                   " --imu " + line + " --imu-format mavlink --mavlink " + line +
                   " --speed 5 --json & rio=$!; sleep 5; kill -INT $rio; sleep 0.002; "
                   "kill -INT $rio 2>/dev/null; wait $rio; }");
-  ASSERT_EQ(run.status, 0) << run.output;
-  const Json json = Json::parse(run.last_line());
+  ASSERT_EQ(run.code, 0) << run.output;
+  const Json json = run.json();
   EXPECT_GT(json["scans"], 30);
   EXPECT_GT(hardware.odometry_received(), 200);
   EXPECT_EQ(json["live"]["odometry_sent"], hardware.odometry_received());
 }
 
-/// The IMU of a flight, and packets of such points, read at once: what the program says and its
-/// status.
+/// A file with these bytes.
+std::string write_bytes(const std::string& path, const sim::Bytes& bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
+  return path;
+}
+
+void append(const sim::Bytes& bytes, sim::Bytes* log) {
+  log->insert(log->end(), bytes.begin(), bytes.end());
+}
+
+/// The IMU of a flight, and packets of such points, read at once.
 TEST_F(Live, FailsWhereNoScanIsOfUse) {
-  const auto write = [](const std::string& name, const sim::Bytes& bytes) {
-    std::ofstream(file(name), std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
-    return file(name);
-  };
-  const auto said = [&](std::uint32_t packets, float range) {
+  const auto log_of = [&](std::uint32_t packets, float range) {
     sim::Bytes log;
     for (std::uint32_t number = 1; number <= packets; ++number) {
       const std::vector<sim::WrittenPoint> points(9, {range, range, 0.0F, 1.0F, 200, 400});
-      const sim::Bytes bytes = sim::packet_of(number, points).bytes();
-      log.insert(log.end(), bytes.begin(), bytes.end());
+      append(sim::packet_of(number, points).bytes(), &log);
     }
-    const Outcome run = rio("live --sensors " + flight_ + " --radar " + write("log.bin", log) +
-                            " --imu-format csv --imu " + flight_ + "/imu0/data.csv --patience 0");
-    EXPECT_EQ(WEXITSTATUS(run.status), 1) << run.output;
-    return run.output;
+    return write_bytes(file("log.bin"), log);
   };
-  const std::string at_once = said(300, 3.0F), far_away = said(1, 1e30F);
-  EXPECT_NE(at_once.find("rio: radar 0: the packets come all at once"), std::string::npos)
-      << at_once;
-  EXPECT_NE(far_away.find("no scan gave an update"), std::string::npos) << far_away;
+  const std::string live = "live --sensors " + flight_ + " --imu-format csv --imu " + flight_ +
+                           "/imu0/data.csv --patience 0 --radar ";
+  fails(1, live + log_of(300, 3.0F), {"rio: radar 0: the packets come all at once"});
+  fails(1, live + log_of(1, 1e30F), {"no scan gave an update"});
 }
 
 /// Two radars without a scan: each with its cause, in every place.
 TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
-  const auto write = [](const std::string& name, const sim::Bytes& bytes) {
-    std::ofstream(file(name), std::ios::binary)
-        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
-    return file(name);
-  };
   sim::Bytes old;
   for (std::uint32_t number = 1; number <= 9; ++number) {
     sim::WrittenPacket packet = sim::packet_of(number, {});
     packet.version = 0x02010004;
-    const sim::Bytes bytes = packet.bytes();
-    old.insert(old.end(), bytes.begin(), bytes.end());
+    append(packet.bytes(), &old);
   }
   const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n\r\nmmwDemo:/>";
-  const std::string command = "live --sensors " + flight_ + " --radar " + write("old.bin", old) +
-                              " --radar " + write("cli.bin", {text.begin(), text.end()}) +
-                              " --imu " + file("nothing") + " --patience 0";
-  const char* causes[] = {"radar 0: packets of SDK 1 or 2, which are not read: load a demo of SDK",
-                          "radar 1: no packets, but text: this is the CLI port"};
-  const std::string to_files =
-      "sh -c '" RIO_TOOL " " + command + " >" + file("summary") + " 2>" + file("log") + "'";
-  EXPECT_EQ(WEXITSTATUS(run_command(to_files).status), 1);
-  const std::string log = dir_->read("log"), summary = dir_->read("summary");
-  const Outcome json = rio(command + " --json 2>/dev/null");
-  EXPECT_EQ(WEXITSTATUS(json.status), 1);
-  const Json live = Json::parse(json.last_line())["live"];
-  ASSERT_EQ(live["radars"].size(), 2U);
-  EXPECT_EQ(live["radars"][0]["other_firmware"], 9);
+  const std::string command = "live --sensors " + flight_ + " --radar " +
+                              write_bytes(file("old.bin"), old) + " --radar " +
+                              write_bytes(file("cli.bin"), {text.begin(), text.end()}) + " --imu " +
+                              file("nothing") + " --patience 0";
+  const std::string causes[] = {"packets of SDK 1 or 2, which are not read: load a demo of SDK",
+                                "no packets, but text: this is the CLI port"};
+  fails(1, command + " >" + file("summary"), {"radar 0: " + causes[0], "radar 1: " + causes[1]});
+  expect_parts(dir_->read("summary"), {causes[0], causes[1]});
+  const Json radars = fails(1, command + " --json 2>/dev/null", {}).json()["live"]["radars"];
+  ASSERT_EQ(radars.size(), 2U);
+  EXPECT_EQ(radars[0]["other_firmware"], 9);
   for (std::size_t r = 0; r < 2; ++r) {
-    const std::string cause = causes[r];
-    EXPECT_NE(log.find(cause), std::string::npos) << log;
-    EXPECT_NE(summary.find(cause.substr(9)), std::string::npos) << summary;
-    const std::string problem = live["radars"][r]["problem"];
-    EXPECT_EQ(problem.rfind(cause.substr(9), 0), 0U) << problem;
+    const std::string problem = radars[r]["problem"];
+    EXPECT_TRUE(problem.starts_with(causes[r])) << problem;
   }
 }
 
 TEST_F(Live, WrongCommandLines) {
-  const std::string imu = "--imu " + file("nothing") + " --patience 0";
-  EXPECT_EQ(WEXITSTATUS(rio("live " + imu).status), 2);
-  const Outcome no_rate = rio("live --radar " + file("nothing") + " " + imu);
-  EXPECT_NE(no_rate.output.find("frame rate of the radar is not known"), std::string::npos)
-      << no_rate.output;
-  const Outcome folder = rio("ti-config " + flight_);
-  EXPECT_NE(folder.output.find(flight_ + ": is a folder"), std::string::npos) << folder.output;
-  const Outcome nothing =
-      rio("live --radar " + file("nothing") + " " + imu + " --sensors " + flight_);
-  EXPECT_EQ(WEXITSTATUS(nothing.status), 1);
-  EXPECT_NE(nothing.output.find("nothing is not there"), std::string::npos) << nothing.output;
-  EXPECT_NE(nothing.output.find("no sample of the IMU"), std::string::npos) << nothing.output;
+  const std::string imu = "live --imu " + file("nothing") + " --patience 0";
+  const std::string both = imu + " --radar " + file("nothing");
+  fails(2, imu, {"--radar"});
+  fails(1, both, {"frame rate of the radar is not known"});
+  fails(1, both + " --sensors " + flight_, {"nothing is not there", "no sample of the IMU"});
 }
 
 }  // namespace

@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -17,8 +15,6 @@
 
 namespace rio::test {
 namespace {
-
-using Json = nlohmann::json;
 
 struct Replay {
   double peak = 0.0;  ///< resident memory [MB]
@@ -115,10 +111,10 @@ TEST_F(Memory, IsThatOfAShortFlight) {
 
 TEST_F(Memory, TenMinutesAreCheckedAsAWhole) {
   const std::string ten = long_flight("ten", 10, 1);
-  EXPECT_EQ(rio("replay " + ten + " --init static").output.find("s are checked"),
-            std::string::npos);
-  const std::string more = rio("replay " + long_flight("more", 11, 1) + " --init static").output;
-  EXPECT_NE(more.find("data: the first 600 s are checked"), std::string::npos) << more;
+  expect_none(try_rio("replay " + ten + " --init static").output, {"s are checked"});
+  const std::string more = long_flight("more", 11, 1);
+  expect_parts(try_rio("replay " + more + " --init static").output,
+               {"data: the first 600 s are checked"});
 }
 
 }  // namespace

@@ -5,13 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <future>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "e2e/tool.hpp"
+#include "e2e/wire_points.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/testing/allocation_guard.hpp"
@@ -20,7 +19,6 @@
 namespace rio::test {
 namespace {
 
-using Json = nlohmann::json;
 using std::chrono::milliseconds;
 
 double seconds_to_run() {
@@ -51,20 +49,6 @@ Sent sent_by(const std::string& output, const std::string& sensor) {
   return read == 3 ? Sent{packets, packets - dropped - damaged} : Sent{};
 }
 
-/// The points of the scans as they were on the wire, sorted.
-std::vector<std::vector<std::array<float, 4>>> points_of(const io::Dataset& dataset) {
-  std::vector<std::vector<std::array<float, 4>>> scans;
-  for (const RadarScan& scan : dataset.scans) {
-    auto& points = scans.emplace_back();
-    for (const RadarDetection& d : scan.detections) {
-      const Eigen::Vector3f p = d.point_S.cast<float>();
-      points.push_back({p.x(), p.y(), p.z(), static_cast<float>(d.range_rate)});
-    }
-  }
-  std::sort(scans.begin(), scans.end());
-  return scans;
-}
-
 struct Soak : testing::Test {
   TempDir dir;
   std::string out = (dir.path() / "flight").string();
@@ -76,8 +60,8 @@ struct Soak : testing::Test {
     dir.write("soak.yaml",
               "seed: 9\npath: {length: 0, duration: " + std::to_string(seconds) + " s}\n");
     auto player = std::async(std::launch::async, [&] {
-      return rio("simulate " + out + " --scenario " + (dir.path() / "soak.yaml").string() +
-                 " --live --dropped 0.005 --damaged 0.01 --delayed 0.02 --split 0.2");
+      return try_rio("simulate " + out + " --scenario " + (dir.path() / "soak.yaml").string() +
+                     " --live --dropped 0.005 --damaged 0.01 --delayed 0.02 --split 0.2");
     });
     while (!fs::exists(out + "/radar0/port") &&
            player.wait_for(milliseconds(50)) != std::future_status::ready) {
@@ -128,8 +112,8 @@ void judge_bytes(const Json& live, const std::string& player, const io::Dataset&
   EXPECT_LE(recorded.scans.size(), scans.whole);
   // left out, and counted, where the machine stood still; and one before the first sample
   EXPECT_GE(recorded.scans.size() + untimed + made_up + 1, scans.whole);
-  const auto sent = points_of(flown);
-  const auto came = points_of(recorded);
+  const auto sent = wire_points(flown);
+  const auto came = wire_points(recorded);
   EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
 }
 
@@ -162,8 +146,8 @@ double drift(const std::string& tum, const std::vector<NavState>& truth) {
 TEST_F(Soak, NothingIsLostOrGrows) {
   std::vector<double> memory;
   const auto [player, run] = fly(seconds_to_run(), &memory);
-  ASSERT_EQ(player.status, 0) << player.output;
-  const Json json = Json::parse(run.last_line());
+  ASSERT_EQ(player.code, 0) << player.output;
+  const Json json = run.json();
   measure_times(json["live"]);
   const io::Dataset flown = io::read_dataset(out);
   judge_bytes(json["live"], player.output, flown, io::read_dataset(recorded));
@@ -184,7 +168,7 @@ TEST_F(Soak, NothingIsLostOrGrows) {
                     "estimate is not judged: "
                  << counters;
   }
-  EXPECT_EQ(run.status, 0) << run.output;
+  EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_LT(off, 0.5);
   EXPECT_LT(ill, 0.01 * well);
 }

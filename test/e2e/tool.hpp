@@ -3,11 +3,15 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,29 +21,70 @@ namespace rio::test {
 
 namespace fs = std::filesystem;
 
+using Json = nlohmann::json;
+
 struct Outcome {
-  int status = 0;
+  int code = 0;        ///< exit code; -1 after a signal
   std::string output;  ///< stdout and stderr
   std::string last_line() const {
     const std::string text = output.substr(0, output.find_last_not_of('\n') + 1);
     return text.substr(text.rfind('\n') + 1);
   }
+  /// The line of JSON, wherever it stands beside what is on stderr.
+  Json json() const {
+    std::istringstream lines(output);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with('{')) return Json::parse(line);
+    }
+    ADD_FAILURE() << "no JSON in\n" << output;
+    return {};
+  }
 };
 
 /// Runs a command of the shell.
 inline Outcome run_command(const std::string& command) {
-  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  FILE* pipe = popen(("{ " + command + "\n} 2>&1").c_str(), "r");
   Outcome run;
   std::array<char, 4096> buffer{};
   std::size_t n = 0;
   while ((n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0)
     run.output.append(buffer.data(), n);
-  run.status = pclose(pipe);
+  const int status = pclose(pipe);
+  run.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return run;
 }
-/// Runs the program.
-inline Outcome rio(const std::string& arguments) {
+
+/// Parts of a text; on failure the text is shown.
+using Parts = std::vector<std::string>;
+inline void expect_parts(const std::string& text, const Parts& parts, bool there = true) {
+  for (const std::string& part : parts) {
+    EXPECT_EQ(contains(text, part), there) << '"' << part << "\" in\n" << text;
+  }
+}
+inline void expect_none(const std::string& text, const Parts& parts) {
+  expect_parts(text, parts, false);
+}
+
+/// Runs the program, whatever becomes of it.
+inline Outcome try_rio(const std::string& arguments) {
   return run_command(std::string(RIO_TOOL) + " " + arguments);
+}
+/// Runs the program, which must end with this exit code and say all of these parts.
+inline Outcome fails(int code, const std::string& arguments, const Parts& parts) {
+  SCOPED_TRACE("rio " + arguments);
+  Outcome run = try_rio(arguments);
+  EXPECT_EQ(run.code, code) << run.output;
+  expect_parts(run.output, parts);
+  return run;
+}
+/// The same, with success.
+inline Outcome rio(const std::string& arguments, const Parts& parts = {}) {
+  return fails(0, arguments, parts);
+}
+
+inline std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 /// Lines that are no comments.
@@ -52,14 +97,19 @@ inline std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
+/// Norm of RMSE of an estimated path [m].
+inline double path_error(const std::string& truth, const std::string& estimate,
+                         const std::string& options = "") {
+  return rio("evaluate " + truth + " " + estimate + options + " --json").json()["norm_of_rmse_m"];
+}
+
 /// A simulated flight on disk, shared by the tests.
 class Tool : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     dir_ = new TempDir;
     flight_ = (dir_->path() / "flight").string();
-    const Outcome run = rio("simulate " + flight_ + " --seed 9 --length 25");
-    ASSERT_EQ(run.status, 0) << run.output;
+    rio("simulate " + flight_ + " --seed 9 --length 25");
   }
   static void TearDownTestSuite() { delete dir_; }
   static std::string file(const std::string& name) { return (dir_->path() / name).string(); }

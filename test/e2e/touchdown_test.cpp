@@ -5,27 +5,22 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "experiment/recording.hpp"
 #include "support/measured.hpp"
+#include "support/real_data.hpp"
 
 namespace rio::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 class Touchdown : public testing::TestWithParam<BackEnd> {};
 
 TEST_P(Touchdown, StaysWhereItIs) {
-  const char* data = std::getenv("RIO_TEST_DATA");
-  const fs::path folder = fs::path(data != nullptr ? data : "") / "ti_demo";
-  if (data == nullptr || !fs::exists(folder)) {
-    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
-  }
+  const std::filesystem::path folder = real_data("ti_demo");
+  if (folder.empty()) GTEST_SKIP() << kNoRealData;
   const experiment::Recording recording = experiment::find_recordings(folder).front();
   std::vector<double> creep;
   double creep_sigmas = 0.0;
