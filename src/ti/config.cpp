@@ -202,6 +202,14 @@ bool is_counted(const ConfigCommand& command) {
   return known != nullptr && count >= known->least && count <= known->most;
 }
 
+std::string line_of(const ConfigCommand& command, std::size_t i, const std::string& value) {
+  std::string line = command.name;
+  for (std::size_t k = 0; k < command.arguments.size(); ++k) {
+    line += " " + (k == i ? value : command.arguments[k]);
+  }
+  return line;
+}
+
 std::string unreadable(const Config& config) {
   const auto has_nul = [](const std::string& word) { return word.find('\0') != std::string::npos; };
   bool knows_any = other_firmware(config) != nullptr;

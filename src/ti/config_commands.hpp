@@ -57,6 +57,9 @@ inline constexpr Known kKnown[] = {
 const Known* find_known(const std::string& name);
 /// Whether the number of its arguments is right; false for an unknown command.
 bool is_counted(const ConfigCommand& command);
+/// The command as text, argument i replaced.
+std::string line_of(const ConfigCommand& command, std::size_t i = std::string::npos,
+                    const std::string& value = {});
 /// Why the text is no configuration, and what to do; empty if it is one.
 std::string unreadable(const Config& config);
 /// The commands without those in whose place the demo stores a later one.

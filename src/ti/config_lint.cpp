@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "config_commands.hpp"
+#include "rio/ti/config_sender.hpp"
 
 namespace rio::ti {
 namespace {
@@ -13,8 +14,8 @@ constexpr double kHighCfar = 15.0;       // [dB]
 constexpr double kCoarseGrid = 0.25;     // [m/s]
 constexpr double kNarrowAzimuth = 90.0;  // full width [deg]
 constexpr double kNarrowElevation = 30.0;
-constexpr int kFirstOfFigures = 4;         // rank of channelCfg
-constexpr std::size_t kLongestLine = 255;  // of the demo's reader
+constexpr int kFirstOfFigures = 4;  // rank of channelCfg
+constexpr std::size_t kLongestLine = ConfigSender::kMaxLine;
 
 __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
   char text[400];
@@ -23,15 +24,6 @@ __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ..
   std::vsnprintf(text, sizeof text, pattern, arguments);
   va_end(arguments);
   return text;
-}
-
-/// The command with one argument replaced.
-std::string with(const ConfigCommand& command, std::size_t i, const std::string& value) {
-  std::string line = command.name;
-  for (std::size_t k = 0; k < command.arguments.size(); ++k) {
-    line += " " + (k == i ? value : command.arguments[k]);
-  }
-  return line;
 }
 
 std::string number(double value) {
@@ -130,7 +122,7 @@ class Linter {
                  command.arguments[i].c_str()),
           "");
     }
-    if (with(command, count, "").size() > kLongestLine) {
+    if (line_of(command).size() > kLongestLine) {
       add(LintKind::kWrongArguments, true, &command,
           format("the line of %s is longer than the %zu characters the demo reads", known.name,
                  kLongestLine),
@@ -194,10 +186,10 @@ class Linter {
   void check_output() {
     each("guiMonitor", [&](const ConfigCommand& c) {
       if (!(c.number(1) > 0.0)) {
-        add(LintKind::kNoPoints, true, &c, "the detected points are not sent", with(c, 1, "1"));
+        add(LintKind::kNoPoints, true, &c, "the detected points are not sent", line_of(c, 1, "1"));
       } else if (c.number(1) != 1.0) {
         add(LintKind::kNoSideInfo, true, &c,
-            "SNR and noise of the points are not sent (side info, TLV 7)", with(c, 1, "1"));
+            "SNR and noise of the points are not sent (side info, TLV 7)", line_of(c, 1, "1"));
       }
     });
     each("lvdsStreamCfg", [&](const ConfigCommand& c) {
@@ -213,21 +205,21 @@ class Linter {
       add(LintKind::kClutterRemoval, true, &c,
           "clutter removal deletes what has no Doppler: all of the world when the vehicle stands, "
           "what is abeam when it moves",
-          with(c, 1, "0"));
+          line_of(c, 1, "0"));
     });
     each("cfarCfg", [&](const ConfigCommand& c) {
       if (!(c.number(7) > kHighCfar)) return;
       add(LintKind::kCfarTooHigh, true, &c,
           format("a CFAR threshold of %g dB in %s leaves few points of walls and ground",
                  c.number(7), c.number(1) == 0.0 ? "range" : "Doppler"),
-          with(c, 7, "10"));
+          line_of(c, 7, "10"));
     });
     each("extendedMaxVelocity", [&](const ConfigCommand& c) {
       if (c.number(1) == 0.0) return;
       add(LintKind::kExtendedVelocity, false, &c,
           "the extended velocity is right for one target in a range cell only; the estimator "
           "unfolds by its own prediction",
-          with(c, 1, "0"));
+          line_of(c, 1, "0"));
     });
     each("aoaFovCfg", [&](const ConfigCommand& c) {
       const double azimuth = c.number(2) - c.number(1);
@@ -245,11 +237,11 @@ class Linter {
       if (c.number(5) == 2.0) {
         add(LintKind::kHardwareTrigger, false, &c,
             "frames wait for pulses at the SYNC_IN pin: without them there is no scan",
-            with(c, 5, "1"));
+            line_of(c, 5, "1"));
       }
       if (c.number(3) > 0.0) {
         add(LintKind::kInconsistent, true, &c,
-            format("the radar stops after %g frames", c.number(3)), with(c, 3, "0"));
+            format("the radar stops after %g frames", c.number(3)), line_of(c, 3, "0"));
       }
     });
     each("sensorStart", [&](const ConfigCommand& c) {
@@ -274,7 +266,7 @@ class Linter {
       add(LintKind::kSamplesOutsideRamp, true, &p,
           format("the samples end %.2f us after the start of the ramp, which ends after %g us",
                  adc_start + sampling, ramp),
-          with(p, 4, number(std::ceil(adc_start + sampling + 1.0))));
+          line_of(p, 4, number(std::ceil(adc_start + sampling + 1.0))));
     }
     const bool high = start >= 70.0;
     const double low_edge = high ? 76.0 : 60.0, high_edge = high ? 81.0 : 64.0;
@@ -284,7 +276,7 @@ class Linter {
       add(LintKind::kBandExceeded, true, &p,
           format("the ramp goes from %g to %.3f GHz, the band from %g to %g GHz", start, end,
                  low_edge, high_edge),
-          with(p, 7, number(std::floor(10.0 * std::min(slope, fitting)) / 10.0)));
+          line_of(p, 7, number(std::floor(10.0 * std::min(slope, fitting)) / 10.0)));
     }
     each("profileCfg", [&](const ConfigCommand& c) {
       if (c.number(0) == p.number(0)) return;
@@ -324,7 +316,7 @@ class Linter {
       add(LintKind::kInconsistent, true, &c,
           format("the chirp uses profile %g, not %g, for which the figures are", c.number(2),
                  profile_->number(0)),
-          with(c, 2, profile_->arguments[0]));
+          line_of(c, 2, profile_->arguments[0]));
     }
     const int mask = c.whole(7);
     if (mask == 0 || (mask & ~on) != 0) {
@@ -369,7 +361,7 @@ class Linter {
     if (block >= period) {
       add(LintKind::kFrameTooShort, true, &frame,
           format("the chirps take %.2f ms of a period of %g ms", block, period),
-          with(frame, 4, number(std::ceil(block / 0.5))));
+          line_of(frame, 4, number(std::ceil(block / 0.5))));
       return;
     }
     if (wire < period - block) return;

@@ -4,17 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "config_commands.hpp"
+
 namespace rio::ti {
 namespace {
 
 constexpr char kPrompt[] = ":/>";
 constexpr std::size_t kMostAnswer = 8192;  // longer without a prompt: another device
-
-std::string line_of(const ConfigCommand& command) {
-  std::string line = command.name;
-  for (const std::string& argument : command.arguments) line += " " + argument;
-  return line;
-}
 
 bool has(const std::string& text, const char* part) {
   return text.find(part) != std::string::npos;

@@ -35,24 +35,24 @@ bool within(Time value, Time least, Time most) {
 }  // namespace
 
 bool FrameTiming::validate(std::string* why) const {
-  const char* wrong = nullptr;
-  if (!within(period, std::chrono::milliseconds(1), kLongest)) {
-    wrong = "period must be 1 ms to 1 h";
-  } else if (!within(chirp_block, Time{0}, period)) {
-    wrong = "chirp_block must be 0 to the period";
-  } else if (!within(processing_delay, Time{0}, kLongest)) {
-    wrong = "processing_delay must be 0 to 1 h";
-  } else if (!within(trigger_delay, Time{0}, kLongest)) {
-    wrong = "trigger_delay must be 0 to 1 h";
-  } else if (!(baud == 0.0 || (baud >= 1200.0 && baud <= 1e9))) {
-    wrong = "baud must be 0 or 1200 to 1e9";
-  } else if (!(max_drift >= 0.0 && max_drift <= 0.01)) {
-    wrong = "max_drift must be 0 to 0.01";
-  } else if (!within(window, Time{0}, 24 * kLongest)) {
-    wrong = "window must be 0 to 24 h";
+  const struct {
+    bool holds;
+    const char* rule;
+  } rules[] = {
+      {within(period, std::chrono::milliseconds(1), kLongest), "period must be 1 ms to 1 h"},
+      {within(chirp_block, Time{0}, period), "chirp_block must be 0 to the period"},
+      {within(processing_delay, Time{0}, kLongest), "processing_delay must be 0 to 1 h"},
+      {within(trigger_delay, Time{0}, kLongest), "trigger_delay must be 0 to 1 h"},
+      {baud == 0.0 || (baud >= 1200.0 && baud <= 1e9), "baud must be 0 or 1200 to 1e9"},
+      {max_drift >= 0.0 && max_drift <= 0.01, "max_drift must be 0 to 0.01"},
+      {within(window, Time{0}, 24 * kLongest), "window must be 0 to 24 h"},
+  };
+  for (const auto& [holds, rule] : rules) {
+    if (holds) continue;
+    if (why != nullptr) *why = rule;
+    return false;
   }
-  if (wrong != nullptr && why != nullptr) *why = wrong;
-  return wrong == nullptr;
+  return true;
 }
 
 FrameClock::FrameClock(const FrameTiming& timing)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 namespace rio::ti {
 namespace {
@@ -54,27 +55,19 @@ bool is_printable(std::uint8_t byte) {
 }  // namespace
 
 const char* to_string(StreamState state) {
-  switch (state) {
-    case StreamState::kSilent:
-      return "no byte yet";
-    case StreamState::kSearching:
-      return "bytes, but no packet: another port, or another baud rate";
-    case StreamState::kFrames:
-      return "packets";
-    case StreamState::kOldSdk:
-      return "packets of SDK 1 or 2, which are not read: load a demo of SDK 3.x";
-    case StreamState::kNewSdk:
-      return "packets of SDK 4 or later whose points are not read";
-    case StreamState::kOtherDemo:
-      return "magic words, but the header or the points of another demo";
-    case StreamState::kText:
-      return "no packets, but text: this is the CLI port";
-    case StreamState::kDamaged:
-      return "magic words, but no whole packet";
-    case StreamState::kCutShort:
-      return "each packet ends early: recorder or splitter";
-  }
-  return "unknown";
+  static constexpr const char* kTexts[] = {
+      "no byte yet",
+      "bytes, but no packet: another port, or another baud rate",
+      "packets",
+      "packets of SDK 1 or 2, which are not read: load a demo of SDK 3.x",
+      "packets of SDK 4 or later whose points are not read",
+      "magic words, but the header or the points of another demo",
+      "no packets, but text: this is the CLI port",
+      "magic words, but no whole packet",
+      "each packet ends early: recorder or splitter"};
+  static_assert(std::size(kTexts) == static_cast<std::size_t>(StreamState::kCutShort) + 1);
+  const auto i = static_cast<std::size_t>(state);
+  return i < std::size(kTexts) ? kTexts[i] : "unknown";
 }
 
 std::string PacketReader::problem() const {

@@ -15,6 +15,12 @@ StampedPose at(int ms, double x = 0.0) {
   return {milliseconds(ms), {x, 0.0, 0.0}, Quaternion::Identity()};
 }
 
+/// Of the one pair there must be.
+PosePair only_pair(const Association& association) {
+  EXPECT_EQ(association.pairs.size(), 1U);
+  return association.pairs.empty() ? PosePair{} : association.pairs[0];
+}
+
 TEST(AssociateNearest, TakesTheNearestWithinTheLimit) {
   const Trajectory truth = {at(0, 0.0), at(100, 1.0), at(200, 2.0), at(300, 3.0)};
   const Trajectory estimate = {at(4), at(94), at(211), at(310)};
@@ -33,21 +39,13 @@ TEST(AssociateNearest, UsesEachTruePoseOnce) {
   const Trajectory truth = {at(0), at(100)};
   const Trajectory estimate = {at(95), at(98), at(103), at(108)};
   const Association result = associate_nearest(truth, estimate);
-  ASSERT_EQ(result.pairs.size(), 1U);
-  EXPECT_EQ(result.pairs[0].estimate.time, milliseconds(98));
+  EXPECT_EQ(only_pair(result).estimate.time, milliseconds(98));
   EXPECT_EQ(result.unmatched(), 3U);
 }
 
 TEST(AssociateNearest, TiesGoToTheEarlier) {
-  const Trajectory two_truths = {at(0, 1.0), at(10, 2.0)};
-  const Association of_truths = associate_nearest(two_truths, {at(5)});
-  ASSERT_EQ(of_truths.pairs.size(), 1U);
-  EXPECT_EQ(of_truths.pairs[0].truth.p.x(), 1.0);
-
-  const Trajectory two_estimates = {at(-5), at(5)};
-  const Association of_estimates = associate_nearest({at(0)}, two_estimates);
-  ASSERT_EQ(of_estimates.pairs.size(), 1U);
-  EXPECT_EQ(of_estimates.pairs[0].estimate.time, milliseconds(-5));
+  EXPECT_EQ(only_pair(associate_nearest({at(0, 1.0), at(10, 2.0)}, {at(5)})).truth.p.x(), 1.0);
+  EXPECT_EQ(only_pair(associate_nearest({at(0)}, {at(-5), at(5)})).estimate.time, milliseconds(-5));
 }
 
 TEST(AssociateNearest, SortsAndDropsDuplicates) {
@@ -74,23 +72,20 @@ TEST(AssociateInterpolated, IsLinearInPositionAndAngle) {
   const Quaternion start = quaternion_exp({0.5, 0.1, -2.0});
   const Trajectory truth = {{milliseconds(0), {1.0, 2.0, 3.0}, start},
                             {milliseconds(80), {5.0, 0.0, 3.0}, start * quaternion_exp(turn)}};
-  const Association result = associate_interpolated(truth, {at(20)});
-  ASSERT_EQ(result.pairs.size(), 1U);
-  EXPECT_EQ(result.pairs[0].truth.time, milliseconds(20));
+  const StampedPose found = only_pair(associate_interpolated(truth, {at(20)})).truth;
+  EXPECT_EQ(found.time, milliseconds(20));
   // a few roundings of numbers near 5
-  EXPECT_NEAR((result.pairs[0].truth.p - Vector3d(2.0, 1.5, 3.0)).norm(), 0.0, 1e-14);
+  EXPECT_NEAR((found.p - Vector3d(2.0, 1.5, 3.0)).norm(), 0.0, 1e-14);
   const Quaternion expected = start * quaternion_exp(0.25 * turn);
-  EXPECT_NEAR(quaternion_log(expected.conjugate() * result.pairs[0].truth.q).norm(), 0.0, 1e-14);
+  EXPECT_NEAR(quaternion_log(expected.conjugate() * found.q).norm(), 0.0, 1e-14);
 }
 
 TEST(AssociateInterpolated, TakesTheShortWayForQuaternionsOfOppositeSign) {
   const Quaternion b = quaternion_exp({0.0, 0.0, 0.2});
   const Quaternion minus_b(-b.w(), -b.x(), -b.y(), -b.z());
   const Trajectory truth = {at(0), {milliseconds(10), Vector3d::Zero(), minus_b}};
-  const Association result = associate_interpolated(truth, {at(5)});
-  ASSERT_EQ(result.pairs.size(), 1U);
-  EXPECT_NEAR(quaternion_log(quaternion_exp({0.0, 0.0, -0.1}) * result.pairs[0].truth.q).norm(),
-              0.0, 1e-15);
+  const StampedPose found = only_pair(associate_interpolated(truth, {at(5)})).truth;
+  EXPECT_NEAR(quaternion_log(quaternion_exp({0.0, 0.0, -0.1}) * found.q).norm(), 0.0, 1e-15);
 }
 
 TEST(AssociateInterpolated, NeverExtrapolatesNorCrossesAGap) {
@@ -111,8 +106,7 @@ TEST(AssociateInterpolated, IsExactToTheNanosecondAtLargeStamps) {
                             {epoch + Time(4), {4.0, 0.0, 0.0}, Quaternion::Identity()}};
   const Association result =
       associate_interpolated(truth, {{epoch + Time(1), Vector3d::Zero(), Quaternion::Identity()}});
-  ASSERT_EQ(result.pairs.size(), 1U);
-  EXPECT_NEAR(result.pairs[0].truth.p.x(), 1.0, 1e-15);
+  EXPECT_NEAR(only_pair(result).truth.p.x(), 1.0, 1e-15);
 }
 
 TEST(Associate, InterpolatesOnlyADenseTruth) {

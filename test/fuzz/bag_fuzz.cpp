@@ -11,7 +11,7 @@
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const rio::test::TempDir dir;
-  const std::string text(reinterpret_cast<const char*>(data), size);
+  const std::string text = rio::fuzz::text_of(data, size);
   const std::string file = dir.write("recording", text);
   try {
     const rio::bag::Recording recording = rio::bag::read_recording(file, {});

@@ -13,6 +13,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "rio/types.hpp"
 
@@ -47,26 +49,11 @@ class Input {
   /// Mostly of the size that sensors say, else one that arithmetic stumbles over.
   double real() {
     using Limits = std::numeric_limits<double>;
-    constexpr double kOdd[] = {0.0,
-                               -0.0,
-                               1.0,
-                               -1.0,
-                               1e-9,
-                               1e3,
-                               1.1e3,
-                               -1e4,
-                               1e9,
-                               1e154,
-                               1e300,
-                               -1e300,
-                               1e-300,
-                               Limits::denorm_min(),
-                               Limits::max(),
-                               Limits::lowest(),
-                               Limits::infinity(),
-                               -Limits::infinity(),
-                               Limits::quiet_NaN(),
-                               3.14159265358979};
+    constexpr double kLeast = Limits::denorm_min(), kNan = Limits::quiet_NaN();
+    constexpr double kMax = Limits::max(), kInf = Limits::infinity();
+    constexpr double kOdd[] = {
+        0.0,   -0.0,   1.0,    -1.0,   1e-9, 1e3,   1.1e3, -1e4,  1e9,  1e154,
+        1e300, -1e300, 1e-300, kLeast, kMax, -kMax, kInf,  -kInf, kNan, 3.14159265358979};
     constexpr int kOddCount = sizeof kOdd / sizeof *kOdd;
     const int kind = byte();
     if (kind < kOddCount) return kOdd[kind];
@@ -116,6 +103,22 @@ void deliver_in_pieces(std::uint32_t random, const std::uint8_t* data, std::size
     now += std::chrono::microseconds(random >> 12 & 0xFFFF);
     push(data + at, piece, now);
     at += piece;
+  }
+}
+
+inline std::string text_of(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
+
+/// Whether `read` reads its file; else it must throw a std::runtime_error that begins with `name`.
+template <class Read>
+bool reads(const std::string& name, const Read& read) {
+  try {
+    read();
+    return true;
+  } catch (const std::runtime_error& error) {
+    RIO_FUZZ_CHECK(std::string(error.what()).rfind(name, 0) == 0);
+    return false;
   }
 }
 

@@ -46,44 +46,36 @@ Totals totals(const Counters& counters) {
   return all;
 }
 
-/// The counter that answers for a status of add_imu.
-std::uint64_t answered(const Counters& c, Status status) {
-  switch (status) {
-    case Status::kStale:
-      return c.imu_stale;
-    case Status::kAhead:
-      return c.imu_ahead;
-    case Status::kNonFinite:
-      return c.imu_non_finite;
-    case Status::kImplausible:
-      return c.imu_out_of_range + c.imu_frozen;
-    default:
-      return c.imu_samples;
-  }
-}
-
-/// Same, of add_scan; kWaiting has none.
-std::uint64_t answered_scan(const Counters& c, Status status) {
-  switch (status) {
-    case Status::kOk:
-      return c.scans;
-    case Status::kNotInitialized:
-      return c.scans_uninitialized;
-    case Status::kDuplicate:
-      return c.scans_duplicate;
-    case Status::kLate:
-      return c.scans_late;
-    case Status::kAhead:
-      return c.scans_ahead;
-    case Status::kQueueFull:
-      return c.scans_overflow;
-    case Status::kNonFinite:
-      return c.scans_non_finite;
-    case Status::kNumerical:
-      return c.updates_failed;
-    default:
-      return 0;
-  }
+/// The counters that answer for a status.
+struct Answer {
+  Status status;
+  std::uint64_t Counters::*counter;
+};
+constexpr Answer kOfImu[] = {
+    {Status::kOk, &Counters::imu_samples},
+    {Status::kMoving, &Counters::imu_samples},
+    {Status::kStale, &Counters::imu_stale},
+    {Status::kAhead, &Counters::imu_ahead},
+    {Status::kNonFinite, &Counters::imu_non_finite},
+    {Status::kImplausible, &Counters::imu_out_of_range},
+    {Status::kImplausible, &Counters::imu_frozen},
+};
+constexpr Answer kOfScan[] = {
+    // kWaiting has none
+    {Status::kOk, &Counters::scans},
+    {Status::kNotInitialized, &Counters::scans_uninitialized},
+    {Status::kDuplicate, &Counters::scans_duplicate},
+    {Status::kLate, &Counters::scans_late},
+    {Status::kAhead, &Counters::scans_ahead},
+    {Status::kQueueFull, &Counters::scans_overflow},
+    {Status::kNonFinite, &Counters::scans_non_finite},
+    {Status::kNumerical, &Counters::updates_failed},
+};
+template <std::size_t n>
+std::uint64_t answered(const Answer (&answers)[n], const Counters& counters, Status status) {
+  std::uint64_t sum = 0;
+  for (const Answer& a : answers) sum += a.status == status ? counters.*a.counter : 0;
+  return sum;
 }
 
 /// To the last bit; a value that is no number is the same as itself.
@@ -155,7 +147,8 @@ Status Judge::add_imu(const ImuSample& sample) {
     status = odometry_->add_imu(sample);
   }
   check_estimate(before);
-  RIO_FUZZ_CHECK(answered(odometry_->counters(), status) == answered(before, status) + 1);
+  RIO_FUZZ_CHECK(answered(kOfImu, odometry_->counters(), status) ==
+                 answered(kOfImu, before, status) + 1);
   const bool taken = status == Status::kOk || status == Status::kMoving;
   RIO_FUZZ_CHECK(taken || estimate() == old);
   if (status == Status::kOk && odometry_->initialized()) {
@@ -193,7 +186,7 @@ Status Judge::add_scan(const RadarScan& scan, std::size_t radar) {
   }
   if (status != Status::kWaiting) {
     const std::uint64_t more =
-        answered_scan(odometry_->counters(), status) - answered_scan(before, status);
+        answered(kOfScan, odometry_->counters(), status) - answered(kOfScan, before, status);
     RIO_FUZZ_CHECK(others || status == Status::kNumerical ? more >= 1 : more == 1);
   }
   calls().processed += odometry_->counters().scans - before.scans;

@@ -2,7 +2,6 @@
 // The short files of the tools, `--map` and `--init`: finite values, or a std::runtime_error that
 // names the file.
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "fuzz/fuzz.hpp"
@@ -10,31 +9,18 @@
 #include "rio/io/start.hpp"
 #include "support/temp_dir.hpp"
 
-namespace {
-
-template <typename Read>
-void read(const std::string& file, Read&& it) {
-  try {
-    it();
-  } catch (const std::runtime_error& error) {
-    RIO_FUZZ_CHECK(std::string(error.what()).rfind(file + ":", 0) == 0);
-  }
-}
-
-}  // namespace
-
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const rio::test::TempDir dir;
-  const std::string text(reinterpret_cast<const char*>(data), size);
+  const std::string text = rio::fuzz::text_of(data, size);
   const std::string file = dir.write("file.yaml", text);
-  read(file, [&] {
+  rio::fuzz::reads(file + ":", [&] {
     const rio::bag::RecordingRequest request = rio::bag::load_recording_map(file);
     for (const double value :
          {request.imu_offset, request.radar_offset, request.gyro_unit, request.accel_unit}) {
       RIO_FUZZ_CHECK(std::isfinite(value));
     }
   });
-  read(file, [&] {
+  rio::fuzz::reads(file + ":", [&] {
     const rio::io::StartFile start = rio::io::load_start(file, {}, rio::Time{0});
     RIO_FUZZ_CHECK(start.state.p_WB.allFinite() && start.state.v_WB.allFinite());
     RIO_FUZZ_CHECK(std::abs(start.state.q_WB.norm() - 1.0) < 1e-9);

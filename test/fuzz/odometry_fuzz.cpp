@@ -86,10 +86,11 @@ Options options_of(Input& in) {
   return o;
 }
 
+constexpr Time::rep kMost = std::numeric_limits<Time::rep>::max();
+constexpr Time::rep kLeast = std::numeric_limits<Time::rep>::min();
+
 /// The sum, at the ends of the integers at most.
 Time later(Time time, Time by) {
-  constexpr Time::rep kMost = std::numeric_limits<Time::rep>::max();
-  constexpr Time::rep kLeast = std::numeric_limits<Time::rep>::min();
   if (by.count() > 0 && time.count() > kMost - by.count()) return Time(kMost);
   if (by.count() < 0 && time.count() < kLeast - by.count()) return Time(kLeast);
   return time + by;
@@ -97,28 +98,11 @@ Time later(Time time, Time by) {
 
 /// Of stamps: from a nanosecond to the ends of the integers.
 Time odd_duration(Input& in) {
-  constexpr Time::rep kOdd[] = {0,
-                                1,
-                                -1,
-                                1'000'000,
-                                -1'000'000,
-                                30'000'000,
-                                -30'000'000,
-                                150'000'000,
-                                -150'000'000,
-                                600'000'000,
-                                -600'000'000,
-                                1'100'000'000,
-                                -1'100'000'000,
-                                9'000'000'000,
-                                11'000'000'000,
-                                -11'000'000'000,
-                                3'600'000'000'000,
-                                -3'600'000'000'000,
-                                4'700'000'000'000'000'000,
-                                -4'700'000'000'000'000'000,
-                                std::numeric_limits<Time::rep>::max(),
-                                std::numeric_limits<Time::rep>::min()};
+  constexpr Time::rep kMs = 1'000'000, kS = 1000 * kMs, kAge = 4'700'000'000 * kS;
+  constexpr Time::rep kOdd[] = {
+      0,          1,          -1,         kMs,        -kMs,        30 * kMs, -30 * kMs, 150 * kMs,
+      -150 * kMs, 600 * kMs,  -600 * kMs, 1100 * kMs, -1100 * kMs, 9 * kS,   11 * kS,   -11 * kS,
+      3600 * kS,  -3600 * kS, kAge,       -kAge,      kMost,       kLeast};
   return Time(kOdd[in.below(sizeof kOdd / sizeof *kOdd)]);
 }
 

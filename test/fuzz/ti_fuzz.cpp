@@ -32,6 +32,7 @@ struct Seen {
 Seen seen(const Frame& frame) {
   Seen what{frame.number, frame.bytes, frame.scan.detections.size(), 0.0};
   RIO_FUZZ_CHECK(frame.bytes <= kMaxPacket && 8 * what.points < frame.bytes);
+  RIO_FUZZ_CHECK(frame.scan.detections.capacity() <= kMaxPacket / 8);  // that of the start
   for (const RadarDetection& d : frame.scan.detections) {
     RIO_FUZZ_CHECK(d.point_S.allFinite() && std::isfinite(d.range_rate));
     RIO_FUZZ_CHECK(std::abs(d.snr_db) <= 65535.0 && std::abs(d.noise_db) <= 65535.0);

@@ -36,17 +36,22 @@ Bytes noise(sim::Random* random, std::size_t count) {
   return bytes;
 }
 
+/// Appends the checksum of a frame.
+void close(Bytes* frame, std::uint8_t crc_extra) {
+  Crc16 crc;
+  crc.add(frame->data() + 1, frame->size() - 1);
+  crc.add(&crc_extra, 1);
+  frame->push_back(static_cast<std::uint8_t>(crc.value()));
+  frame->push_back(static_cast<std::uint8_t>(crc.value() >> 8));
+}
+
 /// Version 1 of a frame of version 2.
 Bytes as_version_1(const Bytes& v2, std::size_t basic_size, std::uint8_t crc_extra) {
   Bytes bytes = {kMagicV1, static_cast<std::uint8_t>(basic_size), v2[4], v2[5], v2[6], v2[7]};
   Bytes payload(v2.begin() + 10, v2.end() - 2);
   payload.resize(basic_size);
   append(&bytes, payload);
-  Crc16 crc;
-  crc.add(bytes.data() + 1, bytes.size() - 1);
-  crc.add(&crc_extra, 1);
-  bytes.push_back(static_cast<std::uint8_t>(crc.value()));
-  bytes.push_back(static_cast<std::uint8_t>(crc.value() >> 8));
+  close(&bytes, crc_extra);
   return bytes;
 }
 
@@ -120,23 +125,16 @@ TEST(MavlinkParser, SignedAndLongerFramesAreRead) {
   Writer writer;
   Bytes bytes = frame_of(Heartbeat{}, &writer);
   bytes.resize(bytes.size() - 2);
-  const auto close = [&bytes] {
-    Crc16 crc;
-    crc.add(bytes.data() + 1, bytes.size() - 1);
-    crc.add(&Heartbeat::kCrcExtra, 1);
-    bytes.push_back(static_cast<std::uint8_t>(crc.value()));
-    bytes.push_back(static_cast<std::uint8_t>(crc.value() >> 8));
-  };
   bytes[1] = 12;  // a later version of the message with three bytes more
   bytes[2] = kFlagSigned;
   append(&bytes, {5, 6, 7});
-  close();
+  close(&bytes, Heartbeat::kCrcExtra);
   Parser parser;
   EXPECT_TRUE(parse(&parser, bytes).empty());
   EXPECT_EQ(parse(&parser, Bytes(kSignature, 1)).size(), 1U);
   bytes[2] = 2;  // a flag that changes who knows what
   bytes.resize(bytes.size() - 2);
-  close();
+  close(&bytes, Heartbeat::kCrcExtra);
   append(&bytes, Bytes(kSignature, 1));
   EXPECT_TRUE(parse(&parser, bytes).empty());
 }

@@ -18,6 +18,14 @@ namespace {
 
 constexpr double kForGood = 1000.0;
 
+/// The default options of a flight with either back-end.
+std::vector<Options> both_of(const sim::Flight& flight) {
+  std::vector<Options> both(2, options_for(flight, "default"));
+  both[0].backend = BackEnd::kEkf;
+  both[1].backend = BackEnd::kSmoother;
+  return both;
+}
+
 struct Failure {
   const char* name;
   double begin;     ///< after the first sample [s]
@@ -60,9 +68,7 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
         if (s.time >= first && s.time < last) fault.apply(s, before);
         if (s.time < first) before = s;
       }
-      for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
-        Options options = options_for(flight, "default");
-        options.backend = backend;
+      for (const Options& options : both_of(flight)) {
         const Trial trial = fly(flight, options);
         EXPECT_TRUE(trial.complete) << fault.name << " " << seed;
         const Counters& n = trial.counters;
@@ -93,9 +99,7 @@ TEST(ImuFault, StrongVibrationLeavesAnHonestPosition) {
     sim::Scenario scenario = cases_of("outdoor", 1, seed).front().scenario;
     scenario.max_duration = kFaultBegins + vibration.duration + kJudgedAfter;
     const sim::Flight flight = sim::simulate_flight(scenario);
-    for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
-      Options options = options_for(flight, "default");
-      options.backend = backend;
+    for (const Options& options : both_of(flight)) {
       worst = std::max(worst, survive(flight, options, vibration).last.position_sigmas);
     }
   }
@@ -118,9 +122,7 @@ TEST(ImuFault, AStepOfTheGyroBiasAboutTheVerticalIsFoundAndLearned) {
       for (ImuSample& s : flight.imu) {
         if (s.time >= begin) s.gyro_B.z() += kStep;
       }
-      for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
-        Options options = options_for(flight, "default");
-        options.backend = backend;
+      for (const Options& options : both_of(flight)) {
         const Trial trial = fly(flight, options);
         found += trial.counters.attitude_resets > 0 ? 1 : 0;
         ++flights;
@@ -159,9 +161,7 @@ TEST(ImuFault, APauseLeavesAnHonestPosition) {
       const Time last = first + from_seconds(pause);
       std::erase_if(flight.imu,
                     [&](const ImuSample& s) { return s.time >= first && s.time < last; });
-      for (const BackEnd backend : {BackEnd::kEkf, BackEnd::kSmoother}) {
-        Options options = options_for(flight, "default");
-        options.backend = backend;
+      for (const Options& options : both_of(flight)) {
         for (const Step& step : fly(flight, options).steps) {
           if (step.truth.time < last + from_seconds(10.0)) continue;
           nees += block_nees(step).position;

@@ -215,26 +215,13 @@ TEST(Catalogue, LongLastsTwentyMinutes) {
   EXPECT_NEAR(trajectory.length(), 850.0, 60.0);
 }
 
+/// What that does: Flight.OutagesLeaveNoScans, ImuGapsLeaveNoSamplesAndTruthGoesOn, Spells.
 TEST(Catalogue, DropoutSilencesBothSensorsTwice) {
-  const Flight flight = simulate_flight(named("dropout"));
-  int outages = 0;
-  for (std::size_t i = 1; i < flight.scans.size(); ++i) {
-    const double silence = to_seconds(flight.scans[i].time - flight.scans[i - 1].time);
-    if (silence < 0.1) continue;
-    ++outages;
-    EXPECT_NEAR(silence, 5.0, 2.0 / 15.0);
-    // the IMU misses 0.2 s half way through
-    const Time middle = (flight.scans[i].time + flight.scans[i - 1].time) / 2;
-    int missing = 0;
-    for (std::size_t k = 1; k < flight.imu.size(); ++k) {
-      const double gap = to_seconds(flight.imu[k].time - flight.imu[k - 1].time);
-      if (gap < 0.1) continue;
-      const Time centre = (flight.imu[k].time + flight.imu[k - 1].time) / 2;
-      missing += std::abs(to_seconds(centre - middle)) < 0.1 ? 1 : 0;
-    }
-    EXPECT_EQ(missing, 1);
-  }
-  EXPECT_EQ(outages, 2);
+  const Disturbances disturbances = named("dropout").disturbances;
+  EXPECT_EQ(disturbances.outages.count, 2);
+  EXPECT_EQ(disturbances.outages.duration, 5.0);
+  EXPECT_EQ(disturbances.imu_gaps.count, 2);
+  EXPECT_EQ(disturbances.imu_gaps.duration, 0.2);
 }
 
 }  // namespace

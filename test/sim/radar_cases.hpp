@@ -29,8 +29,8 @@ inline Room empty_room() {
   return {.low_W = {-4.0, -3.5, -0.35}, .high_W = {4.0, 3.5, 2.75}, .reflectors = {}};
 }
 
-inline const Vector3d& position(const RadarSimulator& radar, const Label& label) {
-  return radar.room().reflectors[static_cast<std::size_t>(label.reflector)].position_W;
+inline const Vector3d& position(const Room& room, const Label& label) {
+  return room.reflectors[static_cast<std::size_t>(label.reflector)].position_W;
 }
 
 /// The radar's own position and velocity and a point in its frame, from the body's motion.
@@ -53,6 +53,26 @@ inline Vector3d in_world(const Vector3d& point_S, const NavState& nav, const Rad
 
 inline constexpr double kScanPeriod = 1.0 / 15.0;  ///< [s]
 inline constexpr double kTakeOff = 4.0;            ///< PathOptions::stand_before [s]
+
+/// A scan and the true motion at it.
+struct FlownScan {
+  double seconds;
+  Trajectory::Point body;
+  LabeledScan result;
+};
+
+/// The scans of a flight; one seed for its path, its room and the radar.
+inline std::vector<FlownScan> flown_scans(const RadarModel& model, std::uint64_t seed,
+                                          double length = 60.0) {
+  const Trajectory trajectory = random_flight(seed, {.length = length});
+  RadarSimulator radar(model, make_room(seed), seed);
+  std::vector<FlownScan> scans;
+  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
+    const Trajectory::Point body = trajectory.at(t);
+    scans.push_back({t, body, radar.scan(body)});
+  }
+  return scans;
+}
 
 inline double mean_of(const std::vector<double>& values) {
   double sum = 0.0;

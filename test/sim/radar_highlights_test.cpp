@@ -110,12 +110,10 @@ TEST(RadarHighlights, AreFewAndComeAndGo) {
   std::vector<double> per_scan;
   double appearances = 0.0;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
-    const Trajectory trajectory = random_flight(seed, {.length = 60.0});
-    RadarSimulator radar(RadarModel{}, make_room(seed), seed);
     std::set<int> last;
-    for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
+    for (const auto& [t, body, result] : flown_scans(RadarModel{}, seed)) {
       std::set<int> now;
-      for (const Label& label : radar.scan(trajectory.at(t)).labels) {
+      for (const Label& label : result.labels) {
         if (label.cause == Cause::kSpecular) now.insert(label.reflector);
       }
       for (const int id : now) appearances += last.count(id) > 0 ? 0.0 : 1.0;
@@ -138,8 +136,6 @@ TEST(RadarHighlights, CountAmongTheStaticEchoes) {
   RadarSimulator radar(model, empty_room(), 3);
   EXPECT_EQ(radar.scan(Trajectory::Point{}).labels.size(), 2U);
 }
-
-/// Places of the detections of one scan in W, and the cells they were measured in.
 
 }  // namespace
 }  // namespace rio::sim

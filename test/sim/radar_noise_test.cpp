@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
-#include <optional>
+#include <set>
 #include <vector>
 
 #include "sim/radar_cases.hpp"
@@ -37,16 +39,13 @@ struct Error {
 
 /// Those of a flight of 60 m.
 std::vector<Error> errors_of(const RadarModel& model) {
-  const Trajectory trajectory = random_flight(8, {.length = 60.0});
-  RadarSimulator radar(model, make_room(8), 8);
+  const Room room = make_room(8);
   std::vector<Error> errors;
-  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
-    const Trajectory::Point body = trajectory.at(t);
-    const LabeledScan result = radar.scan(body);
+  for (const auto& [t, body, result] : flown_scans(model, 8)) {
     const Vector3d v_S = radar_velocity_S(body, model);
     for (std::size_t i = 0; i < result.labels.size(); ++i) {
       if (result.labels[i].cause != Cause::kStatic) continue;
-      const Vector3d q_S = in_radar_frame(position(radar, result.labels[i]), body.nav, model);
+      const Vector3d q_S = in_radar_frame(position(room, result.labels[i]), body.nav, model);
       const RadarDetection& detection = result.scan.detections[i];
       const Polar polar = Polar::of(detection.point_S);
       const Polar truth = Polar::of(q_S);
@@ -65,13 +64,20 @@ template <typename Value, typename Keep>
 std::vector<double> select(const std::vector<Error>& errors, Value value, Keep keep) {
   std::vector<double> values;
   for (const Error& e : errors) {
-    if (keep(e)) values.push_back(value(e));
+    if (keep(e)) values.push_back(std::invoke(value, e));
   }
   return values;
 }
 template <typename Value>
 std::vector<double> select(const std::vector<Error>& errors, Value value) {
   return select(errors, value, [](const Error&) { return true; });
+}
+
+/// Their standard deviation is `sigma` within a share of it, and so is their mean zero.
+void expect_sigma(const std::vector<double>& values, double sigma, double share,
+                  double share_of_mean = 1e9) {
+  EXPECT_NEAR(sigma_of(values), sigma, share * sigma);
+  EXPECT_NEAR(mean_of(values), 0.0, share_of_mean * sigma);
 }
 
 double boresight_azimuth(const Error& e) {
@@ -84,14 +90,11 @@ double boresight_elevation(const Error& e) {
 TEST(RadarNoise, IdealIsUnbiasedAndHasItsSigmas) {
   const std::vector<Error> errors = errors_of(RadarModel::ideal());
   ASSERT_GT(errors.size(), 20000U);  // a sigma is then known to 0.5 %
-  const auto check = [](const std::vector<double>& values, double sigma) {
-    EXPECT_NEAR(sigma_of(values), sigma, 0.025 * sigma);  // five standard errors
-    EXPECT_NEAR(mean_of(values), 0.0, 0.035 * sigma);
-  };
-  check(select(errors, [](const Error& e) { return e.range; }), 0.03);
-  check(select(errors, boresight_azimuth), 2.0 * kDegree);
-  check(select(errors, boresight_elevation), 4.0 * kDegree);
-  check(select(errors, [](const Error& e) { return e.doppler; }), 0.02);
+  // five standard errors
+  expect_sigma(select(errors, &Error::range), 0.03, 0.025, 0.035);
+  expect_sigma(select(errors, boresight_azimuth), 2.0 * kDegree, 0.025, 0.035);
+  expect_sigma(select(errors, boresight_elevation), 4.0 * kDegree, 0.025, 0.035);
+  expect_sigma(select(errors, &Error::doppler), 0.02, 0.025, 0.035);
 }
 
 TEST(RadarNoise, IdealIsWhite) {
@@ -113,14 +116,12 @@ TEST(RadarNoise, IdealIsWhite) {
 TEST(RadarNoise, AzimuthGrowsOffBoresight) {
   const std::vector<Error> errors = errors_of(RadarModel::ideal());
   for (const double centre : {0.0, 25.0, 50.0}) {
-    const auto values = select(
-        errors, [](const Error& e) { return e.azimuth; },
-        [&](const Error& e) {
-          return std::abs(std::abs(e.truth.azimuth) - centre * kDegree) < 5.0 * kDegree;
-        });
+    SCOPED_TRACE(centre);
+    const auto values = select(errors, &Error::azimuth, [&](const Error& e) {
+      return std::abs(std::abs(e.truth.azimuth) - centre * kDegree) < 5.0 * kDegree;
+    });
     ASSERT_GT(values.size(), 1500U);
-    const double sigma = 2.0 * kDegree / std::cos(centre * kDegree);
-    EXPECT_NEAR(sigma_of(values), sigma, 0.07 * sigma) << centre;  // four standard errors
+    expect_sigma(values, 2.0 * kDegree / std::cos(centre * kDegree), 0.07);  // four standard errors
   }
 }
 
@@ -129,24 +130,18 @@ TEST(RadarNoise, AnglesOfWeakEchoesAreWorse) {
   model.weak_angle_growth = 3.0;
   const std::vector<Error> errors = errors_of(model);
   for (const double excess_db : {0.25, 3.0, 6.0, 15.0}) {
+    SCOPED_TRACE(excess_db);
     const auto near = [&](const Error& e) {
       return std::abs(e.snr_db - model.threshold_db - excess_db) < 0.25;
     };
+    const auto count = static_cast<double>(select(errors, &Error::range, near).size());
+    ASSERT_GT(count, 200.0);
+    const double share = 4.0 / std::sqrt(2.0 * count);  // four standard errors
     const double growth = std::sqrt(1.0 + 3.0 * std::pow(10.0, -excess_db / 10.0));
-    const auto check = [&](const std::vector<double>& values, double sigma) {
-      ASSERT_GT(values.size(), 200U);
-      // four standard errors
-      const double allowed = 4.0 * sigma / std::sqrt(2.0 * static_cast<double>(values.size()));
-      EXPECT_NEAR(sigma_of(values), sigma, allowed) << excess_db;
-    };
-    check(select(errors, boresight_azimuth, near), 2.0 * kDegree * growth);
-    check(select(errors, boresight_elevation, near), 4.0 * kDegree * growth);
-    check(select(
-              errors, [](const Error& e) { return e.range; }, near),
-          0.03);
-    check(select(
-              errors, [](const Error& e) { return e.doppler; }, near),
-          0.02);
+    expect_sigma(select(errors, boresight_azimuth, near), 2.0 * kDegree * growth, share);
+    expect_sigma(select(errors, boresight_elevation, near), 4.0 * kDegree * growth, share);
+    expect_sigma(select(errors, &Error::range, near), 0.03, share);
+    expect_sigma(select(errors, &Error::doppler, near), 0.02, share);
   }
 }
 
@@ -154,32 +149,25 @@ TEST(RadarNoise, GridsAddTheirUniformError) {
   RadarModel model;
   model.wander_sigma = model.weak_angle_growth = model.angle_grid = 0.0;
   const std::vector<Error> errors = errors_of(model);
-  const double range = std::sqrt(0.03 * 0.03 + 0.0394 * 0.0394 / 12.0);
-  const double step = 1.51 / 16.0;
   // 5 %: the errors of a reflector last for 0.15 m, which leaves some 1500 independent values
-  EXPECT_NEAR(sigma_of(select(errors, [](const Error& e) { return e.range; })), range,
-              0.05 * range);
-  EXPECT_NEAR(sigma_of(select(errors, boresight_azimuth)), 2.0 * kDegree, 0.05 * 2.0 * kDegree);
-  EXPECT_NEAR(sigma_of(select(errors, boresight_elevation)), 4.0 * kDegree, 0.05 * 4.0 * kDegree);
+  expect_sigma(select(errors, &Error::range), std::hypot(0.03, 0.0394 / std::sqrt(12.0)), 0.05);
+  expect_sigma(select(errors, boresight_azimuth), 2.0 * kDegree, 0.05);
+  expect_sigma(select(errors, boresight_elevation), 4.0 * kDegree, 0.05);
   // a tenth of the flight stands, where the Doppler sits on a grid point
-  const double doppler = std::sqrt(0.02 * 0.02 + step * step / 12.0);
-  EXPECT_NEAR(sigma_of(select(errors, [](const Error& e) { return e.doppler; })), doppler,
-              0.07 * doppler);
+  const double step = 1.51 / 16.0;
+  expect_sigma(select(errors, &Error::doppler), std::hypot(0.02, step / std::sqrt(12.0)), 0.07);
 }
 
 TEST(RadarNoise, AngleGridAddsItsUniformError) {
   RadarModel model = noise_free();
   model.angle_grid = 1.0 / 32.0;
   const std::vector<Error> errors = errors_of(model);
-  const double sigma = model.angle_grid / std::sqrt(12.0);
-  for (const auto& values : {select(errors, [](const Error& e) { return e.y_over_r; }),
-                             select(errors, [](const Error& e) { return e.z_over_r; })}) {
-    EXPECT_NEAR(sigma_of(values), sigma, 0.03 * sigma);
-    EXPECT_NEAR(mean_of(values), 0.0, 0.03 * sigma);
+  for (const auto cosine : {&Error::y_over_r, &Error::z_over_r}) {
+    const std::vector<double> values = select(errors, cosine);
+    expect_sigma(values, model.angle_grid / std::sqrt(12.0), 0.03, 0.03);
     EXPECT_LE(largest(values), 0.5 * model.angle_grid + 1e-12);
   }
-  const auto range = select(errors, [](const Error& e) { return e.range; });
-  EXPECT_LT(largest(range), 1e-12);
+  EXPECT_LT(largest(select(errors, &Error::range)), 1e-12);
 }
 
 TEST(RadarNoise, SlipsIntoTheNeighbouringDopplerCell) {
@@ -215,7 +203,7 @@ TEST(RadarNoise, SlipsIntoTheNeighbouringDopplerCell) {
 TEST(RadarNoise, WanderMovesTheScatteringCentre) {
   RadarModel model = noise_free();
   model.wander_sigma = 0.05;
-  const auto range = select(errors_of(model), [](const Error& e) { return e.range; });
+  const auto range = select(errors_of(model), &Error::range);
   EXPECT_NEAR(sigma_of(range), 0.05, 0.005);  // correlated in time: few independent values
 }
 
@@ -274,11 +262,8 @@ TEST(RadarNoise, DecaysWithTheWayFlown) {
 TEST(RadarAngles, EveryDetectionLiesOnTheGrid) {
   RadarModel model;
   model.people = 4;
-  const Trajectory trajectory = random_flight(9, {.length = 60.0});
-  RadarSimulator radar(model, make_room(9), 9);
   std::set<Cause> causes;
-  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
-    const LabeledScan result = radar.scan(trajectory.at(t));
+  for (const auto& [t, body, result] : flown_scans(model, 9)) {
     for (std::size_t i = 0; i < result.labels.size(); ++i) {
       const Vector3d u = result.scan.detections[i].point_S.normalized() / model.angle_grid;
       ASSERT_NEAR(u.y(), std::round(u.y()), 1e-9);

@@ -22,14 +22,11 @@ struct Places {
   std::set<std::array<long, 3>> cells;
 };
 
-std::vector<Places> places_of(const Trajectory& trajectory, const RadarModel& model,
-                              std::uint64_t seed) {
-  RadarSimulator radar(model, make_room(seed), seed);
+std::vector<Places> places_of(const RadarModel& model, std::uint64_t seed) {
   std::vector<Places> scans;
-  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
-    const Trajectory::Point body = trajectory.at(t);
+  for (const auto& [t, body, result] : flown_scans(model, seed)) {
     Places places;
-    for (const RadarDetection& detection : radar.scan(body).scan.detections) {
+    for (const RadarDetection& detection : result.scan.detections) {
       const Vector3d& p = detection.point_S;
       const double r = p.norm();
       places.W.push_back(in_world(p, body.nav, model));
@@ -78,8 +75,7 @@ TEST(RadarScans, RepeatAtRestAndFadeInMotionLikeThoseOfARealRadar) {
   double at_rest = 0.0;
   constexpr int kFlights = 3;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
-    const Trajectory trajectory = random_flight(seed, {.length = 60.0});
-    const std::vector<Places> scans = places_of(trajectory, model, seed);
+    const std::vector<Places> scans = places_of(model, seed);
     for (std::size_t i = 0; static_cast<double>(i + 1) * kScanPeriod < kTakeOff; ++i) {
       for (const auto& cell : scans[i].cells) {
         same_cell += scans[i + 1].cells.count(cell) > 0 ? 1.0 : 0.0;
@@ -136,12 +132,9 @@ TEST(RadarScans, TheVehicleItselfHasNoDopplerAndStaysWhereItIs) {
   RadarModel model;
   model.own_echoes = 3;
   model.own_echo_share = 0.5;
-  const Trajectory trajectory = random_flight(3, {.length = 40.0});
-  RadarSimulator radar(model, make_room(3), 3);
   double scans = 0.0;
   double seen = 0.0;
-  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
-    const LabeledScan result = radar.scan(trajectory.at(t));
+  for (const auto& [t, body, result] : flown_scans(model, 3, 40.0)) {
     scans += 1.0;
     for (std::size_t i = 0; i < result.labels.size(); ++i) {
       if (result.labels[i].cause != Cause::kVehicle) continue;

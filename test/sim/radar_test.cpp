@@ -59,7 +59,7 @@ TEST(Radar, RangeRateIsTheDerivativeOfTheRangeInFlight) {
     const NavState after = trajectory.at(t + kStep).nav;
     const LabeledScan result = radar.scan(body);
     for (std::size_t i = 0; i < result.labels.size(); ++i) {
-      const Vector3d q = position(radar, result.labels[i]);
+      const Vector3d q = position(radar.room(), result.labels[i]);
       const double rate =
           ((q - radar_position(after, model)).norm() - (q - radar_position(before, model)).norm()) /
           (2.0 * kStep);
@@ -128,12 +128,10 @@ TEST(Radar, OnePeakACellAndEverythingOnTheGrid) {
     RadarModel model;
     model.doppler_scale = scale;
     EXPECT_DOUBLE_EQ(model.reported_max_doppler(), (1.0 + scale) * model.max_doppler);
-    const Trajectory trajectory = random_flight(9, {.length = 60.0});
-    RadarSimulator radar(model, make_room(9), 9);
     double fastest = 0.0;
-    for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
+    for (const auto& [t, body, result] : flown_scans(model, 9)) {
       std::set<std::pair<long, long>> cells;
-      for (const RadarDetection& detection : radar.scan(trajectory.at(t)).scan.detections) {
+      for (const RadarDetection& detection : result.scan.detections) {
         const double range = detection.point_S.norm() / model.range_resolution;
         const double doppler = detection.range_rate / model.reported_doppler_resolution();
         EXPECT_NEAR(range, std::round(range), 1e-9);
@@ -152,11 +150,9 @@ TEST(Radar, OutlierShareIsWhatWasAskedFor) {
   for (const double share : {0.0, 0.15, 0.35}) {
     RadarModel model;
     model.outlier_share = share;
-    const Trajectory trajectory = random_flight(10, {.length = 60.0});
-    RadarSimulator radar(model, make_room(10), 10);
     std::array<int, 6> count{};
-    for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
-      for (const Label& label : radar.scan(trajectory.at(t)).labels) {
+    for (const auto& [t, body, result] : flown_scans(model, 10)) {
+      for (const Label& label : result.labels) {
         ++count[static_cast<std::size_t>(label.cause)];
         EXPECT_EQ(label.reflector < 0, label.cause == Cause::kFalseAlarm);
       }
@@ -179,20 +175,16 @@ TEST(Radar, GhostsObeyTheirGeometry) {
   RadarModel model = noise_free();
   model.outlier_share = 0.4;
   model.false_alarm_share = 0.0;
-  const Trajectory trajectory = random_flight(11, {.length = 60.0});
-  RadarSimulator radar(model, make_room(11), 11);
-  const Room& room = radar.room();
+  const Room room = make_room(11);
   int mirrors = 0;
   int bounces = 0;
-  for (double t = 0.0; t < trajectory.duration(); t += 1.0 / 15.0) {
-    const Trajectory::Point body = trajectory.at(t);
-    const LabeledScan result = radar.scan(body);
+  for (const auto& [t, body, result] : flown_scans(model, 11)) {
     const Vector3d v_S = radar_velocity_S(body, model);
     for (std::size_t i = 0; i < result.labels.size(); ++i) {
       const Label& label = result.labels[i];
       const RadarDetection& detection = result.scan.detections[i];
       if (label.cause == Cause::kStatic || label.cause == Cause::kFalseAlarm) continue;
-      const Vector3d q_W = position(radar, label);
+      const Vector3d q_W = position(room, label);
       const double along = -detection.point_S.normalized().dot(v_S);
       if (label.cause == Cause::kDoubleBounce) {
         const Vector3d q_S = in_radar_frame(q_W, body.nav, model);

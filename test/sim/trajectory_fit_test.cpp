@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -15,6 +14,7 @@
 #include "rio/core/so3.hpp"
 #include "rio/sim/random.hpp"
 #include "support/imu_integration.hpp"
+#include "support/temp_dir.hpp"
 
 namespace rio::sim {
 namespace {
@@ -71,12 +71,7 @@ FitError error(const TrajectoryFit& fit, const Poses& poses) {
 }
 
 std::string failure(const Poses& poses, const PathOptions& options = {}) {
-  try {
-    fit_trajectory(poses, options);
-  } catch (const std::runtime_error& e) {
-    return e.what();
-  }
-  return "";
+  return test::error_of([&] { fit_trajectory(poses, options); });
 }
 
 TEST(TrajectoryFit, RecoversAKnownFlight) {
@@ -256,26 +251,28 @@ TEST(TrajectoryFit, RefusesBadRecordings) {
   const Trajectory truth = flown();
   const Poses good = record(truth, 5.0, 15.0, 20.0);
   ASSERT_EQ(failure(good), "");
-  const auto with = [&](const std::function<void(Poses&)>& damage) {
-    Poses poses = good;
-    damage(poses);
-    return failure(poses);
-  };
-  const auto says = [](const std::string& text, const char* part) {
-    return text.find(part) != std::string::npos;
-  };
-  EXPECT_TRUE(says(failure({}), "0 poses"));
-  EXPECT_TRUE(says(failure(record(truth, 5.0, 15.0, 0.8)), "9 poses"));
-  EXPECT_TRUE(says(failure(record(truth, 5.0, 6.9, 20.0)), "s long"));
-  EXPECT_TRUE(says(with([](Poses& p) { p[7].time = p[6].time; }), "pose 8 is not later"));
-  EXPECT_TRUE(says(with([](Poses& p) { std::swap(p[7], p[20]); }), "pose 9 is not later"));
+  EXPECT_PRED2(test::contains, failure({}), "0 poses");
+  EXPECT_PRED2(test::contains, failure(record(truth, 5.0, 15.0, 0.8)), "9 poses");
+  EXPECT_PRED2(test::contains, failure(record(truth, 5.0, 6.9, 20.0)), "s long");
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(says(with([](Poses& p) { p[3].p.y() = kNan; }), "pose 4 is not finite"));
-  EXPECT_TRUE(says(with([](Poses& p) { p[3].p.z() = kInf; }), "pose 4 is not finite"));
-  EXPECT_TRUE(says(with([](Poses& p) { p[3].q.w() = kNan; }), "pose 4 is not finite"));
-  EXPECT_TRUE(says(with([](Poses& p) { p[3].q.coeffs().setZero(); }), "unit quaternion"));
-  EXPECT_TRUE(says(with([](Poses& p) { p[90].p.z() += 5.0; }), "falls freely"));
+  const struct {
+    void (*damage)(Poses& poses);
+    const char* said;
+  } damages[] = {
+      {[](Poses& p) { p[7].time = p[6].time; }, "pose 8 is not later"},
+      {[](Poses& p) { std::swap(p[7], p[20]); }, "pose 9 is not later"},
+      {[](Poses& p) { p[3].p.y() = kNan; }, "pose 4 is not finite"},
+      {[](Poses& p) { p[3].p.z() = kInf; }, "pose 4 is not finite"},
+      {[](Poses& p) { p[3].q.w() = kNan; }, "pose 4 is not finite"},
+      {[](Poses& p) { p[3].q.coeffs().setZero(); }, "unit quaternion"},
+      {[](Poses& p) { p[90].p.z() += 5.0; }, "falls freely"},
+  };
+  for (const auto& [damage, said] : damages) {
+    Poses poses = good;
+    damage(poses);
+    EXPECT_PRED2(test::contains, failure(poses), said);
+  }
 }
 
 TEST(TrajectoryFit, NeedsAnUprightAxis) {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <random>
 
 #include "support/measured.hpp"
 
@@ -322,24 +321,6 @@ TEST(TiConfig, LinesAsPeopleWriteThem) {
   EXPECT_EQ(config.commands[0].line, 3);
   EXPECT_EQ(config.commands[0].number(4), 50.0);
   EXPECT_TRUE(std::isnan(config.commands[0].number(7)));
-}
-
-TEST(TiConfig, AnyTextIsTaken) {
-  std::minstd_rand random(1);
-  for (int n = 0; n < 3000; ++n) {
-    std::string text = committed();
-    for (int k = 0; k < 4; ++k) {
-      const std::size_t at = random() % text.size();
-      const char some[] = {'-', '9', ' ', '\n', '.', 'e', 'x', static_cast<char>(random() % 256)};
-      random() % 2 == 0 ? text.erase(at, random() % 30) : text.insert(at, 1, some[random() % 8]);
-    }
-    const Config config = parse_config(text);
-    for (const LintFinding& finding : lint(config)) EXPECT_FALSE(finding.text.empty());
-    ConfigFigures figures;
-    if (!derive(config, &figures)) continue;
-    EXPECT_TRUE(figures.max_speed > 0.0 && std::isfinite(figures.max_range));
-    EXPECT_FALSE(as_options(figures).empty());
-  }
 }
 
 }  // namespace

@@ -14,14 +14,18 @@ using std::chrono::milliseconds;
 Bytes packet(std::uint32_t number, int points = 3) {
   return packet_of(number, some_points(number, points)).bytes();
 }
+Bytes without(Bytes bytes, std::size_t at, std::size_t count) {
+  const auto begin = bytes.begin() + static_cast<long>(at);
+  bytes.erase(begin, begin + static_cast<long>(count));
+  return bytes;
+}
 using Numbers = std::vector<std::uint32_t>;
 
 TEST(PacketReader, SplitAnywhere) {
   const Bytes bytes = joined({packet(1), packet(2, 0), packet(3, 5)});
   for (std::size_t split = 0; split <= bytes.size(); ++split) {
     Reading reading;
-    reading.push(bytes.data(), split);
-    reading.push(bytes.data() + split, bytes.size() - split);
+    reading.push_split(bytes, split);
     ASSERT_EQ(reading.frames.size(), 3U) << split;
     EXPECT_TRUE(is_frame_of(reading.frames[0], 1, some_points(1, 3))) << split;
     EXPECT_TRUE(is_frame_of(reading.frames[1], 2, {})) << split;
@@ -72,8 +76,7 @@ TEST(PacketReader, LostBytesCostOnePacket) {
   const Bytes whole = packet(2, 2);
   for (std::size_t at = 0; at < whole.size(); ++at) {
     for (std::size_t count = 1; at + count <= whole.size(); ++count) {
-      Bytes cut = whole;
-      cut.erase(cut.begin() + static_cast<long>(at), cut.begin() + static_cast<long>(at + count));
+      const Bytes cut = without(whole, at, count);
       Reading reading;
       reading.push(joined({packet(1), cut, packet(3)}));
       ASSERT_GE(reading.frames.size(), 2U) << at << " " << count;
@@ -88,13 +91,11 @@ TEST(PacketReader, LastBytesThatWereLostAreNotThoseOfTheNextPacket) {
   for (std::size_t lost = 1; lost < kMagicSize; ++lost) {
     const Bytes whole = packet(2, 2);
     for (std::size_t at = whole.size() - lost; at >= kMagicSize; at -= 3) {
-      Bytes cut = whole;
-      cut.erase(cut.begin() + static_cast<long>(at), cut.begin() + static_cast<long>(at + lost));
+      const Bytes cut = without(whole, at, lost);
       const Bytes bytes = joined({packet(1), cut, packet(3), packet(4)});
       for (std::size_t split = packet(1).size(); split < bytes.size(); ++split) {
         Reading reading;
-        reading.push(bytes.data(), split);
-        reading.push(bytes.data() + split, bytes.size() - split);
+        reading.push_split(bytes, split);
         ASSERT_EQ(reading.numbers(), (Numbers{1, 3, 4})) << lost << " at " << at << ", " << split;
         ASSERT_EQ(reading.counters().damaged, 1U) << lost << " at " << at << ", " << split;
         ASSERT_EQ(reading.counters().bytes_skipped, cut.size()) << lost << " at " << at;

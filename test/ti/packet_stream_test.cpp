@@ -150,18 +150,6 @@ TEST(PacketStream, NoFrameHasBytesOfAnother) {
   EXPECT_GT(kPackets - in_time, kPackets / 4);
 }
 
-TEST(PacketStream, OfAnyBytesNothingButFinitePointsComes) {
-  Cable cable;
-  Reading reading;
-  for (int i = 0; i < 2000; ++i) reading.push(cable.noise(1000));
-  reading.push(packet_of(1, some_points(1, 4)).bytes());
-  ASSERT_FALSE(reading.frames.empty());
-  EXPECT_TRUE(is_frame_of(reading.frames.back(), 1, some_points(1, 4)));
-  for (const Frame& frame : reading.frames) {
-    for (const RadarDetection& d : frame.scan.detections) EXPECT_TRUE(d.point_S.allFinite());
-  }
-}
-
 TEST(PacketStream, Throughput) {
   Bytes bytes;
   std::mt19937 random(3);

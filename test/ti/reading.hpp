@@ -22,6 +22,11 @@ struct Reading {
   void push(const Bytes& bytes, Time arrival = Time{0}) {
     push(bytes.data(), bytes.size(), arrival);
   }
+  /// In two pieces.
+  void push_split(const Bytes& bytes, std::size_t first, Time arrival = Time{0}) {
+    push(bytes.data(), first, arrival);
+    push(bytes.data() + first, bytes.size() - first, arrival);
+  }
   void flush() {
     reader.flush([this](const Frame& frame) { frames.push_back(frame); });
   }
