@@ -150,20 +150,14 @@ TruthAt interpolated_truth(std::vector<NavState> rows) {
   };
 }
 
-Innovations observe_innovations(const Recording& recording, const Options& options) {
-  std::string why;
-  if (!options.validate(&why)) throw std::runtime_error(why);
-  Innovations innovations;
-  Run(recording, options, &innovations).run();
-  return innovations;
-}
-
 NoiseCalibration calibrate_noise(const Recording& recording, const Options& options,
                                  const std::function<void(const NoiseCalibration&)>& each) {
   Options now = measuring_options(options);
   NoiseCalibration result;
   while (result.runs < kMaxRuns && !result.converged) {
-    const Innovations seen = observe_innovations(recording, now);
+    if (std::string why; !now.validate(&why)) throw std::runtime_error(why);
+    Innovations seen;
+    Run(recording, now, &seen).run();
     ++result.runs;
     result.landmarks = seen.landmarks;
     result.dopplers = seen.dopplers;

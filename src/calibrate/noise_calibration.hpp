@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "calibrate/innovations.hpp"
 #include "rio/eval/noise_fit.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
@@ -17,6 +16,9 @@ namespace rio::calibrate {
 
 /// RadarOptions::weak_snr_db if the noise of all echoes is alike [dB].
 inline constexpr double kAllAlike = -200.0;
+
+/// The true state at a time, if known.
+using TruthAt = std::function<std::optional<NavState>(Time)>;
 
 /// Start of a run.
 struct Start {
@@ -36,10 +38,6 @@ struct Recording {
 /// Empty if no row has a velocity. `rows` by increasing stamp.
 TruthAt interpolated_truth(std::vector<NavState> rows);
 
-/// One run with these options.
-/// @throws std::runtime_error if the options are invalid or the run does not start
-Innovations observe_innovations(const Recording& recording, const Options& options);
-
 /// A fit with its history.
 struct NoiseCalibration {
   eval::NoiseFit fit;
@@ -52,7 +50,8 @@ struct NoiseCalibration {
 /// Fits radar.sigma_* and, unless it is switched off, radar.weak_snr_db. The runs match and gate
 /// more widely than `options`.
 /// @param each called after every run, for progress
-/// @throws std::runtime_error as observe_innovations(), and if there are too few matches
+/// @throws std::runtime_error if the options are invalid, the run does not start, or there are too
+/// few matches
 NoiseCalibration calibrate_noise(const Recording& recording, const Options& options,
                                  const std::function<void(const NoiseCalibration&)>& each = {});
 

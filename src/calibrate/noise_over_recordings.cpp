@@ -53,7 +53,7 @@ NoiseEstimate over(const std::vector<Fitted>& recordings) {
   return out;
 }
 
-/// The part of a recording from `start`, or up to `end`.
+/// The part of a recording from `start`.
 Recording second_half(const Recording& recording, const Start& start) {
   Recording half;
   half.truth = recording.truth;
@@ -66,6 +66,7 @@ Recording second_half(const Recording& recording, const Start& start) {
   }
   return half;
 }
+/// The part up to `end`.
 Recording first_half(const Recording& recording, Time end) {
   Recording half = recording;
   std::erase_if(half.imu, [end](const ImuSample& s) { return s.time > end; });
@@ -110,9 +111,8 @@ std::optional<Measured> fitted_by(const Fit& fit, int k) {
 }
 
 /// (E1) (E2) of three axes between two times.
-template <class Axes>
 std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin, Time end,
-                                   Axes axes) {
+                                   Vector3d ImuSample::*axes) {
   constexpr double kStretch = 0.05;  // [s]: a body at rest sways more slowly, engines turn faster
   constexpr int kFewestDifferences = 8;
   double squares = 0.0;
@@ -134,7 +134,7 @@ std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin
       count = 0;
       stretch += from_seconds(kStretch);
     }
-    sum += axes(sample);
+    sum += sample.*axes;
     ++count;
   }
   if (differences < kFewestDifferences || !(squares > 0.0)) return std::nullopt;
@@ -142,8 +142,8 @@ std::optional<Measured> rest_noise(const std::vector<ImuSample>& imu, Time begin
                   1.0 / std::sqrt(4.0 * differences / 3.0)};
 }
 
-template <class Axes>
-Fitted rest_noise_and_halves(const Recording& recording, Time end, double duration, Axes axes) {
+Fitted rest_noise_and_halves(const Recording& recording, Time end, double duration,
+                             Vector3d ImuSample::*axes) {
   const Time begin = end - from_seconds(duration);
   const Time middle = begin + (end - begin) / 2;
   return {rest_noise(recording.imu, begin, end, axes),
@@ -183,10 +183,9 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
     }
     if (recording.start) continue;  // no certain standstill
     const double duration = options.start.duration;
-    gyro.push_back(rest_noise_and_halves(recording, runs[i].begin, duration,
-                                         [](const ImuSample& s) { return s.gyro_B; }));
-    accel.push_back(rest_noise_and_halves(recording, runs[i].begin, duration,
-                                          [](const ImuSample& s) { return s.accel_B; }));
+    const Time begin = runs[i].begin;
+    gyro.push_back(rest_noise_and_halves(recording, begin, duration, &ImuSample::gyro_B));
+    accel.push_back(rest_noise_and_halves(recording, begin, duration, &ImuSample::accel_B));
   }
   for (std::size_t k = 0; k < 4; ++k) out.radar[k] = over(radar[k]);
   out.gyro = over(gyro);

@@ -8,17 +8,24 @@
 // estimate.
 #pragma once
 
-#include <functional>
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "calibrate/innovations.hpp"
+#include "calibrate/noise_calibration.hpp"
 #include "rio/ekf/ekf.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_point.hpp"
 
 namespace rio::calibrate {
+
+/// Result of a run: measures of the noise of its radar.
+struct Innovations {
+  std::vector<eval::NoiseSample> samples;
+  std::size_t landmarks = 0;  ///< of these, matches with landmarks
+  std::size_t dopplers = 0;   ///< of these, Dopplers
+};
 
 class NoiseProbe : public Ekf {
  public:
@@ -64,7 +71,8 @@ class NoiseProbe : public Ekf {
     const auto curvature = M::range_curvature(d.range, sample.predicted.block<2, 2>(1, 1));
     sample.innovation[0] -= curvature.mean;
     sample.predicted(0, 0) += curvature.variance;
-    sample.grid = Vector3d(range_grid(), 0.0, 0.0);
+    const double grid = radar_.range_resolution;
+    sample.grid = Vector3d(grid * grid / 12.0, 0.0, 0.0);
     const double growth = weak_echo_growth(d.snr_db, radar_.weak_snr_db);
     const double az = d.sigma_azimuth_S.norm() / (growth * radar_.sigma_azimuth);
     const double el = d.sigma_elevation_S.norm() / (growth * radar_.sigma_elevation);
@@ -114,8 +122,6 @@ class NoiseProbe : public Ekf {
     out_->samples.push_back(sample);
     ++out_->dopplers;
   }
-
-  double range_grid() const { return radar_.range_resolution * radar_.range_resolution / 12.0; }
 
   GatheredCovariance gathered_;
   RadarOptions radar_;

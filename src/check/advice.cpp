@@ -29,15 +29,13 @@ std::string Advice::negate_doppler() const {
 }
 
 std::string Advice::gyro_in(const std::string& unit, double factor) const {
-  const bool no_option = unit == "mdeg/s";  // units.cpp of io
-  if (bag() && no_option) {
-    return fmt::format("multiply the rates by {:.6g} in the driver of the IMU", factor);
+  if (!bag()) {
+    return fmt::format(
+        "multiply the first three columns after the stamp of imu0/data.csv by {:.6g}", factor);
   }
-  return bag() ? "--gyro-unit " + unit
-               : fmt::format(
-                     "multiply the first three columns after the stamp of imu0/data.csv by "
-                     "{:.6g}",
-                     factor);
+  const bool no_option = unit == "mdeg/s";  // units.cpp of io
+  return no_option ? fmt::format("multiply the rates by {:.6g} in the driver of the IMU", factor)
+                   : "--gyro-unit " + unit;
 }
 
 std::string Advice::sensor_line(const std::string& line) const {

@@ -46,12 +46,13 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::Ra
                          const Advice& advice, const Options& options,
                          const std::filesystem::path& folder) {
   if (scans.empty()) return {};
+  bool same_unit = true;
+  Findings out = {check_clocks(imu.all, scans, advice, &same_unit)};
+  if (!same_unit) return out;
   Options read = options;
   double& limit = read.radar.max_doppler;
   if (limit > 0.0) limit = std::max(limit, fastest(scans));
   const std::vector<RadarSpeed> speeds = radar_speeds(scans, read);
-  if (const auto unit = check_stamp_unit(imu.all, scans)) return {*unit};
-  Findings out = {check_clocks(imu.all, scans, advice)};
   if (const auto lever = check_lever_arm(options.radar.T_BS.translation)) out.push_back(*lever);
   const auto append = [&out](const Findings& more) {
     out.insert(out.end(), more.begin(), more.end());

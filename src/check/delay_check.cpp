@@ -16,10 +16,10 @@ namespace {
 constexpr double kShiftStep = 0.02;  // [s]
 constexpr int kShifts = 14;          // to each side; below kMostShift
 
-std::vector<double> most_explained(const std::vector<Agreements>& shifts, const Options& options,
+std::vector<double> most_explained(const std::vector<Agreement>& shifts, const Options& options,
                                    DopplerSign sign) {
   std::vector<double> most;
-  for (const Agreements& windows : shifts) most.push_back(most_explained(windows, options, sign));
+  for (const Agreement& windows : shifts) most.push_back(most_explained(windows, options, sign));
   return most;
 }
 
@@ -29,9 +29,9 @@ struct Shift {
   double explained = 0.0;
 };
 
-Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
+Shift best_shift(const std::vector<Agreement>& shifts, const Matrix3d& R) {
   std::vector<double> explained;
-  for (const Agreements& windows : shifts) explained.push_back(windows.total().explained(R));
+  for (const Agreement& windows : shifts) explained.push_back(windows.explained(R));
   const auto best = std::max_element(explained.begin(), explained.end());
   const auto index = static_cast<int>(std::distance(explained.begin(), best));
   Shift out{kShiftStep * (index - kShifts), *best};
@@ -44,49 +44,47 @@ Shift best_shift(const std::vector<Agreements>& shifts, const Matrix3d& R) {
 
 }  // namespace
 
-double most_explained(const Agreements& windows, const Options& options, DopplerSign sign) {
-  const Agreement& all = windows.total();
+double most_explained(const Agreement& windows, const Options& options, DopplerSign sign) {
   const Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
   double most = 0.0;
   for (const Axes& axes : candidates(options.radar.T_BS.rotation)) {
     if (!allowed(axes, configured, sign)) continue;
-    most = std::max(most, all.explained(axes.R));
+    most = std::max(most, windows.explained(axes.R));
   }
   return most;
 }
 
-std::vector<Agreements> all_shifts(const MotionData& data, double length,
-                                   const RadarOptions& radar) {
+std::vector<Agreement> all_shifts(const MotionData& data, double length,
+                                  const RadarOptions& radar) {
   const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
   std::vector<double> shifts;
   for (int i = -kShifts; i <= kShifts; ++i) shifts.push_back(kShiftStep * i - radar.time_offset);
   return agreements(data.speeds, path, length, radar.T_BS.translation, shifts);
 }
 
-const Agreements& windows_to_judge(const std::vector<Agreements>& shifts, const Options& options,
-                                   DopplerSign sign) {
+const Agreement& windows_to_judge(const std::vector<Agreement>& shifts, const Options& options,
+                                  DopplerSign sign) {
   const std::vector<double> most = most_explained(shifts, options, sign);
   const auto best = std::max_element(most.begin(), most.end()) - most.begin();
-  const Agreements& configured = shifts[kShifts];
-  return significance(most[kShifts], most[static_cast<std::size_t>(best)], configured.size()) >
+  const Agreement& configured = shifts[kShifts];
+  return significance(most[kShifts], most[static_cast<std::size_t>(best)], configured.windows) >
                  kSignificant
              ? shifts[static_cast<std::size_t>(best)]
              : configured;
 }
 
-Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
-                    const Options& options, const Advice& advice) {
+Finding check_delay(const std::vector<Agreement>& shifts, const Matrix3d& R, const Options& options,
+                    const Advice& advice) {
   constexpr double kNotable = 0.02;  // [s]
   constexpr double kMaybe = 2.0;     // sigmas
   constexpr double kWrong = 0.045;   // not corrected by an estimator with a prior of 30 ms [s]
   const double configured = options.radar.time_offset;
   const Shift shift = best_shift(shifts, R);
   const double sure =
-      significance(shifts[kShifts].total().explained(R), shift.explained, shifts[kShifts].size());
+      significance(shifts[kShifts].explained(R), shift.explained, shifts[kShifts].windows);
   Finding out{Verdict::kOk, "delay of the radar",
               fmt::format("radar and IMU agree best with the radar's stamps moved by {:+.0f} ms",
-                          1e3 * shift.seconds),
-              ""};
+                          1e3 * shift.seconds)};
   const double size = std::abs(shift.seconds);
   out.text += fmt::format(", by {:.1f} sigmas", sure);
   if (size < kNotable || sure < kMaybe) return out;
@@ -97,7 +95,7 @@ Finding check_delay(const std::vector<Agreements>& shifts, const Matrix3d& R,
   return out;
 }
 
-bool ends_at_the_best(const std::vector<Agreements>& shifts, const Options& options,
+bool ends_at_the_best(const std::vector<Agreement>& shifts, const Options& options,
                       DopplerSign sign) {
   const std::vector<double> most = most_explained(shifts, options, sign);
   const auto best = std::max_element(most.begin(), most.end());
@@ -117,14 +115,14 @@ std::optional<Finding> check_far_delay(const MotionData& data, double length, do
       moved[i].time = data.speeds[i].time + from_seconds(middle);
     }
     const MotionData there{data.samples, moved, data.gyro_unit, data.accel_unit};
-    const std::vector<Agreements> shifts = all_shifts(there, length, options.radar);
+    const std::vector<Agreement> shifts = all_shifts(there, length, options.radar);
     for (std::size_t i = 0; i < shifts.size(); ++i) {
-      const Agreements& windows = shifts[i];
+      const Agreement& windows = shifts[i];
       const double moved_by = middle + kShiftStep * (static_cast<double>(i) - kShifts);
       const double explained = most_explained(windows, options, data.doppler_sign);
-      if (windows.size() < kFewestWindows || explained <= most ||
+      if (windows.windows < kFewestWindows || explained <= most ||
           std::abs(moved_by) < 0.5 * kCovered ||
-          significance(near, explained, windows.size()) < kSure) {
+          significance(near, explained, windows.windows) < kSure) {
         continue;
       }
       most = explained;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "check/motion.hpp"
 #include "check/numbers.hpp"
@@ -13,33 +14,19 @@ namespace rio::check {
 
 namespace {
 
-/// Calls use(|Doppler|) for all finite values.
-template <typename Use>
-void each_magnitude(const Scans& scans, Use&& use) {
-  for (const ScanView scan : scans) {
-    for (const Point& d : scan.detections) {
-      if (std::isfinite(d.range_rate)) use(std::abs(d.range_rate));
-    }
-  }
-}
-
 double quantile_of_magnitudes(const Scans& scans, double share) {
-  return quantile_of_each([&scans](const auto& use) { each_magnitude(scans, use); }, share);
+  return quantile_of(
+      scans.points(), [](const Point& d) { return std::abs(d.range_rate); }, share);
 }
 
 /// Approaching targets have a negative Doppler, but no detection has an SNR far below zero.
-bool looks_exchanged(const Scans& scans) {
+bool looks_exchanged(std::span<const Point> points) {
   constexpr double kShare = 0.1;
-  std::size_t all = 0;
-  std::size_t weak = 0;
-  for (const ScanView scan : scans) {
-    for (const Point& d : scan.detections) {
-      if (d.range_rate < 0.0) return false;
-      ++all;
-      weak += d.snr_db < 0.0 ? 1U : 0U;
-    }
-  }
-  return static_cast<double>(weak) > kShare * static_cast<double>(all);
+  const auto recedes_or_stands = [](const Point& d) { return !(d.range_rate < 0.0); };
+  const auto weak =
+      std::count_if(points.begin(), points.end(), [](const Point& d) { return d.snr_db < 0.0; });
+  return static_cast<double>(weak) > kShare * static_cast<double>(points.size()) &&
+         std::all_of(points.begin(), points.end(), recedes_or_stands);
 }
 
 /// Whether the Dopplers of the IMU's way cannot all be zero.
@@ -54,7 +41,8 @@ double offset_at_rest(const Scans& scans, const Rest& rest, double gyro_unit, do
   constexpr double kAlike = 0.9;       // of the points; in motion it depends on their directions
   if (!(grid > 0.0) || !rest.is_quiet(gyro_unit)) return 0.0;
   std::vector<double> rates;
-  for (const ScanView scan : scans) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const ScanView scan = scans[i];
     if (scan.time < rest.begin || scan.time > rest.end) continue;
     for (const Point& d : scan.detections) rates.push_back(d.range_rate);
   }
@@ -75,25 +63,23 @@ double fastest(const Scans& scans) {
 
 Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& options,
                       const Advice& advice) {
-  std::size_t count = 0;
-  std::size_t zeros = 0;
-  each_magnitude(scans, [&](double rate) {
-    ++count;
-    zeros += rate == 0.0 ? 1U : 0U;
-  });
-  if (count == 0) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
+  const std::span<const Point> points = scans.points();
+  const auto count_if = [points](const auto& is_counted) {
+    return static_cast<double>(std::count_if(points.begin(), points.end(), is_counted));
+  };
+  const double count = count_if([](const Point& d) { return std::isfinite(d.range_rate); });
+  if (count == 0.0) return {Verdict::kWrong, "Doppler", "no scan has a point", "see `rio info`"};
   const double limit = options.radar.max_doppler;
   const double most = quantile_of_magnitudes(scans, 0.999);
   const double middle = quantile_of_magnitudes(scans, 0.5);
-  const double still = static_cast<double>(zeros) / static_cast<double>(count);
+  const double still = count_if([](const Point& d) { return d.range_rate == 0.0; }) / count;
   const double grid = options.radar.doppler_resolution;
   Finding out{Verdict::kOk, "Doppler",
               fmt::format("up to {:.2f} m/s (half of them below {:.2f}), {:.0f} % exactly zero, {}",
                           most, middle, 100.0 * still,
-                          grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid"),
-              ""};
+                          grid > 0.0 ? fmt::format("grid of {:.3f} m/s", grid) : "no grid")};
   if (limit > 0.0) out.text += fmt::format(", folds at +-{:.2f} m/s", limit);
-  if (looks_exchanged(scans)) {
+  if (looks_exchanged(points)) {
     out.verdict = Verdict::kWrong;
     out.text += ", never negative, while the SNR is: the two are exchanged";
     out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"

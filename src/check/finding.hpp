@@ -26,9 +26,9 @@ inline const char* to_string(Verdict verdict) {
 
 struct Finding {
   Verdict verdict = Verdict::kOk;
-  std::string subject;  ///< what was checked, such as "gyro unit"; unique in a report
-  std::string text;     ///< one sentence
-  std::string change;   ///< proposed change; empty if none
+  std::string subject;   ///< what was checked, such as "gyro unit"; unique in a report
+  std::string text;      ///< one sentence
+  std::string change{};  ///< proposed change; empty if none
 };
 
 using Findings = std::vector<Finding>;

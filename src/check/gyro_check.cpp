@@ -29,13 +29,13 @@ struct Trial {
 Trial with_rates(const Judge& judge, const Vector3d& factor) {
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(judge.data.samples, judge.data.gyro_unit * factor, judge.data.accel_unit);
-  const Agreements windows = agreements(judge.data.speeds, path, judge.length,
-                                        radar.T_BS.translation, {-radar.time_offset})
-                                 .front();
-  Trial best{factor, {}, 0.0, windows.size()};
+  const Agreement all = agreements(judge.data.speeds, path, judge.length, radar.T_BS.translation,
+                                   {-radar.time_offset})
+                            .front();
+  Trial best{factor, {}, 0.0, all.windows};
   for (const Axes& axes : candidates(radar.T_BS.rotation)) {
-    const double explained = windows.total().explained(axes.R);
-    if (explained > best.explained) best = {factor, axes, explained, windows.size()};
+    const double explained = all.explained(axes.R);
+    if (explained > best.explained) best = {factor, axes, explained, all.windows};
   }
   return best;
 }
@@ -55,13 +55,10 @@ bool is_clear(const Trial& trial, double as_read) {
 /// Whether radar and IMU agree only with smaller rates, which the IMU alone did not show.
 std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
   constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
-  std::vector<double> rates;
-  for (const ImuSample& s : judge.data.samples) {
-    rates.push_back(judge.data.gyro_unit * s.gyro_B.norm());
-  }
+  const auto rate = [&judge](const ImuSample& s) { return judge.data.gyro_unit * s.gyro_B.norm(); };
   Trial best = scaled(judge, 0.5);
   for (const double factor : {0.25, kDegree}) {
-    if (factor == kDegree && quantile_of(&rates, 0.5) < kSlow) continue;
+    if (factor == kDegree && quantile_of(judge.data.samples, rate, 0.5) < kSlow) continue;
     const Trial trial = scaled(judge, factor);
     if (trial.explained > best.explained) best = trial;
   }
@@ -159,8 +156,7 @@ std::optional<Finding> check_signs(const Judge& judge, double as_read) {
   Finding out{Verdict::kWrong, "axes of the IMU",
               fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, "
                           "with {} of the gyro negated {:.0f} %",
-                          100.0 * as_read, axes, 100.0 * best.explained),
-              ""};
+                          100.0 * as_read, axes, 100.0 * best.explained)};
   out.change =
       best.as_configured()
           ? fmt::format("negate {} of the gyro: it has the wrong sign", axes)

@@ -111,8 +111,7 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
       fmt::format("{} samples in {:.1f} s, one each {:.2f} ms ({:.0f} Hz), {:.1f} % lost, "
                   "longest gap {:.0f} ms, {} repeated, {} out of order",
                   all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
-                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, stray.count),
-      ""};
+                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, stray.count)};
   const std::optional<Bridged> bridged = cost_of_gaps(good, period, usual);
   if (lost > 0.0 && bridged) {
     out.text += fmt::format(", bridged at {:.2f} m/s for the longest and {:.1f} deg for all",
@@ -182,26 +181,14 @@ Rest stillest(const std::vector<ImuSample>& samples) {
     now.turning = std::sqrt(std::max(0.0, rates / n - now.gyro.squaredNorm()));
     now.begin = samples[begin].time;
     now.end = samples[end - 1].time;
+    now.least = std::min(best.least, now.accel.norm());
     if (n >= kFewest && now.spread < best.spread) best = now;
+    best.least = now.least;
   }
   return best;
 }
 
-/// The least specific force of a tenth of a second: near zero if gravity was removed.
-double least(const std::vector<ImuSample>& samples) {
-  double out = std::numeric_limits<double>::infinity();
-  for (std::size_t begin = 0, end = 0; begin < samples.size(); begin = end) {
-    Vector3d sum = Vector3d::Zero();
-    while (end < samples.size() && samples[end].time < samples[begin].time + from_seconds(1.0)) {
-      sum += samples[end++].accel_B;
-    }
-    out = std::min(out, sum.norm() / static_cast<double>(end - begin));
-  }
-  return out;
-}
-
-Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
-                    ImuCheck* found) {
+Finding check_accel(const Rest& rest, Source source, ImuCheck* found) {
   struct Unit {
     const char* name;
     double factor;
@@ -217,8 +204,7 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
               fmt::format("in the stillest second the specific force is {:.4g} m/s^2 ({:+.3g} "
                           "{:+.3g} {:+.3g}), {:.1f} % off gravity",
                           f, rest.accel.x(), rest.accel.y(), rest.accel.z(),
-                          100.0 * std::abs(f / kStandardGravity - 1.0)),
-              ""};
+                          100.0 * std::abs(f / kStandardGravity - 1.0))};
   const double off = std::abs(f / kStandardGravity - 1.0);
   if (off < 0.05) return out;
   if (off < 0.2) {
@@ -241,8 +227,8 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
   }
   found->integrable = false;
   constexpr double kNothing = 0.5;  // half a g of an IMU in g, little of one in m/s^2
-  if (const double smallest = least(samples); smallest < kNothing) {
-    out.text += fmt::format(", and once {:.2g}: gravity was removed", smallest);
+  if (rest.least < kNothing) {
+    out.text += fmt::format(", and once {:.2g}: gravity was removed", rest.least);
     out.change = "record the raw accelerometer: at rest it must read 9.81 m/s^2 upwards";
     return out;
   }
@@ -265,23 +251,40 @@ Finding check_up(const Rest& rest) {
   const Vector3d up = rest.accel.normalized();
   int axis = 0;
   up.cwiseAbs().maxCoeff(&axis);
-  const char* names[] = {"x", "y", "z"};
   std::string text =
       fmt::format("up is the {}{} axis of the IMU, to {:.0f} deg", up[axis] < 0.0 ? "-" : "+",
-                  names[axis], std::acos(std::min(1.0, std::abs(up[axis]))) / kDegree);
+                  "xyz"[axis], std::acos(std::min(1.0, std::abs(up[axis]))) / kDegree);
   if (axis == 2 && up[axis] < 0.0) text += " (as in FRD; it is found by the alignment at rest)";
-  return {Verdict::kOk, "imu upright", text, ""};
+  return {Verdict::kOk, "imu upright", text};
+}
+
+/// (E1) in radians; NaN with fewer than ten pairs.
+double turning_error(const std::vector<ImuSample>& samples, double factor) {
+  constexpr double kSpan = 0.5;  // [s]
+  constexpr double kMean = 0.1;  // [s]
+  std::vector<double> angles;
+  Vector3d before = Vector3d::Zero();       // mean at the beginning of the span, rotated to now
+  Vector3d mean = samples.front().accel_B;  // of the last kMean
+  for (std::size_t i = 1, begin = 0; i < samples.size(); ++i) {
+    const double dt = to_seconds(samples[i].time - samples[i - 1].time);
+    before = quaternion_exp(-factor * dt * samples[i].gyro_B) * before;
+    mean += (samples[i].accel_B - mean) * std::min(1.0, dt / kMean);
+    if (to_seconds(samples[i].time - samples[begin].time) < kSpan) continue;
+    const double cosine = before.dot(mean.normalized());
+    if (begin > 0) angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+    before = mean.normalized();
+    begin = i;
+  }
+  return angles.size() < 10 ? std::numeric_limits<double>::quiet_NaN() : median(angles);
 }
 
 Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
                    double* unit) {
   constexpr double kAnywhere = 25.0 * kDegree;  // beyond any tilt change in half a second
   constexpr double kFastest = 6.3;  // a turn a second half of the time: no flight is so [rad/s]
-  std::vector<double> rates;
-  rates.reserve(samples.size());
-  for (const ImuSample& s : samples) rates.push_back(s.gyro_B.norm());
-  const double usual = quantile_of(&rates, 0.5);
-  const double most = *std::max_element(rates.begin(), rates.end());
+  const auto rate = [](const ImuSample& s) { return s.gyro_B.norm(); };
+  const double usual = quantile_of(samples, rate, 0.5);
+  const double most = quantile_of(samples, rate, 1.0);
   const double as_given = turning_error(samples, 1.0);
   const bool smaller = usual * kDegree > kFastest;  // than deg/s
   const double scaled = turning_error(samples, kDegree);
@@ -289,8 +292,7 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
               fmt::format("rates of {:.3g} rad/s (median) to {:.3g} rad/s, {:.3g} rad/s in the "
                           "stillest second; they carry the direction of the specific force over "
                           "half a second to {:.1f} deg",
-                          usual, most, rest.gyro.norm(), as_given / kDegree),
-              ""};
+                          usual, most, rest.gyro.norm(), as_given / kDegree)};
   const bool nonsense = as_given > kAnywhere && scaled < 0.5 * as_given;
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
@@ -339,8 +341,7 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
   Finding out{Verdict::kOk, "imu saturation",
               fmt::format("{:.2f} % of an axis at its largest value, {:.2f} % of the samples equal "
                           "the one before",
-                          end, same),
-              ""};
+                          end, same)};
   if (end > 0.1 || same > 1.0) {
     out.verdict = Verdict::kDoubtful;
     out.change = "widen the ranges of the IMU and mount it softer; read it as often as it measures";
@@ -366,29 +367,6 @@ std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSam
   return out;
 }
 
-std::vector<ImuSample> usable(const std::vector<ImuSample>& samples) {
-  return usable_if_not_all(samples).value_or(samples);
-}
-
-double turning_error(const std::vector<ImuSample>& samples, double factor) {
-  constexpr double kSpan = 0.5;  // [s]
-  constexpr double kMean = 0.1;  // [s]
-  std::vector<double> angles;
-  Vector3d before = Vector3d::Zero();       // mean at the beginning of the span, rotated to now
-  Vector3d mean = samples.front().accel_B;  // of the last kMean
-  for (std::size_t i = 1, begin = 0; i < samples.size(); ++i) {
-    const double dt = to_seconds(samples[i].time - samples[i - 1].time);
-    before = quaternion_exp(-factor * dt * samples[i].gyro_B) * before;
-    mean += (samples[i].accel_B - mean) * std::min(1.0, dt / kMean);
-    if (to_seconds(samples[i].time - samples[begin].time) < kSpan) continue;
-    const double cosine = before.dot(mean.normalized());
-    if (begin > 0) angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
-    before = mean.normalized();
-    begin = i;
-  }
-  return angles.size() < 10 ? std::numeric_limits<double>::quiet_NaN() : median(angles);
-}
-
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv) {
   ImuCheck out;
@@ -402,7 +380,7 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
   const Rest& rest = out.rest = stillest(good);
   out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamped));
   if (!out.stamped) return out;
-  out.findings.push_back(check_accel(good, rest, source, &out));
+  out.findings.push_back(check_accel(rest, source, &out));
   if (out.exchanged) return out;
   if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
   out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));

@@ -10,6 +10,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "check/finding.hpp"
@@ -18,9 +19,7 @@
 
 namespace rio::check {
 
-/// Samples that can be integrated: finite, in_order() of order.hpp.
-std::vector<ImuSample> usable(const std::vector<ImuSample>& samples);
-/// The same; empty if all samples are usable.
+/// Samples that can be integrated: finite, in_order() of order.hpp; empty if these are all.
 std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
 
 /// The second in which the specific force varies least.
@@ -31,6 +30,8 @@ struct Rest {
   Vector3d gyro = Vector3d::Zero();                         ///< same
   double spread = std::numeric_limits<double>::infinity();  ///< of |f|, over its mean
   double turning = 0.0;  ///< rms deviation of the rate, as recorded
+  /// The smallest mean of the specific force in any second: near zero if gravity was removed.
+  double least = std::numeric_limits<double>::infinity();
 
   /// As still as with all engines off.
   bool is_quiet(double gyro_unit) const {
@@ -53,15 +54,12 @@ struct ImuCheck {
 /// The IMU data for the other checks.
 struct CheckedImu {
   const std::vector<ImuSample>& all;
-  const std::vector<ImuSample>& good;  ///< usable()
+  const std::vector<ImuSample>& good;  ///< usable_if_not_all(), else all
   const ImuCheck& check;
 };
 
-/// (E1) in radians; NaN with fewer than ten pairs.
-double turning_error(const std::vector<ImuSample>& samples, double factor);
-
 /// @param samples as recorded, in their order
-/// @param good usable() of them
+/// @param good usable_if_not_all() of them, else all
 /// @param csv their file, to name lines of it; may be empty
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv);

@@ -11,15 +11,14 @@ namespace rio::check {
 
 struct Judge {
   const MotionData& data;
-  const Agreements& windows;
-  double length;  ///< of a window [s]
+  const Agreement& all;  ///< of the windows
+  double length;         ///< of a window [s]
   const Options& options;
   const Advice& advice;
   Matrix3d configured = options.radar.T_BS.rotation.toRotationMatrix();
-  Agreement all = windows.total();
 
   double doubt(const Matrix3d& worse, const Matrix3d& better) const {
-    return significance(all.explained(worse), all.explained(better), windows.size());
+    return significance(all.explained(worse), all.explained(better), all.windows);
   }
 };
 

@@ -69,14 +69,10 @@ struct Sums {
     out.b -= start.transpose() * q + slope.transpose() * tq;
     out.c = qq - (q.dot(wtt * q - wt * tq) + tq.dot(w * tq - wt * q)) / det;
     out.weight = w;
-    out.scans = scans;
+    out.windows = 1;
     return out;
   }
 };
-
-Eigen::Matrix<double, 9, 1> flat(const Matrix3d& R) {
-  return Eigen::Map<const Eigen::Matrix<double, 9, 1>>(R.data());  // column-wise
-}
 
 constexpr double kModels = 0.1;  // errors of a good scan beyond the noise model [m/s]
 
@@ -209,23 +205,15 @@ Agreement& Agreement::operator+=(const Agreement& other) {
   b += other.b;
   c += other.c;
   weight += other.weight;
-  scans += other.scans;
+  windows += other.windows;
   return *this;
 }
 
-double Agreement::cost(double a, const Matrix3d& R) const {
-  const Eigen::Matrix<double, 9, 1> r = flat(R);
-  return a * a * r.dot(A * r) - 2.0 * a * b.dot(r) + c;
-}
-
-double Agreement::inverse_scale(const Matrix3d& R) const {
-  const Eigen::Matrix<double, 9, 1> r = flat(R);
-  const double square = r.dot(A * r);
-  return square > 0.0 ? std::max(0.0, b.dot(r) / square) : 0.0;
-}
-
 double Agreement::explained(const Matrix3d& R) const {
-  return c > 0.0 ? 1.0 - cost(inverse_scale(R), R) / c : 0.0;
+  const Eigen::Map<const Eigen::Matrix<double, 9, 1>> r(R.data());  // column-wise
+  const double along = b.dot(r);
+  const double square = r.dot(A * r);
+  return c > 0.0 && along > 0.0 && square > 0.0 ? along * along / (c * square) : 0.0;
 }
 
 double Agreement::movement() const {
@@ -250,12 +238,12 @@ double noise(const std::vector<RadarSpeed>& speeds) {
   return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
 }
 
-std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                                   double length, const Vector3d& lever_B,
-                                   const std::vector<double>& shifts) {
+std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                                  double length, const Vector3d& lever_B,
+                                  const std::vector<double>& shifts) {
   constexpr int kFewest = 8;         // besides the six unknowns of v_0 and g
   constexpr double kShortest = 0.5;  // of the length
-  std::vector<Agreements> out(shifts.size());
+  std::vector<Agreement> out(shifts.size());
   std::vector<Sums> sums(shifts.size());
   std::vector<Vector3d> first_sum(shifts.size(), Vector3d::Zero());
   Time begin{0};
@@ -263,7 +251,7 @@ std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const 
   const auto close = [&] {
     for (std::size_t s = 0; s < shifts.size(); ++s) {
       if (sums[s].scans >= kFewest && sums[s].last >= kShortest * length) {
-        out[s].add(sums[s].less_lines());
+        out[s] += sums[s].less_lines();
       }
       sums[s] = Sums();
     }
@@ -300,10 +288,7 @@ double movement_of(const std::vector<ImuSample>& samples, double gyro_unit, doub
     times.back().time = s.time;
   }
   const ImuPath path(samples, gyro_unit, accel_unit);
-  return agreements(times, path, kLength, Vector3d::Zero(), {0.0})
-      .front()
-      .total()
-      .movement_of_imu();
+  return agreements(times, path, kLength, Vector3d::Zero(), {0.0}).front().movement_of_imu();
 }
 
 double significance(double worse, double better, std::size_t windows) {

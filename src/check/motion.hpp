@@ -87,40 +87,21 @@ class ImuPath {
   mutable std::array<Part, kParts> parts_;  ///< part k in place k modulo kParts
 };
 
-/// (E3) of one window.
+/// (E3) of the windows with one shift of the stamps; the sum over them.
 struct Agreement {
   Eigen::Matrix<double, 9, 9> A = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> b = Eigen::Matrix<double, 9, 1>::Zero();
   double c = 0.0;
   double weight = 0.0;  ///< sum of w
-  int scans = 0;
+  std::size_t windows = 0;
 
   Agreement& operator+=(const Agreement& other);
-  /// (E3); R may be improper: mirrored axes, or a flipped Doppler.
-  double cost(double a, const Matrix3d& R) const;
-  /// The best a > 0, or 0.
-  double inverse_scale(const Matrix3d& R) const;
-  /// (E4)
+  /// (E4); R may be improper: mirrored axes, or a flipped Doppler.
   double explained(const Matrix3d& R) const;
   /// Variation of the radar velocity that v_0 and g do not explain, in any axes: rms [m/s].
   double movement() const;
   /// The same of the velocity that the IMU measures [m/s].
   double movement_of_imu() const;
-};
-
-/// Agreements of several windows, with their sum.
-class Agreements {
- public:
-  void add(const Agreement& window) {
-    sum_ += window;
-    ++windows_;
-  }
-  std::size_t size() const { return windows_; }
-  const Agreement& total() const { return sum_; }
-
- private:
-  Agreement sum_;
-  std::size_t windows_ = 0;
 };
 
 /// Change of the velocity of the IMU in two seconds that no tilt explains, whatever the radar says:
@@ -136,13 +117,13 @@ double noise(const std::vector<RadarSpeed>& speeds);
 /// The longest time shift tested [s].
 inline constexpr double kMostShift = 0.3;
 
-/// For every shift, one per window. All shifts use the same scans, limited by kMostShift.
+/// For every shift. All shifts use the same scans, limited by kMostShift.
 /// @param length of a window [s]
 /// @param shifts added to the stamps of the radar [s]
 /// @param lever_B position of the radar [m]
-std::vector<Agreements> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
-                                   double length, const Vector3d& lever_B,
-                                   const std::vector<double>& shifts);
+std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
+                                  double length, const Vector3d& lever_B,
+                                  const std::vector<double>& shifts);
 
 /// (E6) from explained shares, in sigmas; 0 if it is not better.
 double significance(double worse, double better, std::size_t windows);

@@ -35,8 +35,8 @@ Matrix3d best_rotation(const Agreement& all, double sign = 1.0) {
   return svd.matrixU() * Vector3d(1.0, 1.0, sign * handed).asDiagonal() * svd.matrixV().transpose();
 }
 
-/// The mountings at any angle, without and with the Doppler flipped, that maximise b^T r of (E4)
-/// (Wahba's problem), if they are far from all right angles and clearly better.
+/// The best_rotation() without and with the Doppler flipped, if they are far from all right angles
+/// and clearly better.
 void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
   constexpr double kFar = 20.0 * kDegree;
   const std::vector<Axes> right = *list;
@@ -44,10 +44,9 @@ void append_any_angle(const Judge& judge, std::vector<Axes>* list) {
     const Matrix3d R = best_rotation(judge.all, sign);
     const double explained = judge.all.explained(R);
     const bool better = std::none_of(right.begin(), right.end(), [&](const Axes& axes) {
-      const Matrix3d turn = axes.R.transpose() * R;
-      return (turn.determinant() > 0.0 && quaternion_log(Quaternion(turn)).norm() < kFar) ||
-             significance(judge.all.explained(axes.R), explained, judge.windows.size()) <
-                 kSignificant;
+      const bool same_hand = axes.R.determinant() * R.determinant() > 0.0;
+      return (same_hand && angle_between(axes.R, R) < kFar) ||
+             significance(judge.all.explained(axes.R), explained, judge.all.windows) < kSignificant;
     });
     if (!better || explained < kExplained) continue;
     list->push_back({R, sign < 0.0, angle_between(judge.configured, sign * R)});
@@ -65,10 +64,10 @@ std::vector<Axes> hypotheses(const Judge& judge) {
 }
 
 /// With the mounting that the motion shows, if it is unknown.
-Options as_seen(const Options& options, const Agreements& windows) {
+Options as_seen(const Options& options, const Agreement& windows) {
   Options out = options;
-  if (MountingSearch::is_unknown(options.calibration) && windows.total().c > 0.0) {
-    out.radar.T_BS.rotation = Quaternion(best_rotation(windows.total())).normalized();
+  if (MountingSearch::is_unknown(options.calibration) && windows.c > 0.0) {
+    out.radar.T_BS.rotation = Quaternion(best_rotation(windows)).normalized();
   }
   return out;
 }
@@ -168,8 +167,7 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
       Verdict::kOk, "axes and Doppler sign",
       fmt::format("with mounting and Doppler as configured the radar explains {:.0f} % of the "
                   "movement the IMU measures",
-                  100.0 * as_configured),
-      ""};
+                  100.0 * as_configured)};
   const bool unknown = MountingSearch::is_unknown(judge.options.calibration);
   if (unknown) {
     out.text = fmt::format(
@@ -192,12 +190,9 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
                     : fmt::format("; {} other axes would do as well", alike.size() - 1);
     return out;
   }
-  if (as_configured > 0.8 * best) {
-    out.verdict = Verdict::kDoubtful;
-  } else {
-    out.verdict = judge.doubt(judge.configured, found.R) > kSignificant ? Verdict::kWrong
-                                                                        : Verdict::kDoubtful;
-  }
+  const bool clearly_worse =
+      !(as_configured > 0.8 * best) && judge.doubt(judge.configured, found.R) > kSignificant;
+  out.verdict = clearly_worse ? Verdict::kWrong : Verdict::kDoubtful;
   if (inverts_the_accelerometer(judge, found)) {
     out.text += fmt::format(", and {:.0f} % with the accelerometer negated", 100.0 * best);
     out.change =
@@ -227,8 +222,7 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   const double high = r.dot(judge.all.A * r) / judge.all.b.dot(r);
   Finding out{
       Verdict::kOk, "Doppler scale",
-      fmt::format("changes of velocity are {:.2f} to {:.2f} times those of the IMU", low, high),
-      ""};
+      fmt::format("changes of velocity are {:.2f} to {:.2f} times those of the IMU", low, high)};
   constexpr double kNotable = 1.25;
   if (low < kNotable && high > 1.0 / kNotable) return out;
   out.verdict = Verdict::kWrong;
@@ -246,7 +240,7 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   return out;
 }
 
-Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shifts) {
+Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shifts) {
   std::vector<Axes> alike;
   const Axes found = choose(judge, hypotheses(judge), &alike);
   if (const auto gyro = check_gyro_by_radar(judge, judge.all.explained(found.R))) return {*gyro};
@@ -261,14 +255,15 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreements>& shi
 Findings check_motion(const MotionData& data, const Options& options, const Advice& advice) {
   Findings first;  // of the shortest windows
   for (const double length : kLengths) {
-    const std::vector<Agreements> shifts = all_shifts(data, length, options.radar);
-    const Agreements& windows = windows_to_judge(shifts, options, data.doppler_sign);
-    if (windows.size() < kFewestWindows || static_cast<double>(windows.size()) * length < kLeast) {
+    const std::vector<Agreement> shifts = all_shifts(data, length, options.radar);
+    const Agreement& windows = windows_to_judge(shifts, options, data.doppler_sign);
+    if (windows.windows < kFewestWindows ||
+        static_cast<double>(windows.windows) * length < kLeast) {
       if (!first.empty()) break;
       return {{Verdict::kDoubtful, "motion",
                fmt::format("{} times two seconds with velocities of the radar and without a pause "
                            "of the IMU: axes, signs and delays cannot be told",
-                           windows.size()),
+                           windows.windows),
                "fly for half a minute with changes of speed and turns"}};
     }
     const Options seen = as_seen(options, windows);

@@ -17,7 +17,7 @@ inline constexpr std::size_t kFewestWindows = 3;
 
 /// The data, and what other checks found in them.
 struct MotionData {
-  const std::vector<ImuSample>& samples;  ///< usable()
+  const std::vector<ImuSample>& samples;  ///< CheckedImu::good
   const std::vector<RadarSpeed>& speeds;
   double gyro_unit = 1.0;                            ///< of check_imu() or check_rates()
   double accel_unit = 1.0;                           ///< of check_imu()

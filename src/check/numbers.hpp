@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -70,15 +71,15 @@ inline double usual_period(const std::vector<double>& periods, double most) {
   return sum / count;
 }
 
-/// The same of what `each` gives.
-/// @param each calls its argument with all values; called twice, so that the copy has no spare room
-template <typename Each>
-double quantile_of_each(Each&& each, double share) {
-  std::size_t count = 0;
-  each([&count](double) { ++count; });
+/// The same of a value of each item that is finite.
+/// @param value a member, or a function of an item
+template <typename Items, typename Value>
+double quantile_of(const Items& items, Value&& value, double share) {
   std::vector<double> values;
-  values.reserve(count);
-  each([&values](double value) { values.push_back(value); });
+  values.reserve(items.size());
+  for (const auto& item : items) {
+    if (const double x = std::invoke(value, item); std::isfinite(x)) values.push_back(x);
+  }
   return quantile_of(&values, share);
 }
 

@@ -325,8 +325,7 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
   Finding out{Verdict::kOk, "Doppler by the ranges",
               fmt::format("between scans the range changes as the Doppler says in {:.0f} pairs of "
                           "points, as with the other sign in {:.0f}",
-                          sum(signs.first), sum(signs.second)),
-              ""};
+                          sum(signs.first), sum(signs.second))};
   const std::size_t best = votes.winner();
   const Rate& rate = all[best];
   if (signs.reversed().leans()) {

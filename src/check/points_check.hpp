@@ -33,7 +33,7 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
 
 /// Whether the gyro is in deg/s by (E2), subject "gyro unit by the points"; empty if it is not.
 /// The rates as configured may fit with any mounting and handedness by right angles.
-/// @param samples usable()
+/// @param samples CheckedImu::good
 std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
                                    const Options& options, const Advice& advice);
 

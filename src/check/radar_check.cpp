@@ -62,8 +62,7 @@ Finding check_stamps(const Scans& scans, const io::RadarInfo& info, const Advice
   Finding out{Verdict::kOk, "radar stamps",
               fmt::format("{} scans, one each {:.1f} ms ({:.1f} Hz), longest gap {:.2f} s, {} not "
                           "in the order of time",
-                          scans.size(), 1e3 * period, 1.0 / period, longest, unordered),
-              ""};
+                          scans.size(), 1e3 * period, 1.0 / period, longest, unordered)};
   const Strays stray = strays(scans);
   const std::string place = stray.count > 0 ? place_of(csv, row_of(scans, stray.first)) : "";
   if (stray.count > 0) {
@@ -100,28 +99,25 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   constexpr double kEnough = 6.0;      // points a scan, of which three give a velocity
   constexpr double kNeighbours = 8.0;  // scans a second: three within 0.25 s (motion.cpp)
   std::vector<double> counts;
-  for (const ScanView scan : scans) {
-    counts.push_back(static_cast<double>(scan.detections.size()));
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    counts.push_back(static_cast<double>(scans[i].detections.size()));
   }
-  const auto each_snr = [&scans](const auto& use) {
-    for (const ScanView scan : scans) {
-      for (const Point& d : scan.detections) use(d.snr_db);
-    }
+  const auto snr = [&scans](double share) {
+    return quantile_of(scans.points(), &Point::snr_db, share);
   };
-  const double usual_snr = quantile_of_each(each_snr, 0.5);
-  std::vector<double> shares;
-  for (const RadarSpeed& speed : speeds) shares.push_back(speed.inlier_share);
+  const double usual_snr = snr(0.5);
   const double with = static_cast<double>(speeds.size()) / static_cast<double>(counts.size());
   const double rate = static_cast<double>(speeds.size()) / duration(scans);
   Finding out{
       Verdict::kOk, "points",
-      fmt::format("{:.0f} points a scan ({:.0f} to {:.0f} in nine of ten), SNR {:.0f} dB; "
-                  "{:.0f} % of the scans ({:.1f} a second) agree on a velocity, with {:.0f} % of "
-                  "their points",
-                  median(counts), quantile(counts, 0.05), quantile(counts, 0.95), usual_snr,
-                  100.0 * with, rate, speeds.empty() ? 0.0 : 100.0 * median(shares)),
-      ""};
-  const double most_snr = quantile_of_each(each_snr, 0.999);
+      fmt::format(
+          "{:.0f} points a scan ({:.0f} to {:.0f} in nine of ten), SNR {:.0f} dB; "
+          "{:.0f} % of the scans ({:.1f} a second) agree on a velocity, with {:.0f} % of "
+          "their points",
+          median(counts), quantile(counts, 0.05), quantile(counts, 0.95), usual_snr, 100.0 * with,
+          rate,
+          speeds.empty() ? 0.0 : 100.0 * quantile_of(speeds, &RadarSpeed::inlier_share, 0.5))};
+  const double most_snr = snr(0.999);
   if (usual_snr > kMostSnr || most_snr > 10.0 * kMostSnr) {
     double factor = 0.1;
     while (factor * most_snr > kMostSnr && factor > 1e-4) factor *= 0.1;
@@ -133,8 +129,7 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
         advice.scale("snr", linear ? 0.0 : factor) + (linear ? ", which leaves it out" : "");
   } else if (usual_snr < options.radar.min_snr_db) {
     out.verdict = Verdict::kWrong;
-    out.change =
-        fmt::format("radar: {{min_snr_db: {:.0f}}}", quantile_of_each(each_snr, 0.01) - 1.0);
+    out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", snr(0.01) - 1.0);
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     const bool apart = static_cast<double>(counts.size()) < kNeighbours * duration(scans);
@@ -150,18 +145,16 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
 /// Whether the points are where a radar sees, in metres.
 Finding check_distances(const Scans& scans, const Options& options, const Advice& advice) {
   constexpr double kOtherUnit = 3.0;  // times the limit: the setting of no radar
-  const auto each_range = [&scans](const auto& use) {
-    for (const ScanView scan : scans) {
-      for (const Point& d : scan.detections) use(d.point_S.norm());
-    }
+  const auto range = [&scans](double share) {
+    return quantile_of(
+        scans.points(), [](const Point& d) { return d.point_S.norm(); }, share);
   };
-  const double nearest = quantile_of_each(each_range, 0.01);
-  const double usual = quantile_of_each(each_range, 0.5);
-  const double farthest = quantile_of_each(each_range, 0.99);
+  const double nearest = range(0.01);
+  const double usual = range(0.5);
+  const double farthest = range(0.99);
   Finding out{Verdict::kOk, "distances",
               fmt::format("half of the points within {:.3g} m, nearly all from {:.2g} to {:.3g} m",
-                          usual, nearest, farthest),
-              ""};
+                          usual, nearest, farthest)};
   const double limit = options.radar.max_range;
   if (!(usual > limit)) return out;
   out.text += fmt::format(", dropped beyond {:.3g} m (radar.max_range)", limit);
@@ -187,36 +180,27 @@ bool is_ratio(Time a, Time b, double factor) {
 
 }  // namespace
 
-std::optional<Finding> check_stamp_unit(const std::vector<ImuSample>& samples, const Scans& scans) {
+Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
+                     const Advice& advice, bool* same_unit) {
   const auto [imu_begin, imu_end] = span_of(samples);
   const auto [radar_begin, radar_end] = span_of(scans);
   const double imu = to_seconds(imu_end - imu_begin);
   const double radar = to_seconds(radar_end - radar_begin);
   for (const auto& [factor, unit] : {std::pair(1e3, "us"), std::pair(1e6, "ms")}) {
     if (!is_ratio(imu_begin, radar_begin, factor) || imu < 0.5 * factor * radar) continue;
-    return Finding{
-        Verdict::kWrong, "clocks",
-        fmt::format("the stamps of the radar are those of the IMU divided by {:.0f}: in {}", factor,
-                    unit),
-        fmt::format("multiply the stamps of the radar by {:.0f}: they must be in ns", factor)};
+    *same_unit = false;
+    return {Verdict::kWrong, "clocks",
+            fmt::format("the stamps of the radar are those of the IMU divided by {:.0f}: in {}",
+                        factor, unit),
+            fmt::format("multiply the stamps of the radar by {:.0f}: they must be in ns", factor)};
   }
-  return std::nullopt;
-}
-
-Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
-                     const Advice& advice) {
-  const auto [imu_begin, imu_end] = span_of(samples);
-  const auto [radar_begin, radar_end] = span_of(scans);
-  const double imu = to_seconds(imu_end - imu_begin);
-  const double radar = to_seconds(radar_end - radar_begin);
   const double both =
       std::max(0.0, to_seconds(std::min(imu_end, radar_end) - std::max(imu_begin, radar_begin)));
   const double late = to_seconds(radar_begin - imu_begin);
   Finding out{Verdict::kOk, "clocks",
               fmt::format("the IMU runs for {:.1f} s, the radar for {:.1f} s from {:.3f} s after "
                           "its start, both for {:.1f} s",
-                          imu, radar, late, both),
-              ""};
+                          imu, radar, late, both)};
   const double share = both / std::max(1e-3, std::min(imu, radar));
   if (share > 0.8) return out;
   out.verdict = share < 0.1 ? Verdict::kWrong : Verdict::kDoubtful;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <vector>
 
 #include "check/advice.hpp"
@@ -15,11 +14,9 @@
 namespace rio::check {
 
 /// Whether the stamps of both sensors overlap.
-Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, const Advice& advice);
-
-/// Stamps of the radar in another unit than those of the IMU, subject "clocks"; empty if they are
-/// in the same.
-std::optional<Finding> check_stamp_unit(const std::vector<ImuSample>& imu, const Scans& scans);
+/// @param same_unit set to false if those of the radar are in another unit than those of the IMU
+Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, const Advice& advice,
+                     bool* same_unit);
 
 /// @param speeds of radar_speeds()
 /// @param csv the file of the scans, to name lines of it; may be empty

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstddef>
-#include <iterator>
 #include <span>
 #include <utility>
 #include <vector>
@@ -28,21 +27,6 @@ struct ScanView {
 
 class Scans {
  public:
-  class Iterator {
-   public:
-    Iterator(const Scans* scans, std::size_t i) : scans_(scans), i_(i) {}
-    ScanView operator*() const { return (*scans_)[i_]; }
-    Iterator& operator++() {
-      ++i_;
-      return *this;
-    }
-    bool operator!=(const Iterator& other) const { return i_ != other.i_; }
-
-   private:
-    const Scans* scans_;
-    std::size_t i_;
-  };
-
   Scans() = default;
   explicit Scans(const std::vector<RadarScan>& scans) {
     std::size_t points = 0;
@@ -70,8 +54,8 @@ class Scans {
 
   bool empty() const { return scans_.empty(); }
   std::size_t size() const { return scans_.size(); }
-  Iterator begin() const { return {this, 0}; }
-  Iterator end() const { return {this, size()}; }
+  /// Those of all scans.
+  std::span<const Point> points() const { return points_; }
 
   ScanView operator[](std::size_t i) const {
     const std::size_t end = i + 1 < scans_.size() ? scans_[i + 1].points : points_.size();

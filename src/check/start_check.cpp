@@ -36,14 +36,13 @@ Finding check_start(const CheckedImu& imu, const Scans& scans, const Options& op
     break;
   }
   std::size_t before = 0;  // scans
-  for (const ScanView scan : scans) before += scan.time < at ? 1 : 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) before += scans[i].time < at ? 1 : 0;
   const double waited = to_seconds(at - samples.front().time);
   const std::string rest = fmt::format("standstill of {:.3g} s", options.start.duration);
   Finding out{Verdict::kOk, "start",
               start ? fmt::format("the first {} ends after {:.1f} s; {} of {} scans are before it",
                                   rest, waited, before, scans.size())
-                    : fmt::format("no {} in {:.1f} s", rest, waited),
-              ""};
+                    : fmt::format("no {} in {:.1f} s", rest, waited)};
   if (!start && is_off_gravity(imu.check, options)) {
     out.verdict = Verdict::kDoubtful;
     out.text += ": at rest the accelerometer is too far off gravity";

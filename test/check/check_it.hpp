@@ -9,9 +9,12 @@
 #include "check/check.hpp"
 #include "check/faults.hpp"
 #include "rio/io/dataset.hpp"
+#include "support/temp_dir.hpp"
 
 namespace rio::test {
 
+using check::delay_scans;
+using check::each_detection;
 using check::Fault;
 using check::faults;
 using check::Finding;
@@ -42,6 +45,25 @@ inline const Finding* find(const Findings& findings, const std::string& subject)
     if (f.subject == subject) return &f;
   }
   return nullptr;
+}
+
+/// The finding with this subject; an empty one, and a failure, if there is none.
+inline Finding said(const Findings& findings, const std::string& subject) {
+  const Finding* found = find(findings, subject);
+  EXPECT_NE(found, nullptr) << subject << "\n" << text_of(findings);
+  return found == nullptr ? Finding{} : *found;
+}
+inline Finding said(const io::Dataset& dataset, const std::string& subject,
+                    Source source = Source::kBag) {
+  return said(check_it(dataset, source), subject);
+}
+
+/// This verdict, with these parts of the sentence and of the proposed change.
+inline void expect(const Finding& finding, Verdict verdict, const std::string& text,
+                   const std::string& change = "") {
+  EXPECT_EQ(finding.verdict, verdict) << finding.text;
+  EXPECT_PRED2(contains, finding.text, text);
+  EXPECT_PRED2(contains, finding.change, change);
 }
 
 }  // namespace rio::test

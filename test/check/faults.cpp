@@ -12,13 +12,8 @@ namespace {
 
 constexpr double kHalfTurn = 3.14159265358979323846;
 
-void each_detection(io::Dataset* d, const std::function<void(RadarDetection*)>& change) {
-  for (RadarScan& scan : d->scans) {
-    for (RadarDetection& detection : scan.detections) change(&detection);
-  }
-}
-
-void each_sample(io::Dataset* d, const std::function<void(ImuSample*)>& change) {
+template <typename Change>
+void each_sample(io::Dataset* d, Change&& change) {
   for (ImuSample& sample : d->imu) change(&sample);
 }
 
@@ -72,19 +67,13 @@ std::vector<Fault> make_faults() {
        [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->point_S *= 1e2; }); },
        "distances", "not in metres", "0.01 if they are in cm"},
       {"GyroInDegrees", "gyro in deg/s",
-       [](io::Dataset* d) {
-         for (ImuSample& s : d->imu) s.gyro_B *= 180.0 / kHalfTurn;
-       },
+       [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->gyro_B *= 180.0 / kHalfTurn; }); },
        "gyro unit", "deg/s", "--gyro-unit deg/s", "gyro unit by the points"},
       {"AccelerometerInG", "accelerometer in g",
-       [](io::Dataset* d) {
-         for (ImuSample& s : d->imu) s.accel_B /= 9.80665;
-       },
+       [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->accel_B /= 9.80665; }); },
        "accelerometer unit", "it is in g", "--accel-unit g"},
       {"AccelerometerInMilliG", "accelerometer in mg",
-       [](io::Dataset* d) {
-         for (ImuSample& s : d->imu) s.accel_B *= 1e3 / 9.80665;
-       },
+       [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->accel_B *= 1e3 / 9.80665; }); },
        "accelerometer unit", "it is in mg", "--accel-unit mg"},
       {"DopplerInKilometresPerHour", "Doppler in km/h",
        [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->range_rate *= 3.6; }); },
@@ -113,20 +102,12 @@ std::vector<Fault> make_faults() {
          each_detection(d, [](RadarDetection* r) { std::swap(r->range_rate, r->snr_db); });
        },
        "Doppler", "the SNR is: the two are exchanged", "doppler="},
-      {"NoOverlap", "radar on another clock",
-       [](io::Dataset* d) {
-         for (RadarScan& scan : d->scans) scan.time += from_seconds(4000.0);
-       },
+      {"NoOverlap", "radar on another clock", [](io::Dataset* d) { delay_scans(d, 4000.0); },
        "clocks", "both for 0.0 s", "--radar-offset"},
       {"RadarAFrameLate", "scans 67 ms late, a frame at 15 Hz",
-       [](io::Dataset* d) {
-         for (RadarScan& scan : d->scans) scan.time += from_seconds(1.0 / 15.0);
-       },
-       "delay of the radar", "moved by -", "time_offset: 0.0"},
-      {"RadarSecondsLate", "scans 1.5 s late",
-       [](io::Dataset* d) {
-         for (RadarScan& scan : d->scans) scan.time += from_seconds(1.5);
-       },
+       [](io::Dataset* d) { delay_scans(d, 1.0 / 15.0); }, "delay of the radar", "moved by -",
+       "time_offset: 0.0"},
+      {"RadarSecondsLate", "scans 1.5 s late", [](io::Dataset* d) { delay_scans(d, 1.5); },
        "delay of the radar", "moved by -1.", "--radar-offset"},
   };
 }

@@ -25,6 +25,18 @@ struct Fault {
 /// All faults; the expected findings are those for a bag.
 const std::vector<Fault>& faults();
 
+/// Changes all detections of the first radar.
+template <typename Change>
+void each_detection(io::Dataset* dataset, Change&& change) {
+  for (RadarScan& scan : dataset->scans) {
+    for (RadarDetection& detection : scan.detections) change(&detection);
+  }
+}
+/// Its stamps become later [s].
+inline void delay_scans(io::Dataset* dataset, double seconds) {
+  for (RadarScan& scan : dataset->scans) scan.time += from_seconds(seconds);
+}
+
 /// @param phi rotation vector in axes of the body, or of the radar [rad]
 void turn_mounting(io::Dataset* dataset, const Vector3d& phi, bool in_body);
 
