@@ -140,22 +140,21 @@ void bind_status(py::module_& module) {
 }
 
 void bind_state(py::module_& module) {
+  const auto vector = [](Vector3d NavState::*member) {
+    return [member](const NavState& s) -> Vector3d { return s.*member; };
+  };
   py::class_<NavState>(module, "State", "Pose, velocity and biases of the body at one instant.")
       .def(py::init(&state_of), py::arg("time"), py::arg("position"), py::arg("orientation"),
            py::arg("velocity"), py::arg("gyro_bias") = Vector3d(Vector3d::Zero()),
            py::arg("accel_bias") = Vector3d(Vector3d::Zero()))
       .def_property_readonly(
           "time", [](const NavState& s) { return s.time.count(); }, "int, nanoseconds")
-      .def_property_readonly(
-          "position", [](const NavState& s) { return s.p_WB; }, "(3,) in the world [m]")
+      .def_property_readonly("position", vector(&NavState::p_WB), "(3,) in the world [m]")
       .def_property_readonly("orientation", &orientation_of,
                              "(4,) quaternion w, x, y, z that takes body to world axes")
-      .def_property_readonly(
-          "velocity", [](const NavState& s) { return s.v_WB; }, "(3,) in world axes [m/s]")
-      .def_property_readonly(
-          "gyro_bias", [](const NavState& s) { return s.gyro_bias; }, "(3,) [rad/s]")
-      .def_property_readonly(
-          "accel_bias", [](const NavState& s) { return s.accel_bias; }, "(3,) [m/s^2]");
+      .def_property_readonly("velocity", vector(&NavState::v_WB), "(3,) in world axes [m/s]")
+      .def_property_readonly("gyro_bias", vector(&NavState::gyro_bias), "(3,) [rad/s]")
+      .def_property_readonly("accel_bias", vector(&NavState::accel_bias), "(3,) [m/s^2]");
 }
 
 py::dict severities(const Health& health, double at_least) {

@@ -15,25 +15,19 @@ namespace rio::python {
 
 namespace {
 
-py::object value_of(double value) {
-  return py::float_(value);
-}
-py::object value_of(int value) {
-  return py::int_(value);
-}
-py::object value_of(bool value) {
-  return py::bool_(value);
-}
 py::object value_of(const Vector3d& v) {
   return py::make_tuple(v.x(), v.y(), v.z());
 }
 py::object value_of(const Quaternion& q) {
   return py::make_tuple(q.w(), q.x(), q.y(), q.z());
 }
-template <class Enum, std::enable_if_t<std::is_enum_v<Enum>, int> = 0>
-py::object value_of(Enum value) {
-  const auto name = names_of(value)[static_cast<std::size_t>(value)];
-  return py::str(name.data(), name.size());
+template <class Value>
+py::object value_of(Value value) {
+  if constexpr (std::is_enum_v<Value>) {
+    return py::cast(names_of(value)[static_cast<std::size_t>(value)]);
+  } else {
+    return py::cast(value);
+  }
 }
 
 py::dict values_of(const Options& options) {

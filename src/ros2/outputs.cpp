@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rio/mavlink/axes.hpp"
+#include "view/record.hpp"
 
 namespace rio::ros2 {
 
@@ -42,18 +43,11 @@ void put(const mavlink::Matrix6d& covariance, double (&out)[36]) {
   std::copy_n(covariance.data(), 36, out);
 }
 
+/// diagnostic_msgs/DiagnosticStatus of each HealthState.
 std::uint8_t level_of(HealthState state) {
   enum Level : std::uint8_t { kOk, kWarning, kError, kStale };
-  switch (state) {
-    case HealthState::kOk:
-      return kOk;
-    case HealthState::kLost:
-      return kError;
-    case HealthState::kInitializing:
-      return kStale;
-    default:
-      return kWarning;
-  }
+  constexpr Level kLevels[] = {kStale, kOk, kWarning, kWarning, kError};
+  return kLevels[static_cast<std::size_t>(state)];
 }
 
 std::vector<Label> labels_of(const UpdateReport& report, std::size_t points) {
@@ -178,11 +172,7 @@ void Outputs::send_points(const UpdateReport& report) {
 void Outputs::diagnose(const Odometry& odometry, Time stamp) {
   const Health& health = odometry.health();
   const Counters& counters = odometry.counters();
-  std::string reasons;
-  for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
-    if (health.severity[i] < 1.0) continue;
-    reasons += (reasons.empty() ? "" : ", ") + std::string(to_string(static_cast<HealthReason>(i)));
-  }
+  const std::string reasons = view::reasons_text(health);
   const std::string message =
       std::string(to_string(health.state)) + (reasons.empty() ? "" : ": " + reasons);
   std::vector<std::pair<std::string, std::string>> values = {

@@ -70,141 +70,133 @@ void rough_ground(Scenario* s) {
 
 const std::vector<CatalogueEntry>& catalogue() {
   static const std::vector<CatalogueEntry> kEntries = {
-      CatalogueEntry{"indoor-1", "by hand in a room, 127.5 m, motion on all axes",
-                     [](Scenario& s) { s.path.length = kIcraLengths[0]; }},
-      CatalogueEntry{"indoor-2", "the same, 150.5 m",
-                     [](Scenario& s) { s.path.length = kIcraLengths[1]; }},
-      CatalogueEntry{"indoor-3", "the same, 158.4 m",
-                     [](Scenario& s) { s.path.length = kIcraLengths[2]; }},
-      CatalogueEntry{"indoor-4", "the same, 160.4 m",
-                     [](Scenario& s) { s.path.length = kIcraLengths[3]; }},
-      CatalogueEntry{"indoor-5", "the same, 166.7 m",
-                     [](Scenario& s) { s.path.length = kIcraLengths[4]; }},
-      CatalogueEntry{"indoor-6", "the same, 168.1 m",
-                     [](Scenario& s) { s.path.length = kIcraLengths[5]; }},
-      CatalogueEntry{"indoor-7", "the same, 175 m",
-                     [](Scenario& s) { s.path.length = kIcraLengths[6]; }},
-      CatalogueEntry{"hover", "120 s within a few decimetres, slower than the Doppler grid",
-                     [](Scenario& s) {
-                       s.path.length = 0.0;
-                       s.path.duration = 120.0;
-                       s.path.low = {-0.2, -0.2, 0.8};
-                       s.path.high = {0.2, 0.2, 1.1};
-                       s.path.min_speed = 0.02;
-                       s.path.max_speed = 0.12;
-                       s.path.max_yaw = 0.2;
-                       s.path.max_yaw_rate = 0.1;
-                     }},
-      CatalogueEntry{"aggressive", "150 m through a hall at up to 4 m/s: Doppler folds",
-                     [](Scenario& s) {
-                       s.path.low = {-7.0, -5.0, 0.4};
-                       s.path.high = {7.0, 5.0, 3.0};
-                       s.path.reach = {10.0, 8.0, 10.0};
-                       s.path.min_speed = 3.0;
-                       s.path.max_speed = 4.0;
-                       s.path.min_leg = 2.0;
-                       s.path.knot_spacing = 0.8;
-                       s.room.low_W = {-8.5, -6.5, -0.35};
-                       s.room.high_W = {8.5, 6.5, 4.5};
-                       s.room.surface_rcs_dbsm = -26.0;
-                     }},
-      CatalogueEntry{"people", "people walk about and give 40 % of the points",
-                     [](Scenario& s) {
-                       s.radar.people = 10;
-                       s.radar.max_static = 16;
-                     }},
-      CatalogueEntry{"sparse", "3 to 8 points a scan",
-                     [](Scenario& s) {
-                       s.radar.max_static = 6;
-                       s.radar.threshold_db = 13.0;
-                     }},
-      CatalogueEntry{"storm", "three bursts of 4 s with 80 % outliers",
-                     [](Scenario& s) {
-                       s.disturbances.bursts = {3, 4.0};
-                     }},
-      CatalogueEntry{"dropout", "radar silent for 5 s twice, the IMU for 0.2 s in each",
-                     [](Scenario& s) {
-                       s.disturbances.outages = {2, 5.0};
-                       s.disturbances.imu_gaps = {2, 0.2};
-                     }},
-      CatalogueEntry{"wrong-velocity", "at rest, started with (2, 2, 0) m/s and a sigma of 0.05",
-                     [](Scenario& s) {
-                       s.path.length = 60.0;
-                       s.errors.start_velocity = {2.0, 2.0, 0.0};
-                     }},
-      CatalogueEntry{"vague-velocity", "the same start with a sigma of 2 m/s",
-                     [](Scenario& s) {
-                       s.path.length = 60.0;
-                       s.errors.start_velocity = {2.0, 2.0, 0.0};
-                       s.errors.start_velocity_sigma = 2.0;
-                     }},
-      CatalogueEntry{"extrinsics", "mounting configured 3 deg and 5 cm wrong",
-                     [](Scenario& s) {
-                       s.errors.extrinsic_angle = 3.0 * kDegree;
-                       s.errors.extrinsic_distance = 0.05;
-                     }},
-      CatalogueEntry{"late-stamps", "radar stamps 30 ms late",
-                     [](Scenario& s) { s.radar.stamp_offset = 0.03; }},
-      CatalogueEntry{"miscalibrated", "Doppler 2.8 % too large, elevations 2 deg too high",
-                     [](Scenario& s) {
-                       s.radar.doppler_scale = 0.028;
-                       s.radar.elevation_bias = 2.0 * kDegree;
-                     }},
-      CatalogueEntry{"latency", "scans arrive 80 ms after they were measured",
-                     [](Scenario& s) { s.radar.latency = 0.08; }},
-      CatalogueEntry{"rough-imu", "vibration of 1 g, stamps that jitter by 0.5 ms, worse biases",
-                     [](Scenario& s) {
-                       s.imu.accel_vibration = 9.81;
-                       s.imu.gyro_vibration = 0.2;
-                       s.imu.stamp_jitter = 0.5e-3;
-                       s.imu.gyro_turn_on_sigma = 0.02;
-                       s.imu.accel_turn_on_sigma = 0.2;
-                     }},
-      CatalogueEntry{"rough-ground",
-                     "a kart on rough ground, 35 m: vibration, lost samples, six points a scan",
-                     [](Scenario& s) { rough_ground(&s); }},
-      CatalogueEntry{"outdoor", "300 m over open ground, points up to 40 m away",
-                     [](Scenario& s) {
-                       s.path.length = 300.0;
-                       s.path.low = {-20.0, -20.0, 2.0};
-                       s.path.high = {20.0, 20.0, 6.0};
-                       s.path.reach = {12.0, 12.0, 10.0};
-                       s.path.min_speed = 0.8;
-                       s.path.max_speed = 3.0;
-                       s.path.min_leg = 2.5;
-                       s.path.max_leg = 6.0;
-                       s.path.knot_spacing = 0.8;
-                       s.room.low_W = {-35.0, -35.0, -0.35};
-                       s.room.high_W = {35.0, 35.0, 14.0};
-                       s.room.floor_density = 2.0;
-                       s.room.wall_density = 1.0;
-                       s.room.ceiling_density = 0.0;
-                       s.room.clutter_density = 0.1;
-                       s.room.surface_rcs_dbsm = -15.0;
-                       s.room.clutter_rcs_dbsm = -3.0;
-                       s.radar.T_BS = default_radar_mount(20.0 * kDegree);
-                       s.radar.snr_1m_db = 60.0;
-                       s.radar.max_range = 40.0;
-                       s.radar.range_resolution = 0.1;
-                       s.radar.max_doppler = 4.0;
-                       s.radar.doppler_resolution = 0.125;
-                     }},
-      CatalogueEntry{"long", "20 minutes in the room, about 900 m",
-                     [](Scenario& s) {
-                       s.path.length = 0.0;
-                       s.path.duration = 1200.0;
-                     }},
-      CatalogueEntry{"ideal", "noise exactly as a filter models it, 150 m",
-                     [](Scenario& s) {
-                       s.imu = ImuModel::ideal();
-                       s.radar = RadarModel::ideal();
-                     }},
-      CatalogueEntry{"monte-carlo", "the same, 40 m: for many runs",
-                     [](Scenario& s) {
-                       s.imu = ImuModel::ideal();
-                       s.radar = RadarModel::ideal();
-                       s.path.length = 40.0;
-                     }},
+      {"indoor-1", "by hand in a room, 127.5 m, motion on all axes",
+       [](Scenario& s) { s.path.length = kIcraLengths[0]; }},
+      {"indoor-2", "the same, 150.5 m", [](Scenario& s) { s.path.length = kIcraLengths[1]; }},
+      {"indoor-3", "the same, 158.4 m", [](Scenario& s) { s.path.length = kIcraLengths[2]; }},
+      {"indoor-4", "the same, 160.4 m", [](Scenario& s) { s.path.length = kIcraLengths[3]; }},
+      {"indoor-5", "the same, 166.7 m", [](Scenario& s) { s.path.length = kIcraLengths[4]; }},
+      {"indoor-6", "the same, 168.1 m", [](Scenario& s) { s.path.length = kIcraLengths[5]; }},
+      {"indoor-7", "the same, 175 m", [](Scenario& s) { s.path.length = kIcraLengths[6]; }},
+      {"hover", "120 s within a few decimetres, slower than the Doppler grid",
+       [](Scenario& s) {
+         s.path.length = 0.0;
+         s.path.duration = 120.0;
+         s.path.low = {-0.2, -0.2, 0.8};
+         s.path.high = {0.2, 0.2, 1.1};
+         s.path.min_speed = 0.02;
+         s.path.max_speed = 0.12;
+         s.path.max_yaw = 0.2;
+         s.path.max_yaw_rate = 0.1;
+       }},
+      {"aggressive", "150 m through a hall at up to 4 m/s: Doppler folds",
+       [](Scenario& s) {
+         s.path.low = {-7.0, -5.0, 0.4};
+         s.path.high = {7.0, 5.0, 3.0};
+         s.path.reach = {10.0, 8.0, 10.0};
+         s.path.min_speed = 3.0;
+         s.path.max_speed = 4.0;
+         s.path.min_leg = 2.0;
+         s.path.knot_spacing = 0.8;
+         s.room.low_W = {-8.5, -6.5, -0.35};
+         s.room.high_W = {8.5, 6.5, 4.5};
+         s.room.surface_rcs_dbsm = -26.0;
+       }},
+      {"people", "people walk about and give 40 % of the points",
+       [](Scenario& s) {
+         s.radar.people = 10;
+         s.radar.max_static = 16;
+       }},
+      {"sparse", "3 to 8 points a scan",
+       [](Scenario& s) {
+         s.radar.max_static = 6;
+         s.radar.threshold_db = 13.0;
+       }},
+      {"storm", "three bursts of 4 s with 80 % outliers",
+       [](Scenario& s) {
+         s.disturbances.bursts = {3, 4.0};
+       }},
+      {"dropout", "radar silent for 5 s twice, the IMU for 0.2 s in each",
+       [](Scenario& s) {
+         s.disturbances.outages = {2, 5.0};
+         s.disturbances.imu_gaps = {2, 0.2};
+       }},
+      {"wrong-velocity", "at rest, started with (2, 2, 0) m/s and a sigma of 0.05",
+       [](Scenario& s) {
+         s.path.length = 60.0;
+         s.errors.start_velocity = {2.0, 2.0, 0.0};
+       }},
+      {"vague-velocity", "the same start with a sigma of 2 m/s",
+       [](Scenario& s) {
+         s.path.length = 60.0;
+         s.errors.start_velocity = {2.0, 2.0, 0.0};
+         s.errors.start_velocity_sigma = 2.0;
+       }},
+      {"extrinsics", "mounting configured 3 deg and 5 cm wrong",
+       [](Scenario& s) {
+         s.errors.extrinsic_angle = 3.0 * kDegree;
+         s.errors.extrinsic_distance = 0.05;
+       }},
+      {"late-stamps", "radar stamps 30 ms late", [](Scenario& s) { s.radar.stamp_offset = 0.03; }},
+      {"miscalibrated", "Doppler 2.8 % too large, elevations 2 deg too high",
+       [](Scenario& s) {
+         s.radar.doppler_scale = 0.028;
+         s.radar.elevation_bias = 2.0 * kDegree;
+       }},
+      {"latency", "scans arrive 80 ms after they were measured",
+       [](Scenario& s) { s.radar.latency = 0.08; }},
+      {"rough-imu", "vibration of 1 g, stamps that jitter by 0.5 ms, worse biases",
+       [](Scenario& s) {
+         s.imu.accel_vibration = 9.81;
+         s.imu.gyro_vibration = 0.2;
+         s.imu.stamp_jitter = 0.5e-3;
+         s.imu.gyro_turn_on_sigma = 0.02;
+         s.imu.accel_turn_on_sigma = 0.2;
+       }},
+      {"rough-ground", "a kart on rough ground, 35 m: vibration, lost samples, six points a scan",
+       [](Scenario& s) { rough_ground(&s); }},
+      {"outdoor", "300 m over open ground, points up to 40 m away",
+       [](Scenario& s) {
+         s.path.length = 300.0;
+         s.path.low = {-20.0, -20.0, 2.0};
+         s.path.high = {20.0, 20.0, 6.0};
+         s.path.reach = {12.0, 12.0, 10.0};
+         s.path.min_speed = 0.8;
+         s.path.max_speed = 3.0;
+         s.path.min_leg = 2.5;
+         s.path.max_leg = 6.0;
+         s.path.knot_spacing = 0.8;
+         s.room.low_W = {-35.0, -35.0, -0.35};
+         s.room.high_W = {35.0, 35.0, 14.0};
+         s.room.floor_density = 2.0;
+         s.room.wall_density = 1.0;
+         s.room.ceiling_density = 0.0;
+         s.room.clutter_density = 0.1;
+         s.room.surface_rcs_dbsm = -15.0;
+         s.room.clutter_rcs_dbsm = -3.0;
+         s.radar.T_BS = default_radar_mount(20.0 * kDegree);
+         s.radar.snr_1m_db = 60.0;
+         s.radar.max_range = 40.0;
+         s.radar.range_resolution = 0.1;
+         s.radar.max_doppler = 4.0;
+         s.radar.doppler_resolution = 0.125;
+       }},
+      {"long", "20 minutes in the room, about 900 m",
+       [](Scenario& s) {
+         s.path.length = 0.0;
+         s.path.duration = 1200.0;
+       }},
+      {"ideal", "noise exactly as a filter models it, 150 m",
+       [](Scenario& s) {
+         s.imu = ImuModel::ideal();
+         s.radar = RadarModel::ideal();
+       }},
+      {"monte-carlo", "the same, 40 m: for many runs",
+       [](Scenario& s) {
+         s.imu = ImuModel::ideal();
+         s.radar = RadarModel::ideal();
+         s.path.length = 40.0;
+       }},
   };
   return kEntries;
 }

@@ -36,23 +36,9 @@ RadarModel RadarModel::ideal() {
 }
 
 const char* to_string(Cause cause) {
-  switch (cause) {
-    case Cause::kStatic:
-      return "static";
-    case Cause::kMirror:
-      return "mirror";
-    case Cause::kDoubleBounce:
-      return "double_bounce";
-    case Cause::kSpecular:
-      return "specular";
-    case Cause::kPerson:
-      return "person";
-    case Cause::kFalseAlarm:
-      return "false_alarm";
-    case Cause::kVehicle:
-      return "vehicle";
-  }
-  return "";
+  constexpr const char* kNames[] = {"static", "mirror",      "double_bounce", "specular",
+                                    "person", "false_alarm", "vehicle"};
+  return kNames[static_cast<std::size_t>(cause)];
 }
 
 double fold(double value, double limit) {

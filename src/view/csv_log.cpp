@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "view/calibration_names.hpp"
 
 namespace rio::view {
@@ -19,17 +21,7 @@ std::string list(const Vector3d& v) {
   return fmt::format(",{},{},{}", v.x(), v.y(), v.z());
 }
 
-const char* to_string(GateResult result) {
-  switch (result) {
-    case GateResult::kUsed:
-      return "used";
-    case GateResult::kGated:
-      return "gated";
-    case GateResult::kOutOfDomain:
-      break;
-  }
-  return "out of domain";
-}
+constexpr const char* kGateResults[] = {"used", "gated", "out of domain"};  // GateResult
 
 std::string underscored(std::string name) {
   for (char& c : name) c = c == ' ' ? '_' : c;
@@ -38,9 +30,9 @@ std::string underscored(std::string name) {
 
 /// The name of a parameter says no unit: the CSV has SI units.
 const char* unit_of(std::size_t i) {
-  if (i < 3 || i == 7) return "rad";
-  if (i < 6) return "m";
-  return i == 8 ? "s" : "1";
+  constexpr std::array<const char*, kCalibrationCount> kUnits = {"rad", "rad", "rad", "m",
+                                                                 "m",   "m",   "1",   "s"};
+  return kUnits[i];
 }
 
 }  // namespace
@@ -96,7 +88,8 @@ void CsvLog::add(const ScanRecord& record, const std::vector<Event>& events) {
   for (const InnovationRecord& i : r.records) {
     innovations_.write(fmt::format("{},{},{},{},{},{},{},{},{},{}\n", head, rio::to_string(i.model),
                                    i.name == nullptr ? "" : i.name, i.detection, i.dof,
-                                   i.innovation, i.sigma, i.nis, i.gate, to_string(i.result)));
+                                   i.innovation, i.sigma, i.nis, i.gate,
+                                   kGateResults[static_cast<std::size_t>(i.result)]));
   }
   for (std::size_t i = 0; i < record.points.size(); ++i) {
     const PointReport& p = record.points[i];

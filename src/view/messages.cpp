@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <cmath>
+#include <initializer_list>
 #include <utility>
 
 #include "bag/ros2_types.hpp"
@@ -53,11 +55,9 @@ CdrWriter path_message(Time time, const eval::Trajectory& poses) {
   return message;
 }
 
-/// 6 x 6 with the first block at the top left.
+/// 6 x 6, row by row.
 void put_covariance(CdrWriter* message, const Eigen::Matrix<double, 6, 6>& P) {
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) message->put(P(i, j));
-  }
+  for (const double value : P.reshaped<Eigen::RowMajor>()) message->put(value);
 }
 
 /// A cloud of float32 fields and, at the end, perhaps one byte.
@@ -77,8 +77,24 @@ CdrWriter cloud(Time stamp, const std::string& frame, const std::vector<const ch
   return message.block(data).put(std::uint8_t{1});
 }
 
-void put_floats(bag::ByteWriter* data, const Vector3d& v) {
-  for (const double value : v) data->put(static_cast<float>(value));
+void put_floats(bag::ByteWriter* data, std::initializer_list<double> values) {
+  for (const double value : values) data->put(static_cast<float>(value));
+}
+
+enum class Action : std::int32_t { kAdd = 0, kDeleteAll = 3 };
+
+/// visualization_msgs/Marker: a sphere that stays for ever.
+void put_marker(CdrWriter* message, Time stamp, std::int32_t id, Action action, const Pose& pose,
+                const Vector3d& scale, const std::array<float, 4>& colour) {
+  put_header(message, stamp, kWorld);
+  message->text("landmarks").put(id).put(std::int32_t{2}).put(static_cast<std::int32_t>(action));
+  put_vector(message, pose.translation);
+  put_quaternion(message, pose.rotation);
+  put_vector(message, scale);
+  for (const float channel : colour) message->put(channel);
+  message->put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});  // for ever, not locked
+  message->put(std::uint32_t{0}).put(std::uint32_t{0});                      // points, colours
+  message->text("").text("").put(std::uint8_t{0});
 }
 
 /// A sphere stretched to three sigmas.
@@ -87,28 +103,14 @@ void put_ellipsoid(CdrWriter* message, Time stamp, std::int32_t id,
   const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(landmark.covariance_W);
   Matrix3d axes = solver.eigenvectors();
   if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
-  put_header(message, stamp, kWorld);
-  message->text("landmarks").put(id).put(std::int32_t{2}).put(std::int32_t{0});  // sphere, add
-  put_vector(message, landmark.position_W);
-  put_quaternion(message, Quaternion(axes));
-  put_vector(message, 6.0 * solver.eigenvalues().cwiseMax(1e-8).cwiseSqrt());
-  for (const float channel : {0.0F, 0.45F, 0.70F, 0.5F}) message->put(channel);
-  message->put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});  // for ever, not locked
-  message->put(std::uint32_t{0}).put(std::uint32_t{0});                      // points, colours
-  message->text("").text("").put(std::uint8_t{0});
+  put_marker(message, stamp, id, Action::kAdd, {Quaternion(axes), landmark.position_W},
+             6.0 * solver.eigenvalues().cwiseMax(1e-8).cwiseSqrt(), {0.0F, 0.45F, 0.70F, 0.5F});
 }
 
 CdrWriter marker_array(Time stamp, const std::vector<LandmarkReport>& landmarks) {
   CdrWriter message;
   message.put(static_cast<std::uint32_t>(1 + landmarks.size()));
-  put_header(&message, stamp, kWorld);
-  message.text("landmarks").put(std::int32_t{0}).put(std::int32_t{2}).put(std::int32_t{3});
-  put_vector(&message, Vector3d::Zero());  // delete all
-  put_quaternion(&message, Quaternion::Identity());
-  put_vector(&message, Vector3d::Zero());
-  for (int i = 0; i < 4; ++i) message.put(0.0F);
-  message.put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});
-  message.put(std::uint32_t{0}).put(std::uint32_t{0}).text("").text("").put(std::uint8_t{0});
+  put_marker(&message, stamp, 0, Action::kDeleteAll, {}, Vector3d::Zero(), {});
   std::int32_t id = 0;
   for (const LandmarkReport& landmark : landmarks) put_ellipsoid(&message, stamp, ++id, landmark);
   return message;
@@ -208,11 +210,9 @@ void Messages::extend_path(const NavState& state) {
 void Messages::send_points(const ScanRecord& record) {
   bag::ByteWriter data;
   for (const PointReport& point : record.points) {
-    put_floats(&data, point.point_S);
-    for (const double value :
-         {point.range_rate, point.residual, point.residual_sigma, point.snr_db}) {
-      data.put(static_cast<float>(value));
-    }
+    const Vector3d& p = point.point_S;
+    put_floats(&data, {p.x(), p.y(), p.z(), point.range_rate, point.residual, point.residual_sigma,
+                       point.snr_db});
     data.put(static_cast<std::uint8_t>(point.label));
   }
   send("/" + radar_frame(record.radar) + "/points", "sensor_msgs/msg/PointCloud2",
@@ -225,11 +225,9 @@ void Messages::send_points(const ScanRecord& record) {
 void Messages::send_landmarks(const ScanRecord& record) {
   bag::ByteWriter data;
   for (const LandmarkReport& landmark : record.landmarks) {
-    put_floats(&data, landmark.position_W);
+    const Vector3d& p = landmark.position_W;
     const Matrix3d& P = landmark.covariance_W;
-    for (const double value : {P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)}) {
-      data.put(static_cast<float>(value));
-    }
+    put_floats(&data, {p.x(), p.y(), p.z(), P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)});
   }
   const Time time = record.state.time;
   send("/landmarks", "sensor_msgs/msg/PointCloud2", time,

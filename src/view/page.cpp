@@ -200,23 +200,18 @@ void Columns::set(const std::string& name, double value, Fold fold_by) {
 
 Columns Columns::folded(std::size_t most, std::size_t* every) const {
   Columns out;
-  *every = std::max<std::size_t>(1, (2 * rows() + most - 1) / most);
-  if (rows() <= most) *every = 1;
-  const std::size_t step = *every;
+  const std::size_t step = rows() <= most ? 1 : (2 * rows() + most - 1) / most;
+  *every = step;
   for (const auto& [name, column] : columns_) {
     Column all = column;
     all.values.resize(rows(), kMissing);
-    if (step > 1) {
-      Column& to = out.columns_[name];
-      to.fold = column.fold;
-      for (std::size_t i = 0; i < rows(); i += step) {
-        const auto [first, second] = fold(all, i, std::min(i + step, rows()));
-        to.values.push_back(first);
-        to.values.push_back(second);
-      }
-    } else {
-      out.columns_[name] = std::move(all);
+    Column& to = out.columns_[name];
+    to.fold = column.fold;
+    for (std::size_t i = 0; step > 1 && i < rows(); i += step) {
+      const auto [first, second] = fold(all, i, std::min(i + step, rows()));
+      to.values.insert(to.values.end(), {first, second});
     }
+    if (step == 1) to.values = std::move(all.values);
   }
   if (step == 1) {
     out.times_ = times_;

@@ -60,7 +60,7 @@ struct Plot {
   std::vector<Curve> curves;
   std::vector<double> lines{};  ///< horizontal ones
   bool steps = false;
-  std::string group;  ///< heading above
+  std::string group{};  ///< heading above
 };
 
 /// A histogram: counts over equal bins, with vertical lines at special values.

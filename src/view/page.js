@@ -153,6 +153,18 @@ function options(labelsDiv, more) {
 function recoloured() {
   return { colors: colours(), gridLineColor: style("line"), axisLineColor: style("line") };
 }
+/** Straight lines over a plot, each from one point to another, in pixels. */
+function rule(ctx, colour, dash, ends) {
+  ctx.strokeStyle = style(colour);
+  ctx.setLineDash(dash);
+  for (const [x0, y0, x1, y1] of ends) {
+    ctx.beginPath();
+    ctx.moveTo(x0, y0);
+    ctx.lineTo(x1, y1);
+    ctx.stroke();
+  }
+  ctx.setLineDash([]);
+}
 function drawPlot(plot) {
   const { box, legend, area } = frame(plot.title, plot.note);
   const [rows, banded] = rowsOf(plot);
@@ -164,18 +176,8 @@ function drawPlot(plot) {
     ...recoloured(), labels: ["t", ...names], customBars: banded, series, stepPlot: plot.steps, dateWindow: shown,
     axes: { x: { axisLabelFormatter: (t) => `${+t.toPrecision(7)}`, valueFormatter: (t) => `${t.toFixed(2)} s` },
             y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number } },
-    underlayCallback: (ctx, plotArea, g) => {
-      ctx.strokeStyle = style("soft");
-      ctx.setLineDash([3, 3]);
-      for (const y of plot.lines) {
-        const at = g.toDomYCoord(y);
-        ctx.beginPath();
-        ctx.moveTo(plotArea.x, at);
-        ctx.lineTo(plotArea.x + plotArea.w, at);
-        ctx.stroke();
-      }
-      ctx.setLineDash([]);
-    },
+    underlayCallback: (ctx, { x, w }, g) => rule(ctx, "soft", [3, 3],
+      plot.lines.map((y) => g.toDomYCoord(y)).map((at) => [x, at, x + w, at])),
     drawCallback: (g, initial) => { if (!initial) zoomTo(g.xAxisRange(), g); },
     clickCallback: (e, x) => moveTo(x),
     highlightCallback: (e, x) => { if (!playing && !e.buttons) moveTo(x); },
@@ -206,16 +208,8 @@ function drawHistogram(h) {
   rows.push([h.first + h.counts.length * h.width, 0]);
   const graph = new Dygraph(area, rows, options(legend, {
     ...recoloured(), labels: ["range rate", "points"], stepPlot: true, fillGraph: true, includeZero: true,
-    underlayCallback: (ctx, plotArea, g) => {
-      ctx.strokeStyle = style("bad");
-      for (const x of h.lines) {
-        const at = g.toDomXCoord(x);
-        ctx.beginPath();
-        ctx.moveTo(at, plotArea.y);
-        ctx.lineTo(at, plotArea.y + plotArea.h);
-        ctx.stroke();
-      }
-    },
+    underlayCallback: (ctx, { y, h: height }, g) => rule(ctx, "bad", [],
+      h.lines.map((x) => g.toDomXCoord(x)).map((at) => [at, y, at, y + height])),
   }));
   themed.push(() => graph.updateOptions(recoloured()));
 }
@@ -259,26 +253,28 @@ function startScene() {
   const scene = new THREE.Scene();
   const box = new THREE.Box3();
   const at = (p, i) => new THREE.Vector3(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
-  const lines = paths.map((path, k) => {
+  const geometryOf = (positions) => {
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(path.p, 3));
+    geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions, 3));
+    return geometry;
+  };
+  function add(object) { // is drawn wherever the camera looks
+    object.frustumCulled = false;
+    scene.add(object);
+    return object;
+  }
+  const lines = paths.map((path, k) => {
     for (let i = 0; i < path.t.length; ++i) box.expandByPoint(at(path.p, i));
-    const line = new THREE.Line(geometry, new THREE.LineBasicMaterial());
-    line.frustumCulled = false;
+    const line = add(new THREE.Line(geometryOf(path.p), new THREE.LineBasicMaterial()));
     line.renderOrder = k === 0 ? 1 : 0;
-    scene.add(line);
     if (k === 0) { // lines are a pixel wide: dots make the first one thicker
       const between = Math.max(1, Math.ceil(8000 / path.t.length)); // as close as the pixels of a line
-      const close = new THREE.BufferGeometry();
       const places = [];
       for (let i = 0; i + 1 < path.t.length; ++i) {
         for (let k = 0; k < between; ++k) places.push(...at(path.p, i).lerp(at(path.p, i + 1), k / between).toArray());
       }
-      close.setAttribute("position", new THREE.Float32BufferAttribute(places, 3));
-      const dots = new THREE.Points(close, new THREE.PointsMaterial({ size: 2, sizeAttenuation: false }));
+      const dots = add(new THREE.Points(geometryOf(places), new THREE.PointsMaterial({ size: 2, sizeAttenuation: false })));
       dots.material.color = line.material.color;
-      dots.frustumCulled = false;
-      scene.add(dots);
     }
     return line;
   });
@@ -311,10 +307,7 @@ function startScene() {
       size: name === "diamond" ? 13 : 9, sizeAttenuation: false, vertexColors: THREE.VertexColors,
       map: new THREE.CanvasTexture(shape(name)), alphaTest: 0.4, transparent: true,
     });
-    const cloud = new THREE.Points(new THREE.BufferGeometry(), material);
-    cloud.frustumCulled = false;
-    scene.add(cloud);
-    return cloud;
+    return add(new THREE.Points(new THREE.BufferGeometry(), material));
   });
   function residualColour(r) { // blue: approaches too fast, grey: fits, orange: recedes too fast
     const share = Math.max(-1, Math.min(1, r / 0.3));
@@ -337,8 +330,7 @@ function startScene() {
     }
     clouds.forEach((cloud, i) => {
       cloud.geometry.dispose();
-      cloud.geometry = new THREE.BufferGeometry();
-      cloud.geometry.setAttribute("position", new THREE.Float32BufferAttribute(positions[i], 3));
+      cloud.geometry = geometryOf(positions[i]);
       cloud.geometry.setAttribute("color", new THREE.Float32BufferAttribute(tints[i], 3));
     });
   }
@@ -346,11 +338,8 @@ function startScene() {
   // serious events on the path
   const serious = [];
   for (const event of data.events) if (event.serious && main.t.length) serious.push(...at(main.p, before(main.t, event.t)).toArray());
-  const bad = new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({
-    size: 16, sizeAttenuation: false, map: new THREE.CanvasTexture(shape("ring")), alphaTest: 0.4, transparent: true }));
-  bad.geometry.setAttribute("position", new THREE.Float32BufferAttribute(serious, 3));
-  bad.frustumCulled = false;
-  scene.add(bad);
+  const bad = add(new THREE.Points(geometryOf(serious), new THREE.PointsMaterial({
+    size: 16, sizeAttenuation: false, map: new THREE.CanvasTexture(shape("ring")), alphaTest: 0.4, transparent: true })));
 
   // the body at the cursor: its axes, forward the longest
   const body = new THREE.Group();
@@ -373,18 +362,13 @@ function startScene() {
     scene.add(grid);
   }
 
-  const flat = () => {
-    const camera = new THREE.OrthographicCamera(-1, 1, 1, -1, -10 * size, 10 * size);
-    camera.up.set(0, 0, 1);
-    return camera;
-  };
+  const flat = () => new THREE.OrthographicCamera(-1, 1, 1, -1, -10 * size, 10 * size);
   const views = [
-    { camera: flat(), name: "plan: x right, y up", from: [0, 0, 1], area: [0, 0.34, 0.5, 0.66], half: box.getSize(new THREE.Vector3()) },
-    { camera: flat(), name: "side: x right, z up", from: [0, -1, 0], area: [0, 0, 0.5, 0.34], half: null },
+    { camera: flat(), name: "plan: x right, y up", from: [0, 0, 1], area: [0, 0.34, 0.5, 0.66] },
+    { camera: flat(), name: "side: x right, z up", from: [0, -1, 0], area: [0, 0, 0.5, 0.34] },
     { camera: new THREE.PerspectiveCamera(45, 1, size / 1000, 50 * size), name: "3-D", from: [-0.7, -1, 0.8], area: [0.5, 0, 0.5, 1] },
   ];
-  views[0].camera.up.set(0, 1, 0);
-  views[2].camera.up.set(0, 0, 1);
+  for (const view of views.slice(1)) view.camera.up.set(0, 0, 1);
   views[2].camera.position.copy(centre).addScaledVector(new THREE.Vector3(...views[2].from).normalize(), 1.15 * size);
   const controls = new THREE.OrbitControls(views[2].camera, canvas);
   controls.target.copy(centre);

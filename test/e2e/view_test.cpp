@@ -63,7 +63,16 @@ TEST_F(Tool, TheLogHasEveryScanOfTheRecordingByItsStamp) {
   }
   EXPECT_GT(gated, 0);
   EXPECT_GT(table(log + "/landmarks.csv").size(), 1000U);
-  EXPECT_GT(table(log + "/calibration.csv").size(), 4 * scans.size());
+  const auto calibration = table(log + "/calibration.csv");
+  EXPECT_GT(calibration.size(), 4 * scans.size());
+  for (const auto& row : calibration) {
+    const std::string& what = row.at("parameter");
+    EXPECT_EQ(row.at("unit"), what == "time_offset"                ? "s"
+                              : what == "doppler_scale"            ? "1"
+                              : what.starts_with("radar_rotation") ? "rad"
+                                                                   : "m")
+        << what;
+  }
   EXPECT_GE(table(log + "/events.csv").size(), 1U);
 }
 

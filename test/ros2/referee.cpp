@@ -4,7 +4,6 @@
 //
 //   referee play FLIGHT SPEED     publishes /imu/data and /radar/points, prints /rio/pose and more
 //   referee listen SECONDS        prints, until SIGTERM or that long
-//   referee reset                 sends one /rio/reset
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -299,16 +298,6 @@ int listen(double seconds) {
   return 0;
 }
 
-int reset() {
-  Node node;
-  dds::DataWriter* writer = node.writer<std_msgs::msg::dds_::Empty_PubSubType>("rt/rio/reset");
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  std_msgs::msg::dds_::Empty_ message;
-  writer->write(&message);
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  return 0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -317,7 +306,6 @@ int main(int argc, char** argv) {
     int status = 2;
     if (what == "play" && argc == 4) status = play(argv[2], std::stod(argv[3]));
     if (what == "listen" && argc == 3) status = listen(std::stod(argv[2]));
-    if (what == "reset") status = reset();
     std::fflush(stdout);
     std::_Exit(status);  // without the threads of DDS
   } catch (const std::exception& error) {
