@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measurements of sensors other than the radar: barometer, range to the ground, velocity, position
-// or heading, or your own model. C++17.
+// or heading; or your own model, of another sensor or of points of the radar. C++17.
 //
 //   options.auxiliary.declare<HeightBias>();                    // what the model estimates beside
 //   auto odometry = rio::Odometry::create(options);

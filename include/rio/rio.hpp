@@ -91,8 +91,8 @@ class RIO_API Odometry {
   /// Takes a measurement of another sensor (rio/aiding.hpp), stamped in the clock of the IMU.
   /// kWaiting: it is applied with the first scan at or after its time, or alone if no scan comes
   /// for TimingOptions::max_lag. kLate: before the estimate by more than aiding_delay; kAhead as
-  /// for scans; kQueueFull; kUndeclared: it depends on an auxiliary state that the options do not
-  /// declare; kNotInitialized. The result of the gate is in report().records.
+  /// for scans; kQueueFull; kUndeclared: it depends on an auxiliary state or a radar that the
+  /// options do not have; kNotInitialized. The result of the gate is in report().records.
   [[nodiscard]] Status add_measurement(const AidingMeasurement& measurement) noexcept;
 
   /// Starts, or restarts, from a known state. `prior.time` may be before, at or after the newest

@@ -174,7 +174,9 @@ class Engine final : public Odometry::Impl {
 
   Status add_measurement(const AidingMeasurement& z) override {
     if (!initialized) return Status::kNotInitialized;
-    if (!z.is_declared(options_.auxiliary)) return Status::kUndeclared;
+    if (z.radar() >= options_.radars() || !z.is_declared(options_.auxiliary)) {
+      return Status::kUndeclared;
+    }
     const Time delay = from_seconds(options_.timing.aiding_delay);
     if (z.time() < at_scan().time - delay || (!imu_.empty() && z.time() < imu_[0].time)) {
       ++counters.aiding_late;

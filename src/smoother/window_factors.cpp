@@ -87,8 +87,8 @@ void WindowFactors::add(const Measured<M>& m, const LinearizationPoint& x,
 double WindowFactors::add_aiding(std::size_t k, const Estimate& estimate) {
   double cost = 0.0;
   for (const AidingFactor& f : window_[k].aiding) {
-    if (!linearize(f.measurement, f.since, window_[k].nav, auxiliary_, estimate.auxiliary, gravity_,
-                   layout_of(k).aiding_columns(), &aiding_)) {
+    if (!linearize(f.measurement, f.since, window_[k].nav, estimate, auxiliary_, gravity_,
+                   aiding_columns(layout_of(k, f.measurement.radar())), &aiding_)) {
       continue;
     }
     double chi_squared = 0.0;

@@ -8,24 +8,26 @@
 namespace rio {
 
 bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
-               const AuxiliaryStates& states, const AuxiliaryValues& auxiliary, double gravity,
-               AidingColumns columns, AidingRows* rows) {
+               const Estimate& x, const AuxiliaryStates& states, double gravity,
+               const AidingColumns& columns, AidingRows* rows) {
   const double s = since.seconds;
   const Vector3d g_W(0.0, 0.0, -gravity);
-  AidedState x;
-  x.T_WB.R = nav.q_WB.toRotationMatrix() * since.turn.transpose();
-  x.v_WB = nav.v_WB - s * g_W - x.T_WB.R * since.velocity;
-  x.T_WB.p = nav.p_WB - s * x.v_WB - 0.5 * s * s * g_W - x.T_WB.R * since.position;
-  x.gyro_bias = nav.gyro_bias;
-  x.states = &states;
-  x.auxiliary = &auxiliary;
+  const RadarState radar = x.of_radar(z.radar());
+  AidedState then;
+  then.T_WB.R = nav.q_WB.toRotationMatrix() * since.turn.transpose();
+  then.v_WB = nav.v_WB - s * g_W - then.T_WB.R * since.velocity;
+  then.T_WB.p = nav.p_WB - s * then.v_WB - 0.5 * s * s * g_W - then.T_WB.R * since.position;
+  then.gyro_bias = nav.gyro_bias;
+  then.T_BS = RigidPose(radar.T_BS);
+  then.doppler_scale = radar.doppler_scale;
+  then.states = &states;
+  then.auxiliary = &x.auxiliary;
   AidingMeasurement::Rows at_its_time;
-  if (!z.evaluate(x, &at_its_time)) return false;
+  if (!z.evaluate(then, columns, &at_its_time)) return false;
   const Vector3d turn = quaternion_log(Quaternion(since.turn));
   const Matrix3d by_bias = s * gamma(1, turn);
-  const Matrix3d v_by_phi = x.T_WB.R * skew(since.velocity);
-  const Matrix3d p_by_phi = x.T_WB.R * skew(since.position);
-  const int size = states.size();
+  const Matrix3d v_by_phi = then.T_WB.R * skew(since.velocity);
+  const Matrix3d p_by_phi = then.T_WB.R * skew(since.position);
   rows->clear();
   for (int i = 0; i < at_its_time.count; ++i) {
     const Eigen::Matrix<double, AidingMeasurement::kColumns, 1> J =
@@ -49,12 +51,11 @@ bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const Nav
     put(body::kPosition, p);
     put(body::kVelocity, v);
     put(body::kGyroBias, bias);
-    if (size > 0) {
-      row.segments[row.segment_count++] = {columns.auxiliary, size};
-      for (int k = AidingMeasurement::kBody; k < AidingMeasurement::kBody + size; ++k) {
-        row.h[static_cast<std::size_t>(k)] = J[k];
-      }
+    for (const auto& [column, length] : at_its_time.segments) {
+      row.segments[row.segment_count++] = {column, length};
     }
+    constexpr int kOthers = AidingMeasurement::kColumns - AidingMeasurement::kBody;
+    std::copy_n(J.tail<kOthers>().data(), kOthers, row.h.begin() + AidingMeasurement::kBody);
     rows->push_back(row);
   }
   return true;

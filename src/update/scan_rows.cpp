@@ -262,8 +262,9 @@ void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,
   for (std::size_t i = 0; i < aiding.size(); ++i) {
     const AidingObservation& seen = aiding[i];
     batch_.begin_block();
-    const bool valid = linearize(seen.measurement, seen.to_now, x.nav, auxiliary_, x.auxiliary,
-                                 gravity_, {0, state_estimate.layout().auxiliary()}, &aiding_);
+    const bool valid = linearize(
+        seen.measurement, seen.to_now, x.nav, x, auxiliary_, gravity_,
+        aiding_columns(state_estimate.layout().of_radar(seen.measurement.radar())), &aiding_);
     if (valid) {
       for (const LinearRow& row : aiding_) batch_.push(row);
     }

@@ -276,6 +276,8 @@ TEST_P(AidingTest, WhatIsRefusedSaysWhy) {
   const Time now = odometry->at_scan().time;
   EXPECT_EQ(odometry->add_measurement({now, HeightModel{}, {1.0, 1.0}}), Status::kUndeclared);
   EXPECT_FALSE(auxiliary<HeightOffset>(*odometry));
+  const AidingMeasurement no_such_radar(now, PositionModel{}, {}, o.radars());
+  EXPECT_EQ(odometry->add_measurement(no_such_radar), Status::kUndeclared);
   const auto at = [](Time time) { return AidingMeasurement(time, PositionModel{}, {}); };
   EXPECT_EQ(odometry->add_measurement(at(now - milliseconds(1))), Status::kLate);
   EXPECT_EQ(odometry->add_measurement(at(now + std::chrono::hours(1))), Status::kAhead);

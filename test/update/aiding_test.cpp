@@ -72,10 +72,17 @@ class AidingRowsTest : public testing::Test {
  protected:
   AidingRowsTest() { EXPECT_TRUE(states.declare<Offset>()); }
 
+  static constexpr AidingColumns kColumns = {0, -1, -1, 15};
+
+  static Estimate with(const AuxiliaryValues& auxiliary) {
+    Estimate x;
+    x.auxiliary = auxiliary;
+    return x;
+  }
   Eigen::Matrix<double, 6, 1> residual(const NavState& x, const AuxiliaryValues& auxiliary) {
     const AidingMeasurement z(motion.earlier.time, Everything{}, {});
     const ImuIncrements since = imu_increments(motion.earlier.time, x.time, x, motion.imu);
-    EXPECT_TRUE(linearize(z, since, x, states, auxiliary, kGravity, {0, 15}, &rows));
+    EXPECT_TRUE(linearize(z, since, x, with(auxiliary), states, kGravity, kColumns, &rows));
     Eigen::Matrix<double, 6, 1> r;
     for (std::size_t i = 0; i < 6; ++i) r[static_cast<Eigen::Index>(i)] = rows[i].residual;
     return r;
@@ -133,8 +140,8 @@ TEST_F(AidingRowsTest, RowsAreWhite) {
   z.covariance_W << 4.0, 1.0, 0.0, 1.0, 2.0, 0.5, 0.0, 0.5, 1.0;
   z.p_W = motion.later.p_WB + r;
   const auto rows_of_z = [&] {
-    return linearize({motion.later.time, PositionModel{}, z}, ImuIncrements{}, motion.later, states,
-                     AuxiliaryValues::Zero(), kGravity, {0, 15}, &rows);
+    return linearize({motion.later.time, PositionModel{}, z}, {}, motion.later, {}, states,
+                     kGravity, kColumns, &rows);
   };
   ASSERT_TRUE(rows_of_z());
   double squared = 0.0;

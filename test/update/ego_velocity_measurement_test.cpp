@@ -80,8 +80,7 @@ TEST_F(EgoVelocityMeasurementTest, TheVelocityOfTheRadarHasNoResidual) {
   ASSERT_TRUE(z);
   EXPECT_EQ(z->time(), x_.nav.time);
   const auto residual = [&](const NavState& nav) {
-    EXPECT_TRUE(linearize(*z, ImuIncrements{}, nav, AuxiliaryStates{}, AuxiliaryValues::Zero(),
-                          9.81, {}, &rows));
+    EXPECT_TRUE(linearize(*z, {}, nav, x_, {}, 9.81, {}, &rows));
     double sum = 0.0;
     for (const LinearRow& row : rows) sum += row.residual * row.residual;
     return std::sqrt(sum);

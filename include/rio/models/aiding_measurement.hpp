@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 3 for sensors other than the radar: a measurement with its model, type-erased, in a type of
-// fixed size that both back-ends accept. C++17.
+// Stage 3 for external models: a measurement with its model, type-erased, in a type of fixed size
+// that both back-ends accept. C++17.
 //
 // A model is a struct with
 //   kName         its name in the report
 //   kDim          rows of one measurement, up to 6
-//   Blocks        BlockList of what it depends on: BodyPose, BodyVelocity, GyroBias, and auxiliary
-//                 states of its own (AuxiliaryBlock in state/blocks.hpp)
+//   Blocks        BlockList of what it depends on: BodyPose, BodyVelocity, GyroBias, Extrinsics and
+//                 DopplerScale of one radar, and auxiliary states of its own (AuxiliaryBlock in
+//                 state/blocks.hpp)
 //   Measurement   what was measured, with its noise
 //   bool evaluate(z, value of each block ..., r, J, R) const
 //                 r = z - h(x);  J = dh/dx in the errors of the blocks, may be null;  R =
 //                 covariance of r at the true state; false = outside the model's domain
 // The state at its time follows from that of the next scan by the IMU in between
 // (update/aiding.hpp); its rows are gated like any other, and the smoother's window keeps it as
-// long as that scan.
+// long as that scan. A calibration that is not estimated has its configured value and no column.
+// A model of radar points measures at the time of the scan, its points left out of the scan that
+// the odometry gets (src/examples/07_radar_point_model.cpp).
 #pragma once
 
 #include <cstddef>
@@ -27,20 +30,31 @@
 
 namespace rio {
 
-/// The state a measurement of another sensor depends on, at its time.
+/// The state an external measurement depends on, at its time.
 struct AidedState {
   RigidPose T_WB;
   Vector3d v_WB = Vector3d::Zero();       ///< [m/s]
   Vector3d gyro_bias = Vector3d::Zero();  ///< [rad/s]
+  RigidPose T_BS;                         ///< of the measurement's radar
+  double doppler_scale = 0.0;             ///< relative error of its range rates as received
   const AuxiliaryStates* states = nullptr;
   const AuxiliaryValues* auxiliary = nullptr;
+};
+
+/// First columns of the blocks in the error state, of the measurement's radar; -1 = not estimated.
+struct AidingColumns {
+  int body = 0;
+  int extrinsics = -1;
+  int doppler_scale = -1;
+  int auxiliary = 0;
 };
 
 /// A measurement with its model, type-erased; copied without allocation.
 class AidingMeasurement {
  public:
   static constexpr int kMaxRows = 6;
-  /// Columns of the Jacobian: errors of pose, velocity, gyro bias, and the auxiliary states.
+  /// Columns of the Jacobian: errors of pose, velocity and gyro bias, then the model's other
+  /// blocks.
   static constexpr int kBody = 12;
   static constexpr int kColumns = kBody + AuxiliaryStates::kMaxSize;
   /// Room for model and measurement [bytes].
@@ -49,27 +63,38 @@ class AidingMeasurement {
 
   /// Whitened rows r = J dx + n, cov(n) = I.
   struct Rows {
+    struct Segment {
+      int column = 0;  ///< first, in the error state
+      int length = 0;
+    };
     int count = 0;
     Eigen::Matrix<double, kMaxRows, 1> r = Eigen::Matrix<double, kMaxRows, 1>::Zero();
     Eigen::Matrix<double, kMaxRows, kColumns> J = Eigen::Matrix<double, kMaxRows, kColumns>::Zero();
+    StaticVector<Segment, 6> segments;  ///< where the columns after kBody belong
   };
 
+  /// @param radar whose Extrinsics and DopplerScale the model has, if it has any
   template <class Model>
-  AidingMeasurement(Time time, const Model& model, const typename Model::Measurement& z)
-      : time_(time), table_(&kTable<Model>) {
+  AidingMeasurement(Time time, const Model& model, const typename Model::Measurement& z,
+                    std::size_t radar = 0)
+      : time_(time), radar_(radar), table_(&kTable<Model>) {
     using Both = Held<Model>;
     static_assert(Model::kDim <= kMaxRows, "at most six rows");
+    static_assert(Of<Model, typename Model::Blocks>::kOthers <= kColumns - kBody,
+                  "too many columns beside pose, velocity and gyro bias");
     static_assert(sizeof(Both) <= kCapacity, "model and measurement are too large");
     static_assert(alignof(Both) <= kAlignment, "model and measurement are aligned too widely");
     static_assert(std::is_trivially_destructible_v<Both>, "neither may own anything");
     new (storage_) Both{model, z};
   }
-  AidingMeasurement(const AidingMeasurement& other) : time_(other.time_), table_(other.table_) {
+  AidingMeasurement(const AidingMeasurement& other)
+      : time_(other.time_), radar_(other.radar_), table_(other.table_) {
     table_->copy(other.storage_, storage_);
   }
   AidingMeasurement& operator=(const AidingMeasurement& other) {
     if (this == &other) return *this;
     time_ = other.time_;
+    radar_ = other.radar_;
     table_ = other.table_;
     table_->copy(other.storage_, storage_);
     return *this;
@@ -77,19 +102,21 @@ class AidingMeasurement {
   ~AidingMeasurement() = default;
 
   Time time() const { return time_; }
+  std::size_t radar() const { return radar_; }
   const char* name() const { return table_->name; }
   /// All auxiliary states the model depends on are among these.
   bool is_declared(const AuxiliaryStates& states) const { return table_->is_declared(states); }
   /// Rows at x. False: outside the domain of the model, or not finite.
-  bool evaluate(const AidedState& x, Rows* rows) const {
-    return table_->evaluate(storage_, x, rows) && rows->r.allFinite() && rows->J.allFinite();
+  bool evaluate(const AidedState& x, const AidingColumns& columns, Rows* rows) const {
+    return table_->evaluate(storage_, x, columns, rows) && rows->r.allFinite() &&
+           rows->J.allFinite();
   }
 
  private:
   struct Table {
     const char* name;
     bool (*is_declared)(const AuxiliaryStates&);
-    bool (*evaluate)(const void*, const AidedState&, Rows*);
+    bool (*evaluate)(const void*, const AidedState&, const AidingColumns&, Rows*);
     void (*copy)(const void*, void*);
   };
   template <class Model>
@@ -100,6 +127,12 @@ class AidingMeasurement {
 
   template <class Block>
   static constexpr bool kIsAuxiliary = std::is_base_of_v<AuxiliaryBlockBase, Block>;
+  /// Column of a body block in Rows::J, -1 for the others.
+  template <class Block>
+  static constexpr int kBodyColumn = std::is_same_v<Block, BodyPose>       ? body::kAttitude
+                                     : std::is_same_v<Block, BodyVelocity> ? body::kVelocity
+                                     : std::is_same_v<Block, GyroBias>     ? body::kGyroBias
+                                                                           : -1;
 
   template <class Block>
   static typename Block::Value value(const AidedState& x) {
@@ -109,31 +142,38 @@ class AidingMeasurement {
       return x.v_WB;
     } else if constexpr (std::is_same_v<Block, GyroBias>) {
       return x.gyro_bias;
+    } else if constexpr (std::is_same_v<Block, Extrinsics>) {
+      return x.T_BS;
+    } else if constexpr (std::is_same_v<Block, DopplerScale>) {
+      return x.doppler_scale;
     } else {
-      static_assert(kIsAuxiliary<Block>, "no block that other sensors can measure");
+      static_assert(kIsAuxiliary<Block>, "no block that an external model can measure");
       return x.auxiliary->template segment<Block::kDof>(x.states->find(Block::kName));
     }
   }
-  /// First column of a block in Rows::J, -1 = not declared.
+  /// First column in the error state of a block that is not of the body.
   template <class Block>
-  static int column(const AuxiliaryStates& states) {
-    if constexpr (std::is_same_v<Block, BodyPose>) return body::kAttitude;
-    if constexpr (std::is_same_v<Block, BodyVelocity>) return body::kVelocity;
-    if constexpr (std::is_same_v<Block, GyroBias>) return body::kGyroBias;
-    if constexpr (kIsAuxiliary<Block>) {
-      const int first = states.find(Block::kName);
-      return first < 0 ? -1 : kBody + first;
-    }
+  static int column(const AuxiliaryStates& states, const AidingColumns& columns) {
+    if constexpr (std::is_same_v<Block, Extrinsics>) return columns.extrinsics;
+    if constexpr (std::is_same_v<Block, DopplerScale>) return columns.doppler_scale;
+    if constexpr (kIsAuxiliary<Block>) return columns.auxiliary + states.find(Block::kName);
   }
 
   template <class Model, class List>
   struct Of;
   template <class Model, class... B>
   struct Of<Model, BlockList<B...>> {
-    static bool is_declared(const AuxiliaryStates& states) {
-      return ((column<B>(states) >= 0) && ...);
+    /// Columns of the blocks that are not of the body.
+    static constexpr int kOthers = ((kBodyColumn<B> < 0 ? B::kDof : 0) + ...);
+
+    template <class Block>
+    static bool is_known(const AuxiliaryStates& states) {
+      if constexpr (kIsAuxiliary<Block>) return states.find(Block::kName) >= 0;
+      return true;
     }
-    static bool evaluate(const void* held, const AidedState& x, Rows* rows) {
+    static bool is_declared(const AuxiliaryStates& states) { return (is_known<B>(states) && ...); }
+    static bool evaluate(const void* held, const AidedState& x, const AidingColumns& columns,
+                         Rows* rows) {
       constexpr int kDim = Model::kDim;
       const auto& both = *static_cast<const Held<Model>*>(held);
       Eigen::Matrix<double, kDim, 1> r;
@@ -141,16 +181,25 @@ class AidingMeasurement {
       Eigen::Matrix<double, kDim, kDim> R;
       if (!both.model.evaluate(both.z, value<B>(x)..., r, &J, R)) return false;
       whiten<kDim, BlockList<B...>::kDof>(R, &r, &J);
+      *rows = {};
       rows->count = kDim;
-      rows->r.setZero();
-      rows->J.setZero();
       rows->r.template head<kDim>() = r;
-      (place<B>(J, *x.states, rows), ...);
+      int others = kBody;
+      (place<B>(J, *x.states, columns, &others, rows), ...);
       return true;
     }
     template <class Block, class Jacobian>
-    static void place(const Jacobian& J, const AuxiliaryStates& states, Rows* rows) {
-      rows->J.template block<Model::kDim, Block::kDof>(0, column<Block>(states)) =
+    static void place(const Jacobian& J, const AuxiliaryStates& states,
+                      const AidingColumns& columns, int* others, Rows* rows) {
+      int to = kBodyColumn<Block>;
+      if constexpr (kBodyColumn<Block> < 0) {
+        const int estimated = column<Block>(states, columns);
+        if (estimated < 0) return;
+        (void)rows->segments.push_back({estimated, Block::kDof});
+        to = *others;
+        *others += Block::kDof;
+      }
+      rows->J.template block<Model::kDim, Block::kDof>(0, to) =
           J.template middleCols<Block::kDof>(BlockList<B...>::template column<Block>());
     }
   };
@@ -164,6 +213,7 @@ class AidingMeasurement {
                                    &AidingMeasurement::copy<Model>};
 
   Time time_;
+  std::size_t radar_;
   const Table* table_;
   alignas(kAlignment) std::byte storage_[kCapacity];
 };

@@ -116,9 +116,7 @@ struct WindowLayout {
     return shifted(newest.column<Block>(index));
   }
   int time_offset_column() const { return shifted(newest.time_offset_column()); }
-  AidingColumns aiding_columns() const {
-    return {body::kSize * state, shifted(newest.auxiliary())};
-  }
+  int auxiliary() const { return shifted(newest.auxiliary()); }
 
  private:
   int shifted(int column) const { return column < 0 ? -1 : column - body::kSize + border_column(); }

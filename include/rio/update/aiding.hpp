@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stages 3 and 4 for sensors other than the radar: a measurement at its own time as rows in the
-// error of a later state.
+// Stages 3 and 4 for external models: a measurement at its own time as rows in the error of a later
+// state.
 //
 // (E1) the IMU increments D, u, w over the s seconds between the two (propagate/imu_increments.hpp)
 // (E2) errors at a by those of the later state: dphi_a = D dphi + s Jl(log D) db_g,
@@ -30,18 +30,22 @@ struct AidingObservation {
 /// Most aiding measurements in one update.
 inline constexpr std::size_t kMaxAiding = 32;
 
-/// First columns of the body state and of the auxiliary states.
-struct AidingColumns {
-  int body = 0;
-  int auxiliary = 0;
-};
+/// @param layout of the error state, of the measurement's radar: Layout or WindowLayout
+template <class AnyLayout>
+AidingColumns aiding_columns(const AnyLayout& layout) {
+  return {layout.template column<BodyPose>(0) - body::kAttitude,
+          layout.template column<Extrinsics>(0), layout.template column<DopplerScale>(0),
+          layout.auxiliary()};
+}
 
 using AidingRows = StaticVector<LinearRow, static_cast<std::size_t>(AidingMeasurement::kMaxRows)>;
 
-/// Rows of unit variance in the errors of `nav` and of the auxiliary states. False: outside the
-/// domain of the measurement's model.
+/// Rows of unit variance in the errors of `nav`, of the calibration of the measurement's radar and
+/// of the auxiliary states.
+/// @param x the calibration and the auxiliary states
+/// @return false: outside the domain of the measurement's model
 bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
-               const AuxiliaryStates& states, const AuxiliaryValues& auxiliary, double gravity,
-               AidingColumns columns, AidingRows* rows);
+               const Estimate& x, const AuxiliaryStates& states, double gravity,
+               const AidingColumns& columns, AidingRows* rows);
 
 }  // namespace rio

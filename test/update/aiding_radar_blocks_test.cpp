@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stage 3: external models of radar points: the columns of the calibration of one of two radars.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "rio/models/doppler.hpp"
+#include "rio/state/layout.hpp"
+#include "rio/update/aiding.hpp"
+#include "support/random_state.hpp"
+
+namespace rio::test {
+namespace {
+
+struct RateOffset : AuxiliaryBlock<2> {
+  static constexpr const char* kName = "rate_offset";
+  static constexpr double kSigma = 1.0;
+  static constexpr double kWalk = 0.0;
+};
+
+/// The Doppler of the library as an external model, with an offset of the range rates.
+struct OffsetDoppler {
+  static constexpr const char* kName = "offset_doppler";
+  static constexpr int kDim = 1;
+  using Blocks = BlockList<BodyPose, BodyVelocity, RateOffset, GyroBias, Extrinsics, DopplerScale>;
+  using Measurement = DopplerModel::Measurement;
+  bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& v_WB,
+                const RateOffset::Value& offset, const Vector3d& gyro_bias, const RigidPose& T_BS,
+                double scale, ResidualOf<1>& r, JacobianOf<1, 21>* J, JacobianOf<1, 1>& R) const {
+    JacobianOf<1, 19> inner;
+    const bool valid = DopplerModel(DopplerDirections::kExact)
+                           .evaluate(z, T_WB, v_WB, gyro_bias, T_BS, scale, r, &inner, R);
+    r[0] -= offset.sum();
+    *J << inner.leftCols<9>(), 1.0, 1.0, inner.rightCols<10>();
+    return valid;
+  }
+};
+
+class AidingRadarBlocksTest : public testing::Test {
+ protected:
+  AidingRadarBlocksTest() {
+    EXPECT_TRUE(states.declare<RateOffset>());
+    x.nav = random.state();
+    x.auxiliary.head<2>() << 0.3, -0.1;
+    for (std::size_t r = 0; r < 2; ++r) {
+      x.set_radar(r, {{random.rotation(), random.normal_vector(0.3)}, 0.02 * random.normal(), 0.0});
+    }
+    z.range_rate = 0.7;
+    z.sigma_doppler = 0.2;
+    z.direction_S = random.direction();
+    z.gyro_B = random.normal_vector(0.5);
+  }
+  /// The row of the measurement by radar 1, `since` before the state.
+  LinearRow row(const Layout& layout, const ImuIncrements& since = {}) {
+    const AidingMeasurement measurement(x.nav.time, OffsetDoppler{}, z, 1);
+    AidingRows rows;
+    EXPECT_TRUE(linearize(measurement, since, x.nav, x, states, 9.81,
+                          aiding_columns(layout.of_radar(1)), &rows));
+    EXPECT_EQ(rows.size(), 1U);
+    return rows[0];
+  }
+  /// All columns of a row in the error state.
+  static Eigen::VectorXd dense(const LinearRow& row, const Layout& layout) {
+    Eigen::VectorXd h = Eigen::VectorXd::Zero(layout.size(0));
+    row.for_each_segment([&](int column, const double* values, int length) {
+      h.segment(column, length) += Eigen::Map<const Eigen::VectorXd>(values, length);
+    });
+    return h;
+  }
+  static CalibrationOptions estimated() {
+    CalibrationOptions c;
+    c.rotation_sigma = c.translation_sigma = c.doppler_scale_sigma = c.time_offset_sigma = 0.1;
+    return c;
+  }
+
+  Random random{3};
+  AuxiliaryStates states;
+  Estimate x;
+  DopplerModel::Measurement z;
+};
+
+TEST_F(AidingRadarBlocksTest, ColumnsMatchCentralDifferences) {
+  const Layout layout(estimated(), 0, 0, states.size(), 2);
+  const Layout own = layout.of_radar(1);
+  ImuIncrements since;
+  since.seconds = 0.02;
+  const Eigen::VectorXd h = dense(row(layout, since), layout);
+  constexpr double kStep = 1e-5;
+  const RadarState radar = x.of_radar(1);
+  const auto residual = [&](int column, double step) {
+    RadarState moved = radar;
+    Estimate kept = x;
+    if (column < own.doppler_scale()) {
+      Eigen::Matrix<double, 6, 1> error = Eigen::Matrix<double, 6, 1>::Zero();
+      error[column - own.extrinsics()] = step;
+      const RigidPose T = Extrinsics::retract(RigidPose(radar.T_BS), error);
+      moved.T_BS = {Quaternion(T.R), T.p};
+    } else if (column == own.doppler_scale()) {
+      moved.doppler_scale += step;
+    } else {
+      x.auxiliary[column - own.auxiliary()] += step;
+    }
+    x.set_radar(1, moved);
+    const double r = row(layout, since).residual;
+    x = kept;
+    return r;
+  };
+  for (int column = own.extrinsics(); column < layout.size(0); ++column) {
+    if (column == own.time_offset()) continue;
+    const double numeric = (residual(column, kStep) - residual(column, -kStep)) / (2.0 * kStep);
+    // residual = z - h(x)
+    EXPECT_NEAR(h[column], -numeric, 1e-6) << column;
+    EXPECT_NE(h[column], 0.0) << column;
+  }
+  EXPECT_EQ(h.segment(layout.of_radar(0).extrinsics(), own.extrinsics() - body::kSize).norm(), 0.0);
+  EXPECT_EQ(h[own.time_offset()], 0.0);
+}
+
+TEST_F(AidingRadarBlocksTest, WhatIsNotEstimatedHasNoColumn) {
+  const Layout all(estimated(), 0, 0, states.size(), 2);
+  const Layout none({}, 0, 0, states.size(), 2);
+  CalibrationOptions scale;
+  scale.doppler_scale_sigma = 0.1;
+  const Layout some(scale, 0, 0, states.size(), 2);
+  const Eigen::VectorXd with = dense(row(all), all);
+  for (const Layout* layout : {&none, &some}) {
+    const Layout own = layout->of_radar(1);
+    const LinearRow without = row(*layout);
+    const Eigen::VectorXd h = dense(without, *layout);
+    EXPECT_EQ(without.residual, row(all).residual);
+    EXPECT_EQ(h.head(body::kSize), with.head(body::kSize));
+    EXPECT_EQ(h.tail(2), with.tail(2));
+    if (own.has_doppler_scale()) {
+      EXPECT_EQ(h[own.doppler_scale()], with[all.of_radar(1).doppler_scale()]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rio::test
