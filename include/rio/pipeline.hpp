@@ -13,7 +13,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <optional>
 #include <vector>
@@ -22,7 +21,7 @@
 #include "rio/checks/checks.hpp"
 #include "rio/checks/health_monitor.hpp"
 #include "rio/frontend/front_end.hpp"
-#include "rio/frontend/mounting_search.hpp"
+#include "rio/frontend/mountings.hpp"
 #include "rio/frontend/rest_detector.hpp"
 #include "rio/frontend/scan_correction.hpp"
 #include "rio/options.hpp"
@@ -46,14 +45,13 @@ class Pipeline {
   explicit Pipeline(const Options& options)
       : options_(options),
         correction_(options),
+        mountings_(options),
         rest_(options),
         rows_(options),
         backend_(options),
         checks_(options, &backend_, &report_) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
       frontends_.emplace_back(options.seen_by(r));
-      if (!MountingSearch::is_unknown(options.calibration)) continue;
-      searches_.emplace_back(options.seen_by(r));
     }
     points_.reserve(static_cast<std::size_t>(options.frontend.max_detections));
     seen_.aiding = &aiding_.taken();
@@ -78,10 +76,7 @@ class Pipeline {
   void reset(const Alignment& alignment) { reset(alignment.state, alignment.covariance, true); }
 
   /// The radars may have been mounted anew: unknown mountings that were found are sought again.
-  void forget_mountings() {
-    for (MountingSearch& search : searches_) search.reset();
-    mountings_.fill(std::nullopt);
-  }
+  void forget_mountings() { mountings_.forget(); }
 
   /// Time of measurement of a scan with that stamp, by the current estimate of the time offset.
   Time measured_at(Time stamp, std::size_t radar = 0) const {
@@ -161,7 +156,7 @@ class Pipeline {
     if (report_.status != Status::kOk) return conclude();
     if (tilt_is_lost()) return conclude();  // a linearised update could give any tilt
 
-    const bool unusable = mounting_is_unknown(received.radar) && !find_mounting(received);
+    const bool unusable = mountings_.is_unknown(received.radar) && !find_mounting(received);
     predict_velocity_covariance();
     const DetectionList& scan =
         correction_.correct(unusable ? empty_ : received, estimate(), velocity_covariance_);
@@ -169,7 +164,7 @@ class Pipeline {
     observe(scan, last);  // 2
     seen_.rest = rest_.observe(unusable ? received : scan, last, imu, estimate().nav,
                                backend_.state_estimate().covariance().body());
-    if (seen_.rest) restart_searches();
+    if (seen_.rest) mountings_.restart_drifts();
     if (options_.update.use_ego_velocity) {
       const auto velocity = ego_velocity_measurement(*seen_.scan, seen_.ego_velocity, estimate());
       if (velocity) aiding_.take_ego_velocity(*velocity);
@@ -203,14 +198,14 @@ class Pipeline {
     rest_.reset();
     rows_.reset();
     backend_.reset(prior, P0);
-    for (std::size_t r = 0; r < mountings_.size(); ++r) {
-      if (!mountings_[r]) continue;
+    for (std::size_t r = 0; r < options_.radars(); ++r) {
+      if (!mountings_.found(r)) continue;
       const auto change = [&](StateEstimate* state_estimate) {
-        state_estimate->set_mounting(r, *mountings_[r]);
+        state_estimate->set_mounting(r, *mountings_.found(r));
       };
       backend_.replace(change, Invalidates::kLandmarks, &report_);
     }
-    restart_searches();
+    mountings_.restart_drifts();
     health_.reset(prior.time);
     report_ = UpdateReport{};
     newest_scan_ = kNoScan;
@@ -257,35 +252,22 @@ class Pipeline {
     aiding_.take(time, estimate().nav, imu, [this](Time t) { return backend_.anchor(t); });
   }
 
-  /// The radar is not used yet: no Doppler and no point of it means anything in the body frame.
-  bool mounting_is_unknown(std::size_t radar) const {
-    return !searches_.empty() && !mountings_[radar];
-  }
-
   /// Takes the scan as evidence of the mounting; true if it is known now.
   bool find_mounting(const DetectionList& received) {
-    MountingSearch& search = searches_[received.radar];
-    if (report_.imu_gap) search.restart_drift();
-    std::optional<Mounting>& mounting = mountings_[received.radar];
-    mounting = search.add(received, estimate(), backend_.state_estimate().covariance().body());
-    report_.mounting_unknown = !mounting.has_value();
-    if (mounting) {
-      const auto change = [&](StateEstimate* state_estimate) {
-        state_estimate->set_mounting_and_motion(received.radar, *mounting);
-      };
-      backend_.replace(change, Invalidates::kLandmarks, &report_);
-      restart_searches();
-    } else {
+    const std::size_t radar = received.radar;
+    const BodyCovariance P = backend_.state_estimate().covariance().body();
+    report_.mounting_unknown = !mountings_.add(received, estimate(), P, report_.imu_gap);
+    if (report_.mounting_unknown) {
       empty_.time = received.time;
-      empty_.radar = received.radar;
+      empty_.radar = radar;
       empty_.received = received.received;
+      return false;
     }
-    return mounting.has_value();
-  }
-
-  /// The velocity of the IMU is about to be corrected.
-  void restart_searches() {
-    for (MountingSearch& search : searches_) search.restart_drift();
+    const auto change = [&](StateEstimate* state_estimate) {
+      state_estimate->set_mounting_and_motion(radar, *mountings_.found(radar));
+    };
+    backend_.replace(change, Invalidates::kLandmarks, &report_);
+    return true;
   }
 
   void predict_velocity_covariance() {
@@ -339,10 +321,9 @@ class Pipeline {
 
   Options options_;
   ScanCorrection correction_;
-  std::vector<FrontEnd> frontends_;       ///< one per radar
-  std::vector<MountingSearch> searches_;  ///< one per radar if their mounting is unknown, or none
-  std::array<std::optional<Mounting>, kMaxRadars> mountings_;  ///< found
-  DetectionList empty_;                                        ///< a scan that cannot be used yet
+  std::vector<FrontEnd> frontends_;  ///< one per radar
+  Mountings mountings_;
+  DetectionList empty_;  ///< a scan that cannot be used yet
   RestDetector rest_;
   ScanRows rows_;
   BackEnd backend_;
