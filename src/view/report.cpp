@@ -313,7 +313,7 @@ void ReportBuilder::finish_histogram() {
               (first - 0.5) * rate_bin(),
               merged * rate_bin(),
               {}};
-  h.counts.resize(static_cast<std::size_t>((last - first) / merged + 1));
+  h.counts.resize(1 + static_cast<std::size_t>((last - first) / merged));
   for (const auto& [bin, count] : rates_) {
     h.counts[static_cast<std::size_t>((bin - first) / merged)] += count;
   }
