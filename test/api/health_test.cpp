@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The odometry API: the covariance of now, and the health of a flight that is well and of one that
 // is not.
-#include <gtest/gtest.h>
-
-#include "experiment/trial.hpp"
-#include "rio/rio.hpp"
+#include "api/flying.hpp"
 #include "support/short_flight.hpp"
 
 namespace rio::test {
@@ -13,17 +10,13 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-class HealthTest : public testing::TestWithParam<BackEnd> {
+class HealthTest : public BackEndTest {
  protected:
   static const sim::Flight& flight() {
     static const sim::Flight flight = short_flight("indoor-1", 25.0);
     return flight;
   }
-  static Options options() {
-    Options o = experiment::options_for(flight(), "default");
-    o.backend = GetParam();
-    return o;
-  }
+  static Options options() { return options_for(flight()); }
   static Time begin() { return flight().imu.front().time; }
 
   /// Which data arrive; `t` since the first sample.
@@ -122,7 +115,7 @@ TEST_P(HealthTest, ASilentImuIsToldByTheScans) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, HealthTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother));
+INSTANTIATE_TEST_SUITE_P(BackEnds, HealthTest, kBothBackEnds, back_end_name);
 
 }  // namespace
 }  // namespace rio::test

@@ -1,37 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A radar whose mounting is unknown: found in flight, with either back-end.
-#include <gtest/gtest.h>
-
-#include "experiment/trial.hpp"
+#include "api/flying.hpp"
 #include "rio/core/so3.hpp"
-#include "rio/sim/catalogue.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::test {
 namespace {
 
-using experiment::options_for;
 using experiment::replay;
 using experiment::Step;
 using experiment::Trial;
 
-class UnknownMounting : public testing::TestWithParam<BackEnd> {
+class UnknownMounting : public BackEndTest {
  protected:
   static const sim::Flight& flight() {
-    static const sim::Flight flight = [] {
-      sim::Scenario scenario;
-      EXPECT_TRUE(sim::scenario("indoor-1", &scenario));
-      scenario.max_duration = 45.0;
-      return sim::simulate_flight(scenario);
-    }();
+    static const sim::Flight flight = short_flight("indoor-1", 45.0);
     return flight;
   }
 
-  static Options options() {
-    Options o = options_for(flight(), "default");
-    o.backend = GetParam();
-    return o;
-  }
+  static Options options() { return options_for(flight()); }
   /// Nothing is known, not even the position of the radar.
   static Options unknown() {
     Options o = options();
@@ -98,8 +86,7 @@ TEST_P(UnknownMounting, ARadarThatDoesNotMoveIsNotUsed) {
   EXPECT_LT(error_of(trial), 0.05);
 }
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, UnknownMounting,
-                         testing::Values(BackEnd::kEkf, BackEnd::kSmoother));
+INSTANTIATE_TEST_SUITE_P(BackEnds, UnknownMounting, kBothBackEnds, back_end_name);
 
 }  // namespace
 }  // namespace rio::test

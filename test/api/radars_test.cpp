@@ -2,25 +2,19 @@
 // Several radars on one body, through the odometry API, with either back-end. Their scans have the
 // same stamps, which is the hardest case; the drives of test/e2e/kart_test.cpp have them
 // interleaved.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <vector>
 
-#include "experiment/trial.hpp"
+#include "api/flying.hpp"
 #include "rio/ekf/ekf.hpp"
 #include "rio/models/aids.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/smoother/smoother.hpp"
-#include "rio/testing/allocation_guard.hpp"
 #include "support/measured.hpp"
 
 namespace rio::test {
 namespace {
 
-using experiment::options_for;
 using std::chrono::milliseconds;
 
 const Pose kFirst = sim::default_radar_mount(0.3);
@@ -28,18 +22,17 @@ const std::vector<Pose> kFrontAndDown = sim::radar_mounts(kFirst, 2);
 const std::vector<Pose> kAround = sim::radar_mounts(kFirst, 4);
 
 /// The same flight as each radar sees it.
-std::vector<sim::Flight> flights(std::uint64_t seed, const std::vector<Pose>& mounts,
-                                 double mounting_error = 0.0) {
+/// @param change of the scenario of radar r
+std::vector<sim::Flight> flights(
+    std::uint64_t seed, const std::vector<Pose>& mounts,
+    const std::function<void(sim::Scenario&, std::size_t r)>& change = {}) {
   std::vector<sim::Flight> out;
-  for (const Pose& T_BS : mounts) {
-    sim::Scenario o;
-    o.seed = seed;
-    o.path.length = 25.0;
-    o.max_duration = 25.0;
-    o.radar.T_BS = T_BS;
-    o.radar.max_static = 12;
-    o.errors.extrinsic_angle = mounting_error;
-    out.push_back(sim::simulate_flight(o));
+  for (std::size_t r = 0; r < mounts.size(); ++r) {
+    out.push_back(flight_of(seed, 25.0, 25.0, [&](sim::Scenario& o) {
+      o.radar.T_BS = mounts[r];
+      o.radar.max_static = 12;
+      if (change) change(o, r);
+    }));
   }
   return out;
 }
@@ -47,61 +40,40 @@ std::vector<sim::Flight> flights(std::uint64_t seed, const std::vector<Pose>& mo
 /// One radar folds at 1.5 m/s; the other sees 6 m/s, in a third of the view, with twice the noise
 /// and in coarse cells. The first of the two is radar 0.
 std::vector<sim::Flight> flights_of_two_kinds(std::uint64_t seed, bool coarse_first) {
-  std::vector<sim::Flight> out;
-  for (std::size_t r = 0; r < kFrontAndDown.size(); ++r) {
-    sim::Scenario o;
-    o.seed = seed;
-    o.path.length = 25.0;
+  return flights(seed, kFrontAndDown, [coarse_first](sim::Scenario& o, std::size_t r) {
     o.path.max_speed = 2.0;
-    o.max_duration = 25.0;
-    o.radar.T_BS = kFrontAndDown[r];
-    o.radar.max_static = 12;
-    if ((r == 0) == coarse_first) {
-      o.radar.max_doppler = 6.0;
-      o.radar.doppler_resolution = 6.0 / 16.0;
-      o.radar.range_resolution *= 4.0;
-      o.radar.fov_azimuth *= 0.33;
-      o.radar.sigma_azimuth *= 2.0;
-      o.radar.sigma_elevation *= 2.0;
-      o.radar.sigma_doppler *= 2.0;
-    }
-    out.push_back(sim::simulate_flight(o));
-  }
-  return out;
+    if ((r == 0) != coarse_first) return;
+    o.radar.max_doppler = 6.0;
+    o.radar.doppler_resolution = 6.0 / 16.0;
+    o.radar.range_resolution *= 4.0;
+    o.radar.fov_azimuth *= 0.33;
+    o.radar.sigma_azimuth *= 2.0;
+    o.radar.sigma_elevation *= 2.0;
+    o.radar.sigma_doppler *= 2.0;
+  });
 }
 
-struct Result {
-  double rms = 0.0;   ///< of the position [m]
-  double nees = 0.0;  ///< of position and attitude, mean, a dimension
-  double last = 0.0;  ///< position error at the end [m]
-  int steps = 0;
-  NavState end;
-};
-
-class RadarsTest : public testing::TestWithParam<BackEnd> {
+class RadarsTest : public BackEndTest {
  protected:
   /// @param alike those of further radars are taken to be of the kind of the first
   static Options options(const std::vector<sim::Flight>& all, bool alike = false) {
-    Options o = options_for(all.front(), "default");
-    o.backend = GetParam();
+    Options o = options_for(all.front());
     for (std::size_t r = 1; r < all.size(); ++r) {
-      EXPECT_TRUE(o.other_radars.push_back(
-          {all[r].configured_T_BS, 0.0, 0.0, options_for(all[r], "default").radar}));
-    }
-    for (RadarMount& other : o.other_radars) {
-      if (alike) other.kind.reset();
+      RadarMount other{all[r].configured_T_BS, 0.0, 0.0, {}};
+      if (!alike) other.kind = options_for(all[r]).radar;
+      EXPECT_TRUE(o.other_radars.push_back(other));
     }
     return o;
   }
   /// @param delays of the arrivals, by radar
   /// @param until radar 0 sends nothing from there on [s]
-  Result fly(const std::vector<sim::Flight>& all, std::vector<Time> delays = {}, double until = 1e9,
+  Errors fly(const std::vector<sim::Flight>& all, std::vector<Time> delays = {}, double until = 1e9,
              bool alike = false) {
     const sim::Flight& flight = all.front();
     delays.resize(all.size(), Time{0});
     odometry = Odometry::create(options(all, alike));
     std::vector<std::size_t> next(all.size(), 0);
-    Result out;
+    Errors out;
     std::uint64_t done = 0;
     for (const ImuSample& sample : flight.imu) {
       EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
@@ -116,22 +88,10 @@ class RadarsTest : public testing::TestWithParam<BackEnd> {
       }
       if (odometry->counters().scans == done) continue;
       done = odometry->counters().scans;
-      const NavState& x = odometry->at_scan();
-      const NavState truth = flight.truth_at(x.time);
-      out.last = (x.p_WB - truth.p_WB).norm();
-      out.rms += out.last * out.last;
-      Eigen::Matrix<double, 6, 1> e;
-      e << quaternion_log(x.q_WB.conjugate() * truth.q_WB), truth.p_WB - x.p_WB;
-      const Eigen::Matrix<double, 6, 6> P = odometry->covariance().topLeftCorner<6, 6>();
-      out.nees += e.dot(P.inverse() * e) / 6.0;
-      ++out.steps;
+      out.add(*odometry, flight);
     }
-    out.rms = std::sqrt(out.rms / out.steps);
-    out.nees /= out.steps;
-    out.end = odometry->at_scan();
     return out;
   }
-  static std::string name() { return GetParam() == BackEnd::kEkf ? "filter" : "window"; }
 
   std::unique_ptr<Odometry> odometry;
 };
@@ -144,14 +104,14 @@ TEST_P(RadarsTest, MoreRadarsAreBetterThanOne) {
   constexpr int kSeeds = 2;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const auto both = flights(seed, kFrontAndDown);
-    one += fly({both.front()}).rms / kSeeds;
-    const Result result = fly(both);
-    two += result.rms / kSeeds;
-    nees += result.nees / kSeeds;
+    one += fly({both.front()}).rms() / kSeeds;
+    const Errors result = fly(both);
+    two += result.rms() / kSeeds;
+    nees += result.pose_nees / result.steps / kSeeds;
     EXPECT_EQ(odometry->counters().scans_late, 0U);
     EXPECT_EQ(odometry->counters().scans_duplicate, 0U);
     EXPECT_EQ(odometry->counters().updates_failed, 0U);
-    four += fly(flights(seed, kAround)).rms / kSeeds;
+    four += fly(flights(seed, kAround)).rms() / kSeeds;
   }
   measured(name() + ", one radar: RMSE [m]", one, "");
   measured(name() + ", front and down: RMSE over that of one", two / one, "below 1");
@@ -165,27 +125,30 @@ TEST_P(RadarsTest, MoreRadarsAreBetterThanOne) {
 TEST_P(RadarsTest, OneOfThemFailsInFlight) {
   for (const auto& mounts : {kFrontAndDown, kAround}) {
     const auto all = flights(3, mounts);
-    const Result result = fly(all, {}, 10.0);
+    const Errors result = fly(all, {}, 10.0);
     EXPECT_LT(result.last, 0.3);
-    EXPECT_LT(result.nees, 3.0);
+    EXPECT_LT(result.pose_nees / result.steps, 3.0);
     EXPECT_EQ(odometry->health().state, HealthState::kOk);
   }
 }
 
 TEST_P(RadarsTest, TheOrderOfArrivalDoesNotMatter) {
   const auto both = flights(2, kFrontAndDown);
-  const Result first = fly(both, {milliseconds(80), milliseconds(60)});
+  fly(both, {milliseconds(80), milliseconds(60)});
+  const NavState first = odometry->at_scan();
   const std::uint64_t late = odometry->counters().scans_late;  // of before the start
-  const Result second = fly(both, {milliseconds(60), milliseconds(80)});
+  fly(both, {milliseconds(60), milliseconds(80)});
+  const NavState& second = odometry->at_scan();
   EXPECT_LE(late, 4U);
   EXPECT_EQ(odometry->counters().scans_late, late);
-  EXPECT_EQ(first.end.time, second.end.time);
-  EXPECT_EQ(first.end.p_WB, second.end.p_WB);
-  EXPECT_EQ(first.end.q_WB.coeffs(), second.end.q_WB.coeffs());
+  EXPECT_EQ(first.time, second.time);
+  EXPECT_EQ(first.p_WB, second.p_WB);
+  EXPECT_EQ(first.q_WB.coeffs(), second.q_WB.coeffs());
 }
 
 TEST_P(RadarsTest, EachHasItsOwnMounting) {
-  const auto both = flights(4, kFrontAndDown, 0.05);
+  const auto both = flights(4, kFrontAndDown,
+                            [](sim::Scenario& o, std::size_t) { o.errors.extrinsic_angle = 0.05; });
   fly(both);
   for (std::size_t r = 0; r < both.size(); ++r) {
     const Pose& truth = both[r].scenario.radar.T_BS;
@@ -205,11 +168,11 @@ TEST_P(RadarsTest, TheyMayBeOfDifferentKinds) {
     constexpr int kSeeds = 3;
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
       const auto both = flights_of_two_kinds(seed, coarse_first);
-      const Result result = fly(both);
-      own += result.rms / kSeeds;
-      nees += result.nees / kSeeds;
+      const Errors result = fly(both);
+      own += result.rms() / kSeeds;
+      nees += result.pose_nees / result.steps / kSeeds;
       EXPECT_EQ(odometry->health().state, HealthState::kOk);
-      shared += fly(both, {}, 1e9, true).rms / kSeeds;
+      shared += fly(both, {}, 1e9, true).rms() / kSeeds;
     }
     const std::string which = name() + (coarse_first ? ", coarse radar first" : ", coarse second");
     measured(which + ": RMSE over that with the noise of the first for both", own / shared,
@@ -237,17 +200,7 @@ TEST_P(RadarsTest, WhatIsRefused) {
 TEST_P(RadarsTest, AllocateNothing) {
   if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
   const auto all = flights(1, kAround);
-  odometry = Odometry::create(options(all));
-  std::size_t scan = 0;
-  const AllocationGuard guard;
-  for (std::size_t i = 0; i < 3000; ++i) {
-    const Time time = all[0].imu[i].time;
-    (void)odometry->add_imu(all[0].imu[i]);
-    for (; all[0].scans[scan].time <= time; ++scan) {
-      for (std::size_t r = 0; r < all.size(); ++r) (void)odometry->add_scan(all[r].scans[scan], r);
-    }
-  }
-  EXPECT_EQ(guard.count(), 0);
+  odometry = fly_without_heap(all, options(all), nullptr);
   EXPECT_GT(odometry->counters().scans, 400U);
 }
 
@@ -326,10 +279,7 @@ TEST_P(RadarsTest, EachMatchesItsTrails) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, RadarsTest, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
-                         [](const auto& instance) {
-                           return instance.param == BackEnd::kEkf ? "Ekf" : "Smoother";
-                         });
+INSTANTIATE_TEST_SUITE_P(BackEnds, RadarsTest, kBothBackEnds, back_end_name);
 
 }  // namespace
 }  // namespace rio::test

@@ -1,36 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The arrangement for two threads of rio.hpp: one lock around all calls, or an estimator each.
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <atomic>
-#include <cstdint>
-#include <cstring>
-#include <memory>
 #include <mutex>
-#include <string>
 #include <thread>
-#include <vector>
 
-#include "experiment/trial.hpp"
-#include "rio/sim/flight.hpp"
+#include "api/flying.hpp"
 
-namespace rio {
+namespace rio::test {
 namespace {
 
-sim::Flight short_flight(std::uint64_t seed) {
-  sim::Scenario scenario;
-  scenario.seed = seed;
-  scenario.path.length = 10.0;
-  scenario.path.stand_before = 2.0;
-  scenario.max_duration = 6.0;
-  return sim::simulate_flight(scenario);
-}
-
-std::unique_ptr<Odometry> make(const sim::Flight& flight, BackEnd backend) {
-  Options options = experiment::options_for(flight, "default");
-  options.backend = backend;
-  return Odometry::create(options);
+/// After a shorter standstill than usual.
+sim::Flight shortest_flight(std::uint64_t seed) {
+  return flight_of(seed, 10.0, 6.0, [](sim::Scenario& o) { o.path.stand_before = 2.0; });
 }
 
 /// Bytes of an estimate.
@@ -42,8 +23,8 @@ std::string bytes_of(const Odometry& odometry) {
 }
 
 /// Feeds a flight by stamps and returns all estimates.
-std::vector<std::string> estimates(const sim::Flight& flight, BackEnd backend) {
-  const std::unique_ptr<Odometry> odometry = make(flight, backend);
+std::vector<std::string> estimates(const sim::Flight& flight, const Options& options) {
+  const std::unique_ptr<Odometry> odometry = Odometry::create(options);
   std::vector<std::string> all;
   std::size_t next = 0;
   for (const ImuSample& sample : flight.imu) {
@@ -56,42 +37,31 @@ std::vector<std::string> estimates(const sim::Flight& flight, BackEnd backend) {
   return all;
 }
 
-class TwoThreads : public testing::TestWithParam<BackEnd> {};
+class TwoThreads : public BackEndTest {};
 
 TEST_P(TwoThreads, FeedOneEstimatorUnderOneLock) {
-  const sim::Flight flight = short_flight(1);
-  const std::unique_ptr<Odometry> odometry = make(flight, GetParam());
+  const sim::Flight flight = shortest_flight(1);
+  const std::unique_ptr<Odometry> odometry = Odometry::create(options_for(flight));
   std::mutex mutex;
   std::atomic<std::size_t> samples{0};  // given; keeps the threads within 0.1 s of each other
   std::atomic<std::size_t> scans{0};
   std::atomic<bool> done{false};
   constexpr Time kApart{100'000'000};
 
-  std::thread imu([&] {
-    for (const ImuSample& sample : flight.imu) {
+  const auto give = [&](const auto& mine, auto* given, const auto& others, const auto& others_given,
+                        const auto& add) {
+    for (const auto& data : mine) {
       const auto is_far = [&] {
-        const std::size_t next = scans;
-        return next < flight.scans.size() && sample.time - flight.scans[next].time > kApart;
+        const std::size_t next = others_given;
+        return next < others.size() && data.time - others[next].time > kApart;
       };
       while (is_far()) std::this_thread::yield();
       const std::lock_guard lock(mutex);
-      (void)odometry->add_imu(sample);
-      ++samples;
+      add(data);
+      ++*given;
     }
-  });
-  std::thread radar([&] {
-    for (const RadarScan& scan : flight.scans) {
-      const auto is_far = [&] {
-        const std::size_t next = samples;
-        return next < flight.imu.size() && scan.time - flight.imu[next].time > kApart;
-      };
-      while (is_far()) std::this_thread::yield();
-      const std::lock_guard lock(mutex);
-      (void)odometry->add_scan(scan);
-      ++scans;
-    }
-  });
-  int reads = 0;
+  };
+  std::atomic<int> reads{0};
   std::thread reader([&] {
     Time last{0};
     while (!done) {
@@ -113,6 +83,15 @@ TEST_P(TwoThreads, FeedOneEstimatorUnderOneLock) {
       std::this_thread::yield();
     }
   });
+  while (reads == 0) std::this_thread::yield();  // it reads while the others write
+  std::thread imu([&] {
+    give(flight.imu, &samples, flight.scans, scans,
+         [&](const ImuSample& sample) { (void)odometry->add_imu(sample); });
+  });
+  std::thread radar([&] {
+    give(flight.scans, &scans, flight.imu, samples,
+         [&](const RadarScan& scan) { (void)odometry->add_scan(scan); });
+  });
   imu.join();
   radar.join();
   done = true;
@@ -129,12 +108,13 @@ TEST_P(TwoThreads, FeedOneEstimatorUnderOneLock) {
 }
 
 TEST_P(TwoThreads, EstimatorsShareNothing) {
-  const sim::Flight flights[] = {short_flight(2), short_flight(3)};
+  const sim::Flight flights[] = {shortest_flight(2), shortest_flight(3)};
   std::vector<std::string> alone[2];
   std::vector<std::string> together[2];
-  for (int i = 0; i < 2; ++i) alone[i] = estimates(flights[i], GetParam());
-  std::thread other([&] { together[1] = estimates(flights[1], GetParam()); });
-  together[0] = estimates(flights[0], GetParam());
+  const auto fly = [&](int i) { return estimates(flights[i], options_for(flights[i])); };
+  for (int i = 0; i < 2; ++i) alone[i] = fly(i);
+  std::thread other([&] { together[1] = fly(1); });
+  together[0] = fly(0);
   other.join();
   for (int i = 0; i < 2; ++i) {
     EXPECT_GT(alone[i].size(), 50U);
@@ -142,10 +122,7 @@ TEST_P(TwoThreads, EstimatorsShareNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, TwoThreads, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
-                         [](const auto& of) {
-                           return of.param == BackEnd::kEkf ? "Filter" : "Smoother";
-                         });
+INSTANTIATE_TEST_SUITE_P(BackEnds, TwoThreads, kBothBackEnds, back_end_name);
 
 }  // namespace
-}  // namespace rio
+}  // namespace rio::test

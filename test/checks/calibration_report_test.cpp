@@ -14,32 +14,36 @@ namespace {
 constexpr double kPrior = 0.02;
 
 TEST(CalibrationReport, VerdictFollowsFromTheSigmas) {
-  EXPECT_EQ(observability(0.0, 1.00 * kPrior, kPrior), Observability::kUnobserved);
-  EXPECT_EQ(observability(0.0, 0.91 * kPrior, kPrior), Observability::kUnobserved);
-  EXPECT_EQ(observability(0.0, 0.89 * kPrior, kPrior), Observability::kWeak);
-  EXPECT_EQ(observability(0.0, 0.51 * kPrior, kPrior), Observability::kWeak);
-  EXPECT_EQ(observability(0.0, 0.49 * kPrior, kPrior), Observability::kObserved);
-  EXPECT_EQ(observability(0.0, 0.0, kPrior), Observability::kObserved);
-}
-
-TEST(CalibrationReport, WithoutAPriorNothingIsEstimated) {
-  EXPECT_EQ(observability(0.0, 0.0, 0.0), Observability::kNotEstimated);
-  EXPECT_EQ(observability(1.0, 0.0, 0.0), Observability::kNotEstimated);
-}
-
-TEST(CalibrationReport, TheLimitOutweighsTheSigma) {
-  const double limit = kCalibrationLimit * kPrior;
-  EXPECT_EQ(observability(limit, 0.1 * kPrior, kPrior), Observability::kAtLimit);
-  EXPECT_EQ(observability(-limit, kPrior, kPrior), Observability::kAtLimit);
-  EXPECT_EQ(observability(0.99 * limit, 0.1 * kPrior, kPrior), Observability::kDoubtful);
-}
-
-TEST(CalibrationReport, WhatIsToldBeyondThreeSigmasIsDoubtful) {
-  const double doubt = kCalibrationDoubt * kPrior;
-  EXPECT_EQ(observability(1.01 * doubt, 0.1 * kPrior, kPrior), Observability::kDoubtful);
-  EXPECT_EQ(observability(-1.01 * doubt, 0.8 * kPrior, kPrior), Observability::kDoubtful);
-  EXPECT_EQ(observability(0.99 * doubt, 0.1 * kPrior, kPrior), Observability::kObserved);
-  EXPECT_EQ(observability(1.01 * doubt, kPrior, kPrior), Observability::kUnobserved);
+  constexpr double kLimit = kCalibrationLimit * kPrior;
+  constexpr double kDoubt = kCalibrationDoubt * kPrior;
+  const struct {
+    double value;
+    double sigma;
+    double prior_sigma;
+    Observability expected;
+  } rows[] = {
+      {0.0, 1.00 * kPrior, kPrior, Observability::kUnobserved},
+      {0.0, 0.91 * kPrior, kPrior, Observability::kUnobserved},
+      {0.0, 0.89 * kPrior, kPrior, Observability::kWeak},
+      {0.0, 0.51 * kPrior, kPrior, Observability::kWeak},
+      {0.0, 0.49 * kPrior, kPrior, Observability::kObserved},
+      {0.0, 0.0, kPrior, Observability::kObserved},
+      {0.0, 0.0, 0.0, Observability::kNotEstimated},
+      {1.0, 0.0, 0.0, Observability::kNotEstimated},
+      // the limit outweighs the sigma
+      {kLimit, 0.1 * kPrior, kPrior, Observability::kAtLimit},
+      {-kLimit, kPrior, kPrior, Observability::kAtLimit},
+      {0.99 * kLimit, 0.1 * kPrior, kPrior, Observability::kDoubtful},
+      // what is told beyond three sigmas
+      {1.01 * kDoubt, 0.1 * kPrior, kPrior, Observability::kDoubtful},
+      {-1.01 * kDoubt, 0.8 * kPrior, kPrior, Observability::kDoubtful},
+      {0.99 * kDoubt, 0.1 * kPrior, kPrior, Observability::kObserved},
+      {1.01 * kDoubt, kPrior, kPrior, Observability::kUnobserved},
+  };
+  for (const auto& row : rows) {
+    EXPECT_EQ(observability(row.value, row.sigma, row.prior_sigma), row.expected)
+        << row.value << " of sigma " << row.sigma;
+  }
 }
 
 /// Every parameter estimated, with priors and corrections that differ.

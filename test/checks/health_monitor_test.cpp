@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <utility>
-
 namespace rio::test {
 namespace {
 
@@ -33,9 +31,21 @@ class HealthMonitorTest : public testing::Test {
       monitor_.observe(scan_, x_, P_);
     }
   }
-  void be_silent(Time duration) { monitor_.wait(x_.nav.time + duration, Time{0}, x_, P_); }
+  const Health& after(Time duration) {
+    fly(duration);
+    return health();
+  }
+  const Health& after_silence(Time duration) {
+    monitor_.wait(x_.nav.time + duration, Time{0}, x_, P_);
+    return health();
+  }
 
   const Health& health() const { return monitor_.health(); }
+  bool because(HealthReason reason) const { return health().because(reason); }
+  ModelReport& of(Model model) { return scan_.models[static_cast<std::size_t>(model)]; }
+  CalibrationReport& of(Calibration parameter) {
+    return scan_.calibration[static_cast<std::size_t>(parameter)];
+  }
 
   HealthMonitor monitor_;
   UpdateReport scan_;
@@ -47,13 +57,13 @@ TEST_F(HealthMonitorTest, BeginsWithTheFirstScanThatTellsAVelocity) {
   EXPECT_EQ(health().state, HealthState::kInitializing);
   scan_.models[0].rows_used = 1;
   scan_.models[0].nis = 1.0;
-  fly(2 * kPeriod);
-  EXPECT_EQ(health().state, HealthState::kInitializing);
+  EXPECT_EQ(after(2 * kPeriod).state, HealthState::kInitializing);
   scan_.models[0].rows_used = 18;
-  fly(kPeriod);
-  EXPECT_EQ(health().state, HealthState::kOk);
-  fly(seconds(2));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  scan_.mounting_unknown = true;
+  EXPECT_EQ(after(seconds(1)).state, HealthState::kInitializing);
+  scan_.mounting_unknown = false;
+  EXPECT_EQ(after(kPeriod).state, HealthState::kOk);
+  EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
   EXPECT_GT(health().quality, 75);
 }
 
@@ -70,120 +80,88 @@ TEST_F(HealthMonitorTest, AStartWithAnUnknownTiltBeginsWhenItIsKnown) {
   EXPECT_EQ(tilt(0.25), HealthState::kLost);
 }
 
-TEST_F(HealthMonitorTest, WithoutAMountingItHasNotBegun) {
-  scan_.mounting_unknown = true;
-  fly(seconds(1));
-  EXPECT_EQ(health().state, HealthState::kInitializing);
-  scan_.mounting_unknown = false;
-  fly(seconds(1));
-  EXPECT_EQ(health().state, HealthState::kOk);
-}
-
 TEST_F(HealthMonitorTest, SilenceIsDeadReckoningOfPositionAndVelocity) {
   fly(seconds(3));
-  be_silent(milliseconds(900));
-  EXPECT_EQ(health().state, HealthState::kOk);
-  be_silent(milliseconds(1100));
-  EXPECT_EQ(health().state, HealthState::kDeadReckoning);
+  EXPECT_EQ(after_silence(milliseconds(900)).state, HealthState::kOk);
+  EXPECT_EQ(after_silence(milliseconds(1100)).state, HealthState::kDeadReckoning);
   EXPECT_EQ(health().position, HealthState::kDeadReckoning);
   EXPECT_EQ(health().velocity, HealthState::kDeadReckoning);
   EXPECT_EQ(health().heading, HealthState::kOk);
-  EXPECT_TRUE(health().because(HealthReason::kRadarSilent));
-  fly(seconds(2));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_TRUE(because(HealthReason::kRadarSilent));
+  EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
 }
 
-// Scans of which nothing is used tell no more than silence.
-TEST_F(HealthMonitorTest, EmptyScansAreSilence) {
-  fly(seconds(3));
-  scan_ = UpdateReport{};
-  fly(milliseconds(1200));
-  EXPECT_EQ(health().state, HealthState::kDeadReckoning);
-}
-
-// What other sensors measure does not replace the radar.
-TEST_F(HealthMonitorTest, OtherSensorsDoNotHideASilence) {
+// Nor do scans of which nothing is used, or what other sensors measure, tell more than silence.
+TEST_F(HealthMonitorTest, WithoutTheRadarItNeitherBeginsNorStaysOk) {
+  const UpdateReport scan = scan_;
   UpdateReport height;
   height.models[static_cast<std::size_t>(Model::kAiding)].rows_used = 5;
-  const UpdateReport scan = std::exchange(scan_, height);
-  fly(seconds(1));
-  EXPECT_EQ(health().state, HealthState::kInitializing);
-  scan_ = scan;
-  fly(seconds(3));
-  EXPECT_EQ(health().state, HealthState::kOk);
-  scan_ = height;
-  fly(milliseconds(1200));
-  EXPECT_EQ(health().state, HealthState::kDeadReckoning);
+  for (const UpdateReport& other : {UpdateReport{}, height}) {
+    monitor_.reset(x_.nav.time);
+    scan_ = other;
+    EXPECT_EQ(after(seconds(1)).state, HealthState::kInitializing);
+    scan_ = scan;
+    EXPECT_EQ(after(seconds(3)).state, HealthState::kOk);
+    scan_ = other;
+    EXPECT_EQ(after(milliseconds(1200)).state, HealthState::kDeadReckoning);
+  }
 }
 
 TEST_F(HealthMonitorTest, OutliersAndGatedMeasurementsDegrade) {
   fly(seconds(3));
   scan_.static_detections = 2;
-  fly(seconds(3));
-  EXPECT_EQ(health().state, HealthState::kDegraded);
-  EXPECT_TRUE(health().because(HealthReason::kOutliers));
+  EXPECT_EQ(after(seconds(3)).state, HealthState::kDegraded);
+  EXPECT_TRUE(because(HealthReason::kOutliers));
   scan_.static_detections = 18;
   scan_.models[0].rows_gated = 18;
-  fly(seconds(5));
-  EXPECT_FALSE(health().because(HealthReason::kOutliers));
-  EXPECT_TRUE(health().because(HealthReason::kGated));
+  EXPECT_FALSE(after(seconds(5)).because(HealthReason::kOutliers));
+  EXPECT_TRUE(because(HealthReason::kGated));
   EXPECT_NEAR(monitor_.unusual_gated_share(), 0.5, 0.01);
   scan_.models[0].rows_gated = 0;
   scan_.models[0].nis = 60.0;
-  fly(seconds(5));
-  EXPECT_FALSE(health().because(HealthReason::kGated));
+  EXPECT_FALSE(after(seconds(5)).because(HealthReason::kGated));
   EXPECT_EQ(monitor_.unusual_gated_share(), 0.0);
-  EXPECT_TRUE(health().because(HealthReason::kInnovations));
+  EXPECT_TRUE(because(HealthReason::kInnovations));
   EXPECT_EQ(health().heading, HealthState::kOk);
 }
 
 TEST_F(HealthMonitorTest, OtherSensorsContradictWhenGatedOrBeyondTheirNoise) {
-  ModelReport& aiding = scan_.models[static_cast<std::size_t>(Model::kAiding)];
+  ModelReport& aiding = of(Model::kAiding);
   aiding.rows_used = 1;
   aiding.nis = 1.0;
-  fly(seconds(3));
-  EXPECT_FALSE(health().because(HealthReason::kAiding));
+  EXPECT_FALSE(after(seconds(3)).because(HealthReason::kAiding));
   aiding.nis = 3.0;  // none is gated, but their noise is not what it is said to be
-  fly(seconds(30));
-  EXPECT_TRUE(health().because(HealthReason::kAiding));
+  EXPECT_TRUE(after(seconds(30)).because(HealthReason::kAiding));
   EXPECT_EQ(health().state, HealthState::kDegraded);
   aiding.nis = 1.0;
-  fly(seconds(40));
-  EXPECT_FALSE(health().because(HealthReason::kAiding));
+  EXPECT_FALSE(after(seconds(40)).because(HealthReason::kAiding));
   aiding.rows_gated = 1;  // every second one
-  fly(seconds(30));
-  EXPECT_TRUE(health().because(HealthReason::kAiding));
+  EXPECT_TRUE(after(seconds(30)).because(HealthReason::kAiding));
 }
 
 // A contradiction degrades at once, and loses the estimate when it lasts.
 TEST_F(HealthMonitorTest, ContradictionLosesInTheEnd) {
   fly(seconds(3));
   scan_.velocity_contradicted = 0.6;
-  fly(kPeriod);
-  EXPECT_EQ(health().velocity, HealthState::kDegraded);
+  EXPECT_EQ(after(kPeriod).velocity, HealthState::kDegraded);
   scan_.velocity_contradicted = 2.1;
-  fly(kPeriod);
-  EXPECT_EQ(health().velocity, HealthState::kLost);
+  EXPECT_EQ(after(kPeriod).velocity, HealthState::kLost);
   EXPECT_EQ(health().heading, HealthState::kOk);
   scan_.velocity_contradicted = 0.0;
   scan_.tilt_contradicted = 0.8;
-  fly(kPeriod);
-  EXPECT_EQ(health().heading, HealthState::kDegraded);
-  EXPECT_TRUE(health().because(HealthReason::kTiltContradicted));
+  EXPECT_EQ(after(kPeriod).heading, HealthState::kDegraded);
+  EXPECT_TRUE(because(HealthReason::kTiltContradicted));
 }
 
 TEST_F(HealthMonitorTest, StepsAreCountedAndForgotten) {
   fly(seconds(3));
   const int before = health().reset_counter;
   scan_.attitude_reset = true;
-  fly(kPeriod);
-  EXPECT_EQ(health().reset_counter, before + 1);
+  EXPECT_EQ(after(kPeriod).reset_counter, before + 1);
   EXPECT_EQ(health().state, HealthState::kDegraded);
-  fly(3 * kPeriod);  // again and again: nothing holds
-  EXPECT_EQ(health().state, HealthState::kLost);
+  EXPECT_EQ(after(3 * kPeriod).state, HealthState::kLost);  // again and again: nothing holds
   scan_.attitude_reset = false;
-  fly(seconds(10));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after(seconds(10)).state, HealthState::kOk);
   monitor_.reset(x_.nav.time);
   EXPECT_EQ(health().reset_counter, before + 5);
   EXPECT_EQ(health().state, HealthState::kInitializing);
@@ -201,8 +179,8 @@ TEST_F(HealthMonitorTest, EachSigmaHasItsPart) {
   EXPECT_EQ(health().heading, HealthState::kDegraded);
   EXPECT_EQ(health().velocity, HealthState::kOk);
   with_sigma(Vector3d::UnitX(), body::kAttitude, 0.1);
-  EXPECT_TRUE(health().because(HealthReason::kUncertainTilt));
-  EXPECT_FALSE(health().because(HealthReason::kUncertainHeading));
+  EXPECT_TRUE(because(HealthReason::kUncertainTilt));
+  EXPECT_FALSE(because(HealthReason::kUncertainHeading));
   with_sigma(Vector3d::UnitX(), body::kVelocity, 0.6);
   EXPECT_EQ(health().velocity, HealthState::kDegraded);
   EXPECT_EQ(health().heading, HealthState::kOk);
@@ -219,62 +197,49 @@ TEST_F(HealthMonitorTest, EachSigmaHasItsPart) {
 TEST_F(HealthMonitorTest, PausesOfTheImu) {
   fly(seconds(3));
   monitor_.add_gap(milliseconds(100));
-  be_silent(milliseconds(10));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after_silence(milliseconds(10)).state, HealthState::kOk);
   monitor_.add_gap(milliseconds(400));
-  be_silent(milliseconds(10));
-  EXPECT_EQ(health().heading, HealthState::kDegraded);
-  fly(seconds(2));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after_silence(milliseconds(10)).heading, HealthState::kDegraded);
+  EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
   monitor_.wait(x_.nav.time, milliseconds(1500), x_, P_);  // scans arrive, samples do not
-  EXPECT_TRUE(health().because(HealthReason::kImuGaps));
+  EXPECT_TRUE(because(HealthReason::kImuGaps));
 }
 
 TEST_F(HealthMonitorTest, AClockThatWasChanged) {
-  CalibrationReport& offset = scan_.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)];
+  CalibrationReport& offset = of(Calibration::kTimeOffset);
   offset = {0.0, 0.03, 0.03, Observability::kUnobserved};
   fly(seconds(3));
   // found: within the sigma of before
   offset = {0.02, 0.002, 0.03, Observability::kObserved};
-  fly(seconds(12));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after(seconds(12)).state, HealthState::kOk);
   offset.value = 0.029;  // 4.5 sigmas
-  fly(kPeriod);
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after(kPeriod).state, HealthState::kOk);
   offset.value = 0.031;
-  fly(kPeriod);
-  EXPECT_TRUE(health().because(HealthReason::kCalibration));
+  EXPECT_TRUE(after(kPeriod).because(HealthReason::kCalibration));
   EXPECT_EQ(health().position, HealthState::kDegraded);
   EXPECT_EQ(health().heading, HealthState::kOk);
   scan_.radar = 1;  // another radar does not take it back
   offset.value = 0.0;
-  fly(seconds(5));
-  EXPECT_TRUE(health().because(HealthReason::kCalibration));
+  EXPECT_TRUE(after(seconds(5)).because(HealthReason::kCalibration));
   scan_.radar = 0;
   offset.value = 0.031;
-  fly(seconds(12));
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after(seconds(12)).state, HealthState::kOk);
 }
 
 TEST_F(HealthMonitorTest, TheRest) {
   fly(seconds(3));
-  CalibrationReport& scale =
-      scan_.calibration[static_cast<std::size_t>(Calibration::kDopplerScale)];
+  CalibrationReport& scale = of(Calibration::kDopplerScale);
   scale = {0.04, 0.002, 0.01, Observability::kDoubtful};
-  fly(kPeriod);
-  EXPECT_EQ(health().state, HealthState::kOk);
+  EXPECT_EQ(after(kPeriod).state, HealthState::kOk);
   EXPECT_LT(health().quality, 65);
   scale = {0.05, 0.002, 0.01, Observability::kAtLimit};
-  fly(kPeriod);
-  EXPECT_TRUE(health().because(HealthReason::kCalibration));
+  EXPECT_TRUE(after(kPeriod).because(HealthReason::kCalibration));
   scale = {};
   scan_.status = Status::kNumerical;
-  fly(kPeriod);
-  EXPECT_TRUE(health().because(HealthReason::kNumerical));
+  EXPECT_TRUE(after(kPeriod).because(HealthReason::kNumerical));
   scan_.status = Status::kOk;
   x_.nav.v_WB.x() = 31.0;
-  fly(kPeriod);
-  EXPECT_TRUE(health().because(HealthReason::kTooFast));
+  EXPECT_TRUE(after(kPeriod).because(HealthReason::kTooFast));
 }
 
 }  // namespace

@@ -23,11 +23,6 @@ class ImuGuardTest : public testing::Test {
   ImuGuard guard_{options_};
 };
 
-TEST_F(ImuGuardTest, HealthySamplesPass) {
-  warm_up();
-  for (int i = 0; i < 10000; ++i) ASSERT_EQ(guard_.check(noisy()), ImuFault::kNone) << i;
-}
-
 TEST_F(ImuGuardTest, WhatNoSensorReadsIsOutOfRange) {
   ImuSample s = noisy();
   s.gyro_B.x() = 1e299;  // from the first sample on
@@ -50,35 +45,23 @@ TEST_F(ImuGuardTest, FrozenSamplesAreNotTaken) {
   EXPECT_EQ(guard_.check(noisy()), ImuFault::kNone);
 }
 
-TEST_F(ImuGuardTest, AnAxisThatReadsTheSameIsFrozen) {
-  for (int axis = 0; axis < 6; ++axis) {
+TEST_F(ImuGuardTest, AnAxisOrASensorThatReadsTheSameIsFrozen) {
+  for (int part = 0; part < 8; ++part) {  // six axes, two sensors
+    SCOPED_TRACE(part);
     guard_.reset();
     warm_up();
     const auto stuck = [&] {
       ImuSample s = noisy();
-      (axis < 3 ? s.gyro_B[axis] : s.accel_B[axis - 3]) = 0.25;
+      if (part == 6) s.gyro_B.setZero();
+      if (part == 7) s.accel_B.setZero();
+      if (part < 6) (part < 3 ? s.gyro_B[part] : s.accel_B[part - 3]) = 0.25;
       return s;
     };
     int taken = 0;
     while (taken < 500 && guard_.check(stuck()) == ImuFault::kNone) ++taken;
-    EXPECT_GE(taken, 5) << axis;
-    EXPECT_LE(taken, 8) << axis;
-    for (int i = 0; i < 500; ++i) EXPECT_EQ(guard_.check(stuck()), ImuFault::kFrozen) << axis;
-    EXPECT_EQ(guard_.check(noisy()), ImuFault::kNone) << axis;
-  }
-}
-
-TEST_F(ImuGuardTest, ASensorThatReadsTheSameIsFrozen) {
-  for (const bool gyro : {true, false}) {
-    guard_.reset();
-    warm_up();
-    const auto dead = [&] {
-      ImuSample s = noisy();
-      (gyro ? s.gyro_B : s.accel_B).setZero();
-      return s;
-    };
-    for (int i = 0; i < 2; ++i) EXPECT_EQ(guard_.check(dead()), ImuFault::kNone) << i;
-    for (int i = 0; i < 500; ++i) EXPECT_EQ(guard_.check(dead()), ImuFault::kFrozen) << i;
+    EXPECT_GE(taken, part < 6 ? 5 : 2);
+    EXPECT_LE(taken, part < 6 ? 8 : 2);
+    for (int i = 0; i < 500; ++i) EXPECT_EQ(guard_.check(stuck()), ImuFault::kFrozen);
     EXPECT_EQ(guard_.check(noisy()), ImuFault::kNone);
   }
 }

@@ -30,12 +30,18 @@ class VelocityCheckTest : public testing::Test {
   /// One scan later. The estimate is the truth, but for its velocity.
   std::optional<IndependentVelocity> step(const Vector3d& wrong_W, double sigma, int points,
                                           int others = 0, const Vector3d& u_W = Vector3d::Zero()) {
+    return step_of(0, points, others, u_W, sigma, [&](Estimate& x) { x.nav.v_WB += wrong_W; });
+  }
+  /// The same of a radar; the estimate is the truth, changed by `wrong`.
+  template <class Wrong>
+  std::optional<IndependentVelocity> step_of(std::size_t radar, int points, int others,
+                                             const Vector3d& u_W, double sigma, Wrong&& wrong) {
     const Time last = vehicle_->truth.time;
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
-    x.nav.v_WB += wrong_W;
+    wrong(x);
     check_->carry(x, last, vehicle_->imu(), false);
-    return check_->observe(vehicle_->scan(points, others, u_W), x, sigma, 0.002);
+    return check_->observe(vehicle_->scan_of(radar, points, others, u_W), x, sigma, 0.002);
   }
 
   /// Scans until there is a verdict, at most `count`; the seconds that took, negative if none came.
@@ -88,13 +94,8 @@ TEST_F(VelocityCheckTest, EachRadarHasItsOwnFold) {
     const Vector3d error = wrong * random_.direction();
     std::optional<IndependentVelocity> other;
     for (std::size_t i = 0; i < 30 && !other; ++i) {
-      const Time last = vehicle_->truth.time;
-      vehicle_->advance();
-      Estimate x = vehicle_->estimate();
-      x.nav.v_WB += error;
-      const DetectionList scan = vehicle_->scan_of(i % 4 == 0 ? 0 : 1, 3, 0, Vector3d::Zero());
-      check_->carry(x, last, vehicle_->imu(), false);
-      other = check_->observe(scan, x, 0.05, 0.002);
+      other = step_of(i % 4 == 0 ? 0 : 1, 3, 0, Vector3d::Zero(), 0.05,
+                      [&](Estimate& x) { x.nav.v_WB += error; });
     }
     ASSERT_EQ(other.has_value(), wrong > 0.0);
     if (wrong == 0.0) {
@@ -235,12 +236,9 @@ TEST_F(VelocityCheckTest, FoldsWhereTheDividedRangeRatesDo) {
   vehicle_.emplace(corrected, Vector3d(8.0, 0.5, 0.0), &random_);
   check_->reset(vehicle_->truth.time);
   for (int i = 0; i < 40; ++i) {
-    const Time last = vehicle_->truth.time;
-    vehicle_->advance();
-    Estimate x = vehicle_->estimate();
-    x.doppler_scale = kScale;
-    check_->carry(x, last, vehicle_->imu(), false);
-    EXPECT_FALSE(check_->observe(vehicle_->scan(20, 0, Vector3d::Zero()), x, 0.05, 0.002)) << i;
+    EXPECT_FALSE(step_of(0, 20, 0, Vector3d::Zero(), 0.05, [](Estimate& x) {
+      x.doppler_scale = kScale;
+    })) << i;
     EXPECT_EQ(check_->contradiction(), 0.0) << i;
   }
 }
