@@ -123,9 +123,16 @@ TEST_F(Live, IsTheReplayOfWhatItRecorded) {
 
 /// As a folder and as MCAP: one trajectory.
 TEST_F(Live, RecordsMcapThatReplaysAsTheFolder) {
-  const auto [player, run] = fly("flown", " --damaged 0.02 --split 0.2",
-                                 " --record " + file("f") + " --record " + file("f.mcap"));
-  ASSERT_EQ(run.code, 0) << run.output;
+  int code = 1;
+  for (int i = 1; code != 0 && i <= kTries; ++i) {  // most frames have no time after a long stall
+    for (const char* record : {"f", "f.mcap"}) fs::remove_all(file(record));
+    const Outcome run = fly("flown" + std::to_string(i), " --damaged 0.02 --split 0.2",
+                            " --record " + file("f") + " --record " + file("f.mcap"))
+                            .second;
+    code = run.code;
+    if (code != 0) std::cerr << run.output;
+  }
+  ASSERT_EQ(code, 0);
   const auto replay = [](const std::string& recording, const std::string& states) {
     return rio("replay " + recording + " --init static --no-check --states " + file(states));
   };
