@@ -30,7 +30,7 @@ struct WeakDoppler {
   };
 
   double sigma_strong = 0.03;  ///< at an SNR of 20 dB [m/s]
-  double sigma_angle = 0.045;   ///< [rad]
+  double sigma_angle = 0.045;  ///< [rad]
 
   bool evaluate(const Measurement& z, const rio::RigidPose& T_WB, const Vector3d& v_WB,
                 const Vector3d& gyro_bias, const rio::RigidPose& T_BS, double scale, Scalar& r,
