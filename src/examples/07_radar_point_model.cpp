@@ -12,7 +12,6 @@
 
 namespace {
 
-using rio::Matrix3d;
 using rio::Vector3d;
 
 /// Doppler of a static point whose noise grows as its signal weakens.

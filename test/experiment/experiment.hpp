@@ -48,8 +48,7 @@ inline const std::vector<Experiment>& experiments() {
   static const std::vector<Experiment> all = {
       {"icra2023", "the tables of Michalczyk et al. 2023: accuracy, contributions, time",
        &icra2023},
-      {"iros2024", "filter and sliding window: accuracy, wrong start, time",
-       &iros2024},
+      {"iros2024", "filter and sliding window: accuracy, wrong start, time", &iros2024},
       {"uncertainty", "Xu et al.: weights and matching by the noise of each point", &uncertainty},
       {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
       {"ablation", "the default preset with one mechanism off at a time", &ablation},

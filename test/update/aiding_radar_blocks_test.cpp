@@ -67,9 +67,10 @@ class AidingRadarBlocksTest : public testing::Test {
     });
     return h;
   }
-  static CalibrationOptions estimated() {
+  static CalibrationOptions estimated(double mounting, double doppler_scale) {
     CalibrationOptions c;
-    c.rotation_sigma = c.translation_sigma = c.doppler_scale_sigma = c.time_offset_sigma = 0.1;
+    c.rotation_sigma = c.translation_sigma = c.time_offset_sigma = mounting;
+    c.doppler_scale_sigma = doppler_scale;
     return c;
   }
 
@@ -80,7 +81,7 @@ class AidingRadarBlocksTest : public testing::Test {
 };
 
 TEST_F(AidingRadarBlocksTest, ColumnsMatchCentralDifferences) {
-  const Layout layout(estimated(), 0, 0, states.size(), 2);
+  const Layout layout(estimated(0.1, 0.1), 0, 0, states.size(), 2);
   const Layout own = layout.of_radar(1);
   ImuIncrements since;
   since.seconds = 0.02;
@@ -117,16 +118,16 @@ TEST_F(AidingRadarBlocksTest, ColumnsMatchCentralDifferences) {
 }
 
 TEST_F(AidingRadarBlocksTest, WhatIsNotEstimatedHasNoColumn) {
-  const Layout all(estimated(), 0, 0, states.size(), 2);
-  const Layout none({}, 0, 0, states.size(), 2);
-  CalibrationOptions scale;
-  scale.doppler_scale_sigma = 0.1;
-  const Layout some(scale, 0, 0, states.size(), 2);
+  const Layout all(estimated(0.1, 0.1), 0, 0, states.size(), 2);
+  const Layout none(estimated(0.0, 0.0), 0, 0, states.size(), 2);
+  const Layout some(estimated(0.0, 0.1), 0, 0, states.size(), 2);
   const Eigen::VectorXd with = dense(row(all), all);
   for (const Layout* layout : {&none, &some}) {
     const Layout own = layout->of_radar(1);
     const LinearRow without = row(*layout);
+    without.for_each_segment([](int column, const double*, int) { ASSERT_GE(column, 0); });
     const Eigen::VectorXd h = dense(without, *layout);
+    EXPECT_EQ(h.size(), body::kSize + 2 + (own.has_doppler_scale() ? 2 : 0));
     EXPECT_EQ(without.residual, row(all).residual);
     EXPECT_EQ(h.head(body::kSize), with.head(body::kSize));
     EXPECT_EQ(h.tail(2), with.tail(2));
