@@ -15,11 +15,14 @@ constexpr double kBusy = 1.0;             // longest lateness of a busy host [s]
 constexpr double kBitsPerByte = 10.0;     // start, eight, stop
 constexpr std::size_t kLeastWindow = 16;  // [frames]
 constexpr std::size_t kMostWindow = 4096;
-constexpr std::size_t kNewest = 128;      // frames that measure the period
-constexpr std::size_t kLag = 8;           // frames between two of a pair: jitter is divided by it
-constexpr std::size_t kFewestPairs = 48;  // their median shakes off a second's stall
-constexpr std::uint32_t kLongestPair = 128;       // [frames]; more is a jump of the number
-constexpr double kWrongRate = 0.01;               // no quartz is that far off
+constexpr std::size_t kNewest = 128;  // arrivals that measure the period
+constexpr std::size_t kFewest = 10;   // of them, to judge it
+constexpr std::size_t kAtOnce = 64;   // more frames do not fit in the buffer of a serial port
+constexpr double kBurst = 0.25;  // of the period: frames that had to wait, and then came at once
+constexpr std::uint32_t kLongestPair = 512;  // [frames]; more is a jump of the number
+constexpr double kWrongRate = 0.01;          // no quartz is that far off
+constexpr double kJitter = 0.014;  // of two arrivals 10 ms late, their difference's quartiles [s]
+constexpr double kSignificant = 5.0;              // times the median's uncertainty
 constexpr Time kLongest = std::chrono::hours(1);  // upper bound of all times
 
 std::size_t frames_in(const FrameTiming& timing) {
@@ -69,6 +72,7 @@ void FrameClock::reset() {
   odd_ = restarts_ = 0;
   trigger_count_ = 0;
   newest_.clear();
+  at_once_ = 0;
 }
 
 void FrameClock::add_trigger(Time edge) {
@@ -78,7 +82,7 @@ void FrameClock::add_trigger(Time edge) {
 Time FrameClock::stamp(const Frame& frame) {
   const Time first = first_byte(frame);
   const Time to_middle = timing_.processing_delay + timing_.chirp_block / 2;
-  newest_.push_back({frame.number, first});
+  count(frame.number, first);
   if (!started_) start(frame, first);
   Arrival now = arrival(frame, first);
   const double lateness = now.y - (intercept_ + slope_ * now.x);
@@ -101,21 +105,42 @@ Time FrameClock::stamp(const Frame& frame) {
   return triggered(origin_time_ + from_seconds(begun) - to_middle);
 }
 
-/// The median over pairs of frames.
+/// Of frames that came at once only the last counts: it had to wait least, and the others would
+/// tell how fast the host reads.
+void FrameClock::count(std::uint32_t number, Time first_byte) {
+  const Counted now{number, first_byte};
+  const Time burst = from_seconds(kBurst * period_);
+  if (!newest_.empty() && within(first_byte - newest_.back().first_byte, Time{0}, burst)) {
+    newest_[newest_.size() - 1] = now;
+    ++at_once_;
+  } else {
+    newest_.push_back(now);
+    at_once_ = 0;
+  }
+}
+
+/// The median over pairs a third of the arrivals apart: a step of the times (a pause of the radar,
+/// a clock that was set) is in half of the pairs at most, which moves a quartile away.
 std::optional<double> FrameClock::other_period() const {
+  if (newest_.size() == 1 && at_once_ >= kAtOnce) return 0.0;
+  if (newest_.size() < kFewest) return std::nullopt;
+  const std::size_t lag = newest_.size() / 3;
   std::array<double, kNewest> periods{};
   std::size_t pairs = 0;
-  for (std::size_t i = kLag; i < newest_.size(); ++i) {
-    const Counted& begin = newest_[i - kLag];
+  for (std::size_t i = lag; i < newest_.size(); ++i) {
+    const Counted& begin = newest_[i - lag];
     const std::uint32_t frames = newest_[i].number - begin.number;
     if (frames == 0 || frames > kLongestPair) continue;
     periods[pairs++] = to_seconds(newest_[i].first_byte - begin.first_byte) / frames;
   }
-  if (pairs < kFewestPairs) return std::nullopt;
-  const auto median = periods.begin() + static_cast<long>(pairs / 2);
-  std::nth_element(periods.begin(), median, periods.begin() + static_cast<long>(pairs));
-  if (std::abs(*median / period_ - 1.0) <= kWrongRate) return std::nullopt;
-  return *median;
+  if (2 * pairs < newest_.size()) return std::nullopt;
+  std::sort(periods.begin(), periods.begin() + static_cast<long>(pairs));
+  const double median = periods[pairs / 2];
+  const double spread = periods[pairs - 1 - pairs / 4] - periods[pairs / 4];
+  const double doubt = kSignificant * std::max(spread, kJitter / static_cast<double>(lag)) /
+                       std::sqrt(static_cast<double>(pairs));
+  if (std::abs(median - period_) <= std::max(doubt, kWrongRate * period_)) return std::nullopt;
+  return median;
 }
 
 /// Neither estimate is ever early: the bytes came at the rate of the UART at most.

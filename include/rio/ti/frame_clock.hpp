@@ -66,8 +66,9 @@ class FrameClock {
   int restarts() const { return restarts_; }
   /// Period of the radar over the configured one, minus one, from the line.
   double drift() const { return slope_ / period_; }
-  /// The period by arrivals and numbers of the newest frames [s], if it is more than a percent off
-  /// the configured one: that is wrong, or the numbers do not count the frames.
+  /// The period by arrivals and numbers of the newest frames [s], if it is significantly and more
+  /// than a percent off the configured one: that is wrong, or the numbers do not count the frames.
+  /// Told after about 12 frames if it is 20 % off; zero if all frames came at once.
   std::optional<double> other_period() const;
 
   void reset();
@@ -84,6 +85,7 @@ class FrameClock {
   };
 
   Time first_byte(const Frame& frame) const;
+  void count(std::uint32_t number, Time first_byte);
   void start(const Frame& frame, Time first_byte);
   Arrival arrival(const Frame& frame, Time first_byte) const;
   void fit();
@@ -91,8 +93,9 @@ class FrameClock {
   Time triggered(Time stamp) const;
 
   FrameTiming timing_;
-  double period_;  ///< [s]
-  Ring<Counted> newest_;
+  double period_;            ///< [s]
+  Ring<Counted> newest_;     ///< arrivals apart
+  std::size_t at_once_ = 0;  ///< frames that the newest of them stands for, besides it
   Ring<Arrival> window_;
   std::vector<Arrival> hull_;
   double slope_ = 0.0;      ///< of the line [s a frame]
