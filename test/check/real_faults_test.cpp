@@ -60,6 +60,30 @@ TEST(CheckOfARealRecording, NamesTheFaultsItsMotionTells) {
            std::to_string(faults().size()));
 }
 
+TEST(CheckOfARealRecording, AStepOfAClockIsFound) {
+  if (!std::filesystem::exists(recording_at("ti_demo/imu0"))) {
+    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
+  }
+  const io::Dataset healthy = io::read_dataset(recording_at("ti_demo"));
+  for (const double step : {0.2, 0.3}) {
+    for (const double part : {0.5, 0.7}) {
+      io::Dataset radar = healthy;
+      for (std::size_t i = 0; i < radar.scans.size(); ++i) {
+        const bool after = static_cast<double>(i) > part * static_cast<double>(radar.scans.size());
+        if (after) radar.scans[i].time += from_seconds(step);
+      }
+      io::Dataset imu = healthy;
+      for (std::size_t i = 0; i < imu.imu.size(); ++i) {
+        const bool after = static_cast<double>(i) > part * static_cast<double>(imu.imu.size());
+        if (after) imu.imu[i].time += from_seconds(step);
+      }
+      SCOPED_TRACE(testing::Message() << step << " s after " << part);
+      expect(said(radar, "delay of the radar"), Verdict::kWrong, "a clock steps", "split");
+      expect(said(imu, "delay of the radar"), Verdict::kWrong, "a clock steps", "split");
+    }
+  }
+}
+
 TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
   if (!std::filesystem::exists(recording_at("kart/driveAround1_A"))) {
     GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recordings of the kart";
