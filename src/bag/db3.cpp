@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The sqlite3 storage of rosbag2, in row order, which is the order of recording.
-#include "formats.hpp"
-#include "rio/bag/wire.hpp"
-
-#ifdef RIO_HAS_SQLITE3
-#include <sqlite3.h>
-
 #include <map>
 #include <optional>
 #include <stdexcept>
 
 #include "file_bytes.hpp"
+#include "formats.hpp"
+#include "rio/bag/wire.hpp"
+
+#ifdef RIO_HAS_SQLITE3
+#include <sqlite3.h>
 
 namespace rio::bag {
 
@@ -145,24 +144,16 @@ class Db3 final : public MessageStream {
 
 }  // namespace
 
-std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path) {
-  return std::make_unique<Db3>(path);
-}
-
-}  // namespace rio::bag
-
-#else
-
-#include <stdexcept>
-
-namespace rio::bag {
-
-std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path) {
-  throw std::runtime_error(path.string() +
-                           ": sqlite3 recordings need libsqlite3, which rio was built without: "
-                           "install libsqlite3-dev and build again");
-}
-
 }  // namespace rio::bag
 
 #endif
+
+std::unique_ptr<rio::bag::MessageStream> rio::bag::open_db3(const std::filesystem::path& path) {
+#ifdef RIO_HAS_SQLITE3
+  return std::make_unique<Db3>(path);
+#else
+  throw std::runtime_error(path.string() +
+                           ": sqlite3 recordings need libsqlite3, which rio was built without: "
+                           "install libsqlite3-dev and build again");
+#endif
+}

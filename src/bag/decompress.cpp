@@ -15,19 +15,29 @@
 #include <array>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "file_bytes.hpp"
+#include "formats.hpp"
 
 namespace rio::bag {
 
 namespace {
 
+[[noreturn]] [[maybe_unused]] void fail_without(const std::string& library) {
+  throw std::runtime_error("chunks of this recording need lib" + library +
+                           ", which rio was built without: install lib" + library +
+                           "-dev and build again");
+}
+
 /// The output of a decompressor, which grows up to the declared size.
 class Sink {
  public:
-  Sink(std::uint64_t declared, std::vector<std::uint8_t>* out)
-      : declared_(static_cast<std::size_t>(declared)), out_(out) {
+  Sink(std::optional<std::uint64_t> declared, std::vector<std::uint8_t>* out)
+      : declared_(declared),
+        limit_(static_cast<std::size_t>(declared.value_or(kMaxRecord))),
+        out_(out) {
     out_->clear();
   }
   ~Sink() { out_->resize(used_); }
@@ -37,19 +47,20 @@ class Sink {
   /// Free space; empty when the declared size is reached.
   std::span<std::uint8_t> room() {
     constexpr std::size_t kFirst = 1 << 16;
-    if (used_ == out_->size()) out_->resize(std::min(declared_, std::max(kFirst, 2 * used_)));
+    if (used_ == out_->size()) out_->resize(std::min(limit_, std::max(kFirst, 2 * used_)));
     return std::span(*out_).subspan(used_);
   }
   void add(std::size_t count) { used_ += count; }
   /// The error when the compressed data are used up or in excess.
   std::string verdict(bool over) const {
-    if (over && used_ == declared_) return "";
+    if (over && used_ == declared_.value_or(used_)) return "";
     return "its compressed data gives " + std::to_string(used_) + " bytes instead of " +
-           std::to_string(declared_);
+           std::to_string(limit_);
   }
 
  private:
-  std::size_t declared_;
+  std::optional<std::uint64_t> declared_;
+  std::size_t limit_;
   std::size_t used_ = 0;
   std::vector<std::uint8_t>* out_;
 };
@@ -79,6 +90,10 @@ std::string decompress_bz2(Bytes in, Sink* sink) {
     if (room.empty() && made > 0) return "its bzip2 data gives more bytes than declared";
   }
 }
+#else
+std::string decompress_bz2(Bytes, Sink*) {
+  fail_without("bz2");
+}
 #endif
 
 #ifdef RIO_HAS_LZ4
@@ -101,6 +116,10 @@ std::string decompress_lz4(Bytes in, Sink* sink) {
   }
   return sink->verdict(true);
 }
+#else
+std::string decompress_lz4(Bytes, Sink*) {
+  fail_without("lz4");
+}
 #endif
 
 #ifdef RIO_HAS_ZSTD
@@ -119,72 +138,28 @@ std::string decompress_zstd(Bytes in, Sink* sink) {
   }
   return sink->verdict(true);
 }
-#endif
-
-[[noreturn]] [[maybe_unused]] void fail_without(const std::string& library) {
-  throw std::runtime_error("chunks of this recording need lib" + library +
-                           ", which rio was built without: install lib" + library +
-                           "-dev and build again");
+#else
+std::string decompress_zstd(Bytes, Sink*) {
+  fail_without("zstd");
 }
+#endif
 
 }  // namespace
 
-std::string decompress(std::string_view method, [[maybe_unused]] Bytes in, std::uint64_t declared,
+std::string decompress(std::string_view method, Bytes in, std::optional<std::uint64_t> declared,
                        std::vector<std::uint8_t>* out) {
   out->clear();
-  if (declared > kMaxRecord) return "declares more than 1 GiB";
+  if (declared && *declared > kMaxRecord) return "declares more than 1 GiB";
   Sink sink(declared, out);
-  if (method == "bz2") {
-#ifdef RIO_HAS_BZ2
-    return decompress_bz2(in, &sink);
-#else
-    fail_without("bz2");
-#endif
-  }
-  if (method == "lz4") {
-#ifdef RIO_HAS_LZ4
-    return decompress_lz4(in, &sink);
-#else
-    fail_without("lz4");
-#endif
-  }
-  if (method == "zstd") {
-#ifdef RIO_HAS_ZSTD
-    return decompress_zstd(in, &sink);
-#else
-    fail_without("zstd");
-#endif
-  }
+  if (method == "bz2") return decompress_bz2(in, &sink);
+  if (method == "lz4") return decompress_lz4(in, &sink);
+  if (method == "zstd") return decompress_zstd(in, &sink);
   return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
 }
 
 bool is_zstd(Bytes in) {
-  constexpr std::array<std::uint8_t, 4> kMagic = {0x28, 0xB5, 0x2F, 0xFD};
-  return in.size() > kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), in.begin());
-}
-
-std::string decompress_frame([[maybe_unused]] Bytes in, std::vector<std::uint8_t>* out) {
-#ifdef RIO_HAS_ZSTD
-  const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
-                                                                     &ZSTD_freeDCtx);
-  ZSTD_inBuffer input{in.data(), in.size(), 0};
-  std::size_t used = 0;
-  for (std::size_t hint = 1; hint != 0;) {
-    out->resize(std::max<std::size_t>(used + 4 * in.size() + 256, out->size()));
-    ZSTD_outBuffer output{out->data() + used, out->size() - used, 0};
-    const std::size_t before = input.pos;
-    hint = ZSTD_decompressStream(context.get(), &output, &input);
-    used += output.pos;
-    const bool stuck = output.pos == 0 && input.pos == before;
-    if (ZSTD_isError(hint) == 0 && !(hint != 0 && stuck) && used < kMaxRecord) continue;
-    out->clear();
-    return "its zstd data is damaged";
-  }
-  out->resize(used);
-  return "";
-#else
-  fail_without("zstd");
-#endif
+  const std::string_view bytes(reinterpret_cast<const char*>(in.data()), in.size());
+  return bytes.starts_with(kZstdMagic);
 }
 
 std::string decompress_file([[maybe_unused]] const std::filesystem::path& from,

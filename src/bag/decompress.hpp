@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,16 +16,14 @@ namespace rio::bag {
 /// Replaces `out` by the decompressed `in`; memory grows with the output, not with the declared
 /// size.
 /// @param method "bz2", "lz4" (LZ4 frames) or "zstd"
-/// @param declared size of the result
+/// @param declared size of the result; empty: any up to 1 GiB
 /// @return the error, or empty; `out` holds the output up to there
 /// @throws std::runtime_error that names the missing library
-std::string decompress(std::string_view method, Bytes in, std::uint64_t declared,
+std::string decompress(std::string_view method, Bytes in, std::optional<std::uint64_t> declared,
                        std::vector<std::uint8_t>* out);
 
 /// Whether the bytes begin as a frame of zstd.
 bool is_zstd(Bytes in);
-/// The same for a frame of zstd of any size up to 1 GiB.
-std::string decompress_frame(Bytes in, std::vector<std::uint8_t>* out);
 /// A file of zstd frames into another one, replaced.
 std::string decompress_file(const std::filesystem::path& from, const std::filesystem::path& to);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The reader of each format; the file must begin with the magic bytes of the format.
+// The reader of each format, whose magic bytes the file must begin with, and what goes around it.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,30 @@ std::unique_ptr<MessageStream> open_ros1_bag(const std::filesystem::path& path);
 std::unique_ptr<MessageStream> open_mcap(const std::filesystem::path& path);
 /// The tables `topics` and `messages` of rosbag2's sqlite3 storage.
 std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path);
+
+/// What recorders and drivers do to messages, undone: messages compressed one by one, scans sent
+/// point by point, receive times after the clock of the recorder was set back. Scans of kTiScanType
+/// become one message: the messages of their points, each after its length.
+std::unique_ptr<MessageStream> tidied(std::unique_ptr<MessageStream> raw);
+/// Of a file compressed as a whole with zstd a temporary copy that is not, which lives as long as
+/// the program. Throws if it cannot be unpacked.
+std::filesystem::path unpacked(const std::filesystem::path& path);
+
+/// Kinds of records of MCAP.
+namespace mcap {
+enum Op : std::uint8_t {
+  kHeader = 0x01,
+  kFooter = 0x02,
+  kSchema = 0x03,
+  kChannel = 0x04,
+  kMessage = 0x05,
+  kChunk = 0x06,
+  kMessageIndex = 0x07,
+  kChunkIndex = 0x08,
+  kStatistics = 0x0B,
+  kDataEnd = 0x0F
+};
+}  // namespace mcap
 
 inline constexpr char kRos1Magic[] = "#ROSBAG V2.0\n";
 inline constexpr char kMcapMagic[] = "\x89MCAP0\r\n";

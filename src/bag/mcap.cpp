@@ -20,14 +20,7 @@ class Mcap final : public MessageStream {
   std::string format() const override { return "MCAP"; }
 
  private:
-  enum Op : std::uint8_t {
-    kFooter = 0x02,
-    kSchema = 0x03,
-    kChannel = 0x04,
-    kMessage = 0x05,
-    kChunk = 0x06,
-    kDataEnd = 0x0F
-  };
+  using enum mcap::Op;
 
   bool read(Message* message) override {
     for (;;) {

@@ -11,18 +11,7 @@ namespace rio::bag {
 
 namespace {
 
-enum Op : std::uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0B,
-  kDataEnd = 0x0F
-};
+using enum mcap::Op;
 
 constexpr std::size_t kLongestChunk = 1 << 20;  // [bytes]
 

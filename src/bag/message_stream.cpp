@@ -12,7 +12,6 @@
 
 #include "formats.hpp"
 #include "rio/bag/wire.hpp"
-#include "tidied.hpp"
 
 namespace rio::bag {
 
@@ -41,19 +40,24 @@ std::int64_t number_of(const fs::path& path) {
   return count == 0 || count > 9 ? -1 : std::stoll(stem.substr(digits));
 }
 
-/// The recordings in a folder; those of a split one in the order of their numbers.
-std::vector<fs::path> files_of(const fs::path& folder) {
+/// The files in a folder for which `keep(path)`; parts in the order of their numbers.
+template <class Keep>
+std::vector<fs::path> files_of(const fs::path& folder, const Keep& keep) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const fs::path extension = plain_name(entry.path()).extension();
-    if (extension == ".db3" || extension == ".mcap" || extension == ".bag") {
-      files.push_back(entry.path());
-    }
+    if (keep(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
     return std::pair(number_of(a), a) < std::pair(number_of(b), b);
   });
   return files;
+}
+
+std::vector<fs::path> recordings_in(const fs::path& folder) {
+  return files_of(folder, [](const fs::path& file) {
+    const fs::path extension = plain_name(file).extension();
+    return extension == ".db3" || extension == ".mcap" || extension == ".bag";
+  });
 }
 
 std::string without_digits(const fs::path& path) {
@@ -64,14 +68,9 @@ std::string without_digits(const fs::path& path) {
 
 /// The parts of the same recording that rosbag did not close, when it was killed.
 std::vector<fs::path> not_closed(const fs::path& folder, const fs::path& part) {
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (without_digits(entry.path()) == without_digits(part) + ".active") {
-      files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
+  return files_of(folder, [&](const fs::path& file) {
+    return without_digits(file) == without_digits(part) + ".active";
+  });
 }
 
 /// Whether these are the parts 0, 1, 2... of one recording; ROS 1 puts the time of day before the
@@ -146,7 +145,7 @@ class Split final : public MessageStream {
 };
 
 std::unique_ptr<MessageStream> open_folder(const fs::path& folder) {
-  std::vector<fs::path> files = files_of(folder);
+  std::vector<fs::path> files = recordings_in(folder);
   if (files.size() == 1 && not_closed(folder, files[0]).empty()) return open_file(files.front());
   if (files.empty()) {
     const bool csv = fs::exists(folder / "imu0") || fs::exists(folder / "mav0");
@@ -220,7 +219,7 @@ Time checked_time(std::int64_t nanoseconds) {
 
 bool is_recording(const fs::path& path) {
   if (!fs::exists(path)) return false;
-  return fs::is_directory(path) ? !files_of(path).empty() : fs::is_regular_file(path);
+  return fs::is_directory(path) ? !recordings_in(path).empty() : fs::is_regular_file(path);
 }
 
 bool begins_as_recording(const fs::path& path) {

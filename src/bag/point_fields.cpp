@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <map>
 #include <sstream>
 #include <stdexcept>
 
@@ -19,78 +18,29 @@ constexpr std::array<const char*, kQuantityCount> kNames = {
     "snr", "noise", "sigma_range", "sigma_azimuth", "sigma_elevation", "sigma_doppler"};
 
 /// Lower-case names of a quantity when nothing else is specified; the sigmas have none.
-const std::array<std::vector<std::string>, kNoise + 1> kAliases = {{
-    {"x"},
-    {"y"},
-    {"z"},
-    {"range", "r"},
-    {"azimuth", "azimuth_angle"},
-    {"elevation", "elevation_angle"},
-    {"doppler", "velocity", "v_doppler_mps", "doppler_velocity", "radial_velocity", "radial_speed",
-     "range_rate", "rdot", "v_r", "vr"},
-    {"snr", "snr_db", "intensity", "power", "amplitude"},
-    {"noise", "noise_db"},
-}};
+constexpr std::array<const char*, kNoise + 1> kAliases = {
+    "x",
+    "y",
+    "z",
+    "range r",
+    "azimuth azimuth_angle",
+    "elevation elevation_angle",
+    "doppler velocity v_doppler_mps doppler_velocity radial_velocity radial_speed range_rate rdot "
+    "v_r vr",
+    "snr snr_db intensity power amplitude",
+    "noise noise_db"};
 
 constexpr auto kAxesNames = names_of(Axes::kFlu);
 constexpr std::array<const char*, 4> kAxesMeanings = {
     "x forward, y left, z up", "TI's: x right, y forward, z up", "x right, y down, z forward",
     "x forward, y right, z down"};
 
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream stream(text);
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
-
-/// Splits "doppler=rdot*-1" into "doppler" and "rdot*-1".
-std::pair<std::string, std::string> split(const std::string& assignment) {
-  const std::size_t equals = assignment.find('=');
-  if (equals == std::string::npos) {
-    throw std::runtime_error("\"" + assignment + "\": should be QUANTITY=FIELD or " +
-                             "QUANTITY=FIELD*SCALE");
-  }
-  return {assignment.substr(0, equals), assignment.substr(equals + 1)};
-}
-
-int quantity_of(const std::string& name) {
+std::size_t quantity_of(const std::string& name) {
   const auto known = std::find(kNames.begin(), kNames.end(), name);
-  if (known != kNames.end()) return static_cast<int>(known - kNames.begin());
+  if (known != kNames.end()) return static_cast<std::size_t>(known - kNames.begin());
   std::string all;
   for (const char* each : kNames) all += std::string(" ") + each;
   throw std::runtime_error("\"" + name + "\" is no quantity of a point; there are" + all);
-}
-
-bool fits(const PointPreset& preset, const std::vector<PointField>& fields) {
-  constexpr std::uint8_t kFloat32 = 7;
-  std::map<std::string, bool> needed;  // and whether it has a scale
-  for (const std::string& word : words_of(preset.fields)) {
-    const std::string source = split(word).second;
-    const std::size_t star = source.find('*');
-    needed[source.substr(0, star)] = star != std::string::npos;
-  }
-  const std::vector<std::string> others = words_of(preset.others);
-  for (const PointField& field : fields) {
-    const auto known = needed.find(field.name);
-    if (known != needed.end() && known->second && field.datatype >= kFloat32) return false;
-    const bool other = std::find(others.begin(), others.end(), field.name) != others.end();
-    if (known == needed.end() && !other) return false;
-    if (known != needed.end()) needed.erase(known);
-  }
-  return needed.empty();
-}
-
-const PointPreset* find_preset(const PointRequest& request, const std::vector<PointField>& fields) {
-  for (const PointPreset& preset : kPointPresets) {
-    if (request.preset.empty() ? preset.recognised && fits(preset, fields)
-                               : request.preset == preset.name) {
-      return &preset;
-    }
-  }
-  if (request.preset.empty()) return nullptr;
-  throw std::runtime_error("no such preset of points: \"" + request.preset + "\"; there are\n" +
-                           point_presets());
 }
 
 /// The number in "@12" or "#12".
@@ -100,12 +50,6 @@ std::optional<std::uint32_t> place_of(const std::string& name) {
     return std::nullopt;
   }
   return static_cast<std::uint32_t>(std::stoul(name.substr(1)));
-}
-
-/// Splits "rdot*-1,velocity" into "rdot*-1" and "velocity".
-std::vector<std::string> alternatives(std::string text) {
-  std::replace(text.begin(), text.end(), ',', ' ');
-  return words_of(text);
 }
 
 /// Prefixes errors thrown by `work` with the position.
@@ -178,18 +122,26 @@ void PointMap::set_by(const PointRequest& request) {
 
 /// Unless the quantity is set.
 void PointMap::set_by_rule(const std::string& rule) {
-  const auto [name, sources] = split(rule);
-  const int quantity = quantity_of(name);
-  if (sources_[static_cast<std::size_t>(quantity)]) return;
-  std::vector<std::string> there;
-  for (const std::string& source : alternatives(sources)) {
-    if (find(source.substr(0, source.rfind('*')))) there.push_back(source);
+  const auto [name, alternatives] = split_rule(rule);
+  std::optional<Source>& source = sources_[quantity_of(name)];
+  if (source) return;
+  std::string first;
+  std::string blanks = alternatives;
+  std::replace(blanks.begin(), blanks.end(), ',', ' ');
+  for (const std::string& text : words_of(blanks)) {
+    const std::size_t star = text.rfind('*');
+    const auto field = find(text.substr(0, star));
+    if (!field) continue;
+    if (source) {
+      fail("two fields may be the " + name + ", \"" + first + "\" and \"" + text + "\"");
+    }
+    first = text;
+    source = Source{*field};
+    if (star == std::string::npos) continue;
+    std::istringstream number(text.substr(star + 1));
+    if (!(number >> source->scale) || !number.eof()) fail("\"" + text + "\": no scale");
   }
-  if (there.empty()) fail("no field \"" + sources + "\" for the " + name);
-  if (there.size() > 1) {
-    fail("two fields may be the " + name + ", \"" + there[0] + "\" and \"" + there[1] + "\"");
-  }
-  set(quantity, there.front());
+  if (!source) fail("no field \"" + alternatives + "\" for the " + name);
 }
 
 /// @param name "velocity", "#3" for the field after three others, or "@12" for a float32 at byte 12
@@ -204,33 +156,20 @@ std::optional<PointField> PointMap::find(const std::string& name) const {
   return std::nullopt;
 }
 
-/// @param name_and_scale "velocity" or "snr*0.1", of a field that is there
-void PointMap::set(int quantity, const std::string& name_and_scale) {
-  const std::size_t star = name_and_scale.rfind('*');
-  Source source;
-  if (star != std::string::npos) {
-    std::istringstream number(name_and_scale.substr(star + 1));
-    if (!(number >> source.scale) || !number.eof()) fail("\"" + name_and_scale + "\": no scale");
-  }
-  source.field = *find(name_and_scale.substr(0, star));
-  sources_[static_cast<std::size_t>(quantity)] = source;
-}
-
 void PointMap::match_names() {
   for (std::size_t q = 0; q < kAliases.size(); ++q) {
     if (sources_[q]) continue;
-    std::vector<std::string> found;
+    const std::string name = kNames[q];
+    const std::vector<std::string> aliases = words_of(kAliases[q]);
     for (const PointField& field : fields_) {
-      const std::string name = lower(field.name);
-      if (std::find(kAliases[q].begin(), kAliases[q].end(), name) != kAliases[q].end()) {
-        found.push_back(field.name);
+      if (std::count(aliases.begin(), aliases.end(), lower(field.name)) == 0) continue;
+      if (sources_[q]) {
+        const std::string& first = sources_[q]->field.name;
+        fail("two fields may be the " + name + ", \"" + first + "\" and \"" + field.name +
+             "\": choose with --field " + name + "=" + first);
       }
+      sources_[q] = Source{field};
     }
-    if (found.size() > 1) {
-      fail(std::string("two fields may be the ") + kNames[q] + ", \"" + found[0] + "\" and \"" +
-           found[1] + "\": choose with --field " + kNames[q] + "=" + found[0]);
-    }
-    if (found.size() == 1) set(static_cast<int>(q), found.front());
   }
 }
 
@@ -336,14 +275,6 @@ std::string PointMap::text() const {
 void PointMap::fail(const std::string& what) const {
   throw std::runtime_error("points: " + what + " (fields found: " +
                            (fields_.empty() ? "none" : fields_text(fields_)) + ")");
-}
-
-std::string point_presets() {
-  std::string text;
-  for (const PointPreset& preset : kPointPresets) {
-    text += std::string("  ") + preset.name + ": " + preset.meaning + "\n";
-  }
-  return text;
 }
 
 }  // namespace rio::bag

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <deque>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
-#include "recording_survey.hpp"
+#include "recording_sources.hpp"
 
 namespace rio::bag {
 
@@ -162,8 +161,7 @@ class BagStream final : public io::RecordingStream {
       const ImuMessage read = imu_message(topic, message, request_);
       const std::size_t i = is_accel ? imu_.readable_accel++ : imu_.readable++;
       ImuSample sample = read.sample;
-      sample.time =
-          (of.received ? message.received : read.header.stamp + of.shifts.at(i)) + of.shift;
+      sample.time = of.stamping.stamp(read.header.stamp, message.received, i);
       if (!survey_.accel) {
         if (!read.absent) imu_.waiting.push_back(sample);
         return;
@@ -179,9 +177,8 @@ class BagStream final : public io::RecordingStream {
     const std::vector<bool>& kept = survey_.radars[r].kept;
     ++radar.met;
     try {
-      Header header;
       RadarScan scan;
-      radar.clouds.read(topic, message, &header, &scan.detections, nullptr);
+      (void)radar.clouds.read(topic, message, &scan.detections);
       const std::size_t i = radar.readable++;
       if (i >= kept.size() || !kept[i]) return;
       scan.time = outline_.scan_times[r][radar.scan++];
@@ -225,35 +222,21 @@ std::vector<NavState> read_truth(const fs::path& path) {
     if (!states.empty()) return states;
   } catch (const std::runtime_error&) {  // no recording of a flight
   }
-  const std::unique_ptr<MessageStream> stream = open_messages(path);
+  Sources sources(path, request);
+  const std::vector<Source*> found = sources.with_messages("truth");
+  if (found.empty()) sources.fail("no topic of type {} or {}", kPoseType, kOdometryType);
+  const std::string& name = found[0]->role.name;
+  if (found.size() > 1) {
+    sources.fail("several topics with poses, {} and {}", name, found[1]->role.name);
+  }
   std::vector<NavState> states;
-  std::string of_topic;
-  std::string error;  // the first one
-  Message message;
-  while (stream->next(&message)) {
-    const Topic& topic = stream->topics()[message.topic];
-    if (!Role{"truth", kPoseType, ""}.fits(topic)) continue;
-    if (!of_topic.empty() && of_topic != topic.name) {
-      throw std::runtime_error(path.string() + ": several topics with poses, " + of_topic +
-                               " and " + topic.name);
-    }
-    of_topic = topic.name;
-    try {
-      Header header;
-      bool has_velocity = false;
-      const NavState state = decode_truth(topic, message.data, &header, &has_velocity);
-      if (states.empty() || state.time > states.back().time) states.push_back(state);
-    } catch (const Damage& damage) {  // as a lost message
-      if (error.empty()) error = "byte " + std::to_string(damage.offset) + ": " + damage.what();
-    }
+  for (const NavState& state : found[0]->truth) {
+    if (states.empty() || state.time > states.back().time) states.push_back(state);
   }
-  if (!states.empty()) return states;
-  if (!of_topic.empty()) {
-    throw std::runtime_error(path.string() + ": no readable message on " + of_topic +
-                             "; the first one, " + error);
+  if (states.empty()) {
+    sources.fail("no readable message on {}; the first one, {}", name, found[0]->first_error);
   }
-  throw std::runtime_error(path.string() + ": no topic of type " + kPoseType + " or " +
-                           kOdometryType);
+  return states;
 }
 
 Recording read_recording(const fs::path& path, const RecordingRequest& request) {

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
 #include <stdexcept>
 
 namespace rio::bag {
@@ -18,6 +20,18 @@ std::string topic_list(const Summary& summary) {
   return text.empty() ? "\n  none" : text;
 }
 
+/// What is looked for.
+struct Asked {
+  const char* role;
+  const char* type;
+  std::string RecordingRequest::*topic;
+};
+constexpr Asked kAsked[] = {{"imu", kImuType, &RecordingRequest::imu_topic},
+                            {"radar", kCloudType, &RecordingRequest::radar_topic},
+                            {"trigger", kHeaderType, &RecordingRequest::trigger_topic},
+                            {"pressure", kPressureType, &RecordingRequest::pressure_topic},
+                            {"truth", kPoseType, &RecordingRequest::truth_topic}};
+
 /// At least one, which may be empty.
 std::vector<std::string> names_in(const std::string& list, char separator = ',') {
   std::vector<std::string> names;
@@ -31,27 +45,23 @@ std::vector<std::string> names_in(const std::string& list, char separator = ',')
 
 }  // namespace
 
-std::string left_out_text(const std::string& topic, std::size_t count, const std::string& first) {
-  return fmt::format("{}: {} messages cannot be read and are left out; the first one, {}", topic,
-                     count, first);
-}
-
 Sources::Sources(const std::filesystem::path& path, const RecordingRequest& request)
     : path_(path), request_(request), stream_(open_messages(path)) {
-  want("imu", kImuType, request.imu_topic);
-  want("radar", kCloudType, request.radar_topic);
-  if (request.radar_clock == Clock::kTrigger) want("trigger", kHeaderType, request.trigger_topic);
-  want("pressure", kPressureType, request.pressure_topic);
-  if (request.truth) want("truth", kPoseType, request.truth_topic);
+  for (const auto& [role, type, topic] : kAsked) {
+    const bool is_trigger = topic == &RecordingRequest::trigger_topic;
+    if (is_trigger && request.radar_clock != Clock::kTrigger) continue;
+    if (topic == &RecordingRequest::truth_topic && !request.truth) continue;
+    for (const std::string& each : names_in(request.*topic)) {
+      for (const std::string& name : names_in(each, '|')) wanted_.push_back({role, type, name});
+    }
+  }
   summary_ = summarise(stream_.get(), [this](const Message& message) { use(message); });
 }
 
 void Sources::choose() {
-  request_.imu_topic = present("imu", request_.imu_topic);
-  request_.radar_topic = present("radar", request_.radar_topic);
-  request_.trigger_topic = present("trigger", request_.trigger_topic);
-  request_.pressure_topic = present("pressure", request_.pressure_topic);
-  request_.truth_topic = present("truth", request_.truth_topic);
+  for (const auto& [role, type, topic] : kAsked) {
+    request_.*topic = present(role, request_.*topic);
+  }
   choose_imu();
   choose_radars();
   if (request_.radar_clock == Clock::kTrigger) {
@@ -64,21 +74,20 @@ void Sources::choose() {
   }
 }
 
-void Sources::want(const char* role, const char* type, const std::string& names) {
-  for (const std::string& each : names_in(names)) {
-    for (const std::string& name : names_in(each, '|')) wanted_.push_back({role, type, name});
-  }
+Source* Sources::find(const std::string& role, const std::string& name) {
+  const auto found = std::find_if(sources_.begin(), sources_.end(), [&](const Source& source) {
+    return source.role.role == role && source.role.name == name;
+  });
+  return found == sources_.end() ? nullptr : &*found;
 }
 
 /// Of each name with alternatives the first with messages; the first of all if none has.
-std::string Sources::present(const std::string& role, const std::string& names) const {
+std::string Sources::present(const std::string& role, const std::string& names) {
   std::string list;
   for (const std::string& each : names_in(names)) {
     const std::vector<std::string> all = names_in(each, '|');
     const auto there = std::find_if(all.begin(), all.end(), [&](const std::string& name) {
-      return name.empty() || std::any_of(sources_.begin(), sources_.end(), [&](const Source& s) {
-               return s.role.role == role && s.role.name == name;
-             });
+      return name.empty() || find(role, name) != nullptr;
     });
     list += (list.empty() ? "" : ",") + (there == all.end() ? all.front() : *there);
   }
@@ -94,10 +103,7 @@ void Sources::use(const Message& message) {
       // --imu may name one half of an IMU
       const bool half = role.type == kImuType && Role{"", kImuType, ""}.fits(topic);
       if (!role.fits(topic) && !half) continue;
-      const auto known = std::find_if(sources_.begin(), sources_.end(), [&](const Source& s) {
-        return s.role.role == std::string(role.role) && s.role.name == topic.name;
-      });
-      Source* source = known == sources_.end() ? nullptr : &*known;
+      Source* source = find(role.role, topic.name);
       if (source == nullptr) {
         source = &sources_.emplace_back(Source{{role.role, role.type, topic.name}});
         source->type = topic.type;
@@ -137,7 +143,7 @@ void Sources::decode(Source* source, const Topic& topic, const Message& message)
     } else if (type == kPoseType) {
       source->truth.push_back(decode_truth(topic, message.data, &header, &source->has_velocity));
     } else if (type == kCloudType) {
-      source->clouds->read(topic, message, &header, &scan_.detections, &source->notes);
+      header = source->clouds->read(topic, message, &scan_.detections, &source->notes);
       source->grid.add(scan_);
     } else {
       header = decode_header(topic.encoding, message.data);
@@ -153,6 +159,15 @@ void Sources::decode(Source* source, const Topic& topic, const Message& message)
   }
 }
 
+std::vector<Source*> Sources::with_messages(const std::string& role) {
+  std::vector<Source*> out;
+  for (Source& source : sources_) {
+    const bool any = source.stamps.count + source.unreadable > 0 || source.failed;
+    if (source.role.role == role && any) out.push_back(&source);
+  }
+  return out;
+}
+
 std::vector<Source*> Sources::found(const std::string& role, const std::string& names) {
   std::vector<Source*> out;
   for (const std::string& name : names_in(names)) {
@@ -161,29 +176,26 @@ std::vector<Source*> Sources::found(const std::string& role, const std::string& 
     for (const TopicSummary& s : summary_.topics) {
       if (s.topic.name == name) wrong_type = s.topic.type;
     }
-    for (Source& source : sources_) {
-      if (source.role.role != role || (!name.empty() && source.role.name != name)) continue;
-      if (source.stamps.count + source.unreadable > 0 || source.failed) out.push_back(&source);
+    for (Source* source : with_messages(role)) {
+      if (name.empty() || source->role.name == name) out.push_back(source);
     }
     if (out.size() > before) continue;
-    const auto asked =
-        std::find_if(wanted_.begin(), wanted_.end(), [&](const Role& r) { return r.role == role; });
+    const std::string type =
+        std::find_if(std::begin(kAsked), std::end(kAsked), [&](const Asked& asked) {
+          return asked.role == role;
+        })->type;
     if (!wrong_type.empty()) {
-      throw std::runtime_error(fmt::format("{}: topic {} is of type {}; read is {}", path_.string(),
-                                           name, wrong_type, asked->type));
+      fail("topic {} is of type {}; read is {}", name, wrong_type, type);
     }
-    throw std::runtime_error(fmt::format("{}: no topic {}; there are{}{}", path_.string(),
-                                         name.empty() ? "of type " + asked->type : name,
-                                         topic_list(summary_),
-                                         summary_.damage.empty() ? "" : "\n" + summary_.damage));
+    fail("no topic {}; there are{}{}", name.empty() ? "of type " + type : name,
+         topic_list(summary_), summary_.damage.empty() ? "" : "\n" + summary_.damage);
   }
   return out;
 }
 
 void Sources::fail_ambiguous(const Source& one) const {
-  throw std::runtime_error(fmt::format("{}: several topics of type {}; choose with --{}:{}",
-                                       path_.string(), one.role.type, one.role.role,
-                                       topic_list(summary_)));
+  fail("several topics of type {}; choose with --{}:{}", one.role.type, one.role.role,
+       topic_list(summary_));
 }
 
 Source* Sources::only(const std::vector<Source*>& sources) const {
@@ -193,58 +205,45 @@ Source* Sources::only(const std::vector<Source*>& sources) const {
 
 Source* Sources::choose_optional(const std::string& role, const std::string& name) {
   if (!name.empty()) return only(found(role, name));
-  Source* one = nullptr;
-  std::size_t count = 0;
-  for (Source& source : sources_) {
-    if (source.role.role != role) continue;
-    if (source.stamps.count == 0) {
-      notes.push_back(left_out_text(source.role.name, source.unreadable, source.first_error));
-      continue;
-    }
-    one = &source;
-    ++count;
+  std::vector<Source*> sources = with_messages(role);
+  for (const Source* source : sources) {
+    if (source->stamps.count > 0) continue;
+    note_left_out(source->role.name, source->unreadable, source->first_error);
   }
-  if (count > 1)
-    notes.push_back(fmt::format("several topics may be the {}: none is used; --{}", role, role));
-  return count == 1 ? one : nullptr;
+  std::erase_if(sources, [](const Source* source) { return source->stamps.count == 0; });
+  if (sources.size() > 1) note("several topics may be the {}: none is used; --{}", role, role);
+  return sources.size() == 1 ? sources[0] : nullptr;
 }
 
 /// The only IMU; or gyroscope and accelerometer, if they are on two topics.
 void Sources::choose_imu() {
-  std::vector<Source*> whole = found("imu", request_.imu_topic);
-  std::vector<Source*> all = found("imu", "");
-  std::vector<Source*> gyros;
-  std::vector<Source*> accels;
-  const auto sort_out = [&](const std::vector<Source*>& from) {
-    for (Source* source : from) {
-      if (source->only_gyro()) gyros.push_back(source);
-      if (source->only_accel()) accels.push_back(source);
-    }
+  using IsHalf = bool (Source::*)() const;
+  const auto halves = [](const std::vector<Source*>& all, IsHalf is_half) {
+    std::vector<Source*> out;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(out), std::mem_fn(is_half));
+    return out;
   };
-  const auto is_half = [](const Source* s) { return s->only_gyro() || s->only_accel(); };
-  sort_out(whole);
-  if (!std::all_of(whole.begin(), whole.end(), is_half)) {
-    if (request_.imu_topic.empty()) std::erase_if(whole, is_half);
-    imu = only(whole);
+  std::vector<Source*> sources = found("imu", request_.imu_topic);
+  std::vector<Source*> gyros = halves(sources, &Source::only_gyro);
+  std::vector<Source*> accels = halves(sources, &Source::only_accel);
+  if (gyros.size() + accels.size() < sources.size()) {
+    if (request_.imu_topic.empty()) {
+      std::erase_if(sources, [](const Source* s) { return s->only_gyro() || s->only_accel(); });
+    }
+    imu = only(sources);
     return;
   }
-  if (gyros.empty() || accels.empty()) {  // the other half
-    gyros.clear();
-    accels.clear();
-    sort_out(all);
-    const bool of_gyro = whole[0]->only_gyro();
-    if (whole.size() == 1) (of_gyro ? gyros : accels) = whole;
-  }
+  // one of them may be named alone
+  if (gyros.empty()) gyros = halves(found("imu", ""), &Source::only_gyro);
+  if (accels.empty()) accels = halves(found("imu", ""), &Source::only_accel);
   if (gyros.empty() || accels.empty()) {
-    throw std::runtime_error(fmt::format("{}: {} has no {}, and no other topic has it",
-                                         path_.string(), whole[0]->role.name,
-                                         gyros.empty() ? "gyroscope" : "accelerometer"));
+    fail("{} has no {}, and no other topic has it", sources[0]->role.name,
+         gyros.empty() ? "gyroscope" : "accelerometer");
   }
   imu = only(gyros);
   accel = only(accels);
-  notes.push_back(
-      fmt::format("the IMU is on two topics: gyroscope {}, accelerometer {} at its stamps",
-                  imu->role.name, accel->role.name));
+  note("the IMU is on two topics: gyroscope {}, accelerometer {} at its stamps", imu->role.name,
+       accel->role.name);
 }
 
 /// The requested ones, or the only one, or all of which /tf_static knows the mounting.
@@ -269,9 +268,8 @@ void Sources::choose_radars() {
 
 void Sources::check_number_of_radars() const {
   if (radars.size() <= 1 + Options::kMaxOtherRadars) return;
-  throw std::runtime_error(fmt::format("{}: {} radars, at most {} are used; choose with --radar",
-                                       path_.string(), radars.size(),
-                                       1 + Options::kMaxOtherRadars));
+  fail("{} radars, at most {} are used; choose with --radar", radars.size(),
+       1 + Options::kMaxOtherRadars);
 }
 
 std::vector<Source*> Sources::used() const {
@@ -281,28 +279,6 @@ std::vector<Source*> Sources::used() const {
   }
   all.insert(all.begin() + 1, radars.begin(), radars.end());
   return all;
-}
-
-ImuMessage imu_message(const Topic& topic, const Message& message,
-                       const RecordingRequest& request) {
-  ImuMessage read = decode_imu_of(topic, message.data);
-  read.sample.gyro_B = request.gyro_unit * to_flu(request.imu_axes, read.sample.gyro_B);
-  read.sample.accel_B = request.accel_unit * to_flu(request.imu_axes, read.sample.accel_B);
-  return read;
-}
-
-void CloudReader::read(const Topic& topic, const Message& message, Header* header,
-                       std::vector<RadarDetection>* detections, std::vector<std::string>* notes) {
-  detections->clear();
-  const PointCloud cloud = decode_cloud_of(topic, message.data);
-  *header = cloud.header;
-  if (cloud.size() == 0) return;
-  if (!map_ || map_->fields() != cloud.fields) {
-    map_.emplace(cloud.fields, request_);
-    if (notes != nullptr) notes->push_back("points, " + map_->text());
-  }
-  points_left_out_ += map_->convert(cloud, detections);
-  map_->check_angles(cloud);
 }
 
 }  // namespace rio::bag

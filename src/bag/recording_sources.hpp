@@ -3,13 +3,17 @@
 // to rio_bag.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <deque>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frames.hpp"
@@ -19,9 +23,6 @@
 #include "stamps.hpp"
 
 namespace rio::bag {
-
-/// A note on messages that cannot be read.
-std::string left_out_text(const std::string& topic, std::size_t count, const std::string& first);
 
 /// A topic that may have a role, while it is read.
 struct Source {
@@ -56,9 +57,29 @@ class Sources {
   Sources(const std::filesystem::path& path, const RecordingRequest& request);
   void choose();
 
+  /// All topics of a role, "truth", that have messages.
+  std::vector<Source*> with_messages(const std::string& role);
   /// All with a role in the result.
   std::vector<Source*> used() const;
   const std::string& damage() const { return summary_.damage; }
+  const std::filesystem::path& path() const { return path_; }
+  /// choose() leaves of each name with alternatives the one that is there.
+  const RecordingRequest& request() const { return request_; }
+
+  template <class... Args>
+  void note(fmt::format_string<Args...> text, Args&&... args) {
+    notes.push_back(fmt::format(text, std::forward<Args>(args)...));
+  }
+  /// Of messages that cannot be read.
+  void note_left_out(const std::string& topic, std::size_t count, const std::string& first) {
+    note("{}: {} messages cannot be read and are left out; the first one, {}", topic, count, first);
+  }
+  /// Throws with the name of the file.
+  template <class... Args>
+  [[noreturn]] void fail(fmt::format_string<Args...> text, Args&&... args) const {
+    throw std::runtime_error(path_.string() + ": " +
+                             fmt::format(text, std::forward<Args>(args)...));
+  }
 
   Source* imu = nullptr;    ///< or its gyroscope
   Source* accel = nullptr;  ///< if on another topic
@@ -70,8 +91,8 @@ class Sources {
   std::vector<std::string> notes;
 
  private:
-  void want(const char* role, const char* type, const std::string& names);
-  std::string present(const std::string& role, const std::string& names) const;
+  std::string present(const std::string& role, const std::string& names);
+  Source* find(const std::string& role, const std::string& name);
   void use(const Message& message);
   void decode(Source* source, const Topic& topic, const Message& message);
   /// The sources of a role with messages: those requested, in this order, or all of its type.
@@ -93,5 +114,8 @@ class Sources {
   Summary summary_;
   RadarScan scan_;
 };
+
+/// The stamps of all used sources on one clock, in `out`.
+void put_on_one_clock(Sources* sources, Surveyed* out);
 
 }  // namespace rio::bag

@@ -42,8 +42,8 @@ class CloudReader {
   /// Replaces the detections; throws Damage if the bytes are not such a message, and as PointMap
   /// does.
   /// @param notes receives the field assignment, if not null
-  void read(const Topic& topic, const Message& message, Header* header,
-            std::vector<RadarDetection>* detections, std::vector<std::string>* notes);
+  Header read(const Topic& topic, const Message& message, std::vector<RadarDetection>* detections,
+              std::vector<std::string>* notes = nullptr);
   /// The last assignment; null before the first point.
   const PointMap* map() const { return map_ ? &*map_ : nullptr; }
   /// Number of points so far that are not finite.
@@ -57,12 +57,9 @@ class CloudReader {
 
 struct Surveyed {
   io::RecordingOutline outline;
-  /// An IMU topic, and how its messages are stamped.
   struct Imu {
     Role role{"imu", kImuType, {}};
-    bool received = false;  ///< by receive times, else by headers and shifts
-    Shifts shifts;
-    Time shift{0};     ///< added to all
+    Stamping stamping;
     Time interval{0};  ///< mean, between messages
   };
   Imu imu;                   ///< or its gyroscope alone,

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <utility>
 #include <vector>
 
 #include "rio/bag/messages.hpp"
@@ -36,6 +35,17 @@ class Shifts {
 
  private:
   std::vector<Jump> jumps_;
+};
+
+/// How the messages of a topic are stamped.
+struct Stamping {
+  bool received = false;  ///< by receive times, else by headers and shifts
+  Shifts shifts;
+  Time shift{0};  ///< added to all
+
+  Time stamp(Time header, Time when, std::size_t message) const {
+    return (received ? when : header + shifts.at(message)) + shift;
+  }
 };
 
 /// Filled while the topic is read.

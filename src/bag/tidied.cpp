@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tidied.hpp"
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "decompress.hpp"
+#include "formats.hpp"
 #include "rio/bag/messages.hpp"
 #include "rio/bag/wire.hpp"
 
@@ -50,7 +49,7 @@ class Tidied final : public MessageStream {
       }
       State& of = states_[message->topic];
       if (topics_[message->topic].encoding == Encoding::kCdr && is_zstd(message->data)) {
-        if (!decompress_frame(message->data, &plain_).empty()) plain_.clear();
+        if (!decompress("zstd", message->data, {}, &plain_).empty()) plain_.clear();
         message->data = plain_;
       }
       set_clock(&of, message);

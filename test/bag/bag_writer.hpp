@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -100,13 +99,10 @@ inline std::string compressed([[maybe_unused]] const std::string& method,
   return plain;
 }
 
-/// Numbers of topics in the order of their first message.
-inline std::map<std::string, std::uint16_t> numbered(const std::vector<Written>& messages) {
-  std::map<std::string, std::uint16_t> numbers;
-  for (const Written& m : messages) {
-    numbers.emplace(m.topic, static_cast<std::uint16_t>(numbers.size()));
-  }
-  return numbers;
+/// Topic -> its number, in the order of their first message.
+using Numbers = std::map<std::string, std::uint16_t>;
+inline std::pair<Numbers::iterator, bool> number_of(const Written& message, Numbers* numbers) {
+  return numbers->emplace(message.topic, static_cast<std::uint16_t>(numbers->size()));
 }
 
 template <class T>
@@ -126,28 +122,27 @@ inline std::string ros1_bag(const std::vector<Written>& messages, const std::str
   const auto record = [](const std::string& header, const std::string& data) {
     return block(header) + block(data);
   };
-  const auto numbers = numbered(messages);
-  std::map<std::string, std::string> connections;
-  for (const Written& m : messages) {
-    connections[m.topic] =
-        record(field("op", "\x07") + field("conn", raw(std::uint32_t{numbers.at(m.topic)})) +
-                   field("topic", m.topic),
-               field("topic", m.topic) + field("type", m.type) + field("md5sum", "*") +
-                   field("message_definition", "# text\nHeader header\nfloat64 x\n"));
-  }
+  Numbers numbers;
+  std::string connections;
   std::string body;
-  std::map<std::string, bool> known;
   for (std::size_t i = 0; i < messages.size();) {
     std::string chunk;
     for (std::size_t end = std::min(messages.size(), i + per_chunk); i < end; ++i) {
       const Written& m = messages[i];
-      if (!std::exchange(known[m.topic], true)) chunk += connections[m.topic];
+      const auto [topic, is_new] = number_of(m, &numbers);
+      const std::string number = field("conn", raw(std::uint32_t{topic->second}));
+      if (is_new) {
+        const std::string connection =
+            record(field("op", "\x07") + number + field("topic", m.topic),
+                   field("topic", m.topic) + field("type", m.type) + field("md5sum", "*") +
+                       field("message_definition", "# text\nHeader header\nfloat64 x\n"));
+        connections += connection;
+        chunk += connection;
+      }
       const auto ns = static_cast<std::uint64_t>(m.received.count());
       const std::string time = raw(static_cast<std::uint32_t>(ns / 1'000'000'000)) +
                                raw(static_cast<std::uint32_t>(ns % 1'000'000'000));
-      chunk += record(field("op", "\x02") + field("conn", raw(std::uint32_t{numbers.at(m.topic)})) +
-                          field("time", time),
-                      m.data);
+      chunk += record(field("op", "\x02") + number + field("time", time), m.data);
     }
     body += record(field("op", "\x05") + field("compression", compression) +
                        field("size", raw(static_cast<std::uint32_t>(chunk.size()))),
@@ -159,8 +154,7 @@ inline std::string ros1_bag(const std::vector<Written>& messages, const std::str
     return record(field("op", "\x03") + field("index_pos", raw(index)), std::string(64, ' '));
   };
   const std::uint64_t index = magic.size() + head(0).size() + body.size();
-  for (const auto& [topic, connection] : connections) body += connection;
-  return magic + head(index) + body;
+  return magic + head(index) + body + connections;
 }
 
 inline std::string mcap(const std::vector<Written>& messages, const std::string& compression,
@@ -176,15 +170,15 @@ inline std::string mcap(const std::vector<Written>& messages, const std::string&
     }
     return ~value;
   };
-  const auto numbers = numbered(messages);
+  Numbers numbers;
   std::string body = record(1, block("ros2") + block("test"));
-  std::map<std::string, bool> known;
   for (std::size_t i = 0; i < messages.size();) {
     std::string chunk;
     for (std::size_t end = std::min(messages.size(), i + per_chunk); i < end; ++i) {
       const Written& m = messages[i];
-      const std::uint16_t id = numbers.at(m.topic);
-      if (!std::exchange(known[m.topic], true)) {
+      const auto [topic, is_new] = number_of(m, &numbers);
+      const std::uint16_t id = topic->second;
+      if (is_new) {
         const std::string type = encoding == "cdr" ? ros2_type(m.type) : m.type;
         chunk += record(3, raw(static_cast<std::uint16_t>(id + 1)) + block(type) +
                                block("ros2msg") + block("std_msgs/Header header\n"));
@@ -218,11 +212,11 @@ inline void db3([[maybe_unused]] const std::filesystem::path& path,
                " timestamp INTEGER NOT NULL, data BLOB NOT NULL);"
                "CREATE INDEX timestamp_idx ON messages (timestamp ASC); BEGIN",
                nullptr, nullptr, nullptr);
-  std::map<std::string, bool> known;
-  const auto numbers = numbered(messages);
+  Numbers numbers;
   for (const Written& m : messages) {
-    const std::string id = std::to_string(numbers.at(m.topic) + 1);
-    if (!std::exchange(known[m.topic], true)) {
+    const auto [topic, is_new] = number_of(m, &numbers);
+    const std::string id = std::to_string(topic->second + 1);
+    if (is_new) {
       const std::string sql = "INSERT INTO topics VALUES(" + id + ",'" + m.topic + "','" +
                               ros2_type(m.type) + "','cdr','')";
       sqlite3_exec(db, sql.c_str(), nullptr, nullptr, nullptr);
@@ -250,14 +244,15 @@ inline void write_bag(const std::filesystem::path& path, const std::string& form
                                      : mcap(messages, compression, per_chunk));
 }
 
-/// Some seconds at rest: an IMU at 100 Hz and a radar of TI's driver at 10 Hz, stamped by headers
-/// 0.25 s before they are received.
+inline constexpr Time kBegin(1'600'000'000'123'456'789);  ///< of at_rest()
+inline constexpr Time kDelay(250'000'000);                ///< of its messages
+
+/// Some seconds at rest: an IMU at 100 Hz and a radar of TI's driver at 10 Hz, stamped by headers.
 inline std::vector<Written> at_rest(Wire::Kind kind, int scans) {
-  const Time begin(1'600'000'000'123'456'789);
   std::vector<Written> messages;
   for (int i = 0; i < 10 * scans; ++i) {
-    const Time stamp = begin + i * Time(10'000'000);
-    const Time received = stamp + Time(250'000'000);
+    const Time stamp = kBegin + i * Time(10'000'000);
+    const Time received = stamp + kDelay;
     const ImuSample sample{stamp, {0.01, -0.02, 0.001 * i}, {0.1, 0.2, 9.81}};
     messages.push_back({"/imu", "sensor_msgs/Imu", received, imu_message(kind, sample)});
     if (i % 10 != 9) continue;

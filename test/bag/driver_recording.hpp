@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings as drivers and recorders make them, read and compared with plain ones.
+// Recordings, read and compared with plain ones.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,12 +15,14 @@
 
 namespace rio::bag {
 
-using test::TempDir;
+using test::kBegin;
+using test::kDelay;
 using test::Wire;
 using test::Written;
 
 inline constexpr Time kSecond(1'000'000'000);
 
+/// A line each.
 inline std::string notes_of(const Recording& recording) {
   std::string text;
   for (const std::string& note : recording.dataset.notes) text += note + "\n";
@@ -48,8 +50,23 @@ class DriverRecording : public testing::Test {
     }
   }
 
-  TempDir dir_;
+  test::TempDir dir_;
 };
+
+/// at_rest(), of a topic the messages that `give(message, its stamp, &messages)` appends instead.
+template <class Give>
+std::vector<Written> replaced(Wire::Kind kind, int scans, const std::string& topic,
+                              const Give& give) {
+  std::vector<Written> messages;
+  for (const Written& m : test::at_rest(kind, scans)) {
+    if (m.topic == topic) {
+      give(m, m.received - kDelay - Time(topic == "/radar" ? 1000 : 0), &messages);
+    } else {
+      messages.push_back(m);
+    }
+  }
+  return messages;
+}
 
 /// Of a message of ROS 1: sequence number, seconds, nanoseconds.
 inline void set_header(Written* message, Time stamp) {

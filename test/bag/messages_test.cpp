@@ -9,22 +9,28 @@
 namespace rio::bag {
 namespace {
 
+using test::bytes_of;
 using test::Wire;
-
-Bytes bytes_of(const std::string& text) {
-  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
-}
 
 class Serialisation : public testing::TestWithParam<Wire::Kind> {
  protected:
   Encoding encoding() const { return GetParam() == Wire::kRos1 ? Encoding::kRos1 : Encoding::kCdr; }
-  Topic imu() const { return {"", kImuType, encoding(), ""}; }
+  Topic of(const char* type) const { return {"", type, encoding(), ""}; }
+  /// Two points with two channels.
+  static std::string old_cloud() {
+    Wire wire(GetParam());
+    wire.header(Time(3), "eagle").put(std::uint32_t{2}).all({1.F, 2.F, 3.F, 4.F, 5.F, 6.F});
+    wire.put(std::uint32_t{2});
+    wire.text("Doppler").put(std::uint32_t{2}).put(-1.5F).put(2.5F);
+    wire.text("Power").put(std::uint32_t{2}).put(10.F).put(20.F);
+    return wire.bytes;
+  }
 };
 
 TEST_P(Serialisation, ImuHasItsStampRatesAndForces) {
   const ImuSample sample{Time(1'700'000'000'987'654'321), {1.25, -2.5, 3.75}, {4.0, 5.5, -6.25}};
   const std::string bytes = imu_message(GetParam(), sample);
-  const ImuMessage read = decode_imu_of(imu(), bytes_of(bytes));
+  const ImuMessage read = decode_imu_of(of(kImuType), bytes_of(bytes));
   EXPECT_EQ(read.sample.time, sample.time);
   EXPECT_EQ(read.header.stamp, sample.time);
   EXPECT_EQ(read.header.frame_id, "imu_link");
@@ -35,10 +41,10 @@ TEST_P(Serialisation, ImuHasItsStampRatesAndForces) {
 
 TEST_P(Serialisation, ImuWithoutAGyroscopeIsBelievedIfItsValuesAreZero) {
   const std::string none = imu_message(GetParam(), {}, -1.0);
-  EXPECT_TRUE(decode_imu_of(imu(), bytes_of(none)).absent);
+  EXPECT_TRUE(decode_imu_of(of(kImuType), bytes_of(none)).absent);
   const std::string some = imu_message(GetParam(), {Time(1), {0.0, 0.1, 0.0}, {}}, -1.0);
-  EXPECT_FALSE(decode_imu_of(imu(), bytes_of(some)).absent);
-  EXPECT_TRUE(decode_imu_of(imu(), bytes_of(some)).denied);
+  EXPECT_FALSE(decode_imu_of(of(kImuType), bytes_of(some)).absent);
+  EXPECT_TRUE(decode_imu_of(of(kImuType), bytes_of(some)).denied);
 }
 
 TEST_P(Serialisation, CloudHasItsFieldsAndPointsInRows) {
@@ -60,13 +66,8 @@ TEST_P(Serialisation, CloudHasItsFieldsAndPointsInRows) {
 }
 
 TEST_P(Serialisation, TheOlderCloudHasAFieldForEachChannel) {
-  Wire wire(GetParam());
-  wire.header(Time(3), "eagle").put(std::uint32_t{2});
-  for (const float value : {1.F, 2.F, 3.F, 4.F, 5.F, 6.F}) wire.put(value);
-  wire.put(std::uint32_t{2});
-  wire.text("Doppler").put(std::uint32_t{2}).put(-1.5F).put(2.5F);
-  wire.text("Power").put(std::uint32_t{2}).put(10.F).put(20.F);
-  const PointCloud cloud = decode_old_cloud(encoding(), bytes_of(wire.bytes));
+  const std::string bytes = old_cloud();
+  const PointCloud cloud = decode_cloud_of(of(kOldCloudType), bytes_of(bytes));
   EXPECT_EQ(fields_text(cloud.fields),
             "x float32 @0, y float32 @4, z float32 @8, Doppler float32 @12, Power float32 @16");
   ASSERT_EQ(cloud.size(), 2U);
@@ -76,22 +77,21 @@ TEST_P(Serialisation, TheOlderCloudHasAFieldForEachChannel) {
   EXPECT_EQ(number(1, 0), 4.0);
   EXPECT_EQ(number(0, 3), -1.5);
   EXPECT_EQ(number(1, 4), 20.0);
-  for (std::size_t size = 0; size < wire.bytes.size(); ++size) {
-    EXPECT_THROW(decode_old_cloud(encoding(), bytes_of(wire.bytes.substr(0, size))), Damage)
-        << size;
-  }
 }
 
 TEST_P(Serialisation, AShortMessageIsDamageWhereverItEnds) {
-  Header header;
-  const std::string imu = imu_message(GetParam(), {});
-  for (std::size_t size = 0; size < imu.size(); ++size) {
-    EXPECT_THROW(decode_imu_of(this->imu(), bytes_of(imu.substr(0, size))), Damage) << size;
-  }
-  const std::string cloud =
-      cloud_message(GetParam(), Time(0), test::ti_fields(), {{1, 2, 3, 4, 5}}, 32);
-  for (std::size_t size = 0; size + 1 < cloud.size(); ++size) {
-    EXPECT_THROW(decode_cloud(encoding(), bytes_of(cloud.substr(0, size))), Damage) << size;
+  std::string cloud = cloud_message(GetParam(), Time(0), test::ti_fields(), {{1, 2, 3, 4, 5}}, 32);
+  cloud.pop_back();  // is not needed
+  for (const auto& [type, bytes] :
+       {std::pair(kImuType, imu_message(GetParam(), {})), std::pair(kCloudType, cloud),
+        std::pair(kOldCloudType, old_cloud())}) {
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      const Bytes part = bytes_of(bytes).first(size);
+      EXPECT_THROW(is_imu(type) ? (void)decode_imu_of(of(type), part)
+                                : (void)decode_cloud_of(of(type), part),
+                   Damage)
+          << type << " " << size;
+    }
   }
 }
 
@@ -128,7 +128,6 @@ TEST(PointCloud, PointsOutsideOfTheDataAreRefused) {
 TEST(Cdr, OtherEncapsulationsAreRefused) {
   std::string bytes = imu_message(Wire::kCdr, {});
   bytes[1] = 3;  // a parameter list
-  Header header;
   EXPECT_ERROR(decode_imu_of({"", kImuType, Encoding::kCdr, ""}, bytes_of(bytes)),
                "another way than plain CDR");
 }

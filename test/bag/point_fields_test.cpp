@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <sstream>
 
 #include "bag/ros_message.hpp"
 #include "support/temp_dir.hpp"
@@ -12,97 +13,102 @@
 namespace rio::bag {
 namespace {
 
-/// One cloud and what it is taken for.
-struct Case {
-  Case(std::vector<test::CloudField> f, test::Points p, std::uint32_t s)
-      : fields(std::move(f)), points(std::move(p)), step(s) {}
+using Fields = std::vector<test::CloudField>;
 
-  std::vector<RadarDetection> read(const PointRequest& request = {}) {
-    bytes = cloud_message(test::Wire::kRos1, Time(0), fields, points, step);
-    const PointCloud cloud = decode_cloud(
-        Encoding::kRos1, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-    const PointMap map(cloud.fields, request);
-    text = map.text();
-    std::vector<RadarDetection> detections;
-    left_out = map.convert(cloud, &detections);
-    return detections;
+/// Fields four bytes apart, by their names: float32, or with the number of their type behind a
+/// colon.
+Fields fields_of(const std::string& names) {
+  Fields fields;
+  std::istringstream words(names);
+  for (std::string name; words >> name;) {
+    const std::size_t colon = std::min(name.find(':'), name.size());
+    const auto type = static_cast<std::uint8_t>(colon + 1 < name.size() ? name.back() - '0' : 7);
+    fields.push_back({name.substr(0, colon), static_cast<std::uint32_t>(4 * fields.size()), type});
   }
-  std::vector<test::CloudField> fields;
-  test::Points points;
-  std::uint32_t step;
-  std::string bytes;
-  std::string text;
+  return fields;
+}
+
+/// What a cloud is taken for.
+struct Taken {
+  std::vector<RadarDetection> detections;
   std::size_t left_out = 0;
+  std::string text;
 };
 
-/// Float fields four bytes apart.
-Case floats(const std::vector<std::string>& names, const std::vector<double>& values) {
-  std::vector<test::CloudField> fields;
-  for (const std::string& name : names) {
-    fields.push_back({name, static_cast<std::uint32_t>(4 * fields.size())});
+Taken read(const Fields& fields, const test::Points& points, const PointRequest& request = {}) {
+  const std::string bytes = cloud_message(test::Wire::kRos1, Time(0), fields, points, 64);
+  const PointCloud cloud = decode_cloud(Encoding::kRos1, test::bytes_of(bytes));
+  const PointMap map(cloud.fields, request);
+  Taken taken;
+  taken.left_out = map.convert(cloud, &taken.detections);
+  taken.text = map.text();
+  return taken;
+}
+
+/// The detection of a point with the values 1, 2, 3...
+RadarDetection counted(const std::string& names, const PointRequest& request = {}) {
+  return read(fields_of(names), {{1, 2, 3, 4, 5, 6, 7, 8}}, request).detections.at(0);
+}
+
+PointRequest rules(const std::vector<PointRequest::Rule>& fields) {
+  PointRequest request;
+  request.fields = fields;
+  return request;
+}
+
+/// "x y z range_rate, snr_db, noise_db"
+std::string text_of(const RadarDetection& d) {
+  std::ostringstream text;
+  for (const double x : d.point_S) text << x << " ";
+  text << d.range_rate << ", " << d.snr_db << ", " << d.noise_db;
+  return text.str();
+}
+
+TEST(PointFields, KnownCloudsAreTakenForWhatTheyAre) {
+  constexpr const char* kColoradar = "x y z intensity doppler range";
+  struct Known {
+    const char* fields;  ///< of the values 1, 2, 3...
+    const char* detection;
+    const char* told;
+    const char* preset = "";  ///< of the request
+    const char* axes = "";
+  };
+  const Known table[] = {
+      {"x y z intensity velocity", "1 2 3 5, 4, 0",
+       "preset ti: x=x y=y z=z doppler=velocity snr=intensity; axes x forward, y left, z up; "
+       "doppler positive = receding"},
+      // the chip's y is forward, its x is to the right
+      {"x y z snr_db noise_db v_doppler_mps", "2 -1 3 6, 4, 5", "preset rio"},
+      {"x y z doppler snr:3 noise:3", "2 -1 3 4, 0.5, 0.6", "preset mav"},
+      {"x y z doppler snr noise", "1 2 3 4, 5, 6", "by their names"},  // floats: not mav_sensors
+      {kColoradar, "2 -1 3 5, 4, 0", "preset coloradar"},
+      {kColoradar, "2 -1 3 5, 4, 0", "ibcn has the same fields in forward, left, up: --axes flu"},
+      {kColoradar, "1 2 3 5, 4, 0", "preset coloradar", "", "flu"},
+      {"x y z alpha beta power doppler range", "3 -1 -2 7, 6, 0", "preset msc"},
+      {"x y z h s v", "1 2 3 4, 0, 0", "no SNR"},
+      {"x y z : intensity", "2 -1 3 4, 5, 0", "doppler=@12", "pointxyzi"},  // in the padding
+      {"x y z a b c", "1 2 3 4, 6, 0", "preset eagle", "eagle"},
+      {"X Y Z rdot Power id", "1 2 3 4, 5, 0",
+       "by their names: x=X y=Y z=Z doppler=rdot snr=Power; axes"}};
+  for (const Known& known : table) {
+    SCOPED_TRACE(known.told);
+    PointRequest request;
+    request.preset = known.preset;
+    request.axes = known.axes;
+    EXPECT_EQ(text_of(counted(known.fields, request)), known.detection);
+    const std::string told = read(fields_of(known.fields), {}, request).text;
+    EXPECT_PRED2(test::contains, told, known.told);
+    EXPECT_FALSE(request.axes == "flu" && test::contains(told, "ibcn"));
   }
-  return {fields, {values}, 64};
-}
-
-TEST(PointFields, TiDriver) {
-  Case c{test::ti_fields(), {{1, 2, 3, 12.5, -0.25}}, 32};
-  const RadarDetection d = c.read().at(0);
-  EXPECT_EQ(d.point_S, Vector3d(1, 2, 3));
-  EXPECT_EQ(d.range_rate, -0.25);
-  EXPECT_EQ(d.snr_db, 12.5);
-  EXPECT_EQ(d.noise_db, 0.0);
-  EXPECT_EQ(c.text,
-            "preset ti: x=x y=y z=z doppler=velocity snr=intensity; axes x forward, y left, z up; "
-            "doppler positive = receding");
-}
-
-TEST(PointFields, EkfRioInTheAxesOfTheChip) {
-  Case c = floats({"x", "y", "z", "snr_db", "noise_db", "v_doppler_mps"}, {1, 2, 3, 12, 40, -2});
-  const RadarDetection d = c.read().at(0);
-  EXPECT_EQ(d.point_S, Vector3d(2, -1, 3));  // the chip's y is forward, its x is to the right
-  EXPECT_EQ(d.range_rate, -2.0);
-  EXPECT_EQ(d.noise_db, 40.0);
-  EXPECT_PRED2(test::contains, c.text, "preset rio");
-}
-
-TEST(PointFields, MavSensorsGiveTenthsOfDecibels) {
-  Case c{{{"x", 0}, {"y", 4}, {"z", 8}, {"doppler", 12}, {"snr", 16, 3}, {"noise", 18, 3}},
-         {{1, 2, 3, -2, 125, 400}},
-         20};
-  const RadarDetection d = c.read().at(0);
-  EXPECT_EQ(d.point_S, Vector3d(2, -1, 3));
-  EXPECT_NEAR(d.snr_db, 12.5, 1e-12);
-  EXPECT_NEAR(d.noise_db, 40.0, 1e-12);
-  Case decibels = floats({"x", "y", "z", "doppler", "snr", "noise"}, {1, 2, 3, -2, 12.5, 40});
-  EXPECT_EQ(decibels.read().at(0).snr_db, 12.5);  // not those of mav_sensors: floats
-  EXPECT_PRED2(test::contains, decibels.text, "by their names");
-}
-
-TEST(PointFields, ColoRadarMscAndAltos) {
-  Case coloradar = floats({"x", "y", "z", "intensity", "doppler", "range"}, {1, 2, 3, 4, 5, 9});
-  EXPECT_EQ(coloradar.read().at(0).point_S, Vector3d(2, -1, 3));
-  EXPECT_PRED2(test::contains, coloradar.text, "preset coloradar");
-  EXPECT_PRED2(test::contains, coloradar.text,
-               "ibcn has the same fields in forward, left, up: --axes flu");
-  PointRequest flu;
-  flu.axes = "flu";
-  EXPECT_EQ(coloradar.read(flu).at(0).point_S, Vector3d(1, 2, 3));
-  EXPECT_EQ(coloradar.text.find("ibcn"), std::string::npos);
-  Case msc = floats({"x", "y", "z", "alpha", "beta", "power", "doppler", "range"},
-                    {1, 2, 3, 40, 50, 60, 7, 8});
-  EXPECT_EQ(msc.read().at(0).snr_db, 60.0);
-  EXPECT_EQ(msc.read().at(0).point_S, Vector3d(3, -1, -2));
-  EXPECT_PRED2(test::contains, msc.text, "preset msc");
-  Case altos = floats({"x", "y", "z", "h", "s", "v"}, {1, 2, 3, 4, 5, 6});
-  EXPECT_EQ(altos.read().at(0).range_rate, 4.0);
-  EXPECT_PRED2(test::contains, altos.text, "no SNR");
+  EXPECT_ERROR(counted("x y z : intensity"), "no Doppler");
 }
 
 TEST(PointFields, Ars548IsPolarWithItsSigmas) {
-  Case c = floats({"azimuth", "azimuthSTD", "elevation", "elevationSTD", "range", "rangeSTD",
-                   "velocity", "velocitySTD"},
-                  {0.5, 0.01, -0.25, 0.02, 10.0, 0.1, 3.0, 0.05});
-  const RadarDetection d = c.read().at(0);
+  const RadarDetection d =
+      read(fields_of(
+               "azimuth azimuthSTD elevation elevationSTD range rangeSTD velocity velocitySTD"),
+           {{0.5, 0.01, -0.25, 0.02, 10.0, 0.1, 3.0, 0.05}})
+          .detections.at(0);
   EXPECT_NEAR(d.point_S.x(), 10.0 * std::cos(0.25) * std::cos(0.5), 1e-9);
   EXPECT_NEAR(d.point_S.y(), 10.0 * std::cos(0.25) * std::sin(0.5), 1e-9);
   EXPECT_NEAR(d.point_S.z(), -10.0 * std::sin(0.25), 1e-9);
@@ -113,97 +119,58 @@ TEST(PointFields, Ars548IsPolarWithItsSigmas) {
   EXPECT_NEAR(d.sigma_doppler, 0.05, 1e-7);
 }
 
-TEST(PointFields, ADopplerHiddenInThePaddingIsReadWhenAskedFor) {
-  Case c{{{"x", 0}, {"y", 4}, {"z", 8}, {"", 12}, {"intensity", 16}}, {{1, 2, 3, -1.5, 8}}, 32};
-  EXPECT_ERROR(c.read(), "no Doppler");
-  PointRequest request;
-  request.preset = "pointxyzi";
-  EXPECT_EQ(c.read(request).at(0).range_rate, -1.5);
-}
-
-TEST(PointFields, TheChannelsOfTheEagleAreTakenByTheirPlace) {
-  Case c = floats({"x", "y", "z", "a", "b", "c"}, {1, 2, 3, -0.5, 5, 30});
-  PointRequest request;
-  request.preset = "eagle";
-  const RadarDetection d = c.read(request).at(0);
-  EXPECT_EQ(d.point_S, Vector3d(1, 2, 3));
-  EXPECT_EQ(d.range_rate, -0.5);
-  EXPECT_EQ(d.snr_db, 30.0);
-  EXPECT_ERROR(floats({"x", "y", "z"}, {1, 2, 3}).read(request), "no field \"#3\" for the doppler");
-}
-
-TEST(PointFields, UnknownCloudsAreMatchedByName) {
-  Case c = floats({"X", "Y", "Z", "rdot", "Power", "id"}, {1, 2, 3, 4, 5, 6});
-  const RadarDetection d = c.read().at(0);
-  EXPECT_EQ(d.point_S, Vector3d(1, 2, 3));
-  EXPECT_EQ(d.range_rate, 4.0);
-  EXPECT_EQ(d.snr_db, 5.0);
-  EXPECT_PRED2(test::contains, c.text, "by their names: x=X y=Y z=Z doppler=rdot snr=Power; axes");
-}
-
 TEST(PointFields, WhatIsMissingOrAmbiguousIsAnErrorWithTheFields) {
-  EXPECT_ERROR(floats({"x", "y", "z", "foo"}, {1, 2, 3, 4}).read(),
-               "no Doppler; name it with --field doppler=NAME");
-  EXPECT_ERROR(floats({"x", "y", "z", "foo"}, {1, 2, 3, 4}).read(),
+  EXPECT_ERROR(counted("x y z foo"), "no Doppler; name it with --field doppler=NAME");
+  EXPECT_ERROR(counted("x y z foo"),
                "(fields found: x float32 @0, y float32 @4, z float32 @8, foo float32 @12)");
-  EXPECT_ERROR(floats({"x", "y", "doppler"}, {1, 2, 3}).read(), "neither x y z nor range");
-  Case two = floats({"x", "y", "z", "doppler", "velocity"}, {1, 2, 3, 4, 5});
-  EXPECT_ERROR(two.read(), "two fields may be the doppler, \"doppler\" and \"velocity\"");
-  PointRequest request;
-  request.fields = {{"doppler=velocity", ""}};
-  EXPECT_EQ(two.read(request).at(0).range_rate, 5.0);
+  EXPECT_ERROR(counted("x y doppler"), "neither x y z nor range");
+  EXPECT_ERROR(counted("x y z doppler velocity"),
+               "two fields may be the doppler, \"doppler\" and \"velocity\"");
+  EXPECT_EQ(counted("x y z doppler velocity", rules({{"doppler=velocity", ""}})).range_rate, 5.0);
 }
 
 TEST(PointFields, WhatTheUserSaysWins) {
-  Case c = floats({"x", "y", "z", "a", "b"}, {1, 2, 3, 4, 5});
-  PointRequest request;
-  request.fields = {{"doppler=a*0.5", ""}, {"snr=b*0.1", ""}};
+  PointRequest request = rules({{"doppler=a*0.5", ""}, {"snr=b*0.1", ""}});
   request.approaching = true;
   request.axes = "rdf";
-  const RadarDetection d = c.read(request).at(0);
+  const RadarDetection d = counted("x y z a b", request);
   EXPECT_EQ(d.point_S, Vector3d(3, -1, -2));
   EXPECT_EQ(d.range_rate, -2.0);
   EXPECT_EQ(d.snr_db, 0.5);
   request.axes = "frd";
-  EXPECT_EQ(c.read(request).at(0).point_S, Vector3d(1, -2, -3));
+  EXPECT_EQ(counted("x y z a b", request).point_S, Vector3d(1, -2, -3));
   request.axes = "xyz";
-  EXPECT_ERROR(c.read(request), "no such axes");
-  request.axes = "";
-  request.fields = {{"speed=a", ""}};
-  EXPECT_ERROR(c.read(request), "\"speed\" is no quantity");
-  request.fields = {{"doppler", ""}};
-  EXPECT_ERROR(c.read(request), "should be QUANTITY=FIELD");
-  request.fields = {{"doppler=c", ""}};
-  EXPECT_ERROR(c.read(request), "no field \"c\" for the doppler");
-  request.fields = {{"doppler=a*b", ""}};
-  EXPECT_ERROR(c.read(request), "no scale");
-  request.fields = {{"doppler=@62", ""}};
-  EXPECT_ERROR(c.read(request), "\"@62\" is outside of a point");
-  request.fields.clear();
+  EXPECT_ERROR(counted("x y z a b", request), "no such axes");
+  for (const auto& wrong : {std::pair("speed=a", "\"speed\" is no quantity"),
+                            std::pair("doppler", "should be QUANTITY=FIELD"),
+                            std::pair("doppler=c", "no field \"c\" for the doppler"),
+                            std::pair("doppler=#5", "no field \"#5\" for the doppler"),
+                            std::pair("doppler=a*b", "no scale"),
+                            std::pair("doppler=@62", "\"@62\" is outside of a point")}) {
+    EXPECT_ERROR(counted("x y z a b", rules({{wrong.first, ""}})), wrong.second);
+  }
+  request = {};
   request.preset = "none";
-  EXPECT_ERROR(c.read(request), "no such preset of points");
+  EXPECT_ERROR(counted("x y z a b", request), "no such preset of points");
 }
 
 TEST(PointFields, OfSeveralNamesTheOneThatIsThereCounts) {
-  PointRequest request;
+  PointRequest request = rules({{"doppler=v", ""}, {"doppler=rdot*-1,speed", "map.yaml:7"}});
   request.where = "map.yaml:2";
-  request.fields = {{"doppler=v", ""}, {"doppler=rdot*-1,speed", "map.yaml:7"}};
-  Case c = floats({"x", "y", "z", "v", "rdot"}, {1, 2, 3, 4, 5});
-  EXPECT_EQ(c.read(request).at(0).range_rate, -5.0);
-  Case s = floats({"x", "y", "z", "v", "speed"}, {1, 2, 3, 4, 5});
-  EXPECT_EQ(s.read(request).at(0).range_rate, 5.0);
-  EXPECT_ERROR(floats({"x", "y", "z", "v"}, {1, 2, 3, 4}).read(request),
+  EXPECT_EQ(counted("x y z v rdot", request).range_rate, -5.0);
+  EXPECT_EQ(counted("x y z v speed", request).range_rate, 5.0);
+  EXPECT_ERROR(counted("x y z v", request),
                "map.yaml:7: points: no field \"rdot*-1,speed\" for the doppler (fields found: x f");
-  EXPECT_ERROR(floats({"x", "y", "z", "rdot", "speed"}, {1, 2, 3, 4, 5}).read(request),
+  EXPECT_ERROR(counted("x y z rdot speed", request),
                "map.yaml:7: points: two fields may be the doppler, \"rdot*-1\" and \"speed\"");
-  EXPECT_ERROR(floats({"x", "y", "rdot"}, {1, 2, 3}).read(request),
-               "map.yaml:2: points: neither x y z nor range");
+  EXPECT_ERROR(counted("x y rdot", request), "map.yaml:2: points: neither x y z nor range");
 }
 
 TEST(PointFields, PointsThatAreNotFiniteAreLeftOut) {
-  Case c{test::ti_fields(), {{1, 2, 3, 4, 5}, {NAN, 2, 3, 4, 5}, {1, 2, 3, 4, INFINITY}}, 32};
-  EXPECT_EQ(c.read().size(), 1U);
-  EXPECT_EQ(c.left_out, 2U);
+  const Taken taken =
+      read(test::ti_fields(), {{1, 2, 3, 4, 5}, {NAN, 2, 3, 4, 5}, {1, 2, 3, 4, INFINITY}});
+  EXPECT_EQ(taken.detections.size(), 1U);
+  EXPECT_EQ(taken.left_out, 2U);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings written by others: Debian's python3-rosbag and @mcap/core of npm (found through
-// NODE_PATH). Skipped where they are not installed.
+// Recordings written by Debian's python3-rosbag. Skipped where it is not installed.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -16,7 +15,7 @@ bool runs(const std::string& command) {
   return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-/// What both scripts write.
+/// What the script writes.
 void expect_the_recording(const std::filesystem::path& path) {
   const Recording recording = read_recording(path, {});
   EXPECT_EQ(recording.damage, "");
@@ -61,16 +60,6 @@ TEST(Referee, ReadsWhatRosbagWrites) {
         << compression;
     expect_the_recording(path);
   }
-}
-
-TEST(Referee, ReadsWhatMcapCoreWrites) {
-  if (!runs("node -e 'require(\"@mcap/core\")'")) {
-    GTEST_SKIP() << "skipped: needs node and @mcap/core in NODE_PATH";
-  }
-  const test::TempDir dir;
-  const auto path = dir.path() / "a";
-  ASSERT_TRUE(runs("node " RIO_SOURCE_DIR "/test/bag/write_mcap.cjs " + path.string()));
-  expect_the_recording(path);
 }
 
 }  // namespace

@@ -4,12 +4,18 @@
 
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "rio/types.hpp"
 
 namespace rio::test {
+
+inline std::span<const std::uint8_t> bytes_of(const std::string& text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
 
 /// Serialised numbers. ROS 1: packed. CDR: aligned to their size, counted after the first four
 /// bytes.
@@ -29,6 +35,21 @@ class Wire {
     for (std::size_t i = 0; i < sizeof(T); ++i) {
       bytes += raw[kind_ == kCdrBig ? sizeof(T) - 1 - i : i];
     }
+    return *this;
+  }
+  /// Each of them, in its type.
+  template <class Range>
+  Wire& all(const Range& values) {
+    for (const auto value : values) put(value);
+    return *this;
+  }
+  template <class T>
+  Wire& all(std::initializer_list<T> values) {
+    return all<std::initializer_list<T>>(values);
+  }
+  template <class T>
+  Wire& repeat(int count, T value) {
+    for (int i = 0; i < count; ++i) put(value);
     return *this;
   }
   Wire& text(const std::string& text) {
@@ -55,11 +76,13 @@ inline std::string imu_message(Wire::Kind kind, const ImuSample& sample,
   Wire wire(kind);
   wire.header(sample.time, "imu_link");
   for (int i = 0; i < 13; ++i) wire.put(100.0 + i);  // orientation and its covariance
-  for (const double value : sample.gyro_B) wire.put(value);
-  for (int i = 0; i < 9; ++i) wire.put(i == 0 ? gyro_covariance : 0.0);
-  for (const double value : sample.accel_B) wire.put(value);
-  for (int i = 0; i < 9; ++i) wire.put(0.0);
-  return wire.bytes;
+  wire.all(sample.gyro_B).put(gyro_covariance).repeat(8, 0.0);
+  return wire.all(sample.accel_B).repeat(9, 0.0).bytes;
+}
+
+/// sensor_msgs/FluidPressure [Pa].
+inline std::string pressure_message(Wire::Kind kind, Time stamp, double pressure) {
+  return Wire(kind).header(stamp, "imu_link").put(pressure).put(0.0).bytes;
 }
 
 /// A field of a cloud; types as in sensor_msgs/PointField, here only int16 (3), float32 (7) and

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -41,6 +42,10 @@ class Input {
     return *data_++;
   }
   int below(int limit) { return byte() % limit; }
+  template <class T, std::size_t n>
+  const T& one_of(const T (&list)[n]) {
+    return list[byte() % n];
+  }
   std::int16_t word() {
     const int low = byte();
     return static_cast<std::int16_t>(low | byte() << 8);
@@ -54,9 +59,8 @@ class Input {
     constexpr double kOdd[] = {
         0.0,   -0.0,   1.0,    -1.0,   1e-9, 1e3,   1.1e3, -1e4,  1e9,  1e154,
         1e300, -1e300, 1e-300, kLeast, kMax, -kMax, kInf,  -kInf, kNan, 3.14159265358979};
-    constexpr int kOddCount = sizeof kOdd / sizeof *kOdd;
-    const int kind = byte();
-    if (kind < kOddCount) return kOdd[kind];
+    const std::size_t kind = byte();
+    if (kind < std::size(kOdd)) return kOdd[kind];
     if (kind == 255) return any();
     return word() * (kind % 2 == 0 ? 1e-3 : 1e-2);
   }
@@ -104,6 +108,13 @@ void deliver_in_pieces(std::uint32_t random, const std::uint8_t* data, std::size
     push(data + at, piece, now);
     at += piece;
   }
+}
+
+/// To the last bit; a value that is no number is the same as itself.
+template <class T>
+bool same(const T& a, const T& b) {
+  const auto* bytes = reinterpret_cast<const std::byte*>(&a);
+  return std::equal(bytes, bytes + sizeof a, reinterpret_cast<const std::byte*>(&b));
 }
 
 inline std::string text_of(const std::uint8_t* data, std::size_t size) {

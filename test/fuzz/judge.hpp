@@ -46,6 +46,7 @@ class Judge {
   /// All of it finite, the covariance one, and no counter lower than `before`.
   void check_estimate(const Counters& before) const;
   void check_scans() const;
+  void check_new(bool initialized);
 
   std::unique_ptr<Odometry> odometry_;
   int queue_;

@@ -16,9 +16,7 @@ struct Seen {
   std::uint32_t id = 0;
   int sequence = 0;
   std::array<std::uint8_t, kMaxPayload> payload{};
-  bool operator==(const Seen& other) const {
-    return id == other.id && sequence == other.sequence && payload == other.payload;
-  }
+  bool operator==(const Seen&) const = default;
 };
 
 void check_sample(const ImuSample& sample) {
@@ -50,11 +48,6 @@ Seen use(const Packet& packet, TimesyncClient* client) {
   return {packet.id, packet.sequence, packet.payload};
 }
 
-bool same(const ParserCounters& a, const ParserCounters& b) {
-  return a.frames == b.frames && a.damaged == b.damaged && a.bytes == b.bytes &&
-         a.frame_bytes == b.frame_bytes;
-}
-
 }  // namespace
 
 }  // namespace rio::mavlink
@@ -80,7 +73,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
         other.push(piece, length, arrival,
                    [&](const Packet& packet) { pieces.push_back(use(packet, &client)); });
       });
-  RIO_FUZZ_CHECK(whole == pieces && same(parser.counters(), other.counters()));
+  RIO_FUZZ_CHECK(whole == pieces && rio::fuzz::same(parser.counters(), other.counters()));
   RIO_FUZZ_CHECK(parser.counters().bytes == size && parser.counters().frame_bytes <= size);
 
   Writer writer;

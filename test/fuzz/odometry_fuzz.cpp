@@ -4,87 +4,18 @@
 #include <algorithm>
 #include <cstdlib>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "fuzz/judge.hpp"
+#include "fuzz/options_of.hpp"
 #include "fuzz/vehicle.hpp"
 #include "rio/models/aids.hpp"
-#include "rio/option_fields.hpp"
 
 namespace rio::fuzz {
 
 namespace {
 
 constexpr int kMaxCalls = 3000;  // of one input
-
-/// One field to a value in its range, at its border, or anywhere.
-void mutate(Input& in, const FieldInfo& info, double* value) {
-  const int kind = in.byte();
-  if (kind < 16) {
-    *value = in.real();
-  } else if (kind < 40) {
-    *value = info.min;
-  } else if (kind < 64) {
-    *value = info.max;
-  } else if (kind < 160) {
-    *value *= std::exp2(in.word() / 8192.0);
-  } else {
-    *value = info.min + (info.max - info.min) * (in.byte() / 255.0);
-  }
-}
-
-void mutate_field(Input& in, const FieldInfo& info, double& value) {
-  mutate(in, info, &value);
-}
-void mutate_field(Input& in, const FieldInfo& info, Vector3d& value) {
-  mutate(in, info, &value[in.below(3)]);
-}
-void mutate_field(Input& in, const FieldInfo&, bool& value) {
-  value = in.byte() % 2 == 1;
-}
-void mutate_field(Input& in, const FieldInfo&, Quaternion& value) {
-  value = quaternion_exp(Vector3d(in.word(), in.word(), in.word()) * 1e-4);
-}
-void mutate_field(Input& in, const FieldInfo& info, int& value) {
-  double number = value;
-  mutate(in, info, &number);
-  const bool fits = std::abs(number) < 2e9;
-  value = fits ? static_cast<int>(number) : std::numeric_limits<int>::max();
-}
-template <class Enum>
-std::enable_if_t<std::is_enum_v<Enum>> mutate_field(Input& in, const FieldInfo& info, Enum& value) {
-  value = static_cast<Enum>(in.below(static_cast<int>(info.max) + 1));
-}
-
-Options options_of(Input& in) {
-  Options o;
-  constexpr int kPresetCount = sizeof kPresets / sizeof *kPresets;
-  const int start = in.byte();
-  RIO_FUZZ_CHECK(preset(kPresets[start % kPresetCount], &o));
-  if ((start / kPresetCount) % 2 == 1) {
-    o.backend = o.backend == BackEnd::kEkf ? BackEnd::kSmoother : BackEnd::kEkf;
-  }
-  if ((start & 32) != 0) {  // further sensors
-    RIO_FUZZ_CHECK(o.other_radars.push_back({{Quaternion(0.0, 0.0, 0.0, 1.0), {-0.1, 0.0, 0.0}}}));
-    if ((start & 128) != 0) {  // of another kind
-      o.other_radars[0].kind = o.radar;
-      o.other_radars[0].kind->max_doppler = 6.0;
-    }
-    RIO_FUZZ_CHECK(o.auxiliary.declare<HeightOffset>());
-    o.timing.aiding_delay = (start & 64) != 0 ? 0.3 : 0.0;
-  }
-  for (int n = in.byte() % 8; n > 0; --n) {
-    int index = in.byte();
-    visit_fields(o, [&](const FieldInfo& info, auto& value) {
-      if (index-- == 0) mutate_field(in, info, value);
-    });
-  }
-  // memory and time, not correctness
-  o.timing.imu_buffer = std::min(o.timing.imu_buffer, 4096);
-  o.timing.scan_queue = std::min(o.timing.scan_queue, 16);
-  return o;
-}
 
 constexpr Time::rep kMost = std::numeric_limits<Time::rep>::max();
 constexpr Time::rep kLeast = std::numeric_limits<Time::rep>::min();
@@ -103,7 +34,7 @@ Time odd_duration(Input& in) {
       0,          1,          -1,         kMs,        -kMs,        30 * kMs, -30 * kMs, 150 * kMs,
       -150 * kMs, 600 * kMs,  -600 * kMs, 1100 * kMs, -1100 * kMs, 9 * kS,   11 * kS,   -11 * kS,
       3600 * kS,  -3600 * kS, kAge,       -kAge,      kMost,       kLeast};
-  return Time(kOdd[in.below(sizeof kOdd / sizeof *kOdd)]);
+  return Time(in.one_of(kOdd));
 }
 
 /// Carries out the commands.
@@ -257,7 +188,7 @@ class Program {
                                 &d.range_rate,    &d.snr_db,        &d.noise_db,
                                 &d.sigma_range,   &d.sigma_azimuth, &d.sigma_elevation,
                                 &d.sigma_doppler, &d.point_S.x()};
-      *fields[in_.below(sizeof fields / sizeof *fields)] = in_.real();
+      *in_.one_of(fields) = in_.real();
     }
     (void)judge_.add_scan(scan);
     if (in_.byte() % 4 == 0) (void)judge_.add_scan(scan);
@@ -297,7 +228,7 @@ class Program {
                               &x.v_WB[0],       &x.v_WB[2],      &x.gyro_bias[0], &x.gyro_bias[2],
                               &x.accel_bias[1], &x.accel_bias[2]};
     for (int n = in_.below(4); n > 0; --n) {
-      *fields[in_.below(sizeof fields / sizeof *fields)] = in_.real();
+      *in_.one_of(fields) = in_.real();
     }
     for (int n = in_.below(4); n > 0; --n) {
       const int row = in_.below(body::kSize);

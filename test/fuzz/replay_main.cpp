@@ -55,15 +55,18 @@ std::string text_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// A few bytes changed, cut, doubled, or replaced by a part of another input.
+/// A few bytes changed, cut, doubled, or replaced by a part of another input or by a length at its
+/// worst.
 std::string mutated(std::string text, const std::string& other, Random& random) {
+  static const std::string kLengths[] = {
+      {"\xFF\xFF\xFF\xFF", 4}, {"\xFF\xFF\xFF\x7F", 4}, {"\0\0\0\x40", 4}, {"\0\0\0\0", 4}};
   const auto below = [&random](std::size_t limit) {
     return random() % std::max<std::size_t>(limit, 1);
   };
   for (std::size_t n = 1 + below(4); n > 0; --n) {
     const std::size_t at = below(text.size());
-    const std::size_t length = 1 + below(16);
-    switch (below(6)) {
+    const std::size_t length = 1 + below(below(8) == 0 ? text.size() : 16);
+    switch (below(7)) {
       case 0:
         if (!text.empty()) text[at] = static_cast<char>(text[at] ^ (1 << below(8)));
         break;
@@ -78,6 +81,9 @@ std::string mutated(std::string text, const std::string& other, Random& random) 
         break;
       case 4:
         text.insert(at, 1, static_cast<char>(below(256)));
+        break;
+      case 5:
+        text.replace(at, 4, kLengths[below(4)]);
         break;
       default:
         text.replace(at, length, other.substr(below(other.size()), length));

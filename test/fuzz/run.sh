@@ -9,7 +9,7 @@ cd "$(dirname "$0")/../.."
 
 seconds=${1:-60}
 targets=("${@:2}")
-[ ${#targets[@]} -eq 0 ] && targets=(odometry options dataset trajectory scenario ti_config map bag ti mavlink)
+[ ${#targets[@]} -eq 0 ] && targets=(odometry options dataset trajectory scenario ti_config map bag message ti mavlink)
 cmake/install_dependencies.sh fuzz
 
 build=$PWD/build/fuzz

@@ -23,10 +23,7 @@ struct Seen {
   std::uint32_t bytes = 0;
   std::size_t points = 0;
   double sum = 0.0;
-  bool operator==(const Seen& other) const {
-    return number == other.number && bytes == other.bytes && points == other.points &&
-           sum == other.sum;
-  }
+  bool operator==(const Seen&) const = default;
 };
 
 Seen seen(const Frame& frame) {
@@ -39,12 +36,6 @@ Seen seen(const Frame& frame) {
     what.sum += d.point_S.sum() + d.range_rate + d.snr_db + d.noise_db;
   }
   return what;
-}
-
-bool same(const PacketCounters& a, const PacketCounters& b) {
-  return a.frames == b.frames && a.lost == b.lost && a.restarts == b.restarts &&
-         a.damaged == b.damaged && a.other_sdk == b.other_sdk && a.cut_short == b.cut_short &&
-         a.bytes_skipped == b.bytes_skipped && a.points_left_out == b.points_left_out;
 }
 
 void stamp(FrameClock* clock, Time arrival, Frame* frame) {
@@ -87,7 +78,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
       });
   reader.flush([&](const Frame& frame) { whole.push_back(seen(frame)); });
   other.flush(take);
-  RIO_FUZZ_CHECK(whole == pieces && same(reader.counters(), other.counters()));
+  RIO_FUZZ_CHECK(whole == pieces && rio::fuzz::same(reader.counters(), other.counters()));
   std::size_t claimed = 0;
   for (const Seen& frame : whole) claimed += frame.bytes - (kMagicSize - 1);
   RIO_FUZZ_CHECK(claimed + reader.counters().bytes_skipped <= size);

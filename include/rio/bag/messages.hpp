@@ -65,7 +65,6 @@ struct PointCloud {
 /// All decoders throw Damage with the position if the bytes are not such a message.
 /// @{
 PointCloud decode_cloud(Encoding encoding, Bytes message);
-PointCloud decode_old_cloud(Encoding encoding, Bytes message);
 Header decode_header(Encoding encoding, Bytes message);
 /// @}
 
@@ -112,8 +111,6 @@ std::vector<Transform> decode_transforms(Encoding encoding, Bytes message);
 /// Whether messages of this topic are known to begin with a std_msgs/Header.
 bool begins_with_header(const Topic& topic);
 
-/// "float32" and so on; empty if there is no such type.
-std::string datatype_name(std::uint8_t datatype);
 /// Bytes of the type; 0 if there is no such type.
 std::uint32_t datatype_size(std::uint8_t datatype);
 /// The number of this type in the first bytes.

@@ -92,7 +92,6 @@ class PointMap {
   };
   void set_by(const PointRequest& request);
   void set_by_rule(const std::string& rule);
-  void set(int quantity, const std::string& name_and_scale);
   std::optional<PointField> find(const std::string& name) const;
   /// Of a point, with the scale; 0 without a field.
   double number(const PointCloud& cloud, std::uint64_t point, std::size_t quantity) const;
