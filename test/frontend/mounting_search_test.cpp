@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
@@ -35,10 +36,18 @@ struct Drift {
   }
 };
 
+/// True minus found, and what is claimed of it: rotation and translation of the mounting, position
+/// and velocity of the body at the scan that completed the evidence.
 struct Found {
-  Mounting mounting;
-  Time time{0};
-  Estimate predicted;  ///< at the scan that completed the evidence
+  Pose T_BS;
+  Eigen::Matrix<double, 12, 1> error;
+  Eigen::Matrix<double, 12, 12> covariance;
+
+  double rotation() const { return error.head<3>().norm(); }
+  double sigma(int i) const { return std::sqrt(covariance(i, i)); }
+  void expect_within_three_sigma(int begin, int end) const {
+    for (int i = begin; i < end; ++i) EXPECT_LT(std::abs(error[i]), 3.0 * sigma(i)) << i;
+  }
 };
 
 sim::Flight flight_of(const char* name, std::uint64_t seed, double duration) {
@@ -63,17 +72,18 @@ Options options_with(const sim::Flight& flight, const Pose& configured) {
   return options;
 }
 
-void unchanged(BodyCovariance*) {}
+using Each = std::function<void(MountingSearch*, Estimate*, double t)>;
+using Claim = std::function<void(BodyCovariance*)>;
 
 /// Every scan from the first motion on, `each` before it; `claim` changes the covariance.
-template <class Each, class Claim = void (*)(BodyCovariance*)>
-std::optional<Found> search(const sim::Flight& flight, const Pose& configured, const Drift& drift,
-                            const Each& each, const Claim& claim = &unchanged) {
+std::optional<Found> search(const sim::Flight& flight, const Pose& configured,
+                            const Drift& drift = {}, const Each& each = {},
+                            const Claim& claim = {}) {
   const Options options = options_with(flight, configured);
   MountingSearch search(options);
   DetectionList list(options.frontend.max_detections);
   BodyCovariance P = drift.covariance();
-  claim(&P);
+  if (claim) claim(&P);
   std::optional<Time> begin;
   for (const RadarScan& scan : flight.scans) {
     Estimate x;
@@ -85,28 +95,20 @@ std::optional<Found> search(const sim::Flight& flight, const Pose& configured, c
     x.nav.p_WB -= t * drift.velocity + 0.5 * t * t * drift.accel;
     x.gyro_B = flight.trajectory.at(scan.time).gyro_B + x.nav.gyro_bias;
     x.accel_density = 1e-6;
-    each(&search, &x, t);
+    if (each) each(&search, &x, t);
     filter_detections(scan, options.radar, options.frontend.max_detections, list);
     const auto found = search.add(list, x, P);
-    if (found) return Found{*found, scan.time, x};
+    if (!found) continue;
+    const Pose& truth = flight.scenario.radar.T_BS;
+    const NavState nav = flight.truth_at(scan.time);
+    Found out{found->T_BS, {}, found->covariance};
+    out.error << quaternion_log(found->T_BS.rotation.conjugate() * truth.rotation),
+        truth.translation - found->T_BS.translation,
+        nav.p_WB - x.nav.p_WB - found->position_error_W,
+        nav.v_WB - x.nav.v_WB - found->velocity_error_W;
+    return out;
   }
   return std::nullopt;
-}
-std::optional<Found> search(const sim::Flight& flight, const Pose& configured,
-                            const Drift& drift = {}) {
-  return search(flight, configured, drift, [](MountingSearch*, Estimate*, double) {});
-}
-
-/// True minus found, as the covariance is ordered.
-Eigen::Matrix<double, 12, 1> error_of(const Found& found, const sim::Flight& flight) {
-  const Pose& truth = flight.scenario.radar.T_BS;
-  const NavState nav = flight.truth_at(found.time);
-  Eigen::Matrix<double, 12, 1> e;
-  e << quaternion_log(found.mounting.T_BS.rotation.conjugate() * truth.rotation),
-      truth.translation - found.mounting.T_BS.translation,
-      nav.p_WB - found.predicted.nav.p_WB - found.mounting.position_error_W,
-      nav.v_WB - found.predicted.nav.v_WB - found.mounting.velocity_error_W;
-  return e;
 }
 
 Pose turned(const Pose& mounting, double angle, const Vector3d& axis) {
@@ -121,13 +123,10 @@ TEST(MountingSearch, FindsAMountingTurnedByAnyAngle) {
   for (const double angle : {0.0, 30.0, 90.0, 150.0, 180.0}) {
     for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(1, -2, 3)}) {
       const auto found = search(flight, turned(truth, angle * kDegree, axis));
-      ASSERT_TRUE(found) << angle;
-      const auto e = error_of(*found, flight);
-      for (int i = 0; i < 12; ++i) {
-        EXPECT_LT(std::abs(e[i]), 3.0 * std::sqrt(found->mounting.covariance(i, i)))
-            << angle << " deg about " << axis.transpose() << ", " << i;
-      }
-      EXPECT_LT(e.head<3>().norm(), 0.3);
+      SCOPED_TRACE(testing::Message() << angle << " deg about " << axis.transpose());
+      ASSERT_TRUE(found);
+      found->expect_within_three_sigma(0, 12);
+      EXPECT_LT(found->rotation(), 0.3);
     }
   }
 }
@@ -139,11 +138,8 @@ TEST(MountingSearch, FindsALongLeverArm) {
   const sim::Flight flight = sim::simulate_flight(scenario);
   const auto found = search(flight, Pose{});
   ASSERT_TRUE(found);
-  const auto e = error_of(*found, flight);
-  for (int i = 3; i < 6; ++i) {
-    EXPECT_LT(std::abs(e[i]), 3.0 * std::sqrt(found->mounting.covariance(i, i))) << i;
-  }
-  EXPECT_LT(std::abs(e[3]), 0.5);
+  found->expect_within_three_sigma(3, 6);
+  EXPECT_LT(std::abs(found->error[3]), 0.5);
 }
 
 TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
@@ -160,11 +156,9 @@ TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
     }
     const auto found = search(flight, turned(flight.scenario.radar.T_BS, 2.0, {1, 2, 3}), drift);
     ASSERT_TRUE(found) << seed;
-    const auto e = error_of(*found, flight);
     const auto nees = [&](int at, int size) {
-      const Eigen::VectorXd part = e.segment(at, size);
-      return part.dot(found->mounting.covariance.block(at, at, size, size).ldlt().solve(part)) /
-             size;
+      const Eigen::VectorXd part = found->error.segment(at, size);
+      return part.dot(found->covariance.block(at, at, size, size).ldlt().solve(part)) / size;
     };
     rotation += nees(0, 3) / kFlights;
     motion += nees(6, 6) / kFlights;
@@ -186,7 +180,7 @@ TEST(MountingSearch, NoisyVelocitiesDoNotTurnIt) {
     const sim::Flight flight = flight_of("outdoor", seed, 25.0);
     const auto found = search(flight, Pose{});
     ASSERT_TRUE(found) << seed;
-    pitch += error_of(*found, flight)[1] / std::sqrt(found->mounting.covariance(1, 1)) / kFlights;
+    pitch += found->error[1] / found->sigma(1) / kFlights;
   }
   measured("pitch over its sigma, mean of 12 flights", pitch, "within 0.87, three sigma");
   EXPECT_LT(std::abs(pitch), 3.0 / std::sqrt(kFlights));
@@ -197,17 +191,15 @@ TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {
   Drift drift;
   drift.sigma_velocity = 0.2;
   constexpr double kVertical = 1e-3;
-  const auto found = search(
-      flight, Pose{}, drift, [](MountingSearch*, Estimate*, double) {},
-      [](BodyCovariance* P) {  // as after a start on level ground
+  const auto found =
+      search(flight, Pose{}, drift, {}, [](BodyCovariance* P) {  // as after a start on level ground
         (*P)(body::kVelocity + 2, body::kVelocity + 2) = kVertical * kVertical;
         (*P)(body::kAccelBias + 2, body::kAccelBias + 2) = 1e-8;
         (*P)(body::kAttitude, body::kAttitude) = 1e-4;
       });
   ASSERT_TRUE(found);
-  const auto sigma = [&](int i) { return std::sqrt(found->mounting.covariance(i, i)); };
-  EXPECT_LT(sigma(11), 0.02);
-  EXPECT_GT(std::min(sigma(9), sigma(10)), 0.05);
+  EXPECT_LT(found->sigma(11), 0.02);
+  EXPECT_GT(std::min(found->sigma(9), found->sigma(10)), 0.05);
 }
 
 // Flights that begin with a climb of five seconds, which does not show the heading of the radar.
@@ -217,7 +209,7 @@ TEST(MountingSearch, WhatAClimbDoesNotShowIsAwaited) {
     const Pose truth = flight.scenario.radar.T_BS;
     const auto found = search(flight, turned(truth, 90.0 * kDegree, {1, -2, 3}));
     ASSERT_TRUE(found) << seed;
-    EXPECT_LT(error_of(*found, flight).head<3>().norm(), 0.6) << seed;
+    EXPECT_LT(found->rotation(), 0.6) << seed;
   }
 }
 
@@ -236,9 +228,9 @@ TEST(MountingSearch, WhatAStraightDriveDoesNotShowIsAsConfigured) {
   const Pose rolled = turned(truth, 40.0 * kDegree, ahead_S);
   const auto found = search(flight, rolled);
   ASSERT_TRUE(found);
-  const Vector3d off = quaternion_log(truth.rotation.conjugate() * found->mounting.T_BS.rotation);
+  const Vector3d off = quaternion_log(truth.rotation.conjugate() * found->T_BS.rotation);
   EXPECT_NEAR(off.dot(ahead_S), 40.0 * kDegree, 5.0 * kDegree);
-  const Matrix3d P = found->mounting.covariance.topLeftCorner<3, 3>();
+  const Matrix3d P = found->covariance.topLeftCorner<3, 3>();
   const double along = ahead_S.dot(P * ahead_S);
   EXPECT_NEAR(std::sqrt(along), 0.25, 0.05);
   EXPECT_LT((off - off.dot(ahead_S) * ahead_S).norm(), 3.0 * std::sqrt(P.trace() - along));
@@ -251,7 +243,7 @@ TEST(MountingSearch, ADriveOnLevelGroundIsNotUpsideDown) {
     const sim::Flight flight = flight_of("rough-ground", seed, 40.0);
     const auto found = search(flight, Pose{});
     ASSERT_TRUE(found) << seed;
-    EXPECT_LT(error_of(*found, flight).head<3>().norm(), 1.0) << seed;
+    EXPECT_LT(found->rotation(), 1.0) << seed;
   }
 }
 
@@ -271,7 +263,7 @@ TEST(MountingSearch, ACorrectedVelocityNeedsARestart) {
             corrected = true;
           }
         });
-    return found ? error_of(*found, flight).head<3>().norm() : 10.0;
+    return found ? found->rotation() : 10.0;
   };
   EXPECT_LT(rotation_error(true), 0.4);
   EXPECT_GT(rotation_error(false), 0.6);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "support/walk.hpp"
+#include "frontend/walk.hpp"
 
 namespace rio {
 namespace {
@@ -35,28 +35,6 @@ TEST(Trails, TrailsAreBornExtendedAndBounded) {
   }
   walk.frontend().reset();
   EXPECT_EQ(walk.frontend().trails().size(), 0U);
-}
-
-TEST(Trails, TrailElementsArePastDetectionsOfTheSamePoint) {
-  Walk walk(options_with(1000, 5));
-  Points room = kRoom;
-  for (int k = 0; k < 5; ++k) {
-    walk.step(room);
-    std::rotate(room.begin(), room.begin() + 3, room.end());  // detections come in any order
-  }
-  const TrailSet& trails = walk.frontend().trails();
-  ASSERT_EQ(trails.size(), kRoom.size());
-  for (std::size_t i = 0; i < trails.size(); ++i) {
-    for (const TrailElement& e : trails[i].elements) {
-      const int clone = walk.estimate().find_clone(e.scan);
-      ASSERT_GE(clone, 0);
-      const RigidPose& T_WB = walk.estimate().clones[static_cast<std::size_t>(clone)].T_WB;
-      const Pose& T_BS = walk.estimate().T_BS;
-      const Vector3d p_W =
-          T_WB.R * (T_BS.rotation * e.detection.point_S + T_BS.translation) + T_WB.p;
-      EXPECT_LT((p_W - kRoom[i]).norm(), 1e-12);
-    }
-  }
 }
 
 TEST(Trails, TrailDiesAtItsFirstMissAndIsBornAgain) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "experiment/campaign.hpp"
+#include "mc/late_steps.hpp"
 #include "support/measured.hpp"
 
 namespace rio::experiment {
@@ -52,16 +52,13 @@ TEST(AccuracyGate, TwelveFlightsAreAsGoodAsRecorded) {
     cases.back().scenario.path.length = kLength;
     cases.back().scenario.max_duration = kDuration;
   }
-  const std::vector<Variant> variants = {
-      {"filter", "default"},
-      {"smoother", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }}};
   // storms are three bursts of outliers, 120 scans: some of those are told
   const auto check_health = [](const Case& c, const Variant& variant, const Trial& trial) {
     EXPECT_LE(trial.doubted, c.group == "storm" ? 120 : 0) << variant.name << " " << c.group;
   };
-  const std::vector<Outcome> runs = run_campaign(cases, variants, {}, check_health);
+  const std::vector<Outcome> runs = run_campaign(cases, kBackEnds, {}, check_health);
   ASSERT_EQ(runs.size(), 2 * kRecorded.size());
-  for (std::size_t k = 0; k < variants.size(); ++k) {
+  for (std::size_t k = 0; k < kBackEnds.size(); ++k) {
     Errors sum{};
     Errors allowed{};
     for (std::size_t i = 0; i < kRecorded.size(); ++i) {
@@ -69,21 +66,21 @@ TEST(AccuracyGate, TwelveFlightsAreAsGoodAsRecorded) {
       const Flight& flight = kRecorded[i];
       const Errors& recorded = k == 0 ? flight.filter : flight.smoother;
       const Errors errors = {s.mae, s.heading, s.velocity};
-      std::printf("%-9s %-14s {%.4f, %.3f, %.4f}\n", variants[k].name.c_str(), flight.scenario,
+      std::printf("%-9s %-14s {%.4f, %.3f, %.4f}\n", kBackEnds[k].name.c_str(), flight.scenario,
                   errors[0], errors[1], errors[2]);
-      EXPECT_TRUE(s.complete) << variants[k].name << " " << flight.scenario;
+      EXPECT_TRUE(s.complete) << kBackEnds[k].name << " " << flight.scenario;
       for (std::size_t e = 0; e < errors.size(); ++e) {
         sum[e] += errors[e];
         allowed[e] += kAllowed * recorded[e];
         EXPECT_LT(errors[e], kAllowedOnce * recorded[e])
-            << variants[k].name << " " << flight.scenario << ": " << kNames[e];
+            << kBackEnds[k].name << " " << flight.scenario << ": " << kNames[e];
       }
     }
     const double n = static_cast<double>(kRecorded.size());
     for (std::size_t e = 0; e < sum.size(); ++e) {
-      test::measured(variants[k].name + ": " + kNames[e], sum[e] / n,
+      test::measured(kBackEnds[k].name + ": " + kNames[e], sum[e] / n,
                      "below " + std::to_string(allowed[e] / n));
-      EXPECT_LT(sum[e], allowed[e]) << variants[k].name << ": " << kNames[e];
+      EXPECT_LT(sum[e], allowed[e]) << kBackEnds[k].name << ": " << kNames[e];
     }
   }
 }

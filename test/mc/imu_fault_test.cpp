@@ -3,13 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "experiment/campaign.hpp"
 #include "experiment/fault.hpp"
 #include "experiment/survival.hpp"
-#include "experiment/trial.hpp"
-#include "rio/eval/metrics.hpp"
+#include "mc/late_steps.hpp"
 #include "support/measured.hpp"
 #include "support/short_flight.hpp"
 
@@ -17,14 +14,6 @@ namespace rio::experiment {
 namespace {
 
 constexpr double kForGood = 1000.0;
-
-/// The default options of a flight with either back-end.
-std::vector<Options> both_of(const sim::Flight& flight) {
-  std::vector<Options> both(2, options_for(flight, "default"));
-  both[0].backend = BackEnd::kEkf;
-  both[1].backend = BackEnd::kSmoother;
-  return both;
-}
 
 struct Failure {
   const char* name;
@@ -55,9 +44,7 @@ const Failure kFailures[] = {
 
 TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
   for (const Failure& fault : kFailures) {
-    double worst_tilt = 0.0;
-    double nees = 0.0;
-    int count = 0;
+    LateSteps late;
     const bool lasts = fault.duration == kForGood;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       sim::Flight flight = test::short_flight("indoor-1", fault.begin + 20.0, seed);
@@ -68,25 +55,19 @@ TEST(ImuFault, IsBridgedAndForgottenWithinTenSeconds) {
         if (s.time >= first && s.time < last) fault.apply(s, before);
         if (s.time < first) before = s;
       }
-      for (const Options& options : both_of(flight)) {
-        const Trial trial = fly(flight, options);
+      for (const Variant& v : kBackEnds) {
+        const Trial trial = fly(flight, options_of(flight, v));
         EXPECT_TRUE(trial.complete) << fault.name << " " << seed;
         const Counters& n = trial.counters;
         EXPECT_GT(n.imu_out_of_range + n.imu_frozen + n.attitude_resets, 0U) << fault.name;
-        for (const Step& step : trial.steps) {
-          if (step.truth.time < (lasts ? first : last) + from_seconds(10.0)) continue;
-          worst_tilt = std::max(worst_tilt, eval::tilt_error(step.estimate.q_WB, step.truth.q_WB));
-          nees += block_nees(step).attitude;
-          ++count;
-        }
+        late.add(trial, (lasts ? first : last) + from_seconds(10.0));
       }
     }
-    ASSERT_GT(count, 0);
     const std::string name = fault.name;
-    test::measured(name + ": tilt after 10 s, worst [deg]", worst_tilt, "below 1");
-    test::measured(name + ": NEES of the attitude / 3", nees / count, "below 3");
-    EXPECT_LT(worst_tilt, 1.0) << fault.name;
-    EXPECT_LT(nees / count, 3.0) << fault.name;
+    test::measured(name + ": tilt after 10 s, worst [deg]", late.tilt, "below 1");
+    test::measured(name + ": NEES of the attitude / 3", late.nees_attitude(), "below 3");
+    EXPECT_LT(late.tilt, 1.0) << fault.name;
+    EXPECT_LT(late.nees_attitude(), 3.0) << fault.name;
   }
 }
 
@@ -99,8 +80,9 @@ TEST(ImuFault, StrongVibrationLeavesAnHonestPosition) {
     sim::Scenario scenario = cases_of("outdoor", 1, seed).front().scenario;
     scenario.max_duration = kFaultBegins + vibration.duration + kJudgedAfter;
     const sim::Flight flight = sim::simulate_flight(scenario);
-    for (const Options& options : both_of(flight)) {
-      worst = std::max(worst, survive(flight, options, vibration).last.position_sigmas);
+    for (const Variant& v : kBackEnds) {
+      const Survival end = survive(flight, options_of(flight, v), vibration);
+      worst = std::max(worst, end.last.position_sigmas);
     }
   }
   test::measured("strong vibration for 10 s: position after 30 s [sigma], worst", worst, "below 3");
@@ -110,11 +92,10 @@ TEST(ImuFault, StrongVibrationLeavesAnHonestPosition) {
 // No gravity tells a heading: only landmarks that turn, scan after scan the same way.
 TEST(ImuFault, AStepOfTheGyroBiasAboutTheVerticalIsFoundAndLearned) {
   constexpr double kStep = 0.01;  // [rad/s]
-  int learned = 0;                // flights
-  double nees = 0.0;
-  int count = 0;
-  int found = 0;
+  LateSteps all;
   int flights = 0;
+  int found = 0;
+  int learned = 0;
   for (const char* name : {"indoor-1", "outdoor"}) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       sim::Flight flight = test::short_flight(name, 60.0, seed);
@@ -122,57 +103,47 @@ TEST(ImuFault, AStepOfTheGyroBiasAboutTheVerticalIsFoundAndLearned) {
       for (ImuSample& s : flight.imu) {
         if (s.time >= begin) s.gyro_B.z() += kStep;
       }
-      for (const Options& options : both_of(flight)) {
-        const Trial trial = fly(flight, options);
+      for (const Variant& v : kBackEnds) {
+        Trial trial = fly(flight, options_of(flight, v));
+        for (Step& step : trial.steps) {
+          if (step.truth.time >= begin) step.truth.gyro_bias.z() += kStep;
+        }
+        LateSteps late;
+        for (LateSteps* steps : {&late, &all}) steps->add(trial, begin + from_seconds(35.0));
+        learned += late.heading_bias < 0.5 * kStep ? 1 : 0;
         found += trial.counters.attitude_resets > 0 ? 1 : 0;
         ++flights;
-        double worst_bias = 0.0;
-        for (const Step& step : trial.steps) {
-          if (step.truth.time < begin + from_seconds(35.0)) continue;
-          const Vector3d truth = step.truth.gyro_bias + kStep * Vector3d::UnitZ();
-          worst_bias = std::max(worst_bias, std::abs((step.estimate.gyro_bias - truth).z()));
-          nees += block_nees(step).attitude;
-          ++count;
-        }
-        learned += worst_bias < 0.5 * kStep ? 1 : 0;
       }
     }
   }
-  ASSERT_GT(count, 0);
   test::measured("flights whose step is found", found, "16 of 16");
   test::measured("gyro bias from 35 s on within 0.005 rad/s, flights", learned,
                  "at least 14 of 16");
-  test::measured("NEES of the attitude / 3 from 35 s on", nees / count, "below 3");
+  test::measured("NEES of the attitude / 3 from 35 s on", all.nees_attitude(), "below 3");
   EXPECT_EQ(found, flights);
   // 30 of 32: how soon it is found depends on the landmarks in view
   EXPECT_GE(learned, flights - flights / 8);
-  EXPECT_LT(nees / count, 3.0);  // 40 and more with the bias of before
+  EXPECT_LT(all.nees_attitude(), 3.0);  // 40 and more with the bias of before
 }
 
 // How far the body has turned in a pause nobody knows: landmarks matched one by one after it would
 // be taken for their neighbours, each well inside its gate.
 TEST(ImuFault, APauseLeavesAnHonestPosition) {
   for (const double pause : {0.3, 0.6, 2.0}) {
-    double nees = 0.0;
-    int count = 0;
+    LateSteps late;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       sim::Flight flight = test::short_flight("indoor-1", 35.0, seed);
       const Time first = flight.imu.front().time + from_seconds(20.0);
       const Time last = first + from_seconds(pause);
       std::erase_if(flight.imu,
                     [&](const ImuSample& s) { return s.time >= first && s.time < last; });
-      for (const Options& options : both_of(flight)) {
-        for (const Step& step : fly(flight, options).steps) {
-          if (step.truth.time < last + from_seconds(10.0)) continue;
-          nees += block_nees(step).position;
-          ++count;
-        }
+      for (const Variant& v : kBackEnds) {
+        late.add(fly(flight, options_of(flight, v)), last + from_seconds(10.0));
       }
     }
-    ASSERT_GT(count, 0);
     test::measured("pause of " + std::to_string(pause) + " s: NEES of the position / 3",
-                   nees / count, "below 1.5");
-    EXPECT_LT(nees / count, 1.5) << pause;  // 34 at 0.6 s with the landmarks of before
+                   late.nees_position(), "below 1.5");
+    EXPECT_LT(late.nees_position(), 1.5) << pause;  // 34 at 0.6 s with the landmarks of before
   }
 }
 

@@ -7,7 +7,6 @@
 // (E2) range rate = -u . v + sigma_D n at the true direction u
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "rio/models/doppler.hpp"
 #include "support/constants.hpp"
 #include "support/random_state.hpp"
+#include "support/symmetric.hpp"
 
 namespace rio::test {
 namespace {
@@ -88,10 +88,7 @@ TEST(PointNoise, CovarianceIsThatOfTheErrorsInEveryDirection) {
       sum += e * e.transpose() / kDraws;
     }
     const Matrix3d stated = point_covariance(make_detection({.point_S = source.point()}, radar()));
-    const Eigen::LLT<Matrix3d> llt(stated);
-    ASSERT_EQ(llt.info(), Eigen::Success) << at.azimuth << " " << at.elevation;
-    const Matrix3d inverse = llt.matrixL().solve(Matrix3d::Identity());
-    const Matrix3d whitened = inverse * sum * inverse.transpose();
+    const Matrix3d whitened = test::whitened(sum, stated);
     EXPECT_LT((whitened - Matrix3d::Identity()).cwiseAbs().maxCoeff(), kTolerance)
         << at.azimuth << " " << at.elevation << "\n"
         << whitened;

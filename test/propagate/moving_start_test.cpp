@@ -14,8 +14,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-using test::kGravity;
-
 /// What an IMU measures that turns steadily and accelerates in turns forwards and backwards.
 class Turning {
  public:
@@ -31,25 +29,17 @@ class Turning {
   Vector3d rate_B{0.5, -0.3, 0.2};
 };
 
-std::optional<Alignment> start(const StartOptions& options, int samples, int* last) {
-  const Turning imu;
-  MovingStart moving(options, kGravity);
-  for (*last = 0; *last < samples; ++*last) {
-    if (auto alignment = moving.add(imu.sample(*last))) return alignment;
-  }
-  return std::nullopt;
-}
-
 TEST(MovingStart, IsLevelAlthoughTheBodyTurns) {
   StartOptions options;
   options.max_wait = 4.0;
+  const Turning imu;
+  MovingStart moving(options, kGravity);
+  std::optional<Alignment> alignment;
   int last = 0;
-  const std::optional<Alignment> alignment = start(options, 2000, &last);
-  ASSERT_TRUE(alignment);
+  while (!(alignment = moving.add(imu.sample(last)))) ASSERT_LT(++last, 2000);
   EXPECT_EQ(alignment->state.time, Time(milliseconds(4000)));
   EXPECT_TRUE(alignment->state.v_WB.isZero());
-  const Vector3d up =
-      alignment->state.q_WB * Turning().attitude(last).conjugate() * Vector3d::UnitZ();
+  const Vector3d up = alignment->state.q_WB * imu.attitude(last).conjugate() * Vector3d::UnitZ();
   // 2 m/s^2 back and forth at 9 rad/s leave a tenth of it in a mean over 1.5 s
   EXPECT_LT(std::acos(up.z()), 0.03);
   EXPECT_TRUE(is_positive_definite(alignment->covariance));
@@ -57,8 +47,8 @@ TEST(MovingStart, IsLevelAlthoughTheBodyTurns) {
 }
 
 TEST(MovingStart, WaitsForEverByDefault) {
-  int last = 0;
-  EXPECT_FALSE(start(StartOptions{}, 20000, &last));
+  MovingStart moving(StartOptions{}, kGravity);
+  for (int i = 0; i < 20000; ++i) ASSERT_FALSE(moving.add(Turning().sample(i)));
 }
 
 TEST(MovingStart, CountsItsWaitAnewAfterAReset) {

@@ -44,16 +44,20 @@ inline RadarOptions test_radar_options() {
 /// The range rates of the simulated radar have the right scale.
 inline constexpr double kNoScaleError = 0.0;
 
+/// Each component from -1 to 1.
+inline Vector3d in_cube(sim::Random& random) {
+  return random.in_box(-Vector3d::Ones(), Vector3d::Ones());
+}
+
 /// A body in motion with a radar on it.
 struct RandomBody {
   explicit RandomBody(sim::Random& random)
-      : T_BS{quaternion_exp(2.0 * random.in_box(-kOnes, kOnes)),
-             0.3 * random.in_box(-kOnes, kOnes)},
-        gyro_bias(0.05 * random.in_box(-kOnes, kOnes)) {
-    point.nav.q_WB = quaternion_exp(2.0 * random.in_box(-kOnes, kOnes));
-    point.nav.p_WB = 5.0 * random.in_box(-kOnes, kOnes);
-    point.nav.v_WB = 3.0 * random.in_box(-kOnes, kOnes);
-    point.gyro_B = 2.0 * random.in_box(-kOnes, kOnes);
+      : T_BS{quaternion_exp(2.0 * in_cube(random)), 0.3 * in_cube(random)},
+        gyro_bias(0.05 * in_cube(random)) {
+    point.nav.q_WB = quaternion_exp(2.0 * in_cube(random));
+    point.nav.p_WB = 5.0 * in_cube(random);
+    point.nav.v_WB = 3.0 * in_cube(random);
+    point.gyro_B = 2.0 * in_cube(random);
   }
 
   RigidPose pose() const { return {point.nav.q_WB.toRotationMatrix(), point.nav.p_WB}; }
@@ -75,7 +79,6 @@ struct RandomBody {
     return make_detection(scan.scan.detections.at(0), test_radar_options());
   }
 
-  inline static const Vector3d kOnes = Vector3d::Ones();
   sim::Trajectory::Point point;
   Pose T_BS;
   Vector3d gyro_bias;
@@ -107,9 +110,8 @@ struct TrailDistanceCase : CaseOf<TrailDistanceModel> {
     RandomBody then(random);
     then.T_BS = now.T_BS;
     // a later pose near the earlier one, as between scans, so that both see the place
-    then.point.nav.q_WB =
-        now.point.nav.q_WB * quaternion_exp(0.1 * random.in_box(-now.kOnes, now.kOnes));
-    then.point.nav.p_WB = now.point.nav.p_WB + 0.2 * random.in_box(-now.kOnes, now.kOnes);
+    then.point.nav.q_WB = now.point.nav.q_WB * quaternion_exp(0.1 * in_cube(random));
+    then.point.nav.p_WB = now.point.nav.p_WB + 0.2 * in_cube(random);
     const Vector3d place = now.place(random);
     Detection current = now.detect(place, random, false);
     if (noise) current.range += kSigma * random.normal();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// States and IMU readings to try strapdown integration on.
+// States and IMU readings to try strapdown integration on, and how far two covariances are apart.
 #pragma once
 
 #include <vector>
 
-#include "rio/types.hpp"
+#include "rio/propagate/strapdown.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {
@@ -34,6 +34,26 @@ inline std::vector<StrapdownCase> strapdown_cases(int turning, double rate) {
     out.push_back({random.state(), random.normal_vector(rate), random.normal_vector(8.0)});
   }
   return out;
+}
+
+using Steps = std::vector<ImuStep>;
+
+/// Steps of 2 to 20 ms with independent readings: harder than any flight.
+inline Steps random_steps(Random& random, int count, double rate) {
+  Steps steps;
+  Time time = from_seconds(12.5);
+  for (int i = 0; i < count; ++i) {
+    const Time end = time + from_seconds(random.uniform(0.002, 0.02));
+    steps.push_back({time, end, random.normal_vector(rate), random.normal_vector(6.0), 0.0});
+    time = end;
+  }
+  return steps;
+}
+
+/// Largest entry of A - B, each relative to the sigmas of B.
+inline double relative_difference(const Matrix15d& A, const Matrix15d& B) {
+  const BodyVector inverse_sigma = B.diagonal().cwiseSqrt().cwiseInverse();
+  return (inverse_sigma.asDiagonal() * (A - B) * inverse_sigma.asDiagonal()).cwiseAbs().maxCoeff();
 }
 
 }  // namespace rio::test

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/window_cost.hpp"
 
+#include <ceres/dynamic_numeric_diff_cost_function.h>
 #include <ceres/rotation.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <utility>
 
 #include "support/symmetric.hpp"
 
@@ -221,6 +223,27 @@ void PriorCost::error(const double* const* blocks, double* out) const {
     xi.segment<3>(at) =
         back * (now_landmarks[i] + ConstVector3(blocks[block++])) - made_landmarks[i];
   }
+}
+
+ceres::CostFunction* differentiated(Residual residual, const std::vector<int>& sizes, int rows) {
+  ceres::NumericDiffOptions options;  // differences of h, h/2 and h/4: an error of the order h^6
+  options.ridders_relative_initial_step_size = 1e-3;
+  options.max_num_ridders_extrapolations = 3;
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<Residual, ceres::RIDDERS>(
+      new Residual(std::move(residual)), ceres::TAKE_OWNERSHIP, options);
+  for (const int size : sizes) cost->AddParameterBlock(size);
+  cost->SetNumResiduals(rows);
+  return cost;
+}
+
+ceres::CostFunction* differentiated(const PriorCost& cost, const std::vector<int>& sizes) {
+  const auto residual = [cost](const double* const* blocks, double* r) {
+    Eigen::VectorXd xi(cost.root.cols());
+    cost.error(blocks, xi.data());
+    Eigen::Map<Eigen::VectorXd>(r, cost.root.rows()) = cost.root * xi - cost.offset;
+    return true;
+  };
+  return differentiated(Residual(residual), sizes, static_cast<int>(cost.root.rows()));
 }
 
 }  // namespace rio::test

@@ -6,14 +6,16 @@
 // so that the solution of Ceres is the distance of its minimum from that point.
 #pragma once
 
+#include <ceres/cost_function.h>
+
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "rio/smoother/smoother.hpp"
-#include "support/numeric_cost.hpp"
 
 namespace rio::test {
 
@@ -122,8 +124,15 @@ struct PriorCost {
   void error(const double* const* blocks, double* xi) const;
 };
 
-/// A cost with its derivatives, for Ceres to own.
-/// @param sizes of its blocks  @param rows of its residual
+/// Residual r of the parameter blocks; true.
+using Residual = std::function<bool(const double* const* blocks, double* r)>;
+
+/// A residual with its derivatives, for Ceres to own: numerical ones, exact to 1e-11 for parameters
+/// of the order of 1. Automatic ones would take a minute of compiler, and no fewer evaluations.
+/// @param sizes of the blocks  @param rows of the residual
+ceres::CostFunction* differentiated(Residual residual, const std::vector<int>& sizes, int rows);
+ceres::CostFunction* differentiated(const PriorCost& cost, const std::vector<int>& sizes);
+
 template <class Cost, std::size_t kBlocks>
 ceres::CostFunction* differentiated(const Cost& cost, const std::array<int, kBlocks>& sizes,
                                     int rows) {
@@ -132,12 +141,9 @@ ceres::CostFunction* differentiated(const Cost& cost, const std::array<int, kBlo
       cost(blocks[kIndex]..., r);
     };
     call(std::make_index_sequence<kBlocks>{});
+    return true;
   };
-  return new NumericCost(residual, {sizes.begin(), sizes.end()}, rows);
-}
-inline ceres::CostFunction* differentiated(const PriorCost& cost, const std::vector<int>& sizes) {
-  const auto error = [cost](const double* const* blocks, double* xi) { cost.error(blocks, xi); };
-  return new NumericCost(error, sizes, cost.root, cost.offset);
+  return differentiated(Residual(residual), {sizes.begin(), sizes.end()}, rows);
 }
 
 }  // namespace rio::test

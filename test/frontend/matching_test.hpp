@@ -29,6 +29,16 @@ class MatchingTest : public testing::Test {
     landmark.covariance_S = sigma * sigma * Matrix3d::Identity();
     estimate_.landmarks.push_back(landmark);
   }
+  void clear() {
+    scan_.items.clear();
+    estimate_.landmarks.clear();
+  }
+  /// A trail of one detection, made from the origin.
+  void follow(const Vector3d& point_S) {
+    estimate_.clones.push_back({7, RigidPose()});
+    trails_.create({7, make_detection({.point_S = point_S}, radar_)});
+  }
+  std::size_t matched() { return match().landmarks.size(); }
   AssociationResult match() {
     Association association(options_, kMaxLandmarks, kSameEcho);
     AssociationResult result;
