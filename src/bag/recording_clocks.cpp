@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The stamps of IMU, radars, barometer and truth, by headers, receive times or triggers, on one
+// clock; each with a note of what was done.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -12,8 +12,9 @@
 // (E2) n looks have as much information as n / f independent ones: the variance is multiplied by f
 // The estimate adapts to the landmark, so that f is somewhat too small; as the inflation grows, it
 // adapts less. Looks from nearly the same place do not count and are not inflated: there the whole
-// error repeats (noise_inflation.hpp). On recordings of karts f is 2 to 10, carried by hand 2, in
-// simulated flights, whose directions are independent, 1.
+// error repeats (noise_inflation.hpp). On recordings of karts f is 3 to 11, carried by hand 2.6, in
+// simulated flights, whose directions are independent, 1.4 to 2: the estimate itself has errors that
+// last.
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2); Law and Kelton, Simulation Modeling and Analysis (sums).
 #pragma once
