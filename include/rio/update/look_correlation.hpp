@@ -13,8 +13,7 @@
 // The estimate adapts to the landmark, so that f is somewhat too small; as the inflation grows, it
 // adapts less. Looks from nearly the same place do not count and are not inflated: there the whole
 // error repeats (noise_inflation.hpp). On recordings of karts f is 3 to 11, carried by hand 2.6, in
-// simulated flights, whose directions are independent, 1.4 to 2: the estimate itself has errors that
-// last.
+// simulated flights, whose directions are independent, 1.4 to 2: errors of the estimate last, too.
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2); Law and Kelton, Simulation Modeling and Analysis (sums).
 #pragma once
