@@ -220,11 +220,13 @@ struct CheckOptions {
   bool lost_tilt = true;  ///< restart from the specific force when the tilt is lost
 };
 
-/// Parts of the algorithm that only the ablation experiment switches off.
+/// Parts of the algorithm that no option file switches off: for the ablation experiment and for
+/// measuring the noise of a radar.
 struct AblationOptions {
   bool steady_motion = true;      ///< propagate/steady_motion.hpp
   bool shared_gyro_noise = true;  ///< in the Dopplers of a scan
   bool look_correlation = true;   ///< update/look_correlation.hpp
+  bool elevation_walk = true;     ///< (E3) of it
   bool range_curvature = true;    ///< terms of second order in the range of a landmark
   bool mismatch_doppler = true;   ///< (E4) of update/noise_inflation.hpp
 };

@@ -107,6 +107,7 @@ Options measuring_options(Options options) {
   // by that margin exp(4 / 2) times as likely as the next: right with a probability of 0.88
   options.update.match_trust = std::max(0.88, options.update.match_trust);
   options.update.gate_probability = 0.999;
+  options.ablation.elevation_walk = false;  // a multiple of the noise that is sought
   options.frontend.ransac_sigmas = 1.5 * options.frontend.ransac_sigmas;
   return options;
 }

@@ -7,6 +7,7 @@
 
 #include "rio/core/mirror.hpp"
 #include "rio/state/calibration.hpp"
+#include "rio/update/look_correlation.hpp"
 
 namespace rio {
 
@@ -20,6 +21,7 @@ Prior::Prior(const Layout& layout, int max_states)
       w_(g_),
       A_xi_(g_) {
   states_.reserve(static_cast<std::size_t>(max_states));
+  owed_.fill(Vector3d::Zero());
 }
 
 void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
@@ -29,7 +31,8 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
   for (int s = 0; s < leading; ++s) {
     states_.push_back(window[first + static_cast<std::size_t>(s)].nav);
   }
-  std::fill(owed_.begin() + static_cast<std::ptrdiff_t>(landmarks_.size()), owed_.end(), 0.0);
+  std::fill(owed_.begin() + static_cast<std::ptrdiff_t>(landmarks_.size()), owed_.end(),
+            Vector3d::Zero());
   landmarks_ = x.landmarks;
   for (std::size_t r = 0; r < layout_.radars(); ++r) radars_[r] = x.of_radar(r);
   auxiliary_ = x.auxiliary;
@@ -71,18 +74,21 @@ double Prior::add_to(NormalEquations* system, const Window& window, const Estima
   return cost;
 }
 
-void Prior::add_landmark_noise(double variance) {
-  if (!(variance > 0.0) || landmarks_.empty()) return;
+void Prior::add_landmark_noise(const Estimate& x, const Vector3d& p_WB, double walk,
+                               double distance) {
+  if (!(walk * distance > 0.0) || landmarks_.empty()) return;
   constexpr std::size_t kTogether = cholesky::kPanel / Landmark::kDof;
-  for (std::size_t i = 0; i < landmarks_.size(); ++i) owed_[i] += variance;
+  for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+    owed_[i] += landmark_walk(x.landmarks[i], p_WB, walk, distance);
+  }
   if (turn_ >= landmarks_.size()) turn_ = 0;
   const std::size_t first = turn_;
   turn_ = std::min(first + kTogether, landmarks_.size());
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, cholesky::kPanel, 1> own(
       Landmark::kDof * static_cast<Eigen::Index>(turn_ - first));
   for (std::size_t i = first; i < turn_; ++i) {
-    own.segment<3>(3 * static_cast<Eigen::Index>(i - first)).setConstant(1.0 / owed_[i]);
-    owed_[i] = 0.0;
+    own.segment<3>(3 * static_cast<Eigen::Index>(i - first)) = owed_[i].cwiseInverse();
+    owed_[i].setZero();
   }
   const int at = border(layout_.landmark(static_cast<int>(first)));
   quadratic::subtract_projection(size(), at, own, &A_, &g_, &work_);
@@ -216,7 +222,7 @@ void Prior::forget_in_place(std::size_t i) {
   A_.middleRows(at, 3).leftCols(size()).setZero();
   A_.middleCols(at, 3).topRows(size()).setZero();
   g_.segment<3>(at).setZero();
-  owed_[i] = 0.0;
+  owed_[i].setZero();
 }
 
 void Prior::move_landmark(std::size_t from, std::size_t to) {

@@ -201,8 +201,8 @@ bool Smoother::marginalise_oldest() {
   if (!system_.eliminate_oldest(&leading, &A_, &g_)) return false;
   const int n = body::kSize * leading + system_.border();
   prior_.assign(A_.topLeftCorner(n, n), g_.head(n), window_, 1, leading, estimate());
-  const double walk = options_.update.landmark_walk;
-  prior_.add_landmark_noise(walk * walk * (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
+  prior_.add_landmark_noise(estimate(), window_[1].nav.p_WB, options_.update.landmark_walk,
+                            (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
   prior_.add_parameter_noise(state_estimate_.parameters().walk,
                              to_seconds(window_[1].nav.time - window_[0].nav.time));
   window_.pop_oldest();

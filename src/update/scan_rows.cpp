@@ -240,6 +240,9 @@ void ScanRows::add_look(const Eigen::Vector2d& innovation, Measured<LandmarkPoin
   if (!ablation_.look_correlation) return;
   looks.add(innovation, &sum);
   const double factor = looks.factor();
+  if (ablation_.elevation_walk) {
+    sum.elevation_walk = looks.elevation_walk(m->z.sigma_elevation_S.norm());
+  }
   batch_.scale_row(1, factor);
   batch_.scale_row(2, factor);
   m->z.sigma_azimuth_S *= std::sqrt(factor);

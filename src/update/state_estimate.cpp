@@ -10,6 +10,7 @@
 #include "rio/propagate/strapdown.hpp"
 #include "rio/state/calibration.hpp"
 #include "rio/update/gathered_covariance.hpp"
+#include "rio/update/look_correlation.hpp"
 
 namespace rio {
 
@@ -89,8 +90,11 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   estimate_.nav = p.state;
   estimate_.distance_travelled += distance;
   covariance_.propagate(p.transition(), p.noise());
-  const double walk = options_.update.landmark_walk;
-  covariance_.add_landmark_noise(walk * walk * distance);
+  for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
+    covariance_.add_landmark_noise(static_cast<int>(i),
+                                   landmark_walk(estimate_.landmarks[i], estimate_.nav.p_WB,
+                                                 options_.update.landmark_walk, distance));
+  }
   covariance_.add_parameter_noise(parameters_.walk, seconds);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;

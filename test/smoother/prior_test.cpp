@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rio/sim/random.hpp"
+#include "rio/update/look_correlation.hpp"
 #include "support/random_matrix.hpp"
 #include "support/random_state.hpp"
 
@@ -265,11 +266,18 @@ TEST_F(PriorTest, ALandmarkUnknownToThePriorMayTakeThePlaceOfAKnownOne) {
 }
 
 TEST_F(PriorTest, LandmarkNoiseAddsToTheCovariance) {
-  constexpr double kVariance = 0.3;
+  const Vector3d p_WB(1.0, 2.0, 3.0);
+  made_.x.landmarks[1].looks.elevation_walk = 0.1;
   Prior prior = made_of(random_information(), random_vector(kSize));
   const Dense before(prior);
-  prior.add_landmark_noise(kVariance);
-  expect_prior(prior, before.grown(landmark(0), VectorXd::Constant(3 * kKnown, kVariance)), 1e-9);
+  VectorXd variances(3 * kKnown);
+  for (int i = 0; i < kKnown; ++i) {
+    const LandmarkState& seen = made_.x.landmarks[static_cast<std::size_t>(i)];
+    variances.segment<3>(3 * i) = landmark_walk(seen, p_WB, 0.5, 1.2);
+  }
+  EXPECT_GT(variances[5], 2.0 * variances[4]);
+  prior.add_landmark_noise(made_.x, p_WB, 0.5, 1.2);
+  expect_prior(prior, before.grown(landmark(0), variances), 1e-9);
 }
 
 // Two of them are constant.
@@ -308,7 +316,9 @@ TEST_F(PriorTest, ManyLandmarksWalkInTurn) {
     for (int i = 0; i < variances.size(); ++i) {
       variances[i] = kVariance * walked[static_cast<std::size_t>(i / 3)];
     }
-    for (int call = 0; call < 3; ++call) prior.add_landmark_noise(kVariance);
+    for (int call = 0; call < 3; ++call) {
+      prior.add_landmark_noise(made_.x, Vector3d::Zero(), 1.0, kVariance);
+    }
     expect_prior(prior, before.grown(landmark(0), variances), 1e-8);
   };
   std::vector<double> walked(kMany, 1.0);

@@ -83,8 +83,8 @@ TEST_F(CovarianceTest, CloneWithoutTimeOffsetIsAnExactCopy) {
 
 TEST_F(CovarianceTest, LandmarkNoiseReachesLandmarksOnly) {
   MatrixXd expected = dense();
-  expected.diagonal().tail(6).array() += 0.25;
-  covariance_.add_landmark_noise(0.25);
+  expected.diagonal().tail(3) += Vector3d(0.25, 0.5, 0.75);
+  covariance_.add_landmark_noise(1, {0.25, 0.5, 0.75});
   expect_equal(expected, 0.0);
 }
 

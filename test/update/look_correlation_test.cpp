@@ -82,5 +82,42 @@ TEST(LookCorrelation, SumsTheInnovationsOfALandmark) {
   EXPECT_NEAR(looks.squares, 9.0 * kShare * kShare + 5.0, 1e-12);
 }
 
+// (E3): a landmark 3 m east, 4 m north and 2 m above.
+TEST(LandmarkWalk, OfTheHeightGrowsWithTheHorizontalDistance) {
+  LandmarkState landmark;
+  landmark.p_W = Vector3d(4.0, 6.0, 3.0);
+  landmark.looks.elevation_walk = 1e-4;
+  const Vector3d p_WB(1.0, 2.0, 1.0);
+  const Vector3d expected = 1.5 * Vector3d(4e-4, 4e-4, 4e-4 + 1e-4 * 25.0);
+  EXPECT_LT((landmark_walk(landmark, p_WB, 0.02, 1.5) - expected).norm(), 1e-15);
+  EXPECT_TRUE(landmark_walk(landmark, p_WB, 0.0, 1.5).isZero(0.0));
+}
+
+// (E3) is what is left on a short way of a Gauss-Markov error of the share of the variance that
+// lasts: all of it while f is 10, as before the first look, none once f is below 2.
+TEST(LandmarkWalk, IsTheWalkOfAGaussMarkovErrorOnAShortWay) {
+  constexpr double kSigma = 0.04;
+  constexpr double kLength = 3.0;
+  constexpr double kStep = 0.05;
+  LookCorrelation looks;
+  sim::Random random(3);
+  const double keep = std::exp(-kStep / kLength);
+  double error = random.normal() * kSigma;
+  double squares = 0.0;
+  constexpr int kSteps = 40000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double next = keep * error + kSigma * std::sqrt(1.0 - keep * keep) * random.normal();
+    squares += (next - error) * (next - error);
+    error = next;
+  }
+  EXPECT_NEAR(looks.elevation_walk(kSigma) * kStep / (squares / kSteps), 1.0, 0.03);
+  LandmarkState::Looks sum;
+  for (int i = 0; i < 20000; ++i) {
+    looks.add({random.normal(), random.normal()}, &sum);
+  }
+  EXPECT_LT(looks.factor(), 2.0);
+  EXPECT_EQ(looks.elevation_walk(kSigma), 0.0);
+}
+
 }  // namespace
 }  // namespace rio

@@ -8,6 +8,7 @@
 
 #include "rio/models/landmark_birth.hpp"
 #include "rio/update/gathered_covariance.hpp"
+#include "rio/update/look_correlation.hpp"
 #include "support/random_state.hpp"
 
 namespace rio {
@@ -108,6 +109,21 @@ TEST_F(StateEstimateTest, LandmarksWalkWithTheWay) {
               options_.update.landmark_walk * options_.update.landmark_walk * nav_.v_WB.norm(),
               1e-9);
   EXPECT_EQ(b.estimate().landmarks[0].distance_born, 0.0);
+}
+
+TEST_F(StateEstimateTest, ErrorsThatLastMoveTheHeightsOfLandmarks) {
+  StateEstimate b = state_estimate();
+  add_landmark({4.0, 1.0, 1.0}, &b);
+  b.estimate().landmarks[0].looks.elevation_walk = 1e-4;
+  const int at = b.layout().landmark(0);
+  const Vector3d before = b.covariance().matrix().diagonal().segment<3>(at);
+  fly(&b, Vector3d::Zero(), Vector3d::Zero());
+  const Vector3d added = b.covariance().matrix().diagonal().segment<3>(at) - before;
+  const Vector3d expected =
+      landmark_walk(b.estimate().landmarks[0], b.estimate().nav.p_WB, options_.update.landmark_walk,
+                    b.estimate().distance_travelled);
+  EXPECT_LT((added - expected).norm(), 1e-9);
+  EXPECT_GT(added.z(), 2.0 * added.x());
 }
 
 TEST_F(StateEstimateTest, NothingChangesIfTheResultIsNotFinite) {

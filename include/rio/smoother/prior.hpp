@@ -49,9 +49,12 @@ class Prior {
   /// Adds the prior to the system at the current point; returns its cost.
   double add_to(NormalEquations* system, const Window& window, const Estimate& x);
 
-  /// Random walk of every landmark with this variance per axis [m^2]: A <- (A^-1 + Q)^-1. Ten
-  /// landmarks per call, in turn, each with the variance accumulated since its last turn.
-  void add_landmark_noise(double variance);
+  /// Random walk of every landmark (E3 of update/look_correlation.hpp): A <- (A^-1 + Q)^-1. Ten
+  /// landmarks per call, in turn, each with the variances accumulated since its last turn.
+  /// @param p_WB position, from which they are seen [m]
+  /// @param walk of every landmark [m/sqrt(m)]
+  /// @param distance travelled [m]
+  void add_landmark_noise(const Estimate& x, const Vector3d& p_WB, double walk, double distance);
 
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk
@@ -104,7 +107,7 @@ class Prior {
   Layout layout_;
   std::vector<NavState> states_;
   StaticVector<LandmarkState, kMaxLandmarks> landmarks_;
-  std::array<double, kMaxLandmarks> owed_{};  ///< variance accumulated since its last turn [m^2]
+  std::array<Vector3d, kMaxLandmarks> owed_;  ///< variances since its last turn [m^2]
   std::size_t turn_ = 0;                      ///< the landmark whose turn is next
   std::array<RadarState, kMaxRadars> radars_;
   AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();

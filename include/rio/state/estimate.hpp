@@ -53,6 +53,7 @@ struct LandmarkState {
   struct Looks {
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
     double squares = 0.0;
+    double elevation_walk = 0.0;  ///< variance its elevation gains on the way [rad^2/m]
   };
   double distance_seen = 0.0;  ///< distance the body had travelled at its last measurement [m]
   double distance_born = 0.0;  ///< same, at its first measurement [m]

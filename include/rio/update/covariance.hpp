@@ -61,9 +61,9 @@ class Covariance {
                     const Matrix3d& noise);
   /// Marginalises landmark `index`; the last one takes its place.
   void remove_landmark(int index);
-  /// Random walk of every landmark: adds this variance per axis [m^2].
-  void add_landmark_noise(double variance) {
-    inflate(layout_.landmark(0), size_ - layout_.landmark(0), variance);
+  /// Random walk of a landmark: adds these variances along the axes of W [m^2].
+  void add_landmark_noise(int landmark, const Vector3d& variances) {
+    P_.diagonal().segment<3>(layout_.landmark(landmark)) += variances;
   }
 
   /// Replaces parts of the state, each of three columns from `at[i]` on, by ones with this joint

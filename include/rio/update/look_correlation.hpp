@@ -14,6 +14,13 @@
 // adapts less. Looks from nearly the same place do not count and are not inflated: there the whole
 // error repeats (noise_inflation.hpp). On recordings of karts f is 3 to 11, carried by hand 2.6, in
 // simulated flights, whose directions are independent, 1.4 to 2: errors of the estimate last, too.
+//
+// An elevation error that lasts is no constant: multipath of the floor and the side that is seen
+// change as the radar moves. Of a share c of the variance that decays over a length L of the way
+// (first-order Gauss-Markov), a walk is left on the scale of two looks; rho is the horizontal
+// distance of the landmark, s the way:
+// (E3) Var z += rho^2 2 c sigma^2 s / L, c = (f - 2) / (10 - 2) within [0, 1]: the estimate's own
+//      errors alone take f to 2 in simulated flights, errors that last entirely to 10
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2); Law and Kelton, Simulation Modeling and Analysis (sums).
 #pragma once
@@ -24,6 +31,18 @@
 #include "rio/state/estimate.hpp"
 
 namespace rio {
+
+/// (E3) Variances that the random walk of a landmark adds along the axes of W [m^2]; none if `walk`
+/// is zero.
+/// @param walk of every landmark [m/sqrt(m)]
+/// @param distance travelled [m]
+inline Vector3d landmark_walk(const LandmarkState& landmark, const Vector3d& p_WB, double walk,
+                              double distance) {
+  if (!(walk > 0.0)) return Vector3d::Zero();
+  const double across = (landmark.p_W - p_WB).head<2>().squaredNorm();
+  const Vector3d rate(0.0, 0.0, landmark.looks.elevation_walk * across);
+  return distance * (Vector3d::Constant(walk * walk) + rate);
+}
 
 /// Of the landmarks of one radar.
 class LookCorrelation {
@@ -41,10 +60,19 @@ class LookCorrelation {
   /// f of (E2), at least 1.
   double factor() const { return std::max(1.0, sums_ / squares_); }
 
+  /// Rate of (E3) over rho^2 [rad^2/m].
+  /// @param sigma of elevation [rad]
+  double elevation_walk(double sigma) const {
+    const double lasting = std::clamp((factor() - kOwn) / (kFirst - kOwn), 0.0, 1.0);
+    return 2.0 * lasting * sigma * sigma / kLength;
+  }
+
  private:
   static constexpr double kShare = 0.98;     ///< b: fifty looks, one to five seconds
   static constexpr double kMemory = 1000.0;  ///< looks: a scene
   static constexpr double kFirst = 10.0;     ///< f before the first look: that of rough recordings
+  static constexpr double kOwn = 2.0;        ///< f by errors of the estimate itself
+  static constexpr double kLength = 3.0;     ///< L [m]
   static constexpr double kWeight = 100.0;   ///< of that: a few well-known landmarks outweigh it
 
   double sums_ = kFirst * kWeight;
