@@ -97,7 +97,7 @@ TEST(LandmarkWalk, OfTheHeightGrowsWithTheHorizontalDistance) {
 // lasts: all of it while f is 10, as before the first look, none once f is below 2.
 TEST(LandmarkWalk, IsTheWalkOfAGaussMarkovErrorOnAShortWay) {
   constexpr double kSigma = 0.04;
-  constexpr double kLength = 3.0;
+  constexpr double kLength = 20.0;
   constexpr double kStep = 0.05;
   LookCorrelation looks;
   sim::Random random(3);

@@ -72,7 +72,7 @@ class LookCorrelation {
   static constexpr double kMemory = 1000.0;  ///< looks: a scene
   static constexpr double kFirst = 10.0;     ///< f before the first look: that of rough recordings
   static constexpr double kOwn = 2.0;        ///< f by errors of the estimate itself
-  static constexpr double kLength = 3.0;     ///< L [m]
+  static constexpr double kLength = 20.0;    ///< L: a room, a street [m]
   static constexpr double kWeight = 100.0;   ///< of that: a few well-known landmarks outweigh it
 
   double sums_ = kFirst * kWeight;
