@@ -22,6 +22,7 @@ namespace py = pybind11;
 
 void bind_options(py::module_& module);
 void bind_odometry(py::module_& module);
+void bind_report(py::module_& module);
 void bind_replay(py::module_& module);
 void bind_commands(py::module_& module);
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import Any, Mapping, NamedTuple, Union
+from typing import Any, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,11 +135,14 @@ class Odometry(_rio.Odometry):
 
     sensors: a folder with imu0/sensor.yaml, radar0/sensor.yaml, radar1/sensor.yaml, ..., as
     `rio calibrate` writes it; its radars can be fed. The options win over it.
+    auxiliary: states that other sensors need beside the estimator's own: "height_offset" for
+    add_height, "ground_height" for add_ground_range.
     """
 
-    def __init__(self, options: OptionsLike = None, *, sensors: PathLike = "") -> None:
+    def __init__(self, options: OptionsLike = None, *, sensors: PathLike = "",
+                 auxiliary: Sequence[str] = ()) -> None:
         chosen = _options(options)
-        super().__init__(chosen._texts, chosen._preset, os.fspath(sensors))
+        super().__init__(chosen._texts, chosen._preset, os.fspath(sensors), list(auxiliary))
 
 
 class Path(NamedTuple):
