@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "check/advice.hpp"
-#include "check/bridge.hpp"
+#include "check/imu_stamps.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
 #include "check/units.hpp"
@@ -25,139 +25,6 @@ namespace rio::check {
 namespace {
 
 constexpr double kStandardGravity = 9.80665;
-
-/// Error of the estimate if lost samples are bridged by linear motion between their neighbours,
-/// measured over intervals of the same length where samples are present.
-struct Bridged {
-  double velocity = 0.0;  ///< rms of the longest gap [m/s]
-  double angle = 0.0;     ///< rms of the sum over all [rad]
-};
-
-/// Mean squares of the integrals of rate and specific force over n periods, minus the interpolation
-/// from both ends; empty if no part of the recording is that long.
-std::optional<std::pair<double, double>> mean_squares(const std::vector<ImuSample>& samples,
-                                                      std::size_t n, double period) {
-  double angle = 0.0;
-  double velocity = 0.0;
-  double count = 0.0;
-  Vector3d gyro = Vector3d::Zero();  // sums over the samples between the ends
-  Vector3d accel = Vector3d::Zero();
-  for (std::size_t end = 1; end < samples.size(); ++end) {
-    if (end >= n) {
-      const ImuSample& first = samples[end - n];
-      const ImuSample& last = samples[end];
-      if (to_seconds(last.time - first.time) < (static_cast<double>(n) + 0.5) * period) {
-        const double inside = static_cast<double>(n - 1);
-        angle += (gyro - 0.5 * inside * (first.gyro_B + last.gyro_B)).squaredNorm();
-        velocity += (accel - 0.5 * inside * (first.accel_B + last.accel_B)).squaredNorm();
-        count += 1.0;
-      }
-      gyro -= samples[end - n + 1].gyro_B;
-      accel -= samples[end - n + 1].accel_B;
-    }
-    gyro += samples[end].gyro_B;
-    accel += samples[end].accel_B;
-  }
-  if (count == 0.0) return std::nullopt;
-  return std::pair(period * period / count * angle, period * period / count * velocity);
-}
-
-/// @param usual in longer intervals samples are lost [s]
-std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, double period,
-                                    double usual) {
-  std::map<std::size_t, double> gaps;  // number of gaps by length in periods
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double dt = to_seconds(samples[i].time - samples[i - 1].time);
-    const auto n = static_cast<std::size_t>(std::min(1e9, std::round(dt / period)));
-    if (n > 1 && dt > usual) gaps[n] += 1.0;
-  }
-  Bridged out;
-  for (const auto& [n, count] : gaps) {
-    const auto squares = mean_squares(samples, n, period);
-    if (!squares) return std::nullopt;
-    out.angle += count * squares->first;
-    out.velocity = std::sqrt(squares->second);  // the last one is the longest
-  }
-  out.angle = std::sqrt(out.angle);
-  return out;
-}
-
-/// Checks the stamps one after the other.
-Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
-                     const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
-                     bool* in_ns) {
-  int repeated = 0;
-  for (std::size_t i = 1; i < all.size(); ++i) {
-    repeated += all[i].time == all[i - 1].time ? 1 : 0;
-  }
-  const Strays stray = strays(all);
-  std::vector<double> periods;
-  periods.reserve(good.size());
-  for (std::size_t i = 1; i < good.size(); ++i) {
-    periods.push_back(to_seconds(good[i].time - good[i - 1].time));
-  }
-  const bool known = source == Source::kFolder && info.rate_hz.has_value();
-  const double usual =
-      longest_usual(periods, known ? std::optional(1.0 / *info.rate_hz) : std::nullopt);
-  const double period = usual_period(periods, usual);
-  const double longest = *std::max_element(periods.begin(), periods.end());
-  double lost = 0.0;
-  for (const double p : periods) {
-    lost += p <= usual ? 0.0 : std::max(0.0, std::round(p / period) - 1.0);
-  }
-  const double share = lost / (lost + static_cast<double>(good.size()));
-  Finding out{
-      Verdict::kOk, "imu stamps",
-      fmt::format("{} samples in {:.1f} s, one each {:.2f} ms ({:.0f} Hz), {:.1f} % lost, "
-                  "longest gap {:.0f} ms, {} repeated, {} out of order",
-                  all.size(), to_seconds(good.back().time - good.front().time), 1e3 * period,
-                  1.0 / period, 100.0 * share, 1e3 * longest, repeated, stray.count)};
-  const std::optional<Bridged> bridged = cost_of_gaps(good, period, usual);
-  if (lost > 0.0 && bridged) {
-    out.text += fmt::format(", bridged at {:.2f} m/s for the longest and {:.1f} deg for all",
-                            bridged->velocity, bridged->angle / kDegree);
-  }
-  const std::string place = stray.count > 0 ? place_of(csv, stray.first) : "";
-  if (stray.count > 0) {
-    out.text += fmt::format(", the first of them sample {} with the stamp {} ns", stray.first + 1,
-                            all[stray.first].time.count());
-    if (!place.empty()) out.text += fmt::format(" ({})", place);
-  }
-  constexpr double kFastest = 1e-4;  // no IMU samples at 10 kHz [s]
-  constexpr double kSlowest = 0.05;  // too slow an IMU for integration in flight [s]
-  const double configured =
-      source == Source::kBag ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
-  const Jump jump = jumps_back(all);
-  if (period < kFastest) {
-    *in_ns = false;
-    const bool micro = 1e3 * period > kFastest;
-    out.verdict = Verdict::kWrong;
-    out.text += fmt::format(": the stamps are in {}", micro ? "us" : "ms");
-    out.change = fmt::format("multiply the stamps of all sensors by {}: they must be in ns",
-                             micro ? "1000" : "1000000");
-  } else if (period > kSlowest) {
-    out.verdict = Verdict::kWrong;
-    out.change = "record the IMU at 100 Hz or more";
-  } else if (jump.count > 0) {
-    out.verdict = Verdict::kDoubtful;
-    out.text += jump_text(jump);
-    out.change = kSplitThere;
-  } else if (static_cast<double>(repeated) + static_cast<double>(stray.count) >
-             0.01 * static_cast<double>(all.size())) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "look for two publishers of one topic, or samples stamped on arrival";
-  } else if (!bridged || bridged->velocity > kMostVelocity || bridged->angle > kMostTilt) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = "record with less load; the gaps are bridged, at a loss of accuracy";
-  } else if (std::abs(configured * period - 1.0) > 0.1) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = fmt::format("imu0/sensor.yaml: rate_hz: {:.0f}", 1.0 / period);
-  } else if (stray.count > 0) {
-    out.verdict = Verdict::kDoubtful;
-    out.change = place.empty() ? "leave these samples out" : "remove the line " + place;
-  }
-  return out;
-}
 
 Rest stillest(const std::vector<ImuSample>& samples) {
   constexpr double kFewest = 5.0;  // samples in a second

@@ -7,113 +7,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <string>
 #include <utility>
 
-#include "check/motion.hpp"
+#include "check/point_pairs.hpp"
 #include "check/units.hpp"
-#include "rio/core/so3.hpp"
 
 namespace rio::check {
 
 namespace {
-
-constexpr double kSure = 3.0;             // of (E3)
-constexpr std::size_t kFewestBlocks = 8;  // chance of a t of kSure below 1 in 100
-constexpr double kBlock = 2.0;            // [s]
-constexpr double kLongest = 0.5;          // between the scans of a pair [s]
-constexpr double kRange = 0.05;           // sigma_r: a range bin [m]
-constexpr double kAngle = 0.05;           // sigma_u, of four antennas [rad]
-
-double sum(const std::vector<double>& counts) {
-  return std::accumulate(counts.begin(), counts.end(), 0.0);
-}
-
-/// The number of pairs per block that support only one or the other of two hypotheses.
-struct Support {
-  std::vector<double> first;
-  std::vector<double> second;
-
-  void add(std::size_t block, bool supports_first, bool supports_second) {
-    if (first.size() <= block) {
-      first.resize(block + 1);
-      second.resize(block + 1);
-    }
-    first[block] += supports_first ? 1.0 : 0.0;
-    second[block] += supports_second ? 1.0 : 0.0;
-  }
-  double lead() const { return sum(first) - sum(second); }
-  /// (E3), in favour of the first; 0 with too few blocks.
-  double sure() const {
-    double mean = 0.0;
-    double square = 0.0;
-    double n = 0.0;
-    for (std::size_t b = 0; b < first.size(); ++b) {
-      if (first[b] + second[b] == 0.0) continue;
-      const double difference = first[b] - second[b];
-      mean += difference;
-      square += difference * difference;
-      n += 1.0;
-    }
-    if (n < static_cast<double>(kFewestBlocks)) return 0.0;
-    mean /= n;
-    const double variance = (square / n - mean * mean) / (n - 1.0);
-    return mean / std::sqrt(std::max(variance, 1e-12));
-  }
-  /// With too few blocks for sure(): whether many pairs, in every block, favour the first.
-  bool leans() const {
-    constexpr double kLead = 1.5;           // to one, of the pairs
-    constexpr double kFewestPairs = 300.0;  // a few reflectors for seconds
-    double n = 0.0;
-    for (std::size_t b = 0; b < first.size(); ++b) {
-      if (first[b] < second[b]) return false;
-      n += first[b] + second[b] > 0.0 ? 1.0 : 0.0;
-    }
-    return n > 1.0 && n < static_cast<double>(kFewestBlocks) &&
-           sum(first) + sum(second) > kFewestPairs && sum(first) > kLead * sum(second);
-  }
-  Support reversed() const { return {second, first}; }
-};
-
-/// Difference of any two stamps [s].
-double between(const ScanView& from, const ScanView& to) {
-  return to_seconds(to.time) - to_seconds(from.time);
-}
-
-/// Calls use(scan, later scan, dt) for the scans up to kLongest after this one.
-template <typename Use>
-void each_later_scan(const Scans& scans, std::size_t i, Use&& use) {
-  for (std::size_t j = i + 1; j < scans.size(); ++j) {
-    const double dt = between(scans[i], scans[j]);
-    if (!(dt > 0.0) || dt > kLongest) return;
-    use(scans[i], scans[j], dt);
-  }
-}
-
-/// Calls use(scan, later scan, dt, block); subsamples the scans if there are many points.
-template <typename Use>
-void each_pair_of_scans(const Scans& scans, Use&& use) {
-  constexpr double kMost = 1e6;  // pairs of points
-  double pairs = 0.0;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double) {
-      pairs += static_cast<double>(from.detections.size() * to.detections.size());
-    });
-  }
-  const auto stride = static_cast<std::size_t>(1.0 + pairs / kMost);
-  std::size_t block = 0;
-  std::size_t begin = 0;  // of the block
-  for (std::size_t i = 0; i < scans.size(); i += stride) {
-    if (std::abs(between(scans[begin], scans[i])) > kBlock) {
-      begin = i;
-      ++block;
-    }
-    each_later_scan(scans, i, [&](const ScanView& from, const ScanView& to, double dt) {
-      use(from, to, dt, block);
-    });
-  }
-}
 
 struct Rate {
   double k = 1.0;         ///< (E1)
@@ -174,7 +76,7 @@ class RangeVotes {
   }
 
  private:
-  static constexpr double kBound = 3.0 * kRange;
+  static constexpr double kBound = 3.0 * kRangeBin;
 
   std::vector<Rate> all_;
   double largest_ = 0.0;  ///< largest factor of the hypotheses
@@ -186,24 +88,6 @@ constexpr double kChange = 0.3;  // of a range rate between two scans
 bool same_direction(const Point& a, const Point& b, double a_range, double b_range) {
   constexpr double kCosine = 0.95;  // of their directions
   return a.point_S.dot(b.point_S) > kCosine * a_range * b_range;
-}
-
-void ranges_of(const ScanView& scan, std::vector<double>* ranges) {
-  ranges->clear();
-  for (const Point& point : scan.detections) ranges->push_back(point.point_S.norm());
-}
-
-/// The indices from 0 to n - 1 that fit; branch-free, since the few that do are in no order.
-template <typename Fits>
-void select(std::size_t n, Fits&& fits, std::vector<std::size_t>* selected) {
-  selected->resize(n);
-  std::size_t* const out = selected->data();
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    out[count] = k;
-    count += fits(k) ? 1 : 0;
-  }
-  selected->resize(count);
 }
 
 std::string change_of(const Rate& rate, const Advice& advice) {
@@ -220,73 +104,6 @@ std::string meaning_of(const Rate& rate) {
   const std::string unit = fmt::format("the Doppler is {}", rate.unit);
   return sign.empty() ? unit : sign + " and " + unit;
 }
-
-/// (E2) of the rates taken as deg/s against the rates as given, with every mounting.
-class TurnVotes {
- public:
-  explicit TurnVotes(const Quaternion& configured) {
-    for (const Axes& axes : candidates(configured)) {
-      const bool known = std::any_of(mountings_.begin(), mountings_.end(),
-                                     [&](const Matrix3d& R) { return (R - axes.R).norm() < 1e-6; });
-      if (!known) mountings_.push_back(axes.R);
-    }
-    votes_.resize(mountings_.size());
-    turns_.resize(mountings_.size());
-  }
-
-  /// @param as_given, in_degrees rotation of the body from one scan to the other, in its axes
-  void add(const ScanView& from, const ScanView& to, const Quaternion& as_given,
-           const Quaternion& in_degrees, std::size_t block) {
-    const Vector3d phi = quaternion_log(as_given);
-    if (phi.norm() < 2.0 * kBound) return;  // both would be true
-    for (std::size_t m = 0; m < turns_.size(); ++m) {
-      turns_[m] = quaternion_exp(-(mountings_[m].transpose() * phi)).toRotationMatrix();
-    }
-    const Matrix3d& R = mountings_.front();
-    const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
-    const double turned = std::max(phi.norm(), quaternion_log(in_degrees).norm());
-    const double farthest = (turned + kBound) * (turned + kBound);
-    ranges_of(to, &ranges_);
-    for (const Point& a : from.detections) {
-      const double range = a.point_S.norm();
-      const auto as_far = [range, r = ranges_.data()](std::size_t k) {
-        return std::abs(r[k] - range) < 6.0 * kRange;
-      };
-      select(ranges_.size(), as_far, &candidates_);
-      for (const std::size_t k : candidates_) {
-        if (!(std::min(range, ranges_[k]) > 0.1)) continue;
-        const Vector3d u = a.point_S / range;
-        const Vector3d v = to.detections[k].point_S / ranges_[k];
-        if ((u - v).squaredNorm() < farthest) add(u, v, small, block);
-      }
-    }
-  }
-  /// For the mounting with which the rates as given do best.
-  const Support& best() const {
-    return *std::min_element(votes_.begin(), votes_.end(), [](const Support& a, const Support& b) {
-      return a.lead() < b.lead();
-    });
-  }
-
- private:
-  static constexpr double kBound = 3.0 * kAngle;
-
-  /// @param u,v directions of the points
-  void add(const Vector3d& u, const Vector3d& v, const Matrix3d& small, std::size_t block) {
-    constexpr double kSquare = kBound * kBound;
-    const bool in_degrees = (small * u - v).squaredNorm() < kSquare;
-    for (std::size_t m = 0; m < turns_.size(); ++m) {
-      const bool as_given = (turns_[m] * u - v).squaredNorm() < kSquare;
-      if (as_given || in_degrees) votes_[m].add(block, in_degrees, as_given);
-    }
-  }
-
-  std::vector<Matrix3d> mountings_;
-  std::vector<Support> votes_;
-  std::vector<Matrix3d> turns_;  ///< rotations of the scene between two scans
-  std::vector<double> ranges_;   ///< of the points of the later scan
-  std::vector<std::size_t> candidates_;
-};
 
 }  // namespace
 
@@ -325,7 +142,7 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
   Finding out{Verdict::kOk, "Doppler by the ranges",
               fmt::format("between scans the range changes as the Doppler says in {:.0f} pairs of "
                           "points, as with the other sign in {:.0f}",
-                          sum(signs.first), sum(signs.second))};
+                          signs.of_first(), signs.of_second())};
   const std::size_t best = votes.winner();
   const Rate& rate = all[best];
   if (signs.reversed().leans()) {
@@ -334,58 +151,18 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
     return {out};
   }
   if (best == 0 || rate.k == 0.0) {
-    const bool as_configured = signs.sure() > kSure || signs.leans();
+    const bool as_configured = signs.is_sure() || signs.leans();
     return {out, as_configured ? DopplerSign::kAsConfigured : DopplerSign::kUnknown};
   }
   const Support& against = votes.of(0, best);
-  const double sure = -against.sure();
-  if (!(sure > kSure)) return {out};
+  if (!against.reversed().is_sure()) return {out};
   out.verdict = Verdict::kWrong;
   out.text = fmt::format(
       "between scans the range changes as the Doppler says in {:.0f} pairs of "
       "points, in {:.0f} by {:.4g} times that, by {:.1f} sigmas: {}",
-      sum(against.first), sum(against.second), rate.k, sure, meaning_of(rate));
+      against.of_first(), against.of_second(), rate.k, -against.sure(), meaning_of(rate));
   out.change = change_of(rate, advice);
   return {out, rate.k < 0.0 ? DopplerSign::kOpposite : DopplerSign::kAsConfigured};
-}
-
-namespace {
-
-/// (E2) of the rates taken as deg/s against this many times those as given.
-Support turn_votes(const std::vector<ImuSample>& samples, const Scans& scans,
-                   const Options& options, double factor) {
-  const ImuPath as_given(samples, factor, 1.0);
-  const ImuPath in_degrees(samples, kDegree, 1.0);
-  TurnVotes votes(options.radar.T_BS.rotation);
-  each_pair_of_scans(scans,
-                     [&](const ScanView& from, const ScanView& to, double, std::size_t block) {
-                       const auto turn = [&](const ImuPath& path) -> std::optional<Quaternion> {
-                         const auto first = path.at(from.time);
-                         const auto last = path.at(to.time);
-                         if (!first || !last) return std::nullopt;
-                         return first->turn.conjugate() * last->turn;
-                       };
-                       const auto whole = turn(as_given);
-                       if (whole) votes.add(from, to, *whole, *turn(in_degrees), block);
-                     });
-  return votes.best();
-}
-
-}  // namespace
-
-std::optional<Finding> check_rates(const std::vector<ImuSample>& samples, const Scans& scans,
-                                   const Options& options, const Advice& advice) {
-  const Support best = turn_votes(samples, scans, options, 1.0);
-  if (!(best.sure() > kSure)) return std::nullopt;
-  for (const double range : {0.5, 0.25}) {  // a wrong range of the gyro is no other unit
-    if (!(turn_votes(samples, scans, options, range).sure() > kSure)) return std::nullopt;
-  }
-  return Finding{Verdict::kWrong, "gyro unit by the points",
-                 fmt::format("between scans the points turn as the gyro says in {:.0f} pairs of "
-                             "points, with the rates taken as deg/s in {:.0f}, by {:.1f} sigmas: "
-                             "they are in deg/s",
-                             sum(best.second), sum(best.first), best.sure()),
-                 advice.gyro_in("deg/s", kDegree)};
 }
 
 }  // namespace rio::check

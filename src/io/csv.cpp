@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
-#include <limits>
-#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include "decimal.hpp"
 
 namespace rio::io {
 
@@ -27,22 +26,6 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// std::from_chars takes no leading plus.
-std::string_view without_plus(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  return text;
-}
-
-/// The whole of `text` as a number of its type.
-template <class Number>
-std::optional<Number> parse(std::string_view text) {
-  text = without_plus(text);
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// In small letters, without its unit; components of a quaternion as "qw".
 std::string name_of_column(std::string_view cell) {
   while (!cell.empty() && (is_blank(cell.front()) || cell.front() == '#' || cell.front() == '"')) {
@@ -54,65 +37,6 @@ std::string name_of_column(std::string_view cell) {
   const bool is_quaternion =
       name.size() > 1 && name[0] == 'q' && kComponents.find(name.back()) != kComponents.npos;
   return is_quaternion ? std::string("q") + name.back() : name;
-}
-
-/// Matches -12.5, 3, 1e-05, unless a double would overflow.
-bool is_plain(std::string_view text) {
-  constexpr std::size_t kLongest = 32;
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  if (text.size() > kLongest) return false;
-  const char* c = text.data();
-  const char* const end = c + text.size();
-  if (c != end && *c == '-') ++c;
-  if (c == end || !digit(*c)) return false;
-  while (c != end && digit(*c)) ++c;
-  if (c != end && *c == '.') ++c;
-  while (c != end && digit(*c)) ++c;
-  if (c == end) return true;
-  if (*c++ != 'e') return false;
-  if (c != end && (*c == '-' || *c == '+')) ++c;
-  return (end - c == 1 || end - c == 2) && std::all_of(c, end, digit);
-}
-
-/// A decimal number, exponent allowed, times 1e9, rounded half away from zero; without floating
-/// point.
-std::optional<std::int64_t> scaled_by_1e9(std::string_view text) {
-  text = without_plus(text);
-  const bool negative = !text.empty() && text[0] == '-';
-  if (negative) text.remove_prefix(1);
-  std::int64_t exponent = 0;
-  if (const std::size_t e = text.find_first_of("eE"); e != std::string_view::npos) {
-    const auto parsed = parse<std::int64_t>(text.substr(e + 1));
-    if (!parsed || *parsed < -1000 || *parsed > 1000) return std::nullopt;
-    exponent = *parsed;
-    text = text.substr(0, e);
-  }
-  std::string digits;
-  std::int64_t before_point = -1;
-  for (const char c : text) {
-    if (c == '.' && before_point < 0) {
-      before_point = static_cast<std::int64_t>(digits.size());
-    } else if (c >= '0' && c <= '9') {
-      digits += c;
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (digits.empty()) return std::nullopt;
-  if (before_point < 0) before_point = static_cast<std::int64_t>(digits.size());
-  const std::int64_t whole_digits = before_point + exponent + 9;
-
-  std::int64_t value = 0;
-  for (std::int64_t i = 0; i < whole_digits; ++i) {
-    const bool given = i < static_cast<std::int64_t>(digits.size());
-    const int digit = given ? digits[static_cast<std::size_t>(i)] - '0' : 0;
-    if (value > (std::numeric_limits<std::int64_t>::max() - 10) / 10) return std::nullopt;
-    value = value * 10 + digit;
-  }
-  const bool has_next =
-      whole_digits >= 0 && whole_digits < static_cast<std::int64_t>(digits.size());
-  if (has_next && digits[static_cast<std::size_t>(whole_digits)] >= '5') ++value;
-  return negative ? -value : value;
 }
 
 [[noreturn]] void fail_on(const std::filesystem::path& path, const char* what) {
@@ -201,7 +125,7 @@ bool CsvReader::is_heading() const {
   const std::string_view first = cells_.front();
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   return expected_columns_ == 0 && !first.empty() && (is_letter(first[0]) || first[0] == '"') &&
-         !parse<double>(first);
+         !number_of<double>(first);
 }
 
 /// The last line of the file, if it is no row like those before.
@@ -213,7 +137,7 @@ bool CsvReader::is_cut() {
   if (stream_ && stream_.peek() != std::ifstream::traits_type::eof()) return false;
   if (cells_.size() != expected_columns_) return cells_.size() < expected_columns_;
   const std::string longer(cells_.back());  // "-" and "1e" may be the beginning of a number
-  if (!last_is_empty_) return !parse<double>(longer) && parse<double>(longer + '0');
+  if (!last_is_empty_) return !number_of<double>(longer) && number_of<double>(longer + '0');
   const bool only_stamp = std::all_of(cells_.begin() + 1, cells_.end(),
                                       [](std::string_view cell) { return cell.empty(); });
   return !ended_empty && !only_stamp;
@@ -228,12 +152,11 @@ void CsvReader::expect_columns() {
   const bool halves = separator_ == ',' && columns + 1 == 2 * heading_.size() && columns > 1 &&
                       std::all_of(cells_.begin(), cells_.end(), is_whole);  // all but the stamp
   if (columns == expected_columns_ && !(first && halves)) return;
-  const std::string found = "has " + std::to_string(columns) + " columns, ";
   if (halves) {
-    fail(found + "the header has " + std::to_string(heading_.size()) +
-         ": numbers need a decimal point, not a comma");
+    fail(fmt::format("has {} columns, the header has {}: numbers need a decimal point, not a comma",
+                     columns, heading_.size()));
   }
-  fail(found + "the rows before have " + std::to_string(expected_columns_));
+  fail(fmt::format("has {} columns, the rows before have {}", columns, expected_columns_));
 }
 
 void CsvReader::compare_names() const {
@@ -257,11 +180,9 @@ std::string CsvReader::other_separator(std::size_t i) const {
   const auto at = cell(i).find_first_of(separator_ == ',' ? ";\t " : ";,");
   if (at == std::string_view::npos) return "";
   const char found = cell(i)[at];
-  return std::string("; columns are separated by ") + (separator_ == ',' ? "commas" : "blanks") +
-         ", not by " +
-         (found == '\t'  ? "tabs"
-          : found == ' ' ? "blanks"
-                         : std::string(1, found));
+  const std::string name = found == '\t' ? "tabs" : found == ' ' ? "blanks" : std::string(1, found);
+  return fmt::format("; columns are separated by {}, not by {}",
+                     separator_ == ',' ? "commas" : "blanks", name);
 }
 
 void CsvReader::split(std::string_view line) {
@@ -277,47 +198,41 @@ void CsvReader::split(std::string_view line) {
 
 std::string_view CsvReader::cell(std::size_t i) const {
   if (i >= cells_.size()) {
-    fail("has " + std::to_string(cells_.size()) + " columns, column " + std::to_string(i + 1) +
-         " is needed");
+    fail(fmt::format("has {} columns, column {} is needed", cells_.size(), i + 1));
   }
   return cells_[i];
 }
 
 double CsvReader::number(std::size_t i) const {
-  const auto value = parse<double>(cell(i));
-  if (!value) {
-    fail("column " + std::to_string(i + 1) + ": not a number: \"" + std::string(cell(i)) + "\"" +
-         other_separator(i));
-  }
+  const auto value = number_of<double>(cell(i));
+  if (!value) fail_on_cell(i, "not a number");
   return *value;
 }
 
 bool CsvReader::is_plain_number(std::size_t i) const {
-  if (is_plain(cell(i))) return true;
+  if (is_plain_decimal(cell(i))) return true;
   (void)number(i);
   return false;
 }
 
 std::int64_t CsvReader::integer(std::size_t i) const {
-  const auto value = parse<std::int64_t>(cell(i));
-  if (!value) {
-    fail("column " + std::to_string(i + 1) + ": not an integer: \"" + std::string(cell(i)) + "\"" +
-         other_separator(i));
-  }
+  const auto value = number_of<std::int64_t>(cell(i));
+  if (!value) fail_on_cell(i, "not an integer");
   return *value;
 }
 
 std::int64_t CsvReader::seconds_to_ns(std::size_t i) const {
   const auto value = scaled_by_1e9(cell(i));
-  if (!value) {
-    fail("column " + std::to_string(i + 1) + ": not a time in seconds: \"" + std::string(cell(i)) +
-         "\"");
-  }
+  if (!value) fail(fmt::format("column {}: not a time in seconds: \"{}\"", i + 1, cell(i)));
   return *value;
 }
 
 std::string CsvReader::place() const {
   return name_ + ":" + std::to_string(line_);
+}
+
+void CsvReader::fail_on_cell(std::size_t i, const char* what) const {
+  fail(fmt::format("column {}: {}: \"{}\"{}", i + 1, what, cell(i), other_separator(i)));
 }
 
 void CsvReader::fail(const std::string& what) const {

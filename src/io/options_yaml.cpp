@@ -75,22 +75,40 @@ std::optional<std::string> preset_of(const YamlFile& file) {
   return node.Scalar();
 }
 
-/// @param name of the file, for the message
-void check(const std::string& name, const Options& options) {
-  std::string why;
-  if (!options.validate(&why)) throw std::runtime_error(name + ": " + why);
-}
-
 void apply_values(const YamlFile& file, Options* options) {
   read_fields(file, kPresetKey, options, closed_keys());
-  check(file.name, *options);
+}
+
+/// Changes the options if what results is coherent.
+/// @param name of the file, for the message
+template <class Apply>
+void change(const std::string& name, Options* options, const Apply& apply) {
+  Options changed = *options;
+  apply(&changed);
+  std::string why;
+  if (!changed.validate(&why)) throw std::runtime_error(name + ": " + why);
+  *options = changed;
 }
 
 void apply_file(const YamlFile& file, Options* options) {
-  Options changed = *options;
-  apply_preset(file, &changed);
-  apply_values(file, &changed);
-  *options = changed;
+  change(file.name, options, [&file](Options* changed) {
+    apply_preset(file, changed);
+    apply_values(file, changed);
+  });
+}
+
+/// KEY=VALUE as a file.
+YamlFile parse_setting(const std::string& setting) {
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    throw std::runtime_error("\"" + setting + "\": is not KEY=VALUE");
+  }
+  std::string key = setting.substr(0, equals);  // "a.b" is "{a: {b: value}}"
+  std::string end = "}";
+  for (std::size_t dot; (dot = key.find('.')) != std::string::npos; end += "}") {
+    key.replace(dot, 1, ": {");
+  }
+  return parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting);
 }
 
 Options preset_named(const std::string& name) {
@@ -133,29 +151,14 @@ void load_options(const std::filesystem::path& path, Options* options) {
 }
 
 void load_option_values(const std::filesystem::path& path, Options* options) {
-  Options changed = *options;
-  apply_values(load_yaml(path), &changed);
-  *options = changed;
+  const YamlFile file = load_yaml(path);
+  change(file.name, options, [&file](Options* changed) { apply_values(file, changed); });
 }
 
 void apply_settings(const std::vector<std::string>& settings, Options* options) {
-  Options changed = *options;
-  for (const std::string& setting : settings) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw std::runtime_error("\"" + setting + "\": is not KEY=VALUE");
-    }
-    std::string key = setting.substr(0, equals);  // "a.b" is "{a: {b: value}}"
-    std::string end = "}";
-    for (std::size_t dot; (dot = key.find('.')) != std::string::npos; end += "}") {
-      key.replace(dot, 1, ": {");
-    }
-    read_fields(parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting),
-                kPresetKey, &changed, closed_keys());
-  }
-  std::string why;
-  if (!changed.validate(&why)) throw std::runtime_error("settings: " + why);
-  *options = changed;
+  change("settings", options, [&settings](Options* changed) {
+    for (const std::string& setting : settings) apply_values(parse_setting(setting), changed);
+  });
 }
 
 std::optional<std::string> preset_in_file(const std::filesystem::path& path) {
@@ -168,20 +171,16 @@ void parse_options(const std::string& yaml, const std::string& name, Options* op
 
 void parse_option_values(const std::vector<std::string>& yaml, const std::string& name,
                          Options* options) {
-  Options changed = *options;
-  for (const std::string& text : yaml) {
-    read_fields(parse_yaml(text, name), kPresetKey, &changed, closed_keys());
-  }
-  check(name, changed);
-  *options = changed;
+  change(name, options, [&](Options* changed) {
+    for (const std::string& text : yaml) apply_values(parse_yaml(text, name), changed);
+  });
 }
 
 std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
                                            const std::string& name) {
   std::optional<std::string> last;
   for (const std::string& text : yaml) {
-    const std::optional<std::string> found = preset_of(parse_yaml(text, name));
-    if (found) last = found;
+    if (const auto found = preset_of(parse_yaml(text, name))) last = found;
   }
   return last;
 }

@@ -50,6 +50,11 @@ inline std::string scientific(double value, int decimals) {
   return exponent == 0 ? mantissa : mantissa + "e" + std::to_string(exponent);
 }
 
+/// @param exponent power of ten of its last digit
+inline Tick tick_at(double value, int exponent, bool plain) {
+  return {value, plain ? fixed(value, std::max(0, -exponent)) : scientific(value, -exponent)};
+}
+
 /// Round values inside a range: 1, 2 or 5 times a power of ten apart.
 /// @param about desired number
 inline std::vector<Tick> ticks(const Range& range, int about) {
@@ -61,9 +66,7 @@ inline std::vector<Tick> ticks(const Range& range, int about) {
   const bool plain = exponent >= -4 && std::max(std::abs(range.low), std::abs(range.high)) < 1e6;
   std::vector<Tick> result;
   for (double k = std::ceil(range.low / step - 1e-9); k * step <= range.high + 1e-9 * step; ++k) {
-    const double value = k * step;
-    result.push_back(
-        {value, plain ? fixed(value, std::max(0, -exponent)) : scientific(value, -exponent)});
+    result.push_back(tick_at(k * step, exponent, plain));
   }
   return result;
 }
@@ -85,8 +88,7 @@ inline std::vector<Tick> log_ticks(const Range& range, int about) {
     for (const double factor : {1.0, 2.0, 5.0}) {
       const double value = factor * std::pow(10.0, exponent);
       if (value < range.low || value > range.high || (factor > 1.0 && !between)) continue;
-      result.push_back(
-          {value, plain ? fixed(value, std::max(0, -exponent)) : scientific(value, -exponent)});
+      result.push_back(tick_at(value, exponent, plain));
     }
   }
   return result;

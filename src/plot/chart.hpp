@@ -136,7 +136,7 @@ class ChartWriter {
       const double y = height(level);
       return level.label.empty() || !(y >= box.top && y <= box.bottom());
     };
-    levels.erase(std::remove_if(levels.begin(), levels.end(), hidden), levels.end());
+    std::erase_if(levels, hidden);
     std::sort(levels.begin(), levels.end(),
               [](const Level& a, const Level& b) { return a.value > b.value; });
     std::vector<double> y;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -31,22 +32,11 @@ struct Box {
 inline std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
+    result += c == '&'   ? "&amp;"
+              : c == '<' ? "&lt;"
+              : c == '>' ? "&gt;"
+              : c == '"' ? "&quot;"
+                         : std::string(1, c);
   }
   return result;
 }
@@ -55,10 +45,8 @@ inline std::string escaped(const std::string& text) {
 inline std::string fixed(double value, int decimals) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  const std::string result = text;
-  return result.find_first_of("123456789") == std::string::npos && result[0] == '-'
-             ? result.substr(1)
-             : result;
+  const bool negative_zero = text[0] == '-' && std::strpbrk(text, "123456789") == nullptr;
+  return text + (negative_zero ? 1 : 0);
 }
 
 struct Stroke {

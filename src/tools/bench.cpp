@@ -11,7 +11,7 @@
 #include "bench/load.hpp"
 #include "bench/measure.hpp"
 #include "commands.hpp"
-#include "rio/io/text_file.hpp"
+#include "outputs.hpp"
 #include "rio/rio.hpp"
 
 namespace rio::tools {
@@ -96,30 +96,21 @@ void print_json(const std::vector<Row>& rows) {
   fmt::print("{}\n", all.dump());
 }
 
-void print(const std::vector<bench::Growth>& growths) {
-  for (const bench::Growth& growth : growths) {
-    fmt::print("{}\n", growth.size);
-    for (const bench::GrowthCurve& curve : growth.curves) {
-      for (const bench::GrowthPoint& point : curve.points) {
-        fmt::print("  {:<28} {:>7.1f} {:>9.3f} ms, p99 {:.3f}\n", curve.label, point.size,
-                   1e-3 * point.median, 1e-3 * point.p99);
-      }
-    }
-  }
-}
-
-void print_json(const std::vector<bench::Growth>& growths) {
+void print(const std::vector<bench::Growth>& growths, bool as_json) {
   nlohmann::json all;
   for (const bench::Growth& growth : growths) {
+    if (!as_json) fmt::print("{}\n", growth.size);
     for (const bench::GrowthCurve& curve : growth.curves) {
-      for (const bench::GrowthPoint& point : curve.points) {
-        all[growth.title][curve.label].push_back({{"size", point.size},
-                                                  {"update_median_ms", 1e-3 * point.median},
-                                                  {"update_p99_ms", 1e-3 * point.p99}});
+      for (const auto& [size, median, p99] : curve.points) {  // [us]
+        all[growth.title][curve.label].push_back(
+            {{"size", size}, {"update_median_ms", 1e-3 * median}, {"update_p99_ms", 1e-3 * p99}});
+        if (as_json) continue;
+        fmt::print("  {:<28} {:>7.1f} {:>9.3f} ms, p99 {:.3f}\n", curve.label, size, 1e-3 * median,
+                   1e-3 * p99);
       }
     }
   }
-  fmt::print("{}\n", all.dump());
+  if (as_json) fmt::print("{}\n", all.dump());
 }
 
 }  // namespace
@@ -131,12 +122,8 @@ void measure_cost(const BenchArguments& arguments) {
     return;
   }
   const std::vector<bench::Growth> growths = bench::measure_growth(arguments.seconds);
-  if (!arguments.out.empty()) {
-    io::TextFile file(arguments.out);
-    file.write(bench::growth_chart(growths));
-    file.close();
-  }
-  arguments.json ? print_json(growths) : print(growths);
+  if (!arguments.out.empty()) write_text(arguments.out, bench::growth_chart(growths));
+  print(growths, arguments.json);
 }
 
 }  // namespace rio::tools

@@ -4,12 +4,10 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "calibrate_report.hpp"
@@ -68,16 +66,15 @@ void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
   }
   notes->push_back(
       fmt::format("{} tells another T_BS ({:.1f} deg, {:.1f} cm): that of the first counts", name,
-                  view::kDegrees * turn, 100.0 * shift));
+                  eval::kDegreesPerRadian * turn, 100.0 * shift));
 }
 
 std::vector<io::Dataset> read_all(const CalibrateArguments& arguments) {
   std::vector<io::Dataset> datasets;
   for (const std::string& name : arguments.datasets) {
-    std::string damage;
-    datasets.push_back(read_any(name, arguments.how, &damage));
-    print_notes(datasets.back().notes);
-    if (!damage.empty()) fmt::print(stderr, "note: {}; what stands before is used\n", damage);
+    const io::Dataset& dataset = datasets.emplace_back(read_any(name, arguments.how));
+    print_notes(dataset.notes);
+    if (!dataset.damage.empty()) print_notes({dataset.damage + "; what stands before is used"});
   }
   return datasets;
 }

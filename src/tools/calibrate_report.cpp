@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -59,40 +58,6 @@ std::string advice(const calibrate::NoiseEstimate& n) {
   return "configured value kept; hidden by the grid, or too few points";
 }
 
-/// Radar noise, IMU noise: name, unit, scale.
-struct NoiseName {
-  const char* name;
-  const char* unit;
-  double scale;
-};
-constexpr std::array<NoiseName, 4> kRadarNoise = {{{"sigma_range", "cm", 100.0},
-                                                   {"sigma_azimuth", "deg", view::kDegrees},
-                                                   {"sigma_elevation", "deg", view::kDegrees},
-                                                   {"sigma_doppler", "cm/s", 100.0}}};
-constexpr NoiseName kGyro = {"gyroscope_noise", "mdeg/s/rtHz", 1000.0 * view::kDegrees};
-constexpr NoiseName kAccel = {"accelerometer_noise", "mm/s2/rtHz", 1000.0};
-
-Row noise_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double configured) {
-  return {.name = name.name,
-          .unit = name.unit,
-          .scale = name.scale,
-          .found = n.value,
-          .configured = configured,
-          .sigma = n.value * n.relative_error,
-          .apart = n.halves_apart,
-          .between = kUnknown,
-          .verdict = n.verdict,
-          .advice = advice(n)};
-}
-
-Row imu_row(const NoiseName& name, const calibrate::NoiseEstimate& n, double configured) {
-  Row row = noise_row(name, n, configured);
-  if (n.verdict == Determination::kDetermined && !exceeds_configured(n, configured)) {
-    row.advice = "configured value kept; at rest there is no vibration";
-  }
-  return row;
-}
-
 std::vector<Row> rows_of(const CalibrateReport& report) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
@@ -110,15 +75,36 @@ std::vector<Row> rows_of(const CalibrateReport& report) {
                     .verdict = p.verdict,
                     .advice = advice(p, n.check)});
   }
+  const auto add = [&rows](const char* name, const char* unit, double scale,
+                           const calibrate::NoiseEstimate& n, double configured) -> Row& {
+    return rows.emplace_back(Row{.name = name,
+                                 .unit = unit,
+                                 .scale = scale,
+                                 .found = n.value,
+                                 .configured = configured,
+                                 .sigma = n.value * n.relative_error,
+                                 .apart = n.halves_apart,
+                                 .between = kUnknown,
+                                 .verdict = n.verdict,
+                                 .advice = advice(n)});
+  };
+  const auto add_imu = [&add](const char* name, const char* unit, double scale,
+                              const calibrate::NoiseEstimate& n, double configured) {
+    Row& row = add(name, unit, scale, n, configured);
+    if (n.verdict == Determination::kDetermined && !exceeds_configured(n, configured)) {
+      row.advice = "configured value kept; at rest there is no vibration";
+    }
+  };
+  const calibrate::SensorNoise& noise = report.noise;
   const RadarOptions& radar = report.configured.radar;
-  const std::array<double, 4> configured = {radar.sigma_range, radar.sigma_azimuth,
-                                            radar.sigma_elevation, radar.sigma_doppler};
-  for (std::size_t k = 0; k < configured.size(); ++k) {
-    rows.push_back(noise_row(kRadarNoise[k], report.noise.radar[k], configured[k]));
-  }
   const ImuOptions& imu = report.configured.imu;
-  rows.push_back(imu_row(kGyro, report.noise.gyro, imu.gyro_noise_density));
-  rows.push_back(imu_row(kAccel, report.noise.accel, imu.accel_noise_density));
+  constexpr double kDegrees = eval::kDegreesPerRadian;
+  add("sigma_range", "cm", 100.0, noise.radar[0], radar.sigma_range);
+  add("sigma_azimuth", "deg", kDegrees, noise.radar[1], radar.sigma_azimuth);
+  add("sigma_elevation", "deg", kDegrees, noise.radar[2], radar.sigma_elevation);
+  add("sigma_doppler", "cm/s", 100.0, noise.radar[3], radar.sigma_doppler);
+  add_imu("gyroscope_noise", "mdeg/s/rtHz", 1e3 * kDegrees, noise.gyro, imu.gyro_noise_density);
+  add_imu("accelerometer_noise", "mm/s2/rtHz", 1e3, noise.accel, imu.accel_noise_density);
   return rows;
 }
 
@@ -167,10 +153,8 @@ std::string CalibrateReport::text() const {
   }
   out +=
       "mounting: corrections of what is configured, rotation about the radar's axes, position "
-      "along "
-      "those of the body\nhalves, records: how far halves of a recording, and recordings, are "
-      "apart, in "
-      "their sigmas\n";
+      "along those of the body\nhalves, records: how far halves of a recording, and recordings, "
+      "are apart, in their sigmas\n";
   for (const std::string& note : notes) out += "note: " + note + "\n";
   for (const std::string& file : written) out += "written: " + file + "\n";
   return out;

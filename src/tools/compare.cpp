@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -46,9 +46,8 @@ class PathOf : public view::RunSink {
   eval::Trajectory* poses_;
 };
 
-std::string stem(std::filesystem::path path) {
-  path = path.lexically_normal();
-  return (path.filename().empty() ? path.parent_path() : path).stem().string();
+std::string stem(const std::string& path) {
+  return named(path).stem().string();
 }
 
 /// "KEY=1,2" as "KEY=1" and "KEY=2".
@@ -98,14 +97,12 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
   one.estimator = estimator;
   one.init = arguments.init;
   one.no_check = true;
-  one.quiet = true;
   Run run{name, {}, {}};
-  PathOf path(&run.poses);
   ViewOutputs view({});
-  view.add_sink(&path);
+  view.add_sink(std::make_unique<PathOf>(&run.poses));
   const Replayed replayed = run_replay(one, &view);
   run.verdict = replayed.summary.health.verdict();
-  if (!replayed.damage.empty()) fmt::print(stderr, "note: {}\n", replayed.damage);
+  if (!replayed.damage.empty()) print_notes({replayed.damage});
   if (run.poses.empty()) throw std::runtime_error(name + ": no scan was used");
   return run;
 }
@@ -155,34 +152,24 @@ PosesByTime poses_of(const std::vector<eval::PosePair>& pairs) {
   return poses;
 }
 
-view::Path path_of(const std::string& name, const eval::Trajectory& poses, Time begin) {
-  view::Path path{name, {}, {}, {}};
-  for (const eval::StampedPose& pose : poses) {
-    path.times.push_back(static_cast<float>(to_seconds(pose.time - begin)));
-    for (const double value : pose.p) path.positions.push_back(static_cast<float>(value));
-    for (const double value : pose.q.coeffs()) path.attitudes.push_back(static_cast<float>(value));
-  }
-  return path;
-}
-
 /// The runs as they are shown: paths, errors, and differences from the first.
 view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) {
   view::Page page;
   const eval::Trajectory& first = runs.front().poses;
   page.begin = first.front().time;
-  PosesByTime true_poses;
-  if (!truth.empty()) true_poses = poses_of(eval::associate(truth, first).pairs);
+  const PosesByTime true_poses = poses_of(eval::associate(truth, first).pairs);
   std::vector<PosesByTime> there;  // of each run at the times of the first
+  const auto add = [&page](const eval::StampedPose& pose) {
+    page.paths.back().add(to_seconds(pose.time - page.begin), pose.p, pose.q);
+  };
   for (const Run& run : runs) {
-    page.paths.push_back(path_of(run.name, run.poses, page.begin));
+    page.paths.push_back({run.name});
+    for (const eval::StampedPose& pose : run.poses) add(pose);
     constexpr auto kGap = std::chrono::milliseconds(1500);
     there.push_back(poses_of(eval::associate_interpolated(run.poses, first, kGap).pairs));
   }
-  if (!truth.empty()) {
-    eval::Trajectory within;
-    for (const auto& [time, pose] : true_poses) within.push_back(pose);
-    page.paths.push_back(path_of("truth", within, page.begin));
-  }
+  if (!truth.empty()) page.paths.push_back({"truth"});
+  for (const auto& [time, pose] : true_poses) add(pose);
 
   for (const eval::StampedPose& pose : first) {
     page.columns.start_row(to_seconds(pose.time - page.begin));
@@ -239,6 +226,14 @@ TextTable table_without_truth(const std::vector<Run>& runs) {
 
 }  // namespace
 
+std::vector<eval::PosePair> lay_over(const eval::Trajectory& truth, const std::string& align,
+                                     eval::Trajectory* estimate) {
+  std::vector<eval::PosePair> pairs = eval::associate(truth, *estimate).pairs;
+  const Pose T = eval::find_alignment(pairs, *eval::alignment_kind(align)).transform;
+  for (eval::StampedPose& pose : *estimate) pose = eval::transformed(T, pose);
+  return eval::transformed(T, std::move(pairs));
+}
+
 void expect_common_time(const std::vector<NamedPath>& paths) {
   for (std::size_t i = 0; i < paths.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
@@ -276,9 +271,7 @@ void compare(const CompareArguments& arguments) {
     std::vector<NamedEvaluation> all;
     for (Run& run : runs) {
       all.emplace_back(run.name, eval::evaluate(truth, run.poses, options));
-      const auto pairs = eval::associate(truth, run.poses).pairs;
-      const Pose T = eval::find_alignment(pairs, options.alignment).transform;
-      for (eval::StampedPose& pose : run.poses) pose = eval::transformed(T, pose);
+      (void)lay_over(truth, arguments.align, &run.poses);
     }
     rows = comparison_table(all);
   }
@@ -290,9 +283,7 @@ void compare(const CompareArguments& arguments) {
   page.title = "Comparison of " + std::to_string(runs.size()) + " runs";
   page.subtitle = truth.empty() ? "no truth is known" : "errors with alignment: " + arguments.align;
   page.tables.push_back({"Figures", rows});
-  for (const std::string& note : view::write_page(page, arguments.report)) {
-    fmt::print(stderr, "note: {} is {}\n", arguments.report, note);
-  }
+  write_report(page, arguments.report);
 }
 
 }  // namespace rio::tools

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -91,8 +90,7 @@ std::string man_page(const CLI::App& app) {
   for (const CLI::App* command : commands_of(app)) text += command_text(*command);
   return text +
          ".SH EXIT STATUS\n0 success, 1 the command failed, 2 wrong command line, 3 the estimate "
-         "is "
-         "lost, or the\nrecording or configuration is wrong.\n";
+         "is lost, or the\nrecording or configuration is wrong.\n";
 }
 
 std::string bash_completion(const CLI::App& app) {

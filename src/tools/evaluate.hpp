@@ -30,6 +30,11 @@ TextTable comparison_table(const std::vector<NamedEvaluation>& all);
 /// In Markdown.
 void print_table(const TextTable& rows);
 
+/// Lays the estimate over the truth in this way.
+/// @return its pairs with the true poses
+std::vector<eval::PosePair> lay_over(const eval::Trajectory& truth, const std::string& align,
+                                     eval::Trajectory* estimate);
+
 /// Throws std::runtime_error with both spans if two trajectories have no time in common: they are
 /// not of one recording, or not in one clock.
 using NamedPath = std::pair<std::string, eval::Trajectory>;

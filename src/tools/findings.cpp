@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -22,13 +21,6 @@ using check::Verdict;
 void print(const Finding& finding) {
   fmt::print("{:<9} {}: {}.\n", to_string(finding.verdict), finding.subject, finding.text);
   if (!finding.change.empty()) fmt::print("          -> {}\n", finding.change);
-}
-
-void print_json(const check::Findings& findings) {
-  const nlohmann::ordered_json all = {{"verdict", to_string(worst(findings))},
-                                      {"findings", findings_json(findings)},
-                                      {"options", proposed_options(findings)}};
-  fmt::print("{}\n", all.dump());
 }
 
 }  // namespace
@@ -66,11 +58,9 @@ void without_start(check::Findings* findings) {
   std::erase_if(*findings, [](const Finding& f) { return f.subject == "start"; });
 }
 
-check::Findings not_ok(const check::Findings& findings) {
-  check::Findings out;
-  std::copy_if(findings.begin(), findings.end(), std::back_inserter(out),
-               [](const Finding& f) { return f.verdict != Verdict::kOk; });
-  return out;
+check::Findings not_ok(check::Findings findings) {
+  std::erase_if(findings, [](const Finding& f) { return f.verdict == Verdict::kOk; });
+  return findings;
 }
 
 std::string findings_text(const check::Findings& findings) {
@@ -83,24 +73,26 @@ std::string findings_text(const check::Findings& findings) {
 }
 
 Checked run_check(const CheckArguments& arguments) {
-  std::string damage;
-  const io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
+  const io::Dataset dataset = read_any(arguments.dataset, arguments.how);
   Options options;
   std::vector<std::string> notes = io::tell_sensors_and_values(dataset, arguments.values, &options);
   notes.insert(notes.begin(), dataset.notes.begin(), dataset.notes.end());
   check::Findings findings = findings_of(arguments.dataset, dataset, options);
   if (!dataset.ground_truth.empty()) without_start(&findings);  // it starts there
-  return {std::move(findings), std::move(notes), std::move(damage)};
+  return {std::move(findings), std::move(notes), dataset.damage};
 }
 
 void check_recording(const CheckArguments& arguments) {
   const auto [findings, notes, damage] = run_check(arguments);
   print_notes(notes);
+  const std::string options = proposed_options(findings);
   if (arguments.json) {
-    print_json(findings);
+    const nlohmann::ordered_json all = {{"verdict", to_string(worst(findings))},
+                                        {"findings", findings_json(findings)},
+                                        {"options", options}};
+    fmt::print("{}\n", all.dump());
   } else {
     for (const Finding& finding : findings) print(finding);
-    const std::string options = proposed_options(findings);
     if (!options.empty()) fmt::print("As an option file, for --config:\n{}\n", options);
   }
   throw_damage(damage);

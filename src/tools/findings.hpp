@@ -41,7 +41,7 @@ std::string proposed_options(const check::Findings& findings);
 void without_start(check::Findings* findings);
 
 /// The doubtful and the wrong ones.
-check::Findings not_ok(const check::Findings& findings);
+check::Findings not_ok(check::Findings findings);
 
 /// One line each, "data: nothing found" if there are none.
 std::string findings_text(const check::Findings& findings);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -13,6 +12,7 @@
 #include "commands.hpp"
 #include "estimator_options.hpp"
 #include "recording.hpp"
+#include "rio/eval/metrics.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/start.hpp"
 #include "rio/propagate/static_alignment.hpp"
@@ -20,8 +20,6 @@
 namespace rio::tools {
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// The first true state inside the span of the IMU, biases unknown.
 calibrate::Start start_from_truth(const io::Dataset& dataset, const Options& options) {
@@ -49,12 +47,16 @@ std::optional<calibrate::Start> make_start(const FitNoiseArguments& arguments,
   return calibrate::Start{file.state, file.covariance};
 }
 
+double degrees(double angle) {
+  return eval::kDegreesPerRadian * angle;
+}
+
 void print_run(const calibrate::NoiseCalibration& c) {
   const Eigen::Vector4d& s = c.fit.noise.sigma;
   fmt::print(stderr,
              "run {}: {} matches, {} Dopplers: range {:.4f} m, azimuth {:.2f} deg, elevation "
              "{:.2f} deg, Doppler {:.4f} m/s\n",
-             c.runs, c.landmarks, c.dopplers, s[0], s[1] / kDegree, s[2] / kDegree, s[3]);
+             c.runs, c.landmarks, c.dopplers, s[0], degrees(s[1]), degrees(s[2]), s[3]);
 }
 
 std::string error_text(const eval::NoiseFit& fit, int k) {
@@ -77,7 +79,7 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
       "  sigma_azimuth: \"{:.3f} deg\"  # {}\n"
       "  sigma_elevation: \"{:.3f} deg\"  # {}\n"
       "  sigma_doppler: {:.5f}  # [m/s] {}\n",
-      s[0], error_text(c.fit, 0), s[1] / kDegree, error_text(c.fit, 1), s[2] / kDegree,
+      s[0], error_text(c.fit, 0), degrees(s[1]), error_text(c.fit, 1), degrees(s[2]),
       error_text(c.fit, 2), s[3], error_text(c.fit, 3));
   if (c.fit.growth_seen) {
     fmt::print("  weak_snr_db: {:.1f}  # [dB] +- {:.1f}\n", c.fit.noise.weak_snr_db,
@@ -90,8 +92,7 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
 }  // namespace
 
 void fit_noise(const FitNoiseArguments& arguments) {
-  std::string damage;
-  io::Dataset dataset = read_any(arguments.dataset, arguments.how, &damage);
+  io::Dataset dataset = read_any(arguments.dataset, arguments.how);
   print_notes(dataset.notes);
   const Options options = options_of(dataset, arguments.values);
   calibrate::Recording recording;
@@ -105,7 +106,7 @@ void fit_noise(const FitNoiseArguments& arguments) {
                c.runs);
   }
   print_options(arguments, c);
-  throw_damage(damage);
+  throw_damage(dataset.damage);
 }
 
 }  // namespace rio::tools

@@ -45,11 +45,11 @@ std::vector<CalibrationLine> calibration_lines(const Calibrations& calibration) 
 void HealthLog::add(Time time, const Health& health) {
   constexpr Time kJump = std::chrono::hours(1);  // of the clock
   if (!is_stamp(time)) return;
-  if (!has_last_) begin_ = last_ = time;
-  const bool jumps = time - last_ > kJump || last_ - time > kJump;
-  if (jumps) begin_ += time - last_;
-  const double seconds = jumps ? 0.0 : std::max(0.0, to_seconds(time - last_));
-  has_last_ = true;
+  if (!last_) begin_ = time;
+  const Time step = time - last_.value_or(time);
+  const bool jumps = step > kJump || -step > kJump;
+  if (jumps) begin_ += step;
+  const double seconds = jumps ? 0.0 : std::max(0.0, to_seconds(step));
   last_ = time;
   health_ = health;
   seconds_[static_cast<std::size_t>(health.state)] += seconds;

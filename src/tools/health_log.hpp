@@ -4,6 +4,7 @@
 
 #include <array>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,8 +54,7 @@ class HealthLog {
   static constexpr std::size_t kStates = 5;
 
   Time begin_{0};
-  Time last_{0};
-  bool has_last_ = false;
+  std::optional<Time> last_;
   Health health_;
   std::array<double, kStates> seconds_{};  ///< in each state
   std::array<Reason, kHealthReasonCount> reasons_{};

@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <functional>
 #include <list>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -63,18 +63,6 @@ class Screen {
   Time last_{0};
 };
 
-/// The record of the run, for those who look at it.
-class ViewListener : public live::Listener {
- public:
-  explicit ViewListener(ViewOutputs* view) : view_(view) {}
-  void on_estimate(const live::Session& session, Time /*arrival*/) override {
-    view_->add(session.odometry());
-  }
-
- private:
-  ViewOutputs* view_;
-};
-
 class LiveRun {
  public:
   explicit LiveRun(const LiveArguments& arguments)
@@ -83,18 +71,22 @@ class LiveRun {
         summary_(clock_),
         files_({arguments.out, arguments.states, arguments.json_lines}),
         view_(arguments.view),
-        shown_(&view_),
         watches_(arguments.radars.size()),
-        ports_(clock_, arguments.patience,
-               [this](const std::string& message) { screen_.say(message); }) {
+        ports_(clock_, arguments.patience, std::bind_front(&Screen::say, &screen_)) {
     LiveSensors sensors = find_sensors(arguments);
-    for (const std::string& to : arguments.record) record(to, sensors.info);
+    for (const std::string& to : arguments.record) {
+      if (to.ends_with(".mcap")) {
+        mcap_recorders_.emplace_back(to, arguments.radars.size());
+      } else {
+        recorders_.emplace_back(to, sensors.info);
+      }
+    }
     add_links(sensors.setup.options.imu, sensors.info.imu_info.rate_hz.value_or(200.0));
     std::vector<live::Listener*> listeners;
     if (link_) listeners.push_back(&*link_);  // first, since the autopilot waits
     listeners.push_back(&summary_);
     listeners.push_back(&files_);
-    if (view_.any()) listeners.push_back(&shown_);
+    if (view_.any()) listeners.push_back(&view_);
     view_.begin({"Live run", sensors.setup.options, {}, true, RIO_VERSION});
     for (live::Recorder& recorder : recorders_) listeners.push_back(&recorder);
     for (live::McapRecorder& recorder : mcap_recorders_) listeners.push_back(&recorder);
@@ -119,15 +111,26 @@ class LiveRun {
     for (live::McapRecorder& recorder : mcap_recorders_) recorder.close();
   }
 
-  /// @return whether the estimate is lost
-  bool conclude() {
-    const live::ImuCounters imu = imu_counters();
-    const bool lost = summary_.conclude(*session_, imu, link_ ? link_->sent() : 0);
+  /// Prints the summary.
+  /// @throws WrongResult if the estimate is lost, std::runtime_error if there is none
+  void conclude() {
+    const bool lost = summary_.conclude(*session_, imu_counters(), link_ ? link_->sent() : 0);
     view_.close(summary_.replay());
-    return lost;
+    fmt::print("{}", arguments_.json ? summary_.json() + "\n" : summary_.text());
+    if (lost) throw WrongResult("the estimate is lost: " + summary_.lost_because());
+    std::string failed = summary_.without_scans();
+    const auto fail = [&failed](const char* why) {
+      failed += (failed.empty() ? "" : "; ") + std::string(why);
+    };
+    if (session_->imu_samples() == 0) {
+      fail("no sample of the IMU");
+    } else if (!session_->odometry().initialized()) {
+      fail("no start: hold it still at first, or give start.max_wait");
+    } else if (summary_.replay().updates == 0 && failed.empty()) {
+      fail("no scan gave an update: their points or times are of no use, see the counters above");
+    }
+    if (!failed.empty()) throw std::runtime_error(failed);
   }
-  const LiveSummary& summary() const { return summary_; }
-  const live::Session& session() const { return *session_; }
 
  private:
   void watch() {
@@ -140,14 +143,6 @@ class LiveRun {
 
   bool imu_is_mavlink() const { return arguments_.imu_format.starts_with("mavlink"); }
 
-  void record(const std::string& to, const io::Dataset& info) {
-    if (to.ends_with(".mcap")) {
-      mcap_recorders_.emplace_back(to, arguments_.radars.size());
-    } else {
-      recorders_.emplace_back(to, info);
-    }
-  }
-
   /// The ports of the IMU and of the autopilot, which may be the same.
   void add_links(const ImuOptions& imu, double imu_rate) {
     const bool same = imu_is_mavlink() && arguments_.mavlink == arguments_.imu;
@@ -155,10 +150,8 @@ class LiveRun {
     if (imu_is_mavlink()) {
       to_autopilot = &add_mavlink_port("IMU", arguments_.imu, true);
     } else {
-      ports_.add({Port(arguments_.imu, kImuBaud), "IMU", true,
-                  [this](const std::uint8_t* bytes, std::size_t count, Time arrival) {
-                    take_imu(bytes, count, arrival);
-                  }});
+      ports_.add(
+          {Port(arguments_.imu, kImuBaud), "IMU", true, std::bind_front(&LiveRun::take_imu, this)});
     }
     if (!arguments_.mavlink.empty() && !same) {
       if (imu_is_mavlink()) {
@@ -176,9 +169,8 @@ class LiveRun {
     settings.raw_imu = arguments_.imu_format == "mavlink-raw";
     settings.asks_clock = imu_is_mavlink();
     settings.gyro_sigma = imu.gyro_noise_density * std::sqrt(imu_rate);
-    link_.emplace(settings, [to_autopilot](const std::uint8_t* bytes, std::size_t count) {
-      return to_autopilot->write(bytes, count);  // a full line drops the message: the next is newer
-    });
+    // a full line drops the message: the next is newer
+    link_.emplace(settings, std::bind_front(&Port::write, to_autopilot));
   }
 
   Port& add_mavlink_port(const char* what, const std::string& name, bool needed) {
@@ -194,10 +186,8 @@ class LiveRun {
     for (std::size_t r = 0; r < arguments_.radars.size(); ++r) {
       ports_.add({Port(arguments_.radars[r], static_cast<int>(setup.radars[r].baud)),
                   fmt::format("radar {}", r), true,
-                  [this, r](const std::uint8_t* bytes, std::size_t count, Time arrival) {
-                    session_->radar(r, bytes, count, arrival);
-                  },
-                  [this, r] { session_->radar_reopened(r); }});
+                  std::bind_front(&live::Session::radar, &*session_, r),
+                  std::bind_front(&live::Session::radar_reopened, &*session_, r)});
     }
   }
 
@@ -221,7 +211,6 @@ class LiveRun {
   LiveSummary summary_;
   live::EstimateFiles files_;
   ViewOutputs view_;
-  ViewListener shown_;
   std::list<live::Recorder> recorders_;
   std::list<live::McapRecorder> mcap_recorders_;
   std::vector<live::ScanWatch> watches_;
@@ -244,22 +233,7 @@ void live(const LiveArguments& arguments) {
   catch_stop_signals();
   LiveRun run(arguments);
   run.run();
-  const bool lost = run.conclude();
-  fmt::print("{}{}", arguments.json ? run.summary().json() : run.summary().text(),
-             arguments.json ? "\n" : "");
-  std::string failed = run.summary().without_scans();
-  const auto fail = [&failed](const char* why) {
-    failed += (failed.empty() ? "" : "; ") + std::string(why);
-  };
-  if (run.session().imu_samples() == 0) {
-    fail("no sample of the IMU");
-  } else if (!run.session().odometry().initialized()) {
-    fail("no start: hold it still at first, or give start.max_wait");
-  } else if (run.summary().replay().updates == 0 && failed.empty()) {
-    fail("no scan gave an update: their points or times are of no use, see the counters above");
-  }
-  if (lost) throw WrongResult("the estimate is lost: " + run.summary().lost_because());
-  if (!failed.empty()) throw std::runtime_error(failed);
+  run.conclude();
 }
 
 }  // namespace rio::tools

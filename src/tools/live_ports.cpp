@@ -33,15 +33,13 @@ void complete(io::RadarInfo* info, const ti::ConfigFigures& figures) {
 }
 
 /// Of the sensor file.
-ti::FrameTiming timing_of(const io::RadarInfo& info) {
+Time period_of(const io::RadarInfo& info) {
   if (!info.rate_hz || *info.rate_hz <= 0.0) {
     throw std::runtime_error(
         "the frame rate of the radar is not known: give --radar-cfg, or rate_hz in "
         "radar0/sensor.yaml of --sensors");
   }
-  ti::FrameTiming timing;
-  timing.period = from_seconds(1.0 / *info.rate_hz);
-  return timing;
+  return from_seconds(1.0 / *info.rate_hz);
 }
 
 /// The figures of a configuration; its errors for odometry are noted.
@@ -99,10 +97,10 @@ LiveSensors find_sensors(const LiveArguments& arguments) {
   if (other != nullptr) {
     print_notes({fmt::format("{}: the configuration of {}: the frame rate is that of --sensors",
                              path, other->name)});
-    timing = timing_of(sensors.info.radar_info);
-    timing.baud = other->baud;
-  } else if (path.empty()) {
-    timing = timing_of(sensors.info.radar_info);
+  }
+  if (other != nullptr || path.empty()) {
+    timing.period = period_of(sensors.info.radar_info);
+    if (other != nullptr) timing.baud = other->baud;
   } else {
     const ti::ConfigFigures figures = figures_of(path, sensors.config);
     complete(&sensors.info.radar_info, figures);

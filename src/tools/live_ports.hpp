@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "commands.hpp"
 #include "live/session.hpp"

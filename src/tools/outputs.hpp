@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a command writes does not replace what it reads.
+// What a command writes: it does not replace what it reads.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,22 @@
 #include <string>
 #include <vector>
 
+#include "rio/io/text_file.hpp"
+
 namespace rio::tools {
+
+/// The path without a slash at its end.
+inline std::filesystem::path named(const std::filesystem::path& path) {
+  const std::filesystem::path normal = path.lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
+/// Writes a file of this text.
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  io::TextFile file(path);
+  file.write(text);
+  file.close();
+}
 
 /// Whether `file` is the file `path`, or belongs to the recording in the folder `path`: what is in
 /// its sub-folders, and beside these what no command writes as a result.

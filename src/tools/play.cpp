@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 using live::Cable;
 using live::CableNoise;
 using live::Pty;
+using namespace std::chrono_literals;
 
 /// The bytes of every sensor, and the names of their ports.
 struct Lines {
@@ -46,19 +47,6 @@ Lines lines_of(const fs::path& out, const io::Dataset& flight, CableNoise noise)
   return lines;
 }
 
-void print(const fs::path& port, const live::CableCounters& cable) {
-  fmt::print("{}: {} packets, {} dropped, {} damaged, {} delayed, {} split\n", port.string(),
-             cable.packets, cable.dropped, cable.damaged, cable.delayed, cable.split);
-}
-
-void pause(int milliseconds) {
-  std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-}
-
-bool all_open(const std::vector<Pty>& ptys) {
-  return std::all_of(ptys.begin(), ptys.end(), [](const Pty& pty) { return pty.is_open(); });
-}
-
 }  // namespace
 
 void play_live(const fs::path& out, const io::Dataset& flight, const CableNoise& noise,
@@ -74,14 +62,22 @@ void play_live(const fs::path& out, const io::Dataset& flight, const CableNoise&
   fmt::print("waiting for: rio live --sensors {}{} --imu {}{}\n", out.string(), radars,
              lines.ports.front().string(), speed == 1.0 ? "" : fmt::format(" --speed {}", speed));
   std::fflush(stdout);
-  while (!all_open(ptys) && stop_requested == 0) pause(10);
+  const auto is_open = [](const Pty& pty) { return pty.is_open(); };
+  while (!std::all_of(ptys.begin(), ptys.end(), is_open) && stop_requested == 0) {
+    std::this_thread::sleep_for(10ms);
+  }
   live::play(live::in_order(lines.pieces), speed, stop_requested, [&](const live::Event& event) {
     const live::Bytes& bytes = event.piece->bytes;
     (void)ptys[event.line].write(bytes.data(), bytes.size());  // lost without a reader
     return true;
   });
-  pause(200);  // unread bytes are lost when a pseudo-terminal is closed
-  for (std::size_t i = 0; i < lines.ports.size(); ++i) print(lines.ports[i], lines.counters[i]);
+  std::this_thread::sleep_for(200ms);  // unread bytes are lost when a pseudo-terminal is closed
+  for (std::size_t i = 0; i < lines.ports.size(); ++i) {
+    const live::CableCounters& cable = lines.counters[i];
+    fmt::print("{}: {} packets, {} dropped, {} damaged, {} delayed, {} split\n",
+               lines.ports[i].string(), cable.packets, cable.dropped, cable.damaged, cable.delayed,
+               cable.split);
+  }
 }
 
 }  // namespace rio::tools

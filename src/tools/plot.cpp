@@ -17,11 +17,10 @@
 #include "plot/axes.hpp"
 #include "plot/colours.hpp"
 #include "plot/legend.hpp"
+#include "plot/panel.hpp"
 #include "plot/svg.hpp"
-#include "rio/eval/alignment.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
-#include "rio/io/text_file.hpp"
 #include "rio/io/trajectory.hpp"
 
 namespace rio::tools {
@@ -30,10 +29,13 @@ namespace {
 
 using plot::Axes;
 using plot::Legend;
+using plot::Panel;
 using plot::Point;
 using plot::Range;
 using plot::Stroke;
 using plot::Svg;
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// One path and how it is drawn.
 struct Series {
@@ -43,24 +45,6 @@ struct Series {
   std::vector<eval::PosePair> pairs;  ///< with the truth, if given
 };
 
-/// The points as a curve that is interrupted where samples are missing, at intervals far above the
-/// usual one, and where y jumps by more than `max_jump`.
-/// @param times of the points [s]
-std::vector<Point> interrupted(const std::vector<double>& times, const std::vector<Point>& points,
-                               double max_jump = std::numeric_limits<double>::infinity()) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < times.size(); ++i) intervals.push_back(times[i] - times[i - 1]);
-  const double longest = 5.0 * eval::statistics(intervals).median;
-  std::vector<Point> curve;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool breaks =
-        i > 0 && (intervals[i - 1] > longest || std::abs(points[i].y - points[i - 1].y) > max_jump);
-    if (breaks) curve.push_back({eval::kNan, eval::kNan});
-    curve.push_back(points[i]);
-  }
-  return curve;
-}
-
 Time time_of(const eval::StampedPose& pose) {
   return pose.time;
 }
@@ -68,27 +52,25 @@ Time time_of(const eval::PosePair& pair) {
   return pair.estimate.time;
 }
 
-/// A value of each sample over the time since `start` [s].
-template <class Sample, class Value>
-std::vector<Point> over_time(const std::vector<Sample>& samples, Time start, Value value,
-                             double max_jump = std::numeric_limits<double>::infinity()) {
-  std::vector<double> times;
-  std::vector<Point> points;
-  for (const Sample& sample : samples) {
-    times.push_back(to_seconds(time_of(sample) - start));
-    points.push_back({times.back(), value(sample)});
+/// A point of each sample, as a curve that is interrupted where samples are missing, at intervals
+/// far above the usual one, and where y jumps by more than `max_jump`.
+template <class Sample, class PointOf>
+std::vector<Point> curve_of(const std::vector<Sample>& samples, PointOf point_of,
+                            double max_jump = kUnlimited) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    intervals.push_back(to_seconds(time_of(samples[i]) - time_of(samples[i - 1])));
   }
-  return interrupted(times, points, max_jump);
-}
-
-std::vector<Point> plan(const eval::Trajectory& poses) {
-  std::vector<double> times;
-  std::vector<Point> points;
-  for (const eval::StampedPose& pose : poses) {
-    times.push_back(to_seconds(pose.time - poses.front().time));
-    points.push_back({pose.p.x(), pose.p.y()});
+  const double longest = 5.0 * eval::statistics(intervals).median;
+  std::vector<Point> curve;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Point point = point_of(samples[i]);
+    if (i > 0 && (intervals[i - 1] > longest || std::abs(point.y - curve.back().y) > max_jump)) {
+      curve.push_back({eval::kNan, eval::kNan});
+    }
+    curve.push_back(point);
   }
-  return interrupted(times, points);
+  return curve;
 }
 
 /// File name without extension; with its folder if two would be equal.
@@ -110,21 +92,14 @@ std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
   return labels;
 }
 
-/// Both ranges grown so that a metre has the same length along x and y of a square panel.
-void make_equal(Range* x, Range* y) {
-  const double half = 0.5 * std::max(x->span(), y->span());
-  for (Range* range : {x, y}) {
-    const double centre = 0.5 * (range->low + range->high);
-    *range = {centre - half, centre + half};
-  }
-}
-
 void draw_plan(Svg* svg, double left, double top, double size, const std::vector<Series>& all) {
   std::vector<std::vector<Point>> curves;
   Range x;
   Range y;
   for (const Series& series : all) {
-    curves.push_back(plan(series.poses));
+    curves.push_back(curve_of(series.poses, [](const eval::StampedPose& pose) {
+      return Point{pose.p.x(), pose.p.y()};
+    }));
     for (const Point& point : curves.back()) {
       x.add(point.x);
       y.add(point.y);
@@ -132,7 +107,12 @@ void draw_plan(Svg* svg, double left, double top, double size, const std::vector
   }
   x = x.padded(0.05, 0.1);
   y = y.padded(0.05, 0.1);
-  make_equal(&x, &y);
+  // a metre has the same length along both
+  const double half = 0.5 * std::max(x.span(), y.span());
+  for (Range* range : {&x, &y}) {
+    const double centre = 0.5 * (range->low + range->high);
+    *range = {centre - half, centre + half};
+  }
   const Axes axes(svg, {left, top, size, size}, x, y);
   axes.draw("Plan view", "x [m]", "y [m]");
   for (std::size_t i = 0; i < all.size(); ++i) axes.curve(curves[i], all[i].stroke);
@@ -146,27 +126,24 @@ void draw_plan(Svg* svg, double left, double top, double size, const std::vector
   }
 }
 
-/// A quantity over time: one curve for each series, in its order.
-struct TimePanel {
-  std::string title;
-  std::string unit;
-  std::vector<std::vector<Point>> curves;
-  double smallest_span = 0.0;
-  bool from_zero = false;
-};
-
-void draw_panel(Svg* svg, const plot::Box& box, const Range& time, const TimePanel& panel,
-                const std::vector<Series>& all, bool last) {
-  Range y;
-  for (const auto& curve : panel.curves) {
-    for (const Point& point : curve) y.add(point.y);
+/// A quantity of all series over the time since `start` [s].
+/// @param samples those of a series
+/// @param smallest_span of the y axis
+template <class Samples, class Value>
+Panel over_time(const std::vector<Series>& all, Time start, Samples samples, Value value,
+                double smallest_span, bool from_zero = false, double max_jump = kUnlimited) {
+  Panel panel;
+  for (const Series& series : all) {
+    const auto point_of = [&](const auto& sample) {
+      return Point{to_seconds(time_of(sample) - start), value(sample)};
+    };
+    panel.curves.push_back({"", curve_of(series.*samples, point_of, max_jump), series.stroke});
   }
-  if (panel.from_zero) y.add(0.0);
-  y = y.padded(0.06, panel.smallest_span);
-  if (panel.from_zero) y.low = 0.0;
-  const Axes axes(svg, box, time, y);
-  axes.draw(panel.title, last ? "time [s]" : "", panel.unit);
-  for (std::size_t i = 0; i < all.size(); ++i) axes.curve(panel.curves[i], all[i].stroke);
+  Range y = y_values(panel);
+  if (from_zero) y.add(0.0);
+  panel.y = y.padded(0.06, smallest_span);
+  if (from_zero) panel.y->low = 0.0;
+  return panel;
 }
 
 /// Every other one is thinner and dashed: one that lies upon another lets it show.
@@ -202,25 +179,29 @@ double draw_legend(Svg* svg, double left, double top, double right,
 std::string draw(const std::vector<Series>& all, bool with_truth) {
   Time start = all.back().poses.front().time;
   for (const Series& series : all) start = std::min(start, series.poses.front().time);
+  std::vector<Panel> panels;
+  const auto add = [&panels](const char* title, const char* unit, Panel panel) {
+    panel.title = title;
+    panel.y_label = unit;
+    panels.push_back(std::move(panel));
+  };
+  const auto height = [](const eval::StampedPose& pose) { return pose.p.z(); };
+  const auto distance = [](const eval::PosePair& pair) {
+    return (pair.estimate.p - pair.truth.p).norm();
+  };
+  add("Height", "z [m]", over_time(all, start, &Series::poses, height, 0.2));
+  if (with_truth) {
+    add("Position error", "|error| [m]",
+        over_time(all, start, &Series::pairs, distance, 0.02, true));
+    add("Yaw error", "error [deg]",
+        over_time(all, start, &Series::pairs, eval::yaw_error, 0.2, false, 180.0));
+  }
   Range time;
-  TimePanel height{"Height", "z [m]", {}, 0.2, false};
-  TimePanel position{"Position error", "|error| [m]", {}, 0.02, true};
-  TimePanel yaw{"Yaw error", "error [deg]", {}, 0.2, false};
-  for (const Series& series : all) {
-    height.curves.push_back(
-        over_time(series.poses, start, [](const eval::StampedPose& pose) { return pose.p.z(); }));
-    position.curves.push_back(over_time(series.pairs, start, [](const eval::PosePair& pair) {
-      return (pair.estimate.p - pair.truth.p).norm();
-    }));
-    yaw.curves.push_back(over_time(series.pairs, start, eval::yaw_error, 180.0));
-    for (const Point& point : height.curves.back()) time.add(point.x);
+  for (const plot::Curve& curve : panels.front().curves) {
+    for (const Point& point : curve.points) time.add(point.x);
   }
   time = time.padded(0.0, 0.1);
-  std::vector<TimePanel> panels = {std::move(height)};
-  if (with_truth) {
-    panels.push_back(std::move(position));
-    panels.push_back(std::move(yaw));
-  }
+  panels.back().x_label = "time [s]";
 
   const double width = 1280.0;
   const double plan_size = 560.0;
@@ -229,8 +210,7 @@ std::string draw(const std::vector<Series>& all, bool with_truth) {
   const double panel_width = width - panel_left - 25.0;
   const double gap = 38.0;
   Svg measure(width, 0.0);
-  const double legend_end = draw_legend(&measure, plan_left, 28.0, width - 25.0, all);
-  const double top = legend_end + 50.0;
+  const double top = draw_legend(&measure, plan_left, 28.0, width - 25.0, all) + 50.0;
 
   Svg svg(width, top + plan_size + 55.0);
   draw_legend(&svg, plan_left, 28.0, width - 25.0, all);
@@ -239,16 +219,17 @@ std::string draw(const std::vector<Series>& all, bool with_truth) {
   const double panel_height = (plan_size - gap * (count - 1.0)) / count;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const double panel_top = top + static_cast<double>(i) * (panel_height + gap);
-    draw_panel(&svg, {panel_left, panel_top, panel_width, panel_height}, time, panels[i], all,
-               i + 1 == panels.size());
+    const Axes axes(&svg, {panel_left, panel_top, panel_width, panel_height}, time, *panels[i].y);
+    axes.draw(panels[i].title, panels[i].x_label, panels[i].y_label);
+    for (const plot::Curve& curve : panels[i].curves) axes.curve(curve.points, curve.stroke);
   }
   return svg.str();
 }
 
 /// The truth over the time that the estimates cover.
 Series truth_series(const eval::Trajectory& truth, const std::vector<Series>& estimates) {
-  Time first = estimates.front().poses.front().time;
-  Time last = estimates.front().poses.back().time;
+  Time first = Time::max();
+  Time last = Time::min();
   for (const Series& series : estimates) {
     first = std::min(first, series.poses.front().time);
     last = std::max(last, series.poses.back().time);
@@ -286,15 +267,11 @@ void plot(const PlotArguments& arguments) {
     eval::Trajectory poses = io::read_trajectory(arguments.estimates[i]);
     Series series{labels[i], overlaid_stroke(i), std::move(poses), {}};
     if (with_truth) {
-      series.pairs = eval::associate(truth, series.poses).pairs;
+      series.pairs = lay_over(truth, arguments.align, &series.poses);
       if (series.pairs.size() < 2) {
         throw std::runtime_error(arguments.estimates[i] +
                                  ": fewer than 2 poses have a true pose in " + arguments.truth);
       }
-      const Pose T =
-          eval::find_alignment(series.pairs, *eval::alignment_kind(arguments.align)).transform;
-      series.pairs = eval::transformed(T, std::move(series.pairs));
-      for (eval::StampedPose& pose : series.poses) pose = eval::transformed(T, pose);
     }
     all.push_back(std::move(series));
   }
@@ -306,9 +283,7 @@ void plot(const PlotArguments& arguments) {
   std::vector<std::string> inputs = arguments.estimates;
   inputs.push_back(arguments.truth);
   protect_inputs(inputs, {arguments.out});
-  io::TextFile file(arguments.out);
-  file.write(draw(all, with_truth));
-  file.close();
+  write_text(arguments.out, draw(all, with_truth));
 }
 
 }  // namespace rio::tools

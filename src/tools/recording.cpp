@@ -118,8 +118,8 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   }
   if (arguments != allowed) {
     throw std::runtime_error(path +
-                             ": options of a bag are given, but it is none: "
-                             "topics, clocks and sensors are those of its own files");
+                             ": options of a bag are given, but it is none: topics, clocks and "
+                             "sensors are those of its own files");
   }
   return false;
 }
@@ -169,16 +169,14 @@ void print_what_is_missing(const fs::path& out, bool mounted) {
 
 }  // namespace
 
-io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage, bool truth) {
+io::Dataset read_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
   io::Dataset dataset;
   if (is_bag(path, arguments)) {
     bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
-    *damage = recording.damage;
     dataset = std::move(recording.dataset);
+    dataset.damage = recording.damage;
   } else {
     dataset = io::read_dataset(path);
-    *damage = dataset.damage;
   }
   take_settings(arguments, &dataset);
   return dataset;
@@ -218,8 +216,7 @@ void convert(const ConvertArguments& arguments) {
   if (taken && !arguments.force) {
     throw std::runtime_error(out.string() + ": holds a recording already; --force overwrites it");
   }
-  std::string damage;
-  const io::Dataset dataset = read_any(arguments.recording, arguments.how, &damage, true);
+  const io::Dataset dataset = read_any(arguments.recording, arguments.how, true);
   print_notes(dataset.notes);
   const bool is_folder = io::is_asl_folder(arguments.recording);
   if (to_bag) {
@@ -232,7 +229,7 @@ void convert(const ConvertArguments& arguments) {
              dataset.scans.size());
   if (to_bag) print_what_is_left_out(is_folder ? arguments.recording : "FOLDER", dataset);
   if (!to_bag && !is_folder) print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
-  throw_damage(damage);
+  throw_damage(dataset.damage);
 }
 
 }  // namespace rio::tools

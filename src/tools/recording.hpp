@@ -2,7 +2,6 @@
 // A recording in any supported format: ASL folder, ROS 1 bag, MCAP, sqlite3 of rosbag2.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -12,11 +11,10 @@
 
 namespace rio::tools {
 
-/// Reads it.
-/// @param damage position of damage in the file, else empty; the data set ends there
+/// Reads it; where its file is damaged the data set ends, and says so.
 /// @param truth also reads the ground truth of a bag
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments,
-                     std::string* damage, bool truth = false);
+                     bool truth = false);
 
 /// The same as a stream.
 struct OpenRecording {
@@ -27,7 +25,7 @@ struct OpenRecording {
 OpenRecording open_any(const std::string& path, const RecordingArguments& arguments,
                        bool truth = false);
 
-/// Throws the `damage` of read_any(), if any: the readable part has been used by then.
+/// Throws the damage of a recording, if any: the readable part has been used by then.
 void throw_damage(const std::string& damage);
 
 }  // namespace rio::tools

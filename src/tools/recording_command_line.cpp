@@ -62,8 +62,8 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
                CLI::IsMember({"auto", "header", "receive", "carried", "trigger"}));
   of_a_bag.add("--trigger", &how->trigger, "topic; by default the only std_msgs/Header");
   of_a_bag.add("--trigger-match", &how->trigger_match,
-               "the last trigger before a scan: sequence, of those with its number (default), "
-               "or earlier, of all",
+               "the last trigger before a scan: sequence, of those with its number (default), or "
+               "earlier, of all",
                CLI::IsMember({"sequence", "earlier"}));
   of_a_bag.add("--imu-offset", &how->imu_offset, "added to the stamps, as \"3 ms\"");
   of_a_bag.add("--radar-offset", &how->radar_offset, "added to the stamps, as \"-0.12 s\"");
@@ -181,9 +181,9 @@ void add_compare_command(CLI::App& app) {
               "KEY=VALUE,VALUE,...: a run with each; several: every combination", kOneEach);
   add_option_values(command, &to->estimator, "option file; see `rio options`");
   command.add("--init", &to->init, kInit);
-  command.add("--truth", &to->truth,
-              "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of "
-              "the recording");
+  command.add(
+      "--truth", &to->truth,
+      "true path: TUM file, EuRoC csv, dataset folder or bag; by default that of the recording");
   add_alignment(command, &to->align);
   command.add("--report", &to->report, "page to write, HTML: table, paths, differences");
   add_recording_options(command, &to->how, false);
@@ -225,10 +225,10 @@ void add_calibrate_command(CLI::App& app) {
       app, "calibrate",
       "Estimate mounting, time offset and Doppler scale of the radar and the noise of the sensors");
   CalibrateArguments* to = command.runs(&calibrate);
-  command.add("DATASET", &to->datasets,
-              "folders in ASL/EuRoC layout, or bags, of one and the same mounting; each begins at "
-              "rest",
-              kRequired);
+  command.add(
+      "DATASET", &to->datasets,
+      "folders in ASL/EuRoC layout, or bags, of one and the same mounting; each begins at rest",
+      kRequired);
   command.add("--out", &to->out,
               "folder for the files to fly with: radar0/sensor.yaml, imu0/sensor.yaml");
   command.add("--overwrite", &to->overwrite, "replace sensor files in --out");
@@ -245,9 +245,9 @@ void add_options_command(CLI::App& app) {
            "default, published-ekf, published-smoother, published-uncertainty or doppler-only")
       ->default_str("default");
   command.add("--compare", &to->compare, "the options in which the presets differ, as a table");
-  command.add("--from", &to->dataset,
-              "the options that a replay of this folder or bag uses, sensor files and --config "
-              "included");
+  command.add(
+      "--from", &to->dataset,
+      "the options that a replay of this folder or bag uses, sensor files and --config included");
   add_option_values(command, &to->estimator, "option file, as of `rio replay`");
   add_recording_options(command, &to->how);
 }

@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
@@ -23,7 +21,6 @@
 #include "replay_start.hpp"
 #include "replay_summary.hpp"
 #include "rio/aiding.hpp"
-#include "rio/io/barometer.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/models/aids.hpp"
@@ -61,10 +58,9 @@ eval::Trajectory truth_for_view(const ReplayArguments& arguments, const OpenReco
 
 view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& recording,
                          const Options& options, const std::string& source) {
-  std::filesystem::path path = std::filesystem::path(arguments.dataset).lexically_normal();
-  if (path.filename().empty()) path = path.parent_path();
-  return {path.filename().string(), options, truth_for_view(arguments, recording),
-          source != "groundtruth", RIO_VERSION};
+  const std::string name = named(arguments.dataset).filename().string();
+  return {name, options, truth_for_view(arguments, recording), source != "groundtruth",
+          RIO_VERSION};
 }
 
 /// Feeds the samples in the order of their stamps. At most one scan waits for the IMU, so that no
@@ -73,46 +69,44 @@ view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& 
 /// for each other.
 class Replay {
  public:
-  /// @param kept receives the samples, if not null
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
-         CheckedPart* kept, ViewOutputs* view, const OnScan& on_scan)
-      : samples_(recording.samples.get()),
-        outline_(samples_->outline()),
+         ViewOutputs* view, const OnScan& on_scan)
+      : arguments_(arguments),
+        outline_(recording.samples->outline()),
         on_scan_(on_scan),
-        view_(view) {
-    const std::optional<Start> start = make_start(arguments, recording, options);
+        view_(view),
+        start_(make_start(arguments, recording, options)),
+        feed_(recording.samples.get()) {
     Options used = options;
-    used.start.static_alignment = !start;
+    used.start.static_alignment = !start_;
     std::string why;
     odometry_ = Odometry::create(used, &why);
     if (odometry_ == nullptr) throw std::runtime_error(why);
     if (!arguments.init_velocity.empty()) init_velocity_ = Vector3d(arguments.init_velocity.data());
-    summary_.initialised_by = start ? start->source : "static";
-    if (view->any()) view->begin(run_start(arguments, recording, used, start ? start->source : ""));
-    feed_.emplace(samples_, kept);
-    summary_.reserve(feed_->scans_left());
-    if (start) begin(*start);
-    watched_ = !arguments.view.port.empty();
-    lines_ = arguments.verbose && !arguments.json && !arguments.quiet && isatty(STDOUT_FILENO) != 0;
+    summary_.initialised_by = start_ ? start_->source : "static";
+    if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
+    summary_.reserve(feed_.scans_left());
+    if (start_) begin(*start_);
     outputs_.open(arguments, outline_.imu_begin);
-    if (arguments.barometer) open_barometer(recording);
+    if (arguments.barometer) heights_.emplace(recording.samples.get());
   }
 
   ReplaySummary run() {
-    Progress progress(!lines_ && !on_scan_);
-    while (const ImuSample* sample = feed_->imu()) {
+    const bool shows_lines = outputs_.prints_lines() && isatty(STDOUT_FILENO) != 0;
+    Progress progress(!shows_lines && !on_scan_);
+    while (const ImuSample* sample = feed_.imu()) {
       pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
-      const std::optional<Time> due = waiting_ ? std::nullopt : feed_->due();
+      const std::optional<Time> due = waiting_ ? std::nullopt : feed_.due();
       if (due && *due < sample->time) {
         give_scan();
       } else {
         give_imu(*sample);
-        give_heights(sample->time);
+        if (heights_) give_heights(sample->time);
         next_imu();
       }
     }
-    while (!waiting_ && feed_->due()) give_scan();
+    while (!waiting_ && feed_.due()) give_scan();
     return finish();
   }
 
@@ -122,46 +116,26 @@ class Replay {
     if (init_velocity_) state.v_WB = *init_velocity_;
     restart(state, start.covariance);
     for (const ImuSample* after = nullptr;
-         (after = feed_->imu(1)) != nullptr && after->time <= state.time;) {
+         (after = feed_.imu(1)) != nullptr && after->time <= state.time;) {
       next_imu();
     }
     std::size_t radar = 0;
-    for (auto due = feed_->due(); due && *due < state.time; due = feed_->due()) {
-      (void)feed_->take_scan(&radar);
+    for (auto due = feed_.due(); due && *due < state.time; due = feed_.due()) {
+      (void)feed_.take_scan(&radar);
       ++summary_.scans_before_start;
     }
   }
 
   /// Of the recording, for those who watch it.
   void pace(Time time) {
-    if (!watched_) return;
+    if (arguments_.view.port.empty()) return;
     if (!paced_from_) paced_from_ = steady_now() - time;
     std::this_thread::sleep_for(*paced_from_ + time - steady_now());
   }
 
   void next_imu() {
-    feed_->pass_imu();
+    feed_.pass_imu();
     ++imu_;
-  }
-
-  /// Of the heights; the barometer has its own reader.
-  void open_barometer(const OpenRecording& recording) {
-    scale_ = io::barometric_scale([&recording](const io::UseBaroSample& use) {
-      recording.samples->rewind_baro();
-      for (io::BaroSample sample; recording.samples->next(&sample);) use(sample);
-    });
-    if (!scale_.any)
-      throw std::runtime_error("--barometer: there is no baro0 or topic of a barometer");
-    recording.samples->rewind_baro();
-    next_height();
-  }
-
-  void next_height() {
-    height_.reset();
-    for (io::BaroSample sample; !height_ && samples_->next(&sample);) {
-      height_ = scale_.height(sample);
-      height_time_ = sample.time;
-    }
   }
 
   void restart(const NavState& state, const BodyCovariance& covariance) {
@@ -175,8 +149,7 @@ class Replay {
     const std::uint64_t restarts = this->restarts();
     const Time before = steady_now();
     (void)odometry_->add_imu(sample);  // its outcome is counted
-    const Time after = steady_now();
-    summary_.wall += after - before;
+    summary_.wall += steady_now() - before;
     if (odometry_->initialized()) summary_.health.add(sample.time, odometry_->health());
     if (!was_initialized && odometry_->initialized() && init_velocity_) {
       NavState state = odometry_->at_scan();
@@ -197,23 +170,20 @@ class Replay {
 
   /// Barometer heights up to that time; dropped before the start.
   void give_heights(Time time) {
-    for (; height_ && height_time_ <= time; next_height()) {
-      const HeightModel::Measurement z{*height_, scale_.sigma};
-      (void)odometry_->add_measurement({height_time_, HeightModel{}, z});  // its outcome is counted
+    while (const auto height = heights_->take(time)) {
+      const HeightModel::Measurement z{height->height, heights_->sigma()};
+      (void)odometry_->add_measurement({height->time, HeightModel{}, z});  // its outcome is counted
     }
   }
 
   void give_scan() {
     std::size_t radar = 0;
-    const RadarScan& scan = feed_->take_scan(&radar);
+    const RadarScan& scan = feed_.take_scan(&radar);
     const Time before = steady_now();
     const Status status = odometry_->add_scan(scan, radar);
     summary_.wall += steady_now() - before;
     if (status == Status::kNotInitialized) ++summary_.scans_before_start;
-    if (several_) {
-      record_new();
-      return;
-    }
+    if (several_) return record_new();
     if (status == Status::kWaiting) waiting_ = scan.time;
     if (status == Status::kOk) record();
   }
@@ -231,8 +201,8 @@ class Replay {
     const NavState& state = odometry_->at_scan();
     if (!(state.p_WB + state.v_WB + state.gyro_bias + state.accel_bias).allFinite() ||
         !state.q_WB.coeffs().allFinite() || !odometry_->covariance().allFinite()) {
-      throw std::runtime_error("the estimate is not finite at " + io::seconds_text(state.time) +
-                               " s");
+      throw std::runtime_error(
+          fmt::format("the estimate is not finite at {} s", io::seconds_text(state.time)));
     }
     outputs_.add(*odometry_);
     if (on_scan_) on_scan_(*odometry_);
@@ -243,33 +213,30 @@ class Replay {
   ReplaySummary finish() {
     outputs_.close();
     summary_.started = odometry_->initialized();
-    summary_.scans_unprocessed = static_cast<int>(feed_->scans_left()) + (waiting_ ? 1 : 0);
+    summary_.scans_unprocessed = static_cast<int>(feed_.scans_left()) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
     if (several_) summary_.scans = static_cast<int>(summary_.counters.scans);
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = outline_.imu_end - outline_.imu_begin;
-    std::size_t recorded = 0;
-    for (const std::vector<Time>& stamps : outline_.scan_times) recorded += stamps.size();
-    const double used = static_cast<double>(summary_.scans) / static_cast<double>(recorded);
-    summary_.health.conclude(summary_.calibration, summary_.is_absurd(), used);
-    feed_->read_rest();
+    double recorded = 0.0;
+    for (const std::vector<Time>& stamps : outline_.scan_times) {
+      recorded += static_cast<double>(stamps.size());
+    }
+    summary_.health.conclude(summary_.calibration, summary_.is_absurd(), summary_.scans / recorded);
     return std::move(summary_);
   }
 
-  io::RecordingStream* samples_;
+  const ReplayArguments& arguments_;
   const io::RecordingOutline& outline_;
   const OnScan& on_scan_;
-  std::optional<ReplayFeed> feed_;
+  ViewOutputs* view_;
+  std::optional<Start> start_;  ///< reads the samples, so before the feed
+  ReplayFeed feed_;
   std::size_t imu_ = 0;  ///< samples that have passed
-  io::BarometricScale scale_;
-  std::optional<double> height_;  ///< the next one of the barometer [m]
-  Time height_time_{0};
+  std::optional<HeightFeed> heights_;
   bool several_ = outline_.scan_times.size() > 1;  ///< radars
   std::uint64_t recorded_ = 0;                     ///< scans of several radars
   ScanOutputs outputs_;
-  ViewOutputs* view_;
-  bool watched_ = false;
-  bool lines_ = false;              ///< one a scan on the terminal, in place of the progress
   std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;
@@ -277,14 +244,13 @@ class Replay {
   ReplaySummary summary_;
 };
 
-/// What `check` found, as the causes.
+/// With what `check` found, as the causes.
 std::string no_start_text(const std::optional<check::Findings>& data) {
   std::string text =
       "no start: the estimator found no standstill, and start.max_wait or --init says nothing else";
-  if (!data) return text + "; `rio check` looks for the cause";
-  std::string causes = findings_text(*data);
-  causes.pop_back();  // the end of its last line
-  return text + "\n" + causes;
+  text += data ? "\n" + findings_text(*data) : "; `rio check` looks for the cause\n";
+  text.pop_back();  // the end of its last line
+  return text;
 }
 
 }  // namespace
@@ -294,24 +260,20 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
                  {arguments.out, arguments.states, arguments.view.report, arguments.view.mcap});
   const OpenRecording recording =
       open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
-  const io::RecordingOutline& outline = recording.samples->outline();
   std::vector<std::string> notes = recording.sensors.notes;
   const Options options = make_options(arguments, recording.sensors, &notes);
   if (!on_scan) print_notes(notes);  // at once
-  std::optional<CheckedPart> part;
-  if (!arguments.no_check) part.emplace(recording.sensors, outline);
-  ReplaySummary summary =
-      Replay(arguments, recording, options, part ? &*part : nullptr, view, on_scan).run();
-  if (part) {
+  ReplaySummary summary = Replay(arguments, recording, options, view, on_scan).run();
+  if (!arguments.no_check) {
     Options checked;  // overridden values have been noted already
     (void)io::tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
-    summary.data =
-        not_ok(findings_of(arguments.dataset, part->read(recording.samples.get()), checked));
+    const CheckedPart part = read_checked_part(recording.samples.get(), recording.sensors);
+    summary.data = not_ok(findings_of(arguments.dataset, part.data, checked));
     if (summary.initialised_by != "static") without_start(&*summary.data);
-    summary.checked_seconds = part->seconds();
+    summary.checked_seconds = part.seconds;
   }
   if (!summary.started) throw std::runtime_error(no_start_text(summary.data));
-  return {std::move(summary), std::move(notes), outline.damage};
+  return {std::move(summary), std::move(notes), recording.samples->outline().damage};
 }
 
 void replay(const ReplayArguments& arguments) {
@@ -322,11 +284,7 @@ void replay(const ReplayArguments& arguments) {
   if (summary.data && worst(*summary.data) == check::Verdict::kWrong) {
     fmt::print(stderr, "note: something is wrong with the recording; see `rio check`\n");
   }
-  if (arguments.json) {
-    fmt::print("{}\n", summary.json());
-  } else {
-    fmt::print("{}", summary.text());
-  }
+  fmt::print("{}", arguments.json ? summary.json() + "\n" : summary.text());
   if (summary.health.lost()) {
     throw WrongResult(fmt::format(
         "the estimate is lost: {}; fastest {:.3g} m/s, farthest {:.3g} m; check units, axes, "

@@ -2,57 +2,10 @@
 #include "replay_feed.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+#include <utility>
 
 namespace rio::tools {
-
-namespace {
-
-constexpr double kLongest = 600.1;              // ten minutes, and the error of a clock [s]
-constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
-
-}  // namespace
-
-CheckedPart::CheckedPart(const io::Dataset& sensors, const io::RecordingOutline& outline)
-    : data_{sensors, {}, {}} {
-  // reserved at once: a growing vector exists twice; untouched memory costs nothing
-  for (const std::vector<Time>& stamps : outline.scan_times) {
-    data_.radars.emplace_back().reserve(stamps.size(), kMostBytes / sizeof(check::Point));
-  }
-}
-
-void CheckedPart::add(const ImuSample& sample) {
-  constexpr double kPause = 1.0;  // [s]
-  if (full_) return;
-  if (imu_samples_ > 0) {
-    const double step = to_seconds(sample.time) - to_seconds(last_);
-    if (step > 0.0 && step < kPause) seconds_ += step;
-  }
-  bytes_ += sizeof(ImuSample);
-  full_ = seconds_ > kLongest || bytes_ > kMostBytes;
-  last_ = sample.time;
-  imu_samples_ += full_ ? 0 : 1;
-}
-
-void CheckedPart::add(const RadarScan& scan, std::size_t radar) {
-  if (full_) return;
-  bytes_ += check::Scans::bytes(scan);
-  full_ = bytes_ > kMostBytes;
-  if (!full_) data_.radars[radar].push_back(scan);
-}
-
-const check::CheckedData& CheckedPart::read(io::RecordingStream* stream) {
-  stream->rewind();
-  data_.imu.resize(imu_samples_);
-  std::size_t count = 0;
-  while (count < imu_samples_ && stream->next(&data_.imu[count])) ++count;
-  data_.imu.resize(count);
-  stream->rewind();  // closes the files
-  return data_;
-}
-
-std::optional<double> CheckedPart::seconds() const {
-  return full_ ? std::optional<double>(seconds_) : std::nullopt;
-}
 
 std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
   if (std::is_sorted(stamps.begin(), stamps.end())) return std::nullopt;
@@ -83,8 +36,7 @@ std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
   return due;
 }
 
-ReplayFeed::ReplayFeed(io::RecordingStream* stream, CheckedPart* kept)
-    : stream_(stream), kept_(kept) {
+ReplayFeed::ReplayFeed(io::RecordingStream* stream) : stream_(stream) {
   for (const std::vector<Time>& stamps : stream->outline().scan_times) {
     radars_.push_back({&stamps, due_times(stamps)});
   }
@@ -99,7 +51,6 @@ const ImuSample* ReplayFeed::imu(std::size_t ahead) {
       return nullptr;
     }
     ++samples_;
-    if (kept_ != nullptr) kept_->add(imu_[1]);
   }
   return &imu_[2 - samples_ + ahead];
 }
@@ -127,7 +78,6 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
     of.count = of.next + 1;
   }
   ++of.next;
-  if (kept_ != nullptr) kept_->add(scan_, *radar);
   return scan_;
 }
 
@@ -137,10 +87,61 @@ std::size_t ReplayFeed::scans_left() const {
   return left;
 }
 
-void ReplayFeed::read_rest() {
-  if (kept_ == nullptr) return;
-  while (kept_->open() && imu() != nullptr) pass_imu();
-  for (std::size_t radar = 0; kept_->open() && due();) (void)take_scan(&radar);
+CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors) {
+  constexpr double kLongest = 600.1;              // ten minutes, and the error of a clock [s]
+  constexpr double kPause = 1.0;                  // of the IMU, not counted [s]
+  constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
+  CheckedPart part{{sensors, {}, {}}, std::nullopt};
+  // reserved at once: a growing vector exists twice; untouched memory costs nothing
+  part.data.imu.reserve(std::min(stream->outline().imu_samples, kMostBytes / sizeof(ImuSample)));
+  for (const std::vector<Time>& stamps : stream->outline().scan_times) {
+    part.data.radars.emplace_back().reserve(stamps.size(), kMostBytes / sizeof(check::Point));
+  }
+  std::size_t bytes = 0;
+  double seconds = 0.0;
+  const auto full = [&] { return bytes > kMostBytes || seconds > kLongest; };
+  ReplayFeed feed(stream);
+  while (!full()) {
+    const ImuSample* sample = feed.imu();
+    const std::optional<Time> due = feed.due();
+    if (sample == nullptr && !due) break;
+    if (due && (sample == nullptr || *due < sample->time)) {
+      std::size_t radar = 0;
+      const RadarScan& scan = feed.take_scan(&radar);
+      bytes += check::Scans::bytes(scan);
+      if (!full()) part.data.radars[radar].push_back(scan);
+    } else {
+      if (!part.data.imu.empty()) {
+        const double step = to_seconds(sample->time) - to_seconds(part.data.imu.back().time);
+        if (step > 0.0 && step < kPause) seconds += step;
+      }
+      bytes += sizeof(ImuSample);
+      if (!full()) part.data.imu.push_back(*sample);
+      feed.pass_imu();
+    }
+  }
+  if (full()) part.seconds = seconds;
+  stream->rewind();  // closes the files
+  return part;
+}
+
+HeightFeed::HeightFeed(io::RecordingStream* stream) : stream_(stream) {
+  scale_ = io::barometric_scale([stream](const io::UseBaroSample& use) {
+    stream->rewind_baro();
+    for (io::BaroSample sample; stream->next(&sample);) use(sample);
+  });
+  if (!scale_.any) {
+    throw std::runtime_error("--barometer: there is no baro0 or topic of a barometer");
+  }
+  stream->rewind_baro();
+}
+
+std::optional<HeightFeed::Height> HeightFeed::take(Time until) {
+  for (io::BaroSample sample; !next_ && stream_->next(&sample);) {
+    if (const auto height = scale_.height(sample)) next_ = {sample.time, *height};
+  }
+  if (!next_ || next_->time > until) return std::nullopt;
+  return std::exchange(next_, std::nullopt);
 }
 
 }  // namespace rio::tools

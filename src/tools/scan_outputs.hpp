@@ -24,6 +24,8 @@ class ScanOutputs {
     if (!arguments.states.empty()) states_.emplace(arguments.states);
   }
 
+  bool prints_lines() const { return lines_; }
+
   void add(const Odometry& odometry) {
     const NavState& state = odometry.at_scan();
     if (newest_ && newest_->state.time != state.time) write();
@@ -57,8 +59,8 @@ class ScanOutputs {
       gated += model.rows_gated;
     }
     fmt::print(
-        "{:9.3f} s  position {:8.3f} {:8.3f} {:8.3f} m  speed {:6.3f} m/s  points {:3} static {:3}"
-        "  rows {:3} gated {:3}\n",
+        "{:9.3f} s  position {:8.3f} {:8.3f} {:8.3f} m  speed {:6.3f} m/s  points {:3} static {:3} "
+        " rows {:3} gated {:3}\n",
         to_seconds(state.time - begin_), state.p_WB.x(), state.p_WB.y(), state.p_WB.z(),
         state.v_WB.norm(), report.detections_kept, report.static_detections, used, gated);
   }

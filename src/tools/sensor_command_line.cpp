@@ -24,14 +24,12 @@ void add_live_outputs(const Command& command, LiveArguments* to) {
   add_path_files(command, &to->out, &to->states);
   command.add("--json-lines", &to->json_lines, "a line of JSON a scan; - is standard output");
   command.add("--record", &to->record,
-              "folder of a new dataset, for `rio replay`, or FILE.mcap (ROS 2); may be given "
-              "twice",
+              "folder of a new dataset, for `rio replay`, or FILE.mcap (ROS 2); may be given twice",
               kOneEach);
   add_view_options(command, &to->view);
-  CLI::Option* link =
-      command.add("--mavlink", &to->mavlink,
-                  "port of the autopilot, as udp:127.0.0.1:14550 or /dev/ttyAMA0@921600; may "
-                  "be the IMU's");
+  CLI::Option* link = command.add(
+      "--mavlink", &to->mavlink,
+      "port of the autopilot, as udp:127.0.0.1:14550 or /dev/ttyAMA0@921600; may be the IMU's");
   command.add("--mavlink-rate", &to->mavlink_rate, "of ODOMETRY [Hz]", CLI::Range(0.1, 1000.0),
               link, kShown);
   command.add("--mavlink-system", &to->mavlink_system, "number of the vehicle", CLI::Range(1, 255),
@@ -57,8 +55,8 @@ void add_option_values(const Command& command, OptionValues* values, const std::
 void add_estimator_options(const Command& command, EstimatorArguments* estimator) {
   add_option_values(command, estimator, "option file; see `rio options`");
   command.add("--preset", &estimator->preset,
-              "default, published-ekf, published-smoother, published-uncertainty or "
-              "doppler-only; wins over the file's");
+              "default, published-ekf, published-smoother, published-uncertainty or doppler-only; "
+              "wins over the file's");
   command.add("--backend", &estimator->backend, "ekf or smoother, whatever the preset says",
               CLI::IsMember({"ekf", "smoother"}));
 }
@@ -66,8 +64,8 @@ void add_estimator_options(const Command& command, EstimatorArguments* estimator
 void add_path_files(const Command& command, std::string* out, std::string* states) {
   command.add("--out", out, "trajectory to write, TUM format");
   command.add("--states", states,
-              "states with covariance to write, csv; P is that of position, attitude (body "
-              "axes), velocity");
+              "states with covariance to write, csv; P is that of position, attitude (body axes), "
+              "velocity");
 }
 
 void add_view_options(const Command& command, ViewArguments* view) {
@@ -109,8 +107,8 @@ void add_live_command(CLI::App& app) {
               "CLOCK_MONOTONIC of this machine",
               CLI::IsMember({"own", "host"}), kShown);
   command.add("--sensors", &to->sensors,
-              "folder with imu0/sensor.yaml, radar0/sensor.yaml, as `rio calibrate --out` "
-              "writes it: mounting and noise",
+              "folder with imu0/sensor.yaml, radar0/sensor.yaml, as `rio calibrate --out` writes "
+              "it: mounting and noise",
               CLI::ExistingDirectory);
   add_estimator_options(command, &to->estimator);
   CLI::Option* cfg = command.add(
@@ -161,12 +159,11 @@ void add_simulate_command(CLI::App& app) {
               "on the body, radar0, radar1, ...: two look ahead and down, three or four around",
               CLI::Range(1, 4));
   command.add("--ideal", &to->ideal,
-              "ideal sensors instead of the scenario's: Gaussian noise only, no grids, "
-              "folding, outliers or vibration");
-  CLI::Option* live = command.add(
-      "--live", &to->live,
-      "then play it: OUT/radar0/port and OUT/imu0/port are serial lines for `rio live` until it is "
-      "over");
+              "ideal sensors instead of the scenario's: Gaussian noise only, no grids, folding, "
+              "outliers or vibration");
+  CLI::Option* live = command.add("--live", &to->live,
+                                  "then play it: OUT/radar0/port and OUT/imu0/port are serial "
+                                  "lines for `rio live` until it is over");
   const Command played = command.under("With --live");
   const CLI::Range share(0.0, 1.0);
   played.add("--speed", &to->speed, "of the time", CLI::Range(0.1, 100.0), live);

@@ -4,18 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "commands.hpp"
+#include "outputs.hpp"
 #include "progress.hpp"
 #include "rio/io/flight_dataset.hpp"
 #include "rio/io/scenario_yaml.hpp"
-#include "rio/io/text_file.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "simulate.hpp"
 
@@ -45,12 +43,6 @@ sim::Scenario make_scenario(const SimulateArguments& arguments) {
     scenario.path.file = fs::absolute(scenario.path.file).lexically_normal().string();
   }
   return scenario;
-}
-
-void write_text(const fs::path& path, const std::string& text) {
-  io::TextFile file(path);
-  file.write(text);
-  file.close();
 }
 
 std::string labels_text(const sim::Flight& flight) {
@@ -111,41 +103,28 @@ void write(const fs::path& out, const sim::Flight& flight, const io::Dataset& da
   if (flight.scenario.errors.starts_wrongly()) write_text(start, start_text(flight));
 }
 
-/// Of the path between the first and the last true state [m]; max_duration may have cut it.
-double flown_length(const sim::Flight& flight) {
-  double length = 0.0;
-  for (std::size_t i = 1; i < flight.truth.size(); ++i) {
-    length += (flight.truth[i].p_WB - flight.truth[i - 1].p_WB).norm();
-  }
-  return length;
-}
-
-double top_speed(const sim::Flight& flight) {
-  double top = 0.0;
-  for (const NavState& state : flight.truth) top = std::max(top, state.v_WB.norm());
-  return top;
-}
-
-/// Detections of each label, in the order of sim::Cause.
-std::map<sim::Cause, std::size_t> count_labels(const sim::Flight& flight) {
+void print_summary(const SimulateArguments& arguments, const sim::Flight& flight) {
   std::map<sim::Cause, std::size_t> counts;
+  std::size_t detections = 0;
   for (const auto& scan : flight.labels) {
+    detections += scan.size();
     for (const sim::Label& label : scan) ++counts[label.cause];
   }
-  return counts;
-}
-
-void print_summary(const SimulateArguments& arguments, const sim::Flight& flight) {
-  const std::map<sim::Cause, std::size_t> counts = count_labels(flight);
-  std::size_t detections = 0;
-  for (const auto& [cause, count] : counts) detections += count;
+  double length = 0.0;  // that was flown: max_duration may have cut the path
+  double top_speed = 0.0;
+  const NavState* last = &flight.truth.front();
+  for (const NavState& state : flight.truth) {
+    length += (state.p_WB - last->p_WB).norm();
+    top_speed = std::max(top_speed, state.v_WB.norm());
+    last = &state;
+  }
   const double seconds = to_seconds(flight.truth.back().time - flight.truth.front().time);
   fmt::print(
       "{}: {}, seed {}, {:.1f} m in {:.1f} s at up to {:.2f} m/s, {} IMU samples, {} scans, "
       "{} detections",
       arguments.out, arguments.scenario.empty() ? "default" : arguments.scenario,
-      flight.scenario.seed, flown_length(flight), seconds, top_speed(flight), flight.imu.size(),
-      flight.scans.size(), detections);
+      flight.scenario.seed, length, seconds, top_speed, flight.imu.size(), flight.scans.size(),
+      detections);
   const char* separator = ": ";
   for (const auto& [cause, count] : counts) {
     fmt::print("{}{:.1f} % {}", separator,

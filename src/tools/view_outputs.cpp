@@ -8,10 +8,8 @@
 #include <utility>
 
 #include "view/csv_log.hpp"
-#include "view/messages.hpp"
-#ifdef RIO_HAS_LIBWEBSOCKETS
 #include "view/live_server.hpp"
-#endif
+#include "view/messages.hpp"
 
 namespace rio::tools {
 
@@ -43,52 +41,58 @@ void fill_card(const ReplaySummary& summary, view::Page* page) {
 
 }  // namespace
 
+void write_report(const view::Page& page, const std::string& path) {
+  for (const std::string& note : view::write_page(page, path)) {
+    fmt::print(stderr, "note: {} is {}\n", path, note);
+  }
+}
+
 ViewOutputs::ViewOutputs(const ViewArguments& arguments) : report_path_(arguments.report) {
   if (!arguments.report.empty()) {
     auto report = std::make_unique<view::ReportBuilder>();
     report_ = report.get();
-    sinks_.push_back(std::move(report));
+    add_sink(std::move(report));
   }
-  if (!arguments.log.empty()) sinks_.push_back(std::make_unique<view::CsvLog>(arguments.log));
-  if (!arguments.mcap.empty()) send_to(std::make_unique<view::McapTarget>(arguments.mcap));
+  if (!arguments.log.empty()) add_sink(std::make_unique<view::CsvLog>(arguments.log));
+  if (!arguments.mcap.empty()) {
+    add_sink(std::make_unique<view::Messages>(std::make_unique<view::McapTarget>(arguments.mcap)));
+  }
   if (!arguments.port.empty()) serve(arguments);
-  for (const auto& sink : sinks_) recorder_.add_sink(sink.get());
 }
 
-void ViewOutputs::send_to(std::unique_ptr<view::MessageTarget> target) {
-  sinks_.push_back(std::make_unique<view::Messages>(target.get()));
-  targets_.push_back(std::move(target));
+void ViewOutputs::begin(const view::RunStart& start) {
+  for (const auto& sink : sinks_) sink->begin(start);
+}
+
+void ViewOutputs::add(const Odometry& odometry) {
+  if (!any()) return;
+  view::take_record(odometry, &record_);
+  const std::vector<view::Event>& events = watch_.look(record_);
+  for (const auto& sink : sinks_) sink->add(record_, events);
 }
 
 void ViewOutputs::serve(const ViewArguments& arguments) {
 #ifdef RIO_HAS_LIBWEBSOCKETS
-  auto server = std::make_unique<view::LiveServer>(arguments.address, std::stoi(arguments.port));
+  auto server = view::make_live_server(arguments.address, std::stoi(arguments.port));
   fmt::print(stderr, "view: ws://{}:{} (Foxglove, Lichtblick: open connection)\n",
              arguments.address, server->port());
   server_ = server.get();
-  send_to(std::move(server));
+  add_sink(std::make_unique<view::Messages>(std::move(server)));
 #else
   (void)arguments;
   throw std::runtime_error("--view: built without libwebsockets (package libwebsockets-dev)");
 #endif
 }
 
-void ViewOutputs::tell_dropped() const {
-#ifdef RIO_HAS_LIBWEBSOCKETS
-  if (server_ == nullptr || server_->dropped() == 0) return;
-  fmt::print(stderr, "view: {} messages dropped, since viewers read too slowly\n",
-             server_->dropped());
-#endif
-}
-
 void ViewOutputs::close(const ReplaySummary& summary) {
-  recorder_.close();
-  tell_dropped();
+  for (const auto& sink : sinks_) sink->close();
+  if (server_ != nullptr && server_->dropped() > 0) {
+    fmt::print(stderr, "view: {} messages dropped, since viewers read too slowly\n",
+               server_->dropped());
+  }
   if (report_ == nullptr) return;
   fill_card(summary, &report_->page());
-  for (const std::string& note : view::write_page(report_->page(), report_path_)) {
-    fmt::print(stderr, "note: {} is {}\n", report_path_, note);
-  }
+  write_report(report_->page(), report_path_);
 }
 
 }  // namespace rio::tools

@@ -4,9 +4,11 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
+#include "live/session.hpp"
 #include "replay_summary.hpp"
 #include "view/messages.hpp"
 #include "view/record.hpp"
@@ -18,32 +20,35 @@ class LiveServer;
 
 namespace rio::tools {
 
-class ViewOutputs {
+/// Writes the page; what is missing in it is noted on stderr.
+void write_report(const view::Page& page, const std::string& path);
+
+class ViewOutputs : public live::Listener {
  public:
   /// Throws std::runtime_error if something cannot be written.
   explicit ViewOutputs(const ViewArguments& arguments);
 
-  /// Another one, which must outlive this.
-  void add_sink(view::RunSink* sink) { recorder_.add_sink(sink); }
+  void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back(std::move(sink)); }
 
-  bool any() const { return recorder_.any(); }
-  void begin(const view::RunStart& start) { recorder_.begin(start); }
+  bool any() const { return !sinks_.empty(); }
+  void begin(const view::RunStart& start);
   /// After a scan was processed.
-  void add(const Odometry& odometry) { recorder_.add(odometry); }
+  void add(const Odometry& odometry);
+  void on_estimate(const live::Session& session, Time /*arrival*/) override {
+    add(session.odometry());
+  }
   /// Completes the files; the report with the verdict and the figures of the summary.
   void close(const ReplaySummary& summary);
 
  private:
-  void send_to(std::unique_ptr<view::MessageTarget> target);
   void serve(const ViewArguments& arguments);
-  void tell_dropped() const;
 
   std::string report_path_;
   view::ReportBuilder* report_ = nullptr;  ///< among the sinks
-  view::LiveServer* server_ = nullptr;     ///< among the targets
-  std::vector<std::unique_ptr<view::MessageTarget>> targets_;
+  view::LiveServer* server_ = nullptr;     ///< of a sink
   std::vector<std::unique_ptr<view::RunSink>> sinks_;
-  view::RunRecorder recorder_;
+  view::ScanRecord record_;
+  view::EventWatch watch_;
 };
 
 }  // namespace rio::tools

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <string>
 
+#include "rio/eval/metrics.hpp"
 #include "rio/report.hpp"
 
 namespace rio::view {
@@ -14,21 +15,21 @@ namespace rio::view {
 struct CalibrationName {
   const char* name;
   const char* unit;
-  double scale;
+  double scale;  ///< from SI
+  const char* si_unit;
   const char* check;  ///< possible cause when it is doubtful
 };
 
 inline constexpr const char* kMounting = "T_BS of radar0";
-inline constexpr double kDegrees = 57.29577951308232;
 inline constexpr std::array<CalibrationName, kCalibrationCount> kCalibrationNames = {
-    {{"radar_rotation_x", "deg", kDegrees, kMounting},
-     {"radar_rotation_y", "deg", kDegrees, kMounting},
-     {"radar_rotation_z", "deg", kDegrees, kMounting},
-     {"radar_position_x", "cm", 100.0, kMounting},
-     {"radar_position_y", "cm", 100.0, kMounting},
-     {"radar_position_z", "cm", 100.0, kMounting},
-     {"doppler_scale", "%", 100.0, "the unit and the grid of the Doppler"},
-     {"time_offset", "ms", 1000.0, "the stamps of the scans: the middle of the chirps?"}}};
+    {{"radar_rotation_x", "deg", eval::kDegreesPerRadian, "rad", kMounting},
+     {"radar_rotation_y", "deg", eval::kDegreesPerRadian, "rad", kMounting},
+     {"radar_rotation_z", "deg", eval::kDegreesPerRadian, "rad", kMounting},
+     {"radar_position_x", "cm", 100.0, "m", kMounting},
+     {"radar_position_y", "cm", 100.0, "m", kMounting},
+     {"radar_position_z", "cm", 100.0, "m", kMounting},
+     {"doppler_scale", "%", 100.0, "1", "the unit and the grid of the Doppler"},
+     {"time_offset", "ms", 1000.0, "s", "the stamps of the scans: the middle of the chirps?"}}};
 
 /// Of radar r: "radar_rotation_x" is "radar1_rotation_x", "time_offset" is "radar1_time_offset".
 inline std::string calibration_name(std::size_t i, std::size_t r) {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 
 #include "view/calibration_names.hpp"
 
@@ -17,23 +17,23 @@ std::filesystem::path made(const std::filesystem::path& folder) {
   return folder;
 }
 
-std::string list(const Vector3d& v) {
-  return fmt::format(",{},{},{}", v.x(), v.y(), v.z());
+std::string cell(const Vector3d& v) {
+  return fmt::format("{},{},{}", v.x(), v.y(), v.z());
+}
+template <class Value>
+std::string cell(const Value& value) {
+  return fmt::format("{}", value);
+}
+
+/// A row: its head, and the cells of all values.
+template <class... Values>
+void write(io::TextFile* file, const std::string& head, const Values&... values) {
+  std::string line = head;
+  (line.append(",").append(cell(values)), ...);
+  file->write(line + "\n");
 }
 
 constexpr const char* kGateResults[] = {"used", "gated", "out of domain"};  // GateResult
-
-std::string underscored(std::string name) {
-  for (char& c : name) c = c == ' ' ? '_' : c;
-  return name;
-}
-
-/// The name of a parameter says no unit: the CSV has SI units.
-const char* unit_of(std::size_t i) {
-  constexpr std::array<const char*, kCalibrationCount> kUnits = {"rad", "rad", "rad", "m",
-                                                                 "m",   "m",   "1",   "s"};
-  return kUnits[i];
-}
 
 }  // namespace
 
@@ -62,11 +62,13 @@ CsvLog::CsvLog(const std::filesystem::path& folder)
                    "W_x_m,W_y_m,W_z_m,P_xx_m2,P_xy_m2,P_xz_m2,P_yy_m2,P_yz_m2,P_zz_m2,"
                    "last_seen_ns\n");
   calibration_.write(head + "parameter,unit,correction,sigma,prior_sigma,observability\n");
-  std::string severities;
+  health_.write(head + "state,position,velocity,heading,quality,reset_counter");
   for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
-    severities += "," + underscored(rio::to_string(static_cast<HealthReason>(i)));
+    std::string reason = rio::to_string(static_cast<HealthReason>(i));
+    std::replace(reason.begin(), reason.end(), ' ', '_');
+    health_.write("," + reason);
   }
-  health_.write(head + "state,position,velocity,heading,quality,reset_counter" + severities + "\n");
+  health_.write("\n");
   events_.write("t_ns,kind,serious,text\n");
 }
 
@@ -76,50 +78,40 @@ void CsvLog::add(const ScanRecord& record, const std::vector<Event>& events) {
   const std::string head =
       fmt::format("{},{},{}", x.time.count(), record.stamp.count(), record.radar);
   const Quaternion& q = x.q_WB;
-  scans_.write(head + list(x.p_WB) + fmt::format(",{},{},{},{}", q.w(), q.x(), q.y(), q.z()) +
-               list(x.v_WB) + list(x.gyro_bias) + list(x.accel_bias) +
-               list(record.sigma(body::kPosition)) + list(record.sigma(body::kAttitude)) +
-               list(record.sigma(body::kVelocity)) +
-               fmt::format(",{},{},{}", r.detections, r.detections_kept, r.static_detections) +
-               (r.ego_velocity_valid ? list(r.ego_velocity_S) : ",,,") +
-               fmt::format(",{},{},{},{},{},{}\n", r.landmarks, r.landmarks_matched, r.clones,
-                           r.at_rest ? 1 : 0, 1e3 * to_seconds(r.update_time),
-                           1e3 * to_seconds(r.propagation_time)));
+  write(&scans_, head, x.p_WB, q.w(), q.x(), q.y(), q.z(), x.v_WB, x.gyro_bias, x.accel_bias,
+        record.sigma(body::kPosition), record.sigma(body::kAttitude), record.sigma(body::kVelocity),
+        r.detections, r.detections_kept, r.static_detections,
+        r.ego_velocity_valid ? cell(r.ego_velocity_S) : ",,", r.landmarks, r.landmarks_matched,
+        r.clones, r.at_rest ? 1 : 0, 1e3 * to_seconds(r.update_time),
+        1e3 * to_seconds(r.propagation_time));
   for (const InnovationRecord& i : r.records) {
-    innovations_.write(fmt::format("{},{},{},{},{},{},{},{},{},{}\n", head, rio::to_string(i.model),
-                                   i.name == nullptr ? "" : i.name, i.detection, i.dof,
-                                   i.innovation, i.sigma, i.nis, i.gate,
-                                   kGateResults[static_cast<std::size_t>(i.result)]));
+    write(&innovations_, head, rio::to_string(i.model), i.name == nullptr ? "" : i.name,
+          i.detection, i.dof, i.innovation, i.sigma, i.nis, i.gate,
+          kGateResults[static_cast<std::size_t>(i.result)]);
   }
   for (std::size_t i = 0; i < record.points.size(); ++i) {
     const PointReport& p = record.points[i];
-    points_.write(
-        fmt::format("{},{},{}", head, i, rio::to_string(p.label)) + list(p.point_S) +
-        list(p.point_W) +
-        fmt::format(",{},{},{},{}\n", p.range_rate, p.snr_db, p.residual, p.residual_sigma));
+    write(&points_, head, i, rio::to_string(p.label), p.point_S, p.point_W, p.range_rate, p.snr_db,
+          p.residual, p.residual_sigma);
   }
   for (const LandmarkReport& l : record.landmarks) {
     const Matrix3d& P = l.covariance_W;
-    landmarks_.write(head + list(l.position_W) + list(P.row(0).transpose()) +
-                     fmt::format(",{},{},{},{}\n", P(1, 1), P(1, 2), P(2, 2), l.last_seen.count()));
+    write(&landmarks_, head, l.position_W, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2),
+          l.last_seen.count());
   }
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = r.calibration[i];
     if (c.observability == Observability::kNotEstimated) continue;
-    calibration_.write(fmt::format("{},{},{},{},{},{},{}\n", head,
-                                   calibration_name(i, record.radar), unit_of(i), c.value, c.sigma,
-                                   c.prior_sigma, rio::to_string(c.observability)));
+    write(&calibration_, head, calibration_name(i, record.radar), kCalibrationNames[i].si_unit,
+          c.value, c.sigma, c.prior_sigma, rio::to_string(c.observability));
   }
   const Health& h = r.health;
-  std::string severities;
-  for (const double severity : h.severity) severities += fmt::format(",{}", severity);
-  health_.write(fmt::format("{},{},{},{},{},{},{}{}\n", head, rio::to_string(h.state),
-                            rio::to_string(h.position), rio::to_string(h.velocity),
-                            rio::to_string(h.heading), h.quality, h.reset_counter, severities));
+  write(&health_, head, rio::to_string(h.state), rio::to_string(h.position),
+        rio::to_string(h.velocity), rio::to_string(h.heading), h.quality, h.reset_counter,
+        fmt::format("{}", fmt::join(h.severity, ",")));
   for (const Event& event : events) {
-    events_.write(fmt::format("{},{},{},\"{}\"\n", event.time.count(),
-                              kEventNames[static_cast<std::size_t>(event.kind)],
-                              event.serious ? 1 : 0, event.text));
+    write(&events_, cell(event.time.count()), kEventNames[static_cast<std::size_t>(event.kind)],
+          event.serious ? 1 : 0, "\"" + event.text + "\"");
   }
 }
 

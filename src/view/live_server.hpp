@@ -17,26 +17,15 @@ namespace rio::view {
 
 class LiveServer : public MessageTarget {
  public:
-  /// Listens. Throws std::runtime_error if it cannot.
-  /// @param address of this machine on which it listens; 127.0.0.1: this machine only
-  /// @param port 0: any that is free
-  LiveServer(const std::string& address, int port);
-  ~LiveServer() override;
-
-  int port() const;
-  std::uint16_t add_channel(const std::string& topic, const std::string& type,
-                            const std::string& definition, bool latest_stays) override;
-  void add(std::uint16_t channel, Time time, std::string_view message) override;
-  void flush(Time time) override;
-  /// Waits for viewers to read on, a second at most; then disconnects them.
-  void close() override;
-
+  virtual int port() const = 0;
   /// Messages that viewers have lost.
-  std::uint64_t dropped() const;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  virtual std::uint64_t dropped() const = 0;
 };
+
+/// Listens. Throws std::runtime_error if it cannot. Its close() waits for viewers to read on, a
+/// second at most; its end disconnects them.
+/// @param address of this machine on which it listens; 127.0.0.1: this machine only
+/// @param port 0: any that is free
+std::unique_ptr<LiveServer> make_live_server(const std::string& address, int port);
 
 }  // namespace rio::view

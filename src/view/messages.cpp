@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
-#include <utility>
 
 #include "bag/ros2_types.hpp"
+#include "rio/core/so3.hpp"
 #include "rio/eval/alignment.hpp"
 #include "rio/eval/pairing.hpp"
 #include "view/calibration_names.hpp"
@@ -36,23 +36,16 @@ void put_header(CdrWriter* message, Time stamp, const std::string& frame) {
   message->text(frame);
 }
 
+void put_pose(CdrWriter* message, const Vector3d& p, const Quaternion& q) {
+  put_vector(message, p);
+  put_quaternion(message, q);
+}
+
 void put_transform(CdrWriter* message, Time stamp, const std::string& from, const std::string& to,
                    const Pose& pose) {
   put_header(message, stamp, from);
   message->text(to);
-  put_vector(message, pose.translation);
-  put_quaternion(message, pose.rotation);
-}
-
-CdrWriter path_message(Time time, const eval::Trajectory& poses) {
-  CdrWriter message = stamped(time, kWorld);
-  message.put(static_cast<std::uint32_t>(poses.size()));
-  for (const eval::StampedPose& pose : poses) {
-    put_header(&message, pose.time, kWorld);
-    put_vector(&message, pose.p);
-    put_quaternion(&message, pose.q);
-  }
-  return message;
+  put_pose(message, pose.translation, pose.rotation);
 }
 
 /// 6 x 6, row by row.
@@ -64,15 +57,15 @@ void put_covariance(CdrWriter* message, const Eigen::Matrix<double, 6, 6>& P) {
 CdrWriter cloud(Time stamp, const std::string& frame, const std::vector<const char*>& floats,
                 const char* byte, std::size_t count, const std::string& data) {
   CdrWriter message = stamped(stamp, frame);
-  const auto size = static_cast<std::uint32_t>(4 * floats.size() + (byte != nullptr ? 1 : 0));
+  const std::size_t bytes = byte != nullptr ? 1 : 0;
   message.put(std::uint32_t{1}).put(static_cast<std::uint32_t>(count));  // height, width
-  message.put(static_cast<std::uint32_t>(floats.size() + (byte != nullptr ? 1 : 0)));
-  std::uint32_t offset = 0;
+  message.put(static_cast<std::uint32_t>(floats.size() + bytes));
+  std::uint32_t size = 0;  // of a point so far
   for (const char* name : floats) {
-    message.text(name).put(offset).put(kFloat32).put(std::uint32_t{1});
-    offset += 4;
+    message.text(name).put(size).put(kFloat32).put(std::uint32_t{1});
+    size += 4;
   }
-  if (byte != nullptr) message.text(byte).put(offset).put(kUint8).put(std::uint32_t{1});
+  if (byte != nullptr) message.text(byte).put(size++).put(kUint8).put(std::uint32_t{1});
   message.put(std::uint8_t{0}).put(size).put(static_cast<std::uint32_t>(size * count));
   return message.block(data).put(std::uint8_t{1});
 }
@@ -88,8 +81,7 @@ void put_marker(CdrWriter* message, Time stamp, std::int32_t id, Action action, 
                 const Vector3d& scale, const std::array<float, 4>& colour) {
   put_header(message, stamp, kWorld);
   message->text("landmarks").put(id).put(std::int32_t{2}).put(static_cast<std::int32_t>(action));
-  put_vector(message, pose.translation);
-  put_quaternion(message, pose.rotation);
+  put_pose(message, pose.translation, pose.rotation);
   put_vector(message, scale);
   for (const float channel : colour) message->put(channel);
   message->put(std::int32_t{0}).put(std::uint32_t{0}).put(std::uint8_t{0});  // for ever, not locked
@@ -97,22 +89,19 @@ void put_marker(CdrWriter* message, Time stamp, std::int32_t id, Action action, 
   message->text("").text("").put(std::uint8_t{0});
 }
 
-/// A sphere stretched to three sigmas.
-void put_ellipsoid(CdrWriter* message, Time stamp, std::int32_t id,
-                   const LandmarkReport& landmark) {
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(landmark.covariance_W);
-  Matrix3d axes = solver.eigenvectors();
-  if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
-  put_marker(message, stamp, id, Action::kAdd, {Quaternion(axes), landmark.position_W},
-             6.0 * solver.eigenvalues().cwiseMax(1e-8).cwiseSqrt(), {0.0F, 0.45F, 0.70F, 0.5F});
-}
-
-CdrWriter marker_array(Time stamp, const std::vector<LandmarkReport>& landmarks) {
+/// Spheres stretched to three sigmas, in place of those before.
+CdrWriter ellipsoids(Time stamp, const std::vector<LandmarkReport>& landmarks) {
   CdrWriter message;
   message.put(static_cast<std::uint32_t>(1 + landmarks.size()));
   put_marker(&message, stamp, 0, Action::kDeleteAll, {}, Vector3d::Zero(), {});
   std::int32_t id = 0;
-  for (const LandmarkReport& landmark : landmarks) put_ellipsoid(&message, stamp, ++id, landmark);
+  for (const LandmarkReport& landmark : landmarks) {
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(landmark.covariance_W);
+    Matrix3d axes = solver.eigenvectors();
+    if (axes.determinant() < 0.0) axes.col(0) *= -1.0;
+    put_marker(&message, stamp, ++id, Action::kAdd, {Quaternion(axes), landmark.position_W},
+               6.0 * solver.eigenvalues().cwiseMax(1e-8).cwiseSqrt(), {0.0F, 0.45F, 0.70F, 0.5F});
+  }
   return message;
 }
 
@@ -120,11 +109,8 @@ CdrWriter log_message(const Event& event) {
   CdrWriter message;
   bag::put_time(&message, event.time);
   message.put(std::uint8_t{event.serious ? std::uint8_t{40} : std::uint8_t{20}});  // error, info
-  message.text("rio")
-      .text(event.text)
-      .text("")
-      .text(kEventNames[static_cast<std::size_t>(event.kind)])
-      .put(std::uint32_t{0});
+  message.text("rio").text(event.text).text("");
+  message.text(kEventNames[static_cast<std::size_t>(event.kind)]).put(std::uint32_t{0});
   return message;
 }
 
@@ -132,27 +118,11 @@ CdrWriter log_message(const Event& event) {
 
 void Messages::send(const std::string& topic, const char* type, Time time, const CdrWriter& message,
                     bool latest_stays) {
-  auto at = channels_.find(topic);
-  if (at == channels_.end()) {
-    const std::uint16_t channel =
-        target_->add_channel(topic, type, bag::definition_of(type), latest_stays);
-    at = channels_.emplace(topic, channel).first;
+  const auto [at, added] = channels_.try_emplace(topic);
+  if (added) {
+    at->second = target_->add_channel(topic, type, bag::definition_of(type), latest_stays);
   }
   target_->add(at->second, time, message.bytes());
-}
-
-void Messages::send_number(const std::string& topic, Time time, double value) {
-  send(topic, "std_msgs/msg/Float64", time, CdrWriter().put(value));
-}
-
-void Messages::send_vector(const std::string& topic, Time time, const Vector3d& value) {
-  CdrWriter message = stamped(time, topic.rfind("/bias", 0) == 0 ? kBody : kWorld);
-  put_vector(&message, value);
-  send(topic, "geometry_msgs/msg/Vector3Stamped", time, message);
-}
-
-void Messages::begin(const RunStart& start) {
-  start_ = start;
 }
 
 void Messages::send_pose(const ScanRecord& record) {
@@ -167,8 +137,7 @@ void Messages::send_pose(const ScanRecord& record) {
   send("/tf", "tf2_msgs/msg/TFMessage", x.time, tf);
 
   CdrWriter pose = stamped(x.time, kWorld);
-  put_vector(&pose, x.p_WB);
-  put_quaternion(&pose, x.q_WB);
+  put_pose(&pose, x.p_WB, x.q_WB);
   send("/pose", "geometry_msgs/msg/PoseStamped", x.time, pose);
 
   // pose: position and rotation about the axes of the world; twist: in body axes
@@ -179,14 +148,12 @@ void Messages::send_pose(const ScanRecord& record) {
   Eigen::Matrix<double, 6, 15> K = Eigen::Matrix<double, 6, 15>::Zero();
   const Vector3d v_B = R.transpose() * x.v_WB;
   K.block<3, 3>(0, body::kVelocity) = R.transpose();
-  K.block<3, 3>(0, body::kAttitude) << 0.0, -v_B.z(), v_B.y(), v_B.z(), 0.0, -v_B.x(), -v_B.y(),
-      v_B.x(), 0.0;
+  K.block<3, 3>(0, body::kAttitude) = skew(v_B);
   Eigen::Matrix<double, 6, 6> twist = K * record.covariance * K.transpose();
   twist.bottomRightCorner<3, 3>().diagonal().setConstant(1e9);  // angular velocity: not estimated
   CdrWriter odometry = stamped(x.time, kWorld);
   odometry.text(kBody);
-  put_vector(&odometry, x.p_WB);
-  put_quaternion(&odometry, x.q_WB);
+  put_pose(&odometry, x.p_WB, x.q_WB);
   put_covariance(&odometry, J * record.covariance * J.transpose());
   put_vector(&odometry, v_B);
   put_vector(&odometry, Vector3d::Zero());
@@ -195,7 +162,13 @@ void Messages::send_pose(const ScanRecord& record) {
 }
 
 void Messages::send_path(const std::string& topic, Time time, const eval::Trajectory& poses) {
-  send(topic, "nav_msgs/msg/Path", time, path_message(time, poses), true);
+  CdrWriter message = stamped(time, kWorld);
+  message.put(static_cast<std::uint32_t>(poses.size()));
+  for (const eval::StampedPose& pose : poses) {
+    put_header(&message, pose.time, kWorld);
+    put_pose(&message, pose.p, pose.q);
+  }
+  send(topic, "nav_msgs/msg/Path", time, message, true);
 }
 
 /// A path is sent when it has grown by a tenth: all of them together are ten times the last one.
@@ -236,7 +209,7 @@ void Messages::send_landmarks(const ScanRecord& record) {
   if (ellipsoids_sent_ != Time::min() && time - ellipsoids_sent_ < std::chrono::seconds(1)) return;
   ellipsoids_sent_ = time;
   send("/landmarks/ellipsoids", "visualization_msgs/msg/MarkerArray", time,
-       marker_array(time, record.landmarks), true);
+       ellipsoids(time, record.landmarks), true);
 }
 
 void Messages::send_innovations(const ScanRecord& record) {
@@ -253,31 +226,39 @@ void Messages::send_innovations(const ScanRecord& record) {
 void Messages::send_series(const ScanRecord& record) {
   const Time time = record.state.time;
   const UpdateReport& report = record.report;
-  send_vector("/sigma/position", time, record.sigma(body::kPosition));
-  send_vector("/sigma/attitude", time, record.sigma(body::kAttitude));
-  send_vector("/sigma/velocity", time, record.sigma(body::kVelocity));
-  send_vector("/bias/gyro", time, record.state.gyro_bias);
-  send_vector("/bias/accel", time, record.state.accel_bias);
+  const auto send_vector = [&](const char* topic, const char* frame, const Vector3d& value) {
+    CdrWriter message = stamped(time, frame);
+    put_vector(&message, value);
+    send(topic, "geometry_msgs/msg/Vector3Stamped", time, message);
+  };
+  const auto send_number = [&](const std::string& topic, double value) {
+    send(topic, "std_msgs/msg/Float64", time, CdrWriter().put(value));
+  };
+  send_vector("/sigma/position", kWorld, record.sigma(body::kPosition));
+  send_vector("/sigma/attitude", kWorld, record.sigma(body::kAttitude));
+  send_vector("/sigma/velocity", kWorld, record.sigma(body::kVelocity));
+  send_vector("/bias/gyro", kBody, record.state.gyro_bias);
+  send_vector("/bias/accel", kBody, record.state.accel_bias);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = report.calibration[i];
     if (c.observability == Observability::kNotEstimated) continue;
     const std::string topic = "/calibration/" + calibration_name(i, record.radar);
-    send_number(topic, time, c.value);
-    send_number(topic + "/sigma", time, c.sigma);
+    send_number(topic, c.value);
+    send_number(topic + "/sigma", c.sigma);
   }
   for (std::size_t i = 0; i < kModelCount; ++i) {
     const ModelReport& model = report.models[i];
     if (model.rows_used == 0) continue;
-    send_number(std::string("/nis/") + to_string(static_cast<Model>(i)), time,
+    send_number(fmt::format("/nis/{}", to_string(static_cast<Model>(i))),
                 model.nis / model.rows_used);
   }
-  send_number("/health/quality", time, report.health.quality);
-  send_number("/health/state", time, static_cast<double>(report.health.state));
+  send_number("/health/quality", report.health.quality);
+  send_number("/health/state", static_cast<double>(report.health.state));
   if (report.detections_kept > 0) {
-    send_number("/points/static_share", time,
+    send_number("/points/static_share",
                 static_cast<double>(report.static_detections) / report.detections_kept);
   }
-  send_number("/update_ms", time, 1e3 * to_seconds(report.update_time));
+  send_number("/update_ms", 1e3 * to_seconds(report.update_time));
 }
 
 /// In the world of the estimate, at the first scan with a true pose.

@@ -23,8 +23,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "bag/byte_writer.hpp"
@@ -72,18 +74,15 @@ class McapTarget : public MessageTarget {
 
 class Messages : public RunSink {
  public:
-  /// @param target must outlive this
-  explicit Messages(MessageTarget* target) : target_(target) {}
+  explicit Messages(std::unique_ptr<MessageTarget> target) : target_(std::move(target)) {}
 
-  void begin(const RunStart& start) override;
+  void begin(const RunStart& start) override { start_ = start; }
   void add(const ScanRecord& record, const std::vector<Event>& events) override;
   void close() override;
 
  private:
   void send(const std::string& topic, const char* type, Time time, const bag::CdrWriter& message,
             bool latest_stays = false);
-  void send_number(const std::string& topic, Time time, double value);
-  void send_vector(const std::string& topic, Time time, const Vector3d& value);
   void tell_truth(const NavState& state);
   void send_pose(const ScanRecord& record);
   void send_path(const std::string& topic, Time time, const eval::Trajectory& poses);
@@ -93,7 +92,7 @@ class Messages : public RunSink {
   void send_innovations(const ScanRecord& record);
   void send_series(const ScanRecord& record);
 
-  MessageTarget* target_;
+  std::unique_ptr<MessageTarget> target_;
   std::map<std::string, std::uint16_t> channels_;  ///< by topic
   RunStart start_;                                 ///< the truth until it is sent
   eval::Trajectory path_;

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "page_text.hpp"
+#include "plot/svg.hpp"
 #include "rio/io/text_file.hpp"
 
 namespace rio::view {
@@ -19,6 +20,7 @@ namespace rio::view {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using plot::escaped;
 
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kMostRows = 6000;     // of a series: two for each of 3000 pixels
@@ -53,7 +55,7 @@ std::pair<float, float> fold(const Columns::Column& column, std::size_t from, st
   std::size_t low = to;
   std::size_t high = to;
   for (std::size_t i = from; i < to; ++i) {
-    if (std::isnan(column.values[i])) continue;
+    if (i >= column.values.size() || std::isnan(column.values[i])) continue;
     if (low == to || column.values[i] < column.values[low]) low = i;
     if (high == to || column.values[i] > column.values[high]) high = i;
   }
@@ -82,14 +84,6 @@ std::string inlined(std::string text, const std::string& element) {
     text.insert(at + 1, "\\");
   }
   return text;
-}
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  }
-  return out;
 }
 
 Json columns_json(const Page& page, std::size_t* every) {
@@ -203,21 +197,17 @@ Columns Columns::folded(std::size_t most, std::size_t* every) const {
   const std::size_t step = rows() <= most ? 1 : (2 * rows() + most - 1) / most;
   *every = step;
   for (const auto& [name, column] : columns_) {
-    Column all = column;
-    all.values.resize(rows(), kMissing);
     Column& to = out.columns_[name];
     to.fold = column.fold;
+    if (step == 1) to.values = column.values;
+    to.values.resize(step == 1 ? rows() : 0, kMissing);
     for (std::size_t i = 0; step > 1 && i < rows(); i += step) {
-      const auto [first, second] = fold(all, i, std::min(i + step, rows()));
+      const auto [first, second] = fold(column, i, std::min(i + step, rows()));
       to.values.insert(to.values.end(), {first, second});
     }
-    if (step == 1) to.values = std::move(all.values);
   }
-  if (step == 1) {
-    out.times_ = times_;
-    return out;
-  }
-  for (std::size_t i = 0; i < rows(); i += step) {
+  if (step == 1) out.times_ = times_;
+  for (std::size_t i = 0; step > 1 && i < rows(); i += step) {
     const float end = times_[std::min(i + step, rows() - 1)];
     out.times_.push_back(times_[i]);
     out.times_.push_back(0.5F * (times_[i] + end));
@@ -226,13 +216,9 @@ Columns Columns::folded(std::size_t most, std::size_t* every) const {
 }
 
 void Marks::start_scan(double seconds, const Vector3d& centre) {
+  if (scan_ % stride == 0 && labels.size() > kMostMarks) drop_every_second();
   kept_ = scan_++ % stride == 0;
   if (!kept_) return;
-  if (labels.size() > kMostMarks) {
-    drop_every_second();
-    kept_ = (scan_ - 1) % stride == 0;
-    if (!kept_) return;
-  }
   times.push_back(static_cast<float>(seconds));
   for (const double value : centre) centres.push_back(static_cast<float>(value));
   firsts.push_back(static_cast<std::uint32_t>(labels.size()));

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "view/record.hpp"
@@ -73,9 +72,18 @@ struct Histogram {
 
 struct Path {
   std::string name;
-  std::vector<float> times;      ///< [s]
-  std::vector<float> positions;  ///< x y z of each [m]
-  std::vector<float> attitudes;  ///< q x y z w of each; may be empty
+  std::vector<float> times{};      ///< [s]
+  std::vector<float> positions{};  ///< x y z of each [m]
+  std::vector<float> attitudes{};  ///< q x y z w of each; may be empty
+
+  void add(double seconds, const Vector3d& p) {
+    times.push_back(static_cast<float>(seconds));
+    for (const double value : p) positions.push_back(static_cast<float>(value));
+  }
+  void add(double seconds, const Vector3d& p, const Quaternion& q) {
+    add(seconds, p);
+    for (const double value : q.coeffs()) attitudes.push_back(static_cast<float>(value));
+  }
 };
 
 /// Points and landmarks of scans, quantised around the position of the scan.

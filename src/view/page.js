@@ -132,26 +132,24 @@ function rowsOf(plot) {
   }
   return [rows, banded];
 }
-function frame(title, note) {
+/** A graph under its title: its place on the page, and itself. */
+function graphOf(title, note, rows, xAxis, more) {
   const box = element($("series"), "div", "plot");
   element(box, "h3", "", title);
   element(box, "p", "note", note);
-  const legend = element(box, "div", "legend");
+  const labelsDiv = element(box, "div", "legend");
   const area = element(box, "div", "area");
   area.tabIndex = 0;
   area.setAttribute("role", "img");
   area.setAttribute("aria-label", `${title}. ${note} Arrow keys move the cursor, plus and minus zoom, 0 shows all.`);
-  return { box, legend, area };
-}
-function options(labelsDiv, more) {
-  return {
-    legend: "always", labelsDiv, strokeWidth: 1.3, axisLabelFontSize: 12, gridLineWidth: 0.5,
+  const coloured = () => ({ colors: colours(), gridLineColor: style("line"), axisLineColor: style("line") });
+  const graph = new Dygraph(area, rows, {
+    ...coloured(), legend: "always", labelsDiv, strokeWidth: 1.3, axisLabelFontSize: 12, gridLineWidth: 0.5,
     labelsKMB: false, highlightCircleSize: 3, rightGap: 8, fillAlpha: 0.16,
-    axes: { y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number } }, ...more,
-  };
-}
-function recoloured() {
-  return { colors: colours(), gridLineColor: style("line"), axisLineColor: style("line") };
+    axes: { x: xAxis, y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number } }, ...more,
+  });
+  themed.push(() => graph.updateOptions(coloured()));
+  return { box, area, graph };
 }
 /** Straight lines over a plot, each from one point to another, in pixels. */
 function rule(ctx, colour, dash, ends) {
@@ -166,23 +164,21 @@ function rule(ctx, colour, dash, ends) {
   ctx.setLineDash([]);
 }
 function drawPlot(plot) {
-  const { box, legend, area } = frame(plot.title, plot.note);
   const [rows, banded] = rowsOf(plot);
   const names = plot.curves.map((c) => c.label);
   const series = {};
   names.forEach((name, i) => (series[name] = { strokePattern: dashes[i % dashes.length] }));
-  const hair = element(box, "div", "hair");
-  const graph = new Dygraph(area, rows, options(legend, {
-    ...recoloured(), labels: ["t", ...names], customBars: banded, series, stepPlot: plot.steps, dateWindow: shown,
-    axes: { x: { axisLabelFormatter: (t) => `${+t.toPrecision(7)}`, valueFormatter: (t) => `${t.toFixed(2)} s` },
-            y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number } },
+  const xAxis = { axisLabelFormatter: (t) => `${+t.toPrecision(7)}`, valueFormatter: (t) => `${t.toFixed(2)} s` };
+  const { box, area, graph } = graphOf(plot.title, plot.note, rows, xAxis, {
+    labels: ["t", ...names], customBars: banded, series, stepPlot: plot.steps, dateWindow: shown,
     underlayCallback: (ctx, { x, w }, g) => rule(ctx, "soft", [3, 3],
       plot.lines.map((y) => g.toDomYCoord(y)).map((at) => [x, at, x + w, at])),
     drawCallback: (g, initial) => { if (!initial) zoomTo(g.xAxisRange(), g); },
     clickCallback: (e, x) => moveTo(x),
     highlightCallback: (e, x) => { if (!playing && !e.buttons) moveTo(x); },
     unhighlightCallback: () => moveTo(cursor),
-  }));
+  });
+  const hair = element(box, "div", "hair");
   graphs.push(graph);
   const place = (t) => {
     const area_ = graph.getArea();
@@ -192,7 +188,6 @@ function drawPlot(plot) {
     graph.setSelection(before(times, t));
   };
   listeners.push(place);
-  themed.push(() => graph.updateOptions(recoloured()));
   area.onkeydown = (e) => {
     const step = (shown[1] - shown[0]) / 100;
     const zoom = (factor) => zoomTo([cursor - (cursor - shown[0]) * factor, cursor + (shown[1] - cursor) * factor]);
@@ -203,15 +198,13 @@ function drawPlot(plot) {
   place(cursor);
 }
 function drawHistogram(h) {
-  const { legend, area } = frame(h.title, h.note);
   const rows = h.counts.map((count, i) => [h.first + i * h.width, count]);
   rows.push([h.first + h.counts.length * h.width, 0]);
-  const graph = new Dygraph(area, rows, options(legend, {
-    ...recoloured(), labels: ["range rate", "points"], stepPlot: true, fillGraph: true, includeZero: true,
+  graphOf(h.title, h.note, rows, {}, {
+    labels: ["range rate", "points"], stepPlot: true, fillGraph: true, includeZero: true,
     underlayCallback: (ctx, { y, h: height }, g) => rule(ctx, "bad", [],
       h.lines.map((x) => g.toDomXCoord(x)).map((at) => [at, y, at, y + height])),
-  }));
-  themed.push(() => graph.updateOptions(recoloured()));
+  });
 }
 const toDraw = [];
 if (typeof Dygraph !== "undefined") {

@@ -40,72 +40,53 @@ Pose laid_over(const eval::StampedPose& truth, const eval::StampedPose& estimate
   return T;
 }
 
-void EventWatch::add(const ScanRecord& record, EventKind kind, bool serious,
-                     const std::string& text) {
-  events_.push_back({record.state.time, kind, serious, text});
-}
-
-void EventWatch::count(const ScanRecord& record, std::uint64_t Counters::*counter, EventKind kind,
-                       const char* text) {
-  const std::uint64_t now = record.counters.*counter;
-  const std::uint64_t before = counters_.*counter;
-  if (now <= before) return;  // a reset clears the counters
-  add(record, kind, kind == EventKind::kReset || kind == EventKind::kFailed,
-      now - before == 1 ? text : fmt::format("{} ({} times)", text, now - before));
-}
-
 const std::vector<Event>& EventWatch::look(const ScanRecord& record) {
+  using enum EventKind;
   events_.clear();
-  if (!started_) add(record, EventKind::kStart, false, "first scan used");
+  const auto add = [&](EventKind kind, bool serious, const std::string& text) {
+    events_.push_back({record.state.time, kind, serious, text});
+  };
+  const auto count = [&](std::uint64_t Counters::*counter, EventKind kind, const char* text) {
+    const std::uint64_t now = record.counters.*counter;
+    const std::uint64_t before = counters_.*counter;
+    if (now <= before) return;  // a reset clears the counters
+    add(kind, kind == kReset || kind == kFailed,
+        now - before == 1 ? text : fmt::format("{} ({} times)", text, now - before));
+  };
+  if (!started_) add(kStart, false, "first scan used");
   started_ = true;
   const UpdateReport& report = record.report;
   if (mounting_unknown_ && !report.mounting_unknown) {
-    add(record, EventKind::kStart, false, "the mounting of the radar was found");
+    add(kStart, false, "the mounting of the radar was found");
   }
   mounting_unknown_ = report.mounting_unknown;
-  if (report.imu_gap) add(record, EventKind::kGap, false, "the IMU paused before this scan");
-  count(record, &Counters::clock_restarts, EventKind::kReset, "the clock of the sensors restarted");
-  count(record, &Counters::radar_clock_steps, EventKind::kReset, "the clock of a radar stepped");
-  count(record, &Counters::velocity_resets, EventKind::kReset, "the velocity was replaced");
-  count(record, &Counters::attitude_resets, EventKind::kReset,
-        "tilt, heading or biases were re-initialised");
-  count(record, &Counters::restarts, EventKind::kReset, "the tilt was lost and found again");
+  if (report.imu_gap) add(kGap, false, "the IMU paused before this scan");
+  count(&Counters::clock_restarts, kReset, "the clock of the sensors restarted");
+  count(&Counters::radar_clock_steps, kReset, "the clock of a radar stepped");
+  count(&Counters::velocity_resets, kReset, "the velocity was replaced");
+  count(&Counters::attitude_resets, kReset, "tilt, heading or biases were re-initialised");
+  count(&Counters::restarts, kReset, "the tilt was lost and found again");
   if (report.position_reopened > 0.0) {
-    add(record, EventKind::kReopened, false,
+    add(kReopened, false,
         fmt::format("the position was re-opened by {:.2f} m", report.position_reopened));
   }
-  count(record, &Counters::updates_failed, EventKind::kFailed, "an update failed");
-  count(record, &Counters::scans_late, EventKind::kDropped, "a late scan was dropped");
-  count(record, &Counters::scans_ahead, EventKind::kDropped, "a scan was too far ahead");
-  count(record, &Counters::scans_duplicate, EventKind::kDropped, "a scan came twice");
-  count(record, &Counters::scans_overflow, EventKind::kDropped, "too many scans were waiting");
-  count(record, &Counters::scans_non_finite, EventKind::kDropped, "a scan was not finite");
-  count(record, &Counters::imu_frozen, EventKind::kDropped, "IMU samples were frozen");
-  count(record, &Counters::imu_out_of_range, EventKind::kDropped, "IMU samples were out of range");
-  count(record, &Counters::imu_stale, EventKind::kDropped, "IMU samples came twice or too late");
+  count(&Counters::updates_failed, kFailed, "an update failed");
+  count(&Counters::scans_late, kDropped, "a late scan was dropped");
+  count(&Counters::scans_ahead, kDropped, "a scan was too far ahead");
+  count(&Counters::scans_duplicate, kDropped, "a scan came twice");
+  count(&Counters::scans_overflow, kDropped, "too many scans were waiting");
+  count(&Counters::scans_non_finite, kDropped, "a scan was not finite");
+  count(&Counters::imu_frozen, kDropped, "IMU samples were frozen");
+  count(&Counters::imu_out_of_range, kDropped, "IMU samples were out of range");
+  count(&Counters::imu_stale, kDropped, "IMU samples came twice or too late");
   if (report.health.state != health_) {
     health_ = report.health.state;
     const std::string why = reasons_text(report.health);
-    add(record, EventKind::kHealth, health_ == HealthState::kLost,
+    add(kHealth, health_ == HealthState::kLost,
         fmt::format("health: {}{}{}", to_string(health_), why.empty() ? "" : ", ", why));
   }
   counters_ = record.counters;
   return events_;
-}
-
-void RunRecorder::begin(const RunStart& start) {
-  for (RunSink* sink : sinks_) sink->begin(start);
-}
-
-void RunRecorder::add(const Odometry& odometry) {
-  if (sinks_.empty()) return;
-  take_record(odometry, &record_);
-  const std::vector<Event>& events = watch_.look(record_);
-  for (RunSink* sink : sinks_) sink->add(record_, events);
-}
-
-void RunRecorder::close() {
-  for (RunSink* sink : sinks_) sink->close();
 }
 
 }  // namespace rio::view

@@ -66,10 +66,6 @@ class EventWatch {
   const std::vector<Event>& look(const ScanRecord& record);
 
  private:
-  void add(const ScanRecord& record, EventKind kind, bool serious, const std::string& text);
-  void count(const ScanRecord& record, std::uint64_t Counters::*counter, EventKind kind,
-             const char* text);
-
   bool started_ = false;
   bool mounting_unknown_ = false;
   HealthState health_ = HealthState::kInitializing;
@@ -94,22 +90,6 @@ class RunSink {
   virtual void add(const ScanRecord& record, const std::vector<Event>& events) = 0;
   /// Nothing more will come; files are complete afterwards. Throws if one could not be written.
   virtual void close() {}
-};
-
-/// Passes every processed scan to sinks.
-class RunRecorder {
- public:
-  void add_sink(RunSink* sink) { sinks_.push_back(sink); }  ///< must outlive the recorder
-  bool any() const { return !sinks_.empty(); }
-  void begin(const RunStart& start);
-  /// After a scan was processed.
-  void add(const Odometry& odometry);
-  void close();
-
- private:
-  std::vector<RunSink*> sinks_;
-  ScanRecord record_;
-  EventWatch watch_;
 };
 
 /// Heading and origin that lay the truth over an estimate of the same time.

@@ -4,31 +4,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "rio/core/chi2.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
 #include "view/calibration_names.hpp"
+#include "view/report_plots.hpp"
 
 namespace rio::view {
 
 namespace {
 
-constexpr double kDeg = 57.29577951308232;
 constexpr double kRateBin = 0.05;  // of a radar without a grid [m/s]
-constexpr const char* kAxes[] = {"x", "y", "z"};
-
-/// Three curves with bands of columns NAME.x, NAME.y, NAME.z and sNAME.x...
-Plot vector_plot(const std::string& title, const std::string& name) {
-  Plot plot{title, "with 3-sigma bands", {}};
-  for (const char* axis : kAxes) {
-    const std::string column = name + "." + axis;
-    plot.curves.push_back({axis, column, "s" + column});
-  }
-  return plot;
-}
 
 void set_vector(Columns* columns, const std::string& name, const Vector3d& value,
                 const Vector3d& sigma, double scale = 1.0) {
@@ -39,89 +27,6 @@ void set_vector(Columns* columns, const std::string& name, const Vector3d& value
   }
 }
 
-std::vector<Plot> state_plots() {
-  return {vector_plot("Position [m]", "p"), vector_plot("Velocity [m/s]", "v"),
-          Plot{"Attitude [deg]",
-               "with 3-sigma bands; yaw unwound",
-               {{"roll", "a.roll", "sa.roll"},
-                {"pitch", "a.pitch", "sa.pitch"},
-                {"yaw", "a.yaw", "sa.yaw"}}},
-          vector_plot("Gyro bias [deg/s]", "bg"), vector_plot("Accelerometer bias [m/s²]", "ba")};
-}
-
-std::vector<Plot> error_plots() {
-  Plot position{"Position error [m]",
-                "bands: 3 sigma about zero; 99.7 % of the errors belong inside",
-                {{"x", "e.x", "sp.x"}, {"y", "e.y", "sp.y"}, {"z", "e.z", "sp.z"}},
-                {0.0}};
-  for (Curve& curve : position.curves) curve.about_zero = true;
-  Plot attitude{"Attitude error [deg]",
-                "band: 3 sigma of the yaw about zero",
-                {{"yaw", "e.yaw", "sa.yaw"}, {"tilt", "e.tilt"}},
-                {0.0}};
-  attitude.curves.front().about_zero = true;
-  return {position, attitude};
-}
-
-/// A name of the program as the beginning of a title.
-std::string title_of(std::string name) {
-  name[0] = static_cast<char>(std::toupper(name[0]));
-  std::replace(name.begin(), name.end(), '_', ' ');
-  return name;
-}
-
-std::vector<Plot> model_plots(const std::string& name) {
-  const std::string title = title_of(name);
-  return {
-      {title + ": rows of the update",
-       "used, and rejected by the gate",
-       {{"used", name + ".used"}, {"gated", name + ".gated"}}},
-      {title + ": innovation over its sigma",
-       "mean of each scan, band from the smallest to the largest; lines at 3 sigma",
-       {{"mean", name + ".mean", "", name + ".low", name + ".high"}},
-       {-3.0, 0.0, 3.0}},
-      {title + ": NIS a row",
-       "of the blocks used; 95 % belong in the band of the chi-squared distribution",
-       {{"NIS", name + ".nis"}, {"expected", name + ".one", "", name + ".nlow", name + ".nhigh"}}}};
-}
-
-std::vector<Plot> scan_plots() {
-  return {{"Points of a scan",
-           "received, kept by the filter, static",
-           {{"received", "n.received"}, {"kept", "n.kept"}, {"static", "n.static"}}},
-          {"Share of static points", "", {{"share", "n.share"}}, {0.5, 1.0}},
-          {"Landmarks, matches, past poses",
-           "in the state after the update",
-           {{"landmarks", "n.landmarks"}, {"matched", "n.matched"}, {"past poses", "n.clones"}},
-           {},
-           true},
-          {"Time of an update [ms]", "", {{"update", "n.ms"}}},
-          {"Health: quality [%]",
-           "below 50 the estimate is degraded",
-           {{"quality", "n.quality"}},
-           {50.0},
-           true}};
-}
-
-/// The parameters of the calibration of one radar, by unit.
-std::vector<Plot> calibration_plots(std::size_t radar) {
-  std::vector<Plot> plots;
-  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const CalibrationName& name = kCalibrationNames[i];
-    const bool follows = i > 0 && i < 6 && i != 3;  // one plot a vector
-    if (!follows) {
-      const std::string what = i == 0 ? "radar rotation" : i == 3 ? "radar position" : name.name;
-      const std::string title = title_of(fmt::format(
-          "{}{} [{}]", radar > 0 ? fmt::format("radar {}: ", radar) : "", what, name.unit));
-      plots.push_back(
-          {title, "correction of the option's value, with 3-sigma bands", {}, {0.0}, true});
-    }
-    const std::string column = calibration_name(i, radar);
-    plots.back().curves.push_back({i < 6 ? kAxes[i % 3] : "correction", column, "s" + column});
-  }
-  return plots;
-}
-
 }  // namespace
 
 void ReportBuilder::begin(const RunStart& start) {
@@ -130,20 +35,9 @@ void ReportBuilder::begin(const RunStart& start) {
   page_.subtitle = fmt::format("Radar-inertial odometry by rio {}: {}, {} radar{}", start.version,
                                start.options.backend == BackEnd::kEkf ? "filter" : "smoother",
                                start.options.radars(), start.options.radars() > 1 ? "s" : "");
-  page_.paths.push_back({"estimate", {}, {}, {}});
-  if (!start.truth.empty()) page_.paths.push_back({"truth", {}, {}, {}});
-  const auto append = [this](const char* group, const std::vector<Plot>& plots) {
-    for (const Plot& plot : plots) page_.plots.emplace_back(plot).group = group;
-  };
-  append("Errors against the truth", error_plots());
-  append("State", state_plots());
-  for (std::size_t i = 0; i < kModelCount; ++i) {
-    append("Innovations", model_plots(to_string(static_cast<Model>(i))));
-  }
-  append("Scans", scan_plots());
-  for (std::size_t r = 0; r < start.options.radars(); ++r) {
-    append("Calibration", calibration_plots(r));
-  }
+  page_.paths.push_back({"estimate"});
+  if (!start.truth.empty()) page_.paths.push_back({"truth"});
+  page_.plots = report_plots(start.options.radars());
 }
 
 void ReportBuilder::add(const ScanRecord& record, const std::vector<Event>& events) {
@@ -151,12 +45,7 @@ void ReportBuilder::add(const ScanRecord& record, const std::vector<Event>& even
   begun_ = true;
   const double seconds = to_seconds(record.state.time - page_.begin);
   page_.columns.start_row(seconds);
-  Path& path = page_.paths.front();
-  path.times.push_back(static_cast<float>(seconds));
-  for (const double value : record.state.p_WB) path.positions.push_back(static_cast<float>(value));
-  for (const double value : record.state.q_WB.coeffs()) {
-    path.attitudes.push_back(static_cast<float>(value));
-  }
+  page_.paths.front().add(seconds, record.state.p_WB, record.state.q_WB);
   add_state(record);
   add_calibration(record);
   add_models(record);
@@ -170,7 +59,7 @@ void ReportBuilder::add_state(const ScanRecord& record) {
   const NavState& x = record.state;
   set_vector(&columns, "p", x.p_WB, record.sigma(body::kPosition));
   set_vector(&columns, "v", x.v_WB, record.sigma(body::kVelocity));
-  set_vector(&columns, "bg", x.gyro_bias, record.sigma(body::kGyroBias), kDeg);
+  set_vector(&columns, "bg", x.gyro_bias, record.sigma(body::kGyroBias), eval::kDegreesPerRadian);
   set_vector(&columns, "ba", x.accel_bias, record.sigma(body::kAccelBias));
   columns.set("speed", x.v_WB.norm());
   const Matrix3d R = x.q_WB.toRotationMatrix();
@@ -178,10 +67,12 @@ void ReportBuilder::add_state(const ScanRecord& record) {
   yaw_ += std::remainder(yaw - yaw_, 2.0 * std::acos(-1.0));
   const Matrix3d P =
       R * record.covariance.block<3, 3>(body::kAttitude, body::kAttitude) * R.transpose();
-  const auto sigma = [](double variance) { return kDeg * std::sqrt(std::max(0.0, variance)); };
-  columns.set("a.roll", kDeg * std::atan2(R(2, 1), R(2, 2)));
-  columns.set("a.pitch", -kDeg * std::asin(std::clamp(R(2, 0), -1.0, 1.0)));
-  columns.set("a.yaw", kDeg * yaw_);
+  const auto sigma = [](double variance) {
+    return eval::kDegreesPerRadian * std::sqrt(std::max(0.0, variance));
+  };
+  columns.set("a.roll", eval::kDegreesPerRadian * std::atan2(R(2, 1), R(2, 2)));
+  columns.set("a.pitch", -eval::kDegreesPerRadian * std::asin(std::clamp(R(2, 0), -1.0, 1.0)));
+  columns.set("a.yaw", eval::kDegreesPerRadian * yaw_);
   columns.set("sa.roll", sigma(P(0, 0)), Fold::kHigh);   // about the axes of the world: as roll and
   columns.set("sa.pitch", sigma(P(1, 1)), Fold::kHigh);  // pitch up to the heading
   columns.set("sa.yaw", sigma(P(2, 2)), Fold::kHigh);
@@ -197,28 +88,16 @@ void ReportBuilder::add_calibration(const ScanRecord& record) {
   }
 }
 
-std::pair<double, double> ReportBuilder::nis_band(int rows) {
-  const auto [at, added] = bands_.try_emplace(rows);
-  if (added) {
-    const double n = rows;
-    at->second = {chi2_quantile(0.025, n) / n, chi2_quantile(0.975, n) / n};
-  }
-  return at->second;
-}
-
 void ReportBuilder::add_models(const ScanRecord& record) {
   Columns& columns = page_.columns;
   for (std::size_t i = 0; i < kModelCount; ++i) {
     const ModelReport& model = record.report.models[i];
     const std::string name = to_string(static_cast<Model>(i));
-    if (model.rows_used + model.rows_gated == 0) {
-      if (!columns.has(name + ".used")) continue;
-      columns.set(name + ".used", 0);
-      columns.set(name + ".gated", 0);
-      continue;
-    }
+    const bool any = model.rows_used + model.rows_gated > 0;
+    if (!any && !columns.has(name + ".used")) continue;
     columns.set(name + ".used", model.rows_used);
     columns.set(name + ".gated", model.rows_gated);
+    if (!any) continue;
     double low = 1e300;
     double high = -1e300;
     double sum = 0.0;
@@ -237,11 +116,11 @@ void ReportBuilder::add_models(const ScanRecord& record) {
       columns.set(name + ".high", high, Fold::kHigh);
     }
     if (model.rows_used == 0) continue;
-    const auto [from, to] = nis_band(model.rows_used);
-    columns.set(name + ".nis", model.nis / model.rows_used);
-    columns.set(name + ".nlow", from, Fold::kLow);
+    const double n = model.rows_used;  // 95 % of consistent scans are between
+    columns.set(name + ".nis", model.nis / n);
+    columns.set(name + ".nlow", chi2_quantile(0.025, n) / n, Fold::kLow);
     columns.set(name + ".one", 1.0);
-    columns.set(name + ".nhigh", to, Fold::kHigh);
+    columns.set(name + ".nhigh", chi2_quantile(0.975, n) / n, Fold::kHigh);
   }
 }
 
@@ -287,9 +166,7 @@ void ReportBuilder::add_truth(const ScanRecord& record, double seconds) {
   there = {time, over_->rotation * there.p + over_->translation, over_->rotation * there.q};
   truth_length_ += (there.p - last_truth_).norm();
   last_truth_ = there.p;
-  Path& path = page_.paths[1];
-  path.times.push_back(static_cast<float>(seconds));
-  for (const double value : there.p) path.positions.push_back(static_cast<float>(value));
+  page_.paths[1].add(seconds, there.p);
   const Vector3d error = here.p - there.p;
   last_error_ = error.norm();
   squares_ += error.squaredNorm();

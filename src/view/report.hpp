@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <map>
 #include <optional>
-#include <string>
 
 #include "view/page.hpp"
 
@@ -30,9 +29,6 @@ class ReportBuilder : public RunSink {
   double rate_bin() const;  ///< of the histogram [m/s]
   void finish_histogram();
 
-  /// Bounds of the NIS a row that hold 95 % of consistent scans.
-  std::pair<double, double> nis_band(int rows);
-
   Page page_;
   std::optional<RunStart> start_;
   bool begun_ = false;
@@ -40,10 +36,9 @@ class ReportBuilder : public RunSink {
   std::size_t next_truth_ = 1;  ///< first true pose after the newest scan
   std::optional<Pose> over_;    ///< lays the truth over the estimate
   Vector3d last_truth_ = Vector3d::Zero();
-  double truth_length_ = 0.0;  ///< [m]
-  double last_error_ = 0.0;    ///< [m]
-  double squares_ = 0.0;       ///< of the position errors [m^2]
-  std::map<int, std::pair<double, double>> bands_;
+  double truth_length_ = 0.0;           ///< [m]
+  double last_error_ = 0.0;             ///< [m]
+  double squares_ = 0.0;                ///< of the position errors [m^2]
   std::map<int, std::uint64_t> rates_;  ///< range rates by bins of rate_bin()
 };
 

@@ -30,7 +30,10 @@ inline sim::Flight flight_of(std::uint64_t seed, double length, double seconds,
 
 /// Errors of the estimate at the scans of a flight.
 struct Errors {
-  void add(const Odometry& odometry, const sim::Flight& flight) {
+  /// False if no scan has been processed since the last call.
+  bool add(const Odometry& odometry, const sim::Flight& flight) {
+    if (odometry.counters().scans == scans) return false;
+    scans = odometry.counters().scans;
     const NavState& x = odometry.at_scan();
     const NavState truth = flight.truth_at(x.time);
     Eigen::Matrix<double, 6, 1> e;
@@ -43,6 +46,7 @@ struct Errors {
     position_nees += position.dot(P.bottomRightCorner<3, 3>().inverse() * position) / 3.0;
     last = position.norm();
     ++steps;
+    return true;
   }
   double rms() const { return std::sqrt(square / steps); }                ///< of the position [m]
   double rms_height() const { return std::sqrt(height_square / steps); }  ///< [m]
@@ -53,6 +57,7 @@ struct Errors {
   double position_nees = 0.0;  ///< same
   double last = 0.0;           ///< of the position [m]
   int steps = 0;
+  std::uint64_t scans = 0;
 };
 
 class BackEndTest : public testing::TestWithParam<BackEnd> {

@@ -14,7 +14,6 @@
 namespace rio::test {
 namespace {
 
-using experiment::replay;
 using experiment::Step;
 using std::chrono::milliseconds;
 
@@ -54,44 +53,6 @@ class OdometryTest : public BackEndTest {
            a.accel_bias == b.accel_bias;
   }
 };
-
-TEST_P(OdometryTest, TracksTheFlightAndGivesTheSameBytesAgain) {
-  auto first = started();
-  auto second = started();
-  const auto a = replay(flight(), *first).steps;
-  const auto b = replay(flight(), *second).steps;
-  ASSERT_EQ(a.size(), flight().scans.size());
-  ASSERT_EQ(b.size(), a.size());
-  EXPECT_EQ(first->counters().scans, a.size());
-  EXPECT_LT((a.back().estimate.p_WB - a.back().truth.p_WB).norm(), 0.2);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ASSERT_TRUE(same(a[i].estimate, b[i].estimate));
-    ASSERT_EQ(a[i].covariance, b[i].covariance);
-  }
-}
-
-TEST_P(OdometryTest, WhenAScanArrivesDoesNotChangeTheResult) {
-  auto eager = started();  // ahead of the IMU
-  auto prompt = started();
-  auto late = started();  // within the lag
-  std::size_t next_eager = 0;
-  std::size_t next_prompt = 0;
-  std::size_t next_late = 0;
-  for (std::size_t i = 0; i < 30; ++i) {
-    const RadarScan& scan = flight().scans[i];
-    EXPECT_EQ(eager->add_scan(scan), Status::kWaiting);
-    EXPECT_EQ(eager->counters().scans, i);
-    feed_imu(*eager, scan.time + milliseconds(10), &next_eager);
-    feed_imu(*prompt, scan.time + milliseconds(10), &next_prompt);
-    feed_imu(*late, scan.time + milliseconds(66), &next_late);
-    EXPECT_EQ(prompt->add_scan(scan), Status::kOk);
-    EXPECT_EQ(late->add_scan(scan), Status::kOk);
-    EXPECT_EQ(eager->report().time, scan.time);
-    EXPECT_TRUE(same(eager->at_scan(), prompt->at_scan()));
-    EXPECT_TRUE(same(eager->now(), prompt->now()));
-    EXPECT_TRUE(same(late->at_scan(), prompt->at_scan()));
-  }
-}
 
 TEST_P(OdometryTest, ScansOutOfOrderAreSortedWhileTheyWait) {
   auto sorted = started();

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 
 #include "check/check.hpp"
@@ -25,10 +26,17 @@ using check::Verdict;
 
 inline constexpr double kHalfTurn = 3.14159265358979323846;
 
-inline Findings check_it(const io::Dataset& dataset, Source source = Source::kBag) {
+/// @param folder of the recording, for lines of its files
+inline Findings check_it(const io::Dataset& dataset, Source source = Source::kBag,
+                         const std::filesystem::path& folder = {}) {
   Options options;
   io::apply_sensor_info(dataset, &options);
-  return check::check_recording(dataset, options, source);
+  return check::check_recording(dataset, options, source, folder);
+}
+/// Of the recording with a fault.
+inline Findings check_it_with(const Fault& fault, io::Dataset dataset) {
+  fault.make(&dataset);
+  return check_it(dataset);
 }
 
 inline std::string text_of(const Findings& findings) {
@@ -38,6 +46,13 @@ inline std::string text_of(const Findings& findings) {
             f.change + "\n";
   }
   return text;
+}
+
+inline void expect_ok(const Findings& findings) {
+  EXPECT_EQ(worst(findings), Verdict::kOk) << text_of(findings);
+}
+inline void expect_ok(const io::Dataset& dataset) {
+  expect_ok(check_it(dataset));
 }
 
 inline const Finding* find(const Findings& findings, const std::string& subject) {
@@ -56,6 +71,12 @@ inline Finding said(const Findings& findings, const std::string& subject) {
 inline Finding said(const io::Dataset& dataset, const std::string& subject,
                     Source source = Source::kBag) {
   return said(check_it(dataset, source), subject);
+}
+
+/// The change said to a recording of `subject` holds this.
+inline void expect_change(const io::Dataset& dataset, const std::string& subject,
+                          const std::string& change, Source source = Source::kBag) {
+  EXPECT_PRED2(contains, said(dataset, subject, source).change, change);
 }
 
 /// This verdict, with these parts of the sentence and of the proposed change.

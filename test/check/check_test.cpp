@@ -44,15 +44,11 @@ class NamesTheFault : public testing::TestWithParam<FaultyFlight> {};
 
 TEST_P(NamesTheFault, AndNothingIsWrongWithoutIt) {
   const io::Dataset healthy = flown(GetParam().name, GetParam().length);
-  const Findings fine = check_it(healthy);
-  EXPECT_EQ(worst(fine), Verdict::kOk) << text_of(fine);
+  expect_ok(healthy);
   int named = 0;
   for (const Fault& fault : faults()) {
-    io::Dataset damaged = healthy;
-    fault.make(&damaged);
-    const Findings findings = check_it(damaged);
     SCOPED_TRACE(fault.name);
-    const Finding finding = said(findings, fault.subject);
+    const Finding finding = said(check_it_with(fault, healthy), fault.subject);
     expect(finding, Verdict::kWrong, fault.text, fault.change);
     named += finding.verdict == Verdict::kWrong ? 1 : 0;
   }
@@ -90,7 +86,7 @@ TEST(Check, WhatItSaysToChangePutsTheMountingRight) {
 }
 
 TEST(Check, FindsAMountingThatNobodyConfigured) {
-  io::Dataset dataset = flown("indoor-1", 50.0);
+  io::Dataset dataset = flight();
   Quaternion& configured = dataset.radar_info.T_BS->rotation;  // 45 deg down
   const Quaternion truth = configured;
   configured = quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth;
@@ -102,7 +98,7 @@ TEST(Check, FindsAMountingThatNobodyConfigured) {
 }
 
 TEST(Check, FindsTheAxesOfALateRadar) {
-  io::Dataset dataset = flown("indoor-1", 50.0);
+  io::Dataset dataset = flight();
   turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
   delay_scans(&dataset, 0.12);
   for (const char* subject : {"axes and Doppler sign", "delay of the radar"}) {
@@ -110,15 +106,12 @@ TEST(Check, FindsTheAxesOfALateRadar) {
   }
 }
 
-/// Whatever is not ok, by its subject.
-const Finding* only_fault(const Findings& findings) {
-  const Finding* only = nullptr;
-  for (const Finding& f : findings) {
-    if (f.verdict == Verdict::kOk) continue;
-    EXPECT_EQ(only, nullptr) << text_of(findings);
-    only = &f;
-  }
-  return only;
+/// The one that is not ok.
+Finding only_fault(const Findings& findings) {
+  Findings bad = findings;
+  std::erase_if(bad, [](const Finding& f) { return f.verdict == Verdict::kOk; });
+  EXPECT_EQ(bad.size(), 1U) << text_of(findings);
+  return bad.empty() ? Finding{} : bad.front();
 }
 
 TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
@@ -130,17 +123,12 @@ TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
     EXPECT_EQ(check::usable_if_not_all(dataset.imu)->size(), n - 1);
     const TempDir dir;
     io::write_dataset(dir.path(), dataset);
-    Options options;
-    io::apply_sensor_info(dataset, &options);
-    const std::filesystem::path csv = dir.path() / "imu0/data.csv";
-    const Findings findings = check::check_recording(dataset, options, Source::kFolder, dir.path());
-    const Finding* said = only_fault(findings);
-    ASSERT_NE(said, nullptr) << text_of(findings);
-    EXPECT_EQ(said->subject, "imu stamps");
-    EXPECT_EQ(said->verdict, Verdict::kDoubtful);
-    const std::string line = csv.string() + ":" + std::to_string(row + 2);  // below the heading
-    EXPECT_EQ(said->change, "remove the line " + line);
-    EXPECT_NE(said->text.find(", 1 out of order"), std::string::npos) << said->text;
+    const std::string csv = (dir.path() / "imu0/data.csv").string();
+    const Finding finding = only_fault(check_it(dataset, Source::kFolder, dir.path()));
+    EXPECT_EQ(finding.subject, "imu stamps");
+    expect(finding, Verdict::kDoubtful, ", 1 out of order");
+    const std::string line = std::to_string(row + 2);  // below the heading
+    EXPECT_EQ(finding.change, "remove the line " + csv + ":" + line);
   }
 }
 
@@ -167,13 +155,9 @@ TEST(Check, ACorruptStampOfTheRadarIsNamedWithItsLine) {
     }
     const auto csv = dir.write("radar0/data.csv", text);
     const io::Dataset corrupt = io::read_dataset(dir.path());
-    Options options;
-    io::apply_sensor_info(corrupt, &options);
-    const Findings findings = check::check_recording(corrupt, options, Source::kFolder, dir.path());
-    const Finding* said = only_fault(findings);
-    ASSERT_NE(said, nullptr) << text_of(findings);
-    EXPECT_EQ(said->subject, "radar stamps");
-    EXPECT_PRED2(contains, said->change, "; see " + csv.string() + ":" + std::to_string(line));
+    const Finding finding = only_fault(check_it(corrupt, Source::kFolder, dir.path()));
+    EXPECT_EQ(finding.subject, "radar stamps");
+    EXPECT_PRED2(contains, finding.change, "; see " + csv.string() + ":" + std::to_string(line));
   }
 }
 
@@ -181,12 +165,7 @@ TEST(Check, EveryRadarIsNamed) {
   io::Dataset dataset = flown("indoor-1", 60.0);
   const io::Dataset healthy = dataset;
   for (int r = 1; r <= 2; ++r) dataset.other_radars.push_back({healthy.scans, healthy.radar_info});
-  const auto check = [&dataset] {
-    Options options;
-    io::apply_sensor_info(dataset, &options);
-    return check::check_recording(dataset, options, Source::kFolder);
-  };
-  const Findings fine = check();
+  const Findings fine = check_it(dataset, Source::kFolder);
   EXPECT_NE(worst(fine), Verdict::kWrong) << text_of(fine);
   EXPECT_NE(find(fine, "radar1: axes and Doppler sign"), nullptr) << text_of(fine);
   for (RadarScan& scan : dataset.other_radars[0].scans) {
@@ -194,22 +173,19 @@ TEST(Check, EveryRadarIsNamed) {
   }
   Quaternion& turned = dataset.other_radars[1].info.T_BS->rotation;
   turned = quaternion_exp(Vector3d(0.0, 0.0, 0.5 * kHalfTurn)) * turned;
-  const Findings findings = check();
-  int wrong = 0;
-  for (const Finding& f : findings) wrong += f.verdict == Verdict::kWrong ? 1 : 0;
-  EXPECT_EQ(wrong, 3) << text_of(findings);  // the sign twice
-  EXPECT_EQ(find(findings, "radar1: Doppler by the ranges")->verdict, Verdict::kWrong);
-  const Finding* sign = find(findings, "radar1: axes and Doppler sign");
-  const Finding* mounting = find(findings, "radar2: axes and Doppler sign");
-  ASSERT_TRUE(sign != nullptr && mounting != nullptr) << text_of(findings);
-  EXPECT_EQ(sign->change, "negate the column doppler of radar1/data.csv");
-  EXPECT_EQ(mounting->change.rfind("radar2/sensor.yaml: T_BS: {translation: [", 0), 0U)
-      << mounting->change;
-  EXPECT_LT(mounting_in(mounting->change).angularDistance(healthy.radar_info.T_BS->rotation), 0.02);
+  const Findings findings = check_it(dataset, Source::kFolder);
+  const auto is_wrong = [](const Finding& f) { return f.verdict == Verdict::kWrong; };
+  EXPECT_EQ(std::count_if(findings.begin(), findings.end(), is_wrong), 3) << text_of(findings);
+  expect(said(findings, "radar1: Doppler by the ranges"), Verdict::kWrong, "");
+  EXPECT_EQ(said(findings, "radar1: axes and Doppler sign").change,
+            "negate the column doppler of radar1/data.csv");
+  const std::string line = said(findings, "radar2: axes and Doppler sign").change;
+  EXPECT_TRUE(line.starts_with("radar2/sensor.yaml: T_BS: {translation: [")) << line;
+  EXPECT_LT(mounting_in(line).angularDistance(healthy.radar_info.T_BS->rotation), 0.02);
 }
 
 TEST(Check, MirroredAxesOfTheImu) {
-  const io::Dataset healthy = flown("indoor-1", 50.0);
+  const io::Dataset healthy = flight();
   Matrix3d swapped;
   swapped << 0, 1, 0, 1, 0, 0, 0, 0, 1;
   const Matrix3d left_handed = Vector3d(1, -1, 1).asDiagonal();
@@ -223,7 +199,7 @@ TEST(Check, MirroredAxesOfTheImu) {
 }
 
 TEST(Check, MuchMotionThatNoMountingExplainsIsDoubtful) {
-  io::Dataset dataset = flown("indoor-1", 50.0);
+  io::Dataset dataset = flight();
   for (ImuSample& s : dataset.imu) s.gyro_B = Vector3d(s.gyro_B.z(), s.gyro_B.x(), s.gyro_B.y());
   expect(said(dataset, "axes and Doppler sign"), Verdict::kDoubtful, "no mounting explains it");
 }
@@ -241,13 +217,10 @@ std::string said_by_points(const Findings& findings) {
 TEST(Check, AFewNoisyPointsTellTheSignOfTheDopplerAndTheUnits) {
   const io::Dataset healthy =
       flown("rough-ground", 40.0);  // five points, motion that does not tell
-  const Findings fine = check_it(healthy);
-  EXPECT_EQ(worst(fine), Verdict::kOk) << text_of(fine);
+  expect_ok(healthy);
   int named = 0;
   for (const Fault& fault : faults()) {
-    io::Dataset damaged = healthy;
-    fault.make(&damaged);
-    const Findings findings = check_it(damaged);
+    const Findings findings = check_it_with(fault, healthy);
     const bool expected = *fault.also != '\0';  // the gyro's unit the IMU may tell by itself
     EXPECT_TRUE(!expected || check::naming(findings, fault) != nullptr) << text_of(findings);
     EXPECT_TRUE(expected || said_by_points(findings).empty()) << text_of(findings);
@@ -266,25 +239,19 @@ TEST(Check, SignAndUnitOfTheDopplerTogether) {
 
 TEST(Check, GapsAreJudgedByWhatTheyCost) {
   const io::Dataset healthy = flown("indoor-1", 40.0);
-  const auto erase = [](auto* items, double length) {
-    const Time begin = items->front().time + from_seconds(20.0);
+  const auto with_gap = [&healthy](auto io::Dataset::*items, double length, const char* subject) {
+    io::Dataset dataset = healthy;
+    const Time begin = (dataset.*items).front().time + from_seconds(20.0);
     const Time end = begin + from_seconds(length);
-    std::erase_if(*items, [&](const auto& item) { return item.time > begin && item.time < end; });
+    std::erase_if(dataset.*items,
+                  [&](const auto& item) { return item.time > begin && item.time < end; });
+    return said(dataset, subject);
   };
-  const auto without_imu = [&](double length) {
-    io::Dataset dataset = healthy;
-    erase(&dataset.imu, length);
-    return said(dataset, "imu stamps");
-  };
-  expect(without_imu(0.2), Verdict::kOk, "bridged at 0.0");
-  expect(without_imu(3.0), Verdict::kDoubtful, "");
-  const auto without_radar = [&](double length) {
-    io::Dataset dataset = healthy;
-    erase(&dataset.scans, length);
-    return said(dataset, "radar stamps");
-  };
-  expect(without_radar(2.0), Verdict::kOk, "");
-  expect(without_radar(5.0), Verdict::kDoubtful, "the IMU alone may run away by 0.9 m/s");
+  expect(with_gap(&io::Dataset::imu, 0.2, "imu stamps"), Verdict::kOk, "bridged at 0.0");
+  expect(with_gap(&io::Dataset::imu, 3.0, "imu stamps"), Verdict::kDoubtful, "");
+  expect(with_gap(&io::Dataset::scans, 2.0, "radar stamps"), Verdict::kOk, "");
+  expect(with_gap(&io::Dataset::scans, 5.0, "radar stamps"), Verdict::kDoubtful,
+         "the IMU alone may run away by 0.9 m/s");
 }
 
 TEST(Check, AVelocityNowAndThenIsEnoughOneInTwoSecondsIsNot) {
@@ -292,9 +259,8 @@ TEST(Check, AVelocityNowAndThenIsEnoughOneInTwoSecondsIsNot) {
   const auto points = [&healthy](std::size_t of, std::size_t with) {
     io::Dataset dataset = healthy;
     for (std::size_t i = 0; i < dataset.scans.size(); ++i) {
-      if (i % of >= with)
-        dataset.scans[i].detections.resize(
-            std::min<std::size_t>(1, dataset.scans[i].detections.size()));
+      std::vector<RadarDetection>& detections = dataset.scans[i].detections;
+      if (i % of >= with) detections.resize(std::min<std::size_t>(1, detections.size()));
     }
     return said(dataset, "points");
   };
@@ -302,23 +268,23 @@ TEST(Check, AVelocityNowAndThenIsEnoughOneInTwoSecondsIsNot) {
   expect(points(90, 5), Verdict::kDoubtful, "");
 }
 
+/// Every twentieth.
+template <class Item>
+void thin_out(std::vector<Item>* items) {
+  for (std::size_t i = 0; 20 * i < items->size(); ++i) (*items)[i] = (*items)[20 * i];
+  items->resize((items->size() + 19) / 20);
+}
+
 // An IMU at 10 Hz is slow, a radar at 1 Hz, too; the units are as before.
 TEST(Check, ALowRateIsNoWrongUnit) {
   const io::Dataset healthy = flown("indoor-1", 60.0);
   io::Dataset slow = healthy;
-  slow.imu.clear();
-  for (std::size_t i = 0; i < healthy.imu.size(); i += 20) slow.imu.push_back(healthy.imu[i]);
-  Findings findings = check_it(slow);
-  EXPECT_EQ(find(findings, "accelerometer unit")->verdict, Verdict::kOk) << text_of(findings);
-  EXPECT_EQ(find(findings, "gyro unit")->verdict, Verdict::kOk) << text_of(findings);
+  thin_out(&slow.imu);
+  expect(said(slow, "accelerometer unit"), Verdict::kOk, "");
+  expect(said(slow, "gyro unit"), Verdict::kOk, "");
   slow = healthy;
-  slow.scans.clear();
-  for (std::size_t i = 0; i < healthy.scans.size(); i += 20) {
-    slow.scans.push_back(healthy.scans[i]);
-  }
-  findings = check_it(slow);
-  EXPECT_NE(find(findings, "points")->change.find("scans a second"), std::string::npos)
-      << text_of(findings);
+  thin_out(&slow.scans);
+  expect_change(slow, "points", "scans a second");
 }
 
 TEST(Check, AFewSamplesAreNoRecording) {

@@ -31,4 +31,10 @@ inline io::Dataset flown(const std::string& name, double length) {
   return flown(scenario);
 }
 
+/// One with which nothing is wrong.
+inline const io::Dataset& flight() {
+  static const io::Dataset kFlight = flown("indoor-1", 50.0);
+  return kFlight;
+}
+
 }  // namespace rio::test

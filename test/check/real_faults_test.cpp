@@ -32,20 +32,23 @@ std::filesystem::path recording_at(const std::string& name) {
   return std::filesystem::path(data != nullptr ? data : "") / name;
 }
 
+bool is_missing(const std::string& name) {
+  return !std::filesystem::exists(recording_at(name) / "imu0");
+}
+constexpr const char* kNeeded = "needs RIO_TEST_DATA, a folder with the recordings";
+
 /// @return faults named
 int expect_named(const std::string& name, const std::set<std::string>* expected_names) {
   const io::Dataset healthy = io::read_dataset(recording_at(name));
-  const Findings fine = check_it(healthy);
-  EXPECT_EQ(worst(fine), Verdict::kOk) << name << "\n" << text_of(fine);
+  SCOPED_TRACE(name);
+  expect_ok(healthy);
   int named = 0;
   for (const Fault& fault : faults()) {
-    io::Dataset damaged = healthy;
-    fault.make(&damaged);
-    const Findings findings = check_it(damaged);
+    const Findings findings = check_it_with(fault, healthy);
     const bool is_named = check::naming(findings, fault) != nullptr;
     const bool expected = expected_names == nullptr || expected_names->count(fault.name) > 0;
-    EXPECT_EQ(is_named, expected) << name << ", " << fault.name << "\n" << text_of(findings);
-    EXPECT_TRUE(expected || worst(findings) == Verdict::kOk) << name << ", " << fault.name << "\n"
+    EXPECT_EQ(is_named, expected) << fault.name << "\n" << text_of(findings);
+    EXPECT_TRUE(expected || worst(findings) == Verdict::kOk) << fault.name << "\n"
                                                              << text_of(findings);
     named += is_named ? 1 : 0;
   }
@@ -53,30 +56,26 @@ int expect_named(const std::string& name, const std::set<std::string>* expected_
 }
 
 TEST(CheckOfARealRecording, NamesTheFaultsItsMotionTells) {
-  if (!std::filesystem::exists(recording_at("ti_demo/imu0"))) {
-    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
-  }
+  if (is_missing("ti_demo")) GTEST_SKIP() << kNeeded;
   measured("ti_demo: faults named", expect_named("ti_demo", nullptr),
            std::to_string(faults().size()));
 }
 
 TEST(CheckOfARealRecording, AStepOfAClockIsFound) {
-  if (!std::filesystem::exists(recording_at("ti_demo/imu0"))) {
-    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recording ti_demo";
-  }
+  if (is_missing("ti_demo")) GTEST_SKIP() << kNeeded;
   const io::Dataset healthy = io::read_dataset(recording_at("ti_demo"));
   for (const double step : {0.2, 0.3}) {
     for (const double part : {0.5, 0.7}) {
+      const auto make_step = [&](auto* items) {
+        const auto first = static_cast<std::size_t>(part * static_cast<double>(items->size()));
+        for (std::size_t i = first + 1; i < items->size(); ++i) {
+          (*items)[i].time += from_seconds(step);
+        }
+      };
       io::Dataset radar = healthy;
-      for (std::size_t i = 0; i < radar.scans.size(); ++i) {
-        const bool after = static_cast<double>(i) > part * static_cast<double>(radar.scans.size());
-        if (after) radar.scans[i].time += from_seconds(step);
-      }
+      make_step(&radar.scans);
       io::Dataset imu = healthy;
-      for (std::size_t i = 0; i < imu.imu.size(); ++i) {
-        const bool after = static_cast<double>(i) > part * static_cast<double>(imu.imu.size());
-        if (after) imu.imu[i].time += from_seconds(step);
-      }
+      make_step(&imu.imu);
       SCOPED_TRACE(testing::Message() << step << " s after " << part);
       expect(said(radar, "delay of the radar"), Verdict::kWrong, "a clock steps", "split");
       expect(said(imu, "delay of the radar"), Verdict::kWrong, "a clock steps", "split");
@@ -85,9 +84,7 @@ TEST(CheckOfARealRecording, AStepOfAClockIsFound) {
 }
 
 TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
-  if (!std::filesystem::exists(recording_at("kart/driveAround1_A"))) {
-    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recordings of the kart";
-  }
+  if (is_missing("kart/driveAround1_A")) GTEST_SKIP() << kNeeded;
   for (const char* name : {"kart/driveAround1_A", "kart/outside4_B"}) {
     measured(std::string(name) + ": faults named", expect_named(name, &kToldWithoutMotion),
              std::to_string(kToldWithoutMotion.size()));
@@ -95,22 +92,18 @@ TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
 }
 
 TEST(CheckOfARealRecording, WindowsOfSecondsTellTheMountingWithSixPointsAScan) {
-  if (!std::filesystem::exists(recording_at("kart/labDriveAround1_A"))) {
-    GTEST_SKIP() << "needs RIO_TEST_DATA, a folder with the recordings of the kart";
-  }
+  if (is_missing("kart/labDriveAround1_A")) GTEST_SKIP() << kNeeded;
   const std::set<std::string> told = {"MountingTurned90AboutTheBody",
                                       "MountingTurned180AboutTheBody", "MountingUpsideDown",
                                       "AxesOfTheChip", "ImuInForwardRightDown"};
   for (const char* name : {"kart/labDriveAround1_A", "kart/labDriveAround3_B"}) {
     const io::Dataset healthy = io::read_dataset(recording_at(name));
-    EXPECT_EQ(worst(check_it(healthy)), Verdict::kOk) << name << "\n" << text_of(check_it(healthy));
+    SCOPED_TRACE(name);
+    expect_ok(healthy);
     for (const Fault& fault : faults()) {
       if (told.count(fault.name) == 0) continue;
-      io::Dataset damaged = healthy;
-      fault.make(&damaged);
-      const Findings findings = check_it(damaged);
-      EXPECT_NE(check::naming(findings, fault), nullptr) << name << ", " << fault.name << "\n"
-                                                         << text_of(findings);
+      const Findings findings = check_it_with(fault, healthy);
+      EXPECT_NE(check::naming(findings, fault), nullptr) << fault.name << "\n" << text_of(findings);
     }
   }
 }

@@ -1,28 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio check` as a user runs it; with RIO_TEST_DATA also on real recordings.
-#include <cstdlib>
-
 #include "e2e/tool.hpp"
 #include "support/real_data.hpp"
 
 namespace rio::test {
 namespace {
 
-class Check : public Tool {
- protected:
-  /// The flight with the columns of a file changed by an awk program.
-  static std::string changed(const std::string& name, const std::string& csv,
-                             const std::string& awk) {
-    const fs::path folder = copy(name);
-    const std::string file = (folder / csv).string();
-    const std::string command =
-        "awk -F, -v OFS=, -v CONVFMT=%.12g -v OFMT=%.12g '/^#/ {print; "
-        "next} {" +
-        awk + "; print}' " + file + " > " + file + ".new && mv " + file + ".new " + file;
-    EXPECT_EQ(std::system(command.c_str()), 0) << command;
-    return folder.string();
-  }
-};
+using Check = Tool;
 
 TEST_F(Check, AFlightIsFine) {
   const Outcome run =
@@ -32,8 +16,10 @@ TEST_F(Check, AFlightIsFine) {
 }
 
 TEST_F(Check, SaysWhatIsWrongAndExitsWithThree) {
-  fails(3, "check " + changed("sign", "radar0/data.csv", "if ($5 != \"\") $5 = -$5"),
-        {"the Doppler has the wrong sign", "negate the column doppler"});
+  const std::string folder = changed("sign", "radar0/data.csv", "if ($5 != \"\") $5 = -$5");
+  const Parts wrong = {"the Doppler has the wrong sign", "negate the column doppler"};
+  fails(3, "check " + folder, wrong);
+  expect_parts(try_rio("replay " + folder).output, wrong);
 }
 
 TEST_F(Check, WhatItProposesIsAnOptionFileThatPutsItRight) {

@@ -2,18 +2,16 @@
 // `rio simulate --live` and `rio live` as a user runs them, side by side, on pseudo-terminals.
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <future>
 #include <iostream>
 #include <iterator>
-#include <sstream>
 #include <thread>
 
 #include "e2e/tool.hpp"
-#include "e2e/wire_points.hpp"
 #include "examples/03_live_loop/hardware.hpp"
 #include "live/pty.hpp"
 #include "rio/sim/ti_packet.hpp"
+#include "support/matches.hpp"
 #include "support/measured.hpp"
 
 namespace rio::test {
@@ -24,13 +22,6 @@ constexpr int kTries = 3;                     // of a flight that a busy machine
 
 class Live : public Tool {
  protected:
-  static bool appears(const std::string& path) {
-    for (int i = 0; i < 1000 && !fs::exists(path); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return fs::exists(path);
-  }
-
   /// A flight played while the program listens; both programs' outputs.
   static std::pair<Outcome, Outcome> fly(const std::string& name, const std::string& simulate,
                                          const std::string& live) {
@@ -40,7 +31,10 @@ class Live : public Tool {
       return try_rio("simulate " + out + " --scenario " + file("short.yaml") + " --live" + kSpeed +
                      simulate);
     });
-    EXPECT_TRUE(appears(out + "/radar0/port"));
+    for (int i = 0; i < 1000 && !fs::exists(out + "/radar0/port"); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    EXPECT_TRUE(fs::exists(out + "/radar0/port"));
     Outcome run = try_rio("live --sensors " + out + " --radar " + out + "/radar0/port --imu " +
                           out + "/imu0/port --patience 0 --json" + kSpeed + live + " 2>/dev/null");
     return {player.get(), run};
@@ -97,13 +91,10 @@ TEST_F(Live, ShowsTheFlightWhileItHappens) {
   const std::size_t rows = lines_of(file("shown.csv")).size();
   EXPECT_GT(rows, 50U);
   const Outcome info = rio("info " + mcap);
-  for (const char* topic : {"/tf ", "/odometry ", "/radar0/points "}) {
-    const std::size_t at = info.output.find(topic);
-    ASSERT_NE(at, std::string::npos) << topic << info.output;
-    std::string type;
-    std::size_t messages = 0;
-    std::istringstream(info.output.substr(at + std::string(topic).size())) >> type >> messages;
-    EXPECT_EQ(messages, rows) << topic;
+  for (const std::string topic : {"/tf", "/odometry", "/radar0/points"}) {
+    EXPECT_EQ(matches(info.output, topic + " +[^ ]+ +([0-9]+) "),
+              std::vector<std::string>{std::to_string(rows)})
+        << topic << info.output;
   }
   EXPECT_GT(fs::file_size(page), 100'000U);
 }
@@ -150,35 +141,18 @@ TEST_F(Live, AnMcapOfAKilledRunIsReadable) {
   ASSERT_TRUE(fs::exists(file("k.mcap"))) << run.output;
   fails(1, "info " + file("k.mcap"), {"What stands before was used."});
   fails(1, "convert " + file("k.mcap") + " " + file("k"), {"What stands before was used."});
-  measured("seconds of IMU in 3 s at three times the speed, killed",
-           static_cast<double>(lines_of(file("k") + "/imu0/data.csv").size()) / 200.0, "4 to 10");
-  EXPECT_GT(lines_of(file("k") + "/imu0/data.csv").size(), 4U * 200);
-}
-
-/// Every scan that was recorded is one that was sent: its points, to float precision.
-TEST_F(Live, ABadCableInventsNothing) {
-  const auto [player, run] = fly("bad", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2",
-                                 " --record " + file("bad_rec"));
-  ASSERT_EQ(run.code, 0) << run.output;
-  const Json json = run.json();
-  EXPECT_GT(json["live"]["packets_lost"], 0);
-  EXPECT_GT(json["live"]["imu_lost"], 0);
-  expect_none(json["verdict"], {"lost: "});
-  const auto sent = wire_points(io::read_dataset(file("bad")));
-  const auto came = wire_points(io::read_dataset(file("bad_rec")));
-  std::size_t accounted = came.size();
-  for (const char* what : {"packets_lost", "packets_made_up", "packets_untimed"}) {
-    accounted += json["live"][what].get<std::size_t>();
-  }
-  EXPECT_GT(accounted + 10, sent.size());  // before the IMU, and at the end
-  EXPECT_LT(came.size(), sent.size());
-  EXPECT_TRUE(std::includes(sent.begin(), sent.end(), came.begin(), came.end()));
+  const double seconds = static_cast<double>(lines_of(file("k") + "/imu0/data.csv").size()) / 200.0;
+  measured("seconds of IMU in 3 s at three times the speed, killed", seconds, "4 to 10");
+  EXPECT_GT(seconds, 4.0);
 }
 
 TEST_F(Live, OverABadCableIsTheReplayOfWhatItRecorded) {
   Json json;
-  EXPECT_TRUE(
+  ASSERT_TRUE(
       is_its_replay("worn", " --dropped 0.01 --damaged 0.01 --delayed 0.05 --split 0.2", &json));
+  EXPECT_GT(json["live"]["packets_lost"], 0);
+  EXPECT_GT(json["live"]["imu_lost"], 0);
+  expect_none(json["verdict"], {"lost: "});
 }
 
 /// The CLI port of a radar: what was sent to it, and an answer to every line.
@@ -190,38 +164,37 @@ class CliRadar {
   /// Ends it.
   std::string lines() {
     over_ = true;
-    if (thread_.joinable()) thread_.join();
-    return lines_;
+    return lines_.get();
   }
 
  private:
-  void talk() {
-    std::string line;
+  std::string talk() {
+    std::string lines, line;
     while (true) {
       const bool last = over_;
       std::uint8_t byte = 0;
       if (pty_.read(&byte, 1) == 0) {
-        if (last) return;
+        if (last) return lines;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         continue;
       }
       line += static_cast<char>(byte);
       if (byte != '\n') continue;
-      lines_ += line == "\n" ? "" : line;
+      lines += line == "\n" ? "" : line;
       const bool no = line.starts_with(refused_);
-      answer(line + (no ? "Error: Invalid range\r\nError -1\r\n" : "Done\r\n") + "mmwDemo:/>");
+      line += (no ? "Error: Invalid range\r\nError -1\r\n" : "Done\r\n");
+      line += "mmwDemo:/>";
+      (void)pty_.write(reinterpret_cast<const std::uint8_t*>(line.data()), line.size());
       line.clear();
     }
-  }
-  void answer(const std::string& text) {
-    (void)pty_.write(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   }
 
   std::string refused_;
   live::Pty pty_;
-  std::string lines_;
   std::atomic<bool> over_ = false;
-  std::thread thread_{[this] { talk(); }};  // last: it uses the others
+  // last: it uses the others
+  std::shared_future<std::string> lines_ =
+      std::async(std::launch::async, [this] { return talk(); });
 };
 
 TEST_F(Live, SendsTheConfigurationFirst) {
@@ -256,26 +229,21 @@ TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
   EXPECT_EQ(json["live"]["odometry_sent"], hardware.odometry_received());
 }
 
-/// A file with these bytes.
-std::string write_bytes(const std::string& path, const sim::Bytes& bytes) {
-  std::ofstream(path, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()), static_cast<long>(bytes.size()));
-  return path;
-}
-
-void append(const sim::Bytes& bytes, sim::Bytes* log) {
-  log->insert(log->end(), bytes.begin(), bytes.end());
+/// The packet as it comes from a port.
+std::string text_of(const sim::WrittenPacket& packet) {
+  const sim::Bytes bytes = packet.bytes();
+  return {bytes.begin(), bytes.end()};
 }
 
 /// The IMU of a flight, and packets of such points, read at once.
 TEST_F(Live, FailsWhereNoScanIsOfUse) {
   const auto log_of = [&](std::uint32_t packets, float range) {
-    sim::Bytes log;
+    std::string log;
     for (std::uint32_t number = 1; number <= packets; ++number) {
       const std::vector<sim::WrittenPoint> points(9, {range, range, 0.0F, 1.0F, 200, 400});
-      append(sim::packet_of(number, points).bytes(), &log);
+      log += text_of(sim::packet_of(number, points));
     }
-    return write_bytes(file("log.bin"), log);
+    return dir_->write("log.bin", log).string();
   };
   const std::string live = "live --sensors " + flight_ + " --imu-format csv --imu " + flight_ +
                            "/imu0/data.csv --patience 0 --radar ";
@@ -285,17 +253,17 @@ TEST_F(Live, FailsWhereNoScanIsOfUse) {
 
 /// Two radars without a scan: each with its cause, in every place.
 TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
-  sim::Bytes old;
+  std::string old;
   for (std::uint32_t number = 1; number <= 9; ++number) {
     sim::WrittenPacket packet = sim::packet_of(number, {});
     packet.version = 0x02010004;
-    append(packet.bytes(), &old);
+    old += text_of(packet);
   }
   const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n\r\nmmwDemo:/>";
   const std::string command = "live --sensors " + flight_ + " --radar " +
-                              write_bytes(file("old.bin"), old) + " --radar " +
-                              write_bytes(file("cli.bin"), {text.begin(), text.end()}) + " --imu " +
-                              file("nothing") + " --patience 0";
+                              dir_->write("old.bin", old).string() + " --radar " +
+                              dir_->write("cli.bin", text).string() + " --imu " + file("nothing") +
+                              " --patience 0";
   const std::string causes[] = {"packets of SDK 1 or 2, which are not read: load a demo of SDK",
                                 "no packets, but text: this is the CLI port"};
   fails(1, command + " >" + file("summary"), {"radar 0: " + causes[0], "radar 1: " + causes[1]});

@@ -5,14 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <future>
-#include <thread>
 
 #include "e2e/tool.hpp"
-#include "e2e/wire_points.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/trajectory.hpp"
 #include "rio/testing/allocation_guard.hpp"
 #include "support/measured.hpp"
 
@@ -90,6 +88,20 @@ void measure_times(const Json& live) {
   measured("CPU, share of a core", live["cpu_share"], "0.03");
 }
 
+/// The points of the scans as they were on the wire, sorted.
+std::vector<std::vector<std::array<float, 4>>> wire_points(const io::Dataset& dataset) {
+  std::vector<std::vector<std::array<float, 4>>> scans;
+  for (const RadarScan& scan : dataset.scans) {
+    auto& points = scans.emplace_back();
+    for (const RadarDetection& d : scan.detections) {
+      const Eigen::Vector3f p = d.point_S.cast<float>();
+      points.push_back({p.x(), p.y(), p.z(), static_cast<float>(d.range_rate)});
+    }
+  }
+  std::sort(scans.begin(), scans.end());
+  return scans;
+}
+
 /// Each frame that was sent whole came, and nothing else.
 void judge_bytes(const Json& live, const std::string& player, const io::Dataset& flown,
                  const io::Dataset& recorded) {
@@ -131,18 +143,6 @@ void judge_memory(const std::vector<double>& memory) {
   }
 }
 
-/// How far off the last estimate is, of the way [%].
-double drift(const std::string& tum, const std::vector<NavState>& truth) {
-  const io::Trajectory estimates = io::read_trajectory(tum);
-  const auto end = std::lower_bound(truth.begin(), truth.end() - 1, estimates.back().time,
-                                    [](const NavState& s, Time time) { return s.time < time; });
-  double distance = 0.0;
-  for (std::size_t i = 1; i < truth.size(); ++i)
-    distance += (truth[i].p_WB - truth[i - 1].p_WB).norm();
-  measured("length of the flight, m", distance, "");
-  return 100.0 * (estimates.back().p - end->p_WB).norm() / distance;
-}
-
 TEST_F(Soak, NothingIsLostOrGrows) {
   std::vector<double> memory;
   const auto [player, run] = fly(seconds_to_run(), &memory);
@@ -153,7 +153,9 @@ TEST_F(Soak, NothingIsLostOrGrows) {
   judge_bytes(json["live"], player.output, flown, io::read_dataset(recorded));
   judge_memory(memory);
 
-  const double off = drift(tum, flown.ground_truth);
+  const Json error = rio("evaluate " + out + " " + tum + " --json").json();
+  const double off = error["final_drift_percent"];
+  measured("length of the flight, m", error["path_length_m"], "");
   const Json& counters = json["counters"];
   const Json& seconds = json["health"]["seconds"];
   const double well = seconds["ok"].get<double>() + seconds["degraded"].get<double>();

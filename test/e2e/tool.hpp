@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -113,20 +114,31 @@ class Tool : public testing::Test {
   }
   static void TearDownTestSuite() { delete dir_; }
   static std::string file(const std::string& name) { return (dir_->path() / name).string(); }
-  static std::size_t scans() {
-    std::size_t count = 0;
-    std::string last;
+  /// The stamps of its scans, as written.
+  static std::set<std::string> stamps() {
+    std::set<std::string> stamps;
     for (const std::string& line : lines_of(fs::path(flight_) / "radar0/data.csv")) {
-      const std::string stamp = line.substr(0, line.find(','));
-      count += stamp != last ? 1 : 0;
-      last = stamp;
+      stamps.insert(line.substr(0, line.find(',')));
     }
-    return count;
+    return stamps;
   }
+  static std::size_t scans() { return stamps().size(); }
   /// A copy of the flight that a test may damage.
   static fs::path copy(const std::string& name) {
     fs::copy(flight_, file(name), fs::copy_options::recursive);
     return file(name);
+  }
+
+  /// A copy in which an awk program has changed the rows of a file.
+  static std::string changed(const std::string& name, const std::string& csv,
+                             const std::string& awk) {
+    const fs::path folder = copy(name);
+    const std::string file = (folder / csv).string();
+    const std::string command =
+        "awk -F, -v OFS=, -v CONVFMT=%.12g -v OFMT=%.12g '/^#/ {print; next} {" + awk +
+        "; print}' " + file + " > " + file + ".new && mv " + file + ".new " + file;
+    EXPECT_EQ(run_command(command).code, 0) << command;
+    return folder.string();
   }
 
   inline static TempDir* dir_ = nullptr;

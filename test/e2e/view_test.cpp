@@ -39,10 +39,7 @@ std::vector<std::map<std::string, std::string>> table(const fs::path& file) {
 TEST_F(Tool, TheLogHasEveryScanOfTheRecordingByItsStamp) {
   const std::string log = file("log");
   rio("replay " + flight_ + " --no-check --log " + log);
-  std::set<std::string> recorded;
-  for (const std::string& line : lines_of(fs::path(flight_) / "radar0/data.csv")) {
-    recorded.insert(line.substr(0, line.find(',')));
-  }
+  const std::set<std::string> recorded = stamps();
   const auto scans = table(log + "/scans.csv");
   EXPECT_GT(scans.size(), recorded.size() - 5);
   for (const auto& row : scans) EXPECT_EQ(recorded.count(row.at("stamp_ns")), 1U);

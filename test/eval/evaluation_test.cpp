@@ -6,6 +6,7 @@
 #include <string>
 
 #include "rio/core/so3.hpp"
+#include "support/temp_dir.hpp"
 
 namespace rio::eval {
 namespace {
@@ -35,12 +36,7 @@ Trajectory estimate_of(const Trajectory& truth, const Pose& T) {
 }
 
 std::string message(const Trajectory& truth, const Trajectory& estimate) {
-  try {
-    evaluate(truth, estimate);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-  return "";
+  return test::error_of([&] { (void)evaluate(truth, estimate); });
 }
 
 TEST(Evaluate, PerfectEstimateHasNoError) {
@@ -103,12 +99,10 @@ TEST(Evaluate, NormOfMaeAtADistance) {
 TEST(Evaluate, CountsEstimatesWithoutTruth) {
   const Trajectory truth = circle();
   const Trajectory estimate = estimate_of(truth, {});
-  Trajectory with_gap;
-  for (const StampedPose& pose : truth) {
-    if (pose.time < milliseconds(50000) || pose.time > milliseconds(60000)) {
-      with_gap.push_back(pose);
-    }
-  }
+  Trajectory with_gap = truth;
+  std::erase_if(with_gap, [](const StampedPose& pose) {
+    return pose.time >= milliseconds(50000) && pose.time <= milliseconds(60000);
+  });
   const Evaluation result = evaluate(with_gap, estimate);
   EXPECT_EQ(result.estimates, 1000U);
   EXPECT_EQ(result.associated, 900U - 1U);  // that of 60.007 s comes before the first pose left
@@ -121,7 +115,7 @@ TEST(Evaluate, SaysWhyItCannot) {
   EXPECT_EQ(message(truth, {estimate[0]}), "the estimate has fewer than 2 poses");
   Trajectory later = estimate;
   for (StampedPose& pose : later) pose.time += std::chrono::hours(1);
-  EXPECT_NE(message(truth, later).find("do not overlap in time"), std::string::npos);
+  EXPECT_PRED2(test::contains, message(truth, later), "do not overlap in time");
   later[0].time = milliseconds(50);
   EXPECT_EQ(message(truth, later), "only 1 pose of the estimate has a true pose");
   EXPECT_EQ(message(truth, estimate), "");

@@ -17,15 +17,19 @@ namespace rio::io {
 namespace {
 
 using test::TempDir;
+using DatasetTest = MinimalDataset;
 
-TEST(Dataset, RoundTripIsExact) {
-  const TempDir dir;
+TEST_F(DatasetTest, RoundTripIsExact) {
   const Dataset a = sample_dataset();
   write_dataset(dir.path() / "new", a);
   const Dataset b = read_dataset(dir.path() / "new");
   test::expect_same_recording(b, a, 0.0, 0.0, [](const RadarDetection& q, const RadarDetection& p) {
     EXPECT_EQ(q.snr_db, p.snr_db);
     EXPECT_EQ(q.noise_db, p.noise_db);
+    EXPECT_EQ(q.sigma_range, p.sigma_range);
+    EXPECT_EQ(q.sigma_azimuth, p.sigma_azimuth);
+    EXPECT_EQ(q.sigma_elevation, p.sigma_elevation);
+    EXPECT_EQ(q.sigma_doppler, p.sigma_doppler);
   });
   ASSERT_EQ(b.baro.size(), a.baro.size());
   EXPECT_EQ(b.baro[2].time, a.baro[2].time);
@@ -42,8 +46,7 @@ TEST(Dataset, RoundTripIsExact) {
   EXPECT_TRUE(b.notes.empty());
 }
 
-TEST(Dataset, KeepsOfTheTruthWhatAReplayStartsFrom) {
-  const TempDir dir;
+TEST_F(DatasetTest, KeepsOfTheTruthWhatAReplayStartsFrom) {
   Dataset d = sample_dataset();
   ASSERT_GE(d.imu.size(), 2U);
   NavState state;
@@ -66,20 +69,18 @@ TEST(Dataset, KeepsOfTheTruthWhatAReplayStartsFrom) {
   EXPECT_GT(out.ground_truth.front().time, d.imu.back().time);
 }
 
-TEST(Dataset, FindsMav0) {
-  const TempDir dir;
-  write_minimal(dir, "mav0/");
-  EXPECT_EQ(read_dataset(dir.path()).imu.size(), 2U);
-  EXPECT_EQ(read_dataset(dir.path() / "mav0").imu.size(), 2U);
+TEST_F(DatasetTest, FindsMav0) {
+  const TempDir empty;
+  write_minimal(empty, "mav0/");
+  EXPECT_EQ(read_dataset(empty.path()).imu.size(), 2U);
+  EXPECT_EQ(read_dataset(empty.path() / "mav0").imu.size(), 2U);
 }
 
-TEST(Dataset, ScansAreRunsOfOneStamp) {
-  const TempDir dir;
-  write_minimal(dir);
-  dir.write("radar0/data.csv",
-            "#t\r\n10,1,2,3,0.1,,,junk\r\n10,1,2,3,0.2,5,6,\r\n20,,,,,,,\r\n15,1,1,1,0.3,7,8,9\r\n"
-            "10,1,1,1,nan,7,8,9");
-  const Dataset d = read_dataset(dir.path());
+TEST_F(DatasetTest, ScansAreRunsOfOneStamp) {
+  const Dataset d = read_with(
+      "radar0/data.csv",
+      "#t\r\n10,1,2,3,0.1,,,junk\r\n10,1,2,3,0.2,5,6,\r\n20,,,,,,,\r\n15,1,1,1,0.3,7,8,9\r\n"
+      "10,1,1,1,nan,7,8,9");
   ASSERT_EQ(d.scans.size(), 4U);
   ASSERT_EQ(d.scans[0].detections.size(), 2U);
   EXPECT_EQ(d.scans[0].detections[0].range_rate, 0.1);
@@ -93,38 +94,16 @@ TEST(Dataset, ScansAreRunsOfOneStamp) {
   EXPECT_TRUE(std::isnan(d.scans[3].detections[0].range_rate));
 }
 
-TEST(Dataset, SignalToNoiseMayBeMissing) {
-  const TempDir dir;
-  write_minimal(dir);
-  dir.write("radar0/data.csv", "10,1,2,3,0.1\n");
-  const Dataset d = read_dataset(dir.path());
-  EXPECT_EQ(d.scans.at(0).detections.at(0).snr_db, 0.0);
-  EXPECT_EQ(d.scans[0].detections[0].range_rate, 0.1);
+TEST_F(DatasetTest, SignalToNoiseMayBeMissing) {
+  const RadarDetection d =
+      read_with("radar0/data.csv", "10,1,2,3,0.1\n").scans.at(0).detections.at(0);
+  EXPECT_EQ(d.snr_db, 0.0);
+  EXPECT_EQ(d.range_rate, 0.1);
 }
 
-TEST(Dataset, SigmasOfADetectionRoundTrip) {
-  const TempDir dir;
-  Dataset a = sample_dataset();
-  RadarDetection& d = a.scans[0].detections[0];
-  d.sigma_range = 0.1;
-  d.sigma_azimuth = 1.0 / 3.0;
-  d.sigma_doppler = 0.02;
-  write_dataset(dir.path() / "new", a);
-  const Dataset b = read_dataset(dir.path() / "new");
-  const RadarDetection& e = b.scans.at(0).detections.at(0);
-  EXPECT_EQ(e.sigma_range, 0.1);
-  EXPECT_EQ(e.sigma_azimuth, 1.0 / 3.0);
-  EXPECT_EQ(e.sigma_elevation, 0.0);
-  EXPECT_EQ(e.sigma_doppler, 0.02);
-  EXPECT_EQ(b.scans[0].detections.at(1).sigma_range, 0.0);
-  EXPECT_EQ(b.scans.at(1).detections.size(), 0U);
-}
-
-TEST(Dataset, KeepsTheOrderAndOddValuesOfTheFile) {
-  const TempDir dir;
-  write_minimal(dir);
-  dir.write("imu0/data.csv", "300,1,2,3,4,5,6\n100,nan,2,3,4,5,inf\n100,1,2,3,4,5,6\n");
-  const Dataset d = read_dataset(dir.path());
+TEST_F(DatasetTest, KeepsTheOrderAndOddValuesOfTheFile) {
+  const Dataset d =
+      read_with("imu0/data.csv", "300,1,2,3,4,5,6\n100,nan,2,3,4,5,inf\n100,1,2,3,4,5,6\n");
   ASSERT_EQ(d.imu.size(), 3U);
   EXPECT_EQ(d.imu[0].time, Time(300));
   EXPECT_EQ(d.imu[1].time, Time(100));
@@ -132,12 +111,9 @@ TEST(Dataset, KeepsTheOrderAndOddValuesOfTheFile) {
   EXPECT_TRUE(std::isinf(d.imu[1].accel_B.z()));
 }
 
-TEST(Dataset, ACutLastLineEndsItsSensorAndIsNamed) {
-  const TempDir dir;
-  write_minimal(dir);
+TEST_F(DatasetTest, ACutLastLineEndsItsSensorAndIsNamed) {
   dir.write("imu0/data.csv", "100,1,2,3,4,5,6\n200,1,2,3,4,5,6\n300,1,2,3");
-  dir.write("radar0/data.csv", "100,1,2,3,4,5,6\n100,2,2,3,4,5,6\n100,3,2,");
-  const Dataset d = read_dataset(dir.path());
+  const Dataset d = read_with("radar0/data.csv", "100,1,2,3,4,5,6\n100,2,2,3,4,5,6\n100,3,2,");
   EXPECT_EQ(d.imu.size(), 2U);
   ASSERT_EQ(d.scans.size(), 1U);
   EXPECT_EQ(d.scans[0].detections.size(), 2U);
@@ -148,62 +124,30 @@ TEST(Dataset, ACutLastLineEndsItsSensorAndIsNamed) {
   EXPECT_EQ(stream->outline().imu_samples, 2U);
 }
 
-TEST(Dataset, DamageIsAnErrorWithFileAndLine) {
-  const TempDir dir;
-  const auto read_with = [&dir](const char* file, const char* text) {
-    write_minimal(dir);
-    dir.write(file, text);
-    read_dataset(dir.path());
-  };
-  const char* imu = "imu0/data.csv";
-  EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5,6\n2,1,2,3,4,5\n3,1,2,3,4,5,6\n"),
-               "imu0/data.csv:2: has 6 columns");
-  EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5,x6\n"), "imu0/data.csv:1: column 7: not a number");
-  EXPECT_ERROR(read_with(imu, "1,1,2,3,4,5\n"), "imu0/data.csv:1: has 6 columns, column 7");
-  EXPECT_ERROR(read_with(imu, "1.5,1,2,3,4,5,6\n"), "imu0/data.csv:1: column 1: not an integer");
-  EXPECT_ERROR(read_with(imu, "#only a header\n"), "imu0/data.csv: holds no samples");
-  EXPECT_ERROR(read_with(imu, ""), "imu0/data.csv: is empty");
-  const char* radar = "radar0/data.csv";
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6\n1,1,2,3,4\n2,1,2,3,4,5,6\n"),
-               "radar0/data.csv:2: has 5 columns");
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,,,\n"), "radar0/data.csv:1: column 5: not a number");
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5dB,6\n"), "radar0/data.csv:1: column 6");
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,4\n1,,,,\n"), "radar0/data.csv:2: an empty scan has");
-  EXPECT_ERROR(read_with(radar, "1,,,,\n1,1,2,3,4\n"), "radar0/data.csv:2: a detection has");
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6,0.1,,-1,0\n"), "radar0/data.csv:1: a sigma is");
-  EXPECT_ERROR(read_with(radar, "1,1,2,3,4,5,6,0.1,,nan,0\n"), "radar0/data.csv:1: a sigma is");
-  EXPECT_ERROR(read_with(radar, "1\n"), "radar0/data.csv:1: has 1 columns");
-  EXPECT_ERROR(read_with(radar, "# nothing\n"), "radar0/data.csv: holds no scans");
+TEST_F(DatasetTest, MissingPartsAreErrors) {
+  const TempDir empty;
+  EXPECT_ERROR(read_dataset(empty.path() / "none"), "none: no such folder");
+  EXPECT_ERROR(read_dataset(empty.write("file", "x")), "file: is not a folder");
+  EXPECT_ERROR(read_dataset(empty.path()), "imu0/data.csv: no such file");
+  empty.write("imu0/data.csv", kImuRows);
+  EXPECT_ERROR(read_dataset(empty.path()), "radar0/data.csv: no such file");
+  write_minimal(empty);
+  std::filesystem::create_directory(empty.path() / "baro0");
+  EXPECT_ERROR(read_dataset(empty.path()), "baro0/data.csv: no such file");
 }
 
-TEST(Dataset, MissingPartsAreErrors) {
-  const TempDir dir;
-  EXPECT_ERROR(read_dataset(dir.path() / "none"), "none: no such folder");
-  EXPECT_ERROR(read_dataset(dir.write("file", "x")), "file: is not a folder");
-  EXPECT_ERROR(read_dataset(dir.path()), "imu0/data.csv: no such file");
-  dir.write("imu0/data.csv", kImuRows);
-  EXPECT_ERROR(read_dataset(dir.path()), "radar0/data.csv: no such file");
-  write_minimal(dir);
-  std::filesystem::create_directory(dir.path() / "baro0");
-  EXPECT_ERROR(read_dataset(dir.path()), "baro0/data.csv: no such file");
-}
-
-TEST(Dataset, GroundTruthMustBeSound) {
-  const TempDir dir;
-  write_minimal(dir);
-  const auto read_with = [&dir](const char* text) {
-    dir.write("state_groundtruth_estimate0/data.csv", text);
-    read_dataset(dir.path());
+TEST_F(DatasetTest, GroundTruthMustBeSound) {
+  const auto read_truth = [this](const char* text) {
+    return read_with("state_groundtruth_estimate0/data.csv", text);
   };
-  EXPECT_ERROR(read_with("1,0,0,0,1,0,0,0\n"), "data.csv:1: has 8 columns, 17 are needed");
-  EXPECT_ERROR(read_with("1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n"), "not a unit quaternion");
-  EXPECT_ERROR(read_with("1,0,0,0,1,0,0,0,nan,0,0,0,0,0,0,0,0\n"), "a value is not finite");
-  EXPECT_ERROR(read_with("2,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n1,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n"),
+  EXPECT_ERROR(read_truth("1,0,0,0,1,0,0,0\n"), "data.csv:1: has 8 columns, 17 are needed");
+  EXPECT_ERROR(read_truth("1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n"), "not a unit quaternion");
+  EXPECT_ERROR(read_truth("1,0,0,0,1,0,0,0,nan,0,0,0,0,0,0,0,0\n"), "a value is not finite");
+  EXPECT_ERROR(read_truth("2,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n1,0,0,0,1,0,0,0,0,0,0,0,0,0,0,0,0\n"),
                "data.csv:2: time does not increase");
 }
 
-TEST(Dataset, FurtherRadarsHaveFoldersOfTheirOwn) {
-  const TempDir dir;
+TEST_F(DatasetTest, FurtherRadarsHaveFoldersOfTheirOwn) {
   Dataset a = sample_dataset();
   Dataset::OtherRadar other{a.scans, a.radar_info};
   other.scans.pop_back();
@@ -211,7 +155,7 @@ TEST(Dataset, FurtherRadarsHaveFoldersOfTheirOwn) {
   other.info.time_offset = 0.004;
   a.other_radars = {other, other};
   write_dataset(dir.path(), a);
-  const Dataset b = read_dataset(dir.path());
+  const Dataset b = read();
   ASSERT_EQ(b.other_radars.size(), 2U);
   EXPECT_EQ(b.other_radars[1].scans.size(), a.scans.size() - 1);
   Options options;
@@ -223,11 +167,10 @@ TEST(Dataset, FurtherRadarsHaveFoldersOfTheirOwn) {
   a.other_radars.pop_back();
   EXPECT_ERROR(write_dataset(dir.path(), a), "radar2: is left from another recording");
   std::ofstream(dir.path() / "radar1" / "data.csv") << "#timestamp [ns],x\n1,x\n";
-  EXPECT_ERROR(read_dataset(dir.path()), "radar1/data.csv:2");
+  EXPECT_ERROR(read(), "radar1/data.csv:2");
 }
 
-TEST(Dataset, WriterRefusesWhatItCouldNotReadBack) {
-  const TempDir dir;
+TEST_F(DatasetTest, WriterRefusesWhatItCouldNotReadBack) {
   Dataset d = sample_dataset();
   write_dataset(dir.path(), d);
   d.baro.clear();
@@ -237,7 +180,7 @@ TEST(Dataset, WriterRefusesWhatItCouldNotReadBack) {
   EXPECT_ERROR(write_dataset(dir.path() / "x", d), "scans 0 and 1 have the same stamp");
 }
 
-TEST(Dataset, RealRecording) {
+TEST_F(DatasetTest, RealRecording) {
   const char* folder = std::getenv("RIO_TEST_DATA");
   if (folder == nullptr || !std::filesystem::exists(std::filesystem::path(folder) / "ti_demo")) {
     GTEST_SKIP() << "set RIO_TEST_DATA to a folder that holds ti_demo";
@@ -256,17 +199,13 @@ TEST(Dataset, RealRecording) {
   EXPECT_EQ(d.notes.size(), 1U);
 }
 
-TEST(Dataset, NotesASensorThatEndsLongBeforeTheOther) {
-  const TempDir dir;
-  write_minimal(dir);
-  EXPECT_EQ(read_dataset(dir.path()).notes.size(), 1U);  // no imu0/sensor.yaml
+TEST_F(DatasetTest, NotesASensorThatEndsLongBeforeTheOther) {
+  EXPECT_EQ(read().notes.size(), 1U);  // no imu0/sensor.yaml
   dir.write("imu0/data.csv", std::string(kImuRows) + "5000000000,1,2,3,4,5,6\n");
-  EXPECT_NE(read_dataset(dir.path()).notes.back().find("radar0 ends 5.0 s before imu0"),
-            std::string::npos);
+  EXPECT_PRED2(test::contains, read().notes.back(), "radar0 ends 5.0 s before imu0");
   dir.write("imu0/data.csv", "9000000000000000000,1,2,3,4,5,6\n");
   dir.write("radar0/data.csv", "-9000000000000000000,1,2,3,4,5,6\n");
-  EXPECT_NE(read_dataset(dir.path()).notes.back().find("radar0 ends 18000000000.0 s before imu0"),
-            std::string::npos);
+  EXPECT_PRED2(test::contains, read().notes.back(), "radar0 ends 18000000000.0 s before imu0");
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 #include <vector>
 
+#include "io/field_values.hpp"
 #include "rio/option_fields.hpp"
 #include "support/temp_dir.hpp"
 
@@ -16,43 +16,6 @@ namespace rio::io {
 namespace {
 
 using test::TempDir;
-
-/// Every field as numbers, for comparison to the bit.
-using Values = std::map<std::string, std::vector<double>>;
-
-struct ToNumbers {
-  std::vector<double> operator()(const Vector3d& v) const { return {v.x(), v.y(), v.z()}; }
-  std::vector<double> operator()(const Quaternion& q) const { return {q.w(), q.x(), q.y(), q.z()}; }
-  template <class Scalar>
-  std::vector<double> operator()(Scalar v) const {
-    return {static_cast<double>(v)};
-  }
-};
-
-Values values(const Options& options) {
-  Values all;
-  visit_fields(options, [&all](const FieldInfo& info, const auto& value) {
-    EXPECT_TRUE(all.emplace(info.key, ToNumbers{}(value)).second) << "twice: " << info.key;
-  });
-  return all;
-}
-
-/// Another allowed value: numbers move a thousandth of the way towards a bound.
-struct Change {
-  static double bound(const FieldInfo& i, double v) { return v < i.max ? i.max : i.min; }
-  void operator()(const FieldInfo& i, double& v) const { v += (bound(i, v) - v) / 1000.0; }
-  void operator()(const FieldInfo& i, int& v) const { v += bound(i, v) > v ? 1 : -1; }
-  void operator()(const FieldInfo&, bool& v) const { v = !v; }
-  template <class Enum>
-  requires std::is_enum_v<Enum>
-  void operator()(const FieldInfo&, Enum& v) const {
-    v = static_cast<Enum>(static_cast<int>(v) == 0 ? 1 : 0);
-  }
-  void operator()(const FieldInfo&, Vector3d& v) const { v += Vector3d(0.1, 1.0 / 3.0, -2.0); }
-  void operator()(const FieldInfo&, Quaternion& v) const {
-    v = Quaternion(0.1, 0.7, -1.0 / 3.0, 0.4).normalized();
-  }
-};
 
 Options parsed(const std::string& yaml) {
   Options options;
@@ -101,18 +64,11 @@ TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
 }
 
 TEST(OptionsYaml, EveryFieldRoundTripsAlone) {
-  const Values defaults = values(Options{});
-  EXPECT_GT(defaults.size(), 50U);
-  for (const auto& [key, numbers] : defaults) {
-    Options options;
-    visit_fields(options, [&key = key](const FieldInfo& info, auto& value) {
-      if (key == info.key) Change{}(info, value);
-    });
-    EXPECT_NE(values(options).at(key), numbers) << key;
+  expect_each_field_round_trips<Options>(50, [](const Options& options) {
     std::string why;
-    EXPECT_TRUE(options.validate(&why)) << key << ": " << why;
-    EXPECT_EQ(values(parsed(options_as_yaml(options))), values(options)) << key;
-  }
+    EXPECT_TRUE(options.validate(&why)) << why;
+    return parsed(options_as_yaml(options));
+  });
 }
 
 TEST(OptionsYaml, AFileToStartFromSaysNothingOfTheSensors) {
@@ -151,14 +107,13 @@ TEST(OptionsYaml, AFileToStartFromLeavesTheAlgorithmToThePreset) {
 
 TEST(OptionsYaml, PrintsUnitAndMeaning) {
   const std::string text = options_as_yaml(Options{});
-  EXPECT_TRUE(test::contains(
-      text,
-      "\nimu:\n  gyro_noise_density: 0.0004  # [rad/s/sqrt(Hz)] White noise of the gyroscope.\n"))
-      << text;
-  EXPECT_TRUE(test::contains(text, "\nradar:\n  T_BS:\n    translation: [0, 0, 0]  # [m] "))
-      << text;
-  EXPECT_TRUE(test::contains(text, "\n  min_range: 0.2  # [m] Nearer detections")) << text;
-  EXPECT_TRUE(test::contains(text, "\n  use_trails: false  # Use distances to trails.\n")) << text;
+  for (const char* part :
+       {"\nimu:\n  gyro_noise_density: 0.0004  # [rad/s/sqrt(Hz)] White noise of the gyroscope.\n",
+        "\nradar:\n  T_BS:\n    translation: [0, 0, 0]  # [m] ",
+        "\n  min_range: 0.2  # [m] Nearer detections",
+        "\n  use_trails: false  # Use distances to trails.\n"}) {
+    EXPECT_PRED2(test::contains, text, part);
+  }
 }
 
 TEST(OptionsYaml, ReadsValuesWithUnits) {
@@ -265,91 +220,69 @@ TEST(OptionsYaml, FilesWithAndWithoutPreset) {
   EXPECT_ERROR(load_options(dir.write("empty.yaml", ""), &options), "empty.yaml: is empty");
 }
 
-/// Puts a number into a numeric field; other types stay.
-struct Set {
-  double number;
-  void operator()(double& v) const { v = number; }
-  void operator()(int& v) const { v = static_cast<int>(number); }
-  template <class Other>
-  void operator()(Other&) const {}
-};
-
-/// What validate() says with the one field replaced; "" when it accepts.
-std::string verdict_with(const std::string& key, double number) {
-  Options options;
-  visit_fields(options, [&](const FieldInfo& info, auto& value) {
-    if (key == info.key) Set{number}(value);
-  });
-  std::string why;
-  const bool valid = options.validate(&why);
-  EXPECT_EQ(valid, why.empty());
-  return why;
+/// The nearest values that are not allowed.
+std::vector<double> outside(const FieldInfo& info, double) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return {std::nextafter(info.min, -kInfinity), std::nextafter(info.max, kInfinity), std::nan("")};
+}
+std::vector<int> outside(const FieldInfo& info, int) {
+  const int below = static_cast<int>(info.min) - 1;
+  if (info.max > 2147483646.0) return {below};  // an int cannot exceed it
+  return {below, static_cast<int>(info.max) + 1};
 }
 
 TEST(Options, ValidateHoldsEveryNumberAgainstItsRange) {
-  const Options defaults;
+  Options options;
   int checked = 0;
-  visit_fields(defaults, [&checked](const FieldInfo& info, const auto& value) {
+  visit_fields(options, [&](const FieldInfo& info, auto& value) {
     using Field = std::decay_t<decltype(value)>;
     if constexpr (std::is_same_v<Field, double> || std::is_same_v<Field, int>) {
       ++checked;
-      const bool whole = std::is_same_v<Field, int>;
-      const double infinity = std::numeric_limits<double>::infinity();
-      const std::string outside = std::string(info.key) + " = ";
-      EXPECT_TRUE(field_error(info, static_cast<Field>(info.min)).empty()) << info.key;
-      EXPECT_TRUE(field_error(info, static_cast<Field>(info.max)).empty()) << info.key;
-      const double below = whole ? info.min - 1.0 : std::nextafter(info.min, -infinity);
-      EXPECT_TRUE(verdict_with(info.key, below).starts_with(outside)) << info.key;
-      if (whole && info.max > 2147483646.0) return;  // an int cannot exceed it
-      const double above = whole ? info.max + 1.0 : std::nextafter(info.max, infinity);
-      EXPECT_TRUE(verdict_with(info.key, above).starts_with(outside)) << info.key;
-      if (!whole) {
-        EXPECT_TRUE(verdict_with(info.key, std::nan("")).starts_with(outside)) << info.key;
+      EXPECT_EQ(field_error(info, static_cast<Field>(info.min)), "");
+      EXPECT_EQ(field_error(info, static_cast<Field>(info.max)), "");
+      const Field kept = value;
+      for (const Field wrong : outside(info, kept)) {
+        value = wrong;
+        std::string why;
+        EXPECT_FALSE(options.validate(&why));
+        EXPECT_TRUE(why.starts_with(std::string(info.key) + " = ")) << info.key << ": " << why;
       }
+      value = kept;
     }
   });
   EXPECT_GT(checked, 40);
 }
 
-TEST(Options, ValidateChecksVectorsQuaternionsAndEnums) {
-  std::string why;
+TEST(Options, ValidateChecksOtherTypesAndCoherence) {
+  const struct {
+    void (*change)(Options& o);
+    const char* said;
+  } cases[] = {
+      {[](Options& o) { o.radar.T_BS.translation.z() = 101.0; },
+       "radar.T_BS.translation = 101 is outside [-100, 100] m"},
+      {[](Options& o) { o.radar.T_BS.rotation.x() = 0.01; },
+       "radar.T_BS.quaternion_wxyz is not a unit quaternion"},
+      {[](Options& o) { o.radar.T_BS.rotation.w() = std::nan(""); },
+       "radar.T_BS.quaternion_wxyz is not a unit quaternion"},
+      {[](Options& o) { o.update.doppler_directions = static_cast<DopplerDirections>(4); },
+       "update.doppler_directions = 4 is outside [0, 2]"},
+      {[](Options& o) { o.radar.min_range = o.radar.max_range; },
+       "radar.min_range is not below radar.max_range"},
+      {[](Options& o) { o.frontend.max_detections = 4; },
+       "frontend.max_detections = 4 is outside [5, 1024]"},
+      {[](Options& o) { o.update.max_clones = 0; }, "update.max_clones = 0"},
+      {[](Options& o) { o.update.max_landmarks = 0; }, "update.max_landmarks = 0"},
+  };
+  for (const auto& [change, said] : cases) {
+    Options o;
+    change(o);
+    std::string why;
+    EXPECT_FALSE(o.validate(&why));
+    EXPECT_TRUE(why.starts_with(said)) << why;
+  }
   Options o;
-  o.radar.T_BS.translation.z() = 101.0;
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "radar.T_BS.translation = 101 is outside [-100, 100] m");
-  o = Options{};
-  o.radar.T_BS.rotation = Quaternion(1.0, 0.01, 0.0, 0.0);
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "radar.T_BS.quaternion_wxyz is not a unit quaternion");
-  o.radar.T_BS.rotation.w() = std::nan("");
-  EXPECT_FALSE(o.validate());
-  o = Options{};
-  o.update.doppler_directions = static_cast<DopplerDirections>(4);
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "update.doppler_directions = 4 is outside [0, 2]");
-}
-
-TEST(Options, ValidateChecksCoherence) {
-  std::string why;
-  Options o;
-  o.radar.min_range = o.radar.max_range;
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "radar.min_range is not below radar.max_range");
-  o = Options{};
-  o.frontend.max_detections = 4;
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_EQ(why, "frontend.max_detections = 4 is outside [5, 1024]");
-  o = Options{};
-  o.update.max_clones = 0;
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_TRUE(test::contains(why, "update.max_clones = 0")) << why;
+  o.update.max_clones = o.update.max_landmarks = 0;
   o.update.use_trails = o.update.use_landmarks = false;
-  EXPECT_TRUE(o.validate());
-  o = Options{};
-  o.update.max_landmarks = 0;
-  EXPECT_FALSE(o.validate(&why));
-  EXPECT_TRUE(test::contains(why, "update.max_landmarks = 0")) << why;
-  o.update.use_landmarks = false;
   EXPECT_TRUE(o.validate());
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "io/sample_dataset.hpp"
 
@@ -35,26 +36,24 @@ std::string text_of(const RadarScan& scan) {
   return text;
 }
 
+std::string text_of(const BaroSample& s) {
+  return std::to_string(s.time.count()) + " " + std::to_string(s.pressure);
+}
+
+template <class Sample>
+void expect_same(const std::vector<Sample>& a, const std::vector<Sample>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(text_of(a[i]), text_of(b[i]));
+}
 /// All samples and scans of both are the same.
 void expect_same(const Dataset& a, const Dataset& b) {
-  ASSERT_EQ(a.imu.size(), b.imu.size());
-  for (std::size_t i = 0; i < a.imu.size(); ++i) EXPECT_EQ(text_of(a.imu[i]), text_of(b.imu[i]));
-  ASSERT_EQ(a.scans.size(), b.scans.size());
-  for (std::size_t i = 0; i < a.scans.size(); ++i) {
-    EXPECT_EQ(text_of(a.scans[i]), text_of(b.scans[i]));
-  }
+  expect_same(a.imu, b.imu);
+  expect_same(a.scans, b.scans);
   ASSERT_EQ(a.other_radars.size(), b.other_radars.size());
   for (std::size_t r = 0; r < a.other_radars.size(); ++r) {
-    ASSERT_EQ(a.other_radars[r].scans.size(), b.other_radars[r].scans.size());
-    for (std::size_t i = 0; i < a.other_radars[r].scans.size(); ++i) {
-      EXPECT_EQ(text_of(a.other_radars[r].scans[i]), text_of(b.other_radars[r].scans[i]));
-    }
+    expect_same(a.other_radars[r].scans, b.other_radars[r].scans);
   }
-  ASSERT_EQ(a.baro.size(), b.baro.size());
-  for (std::size_t i = 0; i < a.baro.size(); ++i) {
-    EXPECT_EQ(a.baro[i].time, b.baro[i].time);
-    EXPECT_EQ(a.baro[i].pressure, b.baro[i].pressure);
-  }
+  expect_same(a.baro, b.baro);
   EXPECT_EQ(a.notes, b.notes);
   EXPECT_EQ(a.radar_info.doppler_resolution, b.radar_info.doppler_resolution);
   EXPECT_EQ(a.imu_info.rate_hz, b.imu_info.rate_hz);
@@ -62,16 +61,8 @@ void expect_same(const Dataset& a, const Dataset& b) {
 
 /// The same error from both readers; empty where there is none.
 std::string error_of_both(const std::filesystem::path& path) {
-  const auto error_of = [](const auto& read) -> std::string {
-    try {
-      read();
-    } catch (const std::runtime_error& error) {
-      return error.what();
-    }
-    return "";
-  };
-  std::string error = error_of([&] { (void)open_dataset(path); });
-  EXPECT_EQ(error, error_of([&] { (void)read_dataset(path, Truth::kStart); }));
+  std::string error = test::error_of([&] { (void)open_dataset(path); });
+  EXPECT_EQ(error, test::error_of([&] { (void)read_dataset(path, Truth::kStart); }));
   return error;
 }
 
@@ -154,37 +145,41 @@ TEST(RecordingStream, SensorsDoNotWaitForEachOther) {
 /// What is wrong is thrown before the first sample, with the place.
 TEST(RecordingStream, ErrorsNameFileAndLine) {
   const struct {
-    const char* file;
+    const char* sensor;
     const char* rows;
     const char* error;
   } kCases[] = {
-      {"imu0/data.csv", "#t\n100,1,2,3,4,5,6\n200,1,2,3,4,5\n300,1,2,3,4,5,6\n",
-       "imu0/data.csv:3: has 6 columns"},
-      {"imu0/data.csv", "100,1,2,x,4,5,6\n", "imu0/data.csv:1: column 4: not a number: \"x\""},
-      {"imu0/data.csv", "100,1,2,-,4,5,6\n", "imu0/data.csv:1: column 4: not a number: \"-\""},
-      {"imu0/data.csv", "100,1,2,3.5e,4,5,6\n",
-       "imu0/data.csv:1: column 4: not a number: \"3.5e\""},
-      {"imu0/data.csv", "100,1,2,1e999,4,5,6\n", "imu0/data.csv:1: column 4: not a number"},
-      {"imu0/data.csv", "1.5,1,2,3,4,5,6\n", "imu0/data.csv:1: column 1: not an integer"},
-      {"imu0/data.csv", "#t\n", "imu0/data.csv: holds no samples"},
-      {"radar0/data.csv", "9,1,2,3,4\n10,1,2,3,1.2.3\n",
-       "radar0/data.csv:2: column 5: not a number"},
-      {"radar0/data.csv", "9,1,2,3,4\n10,1,0x2,3,4\n", "radar0/data.csv:2: column 3: not a number"},
-      {"radar0/data.csv", "9,1,2,3,4\n9,,,,\n", "radar0/data.csv:2: an empty scan has the stamp"},
-      {"radar0/data.csv", "9,,,,\n9,1,2,3,4\n", "radar0/data.csv:2: a detection has the stamp"},
-      {"radar0/data.csv", "9,1,2,3,4,5,6,0.1,0.1,-1,0\n", "radar0/data.csv:1: a sigma is negative"},
-      {"radar0/data.csv", "#t\n", "radar0/data.csv: holds no scans"},
-      {"radar1/data.csv", "9,1,2,3,4\n10,1,2\n11,1,2,3,4\n", "radar1/data.csv:2: has 3 columns"},
-      {"baro0/data.csv", "9,1\n10,\n11,1\n", "baro0/data.csv:2: column 2: not a number"},
+      {"imu0", "#t\n100,1,2,3,4,5,6\n200,1,2,3,4,5\n300,1,2,3,4,5,6\n", ":3: has 6 columns"},
+      {"imu0", "1,1,2,3,4,5\n", ":1: has 6 columns, column 7"},
+      {"imu0", "100,1,2,x,4,5,6\n", ":1: column 4: not a number: \"x\""},
+      {"imu0", "100,1,2,-,4,5,6\n", ":1: column 4: not a number: \"-\""},
+      {"imu0", "100,1,2,3.5e,4,5,6\n", ":1: column 4: not a number: \"3.5e\""},
+      {"imu0", "100,1,2,1e999,4,5,6\n", ":1: column 4: not a number"},
+      {"imu0", "1,1,2,3,4,5,x6\n", ":1: column 7: not a number"},
+      {"imu0", "1.5,1,2,3,4,5,6\n", ":1: column 1: not an integer"},
+      {"imu0", "#only a header\n", ": holds no samples"},
+      {"imu0", "", ": is empty"},
+      {"radar0", "9,1,2,3,4\n10,1,2,3,1.2.3\n", ":2: column 5: not a number"},
+      {"radar0", "9,1,2,3,4\n10,1,0x2,3,4\n", ":2: column 3: not a number"},
+      {"radar0", "1,1,2,3,,,\n", ":1: column 5: not a number"},
+      {"radar0", "1,1,2,3,4,5dB,6\n", ":1: column 6"},
+      {"radar0", "1,1,2,3,4,5,6\n1,1,2,3,4\n2,1,2,3,4,5,6\n", ":2: has 5 columns"},
+      {"radar0", "9,1,2,3,4\n9,,,,\n", ":2: an empty scan has the stamp"},
+      {"radar0", "9,,,,\n9,1,2,3,4\n", ":2: a detection has the stamp"},
+      {"radar0", "9,1,2,3,4,5,6,0.1,0.1,-1,0\n", ":1: a sigma is negative"},
+      {"radar0", "1,1,2,3,4,5,6,0.1,,nan,0\n", ":1: a sigma is"},
+      {"radar0", "1\n", ":1: has 1 columns"},
+      {"radar0", "#t\n", ": holds no scans"},
+      {"radar1", "9,1,2,3,4\n10,1,2\n11,1,2,3,4\n", ":2: has 3 columns"},
+      {"baro0", "9,1\n10,\n11,1\n", ":2: column 2: not a number"},
   };
-  for (const auto& c : kCases) {
+  for (const auto& [sensor, rows, error] : kCases) {
     const TempDir dir;
     write_minimal(dir);
     EXPECT_EQ(error_of_both(dir.path()), "");
-    dir.write(c.file, c.rows);
-    EXPECT_NE(error_of_both(dir.path()).find(c.error), std::string::npos)
-        << error_of_both(dir.path()) << "\n"
-        << c.error;
+    const std::string file = std::string(sensor) + "/data.csv";
+    dir.write(file, rows);
+    EXPECT_PRED2(test::contains, error_of_both(dir.path()), file + error);
   }
 }
 
@@ -202,7 +197,7 @@ TEST(RecordingStream, NumbersMayBeWrittenInAnyWay) {
   ASSERT_EQ(all.imu.size(), 4U);
   EXPECT_EQ(all.imu[0].gyro_B, Vector3d(1, 2, 0.5));
   ASSERT_FALSE(all.notes.empty());
-  EXPECT_NE(all.notes[0].find("data.csv:3: not finite, the first of 2"), std::string::npos);
+  EXPECT_PRED2(test::contains, all.notes[0], "data.csv:3: not finite, the first of 2");
 }
 
 /// More values than are kept for the grid: it is read off the file again.

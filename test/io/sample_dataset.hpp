@@ -2,6 +2,8 @@
 // Recordings for the tests of reading and writing.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <string>
 
@@ -25,6 +27,19 @@ inline void write_minimal(const test::TempDir& dir, const std::string& prefix = 
   dir.write(prefix + "radar0/sensor.yaml", kRadarSensor);
 }
 
+class MinimalDataset : public testing::Test {
+ protected:
+  MinimalDataset() { write_minimal(dir); }
+  Dataset read() const { return read_dataset(dir.path()); }
+  /// With another file.
+  Dataset read_with(const std::string& file, const std::string& text) const {
+    dir.write(file, text);
+    return read();
+  }
+
+  test::TempDir dir;
+};
+
 /// Something of everything, with values that no short decimal holds.
 inline Dataset sample_dataset() {
   Dataset d;
@@ -39,7 +54,8 @@ inline Dataset sample_dataset() {
     d.baro.push_back({Time(i), 100000.0 + third});
   }
   d.scans.push_back(
-      {Time(1403636579758555397), {{Vector3d(third, 2, 3), -0.7, 12.5, 1.0 + third}, {}}});
+      {Time(1403636579758555397),
+       {{Vector3d(third, 2, 3), -0.7, 12.5, 1.0 + third, 0.1, third, 0.0, 0.02}, {}}});
   d.scans.push_back({Time(1403636579758555399), {}});
   d.scans.push_back({Time(1403636579758555398), {{Vector3d(1, 2, 3), third, 0.0, 0.0}}});
   d.imu_info = {200.0, third, 2e-5, 0.1, 1e-4};

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -37,27 +36,18 @@ std::size_t count(const std::string& text, const std::string& part) {
 /// Every element that is opened is closed, in order, and no reserved character stands in a text;
 /// empty, or what is wrong.
 std::string malformed(const std::string& svg) {
+  const std::vector<std::string> tags = matches(svg, "<([^<>]*)>");
+  if (count(svg, "<") != tags.size() || count(svg, ">") != tags.size()) return "a stray < or >";
+  if (count(svg, "&") != matches(svg, "(&(amp|lt|gt|quot);)").size()) return "a bare &";
   std::vector<std::string> open;
-  std::size_t at = 0;
-  while (at < svg.size()) {
-    const std::size_t begin = svg.find('<', at);
-    const std::string text = svg.substr(at, begin - at);
-    if (text.find('>') != std::string::npos) return "stray > in \"" + text + "\"";
-    if (count(text, "&") != matches(text, "(&(amp|lt|gt|quot);)").size())
-      return "bare & in " + text;
-    if (begin == std::string::npos) break;
-    const std::size_t end = svg.find('>', begin);
-    if (end == std::string::npos) return "a tag does not end";
-    const std::string tag = svg.substr(begin + 1, end - begin - 1);
-    if (count(tag, "\"") % 2 != 0 || tag.find('<') != std::string::npos) return "tag " + tag;
-    const std::string name = tag.substr(0, tag.find_first_of(" /", 1));
+  for (const std::string& tag : tags) {
+    if (count(tag, "\"") % 2 != 0) return "<" + tag + ">";
     if (tag[0] == '/') {
       if (open.empty() || "/" + open.back() != tag) return "unexpected <" + tag + ">";
       open.pop_back();
     } else if (tag.back() != '/') {
-      open.push_back(name);
+      open.push_back(tag.substr(0, tag.find(' ')));
     }
-    at = end + 1;
   }
   return open.empty() ? "" : "<" + open.back() + "> is not closed";
 }
@@ -68,41 +58,39 @@ std::vector<std::vector<Point>> pieces(const std::string& svg, const std::string
   for (const std::string& d :
        matches(svg, "<path d=\"([^\"]*)\" fill=\"none\" stroke=\"" + colour + "\"")) {
     std::istringstream stream(d);
-    std::string word;
-    while (stream >> word) {
-      if (word[0] == 'M') result.emplace_back();
-      Point point;
-      point.x = std::stod(word.substr(1));
-      stream >> point.y;
-      result.back().push_back(point);
+    for (char command = 0; stream >> command;) {
+      if (command == 'M') result.emplace_back();
+      Point& point = result.back().emplace_back();
+      stream >> point.x >> point.y;
     }
   }
   return result;
 }
 
+/// The number that the pattern captures, which must be there once.
+double captured(const std::string& svg, const std::string& pattern) {
+  const auto found = matches(svg, pattern);
+  EXPECT_EQ(found.size(), 1U) << pattern;
+  return found.empty() ? kNan : std::stod(found[0]);
+}
+
 /// The y pixel of the tick with this label, from the place of its text.
 double tick_y(const std::string& svg, const std::string& label) {
-  const auto found =
-      matches(svg, "<text[^>]* y=\"([^\"]*)\"[^>]*text-anchor=\"end\">" + label + "</text>");
-  EXPECT_EQ(found.size(), 1U) << label;
   constexpr double kBaseLine = 4.0;  // the middle of a digit is above the line it stands on
-  return found.empty() ? kNan : std::stod(found[0]) - kBaseLine;
+  const std::string text = "[^>]*text-anchor=\"end\">" + label + "</text>";
+  return captured(svg, "<text[^>]* y=\"([^\"]*)\"" + text) - kBaseLine;
 }
 
 /// The x pixel of the tick with this label.
 double tick_x(const std::string& svg, const std::string& label) {
-  const auto found =
-      matches(svg, "<text x=\"([^\"]*)\"[^>]*font-size=\"12.0\"[^>]*text-anchor=\"middle\">" +
-                       label + "</text>");
-  EXPECT_EQ(found.size(), 1U) << label;
-  return found.empty() ? kNan : std::stod(found[0]);
+  const std::string text = "[^>]*text-anchor=\"middle\">" + label + "</text>";
+  return captured(svg, "<text x=\"([^\"]*)\"[^>]*font-size=\"12.0\"" + text);
 }
 
 /// The rectangle of the first clip path.
 Box clip_box(const std::string& svg) {
   const auto value = [&svg](const std::string& name) {
-    const auto found = matches(svg, "<clipPath id=\"clip1\"><rect[^>]* " + name + "=\"([^\"]*)\"");
-    return found.empty() ? kNan : std::stod(found[0]);
+    return captured(svg, "<clipPath id=\"clip1\"><rect[^>]* " + name + "=\"([^\"]*)\"");
   };
   return {value("x"), value("y"), value("width"), value("height")};
 }
@@ -116,8 +104,21 @@ Panel panel_of(std::vector<Point> points) {
   return panel;
 }
 
-TEST(Chart, IsWellFormedAndWhite) {
+std::string draw(const Panel& panel) {
+  return draw_chart("", {panel}, 1);
+}
+
+/// The points of the only curve, in pixels.
+std::vector<Point> curve_in(const std::string& svg) {
+  const auto drawn = pieces(svg, kColours[0]);
+  EXPECT_EQ(drawn.size(), 1U) << "the curve is interrupted";
+  return drawn.empty() ? std::vector<Point>() : drawn[0];
+}
+
+TEST(Chart, IsWellFormedAndWhiteWithALegendOfEachLabel) {
   Panel panel = panel_of({{0, 1}, {1, 2}, {2, 3}});
+  panel.curves.push_back({"other", {{0, 2}, {1, 1}}, curve_stroke(1)});
+  panel.curves.push_back({"", {{0, 2}, {1, 1}}, curve_stroke(2)});
   panel.bands.push_back({{0, 1, 2}, {0.5, 1.5, 2.5}, {1.5, 2.5, 3.5}, "#123456"});
   panel.levels.push_back({2.0, "two", {"#654321", 1.0, true}});
   const std::string svg = draw_chart("all of it", {panel, panel, panel}, 2);
@@ -126,6 +127,9 @@ TEST(Chart, IsWellFormedAndWhite) {
   EXPECT_NE(svg.find("width=\"1000.0\" height=\""), std::string::npos);
   EXPECT_NE(svg.find("fill=\"#ffffff\""), std::string::npos);
   EXPECT_EQ(count(svg, "<clipPath"), 3U);
+  EXPECT_EQ(count(svg, ">curve</text>"), 1U);
+  EXPECT_EQ(count(svg, ">other</text>"), 1U);
+  EXPECT_EQ(count(svg, "></text>"), 0U);
   EXPECT_EQ(count(svg, "fill=\"#123456\" fill-opacity=\"0.20\""), 3U);
 }
 
@@ -139,43 +143,33 @@ TEST(Chart, EscapesEveryText) {
   EXPECT_EQ(count(svg, "a&lt;b &amp; &quot;c&quot;&gt;"), 6U);
 }
 
-TEST(Chart, LegendNamesEachLabelOnce) {
-  Panel panel = panel_of({{0, 1}, {1, 2}});
-  panel.curves.push_back({"other", {{0, 2}, {1, 1}}, curve_stroke(1)});
-  panel.curves.push_back({"", {{0, 2}, {1, 1}}, curve_stroke(2)});
-  const std::string svg = draw_chart("", {panel, panel}, 2);
-  EXPECT_EQ(count(svg, ">curve</text>"), 1U);
-  EXPECT_EQ(count(svg, ">other</text>"), 1U);
-}
-
 TEST(Chart, LinearAxisPlacesValuesAtTheirTicks) {
-  const std::string svg = draw_chart("", {panel_of({{0, 0}, {40, 20}, {100, -10}})}, 1);
-  const auto drawn = pieces(svg, kColours[0]);
-  ASSERT_EQ(drawn.size(), 1U);
-  ASSERT_EQ(drawn[0].size(), 3U);
-  EXPECT_NEAR(drawn[0][0].y, tick_y(svg, "0"), kPixel);
-  EXPECT_NEAR(drawn[0][1].y, tick_y(svg, "20"), kPixel);
-  EXPECT_NEAR(drawn[0][2].y, tick_y(svg, "-10"), kPixel);
-  EXPECT_LT(drawn[0][1].y, drawn[0][0].y) << "larger values are farther up";
-  EXPECT_NEAR(drawn[0][1].x, tick_x(svg, "40"), kPixel);
-  EXPECT_NEAR(drawn[0][2].x, tick_x(svg, "100"), kPixel);
+  const std::string svg = draw(panel_of({{0, 0}, {40, 20}, {100, -10}}));
+  const auto curve = curve_in(svg);
+  ASSERT_EQ(curve.size(), 3U);
+  std::size_t i = 0;
+  for (const char* label : {"0", "20", "-10"}) {
+    EXPECT_NEAR(curve[i++].y, tick_y(svg, label), kPixel) << label;
+  }
+  EXPECT_LT(curve[1].y, curve[0].y) << "larger values are farther up";
+  EXPECT_NEAR(curve[1].x, tick_x(svg, "40"), kPixel);
+  EXPECT_NEAR(curve[2].x, tick_x(svg, "100"), kPixel);
 }
 
 TEST(Chart, LogAxisPlacesValuesAtTheirTicks) {
   Panel panel = panel_of({{0, 1}, {1, 5}, {2, 10}, {3, 100}, {4, std::sqrt(10.0)}});
   panel.log_y = true;
-  const std::string svg = draw_chart("", {panel}, 1);
-  const auto drawn = pieces(svg, kColours[0]);
-  ASSERT_EQ(drawn.size(), 1U);
-  ASSERT_EQ(drawn[0].size(), 5U);
-  const std::vector<std::string> labels = {"1", "5", "10", "100"};
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    EXPECT_NEAR(drawn[0][i].y, tick_y(svg, labels[i]), kPixel) << labels[i];
+  const std::string svg = draw(panel);
+  const auto curve = curve_in(svg);
+  ASSERT_EQ(curve.size(), 5U);
+  std::size_t i = 0;
+  for (const char* label : {"1", "5", "10", "100"}) {
+    EXPECT_NEAR(curve[i++].y, tick_y(svg, label), kPixel) << label;
   }
   const double decade = tick_y(svg, "1") - tick_y(svg, "10");
   EXPECT_NEAR(tick_y(svg, "10") - tick_y(svg, "100"), decade, 2.0 * kPixel);
   EXPECT_NEAR(tick_y(svg, "1") - tick_y(svg, "2"), std::log10(2.0) * decade, 2.0 * kPixel);
-  EXPECT_NEAR(drawn[0][4].y, tick_y(svg, "1") - 0.5 * decade, 2.0 * kPixel);
+  EXPECT_NEAR(curve[4].y, tick_y(svg, "1") - 0.5 * decade, 2.0 * kPixel);
 }
 
 std::string labels(const std::vector<Tick>& ticks) {
@@ -195,28 +189,25 @@ TEST(Chart, TicksFitTheRoomAndStayShort) {
 }
 
 TEST(Chart, WhatCannotBeDrawnInterruptsACurve) {
-  const struct {
-    bool log_y;
-    std::vector<Point> points;
-    std::vector<std::size_t> sizes;  // of the pieces
-  } cases[] = {
-      {true, {{0, 1}, {1, 10}, {2, 0}, {3, 10}, {4, 1}, {5, -3}, {6, 1}, {7, 10}}, {2, 2, 2}},
-      {false, {{0, 1}, {1, 2}, {2, kNan}, {3, 1}, {4, 2}, {5, kInfinity}, {6, 1}}, {2, 2, 1}}};
-  for (const auto& c : cases) {
-    Panel panel = panel_of(c.points);
-    panel.log_y = c.log_y;
-    std::vector<std::size_t> sizes;
-    for (const auto& piece : pieces(draw_chart("", {panel}, 1), kColours[0])) {
-      sizes.push_back(piece.size());
+  const auto sizes = [](bool log_y, const std::vector<Point>& points) {  // of the pieces
+    Panel panel = panel_of(points);
+    panel.log_y = log_y;
+    std::string all;
+    for (const auto& piece : pieces(draw(panel), kColours[0])) {
+      all += std::to_string(piece.size()) + " ";
     }
-    EXPECT_EQ(sizes, c.sizes);
-  }
+    return all;
+  };
+  EXPECT_EQ(sizes(true, {{0, 1}, {1, 10}, {2, 0}, {3, 10}, {4, 1}, {5, -3}, {6, 1}, {7, 10}}),
+            "2 2 2 ");
+  EXPECT_EQ(sizes(false, {{0, 1}, {1, 2}, {2, kNan}, {3, 1}, {4, 2}, {5, kInfinity}, {6, 1}}),
+            "2 2 1 ");
 }
 
 TEST(Chart, NonFiniteValuesInterruptABand) {
   Panel panel;
   panel.bands.push_back({{0, 1, 2, 3, 4}, {0, 0, kNan, 0, 0}, {1, 1, 1, 1, 1}, "#123456"});
-  const std::string svg = draw_chart("", {panel}, 1);
+  const std::string svg = draw(panel);
   EXPECT_EQ(count(svg, "fill=\"#123456\""), 2U);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
@@ -225,24 +216,20 @@ TEST(Chart, BandOnALogAxisReachesTheBottomFromZero) {
   Panel panel;
   panel.log_y = true;
   panel.bands.push_back({{0, 1}, {-1, 1}, {10, 10}, "#123456"});
-  const std::string svg = draw_chart("", {panel}, 1);
-  const auto d = matches(svg, "<path d=\"([^\"]*)\" fill=\"#123456\"");
-  ASSERT_EQ(d.size(), 1U);
+  const std::string svg = draw(panel);
   const Box box = clip_box(svg);
   // along the high side, back along the low side: the last point is the one at zero
-  EXPECT_NE(d[0].find(" L" + fixed(box.left, 1) + " " + fixed(box.bottom(), 1) + " Z"),
-            std::string::npos)
-      << d[0];
+  const std::string last = " L" + fixed(box.left, 1) + " " + fixed(box.bottom(), 1) + " Z";
+  EXPECT_EQ(count(svg, last + "\" fill=\"#123456\""), 1U) << svg;
 }
 
 TEST(Chart, LevelsLieAtTheirValue) {
   Panel panel = panel_of({{0, 0}, {1, 10}});
   panel.levels.push_back({4.0, "four", {"#654321", 1.0}});
-  const std::string svg = draw_chart("", {panel}, 1);
-  const auto heights = matches(
-      svg, "<line x1=\"" + fixed(clip_box(svg).left, 1) + "\" y1=\"([^\"]*)\"[^>]*\"#654321\"");
-  ASSERT_EQ(heights.size(), 1U);
-  EXPECT_NEAR(std::stod(heights[0]), tick_y(svg, "4"), kPixel);
+  const std::string svg = draw(panel);
+  const std::string left = fixed(clip_box(svg).left, 1);
+  EXPECT_NEAR(captured(svg, "<line x1=\"" + left + "\" y1=\"([^\"]*)\"[^>]*\"#654321\""),
+              tick_y(svg, "4"), kPixel);
   EXPECT_EQ(count(svg, ">four</text>"), 1U);
 }
 
@@ -252,7 +239,7 @@ TEST(Chart, LabelsOfLevelsDoNotOverlap) {
     for (const double value : {0.5, 3.0, 1.0, 2.0}) {
       panel.levels.push_back({first + value, "level", {}});
     }
-    const std::string svg = draw_chart("", {panel}, 1);
+    const std::string svg = draw(panel);
     std::vector<double> heights;
     for (const std::string& y : matches(svg, "<text[^>]* y=\"([^\"]*)\"[^>]*>level</text>")) {
       heights.push_back(std::stod(y));
@@ -271,20 +258,15 @@ TEST(Chart, ValuesBeyondTheRangeAreCutOff) {
   Panel panel = panel_of({{0, 0}, {1, 100}, {2, 1e30}, {3, -50}});
   panel.y = Range{0.0, 10.0};
   panel.levels.push_back({20.0, "unseen", {}});
-  const std::string svg = draw_chart("", {panel}, 1);
+  const std::string svg = draw(panel);
   const Box box = clip_box(svg);
   EXPECT_NEAR(box.top, tick_y(svg, "10"), kPixel);
   EXPECT_NEAR(box.bottom(), tick_y(svg, "0"), kPixel);
-  const auto drawn = pieces(svg, kColours[0]);
-  ASSERT_EQ(drawn.size(), 1U) << "a large value does not interrupt";
-  EXPECT_LT(drawn[0][1].y, box.top);
-  EXPECT_GT(drawn[0][3].y, box.bottom());
-  const std::size_t begin = svg.find("<g clip-path=\"url(#clip1)\">");
-  const std::size_t end = svg.find("</g>", begin);
-  const std::size_t curve = svg.find("<path");
-  ASSERT_NE(begin, std::string::npos);
-  EXPECT_LT(begin, curve);
-  EXPECT_LT(curve, end);
+  const auto curve = curve_in(svg);
+  ASSERT_EQ(curve.size(), 4U);
+  EXPECT_LT(curve[1].y, box.top);
+  EXPECT_GT(curve[3].y, box.bottom());
+  EXPECT_EQ(matches(svg, "<g clip-path=\"url\\(#clip1\\)\">\\s*(<path [^>]*>)").size(), 1U) << svg;
   EXPECT_EQ(svg.find("unseen"), std::string::npos);
 }
 
@@ -309,25 +291,19 @@ TEST(Chart, FromZeroBeginsAtZero) {
 }
 
 TEST(Chart, NothingToDrawIsDrawn) {
-  Panel empty;
-  Panel log_empty;
-  log_empty.log_y = true;
-  Panel all_nan = panel_of({{kNan, kNan}, {0, kNan}});
-  Panel constant = panel_of({{2, 3}});
-  Panel constant_log = constant;
-  constant_log.log_y = true;
-  Panel negative_log = panel_of({{0, -1}, {1, -2}});
-  negative_log.log_y = true;
-  Panel zero = panel_of({{0, 0}, {1, 0}});
-  zero.from_zero = true;
-  for (const Panel& panel :
-       {empty, log_empty, all_nan, constant, constant_log, negative_log, zero}) {
-    const std::string svg = draw_chart("t", {panel}, 1);
-    EXPECT_EQ(malformed(svg), "");
-    EXPECT_EQ(count(svg, "nan") + count(svg, "inf"), 0U) << svg;
+  for (const std::vector<Point>& points : std::vector<std::vector<Point>>{
+           {}, {{kNan, kNan}, {0, kNan}}, {{2, 3}}, {{0, -1}, {1, -2}}, {{0, 0}, {1, 0}}}) {
+    for (const bool log_y : {false, true}) {
+      Panel panel = panel_of(points);
+      panel.log_y = log_y;
+      panel.from_zero = !log_y;
+      const std::string svg = draw(panel);
+      EXPECT_EQ(malformed(svg), "");
+      EXPECT_EQ(count(svg, "nan") + count(svg, "inf"), 0U) << svg;
+    }
   }
   EXPECT_EQ(malformed(draw_chart("", {}, 3)), "");
-  EXPECT_EQ(malformed(draw_chart("", {empty}, 0)), "");
+  EXPECT_EQ(malformed(draw_chart("", {Panel()}, 0)), "");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "rio/sim/flight.hpp"
+#include "sim/extent.hpp"
 #include "support/flight_numbers.hpp"
 #include "support/imu_integration.hpp"
 #include "support/measured.hpp"
@@ -52,6 +53,13 @@ TEST(Catalogue, UnknownNameChangesNothing) {
   EXPECT_EQ(scenario_with_marks.disturbances.bursts.count, 3);
 }
 
+/// Each stamp is later than the one before.
+template <class Stamped>
+bool increasing(const std::vector<Stamped>& items) {
+  const auto late = [](const Stamped& a, const Stamped& b) { return a.time >= b.time; };
+  return std::adjacent_find(items.begin(), items.end(), late) == items.end();
+}
+
 TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
   for (const CatalogueEntry& entry : catalogue()) {
     SCOPED_TRACE(entry.name);
@@ -60,19 +68,15 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
     const Flight flight = simulate_flight(chosen);
     const std::vector<double> all = test::numbers_of(flight);
     for (const double number : all) ASSERT_TRUE(std::isfinite(number));
-    ASSERT_GT(static_cast<double>(flight.imu.size()), 9.5 * chosen.imu.rate_hz);
-    for (std::size_t i = 1; i < flight.imu.size(); ++i) {
-      ASSERT_GT(flight.imu[i].time, flight.imu[i - 1].time);
-    }
+    EXPECT_GT(static_cast<double>(flight.imu.size()), 9.5 * chosen.imu.rate_hz);
+    EXPECT_TRUE(increasing(flight.imu));
+    EXPECT_TRUE(increasing(flight.scans));
+    EXPECT_TRUE(std::is_sorted(flight.arrivals.begin(), flight.arrivals.end()));
     ASSERT_GT(flight.scans.size(), 10U);
     ASSERT_EQ(flight.scans.size(), flight.arrivals.size());
     ASSERT_EQ(flight.scans.size(), flight.labels.size());
     std::size_t detections = 0;
     for (std::size_t i = 0; i < flight.scans.size(); ++i) {
-      if (i > 0) {
-        ASSERT_GT(flight.scans[i].time, flight.scans[i - 1].time);
-        ASSERT_GE(flight.arrivals[i], flight.arrivals[i - 1]);
-      }
       ASSERT_EQ(flight.scans[i].detections.size(), flight.labels[i].size());
       detections += flight.labels[i].size();
     }
@@ -107,11 +111,7 @@ TEST(Catalogue, NoiseFreeImuOfEveryPathIntegratesToTheTruth) {
 
 TEST(Catalogue, AggressiveFoldsTheDoppler) {
   const Scenario chosen = named("aggressive");
-  const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
-  double fastest = 0.0;
-  for (double t = 0.0; t < trajectory.duration(); t += 0.01) {
-    fastest = std::max(fastest, trajectory.at(t).nav.v_WB.norm());
-  }
+  const double fastest = extent(random_flight(chosen.seed, chosen.path)).fastest;
   EXPECT_GT(fastest, 3.2);
   EXPECT_LE(fastest, chosen.path.max_speed);
   EXPECT_GT(fastest, 2.0 * chosen.radar.max_doppler);
@@ -133,8 +133,7 @@ TEST(Catalogue, HoverIsSlowerThanTheDopplerGridResolves) {
 
 TEST(Catalogue, IcraFlightsHaveTheLengthsOfTheTable) {
   for (std::size_t i = 0; i < kIcraLengths.size(); ++i) {
-    const Scenario chosen = named("indoor-" + std::to_string(i + 1));
-    EXPECT_NEAR(random_flight(chosen.seed, chosen.path).length(), kIcraLengths[i], 1e-6);
+    EXPECT_EQ(named("indoor-" + std::to_string(i + 1)).path.length, kIcraLengths[i]);
   }
 }
 
@@ -191,23 +190,6 @@ TEST(Catalogue, RoughGroundHasSparseCoarseScansAndLostSamples) {
   EXPECT_NEAR(interpolated, 0.31, 0.02);
 }
 
-TEST(Catalogue, LostSamplesAreGoneUnlessFilled) {
-  Scenario chosen = named("rough-ground");
-  const std::size_t filled = simulate_flight(chosen).imu.size();
-  chosen.imu.lost_filled = false;
-  const Flight flight = simulate_flight(chosen);
-  EXPECT_NEAR(static_cast<double>(flight.imu.size()) / static_cast<double>(filled), 0.69, 0.02);
-  // what is left is as it would have been
-  chosen.imu.lost_share = 0.0;
-  const Flight whole = simulate_flight(chosen);
-  EXPECT_EQ(whole.imu.size(), filled);
-  std::size_t k = 0;
-  for (const ImuSample& sample : flight.imu) {
-    while (whole.imu[k].time < sample.time) ++k;
-    EXPECT_EQ(whole.imu[k].accel_B, sample.accel_B);
-  }
-}
-
 TEST(Catalogue, LongLastsTwentyMinutes) {
   const Scenario chosen = named("long");
   const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
@@ -215,7 +197,7 @@ TEST(Catalogue, LongLastsTwentyMinutes) {
   EXPECT_NEAR(trajectory.length(), 850.0, 60.0);
 }
 
-/// What that does: Flight.OutagesLeaveNoScans, ImuGapsLeaveNoSamplesAndTruthGoesOn, Spells.
+/// What that does: Disturbances.OutagesLeaveNoScans, ImuGapsLeaveNoSamplesAndTruthGoesOn, Spells.
 TEST(Catalogue, DropoutSilencesBothSensorsTwice) {
   const Disturbances disturbances = named("dropout").disturbances;
   EXPECT_EQ(disturbances.outages.count, 2);

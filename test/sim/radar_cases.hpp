@@ -2,7 +2,8 @@
 // What the tests of the simulated radar share: plain radars, and the truth about a detection.
 #pragma once
 
-#include <cmath>
+#include <gtest/gtest.h>
+
 #include <vector>
 
 #include "rio/sim/path.hpp"
@@ -21,6 +22,12 @@ inline RadarModel noise_free() {
 /// Radar axes equal body axes, at the body origin.
 inline RadarModel forward_looking(RadarModel model) {
   model.T_BS = Pose{};
+  return model;
+}
+
+/// Off the body origin, so that turns of the body move it.
+inline RadarModel with_lever(RadarModel model) {
+  model.T_BS.translation = {0.3, -0.2, 0.1};
   return model;
 }
 
@@ -61,29 +68,60 @@ struct FlownScan {
   LabeledScan result;
 };
 
-/// The scans of a flight; one seed for its path, its room and the radar.
-inline std::vector<FlownScan> flown_scans(const RadarModel& model, std::uint64_t seed,
-                                          double length = 60.0) {
-  const Trajectory trajectory = random_flight(seed, {.length = length});
-  RadarSimulator radar(model, make_room(seed), seed);
+/// The scans between two instants of a flight [s].
+inline std::vector<FlownScan> scans_along(const Trajectory& trajectory, RadarSimulator radar,
+                                          double begin, double end) {
   std::vector<FlownScan> scans;
-  for (double t = 0.0; t < trajectory.duration(); t += kScanPeriod) {
+  for (double t = begin; t < end; t += kScanPeriod) {
     const Trajectory::Point body = trajectory.at(t);
     scans.push_back({t, body, radar.scan(body)});
   }
   return scans;
 }
-
-inline double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
+/// Those of a whole flight; one seed for its path, its room and the radar.
+inline std::vector<FlownScan> flown_scans(const RadarModel& model, std::uint64_t seed,
+                                          double length = 60.0) {
+  const Trajectory trajectory = random_flight(seed, {.length = length});
+  return scans_along(trajectory, {model, make_room(seed), seed}, 0.0, trajectory.duration());
 }
-inline double sigma_of(const std::vector<double>& values) {
-  const double mean = mean_of(values);
-  double sum = 0.0;
-  for (const double v : values) sum += (v - mean) * (v - mean);
-  return std::sqrt(sum / static_cast<double>(values.size()));
+
+/// A detection of a scan with its label.
+struct FlownDetection : RadarDetection, Label {
+  double seconds;
+  Trajectory::Point body;
+};
+inline std::vector<FlownDetection> detections_of(const std::vector<FlownScan>& scans) {
+  std::vector<FlownDetection> all;
+  for (const auto& [t, body, result] : scans) {
+    for (std::size_t i = 0; i < result.labels.size(); ++i) {
+      all.push_back({result.scan.detections[i], result.labels[i], t, body});
+    }
+  }
+  return all;
+}
+
+/// The detections between 6 and 40 s of a flight; expects that they lie where they should and that
+/// their range rates are the derivatives of the ranges.
+/// @param place_W where what was detected is at `t` [s] for a radar at `p_W`: (d, t, p_W) -> [m]
+inline constexpr double kCheckedFrom = 6.0;
+template <class Place>
+std::vector<FlownDetection> with_true_range_rates(const RadarModel& model, const Room& room,
+                                                  const Place& place_W) {
+  constexpr double kStep = 1e-4;
+  const Trajectory trajectory = random_flight(6, {.length = 60.0});
+  auto all = detections_of(scans_along(trajectory, {model, room, 6}, kCheckedFrom, 40.0));
+  for (const FlownDetection& d : all) {
+    const auto range = [&](double t) {
+      const Vector3d p_W = radar_position(trajectory.at(t).nav, model);
+      return (place_W(d, t, p_W) - p_W).norm();
+    };
+    const double rate = (range(d.seconds + kStep) - range(d.seconds - kStep)) / (2.0 * kStep);
+    // truncation: kStep^2/6 times a third derivative below 1000; stamps in whole nanoseconds
+    EXPECT_NEAR(d.range_rate, rate, 1e-5) << d.seconds;
+    const Vector3d place = place_W(d, d.seconds, radar_position(d.body.nav, model));
+    EXPECT_LT((d.point_S - in_radar_frame(place, d.body.nav, model)).norm(), 1e-9) << d.seconds;
+  }
+  return all;
 }
 
 }  // namespace rio::sim

@@ -2,75 +2,82 @@
 // Noise and grids of the simulated radar, recovered from its own output.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numbers>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "sim/radar_cases.hpp"
 #include "support/measured.hpp"
+#include "support/statistics.hpp"
 
 namespace rio::sim {
 namespace {
 
-double largest(const std::vector<double>& values) {
-  double most = 0.0;
-  for (const double v : values) most = std::max(most, std::abs(v));
-  return most;
-}
+using test::mean_of;
+using test::sigma_of;
 
 /// Errors of one static detection against its label.
-struct Error {
+struct Error : FlownDetection {
   Polar truth;
   double range;
   double azimuth;
   double elevation;
   double doppler;
-  double y_over_r;
-  double z_over_r;
-  double snr_db;
-  int reflector;
-  double seconds;
+  Vector3d cosines;  ///< of the direction
 };
 
 /// Those of a flight of 60 m.
 std::vector<Error> errors_of(const RadarModel& model) {
   const Room room = make_room(8);
   std::vector<Error> errors;
-  for (const auto& [t, body, result] : flown_scans(model, 8)) {
-    const Vector3d v_S = radar_velocity_S(body, model);
-    for (std::size_t i = 0; i < result.labels.size(); ++i) {
-      if (result.labels[i].cause != Cause::kStatic) continue;
-      const Vector3d q_S = in_radar_frame(position(room, result.labels[i]), body.nav, model);
-      const RadarDetection& detection = result.scan.detections[i];
-      const Polar polar = Polar::of(detection.point_S);
-      const Polar truth = Polar::of(q_S);
-      const Vector3d cosines = detection.point_S.normalized() - q_S.normalized();
-      const double doppler = detection.range_rate + q_S.normalized().dot(v_S);
-      errors.push_back({truth, polar.range - truth.range, polar.azimuth - truth.azimuth,
-                        polar.elevation - truth.elevation,
-                        model.ambiguous ? fold(doppler, model.max_doppler) : doppler, cosines.y(),
-                        cosines.z(), detection.snr_db, result.labels[i].reflector, t});
-    }
+  for (const FlownDetection& d : detections_of(flown_scans(model, 8))) {
+    if (d.cause != Cause::kStatic) continue;
+    const Vector3d q_S = in_radar_frame(position(room, d), d.body.nav, model);
+    const Vector3d u_S = q_S.normalized();
+    const Polar polar = Polar::of(d.point_S);
+    const Polar truth = Polar::of(q_S);
+    const double doppler = d.range_rate + u_S.dot(radar_velocity_S(d.body, model));
+    errors.push_back({d, truth, polar.range - truth.range, polar.azimuth - truth.azimuth,
+                      polar.elevation - truth.elevation,
+                      model.ambiguous ? fold(doppler, model.max_doppler) : doppler,
+                      d.point_S.normalized() - u_S});
   }
   return errors;
 }
 
-template <typename Value, typename Keep>
-std::vector<double> select(const std::vector<Error>& errors, Value value, Keep keep) {
+constexpr auto kEvery = [](const Error&) { return true; };
+template <typename Value, typename Keep = decltype(kEvery)>
+std::vector<double> select(const std::vector<Error>& errors, Value value, Keep keep = kEvery) {
   std::vector<double> values;
   for (const Error& e : errors) {
     if (keep(e)) values.push_back(std::invoke(value, e));
   }
   return values;
 }
-template <typename Value>
-std::vector<double> select(const std::vector<Error>& errors, Value value) {
-  return select(errors, value, [](const Error&) { return true; });
+
+/// How the range errors of the reflectors correlate from scan to scan, and the mean of
+/// what `expected` says for the way of the radar [m] between the two, weighted alike.
+template <typename Expected>
+std::pair<double, double> correlation(const RadarModel& model, const Expected& expected) {
+  std::map<int, Error> last;
+  double product = 0.0;
+  double square = 0.0;
+  double weighted = 0.0;
+  for (const Error& e : errors_of(model)) {
+    const auto before = last.find(e.reflector);
+    if (before != last.end() && e.seconds - before->second.seconds < 1.5 * kScanPeriod) {
+      const Vector3d way =
+          radar_position(e.body.nav, model) - radar_position(before->second.body.nav, model);
+      product += e.range * before->second.range;
+      square += e.range * e.range;
+      weighted += e.range * e.range * expected(way.norm());
+    }
+    last.insert_or_assign(e.reflector, e);
+  }
+  return {product / square, weighted / square};
 }
 
 /// Their standard deviation is `sigma` within a share of it, and so is their mean zero.
@@ -97,20 +104,18 @@ TEST(RadarNoise, IdealIsUnbiasedAndHasItsSigmas) {
   expect_sigma(select(errors, &Error::doppler), 0.02, 0.025, 0.035);
 }
 
-TEST(RadarNoise, IdealIsWhite) {
-  std::map<int, const Error*> last;
-  double product = 0.0;
-  double square = 0.0;
-  const std::vector<Error> errors = errors_of(RadarModel::ideal());
-  for (const Error& e : errors) {
-    const Error*& before = last[e.reflector];
-    if (before != nullptr && e.seconds - before->seconds < 1.5 * kScanPeriod) {
-      product += e.range * before->range;
-      square += e.range * e.range;
-    }
-    before = &e;
-  }
-  EXPECT_NEAR(product / square, 0.0, 0.04);  // about 15000 pairs: five standard errors
+TEST(RadarNoise, IdealIsWhiteAndOtherDecaysWithTheWayFlown) {
+  const auto white = [](double) { return 0.0; };
+  // some 10^4 pairs: five standard errors
+  EXPECT_NEAR(correlation(RadarModel::ideal(), white).first, 0.0, 0.04);
+  RadarModel model = RadarModel::ideal();
+  model.fresh_noise = 0.0;
+  model.noise_distance = 0.05;
+  // 0.5 to 1 m/s at 15 Hz in flight, and all of it at rest
+  const auto [seen, expected] =
+      correlation(model, [](double way) { return std::exp(-way / 0.05); });
+  EXPECT_GT(expected, 0.2);
+  EXPECT_NEAR(seen, expected, 0.05);
 }
 
 TEST(RadarNoise, AzimuthGrowsOffBoresight) {
@@ -162,12 +167,12 @@ TEST(RadarNoise, AngleGridAddsItsUniformError) {
   RadarModel model = noise_free();
   model.angle_grid = 1.0 / 32.0;
   const std::vector<Error> errors = errors_of(model);
-  for (const auto cosine : {&Error::y_over_r, &Error::z_over_r}) {
-    const std::vector<double> values = select(errors, cosine);
+  for (const int axis : {1, 2}) {
+    const auto values = select(errors, [&](const Error& e) { return e.cosines[axis]; });
     expect_sigma(values, model.angle_grid / std::sqrt(12.0), 0.03, 0.03);
-    EXPECT_LE(largest(values), 0.5 * model.angle_grid + 1e-12);
+    EXPECT_LE(test::array_of(values).abs().maxCoeff(), 0.5 * model.angle_grid + 1e-12);
   }
-  EXPECT_LT(largest(select(errors, &Error::range)), 1e-12);
+  EXPECT_LT(test::array_of(select(errors, &Error::range)).abs().maxCoeff(), 1e-12);
 }
 
 TEST(RadarNoise, SlipsIntoTheNeighbouringDopplerCell) {
@@ -175,29 +180,21 @@ TEST(RadarNoise, SlipsIntoTheNeighbouringDopplerCell) {
   model.quantize = true;
   model.sigma_doppler = 1e-3;
   model.doppler_resolution = 0.1;
-  const auto slipped = [](const std::vector<Error>& errors) {
-    double count = 0.0;
-    for (const Error& e : errors) count += std::abs(e.doppler) > 0.055 ? 1.0 : 0.0;
-    return count / static_cast<double>(errors.size());
+  const auto resting = [](const Error& e) { return e.seconds < kTakeOff; };
+  const auto errors_if = [&](const auto& keep) {
+    const std::vector<double> values = select(errors_of(model), &Error::doppler, keep);
+    return Eigen::ArrayXd(test::array_of(values).abs());
   };
-  EXPECT_EQ(slipped(errors_of(model)), 0.0);
+  EXPECT_LT(errors_if(kEvery).maxCoeff(), 0.055);
   model.doppler_slip_share = 0.4;
   // half of it for range rates spread evenly over a cell; none at rest
-  const std::vector<Error> errors = errors_of(model);
-  double moving = 0.0;
-  double off = 0.0;
-  for (const Error& e : errors) {
-    if (e.seconds < kTakeOff) {
-      EXPECT_LT(std::abs(e.doppler), 0.055);
-      continue;
-    }
-    moving += 1.0;
-    off += std::abs(e.doppler) > 0.055 ? 1.0 : 0.0;
-    EXPECT_LT(std::abs(e.doppler), 0.105);  // one cell, beside the border it was near
-  }
-  test::measured("share of slips of 0.4 on the border", off / moving, "0.15 to 0.22");
-  EXPECT_GT(off / moving, 0.15);
-  EXPECT_LT(off / moving, 0.22);
+  EXPECT_LT(errors_if(resting).maxCoeff(), 0.055);
+  const Eigen::ArrayXd moving = errors_if(std::not_fn(resting));
+  EXPECT_LT(moving.maxCoeff(), 0.105);  // one cell, beside the border it was near
+  const double slipped = (moving > 0.055).cast<double>().mean();
+  test::measured("share of slips of 0.4 on the border", slipped, "0.15 to 0.22");
+  EXPECT_GT(slipped, 0.15);
+  EXPECT_LT(slipped, 0.22);
 }
 
 TEST(RadarNoise, WanderMovesTheScatteringCentre) {
@@ -224,53 +221,16 @@ TEST(RadarNoise, RepeatsAtRestAndChangesInFlight) {
   EXPECT_NEAR(sigma_of(flying), 0.03, 0.05 * 0.03);
 }
 
-TEST(RadarNoise, DecaysWithTheWayFlown) {
-  RadarModel model = RadarModel::ideal();
-  model.fresh_noise = 0.0;
-  model.noise_distance = 0.05;
-  // pairs of neighbouring scans by the way between them: 0.5 to 1 m/s at 15 Hz
-  const Trajectory trajectory = random_flight(13, {.length = 60.0});
-  RadarSimulator radar(model, make_room(13), 13);
-  std::map<int, std::pair<double, int>> last;  // error of a reflector and its scan
-  Vector3d last_p = Vector3d::Zero();
-  double product = 0.0;
-  double square = 0.0;
-  double expected = 0.0;
-  for (int scan = 0; scan * kScanPeriod < trajectory.duration(); ++scan) {
-    const Trajectory::Point body = trajectory.at(scan * kScanPeriod);
-    const Vector3d p = body.nav.p_WB + body.nav.q_WB * model.T_BS.translation;
-    const double keep = std::exp(-(p - last_p).norm() / model.noise_distance);
-    last_p = p;
-    const LabeledScan result = radar.scan(body);
-    for (std::size_t i = 0; i < result.labels.size(); ++i) {
-      const int id = result.labels[i].reflector;
-      const Vector3d& q = radar.room().reflectors[static_cast<std::size_t>(id)].position_W;
-      const double error = result.scan.detections[i].point_S.norm() - (q - p).norm();
-      const auto before = last.find(id);
-      if (body.flying && before != last.end() && before->second.second == scan - 1) {
-        product += error * before->second.first;
-        square += error * error;
-        expected += error * error * keep;
-      }
-      last[id] = {error, scan};
-    }
-  }
-  EXPECT_GT(expected / square, 0.2);
-  EXPECT_NEAR(product / square, expected / square, 0.05);  // some 10^4 pairs
-}
-
 TEST(RadarAngles, EveryDetectionLiesOnTheGrid) {
   RadarModel model;
   model.people = 4;
   std::set<Cause> causes;
-  for (const auto& [t, body, result] : flown_scans(model, 9)) {
-    for (std::size_t i = 0; i < result.labels.size(); ++i) {
-      const Vector3d u = result.scan.detections[i].point_S.normalized() / model.angle_grid;
-      ASSERT_NEAR(u.y(), std::round(u.y()), 1e-9);
-      ASSERT_NEAR(u.z(), std::round(u.z()), 1e-9);
-      ASSERT_GE(u.x(), 0.0);
-      causes.insert(result.labels[i].cause);
-    }
+  for (const FlownDetection& d : detections_of(flown_scans(model, 9))) {
+    const Vector3d u = d.point_S.normalized() / model.angle_grid;
+    ASSERT_NEAR(u.y(), std::round(u.y()), 1e-9);
+    ASSERT_NEAR(u.z(), std::round(u.z()), 1e-9);
+    ASSERT_GE(u.x(), 0.0);
+    causes.insert(d.cause);
   }
   EXPECT_EQ(causes.size(), 6U);
 }

@@ -101,16 +101,13 @@ std::vector<double> all_numbers(std::uint64_t seed, std::uint64_t noise_seed, Ti
   RadarModel model;
   model.people = 3;
   const Trajectory trajectory = random_flight(seed, {.length = 40.0}, start);
-  RadarSimulator radar(model, make_room(seed), noise_seed);
+  const RadarSimulator radar(model, make_room(seed), noise_seed);
   std::vector<double> numbers;
-  for (Time t{0}; t < from_seconds(trajectory.duration()); t += Time(66'666'667)) {
-    const LabeledScan result = radar.scan(trajectory.at(start + t));
-    for (std::size_t i = 0; i < result.labels.size(); ++i) {
-      const RadarDetection& d = result.scan.detections[i];
-      numbers.insert(numbers.end(), {d.point_S.x(), d.point_S.y(), d.point_S.z(), d.range_rate,
-                                     d.snr_db, static_cast<double>(result.labels[i].cause),
-                                     static_cast<double>(result.labels[i].reflector)});
-    }
+  for (const FlownDetection& d :
+       detections_of(scans_along(trajectory, radar, 0.0, trajectory.duration()))) {
+    numbers.insert(numbers.end(),
+                   {d.point_S.x(), d.point_S.y(), d.point_S.z(), d.range_rate, d.snr_db,
+                    static_cast<double>(d.cause), static_cast<double>(d.reflector)});
   }
   return numbers;
 }
@@ -132,18 +129,16 @@ TEST(RadarScans, TheVehicleItselfHasNoDopplerAndStaysWhereItIs) {
   RadarModel model;
   model.own_echoes = 3;
   model.own_echo_share = 0.5;
-  double scans = 0.0;
+  const std::vector<FlownScan> scans = flown_scans(model, 3, 40.0);
   double seen = 0.0;
-  for (const auto& [t, body, result] : flown_scans(model, 3, 40.0)) {
-    scans += 1.0;
-    for (std::size_t i = 0; i < result.labels.size(); ++i) {
-      if (result.labels[i].cause != Cause::kVehicle) continue;
-      seen += 1.0;
-      EXPECT_LT(result.scan.detections[i].point_S.norm(), 1.7);
-      EXPECT_LT(std::abs(result.scan.detections[i].range_rate), 0.6 * model.doppler_resolution);
-    }
+  for (const FlownDetection& d : detections_of(scans)) {
+    if (d.cause != Cause::kVehicle) continue;
+    seen += 1.0;
+    EXPECT_LT(d.point_S.norm(), 1.7);
+    EXPECT_LT(std::abs(d.range_rate), 0.6 * model.doppler_resolution);
   }
-  EXPECT_NEAR(seen / scans, 1.5, 0.25);  // some hide behind another peak
+  EXPECT_NEAR(seen / static_cast<double>(scans.size()), 1.5,
+              0.25);  // some hide behind another peak
 }
 
 TEST(RadarScans, ALobeHidesReflectorsFromAside) {

@@ -8,6 +8,7 @@
 
 #include "rio/core/so3.hpp"
 #include "rio/sim/path.hpp"
+#include "sim/extent.hpp"
 #include "support/imu_integration.hpp"
 
 namespace rio::sim {
@@ -47,17 +48,12 @@ TEST(Trajectory, IntegratedImuReturnsToTheTruth) {
 
 TEST(Trajectory, LiesInTheBoxOfItsCorners) {
   const Trajectory trajectory = random_flight(5, {.length = 60.0});
-  Vector3d low = Vector3d::Zero();
-  Vector3d high = Vector3d::Zero();
-  for (double t = 0.0; t < trajectory.duration(); t += 0.01) {
-    low = low.cwiseMin(trajectory.at(t).nav.p_WB);
-    high = high.cwiseMax(trajectory.at(t).nav.p_WB);
-  }
-  EXPECT_GE((low - trajectory.low()).minCoeff(), 0.0);
-  EXPECT_GE((trajectory.high() - high).minCoeff(), 0.0);
+  const Extent all = extent(trajectory);
+  EXPECT_GE((all.low - trajectory.low()).minCoeff(), 0.0);
+  EXPECT_GE((trajectory.high() - all.high).minCoeff(), 0.0);
   // control points lie beside the curve by no more than a step of 0.5 s at 1.43 m/s
-  EXPECT_LT((low - trajectory.low()).maxCoeff(), 0.72);
-  EXPECT_LT((trajectory.high() - high).maxCoeff(), 0.72);
+  EXPECT_LT((all.low - trajectory.low()).maxCoeff(), 0.72);
+  EXPECT_LT((trajectory.high() - all.high).maxCoeff(), 0.72);
 }
 
 TEST(Trajectory, TimeAndSecondsAreTheSameInstant) {

@@ -81,4 +81,9 @@ class ScanCase : public testing::Test {
   std::optional<ScanRows> rows_;  ///< of the last build() without others
 };
 
+/// Noise inflation of a Doppler.
+inline double inflation(const ScanRows& rows, std::size_t doppler) {
+  return 1.0 / rows.measurements().of<DopplerModel>()[doppler].weight;
+}
+
 }  // namespace rio::test

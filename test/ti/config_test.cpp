@@ -1,36 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Figures against arithmetic by hand, and mistakes planted one by one into the configuration of the
-// project, which has none.
+// Mistakes planted one by one into the configuration of the project, which has none.
 #include "rio/ti/config.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "support/measured.hpp"
+#include "support/temp_dir.hpp"
+#include "ti/config_text.hpp"
 
 namespace rio::ti::test {
 namespace {
 
-std::string committed() {
-  std::ifstream file(RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg");
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find("\n" + what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return at == std::string::npos ? text : text.replace(at + 1, what.size(), by);
-}
-
-ConfigFigures figures_of(const std::string& text) {
-  ConfigFigures figures;
-  std::string why;
-  EXPECT_TRUE(derive(parse_config(text), &figures, &why)) << why;
-  return figures;
-}
+using rio::test::contains;
 
 std::string all(const std::vector<LintFinding>& findings) {
   std::string text;
@@ -41,77 +24,32 @@ std::string all(const std::vector<LintFinding>& findings) {
   return text;
 }
 
-bool has(const std::vector<LintFinding>& findings, LintKind kind) {
-  return std::any_of(findings.begin(), findings.end(),
-                     [kind](const LintFinding& f) { return f.kind == kind; });
+std::vector<LintFinding> lint_text(const std::string& text, const RadarUse& use = {}) {
+  return lint(parse_config(text), use);
 }
 
-TEST(TiConfig, FiguresOfTheCommittedOne) {
-  const ConfigFigures f = figures_of(committed());
-  // sampled from 7 to 47 us of 23.4 MHz/us from 77 GHz on; a loop takes 3 (10 + 50) us
-  const double wavelength = 299792458.0 / (77e9 + 23.4e12 * 27e-6);
-  EXPECT_NEAR(f.max_speed, wavelength / (4 * 180e-6), 1e-9);
-  EXPECT_NEAR(f.speed_grid, wavelength / (2 * 180e-6 * 128), 1e-9);
-  EXPECT_NEAR(f.range_resolution, 299792458.0 / (2 * 23.4e12 * 40e-6), 1e-9);
-  EXPECT_NEAR(f.range_grid, f.range_resolution, 1e-9);
-  EXPECT_NEAR(f.max_range, 0.8 * 128 * f.range_resolution, 1e-9);
-  EXPECT_EQ(f.chirp_block, std::chrono::microseconds(128 * 180));
-  EXPECT_DOUBLE_EQ(f.frame_rate(), 20.0);
-  EXPECT_EQ(f.receivers, 4);
-  EXPECT_EQ(f.transmitters, 3);
-  EXPECT_TRUE(f.side_info);
-  EXPECT_EQ(f.cube_bytes, 4U * 128 * 128 * 12 + 2U * 128 * 128);
-  // 40 + 8 + 16 N + 8 + 4 N, padded to 32: 916 for 43 points
-  EXPECT_EQ(f.packet_bytes(0), 64U);
-  EXPECT_EQ(f.packet_bytes(43), 928U);
-  EXPECT_NEAR(to_seconds(f.packet_time(43)), 928 * 10 / 921600.0, 1e-9);
-  rio::test::measured("unambiguous speed, m/s", f.max_speed, "at least 5");
-  rio::test::measured("grid of the speed, m/s", f.speed_grid, "below 0.1");
-  EXPECT_GE(f.max_speed, 5.0);
+/// The one finding there must be.
+LintFinding only_finding(const std::string& text, const RadarUse& use = {}) {
+  const std::vector<LintFinding> findings = lint_text(text, use);
+  EXPECT_EQ(findings.size(), 1U) << all(findings);
+  return findings.empty() ? LintFinding{} : findings.front();
 }
 
-/// The set-up of the 2023 paper: 0.039 m, 16.28 m, +-1.51 m/s, 32 bins of 0.094 m/s. A chirp of it
-/// from these by hand: Tl = lambda / (4 v), with three transmitters.
-TEST(TiConfig, FiguresOfAPublishedSetUp) {
-  std::string text = replaced(committed(), "profileCfg 0 77 10 7 50 0 0 23.4 1 128 3200 0 0 30",
-                              "profileCfg 0 77 151 7 60 0 0 75 1 512 10240 0 0 30");
-  text = replaced(text, "frameCfg 0 2 128 0 50 1 0", "frameCfg 0 2 32 0 66.667 1 0");
-  const ConfigFigures f = figures_of(text);
-  EXPECT_NEAR(f.range_resolution, 0.0400, 0.0005);
-  EXPECT_NEAR(f.max_range, 16.37, 0.01);
-  EXPECT_NEAR(f.max_speed, 1.50, 0.02);
-  EXPECT_NEAR(f.speed_grid, 0.094, 0.001);
-}
-
-TEST(TiConfig, GridsArePowersOfTwo) {
-  std::string text = replaced(committed(), "profileCfg 0 77 10 7 50 0 0 23.4 1 128 3200",
-                              "profileCfg 0 77 10 7 50 0 0 23.4 1 100 3200");
-  text = replaced(text, "frameCfg 0 2 128", "frameCfg 0 2 96");
-  const ConfigFigures f = figures_of(text);
-  EXPECT_EQ(f.range_bins, 128);
-  EXPECT_EQ(f.doppler_bins, 128);
-  EXPECT_NEAR(f.range_grid / f.range_resolution, 100.0 / 128, 1e-12);
-  EXPECT_NEAR(f.speed_grid, f.max_speed / 64, 1e-12);
+void expect_no_finding(const std::string& text, const RadarUse& use = {}) {
+  EXPECT_EQ(all(lint_text(text, use)), "");
 }
 
 TEST(TiConfig, TheCommittedOneHasNoMistake) {
-  for (const std::size_t points : {60U, 100U}) {
-    RadarUse use;
-    use.points = points;
-    EXPECT_EQ(all(lint(parse_config(committed()), use)), "");
-  }
-  EXPECT_EQ(to_seconds(figures_of(committed()).period), 0.05);
+  for (const std::size_t points : {60U, 100U}) expect_no_finding(committed(), {.points = points});
 }
 
-struct Mistake {
-  const char* what;
-  const char* by;
-  LintKind kind;
-  const char* advice;  ///< a part of the text or the change
-};
-
 TEST(TiConfig, EveryPlantedMistakeIsFound) {
-  const Mistake mistakes[] = {
+  const struct {
+    const char* what;
+    const char* by;
+    LintKind kind;
+    const char* advice;  ///< a part of the text or the change
+  } mistakes[] = {
       {"clutterRemoval -1 0", "clutterRemoval -1 1", LintKind::kClutterRemoval,
        "clutterRemoval -1 0"},
       {"guiMonitor -1 1 0", "guiMonitor -1 2 0", LintKind::kNoSideInfo,
@@ -167,13 +105,13 @@ TEST(TiConfig, EveryPlantedMistakeIsFound) {
        "argument 3 must be 1 to 255"},
   };
   int found = 0;
-  for (const Mistake& mistake : mistakes) {
-    const std::string text = replaced(committed(), mistake.what, mistake.by);
-    const std::vector<LintFinding> findings = lint(parse_config(text));
-    EXPECT_TRUE(has(findings, mistake.kind)) << mistake.by << "\n" << all(findings);
-    EXPECT_NE(all(findings).find(mistake.advice), std::string::npos) << mistake.advice << "\n"
-                                                                     << all(findings);
-    found += has(findings, mistake.kind) ? 1 : 0;
+  for (const auto& [what, by, kind, advice] : mistakes) {
+    const auto findings = lint_text(replaced(committed(), what, by));
+    const auto is_it = [k = kind](const LintFinding& f) { return f.kind == k; };
+    const bool is_found = std::any_of(findings.begin(), findings.end(), is_it);
+    EXPECT_TRUE(is_found) << by << "\n" << all(findings);
+    EXPECT_PRED2(contains, all(findings), advice);
+    found += is_found ? 1 : 0;
   }
   rio::test::measured("planted mistakes found", found, "all of 35");
   EXPECT_EQ(found, 35);
@@ -202,15 +140,13 @@ TEST(TiConfig, OtherFirmwareIsNamedAndNotJudged) {
       {base + "oneCfg 1\ntwoCfg 1\nthreeCfg 1\n", "unknown demo"},
   };
   for (const auto& [text, name] : others) {
-    const Config config = parse_config(text);
-    const std::vector<LintFinding> findings = lint(config);
-    ASSERT_EQ(findings.size(), 1U) << name << "\n" << all(findings);
-    EXPECT_EQ(findings[0].kind, LintKind::kOtherFirmware);
-    EXPECT_NE(findings[0].text.find(name), std::string::npos) << all(findings);
-    EXPECT_NE(findings[0].text.find("not judged"), std::string::npos);
-    EXPECT_EQ(findings[0].change, "");
+    const LintFinding finding = only_finding(text);
+    EXPECT_EQ(finding.kind, LintKind::kOtherFirmware);
+    EXPECT_PRED2(contains, finding.text, name);
+    EXPECT_PRED2(contains, finding.text, "not judged");
+    EXPECT_EQ(finding.change, "");
     ConfigFigures figures;
-    EXPECT_FALSE(derive(config, &figures)) << name;
+    EXPECT_FALSE(derive(parse_config(text), &figures)) << name;
   }
   for (const char* line : {"peakGrouping -1 1 1 1 1 200", "oneCfg 1\noneCfg 2\ntwoCfg 1"}) {
     EXPECT_EQ(other_firmware(parse_config(base + line)), nullptr) << line;
@@ -229,32 +165,15 @@ TEST(TiConfig, ALineWithAWrongNumberOfArgumentsIsNotJudgedFurther) {
       {"profileCfg 0 77 10 7 50", "profileCfg 0 77 10 7 40 1"},
   };
   for (const auto& [what, by] : lines) {
-    const Config config = parse_config(replaced(committed(), what, by));
-    const std::vector<LintFinding> findings = lint(config);
-    ASSERT_EQ(findings.size(), 1U) << all(findings);
-    EXPECT_EQ(findings[0].kind, LintKind::kWrongArguments);
+    EXPECT_EQ(only_finding(replaced(committed(), what, by)).kind, LintKind::kWrongArguments);
   }
 }
 
 TEST(TiConfig, OfACommandGivenTwiceTheLastCounts) {
   const std::string text = replaced(committed(), "frameCfg", "frameCfg 0 2 64 0 100 1 0\nframeCfg");
   EXPECT_DOUBLE_EQ(figures_of(text).frame_rate(), 20.0);
-  const std::vector<LintFinding> findings = lint(parse_config(text));
-  ASSERT_EQ(findings.size(), 1U) << all(findings);
-  EXPECT_EQ(findings[0].text, "frameCfg is given twice, the last counts");
-  EXPECT_EQ(all(lint(parse_config("sensorStop\n" + committed()))), "");
-}
-
-TEST(TiConfig, TheProfileIsThatOfTheChirps) {
-  std::string text = replaced(committed(), "profileCfg",
-                              "profileCfg 7 77 10 7 50 0 0 23.4 1 64 3200 0 0 30\n"
-                              "profileCfg");
-  EXPECT_EQ(figures_of(text).samples, 128);
-  for (const char* chirp : {"0 0", "1 1", "2 2"}) {
-    const std::string command = std::string("chirpCfg ") + chirp;
-    text = replaced(text, command + " 0", command + " 7");
-  }
-  EXPECT_EQ(figures_of(text).samples, 64);
+  EXPECT_EQ(only_finding(text).text, "frameCfg is given twice, the last counts");
+  expect_no_finding("sensorStop\n" + committed());
 }
 
 TEST(TiConfig, WhatIsNoConfigurationIsOneFinding) {
@@ -271,16 +190,14 @@ TEST(TiConfig, WhatIsNoConfigurationIsOneFinding) {
       {text + std::string("guiMonitor\0", 11), "UTF-16 or binary: save it as plain text"},
   };
   for (const auto& [input, said] : inputs) {
-    const std::vector<LintFinding> findings = lint(parse_config(input));
-    ASSERT_EQ(findings.size(), 1U) << all(findings);
-    EXPECT_EQ(findings[0].text.rfind(said, 0), 0U) << findings[0].text;
     std::string why;
     ConfigFigures figures;
     EXPECT_FALSE(derive(parse_config(input), &figures, &why));
-    EXPECT_EQ(why, findings[0].text);
+    EXPECT_TRUE(why.starts_with(said)) << why;
+    EXPECT_EQ(why, only_finding(input).text);
     EXPECT_EQ(other_firmware(parse_config(input)), nullptr);
   }
-  EXPECT_EQ(all(lint(parse_config("\xEF\xBB\xBF" + text.substr(text.find("sensorStop"))))), "");
+  expect_no_finding("\xEF\xBB\xBF" + text.substr(text.find("sensorStop")));
 }
 
 TEST(TiConfig, TheAdviceHelps) {
@@ -289,30 +206,21 @@ TEST(TiConfig, TheAdviceHelps) {
                                  std::pair{"clutterRemoval -1 0", "clutterRemoval -1 1"},
                                  std::pair{"cfarFovCfg -1 1 -5.36 5.36", "cfarFovCfg -1 1 -1 1"}}) {
     std::string text = replaced(committed(), what, by);
-    const std::vector<LintFinding> findings = lint(parse_config(text));
-    ASSERT_EQ(findings.size(), 1U) << all(findings);
+    const std::string change = only_finding(text).change;
     const std::size_t begin = text.find(std::string("\n") + by) + 1;
-    text.replace(begin, text.find('\n', begin) - begin, findings[0].change);
-    EXPECT_EQ(all(lint(parse_config(text))), "") << findings[0].change;
+    text.replace(begin, text.find('\n', begin) - begin, change);
+    expect_no_finding(text);
   }
 }
 
 TEST(TiConfig, TheVehicleDecides) {
-  RadarUse slow, fast;
-  slow.speed = 2.0;
-  fast.speed = 8.0;
-  EXPECT_TRUE(lint(parse_config(committed()), slow).empty());
-  ASSERT_EQ(lint(parse_config(committed()), fast).size(), 1U);
-  EXPECT_EQ(lint(parse_config(committed()), fast)[0].kind, LintKind::kTooSlow);
-  RadarUse crowded;
-  crowded.points = 200;
-  const auto findings = lint(parse_config(committed()), crowded);
-  ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings[0].kind, LintKind::kUartTooSlow);
-  EXPECT_FALSE(findings[0].wrong);
-  const std::string faster =
-      replaced(committed(), "flushCfg", "flushCfg\nconfigDataPort 3125000 1");
-  EXPECT_EQ(all(lint(parse_config(faster), crowded)), "");
+  expect_no_finding(committed(), {.speed = 2.0});
+  EXPECT_EQ(only_finding(committed(), {.speed = 8.0}).kind, LintKind::kTooSlow);
+  const RadarUse crowded{.points = 200};
+  EXPECT_EQ(only_finding(committed(), crowded).kind, LintKind::kUartTooSlow);
+  EXPECT_FALSE(only_finding(committed(), crowded).wrong);
+  expect_no_finding(replaced(committed(), "flushCfg", "flushCfg\nconfigDataPort 3125000 1"),
+                    crowded);
 }
 
 TEST(TiConfig, LinesAsPeopleWriteThem) {

@@ -170,10 +170,10 @@ TEST(PacketStream, Throughput) {
                   [&](const Frame& frame) { points += frame.scan.detections.size(); });
     }
   }
-  const double seconds = to_seconds(std::chrono::steady_clock::now() - begin);
+  const double elapsed = to_seconds(std::chrono::steady_clock::now() - begin);
   EXPECT_EQ(points, 43 * reader.counters().frames);
   EXPECT_EQ(reader.counters().bytes_skipped, 0U);
-  const double rate = 1e-6 * 10.0 * static_cast<double>(bytes.size()) / seconds;
+  const double rate = 1e-6 * 10.0 * static_cast<double>(bytes.size()) / elapsed;
   measured("bytes read [MB/s], the UART gives 0.09", rate, "above 100 in Release, 20 here");
   if (rio::test::AllocationGuard::kWorks) {  // no sanitizer
     EXPECT_GT(rate, 20.0);

@@ -60,17 +60,6 @@ TEST(TiPacket, WithoutSideInfoTheSnrIsZero) {
   EXPECT_EQ(frame.scan.detections[2].snr_db, 0.0);
 }
 
-TEST(TiPacket, OtherTlvsAreSkippedAndTheOrderIsFree) {
-  const std::vector<WrittenPoint> points = some_points(7, 5);
-  WrittenPacket packet;
-  packet.number = 7;
-  packet.objects = 5;
-  packet.tlvs = {{2, Bytes(512, 1)},        {7, side_tlv(points)}, {6, Bytes(24, 2)},
-                 {1, points_tlv(points)},   {9, Bytes(28, 3)},     {1010, Bytes(3, 4)},
-                 {0xFFFFFFFF, Bytes(1, 5)}, {5, Bytes()}};
-  EXPECT_TRUE(is_frame_of(only_frame(packet), 7, points));
-}
-
 TEST(TiPacket, TheHeaderOfXwr14xxHasNoSubframe) {
   WrittenPacket packet = packet_of(7, some_points(7, 5));
   packet.platform = 0xA1443;

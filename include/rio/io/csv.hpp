@@ -67,6 +67,7 @@ class CsvReader {
   bool is_cut();
   /// Of a cell that is no number: the columns of the file are separated by something else.
   std::string other_separator(std::size_t i) const;
+  [[noreturn]] void fail_on_cell(std::size_t i, const char* what) const;
 
   std::string name_;
   std::ifstream stream_;

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Faults of the radar with a cause that another one resembles: the right one is named, with what to
+// paste.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+
+#include "check/check_it.hpp"
+#include "check/flown.hpp"
+#include "check/motion.hpp"
+#include "check/points_check.hpp"
+#include "rio/core/so3.hpp"
+#include "support/temp_dir.hpp"
+
+namespace rio::test {
+namespace {
+
+/// The flight with other detections.
+template <class Change>
+io::Dataset with_detections(const Change& change) {
+  io::Dataset dataset = flight();
+  each_detection(&dataset, change);
+  return dataset;
+}
+
+TEST(RadarCauses, TheRateOfStampsOnAGridIsThatOfTheRadar) {
+  io::Dataset dataset = flight();
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < dataset.scans.size(); ++i) {
+    if (i % 5 == 0) ++lost;  // lost scans do not count
+    const auto tick = static_cast<std::int64_t>(std::floor(static_cast<double>(i + lost) / 0.3));
+    dataset.scans[i].time = dataset.imu.front().time + tick * Time(10'000'000);
+  }
+  dataset.radar_info.rate_hz = 30.0;
+  const Finding finding = said(dataset, "radar stamps", Source::kFolder);
+  expect(finding, Verdict::kOk, "(30.0 Hz)");
+  dataset.radar_info.rate_hz = 20.0;
+  EXPECT_EQ(said(dataset, "radar stamps", Source::kFolder).change,
+            "radar0/sensor.yaml: rate_hz: 30.0");
+  EXPECT_EQ(said(dataset, "radar stamps").change, "");  // a bag has no such file
+}
+
+TEST(RadarCauses, AnSnrThatIsNoDecibelsIsNotAWeakRadar) {
+  for (const auto& [scale, factor] : {std::pair(10.0, "0.1"), std::pair(100.0, "0.01")}) {
+    io::Dataset dataset = with_detections([k = scale](RadarDetection* d) { d->snr_db *= k; });
+    EXPECT_EQ(said(dataset, "points").change, std::string("--field snr=NAME*") + factor);
+    dataset.radar_info.fields = {{"snr", "power*0.5"}};
+    const std::string half = scale == 10.0 ? "0.05" : "0.005";
+    EXPECT_EQ(said(dataset, "points").change, "--field snr=power*" + half);
+    const Finding finding = said(dataset, "points", Source::kFolder);
+    EXPECT_EQ(finding.verdict, Verdict::kWrong);
+    EXPECT_EQ(finding.change,
+              std::string("multiply the column snr of radar0/data.csv by ") + factor);
+  }
+}
+
+TEST(RadarCauses, ADopplerWithoutTheMotionOfTheVehicleIsNamed) {
+  io::Dataset dataset = flight();
+  // by the velocity that most points of the scan agree on
+  Options options;
+  io::apply_sensor_info(dataset, &options);
+  std::size_t k = 0;
+  const std::vector<check::RadarSpeed> speeds =
+      check::radar_speeds(check::Scans(dataset.scans), options);
+  for (RadarScan& scan : dataset.scans) {
+    while (k + 1 < speeds.size() && speeds[k].time < scan.time) ++k;
+    for (RadarDetection& d : scan.detections) {
+      d.range_rate += d.point_S.normalized().dot(speeds[k].v_S);
+    }
+  }
+  expect(said(dataset, "axes and Doppler sign"), Verdict::kWrong,
+         "the Doppler does not show the motion of the radar",
+         "the driver subtracts the motion of the vehicle");
+}
+
+TEST(RadarCauses, MovingTracksAreNoHighThreshold) {
+  std::size_t i = 0;
+  const io::Dataset dataset = with_detections([&i](RadarDetection* d) {
+    if (++i % 7 != 0) d->range_rate = 1.4 * std::sin(1.7 * static_cast<double>(i));
+  });
+  expect(said(dataset, "points"), Verdict::kDoubtful, "", "most points move");
+}
+
+TEST(RadarCauses, ScansOutOfOrderAreNotRepeated) {
+  io::Dataset dataset = flight();
+  for (std::size_t i = 10; i + 1 < dataset.scans.size(); i += 10) {
+    std::swap(dataset.scans[i], dataset.scans[i + 1]);
+  }
+  expect_change(dataset, "radar stamps", "put the scans in the order");
+  dataset = flight();
+  dataset.scans[20].time = dataset.scans[19].time;
+  expect_change(dataset, "radar stamps", "a stamp of its own");
+}
+
+TEST(RadarCauses, ADelayHasOneProposal) {
+  io::Dataset dataset = flight();
+  delay_scans(&dataset, 0.066);
+  const Finding finding = said(dataset, "delay of the radar");
+  EXPECT_TRUE(finding.change.starts_with("radar: {time_offset: 0.0")) << finding.change;
+  EXPECT_FALSE(contains(finding.change, "--radar-offset")) << finding.change;
+}
+
+TEST(RadarCauses, PointsInOtherKnownAxesNeedNoMounting) {
+  // forward left up, read as if they were those of the chip
+  io::Dataset dataset = with_detections([](RadarDetection* d) {
+    d->point_S = Vector3d(d->point_S.y(), -d->point_S.x(), d->point_S.z());
+  });
+  dataset.radar_info.axes = "ti";
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").change, "--axes flu");
+  dataset.radar_info.axes = "";
+  expect_change(dataset, "axes and Doppler sign", "T_BS");
+}
+
+/// A minute at rest with this bias of the gyro about x, in front of walls and a walking person.
+io::Dataset standing(double bias) {
+  io::Dataset out;
+  out.radar_info = flight().radar_info;
+  for (int k = 0; k < 12000; ++k) {
+    const double wave = 0.02 * std::sin(2.4 * k);
+    out.imu.push_back({Time(1'000'000'000LL + 5'000'000LL * k),
+                       {bias + 0.01 * wave, 0.01 * wave, 0.01 * wave},
+                       {wave, wave, 9.81 + wave}});
+  }
+  for (int k = 0; k < 900; ++k) {
+    RadarScan scan;
+    scan.time = Time(1'000'000'000LL + 66'666'667LL * k);
+    const double walked = std::sin(0.04 * k);
+    for (int i = 0; i < 18; ++i) {
+      const bool person = i > 11;
+      const double noise = 0.03 * std::sin(7.1 * k * (i + 1));
+      RadarDetection d;
+      d.point_S = Vector3d(4.0 + noise, 0.5 * i - 3.0, 0.2 * (i % 5) - 0.4);
+      if (person) d.point_S = Vector3d(3.0 + 2.0 * walked, 0.5 + noise, noise);
+      d.range_rate = person ? 1.2 * std::cos(0.04 * k) + noise : 0.0;
+      d.snr_db = 20.0;
+      scan.detections.push_back(d);
+    }
+    out.scans.push_back(scan);
+  }
+  return out;
+}
+
+TEST(RadarCauses, AStandingVehicleHasNoMotionToShow) {
+  io::Dataset dataset = standing(0.0175);
+  expect_ok(dataset);
+  const auto make_zero = [](RadarDetection* d) { d->range_rate = 0.0; };
+  each_detection(&dataset, make_zero);
+  expect_ok(dataset);
+  expect_change(with_detections(make_zero), "Doppler", "--field doppler=NAME");
+}
+
+TEST(RadarCauses, ADopplerOffByOneBinShowsAtRest) {
+  const double bin = *flight().radar_info.doppler_resolution;
+  const io::Dataset dataset = with_detections([&](RadarDetection* d) { d->range_rate += bin; });
+  expect(said(dataset, "Doppler"), Verdict::kWrong, "off by +1.0 steps of its grid");
+}
+
+TEST(RadarCauses, AnUnknownMountingIsNotJudged) {
+  const Quaternion turn =
+      quaternion_exp(Vector3d(0.0, 0.0, -0.5 * kHalfTurn)) * flight().radar_info.T_BS->rotation;
+  io::Dataset dataset = with_detections([&](RadarDetection* d) { d->point_S = turn * d->point_S; });
+  dataset.radar_info.T_BS.reset();
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kWrong);
+  dataset.radar_info.prior_rotation = kHalfTurn;
+  const Finding finding = said(dataset, "axes and Doppler sign");
+  expect(finding, Verdict::kOk, "the mounting is unknown: it is found in flight");
+  EXPECT_PRED2(contains, finding.text, "turned by 90 deg about the z axis of the body");
+  each_detection(&dataset, [&](RadarDetection* d) { d->range_rate = -d->range_rate; });
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kWrong);
+}
+
+// Too few blocks for a test of the votes; many pairs are a hint.
+TEST(RadarCauses, AFewSecondsOfRangesAgainstTheDopplerAreDoubtful) {
+  const auto approaching = [](double doppler) {
+    std::vector<RadarScan> scans;
+    for (int k = 0; k < 150; ++k) {
+      RadarScan scan;
+      scan.time = Time(66'666'667LL * k);
+      for (int i = 0; i < 8; ++i) {
+        RadarDetection d;
+        d.point_S = (15.0 + 0.7 * i - 66.7e-3 * k) * Vector3d(1.0, 0.2 * i - 0.7, 0.0).normalized();
+        d.range_rate = doppler;
+        scan.detections.push_back(d);
+      }
+      scans.push_back(scan);
+    }
+    return check::check_ranges(check::Scans(scans), Options{}, {});
+  };
+  EXPECT_EQ(approaching(-1.0).finding.verdict, Verdict::kOk);
+  EXPECT_EQ(approaching(-1.0).sign, check::DopplerSign::kAsConfigured);
+  const check::RangeCheck against = approaching(1.0);
+  EXPECT_EQ(against.finding.verdict, Verdict::kDoubtful) << against.finding.text;
+  EXPECT_EQ(against.sign, check::DopplerSign::kUnknown);
+}
+
+TEST(RadarCauses, ALeverArmInMillimetresIsDoubtful) {
+  io::Dataset dataset = flight();
+  EXPECT_EQ(find(check_it(dataset), "lever arm"), nullptr);
+  dataset.radar_info.T_BS->translation = Vector3d(100.0, 0.0, -50.0);
+  expect_change(dataset, "lever arm", "in mm or cm?");
+}
+
+TEST(RadarCauses, PointsOfAScanShareItsStamp) {
+  io::Dataset dataset = flight();
+  dataset.scans.clear();
+  for (const RadarScan& scan : flight().scans) {
+    for (std::size_t i = 0; i < scan.detections.size(); ++i) {
+      RadarScan one;
+      one.time = scan.time + Time(1000 * static_cast<std::int64_t>(i));
+      one.detections = {scan.detections[i]};
+      dataset.scans.push_back(one);
+    }
+  }
+  expect(said(dataset, "radar stamps"), Verdict::kWrong, "",
+         "all points of a scan must share its stamp");
+  EXPECT_EQ(find(check_it(dataset), "points"), nullptr);
+}
+
+}  // namespace
+}  // namespace rio::test

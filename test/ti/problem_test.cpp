@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What may come from a port instead of whole packets: named, with what to do.
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "support/temp_dir.hpp"
+#include "ti/firmware_packets.hpp"
+#include "ti/reading.hpp"
+
+namespace rio::ti::test {
+namespace {
+
+using rio::test::contains;
+
+/// Packets that are not read and lose their last bytes, in two pieces.
+TEST(TiProblem, ThePiecesDoNotDecideWhatIsDamaged) {
+  for (std::size_t missing = 0; missing < kMagicSize; ++missing) {
+    Bytes bytes = mrr(3, 10).bytes();
+    bytes.resize(bytes.size() - missing);
+    bytes = joined({bytes, packet_of(2, some_points(2, 3)).bytes()});
+    for (std::size_t split = 0; split <= bytes.size(); ++split) {
+      Reading reading;
+      reading.push_split(bytes, split);
+      ASSERT_EQ(reading.counters().damaged, missing == 0 ? 0U : 1U) << missing << " " << split;
+      ASSERT_EQ(reading.counters().other_sdk, missing == 0 ? 1U : 0U) << missing << " " << split;
+      ASSERT_EQ(reading.numbers(), (std::vector<std::uint32_t>{2}));
+    }
+  }
+}
+
+/// Packets as a recorder writes them that drops the last bytes of each.
+Bytes cut(std::uint32_t number, int points, std::size_t missing) {
+  Bytes bytes = packet_of(number, some_points(number, points)).bytes();
+  bytes.resize(bytes.size() - missing);
+  return bytes;
+}
+
+TEST(TiProblem, PacketsThatAllEndEarlyAreUsedWhereThatIsPadding) {
+  for (std::size_t missing = 1; missing < kMagicSize; ++missing) {
+    Reading reading;
+    std::size_t padded = 0;
+    for (std::uint32_t number = 1; number <= 45; ++number) {
+      const int count = static_cast<int>(number % 9);
+      reading.push(cut(number, count, missing));
+      const std::size_t size = 48 + (count > 0 ? 8U : 0U) + 20U * static_cast<unsigned>(count);
+      padded += number > 1 && (32 - size % 32) % 32 >= missing ? 1 : 0;
+    }
+    reading.flush();  // what was last is complete after a pause, too
+    EXPECT_EQ(reading.counters().cut_short, 45U) << missing;
+    EXPECT_EQ(reading.frames.size(), padded) << missing;
+    for (const Frame& frame : reading.frames) {
+      const int count = static_cast<int>(frame.number % 9);
+      EXPECT_TRUE(is_frame_of(frame, frame.number, some_points(frame.number, count)));
+    }
+    EXPECT_EQ(reading.reader.state(), StreamState::kCutShort);
+    const std::string early = missing == 1 ? "ends one byte early" : " bytes early";
+    EXPECT_PRED2(contains, reading.reader.problem(), early);
+  }
+}
+
+TEST(TiProblem, APacketThatEndsEarlyAmongWholeOnesIsDamaged) {
+  Reading reading;
+  reading.push(joined({cut(1, 3, 1), cut(2, 3, 2), packet_of(3, some_points(3, 3)).bytes()}));
+  EXPECT_EQ(reading.numbers(), (std::vector<std::uint32_t>{3}));
+  for (std::uint32_t number = 4; number < 20; ++number) reading.push(cut(number, 3, 1));
+  reading.flush();
+  EXPECT_EQ(reading.frames.size(), 1U);
+  EXPECT_EQ(reading.reader.state(), StreamState::kDamaged);
+  EXPECT_PRED2(contains, reading.reader.problem(), "bytes are lost");
+}
+
+/// One byte of each is lost, anywhere behind the magic word: few end early by chance.
+TEST(TiProblem, LostBytesAreNoRecorderThatCutsPackets) {
+  std::mt19937 random(3);
+  Reading reading;
+  for (std::uint32_t number = 1; number < 300; ++number) {
+    Bytes bytes = packet_of(number, some_points(number, 10)).bytes();
+    bytes.erase(bytes.begin() + 8 + static_cast<long>(random() % (bytes.size() - 8)));
+    reading.push(bytes);
+    if (number > 20) {
+      ASSERT_EQ(reading.reader.state(), StreamState::kDamaged) << number;
+    }
+  }
+  EXPECT_GT(reading.counters().cut_short, 20U);
+  EXPECT_PRED2(contains, reading.reader.problem(), "bytes are lost");
+}
+
+TEST(TiProblem, ManyDamagedPacketsAreAProblemAlsoAmongWholeOnes) {
+  Reading reading;
+  for (std::uint32_t number = 1; number <= 100; ++number) {
+    reading.push(number % 5 == 0 ? packet_of(number, some_points(number, 3)).bytes()
+                                 : cut(number, 3, 20));
+  }
+  EXPECT_EQ(reading.reader.problem().rfind("80 packets are damaged, 20 whole: bytes are lost", 0),
+            0U)
+      << reading.reader.problem();
+  for (std::uint32_t number = 101; number <= 400; ++number) {
+    reading.push(packet_of(number, some_points(number, 3)).bytes());
+  }
+  EXPECT_EQ(reading.reader.problem(), "");
+}
+
+TEST(TiProblem, PacketsTooLongForTheBufferAreNamed) {
+  Reading reading;
+  for (std::uint32_t number = 1; number <= 3; ++number) {
+    WrittenPacket packet = packet_of(number, points_of(9));
+    packet.tlvs.emplace_back(4, Bytes(98304, 3));  // heat map of 256 bins and 12 antennas, twice
+    packet.tlvs.emplace_back(5, Bytes(98304, 4));
+    reading.push(packet.bytes());
+    EXPECT_PRED2(contains, reading.reader.problem(), "packets of 196864 bytes") << number;
+    EXPECT_PRED2(contains, reading.reader.problem(), "switch the heat maps off (guiMonitor)");
+  }
+  reading.push(Bytes(300000, 3));
+  EXPECT_EQ(reading.reader.state(), StreamState::kSearching);
+}
+
+std::string times(int count, const std::string& text) {
+  std::string all;
+  for (int i = 0; i < count; ++i) all += text;
+  return all;
+}
+std::string text_of(const WrittenPacket& packet) {
+  const Bytes bytes = packet.bytes();
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
+  std::mt19937 random(4);
+  std::string noise(3000, ' ');
+  for (char& byte : noise) byte = static_cast<char>(random());
+  const std::string rest(3000, '\x11');
+  std::vector<WrittenPoint> infinite = some_points(1, 6);
+  for (WrittenPoint& p : infinite) p.velocity = std::numeric_limits<float>::infinity();
+  WrittenPacket old = packet_with(0, 0xA1642, 19, {{1, fixed_point_tlv(points_of(19), 12)}});
+  std::vector<std::string> olds;
+  for (const std::uint32_t version : {0x01000000U, 0x01020005U, 0x02010004U}) {
+    old.version = version;
+    for (const bool with_subframe : {true, false}) {
+      old.with_subframe = with_subframe;
+      olds.push_back(text_of(old));
+    }
+  }
+  const std::string silent = text_of(packet_with(kSdk36, kXwr68, 0, {{6, Bytes(24, 1)}}));
+  const std::string unknown =
+      text_of(packet_with(kSdk36, kXwr68, 12, {{6, Bytes(24, 1)}, {3001, Bytes(96, 1)}}));
+  struct Row {
+    std::string bytes;
+    StreamState state;
+    std::vector<const char*> said;
+  };
+  std::vector<Row> rows = {
+      {"", StreamState::kSilent, {"no byte yet"}},
+      {"sensorStop\r\nDone\r\n\r\nmmwDemo:/>", StreamState::kText, {"CLI port"}},
+      {noise,
+       StreamState::kSearching,
+       {"another baud rate", "921600", "3125000 for AWR2944", "1250000"}},
+      {"\x1F\x8B\x08" + rest, StreamState::kSearching, {"(gzip): unpack it first"}},
+      {"BZh9" + rest, StreamState::kSearching, {"(bzip2)"}},
+      {"PK\x03\x04" + rest, StreamState::kSearching, {"(zip)"}},
+      {"\x28\xB5\x2F\xFD" + rest, StreamState::kSearching, {"(zstd)"}},
+      {"BZ" + rest, StreamState::kSearching, {"another baud rate"}},
+      {times(40, "00000010: 0201 0403 0605 0807 0000 0603 a000 0000  ................\n"),
+       StreamState::kText,
+       {"give the bytes themselves"}},
+      {silent, StreamState::kFrames, {"or guiMonitor does not send them"}},
+      {silent + unknown, StreamState::kFrames, {"TLV 3001"}},
+      {text_of(packet_of(1, infinite)), StreamState::kFrames, {"6 points, none of them finite"}},
+  };
+  WrittenPacket contradicting = packet_of(1, some_points(1, 3));
+  contradicting.version = 0x05040000;
+  contradicting.objects = 2;
+  rows.push_back({text_of(contradicting), StreamState::kNewSdk, {"SDK"}});
+  for (const std::string& bytes : olds) {
+    rows.push_back(
+        {bytes, StreamState::kOldSdk, {"packets of SDK 1 or 2", "load a demo of SDK 3.x"}});
+  }
+  for (const Row& row : rows) {
+    Reading reading;
+    for (const char c : row.bytes) reading.push(Bytes(1, static_cast<std::uint8_t>(c)));
+    EXPECT_EQ(reading.reader.state(), row.state) << row.said[0];
+    EXPECT_EQ(reading.counters().points, 0U) << row.said[0];
+    for (const char* part : row.said) EXPECT_PRED2(contains, reading.reader.problem(), part);
+  }
+  Reading damaged;
+  for (int i = 0; i < 3000; ++i) damaged.push(cut(1, 40, 20));
+  EXPECT_EQ(damaged.reader.state(), StreamState::kDamaged) << damaged.reader.problem();
+}
+
+}  // namespace
+}  // namespace rio::ti::test
