@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "experiment/experiment.hpp"
 #include "experiment/recording.hpp"
-#include "experiment/spread.hpp"
-#include "experiment/trial.hpp"
 #include "rio/sim/catalogue.hpp"
 
 namespace rio::experiment {
@@ -25,120 +25,89 @@ constexpr int kSeeds = 14;  // twice the seven lengths
 /// matter.
 struct Switch {
   const char* name;
-  std::vector<std::string> families;
+  const char* families;  ///< separated by spaces
   Change change;
 };
 
 const std::vector<Switch>& switches() {
   static const std::vector<Switch> all = {
-      {"directions in the Doppler exact",
-       {"hover"},
+      {"directions in the Doppler exact", "hover",
        [](Options& o) { o.update.doppler_directions = DopplerDirections::kExact; }},
-      {"directions in the Doppler noisy, not corrected",
-       {"hover"},
+      {"directions in the Doppler noisy, not corrected", "hover",
        [](Options& o) { o.update.doppler_directions = DopplerDirections::kNoisy; }},
-      {"weak echoes as good as strong ones",
-       {"outdoor"},
+      {"weak echoes as good as strong ones", "outdoor",
        [](Options& o) { o.radar.weak_snr_db = -200.0; }},
-      {"errors new in every scan", {"hover"}, [](Options& o) { o.radar.noise_distance = 0.0; }},
-      {"stamps of the IMU exact", {"rough-imu"}, [](Options& o) { o.imu.stamp_sigma = 0.0; }},
-      {"covariance not re-expressed",
-       {"outdoor"},
+      {"errors new in every scan", "hover", [](Options& o) { o.radar.noise_distance = 0.0; }},
+      {"stamps of the IMU exact", "rough-imu", [](Options& o) { o.imu.stamp_sigma = 0.0; }},
+      {"covariance not re-expressed", "outdoor",
        [](Options& o) { o.update.consistent_covariance = false; }},
-      {"mounting not estimated",
-       {"extrinsics"},
+      {"mounting not estimated", "extrinsics",
        [](Options& o) { o.calibration.rotation_sigma = o.calibration.translation_sigma = 0.0; }},
-      {"mounting unknown", {"people", "sparse", "outdoor", "hover"}, forget_mounting},
-      {"time offset not estimated",
-       {"late-stamps"},
+      {"mounting unknown", "people sparse outdoor hover", forget_mounting},
+      {"time offset not estimated", "late-stamps",
        [](Options& o) { o.calibration.time_offset_sigma = 0.0; }},
-      {"Doppler scale not estimated",
-       {"miscalibrated"},
+      {"Doppler scale not estimated", "miscalibrated",
        [](Options& o) { o.calibration.doppler_scale_sigma = 0.0; }},
-      {"RANSAC without prediction",
-       {"people", "sparse"},
+      {"RANSAC without prediction", "people sparse",
        [](Options& o) { o.frontend.ransac_use_prediction = false; }},
-      {"RANSAC with a constant bound",
-       {"people", "sparse"},
+      {"RANSAC with a constant bound", "people sparse",
        [](Options& o) { o.frontend.ransac_sigmas = 0.0; }},
-      {"slow movers not sought",
-       {"people", "sparse"},
+      {"slow movers not sought", "people sparse",
        [](Options& o) { o.frontend.mover_sigmas = 0.0; }},
-      {"what is near to a mover used",
-       {"people"},
-       [](Options& o) { o.frontend.mover_extent = 0.0; }},
-      {"echoes of the vehicle used",
-       {"rough-ground"},
+      {"what is near to a mover used", "people", [](Options& o) { o.frontend.mover_extent = 0.0; }},
+      {"echoes of the vehicle used", "rough-ground",
        [](Options& o) { o.frontend.own_echoes = false; }},
-      {"rest not used", {"hover"}, [](Options& o) { o.frontend.detect_rest = false; }},
-      {"Doppler not unwrapped",
-       {"aggressive"},
+      {"rest not used", "hover", [](Options& o) { o.frontend.detect_rest = false; }},
+      {"Doppler not unwrapped", "aggressive",
        [](Options& o) { o.frontend.unwrap_doppler = false; }},
-      {"no check of the landmarks", {"hover"}, [](Options& o) { o.checks.landmarks = false; }},
-      {"no check of the velocity",
-       {"wrong-velocity"},
-       [](Options& o) { o.checks.velocity = false; }},
-      {"no check of the tilt", {"wrong-velocity"}, [](Options& o) { o.checks.tilt = false; }},
-      {"no check of the heading", {}, [](Options& o) { o.checks.heading = false; }},
-      {"no check of the position", {"people"}, [](Options& o) { o.checks.position = false; }},
-      {"no restart of a lost tilt",
-       {"wrong-velocity"},
+      {"no check of the landmarks", "hover", [](Options& o) { o.checks.landmarks = false; }},
+      {"no check of the velocity", "wrong-velocity", [](Options& o) { o.checks.velocity = false; }},
+      {"no check of the tilt", "wrong-velocity", [](Options& o) { o.checks.tilt = false; }},
+      {"no check of the heading", "", [](Options& o) { o.checks.heading = false; }},
+      {"no check of the position", "people", [](Options& o) { o.checks.position = false; }},
+      {"no restart of a lost tilt", "wrong-velocity",
        [](Options& o) { o.checks.lost_tilt = false; }},
-      {"noise of the IMU as declared",
-       {"rough-imu"},
+      {"noise of the IMU as declared", "rough-imu",
        [](Options& o) { o.imu.measure_noise = false; }},
-      {"calibration at the predicted motion",
-       {"extrinsics"},
+      {"calibration at the predicted motion", "extrinsics",
        [](Options& o) { o.ablation.steady_motion = false; }},
-      {"Dopplers of a scan independent of the gyro sample",
-       {"rough-imu"},
+      {"Dopplers of a scan independent of the gyro sample", "rough-imu",
        [](Options& o) { o.ablation.shared_gyro_noise = false; }},
-      {"directions of landmarks new in every look",
-       {"hover"},
+      {"directions of landmarks new in every look", "hover",
        [](Options& o) { o.ablation.look_correlation = false; }},
-      {"range of landmarks of first order",
-       {"hover"},
+      {"heights of landmarks do not walk", "hover rough-ground",
+       [](Options& o) { o.ablation.elevation_walk = false; }},
+      {"range of landmarks of first order", "hover",
        [](Options& o) { o.ablation.range_curvature = false; }},
-      {"Doppler of a wrong match as good as of a right one",
-       {"hover"},
+      {"Doppler of a wrong match as good as of a right one", "hover",
        [](Options& o) { o.ablation.mismatch_doppler = false; }},
-      {"matches of the gate at once",
-       {"hover"},
+      {"matches of the gate at once", "hover",
        [](Options& o) { o.frontend.match_core = o.frontend.match_probability; }},
-      {"Euclidean matching",
-       {"people"},
+      {"Euclidean matching", "people",
        [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
-      {"ambiguous matches used",
-       {"hover", "sparse"},
-       [](Options& o) { o.frontend.match_margin = 0.0; }},
-      {"RANSAC bound, slow movers and margin off",
-       {"hover", "people", "sparse"},
+      {"ambiguous matches used", "hover sparse", [](Options& o) { o.frontend.match_margin = 0.0; }},
+      {"RANSAC bound, slow movers and margin off", "hover people sparse",
        [](Options& o) {
          o.frontend.ransac_sigmas = o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
        }},
-      {"every match taken for right", {"hover"}, [](Options& o) { o.update.match_trust = 1.0; }},
-      {"landmarks dropped at the first miss",
-       {"hover"},
+      {"every match taken for right", "hover", [](Options& o) { o.update.match_trust = 1.0; }},
+      {"landmarks dropped at the first miss", "hover",
        [](Options& o) { o.frontend.landmark_timeout = 0.0; }},
-      {"landmarks do not walk", {"hover"}, [](Options& o) { o.update.landmark_walk = 0.0; }},
-      {"landmarks by distance",
-       {},
+      {"landmarks do not walk", "hover", [](Options& o) { o.update.landmark_walk = 0.0; }},
+      {"landmarks by distance", "",
        [](Options& o) {
          o.update.landmark_measurement = LandmarkMeasurement::kDistance;
          o.update.landmark_walk = 0.0;
        }},
-      {"trails and landmarks by distance",
-       {},
+      {"trails and landmarks by distance", "",
        [](Options& o) {
          o.update.landmark_measurement = LandmarkMeasurement::kDistance;
          o.update.landmark_walk = 0.0;
          o.update.use_trails = true;
          o.update.max_clones = 7;
        }},
-      {"no landmarks: Doppler alone",
-       {"hover"},
-       [](Options& o) { o.update.use_landmarks = false; }},
-      {"no Doppler", {}, [](Options& o) { o.update.use_doppler = false; }},
+      {"no landmarks: Doppler alone", "hover", [](Options& o) { o.update.use_landmarks = false; }},
+      {"no Doppler", "", [](Options& o) { o.update.use_doppler = false; }},
   };
   return all;
 }
@@ -147,19 +116,20 @@ const std::vector<Switch>& switches() {
 std::vector<std::string> families() {
   std::vector<std::string> names = {"indoor"};
   for (const Switch& s : switches()) {
-    for (const std::string& name : s.families) {
+    std::istringstream words(s.families);
+    for (std::string name; words >> name;) {
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     }
   }
   return names;
 }
 
-/// The default and the switches that hold.
-template <class Holds>
-Variants variants_where(const Holds& holds) {
+/// The default and the switches of a family; all of them indoors.
+Variants variants_of(const std::string& family) {
   Variants variants = {{"default", "default"}};
   for (const Switch& s : switches()) {
-    if (holds(s)) variants.push_back({s.name, "default", s.change});
+    const bool concerned = std::string_view(s.families).find(family) != std::string_view::npos;
+    if (concerned || family == "indoor") variants.push_back({s.name, "default", s.change});
   }
   return variants;
 }
@@ -181,11 +151,12 @@ std::string table_of_recordings(const Settings& settings) {
   constexpr int kRealSeeds = 8;
   std::vector<Recording> recordings = find_recordings(settings.data);
   std::erase_if(recordings, [](const Recording& r) { return r.group == "car"; });
-  const Variants variants = variants_where([](const Switch&) { return true; });
+  const Variants variants = variants_of("indoor");
   const int seeds = settings.seeds_or(kRealSeeds);
   const std::vector<RealRun> runs = replay_campaign(recordings, variants, seeds, settings);
   /// Means over the seeds of a recording, then over recordings: seeds are no independent drives.
-  const auto change = [&](std::size_t variant, const auto& value) {
+  const auto change = [&](std::size_t variant, const auto& value) -> std::string {
+    if (variant == 0) return "-";
     std::vector<double> of_recordings;
     for (std::size_t first = 0; first < runs.size(); first += variants.size()) {
       double sum = 0.0;
@@ -197,6 +168,7 @@ std::string table_of_recordings(const Settings& settings) {
     }
     return mean_with_error(of_recordings, 2);
   };
+  const auto square = [](const RealScore& s) { return s.sigmas_median * s.sigmas_median; };
   MarkdownTable table({"recordings", "horizontal [% of the distance]", "height [%]", "closure [m]",
                        "square of height error / sigma, 2nd half", "honest"});
   for (std::size_t v = 0; v < variants.size(); ++v) {
@@ -204,16 +176,10 @@ std::string table_of_recordings(const Settings& settings) {
     for (const RealRun& run : runs) {
       for (const RealScore& s : run.scores) honest += run.variant == v && s.honest >= 0.95 ? 1 : 0;
     }
-    const std::string of =
-        fmt::format("{} of {}", honest, recordings.size() * static_cast<std::size_t>(seeds));
-    if (v == 0) {
-      table.add({"default", "-", "-", "-", "-", of});
-      continue;
-    }
-    const auto square = [](const RealScore& s) { return s.sigmas_median * s.sigmas_median; };
-    table.add({variants[v].name, change(v, &RealScore::horizontal_share),
-               change(v, &RealScore::height_share), change(v, &RealScore::closure),
-               change(v, square), of});
+    table.add(
+        {variants[v].name, change(v, &RealScore::horizontal_share),
+         change(v, &RealScore::height_share), change(v, &RealScore::closure), change(v, square),
+         fmt::format("{} of {}", honest, recordings.size() * static_cast<std::size_t>(seeds))});
   }
   return table.text();
 }
@@ -222,13 +188,11 @@ std::string table_of_recordings(const Settings& settings) {
 
 Result ablation(const Settings& settings) {
   if (!settings.data.empty()) {
-    Result real;
-    real.markdown = fmt::format(
+    return {fmt::format(
         "Real recordings, filter, each with every seed: mean change ± standard error over the\n"
         "recordings when a mechanism is switched off; above zero it helps. Honest: zero height\n"
         "within 3 sigma in 95 % of the scans.\n\n{}",
-        table_of_recordings(settings));
-    return real;
+        table_of_recordings(settings))};
   }
   const std::vector<Column> columns = {spread_of("final error [m]", &Score::final_error, 2),
                                        change_of("change [m]", &Score::final_error, 3),
@@ -238,16 +202,12 @@ Result ablation(const Settings& settings) {
                                        nees_of("NEES position / heading / velocity", 2),
                                        lost_of("lost")};
   Outcomes all;
-  Result result;
-  result.markdown =
+  std::string markdown =
       "Mean (worst) ± standard deviation over the flights. Change: mean difference to `default` in "
       "the same flights ±\nits standard error; above zero the mechanism helps.\n";
   for (const std::string& name : families()) {
     const Cases cases = family(name, settings.seeds_or(kSeeds));
-    const Variants variants = variants_where([&name](const Switch& s) {
-      return name == "indoor" ||
-             std::find(s.families.begin(), s.families.end(), name) != s.families.end();
-    });
+    const Variants variants = variants_of(name);
     const Outcomes runs = run_campaign(cases, variants, settings);
     all.insert(all.end(), runs.begin(), runs.end());
     MarkdownTable table(head_of({fmt::format("{} ({} flights)", name, cases.size())}, columns));
@@ -255,10 +215,9 @@ Result ablation(const Settings& settings) {
       table.add(
           row_of({v.name}, columns, select(runs, name, v.name), select(runs, name, "default")));
     }
-    result.markdown += "\n" + table.text();
+    markdown += "\n" + table.text();
   }
-  result.attachments.push_back({"ablation.csv", outcomes_as_csv(all)});
-  return result;
+  return {markdown, {{"ablation.csv", outcomes_as_csv(all)}}};
 }
 
 }  // namespace rio::experiment

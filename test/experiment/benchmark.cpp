@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/parallel.hpp"
 #include "experiment/recording.hpp"
-#include "experiment/spread.hpp"
 #include "rio/bag/dataset_presets.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/eval/evaluation.hpp"
@@ -26,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kBackEnds = 2;
-constexpr const char* kNames[kBackEnds] = {"filter", "smoother"};
+constexpr std::pair<BackEnd, const char*> kBackEnds[] = {{BackEnd::kEkf, "filter"},
+                                                         {BackEnd::kSmoother, "smoother"}};
 
 /// A folder of files, a bag, or a folder of the parts of one bag.
 bool is_recording(const fs::path& path) {
@@ -45,17 +42,14 @@ bool is_recording(const fs::path& path) {
   }
 }
 
-std::vector<fs::path> recordings_below(const fs::path& folder) {
-  if (!fs::is_directory(folder)) throw std::runtime_error(folder.string() + " is not a folder");
-  if (is_recording(folder)) return {folder};
+/// The path itself, or those below it, sorted.
+std::vector<fs::path> recordings_below(const fs::path& path) {
+  if (is_recording(path)) return {path};
+  if (!fs::is_directory(path)) return {};
   std::vector<fs::path> found;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (is_recording(entry.path())) {
-      found.push_back(entry.path());
-    } else if (entry.is_directory()) {
-      const std::vector<fs::path> below = recordings_below(entry.path());
-      found.insert(found.end(), below.begin(), below.end());
-    }
+  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+    const std::vector<fs::path> below = recordings_below(entry.path());
+    found.insert(found.end(), below.begin(), below.end());
   }
   std::sort(found.begin(), found.end());
   return found;
@@ -115,16 +109,17 @@ double nees_of_position(const eval::Trajectory& truth, const Replay& replay,
   return sum / static_cast<double>(pairs.size());
 }
 
-std::vector<std::string> failure(const std::string& name, const std::string& estimator,
-                                 std::string why) {
+/// The cells behind recording and back-end.
+using Cells = std::vector<std::string>;
+
+Cells failure(std::string why) {
   std::replace(why.begin(), why.end(), '\n', ' ');
   std::replace(why.begin(), why.end(), '|', '/');
-  return {name, estimator, "-", "-", "-", "-", "-", "-", "-", "failed: " + why};
+  return {"-", "-", "-", "-", "-", "-", "-", "failed: " + why};
 }
 
-std::vector<std::string> row(const std::string& name, const char* estimator,
-                             const eval::Trajectory& truth, const Replay& replay) {
-  if (replay.steps.empty()) return failure(name, estimator, "did not start");
+Cells cells_of(const eval::Trajectory& truth, const Replay& replay) {
+  if (replay.steps.empty()) return failure("did not start");
   const eval::Trajectory poses = poses_of(replay);
   eval::Evaluation e;
   e.path_length = eval::kNan;
@@ -135,24 +130,20 @@ std::vector<std::string> row(const std::string& name, const char* estimator,
   } catch (const std::runtime_error& error) {
     verdict += std::string("; truth: ") + error.what();
   }
-  const bool judged = e.associated > 0;
-  const double per_scan = 1e3 * replay.seconds / static_cast<double>(replay.steps.size());
-  return {name,
-          estimator,
-          number(to_seconds(poses.back().time - poses.front().time), 1),
+  const double nees = e.associated > 0 ? nees_of_position(truth, replay, poses) : eval::kNan;
+  return {number(to_seconds(poses.back().time - poses.front().time), 1),
           number(e.path_length, 1),
           number(e.ape_yaw.translation.rmse, 3),
           number(e.rpe[1].drift.rmse, 2),
           number(e.final_drift * e.path_length / 100.0, 3),
-          number(judged ? nees_of_position(truth, replay, poses) : eval::kNan, 2),
-          number(per_scan, 3),
+          number(nees, 2),
+          number(1e3 * replay.seconds / static_cast<double>(replay.steps.size()), 3),
           verdict};
 }
 
-using Rows = std::vector<std::vector<std::string>>;
-
-Rows rows_of(const fs::path& path, const std::string& name, const std::string& dataset) {
-  Rows rows;
+/// For each back-end.
+std::vector<Cells> rows_of(const fs::path& path, const std::string& dataset) {
+  std::vector<Cells> rows;
   try {
     const io::Dataset data = read(path, dataset);
     const eval::Trajectory truth = truth_of(path, data);
@@ -160,14 +151,12 @@ Rows rows_of(const fs::path& path, const std::string& name, const std::string& d
     io::apply_sensor_info(data, &options);
     const fs::path file = beside(path, {"options.yaml"}, {"_options.yaml"});
     if (!file.empty()) io::load_options(file, &options);
-    for (const BackEnd back_end : {BackEnd::kEkf, BackEnd::kSmoother}) {
+    for (const auto& [back_end, name] : kBackEnds) {
       options.backend = back_end;
-      rows.push_back(row(name, kNames[rows.size()], truth, replay(data, options)));
+      rows.push_back(cells_of(truth, replay(data, options)));
     }
   } catch (const std::runtime_error& error) {
-    while (rows.size() < kBackEnds) {
-      rows.push_back(failure(name, kNames[rows.size()], error.what()));
-    }
+    rows.resize(std::size(kBackEnds), failure(error.what()));
   }
   return rows;
 }
@@ -178,29 +167,30 @@ Result benchmark(const Settings& settings) {
   if (settings.data.empty()) throw std::runtime_error("benchmark needs --data, a folder");
   if (!settings.dataset.empty()) (void)bag::dataset_preset(settings.dataset);
   const fs::path folder = settings.data;
+  if (!fs::is_directory(folder)) throw std::runtime_error(settings.data + " is not a folder");
   const std::vector<fs::path> found = recordings_below(folder);
   if (found.empty()) throw std::runtime_error(settings.data + ": no recording below it");
-  std::vector<Rows> rows(found.size());
-  parallel_for(found.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
-    const std::string name =
-        found[i] == folder ? folder.filename().string() : fs::relative(found[i], folder).string();
-    rows[i] = rows_of(found[i], name, settings.dataset);
-  });
+  std::vector<std::vector<Cells>> rows(found.size());
+  parallel_for(found.size(), settings.threads, settings.on_progress,
+               [&](std::size_t i) { rows[i] = rows_of(found[i], settings.dataset); });
   MarkdownTable table({"recording", "back-end", "time [s]", "distance [m]", "ATE [m]",
                        "RPE over 10 m [%]", "final error [m]", "NEES of position",
                        "time per scan [ms]", "verdict"});
-  for (const Rows& of_recording : rows) {
-    for (const std::vector<std::string>& each : of_recording) table.add(each);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const fs::path name = found[i] == folder ? folder.filename() : fs::relative(found[i], folder);
+    for (std::size_t k = 0; k < rows[i].size(); ++k) {
+      Cells row = {name.string(), kBackEnds[k].second};
+      row.insert(row.end(), rows[i][k].begin(), rows[i][k].end());
+      table.add(row);
+    }
   }
-  Result result;
-  result.markdown = fmt::format(
+  return {fmt::format(
       "Preset default, static start. ATE (RMSE) and final error after alignment of yaw and\n"
       "position; RPE: RMSE in % of the distance; NEES of the position over 3, the start laid over\n"
       "the truth: 1 is consistent; time per scan with its IMU samples, {} at a time. - = no "
       "truth.\n"
       "\n{}",
-      settings.threads, table.text());
-  return result;
+      settings.threads, table.text())};
 }
 
 }  // namespace rio::experiment

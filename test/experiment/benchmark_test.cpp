@@ -34,18 +34,15 @@ TEST(Benchmark, HasARowForEveryRecordingAndBackEnd) {
   sim::Scenario scenario;
   scenario.seed = 3;
   scenario.path.length = 12.0;
-  const sim::Flight flight = sim::simulate_flight(scenario);
-  io::Dataset data;
-  data.imu = flight.imu;
-  data.scans = flight.scans;
-  data.radar_info.T_BS = flight.configured_T_BS;
-  io::write_dataset(dir.path() / "data/without", data);
-  io::write_dataset(dir.path() / "data/deep/with", data);
+  io::Dataset data = io::dataset_of(sim::simulate_flight(scenario));
   eval::Trajectory truth;  // turned and moved: alignment takes that out
   const Pose T{Quaternion(0.8, 0.0, 0.0, 0.6), {5.0, -2.0, 1.0}};
-  for (const NavState& s : flight.truth) {
+  for (const NavState& s : data.ground_truth) {
     truth.push_back(eval::transformed(T, {s.time, s.p_WB, s.q_WB}));
   }
+  data.ground_truth.clear();
+  io::write_dataset(dir.path() / "data/without", data);
+  io::write_dataset(dir.path() / "data/deep/with", data);
   io::write_tum(dir.path() / "data/deep/with.tum", truth);
   dir.write("data/broken.bag", "#ROSBAG V2.0\nand no more");
 

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "rio/eval/metrics.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "rio/sim/flight.hpp"
 
@@ -67,16 +66,6 @@ Outcomes run_campaign(const Cases& cases, const Variants& variants, const Settin
     }
   });
   return runs;
-}
-
-double median_time_per_scan(const sim::Flight& flight, const Variant& variant) {
-  Options options = options_of(flight, variant);
-  options.timing.clock = &steady_now;
-  std::vector<double> times;
-  fly(flight, options, [&times](const UpdateReport& report) {
-    times.push_back(1e3 * to_seconds(report.propagation_time + report.update_time));
-  });
-  return eval::statistics(times).median;
 }
 
 Scores select(const Outcomes& runs, std::string_view group, std::string_view variant) {

@@ -52,7 +52,6 @@ inline const Variants& presets_compared() {
 /// Options of the variant's preset with the sensors of the flight and its change.
 Options options_of(const sim::Flight& flight, const Variant& variant);
 
-/// One trial's result.
 struct Outcome {
   std::string group;
   std::uint64_t seed = 0;
@@ -61,7 +60,6 @@ struct Outcome {
 };
 using Outcomes = std::vector<Outcome>;
 
-/// Settings of an experiment.
 struct Settings {
   int seeds = 0;  ///< flights of a kind; 0 = the default of the experiment
   int threads = 2;
@@ -81,13 +79,9 @@ using EachTrial = std::function<void(const Case&, const Variant&, const Trial&)>
 Outcomes run_campaign(const Cases& cases, const Variants& variants, const Settings& settings,
                       const EachTrial& each = {});
 
-/// Median time of a scan of one flight alone on its thread [ms].
-double median_time_per_scan(const sim::Flight& flight, const Variant& variant);
-
 /// The runs of one group and variant; an empty group: of all.
 Scores select(const Outcomes& runs, std::string_view group, std::string_view variant);
 
-/// Number of lost runs.
 int count_lost(const Scores& scores);
 
 /// All figures of all runs, a row per run.

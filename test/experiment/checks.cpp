@@ -2,7 +2,6 @@
 // Findings of `rio check` for recordings with a fault, and for those without.
 #include <fmt/format.h>
 
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +12,6 @@
 #include "experiment/recording.hpp"
 #include "rio/io/flight_dataset.hpp"
 #include "rio/sim/catalogue.hpp"
-#include "rio/sim/flight.hpp"
 
 namespace rio::experiment {
 
@@ -23,16 +21,10 @@ using check::Finding;
 using check::Findings;
 using check::Verdict;
 
-struct Healthy {
-  std::string name;
-  io::Dataset data;
-};
-
-Healthy flown(const std::string& name, double length) {
-  sim::Scenario scenario;
-  if (!sim::scenario(name, &scenario)) throw std::runtime_error("no such scenario: " + name);
+Recording flown(const std::string& name, double length) {
+  sim::Scenario scenario = cases_of(name, 1).front().scenario;
   scenario.path.length = length;
-  return {name, io::dataset_of(sim::simulate_flight(scenario))};
+  return {name, "", io::dataset_of(sim::simulate_flight(scenario)), {}};
 }
 
 Findings checked(const io::Dataset& data) {
@@ -41,23 +33,10 @@ Findings checked(const io::Dataset& data) {
   return check::check_recording(data, options, check::Source::kBag);
 }
 
-/// Two flights, and every real recording.
-std::vector<Healthy> to_damage(const std::string& folder) {
-  std::vector<Healthy> all;
-  all.push_back(flown("indoor-1", 50.0));
-  all.push_back(flown("aggressive", 120.0));
-  if (folder.empty()) return all;
-  for (Recording& recording : find_recordings(folder)) {
-    all.push_back({recording.name, std::move(recording.data)});
-  }
-  return all;
-}
-
 /// The verdict that names the fault; else the other findings, in brackets.
-std::string said_of(const Healthy& healthy, const check::Fault& fault) {
-  io::Dataset damaged = healthy.data;
-  fault.make(&damaged);
-  const Findings findings = checked(damaged);
+std::string said_of(io::Dataset data, const check::Fault& fault) {
+  fault.make(&data);
+  const Findings findings = checked(data);
   const Finding* said = check::naming(findings, fault);
   if (said != nullptr) return to_string(said->verdict);
   for (const Finding& f : findings) {
@@ -67,9 +46,9 @@ std::string said_of(const Healthy& healthy, const check::Fault& fault) {
 }
 
 /// The findings that are not ok, or "ok".
-std::string said_of(const Healthy& healthy) {
+std::string said_of(const io::Dataset& data) {
   std::string text;
-  for (const Finding& f : checked(healthy.data)) {
+  for (const Finding& f : checked(data)) {
     if (f.verdict == Verdict::kOk) continue;
     text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", to_string(f.verdict), f.subject);
   }
@@ -79,24 +58,26 @@ std::string said_of(const Healthy& healthy) {
 }  // namespace
 
 Result checks(const Settings& settings) {
-  const std::vector<Healthy> recordings = to_damage(settings.data);
-  const std::vector<check::Fault>& faults = check::faults();
-  const std::vector<sim::CatalogueEntry>& catalogue = sim::catalogue();
+  // two flights and the real recordings are damaged, the flights of the catalogue are not
+  std::vector<Recording> recordings = {flown("indoor-1", 50.0), flown("aggressive", 120.0)};
+  if (!settings.data.empty()) {
+    for (Recording& r : find_recordings(settings.data)) recordings.push_back(std::move(r));
+  }
   const std::size_t columns = recordings.size();
+  for (const sim::CatalogueEntry& entry : sim::catalogue()) {
+    recordings.push_back(flown(entry.name, 40.0));
+    recordings.back().name += ", 40 m";
+  }
+  const std::vector<check::Fault>& faults = check::faults();
   const std::size_t damaged = faults.size() * columns;
-  std::vector<std::string> said(damaged + columns + catalogue.size());
+  std::vector<std::string> said(damaged + recordings.size());
   parallel_for(said.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
-    if (i < damaged) {
-      said[i] = said_of(recordings[i % columns], faults[i / columns]);
-    } else if (i < damaged + columns) {
-      said[i] = said_of(recordings[i - damaged]);
-    } else {
-      said[i] = said_of(flown(catalogue[i - damaged - columns].name, 40.0));
-    }
+    said[i] = i < damaged ? said_of(recordings[i % columns].data, faults[i / columns])
+                          : said_of(recordings[i - damaged].data);
   });
 
   std::vector<std::string> head = {"fault"};
-  for (const Healthy& healthy : recordings) head.push_back(healthy.name);
+  for (std::size_t k = 0; k < columns; ++k) head.push_back(recordings[k].name);
   MarkdownTable table(head);
   std::string csv = "fault,recording,said\n";
   std::vector<std::size_t> named(columns);
@@ -114,22 +95,18 @@ Result checks(const Settings& settings) {
   table.add(sums);
   MarkdownTable without({"recording", "verdict"});
   std::size_t fine = 0;
-  for (std::size_t i = damaged; i < said.size(); ++i) {
-    const std::string name = i < damaged + columns
-                                 ? recordings[i - damaged].name
-                                 : std::string(catalogue[i - damaged - columns].name) + ", 40 m";
-    csv += fmt::format("none,{},{}\n", name, said[i]);
-    if (said[i] != "ok") without.add({name, said[i]});
-    fine += said[i] == "ok" ? 1U : 0U;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const std::string& verdict = said[damaged + k];
+    csv += fmt::format("none,{},{}\n", recordings[k].name, verdict);
+    if (verdict != "ok") without.add({recordings[k].name, verdict});
+    fine += verdict == "ok" ? 1U : 0U;
   }
   without.add({fmt::format("the other {}", fine), "ok"});
-  Result result;
-  result.markdown = fmt::format(
+  const std::string text = fmt::format(
       "The verdict where it names the fault and proposes the right change; in brackets what else "
       "was not ok; - = nothing was.\n\n{}\nWithout a fault:\n\n{}",
       table.text(), without.text());
-  result.attachments.push_back({"checks.csv", csv});
-  return result;
+  return {text, {{"checks.csv", csv}}};
 }
 
 }  // namespace rio::experiment

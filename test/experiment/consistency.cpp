@@ -7,13 +7,12 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "plot/chart.hpp"
+#include "experiment/figures.hpp"
 #include "plot/colours.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/nees.hpp"
@@ -60,19 +59,13 @@ struct Series {
   std::vector<double> means(double BlockNees::*value) const {
     std::vector<double> all;
     for (std::size_t i = 0;; ++i) {
-      std::vector<double> now;
+      std::vector<BlockNees> now;
       for (const auto& run : runs) {
-        if (i < run.size()) now.push_back(run[i].*value);
+        if (i == run.size()) return all;
+        now.push_back(run[i]);
       }
-      if (now.empty() || now.size() < runs.size()) return all;
-      all.push_back(Spread::of(now).mean);
+      all.push_back(Spread::of(now, value).mean);
     }
-  }
-
-  double mean_landed(double BlockNees::*value) const {
-    std::vector<double> values;
-    for (const BlockNees& nees : landed) values.push_back(nees.*value);
-    return Spread::of(values).mean;
   }
 };
 
@@ -84,24 +77,21 @@ eval::AneesBounds bounds(const Block& block, int runs) {
 std::string chart(const std::map<std::string, Series>& all, int runs) {
   std::vector<plot::Panel> panels;
   for (const Block& block : kBlocks) {
-    plot::Panel panel;
-    panel.title = fmt::format("NEES of the {} / {}", block.name, block.dof);
-    panel.x_label = "time [s]";
-    panel.y_label = "mean over the runs";
-    panel.log_y = true;
-    panel.y = plot::Range{0.1, 100.0};
+    plot::Panel& p =
+        panels.emplace_back(panel(fmt::format("NEES of the {} / {}", block.name, block.dof),
+                                  "time [s]", "mean over the runs"));
+    p.log_y = true;
+    p.y = plot::Range{0.1, 100.0};
     const eval::AneesBounds b = bounds(block, runs);
     const plot::Stroke dashed{"#555555", 1.2, true};
-    panel.levels = {{b.lower, "", dashed}, {b.upper, "99 % bounds", dashed}};
-    for (std::size_t k = 0; k < presets_compared().size(); ++k) {
-      const std::string& name = presets_compared()[k].name;
-      plot::Curve curve{name, {}, plot::curve_stroke(k)};
-      for (const double mean : all.at(name).means(block.value)) {
-        curve.points.push_back({static_cast<double>(curve.points.size()), mean});
+    p.levels = {{b.lower, "", dashed}, {b.upper, "99 % bounds", dashed}};
+    for (const Variant& v : presets_compared()) {
+      p.curves.push_back({v.name, {}, plot::curve_stroke(p.curves.size())});
+      std::vector<plot::Point>& points = p.curves.back().points;
+      for (const double mean : all.at(v.name).means(block.value)) {
+        points.push_back({static_cast<double>(points.size()), mean});
       }
-      panel.curves.push_back(std::move(curve));
     }
-    panels.push_back(std::move(panel));
   }
   return plot::draw_chart(fmt::format("Consistency: {} runs with matched noise", runs), panels, 2);
 }
@@ -150,7 +140,7 @@ Result consistency(const Settings& settings) {
       const double in_flight = Spread::of(flight).mean;
       const auto above =
           std::count_if(flight.begin(), flight.end(), [&b](double mean) { return mean > b.upper; });
-      const double landed = series.mean_landed(block.value);
+      const double landed = Spread::of(series.landed, block.value).mean;
       const char* verdict = "consistent";
       if (in_flight < b.lower) verdict = "cautious in flight";
       if (!(landed <= b.upper)) verdict = "overconfident after landing";
@@ -162,8 +152,7 @@ Result consistency(const Settings& settings) {
     }
     nis.add(row_of({variant.name}, columns, select(runs, "monte-carlo", variant.name)));
   }
-  Result result;
-  result.markdown = fmt::format(
+  const std::string markdown = fmt::format(
       "{} runs of 40 m, their true starts drawn from the prior. NEES over its dimension, mean over "
       "the runs and over the seconds of the "
       "flight; share of\nthose seconds above the upper bound; mean at the last scan, after two "
@@ -173,9 +162,8 @@ Result consistency(const Settings& settings) {
       "point of `default` 0.61: three rows of position, cut off where the inner 60 % of right "
       "matches end, and a Doppler.\n\n{}",
       count, nees.text(), nis.text());
-  result.attachments.push_back({"consistency.csv", series_as_csv(all)});
-  result.attachments.push_back({"consistency.svg", chart(all, count)});
-  return result;
+  return {markdown,
+          {{"consistency.csv", series_as_csv(all)}, {"consistency.svg", chart(all, count)}}};
 }
 
 }  // namespace rio::experiment

@@ -12,9 +12,7 @@
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/parallel.hpp"
 #include "experiment/recording.hpp"
-#include "experiment/spread.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/sim/random.hpp"
@@ -82,37 +80,38 @@ class Drive {
   Matrix3d lean_;  ///< level axes of the vehicle to the IMU's
 };
 
-Recording control(const Recording& recording, const Drive& drive, Cause cause, std::uint64_t seed) {
-  Recording out = recording;
-  if (cause == Cause::kRecorded) return out;
-  if (cause == Cause::kIdealDopplers) {
-    for (RadarScan& scan : out.data.scans) {
-      const Vector3d v_S = drive.radar_velocity(scan.time, *out.data.radar_info.T_BS);
-      for (RadarDetection& d : scan.detections) {
-        d.range_rate = -Vector3d(d.point_S).normalized().dot(v_S);
-      }
+using Residual = Eigen::Matrix<double, 6, 1>;  ///< of gyro and accelerometer
+
+void make_dopplers_ideal(const Drive& drive, io::Dataset* data) {
+  for (RadarScan& scan : data->scans) {
+    const Vector3d v_S = drive.radar_velocity(scan.time, *data->radar_info.T_BS);
+    for (RadarDetection& d : scan.detections) {
+      d.range_rate = -Vector3d(d.point_S).normalized().dot(v_S);
     }
-    return out;
   }
-  std::vector<std::size_t> moving;
-  std::vector<Eigen::Matrix<double, 6, 1>> residuals;
-  Eigen::Matrix<double, 6, 1> mean = Eigen::Matrix<double, 6, 1>::Zero();
-  for (std::size_t i = 0; i < out.data.imu.size(); ++i) {
-    const ImuSample ideal = drive.imu(out.data.imu[i].time);
-    if (drive.moves(ideal.time)) {
-      Eigen::Matrix<double, 6, 1> r;
-      r << out.data.imu[i].gyro_B - ideal.gyro_B, out.data.imu[i].accel_B - ideal.accel_B;
-      moving.push_back(i);
+}
+
+/// With one cause of noise while it moves, or none.
+void make_imu_ideal(const Drive& drive, Cause cause, std::uint64_t seed, io::Dataset* data) {
+  std::vector<ImuSample*> moving;
+  std::vector<Residual> residuals;
+  Residual mean = Residual::Zero();
+  for (ImuSample& s : data->imu) {
+    const ImuSample ideal = drive.imu(s.time);
+    if (drive.moves(s.time)) {
+      Residual r;
+      r << s.gyro_B - ideal.gyro_B, s.accel_B - ideal.accel_B;
+      moving.push_back(&s);
       residuals.push_back(r);
       mean += r;
     }
-    out.data.imu[i] = ideal;
+    s = ideal;
   }
-  mean /= static_cast<double>(residuals.size());
-  Eigen::Matrix<double, 6, 1> variance = Eigen::Matrix<double, 6, 1>::Zero();
-  for (auto& r : residuals) variance += (r - mean).cwiseAbs2();
-  const Eigen::Matrix<double, 6, 1> sigma =
-      (variance / static_cast<double>(residuals.size())).cwiseSqrt();
+  const auto n = static_cast<double>(residuals.size());
+  mean /= n;
+  Residual variance = Residual::Zero();
+  for (Residual& r : residuals) variance += (r - mean).cwiseAbs2();
+  const Residual sigma = (variance / n).cwiseSqrt();
   sim::Random random(seed, 5);
   if (cause == Cause::kPermuted) {
     for (std::size_t i = residuals.size(); i-- > 1;) {
@@ -122,95 +121,94 @@ Recording control(const Recording& recording, const Drive& drive, Cause cause, s
     }
   }
   for (std::size_t k = 0; k < moving.size(); ++k) {
-    ImuSample& s = out.data.imu[moving[k]];
-    const auto white = [&](int first) -> Vector3d {
-      return sigma.segment<3>(first).cwiseProduct(random.normal3());
-    };
-    if (cause == Cause::kGaussianGyro) s.gyro_B += white(0);
-    if (cause == Cause::kGaussianAccel) s.accel_B += white(3);
-    if (cause != Cause::kPermuted) continue;
-    const Eigen::Matrix<double, 6, 1> r = residuals[k] - mean;
-    s.gyro_B += r.head<3>();
-    s.accel_B += r.tail<3>();
+    ImuSample& s = *moving[k];
+    if (cause == Cause::kGaussianGyro) {
+      s.gyro_B += sigma.head<3>().cwiseProduct(random.normal3());
+    } else if (cause == Cause::kGaussianAccel) {
+      s.accel_B += sigma.tail<3>().cwiseProduct(random.normal3());
+    } else if (cause == Cause::kPermuted) {
+      s.gyro_B += (residuals[k] - mean).head<3>();
+      s.accel_B += (residuals[k] - mean).tail<3>();
+    }
   }
-  return out;
+}
+
+/// Of all drives the runs of a cause and a back-end; a drive counts with the mean of its seeds.
+std::vector<std::string> row_of(const std::vector<RealRun>& runs, const std::string& cause,
+                                std::size_t back_end) {
+  constexpr double kDegree = 180.0 / 3.14159265358979;
+  std::vector<double> pitch, height;
+  double square = 0.0, largest = 0.0, lowest = 1.0, n = 0.0;
+  for (const RealRun& run : runs) {
+    if (run.recording->group != cause || run.variant != back_end) continue;
+    double started = 0.0, pitches = 0.0, heights = 0.0;
+    for (const RealScore& s : run.scores) {
+      if (!s.started) continue;
+      const double sigmas = std::abs(s.pitch) / s.pitch_sigma;
+      started += 1.0;
+      pitches += kDegree * s.pitch;
+      heights += s.height_share();
+      square += sigmas * sigmas;
+      largest = std::max(largest, sigmas);
+      lowest = std::min(lowest, s.honest);
+    }
+    n += started;
+    if (started > 0.0) pitch.push_back(pitches / started);
+    if (started > 0.0) height.push_back(heights / started);
+  }
+  std::sort(height.begin(), height.end());
+  const std::string heights =
+      height.empty()
+          ? "-"
+          : fmt::format("{} ({})", number(height[height.size() / 2], 2), number(height.back(), 2));
+  return {cause,
+          back_end == 0 ? "filter" : "smoother",
+          mean_with_error(pitch, 2),
+          number(std::sqrt(square / n), 2),
+          number(largest, 2),
+          number(lowest, 3),
+          heights};
 }
 
 }  // namespace
 
 Result control(const Settings& settings) {
   if (settings.data.empty()) throw std::runtime_error("control needs --data, as real does");
-  std::vector<Recording> recordings = find_recordings(settings.data);
-  std::erase_if(recordings, [](const Recording& r) {
+  std::vector<Recording> drives = find_recordings(settings.data);
+  std::erase_if(drives, [](const Recording& r) {
     return !r.flat() || r.stands() || !r.data.radar_info.T_BS;
   });
-  if (recordings.empty()) throw std::runtime_error("control: no drive with a flat reference");
-  constexpr BackEnd kBackEnds[] = {BackEnd::kEkf, BackEnd::kSmoother};
-  constexpr std::size_t kBoth = 2;
+  if (drives.empty()) throw std::runtime_error("control: no drive with a flat reference");
+  std::vector<Recording> controls;
+  for (const Recording& recorded : drives) {
+    const Drive drive(recorded);
+    for (const auto& [cause, name] : kCauses) {
+      Recording& control = controls.emplace_back(recorded);
+      control.group = name;
+      if (cause == Cause::kIdealDopplers) {
+        make_dopplers_ideal(drive, &control.data);
+      } else if (cause != Cause::kRecorded) {
+        make_imu_ideal(drive, cause, controls.size(), &control.data);
+      }
+    }
+  }
+  const Change smoother = [](Options& o) { o.backend = BackEnd::kSmoother; };
+  const Variants back_ends = {{"filter", "default"}, {"smoother", "default", smoother}};
   constexpr int kSeeds = 8;  // of the RANSAC
-  const std::size_t causes = std::size(kCauses);
-  struct Found {
-    RealScore score;
-    double pitch = 0.0;  ///< of the mounting, estimate minus given [rad]
-    double sigma = 0.0;
-  };
-  const auto seeds = static_cast<std::size_t>(settings.seeds > 0 ? settings.seeds : kSeeds);
-  std::vector<Found> found(recordings.size() * causes * kBoth * seeds);
-  parallel_for(found.size(), settings.threads, settings.on_progress, [&](std::size_t i) {
-    const std::size_t one = i / seeds;  // drive, cause and back-end
-    const Recording& recording = recordings[one / (causes * kBoth)];
-    const Cause cause = kCauses[one / kBoth % causes].first;
-    const Recording flown = control(recording, Drive(recording), cause, one / kBoth + 1);
-    Options options;
-    io::apply_sensor_info(flown.data, &options);
-    options.backend = kBackEnds[one % kBoth];
-    options.frontend.ransac_seed = static_cast<int>(i % seeds) + 1;
-    const Replay result = replay(flown.data, options);
-    const auto pitch = static_cast<std::size_t>(Calibration::kRotationY);
-    found[i] = {judge(flown, result), result.calibration[pitch].value,
-                result.calibration[pitch].sigma};
-  });
-  constexpr double kDegree = 180.0 / 3.14159265358979;
+  const int seeds = settings.seeds_or(kSeeds);
+  const std::vector<RealRun> runs = replay_campaign(controls, back_ends, seeds, settings);
   MarkdownTable table({"sensors", "back-end", "pitch of the mounting, mean [deg]",
                        "over its sigma, RMS", "largest",
                        "height at 3 sigma, share of scans, lowest", "height [%], median (worst)"});
-  for (std::size_t c = 0; c < causes; ++c) {
-    for (std::size_t b = 0; b < kBoth; ++b) {
-      std::vector<double> pitch, height;
-      double square = 0.0, largest = 0.0, lowest = 1.0, n = 0.0;
-      for (std::size_t r = 0; r < recordings.size(); ++r) {
-        double started = 0.0, pitches = 0.0, heights = 0.0;
-        for (std::size_t s = 0; s < seeds; ++s) {
-          const Found& f = found[((r * causes + c) * kBoth + b) * seeds + s];
-          if (!f.score.started) continue;
-          const double sigmas = std::abs(f.pitch) / f.sigma;
-          started += 1.0;
-          pitches += kDegree * f.pitch;
-          heights += 100.0 * f.score.height / f.score.distance;
-          square += sigmas * sigmas;
-          largest = std::max(largest, sigmas);
-          lowest = std::min(lowest, f.score.honest);
-        }
-        n += started;
-        if (started > 0.0) pitch.push_back(pitches / started);
-        if (started > 0.0) height.push_back(heights / started);
-      }
-      std::sort(height.begin(), height.end());
-      table.add({kCauses[c].second, b == 0 ? "filter" : "smoother", mean_with_error(pitch, 2),
-                 number(std::sqrt(square / n), 2), number(largest, 2), number(lowest, 3),
-                 height.empty() ? "-"
-                                : fmt::format("{} ({})", number(height[height.size() / 2], 2),
-                                              number(height.back(), 2))});
-    }
+  for (const auto& [cause, name] : kCauses) {
+    for (const std::size_t back_end : {0U, 1U}) table.add(row_of(runs, name, back_end));
   }
-  Result out;
-  out.markdown = fmt::format(
+  return {fmt::format(
       "{} drives of a level vehicle, `default`, no option set. The given mounting is taken as\n"
       "true. Ideal: of the path of the reference. Each drive with {} seeds of the RANSAC: the "
       "mean\n"
       "of the seeds counts for the drive, largest and lowest are of all.\n\n{}",
-      recordings.size(), seeds, table.text());
-  return out;
+      drives.size(), seeds, table.text())};
 }
 
 }  // namespace rio::experiment

@@ -15,13 +15,12 @@ struct Attachment {
   std::string text;
 };
 
-/// Result of an experiment.
 struct Result {
   std::string markdown;  ///< tables with explanations
-  std::vector<Attachment> attachments;
+  std::vector<Attachment> attachments{};
 };
 
-// What each does is said by experiments() below and at the top of its file. Those of recordings
+// What each does is said by kExperiments and at the top of its file. Those of recordings
 // throw std::runtime_error without Settings::data.
 Result icra2023(const Settings& settings);
 Result iros2024(const Settings& settings);
@@ -36,31 +35,25 @@ Result benchmark(const Settings& settings);  ///< bags of Settings::dataset, and
 Result checks(const Settings& settings);     ///< Settings::data may be empty
 Result soak(const Settings& settings);
 
-/// One experiment of the list.
 struct Experiment {
   const char* name;
   const char* summary;
   Result (*run)(const Settings& settings);
 };
 
-/// All of them.
-inline const std::vector<Experiment>& experiments() {
-  static const std::vector<Experiment> all = {
-      {"icra2023", "the tables of Michalczyk et al. 2023: accuracy, contributions, time",
-       &icra2023},
-      {"iros2024", "filter and sliding window: accuracy, wrong start, time", &iros2024},
-      {"uncertainty", "Xu et al.: weights and matching by the noise of each point", &uncertainty},
-      {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
-      {"ablation", "the default preset with one mechanism off at a time", &ablation},
-      {"robustness", "every scenario with every preset", &robustness},
-      {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
-      {"real", "every recording of the folder --data, also perturbed", &real},
-      {"control", "real drives with one cause of error at a time: whose error is it?", &control},
-      {"benchmark", "every recording below --data: ATE, RPE, NEES, time, verdict", &benchmark},
-      {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
-      {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},
-  };
-  return all;
-}
+inline constexpr Experiment kExperiments[] = {
+    {"icra2023", "the tables of Michalczyk et al. 2023: accuracy, contributions, time", &icra2023},
+    {"iros2024", "filter and sliding window: accuracy, wrong start, time", &iros2024},
+    {"uncertainty", "Xu et al.: weights and matching by the noise of each point", &uncertainty},
+    {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
+    {"ablation", "the default preset with one mechanism off at a time", &ablation},
+    {"robustness", "every scenario with every preset", &robustness},
+    {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
+    {"real", "every recording of the folder --data, also perturbed", &real},
+    {"control", "real drives with one cause of error at a time: whose error is it?", &control},
+    {"benchmark", "every recording below --data: ATE, RPE, NEES, time, verdict", &benchmark},
+    {"checks", "what `rio check` says of faults in flights and in recordings of --data", &checks},
+    {"soak", "a flight of --hours in one go: what grows, drifts or depends on the order", &soak},
+};
 
 }  // namespace rio::experiment

@@ -28,7 +28,7 @@ Stream events_of(const sim::Flight& flight) {
   return all;
 }
 
-void sort(Stream& all) {
+void sort_by_arrival(Stream& all) {
   std::stable_sort(all.begin(), all.end(),
                    [](const Event& a, const Event& b) { return a.arrival < b.arrival; });
 }
@@ -63,16 +63,6 @@ std::vector<Fault> make_catalogue() {
 
 }  // namespace
 
-Fault changing(Of of, std::string name, double duration, Promised promised,
-               std::function<void(Event&, Moment&)> change) {
-  return {.name = std::move(name),
-          .promised = promised,
-          .duration = duration,
-          .change = [of, change = std::move(change)](Event& e, Moment& m) {
-            if (of == Of::kBoth || e.is_imu() == (of == Of::kImu)) change(e, m);
-          }};
-}
-
 std::string promise_text(const Fault& fault) {
   constexpr std::array kTexts = {"ignored", "bridged", "honest", "recovered", "reported"};
   const auto& [promise, within] = fault.promised;
@@ -91,17 +81,16 @@ const Fault& fault_named(std::string_view name) {
 
 Fault together(const Fault& a, const Fault& b, Promised promised) {
   const auto change = [a, b](Event& e, Moment& m) {
-    for (const Fault* fault : {&a, &b}) {
-      if (m.t < fault->duration && fault->change) fault->change(e, m);
-    }
+    a.apply(e, m);
+    b.apply(e, m);
   };
-  return changing(Of::kBoth, a.name + ", and " + b.name, std::max(a.duration, b.duration), promised,
-                  change);
+  return {a.name + ", and " + b.name, Of::kBoth, std::max(a.duration, b.duration), promised,
+          change};
 }
 
 Stream disturbed(const sim::Flight& flight, const Fault& fault, Time begin) {
   Stream all = events_of(flight);
-  sort(all);
+  sort_by_arrival(all);
   if (!fault.change) return all;
   const Time first = flight.imu.front().time + begin;
   std::array<Event, 2> before;  // by kind
@@ -117,11 +106,11 @@ Stream disturbed(const sim::Flight& flight, const Fault& fault, Time begin) {
     const double t = to_seconds(e.arrival - first);
     if (t >= fault.duration) break;
     Moment moment{t, count[kind]++, first, before[kind], flight, random, more};
-    fault.change(e, moment);
+    fault.apply(e, moment);
   }
   all.insert(all.end(), more.begin(), more.end());
   std::erase_if(all, [](const Event& e) { return e.lost; });
-  sort(all);
+  sort_by_arrival(all);
   return all;
 }
 

@@ -62,10 +62,9 @@ enum class Promise : std::uint8_t {
 /// A promise and its time.
 struct Promised {
   Promise promise;
-  double within = 0.0;  ///< of kRecovered, after the end of the fault [s]
+  double within;  ///< of kRecovered, after the end of the fault [s]
 
-  Promised(Promise kept) : promise(kept) {}  // NOLINT: a promise without a time
-  Promised(Promise kept, double seconds) : promise(kept), within(seconds) {}
+  Promised(Promise kept, double seconds = 0.0) : promise(kept), within(seconds) {}  // NOLINT
 };
 inline Promised recovered(double within) {
   return {Promise::kRecovered, within};
@@ -73,21 +72,26 @@ inline Promised recovered(double within) {
 
 inline constexpr double kForGood = std::numeric_limits<double>::infinity();
 
-struct Fault {
-  std::string name;
-  Promised promised = Promise::kBridged;
-  double duration = 1.0;  ///< events arriving within it are changed; kForGood [s]
-  std::function<void(Event&, Moment&)> change{};
-  std::function<void(sim::Scenario&)> sensors{};  ///< the flight differs from its start on
-  std::function<void(Options&)> configure{};      ///< wrong configuration of the estimator
-};
-
 /// Which events a fault changes.
 enum class Of : std::uint8_t { kImu, kScans, kBoth };
 
-/// Changes those events of a kind that arrive during the fault.
-Fault changing(Of of, std::string name, double duration, Promised promised,
-               std::function<void(Event&, Moment&)> change);
+using ChangeEvent = std::function<void(Event&, Moment&)>;
+
+struct Fault {
+  std::string name;
+  Of of = Of::kBoth;
+  double duration = 1.0;  ///< events arriving within it are changed; kForGood [s]
+  Promised promised = Promise::kBridged;
+  ChangeEvent change{};
+  std::function<void(sim::Scenario&)> sensors{};  ///< the flight differs from its start on
+  std::function<void(Options&)> configure{};      ///< wrong configuration of the estimator
+
+  /// Changes an event of its kind that arrives in time.
+  void apply(Event& e, Moment& m) const {
+    const bool concerned = of == Of::kBoth || e.is_imu() == (of == Of::kImu);
+    if (change && concerned && m.t < duration) change(e, m);
+  }
+};
 
 /// "recovered within 5 s".
 std::string promise_text(const Fault& fault);

@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "experiment/experiment.hpp"
-#include "experiment/fault.hpp"
-#include "experiment/spread.hpp"
 #include "experiment/survival.hpp"
 
 namespace rio::experiment {
@@ -31,7 +28,7 @@ struct Run {
   BackEnd backend;
   Survival survival{};
 };
-using Runs = std::vector<const Run*>;
+using Runs = std::vector<Run>;
 
 const char* name_of(BackEnd backend) {
   return backend == BackEnd::kEkf ? "filter" : "smoother";
@@ -61,26 +58,31 @@ Survival fly(const Run& run) {
   return survive(*flight, options, *run.fault);
 }
 
-/// The largest of a member; NaN if one is.
+/// The largest of a member, at least 0; NaN if one is.
 template <class Member>
 double worst(const Runs& runs, const Member& value) {
-  double largest = 0.0;
-  for (const Run* run : runs) {
-    const double v = std::invoke(value, run->survival);
-    if (!(v <= largest)) largest = v;
-    if (std::isnan(largest)) break;
-  }
-  return largest;
+  std::vector<double> values = {0.0};
+  for (const Run& run : runs) values.push_back(std::invoke(value, run.survival));
+  return Spread::of(values).worst;
 }
 
 template <class Member>
 long count(const Runs& runs, const Member& holds) {
   return std::count_if(runs.begin(), runs.end(),
-                       [&](const Run* run) { return std::invoke(holds, run->survival); });
+                       [&](const Run& run) { return std::invoke(holds, run.survival); });
 }
 
 bool is_wrong(const Survival& s) {
   return s.last.wrong();
+}
+
+/// The names of a set of states, Survival::states.
+std::string states_text(std::uint32_t states) {
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; states >> i != 0; ++i) {
+    if ((states >> i & 1U) != 0) names.emplace_back(to_string(static_cast<HealthState>(i)));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 /// Worst tilt, speed, position and sigmas at the end.
@@ -95,16 +97,19 @@ void add_deviations(const Runs& runs, std::vector<std::string>* row) {
   add(&Deviation::position_sigmas, 1);
 }
 
-std::string table_of_faults(const std::vector<Run>& runs) {
+std::string table_of_faults(const Runs& runs) {
   MarkdownTable table({"fault", "promise", "kept", "wrong at the end", "of these reported",
                        "tilt [deg]", "velocity [m/s]", "position [m]", "position [sigma]",
                        "wrong until [s]", "beyond 3 sigma unreported [s]", "states"});
+  const auto reported = [](const Survival& s) { return is_wrong(s) && s.reported_last; };
   for (const Fault& fault : faults()) {
     Runs some;
+    std::uint32_t states = 0;
     for (const Run& run : runs) {
-      if (run.fault == &fault) some.push_back(&run);
+      if (run.fault != &fault) continue;
+      some.push_back(run);
+      states |= run.survival.states;
     }
-    const auto reported = [](const Survival& s) { return is_wrong(s) && s.reported_last; };
     std::vector<std::string> row = {
         fault.name, promise_text(fault),
         fmt::format("{} of {}", count(some, &Survival::kept), some.size()),
@@ -112,8 +117,6 @@ std::string table_of_faults(const std::vector<Run>& runs) {
     add_deviations(some, &row);
     row.push_back(number(worst(some, &Survival::wrong_until), 1));
     row.push_back(number(worst(some, &Survival::outside_unreported), 1));
-    std::uint32_t states = 0;
-    for (const Run* run : some) states |= run->survival.states;
     row.push_back(states_text(states));
     table.add(row);
   }
@@ -123,18 +126,18 @@ std::string table_of_faults(const std::vector<Run>& runs) {
 std::string table_of_wrong(const Runs& wrong) {
   MarkdownTable table({"fault", "flight", "seed", "back-end", "wrong", "tilt [deg]",
                        "velocity [m/s]", "position [m]", "position [sigma]", "reported"});
-  for (const Run* run : wrong) {
-    std::vector<std::string> row = {run->fault->name, run->flight_name,
-                                    fmt::format("{}", run->flight->scenario.seed),
-                                    name_of(run->backend), run->survival.last.why()};
+  for (const Run& run : wrong) {
+    std::vector<std::string> row = {run.fault->name, run.flight_name,
+                                    fmt::format("{}", run.flight->scenario.seed),
+                                    name_of(run.backend), run.survival.last.why()};
     add_deviations({run}, &row);
-    row.emplace_back(run->survival.reported_last ? "yes" : "no");
+    row.emplace_back(run.survival.reported_last ? "yes" : "no");
     table.add(row);
   }
   return table.text();
 }
 
-std::string as_csv(const std::vector<Run>& runs) {
+std::string as_csv(const Runs& runs) {
   std::string text =
       "fault,promise,flight,seed,backend,kept,wrong,reported,always_finite,always_covariance,"
       "tilt [deg],velocity [m/s],position [m],tilt [sigma],velocity [sigma],position [sigma],"
@@ -154,8 +157,8 @@ std::string as_csv(const std::vector<Run>& runs) {
 }
 
 /// The first flight of a seed with both back-ends; one more, flight and back-end in turn.
-std::vector<Run> runs_of(const std::vector<sim::Flight>& flights) {
-  std::vector<Run> runs;
+Runs runs_of(const std::vector<sim::Flight>& flights) {
+  Runs runs;
   for (std::size_t f = 0; f < faults().size(); ++f) {
     for (std::size_t first = 0; first < flights.size(); first += kFlights.size()) {
       const auto add = [&](std::size_t kind, BackEnd backend) {
@@ -192,18 +195,13 @@ Result fault_campaign(const Settings& settings) {
         sim::simulate_flight(scenario_of(kFlights[i % kFlights.size()], 1 + i / kFlights.size(),
                                          kFaultBegins + kLongest + kJudgedAfter));
   });
-  std::vector<Run> runs = runs_of(flights);
+  Runs runs = runs_of(flights);
   parallel_for(runs.size(), settings.threads, settings.on_progress,
                [&](std::size_t i) { runs[i].survival = fly(runs[i]); });
 
-  Runs all;
-  Runs wrong;
-  for (const Run& run : runs) {
-    all.push_back(&run);
-    if (is_wrong(run.survival)) wrong.push_back(&run);
-  }
-  Result result;
-  result.markdown = fmt::format(
+  Runs wrong = runs;
+  std::erase_if(wrong, [](const Run& run) { return !is_wrong(run.survival); });
+  const std::string text = fmt::format(
       "A fault begins {:.0f} s after the first sample of a good flight ({}) and is judged {:.0f} s "
       "after its end, a lasting one\nafter its begin. Wrong: not finite, covariance not positive "
       "semi-definite, tilt > 3 deg, velocity > 0.5 m/s off (body\naxes), position > 0.5 m and > 5 "
@@ -212,10 +210,9 @@ Result fault_campaign(const Settings& settings) {
       "the end; recovered = not\nwrong from so long after its end on; reported = may be wrong, but "
       "says so within a second. Errors are those at the end,\nthe worst of the runs; wrong until: "
       "last time after the end of the fault.\n\n{}\n{}\nWhat ends wrong:\n\n{}",
-      kFaultBegins, fmt::join(kFlights, ", "), kJudgedAfter, totals(all, wrong),
+      kFaultBegins, fmt::join(kFlights, ", "), kJudgedAfter, totals(runs, wrong),
       table_of_faults(runs), table_of_wrong(wrong));
-  result.attachments.push_back({"faults.csv", as_csv(runs)});
-  return result;
+  return {text, {{"faults.csv", as_csv(runs)}}};
 }
 
 }  // namespace rio::experiment

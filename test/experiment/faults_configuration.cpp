@@ -17,8 +17,8 @@ constexpr double kDegree = M_PI / 180.0;
 Fault wrong_mounting(const std::string& by, Promised promised,
                      const std::function<void(Pose&)>& change) {
   return {.name = "mounting wrong by " + by,
-          .promised = promised,
           .duration = kForGood,
+          .promised = promised,
           .configure = [change](Options& o) { change(o.radar.T_BS); }};
 }
 
@@ -29,31 +29,30 @@ Fault turned_mounting(double degrees, Promised promised) {
   });
 }
 
+using Start = io::StartFile;
+
 /// A start in flight from the truth with the sigmas of the options' start, modified.
-Fault start(const std::string& name, Promised promised,
-            const std::function<void(io::StartFile&)>& change) {
+Fault start(const std::string& name, Promised promised, const std::function<void(Start&)>& change) {
   const double duration = promised.promise == Promise::kIgnored ? 1.0 : kForGood;
-  return changing(Of::kImu, "start in flight, " + name, duration, promised,
-                  [change](Event& e, Moment& m) {
-                    if (m.n != 0) return;
-                    auto start = std::make_shared<io::StartFile>();
-                    start->state = m.flight.truth_at(e.measured);
-                    start->covariance = io::start_covariance(start->state.q_WB, StartOptions{});
-                    change(*start);
-                    m.more.push_back({.arrival = e.arrival,
-                                      .measured = e.measured,
-                                      .kind = Event::Kind::kReset,
-                                      .start = start});
-                  });
+  return {"start in flight, " + name, Of::kImu, duration, promised, [change](Event& e, Moment& m) {
+            if (m.n != 0) return;
+            auto start = std::make_shared<Start>();
+            start->state = m.flight.truth_at(e.measured);
+            start->covariance = io::start_covariance(start->state.q_WB, StartOptions{});
+            change(*start);
+            m.more.push_back({.arrival = e.arrival,
+                              .measured = e.measured,
+                              .kind = Event::Kind::kReset,
+                              .start = start});
+          }};
 }
 
 /// An error of `size` in one component, with the start's sigma (lying) or its own size (honest).
 Fault off(const char* what, int component, double size, bool honest, Promised promised) {
   return start(fmt::format("{} off, sigma {}", what, honest ? "honest" : "lying"), promised,
-               [component, size, honest](io::StartFile& s) {
-                 Eigen::Matrix<double, body::kSize, 1> error = {};
-                 error.setZero();
-                 error[component] = size;
+               [component, size, honest](Start& s) {
+                 const Eigen::Matrix<double, body::kSize, 1> error =
+                     size * Eigen::Matrix<double, body::kSize, 1>::Unit(component);
                  s.state.q_WB = s.state.q_WB * quaternion_exp(error.segment<3>(body::kAttitude));
                  s.state.p_WB += error.segment<3>(body::kPosition);
                  s.state.v_WB += error.segment<3>(body::kVelocity);
@@ -61,11 +60,6 @@ Fault off(const char* what, int component, double size, bool honest, Promised pr
                  s.state.accel_bias += error.segment<3>(body::kAccelBias);
                  if (honest) s.covariance(component, component) = size * size;
                });
-}
-
-/// A start that is refused.
-Fault impossible(const char* name, const std::function<void(io::StartFile&)>& change) {
-  return start(name, Promise::kIgnored, change);
 }
 
 /// Errors of a start, first with an honest sigma and then with a lying one.
@@ -101,14 +95,16 @@ std::vector<Fault> configuration_faults() {
     all.push_back(off(e.what, e.component, e.size, true, recovered(e.honest_within)));
     all.push_back(off(e.what, e.component, e.size, false, recovered(e.lying_within)));
   }
-  using Start = io::StartFile;
-  all.push_back(impossible("velocity NaN", [](Start& s) { s.state.v_WB.x() = NAN; }));
-  all.push_back(impossible("quaternion zero", [](Start& s) { s.state.q_WB.coeffs().setZero(); }));
-  all.push_back(
-      impossible("quaternion of 1e200", [](Start& s) { s.state.q_WB.coeffs() *= 1e200; }));
-  all.push_back(impossible("time 0", [](Start& s) { s.state.time = Time{0}; }));
-  all.push_back(impossible("covariance NaN", [](Start& s) { s.covariance(3, 3) = NAN; }));
-  all.push_back(impossible("covariance indefinite", [](Start& s) { s.covariance(3, 3) = -1.0; }));
+  /// Refused.
+  const auto impossible = [&all](const char* name, const std::function<void(Start&)>& change) {
+    all.push_back(start(name, Promise::kIgnored, change));
+  };
+  impossible("velocity NaN", [](Start& s) { s.state.v_WB.x() = NAN; });
+  impossible("quaternion zero", [](Start& s) { s.state.q_WB.coeffs().setZero(); });
+  impossible("quaternion of 1e200", [](Start& s) { s.state.q_WB.coeffs() *= 1e200; });
+  impossible("time 0", [](Start& s) { s.state.time = Time{0}; });
+  impossible("covariance NaN", [](Start& s) { s.covariance(3, 3) = NAN; });
+  impossible("covariance indefinite", [](Start& s) { s.covariance(3, 3) = -1.0; });
   return all;
 }
 

@@ -15,8 +15,8 @@ using ChangeScan = std::function<void(RadarScan&, Moment&)>;
 using ChangePoint = std::function<void(RadarDetection&, Moment&)>;
 
 Fault scans(const std::string& name, double duration, Promised promised, const ChangeScan& change) {
-  return changing(Of::kScans, name, duration, promised,
-                  [change](Event& e, Moment& m) { change(e.scan, m); });
+  return {name, Of::kScans, duration, promised,
+          [change](Event& e, Moment& m) { change(e.scan, m); }};
 }
 
 /// A share of the points.
@@ -51,18 +51,13 @@ RadarDetection anything(const sim::RadarModel& radar, sim::Random& random) {
   return d;
 }
 
-/// Into the unambiguous interval of the radar.
-double folded(double range_rate, const sim::RadarModel& radar) {
-  return std::remainder(range_rate, 2.0 * radar.max_doppler);
-}
-
 void replace(RadarDetection& d, Moment& m) {
   d = anything(m.flight.scenario.radar, m.random);
 }
 
 void add_velocity(const Vector3d& velocity_S, RadarDetection& d, Moment& m) {
-  d.range_rate =
-      folded(d.range_rate + velocity_S.dot(d.point_S.normalized()), m.flight.scenario.radar);
+  const double ambiguity = 2.0 * m.flight.scenario.radar.max_doppler;
+  d.range_rate = std::remainder(d.range_rate + velocity_S.dot(d.point_S.normalized()), ambiguity);
 }
 
 /// A common velocity, like a lorry that fills the view.
@@ -91,10 +86,9 @@ Fault many_detections(const char* name, Promised promised, double stronger_db, b
     const sim::RadarModel& radar = m.flight.scenario.radar;
     const std::size_t real = scan.detections.size();
     if (real == 0) return;
-    scan.detections.reserve(kMany);
     while (scan.detections.size() < kMany) {
-      RadarDetection d = scan.detections[scan.detections.size() % real];
-      if (!same_room) d = anything(radar, m.random);
+      RadarDetection d =
+          same_room ? scan.detections[scan.detections.size() % real] : anything(radar, m.random);
       if (same_room) {  // an echo that spreads over its neighbours
         d.point_S += 0.02 * d.point_S.norm() * m.random.normal3();
         d.range_rate += radar.sigma_doppler * m.random.normal();
@@ -109,13 +103,16 @@ Fault many_detections(const char* name, Promised promised, double stronger_db, b
 
 std::vector<Fault> radar_faults() {
   constexpr Promise kBridged = Promise::kBridged;
+  constexpr Promise kHonest = Promise::kHonest;
+  const Promised soon = recovered(5.0);
+  const Promised later = recovered(10.0);
   std::vector<Fault> all = {
       points("points NaN for 1 s", 1.0, kBridged, 1.0,
-             [](RadarDetection& d, Moment& m) { d.point_S[m.n % 3] = NAN; }),
+             [](auto& d, auto& m) { d.point_S[m.n % 3] = NAN; }),
       points("points of 1e200 m for 1 s", 1.0, kBridged, 1.0,
-             [](RadarDetection& d, Moment&) { d.point_S *= 1e200; }),
+             [](auto& d, auto&) { d.point_S *= 1e200; }),
       points("points at 0 for 1 s", 1.0, kBridged, 1.0,
-             [](RadarDetection& d, Moment&) { d.point_S.setZero(); }),
+             [](auto& d, auto&) { d.point_S.setZero(); }),
       bad_field("range rate", &RadarDetection::range_rate),
       bad_field("SNR", &RadarDetection::snr_db),
       bad_field("noise floor", &RadarDetection::noise_db),
@@ -125,33 +122,31 @@ std::vector<Fault> radar_faults() {
       bad_field("sigma of the Doppler", &RadarDetection::sigma_doppler),
   };
   for (const double s : {1.0, 5.0, 15.0, 30.0}) {
-    all.push_back(scans(fmt::format("empty scans for {} s", s), s,
-                        s < 10.0 ? kBridged : Promise::kHonest,
+    all.push_back(scans(fmt::format("empty scans for {} s", s), s, s < 10.0 ? kBridged : kHonest,
                         [](RadarScan& scan, Moment&) { scan.detections.clear(); }));
   }
   for (const double s : {1.0, 3.0, 10.0}) {
-    all.push_back(
-        scans(fmt::format("the same scan again for {} s", s), s, recovered(10.0),
-              [](RadarScan& scan, Moment& m) { scan.detections = m.before.scan.detections; }));
+    all.push_back(scans(fmt::format("the same scan again for {} s", s), s, later,
+                        [](auto& scan, auto& m) { scan.detections = m.before.scan.detections; }));
   }
-  all.push_back(outliers("random outliers", 0.8, 1.0, kBridged, replace));
-  all.push_back(outliers("random outliers", 0.8, 3.0, kBridged, replace));
-  all.push_back(outliers("random outliers", 0.8, 10.0, recovered(5.0), replace));
-  all.push_back(outliers("random outliers", 1.0, 10.0, recovered(5.0), replace));
   for (const double s : {1.0, 3.0, 10.0}) {
-    all.push_back(outliers("coherent outliers", 0.6, s, recovered(5.0), move_together));
-    all.push_back(outliers("coherent outliers", 1.0, s, recovered(10.0), move_together));
+    all.push_back(outliers("random outliers", 0.8, s, s < 10.0 ? kBridged : soon, replace));
   }
-  all.push_back(outliers("movers", 0.5, 10.0, kBridged, move_in_four));
-  all.push_back(outliers("movers", 0.7, 10.0, recovered(5.0), move_in_four));
-  all.push_back(outliers("movers", 0.9, 10.0, recovered(5.0), move_in_four));
+  all.push_back(outliers("random outliers", 1.0, 10.0, soon, replace));
+  for (const double s : {1.0, 3.0, 10.0}) {
+    all.push_back(outliers("coherent outliers", 0.6, s, soon, move_together));
+    all.push_back(outliers("coherent outliers", 1.0, s, later, move_together));
+  }
+  for (const double share : {0.5, 0.7, 0.9}) {
+    all.push_back(outliers("movers", share, 10.0, share > 0.5 ? soon : kBridged, move_in_four));
+  }
   all.push_back(many_detections("5000 detections, noise", kBridged, -20.0, false));
-  all.push_back(many_detections("5000 detections, strong noise", recovered(5.0), 20.0, false));
+  all.push_back(many_detections("5000 detections, strong noise", soon, 20.0, false));
   all.push_back(many_detections("5000 detections of the same room", kBridged, 0.0, true));
   for (const double hz : {1.0, 2.0, 5.0, 30.0, 60.0}) {
     all.push_back({.name = fmt::format("radar at {} Hz", hz),
-                   .promised = hz < 5.0 ? Promise::kHonest : kBridged,
                    .duration = kForGood,
+                   .promised = hz < 5.0 ? kHonest : kBridged,
                    .sensors = [hz](sim::Scenario& s) { s.radar.rate_hz = hz; }});
   }
   return all;

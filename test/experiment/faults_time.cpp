@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults of stamps, order and arrival.
-#include <fmt/format.h>
-
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "experiment/fault.hpp"
@@ -12,167 +9,147 @@ namespace rio::experiment {
 
 namespace {
 
-/// Rotation of the body in an unnoticed pause of the IMU of some 0.3 s; the Dopplers show it soon.
-constexpr double kPause = 2.0;  // [s]
-
 using std::chrono::hours;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-Time& stamp_of(Event& e) {
-  return e.is_imu() ? e.sample.time : e.scan.time;
-}
-
 void shift(Event& e, Time by) {
-  stamp_of(e) += by;
+  (e.is_imu() ? e.sample.time : e.scan.time) += by;
 }
 
-/// Shifts the stamps of the first `count` events of a kind.
-Fault odd_stamps(const char* name, Of of, int count, Time by,
-                 Promised promised = Promise::kIgnored) {
-  return changing(of, name, 1.0, promised, [count, by](Event& e, Moment& m) {
+ChangeEvent shifted(Time by) {
+  return [by](Event& e, Moment&) { shift(e, by); };
+}
+
+/// The stamps of the first events of a kind.
+ChangeEvent first(int count, Time by) {
+  return [count, by](Event& e, Moment& m) {
     if (m.n < count) shift(e, by);
-  });
+  };
 }
 
-/// Moves the first stamps of a kind, `apart` events apart, to both ends of time.
-Fault ends_of_time(const char* name, Of of, int apart, Time first, Time second) {
-  return changing(of, name, 1.0, Promise::kIgnored, [=](Event& e, Moment& m) {
-    if (m.n == 0) stamp_of(e) = first;
-    if (m.n == apart) stamp_of(e) = second;
-  });
+/// The first stamps of a kind, `apart` events apart.
+ChangeEvent two_set(int apart, Time first, Time second) {
+  return [=](Event& e, Moment& m) {
+    Time& stamp = e.is_imu() ? e.sample.time : e.scan.time;
+    if (m.n == 0) stamp = first;
+    if (m.n == apart) stamp = second;
+  };
 }
 
-/// Shifts all stamps of a kind permanently.
-Fault jump(const char* name, Promised promised, Time by, Of of = Of::kBoth) {
-  return changing(of, name, kForGood, promised, [by](Event& e, Moment&) { shift(e, by); });
+void start_at_0(Event& e, Moment& m) {
+  shift(e, -m.begin);
 }
 
-Fault start_at_0(const char* name, Of of) {
-  return changing(of, name, kForGood, recovered(kPause),
-                  [](Event& e, Moment& m) { shift(e, -m.begin); });
+ChangeEvent jittering(double sigma) {
+  return [sigma](Event& e, Moment& m) { shift(e, from_seconds(sigma * m.random.normal())); };
 }
 
-Fault stamps_with(const char* name, Of of, double jitter) {
-  return changing(of, name, 10.0, Promise::kBridged, [jitter](Event& e, Moment& m) {
-    shift(e, from_seconds(jitter * m.random.normal()));
-  });
-}
-
-Fault late(const char* name, Of of, double by, Promised promised) {
-  return changing(of, name, 10.0, promised,
-                  [by](Event& e, Moment&) { e.arrival += from_seconds(by); });
+ChangeEvent late(double by) {
+  return [by](Event& e, Moment&) { e.arrival += from_seconds(by); };
 }
 
 /// All of a kind arrive together at the end of each block.
-Fault in_blocks(const char* name, Of of, double block) {
-  return changing(of, name, 10.0, Promise::kBridged, [block](Event& e, Moment& m) {
+ChangeEvent in_blocks(double block) {
+  return [block](Event& e, Moment& m) {
     e.arrival = m.begin + from_seconds(block * (std::floor(m.t / block) + 1.0));
-  });
+  };
 }
 
 /// Every second one arrives after its successor.
-Fault swapped(const char* name, Of of) {
-  return changing(of, name, 10.0, Promise::kBridged, [](Event& e, Moment& m) {
-    if (m.n % 2 == 1) return;
-    const sim::Scenario& sensors = m.flight.scenario;
-    e.arrival += from_seconds(1.5 / (e.is_imu() ? sensors.imu.rate_hz : sensors.radar.rate_hz));
-  });
+void swap(Event& e, Moment& m) {
+  if (m.n % 2 == 1) return;
+  const sim::Scenario& sensors = m.flight.scenario;
+  e.arrival += from_seconds(1.5 / (e.is_imu() ? sensors.imu.rate_hz : sensors.radar.rate_hz));
 }
 
-/// Repeats the same event after a while.
-Fault repeated(const char* name, Of of, double after) {
-  return changing(of, name, 10.0, Promise::kIgnored, [after](Event& e, Moment& m) {
+/// The same event once more.
+ChangeEvent again(double after) {
+  return [after](Event& e, Moment& m) {
     m.more.push_back(e);
     m.more.back().arrival += from_seconds(after);
-  });
+  };
 }
 
-void add_silences(const char* who, Of of, const std::vector<std::pair<double, Promised>>& all,
-                  std::vector<Fault>* faults) {
-  for (const auto& [s, promised] : all) {
-    const std::string how_long = std::isinf(s) ? "for good" : fmt::format("for {} s", s);
-    faults->push_back(changing(of, fmt::format("{} silent {}", who, how_long), s, promised,
-                               [](Event& e, Moment&) { e.lost = true; }));
-  }
+void lose(Event& e, Moment&) {
+  e.lost = true;
 }
 
 }  // namespace
 
 std::vector<Fault> time_faults() {
+  constexpr Promise kIgnored = Promise::kIgnored;
   constexpr Promise kBridged = Promise::kBridged;
   constexpr Promise kHonest = Promise::kHonest;
   constexpr Promise kReported = Promise::kReported;
   constexpr Of kImu = Of::kImu;
   constexpr Of kScans = Of::kScans;
-  const Promised soon = recovered(kPause);
-  std::vector<Fault> all = {
-      odd_stamps("one IMU stamp +1 h", kImu, 1, hours(1)),
-      odd_stamps("one IMU stamp +10 s", kImu, 1, seconds(10)),
-      odd_stamps("one IMU stamp -1 h", kImu, 1, -hours(1)),
-      odd_stamps("ten IMU stamps +1 h in a row", kImu, 10, hours(1)),
-      odd_stamps("nine scan stamps +1 h", kScans, 9, hours(1)),
-      odd_stamps("nine scan stamps +0.9 s", kScans, 9, milliseconds(900), kBridged),
-      ends_of_time("IMU stamps at both ends of time", kImu, 10, Time::max(), Time::min()),
-      ends_of_time("scan stamps at both ends of time", kScans, 1, Time::min(), Time::max()),
-      start_at_0("all clocks start again at 0", Of::kBoth),
-      jump("all clocks jump by 1 h", soon, hours(1)),
-      jump("all clocks go back by 0.3 s", soon, -milliseconds(300)),
-      jump("all clocks jump by 2 s", kHonest, seconds(2)),
-      jump("the radar's clock late by 0.05 s", kHonest, milliseconds(50), kScans),
-      jump("the radar's clock late by 0.2 s", soon, milliseconds(200), kScans),
-      jump("the radar's clock early by 0.2 s", soon, -milliseconds(200), kScans),
-      jump("the radar's clock late by 0.3 s", soon, milliseconds(300), kScans),
-      jump("the radar's clock early by 0.3 s", soon, -milliseconds(300), kScans),
-      start_at_0("the radar's clock starts again at 0", kScans),
-      stamps_with("IMU stamps jitter by 2 ms for 10 s", kImu, 2e-3),
-      stamps_with("scan stamps jitter by 20 ms for 10 s", kScans, 20e-3),
-      repeated("IMU samples twice for 10 s", kImu, 0.0),
-      repeated("IMU samples again after 0.3 s", kImu, 0.3),
-      repeated("scans twice for 10 s", kScans, 0.0),
-      repeated("scans again after 0.3 s", kScans, 0.3),
-      swapped("IMU samples swapped for 10 s", kImu),
-      swapped("scans swapped for 10 s", kScans),
-      late("scans 0.1 s late for 10 s", kScans, 0.1, kBridged),
-      late("scans 0.9 s late for 10 s", kScans, 0.9, kBridged),
-      late("scans 1.5 s late for 10 s", kScans, 1.5, kHonest),
-      late("IMU 0.1 s late for 10 s", kImu, 0.1, kBridged),
+  constexpr Of kBoth = Of::kBoth;
+  // after a rotation in an unnoticed pause of the IMU of some 0.3 s the Dopplers show it soon
+  const Promised soon = recovered(2.0);
+  const Promised in_the_end = recovered(10.0);
+  return {
+      {"one IMU stamp +1 h", kImu, 1.0, kIgnored, first(1, hours(1))},
+      {"one IMU stamp +10 s", kImu, 1.0, kIgnored, first(1, seconds(10))},
+      {"one IMU stamp -1 h", kImu, 1.0, kIgnored, first(1, -hours(1))},
+      {"ten IMU stamps +1 h in a row", kImu, 1.0, kIgnored, first(10, hours(1))},
+      {"nine scan stamps +1 h", kScans, 1.0, kIgnored, first(9, hours(1))},
+      {"nine scan stamps +0.9 s", kScans, 1.0, kBridged, first(9, milliseconds(900))},
+      {"IMU stamps at both ends of time", kImu, 1.0, kIgnored,
+       two_set(10, Time::max(), Time::min())},
+      {"scan stamps at both ends of time", kScans, 1.0, kIgnored,
+       two_set(1, Time::min(), Time::max())},
+      {"all clocks start again at 0", kBoth, kForGood, soon, start_at_0},
+      {"all clocks jump by 1 h", kBoth, kForGood, soon, shifted(hours(1))},
+      {"all clocks go back by 0.3 s", kBoth, kForGood, soon, shifted(-milliseconds(300))},
+      {"all clocks jump by 2 s", kBoth, kForGood, kHonest, shifted(seconds(2))},
+      {"the radar's clock late by 0.05 s", kScans, kForGood, kHonest, shifted(milliseconds(50))},
+      {"the radar's clock late by 0.2 s", kScans, kForGood, soon, shifted(milliseconds(200))},
+      {"the radar's clock early by 0.2 s", kScans, kForGood, soon, shifted(-milliseconds(200))},
+      {"the radar's clock late by 0.3 s", kScans, kForGood, soon, shifted(milliseconds(300))},
+      {"the radar's clock early by 0.3 s", kScans, kForGood, soon, shifted(-milliseconds(300))},
+      {"the radar's clock starts again at 0", kScans, kForGood, soon, start_at_0},
+      {"IMU stamps jitter by 2 ms for 10 s", kImu, 10.0, kBridged, jittering(2e-3)},
+      {"scan stamps jitter by 20 ms for 10 s", kScans, 10.0, kBridged, jittering(20e-3)},
+      {"IMU samples twice for 10 s", kImu, 10.0, kIgnored, again(0.0)},
+      {"IMU samples again after 0.3 s", kImu, 10.0, kIgnored, again(0.3)},
+      {"scans twice for 10 s", kScans, 10.0, kIgnored, again(0.0)},
+      {"scans again after 0.3 s", kScans, 10.0, kIgnored, again(0.3)},
+      {"IMU samples swapped for 10 s", kImu, 10.0, kBridged, swap},
+      {"scans swapped for 10 s", kScans, 10.0, kBridged, swap},
+      {"scans 0.1 s late for 10 s", kScans, 10.0, kBridged, late(0.1)},
+      {"scans 0.9 s late for 10 s", kScans, 10.0, kBridged, late(0.9)},
+      {"scans 1.5 s late for 10 s", kScans, 10.0, kHonest, late(1.5)},
+      {"IMU 0.1 s late for 10 s", kImu, 10.0, kBridged, late(0.1)},
       // in the end newer samples overtake the late ones, which are lost: a pause of 0.9 s
-      late("IMU 0.9 s late for 10 s", kImu, 0.9, recovered(10.0)),
-      in_blocks("IMU in blocks of 0.1 s for 10 s", kImu, 0.1),
-      in_blocks("IMU in blocks of 0.5 s for 10 s", kImu, 0.5),
-      in_blocks("scans in blocks of 0.5 s for 10 s", kScans, 0.5),
-      in_blocks("scans in blocks of 2 s for 10 s", kScans, 2.0),
+      {"IMU 0.9 s late for 10 s", kImu, 10.0, in_the_end, late(0.9)},
+      {"IMU in blocks of 0.1 s for 10 s", kImu, 10.0, kBridged, in_blocks(0.1)},
+      {"IMU in blocks of 0.5 s for 10 s", kImu, 10.0, kBridged, in_blocks(0.5)},
+      {"scans in blocks of 0.5 s for 10 s", kScans, 10.0, kBridged, in_blocks(0.5)},
+      {"scans in blocks of 2 s for 10 s", kScans, 10.0, kBridged, in_blocks(2.0)},
+      {"IMU silent for 0.01 s", kImu, 0.01, kBridged, lose},
+      {"IMU silent for 0.03 s", kImu, 0.03, kBridged, lose},
+      {"IMU silent for 0.1 s", kImu, 0.1, kBridged, lose},
+      {"IMU silent for 0.3 s", kImu, 0.3, soon, lose},
+      {"IMU silent for 1 s", kImu, 1.0, in_the_end, lose},
+      {"IMU silent for 2 s", kImu, 2.0, in_the_end, lose},
+      {"IMU silent for 5 s", kImu, 5.0, in_the_end, lose},
+      {"IMU silent for good", kImu, kForGood, kReported, lose},
+      {"radar silent for 0.5 s", kScans, 0.5, kBridged, lose},
+      {"radar silent for 1 s", kScans, 1.0, kBridged, lose},
+      {"radar silent for 2 s", kScans, 2.0, kBridged, lose},
+      {"radar silent for 5 s", kScans, 5.0, kBridged, lose},
+      {"radar silent for 10 s", kScans, 10.0, kHonest, lose},
+      {"radar silent for 30 s", kScans, 30.0, kHonest, lose},
+      {"radar silent for 60 s", kScans, 60.0, kHonest, lose},
+      {"radar silent for 120 s", kScans, 120.0, kHonest, lose},
+      {"radar silent for good", kScans, kForGood, kReported, lose},
+      {"IMU and radar silent for 0.3 s", kBoth, 0.3, soon, lose},
+      {"IMU and radar silent for 1 s", kBoth, 1.0, in_the_end, lose},
+      {"IMU and radar silent for 5 s", kBoth, 5.0, in_the_end, lose},
+      {"IMU and radar silent for 30 s", kBoth, 30.0, in_the_end, lose},
+      {"IMU and radar silent for 120 s", kBoth, 120.0, in_the_end, lose},
   };
-  add_silences("IMU", kImu,
-               {{0.01, kBridged},
-                {0.03, kBridged},
-                {0.1, kBridged},
-                {0.3, soon},
-                {1.0, recovered(10.0)},
-                {2.0, recovered(10.0)},
-                {5.0, recovered(10.0)},
-                {kForGood, kReported}},
-               &all);
-  add_silences("radar", kScans,
-               {{0.5, kBridged},
-                {1.0, kBridged},
-                {2.0, kBridged},
-                {5.0, kBridged},
-                {10.0, kHonest},
-                {30.0, kHonest},
-                {60.0, kHonest},
-                {120.0, kHonest},
-                {kForGood, kReported}},
-               &all);
-  add_silences("IMU and radar", Of::kBoth,
-               {{0.3, soon},
-                {1.0, recovered(10.0)},
-                {5.0, recovered(10.0)},
-                {30.0, recovered(10.0)},
-                {120.0, recovered(10.0)}},
-               &all);
-  return all;
 }
 
 }  // namespace rio::experiment

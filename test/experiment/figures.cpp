@@ -16,50 +16,44 @@ constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr std::size_t kOverTime = 300;
 constexpr std::size_t kOfPath = 1200;
 
-/// The value of steps evenly spread over the trial.
+const plot::Stroke kTruth{"#000000", 1.2};
+
+/// The value of steps evenly spread over the trial, given their time since the first one [s].
 template <class Value>
 std::vector<plot::Point> sampled(const Trial& trial, std::size_t most, const Value& value) {
   std::vector<plot::Point> points;
   const std::size_t every = 1 + trial.steps.size() / most;
   for (std::size_t i = 0; i < trial.steps.size(); i += every) {
-    points.push_back(value(trial.steps[i]));
+    const Step& step = trial.steps[i];
+    const double t = to_seconds(step.truth.time - trial.steps.front().truth.time);
+    points.push_back(value(t, step));
   }
   return points;
 }
 
-double seconds(const Trial& trial, const Step& step) {
-  return to_seconds(step.truth.time - trial.steps.front().truth.time);
+/// Truth and estimates; place(t, state) is the point of a state.
+template <class Place>
+std::vector<plot::Curve> curves(const FlownFlight& flight, std::size_t most, const Place& place) {
+  const auto truth = [&](double t, const Step& s) { return place(t, s.truth); };
+  const auto estimate = [&](double t, const Step& s) { return place(t, s.estimate); };
+  std::vector<plot::Curve> all = {{"truth", sampled(flight.trials.front(), most, truth), kTruth}};
+  for (std::size_t i = 0; i < flight.trials.size(); ++i) {
+    all.push_back(
+        {flight.estimators[i], sampled(flight.trials[i], most, estimate), plot::curve_stroke(i)});
+  }
+  return all;
 }
 
-plot::Panel panel(const std::string& title, const char* x_label, const std::string& y_label) {
+}  // namespace
+
+plot::Panel panel(const std::string& title, const std::string& x_label,
+                  const std::string& y_label) {
   plot::Panel panel;
   panel.title = title;
   panel.x_label = x_label;
   panel.y_label = y_label;
   return panel;
 }
-
-plot::Stroke truth_stroke() {
-  return {"#000000", 1.2};
-}
-
-/// Truth and estimates; place(trial, step, state) is the point of a state.
-template <class Place>
-std::vector<plot::Curve> curves(const FlownFlight& flight, std::size_t most, const Place& place) {
-  const Trial& first = flight.trials.front();
-  std::vector<plot::Curve> all = {
-      {"truth", sampled(first, most, [&](const Step& s) { return place(first, s, s.truth); }),
-       truth_stroke()}};
-  for (std::size_t i = 0; i < flight.trials.size(); ++i) {
-    const Trial& trial = flight.trials[i];
-    all.push_back({flight.estimators[i],
-                   sampled(trial, most, [&](const Step& s) { return place(trial, s, s.estimate); }),
-                   plot::curve_stroke(i)});
-  }
-  return all;
-}
-
-}  // namespace
 
 FlownFlight fly_all(const Case& flight, const std::vector<Variant>& estimators) {
   FlownFlight flown{flight.group, {}, {}};
@@ -77,10 +71,9 @@ std::string chart_of_paths(const std::string& title, const std::vector<FlownFlig
     for (const int up : {1, 2}) {
       panels.push_back(panel(flight.name + (up == 1 ? ", from above" : ", from the side"), "x [m]",
                              std::string(kAxes[up]) + " [m]"));
-      panels.back().curves =
-          curves(flight, kOfPath, [up](const Trial&, const Step&, const NavState& state) {
-            return plot::Point{state.p_WB.x(), state.p_WB[up]};
-          });
+      panels.back().curves = curves(flight, kOfPath, [up](double, const NavState& x) {
+        return plot::Point{x.p_WB.x(), x.p_WB[up]};
+      });
     }
   }
   return plot::draw_chart(title, panels, 2);
@@ -91,10 +84,9 @@ std::string chart_of_positions(const std::string& title, const std::vector<Flown
   for (const FlownFlight& flight : flights) {
     for (int axis = 0; axis < 3; ++axis) {
       panels.push_back(panel(flight.name, "time [s]", std::string(kAxes[axis]) + " [m]"));
-      panels.back().curves =
-          curves(flight, kOverTime, [axis](const Trial& t, const Step& s, const NavState& state) {
-            return plot::Point{seconds(t, s), state.p_WB[axis]};
-          });
+      panels.back().curves = curves(flight, kOverTime, [axis](double t, const NavState& x) {
+        return plot::Point{t, x.p_WB[axis]};
+      });
     }
   }
   return plot::draw_chart(title, panels, 3);
@@ -103,36 +95,31 @@ std::string chart_of_positions(const std::string& title, const std::vector<Flown
 std::string chart_of_errors(const std::string& title, const FlownFlight& flight) {
   std::vector<plot::Panel> panels;
   for (std::size_t i = 0; i < flight.trials.size(); ++i) {
-    const Trial& trial = flight.trials[i];
-    const auto over_time = [&trial](const auto& value) {
-      return sampled(trial, kOverTime, [&](const Step& s) {
-        return plot::Point{seconds(trial, s), value(s)};
-      });
-    };
     for (int axis = 0; axis < 3; ++axis) {
-      const auto sigma = [axis](const Step& s) {
+      const auto error = [axis](double t, const Step& s) {
+        return plot::Point{t, s.estimate.p_WB[axis] - s.truth.p_WB[axis]};
+      };
+      const auto sigmas = [axis, &flight, i](double count) {
         const int k = body::kPosition + axis;
-        return std::sqrt(s.covariance(k, k));
+        return sampled(flight.trials[i], kOverTime, [count, k](double t, const Step& s) {
+          return plot::Point{t, count * std::sqrt(s.covariance(k, k))};
+        });
       };
       panels.push_back(
           panel(flight.estimators[i], "time [s]", std::string("error of ") + kAxes[axis] + " [m]"));
       panels.back().curves = {
-          {"error",
-           over_time([axis](const Step& s) { return s.estimate.p_WB[axis] - s.truth.p_WB[axis]; }),
-           plot::curve_stroke(0)},
-          {"three sigmas", over_time([&](const Step& s) { return 3.0 * sigma(s); }),
-           truth_stroke()},
-          {"", over_time([&](const Step& s) { return -3.0 * sigma(s); }), truth_stroke()}};
+          {"error", sampled(flight.trials[i], kOverTime, error), plot::curve_stroke(0)},
+          {"three sigmas", sigmas(3.0), kTruth},
+          {"", sigmas(-3.0), kTruth}};
     }
   }
   return plot::draw_chart(title, panels, 3);
 }
 
-void add_mean_curve(const std::vector<Curve>& runs, const std::string& name,
-                    const plot::Stroke& stroke, plot::Panel* panel) {
-  plot::Curve mean{name, {}, stroke};
+void add_mean_curve(const std::vector<Curve>& runs, const std::string& name, plot::Panel* panel) {
+  plot::Curve mean{name, {}, plot::curve_stroke(panel->curves.size())};
   plot::Band band;
-  band.colour = stroke.colour;
+  band.colour = mean.stroke.colour;
   for (std::size_t i = 0;; ++i) {
     std::vector<double> values;
     double x = 0.0;

@@ -29,11 +29,12 @@ std::string chart_of_positions(const std::string& title, const std::vector<Flown
 /// Errors of x, y and z over time with their bounds of three sigmas, a row per estimator.
 std::string chart_of_errors(const std::string& title, const FlownFlight& flight);
 
+plot::Panel panel(const std::string& title, const std::string& x_label, const std::string& y_label);
+
 /// The values of one run.
 using Curve = std::vector<plot::Point>;
 
 /// Mean and one standard deviation over the runs, as far as two of them go, or the only one.
-void add_mean_curve(const std::vector<Curve>& runs, const std::string& name,
-                    const plot::Stroke& stroke, plot::Panel* panel);
+void add_mean_curve(const std::vector<Curve>& runs, const std::string& name, plot::Panel* panel);
 
 }  // namespace rio::experiment

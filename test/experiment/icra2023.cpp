@@ -12,8 +12,6 @@
 
 #include "experiment/experiment.hpp"
 #include "experiment/figures.hpp"
-#include "plot/chart.hpp"
-#include "plot/colours.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/sim/catalogue.hpp"
 
@@ -138,16 +136,13 @@ std::string contributions(const Outcomes& runs) {
 }
 
 std::string chart(const std::map<std::string, std::vector<Curve>>& curves) {
-  plot::Panel panel;
-  panel.title = "Norm of MAE, mean and one standard deviation over the flights";
-  panel.x_label = "distance flown [m]";
-  panel.y_label = "norm of MAE [m]";
-  panel.from_zero = true;
-  std::size_t colour = 0;
+  plot::Panel p = panel("Norm of MAE, mean and one standard deviation over the flights",
+                        "distance flown [m]", "norm of MAE [m]");
+  p.from_zero = true;
   for (const char* name : {"default", "published-ekf", kOnePastScan, kDopplerOnly}) {
-    add_mean_curve(curves.at(name), name, plot::curve_stroke(colour++), &panel);
+    add_mean_curve(curves.at(name), name, &p);
   }
-  return plot::draw_chart("Error over the distance flown", {panel}, 1);
+  return plot::draw_chart("Error over the distance flown", {p}, 1);
 }
 
 }  // namespace
@@ -161,21 +156,19 @@ Result icra2023(const Settings& settings) {
         if (v.change && v.name != kOnePastScan) return;
         curves[v.name].push_back(mae_over_distance(pose_pairs(trial)));
       });
-  Result result;
-  result.markdown = fmt::format(
+  const FlownFlight flown = fly_all(cases_of("indoor-7", 1).front(), presets_compared());
+  const std::string text = fmt::format(
       "Simulated flights of the published lengths, {} of each: mean (worst) ± standard deviation. "
       "The paper's own\nfigures, from seven real flights, stand beside them for orientation: the "
       "flights are not the same.\n\n{}\nWhat each kind of measurement contributes, all {} "
       "flights (one past scan: as in the paper's predecessor; doppler-only: as in the other method "
       "it is compared with):\n\n{}\nTime per scan:\n\n{}",
       count, table_one(runs), cases.size(), contributions(runs), table_two());
-  result.attachments.push_back({"icra2023.csv", outcomes_as_csv(runs)});
-  result.attachments.push_back({"icra2023.svg", chart(curves)});
-  const FlownFlight flown = fly_all(cases_of("indoor-7", 1).front(), presets_compared());
-  result.attachments.push_back({"icra2023-path.svg", chart_of_paths("A flight of 175 m", {flown})});
-  result.attachments.push_back(
-      {"icra2023-errors.svg", chart_of_errors("Errors of position and their bounds", flown)});
-  return result;
+  return {text,
+          {{"icra2023.csv", outcomes_as_csv(runs)},
+           {"icra2023.svg", chart(curves)},
+           {"icra2023-path.svg", chart_of_paths("A flight of 175 m", {flown})},
+           {"icra2023-errors.svg", chart_of_errors("Errors of position and their bounds", flown)}}};
 }
 
 }  // namespace rio::experiment

@@ -4,11 +4,10 @@
 // line.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <sstream>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -25,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using rio::experiment::Attachment;
 using rio::experiment::Experiment;
+using rio::experiment::kExperiments;
 using rio::experiment::Settings;
 
 struct Arguments {
@@ -70,23 +70,13 @@ std::vector<std::string> blocks_of(const fs::path& page) {
   return names;
 }
 
-/// FNV-1a of this program: equal for the same one.
-std::string fingerprint() {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : rio::io::read_text("/proc/self/exe")) {
-    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  }
-  std::ostringstream text;
-  text << std::hex << hash;
-  return text.str();
-}
-
 /// @param name prefix of progress lines if stderr is not a terminal; empty: none
 void run_experiment(const Arguments& arguments, const std::string& name = {}) {
-  const std::vector<Experiment>& all = rio::experiment::experiments();
-  const auto chosen = std::find_if(all.begin(), all.end(),
+  const auto chosen = std::find_if(std::begin(kExperiments), std::end(kExperiments),
                                    [&](const Experiment& e) { return e.name == arguments.name; });
-  if (chosen == all.end()) throw std::runtime_error("no such experiment: " + arguments.name);
+  if (chosen == std::end(kExperiments)) {
+    throw std::runtime_error("no such experiment: " + arguments.name);
+  }
   const fs::path out(arguments.out);
   fs::create_directories(out);
   rio::experiment::Result result;
@@ -114,8 +104,10 @@ void run_all(Arguments arguments) {
   if (arguments.update.empty()) throw std::runtime_error("all needs --update PAGE");
   fs::create_directories(arguments.out);
   const fs::path list = fs::path(arguments.out) / "written.txt";
-  const std::string how = fingerprint() + " seeds " + std::to_string(arguments.settings.seeds) +
-                          " of " + arguments.update + " ";
+  const std::size_t program = std::hash<std::string>{}(rio::io::read_text("/proc/self/exe"));
+  const std::string how = std::to_string(program) + " seeds " +
+                          std::to_string(arguments.settings.seeds) + " of " + arguments.update +
+                          " ";
   for (const std::string& name : blocks_of(arguments.update)) {
     const std::string written = fs::exists(list) ? rio::io::read_text(list) : "";
     if (("\n" + written).find("\n" + how + name + "\n") != std::string::npos) {
@@ -134,7 +126,7 @@ int run(int argc, char** argv) {
   Arguments arguments;
   std::vector<std::string> names;
   std::string footer = "Experiments:\n";
-  for (const Experiment& e : rio::experiment::experiments()) {
+  for (const Experiment& e : kExperiments) {
     names.emplace_back(e.name);
     footer += std::string("  ") + e.name + ": " + e.summary + "\n";
   }

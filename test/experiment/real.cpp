@@ -13,8 +13,6 @@
 
 #include "experiment/experiment.hpp"
 #include "experiment/recording.hpp"
-#include "experiment/spread.hpp"
-#include "experiment/trial.hpp"
 #include "rio/eval/metrics.hpp"
 
 namespace rio::experiment {
@@ -26,19 +24,17 @@ constexpr int kDraws = 18;             // of the random perturbations
 constexpr double kHonestShare = 0.95;  // of the scans
 
 const Variants& estimators() {
-  const Change doppler_alone = [](Options& o) {
-    o.update.use_landmarks = o.update.use_trails = false;
-  };
-  const Change mounting_unknown = [](Options& options) {
-    options.backend = BackEnd::kSmoother;
-    forget_mounting(options);
-  };
   static const Variants all = {
       {"default, filter", "default"},
       {"default, smoother", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }},
-      {"default, Doppler alone", "default", doppler_alone},
+      {"default, Doppler alone", "default",
+       [](Options& o) { o.update.use_landmarks = o.update.use_trails = false; }},
       {"default, mounting unknown, filter", "default", forget_mounting},
-      {"default, mounting unknown, smoother", "default", mounting_unknown},
+      {"default, mounting unknown, smoother", "default",
+       [](Options& o) {
+         o.backend = BackEnd::kSmoother;
+         forget_mounting(o);
+       }},
       {"published-ekf", "published-ekf"},
       {"published-smoother", "published-smoother"},
       {"published-uncertainty", "published-uncertainty"},
@@ -49,6 +45,22 @@ constexpr std::size_t kOfDefault = 2;  // the first ones, by back-end
 
 Variants of_default() {
   return {estimators().begin(), estimators().begin() + kOfDefault};
+}
+
+/// The drives recorded by two radars, NAME_A and NAME_B on one clock, as NAME_AB with both.
+std::vector<Recording> fused(const std::vector<Recording>& recordings) {
+  std::vector<Recording> drives;
+  for (std::size_t i = 0; i + 1 < recordings.size(); ++i) {
+    const Recording& a = recordings[i];
+    const Recording& b = recordings[i + 1];
+    const std::string drive = a.name.substr(0, a.name.size() - 1);
+    if (a.name != drive + "A" || b.name != drive + "B" || a.group != b.group) continue;
+    Recording both = a;
+    both.name = drive + "AB";
+    both.data.other_radars.push_back({b.data.scans, b.data.radar_info});
+    drives.push_back(std::move(both));
+  }
+  return drives;
 }
 
 /// Of the finite values; NaN without any.
@@ -69,18 +81,19 @@ std::string over(const std::vector<double>& all, int decimals) {
   return fmt::format("{} ({})", number(median(all), decimals), number(largest(all), decimals));
 }
 
-/// A member of the score over the seeds; NaN where it did not start.
+/// A member of the score over the seeds.
 template <class Member>
 std::vector<double> of(const RealRun& run, const Member& value) {
   std::vector<double> values;
-  for (const RealScore& s : run.scores) {
-    values.push_back(s.started ? std::invoke(value, s) : std::nan(""));
-  }
+  for (const RealScore& s : run.scores) values.push_back(std::invoke(value, s));
   return values;
 }
 
 bool dishonest(const RealScore& s) {
   return s.honest < kHonestShare;
+}
+bool deceiving(const RealScore& s) {
+  return dishonest(s) && s.healthy;
 }
 
 std::string table_of_recordings(const std::vector<RealRun>& runs) {
@@ -108,17 +121,14 @@ std::string table_of_recordings(const std::vector<RealRun>& runs) {
 std::vector<std::string> summary(const std::vector<RealRun>& runs, std::size_t estimator,
                                  const std::string& group) {
   std::vector<double> closure, far, across, up, typical, worst, creep;
-  int count = 0, honest = 0, deceiving = 0, started = 0;
+  int count = 0, honest = 0, deceptive = 0, started = 0;
   for (const RealRun& run : runs) {
     const Recording& recording = *run.recording;
     if (run.variant != estimator || (group != "all" && recording.group != group)) continue;
     ++count;
     started += run.scores.front().started ? 1 : 0;
     honest += std::none_of(run.scores.begin(), run.scores.end(), dishonest) ? 1 : 0;
-    deceiving += std::any_of(run.scores.begin(), run.scores.end(),
-                             [](const RealScore& s) { return dishonest(s) && s.healthy; })
-                     ? 1
-                     : 0;
+    deceptive += std::any_of(run.scores.begin(), run.scores.end(), deceiving) ? 1 : 0;
     creep.push_back(median(of(run, &RealScore::creep)));
     if (recording.stands()) {
       far.push_back(largest(of(run, &RealScore::farthest)));
@@ -138,7 +148,7 @@ std::vector<std::string> summary(const std::vector<RealRun>& runs, std::size_t e
           fmt::format("{} of {}", honest, count),
           over(typical, 2),
           number(largest(worst), 2),
-          fmt::format("{}", deceiving),
+          fmt::format("{}", deceptive),
           over(closure, 3),
           over(creep, 3),
           over(far, 3)};
@@ -155,12 +165,10 @@ std::string table_of_groups(const std::vector<RealRun>& runs) {
     if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.push_back(group);
   }
   groups.emplace_back("all");
+  const std::size_t flown = runs.empty() ? 0 : runs.back().variant + 1;
   for (const std::string& group : groups) {
-    for (std::size_t e = 0; e < estimators().size(); ++e) {
-      const bool flown = std::any_of(runs.begin(), runs.end(),
-                                     [&](const RealRun& run) { return run.variant == e; });
-      if (flown && (e < kOfDefault || group == "all")) table.add(summary(runs, e, group));
-    }
+    const std::size_t shown = group == "all" ? flown : std::min(flown, kOfDefault);
+    for (std::size_t e = 0; e < shown; ++e) table.add(summary(runs, e, group));
   }
   return table.text();
 }
@@ -183,24 +191,21 @@ std::string table_of_copies(const std::vector<Recording>& recordings, const Sett
     const int seeds = flat ? 1 : settings.seeds_or(kSeeds);  // there are many drives
     const std::vector<RealRun> runs = replay_campaign(copies, of_default(), seeds, settings);
     for (std::size_t e = 0; e < kOfDefault; ++e) {
-      std::vector<double> closure, height, typical, worst;
-      int honest = 0, deceiving = 0;
+      RealRun all{&copies.front(), e};
       for (const RealRun& run : runs) {
         if (run.variant != e) continue;
-        for (const RealScore& s : run.scores) {
-          closure.push_back(s.closure);
-          height.push_back(s.height_share());
-          typical.push_back(s.sigmas_median);
-          worst.push_back(s.sigmas_worst);
-          honest += dishonest(s) ? 0 : 1;
-          deceiving += dishonest(s) && s.healthy ? 1 : 0;
-        }
+        all.scores.insert(all.scores.end(), run.scores.begin(), run.scores.end());
       }
-      table.add({group, estimators()[e].name, fmt::format("{}", closure.size()),
-                 flat ? "-" : over(closure, 3), flat ? over(height, 2) : "-",
-                 flat ? fmt::format("{} of {}", honest, closure.size()) : "-",
-                 flat ? over(typical, 2) : "-", flat ? number(largest(worst), 2) : "-",
-                 flat ? fmt::format("{}", deceiving) : "-"});
+      const std::vector<RealScore>& s = all.scores;
+      const auto honest = std::count_if(s.begin(), s.end(), std::not_fn(dishonest));
+      const auto deceptive = std::count_if(s.begin(), s.end(), deceiving);
+      table.add({group, estimators()[e].name, fmt::format("{}", s.size()),
+                 flat ? "-" : over(of(all, &RealScore::closure), 3),
+                 flat ? over(of(all, &RealScore::height_share), 2) : "-",
+                 flat ? fmt::format("{} of {}", honest, s.size()) : "-",
+                 flat ? over(of(all, &RealScore::sigmas_median), 2) : "-",
+                 flat ? number(largest(of(all, &RealScore::sigmas_worst)), 2) : "-",
+                 flat ? fmt::format("{}", deceptive) : "-"});
     }
   }
   return table.text();
@@ -215,8 +220,7 @@ Result real(const Settings& settings) {
   const int seeds = settings.seeds_or(kSeeds);
   const std::vector<RealRun> runs = replay_campaign(recordings, estimators(), seeds, settings);
   const std::vector<RealRun> together = replay_campaign(drives, of_default(), seeds, settings);
-  Result result;
-  result.markdown = fmt::format(
+  return {fmt::format(
       "Static start, no option set; seeds of the RANSAC: {}. RMS in % of the distance: horizontal\n"
       "against the reference, laid over it at the first scan (position and heading); height\n"
       "against the flat floor or the barometer. Creep: range of the height during the rest at the\n"
@@ -227,8 +231,7 @@ Result real(const Settings& settings) {
       "other scan, 30 % of the points dropped, mounting wrong by 3 deg, stamps wrong by 20 ms);\n"
       "of the karts with one seed:\n\n{}",
       seeds, table_of_recordings(runs), table_of_recordings(together), table_of_groups(runs),
-      table_of_groups(together), table_of_copies(recordings, settings));
-  return result;
+      table_of_groups(together), table_of_copies(recordings, settings))};
 }
 
 }  // namespace rio::experiment

@@ -2,14 +2,9 @@
 #include "experiment/recording.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
-#include <limits>
-#include <memory>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -41,27 +36,19 @@ double moving_share(const RadarScan& scan, double grid) {
   return static_cast<double>(moving) / static_cast<double>(scan.detections.size());
 }
 
-/// Heights above the mean pressure of the first two seconds, each from the mean of a second.
-eval::Trajectory barometer_heights(const std::vector<io::BaroSample>& baro) {
-  eval::Trajectory heights;
+/// Each the mean of a second.
+std::vector<io::BarometricHeights::Sample> barometer_heights(const io::Dataset& data) {
+  const auto raw = io::barometric_heights(data.baro).samples;
+  auto heights = raw;
   std::size_t first = 0;
   std::size_t end = 0;
   double sum = 0.0;
-  const auto still = std::find_if(baro.begin(), baro.end(), [&](const io::BaroSample& sample) {
-    return to_seconds(sample.time - baro.front().time) > 2.0;
-  });
-  const double zero =
-      std::accumulate(baro.begin(), still, 0.0,
-                      [](double total, const auto& sample) { return total + sample.pressure; }) /
-      static_cast<double>(still - baro.begin());
-  for (const io::BaroSample& sample : baro) {
-    for (; end < baro.size() && to_seconds(baro[end].time - sample.time) < 0.5; ++end) {
-      sum += baro[end].pressure;
+  for (auto& [time, height] : heights) {
+    for (; end < raw.size() && to_seconds(raw[end].time - time) < 0.5; ++end) {
+      sum += raw[end].height;
     }
-    for (; to_seconds(sample.time - baro[first].time) > 0.5; ++first) sum -= baro[first].pressure;
-    const double mean = sum / static_cast<double>(end - first);
-    heights.push_back({sample.time, Vector3d(0.0, 0.0, -io::kPressureScale * std::log(mean / zero)),
-                       Quaternion::Identity()});
+    for (; to_seconds(time - raw[first].time) > 0.5; ++first) sum -= raw[first].height;
+    height = sum / static_cast<double>(end - first);
   }
   return heights;
 }
@@ -96,32 +83,31 @@ void judge_against_reference(const eval::Trajectory& reference, const eval::Traj
 }
 
 void judge_height(const Recording& recording, const Replay& replay, RealScore* score) {
-  const std::vector<RecordedStep>& steps = replay.steps;
-  const eval::Trajectory heights =
-      recording.flat() ? eval::Trajectory{} : barometer_heights(recording.data.baro);
-  if (!recording.flat() && heights.empty()) return;
+  const bool flat = recording.flat();
+  const auto heights = barometer_heights(recording.data);
+  if (!flat && heights.empty()) return;
   std::vector<double> errors;
   std::vector<double> sigmas;
   double honest = 0.0;
   std::optional<double> zero;
-  std::size_t next = 0;
-  for (const RecordedStep& step : steps) {
-    double truth = 0.0;
-    if (!recording.flat()) {
-      while (next < heights.size() && heights[next].time < step.state.time) ++next;
-      if (next == heights.size()) break;
-      truth = heights[next].p.z();
+  auto next = heights.begin();
+  for (const RecordedStep& step : replay.steps) {
+    double error = step.state.p_WB.z();
+    if (!flat) {
+      while (next != heights.end() && next->time < step.state.time) ++next;
+      if (next == heights.end()) break;
+      error -= next->height;
     }
-    const double error = step.state.p_WB.z() - truth;
     if (!zero) zero = error;
-    errors.push_back(error - *zero);
-    honest += std::abs(errors.back()) < 3.0 * step.sigma_height ? 1.0 : 0.0;
-    if (2 * errors.size() > steps.size()) {
-      sigmas.push_back(std::abs(errors.back()) / step.sigma_height);
+    error -= *zero;
+    errors.push_back(error);
+    honest += std::abs(error) < 3.0 * step.sigma_height ? 1.0 : 0.0;
+    if (2 * errors.size() > replay.steps.size()) {
+      sigmas.push_back(std::abs(error) / step.sigma_height);
     }
   }
   score->height = eval::statistics(errors).rmse;
-  if (!recording.flat()) return;  // a barometer with centimetres of noise validates no sigma
+  if (!flat) return;  // a barometer with centimetres of noise validates no sigma
   score->honest = honest / static_cast<double>(errors.size());
   std::sort(sigmas.begin(), sigmas.end());
   score->sigmas_median = sigmas[sigmas.size() / 2];
@@ -132,26 +118,15 @@ void judge_rest(const Recording& recording, const Replay& replay, RealScore* sco
   constexpr double kSettled = 1.0;   // after the last motion [s]
   constexpr double kShortest = 2.0;  // shortest rest to measure creep [s]
   const Time rest = motion_of(recording.data).end + from_seconds(kSettled);
-  double low = std::numeric_limits<double>::infinity();
-  double high = -low;
+  std::vector<double> heights;
   for (const RecordedStep& step : replay.steps) {
-    if (step.state.time < rest) continue;
-    low = std::min(low, step.state.p_WB.z());
-    high = std::max(high, step.state.p_WB.z());
+    if (step.state.time >= rest) heights.push_back(step.state.p_WB.z());
   }
   const RecordedStep& last = replay.steps.back();
   if (to_seconds(last.state.time - rest) < kShortest) return;
-  score->creep = high - low;
+  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+  score->creep = *high - *low;
   score->creep_sigmas = score->creep / last.sigma_height;
-}
-
-Recording thinned(const Recording& recording, std::size_t first) {
-  Recording copy = recording;
-  copy.data.scans.clear();
-  for (std::size_t i = first; i < recording.data.scans.size(); i += 2) {
-    copy.data.scans.push_back(recording.data.scans[i]);
-  }
-  return copy;
 }
 
 }  // namespace
@@ -210,61 +185,42 @@ std::vector<Recording> find_recordings(const fs::path& folder) {
   return recordings;
 }
 
-std::vector<Recording> fused(const std::vector<Recording>& recordings) {
-  std::vector<Recording> drives;
-  for (std::size_t i = 0; i + 1 < recordings.size(); ++i) {
-    const Recording& a = recordings[i];
-    const Recording& b = recordings[i + 1];
-    const std::string drive = a.name.substr(0, a.name.size() - 1);
-    if (a.name != drive + "A" || b.name != drive + "B" || a.group != b.group) continue;
-    Recording both = a;
-    both.name = drive + "AB";
-    both.data.other_radars.push_back({b.data.scans, b.data.radar_info});
-    drives.push_back(std::move(both));
-  }
-  return drives;
-}
-
 std::vector<Copy> perturbed(const Recording& recording, int draws, std::uint64_t seed) {
   constexpr double kThreeDegrees = 0.0523599;  // [rad]
   std::vector<Copy> copies;
-  {
-    Copy cut{"2 s of rest before the start", recording};
-    const Time begin = motion_of(recording.data).begin - std::chrono::seconds(2);
-    std::erase_if(cut.recording.data.imu, [&](const auto& s) { return s.time < begin; });
-    std::erase_if(cut.recording.data.scans, [&](const auto& s) { return s.time < begin; });
-    copies.push_back(std::move(cut));
+  const auto copy = [&](const char* kind) -> io::Dataset& {
+    copies.push_back({kind, recording});
+    return copies.back().recording.data;
+  };
+  io::Dataset& cut = copy("2 s of rest before the start");
+  const Time begin = motion_of(recording.data).begin - std::chrono::seconds(2);
+  std::erase_if(cut.imu, [&](const ImuSample& s) { return s.time < begin; });
+  std::erase_if(cut.scans, [&](const RadarScan& s) { return s.time < begin; });
+  for (const std::size_t parity : {0U, 1U}) {
+    std::size_t i = 0;
+    std::erase_if(copy("every other scan").scans,
+                  [&](const RadarScan&) { return i++ % 2 != parity; });
   }
-  copies.push_back({"every other scan", thinned(recording, 0)});
-  copies.push_back({"every other scan", thinned(recording, 1)});
   sim::Random random(seed, 11);
   for (int i = 0; i < draws; ++i) {
-    Copy dropped{"30 % of the points dropped", recording};
-    for (RadarScan& scan : dropped.recording.data.scans) {
+    for (RadarScan& scan : copy("30 % of the points dropped").scans) {
       std::erase_if(scan.detections, [&](const auto&) { return random.uniform(0.0, 1.0) < 0.3; });
     }
-    copies.push_back(std::move(dropped));
-    Copy turned{"mounting wrong by 3 deg", recording};
-    if (std::optional<Pose>& T_BS = turned.recording.data.radar_info.T_BS) {
+    if (std::optional<Pose>& T_BS = copy("mounting wrong by 3 deg").radar_info.T_BS) {
       const Vector3d axis = random.normal3().normalized();
       T_BS->rotation = (T_BS->rotation * quaternion_exp(kThreeDegrees * axis)).normalized();
     }
-    copies.push_back(std::move(turned));
   }
   for (const int milliseconds : {-20, 20}) {
-    Copy late{"stamps wrong by 20 ms", recording};
-    for (RadarScan& scan : late.recording.data.scans) {
+    for (RadarScan& scan : copy("stamps wrong by 20 ms").scans) {
       scan.time += std::chrono::milliseconds(milliseconds);
     }
-    copies.push_back(std::move(late));
   }
   return copies;
 }
 
 Replay replay(const io::Dataset& data, const Options& options) {
-  std::string why;
-  const std::unique_ptr<Odometry> odometry = Odometry::create(options, &why);
-  if (!odometry) throw std::runtime_error(why);
+  const auto odometry = create_odometry(options);
   Replay out;
   const auto record = [&] {
     const Matrix3d P = odometry->covariance().block<3, 3>(body::kPosition, body::kPosition);
@@ -272,20 +228,18 @@ Replay replay(const io::Dataset& data, const Options& options) {
     const HealthState state = odometry->health().state;
     out.healthy = out.healthy && (state == HealthState::kOk || state == HealthState::kInitializing);
   };
-  std::array<std::size_t, 1 + Options::kMaxOtherRadars> next{};
+  std::vector<const std::vector<RadarScan>*> radars = {&data.scans};
+  for (const io::Dataset::OtherRadar& other : data.other_radars) radars.push_back(&other.scans);
+  std::vector<std::size_t> next(radars.size());
   std::uint64_t recorded = 0;
-  const auto give = [&](const std::vector<RadarScan>& scans, std::size_t radar, Time until) {
-    std::size_t& i = next[radar];
-    for (; i < scans.size() && scans[i].time <= until; ++i) {
-      (void)odometry->add_scan(scans[i], radar);
-    }
-  };
   const auto begin = std::chrono::steady_clock::now();
   for (const ImuSample& sample : data.imu) {
     (void)odometry->add_imu(sample);  // its outcome is counted
-    give(data.scans, 0, sample.time);
-    for (std::size_t r = 0; r < data.other_radars.size(); ++r) {
-      give(data.other_radars[r].scans, r + 1, sample.time);
+    for (std::size_t r = 0; r < radars.size(); ++r) {
+      const std::vector<RadarScan>& scans = *radars[r];
+      for (std::size_t& i = next[r]; i < scans.size() && scans[i].time <= sample.time; ++i) {
+        (void)odometry->add_scan(scans[i], r);
+      }
     }
     if (odometry->counters().scans != recorded) record();
     recorded = odometry->counters().scans;
@@ -305,19 +259,21 @@ RealScore judge(const Recording& recording, const Replay& replay) {
   RealScore score;
   score.started =
       !replay.steps.empty() && replay.steps.front().state.time < motion_of(recording.data).end;
-  if (!recording.reference.empty()) score.distance = length_of(recording.reference);
+  const bool referenced = !recording.reference.empty();
+  if (referenced) score.distance = length_of(recording.reference);
   if (!score.started) return score;
   const eval::Trajectory poses = poses_of(replay);
-  if (recording.reference.empty()) score.distance = length_of(poses);
+  if (!referenced) score.distance = length_of(poses);
   score.healthy = replay.healthy;
   score.farthest = 0.0;
   for (const auto& pose : poses) {
     score.farthest = std::max(score.farthest, (pose.p - poses.front().p).norm());
   }
   score.closure = (poses.back().p - poses.front().p).norm();
-  if (!recording.reference.empty()) {
-    judge_against_reference(recording.reference, poses, &score);
-  }
+  const auto pitch = static_cast<std::size_t>(Calibration::kRotationY);
+  score.pitch = replay.calibration[pitch].value;
+  score.pitch_sigma = replay.calibration[pitch].sigma;
+  if (referenced) judge_against_reference(recording.reference, poses, &score);
   judge_height(recording, replay, &score);
   judge_rest(recording, replay, &score);
   return score;

@@ -37,9 +37,6 @@ struct Recording {
 /// @throws std::runtime_error if there is none or one cannot be read
 std::vector<Recording> find_recordings(const std::filesystem::path& folder);
 
-/// The drives recorded by two radars, NAME_A and NAME_B on one clock, as NAME_AB with both.
-std::vector<Recording> fused(const std::vector<Recording>& recordings);
-
 /// First and last time of motion, by the radar; people near it do not count.
 struct Motion {
   Time begin;
@@ -95,6 +92,8 @@ struct RealScore {
   bool healthy = false;             ///< see Replay
   double creep = kUnknown;          ///< range of the height during the rest at the end [m]
   double creep_sigmas = kUnknown;   ///< same, in its sigmas at the end
+  double pitch = kUnknown;          ///< of the mounting at the end, estimate minus given [rad]
+  double pitch_sigma = kUnknown;    ///< [rad]
 
   double horizontal_share() const { return 100.0 * horizontal / distance; }  ///< [%]
   double height_share() const { return 100.0 * height / distance; }          ///< [%]

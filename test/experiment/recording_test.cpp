@@ -7,11 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
-#include <string>
 
-#include "experiment/trial.hpp"
+#include "rio/io/flight_dataset.hpp"
 #include "rio/io/trajectory.hpp"
-#include "rio/sim/flight.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::experiment {
@@ -22,12 +20,8 @@ Recording simulated() {
   sim::Scenario scenario;
   scenario.seed = 3;
   scenario.path.length = 20.0;
-  const sim::Flight flight = sim::simulate_flight(scenario);
-  Recording r{"simulated", "", {}, {}};
-  r.data.imu = flight.imu;
-  r.data.scans = flight.scans;
-  r.data.radar_info.T_BS = flight.configured_T_BS;
-  for (const NavState& nav : flight.truth) r.reference.push_back({nav.time, nav.p_WB, nav.q_WB});
+  Recording r{"simulated", "", io::dataset_of(sim::simulate_flight(scenario)), {}};
+  for (const NavState& x : r.data.ground_truth) r.reference.push_back({x.time, x.p_WB, x.q_WB});
   return r;
 }
 

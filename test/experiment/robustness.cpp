@@ -19,12 +19,13 @@ namespace {
 constexpr int kSeeds = 20;
 constexpr double kLongFlight = 600.0;  // [s]; such flights are flown with a quarter of the seeds
 
-int seeds_for(const std::string& name, const Settings& settings) {
-  sim::Scenario scenario;
-  sim::scenario(name, &scenario);
-  const int seeds = settings.seeds_or(kSeeds);
-  const bool is_long = scenario.path.length <= 0.0 && scenario.path.duration >= kLongFlight;
-  return is_long ? std::max(1, seeds / 4) : seeds;
+Cases flights_of(const std::string& name, int seeds) {
+  Cases cases = cases_of(name, seeds);
+  const sim::PathOptions& path = cases.front().scenario.path;
+  if (path.length <= 0.0 && path.duration >= kLongFlight) {
+    cases.resize(std::max<std::size_t>(1, cases.size() / 4));
+  }
+  return cases;
 }
 
 /// The blocks whose mean NEES is above what 99 % of consistent filters show at one instant.
@@ -67,7 +68,7 @@ std::string remark(const Scores& scores, const Scores& published) {
 Result robustness(const Settings& settings) {
   Cases cases;
   for (const sim::CatalogueEntry& entry : sim::catalogue()) {
-    for (const Case& c : cases_of(entry.name, seeds_for(entry.name, settings))) cases.push_back(c);
+    for (const Case& c : flights_of(entry.name, settings.seeds_or(kSeeds))) cases.push_back(c);
   }
   // the long flights first: no thread ends alone with one
   std::stable_sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) {
@@ -95,15 +96,13 @@ Result robustness(const Settings& settings) {
     row.push_back(remark(best, published));
     table.add(row);
   }
-  Result result;
-  result.markdown = fmt::format(
+  const std::string text = fmt::format(
       "Mean (worst) ± standard deviation over the flights. NEES of position, heading and velocity: "
       "mean over flight and\nruns of the normalised estimation error squared over its dimension; 1 "
       "is right, above 1 is overconfident. Lost: ends\noff by more than 5 % of the path and 2 m. "
       "`rio scenarios` says what each scenario is.\n\n{}",
       table.text());
-  result.attachments.push_back({"robustness.csv", outcomes_as_csv(runs)});
-  return result;
+  return {text, {{"robustness.csv", outcomes_as_csv(runs)}}};
 }
 
 }  // namespace rio::experiment

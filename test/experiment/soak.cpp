@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "experiment/experiment.hpp"
 #include "experiment/soak_run.hpp"
-#include "experiment/spread.hpp"
 #include "rio/core/chi2.hpp"
 
 namespace rio::experiment {
@@ -22,22 +19,6 @@ constexpr double kRow = 600.0;          // [s]
 constexpr double kComparison = 600.0;   // of the runs that must be the same [s]
 constexpr std::size_t kTableRows = 24;  // of the report; the csv has all
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
-
-double largest(const std::vector<SoakRow>& rows, double SoakRow::*value) {
-  double most = 0.0;
-  for (const SoakRow& row : rows) {
-    // not max(), so that a NaN is reported
-    if (!(row.*value <= most)) most = row.*value;
-  }
-  return most;
-}
-
-double mean(const std::vector<SoakRow>& rows, double SoakRow::*value) {
-  double sum = 0.0;
-  for (const SoakRow& row : rows) sum += row.*value;
-  return rows.empty() ? std::numeric_limits<double>::quiet_NaN()
-                      : sum / static_cast<double>(rows.size());
-}
 
 std::vector<std::string> cells(const SoakRow& row) {
   return {fmt::format("{:.2f}", row.time / 3600.0),
@@ -85,10 +66,12 @@ class Verdict {
   void add(const std::string& what, const std::string& found, const std::string& asked, bool held) {
     table_.add({what, found, asked, held ? "yes" : "NO"});
   }
-  void below(const std::string& what, const char* format, double found, double bound,
-             const char* asked) {
-    add(what, fmt::format(fmt::runtime(format), found), fmt::format("below {}", asked),
+  void below(const std::string& what, const char* format, double found, double bound) {
+    add(what, fmt::format(fmt::runtime(format), found), fmt::format("below {}", bound),
         found < bound);
+  }
+  void zero(const std::string& what, const char* format, double found) {
+    add(what, fmt::format(fmt::runtime(format), found), "0", found == 0.0);
   }
   const std::string& text() const { return table_.text(); }
 
@@ -99,53 +82,51 @@ class Verdict {
 void judge_constancy(const SoakRun& run, Verdict* verdict) {
   const std::vector<SoakRow>& rows = run.rows;
   // of the second row: the first includes the start
-  const double grown =
-      rows.back().resident - rows[std::min<std::size_t>(1, rows.size() - 1)].resident;
-  verdict->below("growth of memory [MB]", "{:.2f}", grown, 1.0, "1");
+  const double before = rows[std::min<std::size_t>(1, rows.size() - 1)].resident;
+  verdict->below("growth of memory [MB]", "{:.2f}", rows.back().resident - before, 1.0);
   verdict->add("finite at every scan", run.finite ? "yes" : "no", "yes", run.finite);
-  const double asymmetry = largest(rows, &SoakRow::asymmetry);
-  verdict->add("asymmetry of P", fmt::format("{:.0e}", asymmetry), "0", asymmetry == 0.0);
-  verdict->below("norm of q, less 1", "{:.0e}", largest(rows, &SoakRow::norm_error), 1e-14,
-                 "1e-14");
-  const double lag = largest(rows, &SoakRow::lag);
-  verdict->add("now() off the newest sample [s]", fmt::format("{}", lag), "0", lag == 0.0);
+  verdict->zero("asymmetry of P", "{:.0e}", Spread::of(rows, &SoakRow::asymmetry).worst);
+  verdict->below("norm of q, less 1", "{:.0e}", Spread::of(rows, &SoakRow::norm_error).worst,
+                 1e-14);
+  verdict->zero("now() off the newest sample [s]", "{}", Spread::of(rows, &SoakRow::lag).worst);
   const Counters& c = run.counters;
   verdict->add("scans processed", fmt::format("{} of {}", c.scans, run.scans), "all",
                c.scans == run.scans);
-  const std::uint64_t failed = c.updates_failed + c.velocity_resets + c.attitude_resets;
-  verdict->add("updates failed, states replaced", fmt::format("{}", failed), "0", failed == 0);
+  verdict->zero("updates failed, states replaced", "{}",
+                static_cast<double>(c.updates_failed + c.velocity_resets + c.attitude_resets));
   const auto part = static_cast<long>(std::max<std::size_t>(1, rows.size() / 4));
-  const double first = mean({rows.begin(), rows.begin() + part}, &SoakRow::time_per_scan);
-  const double last = mean({rows.end() - part, rows.end()}, &SoakRow::time_per_scan);
-  verdict->below("time a scan, last quarter over first", "{:.2f}", last / first, 1.5, "1.5");
+  const auto time_of = [](std::vector<SoakRow>::const_iterator begin, long count) {
+    return Spread::of(std::vector<SoakRow>(begin, begin + count), &SoakRow::time_per_scan).mean;
+  };
+  verdict->below("time a scan, last quarter over first", "{:.2f}",
+                 time_of(rows.end() - part, part) / time_of(rows.begin(), part), 1.5);
 }
 
 void judge_errors(const std::vector<SoakRow>& rows, Verdict* verdict) {
   const double bound = chi2_quantile(0.9999, 3.0) / 3.0;  // at any time of the run
-  verdict->below("position: largest NEES of a row", "{:.2f}",
-                 largest(rows, &SoakRow::nees_position), bound,
-                 fmt::format("{:.1f}", bound).c_str());
-  const auto mean_below = [&](const char* what, double SoakRow::*value) {
-    verdict->below(what, "{:.2f}", mean(rows, value), 1.5, "1.5");
-  };
-  mean_below("velocity: mean NEES", &SoakRow::nees_velocity);
-  mean_below("tilt: mean NEES", &SoakRow::nees_tilt);
-  mean_below("calibration: mean NEES", &SoakRow::calibration);
+  const double position = Spread::of(rows, &SoakRow::nees_position).worst;
+  verdict->add("position: largest NEES of a row", fmt::format("{:.2f}", position),
+               fmt::format("below {:.1f}", bound), position < bound);
+  verdict->below("velocity: mean NEES", "{:.2f}", Spread::of(rows, &SoakRow::nees_velocity).mean,
+                 1.5);
+  verdict->below("tilt: mean NEES", "{:.2f}", Spread::of(rows, &SoakRow::nees_tilt).mean, 1.5);
+  verdict->below("calibration: mean NEES", "{:.2f}", Spread::of(rows, &SoakRow::calibration).mean,
+                 1.5);
 }
 
-void judge_order(const SoakSettings& settings, Verdict* verdict) {
-  SoakSettings brief = settings;
-  brief.seconds = std::min(settings.seconds, kComparison);
+void judge_order(SoakSettings brief, Verdict* verdict) {
+  constexpr std::pair<const char*, Interleaving> kOrders[] = {
+      {"flown again", Interleaving::kScanFirst},
+      {"each sample before the scan", Interleaving::kImuFirst},
+      {"scans 0.2 s early: they wait", Interleaving::kEarly},
+      {"scans 0.1 s late", Interleaving::kLate}};
+  brief.seconds = std::min(brief.seconds, kComparison);
   const std::uint64_t hash = run_soak(brief).hash;
-  const auto compare = [&](const char* what, Interleaving interleaving) {
+  for (const auto& [what, interleaving] : kOrders) {
     brief.interleaving = interleaving;
     const bool same = run_soak(brief).hash == hash;
     verdict->add(what, same ? "same bytes" : "other bytes", "same bytes", same);
-  };
-  compare("flown again", Interleaving::kScanFirst);
-  compare("each sample before the scan", Interleaving::kImuFirst);
-  compare("scans 0.2 s early: they wait", Interleaving::kEarly);
-  compare("scans 0.1 s late", Interleaving::kLate);
+  }
 }
 
 }  // namespace
@@ -164,17 +145,14 @@ Result soak(const Settings& settings) {
   judge_constancy(run, &verdict);
   judge_errors(run.rows, &verdict);
   judge_order(chosen, &verdict);
-  const char* name = settings.smoother ? "smoother" : "filter";
-  Result result;
-  result.markdown = fmt::format(
+  const std::string text = fmt::format(
       "`default`, {}, {:.2f} simulated hours in one go: every ten minutes from the ground and "
       "back, each time another way.\nTimes are of this machine. A row is at its time; NEES over "
       "its dimension, of velocity (body axes), tilt and calibration (each\nparameter by itself) "
       "the mean since the row before. The csv has a row every ten minutes.\n\n{}\n{}",
-      name, settings.hours, table_of(run.rows), verdict.text());
-  result.attachments.push_back(
-      {settings.smoother ? "soak-smoother.csv" : "soak.csv", csv_of(run.rows)});
-  return result;
+      settings.smoother ? "smoother" : "filter", settings.hours, table_of(run.rows),
+      verdict.text());
+  return {text, {{settings.smoother ? "soak-smoother.csv" : "soak.csv", csv_of(run.rows)}}};
 }
 
 }  // namespace rio::experiment

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <memory>
+#include <fstream>
 #include <stdexcept>
-#include <string>
 
 #include "experiment/soak_flight.hpp"
 #include "experiment/trial.hpp"
@@ -24,14 +22,10 @@ namespace {
 
 /// Memory of this process [MB]; 0 if unknown.
 double resident_megabytes() {
-  long size = 0;
-  long resident = 0;
-  std::FILE* file = std::fopen("/proc/self/statm", "r");
-  if (file == nullptr) return 0.0;
-  const int read = std::fscanf(file, "%ld %ld", &size, &resident);
-  std::fclose(file);
-  const auto pages = static_cast<double>(read == 2 ? resident : 0);
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576.0;
+  double size = 0.0;
+  double resident = 0.0;
+  std::ifstream("/proc/self/statm") >> size >> resident;  // pages
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576.0;
 }
 
 /// FNV-1a.
@@ -89,121 +83,94 @@ double calibration_of(const UpdateReport& report) {
   return sum / parameters;
 }
 
-class Run {
- public:
-  Run(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each)
-      : settings_(settings), each_(each), flight_(scenario()) {
-    sim::Flight sensors;  // sensor parameters only
-    sensors.scenario = scenario();
-    sensors.configured_T_BS = sensors.scenario.radar.T_BS;
-    Options options = options_for(sensors, "default");
-    options.backend = settings.backend;
-    options.timing.clock = &steady_now;
-    std::string why;
-    odometry_ = Odometry::create(options, &why);
-    if (odometry_ == nullptr) throw std::runtime_error(why);
-    const NavState start = flight_.truth(sensors.scenario.start);
-    BodyCovariance P0 = io::start_covariance(start.q_WB, options.start);
-    if (odometry_->reset(start, P0) != Status::kOk) throw std::runtime_error("no start");
-  }
+/// From a known state.
+std::unique_ptr<Odometry> started(BackEnd backend, const NavState& start) {
+  sim::Flight sensors;  // sensor parameters only
+  sensors.configured_T_BS = sensors.scenario.radar.T_BS;
+  Options options = options_for(sensors, "default");
+  options.backend = backend;
+  options.timing.clock = &steady_now;
+  auto odometry = create_odometry(options);
+  const BodyCovariance P0 = io::start_covariance(start.q_WB, options.start);
+  if (odometry->reset(start, P0) != Status::kOk) throw std::runtime_error("no start");
+  return odometry;
+}
 
-  SoakRun fly() {
-    constexpr double kRest = 0.5;  // without a scan, so that the last one is processed [s]
-    const Time begin = scenario().start;
-    const Time last_scan = begin + from_seconds(settings_.seconds - kRest);
-    const Time end = begin + from_seconds(settings_.seconds);
-    const bool imu_first = settings_.interleaving == Interleaving::kImuFirst;
-    for (Time now = begin; now < end;) {
-      const ImuSample sample = flight_.next_imu();
-      now = sample.time;
-      if (imu_first) give(sample);
-      while (flight_.next_scan_time() < std::min(last_scan, now + ahead(settings_.interleaving))) {
-        ++run_.scans;
-        (void)odometry_->add_scan(flight_.next_scan());
-        look();
-      }
-      if (!imu_first) give(sample);
-      if (to_seconds(now - begin) >= settings_.every * static_cast<double>(run_.rows.size() + 1)) {
-        end_row(to_seconds(now - begin));
-      }
-    }
-    run_.counters = odometry_->counters();
-    return run_;
-  }
-
- private:
-  sim::Scenario scenario() const {
-    sim::Scenario scenario;
-    scenario.seed = settings_.seed;
-    return scenario;
-  }
-
-  void give(const ImuSample& sample) {
-    (void)odometry_->add_imu(sample);
-    look();
-    const double lag = std::abs(to_seconds(odometry_->now().time - sample.time));
-    row_.lag = std::max(row_.lag, lag);
-  }
-
-  /// At a new scan.
-  void look() {
-    if (odometry_->counters().scans == seen_) return;
-    seen_ = odometry_->counters().scans;
-    const NavState& x = odometry_->at_scan();
-    const BodyCovariance& P = odometry_->covariance();
-    add_to_hash(x, &run_.hash);
-    add_to_hash(P, &run_.hash);
-    const NavState truth = flight_.truth(x.time);
-    const eval::BodyError e = eval::body_error(x, truth);
-    run_.finite = run_.finite && e.allFinite() && P.allFinite();
-    const Vector3d position = e.segment<3>(body::kPosition);
-    const Matrix3d P_position = P.block<3, 3>(body::kPosition, body::kPosition);
-    const Error velocity = velocity_of(x, truth, P);
-    const Error tilt = tilt_of(e, x, P);
-    const UpdateReport& report = odometry_->report();
-    const double took = to_seconds(report.propagation_time + report.update_time);
-    ++scans_in_row_;
-    row_.position_error = position.norm();
-    row_.position_sigma = std::sqrt(P_position.trace());
-    row_.velocity_error = velocity.norm;
-    row_.tilt_error = tilt.norm;
-    row_.nees_position = eval::nees(position, P_position) / 3.0;
-    row_.nees_velocity += velocity.nees;
-    row_.nees_tilt += tilt.nees;
-    row_.calibration += calibration_of(report);
-    row_.asymmetry = std::max(row_.asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
-    row_.norm_error = std::max(row_.norm_error, std::abs(x.q_WB.norm() - 1.0));
-    row_.time_per_scan += took;
-    row_.longest_scan = std::max(row_.longest_scan, took);
-  }
-
-  void end_row(double time) {
-    row_.time = time;
-    row_.resident = resident_megabytes();
-    for (double* sum :
-         {&row_.nees_velocity, &row_.nees_tilt, &row_.calibration, &row_.time_per_scan}) {
-      *sum /= scans_in_row_;
-    }
-    run_.rows.push_back(row_);
-    if (each_) each_(row_);
-    row_ = {};
-    scans_in_row_ = 0;
-  }
-
-  SoakSettings settings_;
-  const std::function<void(const SoakRow&)>& each_;
-  EndlessFlight flight_;
-  std::unique_ptr<Odometry> odometry_;
-  SoakRun run_;
-  SoakRow row_;
-  int scans_in_row_ = 0;
-  std::uint64_t seen_ = 0;  ///< scans
-};
+/// Adds a scan to a row, whose means are sums until it ends.
+void add_scan(const Odometry& odometry, const NavState& truth, SoakRow* row, SoakRun* run) {
+  const NavState& x = odometry.at_scan();
+  const BodyCovariance& P = odometry.covariance();
+  add_to_hash(x, &run->hash);
+  add_to_hash(P, &run->hash);
+  const eval::BodyError e = eval::body_error(x, truth);
+  run->finite = run->finite && e.allFinite() && P.allFinite();
+  const Vector3d position = e.segment<3>(body::kPosition);
+  const Matrix3d P_position = P.block<3, 3>(body::kPosition, body::kPosition);
+  const Error velocity = velocity_of(x, truth, P);
+  const Error tilt = tilt_of(e, x, P);
+  const UpdateReport& report = odometry.report();
+  const double took = to_seconds(report.propagation_time + report.update_time);
+  row->position_error = position.norm();
+  row->position_sigma = std::sqrt(P_position.trace());
+  row->velocity_error = velocity.norm;
+  row->tilt_error = tilt.norm;
+  row->nees_position = eval::nees(position, P_position) / 3.0;
+  row->nees_velocity += velocity.nees;
+  row->nees_tilt += tilt.nees;
+  row->calibration += calibration_of(report);
+  row->asymmetry = std::max(row->asymmetry, (P - P.transpose()).cwiseAbs().maxCoeff());
+  row->norm_error = std::max(row->norm_error, std::abs(x.q_WB.norm() - 1.0));
+  row->time_per_scan += took;
+  row->longest_scan = std::max(row->longest_scan, took);
+}
 
 }  // namespace
 
 SoakRun run_soak(const SoakSettings& settings, const std::function<void(const SoakRow&)>& each) {
-  return Run(settings, each).fly();
+  constexpr double kRest = 0.5;  // without a scan, so that the last one is processed [s]
+  const Time begin = sim::Scenario{}.start;
+  const Time end = begin + from_seconds(settings.seconds);
+  const Time last_scan = end - from_seconds(kRest);
+  EndlessFlight flight({.seed = settings.seed});
+  const auto odometry = started(settings.backend, flight.truth(begin));
+  SoakRun run;
+  SoakRow row;
+  std::uint64_t seen = 0;    // scans
+  std::uint64_t before = 0;  // scans of the rows before
+  const auto look = [&] {
+    if (odometry->counters().scans == seen) return;
+    seen = odometry->counters().scans;
+    add_scan(*odometry, flight.truth(odometry->at_scan().time), &row, &run);
+  };
+  const auto give = [&](const ImuSample& sample) {
+    (void)odometry->add_imu(sample);
+    look();
+    row.lag = std::max(row.lag, std::abs(to_seconds(odometry->now().time - sample.time)));
+  };
+  const bool imu_first = settings.interleaving == Interleaving::kImuFirst;
+  for (Time now = begin; now < end;) {
+    const ImuSample sample = flight.next_imu();
+    now = sample.time;
+    if (imu_first) give(sample);
+    while (flight.next_scan_time() < std::min(last_scan, now + ahead(settings.interleaving))) {
+      ++run.scans;
+      (void)odometry->add_scan(flight.next_scan());
+      look();
+    }
+    if (!imu_first) give(sample);
+    row.time = to_seconds(now - begin);
+    if (row.time < settings.every * static_cast<double>(run.rows.size() + 1)) continue;
+    row.resident = resident_megabytes();
+    for (double* sum : {&row.nees_velocity, &row.nees_tilt, &row.calibration, &row.time_per_scan}) {
+      *sum /= static_cast<double>(seen - before);
+    }
+    run.rows.push_back(row);
+    if (each) each(row);
+    row = {};
+    before = seen;
+  }
+  run.counters = odometry->counters();
+  return run;
 }
 
 }  // namespace rio::experiment

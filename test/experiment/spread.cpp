@@ -25,13 +25,6 @@ Spread Spread::of(const std::vector<double>& values) {
   return s;
 }
 
-Spread Spread::of(const std::vector<Score>& scores, double Score::*value) {
-  std::vector<double> values;
-  values.reserve(scores.size());
-  for (const Score& score : scores) values.push_back(score.*value);
-  return of(values);
-}
-
 std::string Spread::text(int decimals) const {
   return fmt::format("{} ({}) ± {}", number(mean, decimals), number(worst, decimals),
                      number(std, decimals));

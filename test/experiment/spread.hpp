@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "experiment/score.hpp"
-
 namespace rio::experiment {
 
 /// A figure over runs; NaN without runs.
@@ -16,7 +14,13 @@ struct Spread {
   double std = 0.0;    ///< of the sample (divides by n - 1); 0 for one run
 
   static Spread of(const std::vector<double>& values);
-  static Spread of(const std::vector<Score>& scores, double Score::*value);
+  /// Of a member.
+  template <class Item>
+  static Spread of(const std::vector<Item>& items, double Item::*value) {
+    std::vector<double> values;
+    for (const Item& item : items) values.push_back(item.*value);
+    return of(values);
+  }
 
   /// "mean (worst) ± std".
   std::string text(int decimals) const;

@@ -18,9 +18,6 @@ TEST(Spread, MeanWorstAndSampleDeviation) {
   EXPECT_DOUBLE_EQ(s.worst, 4.0);
   EXPECT_DOUBLE_EQ(s.std, std::sqrt(3.0));
   EXPECT_EQ(s.text(2), "2.00 (4.00) ± 1.73");
-}
-
-TEST(Spread, AsText) {
   EXPECT_EQ(Spread::of(std::vector<double>{0.5}).text(1), "0.5 (0.5) ± 0.0");
   EXPECT_EQ(Spread::of(std::vector<double>{}).text(1), "- (-) ± -");
   EXPECT_EQ(number(999.96, 1), "1000.0");

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <stdexcept>
+#include <map>
 #include <vector>
 
+#include "experiment/trial.hpp"
 #include "rio/core/small_cholesky.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/nees.hpp"
@@ -33,11 +35,6 @@ double sigmas(const Vector& error, const Matrix& P) {
   return square > 0.0 ? square / std::sqrt(error.dot(P * error)) : 0.0;
 }
 
-bool is_finite(const NavState& x) {
-  return x.q_WB.coeffs().allFinite() && x.p_WB.allFinite() && x.v_WB.allFinite() &&
-         x.gyro_bias.allFinite() && x.accel_bias.allFinite();
-}
-
 /// No eigenvalue of the correlations below -1e-9.
 bool is_covariance(const BodyCovariance& P) {
   if (!(P.diagonal().minCoeff() >= 0.0)) return false;
@@ -50,149 +47,72 @@ bool is_covariance(const BodyCovariance& P) {
   return SmallCholesky<body::kSize>(C).positive();
 }
 
-/// Stamps of the accepted samples and their true measurement times.
-class Clock {
- public:
-  void took(Time stamp, Time measured) { samples_.push_back({stamp, measured}); }
-  /// Earlier stamps are of another clock.
-  void restart() {
-    if (samples_.size() > 1) samples_.erase(samples_.begin(), samples_.end() - 1);
-  }
-  bool empty() const { return samples_.empty(); }
-  Time measured(Time stamp) const {
-    for (std::size_t i = samples_.size(); i-- > 0;) {
-      if (samples_[i].stamp > stamp) continue;
-      const Time next = i + 1 < samples_.size() ? samples_[i + 1].measured : Time::max();
-      return std::min(samples_[i].measured + (stamp - samples_[i].stamp), next);
-    }
-    return samples_.front().measured;
-  }
+/// The accepted samples since the clock started last.
+struct Clock {
+  std::map<Time, Time> measured;  ///< true times, by stamp
+  std::uint64_t restarts = 0;
 
- private:
-  struct Pair {
-    Time stamp;
-    Time measured;
+  Time measured_at(Time stamp) const {
+    const auto after = measured.upper_bound(stamp);
+    if (after == measured.begin()) return after->second;
+    const auto& [last, time] = *std::prev(after);
+    return std::min(time + (stamp - last), after == measured.end() ? Time::max() : after->second);
+  }
+};
+
+void give(const Event& e, Odometry& odometry, Clock* clock) {
+  if (e.is_scan()) (void)odometry.add_scan(e.scan);
+  if (e.kind == Event::Kind::kReset) (void)odometry.reset(e.start->state, e.start->covariance);
+  if (!e.is_imu() || odometry.add_imu(e.sample) != Status::kOk) return;
+  const std::uint64_t restarts = odometry.counters().clock_restarts;
+  if (restarts > clock->restarts) clock->measured.clear();
+  clock->restarts = restarts;
+  clock->measured[e.sample.time] = e.measured;
+}
+
+/// @param time that the estimate is of, true time
+Deviation deviation(const Odometry& odometry, const sim::Flight& flight, Time time, Time now) {
+  const NavState& x = odometry.now();
+  const BodyCovariance& P = odometry.covariance_now();
+  Deviation d;
+  d.finite = is_finite(x) && is_finite(odometry.at_scan()) && P.allFinite();
+  d.covariance = d.finite && is_covariance(P) && is_covariance(odometry.covariance());
+  d.age = to_seconds(now - time);
+  if (!d.finite) return d;
+  const NavState truth = flight.truth_at(time);
+  d.tilt = eval::tilt_error(x.q_WB, truth.q_WB);
+  d.speed = (x.q_WB.conjugate() * x.v_WB - truth.q_WB.conjugate() * truth.v_WB).norm();
+  d.position = (x.p_WB - truth.p_WB).norm();
+  const auto e = eval::body_error(x, truth);
+  const auto block = [&](int at) {
+    return sigmas(e.segment<3>(at).eval(), P.block<3, 3>(at, at).eval());
   };
-  std::vector<Pair> samples_;
-};
+  d.position_sigmas = block(body::kPosition);
+  d.velocity_sigmas = block(body::kVelocity);
+  const Vector3d up = x.q_WB.conjugate() * Vector3d::UnitZ();
+  const Matrix3d level = Matrix3d::Identity() - up * up.transpose();
+  d.tilt_sigmas = sigmas((level * e.segment<3>(body::kAttitude)).eval(),
+                         P.block<3, 3>(body::kAttitude, body::kAttitude).eval());
+  return d;
+}
 
-/// Feeds the events and evaluates the results.
-class Watch {
- public:
-  Watch(const sim::Flight& flight, const Fault& fault, double begin, double after,
-        Odometry& odometry)
-      : flight_(flight),
-        fault_(fault),
-        begin_(flight.imu.front().time + from_seconds(begin)),
-        end_(begin_ + from_seconds(std::isinf(fault.duration) ? 0.0 : fault.duration)),
-        last_(end_ + from_seconds(after)),
-        odometry_(odometry) {}
-
-  Survival run() {
-    for (const Event& e : disturbed(flight_, fault_, begin_ - flight_.imu.front().time)) {
-      if (e.arrival > last_) break;
-      give(e);
-      if (e.arrival < next_check_ || clock_.empty()) continue;
-      next_check_ = e.arrival + from_seconds(kCheck);
-      check(e.arrival);
-    }
-    result_.reported_last = is_reported(odometry_);
-    result_.counters = odometry_.counters();
-    result_.kept = kept();
-    return result_;
+bool is_kept(const Promised& promised, const Survival& s, bool ever_wrong, bool ever_dishonest) {
+  const Counters& n = s.counters;
+  switch (promised.promise) {
+    case Promise::kIgnored:
+      return !ever_wrong &&
+             n.velocity_resets + n.attitude_resets + n.restarts + n.clock_restarts == 0;
+    case Promise::kBridged:
+      return !ever_wrong;
+    case Promise::kHonest:
+      return !ever_dishonest && !s.last.wrong();
+    case Promise::kRecovered:
+      return !ever_wrong || s.wrong_until < promised.within;
+    case Promise::kReported:
+      break;
   }
-
- private:
-  void give(const Event& e) {
-    if (e.is_scan()) (void)odometry_.add_scan(e.scan);
-    if (e.kind == Event::Kind::kReset) (void)odometry_.reset(e.start->state, e.start->covariance);
-    if (!e.is_imu() || odometry_.add_imu(e.sample) != Status::kOk) return;
-    clock_.took(e.sample.time, e.measured);
-    if (odometry_.counters().clock_restarts > restarts_) clock_.restart();
-    restarts_ = odometry_.counters().clock_restarts;
-  }
-
-  Deviation deviation(Time now) const {
-    const NavState& x = odometry_.now();
-    const BodyCovariance& P = odometry_.covariance_now();
-    Deviation d;
-    d.finite = is_finite(x) && is_finite(odometry_.at_scan()) && P.allFinite();
-    d.covariance = d.finite && is_covariance(P) && is_covariance(odometry_.covariance());
-    const Time measured = clock_.measured(x.time);
-    d.age = to_seconds(now - measured);
-    if (!d.finite) return d;
-    const NavState truth = flight_.truth_at(measured);
-    d.tilt = eval::tilt_error(x.q_WB, truth.q_WB);
-    d.speed = (x.q_WB.conjugate() * x.v_WB - truth.q_WB.conjugate() * truth.v_WB).norm();
-    d.position = (x.p_WB - truth.p_WB).norm();
-    const auto e = eval::body_error(x, truth);
-    const auto block = [&](int at) {
-      return sigmas(e.segment<3>(at).eval(), P.block<3, 3>(at, at).eval());
-    };
-    d.position_sigmas = block(body::kPosition);
-    d.velocity_sigmas = block(body::kVelocity);
-    const Vector3d up = x.q_WB.conjugate() * Vector3d::UnitZ();
-    const Matrix3d level = Matrix3d::Identity() - up * up.transpose();
-    d.tilt_sigmas = sigmas((level * e.segment<3>(body::kAttitude)).eval(),
-                           P.block<3, 3>(body::kAttitude, body::kAttitude).eval());
-    return d;
-  }
-
-  void check(Time now) {
-    const bool reported = is_reported(odometry_);
-    if (now < begin_) {
-      result_.reported_before |= odometry_.health().state > HealthState::kOk;
-      return;
-    }
-    const double step = to_seconds(now - std::max(last_check_, begin_));
-    last_check_ = now;
-    const Deviation d = deviation(now);
-    result_.last = d;
-    result_.states |= 1U << static_cast<std::uint32_t>(odometry_.health().state);
-    result_.always_finite = result_.always_finite && d.finite;
-    result_.always_covariance = result_.always_covariance && d.covariance;
-    result_.outside_unreported += d.outside_3_sigma() && !reported ? step : 0.0;
-    const bool wrong = d.wrong();
-    if (wrong) result_.wrong_until = to_seconds(now - end_);
-    ever_wrong_ = ever_wrong_ || wrong;
-    ever_dishonest_ = ever_dishonest_ || d.dishonest();
-    unreported_ = wrong && !reported ? unreported_ + step : 0.0;
-    result_.longest_unreported = std::max(result_.longest_unreported, unreported_);
-  }
-
-  bool kept() const {
-    const Counters& n = result_.counters;
-    switch (fault_.promised.promise) {
-      case Promise::kIgnored:
-        return !ever_wrong_ &&
-               n.velocity_resets + n.attitude_resets + n.restarts + n.clock_restarts == 0;
-      case Promise::kBridged:
-        return !ever_wrong_;
-      case Promise::kHonest:
-        return !ever_dishonest_ && !result_.last.wrong();
-      case Promise::kRecovered:
-        return !ever_wrong_ || result_.wrong_until < fault_.promised.within;
-      case Promise::kReported:
-        break;
-    }
-    return result_.longest_unreported <= kReportedWithin;
-  }
-
-  const sim::Flight& flight_;
-  const Fault& fault_;
-  Time begin_;
-  Time end_;   ///< of the fault; for a permanent one, its beginning
-  Time last_;  ///< of the verdict
-  Odometry& odometry_;
-  Clock clock_;
-  std::uint64_t restarts_ = 0;
-  Time next_check_{0};
-  Time last_check_{0};
-  bool ever_wrong_ = false;
-  bool ever_dishonest_ = false;
-  double unreported_ = 0.0;
-  Survival result_;
-};
+  return s.longest_unreported <= kReportedWithin;
+}
 
 }  // namespace
 
@@ -222,26 +142,51 @@ bool Deviation::outside_3_sigma() const {
   return !finite || !(tilt_sigmas <= 3.0) || !(velocity_sigmas <= 3.0) || !(position_sigmas <= 3.0);
 }
 
-std::string states_text(std::uint32_t states) {
-  std::vector<std::string> names;
-  for (std::uint32_t i = 0; states >> i != 0; ++i) {
-    if ((states >> i & 1U) != 0) names.emplace_back(to_string(static_cast<HealthState>(i)));
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-bool is_reported(const Odometry& odometry) {
-  return odometry.health().state != HealthState::kOk;
-}
-
 Survival survive(const sim::Flight& flight, const Options& options, const Fault& fault,
                  double begin, double after) {
   Options used = options;
   if (fault.configure) fault.configure(used);
-  std::string why;
-  const auto odometry = Odometry::create(used, &why);
-  if (odometry == nullptr) throw std::runtime_error(why);
-  return Watch(flight, fault, begin, after, *odometry).run();
+  const auto odometry = create_odometry(used);
+  const Time first = flight.imu.front().time + from_seconds(begin);
+  const Time end = first + from_seconds(std::isinf(fault.duration) ? 0.0 : fault.duration);
+  Survival result;
+  Clock clock;
+  Time next_check{0};
+  Time last_check = first;
+  bool ever_wrong = false;
+  bool ever_dishonest = false;
+  double unreported = 0.0;
+  for (const Event& e : disturbed(flight, fault, from_seconds(begin))) {
+    const Time now = e.arrival;
+    if (now > end + from_seconds(after)) break;
+    give(e, *odometry, &clock);
+    const HealthState state = odometry->health().state;
+    const bool reported = state != HealthState::kOk;
+    result.reported_last = reported;
+    if (now < next_check || clock.measured.empty()) continue;
+    next_check = now + from_seconds(kCheck);
+    if (now < first) {
+      result.reported_before |= state > HealthState::kOk;
+      continue;
+    }
+    const double step = to_seconds(now - last_check);
+    last_check = now;
+    const Deviation d = deviation(*odometry, flight, clock.measured_at(odometry->now().time), now);
+    const bool wrong = d.wrong();
+    result.last = d;
+    result.states |= 1U << static_cast<std::uint32_t>(state);
+    result.always_finite = result.always_finite && d.finite;
+    result.always_covariance = result.always_covariance && d.covariance;
+    result.outside_unreported += d.outside_3_sigma() && !reported ? step : 0.0;
+    if (wrong) result.wrong_until = to_seconds(now - end);
+    ever_wrong = ever_wrong || wrong;
+    ever_dishonest = ever_dishonest || d.dishonest();
+    unreported = wrong && !reported ? unreported + step : 0.0;
+    result.longest_unreported = std::max(result.longest_unreported, unreported);
+  }
+  result.counters = odometry->counters();
+  result.kept = is_kept(fault.promised, result, ever_wrong, ever_dishonest);
+  return result;
 }
 
 }  // namespace rio::experiment

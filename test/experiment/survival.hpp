@@ -53,12 +53,6 @@ struct Survival {
   Counters counters;                ///< at the end
 };
 
-/// The names of a set of states, Survival::states.
-std::string states_text(std::uint32_t states);
-
-/// Whether the estimator reports a problem: any state but ok.
-bool is_reported(const Odometry& odometry);
-
 /// The flight with the fault, from `begin` on, through a new estimator; judged at begin + duration
 /// + `after`, or where the flight ends. `options` need not include the fault.
 /// @throws std::runtime_error if the options are invalid

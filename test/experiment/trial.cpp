@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <memory>
 #include <numbers>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -22,86 +20,30 @@ namespace {
 constexpr double kLongestSilence = 2.0;  // [s]
 constexpr double kAllAlike = -200.0;     // of RadarOptions::weak_snr_db [dB]
 
-bool finite(const Step& step) {
-  const NavState& x = step.estimate;
-  return (x.p_WB + x.v_WB + x.gyro_bias + x.accel_bias).allFinite() &&
-         x.q_WB.coeffs().allFinite() && step.covariance.allFinite();
+void add_step(const sim::Flight& flight, const Odometry& odometry, Trial* trial) {
+  const UpdateReport& report = odometry.report();
+  trial->doubted += report.health.state > HealthState::kOk ? 1 : 0;
+  const NavState& x = odometry.at_scan();
+  trial->steps.push_back({x, flight.truth_at(x.time), odometry.covariance()});
+  for (std::size_t i = 0; i < kModelCount; ++i) {
+    trial->models[i].rows_used += report.models[i].rows_used;
+    trial->models[i].nis += report.models[i].nis;
+  }
+  trial->propagation_time += report.propagation_time;
+  trial->update_time += report.update_time;
 }
 
-/// Feeds one flight.
-class FlightReplay {
- public:
-  FlightReplay(const sim::Flight& flight, Odometry& odometry, const EachReport& each)
-      : flight_(flight), odometry_(odometry), each_(each) {}
-
-  Trial run() {
-    std::size_t next = 0;
-    for (const ImuSample& sample : flight_.imu) {
-      while (next < flight_.scans.size() && flight_.arrivals[next] < sample.time) {
-        // read the report of a waiting scan before another one overwrites it
-        if (waiting_) break;
-        give(flight_.scans[next++]);
-      }
-      const std::uint64_t before = restarts();
-      (void)odometry_.add_imu(sample);
-      if (waiting_ && odometry_.report().time == *waiting_) {
-        waiting_.reset();
-        record();
-      }
-      if (restarts() != before) waiting_.reset();  // the scan has been discarded as late
-    }
-    for (; !waiting_ && next < flight_.scans.size(); ++next) give(flight_.scans[next]);
-    trial_.counters = odometry_.counters();
-    trial_.complete = complete();
-    return std::move(trial_);
+bool is_complete(const sim::Flight& flight, const Trial& trial) {
+  const std::vector<Step>& steps = trial.steps;
+  if (steps.empty() || trial.counters.updates_failed > 0) return false;
+  const double allowed = flight.scenario.disturbances.outages.duration + kLongestSilence;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const Time next = i + 1 < steps.size() ? steps[i + 1].estimate.time : flight.imu.back().time;
+    if (!is_finite(steps[i].estimate) || !steps[i].covariance.allFinite()) return false;
+    if (to_seconds(next - steps[i].estimate.time) > allowed) return false;
   }
-
- private:
-  std::uint64_t restarts() const {
-    return odometry_.counters().clock_restarts + odometry_.counters().restarts;
-  }
-
-  void give(const RadarScan& scan) {
-    const Status status = odometry_.add_scan(scan);
-    if (status == Status::kWaiting) waiting_ = scan.time;
-    if (status == Status::kOk) record();
-  }
-
-  void record() {
-    const UpdateReport& report = odometry_.report();
-    if (report.status != Status::kOk) return;
-    trial_.doubted += report.health.state > HealthState::kOk ? 1 : 0;
-    const NavState& x = odometry_.at_scan();
-    trial_.steps.push_back({x, flight_.truth_at(x.time), odometry_.covariance()});
-    for (std::size_t i = 0; i < kModelCount; ++i) {
-      ModelReport& sum = trial_.models[i];
-      sum.rows_used += report.models[i].rows_used;
-      sum.rows_gated += report.models[i].rows_gated;
-      sum.rows_out_of_domain += report.models[i].rows_out_of_domain;
-      sum.nis += report.models[i].nis;
-    }
-    trial_.propagation_time += report.propagation_time;
-    trial_.update_time += report.update_time;
-    if (each_) each_(report);
-  }
-
-  bool complete() const {
-    const std::vector<Step>& steps = trial_.steps;
-    if (steps.empty() || trial_.counters.updates_failed > 0) return false;
-    if (!std::all_of(steps.begin(), steps.end(), finite)) return false;
-    const double allowed = flight_.scenario.disturbances.outages.duration + kLongestSilence;
-    for (std::size_t i = 1; i < steps.size(); ++i) {
-      if (to_seconds(steps[i].estimate.time - steps[i - 1].estimate.time) > allowed) return false;
-    }
-    return to_seconds(flight_.imu.back().time - steps.back().estimate.time) < allowed;
-  }
-
-  const sim::Flight& flight_;
-  Odometry& odometry_;
-  const EachReport& each_;
-  std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
-  Trial trial_;
-};
+  return true;
+}
 
 /// The true first state with the scenario's error, biases unknown.
 void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometry& odometry) {
@@ -113,6 +55,11 @@ void start_wrongly(const sim::Flight& flight, const StartOptions& start, Odometr
 }
 
 }  // namespace
+
+bool is_finite(const NavState& x) {
+  return x.q_WB.coeffs().allFinite() && x.p_WB.allFinite() && x.v_WB.allFinite() &&
+         x.gyro_bias.allFinite() && x.accel_bias.allFinite();
+}
 
 Options options_for(const sim::Flight& flight, const std::string& name) {
   Options o;
@@ -142,17 +89,50 @@ Options options_for(const sim::Flight& flight, const std::string& name) {
   return o;
 }
 
+std::unique_ptr<Odometry> create_odometry(const Options& options) {
+  std::string why;
+  auto odometry = Odometry::create(options, &why);
+  if (odometry == nullptr) throw std::runtime_error(why);
+  return odometry;
+}
+
 Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each) {
-  return FlightReplay(flight, odometry, each).run();
+  Trial trial;
+  std::uint64_t seen = odometry.counters().scans;
+  const auto look = [&] {
+    if (odometry.counters().scans == seen) return;
+    seen = odometry.counters().scans;
+    if (odometry.report().status != Status::kOk) return;
+    add_step(flight, odometry, &trial);
+    if (each) each(odometry.report());
+  };
+  Time newest = Time::min();  // of the IMU
+  std::size_t next = 0;       // scan
+  // not while one waits for the IMU: its report would be overwritten
+  const auto give_scans = [&](Time until) {
+    for (; next < flight.scans.size() && flight.arrivals[next] < until; ++next) {
+      if (next > 0 && flight.scans[next - 1].time > newest) return;
+      (void)odometry.add_scan(flight.scans[next]);
+      look();
+    }
+  };
+  for (const ImuSample& sample : flight.imu) {
+    give_scans(sample.time);
+    (void)odometry.add_imu(sample);
+    newest = sample.time;
+    look();
+  }
+  give_scans(Time::max());
+  trial.counters = odometry.counters();
+  trial.complete = is_complete(flight, trial);
+  return trial;
 }
 
 Trial fly(const sim::Flight& flight, const Options& options, const EachReport& each) {
   Options used = options;
   const bool wrong = flight.scenario.errors.starts_wrongly();
   if (wrong) used.start.static_alignment = false;
-  std::string why;
-  const std::unique_ptr<Odometry> odometry = Odometry::create(used, &why);
-  if (odometry == nullptr) throw std::runtime_error(why);
+  const auto odometry = create_odometry(used);
   if (wrong) start_wrongly(flight, used.start, *odometry);
   return replay(flight, *odometry, each);
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ Options options_for(const sim::Flight& flight, const std::string& preset);
 /// As `mounting: unknown` without T_BS in sensor.yaml: of no radar anything is known of its pose.
 void forget_mounting(Options& options);
 
+/// Every value is a number.
+bool is_finite(const NavState& x);
+
 /// Estimate, truth and covariance at one processed scan.
 struct Step {
   NavState estimate;
@@ -30,10 +34,9 @@ struct Step {
   BodyCovariance covariance;
 };
 
-/// Result of a flight.
 struct Trial {
   std::vector<Step> steps;                        ///< one per processed scan
-  std::array<ModelReport, kModelCount> models{};  ///< sums over the flight
+  std::array<ModelReport, kModelCount> models{};  ///< sums of rows used and NIS over the flight
   Counters counters;
   int doubted = 0;           ///< steps whose health was worse than ok
   Time propagation_time{0};  ///< summed over the scans, if Options::timing.clock is given
@@ -42,6 +45,9 @@ struct Trial {
   /// except for silence of the radar.
   bool complete = false;
 };
+
+/// @throws std::runtime_error if the options are invalid
+std::unique_ptr<Odometry> create_odometry(const Options& options);
 
 /// Called with the report of every processed scan.
 using EachReport = std::function<void(const UpdateReport&)>;

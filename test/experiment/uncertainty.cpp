@@ -13,7 +13,6 @@
 
 #include "experiment/experiment.hpp"
 #include "experiment/figures.hpp"
-#include "plot/chart.hpp"
 #include "plot/colours.hpp"
 
 namespace rio::experiment {
@@ -97,8 +96,7 @@ using Names = std::vector<std::string>;
 /// The variants of Table III, the first nine.
 Names estimators() {
   Names names;
-  for (const Variant& v : variants()) names.push_back(v.name);
-  names.resize(9);
+  for (std::size_t i = 0; i < 9; ++i) names.push_back(variants()[i].name);
   return names;
 }
 
@@ -190,14 +188,13 @@ std::string least_of_scalings(const Outcomes& runs) {
 }
 
 std::string scaling_chart(const Outcomes& runs) {
-  plot::Panel panel;
-  panel.x_label = "alpha: covariances times 2^alpha";
-  panel.y_label = "error, the least 0, the largest 1";
-  for (std::size_t i = 0; i < kErrors.size(); ++i) {
-    panel.curves.push_back(
-        {kErrors[i].name, normalised(runs, kErrors[i].value), plot::curve_stroke(i)});
+  plot::Panel p =
+      panel("", "alpha: covariances times 2^alpha", "error, the least 0, the largest 1");
+  for (const PoseError& error : kErrors) {
+    p.curves.push_back(
+        {error.name, normalised(runs, error.value), plot::curve_stroke(p.curves.size())});
   }
-  return plot::draw_chart("Sigmas of range and angles off from those simulated", {panel}, 1);
+  return plot::draw_chart("Sigmas of range and angles off from those simulated", {p}, 1);
 }
 
 /// Fig. 6: with and without the noise of the points.
@@ -221,8 +218,7 @@ Result uncertainty(const Settings& settings) {
   fly_cases(flights_of(kMatched, settings), scalings());
   const Names weights = {kFull, kByDistance, kWithoutAny, kWithoutRange, kWithoutAngles};
   const Names matchings = {kFull, kByDistance, kMahalanobis, kDefault};
-  Result result;
-  result.markdown = fmt::format(
+  const std::string text = fmt::format(
       "{} flights of a kind: mean (worst) ± standard deviation; differences to `full`, the preset "
       "`{}`,\nin the same flights ± their standard error. APE and RPE as evo computes them by "
       "default: not aligned, from scan to scan.\n\n"
@@ -237,10 +233,10 @@ Result uncertainty(const Settings& settings) {
       table_of(runs, "estimator", weights, error_columns(4, 2, false)), least_of_scalings(runs),
       scaling_table(runs), table_of(runs, "matching", matchings, error_columns(1, 1, false)),
       table_of(runs, "estimator", estimators(), error_columns(4, 2, false)));
-  result.attachments.push_back({"uncertainty.csv", outcomes_as_csv(runs)});
-  result.attachments.push_back({"uncertainty.svg", scaling_chart(runs)});
-  result.attachments.push_back({"uncertainty-paths.svg", chart_of_flights(settings)});
-  return result;
+  return {text,
+          {{"uncertainty.csv", outcomes_as_csv(runs)},
+           {"uncertainty.svg", scaling_chart(runs)},
+           {"uncertainty-paths.svg", chart_of_flights(settings)}}};
 }
 
 }  // namespace rio::experiment
