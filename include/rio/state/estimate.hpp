@@ -52,7 +52,7 @@ struct LandmarkState {
   /// Innovations of its direction, summed over its looks (update/look_correlation.hpp).
   struct Looks {
     Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
-    double squares = 0.0;
+    Eigen::Vector2d squares = Eigen::Vector2d::Zero();
     double elevation_walk = 0.0;  ///< variance its elevation gains on the way [rad^2/m]
   };
   double distance_seen = 0.0;  ///< distance the body had travelled at its last measurement [m]

@@ -19,8 +19,9 @@
 // change as the radar moves. Of a share c of the variance that decays over a length L of the way
 // (first-order Gauss-Markov), a walk is left on the scale of two looks; rho is the horizontal
 // distance of the landmark, s the way:
-// (E3) Var z += rho^2 2 c sigma^2 s / L, c = (f - 2) / (10 - 2) within [0, 1]: the estimate's own
-//      errors alone take f to 2 in simulated flights, errors that last entirely to 10
+// (E3) Var z += rho^2 2 c sigma^2 s / L, c = (f - 2) / (10 - 2) within [0, 1], f of the elevations
+//      alone: the estimate's own errors take it to 2 in simulated flights, errors that last
+//      entirely to 10
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2); Law and Kelton, Simulation Modeling and Analysis (sums).
 #pragma once
@@ -52,18 +53,19 @@ class LookCorrelation {
   /// @param sum of this landmark
   void add(const Eigen::Vector2d& innovation, LandmarkState::Looks* sum) {
     sum->innovation = kShare * sum->innovation + innovation;
-    sum->squares = kShare * kShare * sum->squares + innovation.squaredNorm();
-    sums_ += sum->innovation.squaredNorm() - sums_ / kMemory;
+    sum->squares = kShare * kShare * sum->squares + innovation.cwiseAbs2();
+    sums_ += sum->innovation.cwiseAbs2() - sums_ / kMemory;
     squares_ += sum->squares - squares_ / kMemory;
   }
 
   /// f of (E2), at least 1.
-  double factor() const { return std::max(1.0, sums_ / squares_); }
+  double factor() const { return std::max(1.0, sums_.sum() / squares_.sum()); }
 
   /// Rate of (E3) over rho^2 [rad^2/m].
   /// @param sigma of elevation [rad]
   double elevation_walk(double sigma) const {
-    const double lasting = std::clamp((factor() - kOwn) / (kFirst - kOwn), 0.0, 1.0);
+    const double f = sums_.y() / squares_.y();
+    const double lasting = std::clamp((f - kOwn) / (kFirst - kOwn), 0.0, 1.0);
     return 2.0 * lasting * sigma * sigma / kLength;
   }
 
@@ -75,8 +77,9 @@ class LookCorrelation {
   static constexpr double kLength = 20.0;    ///< L: a room, a street [m]
   static constexpr double kWeight = 100.0;   ///< of that: a few well-known landmarks outweigh it
 
-  double sums_ = kFirst * kWeight;
-  double squares_ = kWeight;
+  // of azimuth, elevation
+  Eigen::Vector2d sums_ = Eigen::Vector2d::Constant(0.5 * kFirst * kWeight);
+  Eigen::Vector2d squares_ = Eigen::Vector2d::Constant(0.5 * kWeight);
 };
 
 }  // namespace rio
