@@ -213,6 +213,10 @@ TEST_F(ScanRowsTest, TheCorrelationOfLooksMultipliesTheVarianceOfDirections) {
                 1e-9);
     EXPECT_LT((rows.looks(0).innovation - looks.innovation).norm(), 1e-9);
     EXPECT_LT((rows.looks(0).squares - looks.squares).norm(), 1e-9);
+    if (moved > 0.1) {
+      looks.elevation_walk = expected.elevation_walk(detection(0).sigma_elevation_S.norm());
+    }
+    EXPECT_NEAR(rows.looks(0).elevation_walk, looks.elevation_walk, 1e-12);
     b.estimate().landmarks[0].looks = rows.looks(0);
     b.estimate().landmarks[0].distance_seen = b.estimate().distance_travelled;
   };
@@ -225,6 +229,7 @@ TEST_F(ScanRowsTest, TheCorrelationOfLooksMultipliesTheVarianceOfDirections) {
   EXPECT_EQ(report_.records[0].nis, nis);
   EXPECT_LT(expected.factor(), kFirstLooks);
   EXPECT_GT(expected.factor(), 1.0);
+  EXPECT_GT(looks.elevation_walk, 0.0);
   rows.reset();
   expected = LookCorrelation{};
   look(1.0);
