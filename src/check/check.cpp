@@ -10,10 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "check/clock_steps.hpp"
 #include "check/doppler_check.hpp"
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_check.hpp"
+#include "check/order.hpp"
 #include "check/points_check.hpp"
 #include "check/radar_check.hpp"
 #include "check/start_check.hpp"
@@ -41,14 +43,28 @@ std::optional<Finding> check_lever_arm(const Vector3d& p) {
                  "the translation of T_BS is in metres: is this one in mm or cm?"};
 }
 
+Finding step_of_the_clock(const ClockStep& step, const Scans& scans) {
+  return {Verdict::kWrong, "delay of the radar",
+          fmt::format("a clock steps within the recording: from scan {} on, {:.1f} s after the "
+                      "first, the stamps of the radar are {:+.3f} s off those before",
+                      step.scan + 1, to_seconds(scans[step.scan - 1].time - scans[0].time),
+                      to_seconds(step.size)),
+          std::string("nothing for `rio replay`, which takes it out; for others, ") + kSplitThere};
+}
+
 /// A radar; `options` have it as the first one.
-Findings check_one_radar(const CheckedImu& imu, const Scans& scans, const io::RadarInfo& info,
+Findings check_one_radar(const CheckedImu& imu, const Scans& recorded, const io::RadarInfo& info,
                          const Advice& advice, const Options& options,
                          const std::filesystem::path& folder) {
-  if (scans.empty()) return {};
+  if (recorded.empty()) return {};
   bool same_unit = true;
-  Findings out = {check_clocks(imu.all, scans, advice, &same_unit)};
+  Findings out = {check_clocks(imu.all, recorded, advice, &same_unit)};
   if (!same_unit) return out;
+  const std::vector<ClockStep> steps = clock_steps(imu, recorded, options);
+  for (const ClockStep& step : steps) out.push_back(step_of_the_clock(step, recorded));
+  const std::optional<Scans> moved =
+      steps.empty() ? std::nullopt : std::optional(without_steps(recorded, steps));
+  const Scans& scans = moved ? *moved : recorded;
   Options read = options;
   double& limit = read.radar.max_doppler;
   if (limit > 0.0) limit = std::max(limit, fastest(scans));

@@ -81,7 +81,8 @@ struct ReplayArguments {
   std::string states;
   ViewArguments view;
   bool barometer = false;  ///< the estimator uses the barometer of the dataset
-  bool no_check = false;   ///< no check of the recording, at the end
+  bool no_check = false;   ///< the recording is neither checked nor freed of steps of its clocks
+  bool findings = true;    ///< what the check finds is wanted, unless no_check
   bool json = false;
   bool verbose = false;
   bool quiet = false;  ///< overrides verbose

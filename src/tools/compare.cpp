@@ -96,7 +96,7 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
   one.how = arguments.how;
   one.estimator = estimator;
   one.init = arguments.init;
-  one.no_check = true;
+  one.findings = false;
   Run run{name, {}, {}};
   ViewOutputs view({});
   view.add_sink(std::make_unique<PathOf>(&run.poses));

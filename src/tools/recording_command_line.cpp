@@ -141,7 +141,7 @@ void add_replay_command(CLI::App& app) {
   add_view_options(command.under("What a person looks at"), &to->view);
   command.add("--barometer", &to->barometer, "use the heights of baro0, their offset estimated");
   command.add("--no-check", &to->no_check,
-              "do not check the recording at the end, as `rio check` does");
+              "do not check the recording, as `rio check` does; steps of a clock stay in it");
   command.add("--json", &to->json, "print one JSON line instead of the summary");
   command.add("--verbose", &to->verbose, "a line per scan before the summary");
   command.add("--quiet", &to->quiet, "no line per scan, whatever else is given");

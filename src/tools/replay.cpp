@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
@@ -69,14 +71,15 @@ view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& 
 /// for each other.
 class Replay {
  public:
+  /// @param steps of the clocks of the radars, to be taken out
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
-         ViewOutputs* view, const OnScan& on_scan)
+         ClockSteps steps, ViewOutputs* view, const OnScan& on_scan)
       : arguments_(arguments),
         outline_(recording.samples->outline()),
         on_scan_(on_scan),
         view_(view),
         start_(make_start(arguments, recording, options)),
-        feed_(recording.samples.get()) {
+        feed_(recording.samples.get(), std::move(steps)) {
     Options used = options;
     used.start.static_alignment = !start_;
     std::string why;
@@ -244,6 +247,26 @@ class Replay {
   ReplaySummary summary_;
 };
 
+/// Of each radar; read only if the stamps look like steps.
+ClockSteps find_clock_steps(const OpenRecording& recording, const Options& options,
+                            std::vector<std::string>* notes) {
+  const auto& stamps = recording.samples->outline().scan_times;
+  ClockSteps steps(stamps.size());
+  if (std::ranges::all_of(stamps, [](const auto& of) { return check::possible_steps(of).empty(); }))
+    return steps;
+  const CheckedPart part = read_checked_part(recording.samples.get(), recording.sensors);
+  for (std::size_t r = 0; r < steps.size(); ++r) {
+    steps[r] = check::clock_steps(part.data, options, r);
+    for (const check::ClockStep& step : steps[r]) {
+      notes->push_back(fmt::format(
+          "the clock of radar{} steps by {:+.3f} s at scan {}: taken out of its later stamps "
+          "(--no-check flies them as recorded)",
+          r, to_seconds(step.size), step.scan + 1));
+    }
+  }
+  return steps;
+}
+
 /// With what `check` found, as the causes.
 std::string no_start_text(const std::optional<check::Findings>& data) {
   std::string text =
@@ -262,11 +285,14 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
       open_any(arguments.dataset, arguments.how, arguments.init == "groundtruth");
   std::vector<std::string> notes = recording.sensors.notes;
   const Options options = make_options(arguments, recording.sensors, &notes);
+  Options checked;  // overridden values have been noted already
+  (void)io::tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
+  ClockSteps steps;
+  if (!arguments.no_check) steps = find_clock_steps(recording, checked, &notes);
   if (!on_scan) print_notes(notes);  // at once
-  ReplaySummary summary = Replay(arguments, recording, options, view, on_scan).run();
-  if (!arguments.no_check) {
-    Options checked;  // overridden values have been noted already
-    (void)io::tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
+  ReplaySummary summary =
+      Replay(arguments, recording, options, std::move(steps), view, on_scan).run();
+  if (!arguments.no_check && arguments.findings) {
     const CheckedPart part = read_checked_part(recording.samples.get(), recording.sensors);
     summary.data = not_ok(findings_of(arguments.dataset, part.data, checked));
     if (summary.initialised_by != "static") without_start(&*summary.data);

@@ -36,9 +36,18 @@ std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
   return due;
 }
 
-ReplayFeed::ReplayFeed(io::RecordingStream* stream) : stream_(stream) {
+ReplayFeed::ReplayFeed(io::RecordingStream* stream, ClockSteps steps) : stream_(stream) {
+  steps.resize(stream->outline().scan_times.size());
   for (const std::vector<Time>& stamps : stream->outline().scan_times) {
-    radars_.push_back({&stamps, due_times(stamps)});
+    std::vector<check::ClockStep>& of = steps[radars_.size()];
+    if (of.empty()) {
+      radars_.push_back({&stamps, due_times(stamps), {}});
+      continue;
+    }
+    std::vector<Time> moved = stamps;
+    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] -= check::offset_at(of, i);
+    std::optional<std::vector<Time>> odd = due_times(moved);
+    radars_.push_back({&stamps, odd ? std::move(odd) : std::move(moved), std::move(of)});
   }
   stream->rewind();
 }
@@ -77,6 +86,7 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
     scan_ = {};
     of.count = of.next + 1;
   }
+  scan_.time -= check::offset_at(of.steps, of.next);
   ++of.next;
   return scan_;
 }

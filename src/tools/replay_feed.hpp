@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "check/check.hpp"
+#include "check/clock_steps.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/recording_stream.hpp"
 #include "rio/types.hpp"
@@ -19,10 +20,14 @@ namespace rio::tools {
 /// these are the stamps themselves.
 std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps);
 
+/// By radar.
+using ClockSteps = std::vector<std::vector<check::ClockStep>>;
+
 class ReplayFeed {
  public:
   /// From the beginning of the recording.
-  explicit ReplayFeed(io::RecordingStream* stream);
+  /// @param steps of the clock of each radar, to be taken out of its stamps; none if empty
+  explicit ReplayFeed(io::RecordingStream* stream, ClockSteps steps = {});
 
   /// The next sample, or the one after; null if there is none. Valid until the next call.
   const ImuSample* imu(std::size_t ahead = 0);
@@ -36,8 +41,9 @@ class ReplayFeed {
 
  private:
   struct Radar {
-    const std::vector<Time>* stamps;
+    const std::vector<Time>* stamps;       ///< as recorded
     std::optional<std::vector<Time>> odd;  ///< due_times()
+    std::vector<check::ClockStep> steps;
     std::size_t next = 0;
     std::size_t count = stamps->size();
 

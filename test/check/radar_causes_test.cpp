@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults of the radar with a cause that another one resembles: the right one is named, with what to
 // paste.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "check/check_it.hpp"
+#include "check/clock_steps.hpp"
 #include "check/flown.hpp"
 #include "check/motion.hpp"
 #include "check/points_check.hpp"
@@ -22,6 +26,20 @@ io::Dataset with_detections(const Change& change) {
   io::Dataset dataset = flight();
   each_detection(&dataset, change);
   return dataset;
+}
+
+std::vector<Time> stamps_of(const io::Dataset& dataset) {
+  std::vector<Time> stamps;
+  for (const RadarScan& scan : dataset.scans) stamps.push_back(scan.time);
+  return stamps;
+}
+
+std::vector<check::ClockStep> steps_in(const io::Dataset& dataset) {
+  Options options;
+  io::apply_sensor_info(dataset, &options);
+  check::CheckedData data{dataset, dataset.imu, {}};
+  data.radars.emplace_back(dataset.scans);
+  return check::clock_steps(data, options, 0);
 }
 
 TEST(RadarCauses, TheRateOfStampsOnAGridIsThatOfTheRadar) {
@@ -91,6 +109,51 @@ TEST(RadarCauses, ScansOutOfOrderAreNotRepeated) {
   dataset = flight();
   dataset.scans[20].time = dataset.scans[19].time;
   expect_change(dataset, "radar stamps", "a stamp of its own");
+}
+
+TEST(RadarCauses, AStepOfItsClockIsFoundToTheScan) {
+  for (const double step : {0.15, -0.3, 1.5, -2.0, 40.0}) {
+    SCOPED_TRACE(step);
+    io::Dataset dataset = flight();
+    const std::size_t first = dataset.scans.size() / 3;
+    for (std::size_t i = first; i < dataset.scans.size(); ++i) {
+      dataset.scans[i].time += from_seconds(step);
+    }
+    expect(said(dataset, "delay of the radar"), Verdict::kWrong,
+           fmt::format("from scan {} on", first + 1), "`rio replay`, which takes it out");
+    const Findings findings = check_it(dataset);
+    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), 1)
+        << text_of(findings);
+    const std::vector<check::ClockStep> steps = steps_in(dataset);
+    ASSERT_EQ(steps.size(), 1U);
+    EXPECT_NEAR(to_seconds(steps[0].size), step, 0.005);  // of the jitter of the stamps
+  }
+}
+
+TEST(RadarCauses, TwoStepsOfAClockAreFound) {
+  io::Dataset dataset = flight();
+  const std::size_t third = dataset.scans.size() / 3;
+  for (std::size_t i = third; i < dataset.scans.size(); ++i) {
+    dataset.scans[i].time += i < 2 * third ? from_seconds(0.7) : from_seconds(0.2);
+  }
+  const std::vector<check::ClockStep> steps = steps_in(dataset);
+  ASSERT_EQ(steps.size(), 2U);
+  EXPECT_EQ(steps[0].scan, third);
+  EXPECT_EQ(steps[1].scan, 2 * third);
+  EXPECT_NEAR(to_seconds(check::offset_at(steps, 2 * third)), 0.2, 0.005);
+}
+
+TEST(RadarCauses, APauseOrACorruptStampIsNoStepOfAClock) {
+  io::Dataset dataset = flight();
+  for (std::size_t i = 60; i + 60 < dataset.scans.size(); i += 57) {
+    dataset.scans.erase(dataset.scans.begin() + static_cast<std::ptrdiff_t>(i),
+                        dataset.scans.begin() + static_cast<std::ptrdiff_t>(i + 5));
+  }
+  EXPECT_FALSE(check::possible_steps(stamps_of(dataset)).empty());
+  EXPECT_TRUE(steps_in(dataset).empty());
+  dataset = flight();
+  dataset.scans[100].time += from_seconds(3.0);
+  EXPECT_TRUE(check::possible_steps(stamps_of(dataset)).empty());
 }
 
 TEST(RadarCauses, ADelayHasOneProposal) {

@@ -75,6 +75,18 @@ TEST_F(Check, AReplayEndsWithWhatIsNotOk) {
          "note: something is wrong with the recording"});
 }
 
+TEST_F(Check, AReplayTakesStepsOfTheClockOfTheRadarOut) {
+  const std::string folder =
+      changed("stepped", "radar0/data.csv",
+              "if (!first) first = $1; if ($1 - first > 6e9) $1 = sprintf(\"%.0f\", $1 + 3e8)");
+  const std::string out = file("stepped.tum");
+  rio("replay " + folder + " --out " + out,
+      {"note: the clock of radar0 steps by +0.300 s at scan ", "a clock steps within"});
+  rio("replay --quiet " + flight_ + " --out " + file("as_flown.tum"));
+  EXPECT_LT(path_error(flight_, out), path_error(flight_, file("as_flown.tum")) + 0.01);
+  expect_none(try_rio("replay --no-check " + folder).output, {"steps by"});
+}
+
 TEST_F(Check, AReplayGivesWhatIsNotOkAsJson) {
   EXPECT_EQ(rio("replay --json " + flight_).json()["data"], Json::array());
   EXPECT_FALSE(rio("replay --json --no-check " + flight_).json().contains("data"));
