@@ -101,4 +101,12 @@ void check_recording(const CheckArguments& arguments) {
   if (wrong > 0) throw WrongResult(fmt::format("{}: {} wrong", arguments.dataset, wrong));
 }
 
+std::string no_start_text(const std::optional<check::Findings>& data) {
+  std::string text =
+      "no start: the estimator found no standstill, and start.max_wait or --init says nothing else";
+  text += data ? "\n" + findings_text(*data) : "; `rio check` looks for the cause\n";
+  text.pop_back();  // the end of its last line
+  return text;
+}
+
 }  // namespace rio::tools

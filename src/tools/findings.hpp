@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,5 +46,8 @@ check::Findings not_ok(check::Findings findings);
 
 /// One line each, "data: nothing found" if there are none.
 std::string findings_text(const check::Findings& findings);
+
+/// Why a replay has not started, with what `check` found as the causes.
+std::string no_start_text(const std::optional<check::Findings>& data);
 
 }  // namespace rio::tools

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -13,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "checked_part.hpp"
 #include "commands.hpp"
 #include "findings.hpp"
 #include "outputs.hpp"
@@ -247,35 +247,6 @@ class Replay {
   ReplaySummary summary_;
 };
 
-/// Of each radar; read only if the stamps look like steps.
-ClockSteps find_clock_steps(const OpenRecording& recording, const Options& options,
-                            std::vector<std::string>* notes) {
-  const auto& stamps = recording.samples->outline().scan_times;
-  ClockSteps steps(stamps.size());
-  if (std::ranges::all_of(stamps, [](const auto& of) { return check::possible_steps(of).empty(); }))
-    return steps;
-  const CheckedPart part = read_checked_part(recording.samples.get(), recording.sensors);
-  for (std::size_t r = 0; r < steps.size(); ++r) {
-    steps[r] = check::clock_steps(part.data, options, r);
-    for (const check::ClockStep& step : steps[r]) {
-      notes->push_back(fmt::format(
-          "the clock of radar{} steps by {:+.3f} s at scan {}: taken out of its later stamps "
-          "(--no-check flies them as recorded)",
-          r, to_seconds(step.size), step.scan + 1));
-    }
-  }
-  return steps;
-}
-
-/// With what `check` found, as the causes.
-std::string no_start_text(const std::optional<check::Findings>& data) {
-  std::string text =
-      "no start: the estimator found no standstill, and start.max_wait or --init says nothing else";
-  text += data ? "\n" + findings_text(*data) : "; `rio check` looks for the cause\n";
-  text.pop_back();  // the end of its last line
-  return text;
-}
-
 }  // namespace
 
 Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const OnScan& on_scan) {
@@ -288,7 +259,8 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
   Options checked;  // overridden values have been noted already
   (void)io::tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
   ClockSteps steps;
-  if (!arguments.no_check) steps = find_clock_steps(recording, checked, &notes);
+  if (!arguments.no_check)
+    steps = find_clock_steps(recording.samples.get(), recording.sensors, checked, &notes);
   if (!on_scan) print_notes(notes);  // at once
   ReplaySummary summary =
       Replay(arguments, recording, options, std::move(steps), view, on_scan).run();

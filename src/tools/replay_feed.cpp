@@ -97,44 +97,6 @@ std::size_t ReplayFeed::scans_left() const {
   return left;
 }
 
-CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors) {
-  constexpr double kLongest = 600.1;              // ten minutes, and the error of a clock [s]
-  constexpr double kPause = 1.0;                  // of the IMU, not counted [s]
-  constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
-  CheckedPart part{{sensors, {}, {}}, std::nullopt};
-  // reserved at once: a growing vector exists twice; untouched memory costs nothing
-  part.data.imu.reserve(std::min(stream->outline().imu_samples, kMostBytes / sizeof(ImuSample)));
-  for (const std::vector<Time>& stamps : stream->outline().scan_times) {
-    part.data.radars.emplace_back().reserve(stamps.size(), kMostBytes / sizeof(check::Point));
-  }
-  std::size_t bytes = 0;
-  double seconds = 0.0;
-  const auto full = [&] { return bytes > kMostBytes || seconds > kLongest; };
-  ReplayFeed feed(stream);
-  while (!full()) {
-    const ImuSample* sample = feed.imu();
-    const std::optional<Time> due = feed.due();
-    if (sample == nullptr && !due) break;
-    if (due && (sample == nullptr || *due < sample->time)) {
-      std::size_t radar = 0;
-      const RadarScan& scan = feed.take_scan(&radar);
-      bytes += check::Scans::bytes(scan);
-      if (!full()) part.data.radars[radar].push_back(scan);
-    } else {
-      if (!part.data.imu.empty()) {
-        const double step = to_seconds(sample->time) - to_seconds(part.data.imu.back().time);
-        if (step > 0.0 && step < kPause) seconds += step;
-      }
-      bytes += sizeof(ImuSample);
-      if (!full()) part.data.imu.push_back(*sample);
-      feed.pass_imu();
-    }
-  }
-  if (full()) part.seconds = seconds;
-  stream->rewind();  // closes the files
-  return part;
-}
-
 HeightFeed::HeightFeed(io::RecordingStream* stream) : stream_(stream) {
   scale_ = io::barometric_scale([stream](const io::UseBaroSample& use) {
     stream->rewind_baro();

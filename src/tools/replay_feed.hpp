@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "check/check.hpp"
 #include "check/clock_steps.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/recording_stream.hpp"
@@ -58,14 +57,6 @@ class ReplayFeed {
   std::vector<Radar> radars_;
   RadarScan scan_;
 };
-
-/// The beginning of a recording, for `rio check`: all of one of ten minutes.
-struct CheckedPart {
-  check::CheckedData data;
-  std::optional<double> seconds;  ///< its length; empty: it is all
-};
-/// @param sensors their properties
-CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors);
 
 /// The heights of the barometer, which has its own reader, in their order.
 class HeightFeed {

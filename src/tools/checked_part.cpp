@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "checked_part.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rio::tools {
+
+CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors) {
+  constexpr double kLongest = 600.1;              // ten minutes, and the error of a clock [s]
+  constexpr double kPause = 1.0;                  // of the IMU, not counted [s]
+  constexpr std::size_t kMostBytes = 20'000'000;  // of samples and scans
+  CheckedPart part{{sensors, {}, {}}, std::nullopt};
+  // reserved at once: a growing vector exists twice; untouched memory costs nothing
+  part.data.imu.reserve(std::min(stream->outline().imu_samples, kMostBytes / sizeof(ImuSample)));
+  for (const std::vector<Time>& stamps : stream->outline().scan_times) {
+    part.data.radars.emplace_back().reserve(stamps.size(), kMostBytes / sizeof(check::Point));
+  }
+  std::size_t bytes = 0;
+  double seconds = 0.0;
+  const auto full = [&] { return bytes > kMostBytes || seconds > kLongest; };
+  ReplayFeed feed(stream);
+  while (!full()) {
+    const ImuSample* sample = feed.imu();
+    const std::optional<Time> due = feed.due();
+    if (sample == nullptr && !due) break;
+    if (due && (sample == nullptr || *due < sample->time)) {
+      std::size_t radar = 0;
+      const RadarScan& scan = feed.take_scan(&radar);
+      bytes += check::Scans::bytes(scan);
+      if (!full()) part.data.radars[radar].push_back(scan);
+    } else {
+      if (!part.data.imu.empty()) {
+        const double step = to_seconds(sample->time) - to_seconds(part.data.imu.back().time);
+        if (step > 0.0 && step < kPause) seconds += step;
+      }
+      bytes += sizeof(ImuSample);
+      if (!full()) part.data.imu.push_back(*sample);
+      feed.pass_imu();
+    }
+  }
+  if (full()) part.seconds = seconds;
+  stream->rewind();  // closes the files
+  return part;
+}
+
+ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
+                            const Options& options, std::vector<std::string>* notes) {
+  const auto& stamps = stream->outline().scan_times;
+  ClockSteps steps(stamps.size());
+  if (std::ranges::all_of(stamps, [](const auto& of) { return check::possible_steps(of).empty(); }))
+    return steps;
+  const CheckedPart part = read_checked_part(stream, sensors);
+  for (std::size_t r = 0; r < steps.size(); ++r) {
+    steps[r] = check::clock_steps(part.data, options, r);
+    for (const check::ClockStep& step : steps[r]) {
+      notes->push_back(fmt::format(
+          "the clock of radar{} steps by {:+.3f} s at scan {}: taken out of its later stamps "
+          "(--no-check flies them as recorded)",
+          r, to_seconds(step.size), step.scan + 1));
+    }
+  }
+  return steps;
+}
+
+}  // namespace rio::tools
