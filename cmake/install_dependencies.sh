@@ -12,7 +12,7 @@ foreign=
 case "${1:-tools}" in
   tests | tidy) packages+=(libgtest-dev libceres-dev python3 valgrind "${python[@]}" python3-pytest python3-distributed
     python3-matplotlib mypy "${ros2[@]}" libfastrtps-dev fastddsgen) ;;&
-  tidy) packages+=(libbenchmark-dev clang-format-14 clang-tidy-14) ;;
+  tidy) packages+=(clang-format-14 clang-tidy-14) ;;
   package) packages+=("${python[@]}" "${ros2[@]}" libgtest-dev lintian dpkg-dev file) ;;
   docs) packages=(doxygen python3-sphinx python3-myst-parser) ;;
   arm64) foreign=arm64 packages+=(g++-aarch64-linux-gnu) ;;

@@ -4,7 +4,7 @@
 #   test/run.sh             all tests
 #   test/run.sh sanitize    all but the Monte Carlo tests, with AddressSanitizer and UBSan
 #   test/run.sh thread      the test of two threads, with ThreadSanitizer
-#   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone, the benchmarks
+#   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone
 #   test/run.sh package     the Debian packages: lintian, installed into a root, used from there
 #   test/run.sh docs        the site, without a warning of Doxygen and Sphinx
 #   test/run.sh small       as for a flight controller: code size, memory, stack
@@ -39,7 +39,7 @@ if [ "$mode" = tidy ]; then
   # Python and ROS 2 need headers that their own builds find or generate
   git ls-files 'src/*.cpp' 'test/*.cpp' ':!test/package' ':!src/python' ':!src/ros2' ':!test/ros2' |
     xargs -P "$jobs" -n 4 clang-tidy-14 --quiet --extra-arg=-Wno-unknown-warning-option -p "$build"
-  cmake --build "$build" -j "$jobs" --target headers_alone update_bench
+  cmake --build "$build" -j "$jobs" --target headers_alone
   exit
 fi
 

@@ -1,6 +1,5 @@
-# For clang-tidy, the headers alone, and the benchmarks.
+# For clang-tidy, and the headers alone.
 include(${CMAKE_CURRENT_LIST_DIR}/test.cmake)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON CACHE BOOL "" FORCE)
 set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON CACHE BOOL "" FORCE)
 set(RIO_UNITY_BUILD OFF CACHE BOOL "" FORCE)
-set(RIO_BUILD_BENCH ON CACHE BOOL "" FORCE)
