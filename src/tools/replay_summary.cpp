@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -46,6 +47,45 @@ double realtime_factor(const ReplaySummary& s) {
 
 Model model_at(std::size_t i) {
   return static_cast<Model>(i);
+}
+
+/// What a flight without faults has none of.
+struct Irregular {
+  const char* key;   ///< in JSON
+  const char* what;  ///< after its number
+  std::uint64_t count;
+};
+
+std::array<Irregular, 21> irregular(const ReplaySummary& s) {
+  return {{
+      {"scans_before_start", "scans before the start",
+       static_cast<std::uint64_t>(s.scans_before_start)},
+      {"scans_unprocessed", "scans after the last IMU sample were not processed",
+       static_cast<std::uint64_t>(s.scans_unprocessed)},
+      {"scans_late", "late scans", s.counters.scans_late},
+      {"scans_ahead", "scans stamped too far ahead of the IMU", s.counters.scans_ahead},
+      {"scans_duplicate", "duplicate scans", s.counters.scans_duplicate},
+      {"scans_overflow", "scans lost because the queue was full", s.counters.scans_overflow},
+      {"scans_non_finite", "scans without a finite detection", s.counters.scans_non_finite},
+      {"detections_non_finite", "detections not finite, or beyond what any radar measures",
+       s.counters.detections_non_finite},
+      {"imu_stale", "IMU samples not newer than the one before", s.counters.imu_stale},
+      {"imu_ahead", "IMU samples stamped too far ahead", s.counters.imu_ahead},
+      {"clock_restarts", "times the clock of the sensors started again", s.counters.clock_restarts},
+      {"radar_clock_steps", "times the clock of a radar stepped", s.counters.radar_clock_steps},
+      {"imu_non_finite", "IMU samples not finite", s.counters.imu_non_finite},
+      {"imu_out_of_range", "IMU samples out of range", s.counters.imu_out_of_range},
+      {"imu_frozen", "IMU samples frozen", s.counters.imu_frozen},
+      {"imu_gaps", "gaps of the IMU", s.counters.imu_gaps},
+      {"updates_failed", "updates failed", s.counters.updates_failed},
+      {"velocity_resets", "times the scans contradicted the velocity for long",
+       s.counters.velocity_resets},
+      {"attitude_resets", "times the scans contradicted attitude or biases",
+       s.counters.attitude_resets},
+      {"position_reopened", "times the position was re-opened after doubtful scans",
+       s.counters.position_reopened},
+      {"restarts", "times the tilt was lost and found again", s.counters.restarts},
+  }};
 }
 
 }  // namespace
@@ -98,6 +138,8 @@ std::string ReplaySummary::json() const {
     calibrated[line.name] = {
         {"correction", c.value}, {"sigma", c.sigma}, {"verdict", to_string(c.observability)}};
   }
+  Json counted = {{"imu_samples", counters.imu_samples}};
+  for (const Irregular& i : irregular(*this)) counted[i.key] = i.count;
   const Vector3d& p = last_position;
   Json all = {
       {"verdict", health.verdict()},
@@ -116,29 +158,7 @@ std::string ReplaySummary::json() const {
       {"final_position_m", {p.x(), p.y(), p.z()}},
       {"first_to_last_m", (last_position - first_position).norm()},
       {"path_length_m", path_length},
-      {"counters",
-       {{"imu_samples", counters.imu_samples},
-        {"imu_stale", counters.imu_stale},
-        {"imu_non_finite", counters.imu_non_finite},
-        {"imu_out_of_range", counters.imu_out_of_range},
-        {"imu_frozen", counters.imu_frozen},
-        {"imu_ahead", counters.imu_ahead},
-        {"imu_gaps", counters.imu_gaps},
-        {"clock_restarts", counters.clock_restarts},
-        {"radar_clock_steps", counters.radar_clock_steps},
-        {"scans_late", counters.scans_late},
-        {"scans_ahead", counters.scans_ahead},
-        {"scans_duplicate", counters.scans_duplicate},
-        {"scans_overflow", counters.scans_overflow},
-        {"scans_non_finite", counters.scans_non_finite},
-        {"detections_non_finite", counters.detections_non_finite},
-        {"scans_before_start", scans_before_start},
-        {"scans_unprocessed", scans_unprocessed},
-        {"updates_failed", counters.updates_failed},
-        {"velocity_resets", counters.velocity_resets},
-        {"attitude_resets", counters.attitude_resets},
-        {"position_reopened", counters.position_reopened},
-        {"restarts", counters.restarts}}},
+      {"counters", counted},
   };
   if (data) all["data"] = findings_json(*data);
   if (data && checked_seconds) all["data_checked_s"] = *checked_seconds;
@@ -175,30 +195,7 @@ std::string ReplaySummary::text() const {
     if (!check.empty()) out += fmt::format("  check {}\n", check);
   }
 
-  const std::pair<const char*, std::uint64_t> irregular[] = {
-      {"scans before the start", static_cast<std::uint64_t>(scans_before_start)},
-      {"scans after the last IMU sample were not processed",
-       static_cast<std::uint64_t>(scans_unprocessed)},
-      {"late scans", counters.scans_late},
-      {"scans stamped too far ahead of the IMU", counters.scans_ahead},
-      {"duplicate scans", counters.scans_duplicate},
-      {"scans lost because the queue was full", counters.scans_overflow},
-      {"scans without a finite detection", counters.scans_non_finite},
-      {"detections not finite, or beyond what any radar measures", counters.detections_non_finite},
-      {"IMU samples not newer than the one before", counters.imu_stale},
-      {"IMU samples stamped too far ahead", counters.imu_ahead},
-      {"times the clock of the sensors started again", counters.clock_restarts},
-      {"times the clock of a radar stepped", counters.radar_clock_steps},
-      {"IMU samples not finite", counters.imu_non_finite},
-      {"IMU samples out of range", counters.imu_out_of_range},
-      {"IMU samples frozen", counters.imu_frozen},
-      {"gaps of the IMU", counters.imu_gaps},
-      {"updates failed", counters.updates_failed},
-      {"times the scans contradicted the velocity for long", counters.velocity_resets},
-      {"times the scans contradicted attitude or biases", counters.attitude_resets},
-      {"times the position was re-opened after doubtful scans", counters.position_reopened},
-      {"times the tilt was lost and found again", counters.restarts}};
-  for (const auto& [what, count] : irregular) {
+  for (const auto& [key, what, count] : irregular(*this)) {
     if (count > 0) out += fmt::format("{} {}\n", count, what);
   }
   if (data && checked_seconds) {
