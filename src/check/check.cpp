@@ -43,25 +43,31 @@ std::optional<Finding> check_lever_arm(const Vector3d& p) {
                  "the translation of T_BS is in metres: is this one in mm or cm?"};
 }
 
-Finding step_of_the_clock(const ClockStep& step, const Scans& scans) {
+/// @param items scans or samples as recorded
+template <class Items>
+Finding step_of_the_clock(const ClockStep& step, const Items& items, const char* item,
+                          const char* sensor) {
   return {Verdict::kWrong, "delay of the radar",
-          fmt::format("a clock steps within the recording: from scan {} on, {:.1f} s after the "
-                      "first, the stamps of the radar are {:+.3f} s off those before",
-                      step.scan + 1, to_seconds(scans[step.scan - 1].time - scans[0].time),
-                      to_seconds(step.size)),
+          fmt::format("a clock steps within the recording: from {} {} on, {:.1f} s after the "
+                      "first, the stamps of the {} are {:+.3f} s off those before",
+                      item, step.first + 1, to_seconds(items[step.first - 1].time - items[0].time),
+                      sensor, to_seconds(step.size)),
           std::string("nothing for `rio replay`, which takes it out; for others, ") + kSplitThere};
 }
 
 /// A radar; `options` have it as the first one.
-Findings check_one_radar(const CheckedImu& imu, const Scans& recorded, const io::RadarInfo& info,
+/// @param steps of its clock
+Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
+                         const std::vector<ClockStep>& steps, const io::RadarInfo& info,
                          const Advice& advice, const Options& options,
                          const std::filesystem::path& folder) {
   if (recorded.empty()) return {};
   bool same_unit = true;
   Findings out = {check_clocks(imu.all, recorded, advice, &same_unit)};
   if (!same_unit) return out;
-  const std::vector<ClockStep> steps = clock_steps(imu, recorded, options);
-  for (const ClockStep& step : steps) out.push_back(step_of_the_clock(step, recorded));
+  for (const ClockStep& step : steps) {
+    out.push_back(step_of_the_clock(step, recorded, "scan", "radar"));
+  }
   const std::optional<Scans> moved =
       steps.empty() ? std::nullopt : std::optional(without_steps(recorded, steps));
   const Scans& scans = moved ? *moved : recorded;
@@ -92,9 +98,13 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded, const io:
   return out;
 }
 
-Findings check_all(const std::vector<ImuSample>& samples, const std::vector<Scans>& radars,
+Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Scans>& radars,
                    const io::Dataset& sensors, const Options& options, Source source,
                    const std::filesystem::path& folder) {
+  const ClockSteps steps = find_clock_steps(recorded, radars, sensors.imu_info, options);
+  std::vector<ImuSample> moved;
+  if (!steps.imu.empty()) moved = without_steps(recorded, steps.imu);
+  const std::vector<ImuSample>& samples = steps.imu.empty() ? recorded : moved;
   const std::optional<std::vector<ImuSample>> fewer = usable_if_not_all(samples);
   const std::vector<ImuSample>& good = fewer ? *fewer : samples;
   const ImuCheck check =
@@ -107,10 +117,14 @@ Findings check_all(const std::vector<ImuSample>& samples, const std::vector<Scan
   if (worst(out) != Verdict::kWrong) {
     out.push_back(check_start(imu, radars[0], options));
   }
+  for (const ClockStep& step : steps.imu) {
+    out.push_back(step_of_the_clock(step, recorded, "sample", "IMU"));
+  }
   for (std::size_t r = 0; r < options.radars() && r < radars.size(); ++r) {
     const io::RadarInfo& info = r == 0 ? sensors.radar_info : sensors.other_radars[r - 1].info;
-    for (Finding& finding : check_one_radar(imu, radars[r], info, {source, &info, r},
-                                            r == 0 ? options : options.seen_by(r), folder)) {
+    for (Finding& finding :
+         check_one_radar(imu, radars[r], steps.radars[r], info, {source, &info, r},
+                         r == 0 ? options : options.seen_by(r), folder)) {
       if (r > 0) finding.subject = fmt::format("radar{}: {}", r, finding.subject);
       out.push_back(std::move(finding));
     }

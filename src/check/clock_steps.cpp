@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_data.hpp"
 #include "check/numbers.hpp"
@@ -13,6 +14,17 @@
 namespace rio::check {
 
 namespace {
+
+/// The samples that can be integrated.
+class Usable {
+ public:
+  explicit Usable(const std::vector<ImuSample>& all) : all_(all), fewer_(usable_if_not_all(all)) {}
+  const std::vector<ImuSample>& samples() const { return fewer_ ? *fewer_ : all_; }
+
+ private:
+  const std::vector<ImuSample>& all_;
+  std::optional<std::vector<ImuSample>> fewer_;
+};
 
 /// Velocities of the scans [first, end).
 std::vector<RadarSpeed> speeds_of(const Scans& scans, std::size_t first, std::size_t end,
@@ -26,14 +38,77 @@ std::vector<RadarSpeed> speeds_of(const Scans& scans, std::size_t first, std::si
   return radar_speeds(part, options);
 }
 
-/// The windows with the stamps moved by `shift`.
-Agreement agreement(std::vector<RadarSpeed> speeds, Time shift, const CheckedImu& imu,
+/// The windows with the stamps of the radar moved by `shift`.
+/// @param samples that can be integrated
+Agreement agreement(std::vector<RadarSpeed> speeds, Time shift,
+                    const std::vector<ImuSample>& samples, const ImuCheck& check,
                     const Options& options) {
   constexpr double kLength = 2.0;  // of a window [s]
   for (RadarSpeed& speed : speeds) speed.time += shift;
-  const ImuPath path(imu.good, imu.check.gyro_unit, imu.check.accel_unit);
+  const ImuPath path(samples, check.gyro_unit, check.accel_unit);
   return agreements(speeds, path, kLength, options.radar.T_BS.translation,
                     {-options.radar.time_offset})[0];
+}
+
+/// Whether the windows without a step agree significantly better than those with it.
+bool is_step(const Agreement& with, const Agreement& without, const Options& options) {
+  const Matrix3d R = options.radar.T_BS.rotation.toRotationMatrix();
+  const double explained = without.explained(R);
+  return without.windows >= kFewestWindows && explained > kExplained &&
+         significance(with.explained(R), explained, without.windows) > kSignificant;
+}
+
+template <class Items>
+std::vector<ClockStep> possible_steps_of(const Items& items) {
+  std::vector<Time> stamps;
+  for (std::size_t i = 0; i < items.size(); ++i) stamps.push_back(items[i].time);
+  return possible_steps(stamps);
+}
+
+std::vector<ClockStep> radar_steps(const std::vector<ImuSample>& samples, const ImuCheck& check,
+                                   const Scans& scans, const Options& options) {
+  const std::vector<ClockStep> possible = possible_steps_of(scans);
+  if (possible.empty()) return {};
+  std::vector<std::vector<RadarSpeed>> speeds;  // after each
+  for (std::size_t k = 0; k < possible.size(); ++k) {
+    const std::size_t end = k + 1 < possible.size() ? possible[k + 1].first : scans.size();
+    speeds.push_back(speeds_of(scans, possible[k].first, end, options));
+  }
+  std::vector<ClockStep> steps;
+  Time moved{0};
+  for (std::size_t k = 0; k < possible.size(); ++k) {
+    std::vector<RadarSpeed> after;
+    for (std::size_t i = k; i < speeds.size(); ++i) {
+      after.insert(after.end(), speeds[i].begin(), speeds[i].end());
+    }
+    const auto with_moved = [&](Time by) { return agreement(after, -by, samples, check, options); };
+    if (!is_step(with_moved(moved), with_moved(moved + possible[k].size), options)) continue;
+    moved += possible[k].size;
+    steps.push_back(possible[k]);
+  }
+  return steps;
+}
+
+std::vector<ClockStep> imu_steps(const std::vector<ImuSample>& samples, const ImuCheck& check,
+                                 const Scans& scans, const Options& options) {
+  const std::vector<ClockStep> possible = possible_steps_of(samples);
+  if (possible.empty()) return {};
+  const std::vector<RadarSpeed> speeds = radar_speeds(scans, options);
+  std::vector<ClockStep> steps;
+  const auto with_stamps_of = [&](const std::vector<ImuSample>& stamped) {
+    return agreement(speeds, Time{0}, Usable(stamped).samples(), check, options);
+  };
+  Agreement with = with_stamps_of(samples);
+  for (const ClockStep& step : possible) {
+    steps.push_back(step);
+    const Agreement without = with_stamps_of(without_steps(samples, steps));
+    if (is_step(with, without, options)) {
+      with = without;
+    } else {
+      steps.pop_back();
+    }
+  }
+  return steps;
 }
 
 }  // namespace
@@ -60,56 +135,35 @@ std::vector<ClockStep> possible_steps(const std::vector<Time>& stamps) {
   std::ranges::nth_element(out, out.begin() + kMost, std::ranges::greater{},
                            [](const ClockStep& s) { return std::abs(to_seconds(s.size)); });
   out.resize(kMost);
-  std::ranges::sort(out, std::ranges::less{}, &ClockStep::scan);
+  std::ranges::sort(out, std::ranges::less{}, &ClockStep::first);
   return out;
 }
 
-std::vector<ClockStep> clock_steps(const CheckedImu& imu, const Scans& scans,
-                                   const Options& options) {
-  std::vector<Time> stamps;
-  for (std::size_t i = 0; i < scans.size(); ++i) stamps.push_back(scans[i].time);
-  const std::vector<ClockStep> possible = possible_steps(stamps);
-  if (possible.empty() || MountingSearch::is_unknown(options.calibration)) return {};
-  std::vector<std::vector<RadarSpeed>> speeds;  // after each
-  for (std::size_t k = 0; k < possible.size(); ++k) {
-    const std::size_t end = k + 1 < possible.size() ? possible[k + 1].scan : scans.size();
-    speeds.push_back(speeds_of(scans, possible[k].scan, end, options));
-  }
-  const Matrix3d R = options.radar.T_BS.rotation.toRotationMatrix();
-  std::vector<ClockStep> steps;
-  Time moved{0};
-  for (std::size_t k = 0; k < possible.size(); ++k) {
-    std::vector<RadarSpeed> after;
-    for (std::size_t i = k; i < speeds.size(); ++i) {
-      after.insert(after.end(), speeds[i].begin(), speeds[i].end());
-    }
-    const double as_is = agreement(after, -moved, imu, options).explained(R);
-    const Agreement windows = agreement(after, -moved - possible[k].size, imu, options);
-    const double without = windows.explained(R);
-    if (windows.windows < kFewestWindows || without < kExplained ||
-        significance(as_is, without, windows.windows) < kSignificant) {
-      continue;
-    }
-    moved += possible[k].size;
-    steps.push_back(possible[k]);
+ClockSteps find_clock_steps(const std::vector<ImuSample>& samples, const std::vector<Scans>& radars,
+                            const io::ImuInfo& info, const Options& options) {
+  ClockSteps steps{{}, std::vector<std::vector<ClockStep>>(radars.size())};
+  const bool none =
+      possible_steps_of(samples).empty() && std::ranges::all_of(radars, [](const Scans& scans) {
+        return possible_steps_of(scans).empty();
+      });
+  if (none || MountingSearch::is_unknown(options.calibration)) return steps;
+  const Usable recorded(samples);
+  const ImuCheck check = check_imu(samples, recorded.samples(), info, Source::kFolder, {});
+  if (!check.stamped || !check.integrable || check.exchanged) return steps;
+  steps.imu = imu_steps(samples, check, radars[0], options);
+  const std::vector<ImuSample> moved = without_steps(samples, steps.imu);
+  const Usable good(moved);
+  for (std::size_t r = 0; r < radars.size() && r < options.radars(); ++r) {
+    steps.radars[r] =
+        radar_steps(good.samples(), check, radars[r], r == 0 ? options : options.seen_by(r));
   }
   return steps;
 }
 
-std::vector<ClockStep> clock_steps(const CheckedData& data, const Options& options,
-                                   std::size_t radar) {
-  const std::optional<std::vector<ImuSample>> fewer = usable_if_not_all(data.imu);
-  const std::vector<ImuSample>& good = fewer ? *fewer : data.imu;
-  const ImuCheck check = check_imu(data.imu, good, data.sensors.imu_info, Source::kFolder, {});
-  if (data.imu.empty() || !check.stamped || !check.integrable || check.exchanged) return {};
-  return clock_steps({data.imu, good, check}, data.radars[radar],
-                     radar == 0 ? options : options.seen_by(radar));
-}
-
-Time offset_at(const std::vector<ClockStep>& steps, std::size_t scan) {
+Time offset_at(const std::vector<ClockStep>& steps, std::size_t item) {
   Time offset{0};
   for (const ClockStep& step : steps) {
-    if (step.scan <= scan) offset += step.size;
+    if (step.first <= item) offset += step.size;
   }
   return offset;
 }
@@ -124,6 +178,12 @@ Scans without_steps(const Scans& scans, const std::vector<ClockStep>& steps) {
     out.push_back(scan);
   }
   return out;
+}
+
+std::vector<ImuSample> without_steps(std::vector<ImuSample> samples,
+                                     const std::vector<ClockStep>& steps) {
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].time -= offset_at(steps, i);
+  return samples;
 }
 
 }  // namespace rio::check

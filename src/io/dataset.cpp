@@ -113,11 +113,14 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
   std::string first;
   Time before{0};
   constexpr double kCorrupt = 3600.0;  // [s]
+  constexpr double kOdd = 0.1;         // [s]
   while (rows.next(&sample)) {
     const std::size_t earlier = outline->imu_samples++;
     const bool apart = std::abs(to_seconds(sample.time) - to_seconds(before)) > kCorrupt;
     if (earlier == 0 || (earlier == 1 && apart)) outline->imu_begin = sample.time;
     if (earlier <= 1 || !apart) outline->imu_end = sample.time;
+    const bool odd = std::abs(to_seconds(sample.time - before)) > kOdd;
+    outline->imu_odd = outline->imu_odd || (earlier > 0 && odd);
     before = sample.time;
     if (samples != nullptr) samples->imu.push_back(sample);
     if (rows.is_finite()) continue;

@@ -45,21 +45,29 @@ CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& se
   return part;
 }
 
-ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
-                            const Options& options, std::vector<std::string>* notes) {
-  const auto& stamps = stream->outline().scan_times;
-  ClockSteps steps(stamps.size());
-  if (std::ranges::all_of(stamps, [](const auto& of) { return check::possible_steps(of).empty(); }))
-    return steps;
+check::ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
+                                   const Options& options, std::vector<std::string>* notes) {
+  const io::RecordingOutline& outline = stream->outline();
+  if (!outline.imu_odd && std::ranges::all_of(outline.scan_times, [](const auto& stamps) {
+        return check::possible_steps(stamps).empty();
+      })) {
+    return {};
+  }
   const CheckedPart part = read_checked_part(stream, sensors);
-  for (std::size_t r = 0; r < steps.size(); ++r) {
-    steps[r] = check::clock_steps(part.data, options, r);
-    for (const check::ClockStep& step : steps[r]) {
-      notes->push_back(fmt::format(
-          "the clock of radar{} steps by {:+.3f} s at scan {}: taken out of its later stamps "
-          "(--no-check flies them as recorded)",
-          r, to_seconds(step.size), step.scan + 1));
+  check::ClockSteps steps =
+      check::find_clock_steps(part.data.imu, part.data.radars, sensors.imu_info, options);
+  const auto note = [notes](const std::vector<check::ClockStep>& of, const std::string& sensor,
+                            const char* item) {
+    for (const check::ClockStep& step : of) {
+      notes->push_back(
+          fmt::format("the clock of {} steps by {:+.3f} s at {} {}: taken out of its later stamps "
+                      "(--no-check flies them as recorded)",
+                      sensor, to_seconds(step.size), item, step.first + 1));
     }
+  };
+  note(steps.imu, "the IMU", "sample");
+  for (std::size_t r = 0; r < steps.radars.size(); ++r) {
+    note(steps.radars[r], fmt::format("radar{}", r), "scan");
   }
   return steps;
 }

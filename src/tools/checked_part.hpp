@@ -20,11 +20,11 @@ struct CheckedPart {
 /// @param sensors their properties
 CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors);
 
-/// Of each radar, as the checked part of the recording shows them. It is read only if some stamps
+/// Of each sensor, as the checked part of the recording shows them. It is read only if some stamps
 /// look like steps.
 /// @param options with the sensor properties of the recording
 /// @param notes one more for every step
-ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
-                            const Options& options, std::vector<std::string>* notes);
+check::ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
+                                   const Options& options, std::vector<std::string>* notes);
 
 }  // namespace rio::tools

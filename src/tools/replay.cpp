@@ -73,7 +73,7 @@ class Replay {
  public:
   /// @param steps of the clocks of the radars, to be taken out
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
-         ClockSteps steps, ViewOutputs* view, const OnScan& on_scan)
+         check::ClockSteps steps, ViewOutputs* view, const OnScan& on_scan)
       : arguments_(arguments),
         outline_(recording.samples->outline()),
         on_scan_(on_scan),
@@ -258,7 +258,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
   const Options options = make_options(arguments, recording.sensors, &notes);
   Options checked;  // overridden values have been noted already
   (void)io::tell_sensors_and_values(recording.sensors, arguments.estimator, &checked);
-  ClockSteps steps;
+  check::ClockSteps steps;
   if (!arguments.no_check)
     steps = find_clock_steps(recording.samples.get(), recording.sensors, checked, &notes);
   if (!on_scan) print_notes(notes);  // at once

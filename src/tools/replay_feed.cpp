@@ -36,10 +36,11 @@ std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
   return due;
 }
 
-ReplayFeed::ReplayFeed(io::RecordingStream* stream, ClockSteps steps) : stream_(stream) {
-  steps.resize(stream->outline().scan_times.size());
+ReplayFeed::ReplayFeed(io::RecordingStream* stream, check::ClockSteps steps)
+    : stream_(stream), imu_steps_(std::move(steps.imu)) {
+  steps.radars.resize(stream->outline().scan_times.size());
   for (const std::vector<Time>& stamps : stream->outline().scan_times) {
-    std::vector<check::ClockStep>& of = steps[radars_.size()];
+    std::vector<check::ClockStep>& of = steps.radars[radars_.size()];
     if (of.empty()) {
       radars_.push_back({&stamps, due_times(stamps), {}});
       continue;
@@ -59,6 +60,7 @@ const ImuSample* ReplayFeed::imu(std::size_t ahead) {
       if (samples_ > 0) imu_[1] = imu_[0];
       return nullptr;
     }
+    imu_[1].time -= check::offset_at(imu_steps_, samples_read_++);
     ++samples_;
   }
   return &imu_[2 - samples_ + ahead];

@@ -19,14 +19,11 @@ namespace rio::tools {
 /// these are the stamps themselves.
 std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps);
 
-/// By radar.
-using ClockSteps = std::vector<std::vector<check::ClockStep>>;
-
 class ReplayFeed {
  public:
   /// From the beginning of the recording.
-  /// @param steps of the clock of each radar, to be taken out of its stamps; none if empty
-  explicit ReplayFeed(io::RecordingStream* stream, ClockSteps steps = {});
+  /// @param steps of the clocks, to be taken out of the stamps
+  explicit ReplayFeed(io::RecordingStream* stream, check::ClockSteps steps = {});
 
   /// The next sample, or the one after; null if there is none. Valid until the next call.
   const ImuSample* imu(std::size_t ahead = 0);
@@ -54,6 +51,8 @@ class ReplayFeed {
   io::RecordingStream* stream_;
   std::array<ImuSample, 2> imu_{};  ///< read, but not yet given
   std::size_t samples_ = 0;         ///< number of these; the last ones
+  std::size_t samples_read_ = 0;    ///< of the recording
+  std::vector<check::ClockStep> imu_steps_;
   std::vector<Radar> radars_;
   RadarScan scan_;
 };

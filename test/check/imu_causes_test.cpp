@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults of the IMU and of clocks with a cause that another one resembles: the right one is named,
 // with what to paste.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -138,6 +140,34 @@ TEST(ImuCauses, StampsOfTheRadarInMicrosecondsNeedNoOffset) {
   EXPECT_PRED2(contains, finding.text, "in us");
   EXPECT_EQ(finding.change, "multiply the stamps of the radar by 1000: they must be in ns");
   EXPECT_EQ(find(check_it(dataset), "radar stamps"), nullptr);  // nor what follows from them
+}
+
+TEST(ImuCauses, AStepOfItsClockIsFoundToTheSample) {
+  for (const double step : {0.15, -0.3, 1.5, -2.0, 40.0}) {
+    SCOPED_TRACE(step);
+    io::Dataset dataset = flight();
+    const std::size_t first = dataset.imu.size() / 3;
+    for (std::size_t i = first; i < dataset.imu.size(); ++i) {
+      dataset.imu[i].time += from_seconds(step);
+    }
+    const Findings findings = check_it(dataset);
+    expect(said(findings, "delay of the radar"), Verdict::kWrong,
+           fmt::format("from sample {} on", first + 1), "`rio replay`, which takes it out");
+    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), 1)
+        << text_of(findings);
+  }
+}
+
+TEST(ImuCauses, APauseIsNoStepOfItsClock) {
+  for (const bool of_both : {false, true}) {
+    io::Dataset dataset = flight();
+    const Time begin = dataset.imu[dataset.imu.size() / 2].time;
+    const auto lost = [&](Time t) { return t > begin && t < begin + from_seconds(0.5); };
+    std::erase_if(dataset.imu, [&](const ImuSample& s) { return lost(s.time); });
+    if (of_both) std::erase_if(dataset.scans, [&](const RadarScan& s) { return lost(s.time); });
+    const Findings findings = check_it(dataset);
+    EXPECT_FALSE(contains(text_of(findings), "a clock steps")) << text_of(findings);
+  }
 }
 
 }  // namespace

@@ -37,9 +37,10 @@ std::vector<Time> stamps_of(const io::Dataset& dataset) {
 std::vector<check::ClockStep> steps_in(const io::Dataset& dataset) {
   Options options;
   io::apply_sensor_info(dataset, &options);
-  check::CheckedData data{dataset, dataset.imu, {}};
-  data.radars.emplace_back(dataset.scans);
-  return check::clock_steps(data, options, 0);
+  const check::ClockSteps steps = check::find_clock_steps(
+      dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info, options);
+  EXPECT_TRUE(steps.imu.empty());
+  return steps.radars[0];
 }
 
 TEST(RadarCauses, TheRateOfStampsOnAGridIsThatOfTheRadar) {
@@ -138,8 +139,8 @@ TEST(RadarCauses, TwoStepsOfAClockAreFound) {
   }
   const std::vector<check::ClockStep> steps = steps_in(dataset);
   ASSERT_EQ(steps.size(), 2U);
-  EXPECT_EQ(steps[0].scan, third);
-  EXPECT_EQ(steps[1].scan, 2 * third);
+  EXPECT_EQ(steps[0].first, third);
+  EXPECT_EQ(steps[1].first, 2 * third);
   EXPECT_NEAR(to_seconds(check::offset_at(steps, 2 * third)), 0.2, 0.005);
 }
 

@@ -75,16 +75,20 @@ TEST_F(Check, AReplayEndsWithWhatIsNotOk) {
          "note: something is wrong with the recording"});
 }
 
-TEST_F(Check, AReplayTakesStepsOfTheClockOfTheRadarOut) {
-  const std::string folder =
-      changed("stepped", "radar0/data.csv",
-              "if (!first) first = $1; if ($1 - first > 6e9) $1 = sprintf(\"%.0f\", $1 + 3e8)");
-  const std::string out = file("stepped.tum");
-  rio("replay " + folder + " --out " + out,
-      {"note: the clock of radar0 steps by +0.300 s at scan ", "a clock steps within"});
+TEST_F(Check, AReplayTakesStepsOfAClockOut) {
   rio("replay --quiet " + flight_ + " --out " + file("as_flown.tum"));
-  EXPECT_LT(path_error(flight_, out), path_error(flight_, file("as_flown.tum")) + 0.01);
-  expect_none(try_rio("replay --no-check " + folder).output, {"steps by"});
+  const std::string step =
+      "if (!first) first = $1; if ($1 - first > 6e9) $1 = sprintf(\"%.0f\", $1 + 3e8)";
+  for (const auto& [csv, note] :
+       {std::pair("radar0/data.csv", "radar0 steps by +0.300 s at scan "),
+        std::pair("imu0/data.csv", "the IMU steps by +0.300 s at sample ")}) {
+    const std::string folder = changed(std::string("stepped_") + std::string(csv, 4), csv, step);
+    const std::string out = folder + ".tum";
+    rio("replay " + folder + " --out " + out,
+        {std::string("note: the clock of ") + note, "a clock steps within"});
+    EXPECT_LT(path_error(flight_, out), path_error(flight_, file("as_flown.tum")) + 0.01);
+    expect_none(try_rio("replay --no-check " + folder).output, {"steps by"});
+  }
 }
 
 TEST_F(Check, AReplayGivesWhatIsNotOkAsJson) {
