@@ -114,7 +114,7 @@ std::vector<ClockStep> imu_steps(const std::vector<ImuSample>& samples, const Im
 }  // namespace
 
 std::vector<ClockStep> possible_steps(const std::vector<Time>& stamps) {
-  constexpr double kSmallest = 0.1;   // less is a delay that an estimator finds [s]
+  constexpr double kSmallest = 0.05;  // less is a delay that an estimator finds [s]
   constexpr double kRepaired = 0.05;  // a corrupt stamp is off by this at most after it [s]
   constexpr std::size_t kMost = 8;
   std::vector<double> intervals;

@@ -6,10 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <span>
 
 #include "check/axes.hpp"
-#include "check/order.hpp"
 
 namespace rio::check {
 
@@ -38,44 +36,6 @@ struct Shift {
   double seconds = 0.0;
   double explained = 0.0;
 };
-
-/// For every shift.
-std::vector<Agreement> sum_of(std::span<const std::vector<Agreement>> parts) {
-  std::vector<Agreement> sum = parts.front();
-  for (const std::vector<Agreement>& part : parts.subspan(1)) {
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part[i];
-  }
-  return sum;
-}
-
-/// Two delays, one before and one after a step of a clock.
-struct Step {
-  double seconds = 0.0;  ///< of the radar's stamps relative to those of the IMU
-  double sigmas = 0.0;   ///< better than any one delay
-};
-
-/// @param before,after windows for every shift
-Step best_step(const std::vector<Agreement>& before, const std::vector<Agreement>& after,
-               const Matrix3d& R) {
-  double one = 0.0;
-  double two = 0.0;
-  Step out;
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    for (std::size_t j = 0; j < after.size(); ++j) {
-      Agreement both = before[i];
-      both += after[j];
-      const double explained = both.explained(R);
-      if (i == j) one = std::max(one, explained);
-      if (explained <= two) continue;
-      two = explained;
-      out.seconds = kShiftStep * (static_cast<double>(i) - static_cast<double>(j));
-    }
-  }
-  if (two > kExplained) {
-    out.sigmas = significance(one, two, before.front().windows + after.front().windows);
-  }
-  return out;
-}
 
 Shift best_shift(const std::vector<Agreement>& shifts, const Matrix3d& R) {
   std::vector<double> explained;
@@ -145,44 +105,6 @@ bool ends_at_the_best(const std::vector<Agreement>& shifts, const Options& optio
   const std::vector<double> most = most_explained(shifts, options, sign);
   const auto best = std::max_element(most.begin(), most.end());
   return *best > kExplained && (best == most.begin() || best + 1 == most.end());
-}
-
-std::optional<Finding> check_clock_step(const MotionData& data, double length, const Matrix3d& R,
-                                        const Options& options) {
-  constexpr std::size_t kParts = 16;  // of the recording; the step is sought between them
-  const Time begin = data.speeds.front().time;
-  const Time part = (data.speeds.back().time - begin) / kParts + Time{1};
-  std::vector<std::vector<RadarSpeed>> speeds(kParts);
-  for (const RadarSpeed& speed : data.speeds) {
-    const auto k = (speed.time - begin) / part;
-    if (k >= 0 && k < static_cast<long>(kParts))
-      speeds[static_cast<std::size_t>(k)].push_back(speed);
-  }
-  const ImuPath path(data.samples, data.gyro_unit, data.accel_unit);
-  const std::vector<double> shifts = tested_shifts(options.radar);
-  std::vector<std::vector<Agreement>> parts;
-  for (const std::vector<RadarSpeed>& some : speeds) {
-    parts.push_back(agreements(some, path, length, options.radar.T_BS.translation, shifts));
-  }
-  Step step;
-  std::size_t at = 0;
-  for (std::size_t k = 1; k < kParts; ++k) {
-    const std::vector<Agreement> before = sum_of(std::span(parts).first(k));
-    const std::vector<Agreement> after = sum_of(std::span(parts).subspan(k));
-    if (std::min(before[0].windows, after[0].windows) < kFewestWindows) continue;
-    const Step here = best_step(before, after, R);
-    if (here.sigmas <= step.sigmas) continue;
-    step = here;
-    at = k;
-  }
-  if (std::abs(step.seconds) < kWrong || step.sigmas < kSignificant) return std::nullopt;
-  return Finding{
-      Verdict::kWrong, "delay of the radar",
-      fmt::format("a clock steps within the recording: from about {:.0f} s after the first scan "
-                  "on the stamps of the radar are {:+.2f} s off those before, relative to the IMU, "
-                  "by {:.1f} sigmas",
-                  to_seconds(part) * static_cast<double>(at), step.seconds, step.sigmas),
-      kSplitThere};
 }
 
 std::optional<Finding> check_far_delay(const MotionData& data, double length, double near,

@@ -37,12 +37,6 @@ bool ends_at_the_best(const std::vector<Agreement>& shifts, const Options& optio
 Finding check_delay(const std::vector<Agreement>& shifts, const Matrix3d& R, const Options& options,
                     const Advice& advice);
 
-/// A step of one of the clocks within the recording: before and after it another delay explains the
-/// motion, significantly better than any one delay; empty if there is none.
-/// @param R axes of the radar as found
-std::optional<Finding> check_clock_step(const MotionData& data, double length, const Matrix3d& R,
-                                        const Options& options);
-
 /// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
 /// none.
 /// @param near explained at most with those of check_delay()

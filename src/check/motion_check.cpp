@@ -246,9 +246,8 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shif
   if (const auto gyro = check_gyro_by_radar(judge, judge.all.explained(found.R))) return {*gyro};
   const Finding axes = check_axes(judge, found, alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
-  const auto step = check_clock_step(judge.data, judge.length, found.R, judge.options);
   return {axes, check_scale(judge, found.R),
-          step ? *step : check_delay(shifts, found.R, judge.options, judge.advice)};
+          check_delay(shifts, found.R, judge.options, judge.advice)};
 }
 
 }  // namespace

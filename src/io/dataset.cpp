@@ -113,7 +113,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
   std::string first;
   Time before{0};
   constexpr double kCorrupt = 3600.0;  // [s]
-  constexpr double kOdd = 0.1;         // [s]
+  constexpr double kOdd = 0.05;        // [s]
   while (rows.next(&sample)) {
     const std::size_t earlier = outline->imu_samples++;
     const bool apart = std::abs(to_seconds(sample.time) - to_seconds(before)) > kCorrupt;
