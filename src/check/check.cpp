@@ -43,16 +43,34 @@ std::optional<Finding> check_lever_arm(const Vector3d& p) {
                  "the translation of T_BS is in metres: is this one in mm or cm?"};
 }
 
+/// Says the steps of a clock: those back in place of what was found of the stamps without them.
 /// @param items scans or samples as recorded
+/// @param sensor "radar" or "imu"
 template <class Items>
-Finding step_of_the_clock(const ClockStep& step, const Items& items, const char* item,
-                          const char* sensor) {
-  return {Verdict::kWrong, "delay of the radar",
-          fmt::format("a clock steps within the recording: from {} {} on, {:.1f} s after the "
-                      "first, the stamps of the {} are {:+.3f} s off those before",
-                      item, step.first + 1, to_seconds(items[step.first - 1].time - items[0].time),
-                      sensor, to_seconds(step.size)),
-          std::string("nothing for `rio replay`, which takes it out; for others, ") + kSplitThere};
+void say_steps(const std::vector<ClockStep>& steps, const Items& items, const char* item,
+               const std::string& sensor, Findings* out) {
+  const std::string change =
+      std::string("nothing for `rio replay`, which takes it out; for others, ") + kSplitThere;
+  Jump back;
+  for (const ClockStep& step : steps) {
+    const double size = to_seconds(step.size);
+    if (size <= kBack) {
+      if (back.count++ == 0) back = {1, step.first, size};
+      continue;
+    }
+    out->push_back(
+        {Verdict::kWrong, "delay of the radar",
+         fmt::format("a clock steps within the recording: from {} {} on, {:.1f} s after the first, "
+                     "the stamps of the {} are {:+.3f} s off those before",
+                     item, step.first + 1, to_seconds(items[step.first - 1].time - items[0].time),
+                     sensor, size),
+         change});
+  }
+  if (back.count == 0) return;
+  const std::string subject = sensor + " stamps";
+  std::erase_if(*out, [&subject](const Finding& f) { return f.subject == subject; });
+  out->push_back({Verdict::kDoubtful, subject,
+                  fmt::format("from {} {} on", item, back.first + 1) + jump_text(back), change});
 }
 
 /// A radar; `options` have it as the first one.
@@ -62,15 +80,12 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
                          const Advice& advice, const Options& options,
                          const std::filesystem::path& folder) {
   if (recorded.empty()) return {};
-  bool same_unit = true;
-  Findings out = {check_clocks(imu.all, recorded, advice, &same_unit)};
-  if (!same_unit) return out;
-  for (const ClockStep& step : steps) {
-    out.push_back(step_of_the_clock(step, recorded, "scan", "radar"));
-  }
   const std::optional<Scans> moved =
       steps.empty() ? std::nullopt : std::optional(without_steps(recorded, steps));
   const Scans& scans = moved ? *moved : recorded;
+  bool same_unit = true;
+  Findings out = {check_clocks(imu.all, scans, advice, &same_unit)};
+  if (!same_unit) return out;
   Options read = options;
   double& limit = read.radar.max_doppler;
   if (limit > 0.0) limit = std::max(limit, fastest(scans));
@@ -82,6 +97,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   const Findings alone =
       check_radar(scans, info, speeds, imu, options, advice, folder / advice.csv());
   append(alone);
+  say_steps(steps, recorded, "scan", "radar", &out);
   if (!has_sound_basis(alone)) return out;
   const RangeCheck ranges = check_ranges(scans, options, advice);
   out.push_back(ranges.finding);
@@ -114,11 +130,9 @@ Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Sca
   std::vector<ImuSample> other_way;  // the other checks are then as with the right columns
   if (check.exchanged) other_way = exchanged(good);
   const CheckedImu imu{samples, check.exchanged ? other_way : good, check};
-  if (worst(out) != Verdict::kWrong) {
+  say_steps(steps.imu, recorded, "sample", "imu", &out);
+  if (worst(check.findings) != Verdict::kWrong) {
     out.push_back(check_start(imu, radars[0], options));
-  }
-  for (const ClockStep& step : steps.imu) {
-    out.push_back(step_of_the_clock(step, recorded, "sample", "IMU"));
   }
   for (std::size_t r = 0; r < options.radars() && r < radars.size(); ++r) {
     const io::RadarInfo& info = r == 0 ? sensors.radar_info : sensors.other_radars[r - 1].info;

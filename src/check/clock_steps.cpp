@@ -50,12 +50,28 @@ Agreement agreement(std::vector<RadarSpeed> speeds, Time shift,
                     {-options.radar.time_offset})[0];
 }
 
-/// Whether the windows without a step agree significantly better than those with it.
+/// Whether the windows without a step agree significantly better than those with it. They must not
+/// be fewer, but by one cut at the step: a part without one of the sensors explains nothing.
 bool is_step(const Agreement& with, const Agreement& without, const Options& options) {
   const Matrix3d R = options.radar.T_BS.rotation.toRotationMatrix();
   const double explained = without.explained(R);
-  return without.windows >= kFewestWindows && explained > kExplained &&
+  return without.windows >= kFewestWindows && without.windows + 1 >= with.windows &&
+         explained > kExplained &&
          significance(with.explained(R), explained, without.windows) > kSignificant;
+}
+
+/// Stamps go back and stay there: no pause, no corrupt stamp, no items out of order.
+/// @param items of the sensor
+bool goes_back(const std::vector<ClockStep>& possible, std::size_t k, std::size_t items) {
+  constexpr double kSame = 0.05;      // [s]
+  constexpr std::size_t kStays = 20;  // items to both sides
+  const double size = to_seconds(possible[k].size);
+  const std::size_t begin = k > 0 ? possible[k - 1].first : 0;
+  const std::size_t end = k + 1 < possible.size() ? possible[k + 1].first : items;
+  return size < 0.0 && possible[k].first - begin >= kStays && end - possible[k].first >= kStays &&
+         std::none_of(possible.begin(), possible.end(), [size](const ClockStep& s) {
+           return std::abs(size + to_seconds(s.size)) < kSame;
+         });
 }
 
 template <class Items>
@@ -82,7 +98,10 @@ std::vector<ClockStep> radar_steps(const std::vector<ImuSample>& samples, const 
       after.insert(after.end(), speeds[i].begin(), speeds[i].end());
     }
     const auto with_moved = [&](Time by) { return agreement(after, -by, samples, check, options); };
-    if (!is_step(with_moved(moved), with_moved(moved + possible[k].size), options)) continue;
+    if (!goes_back(possible, k, scans.size()) &&
+        !is_step(with_moved(moved), with_moved(moved + possible[k].size), options)) {
+      continue;
+    }
     moved += possible[k].size;
     steps.push_back(possible[k]);
   }
@@ -99,10 +118,10 @@ std::vector<ClockStep> imu_steps(const std::vector<ImuSample>& samples, const Im
     return agreement(speeds, Time{0}, Usable(stamped).samples(), check, options);
   };
   Agreement with = with_stamps_of(samples);
-  for (const ClockStep& step : possible) {
-    steps.push_back(step);
+  for (std::size_t k = 0; k < possible.size(); ++k) {
+    steps.push_back(possible[k]);
     const Agreement without = with_stamps_of(without_steps(samples, steps));
-    if (is_step(with, without, options)) {
+    if (goes_back(possible, k, samples.size()) || is_step(with, without, options)) {
       with = without;
     } else {
       steps.pop_back();

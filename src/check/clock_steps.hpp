@@ -2,8 +2,9 @@
 // Steps of the clock of one sensor within a recording: a clock that is set, a driver that starts
 // again. An interval between stamps that is not the usual one is a pause of the sensor or a step of
 // its clock. A step, if with all later stamps moved back by it the motion of radar and IMU agrees
-// significantly better, by (E6) of motion.hpp, than with the stamps as they are. Where both clocks
-// step together nothing tells a step from a pause.
+// significantly better, by (E6) of motion.hpp, than with the stamps as they are. Stamps that go back
+// and stay there are always a step. Where both clocks go forward together nothing tells a step from
+// a pause.
 #pragma once
 
 #include <cstddef>

@@ -92,9 +92,9 @@ struct Jump {
   std::size_t first = 0;  ///< item
   double seconds = 0.0;   ///< of the first; below zero
 };
+inline constexpr double kBack = -0.5;  ///< [s]
 template <typename Items>
 Jump jumps_back(const Items& all) {
-  constexpr double kBack = -0.5;  // [s]
   Jump out;
   for (std::size_t i = 2; i + 1 < all.size(); ++i) {
     const double step = to_seconds(all[i].time) - to_seconds(all[i - 1].time);

@@ -118,7 +118,8 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
     const std::size_t earlier = outline->imu_samples++;
     const bool apart = std::abs(to_seconds(sample.time) - to_seconds(before)) > kCorrupt;
     if (earlier == 0 || (earlier == 1 && apart)) outline->imu_begin = sample.time;
-    if (earlier <= 1 || !apart) outline->imu_end = sample.time;
+    if (earlier <= 1) outline->imu_end = sample.time;
+    if (!apart) outline->imu_end = std::max(outline->imu_end, sample.time);
     const bool odd = std::abs(to_seconds(sample.time - before)) > kOdd;
     outline->imu_odd = outline->imu_odd || (earlier > 0 && odd);
     before = sample.time;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "check/check_it.hpp"
+#include "check/clock_steps.hpp"
 #include "check/flown.hpp"
 #include "support/temp_dir.hpp"
 
@@ -151,10 +152,33 @@ TEST(ImuCauses, AStepOfItsClockIsFoundToTheSample) {
       dataset.imu[i].time += from_seconds(step);
     }
     const Findings findings = check_it(dataset);
-    expect(said(findings, "delay of the radar"), Verdict::kWrong,
-           fmt::format("from sample {} on", first + 1), "`rio replay`, which takes it out");
-    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), 1)
+    const bool back = step < -0.5;
+    expect(said(findings, back ? "imu stamps" : "delay of the radar"),
+           back ? Verdict::kDoubtful : Verdict::kWrong, fmt::format("from sample {} on", first + 1),
+           "`rio replay`, which takes it out");
+    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), back ? 0 : 1)
         << text_of(findings);
+  }
+}
+
+TEST(ImuCauses, ClocksThatGoBackTogetherStep) {
+  for (const double step : {-0.3, -20.0, -1.7e9}) {
+    SCOPED_TRACE(step);
+    io::Dataset dataset = flight();
+    const Time then = dataset.imu[dataset.imu.size() / 2].time;
+    const auto move = [&](auto* items) {
+      for (auto& item : *items) {
+        if (item.time >= then) item.time += from_seconds(step);
+      }
+    };
+    move(&dataset.imu);
+    move(&dataset.scans);
+    Options options;
+    io::apply_sensor_info(dataset, &options);
+    const check::ClockSteps steps = check::find_clock_steps(
+        dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info, options);
+    EXPECT_EQ(steps.imu.size(), 1U);
+    EXPECT_EQ(steps.radars[0].size(), 1U);
   }
 }
 
