@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
@@ -60,20 +61,6 @@ bool is_step(const Agreement& with, const Agreement& without, const Options& opt
          significance(with.explained(R), explained, without.windows) > kSignificant;
 }
 
-/// Stamps go back and stay there: no pause, no corrupt stamp, no items out of order.
-/// @param items of the sensor
-bool goes_back(const std::vector<ClockStep>& possible, std::size_t k, std::size_t items) {
-  constexpr double kSame = 0.05;      // [s]
-  constexpr std::size_t kStays = 20;  // items to both sides
-  const double size = to_seconds(possible[k].size);
-  const std::size_t begin = k > 0 ? possible[k - 1].first : 0;
-  const std::size_t end = k + 1 < possible.size() ? possible[k + 1].first : items;
-  return size < 0.0 && possible[k].first - begin >= kStays && end - possible[k].first >= kStays &&
-         std::none_of(possible.begin(), possible.end(), [size](const ClockStep& s) {
-           return std::abs(size + to_seconds(s.size)) < kSame;
-         });
-}
-
 template <class Items>
 std::vector<ClockStep> possible_steps_of(const Items& items) {
   std::vector<Time> stamps;
@@ -98,7 +85,7 @@ std::vector<ClockStep> radar_steps(const std::vector<ImuSample>& samples, const 
       after.insert(after.end(), speeds[i].begin(), speeds[i].end());
     }
     const auto with_moved = [&](Time by) { return agreement(after, -by, samples, check, options); };
-    if (!goes_back(possible, k, scans.size()) &&
+    if (!possible[k].certain &&
         !is_step(with_moved(moved), with_moved(moved + possible[k].size), options)) {
       continue;
     }
@@ -118,10 +105,10 @@ std::vector<ClockStep> imu_steps(const std::vector<ImuSample>& samples, const Im
     return agreement(speeds, Time{0}, Usable(stamped).samples(), check, options);
   };
   Agreement with = with_stamps_of(samples);
-  for (std::size_t k = 0; k < possible.size(); ++k) {
-    steps.push_back(possible[k]);
+  for (const ClockStep& step : possible) {
+    steps.push_back(step);
     const Agreement without = with_stamps_of(without_steps(samples, steps));
-    if (goes_back(possible, k, samples.size()) || is_step(with, without, options)) {
+    if (step.certain || is_step(with, without, options)) {
       with = without;
     } else {
       steps.pop_back();
@@ -141,18 +128,28 @@ std::vector<ClockStep> possible_steps(const std::vector<Time>& stamps) {
     intervals.push_back(to_seconds(stamps[i] - stamps[i - 1]));
   }
   const double usual = median(intervals);
+  const auto stays_back = [&](std::size_t i) {
+    constexpr std::size_t kStays = 20;  // intervals to both sides
+    if (!(intervals[i] < 0.0) || i < kStays || i + kStays >= intervals.size()) return false;
+    for (std::size_t k = i - kStays; k <= i + kStays; ++k) {
+      const bool returns = std::abs(intervals[k] + intervals[i] - 2.0 * usual) < kSmallest;
+      if (k != i && (intervals[k] < 0.0 || returns)) return false;
+    }
+    return true;
+  };
   std::vector<ClockStep> out;
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const double step = intervals[i] - usual;
     if (!(std::abs(step) > kSmallest)) continue;
     const bool corrupt =
         i + 1 < intervals.size() && std::abs(step + intervals[i + 1] - usual) < kRepaired;
-    if (!corrupt) out.push_back({i + 1, from_seconds(step)});
+    if (!corrupt) out.push_back({i + 1, from_seconds(step), stays_back(i)});
     if (corrupt) ++i;
   }
   if (out.size() <= kMost) return out;
-  std::ranges::nth_element(out, out.begin() + kMost, std::ranges::greater{},
-                           [](const ClockStep& s) { return std::abs(to_seconds(s.size)); });
+  std::ranges::nth_element(
+      out, out.begin() + kMost, std::ranges::greater{},
+      [](const ClockStep& s) { return std::pair(s.certain, std::abs(to_seconds(s.size))); });
   out.resize(kMost);
   std::ranges::sort(out, std::ranges::less{}, &ClockStep::first);
   return out;

@@ -2,9 +2,9 @@
 // Steps of the clock of one sensor within a recording: a clock that is set, a driver that starts
 // again. An interval between stamps that is not the usual one is a pause of the sensor or a step of
 // its clock. A step, if with all later stamps moved back by it the motion of radar and IMU agrees
-// significantly better, by (E6) of motion.hpp, than with the stamps as they are. Stamps that go back
-// and stay there are always a step. Where both clocks go forward together nothing tells a step from
-// a pause.
+// significantly better, by (E6) of motion.hpp, than with the stamps as they are. Stamps that go
+// back and stay there are always a step. Where both clocks go forward together nothing tells a step
+// from a pause.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +21,8 @@ namespace rio::check {
 struct ClockStep {
   std::size_t first = 0;  ///< the first after it
   Time size{0};           ///< by which all later stamps are off
+  /// The stamps go back, and stay there: no pause, no corrupt stamp, no items out of order.
+  bool certain = false;
 };
 
 /// The intervals that may be steps, each as if it were one, in the order of time. Stamps alone
