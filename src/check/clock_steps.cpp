@@ -132,7 +132,7 @@ std::vector<ClockStep> possible_steps(const std::vector<Time>& stamps) {
     constexpr std::size_t kStays = 20;  // intervals to both sides
     if (!(intervals[i] < 0.0) || i < kStays || i + kStays >= intervals.size()) return false;
     for (std::size_t k = i - kStays; k <= i + kStays; ++k) {
-      const bool returns = std::abs(intervals[k] + intervals[i] - 2.0 * usual) < kSmallest;
+      const bool returns = intervals[k] > -0.5 * intervals[i];
       if (k != i && (intervals[k] < 0.0 || returns)) return false;
     }
     return true;
