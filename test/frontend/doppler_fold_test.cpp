@@ -177,7 +177,8 @@ TEST(DopplerFold, ObservationsCarryTheUnfoldedRatesAtAnyScale) {
     DetectionList scan = folded_scan(random, 30, scale * x.nav.v_WB);  // as received
     for (Detection& d : scan.items) d.range_rate /= scale;
     Observations seen;
-    Frontend(options).observe(scan, x, &seen, 0.01 * Matrix3d::Identity());
+    Frontend frontend(options);  // the unfolded detections are its own
+    frontend.observe(scan, x, &seen, 0.01 * Matrix3d::Identity());
     EXPECT_EQ(seen.ego_velocity.inliers, 30) << scale;
     int folded = 0;
     for (std::size_t i = 0; i < scan.items.size(); ++i) {
