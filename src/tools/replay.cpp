@@ -71,7 +71,7 @@ view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& 
 /// for each other.
 class Replay {
  public:
-  /// @param steps of the clocks of the radars, to be taken out
+  /// @param steps of the clocks, to be taken out
   Replay(const ReplayArguments& arguments, const OpenRecording& recording, const Options& options,
          check::ClockSteps steps, ViewOutputs* view, const OnScan& on_scan)
       : arguments_(arguments),
