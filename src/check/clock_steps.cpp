@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "check/motion.hpp"
 #include "check/motion_data.hpp"
 #include "check/numbers.hpp"
+#include "rio/checks/stamp_guard.hpp"
 #include "rio/frontend/mounting_search.hpp"
 
 namespace rio::check {
@@ -123,11 +125,15 @@ std::vector<ClockStep> possible_steps(const std::vector<Time>& stamps) {
   constexpr double kSmallest = 0.05;  // less is a delay that an estimator finds [s]
   constexpr double kRepaired = 0.05;  // a corrupt stamp is off by this at most after it [s]
   constexpr std::size_t kMost = 8;
-  std::vector<double> intervals;
+  std::vector<double> intervals;  // NaN beside what is no stamp
+  std::vector<double> known;
   for (std::size_t i = 1; i < stamps.size(); ++i) {
-    intervals.push_back(to_seconds(stamps[i] - stamps[i - 1]));
+    const bool both = is_stamp(stamps[i - 1]) && is_stamp(stamps[i]);
+    intervals.push_back(both ? to_seconds(stamps[i] - stamps[i - 1])
+                             : std::numeric_limits<double>::quiet_NaN());
+    if (both) known.push_back(intervals.back());
   }
-  const double usual = median(intervals);
+  const double usual = median(known);
   const auto stays_back = [&](std::size_t i) {
     constexpr std::size_t kStays = 20;  // intervals to both sides
     if (!(intervals[i] < 0.0) || i < kStays || i + kStays >= intervals.size()) return false;
@@ -176,12 +182,11 @@ ClockSteps find_clock_steps(const std::vector<ImuSample>& samples, const std::ve
   return steps;
 }
 
-Time offset_at(const std::vector<ClockStep>& steps, std::size_t item) {
-  Time offset{0};
+Time without_steps(Time stamp, const std::vector<ClockStep>& steps, std::size_t item) {
   for (const ClockStep& step : steps) {
-    if (step.first <= item) offset += step.size;
+    if (step.first <= item && is_stamp(stamp)) stamp -= step.size;
   }
-  return offset;
+  return stamp;
 }
 
 Scans without_steps(const Scans& scans, const std::vector<ClockStep>& steps) {
@@ -190,7 +195,7 @@ Scans without_steps(const Scans& scans, const std::vector<ClockStep>& steps) {
   RadarScan scan;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     scans.get(i, &scan);
-    scan.time -= offset_at(steps, i);
+    scan.time = without_steps(scan.time, steps, i);
     out.push_back(scan);
   }
   return out;
@@ -198,7 +203,9 @@ Scans without_steps(const Scans& scans, const std::vector<ClockStep>& steps) {
 
 std::vector<ImuSample> without_steps(std::vector<ImuSample> samples,
                                      const std::vector<ClockStep>& steps) {
-  for (std::size_t i = 0; i < samples.size(); ++i) samples[i].time -= offset_at(steps, i);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].time = without_steps(samples[i].time, steps, i);
+  }
   return samples;
 }
 

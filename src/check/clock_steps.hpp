@@ -39,10 +39,9 @@ struct ClockSteps {
 ClockSteps find_clock_steps(const std::vector<ImuSample>& samples, const std::vector<Scans>& radars,
                             const io::ImuInfo& info, const Options& options);
 
-/// By how much the stamp of a scan or sample is off.
-Time offset_at(const std::vector<ClockStep>& steps, std::size_t item);
-
-/// With the steps taken out of the stamps.
+/// The stamp of a scan or sample without the steps before it; one that is none stays.
+Time without_steps(Time stamp, const std::vector<ClockStep>& steps, std::size_t item);
+/// All of them.
 Scans without_steps(const Scans& scans, const std::vector<ClockStep>& steps);
 std::vector<ImuSample> without_steps(std::vector<ImuSample> samples,
                                      const std::vector<ClockStep>& steps);

@@ -46,7 +46,9 @@ ReplayFeed::ReplayFeed(io::RecordingStream* stream, check::ClockSteps steps)
       continue;
     }
     std::vector<Time> moved = stamps;
-    for (std::size_t i = 0; i < moved.size(); ++i) moved[i] -= check::offset_at(of, i);
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      moved[i] = check::without_steps(moved[i], of, i);
+    }
     std::optional<std::vector<Time>> odd = due_times(moved);
     radars_.push_back({&stamps, odd ? std::move(odd) : std::move(moved), std::move(of)});
   }
@@ -60,7 +62,7 @@ const ImuSample* ReplayFeed::imu(std::size_t ahead) {
       if (samples_ > 0) imu_[1] = imu_[0];
       return nullptr;
     }
-    imu_[1].time -= check::offset_at(imu_steps_, samples_read_++);
+    imu_[1].time = check::without_steps(imu_[1].time, imu_steps_, samples_read_++);
     ++samples_;
   }
   return &imu_[2 - samples_ + ahead];
@@ -88,7 +90,7 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
     scan_ = {};
     of.count = of.next + 1;
   }
-  scan_.time -= check::offset_at(of.steps, of.next);
+  scan_.time = check::without_steps(scan_.time, of.steps, of.next);
   ++of.next;
   return scan_;
 }
