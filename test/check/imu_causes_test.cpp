@@ -161,24 +161,38 @@ TEST(ImuCauses, AStepOfItsClockIsFoundToTheSample) {
   }
 }
 
+/// The steps found where both clocks step in the middle of the flight.
+check::ClockSteps steps_of_both(double step) {
+  io::Dataset dataset = flight();
+  const Time then = dataset.imu[dataset.imu.size() / 2].time;
+  const auto move = [&](auto* items) {
+    for (auto& item : *items) {
+      if (item.time >= then) item.time += from_seconds(step);
+    }
+  };
+  move(&dataset.imu);
+  move(&dataset.scans);
+  Options options;
+  io::apply_sensor_info(dataset, &options);
+  return check::find_clock_steps(dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info,
+                                 options);
+}
+
 TEST(ImuCauses, ClocksThatGoBackTogetherStep) {
   for (const double step : {-0.3, -20.0, -1.7e9}) {
     SCOPED_TRACE(step);
-    io::Dataset dataset = flight();
-    const Time then = dataset.imu[dataset.imu.size() / 2].time;
-    const auto move = [&](auto* items) {
-      for (auto& item : *items) {
-        if (item.time >= then) item.time += from_seconds(step);
-      }
-    };
-    move(&dataset.imu);
-    move(&dataset.scans);
-    Options options;
-    io::apply_sensor_info(dataset, &options);
-    const check::ClockSteps steps = check::find_clock_steps(
-        dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info, options);
+    const check::ClockSteps steps = steps_of_both(step);
     EXPECT_EQ(steps.imu.size(), 1U);
     EXPECT_EQ(steps.radars[0].size(), 1U);
+  }
+}
+
+TEST(ImuCauses, ClocksThatGoForwardTogetherMayPause) {
+  for (const double step : {0.3, 1.5, 20.0, 7200.0}) {
+    SCOPED_TRACE(step);
+    const check::ClockSteps steps = steps_of_both(step);
+    EXPECT_TRUE(steps.imu.empty());
+    EXPECT_TRUE(steps.radars[0].empty());
   }
 }
 
