@@ -63,8 +63,9 @@ std::size_t PacketReader::store(const std::uint8_t* bytes, std::size_t count) {
     begin_ = 0;
   }
   const std::size_t stored = std::min(count, buffer_.size() - end_);
-  for (std::size_t i = 0; counters_.bytes + i < head_.size() && i < stored; ++i) {
-    head_[counters_.bytes + i] = bytes[i];
+  if (counters_.bytes < head_.size()) {
+    const std::size_t known = static_cast<std::size_t>(counters_.bytes);
+    std::copy_n(bytes, std::min(stored, head_.size() - known), head_.begin() + known);
   }
   std::memcpy(buffer_.data() + end_, bytes, stored);
   end_ += stored;
