@@ -7,6 +7,13 @@
 //   odometry->add_measurement({time, Barometer{}, {height, sigma}});
 //   rio::auxiliary<HeightBias>(*odometry)->value;
 //
+// A state that cannot be guessed well enough to linearise, and which is one of several:
+//
+//   rio::AuxiliaryState anchor = rio::auxiliary_state<Anchor>(index);  // Anchor::kIndexed
+//   anchor.delayed = true;  // its measurements are held back until they determine it
+//   options.auxiliary.declare(anchor);
+//   odometry->add_measurement({time, Range{}, {range, sigma}, 0, index});
+//
 // The model concept is in models/aiding_measurement.hpp; included models are in models/aids.hpp.
 #pragma once
 
@@ -24,11 +31,12 @@ struct AuxiliaryEstimate {
   Eigen::Matrix<double, Block::kDof, Block::kDof> covariance;
 };
 
-/// At the last scan; empty if the state was not declared.
+/// At the last scan; empty if the state was not declared, or is delayed and not known yet.
+/// @param index among those of the kind, if it is indexed
 template <class Block>
-std::optional<AuxiliaryEstimate<Block>> auxiliary(const Odometry& odometry) {
+std::optional<AuxiliaryEstimate<Block>> auxiliary(const Odometry& odometry, int index = 0) {
   AuxiliaryEstimate<Block> out;
-  if (!odometry.auxiliary(Block::kName, out.value.data(), out.covariance.data())) return {};
+  if (!odometry.auxiliary(Block::kName, out.value.data(), out.covariance.data(), index)) return {};
   return out;
 }
 

@@ -30,6 +30,7 @@
 #include "rio/report.hpp"
 #include "rio/update/aiding_queue.hpp"
 #include "rio/update/back_end.hpp"
+#include "rio/update/delayed_start.hpp"
 #include "rio/update/ego_velocity_measurement.hpp"
 #include "rio/update/point_report.hpp"
 #include "rio/update/scan_rows.hpp"
@@ -48,6 +49,7 @@ class Pipeline {
         mountings_(options),
         rest_(options),
         rows_(options),
+        delayed_(options),
         backend_(options),
         checks_(options, &backend_, &report_) {
     for (std::size_t r = 0; r < options.radars(); ++r) {
@@ -111,6 +113,8 @@ class Pipeline {
   /// Queues a measurement of another sensor, in any order: it is used with the first scan not
   /// before its time. False if too many wait.
   bool add(const AidingMeasurement& measurement) { return aiding_.add(measurement); }
+  /// The auxiliary state with that first element has not been determined yet.
+  bool auxiliary_is_unknown(int first) const { return delayed_.waits(first); }
   /// Time of the oldest measurement in the queue.
   std::optional<Time> next_aiding() const { return aiding_.next(); }
 
@@ -210,6 +214,7 @@ class Pipeline {
     report_ = UpdateReport{};
     newest_scan_ = kNoScan;
     aiding_.clear();
+    delayed_.reset();
   }
 
   /// Stage 1, and the evidence gathered by the checks.
@@ -250,6 +255,16 @@ class Pipeline {
   /// Moves the queued measurements up to `time` to the current update.
   void gather(Time time, const ImuBuffer& imu) {
     aiding_.take(time, estimate().nav, imu, [this](Time t) { return backend_.anchor(t); });
+    if (!delayed_.any()) return;
+    const StateEstimate& x = backend_.state_estimate();
+    report_.aiding_held =
+        aiding_.hold_back([&](const AidingObservation& z) { return delayed_.hold(z, x); });
+    while (const DelayedStart* found = delayed_.determine(x)) {
+      const auto change = [found](StateEstimate* state_estimate) {
+        state_estimate->set_auxiliary(found->first, found->value, found->by_body, found->noise);
+      };
+      backend_.replace(change, Invalidates::kNothing, &report_);
+    }
   }
 
   /// Takes the scan as evidence of the mounting; true if it is known now.
@@ -326,6 +341,7 @@ class Pipeline {
   DetectionList empty_;  ///< a scan that cannot be used yet
   RestDetector rest_;
   ScanRows rows_;
+  DelayedStarts delayed_;
   BackEnd backend_;
   UpdateReport report_;
   std::vector<PointReport> points_;  ///< beside it

@@ -174,6 +174,7 @@ struct UpdateReport {
   int landmarks_matched = 0;
   int landmarks_added = 0;
   int landmarks_removed = 0;
+  int aiding_held = 0;                 ///< measurements held back for a delayed auxiliary state
   bool imu_gap = false;                ///< the propagation to this scan crossed a gap
   bool at_rest = false;                ///< standstill for a while, by IMU and radar
   bool mounting_unknown = false;       ///< of the radar: the scan served to find it, nothing else

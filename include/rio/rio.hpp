@@ -127,8 +127,9 @@ class RIO_API Odometry {
   /// Pose of a radar in the body frame: the estimate, or the option's value if it is not estimated.
   const Pose& extrinsics(std::size_t radar = 0) const noexcept;
   /// Value and covariance (column by column) of a declared auxiliary state at the last update;
-  /// false if there is none of that name. Typed access: rio::auxiliary in rio/aiding.hpp.
-  bool auxiliary(const char* name, double* value, double* covariance) const noexcept;
+  /// false if there is none of that name and index, or it is delayed and not known yet. Typed
+  /// access: rio::auxiliary in rio/aiding.hpp.
+  bool auxiliary(const char* name, double* value, double* covariance, int index = 0) const noexcept;
   /// The last update, stage by stage.
   const UpdateReport& report() const noexcept;
   /// The detections of the last scan with label, world position and residual, in the order of

@@ -194,23 +194,17 @@ class Engine final : public Odometry::Impl {
     return Status::kWaiting;
   }
 
-  bool auxiliary(const char* name, double* value, double* P) const override {
-    int first = 0;
-    for (const AuxiliaryState& state : options_.auxiliary) {
-      const int size = state.size;
-      if (std::strcmp(state.name, name) != 0) {
-        first += size;
-        continue;
-      }
-      const StateEstimate& state_estimate = pipeline_.backend().state_estimate();
-      const int at = state_estimate.layout().auxiliary() + first;
-      Eigen::Map<Eigen::VectorXd>(value, size) =
-          state_estimate.estimate().auxiliary.segment(first, size);
-      Eigen::Map<Eigen::MatrixXd>(P, size, size) =
-          state_estimate.covariance().matrix().block(at, at, size, size);
-      return true;
-    }
-    return false;
+  bool auxiliary(const char* name, int index, double* value, double* P) const override {
+    const int first = options_.auxiliary.find(name, index);
+    if (first < 0 || pipeline_.auxiliary_is_unknown(first)) return false;
+    const int size = options_.auxiliary.size_of(name);
+    const StateEstimate& state_estimate = pipeline_.backend().state_estimate();
+    const int at = state_estimate.layout().auxiliary() + first;
+    Eigen::Map<Eigen::VectorXd>(value, size) =
+        state_estimate.estimate().auxiliary.segment(first, size);
+    Eigen::Map<Eigen::MatrixXd>(P, size, size) =
+        state_estimate.covariance().matrix().block(at, at, size, size);
+    return true;
   }
 
   Status reset(const NavState& prior, const BodyCovariance& P0) override {

@@ -16,7 +16,7 @@ struct Odometry::Impl {
   virtual Status add_imu(const ImuSample& sample) = 0;
   virtual Status add_scan(const RadarScan& scan, std::size_t radar) = 0;
   virtual Status add_measurement(const AidingMeasurement& measurement) = 0;
-  virtual bool auxiliary(const char* name, double* value, double* covariance) const = 0;
+  virtual bool auxiliary(const char* name, int index, double* value, double* covariance) const = 0;
   virtual Status reset(const NavState& prior, const BodyCovariance& P0) = 0;
   virtual void reset() = 0;
   virtual const NavState& at_scan() const = 0;

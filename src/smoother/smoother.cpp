@@ -150,10 +150,11 @@ void Smoother::take(const Observations& seen, const ScanRows& rows) {
   state.measurements.append(rows.measurements());
   for (const std::size_t i : rows.aiding()) {
     const AidingObservation& aiding = (*seen.aiding)[i];
-    std::vector<AidingFactor>& kept = keeper(aiding).aiding;
-    if (kept.size() == kMaxAiding) continue;
-    kept.push_back({aiding.measurement, aiding.to_anchor});
-    (void)aided_.push_back(&kept);
+    WindowState& keeps = keeper(aiding);  // the newest, if the window has started over since
+    const bool anchored = keeps.nav.time == aiding.anchor;
+    if (keeps.aiding.size() == kMaxAiding) continue;
+    keeps.aiding.push_back({aiding.measurement, anchored ? aiding.to_anchor : aiding.to_now});
+    (void)aided_.push_back(&keeps.aiding);
   }
 }
 

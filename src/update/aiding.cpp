@@ -7,9 +7,8 @@
 
 namespace rio {
 
-bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
-               const Estimate& x, const AuxiliaryStates& states, double gravity,
-               const AidingColumns& columns, AidingRows* rows) {
+AidedState aided_state(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
+                       const Estimate& x, double gravity) {
   const double s = since.seconds;
   const Vector3d g_W(0.0, 0.0, -gravity);
   const RadarState radar = x.of_radar(z.radar());
@@ -20,6 +19,14 @@ bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const Nav
   then.gyro_bias = nav.gyro_bias;
   then.T_BS = RigidPose(radar.T_BS);
   then.doppler_scale = radar.doppler_scale;
+  return then;
+}
+
+bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
+               const Estimate& x, const AuxiliaryStates& states, double gravity,
+               const AidingColumns& columns, AidingRows* rows) {
+  const double s = since.seconds;
+  AidedState then = aided_state(z, since, nav, x, gravity);
   then.states = &states;
   then.auxiliary = &x.auxiliary;
   AidingMeasurement::Rows at_its_time;

@@ -59,6 +59,21 @@ void Covariance::replace(std::initializer_list<int> at,
   }
 }
 
+void Covariance::assign_parameters(int at, const Eigen::Ref<const Eigen::MatrixXd>& by_body,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& noise) {
+  const Eigen::Index n = by_body.rows();
+  auto JP = scratch_.topLeftCorner(n, size_);
+  for (int c = 0; c < size_; ++c) JP.col(c) = by_body.lazyProduct(P_.col(c).head<body::kSize>());
+  JP.middleCols(at, n) = noise;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (int k = 0; k < body::kSize; ++k) JP.col(at + i) += by_body(i, k) * JP.col(k);
+  }
+  P_.block(at, 0, n, size_) = JP;
+  P_.block(0, at, size_, n) = JP.transpose();
+  auto own = P_.block(at, at, n, n);
+  for (Eigen::Index c = 1; c < n; ++c) own.col(c).head(c) = own.row(c).head(c).transpose();
+}
+
 void Covariance::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
   P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
 }

@@ -137,6 +137,13 @@ void StateEstimate::set_mounting_and_motion(std::size_t r, const Mounting& mount
   restart_steady_motion(nav.q_WB.conjugate() * nav.v_WB);
 }
 
+void StateEstimate::set_auxiliary(int first, const Eigen::Ref<const Eigen::VectorXd>& value,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& by_body,
+                                  const Eigen::Ref<const Eigen::MatrixXd>& noise) {
+  estimate_.auxiliary.segment(first, value.size()) = value;
+  covariance_.assign_parameters(layout_.auxiliary() + first, by_body, noise);
+}
+
 Eigen::Matrix4d StateEstimate::velocity_calibration() const {
   Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
   const auto all = covariance_.matrix();

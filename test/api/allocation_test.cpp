@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "api/flying.hpp"
+#include "rio/aiding.hpp"
+#include "support/ranging.hpp"
 
 namespace rio::test {
 namespace {
@@ -121,6 +123,20 @@ TEST_P(AllocationOfBackEnd, NoneWithAnImagingRadar) {
   EXPECT_GT(most, 400);
   const NavState& x = odometry->at_scan();
   EXPECT_LT((x.p_WB - flight.truth_at(x.time).p_WB).norm(), 0.1);
+}
+
+TEST_P(AllocationOfBackEnd, NoneWhenAnAnchorIsFound) {
+  const sim::Flight flight = flight_of(3, 60.0, 60.0);
+  Options options = options_for(flight);
+  AuxiliaryState anchor = auxiliary_state<Anchor>();
+  anchor.delayed = true;
+  ASSERT_TRUE(options.auxiliary.declare(anchor));
+  const auto add_range = [&flight](Odometry& o, Time now) {
+    const double range = (Vector3d(6.0, 3.0, 4.0) - flight.truth_at(now).p_WB).norm();
+    (void)o.add_measurement({now, RangeModel{}, {range, 0.1}});
+  };
+  const auto odometry = fly_without_heap({flight}, options, nullptr, add_range);
+  EXPECT_TRUE(auxiliary<Anchor>(*odometry));
 }
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, AllocationOfBackEnd, kBothBackEnds, back_end_name);

@@ -56,7 +56,7 @@ class AidingMeasurement {
   /// Columns of the Jacobian: errors of pose, velocity and gyro bias, then the model's other
   /// blocks.
   static constexpr int kBody = 12;
-  static constexpr int kColumns = kBody + AuxiliaryStates::kMaxSize;
+  static constexpr int kColumns = kBody + AuxiliaryState::kMaxSize;
   /// Room for model and measurement [bytes].
   static constexpr std::size_t kCapacity = 320;
   static constexpr std::size_t kAlignment = 32;
@@ -74,10 +74,11 @@ class AidingMeasurement {
   };
 
   /// @param radar whose Extrinsics and DopplerScale the model has, if it has any
+  /// @param index which one of its indexed auxiliary states it depends on
   template <class Model>
   AidingMeasurement(Time time, const Model& model, const typename Model::Measurement& z,
-                    std::size_t radar = 0)
-      : time_(time), radar_(radar), table_(&kTable<Model>) {
+                    std::size_t radar = 0, int index = 0)
+      : time_(time), radar_(radar), index_(index), table_(&kTable<Model>) {
     using Both = Held<Model>;
     static_assert(Model::kDim <= kMaxRows, "at most six rows");
     static_assert(Of<Model, typename Model::Blocks>::kOthers <= kColumns - kBody,
@@ -88,13 +89,14 @@ class AidingMeasurement {
     new (storage_) Both{model, z};
   }
   AidingMeasurement(const AidingMeasurement& other)
-      : time_(other.time_), radar_(other.radar_), table_(other.table_) {
+      : time_(other.time_), radar_(other.radar_), index_(other.index_), table_(other.table_) {
     table_->copy(other.storage_, storage_);
   }
   AidingMeasurement& operator=(const AidingMeasurement& other) {
     if (this == &other) return *this;
     time_ = other.time_;
     radar_ = other.radar_;
+    index_ = other.index_;
     table_ = other.table_;
     table_->copy(other.storage_, storage_);
     return *this;
@@ -104,19 +106,28 @@ class AidingMeasurement {
   Time time() const { return time_; }
   std::size_t radar() const { return radar_; }
   const char* name() const { return table_->name; }
+  int rows() const { return table_->rows; }
   /// All auxiliary states the model depends on are among these.
-  bool is_declared(const AuxiliaryStates& states) const { return table_->is_declared(states); }
+  bool is_declared(const AuxiliaryStates& states) const {
+    return table_->is_declared(states, index_);
+  }
+  /// It depends on the auxiliary state with that first element.
+  bool depends_on(const AuxiliaryStates& states, int first) const {
+    return table_->depends_on(states, index_, first);
+  }
   /// Rows at x. False: outside the domain of the model, or not finite.
   bool evaluate(const AidedState& x, const AidingColumns& columns, Rows* rows) const {
-    return table_->evaluate(storage_, x, columns, rows) && rows->r.allFinite() &&
+    return table_->evaluate(storage_, index_, x, columns, rows) && rows->r.allFinite() &&
            rows->J.allFinite();
   }
 
  private:
   struct Table {
     const char* name;
-    bool (*is_declared)(const AuxiliaryStates&);
-    bool (*evaluate)(const void*, const AidedState&, const AidingColumns&, Rows*);
+    int rows;
+    bool (*is_declared)(const AuxiliaryStates&, int index);
+    bool (*depends_on)(const AuxiliaryStates&, int index, int first);
+    bool (*evaluate)(const void*, int index, const AidedState&, const AidingColumns&, Rows*);
     void (*copy)(const void*, void*);
   };
   template <class Model>
@@ -134,8 +145,13 @@ class AidingMeasurement {
                                      : std::is_same_v<Block, GyroBias>     ? body::kGyroBias
                                                                            : -1;
 
+  /// First element among the auxiliary states, -1 if it is not declared.
   template <class Block>
-  static typename Block::Value value(const AidedState& x) {
+  static int element(const AuxiliaryStates& states, int index) {
+    return states.find(Block::kName, Block::kIndexed ? index : 0);
+  }
+  template <class Block>
+  static typename Block::Value value(const AidedState& x, [[maybe_unused]] int index) {
     if constexpr (std::is_same_v<Block, BodyPose>) {
       return x.T_WB;
     } else if constexpr (std::is_same_v<Block, BodyVelocity>) {
@@ -148,15 +164,16 @@ class AidingMeasurement {
       return x.doppler_scale;
     } else {
       static_assert(kIsAuxiliary<Block>, "no block that an external model can measure");
-      return x.auxiliary->template segment<Block::kDof>(x.states->find(Block::kName));
+      return x.auxiliary->template segment<Block::kDof>(element<Block>(*x.states, index));
     }
   }
   /// First column in the error state of a block that is not of the body.
   template <class Block>
-  static int column(const AuxiliaryStates& states, const AidingColumns& columns) {
+  static int column(const AuxiliaryStates& states, [[maybe_unused]] int index,
+                    const AidingColumns& columns) {
     if constexpr (std::is_same_v<Block, Extrinsics>) return columns.extrinsics;
     if constexpr (std::is_same_v<Block, DopplerScale>) return columns.doppler_scale;
-    if constexpr (kIsAuxiliary<Block>) return columns.auxiliary + states.find(Block::kName);
+    if constexpr (kIsAuxiliary<Block>) return columns.auxiliary + element<Block>(states, index);
   }
 
   template <class Model, class List>
@@ -167,33 +184,43 @@ class AidingMeasurement {
     static constexpr int kOthers = ((kBodyColumn<B> < 0 ? B::kDof : 0) + ...);
 
     template <class Block>
-    static bool is_known(const AuxiliaryStates& states) {
-      if constexpr (kIsAuxiliary<Block>) return states.find(Block::kName) >= 0;
+    static bool is_known(const AuxiliaryStates& states, [[maybe_unused]] int index) {
+      if constexpr (kIsAuxiliary<Block>) return element<Block>(states, index) >= 0;
       return true;
     }
-    static bool is_declared(const AuxiliaryStates& states) { return (is_known<B>(states) && ...); }
-    static bool evaluate(const void* held, const AidedState& x, const AidingColumns& columns,
-                         Rows* rows) {
+    static bool is_declared(const AuxiliaryStates& states, int index) {
+      return (is_known<B>(states, index) && ...);
+    }
+    template <class Block>
+    static bool is_at(const AuxiliaryStates& states, [[maybe_unused]] int index, int first) {
+      if constexpr (kIsAuxiliary<Block>) return element<Block>(states, index) == first;
+      return false;
+    }
+    static bool depends_on(const AuxiliaryStates& states, int index, int first) {
+      return (is_at<B>(states, index, first) || ...);
+    }
+    static bool evaluate(const void* held, int index, const AidedState& x,
+                         const AidingColumns& columns, Rows* rows) {
       constexpr int kDim = Model::kDim;
       const auto& both = *static_cast<const Held<Model>*>(held);
       Eigen::Matrix<double, kDim, 1> r;
       Eigen::Matrix<double, kDim, BlockList<B...>::kDof> J;
       Eigen::Matrix<double, kDim, kDim> R;
-      if (!both.model.evaluate(both.z, value<B>(x)..., r, &J, R)) return false;
+      if (!both.model.evaluate(both.z, value<B>(x, index)..., r, &J, R)) return false;
       whiten<kDim, BlockList<B...>::kDof>(R, &r, &J);
       *rows = {};
       rows->count = kDim;
       rows->r.template head<kDim>() = r;
       int others = kBody;
-      (place<B>(J, *x.states, columns, &others, rows), ...);
+      (place<B>(J, *x.states, index, columns, &others, rows), ...);
       return true;
     }
     template <class Block, class Jacobian>
-    static void place(const Jacobian& J, const AuxiliaryStates& states,
+    static void place(const Jacobian& J, const AuxiliaryStates& states, int index,
                       const AidingColumns& columns, int* others, Rows* rows) {
       int to = kBodyColumn<Block>;
       if constexpr (kBodyColumn<Block> < 0) {
-        const int estimated = column<Block>(states, columns);
+        const int estimated = column<Block>(states, index, columns);
         if (estimated < 0) return;
         (void)rows->segments.push_back({estimated, Block::kDof});
         to = *others;
@@ -208,12 +235,16 @@ class AidingMeasurement {
     new (to) Held<Model>(*static_cast<const Held<Model>*>(from));
   }
   template <class Model>
-  static constexpr Table kTable = {Model::kName, &Of<Model, typename Model::Blocks>::is_declared,
+  static constexpr Table kTable = {Model::kName,
+                                   Model::kDim,
+                                   &Of<Model, typename Model::Blocks>::is_declared,
+                                   &Of<Model, typename Model::Blocks>::depends_on,
                                    &Of<Model, typename Model::Blocks>::evaluate,
                                    &AidingMeasurement::copy<Model>};
 
   Time time_;
   std::size_t radar_;
+  int index_;
   const Table* table_;
   alignas(kAlignment) std::byte storage_[kCapacity];
 };

@@ -17,51 +17,82 @@ struct AuxiliaryState {
   int size = 0;           ///< elements
   double sigma = 0.0;     ///< prior, per element [its unit]
   double walk = 0.0;      ///< density of the random walk [its unit / sqrt(s)]; 0 = a constant
+  int index = 0;          ///< among those of one kind (AuxiliaryBlockBase::kIndexed)
+  /// Not known well enough to linearise, like the place of an anchor that measures ranges only: its
+  /// measurements are held back until they determine it (update/delayed_start.hpp).
+  bool delayed = false;
   static constexpr int kMaxSize = 12;
   std::array<double, kMaxSize> initial{};  ///< value of each element at the start [its unit]
 };
 
+/// The state of a block with the block's prior and random walk.
+template <class Block>
+AuxiliaryState auxiliary_state(int index = 0) {
+  AuxiliaryState state;
+  state.name = Block::kName;
+  state.size = Block::kDof;
+  state.sigma = Block::kSigma;
+  state.walk = Block::kWalk;
+  state.index = index;
+  return state;
+}
+
+/// Most elements of all states together.
+inline constexpr int kMaxAuxiliary = 36;
+
 /// Values of all states in the order of declaration; unused elements at the end are 0.
-using AuxiliaryValues = Eigen::Matrix<double, AuxiliaryState::kMaxSize, 1>;
+using AuxiliaryValues = Eigen::Matrix<double, kMaxAuxiliary, 1>;
 
 /// All auxiliary states of an estimator, one after the other.
 class AuxiliaryStates {
  public:
-  static constexpr std::size_t kMaxStates = 8;
-  static constexpr int kMaxSize = AuxiliaryState::kMaxSize;  ///< elements of all states together
+  static constexpr std::size_t kMaxStates = 16;
 
   /// Adds a block with its default prior and random walk, or with those given. False, and nothing
   /// is added, if there is no room or the name is taken.
   template <class Block>
   bool declare(double sigma = Block::kSigma, double walk = Block::kWalk) {
-    return declare(AuxiliaryState{Block::kName, Block::kDof, sigma, walk, {}});
+    return declare_at<Block>(Block::Value::Zero(), sigma, walk);
   }
   /// The same, with the value at the start, which is zero otherwise.
   template <class Block>
   bool declare_at(const typename Block::Value& initial, double sigma = Block::kSigma,
                   double walk = Block::kWalk) {
-    AuxiliaryState state{Block::kName, Block::kDof, sigma, walk, {}};
+    AuxiliaryState state = auxiliary_state<Block>();
+    state.sigma = sigma;
+    state.walk = walk;
     std::copy(initial.data(), initial.data() + Block::kDof, state.initial.begin());
     return declare(state);
   }
+  /// The same for one of several of a kind, or one that starts delayed.
   bool declare(const AuxiliaryState& state) {
-    if (find(state.name) >= 0 || size_ + state.size > kMaxSize || !states_.push_back(state)) {
+    if (find(state.name, state.index) >= 0 || size_ + state.size > kMaxAuxiliary ||
+        !states_.push_back(state)) {
       return false;
     }
     size_ += state.size;
     return true;
   }
 
-  /// First element of the state of that name, -1 if it is not declared.
-  int find(const char* name) const {
+  /// First element of the state of that name and index, -1 if it is not declared.
+  int find(const char* name, int index = 0) const {
     int first = 0;
     for (const AuxiliaryState& state : states_) {
-      if (std::strcmp(state.name, name) == 0) return first;
+      if (state.index == index && std::strcmp(state.name, name) == 0) return first;
       first += state.size;
     }
     return -1;
   }
 
+  /// Elements of a declared state of that name.
+  int size_of(const char* name) const {
+    return std::find_if(
+               begin(), end(),
+               [name](const AuxiliaryState& state) { return std::strcmp(state.name, name) == 0; })
+        ->size;
+  }
+
+  /// Of all states, in the order of declaration.
   AuxiliaryValues initial() const {
     AuxiliaryValues values = AuxiliaryValues::Zero();
     int first = 0;

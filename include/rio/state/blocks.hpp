@@ -58,8 +58,11 @@ struct DopplerScale {
 ///   const char* kName   unique among the auxiliary states of an estimator
 ///   double kSigma       prior, per element [its unit]
 ///   double kWalk        density of its random walk, per element [its unit / sqrt(s)]
-/// and takes part in the estimation once Options::auxiliary.declare<Block>() was called.
-struct AuxiliaryBlockBase {};
+/// and takes part in the estimation once Options::auxiliary.declare<Block>() was called. A kind of
+/// which there are several, like anchors, declares kIndexed = true: a measurement says which one.
+struct AuxiliaryBlockBase {
+  static constexpr bool kIndexed = false;
+};
 template <int kSize>
 struct AuxiliaryBlock : VectorBlock<kSize>, AuxiliaryBlockBase {};
 

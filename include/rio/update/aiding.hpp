@@ -40,6 +40,10 @@ AidingColumns aiding_columns(const AnyLayout& layout) {
 
 using AidingRows = StaticVector<LinearRow, static_cast<std::size_t>(AidingMeasurement::kMaxRows)>;
 
+/// The state at the time of the measurement (E1), its auxiliary states aside.
+AidedState aided_state(const AidingMeasurement& z, const ImuIncrements& since, const NavState& nav,
+                       const Estimate& x, double gravity);
+
 /// Rows of unit variance in the errors of `nav`, of the calibration of the measurement's radar and
 /// of the auxiliary states.
 /// @param x the calibration and the auxiliary states

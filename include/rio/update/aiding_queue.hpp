@@ -60,6 +60,12 @@ class AidingQueue {
     waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(taken_.size()));
   }
 
+  /// Takes out of the current update those for which hold(observation) is true; returns how many.
+  template <class Hold>
+  int hold_back(const Hold& hold) {
+    return static_cast<int>(std::erase_if(taken_, hold));
+  }
+
   /// Adds the velocity of the scan, measured at the time of the update, if there is room.
   void take_ego_velocity(const AidingMeasurement& z) {
     if (taken_.size() == kMaxAiding) return;

@@ -70,6 +70,11 @@ class Covariance {
   /// covariance and independent of the rest.
   void replace(std::initializer_list<int> at, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
+  /// (E2) for parameters of the column `at` on, which were independent of all.
+  /// @param by_body J, by the body state; @param noise N
+  void assign_parameters(int at, const Eigen::Ref<const Eigen::MatrixXd>& by_body,
+                         const Eigen::Ref<const Eigen::MatrixXd>& noise);
+
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk
   void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);

@@ -57,6 +57,12 @@ class StateEstimate {
   /// Same, at the time of the scan that completed the evidence: corrects position and velocity.
   void set_mounting_and_motion(std::size_t r, const Mounting& mounting);
 
+  /// Auxiliary states of the element `first` on become `value`, with the error by_body dx + n of
+  /// covariance `noise`; they were independent of all (update/delayed_start.hpp).
+  void set_auxiliary(int first, const Eigen::Ref<const Eigen::VectorXd>& value,
+                     const Eigen::Ref<const Eigen::MatrixXd>& by_body,
+                     const Eigen::Ref<const Eigen::MatrixXd>& noise);
+
   /// Covariance of the calibration that rotates and scales a measured velocity of the radar:
   /// rotation of T_BS, axes S [rad], and Doppler scale. Zero where not estimated.
   Eigen::Matrix4d velocity_calibration() const;
