@@ -58,7 +58,8 @@ struct PointCloud {
   std::uint64_t size() const { return std::uint64_t{width} * height; }
   /// The bytes of point i, row after row.
   Bytes point(std::uint64_t i) const {
-    return data.subspan(i / width * row_step + i % width * point_step, point_step);
+    const std::uint64_t begin = i / width * row_step + i % width * point_step;
+    return data.subspan(static_cast<std::size_t>(begin), point_step);
   }
 };
 
