@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Other sensors beside the radar, through the odometry API, with either back-end.
-#include "rio/aiding.hpp"
-
-#include <array>
 #include <cmath>
-#include <functional>
 
-#include "api/flying.hpp"
+#include "api/aided.hpp"
 #include "rio/models/aids.hpp"
-#include "rio/sim/random.hpp"
 #include "support/measured.hpp"
-#include "support/ranging.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::test {
 namespace {
-
-using namespace std::chrono_literals;
-
-/// What the aids of one instant add, if any.
-using Aids = std::function<void(Odometry&, const NavState& truth, sim::Random&)>;
-
-const Aids kNone = [](Odometry&, const NavState&, sim::Random&) {};
 
 /// A barometer whose offset is 0.7 m and drifts.
 struct Barometer {
@@ -35,57 +22,14 @@ struct Barometer {
   }
 };
 
-class AidingTest : public BackEndTest {
+class AidingTest : public AidedTest {
  protected:
-  /// A sparse radar, so that there is something to gain.
-  static const sim::Flight& flight() {
-    static const sim::Flight flight = flight_of(8, 80.0, 60.0, [](sim::Scenario& o) {
-      o.radar.max_static = 6;
-      o.radar.threshold_db = 13.0;
-    });
-    return flight;
-  }
-  static Time start() { return flight().imu.front().time; }
-  static Options options() { return options_for(flight()); }
   static Options options_with_offset(double sigma = HeightOffset::kSigma,
                                      double walk = HeightOffset::kWalk) {
     Options o = options();
     EXPECT_TRUE(o.auxiliary.declare<HeightOffset>(sigma, walk));
     return o;
   }
-  /// Flies with the aids every `period` from `late` after they were measured.
-  Errors fly(const Options& options, const Aids& aids, Time period = 40ms, Time delay = Time{0},
-             std::pair<double, double> blind = {1e9, 1e9}) {
-    odometry = Odometry::create(options);
-    sim::Random random(4);
-    Errors e;
-    std::size_t scan = 0;
-    Time next = start() + period / 2;
-    nis = rows = 0.0;
-    gated = 0;
-    for (const ImuSample& sample : flight().imu) {
-      EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
-      for (; next + delay <= sample.time; next += period) {
-        if (odometry->initialized()) aids(*odometry, flight().truth_at(next), random);
-      }
-      for (; scan < flight().scans.size() && flight().arrivals[scan] <= sample.time; ++scan) {
-        const double t = to_seconds(flight().scans[scan].time - start());
-        if (t >= blind.first && t <= blind.second) continue;
-        (void)odometry->add_scan(flight().scans[scan]);
-      }
-      if (!e.add(*odometry, flight())) continue;
-      for (const InnovationRecord& record : odometry->report().records) {
-        if (record.model != Model::kAiding) continue;
-        const bool used = record.result == GateResult::kUsed;
-        gated += used ? 0 : 1;
-        nis += used ? record.nis : 0.0;
-        rows += used ? record.dof : 0.0;
-      }
-    }
-    return e;
-  }
-  /// Measurements are as uncertain as they say.
-  void expect_consistent() const { EXPECT_NEAR(nis / rows, 1.0, 0.2); }
   /// The offset is known, and as well as its sigma says.
   void expect_found(const Barometer& barometer) const {
     const auto offset = auxiliary<HeightOffset>(*odometry).value();
@@ -93,11 +37,6 @@ class AidingTest : public BackEndTest {
     EXPECT_LT(sigma, 0.3 * HeightOffset::kSigma);
     EXPECT_LT(std::abs(offset.value[0] - barometer.offset), 3.0 * sigma);
   }
-
-  std::unique_ptr<Odometry> odometry;
-  double nis = 0.0;   ///< of the aids used, summed
-  double rows = 0.0;  ///< of them
-  int gated = 0;
 };
 
 TEST_P(AidingTest, ABarometerWithItsOffset) {
@@ -137,65 +76,6 @@ TEST_P(AidingTest, AStateThatNothingMeasuresOnlyWalks) {
   const double expected =
       kSigma * kSigma + kWalk * kWalk * to_seconds(flight().imu.back().time - start());
   EXPECT_NEAR(offset.covariance(0, 0) / expected, 1.0, 0.1);
-}
-
-/// Ranges to anchors whose places nobody knows, a few reflected.
-struct Ranging {
-  static constexpr double kSigma = 0.1;  // [m]
-  std::array<Vector3d, 3> anchors = {Vector3d(9.0, 4.0, 3.5), Vector3d(-7.0, 8.0, 0.5),
-                                     Vector3d(2.0, -10.0, 2.0)};
-  void operator()(Odometry& o, const NavState& x, sim::Random& random) const {
-    for (std::size_t i = 0; i < anchors.size(); ++i) {
-      double range = (anchors[i] - x.p_WB).norm() + kSigma * random.normal();
-      if (random.uniform(0.0, 1.0) < 0.03) range += random.uniform(1.0, 5.0);
-      EXPECT_EQ(o.add_measurement({x.time, RangeModel{}, {range, kSigma}, 0, static_cast<int>(i)}),
-                Status::kWaiting);
-    }
-  }
-  static Options declared(Options o) {
-    for (int i = 0; i < 3; ++i) {
-      AuxiliaryState anchor = auxiliary_state<Anchor>(i);
-      anchor.delayed = true;
-      EXPECT_TRUE(o.auxiliary.declare(anchor));
-    }
-    return o;
-  }
-};
-
-// They carry the estimate through six seconds without the radar.
-TEST_P(AidingTest, AnchorsOfUnknownPlaceHelp) {
-  const Ranging ranging;
-  const std::pair<double, double> blind{45.0, 51.0};
-  const Errors alone = fly(options(), kNone, 40ms, Time{0}, blind);
-  const Errors aided = fly(Ranging::declared(options()), ranging, 200ms, Time{0}, blind);
-  for (std::size_t i = 0; i < ranging.anchors.size(); ++i) {
-    const auto anchor = auxiliary<Anchor>(*odometry, static_cast<int>(i));
-    ASSERT_TRUE(anchor) << i;
-    const Vector3d error = anchor->value - ranging.anchors[i];
-    EXPECT_LT(error.dot(anchor->covariance.inverse() * error), 16.3) << i << error.transpose();
-    EXPECT_LT(anchor->covariance.trace(), 0.25);
-  }
-  EXPECT_FALSE(auxiliary<Anchor>(*odometry, 3));
-  EXPECT_LT(aided.rms(), 0.8 * alone.rms());
-  EXPECT_LT(aided.position_nees / aided.steps, 1.5);
-  measured("unknown anchors, " + name() + ": RMS over that without", aided.rms() / alone.rms(),
-           "<= 0.8");
-}
-
-// Until then, nothing of the estimate changes.
-TEST_P(AidingTest, RangesAreHeldUntilTheyDetermineTheAnchor) {
-  fly(options(), kNone);
-  const Vector3d end = odometry->at_scan().p_WB;
-  int held = 0;
-  const Aids ranging = [&](Odometry& o, const NavState& x, sim::Random& random) {
-    held += o.report().aiding_held;
-    if (x.time < start() + 4s) Ranging{}(o, x, random);
-  };
-  fly(Ranging::declared(options()), ranging);
-  EXPECT_GT(held, 0);
-  EXPECT_EQ(rows, 0.0);
-  EXPECT_LT((odometry->at_scan().p_WB - end).norm(), 1e-6);
-  EXPECT_FALSE(auxiliary<Anchor>(*odometry, 0));
 }
 
 int absurd = 0;  // of the positions below
