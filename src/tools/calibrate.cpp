@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "calibrate_report.hpp"
+#include "checked_part.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
 #include "recording.hpp"
@@ -72,7 +73,10 @@ void note_other_mounting(const io::Dataset& first, const io::Dataset& other,
 std::vector<io::Dataset> read_all(const CalibrateArguments& arguments) {
   std::vector<io::Dataset> datasets;
   for (const std::string& name : arguments.datasets) {
-    const io::Dataset& dataset = datasets.emplace_back(read_any(name, arguments.how));
+    io::Dataset& dataset = datasets.emplace_back(read_any(name, arguments.how));
+    Options options;  // what overrides what is noted once, later
+    (void)io::tell_sensors_and_values(dataset, arguments.values, &options);
+    take_out_clock_steps(options, &dataset);
     print_notes(dataset.notes);
     if (!dataset.damage.empty()) print_notes({dataset.damage + "; what stands before is used"});
   }

@@ -7,6 +7,26 @@
 
 namespace rio::tools {
 
+namespace {
+
+void add_notes(const check::ClockSteps& steps, const char* way_out,
+               std::vector<std::string>* notes) {
+  const auto add = [&](const std::vector<check::ClockStep>& of, const std::string& sensor,
+                       const char* item) {
+    for (const check::ClockStep& step : of) {
+      notes->push_back(fmt::format(
+          "the clock of {} steps by {:+.3f} s at {} {}: taken out of its later stamps{}", sensor,
+          to_seconds(step.size), item, step.first + 1, way_out));
+    }
+  };
+  add(steps.imu, "the IMU", "sample");
+  for (std::size_t r = 0; r < steps.radars.size(); ++r) {
+    add(steps.radars[r], fmt::format("radar{}", r), "scan");
+  }
+}
+
+}  // namespace
+
 CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors) {
   constexpr double kLongest = 600.1;              // ten minutes, and the error of a clock [s]
   constexpr double kPause = 1.0;                  // of the IMU, not counted [s]
@@ -56,20 +76,25 @@ check::ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Datase
   const CheckedPart part = read_checked_part(stream, sensors);
   check::ClockSteps steps =
       check::find_clock_steps(part.data.imu, part.data.radars, sensors.imu_info, options);
-  const auto note = [notes](const std::vector<check::ClockStep>& of, const std::string& sensor,
-                            const char* item) {
-    for (const check::ClockStep& step : of) {
-      notes->push_back(
-          fmt::format("the clock of {} steps by {:+.3f} s at {} {}: taken out of its later stamps "
-                      "(--no-check flies them as recorded)",
-                      sensor, to_seconds(step.size), item, step.first + 1));
-    }
-  };
-  note(steps.imu, "the IMU", "sample");
-  for (std::size_t r = 0; r < steps.radars.size(); ++r) {
-    note(steps.radars[r], fmt::format("radar{}", r), "scan");
-  }
+  add_notes(steps, " (--no-check flies them as recorded)", notes);
   return steps;
+}
+
+void take_out_clock_steps(const Options& options, io::Dataset* dataset) {
+  std::vector<std::vector<RadarScan>*> radars = {&dataset->scans};
+  for (io::Dataset::OtherRadar& other : dataset->other_radars) radars.push_back(&other.scans);
+  std::vector<check::Scans> scans;
+  for (const std::vector<RadarScan>* of : radars) scans.emplace_back(*of);
+  const check::ClockSteps steps =
+      check::find_clock_steps(dataset->imu, scans, dataset->imu_info, options);
+  dataset->imu = check::without_steps(std::move(dataset->imu), steps.imu);
+  for (std::size_t r = 0; r < radars.size(); ++r) {
+    for (std::size_t i = 0; i < radars[r]->size(); ++i) {
+      Time& stamp = (*radars[r])[i].time;
+      stamp = check::without_steps(stamp, steps.radars[r], i);
+    }
+  }
+  add_notes(steps, "", &dataset->notes);
 }
 
 }  // namespace rio::tools

@@ -27,4 +27,8 @@ CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& se
 check::ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
                                    const Options& options, std::vector<std::string>* notes);
 
+/// Takes the steps of all clocks out of a recording, with a note for each.
+/// @param options with the sensor properties of the recording
+void take_out_clock_steps(const Options& options, io::Dataset* dataset);
+
 }  // namespace rio::tools

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "calibrate/noise_calibration.hpp"
+#include "checked_part.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
 #include "recording.hpp"
@@ -93,8 +94,9 @@ void print_options(const FitNoiseArguments& arguments, const calibrate::NoiseCal
 
 void fit_noise(const FitNoiseArguments& arguments) {
   io::Dataset dataset = read_any(arguments.dataset, arguments.how);
-  print_notes(dataset.notes);
   const Options options = options_of(dataset, arguments.values);
+  take_out_clock_steps(options, &dataset);
+  print_notes(dataset.notes);
   calibrate::Recording recording;
   recording.start = make_start(arguments, dataset, options);
   recording.imu = std::move(dataset.imu);

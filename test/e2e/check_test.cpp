@@ -88,6 +88,8 @@ TEST_F(Check, AReplayTakesStepsOfAClockOut) {
         {std::string("note: the clock of ") + note, "a clock steps within"});
     EXPECT_LT(path_error(flight_, out), path_error(flight_, file("as_flown.tum")) + 0.01);
     expect_none(try_rio("replay --no-check " + folder).output, {"steps by"});
+    rio("calibrate " + folder, {std::string("note: the clock of ") + note});
+    rio("fit-noise " + folder, {std::string("note: the clock of ") + note});
   }
 }
 
