@@ -9,6 +9,7 @@
 
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
+#include "rotation_fit.hpp"
 
 namespace rio {
 
@@ -32,11 +33,6 @@ constexpr double kEvery = 0.5;            // of motion between solutions [s]
 
 using Block = MountingSearch::Block;
 
-/// a^T b
-Block dot(const Block& a, const Block& b) {
-  return a.transpose() * b;
-}
-
 /// A^-1 b
 Block solve(const Block& A, const Block& b) {
   return Eigen::LDLT<Block>(A).solve(b);
@@ -54,44 +50,6 @@ struct Schur {
     gain = rest.solve(cross);
     complement = M.topLeftCorner(n, n) - dot(cross, gain);
   }
-};
-
-/// (vec R, end)
-Block vec(const Matrix3d& R, double end) {
-  Block x(10, 1);
-  for (int i = 0; i < 9; ++i) x(i) = R.data()[i];
-  x(9) = end;
-  return x;
-}
-
-/// Log(A^T B).
-Vector3d turn_between(const Matrix3d& A, const Matrix3d& B) {
-  return quaternion_log(Quaternion(Matrix3d(A.transpose() * B)));
-}
-
-/// Derivative of (vec(R Exp(phi)), 1) by phi.
-Block vec_jacobian(const Matrix3d& R) {
-  Block J(10, 3);
-  for (int i = 0; i < 3; ++i) J.col(i) = vec(R * skew(Vector3d::Unit(i)), 0.0);
-  return J;
-}
-
-/// (E5): f(R) = x^T M x with x = (vec R, 1), and the prior.
-struct RotationCost {
-  Block M;
-  Matrix3d prior;
-  double prior_information = 0.0;
-
-  double operator()(const Matrix3d& R) const {
-    const Block x = vec(R, 1.0);
-    return dot(x, M * x)(0) + prior_information * offset(R).squaredNorm();
-  }
-  Vector3d offset(const Matrix3d& R) const { return turn_between(prior, R); }
-};
-
-struct Minimum {
-  Matrix3d R;
-  double cost = 0.0;
 };
 
 /// The velocity of a scan without the shrinkage by the noise N of its directions (errors in
@@ -119,44 +77,8 @@ std::optional<RadarVelocity> unshrunk(const DetectionList& scan, const EgoVeloci
   return RadarVelocity{inverse * (A * velocity.v_S), inverse * weighted * inverse};
 }
 
-bool cheaper(const Minimum& a, const Minimum& b) {
+bool cheaper(const RotationMinimum& a, const RotationMinimum& b) {
   return a.cost < b.cost;
-}
-
-/// Levenberg-Marquardt from R.
-Minimum minimum_from(Matrix3d R, const RotationCost& cost) {
-  constexpr int kIterations = 20;
-  constexpr double kSmall = 1e-6;  // step [rad]
-  double f = cost(R);
-  double damping = 1e-3;
-  for (int i = 0; i < kIterations; ++i) {
-    const Block J = vec_jacobian(R);
-    const Block MJ = cost.M * J;
-    const Vector3d gradient = dot(MJ, vec(R, 1.0)) + cost.prior_information * cost.offset(R);
-    Matrix3d H = dot(J, MJ);
-    H.diagonal().array() += cost.prior_information;
-    H.diagonal() *= 1.0 + damping;
-    const Vector3d step = -SmallCholesky<3>(H).solve(gradient);
-    const Matrix3d next = R * quaternion_exp(step).toRotationMatrix();
-    const double there = cost(next);
-    if (!(there < f)) {
-      damping = 10.0 * damping + 1e-3;
-      continue;
-    }
-    damping *= 0.1;
-    R = next;
-    f = there;
-    if (step.norm() < kSmall) break;
-  }
-  return {R, f};
-}
-
-/// The minima from the 24 rotations of the prior by right angles.
-std::array<Minimum, 24> minima(const RotationCost& cost) {
-  std::array<Minimum, 24> all;
-  std::size_t n = 0;
-  for (const Matrix3d& P : right_angles()) all[n++] = minimum_from(cost.prior * P, cost);
-  return all;
 }
 
 }  // namespace
@@ -274,22 +196,22 @@ std::optional<Mounting> MountingSearch::solve(const Matrix3d& R_WB) const {
   cost.prior = configured_.rotation.toRotationMatrix();
   cost.prior_information = 1.0 / (priors_.rotation_sigma * priors_.rotation_sigma);
 
-  const std::array<Minimum, 24> all = minima(cost);
-  Minimum best = *std::min_element(all.begin(), all.end(), cheaper);
+  const std::array<RotationMinimum, 24> all = rotation_minima(cost);
+  RotationMinimum best = *std::min_element(all.begin(), all.end(), cheaper);
   const double excess = std::max(1.0, best.cost / expected_);
   const double bound = best.cost + kTold * excess;
-  for (const Minimum& m : all) {
+  for (const RotationMinimum& m : all) {
     const bool nearer = cost.offset(m.R).norm() < cost.offset(best.R).norm();
     if (m.cost < bound && nearer) best = m;
   }
-  const bool alone = std::none_of(all.begin(), all.end(), [&](const Minimum& m) {
+  const bool alone = std::none_of(all.begin(), all.end(), [&](const RotationMinimum& m) {
     return m.cost < bound && turn_between(best.R, m.R).norm() > kOther;
   });
 
   constexpr int kLinearPart = kSize - kLever;
   constexpr int kAll = 3 + kLinearPart;  // phi, p, e, d, a
   Block J = Block::Zero(kSize, kAll);
-  J.topLeftCorner(kLever, 3) = vec_jacobian(best.R);
+  J.topLeftCorner(kLever, 3) = stacked_jacobian(best.R);
   J.bottomRightCorner(kLinearPart, kLinearPart).setIdentity();
   Block information = dot(J, sum_ * J);
   information.diagonal().head<3>().array() += cost.prior_information;
@@ -310,7 +232,7 @@ std::optional<Mounting> MountingSearch::solve(const Matrix3d& R_WB) const {
     found.covariance.leftCols<3>() =
         Eigen::Matrix<double, 12, 3>(found.covariance.leftCols<3>()) * scale;
   }
-  const Block x = -rotation.gain * vec(best.R, 1.0);
+  const Block x = -rotation.gain * stacked(best.R, 1.0);
   found.T_BS = {Quaternion(best.R), x.topRows<3>()};
   found.position_error_W = x.middleRows<3>(3);
   found.velocity_error_W = x.middleRows<3>(6);
