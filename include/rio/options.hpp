@@ -56,9 +56,9 @@ struct RadarOptions {
   double sigma_doppler = 0.03;      ///< without quantisation [m/s]
   double range_resolution = 0.0;    ///< grid of the range, adds grid^2/12; 0 = none [m]
   double doppler_resolution = 0.0;  ///< grid of the Doppler, adds grid^2/12; 0 = none [m/s]
-  double max_doppler = 0.0;         ///< range rates fold into +-this; 0 = they do not fold [m/s]
-                                    ///< (as the radar reports it, even if its Doppler scale is
-                                    ///< wrong)
+  /// Range rates fold into +-this, as the radar reports it even if its Doppler scale is wrong;
+  /// 0 = they do not fold [m/s].
+  double max_doppler = 0.0;
   /// E-folding distance of the errors of a point: echoes of width w at range r keep their phases
   /// until the radar has moved by about half a wavelength times r / w; 0 = new in every scan [m].
   double noise_distance = 0.02;
@@ -212,7 +212,7 @@ struct StartOptions {
 
 /// Which checks may replace a part of the estimate (checks/checks.hpp). Of the presets.
 struct CheckOptions {
-  bool landmarks = true;  ///< drop them after silence, gaps and with the tilt
+  bool landmarks = true;  ///< drop them after silence and gaps, and while the tilt is uncertain
   bool velocity = true;   ///< replace it if the Dopplers of a second contradict it
   bool tilt = true;       ///< replace it if the Dopplers of two seconds contradict gravity
   bool heading = true;    ///< widen it if the gyro bias has stepped about the vertical

@@ -252,10 +252,11 @@ class Pipeline {
     for (FrontEnd& frontend : frontends_) frontend.reset();
   }
 
-  /// Moves the queued measurements up to `time` to the current update.
+  /// Moves the queued measurements up to `time` to the current update, except those of auxiliary
+  /// states that are not known yet; starts the states that are determined now.
   void gather(Time time, const ImuBuffer& imu) {
     aiding_.take(time, estimate().nav, imu, [this](Time t) { return backend_.anchor(t); });
-    if (!delayed_.any()) return;
+    if (!delayed_.any() || report_.status != Status::kOk) return;
     const StateEstimate& x = backend_.state_estimate();
     report_.aiding_held =
         aiding_.hold_back([&](const AidingObservation& z) { return delayed_.hold(z, x); });
@@ -344,7 +345,7 @@ class Pipeline {
   DelayedStarts delayed_;
   BackEnd backend_;
   UpdateReport report_;
-  std::vector<PointReport> points_;  ///< beside it
+  std::vector<PointReport> points_;  ///< of the scan of report_
   Checks<BackEnd> checks_;
   Matrix3d velocity_covariance_ = Matrix3d::Zero();  ///< of the predicted radar velocity, axes S
   Observations seen_;

@@ -19,13 +19,13 @@ namespace rio {
 /// a measurement before the start are not.
 enum class Status : std::uint8_t {
   kOk,
-  kWaiting,         ///< scan is newer than the IMU: queued, processed when the IMU has caught up
+  kWaiting,         ///< queued: a scan newer than the IMU, or a measurement of another sensor
   kNotInitialized,  ///< no state yet: static alignment has not finished or reset() was not called
   kMoving,          ///< static alignment was refused because the sensor moves
   kStale,           ///< IMU sample not newer than the last one
   kDuplicate,       ///< a scan with this stamp, or these moving detections, was already taken
   kLate,            ///< scan older than the estimate, start older than the buffered samples
-  kQueueFull,       ///< too many scans wait for the IMU
+  kQueueFull,       ///< too many scans, or measurements of other sensors, wait
   kNonFinite,       ///< NaN or infinity in the data
   kNumerical,  ///< the update failed numerically: the estimate is the IMU prediction; for a start:
                ///< no valid covariance or quaternion
@@ -62,7 +62,8 @@ enum class GateResult : std::uint8_t { kUsed, kGated, kOutOfDomain };
 struct InnovationRecord {
   Model model = Model::kDoppler;
   GateResult result = GateResult::kUsed;
-  /// Index in the filtered scan; of kAiding and kEgoVelocity in the measurements of the update.
+  /// Index in the filtered scan; of kAiding and kEgoVelocity in the measurements of the update; of
+  /// kRest 0.
   std::uint16_t detection = 0;
   std::uint16_t dof = 0;       ///< rows of the block
   double innovation = 0.0;     ///< z - h(x) of its first row [unit of the model]

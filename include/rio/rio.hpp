@@ -38,7 +38,8 @@
 //               the radar have gone on is a pause, too. Any other, once it spans a tenth of a
 //               second, is a restart of the sensor clock (Counters::clock_restarts). The estimate
 //               then keeps its values in the time of the new clock, with the uncertainty of a pause
-//               of some 0.3 s; calibration and landmarks start again. After a longer pause call
+//               of some 0.3 s; calibration, auxiliary states and landmarks start again, and
+//               measurements of other sensors that wait are dropped. After a longer pause call
 //               reset().
 //   scan stamps are in the clock of the IMU. If that of a radar steps by more than a tenth of a
 //               second - five scans arrive when they are due, with stamps that do not follow - the

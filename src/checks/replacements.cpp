@@ -14,7 +14,7 @@ void replace_velocity(const IndependentVelocity& found, double duration, double 
   const Vector3d error = R * found.v_B - x.nav.v_WB;
   Covariance& P = state_estimate->covariance();
   P.inflate(body::kPosition, error.squaredNorm() * doubtful * doubtful);
-  P.reopen_velocity(error.squaredNorm() + found.covariance.trace(), duration);
+  P.inflate_velocity(error.squaredNorm() + found.covariance.trace(), duration);
   state_estimate->measure_velocity(error, R * found.covariance * R.transpose());
   state_estimate->restart_steady_motion(found.v_B);
 }

@@ -30,7 +30,10 @@ const DetectionList& ScanCorrection::correct(const DetectionList& received, cons
 
 void ScanCorrection::restore_indices(UpdateReport* report) const {
   for (InnovationRecord& record : report->records) {
-    if (record.model == Model::kAiding || record.model == Model::kEgoVelocity) continue;
+    if (record.model == Model::kAiding || record.model == Model::kEgoVelocity ||
+        record.model == Model::kRest) {
+      continue;
+    }
     std::size_t detection = record.detection;
     for (const std::size_t own : own_) detection += own <= detection ? 1 : 0;
     record.detection = static_cast<std::uint16_t>(detection);

@@ -219,7 +219,7 @@ class Engine final : public Odometry::Impl {
     restart_.reset();
     counters = Counters{};
     forget_scans();
-    history_.forget_looks();
+    history_.forget_fingerprints();
     initialized = true;
     publish();
     return Status::kOk;

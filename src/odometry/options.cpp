@@ -48,6 +48,12 @@ std::string coherence_problem(const Options& o) {
     const bool good = state.sigma > 0.0 && std::isfinite(state.sigma) && state.walk >= 0.0 &&
                       std::isfinite(state.walk);
     if (!good) return std::string("auxiliary state ") + state.name + ": sigma or walk out of range";
+    if (state.size < 1 || state.size > AuxiliaryState::kMaxSize) {
+      return std::string("auxiliary state ") + state.name + ": size out of range";
+    }
+    if (state.delayed && state.walk > 0.0) {
+      return std::string("auxiliary state ") + state.name + ": delayed, and with a random walk";
+    }
     if (!std::all_of(state.initial.begin(), state.initial.end(),
                      [](double value) { return std::isfinite(value); })) {
       return std::string("auxiliary state ") + state.name + ": initial value not finite";

@@ -14,7 +14,7 @@ void ScanHistory::forget(std::optional<Time> now) {
   }
 }
 
-void ScanHistory::forget_looks() {
+void ScanHistory::forget_fingerprints() {
   for (OfRadar& own : of_) own.fingerprint = 0;
 }
 

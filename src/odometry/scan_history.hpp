@@ -23,7 +23,7 @@ class ScanHistory {
   /// @param now newest sample of the IMU, if there is one
   void forget(std::optional<Time> now);
   /// Forgets the fingerprints.
-  void forget_looks();
+  void forget_fingerprints();
 
   /// The last scan processed of this radar has this stamp.
   bool is_last(Time stamp, std::size_t radar) const {

@@ -143,10 +143,6 @@ Matrix15d BodyNoise::matrix() const {
   return m.selfadjointView<Eigen::Lower>();
 }
 
-Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt) {
-  return BodyTransition(R, w, a, dt).matrix();
-}
-
 ProcessNoise process_noise(const ImuOptions& o, const ImuStep& step) {
   ProcessNoise n{
       o.gyro_noise_density * o.gyro_noise_density, o.accel_noise_density * o.accel_noise_density,

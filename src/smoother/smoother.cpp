@@ -65,7 +65,10 @@ Status Smoother::update(const Observations& seen, const ScanRows& rows) {
   }
   since_.reset(estimate().nav.gyro_bias, estimate().nav.accel_bias);
   while (window_.size() > static_cast<std::size_t>(options_.smoother.window)) {
-    if (!marginalise_oldest()) return restart_after_failure();
+    if (!marginalise_oldest()) {
+      restart();
+      return Status::kNumerical;
+    }
   }
   return Status::kOk;
 }
@@ -114,11 +117,6 @@ void Smoother::restart() {
   window_.publish(&state_estimate_.estimate());
 }
 
-Status Smoother::restart_after_failure() {
-  restart();
-  return Status::kNumerical;
-}
-
 bool Smoother::append() {
   const ImuFactor factor(since_, options_.imu.gravity);
   if (!factor.valid()) return false;
@@ -152,7 +150,7 @@ void Smoother::take(const Observations& seen, const ScanRows& rows) {
     const AidingObservation& aiding = (*seen.aiding)[i];
     WindowState& keeps = keeper(aiding);  // the newest, if the window has started over since
     const bool anchored = keeps.nav.time == aiding.anchor;
-    if (keeps.aiding.size() == kMaxAiding) continue;
+    if (keeps.aiding.size() == kMaxAiding) continue;  // full: recorded as used, but left out
     keeps.aiding.push_back({aiding.measurement, anchored ? aiding.to_anchor : aiding.to_now});
     (void)aided_.push_back(&keeps.aiding);
   }

@@ -82,7 +82,7 @@ void Covariance::inflate_along(int at, const Vector3d& axis) {
   P_.block<3, 3>(at, at) += axis * axis.transpose();
 }
 
-void Covariance::reopen_velocity(double variance, double duration) {  // (E3)
+void Covariance::inflate_velocity(double variance, double duration) {  // (E3)
   for (int i = 0; i < 3; ++i) {
     const int p = body::kPosition + i;
     const int v = body::kVelocity + i;

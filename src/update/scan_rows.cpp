@@ -139,6 +139,7 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
     if (seen.rest &&
         x.estimate.distance_travelled - x.estimate.landmarks[m.target].distance_born > kHere) {
       was_used_[m.target] = true;
+      look_sums_[m.target] = x.estimate.landmarks[m.target].looks;  // not a look
       continue;
     }
     const Detection& d = seen.detection(m.detection);

@@ -91,9 +91,4 @@ double ScanRows::doppler_repetition(const Detection& d, const LinearizationPoint
   return (1.0 - rounding) * other + rounding * std::max(other, (1.0 + rho) / (1.0 - rho));
 }
 
-double ScanRows::weigh(double factor) {
-  batch_.scale_variance(factor);
-  return factor;
-}
-
 }  // namespace rio

@@ -48,7 +48,7 @@ TEST(ScanHistory, KnowsARepeatedScanOfEachRadar) {
   EXPECT_TRUE(history.is_repeated(scan_with(0.5, 1)));
   history.forget(Time{0});
   EXPECT_TRUE(history.is_repeated(scan_with(0.5, 1)));
-  history.forget_looks();
+  history.forget_fingerprints();
   EXPECT_FALSE(history.is_repeated(scan_with(0.5, 1)));
 }
 

@@ -38,6 +38,12 @@ LongMatrix gamma_reference(int m, const LongVector& phi) {
   return sum;
 }
 
+/// Rounding of the reference where a long double is a double, as on armhf.
+double reference_error(double norm) {
+  constexpr bool kLonger = std::numeric_limits<long double>::digits > 53;
+  return kLonger ? 0.0 : kEpsilon * std::exp(norm);
+}
+
 double largest(const Matrix3d& m) {
   return m.cwiseAbs().maxCoeff();
 }
@@ -59,7 +65,8 @@ TEST(So3, GammaEqualsThePowerSeries) {
       for (int m = 0; m <= 2; ++m) {
         const Matrix3d expected = gamma_reference(m, phi.cast<long double>()).cast<double>();
         // entries are at most 1, with |phi|^2 / 2 of it summed from smaller terms
-        EXPECT_LT(largest(gamma(m, phi) - expected), 20.0 * kEpsilon) << m << " at " << norm;
+        EXPECT_LT(largest(gamma(m, phi) - expected), 20.0 * kEpsilon + reference_error(norm))
+            << m << " at " << norm;
       }
     }
   }
@@ -85,7 +92,7 @@ TEST(So3, DerivativeOfGammaEqualsDifferences) {
           expected.col(c) = slope.cast<double>();
         }
         EXPECT_LT(largest(d_gamma_a_d_phi(m, phi, a, GammaSeries(phi.squaredNorm())) - expected),
-                  2e-13)
+                  2e-13 + reference_error(norm) / static_cast<double>(kStep))
             << m << " at " << norm;
       }
     }

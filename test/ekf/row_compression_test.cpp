@@ -33,7 +33,7 @@ class RowCompressionTest : public CovarianceCase {
     return dense_rows(batch.rows(), covariance_.size()).information();
   }
   void expect_same_information(std::size_t rows) {
-    const RowBatch& out = compression_.compress(batch_);
+    const RowBatch& out = compression_.compress(batch_, 0.0);
     EXPECT_EQ(out.rows().size(), rows);
     const MatrixXd expected = information(batch_);
     EXPECT_LE((information(out) - expected).cwiseAbs().maxCoeff(), 1e-12 * expected.norm());
@@ -161,7 +161,7 @@ TEST_F(RowCompressionTest, ABadVarianceIsHandedOn) {
     row.variance = bad;
     batch_.begin_block();
     batch_.push(row);
-    EXPECT_EQ(compression_.compress(batch_).rows().size(), 9U);
+    EXPECT_EQ(compression_.compress(batch_, 0.0).rows().size(), 9U);
   }
 }
 

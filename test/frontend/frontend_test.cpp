@@ -203,11 +203,11 @@ TEST(Frontend, SlowMoversShowByResidualsThatAddUp) {
     for (int n = 1; n <= 8; ++n) count += mover.scan(n % 2 == 1 ? sigmas : next_sigmas) ? 1 : 0;
     return count;
   };
-  EXPECT_EQ(static_scans(1.5, 1.5), 4);  // 1.5 n < 3 sqrt(n)
-  EXPECT_EQ(static_scans(-1.5, -1.5), 4);
+  EXPECT_EQ(static_scans(1.45, 1.45), 4);  // 1.45 n < 3 sqrt(n)
+  EXPECT_EQ(static_scans(-1.45, -1.45), 4);
   EXPECT_EQ(static_scans(-2.0, 2.0), 8);  // each residual in the way of the one before
   o.frontend.mover_sigmas = 0.0;
-  EXPECT_EQ(static_scans(1.5, 1.5), 8);
+  EXPECT_EQ(static_scans(1.45, 1.45), 8);
 }
 
 TEST(Frontend, AMoverIsFollowedAndNotPromoted) {

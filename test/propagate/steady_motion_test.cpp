@@ -18,7 +18,7 @@ constexpr double kMemory = 0.05;  // m of (E2) [s]
 
 /// The motion after a step of no time: the smoothed acceleration, if noise does not explain it.
 Vector3d acceleration(SteadyMotionFilter filter, double density) {
-  filter.advance(NavState{}, NavState{}, Vector3d::Zero(), 0.0, density, 0.0);
+  filter.advance(NavState{}, NavState{}, Vector3d::Zero(), 0.0, density, 0.0, 0.0);
   return filter.motion().accel_W;
 }
 
@@ -78,7 +78,7 @@ class Flight {
     }
     after.q_WB = before.q_WB * quaternion_exp(kPeriod * rate_B);
     const Vector3d measured = rate_B + std::sqrt(rate_variance_) * random_.normal3();
-    filter_.advance(before, after, measured, kPeriod, density_, rate_variance_);
+    filter_.advance(before, after, measured, kPeriod, density_, rate_variance_, 0.0);
     v_W_ += kPeriod * accel_W;
     state_ = after;
   }

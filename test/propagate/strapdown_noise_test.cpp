@@ -36,7 +36,7 @@ Matrix15d noise_reference(const Case& c, double dt, const ProcessNoise& n) {
     const double t = dt * i / kIntervals;
     const double simpson = i == 0 || i == kIntervals ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0);
     const Matrix3d R = c.rotation() * test::rotation_of(c.w() * t).toRotationMatrix();
-    const Matrix15d to_end = transition(R, c.w(), c.a(), dt - t);
+    const Matrix15d to_end = BodyTransition(R, c.w(), c.a(), dt - t).matrix();
     Q += simpson * dt / (3.0 * kIntervals) * to_end * density.asDiagonal() * to_end.transpose();
   }
   return Q;
@@ -113,7 +113,7 @@ TEST(Propagation, AccumulatesTheProductChain) {
     const Matrix3d R = x.q_WB.toRotationMatrix();
     const Vector3d w = step.gyro_B - x.gyro_bias;
     const Vector3d a = step.accel_B - x.accel_bias;
-    const Matrix15d phi = transition(R, w, a, dt);
+    const Matrix15d phi = BodyTransition(R, w, a, dt).matrix();
     P = (phi * P * phi.transpose() +
          process_noise_covariance(R, w, a, dt, process_noise(o, step)).matrix())
             .eval();

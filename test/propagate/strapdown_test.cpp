@@ -77,7 +77,7 @@ TEST(Strapdown, TransitionIsTheDerivativeOfIntegrate) {
         expected.col(column) =
             (8.0 * (error(h) - error(-h)) - error(2 * h) + error(-2 * h)) / (12 * h);
       }
-      const Matrix15d actual = transition(c.rotation(), c.w(), c.a(), dt);
+      const Matrix15d actual = BodyTransition(c.rotation(), c.w(), c.a(), dt).matrix();
       for (int column = 0; column < body::kSize; ++column) {
         EXPECT_LT((actual - expected).col(column).cwiseAbs().maxCoeff(), 2e-11)
             << "column " << column << " dt " << dt;

@@ -28,7 +28,7 @@ TEST_F(CovarianceTest, ReopenedVelocityTakesThePositionAlong) {
   G.middleRows<3>(body::kPosition) = 0.2 * Matrix3d::Identity();
   G.middleRows<3>(body::kVelocity) = Matrix3d::Identity();
   const MatrixXd expected = dense() + 7.0 * G * G.transpose();
-  covariance_.reopen_velocity(7.0, 0.2);
+  covariance_.inflate_velocity(7.0, 0.2);
   expect_equal(expected, 1e-12);
 }
 

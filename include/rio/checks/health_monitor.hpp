@@ -9,7 +9,6 @@
 #include <cstddef>
 
 #include "rio/health.hpp"
-#include "rio/options.hpp"
 #include "rio/report.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/types.hpp"

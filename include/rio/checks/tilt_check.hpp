@@ -102,7 +102,7 @@ class TiltCheck {
   static constexpr std::size_t kMaxScans = 60;                        // at 30 Hz
   static constexpr Time kSpan = std::chrono::milliseconds(500);       // least, to fit a slope
   static constexpr Time kPatience = std::chrono::milliseconds(1000);  // people come and go
-  static constexpr double kSigmas = 4.0;                              // one window in ten thousand
+  static constexpr double kSigmas = 4.0;  // three degrees of freedom: one window in nine hundred
   static constexpr double kRepetition = 4.0;  // k of (E4): a reflector's rows repeat their error
   static constexpr double kMovers = 0.05;     // m of (E4): one row in twenty, walking [m/s^2]
   static constexpr double kBadFit = 3.0;      // largest ratio of residual variance to expected

@@ -25,7 +25,6 @@ class StaticVector {
     return *this;
   }
 
-  static constexpr std::size_t capacity() { return Capacity; }
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   bool full() const { return size_ == Capacity; }

@@ -29,7 +29,7 @@ class RowCompression {
   /// The same update in fewer rows; valid until the next call. Only consecutive blocks of one row
   /// that touch the same columns are compressed.
   /// @param rate_variance s of (E3), of all rows compressed; 0 = no shared noise [rad^2/s^2]
-  const RowBatch& compress(const RowBatch& batch, double rate_variance = 0.0);
+  const RowBatch& compress(const RowBatch& batch, double rate_variance);
 
  private:
   static constexpr int kMaxRank = 3;  // the components of a velocity

@@ -62,7 +62,7 @@ class Association {
 
   /// @param usable per detection: may be matched
   /// @param landmarks how many of the estimate's landmarks take part, from the first on
-  /// @param out cleared
+  /// @param out must be clear (AssociationResult::clear)
   void match(const DetectionList& scan, const std::array<bool, kMaxDetections>& usable,
              const Estimate& predicted, std::size_t landmarks, const TrailSet& trails,
              AssociationResult* out);

@@ -6,7 +6,8 @@
 // between two touches it lies still. In a hand or in the air it never does.
 //
 // (E1) The scans of the last second cover kDuration and have at least kMinPoints points without
-//      Doppler, |d| < 2.5 sigmas, which are at least a share kShare of all.
+//      Doppler, |d| < 2.5 sigmas, which are at least a share kShare of all. A scan of which more
+//      than half has a Doppler starts over.
 // (E2) The common velocity of these points is zero: with A = sum u u^T / sigma^2 + I / kSlow^2 and
 //      b = sum u d / sigma^2, b^T A^-1 b is chi-squared of three degrees of freedom; the bound is
 //      multiplied by the number of scans, because a point repeats its error. A Doppler that is not

@@ -53,6 +53,7 @@ struct AidingColumns {
 class AidingMeasurement {
  public:
   static constexpr int kMaxRows = 6;
+  static constexpr int kMostSegments = 6;  ///< blocks beside those of the body
   /// Columns of the Jacobian: errors of pose, velocity and gyro bias, then the model's other
   /// blocks.
   static constexpr int kBody = 12;
@@ -70,11 +71,12 @@ class AidingMeasurement {
     int count = 0;
     Eigen::Matrix<double, kMaxRows, 1> r = Eigen::Matrix<double, kMaxRows, 1>::Zero();
     Eigen::Matrix<double, kMaxRows, kColumns> J = Eigen::Matrix<double, kMaxRows, kColumns>::Zero();
-    StaticVector<Segment, 6> segments;  ///< where the columns after kBody belong
+    StaticVector<Segment, static_cast<std::size_t>(kMostSegments)>
+        segments;  ///< where the columns after kBody belong
   };
 
   /// @param radar whose Extrinsics and DopplerScale the model has, if it has any
-  /// @param index which one of its indexed auxiliary states it depends on
+  /// @param index of its auxiliary states that are indexed, the same for each kind
   template <class Model>
   AidingMeasurement(Time time, const Model& model, const typename Model::Measurement& z,
                     std::size_t radar = 0, int index = 0)
@@ -83,6 +85,8 @@ class AidingMeasurement {
     static_assert(Model::kDim <= kMaxRows, "at most six rows");
     static_assert(Of<Model, typename Model::Blocks>::kOthers <= kColumns - kBody,
                   "too many columns beside pose, velocity and gyro bias");
+    static_assert(Of<Model, typename Model::Blocks>::kOtherBlocks <= kMostSegments,
+                  "too many blocks beside pose, velocity and gyro bias");
     static_assert(sizeof(Both) <= kCapacity, "model and measurement are too large");
     static_assert(alignof(Both) <= kAlignment, "model and measurement are aligned too widely");
     static_assert(std::is_trivially_destructible_v<Both>, "neither may own anything");
@@ -182,6 +186,7 @@ class AidingMeasurement {
   struct Of<Model, BlockList<B...>> {
     /// Columns of the blocks that are not of the body.
     static constexpr int kOthers = ((kBodyColumn<B> < 0 ? B::kDof : 0) + ...);
+    static constexpr int kOtherBlocks = ((kBodyColumn<B> < 0 ? 1 : 0) + ...);
 
     template <class Block>
     static bool is_known(const AuxiliaryStates& states, [[maybe_unused]] int index) {

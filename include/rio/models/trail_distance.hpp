@@ -10,7 +10,6 @@
 
 #include "rio/models/concept.hpp"
 #include "rio/models/detection.hpp"
-#include "rio/options.hpp"
 #include "rio/state/blocks.hpp"
 
 namespace rio {

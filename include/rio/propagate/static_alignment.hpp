@@ -50,8 +50,8 @@ class StaticAligner {
   void reset();
 
   /// kOk: more samples are needed, or `result` holds the alignment, which may be of a time before
-  /// the sample; kMoving: the window that just
-  /// ended was not a standstill, and the next one ends a part later.
+  /// the sample. kMoving: the window that just ended was not a standstill; the next one ends a part
+  /// later.
   Status add(const ImuSample& sample, std::optional<Alignment>* result);
 
  private:

@@ -45,7 +45,7 @@ class SteadyMotionFilter {
   /// @param velocity_variance of `before` in body axes, all axes [m^2/s^2]
   void advance(const NavState& before, const NavState& after, const Vector3d& rate_B,
                double seconds, double accel_density, double rate_variance,
-               double velocity_variance = 0.0);
+               double velocity_variance);
 
   const SteadyMotion& motion() const { return motion_; }
 

@@ -73,9 +73,6 @@ struct BodyNoise {
   Matrix15d matrix() const;
 };
 
-/// (E2) from a state with attitude R over dt seconds at constant w [rad/s] and a [m/s^2].
-Matrix15d transition(const Matrix3d& R, const Vector3d& w, const Vector3d& a, double dt);
-
 /// Power spectral densities of the four noises that drive the body error.
 struct ProcessNoise {
   double gyro = 0.0;        ///< [(rad/s)^2/Hz]

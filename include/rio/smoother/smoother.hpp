@@ -80,7 +80,6 @@ class Smoother {
 
   /// Starts over with one state, the state estimate's; its covariance becomes the prior.
   void restart();
-  Status restart_after_failure();
 
   /// Appends the predicted state. False, with nothing changed, if there is no valid IMU factor.
   bool append();

@@ -28,7 +28,7 @@ struct WindowState {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();   ///< measured [rad/s]
   double gyro_variance = 0.0;           ///< of that, per axis [rad^2/s^2]
-  SteadyMotion steady;                  ///< as predicted, but for the next entry
+  SteadyMotion steady;                  ///< as predicted; of its acceleration the next entry counts
   Vector3d accel_B = Vector3d::Zero();  ///< acceleration of the body, body axes [m/s^2]
   /// The calibration that was applied to a radar's scan of this state.
   struct Scanned {

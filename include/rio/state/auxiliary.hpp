@@ -28,6 +28,7 @@ struct AuxiliaryState {
 /// The state of a block with the block's prior and random walk.
 template <class Block>
 AuxiliaryState auxiliary_state(int index = 0) {
+  static_assert(Block::kDof <= AuxiliaryState::kMaxSize, "an auxiliary state is too large");
   AuxiliaryState state;
   state.name = Block::kName;
   state.size = Block::kDof;

@@ -53,8 +53,8 @@ struct DopplerScale {
   }
 };
 
-/// Base of a state that an extension adds: additive, zero at the start, a random walk. The derived
-/// block declares, as static constexpr members,
+/// Base of a state that an extension adds: additive, a random walk; at the start zero, or the value
+/// given to AuxiliaryStates::declare_at. The derived block declares, as static constexpr members,
 ///   const char* kName   unique among the auxiliary states of an estimator
 ///   double kSigma       prior, per element [its unit]
 ///   double kWalk        density of its random walk, per element [its unit / sqrt(s)]

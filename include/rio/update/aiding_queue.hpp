@@ -46,7 +46,8 @@ class AidingQueue {
   }
 
   /// Moves the oldest measured up to `time`, kMaxAiding at most, to taken().
-  /// @param x state of the update, @param anchor time of the window state that keeps a measurement
+  /// @param x state of the update
+  /// @param anchor anchor(time): time of the window state that keeps a measurement
   template <class Anchor>
   void take(Time time, const NavState& x, const ImuBuffer& imu, const Anchor& anchor) {
     taken_.clear();

@@ -4,7 +4,7 @@
 // re-expression in ekf/reexpression.hpp.
 //
 // (E1) propagate: P_bb <- Phi P_bb Phi^T + Q, P_bx <- Phi P_bx              (ICRA 2023, eq. 7)
-// (E2) assign:    a clone or landmark is J x + n: P_kk = J P J^T + N, P_kx = J P
+// (E2) assign:    a clone, a landmark or a late state is J x + n: P_kk = J P J^T + N, P_kx = J P
 //                                                                      (ibid., eq. 5, 10, 11)
 // (E3) inflate:   P <- P + G V G^T, G = [tau I; I] on position and velocity
 // (E4) velocity measured: P <- P - P_v^T S^-1 P_v, S = P_vv + N, dx = P_v^T S^-1 r
@@ -41,10 +41,10 @@ class Covariance {
   void propagate(const Matrix15d& phi, const Matrix15d& noise);
 
   /// (E3): inflates the velocity by `variance` [m^2/s^2] per axis, constant for `duration` [s].
-  void reopen_velocity(double variance, double duration);
+  void inflate_velocity(double variance, double duration);
 
   /// Inflates three elements of the state from `at` on by `variance` per axis.
-  void inflate(int at, double variance) { inflate(at, 3, variance); }
+  void inflate(int at, double variance) { P_.diagonal().segment<3>(at).array() += variance; }
 
   /// Same along one axis only, whose length is the sigma added.
   void inflate_along(int at, const Vector3d& axis);
@@ -70,8 +70,9 @@ class Covariance {
   /// covariance and independent of the rest.
   void replace(std::initializer_list<int> at, const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 
-  /// (E2) for parameters of the column `at` on, which were independent of all.
-  /// @param by_body J, by the body state; @param noise N
+  /// (E2) for parameters from column `at` on, which were independent of all.
+  /// @param by_body J, by the body state
+  /// @param noise N
   void assign_parameters(int at, const Eigen::Ref<const Eigen::MatrixXd>& by_body,
                          const Eigen::Ref<const Eigen::MatrixXd>& noise);
 
@@ -83,10 +84,6 @@ class Covariance {
   double product(const LinearRow& a, const LinearRow& b) const;
 
  private:
-  void inflate(int at, int count, double variance) {
-    for (int i = at; i < at + count; ++i) P_(i, i) += variance;
-  }
-
   /// (E2) for the block at column `at`, which the rows must not touch.
   template <int kRows>
   void assign(int at, const std::array<LinearRow, static_cast<std::size_t>(kRows)>& rows,

@@ -11,12 +11,15 @@
 //      position has drifted since; Jp_i its derivative in the position
 // (E3) an error dx of the body state now has moved the states x_i as a rigid body, dx_i = G_i dx,
 //      and so a by F dx, F = -H^-1 sum_i w_i Ja_i^T Jx_i G_i, H the information of (E1):
-//      P_ax = F P_bx, P_aa = F P_bb F^T + H^-1 + F_p D F_p^T, D the mean drift of (E2), which the
-//      rows have in common
-// (E4) determined: the cost of any other minimum is higher by 18 (4 sigma); what the linearised
-//      rows miss at a +- 3 L^-T e_k, H = L L^T, is below their noise (RMS); four of five rows fit
-//      within 3 sigma
-// Not modelled: the error of other auxiliary states of the same measurements.
+//      P_ax = F P_bx, P_aa = F P_bb F^T + H^-1 (I / sigma_0^2 + sum_i w_i^2 Ja_i^T Ja_i
+//      + sum_k S_k Q_k S_k^T) H^-1, S_k = sum_{i <= k} w_i Ja_i^T Jp_i: the drift between two
+//      measurements, Q_k = P_p,k+1 - P_p,k (the last: to now), is an error of all before it
+// (E4) determined: any other minimum, more than 3 sigma away, has a cost higher by 18 (above 4
+//      sigma); the linearised rows are off by less than their noise (RMS) at a +- 3 L^-T e_k,
+//      H = L L^T; four of five rows fit within 3 sigma
+// Not modelled: the error of other auxiliary states of the same measurements; drift that two states
+// with a delayed start share. Auxiliary states are not part of the observability constraint
+// (ekf/reexpression.hpp, smoother/prior.hpp). Derivation: data/theory.md, 13.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,6 +44,25 @@ struct DelayedStart {
   Matrix noise;    ///< covariance given the body state
 };
 
+/// A measurement that waits, with the estimate of its time.
+struct HeldMeasurement {
+  AidingMeasurement z;
+  AidedState then;
+  Matrix3d position_covariance;  ///< [m^2]
+};
+
+/// An auxiliary state that has a delayed start.
+struct DelayedState {
+  static constexpr std::size_t kMostHeld = 64;
+
+  AuxiliaryState declared;
+  int first = 0;  ///< its first element among the auxiliary states
+  bool waits = true;
+  Time interval{0};  ///< least, between two that are kept: 64 of them span the whole wait
+  Time next_try{0};
+  std::vector<HeldMeasurement> held;
+};
+
 class DelayedStarts {
  public:
   explicit DelayedStarts(const Options& options);
@@ -53,38 +75,22 @@ class DelayedStarts {
   /// The state with that first element does.
   bool waits(int first) const;
 
-  /// Keeps a measurement that depends on a state that waits. False: it can be used.
+  /// Keeps a measurement that depends on a state that waits; drops it if it depends on two. False:
+  /// it can be used.
   /// @param x the estimate at the time of the update
   bool hold(const AidingObservation& z, const StateEstimate& x);
 
   /// A state that the measurements held determine now; it waits no longer. Null if there is none.
-  /// Tries each second of measurements: 1 ms with 64 of them.
+  /// At most one attempt per second of measurements.
   const DelayedStart* determine(const StateEstimate& x);
 
  private:
-  static constexpr std::size_t kMostHeld = 64;
-
-  struct Held {
-    AidingMeasurement z;
-    AidedState then;
-    Matrix3d position_covariance;
-  };
-  struct Waiting {
-    AuxiliaryState state;
-    int first = 0;
-    bool waits = true;
-    Time interval{0};  ///< between those held, so that they reach over all of the time
-    Time next_try{0};
-    std::vector<Held> held;
-  };
-  class Problem;
-
   /// Keeps every second one.
-  static void thin_out(Waiting* waiting);
+  static void thin_out(DelayedState* state);
 
   AuxiliaryStates states_;
   double gravity_;
-  std::vector<Waiting> waiting_;
+  std::vector<DelayedState> delayed_;
   DelayedStart start_;
 };
 

@@ -9,14 +9,13 @@
 #include <cstddef>
 
 #include "rio/core/chi2.hpp"
-#include "rio/state/estimate.hpp"
 
 namespace rio {
 
 class Gate {
  public:
   /// Largest number of rows in a block.
-  static constexpr std::size_t kMaxDof = kMaxClones;
+  static constexpr std::size_t kMaxDof = 6;  // of a measurement of rest or of another sensor
 
   /// @param probability of a correct measurement to pass, in (0, 1]; 1 = no gate
   explicit Gate(double probability) {

@@ -83,7 +83,6 @@ class RowBatch {
  public:
   explicit RowBatch(std::size_t capacity);
 
-  std::size_t capacity() const { return rows_.capacity(); }
   const std::vector<LinearRow>& rows() const { return rows_; }
   const std::vector<RowBlock>& blocks() const { return blocks_; }
   void clear();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: noise inflation of the directions of landmarks, by the correlation of their errors,
+// Stage 4: noise inflation of the directions of landmarks, by the correlation of their errors,
 // measured in flight.
 //
 // The direction of a static point has an error that lasts: antenna pattern, multipath, the side

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stage 5: noise inflation, for errors that repeat from scan to scan while the radar hardly moves,
+// Stage 4: noise inflation, for errors that repeat from scan to scan while the radar hardly moves,
 // and for matches with a neighbour of the landmark. Derivations: data/theory.md, 8.
 //
 // (E1) correlation with the previous measurement, d travelled since: rho = (1 - f) exp(-d / d0), f

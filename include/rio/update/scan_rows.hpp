@@ -116,7 +116,8 @@ class ScanRows {
   /// Keeps the measurement of the last block with its noise inflation.
   template <class M>
   void keep(Measured<M> m, double inflation) {
-    m.weight = 1.0 / weigh(inflation);
+    batch_.scale_variance(inflation);  // after the gate: a single measurement has the original one
+    m.weight = 1.0 / inflation;
     measurements_.add(m);
   }
 
@@ -127,11 +128,8 @@ class ScanRows {
   }
   /// Same for a Doppler, whose quantisation error repeats until it has changed by a cell.
   double doppler_repetition(const Detection& d, const LinearizationPoint& x) const;
-  /// Noise inflation: multiplies the variance of the last block and returns the factor. Applied
-  /// after the gate, because a single measurement has the original variance.
-  double weigh(double factor);
 
-  /// Stage 3: gates and records the last block; if it does not pass, drops it and returns false.
+  /// Stage 4: gates and records the last block; if it does not pass, drops it and returns false.
   /// @param name of the model of another sensor
   bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
               const char* name = nullptr);

@@ -57,8 +57,8 @@ class StateEstimate {
   /// Same, at the time of the scan that completed the evidence: corrects position and velocity.
   void set_mounting_and_motion(std::size_t r, const Mounting& mounting);
 
-  /// Auxiliary states of the element `first` on become `value`, with the error by_body dx + n of
-  /// covariance `noise`; they were independent of all (update/delayed_start.hpp).
+  /// The auxiliary state whose first element is `first`, independent of all so far, becomes `value`
+  /// with the error by_body dx + n, cov(n) = noise (update/delayed_start.hpp).
   void set_auxiliary(int first, const Eigen::Ref<const Eigen::VectorXd>& value,
                      const Eigen::Ref<const Eigen::MatrixXd>& by_body,
                      const Eigen::Ref<const Eigen::MatrixXd>& noise);
