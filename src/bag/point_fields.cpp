@@ -68,6 +68,11 @@ std::string lower(std::string text) {
   return text;
 }
 
+/// Of what a point may do without: not finite is not given.
+double finite_or_zero(double value) {
+  return std::isfinite(value) ? value : 0.0;
+}
+
 }  // namespace
 
 Vector3d to_flu(Axes axes, const Vector3d& v) {
@@ -208,15 +213,14 @@ std::size_t PointMap::convert(const PointCloud& cloud,
     }
     d.point_S = to_flu(axes_, d.point_S);
     d.range_rate = get(kDoppler);
-    d.snr_db = get(kSnr);
-    d.noise_db = get(kNoise);
+    d.snr_db = finite_or_zero(get(kSnr));
+    d.noise_db = finite_or_zero(get(kNoise));
     const std::array<double*, 4> sigmas = {&d.sigma_range, &d.sigma_azimuth, &d.sigma_elevation,
                                            &d.sigma_doppler};
     for (std::size_t k = 0; k < sigmas.size(); ++k) {
-      const double sigma = get(static_cast<Quantity>(kSigmaRange + k));
-      *sigmas[k] = std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0;
+      *sigmas[k] = std::max(0.0, finite_or_zero(get(static_cast<Quantity>(kSigmaRange + k))));
     }
-    if (d.point_S.allFinite() && std::isfinite(d.range_rate + d.snr_db + d.noise_db)) {
+    if (d.point_S.allFinite() && std::isfinite(d.range_rate)) {
       detections->push_back(d);
     } else {
       ++left_out;

@@ -70,6 +70,9 @@ CsvReader::CsvReader(const std::filesystem::path& path, char separator, bool may
       may_be_cut_(may_be_cut) {
   read_on();
   if (text_.empty()) fail_on(path, "is empty");
+  if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF")) {
+    fail_on(path, "is UTF-16: save it as UTF-8");
+  }
   if (text_.starts_with("\xEF\xBB\xBF")) position_ = 3;  // byte order mark of spreadsheet programs
 }
 
@@ -217,8 +220,9 @@ bool CsvReader::is_plain_number(std::size_t i) const {
 
 std::int64_t CsvReader::integer(std::size_t i) const {
   const auto value = number_of<std::int64_t>(cell(i));
-  if (!value) fail_on_cell(i, "not an integer");
-  return *value;
+  if (value) return *value;
+  const bool decimal = number_of<double>(cell(i)).has_value();
+  fail_on_cell(i, decimal ? "not an integer, as a stamp in ns is" : "not an integer");
 }
 
 std::int64_t CsvReader::seconds_to_ns(std::size_t i) const {

@@ -159,8 +159,9 @@ class ScanFolder final : public RecordingStream {
     }
     scan->detections.clear();
     for (std::size_t at = 0; at < bytes.size(); at += layout_.bytes) {
-      const RadarDetection d = layout_.point(bytes.data() + at);
-      if (d.point_S.allFinite() && std::isfinite(d.range_rate + d.snr_db)) {
+      RadarDetection d = layout_.point(bytes.data() + at);
+      if (!std::isfinite(d.snr_db)) d.snr_db = 0.0;  // as if not given
+      if (d.point_S.allFinite() && std::isfinite(d.range_rate)) {
         scan->detections.push_back(d);
       } else {
         ++left_out_;

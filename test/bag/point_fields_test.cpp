@@ -173,5 +173,12 @@ TEST(PointFields, PointsThatAreNotFiniteAreLeftOut) {
   EXPECT_EQ(taken.left_out, 2U);
 }
 
+TEST(PointFields, APointWithoutSnrIsUsed) {
+  const Taken taken = read(fields_of("x y z doppler snr"), {{1, 2, 3, 4, NAN}, {1, 2, 3, 4, 5}});
+  ASSERT_EQ(taken.detections.size(), 2U);
+  EXPECT_EQ(taken.detections[0].snr_db, 0.0);
+  EXPECT_EQ(taken.detections[1].snr_db, 5.0);
+}
+
 }  // namespace
 }  // namespace rio::bag

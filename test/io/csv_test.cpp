@@ -127,7 +127,8 @@ TEST(Csv, RejectsWhatIsNotANumber) {
   CsvReader rows(dir.write("a.csv", "1x,1.5,,+-1,0x1F,99999999999999999999,1 2\n"));
   ASSERT_TRUE(rows.next());
   EXPECT_ERROR(rows.number(0), "a.csv:1: column 1: not a number: \"1x\"");
-  EXPECT_ERROR(rows.integer(1), "column 2: not an integer");
+  EXPECT_ERROR(rows.integer(1), "column 2: not an integer, as a stamp in ns is: \"1.5\"");
+  EXPECT_ERROR(rows.integer(4), "column 5: not an integer: \"0x1F\"");
   EXPECT_TRUE(rows.is_empty(2));
   EXPECT_ERROR(rows.number(2), "column 3: not a number");
   EXPECT_ERROR(rows.number(3), "column 4");
@@ -179,6 +180,7 @@ TEST(Csv, MissingEmptyAndFolder) {
   EXPECT_ERROR(CsvReader(dir.path() / "none.csv"), "none.csv: no such file");
   EXPECT_ERROR(CsvReader(dir.write("empty.csv", "")), "empty.csv: is empty");
   EXPECT_ERROR(CsvReader(dir.path()), "is a folder");
+  EXPECT_ERROR(CsvReader(dir.write("wide.csv", std::string("\xFF\xFE#\0", 4))), "is UTF-16");
 }
 
 }  // namespace
