@@ -33,7 +33,7 @@ std::string Advice::gyro_in(const std::string& unit, double factor) const {
     return fmt::format(
         "multiply the first three columns after the stamp of imu0/data.csv by {:.6g}", factor);
   }
-  const bool no_option = unit == "mdeg/s";  // units.cpp of io
+  const bool no_option = unit.find(' ') != std::string::npos;
   return no_option ? fmt::format("multiply the rates by {:.6g} in the driver of the IMU", factor)
                    : "--gyro-unit " + unit;
 }

@@ -52,6 +52,41 @@ bool is_clear(const Trial& trial, double as_read) {
          trial.better_than(as_read) > kClearly;
 }
 
+/// What rates that are not in rad/s may be in. Counts of 16.4 to a deg/s are within 7 % of mrad/s.
+struct RateUnit {
+  const char* name;
+  double factor;  ///< to rad/s
+};
+constexpr std::array<RateUnit, 8> kRateUnits = {
+    {{"deg/s", kDegree},
+     {"mrad/s", 1e-3},
+     {"mdeg/s", 1e-3 * kDegree},
+     {"rpm", 6.0 * kDegree},
+     {"0.1 deg/s", 0.1 * kDegree},
+     {"counts of about 131 to a deg/s", kDegree / 131.0},
+     {"counts of about 65 to a deg/s", kDegree / 65.5},
+     {"counts of about 33 to a deg/s", kDegree / 32.8}}};
+
+/// Whether the unit that the IMU alone suggests is another one.
+std::optional<Finding> check_unit(const Judge& judge, double as_read) {
+  const double suggested = judge.data.gyro_unit;
+  if (suggested == 1.0) return std::nullopt;
+  const RateUnit* unit = nullptr;
+  Trial best;
+  for (const RateUnit& other : kRateUnits) {
+    const Trial trial = scaled(judge, other.factor / suggested);
+    if (trial.explained <= best.explained) continue;
+    best = trial;
+    unit = &other;
+  }
+  if (unit == nullptr || unit->factor == suggested || !is_clear(best, as_read)) return std::nullopt;
+  return Finding{Verdict::kWrong, "gyro unit",
+                 fmt::format("the radar explains {:.0f} % of the movement the IMU measures, more "
+                             "than in any other unit, if its rates are in {}",
+                             100.0 * best.explained, unit->name),
+                 judge.advice.gyro_in(unit->name, unit->factor)};
+}
+
 /// Whether radar and IMU agree only with smaller rates, which the IMU alone did not show.
 std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
   constexpr double kSlow = 0.3;  // deg/s of a flying or driving vehicle are more [rad/s]
@@ -170,6 +205,7 @@ std::optional<Finding> check_signs(const Judge& judge, double as_read) {
 std::optional<Finding> check_gyro_by_radar(const Judge& judge, double as_read) {
   constexpr double kWell = 0.9;  // explained: nothing can do much better
   if (as_read > kWell) return std::nullopt;
+  if (auto unit = check_unit(judge, as_read)) return unit;
   if (auto signs = check_signs(judge, as_read)) return signs;
   if (auto large = check_too_large(judge, as_read)) return large;
   return check_too_small(judge, as_read);

@@ -26,7 +26,7 @@ struct NamedUnit {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
-constexpr std::array<NamedUnit, 22> kUnits = {{
+constexpr std::array<NamedUnit, 24> kUnits = {{
     {"m", 1.0, {1, 0, 0, 0}},
     {"km", 1e3, {1, 0, 0, 0}},
     {"cm", 1e-2, {1, 0, 0, 0}},
@@ -41,6 +41,8 @@ constexpr std::array<NamedUnit, 22> kUnits = {{
     {"rad", 1.0, {0, 0, 1, 0}},
     {"mrad", 1e-3, {0, 0, 1, 0}},
     {"deg", kDegree, {0, 0, 1, 0}},
+    {"mdeg", 1e-3 * kDegree, {0, 0, 1, 0}},
+    {"rpm", 6.0 * kDegree, {0, -1, 1, 0}},
     {"Hz", 1.0, {0, -1, 0, 0}},
     {"kHz", 1e3, {0, -1, 0, 0}},
     {"g", kStandardGravity, {1, -2, 0, 0}},

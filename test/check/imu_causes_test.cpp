@@ -104,7 +104,9 @@ TEST(ImuCauses, AnotherRangeOfTheGyroIsNamed) {
     expect(said(with_imu([k = factor](ImuSample& s) { s.gyro_B *= k; }), "gyro unit by the radar"),
            Verdict::kWrong, "", text);
   }
-  for (const auto& [factor, unit] : {std::pair(1e3, "in mrad/s"), std::pair(5.73e4, "in mdeg/s")}) {
+  for (const auto& [factor, unit] :
+       {std::pair(1e3, "in mrad/s"), std::pair(5.73e4, "in mdeg/s"), std::pair(9.55, "in rpm"),
+        std::pair(573.0, "in 0.1 deg/s"), std::pair(57.3 * 131.0, "of about 131")}) {
     const io::Dataset dataset = with_imu([k = factor](ImuSample& s) { s.gyro_B *= k; });
     EXPECT_PRED2(contains, said(dataset, "gyro unit").text, unit);
   }

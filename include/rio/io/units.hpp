@@ -7,8 +7,8 @@
 namespace rio::io {
 
 /// The value of `text` in SI units. A plain number is taken as SI; a number with a unit is
-/// converted. Units: m km cm mm um, s ms us ns min h, rad mrad deg, Hz, g mg ug, dB, %, combined by
-/// * / ^ sqrt().
+/// converted. Units: m km cm mm um, s ms us ns min h, rad mrad deg mdeg rpm, Hz, g mg ug, dB, %,
+/// combined by * / ^ sqrt().
 /// @param si_unit unit expected, such as "m/s^2/sqrt(Hz)"; "" = dimensionless
 /// @throws std::invalid_argument if `text` is not a number, its unit is unknown or of another
 /// dimension
