@@ -53,10 +53,18 @@ std::vector<fs::path> files_of(const fs::path& folder, const Keep& keep) {
   return files;
 }
 
+/// Another file in the folder is the better one: unpacked, or mended by rosbag reindex.
+bool is_superseded(const fs::path& file) {
+  if (plain_name(file) != file.filename()) return fs::exists(file.parent_path() / plain_name(file));
+  return file.stem().extension() == ".orig" &&
+         fs::exists(file.parent_path() / file.stem().stem().replace_extension(file.extension()));
+}
+
 std::vector<fs::path> recordings_in(const fs::path& folder) {
   return files_of(folder, [](const fs::path& file) {
     const fs::path extension = plain_name(file).extension();
-    return extension == ".db3" || extension == ".mcap" || extension == ".bag";
+    const bool known = extension == ".db3" || extension == ".mcap" || extension == ".bag";
+    return known && !is_superseded(file);
   });
 }
 
@@ -176,6 +184,10 @@ std::unique_ptr<MessageStream> open_file(const fs::path& path) {
     throw std::runtime_error(path.string() +
                              ": raw packets of a TI radar, without times: record it with rio live "
                              "--radar PORT --imu PORT --record FOLDER");
+  }
+  if (bytes.empty()) throw std::runtime_error(path.string() + ": is empty");
+  if (bytes.starts_with("\x1F\x8B")) {
+    throw std::runtime_error(path.string() + ": compressed by gzip: unpack it first");
   }
   throw std::runtime_error(path.string() +
                            ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "

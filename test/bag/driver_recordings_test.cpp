@@ -30,14 +30,16 @@ TEST_F(DriverRecording, ACovarianceThatDeniesValuesThatAreThereIsNotBelieved) {
 
 /// at_rest() with the IMU of a camera: rates on one topic, forces at a third of the rate on
 /// another, linear in time.
-std::vector<Written> halves() {
+/// @param covariance -1 says that a half is missing (REP 145)
+std::vector<Written> halves(double covariance = 0.0) {
   int i = 0;
-  const auto half = [&i](const Written& m, Time stamp, std::vector<Written>* messages) {
+  const auto half = [&](const Written& m, Time stamp, std::vector<Written>* messages) {
     const ImuSample gyro{stamp, {0.001 * i, 0.2, 0.3}, Vector3d::Zero()};
     const ImuSample accel{stamp, Vector3d::Zero(), {0.01 * i, 0.0, 9.81}};
-    messages->push_back({"/gyro", m.type, m.received, imu_message(Wire::kRos1, gyro)});
+    messages->push_back({"/gyro", m.type, m.received, imu_message(Wire::kRos1, gyro, covariance)});
     if (i++ % 3 > 0) return;
-    messages->push_back({"/accel", m.type, m.received, imu_message(Wire::kRos1, accel)});
+    messages->push_back(
+        {"/accel", m.type, m.received, imu_message(Wire::kRos1, accel, covariance)});
   };
   return replaced(Wire::kRos1, 20, "/imu", half);
 }
@@ -57,6 +59,7 @@ TEST_F(DriverRecording, HalvesOfAnImuAreOne) {
     }
     EXPECT_PRED2(test::contains, notes_of(recording), "gyroscope /gyro, accelerometer /accel");
   }
+  expect_same(read(halves(-1.0)).dataset, read(halves()).dataset);
   std::vector<Written> one = halves();
   std::erase_if(one, [](const Written& m) { return m.topic == "/accel"; });
   EXPECT_ERROR(read(one), "/gyro has no accelerometer, and no other topic has it");

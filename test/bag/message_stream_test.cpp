@@ -166,6 +166,16 @@ TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
   EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
 }
 
+// Packed files beside the unpacked ones, and what rosbag reindex leaves.
+TEST(MessageStream, OfTwoCopiesTheBetterOneIsRead) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
+  const TempDir dir;
+  dir.write("a_0.bag", test::ros1_bag(messages, "none", 100));
+  dir.write("a_0.bag.zst", "packed");
+  dir.write("a_0.orig.bag", "broken");
+  EXPECT_EQ(read_all(dir.path()).messages.size(), messages.size());
+}
+
 TEST(MessageStream, APartThatWasNotClosedIsNamed) {
   const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
   const TempDir dir;
@@ -180,7 +190,8 @@ TEST(MessageStream, OtherFilesAreRefused) {
   const TempDir dir;
   EXPECT_ERROR(open_messages(dir.path() / "none"), "none: no such file");
   EXPECT_ERROR(open_messages(dir.write("a", "hello")), "a: is no recording");
-  EXPECT_ERROR(open_messages(dir.write("b", "")), "b: is no recording");
+  EXPECT_ERROR(open_messages(dir.write("b", "")), "b: is empty");
+  EXPECT_ERROR(open_messages(dir.write("e.gz", "\x1F\x8B\x08")), "e.gz: compressed by gzip");
   EXPECT_ERROR(open_messages(dir.write("c", "#ROSRECORD V1.2\n")), "older than version 2.0");
   EXPECT_ERROR(open_messages(dir.write("d", "\x02\x01\x04\x03\x06\x05\x08\x07 and so on")),
                "d: raw packets of a TI radar, without times: record it with rio live");
