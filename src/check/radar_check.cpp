@@ -105,6 +105,7 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   const auto snr = [&scans](double share) {
     return quantile_of(scans.points(), &Point::snr_db, share);
   };
+  const auto is_flat = [](const Point& p) { return p.point_S.z() == 0.0; };
   const double usual_snr = snr(0.5);
   const double with = static_cast<double>(speeds.size()) / static_cast<double>(counts.size());
   const double rate = static_cast<double>(speeds.size()) / duration(scans);
@@ -130,6 +131,10 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
   } else if (usual_snr < options.radar.min_snr_db) {
     out.verdict = Verdict::kWrong;
     out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", snr(0.01) - 1.0);
+  } else if (!scans.points().empty() && std::ranges::all_of(scans.points(), is_flat)) {
+    out.verdict = Verdict::kWrong;
+    out.text += "; all points have z = 0: a radar without elevation, or a driver that drops it";
+    out.change = "a radar that measures elevation: its Dopplers must show all three axes";
   } else if (rate * kSparseVelocities < 1.0) {
     out.verdict = Verdict::kDoubtful;
     const bool apart = static_cast<double>(counts.size()) < kNeighbours * duration(scans);
@@ -160,9 +165,16 @@ Finding check_distances(const Scans& scans, const Options& options, const Advice
   out.text += fmt::format(", dropped beyond {:.3g} m (radar.max_range)", limit);
   if (usual > kOtherUnit * limit) {
     out.verdict = Verdict::kWrong;
+    const auto unlike_a_room = [usual](double factor) {
+      constexpr double kRoom = 3.0;  // half of the points are within some metres
+      return std::abs(std::log(factor * usual / kRoom));
+    };
+    const bool mm = unlike_a_room(1e-3) < unlike_a_room(1e-2);
     out.text += fmt::format(": not in metres; in mm half of them are within {:.3g} m, in cm {:.3g}",
                             1e-3 * usual, 1e-2 * usual);
-    out.change = advice.scale("x", 1e-3) + ", y and z alike; 0.01 if they are in cm";
+    out.change =
+        fmt::format("{}, y and z alike; {} if they are in {}", advice.scale("x", mm ? 1e-3 : 1e-2),
+                    mm ? "0.01" : "0.001", mm ? "cm" : "mm");
   } else {
     out.verdict = Verdict::kDoubtful;
     out.change = fmt::format("radar: {{max_range: {:.0f}}}", std::ceil(farthest));

@@ -109,7 +109,7 @@ bool CsvReader::next() {
     line = trimmed(line);
     if (line.empty()) continue;
     split(line);
-    if (line.front() == '#' || is_heading()) {
+    if (line.front() == '#' || is_heading() || repeats_heading()) {
       if (expected_columns_ == 0) heading_.assign(cells_.begin(), cells_.end());
       continue;
     }
@@ -121,6 +121,12 @@ bool CsvReader::next() {
     return true;
   }
   return false;
+}
+
+/// The heading again, where files were joined.
+bool CsvReader::repeats_heading() const {
+  return expected_columns_ > 0 && !heading_.empty() && cells_.front() == heading_.front() &&
+         std::equal(cells_.begin(), cells_.end(), heading_.begin(), heading_.end());
 }
 
 /// Names before the first row.

@@ -65,7 +65,7 @@ std::vector<Fault> make_faults() {
        "distances", "not in metres", "--field x=NAME*0.001"},
       {"PointsInCentimetres", "points in cm",
        [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->point_S *= 1e2; }); },
-       "distances", "not in metres", "0.01 if they are in cm"},
+       "distances", "not in metres", "--field x=NAME*0.01, y and z alike"},
       {"GyroInDegrees", "gyro in deg/s",
        [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->gyro_B *= 180.0 / kHalfTurn; }); },
        "gyro unit", "deg/s", "--gyro-unit deg/s", "gyro unit by the points"},

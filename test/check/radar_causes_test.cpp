@@ -287,5 +287,14 @@ TEST(RadarCauses, PointsOfAScanShareItsStamp) {
   EXPECT_EQ(find(check_it(dataset), "points"), nullptr);
 }
 
+TEST(RadarCauses, ARadarWithoutElevationIsNamed) {
+  io::Dataset dataset = flight();
+  for (RadarScan& scan : dataset.scans) {
+    for (RadarDetection& d : scan.detections) d.point_S.z() = 0.0;
+  }
+  expect(said(dataset, "points"), Verdict::kWrong, "all points have z = 0",
+         "a radar that measures elevation");
+}
+
 }  // namespace
 }  // namespace rio::test

@@ -99,6 +99,9 @@ TEST(Csv, AHeadingNeedsNoHash) {
     EXPECT_EQ(rows.integer(0), 1);
     EXPECT_FALSE(rows.next());
   }
+  CsvReader joined(dir.write("a.csv", "t,x\n1,2.5\nt,x\n2,2.5\n"));
+  ASSERT_TRUE(joined.next() && joined.next());
+  EXPECT_EQ(joined.integer(0), 2);
   CsvReader later(dir.write("a.csv", "1,2.5\nt,x\n"));
   ASSERT_TRUE(later.next() && later.next());
   EXPECT_ERROR(later.integer(0), "a.csv:2: column 1: not an integer");

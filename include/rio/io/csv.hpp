@@ -64,6 +64,7 @@ class CsvReader {
   void expect_columns();
   void compare_names() const;
   bool is_heading() const;
+  bool repeats_heading() const;
   bool is_cut();
   /// Of a cell that is no number: the columns of the file are separated by something else.
   std::string other_separator(std::size_t i) const;
