@@ -132,7 +132,7 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
     out.verdict = Verdict::kWrong;
     out.change = fmt::format("radar: {{min_snr_db: {:.0f}}}", snr(0.01) - 1.0);
   } else if (!scans.points().empty() && std::ranges::all_of(scans.points(), is_flat)) {
-    out.verdict = Verdict::kWrong;
+    out.verdict = Verdict::kDoubtful;
     out.text += "; all points have z = 0: a radar without elevation, or a driver that drops it";
     out.change = "a radar that measures elevation: its Dopplers must show all three axes";
   } else if (rate * kSparseVelocities < 1.0) {
