@@ -220,6 +220,17 @@ TEST_P(AidingTest, OptionsOfAStateAreChecked) {
   std::string why;
   EXPECT_EQ(Odometry::create(options_with_offset(-1.0), &why), nullptr);
   EXPECT_PRED2(contains, why, "height_offset");
+  AuxiliaryState state = auxiliary_state<HeightOffset>();
+  state.delayed = true;  // and walks
+  Options walking = options();
+  ASSERT_TRUE(walking.auxiliary.declare(state));
+  EXPECT_EQ(Odometry::create(walking, &why), nullptr);
+  EXPECT_PRED2(contains, why, "delayed, and with a random walk");
+  state.size = 0;
+  Options empty = options();
+  ASSERT_TRUE(empty.auxiliary.declare(state));
+  EXPECT_EQ(Odometry::create(empty, &why), nullptr);
+  EXPECT_PRED2(contains, why, "size out of range");
 }
 
 TEST_P(AidingTest, AllocatesNothing) {

@@ -27,6 +27,8 @@ TEST(Units, Converts) {
   expect("30ms", "s", 0.03);
   expect("5 cm", "m", 0.05);
   expect("10 deg/s", "rad/s", 10.0 * kPi / 180.0);
+  expect("10 mdeg/s", "rad/s", 0.01 * kPi / 180.0);
+  expect("30 rpm", "rad/s", kPi);
   expect("36 km/h", "m/s", 10.0);
   expect("40 %", "", 0.4);
   expect("100 ug/sqrt(Hz)", "m/s^2/sqrt(Hz)", 100e-6 * 9.80665);

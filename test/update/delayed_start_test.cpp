@@ -124,6 +124,10 @@ TEST_F(DelayedStartTest, OutliersDoNotMoveIt) {
   EXPECT_LT(sum / kRuns, 1.6);
 }
 
+TEST_F(DelayedStartTest, RangesOfWhichAThirdDoNotFitDetermineNothing) {
+  EXPECT_EQ(fly(spiral, 200, 0.35), -1);
+}
+
 // On a line it may be anywhere on a circle, in a plane on either side of it.
 TEST_F(DelayedStartTest, MotionThatLeavesTwoPlacesDeterminesNeither) {
   EXPECT_EQ(fly([](double) { return Vector3d(0.0, 0.0, 0.0); }, 200), -1);

@@ -249,6 +249,19 @@ TEST_F(ScanRowsTest, TheDopplerOfALandmarkHasTheNoiseOfTheGyroSample) {
   EXPECT_NEAR(z->sigma_doppler * z->sigma_doppler, expected, 1e-9);
 }
 
+// What it has shown before stays its own, whichever landmark had its number in the last scan.
+TEST_F(ScanRowsTest, AMatchAtRestIsNoLook) {
+  match_landmark(0, 0);
+  StateEstimate b = state_estimate(1);
+  b.estimate().distance_travelled = 10.0;
+  b.estimate().landmarks[0].looks.elevation_walk = 0.25;
+  seen_.rest = RestModel::Measurement{};
+  build(b);
+  EXPECT_TRUE(measured<LandmarkPointModel>().empty());
+  EXPECT_TRUE(rows_->was_used(0));
+  EXPECT_EQ(rows_->looks(0).elevation_walk, 0.25);
+}
+
 TEST_F(ScanRowsTest, ADoubtfulMatchHasTheVelocityOfTheScanNotThePredictedOne) {
   options_.update.match_trust = 0.7;
   match_landmark(0, 0);
