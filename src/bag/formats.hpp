@@ -46,7 +46,6 @@ inline constexpr char kRos1Magic[] = "#ROSBAG V2.0\n";
 inline constexpr char kMcapMagic[] = "\x89MCAP0\r\n";
 inline constexpr char kSqliteMagic[] = "SQLite format 3";
 inline constexpr char kZstdMagic[] = "\x28\xB5\x2F\xFD";
-inline constexpr char kTiMagic[] = "\x02\x01\x04\x03\x06\x05\x08\x07";  ///< of a packet
 
 /// Converts "sensor_msgs/msg/Imu" to "sensor_msgs/Imu".
 std::string ros1_type(std::string type);

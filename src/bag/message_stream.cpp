@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <map>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
 #include "formats.hpp"
+#include "io/foreign_file.hpp"
+#include "rio/bag/messages.hpp"
 #include "rio/bag/wire.hpp"
 
 namespace rio::bag {
@@ -20,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string first_bytes(const fs::path& path) {
-  std::string bytes(16, '\0');
+  std::string bytes(64, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<std::size_t>(stream.gcount()));
@@ -42,9 +45,10 @@ std::int64_t number_of(const fs::path& path) {
 
 /// The files in a folder for which `keep(path)`; parts in the order of their numbers.
 template <class Keep>
-std::vector<fs::path> files_of(const fs::path& folder, const Keep& keep) {
+std::vector<fs::path> files_of(const fs::path& folder, const Keep& keep,
+                               fs::directory_options how = fs::directory_options::none) {
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, how)) {
     if (keep(entry.path())) files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
@@ -60,11 +64,24 @@ bool is_superseded(const fs::path& file) {
          fs::exists(file.parent_path() / file.stem().stem().replace_extension(file.extension()));
 }
 
-std::vector<fs::path> recordings_in(const fs::path& folder) {
-  return files_of(folder, [](const fs::path& file) {
+std::vector<fs::path> bags_in(const fs::path& folder,
+                              fs::directory_options how = fs::directory_options::none) {
+  const auto is_bag = [](const fs::path& file) {
     const fs::path extension = plain_name(file).extension();
     const bool known = extension == ".db3" || extension == ".mcap" || extension == ".bag";
-    return known && !is_superseded(file);
+    const bool hidden = file.filename().string().starts_with('.');  // "._flight.bag" of macOS
+    return known && !hidden && !is_superseded(file) && !fs::is_directory(file);
+  };
+  return files_of(folder, is_bag, how);
+}
+
+/// Its bags; if there are none, the folders in it that have some.
+std::vector<fs::path> recordings_in(const fs::path& folder) {
+  const std::vector<fs::path> bags = bags_in(folder);
+  if (!bags.empty()) return bags;
+  return files_of(folder, [](const fs::path& below) {
+    constexpr auto kReadable = fs::directory_options::skip_permission_denied;
+    return fs::is_directory(below) && !bags_in(below, kReadable).empty();
   });
 }
 
@@ -81,117 +98,239 @@ std::vector<fs::path> not_closed(const fs::path& folder, const fs::path& part) {
   });
 }
 
-/// Whether these are the parts 0, 1, 2... of one recording; ROS 1 puts the time of day before the
-/// number. Throws if one in the middle is missing.
-bool are_parts(const std::vector<fs::path>& files) {
-  for (const fs::path& file : files) {
-    if (without_digits(file) != without_digits(files[0])) return false;
-  }
-  if (number_of(files[0]) != 0) return false;
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    const std::int64_t before = number_of(files[i - 1]);
-    if (number_of(files[i]) <= before) return false;
-    if (number_of(files[i]) == before + 1) continue;
-    throw std::runtime_error(
-        fmt::format("{}: holds several recordings, or part {} of one is missing; name one, as {}",
-                    files[0].parent_path().string(), before + 1, files[0].string()));
-  }
-  return true;
-}
-
 std::unique_ptr<MessageStream> open_file(const fs::path& path);
 
-/// Several files as one; damage in one ends the stream.
-class Split final : public MessageStream {
+/// Whether the second file begins where the first one ends.
+bool goes_on(const fs::path& first, const fs::path& second) {
+  constexpr Time kPause = std::chrono::seconds(5);
+  Message message;
+  Time end{0};
+  const auto before = open_file(first);
+  while (before->next(&message)) end = message.received;
+  const auto after = open_file(second);
+  return after->next(&message) && message.received - end < kPause &&
+         end - message.received < kPause;
+}
+
+/// Whether files of one name but for the numbers are the parts 0, 1, 2... of one recording; ROS 1
+/// puts the time of day before the number. If some are missing, two that follow each other must do
+/// so in time.
+bool are_parts(const std::vector<fs::path>& files) {
+  bool complete = number_of(files[0]) == 0;
+  std::size_t next = 0;  // to the one before
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const std::int64_t step = number_of(files[i]) - number_of(files[i - 1]);
+    if (step <= 0) return false;
+    complete = complete && step == 1;
+    if (step == 1 && next == 0 && number_of(files[i]) > 0) next = i;
+  }
+  return complete || (next > 0 && goes_on(files[next - 1], files[next]));
+}
+
+/// By the numbers of the parts, in front of one of them; empty if none is missing.
+std::string missing_before(const std::vector<fs::path>& files, std::size_t i) {
+  const std::int64_t first = i == 0 ? 0 : number_of(files[i - 1]) + 1;
+  const std::int64_t last = number_of(files[i]) - 1;
+  if (last < first || without_digits(files[i]) != without_digits(files[0])) return {};
+  return last == first ? fmt::format("part {} is missing", first)
+                       : fmt::format("parts {} to {} are missing", first, last);
+}
+
+/// Several files as one.
+class Joined : public MessageStream {
  public:
-  Split(const fs::path& folder, std::vector<fs::path> files)
+  Joined(const fs::path& folder, std::vector<fs::path> files)
       : MessageStream(folder), files_(std::move(files)) {}
 
+ protected:
+  struct Part {
+    std::unique_ptr<MessageStream> stream;
+    std::vector<std::size_t> numbers;  ///< topic of the part -> topic
+    Message message;
+  };
+
+  /// Reads its next message; false at its end.
+  bool advance(Part* part) {
+    if (!part->stream->next(&part->message)) return false;
+    while (part->numbers.size() < part->stream->topics().size()) {
+      part->numbers.push_back(take_topic(part->stream->topics()[part->numbers.size()]));
+    }
+    part->message.topic = part->numbers[part->message.topic];
+    return true;
+  }
+  virtual std::size_t take_topic(const Topic& topic) { return topic_index(topic); }
+
+  void add_damage(const std::string& text) {
+    if (!text.empty()) damage_ += (damage_.empty() ? "" : "; ") + text;
+  }
+
+  std::vector<fs::path> files_;
+};
+
+/// The parts of one recording; damage in one ends the stream.
+class Split final : public Joined {
+ public:
+  using Joined::Joined;
   std::string format() const override {
     return "folder of " + std::to_string(files_.size()) + " files, one recording";
   }
 
  private:
   bool read(Message* message) override {
-    for (;;) {
-      if (part_ == nullptr) {
-        if (next_ == files_.size()) return end();
-        part_ = open_file(files_[next_++]);
-        numbers_.clear();
+    for (; part_.stream != nullptr || open_next(); part_ = {}) {
+      if (advance(&part_)) {
+        *message = part_.message;
+        return true;
       }
-      if (part_->next(message)) break;
-      damage_ = part_->damage();
-      if (!damage_.empty()) return end();
-      part_.reset();
+      add_damage(part_.stream->damage());
+      if (!damage_.empty()) break;
     }
-    while (numbers_.size() < part_->topics().size()) {
-      numbers_.push_back(topic_index(part_->topics()[numbers_.size()]));
+    return end();
+  }
+
+  /// False if none is left, or with damage.
+  bool open_next() {
+    if (next_ == files_.size()) return false;
+    const std::string missing = next_ == 0 ? "" : missing_before(files_, next_);
+    if (!missing.empty()) {
+      add_damage(path().string() + ": " + missing);
+      return false;
     }
-    message->topic = numbers_[message->topic];
-    return true;
+    try {
+      part_.stream = open_file(files_[next_++]);
+    } catch (const std::runtime_error& error) {
+      if (next_ == 1) throw;
+      add_damage(error.what());
+    }
+    return damage_.empty();
   }
 
   /// Says what is not read; false.
   bool end() {
     if (next_ < files_.size()) {
-      damage_ += fmt::format("; the {} parts after it are not read, from {} on",
-                             files_.size() - next_, files_[next_].filename().string());
+      add_damage(fmt::format("the {} parts after it are not read, from {} on",
+                             files_.size() - next_, files_[next_].filename().string()));
+    }
+    const std::string begin = missing_before(files_, 0);
+    if (!begin.empty()) {
+      add_damage(fmt::format("{}: {}, the recording begins with {}", path().string(), begin,
+                             files_[0].filename().string()));
     }
     for (const fs::path& file : not_closed(path(), files_[0])) {
-      damage_ += fmt::format(
-          "{}{} was not closed and is not read: rosbag reindex it, then name it "
-          "as the others",
-          damage_.empty() ? "" : "; ", file.string());
+      add_damage(file.string() +
+                 " was not closed and is not read: rosbag reindex it, then name it as the others");
     }
     return false;
   }
 
-  std::vector<fs::path> files_;
   std::size_t next_ = 0;
-  std::unique_ptr<MessageStream> part_;
-  std::vector<std::size_t> numbers_;  ///< topic of the part -> topic
+  Part part_{};
+};
+
+/// Recordings of other sensors at the same time, by the times of their messages. Throws if they
+/// have an IMU or a radar in common.
+class Parallel final : public Joined {
+ public:
+  Parallel(const fs::path& folder, std::vector<fs::path> files,
+           std::vector<std::unique_ptr<MessageStream>> streams)
+      : Joined(folder, std::move(files)), count_(streams.size()) {
+    for (std::unique_ptr<MessageStream>& stream : streams) {
+      parts_.push_back({std::move(stream), {}, {}});
+      if (!advance(&parts_.back())) drop(parts_.size() - 1);
+    }
+    for (const Part& part : parts_) {
+      constexpr Time kTogether = std::chrono::seconds(60);
+      if (part.message.received - parts_[0].message.received > kTogether ||
+          parts_[0].message.received - part.message.received > kTogether) {
+        fail();
+      }
+    }
+  }
+  std::string format() const override {
+    return "folder of " + std::to_string(count_) + " recordings at the same time";
+  }
+
+ private:
+  bool read(Message* message) override {
+    if (given_ < parts_.size() && !advance(&parts_[given_])) drop(given_);
+    const auto first = std::min_element(
+        parts_.begin(), parts_.end(),
+        [](const Part& a, const Part& b) { return a.message.received < b.message.received; });
+    if (first == parts_.end()) return false;
+    given_ = static_cast<std::size_t>(first - parts_.begin());
+    *message = first->message;
+    return true;
+  }
+
+  void drop(std::size_t part) {
+    add_damage(parts_[part].stream->damage());
+    parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(part));
+  }
+
+  std::size_t take_topic(const Topic& topic) override {
+    const bool is_sensor = is_imu(topic.type) || is_cloud(topic.type);
+    for (const Topic& known : topics_) {
+      if (is_sensor && known.name == topic.name) fail();
+    }
+    return topic_index(topic);
+  }
+
+  [[noreturn]] void fail() const {
+    std::string missing;
+    for (std::size_t i = 1; i < files_.size() && missing.empty(); ++i) {
+      missing = missing_before(files_, i);
+    }
+    throw std::runtime_error(fmt::format("{}: holds several recordings{}{}; name one, as {}",
+                                         path().string(), missing.empty() ? "" : ", or ", missing,
+                                         files_[0].string()));
+  }
+
+  std::size_t count_;
+  std::vector<Part> parts_;
+  std::size_t given_ = std::string::npos;  ///< part of the last message
 };
 
 std::unique_ptr<MessageStream> open_folder(const fs::path& folder) {
-  std::vector<fs::path> files = recordings_in(folder);
-  if (files.size() == 1 && not_closed(folder, files[0]).empty()) return open_file(files.front());
+  const std::vector<fs::path> files = recordings_in(folder);
   if (files.empty()) {
     const bool csv = fs::exists(folder / "imu0") || fs::exists(folder / "mav0");
     throw std::runtime_error(folder.string() + (csv ? ": a folder of CSV files, for rio replay and "
                                                       "rio check: it has no topics"
                                                     : ": a folder without a recording"));
   }
-  const bool one_kind = std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
-    return plain_name(file).extension() == plain_name(files.front()).extension();
-  });
-  if (one_kind && (are_parts(files) || fs::exists(folder / "metadata.yaml"))) {
-    return std::make_unique<Split>(folder, std::move(files));
+  const bool listed = fs::exists(folder / "metadata.yaml");
+  std::map<std::string, std::vector<fs::path>> groups;  // of parts
+  for (const fs::path& file : files) {
+    const std::string extension = plain_name(file).extension().string();
+    groups[listed ? extension : without_digits(file)].push_back(file);
   }
-  throw std::runtime_error(folder.string() + ": holds several recordings; name one, as " +
-                           files.front().string());
+  std::vector<std::unique_ptr<MessageStream>> streams;
+  for (const auto& [name, group] : groups) {
+    const bool several = group.size() > 1 || !not_closed(folder, group[0]).empty();
+    if (several && !fs::is_directory(group[0]) && (listed || are_parts(group))) {
+      streams.push_back(std::make_unique<Split>(folder, group));
+      continue;
+    }
+    for (const fs::path& file : group) streams.push_back(open_file(file));
+  }
+  if (streams.size() == 1) return std::move(streams[0]);
+  return std::make_unique<Parallel>(folder, files, std::move(streams));
 }
 
 std::unique_ptr<MessageStream> open_file(const fs::path& path) {
+  if (fs::is_directory(path)) return open_folder(path);
   const std::string bytes = first_bytes(path);
   if (bytes.starts_with(kRos1Magic)) return open_ros1_bag(path);
   if (bytes.starts_with(kMcapMagic)) return open_mcap(path);
   if (bytes.starts_with(kSqliteMagic)) return open_db3(path);
   if (bytes.starts_with(kZstdMagic)) return open_file(unpacked(path));
-  if (bytes.starts_with("#ROSBAG V") || bytes.starts_with("#ROSRECORD V")) {
-    throw std::runtime_error(path.string() + ": a bag older than version 2.0: rosbag fix it first");
-  }
-  if (bytes.starts_with(kTiMagic)) {
-    throw std::runtime_error(path.string() +
-                             ": raw packets of a TI radar, without times: record it with rio live "
-                             "--radar PORT --imu PORT --record FOLDER");
-  }
   if (bytes.empty()) throw std::runtime_error(path.string() + ": is empty");
-  if (bytes.starts_with("\x1F\x8B")) {
-    throw std::runtime_error(path.string() + ": compressed by gzip: unpack it first");
-  }
+  const std::string_view what = io::foreign_file(bytes);
+  if (!what.empty()) throw std::runtime_error(fmt::format("{}: {}", path.string(), what));
   throw std::runtime_error(path.string() +
                            ": is no recording: it begins neither as a ROS 1 bag 2.0, nor as an "
-                           "MCAP file, nor as an sqlite3 file (.db3)");
+                           "MCAP file, nor as an sqlite3 file (.db3); CSV files are given by the "
+                           "folder of imu0 and radar0");
 }
 
 }  // namespace
@@ -243,7 +382,7 @@ bool begins_as_recording(const fs::path& path) {
 
 std::unique_ptr<MessageStream> open_messages(const fs::path& path) {
   if (!fs::exists(path)) throw std::runtime_error(path.string() + ": no such file");
-  return tidied(fs::is_directory(path) ? open_folder(path) : open_file(path));
+  return tidied(open_file(path));
 }
 
 }  // namespace rio::bag

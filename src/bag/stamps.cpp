@@ -2,6 +2,7 @@
 #include "stamps.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace rio::bag {
 
@@ -34,7 +35,8 @@ void Stamps::add(const Header& head, Time when, bool all) {
     const Time passed = when - stamped_received_;
     const bool odd = step < Time(0) || step > kJump;
     const bool set_back = !pieces_.empty() && is_step_back(step, passed);
-    const bool opens = !pieces_.empty() && (set_back || (odd && is_far(step, passed)));
+    const bool ahead = !pieces_.empty() && is_small_step_ahead(step, passed);
+    const bool opens = set_back || ahead || (!pieces_.empty() && odd && is_far(step, passed));
     if (opens && pieces_.size() == 1 && pieces_[0].delays.size() <= kStray) pieces_.clear();
     if (pieces_.empty()) pieces_.push_back({0, Time(0), head.stamp, kJitter, {}});
     const std::size_t n = pieces_.size();
@@ -43,7 +45,8 @@ void Stamps::add(const Header& head, Time when, bool all) {
     if (opens && back) {
       pieces_.pop_back();
     } else if (opens && !pieces_.back().delays.empty()) {
-      pieces_.push_back({count, step - passed, head.stamp, set_back ? kBack : kJitter, {}});
+      pieces_.push_back(
+          {count, step - passed, head.stamp, set_back || ahead ? kBack : kJitter, {}});
     }
     pieces_.back().delays.push_back(delay);
     if (count > 0) note_pause(step, passed, when);
@@ -69,16 +72,24 @@ void Stamps::note_pause(Time step, Time passed, Time when) {
   if (passed > kPause) receiving_went_on_ = when;
   const Time both = std::min(headers_went_on_, receiving_went_on_);
   if (std::max(step, passed) <= kPause || when - both > kUnderWay) return;
-  pauses_.push_back({when, std::max(step, passed)});
+  const bool at_once = std::min(step, passed) > kPause;  // the rest is a jump of one clock
+  pauses_.push_back({when, at_once ? std::min(step, passed) : std::max(step, passed)});
   headers_went_on_ = receiving_went_on_ = Time(0);
 }
 
+/// Of the newest piece.
+Time Stamps::interval() const {
+  const auto n = static_cast<std::int64_t>(pieces_.back().delays.size());
+  return n < 2 ? Time(0) : (stamped_ - pieces_.back().first) / (n - 1);
+}
+
 bool Stamps::is_step_back(Time step, Time passed) const {
-  const Piece& piece = pieces_.back();
-  const auto n = static_cast<std::int64_t>(piece.delays.size());
-  const Time interval = n < 2 ? Time(0) : (stamped_ - piece.first) / (n - 1);
-  const Time least = interval > kBack ? interval / 2 : Time(0);
+  const Time least = interval() > kBack ? interval() / 2 : Time(0);
   return step < least && passed - step > kBack;
+}
+
+bool Stamps::is_small_step_ahead(Time step, Time passed) const {
+  return 2 * step > 3 * interval() && step - passed > kBack && step - passed <= kJump;
 }
 
 Time Stamps::Piece::median() {
@@ -87,14 +98,16 @@ Time Stamps::Piece::median() {
   return *middle;
 }
 
+Time Stamps::Piece::least() const {
+  return *std::min_element(delays.begin(), delays.end());
+}
+
 Time Stamps::delay() {
   return pieces_.empty() ? Time(0) : pieces_.front().median();
 }
 
 Time Stamps::least_delay() const {
-  if (pieces_.empty()) return Time(0);
-  const std::deque<Time>& delays = pieces_.front().delays;
-  return *std::min_element(delays.begin(), delays.end());
+  return pieces_.empty() ? Time(0) : pieces_.front().least();
 }
 
 bool Stamps::is_on_clock_of(const Stamps& other) const {
@@ -121,8 +134,12 @@ std::vector<Stamps::Pause> Stamps::common_pauses(const std::vector<const Stamps*
 
 Shifts Stamps::shifts() {
   Shifts out;
+  Time least = least_delay();
   for (std::size_t k = 1; k < pieces_.size(); ++k) {
     if (pieces_[k].delays.size() <= kStray) continue;  // the end of the recording
+    const Time before = std::exchange(least, pieces_[k].least());
+    const bool ahead = pieces_[k].by > Time(0) && pieces_[k].jitter == kBack;
+    if (ahead && pieces_[k].median() > before - kBack) continue;  // no longer late, as before
     const Time added = pieces_[k].median() - pieces_.front().median();
     const bool same = is_same(added, out.last(), pieces_[k].jitter);
     out.add({pieces_[k].begin, pieces_[k].by, same ? out.last() : added});

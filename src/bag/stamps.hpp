@@ -91,9 +91,13 @@ class Stamps {
     Time jitter{0};           ///< up to which the delay is the same as before
     std::deque<Time> delays;  ///< receive - header
     Time median();
+    Time least() const;
   };
   /// Of the header clock, rather than a message that came late or was stamped twice.
   bool is_step_back(Time step, Time passed) const;
+  /// Same, or of a message that came late before some that were lost: shifts() tells them apart.
+  bool is_small_step_ahead(Time step, Time passed) const;
+  Time interval() const;
   void note_pause(Time step, Time passed, Time when);
 
   std::vector<Piece> pieces_;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "decimal.hpp"
+#include "foreign_file.hpp"
 
 namespace rio::io {
 
@@ -26,12 +27,18 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// Without the blanks and quotes around it.
+std::string_view unquoted(std::string_view cell) {
+  const auto is_around = [](char c) { return is_blank(c) || c == '"' || c == '\''; };
+  while (!cell.empty() && is_around(cell.front())) cell.remove_prefix(1);
+  while (!cell.empty() && is_around(cell.back())) cell.remove_suffix(1);
+  return cell;
+}
+
 /// In small letters, without its unit; components of a quaternion as "qw".
 std::string name_of_column(std::string_view cell) {
-  while (!cell.empty() && (is_blank(cell.front()) || cell.front() == '#' || cell.front() == '"')) {
-    cell.remove_prefix(1);
-  }
-  std::string name(cell.substr(0, cell.find_first_of(" \t[(\"")));
+  while (!cell.empty() && (is_blank(cell.front()) || cell.front() == '#')) cell.remove_prefix(1);
+  std::string name(cell.substr(0, cell.find_first_of(" \t[(")));
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   constexpr std::string_view kComponents = "wxyz";
   const bool is_quaternion =
@@ -70,6 +77,7 @@ CsvReader::CsvReader(const std::filesystem::path& path, char separator, bool may
       may_be_cut_(may_be_cut) {
   read_on();
   if (text_.empty()) fail_on(path, "is empty");
+  if (const std::string what(foreign_file(text_)); !what.empty()) fail_on(path, what.c_str());
   if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF")) {
     fail_on(path, "is UTF-16: save it as UTF-8");
   }
@@ -85,6 +93,10 @@ void CsvReader::read_on() {
   stream_.read(text_.data() + kept, kPiece);
   if (stream_.bad()) fail_on(name_, "cannot be read");
   text_.resize(kept + static_cast<std::size_t>(stream_.gcount()));
+  for (auto at = text_.find('\r', kept); at != text_.npos; at = text_.find('\r', at + 1)) {
+    const bool last = at + 1 == text_.size();  // of the old ends of lines, CR without LF
+    if ((last ? stream_.peek() : text_[at + 1]) != '\n') text_[at] = '\n';
+  }
 }
 
 bool CsvReader::next_line(std::string_view* line) {
@@ -109,12 +121,17 @@ bool CsvReader::next() {
     line = trimmed(line);
     if (line.empty()) continue;
     split(line);
-    if (line.front() == '#' || is_heading() || repeats_heading()) {
+    if (cells_.front().starts_with('#') || is_heading() || repeats_heading()) {
       if (expected_columns_ == 0) heading_.assign(cells_.begin(), cells_.end());
       continue;
     }
-    if (is_cut()) {
-      cut_ = place() + ": the file ends inside of this line";
+    const bool zeros = line.find('\0') != line.npos;
+    if (zeros && (!may_be_cut_ || expected_columns_ == 0)) {
+      fail("holds bytes of zero: damaged, or UTF-16, which must be saved as UTF-8");
+    }
+    if (zeros || is_cut()) {
+      cut_ = place() + (zeros ? ": the file holds bytes of zero here, as after a power failure"
+                              : ": the file ends inside of this line");
       return false;
     }
     expect_columns();
@@ -131,10 +148,16 @@ bool CsvReader::repeats_heading() const {
 
 /// Names before the first row.
 bool CsvReader::is_heading() const {
-  const std::string_view first = cells_.front();
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  return expected_columns_ == 0 && !first.empty() && (is_letter(first[0]) || first[0] == '"') &&
-         !number_of<double>(first);
+  const auto is_name = [](std::string_view cell) {
+    return !cell.empty() && std::isalpha(static_cast<unsigned char>(cell[0])) != 0 &&
+           !number_of<double>(cell);
+  };
+  if (expected_columns_ > 0) return false;
+  if (cells_.front().empty() && cells_.size() > 1 &&
+      (is_name(cells_[1]) || cells_[1].starts_with('#'))) {
+    fail("the first column counts the rows and has no name: leave it out (pandas: index=False)");
+  }
+  return is_name(cells_.front());
 }
 
 /// The last line of the file, if it is no row like those before.
@@ -186,7 +209,11 @@ void CsvReader::compare_names() const {
 }
 
 std::string CsvReader::other_separator(std::size_t i) const {
-  const auto at = cell(i).find_first_of(separator_ == ',' ? ";\t " : ";,");
+  if (i == 0 && cell(i).find(':') != std::string_view::npos) {
+    return "; a date: a stamp is a number of nanoseconds";
+  }
+  const bool whole = cells_.size() == 1;  // line; else a blank is no separator
+  const auto at = cell(i).find_first_of(separator_ == ' ' ? ";," : whole ? ";\t " : ";\t");
   if (at == std::string_view::npos) return "";
   const char found = cell(i)[at];
   const std::string name = found == '\t' ? "tabs" : found == ' ' ? "blanks" : std::string(1, found);
@@ -198,7 +225,7 @@ void CsvReader::split(std::string_view line) {
   cells_.clear();
   while (true) {
     const std::size_t end = separator_ == ' ' ? line.find_first_of(" \t") : line.find(separator_);
-    cells_.push_back(trimmed(line.substr(0, end)));
+    cells_.push_back(unquoted(line.substr(0, end)));
     if (end == std::string_view::npos) return;
     line.remove_prefix(end + 1);
     if (separator_ == ' ') line = trimmed(line);

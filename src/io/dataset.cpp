@@ -104,12 +104,22 @@ void note_cut(const std::string& cut, Dataset* sensors) {
   sensors->damage += (sensors->damage.empty() ? "" : "\n") + cut;
 }
 
+/// @param back of them are stamped before the one above
+void require_order(const fs::path& path, std::size_t stamps, std::size_t back) {
+  if (back < 10 || 4 * back < stamps) return;
+  throw std::runtime_error(
+      fmt::format("{}: {} of {} stamps are before the one above: sort the rows by their stamps, "
+                  "as with sort -s -t, -k1,1n",
+                  path.string(), back, stamps));
+}
+
 /// Samples that are not finite are kept as recorded, and the first is noted. The span of the stamps
 /// leaves out a corrupt first or last one, hours from its neighbour.
 void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
   ImuRows rows(path, samples != nullptr ? Numbers::kRead : Numbers::kLookAt);
   ImuSample sample;
   int bad = 0;
+  std::size_t back = 0;
   std::string first;
   Time before{0};
   constexpr double kCorrupt = 3600.0;  // [s]
@@ -122,6 +132,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
     if (!apart) outline->imu_end = std::max(outline->imu_end, sample.time);
     const bool odd = std::abs(to_seconds(sample.time) - to_seconds(before)) > kOdd;
     outline->imu_odd = outline->imu_odd || (earlier > 0 && odd);
+    back += earlier > 0 && sample.time < before ? 1 : 0;
     before = sample.time;
     if (samples != nullptr) samples->imu.push_back(sample);
     if (rows.is_finite()) continue;
@@ -129,6 +140,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
   }
   note_cut(rows.cut(), &outline->sensors);
   if (outline->imu_samples == 0) throw std::runtime_error(path.string() + ": holds no samples");
+  require_order(path, outline->imu_samples, back);
   if (bad > 0) {
     outline->sensors.notes.push_back(
         fmt::format("{}: not finite, the first of {} such samples", first, bad));
@@ -142,13 +154,16 @@ std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* sca
   RadarRows rows(path, scans != nullptr ? Numbers::kRead : Numbers::kLookAt);
   std::vector<Time> times;
   RadarScan scan;
+  std::size_t back = 0;
   while (rows.next(&scan)) {
+    back += !times.empty() && scan.time < times.back() ? 1 : 0;
     times.push_back(scan.time);
     grid->add(scan);
     if (scans != nullptr) scans->push_back(std::move(scan));
   }
   note_cut(rows.cut(), sensors);
   if (times.empty()) throw std::runtime_error(path.string() + ": holds no scans");
+  require_order(path, times.size(), back);
   return times;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is wrong with the bytes of a port, and what to do.
+#include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <string_view>
 
 #include "rio/ti/packet_reader.hpp"
 
@@ -25,6 +27,48 @@ const char* compression(const std::uint8_t* head) {
   return nullptr;
 }
 
+/// What other devices send, each recognised by bytes that come again and again; '?' is any byte.
+using namespace std::string_view_literals;
+constexpr struct {
+  std::string_view bytes;
+  const char* what;
+} kOthers[] = {
+    {"RI\1"sv, "samples of an IMU: exchange the ports of --imu and --radar"},
+    {"\xFD?\0\0?\1\1"sv, "MAVLink of an autopilot: exchange the ports of --imu and --radar"},
+    {"\xFE??\1\1"sv, "MAVLink of an autopilot: exchange the ports of --imu and --radar"},
+    {"\xB5\x62"sv, "UBX of a GNSS receiver: give the data port of the radar"},
+    {"$?????,"sv, "lines of a GNSS receiver or IMU (NMEA): give the data port of the radar"},
+    {"\xFA\xFF\x36"sv, "data of an Xsens IMU: give the data port of the radar"},
+    {"\\x??\\x??\\x"sv, "a dump in text (of Python): give the bytes themselves"},
+};
+
+bool begins_with(std::string_view text, std::string_view pattern) {
+  const auto fits = [](char any, char byte) { return any == '?' || any == byte; };
+  return text.size() >= pattern.size() &&
+         std::equal(pattern.begin(), pattern.end(), text.begin(), fits);
+}
+
+/// Null if it is none of those known.
+const char* other_device(std::string_view text) {
+  constexpr std::size_t kRare = 1024;  // bytes between two of them
+  for (const auto& other : kOthers) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(other.bytes[0]); at != text.npos;
+         at = text.find(other.bytes[0], at + 1)) {
+      count += begins_with(text.substr(at), other.bytes) ? 1 : 0;
+    }
+    if (count > 2 + text.size() / kRare) return other.what;
+  }
+  const auto share = [text](std::string_view set) {
+    const auto is_in = [set](char c) { return set.find(c) != std::string_view::npos; };
+    return static_cast<double>(std::count_if(text.begin(), text.end(), is_in)) /
+           static_cast<double>(text.size());
+  };
+  return share("0123456789+-.,;eE \t\r\n") > 0.95 && share(",;") > 0.02
+             ? "numbers in text, as of an IMU: exchange the ports of --imu and --radar"
+             : nullptr;
+}
+
 }  // namespace
 
 const char* to_string(StreamState state) {
@@ -45,6 +89,12 @@ const char* to_string(StreamState state) {
 
 std::string PacketReader::problem() const {
   std::string text = to_string(state_);
+  const std::string_view received(reinterpret_cast<const char*>(buffer_.data()),
+                                  std::min<std::uint64_t>(counters_.bytes, buffer_.size()));
+  if (state_ == StreamState::kText || state_ == StreamState::kSearching) {
+    const char* other = other_device(received);
+    if (other != nullptr) return std::string("no packets, but ") + other;
+  }
   switch (state_) {
     case StreamState::kFrames:
       if (counters_.points > 0 && kManyDamaged * counters_.damaged <= counters_.frames) return {};
@@ -62,9 +112,10 @@ std::string PacketReader::problem() const {
       return text + " without points, but with TLV " + std::to_string(unknown_tlv_) +
              ": set guiMonitor to send the points, or load the out-of-box demo";
     case StreamState::kText:
-      return 20 * dumped_ > 19 * fruitless_
-                 ? "no packets, but a dump in text (hexdump, xxd): give the bytes themselves"
-                 : text;
+      if (20 * dumped_ > 19 * fruitless_) {
+        return "no packets, but a dump in text (hexdump, xxd): give the bytes themselves";
+      }
+      return text + (received.find(":/>") == received.npos ? ", or that of another device" : "");
     case StreamState::kSearching: {
       if (const char* kind = compression(head_.data())) {
         return std::string("no packets, but a compressed file (") + kind + "): unpack it first";
@@ -79,14 +130,19 @@ std::string PacketReader::problem() const {
       return text + ")";
     }
     case StreamState::kDamaged:
-      if (too_long_ == 0) return text + ": " + kOnTheWay;
+      // a damaged length tells of more bytes than come
+      if (too_long_ == 0 || 2 * counters_.bytes < too_long_ * counters_.damaged) {
+        return text + ": " + kOnTheWay;
+      }
       return "packets of " + std::to_string(too_long_) + " bytes, longer than the " +
              std::to_string(max_packet_) + " that are read: switch the heat maps off (guiMonitor)";
     case StreamState::kNewSdk:
     case StreamState::kOtherDemo:
       if (firmware_->header != kDemo.header) text = "magic words, but the header of another demo";
       if (firmware_->tlv == kDemo.tlv) text = "packets, but TLV 1 of another demo";
-      return text + ": " + firmware_->name + "; " + firmware_->advice;
+      return text + ": " + firmware_->name + "; " +
+             (state_ == StreamState::kNewSdk ? "load the out-of-box demo of its SDK"
+                                             : firmware_->advice);
     case StreamState::kCutShort:
       return "each packet ends " +
              (missing_ == 1 ? std::string("one byte") : std::to_string(missing_) + " bytes") +

@@ -119,11 +119,11 @@ class LiveRun {
     fmt::print("{}", arguments_.json ? summary_.json() + "\n" : summary_.text());
     if (lost) throw WrongResult("the estimate is lost: " + summary_.lost_because());
     std::string failed = summary_.without_scans();
-    const auto fail = [&failed](const char* why) {
-      failed += (failed.empty() ? "" : "; ") + std::string(why);
+    const auto fail = [&failed](const std::string& why) {
+      failed += (failed.empty() ? "" : "; ") + why;
     };
     if (session_->imu_samples() == 0) {
-      fail("no sample of the IMU");
+      fail("no sample of the IMU" + imu_problem());
     } else if (!session_->odometry().initialized()) {
       fail("no start: hold it still at first, or give start.max_wait");
     } else if (summary_.replay().updates == 0 && failed.empty()) {
@@ -176,6 +176,7 @@ class LiveRun {
   Port& add_mavlink_port(const char* what, const std::string& name, bool needed) {
     return ports_.add({Port(name, kImuBaud), what, needed,
                        [this](const std::uint8_t* bytes, std::size_t count, Time arrival) {
+                         if (imu_is_mavlink()) look_at_imu(bytes, count, arrival);
                          link_->receive(bytes, count, arrival, [&](const ImuSample& sample) {
                            if (imu_is_mavlink()) session_->imu(sample, arrival);
                          });
@@ -191,7 +192,22 @@ class LiveRun {
     }
   }
 
+  /// Before the first sample: the bytes may be those of a radar.
+  void look_at_imu(const std::uint8_t* bytes, std::size_t count, Time arrival) {
+    if (session_->imu_samples() == 0) not_imu_.push(bytes, count, arrival, [](ti::Frame&) {});
+  }
+
+  std::string imu_problem() const {
+    const ti::PacketCounters& seen = not_imu_.counters();
+    if (seen.frames + seen.other_sdk > 0) {
+      return ", but packets of a TI radar: exchange the ports of --imu and --radar";
+    }
+    if (seen.bytes == 0) return ": no byte came";
+    return fmt::format(" in {} bytes: another port, baud rate or --imu-format", seen.bytes);
+  }
+
   void take_imu(const std::uint8_t* bytes, std::size_t count, Time arrival) {
+    look_at_imu(bytes, count, arrival);
     const auto on_sample = [&](const ImuSample& sample) { session_->imu(sample, arrival); };
     if (arguments_.imu_format == "csv") {
       lines_.push(bytes, count, on_sample);
@@ -218,6 +234,7 @@ class LiveRun {
   std::optional<MavlinkLink> link_;
   live::ImuFrameReader frames_;
   live::ImuLineReader lines_;
+  ti::PacketReader not_imu_;
   std::optional<live::Session> session_;
 };
 

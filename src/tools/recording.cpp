@@ -117,6 +117,7 @@ bool is_bag(const std::string& path, const RecordingArguments& arguments) {
     allowed.sensors = arguments.sensors;
   }
   if (arguments != allowed) {
+    if (!io::is_dataset_folder(path)) (void)bag::open_messages(path);  // says what it is
     throw std::runtime_error(path +
                              ": options of a bag are given, but it is none: topics, clocks and "
                              "sensors are those of its own files");

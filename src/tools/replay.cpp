@@ -270,8 +270,11 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
     if (summary.initialised_by != "static") without_start(&*summary.data);
     summary.checked_seconds = part.seconds;
   }
-  if (!summary.started) throw std::runtime_error(no_start_text(summary.data));
-  return {std::move(summary), std::move(notes), recording.samples->outline().damage};
+  const std::string& damage = recording.samples->outline().damage;
+  if (!summary.started) {
+    throw std::runtime_error(no_start_text(summary.data) + (damage.empty() ? "" : "\n" + damage));
+  }
+  return {std::move(summary), std::move(notes), damage};
 }
 
 void replay(const ReplayArguments& arguments) {

@@ -144,8 +144,11 @@ TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
   EXPECT_EQ(reading.messages.size(), 12U);
   expect_prefix(reading.messages, messages);
   EXPECT_EQ(open_messages(folder)->format(), "folder of 12 files, one recording");
-  std::filesystem::remove(folder / "a_0.mcap");  // then they may be several
-  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
+  std::filesystem::remove(folder / "a_0.mcap");
+  reading = read_all(folder);
+  EXPECT_EQ(reading.messages.size(), 11U);
+  EXPECT_PRED2(test::contains, reading.damage,
+               "folder: part 0 is missing, the recording begins with a_1.mcap");
   dir.write("folder/a_0.mcap", part(0));
   dir.write("folder/b_12.mcap", part(0));
   EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
@@ -159,11 +162,74 @@ TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
   EXPECT_PRED2(test::contains, reading.damage, "a_10.mcap: byte ");
   EXPECT_PRED2(test::contains, reading.damage,
                "; the 1 parts after it are not read, from a_11.mcap on");
+  dir.write("folder/a_5.mcap", "");
+  reading = read_all(folder);
+  EXPECT_EQ(reading.messages.size(), 5U);
+  EXPECT_PRED2(test::contains, reading.damage, "a_5.mcap: is empty; the 6 parts after it are not");
   std::filesystem::remove(folder / "a_5.mcap");
-  EXPECT_ERROR(open_messages(folder), "or part 5 of one is missing; name one");
+  std::filesystem::remove(folder / "a_6.mcap");
+  reading = read_all(folder);
+  EXPECT_EQ(reading.messages.size(), 5U);
+  EXPECT_PRED2(test::contains, reading.damage,
+               "folder: parts 5 to 6 are missing; the 5 parts after");
   dir.write("folder/a_5.mcap", part(5));
-  dir.write("folder/a_11.db3", "");
+  dir.write("folder/a_6.mcap", part(6));
+  dir.write("folder/a_11.bag",
+            test::ros1_bag(test::at_rest(test::Wire::kRos1, 2), "none", 100));  // of another kind
   EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
+}
+
+TEST(MessageStream, FlightsThatAreNumberedAreNoParts) {
+  std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
+  const TempDir dir;
+  for (const char* name : {"flight_1.bag", "flight_2.bag", "flight_4.bag"}) {
+    dir.write(name, test::ros1_bag(messages, "none", 100));
+    for (Written& m : messages) m.received += Time(60'000'000'000);
+  }
+  EXPECT_ERROR(open_messages(dir.path()),
+               "holds several recordings, or part 3 is missing; name one, as");
+}
+
+TEST(MessageStream, AFolderMayHoldTheFolderOfTheRecording) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
+  const TempDir dir;
+  dir.write("flight/bags/a_0.bag", test::ros1_bag({messages[0]}, "none", 100));
+  dir.write("flight/bags/a_1.bag", test::ros1_bag({messages[1]}, "none", 100));
+  dir.write("flight/notes/text", "windy");
+  EXPECT_TRUE(is_recording(dir.path() / "flight"));
+  EXPECT_EQ(read_all(dir.path() / "flight").messages.size(), 2U);
+  EXPECT_FALSE(is_recording(dir.path()));
+}
+
+TEST(MessageStream, SensorsRecordedApartAreReadByTheTimesOfTheirMessages) {
+  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 20);
+  const TempDir dir;
+  std::vector<Written> of[2];
+  for (const Written& m : messages) of[m.topic == "/imu" ? 0 : 1].push_back(m);
+  of[0].insert(of[0].begin(), {"/rosout", "rosgraph_msgs/Log", of[0][0].received, "text"});
+  of[1].push_back({"/rosout", "rosgraph_msgs/Log", of[1].back().received, "text"});
+  dir.write("imu.bag", test::ros1_bag(of[0], "none", 50));
+  dir.write("radar.bag", test::ros1_bag(of[1], "none", 7));
+  const Reading reading = read_all(dir.path());
+  EXPECT_EQ(open_messages(dir.path())->format(), "folder of 2 recordings at the same time");
+  std::vector<Written> sensors = reading.messages;
+  std::erase_if(sensors, [](const Written& m) { return m.topic == "/rosout"; });
+  EXPECT_EQ(sensors.size(), messages.size());
+  EXPECT_EQ(reading.messages.size(), messages.size() + 2);
+  expect_prefix(sensors, messages);
+
+  std::filesystem::remove(dir.path() / "imu.bag");  // in parts
+  const auto middle = of[0].begin() + 60;
+  dir.write("imu_0.bag", test::ros1_bag({of[0].begin(), middle}, "none", 50));
+  dir.write("imu_1.bag", test::ros1_bag({middle, of[0].end()}, "none", 50));
+  EXPECT_EQ(read_all(dir.path()).messages.size(), messages.size() + 2);
+
+  dir.write("copy.bag", test::ros1_bag(messages, "none", 50));
+  EXPECT_ERROR(read_all(dir.path()), "holds several recordings; name one, as");
+  for (Written& m : of[1]) m.received += Time(3'600'000'000'000);  // of another flight
+  std::filesystem::remove(dir.path() / "copy.bag");
+  dir.write("radar.bag", test::ros1_bag(of[1], "none", 7));
+  EXPECT_ERROR(open_messages(dir.path()), "holds several recordings; name one, as");
 }
 
 // Packed files beside the unpacked ones, and what rosbag reindex leaves.
@@ -173,6 +239,7 @@ TEST(MessageStream, OfTwoCopiesTheBetterOneIsRead) {
   dir.write("a_0.bag", test::ros1_bag(messages, "none", 100));
   dir.write("a_0.bag.zst", "packed");
   dir.write("a_0.orig.bag", "broken");
+  dir.write("._a_0.bag", "of macOS");
   EXPECT_EQ(read_all(dir.path()).messages.size(), messages.size());
 }
 
@@ -191,10 +258,26 @@ TEST(MessageStream, OtherFilesAreRefused) {
   EXPECT_ERROR(open_messages(dir.path() / "none"), "none: no such file");
   EXPECT_ERROR(open_messages(dir.write("a", "hello")), "a: is no recording");
   EXPECT_ERROR(open_messages(dir.write("b", "")), "b: is empty");
-  EXPECT_ERROR(open_messages(dir.write("e.gz", "\x1F\x8B\x08")), "e.gz: compressed by gzip");
-  EXPECT_ERROR(open_messages(dir.write("c", "#ROSRECORD V1.2\n")), "older than version 2.0");
-  EXPECT_ERROR(open_messages(dir.write("d", "\x02\x01\x04\x03\x06\x05\x08\x07 and so on")),
-               "d: raw packets of a TI radar, without times: record it with rio live");
+  struct Other {
+    std::string bytes;
+    const char* what;
+  };
+  const Other table[] = {
+      {"\x1F\x8B\x08", "c: compressed by gzip: unpack it first"},
+      {"#ROSRECORD V1.2\n", "c: a bag older than version 2.0"},
+      {"#ROSBAG V1.1\n", "c: a bag older than version 2.0"},
+      {"\x02\x01\x04\x03\x06\x05\x08\x07 and so on",
+       "c: raw packets of a TI radar, without times: record it with rio live"},
+      {"<!DOCTYPE html><html><title>Sign in</title>", "c: a page of HTML, sent in place of"},
+      {" \r\n<HTML>", "c: a page of HTML, sent in place of the file: download it again"},
+      {"<?xml version=\"1.0\"?><Error>", "c: XML, often the error of a server"},
+      {"{\"message\": \"Not Found\"}", "c: JSON, often the error of a server"},
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n",
+       "c: a pointer of git LFS, not the file itself: git lfs pull"},
+      {std::string(5000, '\0'), "c: zeros where it begins"}};
+  for (const Other& other : table) {
+    EXPECT_ERROR(open_messages(dir.write("c", other.bytes)), other.what);
+  }
   EXPECT_ERROR(open_messages(dir.path()), "a folder without a recording");
   dir.write("imu0/data.csv", "");
   EXPECT_ERROR(open_messages(dir.path()), "a folder of CSV files, for rio replay and rio check");

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "support/temp_dir.hpp"
 
@@ -25,14 +26,20 @@ TEST(Csv, ReadsRowsAndSkipsCommentsAndBlankLines) {
   EXPECT_FALSE(rows.next());
 }
 
-TEST(Csv, ToleratesCrlfByteOrderMarkAndMissingLastNewline) {
+TEST(Csv, ToleratesOtherEndsOfLinesQuotesAndAByteOrderMark) {
   const TempDir dir;
-  CsvReader rows(dir.write("a.csv", "\xEF\xBB\xBF#t,x\r\n1,2\r\n3,4"));
-  ASSERT_TRUE(rows.next());
-  EXPECT_EQ(rows.number(1), 2.0);
-  ASSERT_TRUE(rows.next());
-  EXPECT_EQ(rows.number(1), 4.0);
-  EXPECT_FALSE(rows.next());
+  for (const char* text :
+       {"\xEF\xBB\xBF#t,x\r\n1,2\r\n3,4", "#t,x\r1,2\r3,4\r", "#t,x\r\r\n1,2\r\r\n3,4\r\r\n",
+        "\"#t\",\"x\"\n\"1\",\"2\"\n\"3\", \"4\" \n", "\"t,x\"\n\"1,2\"\n\"3,4\"\n",
+        "'t','x'\n'1','2'\n'3','4'\n"}) {
+    CsvReader rows(dir.write("a.csv", text));
+    ASSERT_TRUE(rows.next()) << text;
+    EXPECT_EQ(rows.integer(0), 1) << text;
+    EXPECT_EQ(rows.number(1), 2.0) << text;
+    ASSERT_TRUE(rows.next()) << text;
+    EXPECT_EQ(rows.number(1), 4.0) << text;
+    EXPECT_FALSE(rows.next()) << text;
+  }
 }
 
 /// The file is read in pieces: rows of all lengths lie across their borders.
@@ -43,7 +50,8 @@ TEST(Csv, ReadsRowsOfAnyLengthFromALongFile) {
     return std::string(static_cast<std::size_t>(row) * 7 % 90, ' ');
   };
   for (int row = 0; row < 9000; ++row) {
-    text += std::to_string(row) + "," + padding(row) + std::to_string(0.5 * row) + "\r\n";
+    text += std::to_string(row) + "," + padding(row) + std::to_string(0.5 * row);
+    text += row < 4500 ? "\r\n" : "\r";
   }
   text += "#" + std::string(200'000, 'x') + "\n9000," + std::string(200'000, ' ') + "4500";
   CsvReader rows(dir.write("a.csv", text));
@@ -89,6 +97,44 @@ TEST(Csv, ALastLineThatIsCutEndsATableThatMayBeCut) {
   CsvReader inside(dir.write("a.csv", "1,2,3\n4,5\n7,8,9\n"), ',', true);
   EXPECT_TRUE(inside.next());
   EXPECT_ERROR(inside.next(), "a.csv:2: has 2 columns, the rows before have 3");
+}
+
+TEST(Csv, ZerosOfAPowerFailureEndATableThatMayBeCut) {
+  const TempDir dir;
+  const auto file = dir.write("a.csv", "1,2,3\n4," + std::string(5000, '\0') + "\n7,8,9\n");
+  CsvReader rows(file, ',', true);
+  EXPECT_TRUE(rows.next());
+  EXPECT_FALSE(rows.next());
+  EXPECT_PRED2(test::contains, rows.cut(), "a.csv:2: the file holds bytes of zero here");
+  CsvReader whole(file);
+  EXPECT_TRUE(whole.next());
+  EXPECT_ERROR(whole.next(), "a.csv:2: holds bytes of zero: damaged");
+  CsvReader wide(dir.write("a.csv", std::string("#\0t\0\n\0001\0,\0002\0\n\0", 15)), ',', true);
+  EXPECT_ERROR(wide.next(), "a.csv:2: holds bytes of zero: damaged, or UTF-16");
+}
+
+TEST(Csv, AnotherFileIsNamed) {
+  const TempDir dir;
+  struct Other {
+    std::string text;
+    const char* what;
+  };
+  const Other table[] = {{"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n",
+                          "a.csv: a pointer of git LFS"},
+                         {"\n<!DOCTYPE html><html>", "a.csv: a page of HTML"},
+                         {"PK\3\4 and so on", "a.csv: a zip archive"},
+                         {std::string(100, '\0'), "a.csv: zeros where it begins"}};
+  for (const Other& other : table) {
+    EXPECT_ERROR(CsvReader(dir.write("a.csv", other.text)), other.what);
+  }
+}
+
+TEST(Csv, AColumnThatCountsTheRowsIsNamed) {
+  const TempDir dir;
+  for (const char* heading : {",t,x", "\"\",\"t\",\"x\"", ",#t [ns],x"}) {
+    CsvReader rows(dir.write("a.csv", std::string(heading) + "\n0,1,2.5\n"));
+    EXPECT_ERROR(rows.next(), "a.csv:1: the first column counts the rows");
+  }
 }
 
 TEST(Csv, AHeadingNeedsNoHash) {
@@ -152,6 +198,12 @@ TEST(Csv, DecimalCommasAndOtherSeparatorsAreNamed) {
   ASSERT_TRUE(semicolons.next());
   EXPECT_ERROR(semicolons.integer(0),
                "column 1: not an integer: \"1;2.5\"; columns are separated by commas, not by ;");
+  CsvReader dates(dir.write("d.csv", "2023-11-14 22:13:22.5,1\n"));
+  ASSERT_TRUE(dates.next());
+  EXPECT_ERROR(dates.integer(0), "22.5\"; a date: a stamp is a number of nanoseconds");
+  CsvReader names(dir.write("e.csv", "1,2\nt [ns],x\n"));
+  ASSERT_TRUE(names.next() && names.next());
+  EXPECT_EQ(test::error_of([&] { (void)names.integer(0); }).find("separated"), std::string::npos);
 }
 
 TEST(Csv, SecondsAreExactToTheNanosecond) {

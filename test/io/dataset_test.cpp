@@ -111,6 +111,20 @@ TEST_F(DatasetTest, KeepsTheOrderAndOddValuesOfTheFile) {
   EXPECT_TRUE(std::isinf(d.imu[1].accel_B.z()));
 }
 
+TEST_F(DatasetTest, RowsInNoOrderOfTimeAreRefused) {
+  std::string imu, radar, few;
+  for (int i = 0; i < 40; ++i) {
+    const std::string stamp = std::to_string(100 + 37 * i % 40);  // falls 36 times
+    imu += stamp + ",1,2,3,4,5,6\n";
+    radar += stamp + ",1,2,3,-0.5,10,1\n";
+    few += std::to_string(100 + (i % 8 == 7 ? i - 2 : i)) + ",1,2,3,4,5,6\n";  // five are late
+  }
+  EXPECT_ERROR(read_with("imu0/data.csv", imu),
+               "data.csv: 36 of 40 stamps are before the one above");
+  EXPECT_EQ(read_with("imu0/data.csv", few).imu.size(), 40U);
+  EXPECT_ERROR(read_with("radar0/data.csv", radar), "radar0/data.csv: 36 of 40 stamps");
+}
+
 TEST_F(DatasetTest, ACutLastLineEndsItsSensorAndIsNamed) {
   dir.write("imu0/data.csv", "100,1,2,3,4,5,6\n200,1,2,3,4,5,6\n300,1,2,3");
   const Dataset d = read_with("radar0/data.csv", "100,1,2,3,4,5,6\n100,2,2,3,4,5,6\n100,3,2,");

@@ -118,6 +118,18 @@ TEST(TiProblem, PacketsTooLongForTheBufferAreNamed) {
   EXPECT_EQ(reading.reader.state(), StreamState::kSearching);
 }
 
+/// As by a text encoding, which doubles some bytes.
+TEST(TiProblem, ADamagedLengthIsNoHeatMap) {
+  Reading reading;
+  for (std::uint32_t number = 1; number <= 45; ++number) {
+    Bytes bytes = packet_of(number, some_points(number, 20)).bytes();
+    bytes.insert(bytes.begin() + 12, 0x3C);  // the length has another byte before it
+    reading.push(bytes);
+  }
+  EXPECT_EQ(reading.reader.state(), StreamState::kDamaged);
+  EXPECT_PRED2(contains, reading.reader.problem(), "bytes are lost or changed on the way");
+}
+
 std::string times(int count, const std::string& text) {
   std::string all;
   for (int i = 0; i < count; ++i) all += text;
@@ -166,6 +178,34 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
       {times(40, "00000010: 0201 0403 0605 0807 0000 0603 a000 0000  ................\n"),
        StreamState::kText,
        {"give the bytes themselves"}},
+      {times(30, std::string("RI\1") + std::string(35, '\x90')),
+       StreamState::kSearching,
+       {"samples of an IMU: exchange the ports of --imu and --radar"}},
+      {times(30, std::string("\xFD\x3E\0\0\x07\1\1\x69\0\0", 10) + std::string(64, '\x90')),
+       StreamState::kSearching,
+       {"MAVLink of an autopilot: exchange"}},
+      {times(30, "\xFE\x3E\x07\1\1\x69" + std::string(64, '\x90')),
+       StreamState::kSearching,
+       {"MAVLink of an autopilot: exchange"}},
+      {times(30, "\xB5\x62\x01\x07" + std::string(96, '\x90')),
+       StreamState::kSearching,
+       {"UBX of a GNSS receiver"}},
+      {times(30, "$GNGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47\r\n"),
+       StreamState::kText,
+       {"lines of a GNSS receiver or IMU (NMEA)"}},
+      {times(30, "1700000002500000000,-0.0135,0.0051,1e-4,-0.002,-0.011,9.994\n"),
+       StreamState::kText,
+       {"numbers in text, as of an IMU: exchange the ports"}},
+      {times(30, "\\x02\\x01\\x04\\x03\\x06\\x05\\x08\\x07"),
+       StreamState::kText,
+       {"a dump in text (of Python): give the bytes themselves"}},
+      {times(60, "profileCfg 0 77 10 7 50 0 0 23.4 1 128 3200 0 0 30\r\nDone\r\nmmwDemo:/>"),
+       StreamState::kText,
+       {"this is the CLI port"}},
+      {times(30, "Starting kernel ...\r\n"), StreamState::kText, {"or that of another device"}},
+      {times(30, "$VNIMU,-01.05,+00.60,+00.36,-00.39,-00.02,-09.95,-00.00,+00.02,+00.01*65\r\n"),
+       StreamState::kText,
+       {"lines of a GNSS receiver or IMU"}},
       {silent, StreamState::kFrames, {"or guiMonitor does not send them"}},
       {silent + unknown, StreamState::kFrames, {"TLV 3001"}},
       {text_of(packet_of(1, infinite)), StreamState::kFrames, {"6 points, none of them finite"}},
@@ -173,7 +213,9 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
   WrittenPacket contradicting = packet_of(1, some_points(1, 3));
   contradicting.version = 0x05040000;
   contradicting.objects = 2;
-  rows.push_back({text_of(contradicting), StreamState::kNewSdk, {"SDK"}});
+  rows.push_back({text_of(contradicting),
+                  StreamState::kNewSdk,
+                  {"packets of SDK 4 or later", "load the out-of-box demo of its SDK"}});
   for (const std::string& bytes : olds) {
     rows.push_back(
         {bytes, StreamState::kOldSdk, {"packets of SDK 1 or 2", "load a demo of SDK 3.x"}});
