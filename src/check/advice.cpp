@@ -7,6 +7,19 @@
 
 namespace rio::check {
 
+namespace {
+
+/// From axes of this name to forward, left, up.
+Matrix3d to_flu(const std::string& name) {
+  Matrix3d M = Matrix3d::Identity();
+  if (name == "ti") M << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+  if (name == "rdf") M << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  if (name == "frd") M << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  return M;
+}
+
+}  // namespace
+
 std::string Advice::csv() const {
   return fmt::format("radar{}/data.csv", radar);
 }
@@ -47,17 +60,20 @@ std::string Advice::option(const std::string& of_first, const std::string& of_ot
 }
 
 std::optional<std::string> Advice::axes(const Matrix3d& turn) const {
-  const auto to_flu = [](const std::string& name) {
-    Matrix3d M = Matrix3d::Identity();
-    if (name == "ti") M << 0, 1, 0, -1, 0, 0, 0, 0, 1;
-    if (name == "rdf") M << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-    if (name == "frd") M << 1, 0, 0, 0, -1, 0, 0, 0, -1;
-    return M;
-  };
   if (!bag() || info == nullptr || info->axes.empty()) return std::nullopt;
   for (const char* name : {"flu", "ti", "rdf", "frd"}) {
     const bool fits = (turn * to_flu(info->axes) - to_flu(name)).norm() < 1e-6;
     if (fits) return std::string("--axes ") + name;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Advice::imu_axes(const Matrix3d& turn, const Vector3d& up) const {
+  constexpr double kUpright = 0.7;  // cosine
+  for (const char* name : {"rdf", "frd"}) {
+    const Matrix3d M = to_flu(name);
+    const bool upright = (M * up).z() > kUpright * up.norm();
+    if (upright && (turn * M).isIdentity(1e-6)) return name;
   }
   return std::nullopt;
 }

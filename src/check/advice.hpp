@@ -33,6 +33,10 @@ struct Advice {
   std::string option(const std::string& of_first, const std::string& of_others) const;
   /// "--axes flu", if points that must be turned by this are in other known axes.
   std::optional<std::string> axes(const Matrix3d& turn) const;
+  /// "frd", if an IMU in these axes makes the radar appear turned by this about axes of the body,
+  /// and its gravity shows them.
+  /// @param up specific force at rest, as recorded
+  std::optional<std::string> imu_axes(const Matrix3d& turn, const Vector3d& up) const;
 };
 
 }  // namespace rio::check

@@ -43,6 +43,42 @@ std::optional<Finding> check_lever_arm(const Vector3d& p) {
                  "the translation of T_BS is in metres: is this one in mm or cm?"};
 }
 
+/// How to get stamps in ns, if those of the IMU are in this unit [ns].
+std::string other_stamps(double unit, const Scans& scans, Source source) {
+  const bool all = stamp_unit(scans) != 1.0;
+  std::string change;
+  if (source == Source::kBag) {
+    change = all ? "--imu-clock receive --radar-clock receive, or " : "--imu-clock receive, or ";
+  }
+  return change + fmt::format("multiply the stamps of {} by {:.0f}: they must be in ns",
+                              all ? "all sensors" : "the IMU", unit);
+}
+
+/// The motion is that of the points which do not agree with most.
+/// @param others what they explain
+Finding most_points_move(const Finding& others) {
+  return {
+      Verdict::kDoubtful, "axes and Doppler sign",
+      "the velocity that most points of a scan agree on is not that of the IMU, the velocity of "
+      "the others is: " +
+          others.text,
+      "most points move: record the detections, not tracks, with clutter removal off and fewer "
+      "moving objects"};
+}
+
+/// Half of a velocity is so uncertain that its scale alone may not show the error.
+Scans with_twice_the_doppler(const Scans& scans) {
+  return changed(scans, [](std::size_t, RadarScan* scan) {
+    for (RadarDetection& d : scan->detections) d.range_rate *= 2.0;
+  });
+}
+/// @param twice what it explains with twice of it
+Finding doppler_is_half(const Finding& twice, const Advice& advice) {
+  return {Verdict::kWrong, "Doppler scale",
+          "the Doppler is half the range rate; taken twice, " + twice.text,
+          advice.scale("doppler", 2.0)};
+}
+
 /// Says the steps of a clock: those back in place of what was found of the stamps without them.
 /// @param items scans or samples as recorded
 /// @param sensor "radar" or "imu"
@@ -88,6 +124,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   if (!same_unit) return out;
   Options read = options;
   double& limit = read.radar.max_doppler;
+  constexpr double kHalf = 0.6;  // and some noise
   if (limit > 0.0) limit = std::max(limit, fastest(scans));
   const std::vector<RadarSpeed> speeds = radar_speeds(scans, read);
   if (const auto lever = check_lever_arm(options.radar.T_BS.translation)) out.push_back(*lever);
@@ -109,8 +146,26 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
       gyro_unit = kDegree;
     }
   }
-  append(check_motion({imu.good, speeds, gyro_unit, imu.check.accel_unit, ranges.sign}, options,
-                      advice));
+  const auto judged = [&](const std::vector<RadarSpeed>& some) {
+    return check_motion(
+        {imu.good, some, gyro_unit, imu.check.accel_unit, ranges.sign, imu.check.rest.accel},
+        options, advice);
+  };
+  Findings motion = judged(speeds);
+  if (motion.size() == 1) {  // explains nothing
+    const Findings others = judged(radar_speeds(without_points_of(speeds, scans, limit), read));
+    if (others.size() > 1 && worst(others) == Verdict::kOk) motion = {most_points_move(others[0])};
+  }
+  const bool may_be_half = !(limit > 0.0) || fastest(scans) < kHalf * limit;
+  if (may_be_half && worst(motion) == Verdict::kOk) {
+    const Findings twice = judged(radar_speeds(with_twice_the_doppler(scans), read));
+    if (twice.size() > 1 && worst(twice) == Verdict::kOk)
+      motion = {doppler_is_half(twice[0], advice)};
+  }
+  if (motion[0].subject == "Doppler") {  // it may be beyond its limit for the same reason
+    std::erase_if(out, [](const Finding& f) { return f.subject == "Doppler"; });
+  }
+  append(motion);
   return out;
 }
 
@@ -126,7 +181,10 @@ Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Sca
   const ImuCheck check =
       check_imu(samples, good, sensors.imu_info, source, folder / "imu0" / "data.csv");
   Findings out = check.findings;
-  if (samples.empty() || !check.stamped) return out;
+  if (check.stamp_unit != 1.0) {
+    out.back().change = other_stamps(check.stamp_unit, radars[0], source);
+  }
+  if (samples.empty() || check.stamp_unit != 1.0) return out;
   std::vector<ImuSample> other_way;  // the other checks are then as with the right columns
   if (check.exchanged) other_way = exchanged(good);
   const CheckedImu imu{samples, check.exchanged ? other_way : good, check};

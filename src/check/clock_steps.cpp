@@ -171,7 +171,7 @@ ClockSteps find_clock_steps(const std::vector<ImuSample>& samples, const std::ve
   if (none || MountingSearch::is_unknown(options.calibration)) return steps;
   const Usable recorded(samples);
   const ImuCheck check = check_imu(samples, recorded.samples(), info, Source::kFolder, {});
-  if (!check.stamped || !check.integrable || check.exchanged) return steps;
+  if (check.stamp_unit != 1.0 || !check.integrable || check.exchanged) return steps;
   steps.imu = imu_steps(samples, check, radars[0], options);
   const std::vector<ImuSample> moved = without_steps(samples, steps.imu);
   const Usable good(moved);
@@ -190,15 +190,9 @@ Time without_steps(Time stamp, const std::vector<ClockStep>& steps, std::size_t 
 }
 
 Scans without_steps(const Scans& scans, const std::vector<ClockStep>& steps) {
-  Scans out;
-  out.reserve(scans.size(), scans.points().size());
-  RadarScan scan;
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    scans.get(i, &scan);
-    scan.time = without_steps(scan.time, steps, i);
-    out.push_back(scan);
-  }
-  return out;
+  return changed(scans, [&steps](std::size_t i, RadarScan* scan) {
+    scan->time = without_steps(scan->time, steps, i);
+  });
 }
 
 std::vector<ImuSample> without_steps(std::vector<ImuSample> samples,

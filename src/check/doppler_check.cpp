@@ -63,6 +63,7 @@ double fastest(const Scans& scans) {
 
 Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& options,
                       const Advice& advice) {
+  constexpr double kFastest = 100.0;  // no vehicle [m/s]
   const std::span<const Point> points = scans.points();
   const auto count_if = [points](const auto& is_counted) {
     return static_cast<double>(std::count_if(points.begin(), points.end(), is_counted));
@@ -84,6 +85,11 @@ Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& 
     out.text += ", never negative, while the SNR is: the two are exchanged";
     out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
                               : "exchange the columns doppler and snr of " + advice.csv();
+  } else if (most > kFastest) {
+    const bool in_mm = 1e-2 * most > (limit > 0.0 ? 2.0 * limit : 30.0);
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format(": not in m/s, but in {}", in_mm ? "mm/s" : "cm/s");
+    out.change = advice.scale("doppler", in_mm ? 1e-3 : 1e-2);
   } else if (still > 0.999 && moves(imu)) {
     out.verdict = Verdict::kWrong;
     out.change = advice.bag() ? "--field doppler=NAME; `rio info` lists the fields"

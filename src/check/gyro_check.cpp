@@ -10,6 +10,7 @@
 #include "check/axes.hpp"
 #include "check/numbers.hpp"
 #include "check/units.hpp"
+#include "rio/core/so3.hpp"
 
 namespace rio::check {
 
@@ -17,7 +18,7 @@ namespace {
 
 /// The best axes with the rates multiplied by this.
 struct Trial {
-  Vector3d factor = Vector3d::Zero();
+  Matrix3d factor = Matrix3d::Zero();
   Axes axes;
   double explained = 0.0;
   std::size_t windows = 0;
@@ -26,7 +27,7 @@ struct Trial {
   double better_than(double other) const { return significance(other, explained, windows); }
 };
 
-Trial with_rates(const Judge& judge, const Vector3d& factor) {
+Trial with_rates(const Judge& judge, const Matrix3d& factor) {
   const RadarOptions& radar = judge.options.radar;
   const ImuPath path(judge.data.samples, judge.data.gyro_unit * factor, judge.data.accel_unit);
   const Agreement all = agreements(judge.data.speeds, path, judge.length, radar.T_BS.translation,
@@ -41,11 +42,11 @@ Trial with_rates(const Judge& judge, const Vector3d& factor) {
 }
 
 Trial scaled(const Judge& judge, double factor) {
-  return with_rates(judge, Vector3d::Constant(factor));
+  return with_rates(judge, factor * Matrix3d::Identity());
 }
 
 constexpr double kGain = 0.1;     // explained, by another range of the gyro
-constexpr double kClearly = 5.0;  // sigmas, same
+constexpr double kClearly = 4.0;  // sigmas, same
 
 bool is_clear(const Trial& trial, double as_read) {
   return trial.as_configured() && trial.explained > as_read + kGain &&
@@ -107,7 +108,7 @@ std::optional<Finding> check_too_large(const Judge& judge, double as_read) {
               fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, ",
                           100.0 * as_read),
               judge.advice.gyro_in("deg/s", kDegree)};
-  const double factor = best.factor.x();
+  const double factor = best.factor(0, 0);
   if (factor == kDegree) {
     out.text += fmt::format("with the rates taken as deg/s {:.0f} %", 100.0 * best.explained);
     return out;
@@ -128,7 +129,7 @@ std::optional<Finding> check_too_small(const Judge& judge, double as_read) {
   const Trial& best = four.explained > twice.explained ? four : twice;
   const double beyond = &best == &twice ? four.explained : scaled(judge, 8.0).explained;
   if (!is_clear(best, as_read) || beyond > best.explained - kGain) return std::nullopt;
-  const double factor = best.factor.x();
+  const double factor = best.factor(0, 0);
   return Finding{
       Verdict::kWrong, "gyro unit by the radar",
       fmt::format("the radar explains {:.0f} % of the movement the IMU measures, with {:.0f} times "
@@ -137,14 +138,32 @@ std::optional<Finding> check_too_small(const Judge& judge, double as_read) {
       fmt::format("multiply the rates of the gyro by {:.0f}: look at its range", factor)};
 }
 
-/// The axes that have the other sign: "x and z".
-std::string negated(const Vector3d& signs) {
-  std::string text;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (signs[axis] > 0.0) continue;
-    text += fmt::format("{}{}", text.empty() ? "" : " and ", "xyz"[axis]);
+/// All axes exchanged or of the other sign, but these two: as they are, and all of the other sign.
+std::vector<Matrix3d> other_axes() {
+  std::vector<Matrix3d> list;
+  for (const Matrix3d& P : right_angles()) {
+    for (const double sign : {1.0, -1.0}) {
+      if (!P.isIdentity()) list.push_back(sign * P);
+    }
   }
-  return text;
+  // those with other signs alone first
+  std::stable_partition(list.begin(), list.end(), [](const Matrix3d& M) { return M.isDiagonal(); });
+  return list;
+}
+
+/// "negate x and z of the gyro", "take the rates of the gyro in the order (y, -z, x)".
+std::string rates_text(const Matrix3d& M) {
+  std::string negated;
+  std::string rates;
+  for (int row = 0; row < 3; ++row) {
+    int axis = 0;
+    M.row(row).cwiseAbs().maxCoeff(&axis);
+    const bool minus = M(row, axis) < 0.0;
+    if (minus) negated += fmt::format("{}{}", negated.empty() ? "" : " and ", "xyz"[row]);
+    rates += fmt::format("{}{}{}", rates.empty() ? "" : ", ", minus ? "-" : "", "xyz"[axis]);
+  }
+  if (!M.isDiagonal()) return "take the rates of the gyro in the order (" + rates + ")";
+  return fmt::format("negate {} of the gyro", M.trace() < -2.0 ? "all axes" : negated);
 }
 
 Finding mirrored_imu(const Judge& judge, const Trial& best, double as_read) {
@@ -160,17 +179,17 @@ Finding mirrored_imu(const Judge& judge, const Trial& best, double as_read) {
           fmt::format("{}, in {}", how, where)};
 }
 
-/// Whether radar and IMU agree only with other signs of the rates: of the gyro alone, of the
-/// accelerometer alone, or with mirrored axes of the IMU, in which rates have the wrong sign and
-/// the radar also appears mirrored.
-std::optional<Finding> check_signs(const Judge& judge, double as_read) {
+/// Whether radar and IMU agree only with other axes or signs of the rates: of the gyro alone, of
+/// the accelerometer alone, or with mirrored axes of the IMU, in which rates have the wrong sign
+/// and the radar also appears mirrored.
+std::optional<Finding> check_axes_of_rates(const Judge& judge, double as_read) {
   constexpr double kMuchLess = 0.75;  // of the best
   constexpr double kAlike = 0.005;    // explained
-  const Trial all = with_rates(judge, -Vector3d::Ones());
+  const Trial all = with_rates(judge, -Matrix3d::Identity());
   Trial best = all;
-  for (unsigned bits = 1; bits < 7; ++bits) {
-    const auto sign = [bits](unsigned axis) { return (bits >> axis & 1U) != 0 ? -1.0 : 1.0; };
-    const Trial trial = with_rates(judge, {sign(0), sign(1), sign(2)});
+  for (const Matrix3d& M : other_axes()) {
+    if (as_read > kExplained && !M.isDiagonal()) break;  // by exchanged axes it would be less
+    const Trial trial = with_rates(judge, M);
     const double lead = trial.explained - best.explained;
     if (lead > (best.as_configured() ? kAlike : 0.0) || (trial.as_configured() && lead > -kAlike)) {
       best = trial;
@@ -180,24 +199,24 @@ std::optional<Finding> check_signs(const Judge& judge, double as_read) {
   const bool is_mirrored = all.axes.doppler_flipped && all.explained > kExplained &&
                            all.better_than(as_read) > kSignificant &&
                            best.better_than(all.explained) < kSignificant;
-  const bool whole = best.factor == all.factor;
-  const std::string axes = whole ? "all axes" : negated(best.factor);
+  const std::string rates = rates_text(best.factor);
   if (is_mirrored) {
     Finding mirrored = mirrored_imu(judge, all, as_read);
-    if (best.as_configured()) mirrored.text += fmt::format(", or {} of the gyro alone", axes);
+    if (best.as_configured()) {
+      mirrored.text += ", or of the gyro alone";
+      mirrored.change += "; if only of the gyro, " + rates;
+    }
     return mirrored;
   }
   if (as_read > kMuchLess * best.explained) return std::nullopt;
-  Finding out{Verdict::kWrong, "axes of the IMU",
-              fmt::format("the radar explains at most {:.0f} % of the movement the IMU measures, "
-                          "with {} of the gyro negated {:.0f} %",
-                          100.0 * as_read, axes, 100.0 * best.explained)};
-  out.change =
-      best.as_configured()
-          ? fmt::format("negate {} of the gyro: it has the wrong sign", axes)
-          : "gyro and accelerometer need the same axes: turn both, or none, where they are "
-            "recorded";
-  return out;
+  return Finding{
+      Verdict::kWrong, "axes of the IMU",
+      fmt::format(
+          "the radar explains at most {:.0f} % of the movement the IMU measures; {}, and it "
+          "explains {:.0f} %",
+          100.0 * as_read, rates, 100.0 * best.explained),
+      (best.as_configured() ? rates + " where it is recorded: it" : std::string("the gyro")) +
+          " needs the axes of the accelerometer"};
 }
 
 }  // namespace
@@ -206,7 +225,7 @@ std::optional<Finding> check_gyro_by_radar(const Judge& judge, double as_read) {
   constexpr double kWell = 0.9;  // explained: nothing can do much better
   if (as_read > kWell) return std::nullopt;
   if (auto unit = check_unit(judge, as_read)) return unit;
-  if (auto signs = check_signs(judge, as_read)) return signs;
+  if (auto axes = check_axes_of_rates(judge, as_read)) return axes;
   if (auto large = check_too_large(judge, as_read)) return large;
   return check_too_small(judge, as_read);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The gyro by the radar: both agree only with rates in another unit, of another range, or of
-// another sign.
+// The gyro by the radar: both agree only with rates in another unit, of another range, of
+// another sign, or in other axes than the accelerometer.
 #pragma once
 
 #include <optional>

@@ -160,7 +160,11 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
                           "stillest second; they carry the direction of the specific force over "
                           "half a second to {:.1f} deg",
                           usual, most, rest.gyro.norm(), as_given / kDegree)};
-  const bool nonsense = as_given > kAnywhere && scaled < 0.5 * as_given;
+  // at rest no gyro measures rates like these, nor is a vehicle so fast half of the time
+  const bool never_rests = rest.spread < 0.01 && usual > 1.5 &&
+                           std::hypot(rest.gyro.norm(), rest.turning) > 0.2 &&
+                           scaled < 0.25 * as_given;
+  const bool nonsense = never_rests || (as_given > kAnywhere && scaled < 0.5 * as_given);
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
     out.verdict = Verdict::kWrong;
@@ -241,12 +245,15 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
     out.findings.push_back({Verdict::kWrong, "imu stamps",
                             fmt::format("{} of {} samples are finite and in the order of time",
                                         good.size(), samples.size()),
-                            "record at least some seconds"});
+                            samples.size() < 100 ? "record at least some seconds"
+                            : source == Source::kBag
+                                ? "--imu-clock receive, if the stamps do not rise"
+                                : "correct the stamps: each must be later than the one before"});
     return out;
   }
   const Rest& rest = out.rest = stillest(good);
-  out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamped));
-  if (!out.stamped) return out;
+  out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamp_unit));
+  if (out.stamp_unit != 1.0) return out;
   out.findings.push_back(check_accel(rest, source, &out));
   if (out.exchanged) return out;
   if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));

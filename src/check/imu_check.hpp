@@ -43,7 +43,7 @@ struct Rest {
 
 struct ImuCheck {
   Findings findings;
-  bool stamped = true;      ///< in [ns]
+  double stamp_unit = 1.0;  ///< of the stamps [ns]; else nothing more is known
   bool integrable = true;   ///< with these units; else what is wrong must be changed first
   bool exchanged = false;   ///< the columns of gyro and accelerometer
   double gyro_unit = 1.0;   ///< factor of the gyro to get [rad/s]

@@ -80,7 +80,7 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
 
 Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
                      const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
-                     bool* in_ns) {
+                     double* unit) {
   int repeated = 0;
   for (std::size_t i = 1; i < all.size(); ++i) {
     repeated += all[i].time == all[i - 1].time ? 1 : 0;
@@ -124,12 +124,10 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
       source == Source::kBag ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
   const Jump jump = jumps_back(all);
   if (period < kFastest) {
-    *in_ns = false;
     const bool micro = 1e3 * period > kFastest;
+    *unit = micro ? 1e3 : 1e6;
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(": the stamps are in {}", micro ? "us" : "ms");
-    out.change = fmt::format("multiply the stamps of all sensors by {}: they must be in ns",
-                             micro ? "1000" : "1000000");
   } else if (period > kSlowest) {
     out.verdict = Verdict::kWrong;
     out.change = "record the IMU at 100 Hz or more";

@@ -14,9 +14,9 @@ namespace rio::check {
 /// @param all as recorded, in their order
 /// @param good usable_if_not_all() of them (imu_check.hpp), else all; at least two
 /// @param csv their file, to name lines of it; may be empty
-/// @param in_ns false if the stamps have another unit, else unchanged
+/// @param unit of the stamps [ns]; unchanged if it is that, else the change is up to the caller
 Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
                      const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
-                     bool* in_ns);
+                     double* unit);
 
 }  // namespace rio::check

@@ -136,13 +136,28 @@ std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options) {
   return out;
 }
 
+Scans without_points_of(const std::vector<RadarSpeed>& speeds, const Scans& scans,
+                        double max_doppler) {
+  constexpr double kAgree = 0.3;  // [m/s]
+  std::size_t k = 0;
+  return changed(scans, [&](std::size_t, RadarScan* scan) {
+    if (k == speeds.size() || speeds[k].time != scan->time) return;
+    std::erase_if(scan->detections, [&](const RadarDetection& d) {
+      const double off = d.range_rate + d.point_S.normalized().dot(speeds[k].v_S);
+      const double folded = max_doppler > 0.0 ? std::remainder(off, 2.0 * max_doppler) : off;
+      return std::abs(folded) < kAgree;
+    });
+    ++k;
+  });
+}
+
 void ImuPath::advance(std::size_t i, Point* now) const {
   constexpr double kPause = 0.1;  // [s]
   const ImuSample& last = samples_[i - 1];
   const ImuSample& sample = samples_[i];
   const double dt = to_seconds(sample.time - last.time);
   const Vector3d before = now->turn * last.accel_B;
-  now->rate = 0.5 * gyro_unit_.cwiseProduct(last.gyro_B + sample.gyro_B);
+  now->rate = 0.5 * (gyro_unit_ * (last.gyro_B + sample.gyro_B));
   now->turn = (now->turn * quaternion_exp(dt * now->rate)).normalized();
   now->sum += 0.5 * dt * accel_unit_ * (before + now->turn * sample.accel_B);
   if (dt > kPause) ++now->piece;

@@ -44,6 +44,11 @@ struct RadarSpeed {
 /// of view are not applied, since the axes may be wrong.
 std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options);
 
+/// The scans without the points that agree with the velocity of theirs.
+/// @param max_doppler 0: it does not fold [m/s]
+Scans without_points_of(const std::vector<RadarSpeed>& speeds, const Scans& scans,
+                        double max_doppler);
+
 /// The integrated IMU; see C and s above. Only sparse points and the latest parts are stored:
 /// access must be in the order of time.
 class ImuPath {
@@ -55,11 +60,11 @@ class ImuPath {
     int piece = 0;                             ///< changes at pauses of the IMU
   };
   /// @param samples stamps strictly increasing; they outlive the path
-  /// @param gyro_unit factor of each axis
-  ImuPath(const std::vector<ImuSample>& samples, const Vector3d& gyro_unit, double accel_unit)
+  /// @param gyro_unit by which the rates are multiplied
+  ImuPath(const std::vector<ImuSample>& samples, const Matrix3d& gyro_unit, double accel_unit)
       : samples_(samples), gyro_unit_(gyro_unit), accel_unit_(accel_unit) {}
   ImuPath(const std::vector<ImuSample>& samples, double gyro_unit, double accel_unit)
-      : ImuPath(samples, Vector3d(Vector3d::Constant(gyro_unit)), accel_unit) {}
+      : ImuPath(samples, Matrix3d(gyro_unit * Matrix3d::Identity()), accel_unit) {}
   /// Empty outside of the samples.
   std::optional<Point> at(Time time) const;
   /// Point::piece alone.
@@ -77,7 +82,7 @@ class ImuPath {
   void advance(std::size_t i, Point* now) const;
 
   const std::vector<ImuSample>& samples_;
-  Vector3d gyro_unit_;
+  Matrix3d gyro_unit_;
   double accel_unit_;
   mutable std::vector<Point> marks_;  ///< at every kPart-th sample, as far as accessed
   struct Part {

@@ -122,41 +122,62 @@ Axes choose(const Judge& judge, const std::vector<Axes>& list, std::vector<Axes>
   return alike->front();
 }
 
+/// The Doppler lacks the motion of the vehicle, as `text` says, unless the IMU measures nonsense.
+Finding compensated(const Judge& judge, const std::string& text) {
+  constexpr double kWild = 1.0;  // more, in any direction, is no vehicle [m/s^2]
+  if (judge.all.movement_of_imu() > kWild * judge.length) {
+    return {Verdict::kDoubtful, "axes and Doppler sign",
+            text + ", or the IMU too much of it: its rates and its forces do not fit together",
+            "look at the unit and the axes of the gyro"};
+  }
+  return {Verdict::kWrong, "Doppler", text,
+          "record the measured Doppler: the driver subtracts the motion of the vehicle from it "
+          "(compensated), or fills in zeros"};
+}
+
+/// Root mean square [m/s].
+double usual_speed(const std::vector<RadarSpeed>& speeds) {
+  double sum = 0.0;
+  for (const RadarSpeed& speed : speeds) sum += speed.v_S.squaredNorm();
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, speeds.size())));
+}
+
 /// The best explains little: is there no movement to explain, or another error?
 void say_nothing_explains(const Judge& judge, double best, Finding* out) {
-  constexpr double kMuch = 0.1;     // [m/s]
-  constexpr double kClear = 2.0;    // times the noise
-  constexpr double kNothing = 1.5;  // times the noise
-  constexpr double kChance = 0.1;   // explained
+  constexpr double kMuch = 0.1;    // [m/s]
+  constexpr double kClear = 2.0;   // times the noise
+  constexpr double kStill = 3.0;   // same, of a velocity that is hardly any
+  constexpr double kLess = 0.8;    // of what the IMU measures
+  constexpr double kChance = 0.1;  // explained
   const double movement = judge.all.movement();
   const double of_imu = judge.all.movement_of_imu();
   const double of_speeds = noise(judge.data.speeds);
+  const double speed = usual_speed(judge.data.speeds);
   out->text += fmt::format(
       ", at best {:.0f} % with any other; the velocity of the radar changes by {:.2f} m/s (rms, "
       "noise {:.2f})",
       100.0 * best, movement, of_speeds);
-  // longer windows show the bias of the gyro, which turns gravity
-  const bool unseen =
-      best < kChance && movement < kNothing * of_speeds && judge.length == kLengths[0];
-  if (unseen && of_imu > kFlown && of_imu > kClear * of_speeds) {
-    out->verdict = Verdict::kWrong;
-    out->text += fmt::format(
-        ", that of the IMU by {:.2f}: the Doppler does not show the motion of the radar", of_imu);
-    out->change =
-        "record the measured Doppler: the driver subtracts the motion of the vehicle from it, or "
-        "fills in zeros";
+  // the bias of the gyro turns gravity: nothing is told by windows that show it
+  const bool flown =
+      speed > 0.0 && judge.length <= kLengths[1] && of_imu > kFlown * judge.length / kLengths[0];
+  if (flown && speed < kStill * of_speeds && speed < kLess * of_imu) {
+    *out = compensated(
+        judge, out->text + fmt::format(" and is {:.2f} m/s (rms), while that of the IMU changes by "
+                                       "{:.2f}: the Doppler does not show the motion of the radar",
+                                       speed, of_imu));
     return;
   }
   // of a standing vehicle the radar sees what moves around it
-  if (movement < kMuch || movement < kClear * of_speeds || of_imu < kMuch) {
+  const bool clear = flown && of_imu > kClear * of_speeds && best < kChance;
+  if (!clear && (movement < kMuch || movement < kClear * of_speeds || of_imu < kMuch)) {
     out->text += ": the motion does not tell";
     return;
   }
   out->verdict = Verdict::kDoubtful;
   out->text += ": no mounting explains it";
   out->change =
-      "look at the axes of the IMU (swapped columns, a left-handed axis), the clocks, and the "
-      "fields of the points";
+      "look at the axes of the IMU (swapped columns, a left-handed axis), the clocks, the fields "
+      "of the points, and whether most of them move";
 }
 
 /// @param found,alike of choose()
@@ -207,6 +228,14 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     out.change = judge.advice.negate_doppler() + ", or look at the axes of the points";
     return out;
   }
+  const auto imu_axes =
+      judge.advice.imu_axes(found.R * judge.configured.transpose(), judge.data.up);
+  if (imu_axes && judge.advice.bag()) {
+    out.text += fmt::format(", and {:.0f} % if the IMU is in {}, as its gravity also shows",
+                            100.0 * best, *imu_axes);
+    out.change = "--imu-axes " + *imu_axes + " (without it, if it is given)";
+    return out;
+  }
   out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found));
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
     out.text += ", or as well if " + describe(judge.configured, alike[i]);
@@ -226,17 +255,23 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   constexpr double kNotable = 1.25;
   if (low < kNotable && high > 1.0 / kNotable) return out;
   out.verdict = Verdict::kWrong;
-  const double middle = std::sqrt(low * high);
-  const auto off = [middle](const DopplerUnit& u) { return std::abs(std::log(u.scale / middle)); };
+  const double likely = low * std::cbrt(high / low);  // most of the noise is the radar's
+  const auto off = [likely](const DopplerUnit& u) { return std::abs(std::log(u.scale / likely)); };
   const auto* const unit = std::min_element(
       kDopplerUnits.begin(), kDopplerUnits.end(),
       [&off](const DopplerUnit& a, const DopplerUnit& b) { return off(a) < off(b); });
-  double factor = 1.0 / middle;
-  if (off(*unit) < std::max(0.05, std::log(high / middle))) {
+  double factor = 1.0 / likely;
+  constexpr double kNear = 1.1;  // folds at a limit in another unit
+  if (unit->scale > low / kNear && unit->scale < high * kNear) {
     factor = 1.0 / unit->scale;
     out.text += fmt::format(": the Doppler is {}", unit->name);
   }
   out.change = judge.advice.scale("doppler", factor);
+  constexpr double kLittle = 0.4;  // less than any unit
+  if (likely > kLittle) return out;
+  const std::string change = out.change;
+  out = compensated(judge, out.text + ": the Doppler shows little of the motion of the radar");
+  if (out.verdict == Verdict::kWrong) out.change += "; if it is only in another unit, " + change;
   return out;
 }
 
@@ -246,8 +281,9 @@ Findings check_in_windows(const Judge& judge, const std::vector<Agreement>& shif
   if (const auto gyro = check_gyro_by_radar(judge, judge.all.explained(found.R))) return {*gyro};
   const Finding axes = check_axes(judge, found, alike);
   if (judge.all.explained(found.R) < kExplained) return {axes};
-  return {axes, check_scale(judge, found.R),
-          check_delay(shifts, found.R, judge.options, judge.advice)};
+  const Finding scale = check_scale(judge, found.R);
+  if (scale.subject != "Doppler scale") return {scale};  // the axes of what is left tell nothing
+  return {axes, scale, check_delay(shifts, found.R, judge.options, judge.advice)};
 }
 
 }  // namespace

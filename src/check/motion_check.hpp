@@ -10,7 +10,8 @@
 // motion in a plane does not distinguish the other sign from a radar turned by 180 deg.
 //
 // An unknown mounting is not judged: the rotation that the motion shows takes its place. Rates of
-// another sign or range (gyro_check.hpp) come first.
+// another sign, order or range (gyro_check.hpp) come first. A radar that hardly moves, or by far
+// less than the IMU, has a Doppler from which the motion of the vehicle was subtracted.
 //
 // Windows of two seconds hardly notice the biases of the IMU. If no candidate explains the movement
 // in them, as with a few points a scan on a slow vehicle, longer ones are tried: noise and

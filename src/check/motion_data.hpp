@@ -22,6 +22,7 @@ struct MotionData {
   double gyro_unit = 1.0;                            ///< of check_imu() or check_rates()
   double accel_unit = 1.0;                           ///< of check_imu()
   DopplerSign doppler_sign = DopplerSign::kUnknown;  ///< of check_ranges()
+  Vector3d up = Vector3d::Zero();                    ///< Rest::accel
 };
 
 }  // namespace rio::check

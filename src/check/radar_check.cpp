@@ -10,6 +10,7 @@
 #include "check/doppler_check.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
+#include "rio/checks/stamp_guard.hpp"
 
 namespace rio::check {
 
@@ -182,15 +183,21 @@ Finding check_distances(const Scans& scans, const Options& options, const Advice
   return out;
 }
 
-/// Whether one stamp is this factor of the other.
-bool is_ratio(Time a, Time b, double factor) {
-  constexpr double kNear = 0.01;  // five days of a clock that counts from 1970 are less
-  const auto x = static_cast<double>(a.count());
-  const auto y = static_cast<double>(b.count());
-  return std::abs(x - factor * y) < kNear * std::abs(x);
-}
-
 }  // namespace
+
+double stamp_unit(const Scans& scans) {
+  constexpr double kFastest = 1e-3;  // [s]
+  std::vector<double> periods;
+  std::vector<double> counts;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    if (!is_stamp(scans[i].time) || !is_stamp(scans[i - 1].time)) continue;
+    periods.push_back(to_seconds(scans[i].time - scans[i - 1].time));
+    counts.push_back(static_cast<double>(scans[i].detections.size()));
+  }
+  const double period = median(periods);
+  if (!(period > 0.0 && period < kFastest) || median(counts) < 2.0) return 1.0;
+  return 1e3 * period > kFastest ? 1e3 : 1e6;
+}
 
 Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
                      const Advice& advice, bool* same_unit) {
@@ -198,13 +205,14 @@ Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
   const auto [radar_begin, radar_end] = span_of(scans);
   const double imu = to_seconds(imu_end - imu_begin);
   const double radar = to_seconds(radar_end - radar_begin);
-  for (const auto& [factor, unit] : {std::pair(1e3, "us"), std::pair(1e6, "ms")}) {
-    if (!is_ratio(imu_begin, radar_begin, factor) || imu < 0.5 * factor * radar) continue;
+  if (const double unit = stamp_unit(scans); unit != 1.0) {
     *same_unit = false;
-    return {Verdict::kWrong, "clocks",
-            fmt::format("the stamps of the radar are those of the IMU divided by {:.0f}: in {}",
-                        factor, unit),
-            fmt::format("multiply the stamps of the radar by {:.0f}: they must be in ns", factor)};
+    return {
+        Verdict::kWrong, "clocks",
+        fmt::format("the stamps of the radar are in {}: {} scans in {:.4f} s",
+                    unit > 1e3 ? "ms" : "us", scans.size(), radar),
+        (advice.bag() ? "--radar-clock receive, or " : "") +
+            fmt::format("multiply the stamps of the radar by {:.0f}: they must be in ns", unit)};
   }
   const double both =
       std::max(0.0, to_seconds(std::min(imu_end, radar_end) - std::max(imu_begin, radar_begin)));

@@ -13,8 +13,11 @@
 
 namespace rio::check {
 
+/// Of the stamps [ns]: 1, or that in which whole scans would come faster than any radar measures.
+double stamp_unit(const Scans& scans);
+
 /// Whether the stamps of both sensors overlap.
-/// @param same_unit set to false if those of the radar are in another unit than those of the IMU
+/// @param same_unit set to false if those of the radar are in another unit
 Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, const Advice& advice,
                      bool* same_unit);
 

@@ -107,4 +107,18 @@ class Scans {
   std::vector<Rest> rest_;
 };
 
+/// With change(index, &scan) for each scan.
+template <class Change>
+Scans changed(const Scans& scans, const Change& change) {
+  Scans out;
+  out.reserve(scans.size(), scans.points().size());
+  RadarScan scan;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    scans.get(i, &scan);
+    change(i, &scan);
+    out.push_back(scan);
+  }
+  return out;
+}
+
 }  // namespace rio::check

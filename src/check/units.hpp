@@ -13,10 +13,11 @@ struct DopplerUnit {
   const char* name;
   double scale;
 };
-inline constexpr std::array<DopplerUnit, 5> kDopplerUnits = {{{"in km/h", 3.6},
-                                                              {"in mph", 2.2369},
-                                                              {"in knots", 1.9438},
-                                                              {"in cm/s", 100.0},
-                                                              {"half the range rate", 0.5}}};
+inline constexpr std::array<DopplerUnit, 5> kDopplerUnits = {
+    {{"in km/h", 3.6},
+     {"in mph", 2.2369},
+     {"twice the range rate (or in knots: 0.5144 in place of 0.5)", 2.0},
+     {"in cm/s", 100.0},
+     {"half the range rate", 0.5}}};
 
 }  // namespace rio::check

@@ -84,7 +84,7 @@ std::vector<Fault> make_faults() {
            for (Vector3d* v : {&s->gyro_B, &s->accel_B}) *v = {v->x(), -v->y(), -v->z()};
          });
        },
-       "axes and Doppler sign", "turned by 180 deg about the x axis of the body", "quaternion"},
+       "axes and Doppler sign", "the IMU is in frd", "--imu-axes frd"},
       {"ImuColumnsSwapped", "x and y of the IMU swapped",
        [](io::Dataset* d) {
          each_sample(d, [](ImuSample* s) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -93,6 +94,29 @@ TEST(ImuCauses, SignsOfTheGyroAreNoDelay) {
   }
 }
 
+TEST(ImuCauses, AGyroInOtherAxesThanTheAccelerometerIsNoMounting) {
+  const std::pair<std::array<int, 3>, const char*> cases[] = {
+      {{1, 0, 2}, "take the rates of the gyro in the order (y, x, z)"},
+      {{0, 2, 1}, "take the rates of the gyro in the order (x, z, y)"},
+      {{2, 0, 1}, "take the rates of the gyro in the order (y, z, x)"}};
+  for (const auto& [order, text] : cases) {
+    const io::Dataset dataset = with_imu([k = order](ImuSample& s) {
+      s.gyro_B = Vector3d(s.gyro_B[k[0]], s.gyro_B[k[1]], s.gyro_B[k[2]]);
+    });
+    expect_change(dataset, "axes of the IMU", text);
+  }
+}
+
+TEST(ImuCauses, AnImuInOtherKnownAxesNeedsNoMounting) {
+  const auto in_rdf = [](const Vector3d& v) { return Vector3d(-v.y(), -v.z(), v.x()); };
+  const io::Dataset dataset = with_imu([&](ImuSample& s) {
+    s = {s.time, in_rdf(s.gyro_B), in_rdf(s.accel_B)};
+  });
+  expect(said(dataset, "axes and Doppler sign"), Verdict::kWrong, "the IMU is in rdf",
+         "--imu-axes rdf");
+  expect_change(dataset, "axes and Doppler sign", "T_BS", Source::kFolder);  // which has no option
+}
+
 TEST(ImuCauses, AnInvertedAccelerometerIsNoSignOfTheDoppler) {
   expect(said(with_imu([](ImuSample& s) { s.accel_B *= -1.0; }), "axes and Doppler sign"),
          Verdict::kWrong, "", "the accelerometer has the wrong sign");
@@ -133,6 +157,23 @@ TEST(ImuCauses, AnAccelerometerOffAtRestIsNoMissingRest) {
   const io::Dataset dataset = with_imu([](ImuSample& s) { s.accel_B *= 1.06; });
   expect_change(dataset, "accelerometer unit", "scale or bias is off");
   EXPECT_PRED2(contains, said(dataset, "start").text, "too far off gravity");
+}
+
+TEST(ImuCauses, StampsOfOneSensorInAnotherUnitAreThoseOfThatSensor) {
+  io::Dataset dataset = flight();
+  const Time epoch = from_seconds(1.7e9);
+  for (RadarScan& s : dataset.scans) s.time += epoch;
+  io::Dataset of_imu = dataset;
+  for (ImuSample& s : of_imu.imu) s.time = epoch + s.time / 1000;
+  EXPECT_EQ(said(of_imu, "imu stamps").change,
+            "--imu-clock receive, or multiply the stamps of the IMU by 1000: they must be in ns");
+  for (const auto& [divisor, unit] : {std::pair(1000, "in us"), std::pair(1000000, "in ms")}) {
+    io::Dataset of_radar = dataset;
+    for (ImuSample& s : of_radar.imu) s.time += epoch;
+    for (RadarScan& s : of_radar.scans) s.time = epoch + (s.time - epoch) / divisor;
+    expect(said(of_radar, "clocks"), Verdict::kWrong, unit, "--radar-clock receive");
+    EXPECT_EQ(find(check_it(of_radar), "radar stamps"), nullptr);
+  }
 }
 
 TEST(ImuCauses, StampsOfTheRadarInMicrosecondsNeedNoOffset) {

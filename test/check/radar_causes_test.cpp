@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -74,9 +75,10 @@ TEST(RadarCauses, AnSnrThatIsNoDecibelsIsNotAWeakRadar) {
   }
 }
 
-TEST(RadarCauses, ADopplerWithoutTheMotionOfTheVehicleIsNamed) {
+/// The flight with this share of its motion subtracted from the Doppler, by the velocity that most
+/// points of the scan agree on.
+io::Dataset compensated(double share, double noise) {
   io::Dataset dataset = flight();
-  // by the velocity that most points of the scan agree on
   Options options;
   io::apply_sensor_info(dataset, &options);
   std::size_t k = 0;
@@ -84,13 +86,56 @@ TEST(RadarCauses, ADopplerWithoutTheMotionOfTheVehicleIsNamed) {
       check::radar_speeds(check::Scans(dataset.scans), options);
   for (RadarScan& scan : dataset.scans) {
     while (k + 1 < speeds.size() && speeds[k].time < scan.time) ++k;
-    for (RadarDetection& d : scan.detections) {
-      d.range_rate += d.point_S.normalized().dot(speeds[k].v_S);
+    for (std::size_t i = 0; i < scan.detections.size(); ++i) {
+      RadarDetection& d = scan.detections[i];
+      d.range_rate += share * d.point_S.normalized().dot(speeds[k].v_S) +
+                      noise * std::sin(static_cast<double>(7 * k * k + 13 * i * i + k * i));
     }
   }
-  expect(said(dataset, "axes and Doppler sign"), Verdict::kWrong,
-         "the Doppler does not show the motion of the radar",
-         "the driver subtracts the motion of the vehicle");
+  return dataset;
+}
+
+TEST(RadarCauses, ADopplerWithoutTheMotionOfTheVehicleIsNamed) {
+  for (const auto& [share, noise] :
+       {std::pair(1.0, 0.0), std::pair(1.0, 0.15), std::pair(0.9, 0.0), std::pair(0.8, 0.0)}) {
+    SCOPED_TRACE(testing::Message() << share << " of it, noise of " << noise);
+    const Findings findings = check_it(compensated(share, noise));
+    expect(said(findings, "Doppler"), Verdict::kWrong, "the motion of the radar",
+           "the driver subtracts the motion of the vehicle");
+    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), 1)
+        << text_of(findings);
+  }
+}
+
+TEST(RadarCauses, AFactorOfTheDopplerIsNamed) {
+  io::Dataset dataset = flight();
+  const Time end = dataset.imu.front().time + from_seconds(18.0);
+  std::erase_if(dataset.imu, [end](const ImuSample& s) { return s.time > end; });
+  std::erase_if(dataset.scans, [end](const RadarScan& s) { return s.time > end; });
+  for (const auto& [factor, text, change] :
+       {std::tuple(0.5, "half the range rate", "*2"),
+        std::tuple(2.0, "twice the range rate", "*0.5"), std::tuple(3.6, "in km/h", "*0.2778")}) {
+    io::Dataset scaled = dataset;
+    each_detection(&scaled, [k = factor](RadarDetection* d) { d->range_rate *= k; });
+    expect(said(scaled, "Doppler scale"), Verdict::kWrong, text,
+           std::string("--field doppler=NAME") + change);
+  }
+  each_detection(&dataset, [](RadarDetection* d) { d->range_rate *= 1000.0; });
+  expect(said(dataset, "Doppler"), Verdict::kWrong, "in mm/s", "*0.001");
+}
+
+TEST(RadarCauses, MoversThatAgreeAreNotTheRadar) {
+  double time = 0.0;
+  std::size_t i = 0;
+  io::Dataset dataset = flight();
+  for (RadarScan& scan : dataset.scans) {
+    time += 1.0 / 15.0;
+    for (RadarDetection& d : scan.detections) {
+      if (++i % 5 < 3) d.range_rate = std::sin(time) * d.point_S.normalized().x();
+    }
+  }
+  expect(said(dataset, "axes and Doppler sign"), Verdict::kDoubtful,
+         "the velocity of the others is", "most points move");
 }
 
 TEST(RadarCauses, MovingTracksAreNoHighThreshold) {

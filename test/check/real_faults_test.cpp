@@ -91,6 +91,15 @@ TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
   }
 }
 
+TEST(CheckOfARealRecording, AGyroInDegreesDoesNotRest) {
+  for (const char* name : {"kart/driveAround1_B", "kart2/sep_labHallway_L"}) {
+    if (is_missing(name)) GTEST_SKIP() << kNeeded;
+    io::Dataset dataset = io::read_dataset(recording_at(name));
+    for (ImuSample& s : dataset.imu) s.gyro_B *= 180.0 / kHalfTurn;
+    expect(said(dataset, "gyro unit"), Verdict::kWrong, "in deg/s", "--gyro-unit deg/s");
+  }
+}
+
 TEST(CheckOfARealRecording, WindowsOfSecondsTellTheMountingWithSixPointsAScan) {
   if (is_missing("kart/labDriveAround1_A")) GTEST_SKIP() << kNeeded;
   const std::set<std::string> told = {"MountingTurned90AboutTheBody",
