@@ -51,7 +51,7 @@ TEST(Results, HaveABlockForEveryExperiment) {
   const std::string readme = text_of(RIO_SOURCE_DIR "/data/results/README.md");
   const std::string help = try_rio("experiment --help").output;
   for (const std::string name : {"icra2023", "iros2024", "uncertainty", "consistency", "ablation",
-                                 "robustness", "faults", "checks"}) {
+                                 "ablation-real", "robustness", "faults", "checks"}) {
     expect_parts(help, {name});
     const std::size_t block = readme.find("<!-- rio experiment " + name + " -->\n");
     ASSERT_NE(block, std::string::npos) << name;

@@ -2,10 +2,10 @@
 // The default preset with one mechanism off at a time: the effect of each, by scenario.
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
-#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -21,8 +21,8 @@ namespace {
 
 constexpr int kSeeds = 14;  // twice the seven lengths
 
-/// One mechanism switched off, or on if it is off by default. Flown indoors and where it should
-/// matter.
+/// One mechanism switched off, or on if it is off by default. Flown with all recordings, and where
+/// it should matter.
 struct Switch {
   const char* name;
   const char* families;  ///< separated by spaces
@@ -31,9 +31,9 @@ struct Switch {
 
 const std::vector<Switch>& switches() {
   static const std::vector<Switch> all = {
-      {"directions in the Doppler exact", "hover",
+      {"directions in the Doppler exact", "indoor hover",
        [](Options& o) { o.update.doppler_directions = DopplerDirections::kExact; }},
-      {"directions in the Doppler noisy, not corrected", "hover",
+      {"directions in the Doppler noisy, not corrected", "indoor hover",
        [](Options& o) { o.update.doppler_directions = DopplerDirections::kNoisy; }},
       {"weak echoes as good as strong ones", "outdoor",
        [](Options& o) { o.radar.weak_snr_db = -200.0; }},
@@ -83,53 +83,47 @@ const std::vector<Switch>& switches() {
        [](Options& o) { o.ablation.mismatch_doppler = false; }},
       {"matches of the gate at once", "hover",
        [](Options& o) { o.frontend.match_core = o.frontend.match_probability; }},
-      {"Euclidean matching", "people",
+      {"Euclidean matching", "indoor people",
        [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
       {"ambiguous matches used", "hover sparse", [](Options& o) { o.frontend.match_margin = 0.0; }},
       {"RANSAC bound, slow movers and margin off", "hover people sparse",
        [](Options& o) {
          o.frontend.ransac_sigmas = o.frontend.mover_sigmas = o.frontend.match_margin = 0.0;
        }},
-      {"every match taken for right", "hover", [](Options& o) { o.update.match_trust = 1.0; }},
-      {"landmarks dropped at the first miss", "hover",
+      {"every match taken for right", "indoor hover",
+       [](Options& o) { o.update.match_trust = 1.0; }},
+      {"landmarks dropped at the first miss", "indoor hover",
        [](Options& o) { o.frontend.landmark_timeout = 0.0; }},
-      {"landmarks do not walk", "hover", [](Options& o) { o.update.landmark_walk = 0.0; }},
-      {"landmarks by distance", "",
+      {"landmarks do not walk", "indoor hover", [](Options& o) { o.update.landmark_walk = 0.0; }},
+      {"landmarks by distance", "indoor",
        [](Options& o) {
          o.update.landmark_measurement = LandmarkMeasurement::kDistance;
          o.update.landmark_walk = 0.0;
        }},
-      {"trails and landmarks by distance", "",
+      {"trails and landmarks by distance", "indoor",
        [](Options& o) {
          o.update.landmark_measurement = LandmarkMeasurement::kDistance;
          o.update.landmark_walk = 0.0;
          o.update.use_trails = true;
          o.update.max_clones = 7;
        }},
-      {"no landmarks: Doppler alone", "hover", [](Options& o) { o.update.use_landmarks = false; }},
-      {"no Doppler", "", [](Options& o) { o.update.use_doppler = false; }},
+      {"no landmarks: Doppler alone", "indoor hover",
+       [](Options& o) { o.update.use_landmarks = false; }},
+      {"no Doppler", "indoor", [](Options& o) { o.update.use_doppler = false; }},
   };
   return all;
 }
 
-/// Indoors first, then every other family in the order of its first switch.
-std::vector<std::string> families() {
-  std::vector<std::string> names = {"indoor"};
-  for (const Switch& s : switches()) {
-    std::istringstream words(s.families);
-    for (std::string name; words >> name;) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    }
-  }
-  return names;
-}
+constexpr std::array kFamilies = {"indoor",        "hover",        "outdoor",    "rough-imu",
+                                  "extrinsics",    "people",       "sparse",     "late-stamps",
+                                  "miscalibrated", "rough-ground", "aggressive", "wrong-velocity"};
 
-/// The default and the switches of a family; all of them indoors.
-Variants variants_of(const std::string& family) {
+/// The default and the switches of a family, or all.
+Variants variants_of(std::string_view family = "") {
   Variants variants = {{"default", "default"}};
   for (const Switch& s : switches()) {
-    const bool concerned = std::string_view(s.families).find(family) != std::string_view::npos;
-    if (concerned || family == "indoor") variants.push_back({s.name, "default", s.change});
+    if (std::string_view(s.families).find(family) == std::string_view::npos) continue;
+    variants.push_back({s.name, "default", s.change});
   }
   return variants;
 }
@@ -143,15 +137,17 @@ Cases family(const std::string& name, int count) {
     const auto seed = static_cast<std::uint64_t>(i) + 1;
     cases.push_back(cases_of(fmt::format("indoor-{}", flight + 1), 1, seed).front());
   }
-  return grouped(std::move(cases), name);
+  return cases;
 }
 
-/// Every recording with every switch, the filter: changes of the same recordings and seeds.
-std::string table_of_recordings(const Settings& settings) {
+}  // namespace
+
+Result ablation_real(const Settings& settings) {
   constexpr int kRealSeeds = 8;
+  if (settings.data.empty()) throw std::runtime_error("ablation-real needs --data, as real does");
   std::vector<Recording> recordings = find_recordings(settings.data);
   std::erase_if(recordings, [](const Recording& r) { return r.group == "car"; });
-  const Variants variants = variants_of("indoor");
+  const Variants variants = variants_of();
   const int seeds = settings.seeds_or(kRealSeeds);
   const std::vector<RealRun> runs = replay_campaign(recordings, variants, seeds, settings);
   /// Means over the seeds of a recording, then over recordings: seeds are no independent drives.
@@ -181,19 +177,14 @@ std::string table_of_recordings(const Settings& settings) {
          change(v, &RealScore::height_share), change(v, &RealScore::closure), change(v, square),
          fmt::format("{} of {}", honest, recordings.size() * static_cast<std::size_t>(seeds))});
   }
-  return table.text();
+  return {fmt::format(
+      "Real recordings, filter, each with every seed: mean change ± standard error over the\n"
+      "recordings when a mechanism is switched off; above zero it helps. Honest: zero height\n"
+      "within 3 sigma in 95 % of the scans.\n\n{}",
+      table.text())};
 }
 
-}  // namespace
-
 Result ablation(const Settings& settings) {
-  if (!settings.data.empty()) {
-    return {fmt::format(
-        "Real recordings, filter, each with every seed: mean change ± standard error over the\n"
-        "recordings when a mechanism is switched off; above zero it helps. Honest: zero height\n"
-        "within 3 sigma in 95 % of the scans.\n\n{}",
-        table_of_recordings(settings))};
-  }
   const std::vector<Column> columns = {spread_of("final error [m]", &Score::final_error, 2),
                                        change_of("change [m]", &Score::final_error, 3),
                                        spread_of("norm of MAE [m]", &Score::mae, 2),
@@ -205,7 +196,7 @@ Result ablation(const Settings& settings) {
   std::string markdown =
       "Mean (worst) ± standard deviation over the flights. Change: mean difference to `default` in "
       "the same flights ±\nits standard error; above zero the mechanism helps.\n";
-  for (const std::string& name : families()) {
+  for (const std::string name : kFamilies) {
     const Cases cases = family(name, settings.seeds_or(kSeeds));
     const Variants variants = variants_of(name);
     const Outcomes runs = run_campaign(cases, variants, settings);

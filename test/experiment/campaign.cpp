@@ -40,11 +40,6 @@ Cases indoor_cases(int each) {
   return all;
 }
 
-Cases grouped(Cases cases, const std::string& group) {
-  for (Case& c : cases) c.group = group;
-  return cases;
-}
-
 Options options_of(const sim::Flight& flight, const Variant& variant) {
   Options options = options_for(flight, variant.preset);
   if (variant.change) variant.change(options);
@@ -71,8 +66,7 @@ Outcomes run_campaign(const Cases& cases, const Variants& variants, const Settin
 Scores select(const Outcomes& runs, std::string_view group, std::string_view variant) {
   Scores scores;
   for (const Outcome& run : runs) {
-    const bool in_group = group.empty() || run.group == group;
-    if (in_group && run.variant == variant) scores.push_back(run.score);
+    if (run.group.starts_with(group) && run.variant == variant) scores.push_back(run.score);
   }
   return scores;
 }

@@ -30,9 +30,6 @@ Cases cases_of(const std::string& name, int count, std::uint64_t first = 1);
 /// `each` flights of each of the seven lengths of the paper of 2023, `indoor-1` to `indoor-7`.
 Cases indoor_cases(int each);
 
-/// The cases as one group.
-Cases grouped(Cases cases, const std::string& group);
-
 using Change = std::function<void(Options&)>;
 
 /// One estimator.
@@ -79,7 +76,7 @@ using EachTrial = std::function<void(const Case&, const Variant&, const Trial&)>
 Outcomes run_campaign(const Cases& cases, const Variants& variants, const Settings& settings,
                       const EachTrial& each = {});
 
-/// The runs of one group and variant; an empty group: of all.
+/// The runs of a variant in the groups whose names begin so: "indoor" for all lengths, "" for all.
 Scores select(const Outcomes& runs, std::string_view group, std::string_view variant);
 
 int count_lost(const Scores& scores);

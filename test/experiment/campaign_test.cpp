@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rio/core/so3.hpp"
+#include "rio/models/aids.hpp"
 #include "rio/sim/flight.hpp"
 #include "support/constants.hpp"
 
@@ -138,6 +139,19 @@ TEST(Trial, EveryPresetFliesWithEitherBackEnd) {
     ASSERT_EQ(trials[0].steps.size(), trials[1].steps.size()) << preset;
     EXPECT_NE(trials[0].steps.back().estimate.p_WB, trials[1].steps.back().estimate.p_WB) << preset;
   }
+}
+
+TEST(Trial, ABarometerMeasuresIfItsZeroIsDeclared) {
+  const sim::Flight flight = sim::simulate_flight(short_scenario(2));
+  Options options = options_for(flight, "default");
+  const auto aiding = [&] {
+    return fly(flight, options).models[static_cast<std::size_t>(Model::kAiding)];
+  };
+  EXPECT_EQ(aiding().rows_used, 0);
+  ASSERT_TRUE(options.auxiliary.declare<HeightOffset>());
+  const ModelReport rows = aiding();
+  EXPECT_GT(rows.rows_used, 250);                      // 25 Hz for 13 s
+  EXPECT_NEAR(rows.nis / rows.rows_used, 0.92, 0.25);  // of a gate of 99 %, three sigmas of 300
 }
 
 TEST(Trial, StartsWhereTheScenarioSays) {

@@ -192,8 +192,7 @@ Result control(const Settings& settings) {
       }
     }
   }
-  const Change smoother = [](Options& o) { o.backend = BackEnd::kSmoother; };
-  const Variants back_ends = {{"filter", "default"}, {"smoother", "default", smoother}};
+  const Variants back_ends = {{"filter", "default"}, {"smoother", "default", use_smoother}};
   constexpr int kSeeds = 8;  // of the RANSAC
   const int seeds = settings.seeds_or(kSeeds);
   const std::vector<RealRun> runs = replay_campaign(controls, back_ends, seeds, settings);

@@ -26,7 +26,8 @@ Result icra2023(const Settings& settings);
 Result iros2024(const Settings& settings);
 Result uncertainty(const Settings& settings);
 Result consistency(const Settings& settings);
-Result ablation(const Settings& settings);  ///< on recordings if Settings::data names some
+Result ablation(const Settings& settings);
+Result ablation_real(const Settings& settings);
 Result robustness(const Settings& settings);
 Result fault_campaign(const Settings& settings);
 Result real(const Settings& settings);
@@ -47,6 +48,7 @@ inline constexpr Experiment kExperiments[] = {
     {"uncertainty", "Xu et al.: weights and matching by the noise of each point", &uncertainty},
     {"consistency", "NEES and NIS over matched runs, with their bounds", &consistency},
     {"ablation", "the default preset with one mechanism off at a time", &ablation},
+    {"ablation-real", "the same on the recordings of --data", &ablation_real},
     {"robustness", "every scenario with every preset", &robustness},
     {"faults", "every fault with both back-ends: survived, or reported", &fault_campaign},
     {"real", "every recording of the folder --data, also perturbed", &real},

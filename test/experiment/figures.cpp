@@ -55,17 +55,17 @@ plot::Panel panel(const std::string& title, const std::string& x_label,
   return panel;
 }
 
-FlownFlight fly_all(const Case& flight, const std::vector<Variant>& estimators) {
-  FlownFlight flown{flight.group, {}, {}};
-  const sim::Flight simulated = sim::simulate_flight(flight.scenario);
-  for (const Variant& v : estimators) {
-    flown.estimators.push_back(v.name);
-    flown.trials.push_back(fly(simulated, options_of(simulated, v)));
+void keep(const Case& c, const Variant& variant, const Trial& trial, FlownFlights* flights) {
+  for (FlownFlight& flight : *flights) {
+    if (flight.name != c.group || c.scenario.seed != 1) continue;
+    flight.trials.resize(flight.estimators.size());
+    for (std::size_t i = 0; i < flight.trials.size(); ++i) {
+      if (flight.estimators[i] == variant.name) flight.trials[i] = trial;
+    }
   }
-  return flown;
 }
 
-std::string chart_of_paths(const std::string& title, const std::vector<FlownFlight>& flights) {
+std::string chart_of_paths(const std::string& title, const FlownFlights& flights) {
   std::vector<plot::Panel> panels;
   for (const FlownFlight& flight : flights) {
     for (const int up : {1, 2}) {
@@ -79,7 +79,7 @@ std::string chart_of_paths(const std::string& title, const std::vector<FlownFlig
   return plot::draw_chart(title, panels, 2);
 }
 
-std::string chart_of_positions(const std::string& title, const std::vector<FlownFlight>& flights) {
+std::string chart_of_positions(const std::string& title, const FlownFlights& flights) {
   std::vector<plot::Panel> panels;
   for (const FlownFlight& flight : flights) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -142,8 +142,9 @@ int run(int argc, char** argv) {
   app.add_option("--threads", arguments.settings.threads, "flights at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  app.add_option("--data", arguments.settings.data,
-                 "folder of recordings, for `real`, `benchmark`, `ablation` and `checks`");
+  app.add_option(
+      "--data", arguments.settings.data,
+      "folder of recordings, for `real`, `control`, `ablation-real`, `benchmark`, `checks`");
   app.add_option("--dataset", arguments.settings.dataset,
                  "public data set of the bags, for `benchmark`, as of `rio replay`");
   app.add_option("--hours", arguments.settings.hours, "of flight, for `soak`")

@@ -26,13 +26,13 @@ constexpr double kHonestShare = 0.95;  // of the scans
 const Variants& estimators() {
   static const Variants all = {
       {"default, filter", "default"},
-      {"default, smoother", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }},
+      {"default, smoother", "default", use_smoother},
       {"default, Doppler alone", "default",
        [](Options& o) { o.update.use_landmarks = o.update.use_trails = false; }},
       {"default, mounting unknown, filter", "default", forget_mounting},
       {"default, mounting unknown, smoother", "default",
        [](Options& o) {
-         o.backend = BackEnd::kSmoother;
+         use_smoother(o);
          forget_mounting(o);
        }},
       {"published-ekf", "published-ekf"},

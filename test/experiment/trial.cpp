@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "rio/aiding.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/eval/nees.hpp"
 #include "rio/io/start.hpp"
+#include "rio/models/aids.hpp"
 #include "rio/sim/random.hpp"
 
 namespace rio::experiment {
@@ -19,6 +22,29 @@ namespace {
 
 constexpr double kLongestSilence = 2.0;  // [s]
 constexpr double kAllAlike = -200.0;     // of RadarOptions::weak_snr_db [dB]
+
+/// Heights over the start with white noise, over a zero that walks as HeightModel has it.
+class Barometer {
+ public:
+  explicit Barometer(const sim::Flight& flight)
+      : flight_(flight), random_(flight.scenario.seed, 12), time_(flight.imu.front().time) {}
+
+  void give(Time until, Odometry& odometry) {
+    constexpr std::chrono::milliseconds kPeriod{40};
+    constexpr double kSigma = 0.1;  // [m]
+    for (; time_ <= until; time_ += kPeriod) {
+      zero_ += HeightOffset::kWalk * std::sqrt(to_seconds(kPeriod)) * random_.normal();
+      const double height = flight_.truth_at(time_).p_WB.z() + zero_ + kSigma * random_.normal();
+      (void)odometry.add_measurement({time_, HeightModel{}, {height, kSigma}});
+    }
+  }
+
+ private:
+  const sim::Flight& flight_;
+  sim::Random random_;
+  Time time_;
+  double zero_ = 0.0;  ///< [m]
+};
 
 void add_step(const sim::Flight& flight, const Odometry& odometry, Trial* trial) {
   const UpdateReport& report = odometry.report();
@@ -96,8 +122,10 @@ std::unique_ptr<Odometry> create_odometry(const Options& options) {
   return odometry;
 }
 
-Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each) {
+Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& each,
+             bool with_barometer) {
   Trial trial;
+  Barometer barometer(flight);
   std::uint64_t seen = odometry.counters().scans;
   const auto look = [&] {
     if (odometry.counters().scans == seen) return;
@@ -121,6 +149,7 @@ Trial replay(const sim::Flight& flight, Odometry& odometry, const EachReport& ea
     (void)odometry.add_imu(sample);
     newest = sample.time;
     look();
+    if (with_barometer) barometer.give(newest, odometry);
   }
   give_scans(Time::max());
   trial.counters = odometry.counters();
@@ -134,7 +163,8 @@ Trial fly(const sim::Flight& flight, const Options& options, const EachReport& e
   if (wrong) used.start.static_alignment = false;
   const auto odometry = create_odometry(used);
   if (wrong) start_wrongly(flight, used.start, *odometry);
-  return replay(flight, *odometry, each);
+  const AidingMeasurement height({}, HeightModel{}, {});
+  return replay(flight, *odometry, each, height.is_declared(used.auxiliary));
 }
 
 Trial with_drawn_start(const Trial& trial, const StartOptions& start, std::uint64_t seed) {

@@ -77,18 +77,13 @@ const Variants& variants() {
       {"full, without points", kPreset, [](Options& o) { o.update.use_landmarks = false; }},
       {"doppler-only", "doppler-only"},
       {kDefault, "default"},
-      {"default, window", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }},
+      {"default, window", "default", use_smoother},
       {kByDistance, kPreset, [](Options& o) { o.frontend.matching = Matching::kEuclidean; }},
       without(kWithoutAny, kSmall, kSmall),
       without(kWithoutRange, kSmall, 1.0),
       without(kWithoutAngles, 1.0, kSmall),
       {kMahalanobis, kPreset, [](Options& o) { o.frontend.matching = Matching::kMahalanobis; }}};
   return all;
-}
-
-const Variant& named(const std::string& name) {
-  return *std::find_if(variants().begin(), variants().end(),
-                       [&](const Variant& v) { return v.name == name; });
 }
 
 using Names = std::vector<std::string>;
@@ -197,25 +192,24 @@ std::string scaling_chart(const Outcomes& runs) {
   return plot::draw_chart("Sigmas of range and angles off from those simulated", {p}, 1);
 }
 
-/// Fig. 6: with and without the noise of the points.
-std::string chart_of_flights(const Settings& settings) {
-  std::vector<FlownFlight> flights;
-  for (const Family& family : kFamilies) {
-    flights.push_back(
-        fly_all(flights_of(family, settings).front(), {named(kFull), named(kWithoutAny)}));
-  }
-  return chart_of_paths("With and without the uncertainty of the points", flights);
-}
-
 }  // namespace
 
 Result uncertainty(const Settings& settings) {
   Outcomes runs;
-  const auto fly_cases = [&](const Cases& cases, const Variants& flown) {
-    for (Outcome& run : run_campaign(cases, flown, settings)) runs.push_back(std::move(run));
-  };
-  for (const Family& family : kFamilies) fly_cases(flights_of(family, settings), variants());
-  fly_cases(flights_of(kMatched, settings), scalings());
+  FlownFlights flown;  // Fig. 6: with and without the noise of the points
+  for (const Family& family : kFamilies) {
+    flown.push_back({family.scenario, {kFull, kWithoutAny}});
+    Variants all = variants();
+    for (Variant& v : scalings()) {
+      if (kMatched.scenario == std::string_view(family.scenario)) all.push_back(std::move(v));
+    }
+    const auto each = [&flown](const Case& c, const Variant& v, const Trial& trial) {
+      keep(c, v, trial, &flown);
+    };
+    for (Outcome& run : run_campaign(flights_of(family, settings), all, settings, each)) {
+      runs.push_back(std::move(run));
+    }
+  }
   const Names weights = {kFull, kByDistance, kWithoutAny, kWithoutRange, kWithoutAngles};
   const Names matchings = {kFull, kByDistance, kMahalanobis, kDefault};
   const std::string text = fmt::format(
@@ -236,7 +230,8 @@ Result uncertainty(const Settings& settings) {
   return {text,
           {{"uncertainty.csv", outcomes_as_csv(runs)},
            {"uncertainty.svg", scaling_chart(runs)},
-           {"uncertainty-paths.svg", chart_of_flights(settings)}}};
+           {"uncertainty-paths.svg",
+            chart_of_paths("With and without the uncertainty of the points", flown)}}};
 }
 
 }  // namespace rio::experiment
