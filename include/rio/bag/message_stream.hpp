@@ -71,12 +71,13 @@ bool is_recording(const std::filesystem::path& path);
 /// Whether it is such a folder, or a file that begins as a recording.
 bool begins_as_recording(const std::filesystem::path& path);
 
-/// Guesses the format from the first bytes. For a folder, the one file in it; for the parts of a
-/// split recording (with metadata.yaml, or numbered from 0) all files in turn. Compressed messages
-/// and files (zstd) are decompressed. If the clock of the recorder is set back, the receive times
-/// go on. The points of a ti_mmwave_rospkg/RadarScan are one message a scan.
-/// @throws std::runtime_error if there is no such file, its format is unknown, a part is missing
-/// between others, or the library for it was missing at build time
+/// Guesses the format from the first bytes. For a folder, the one file in it or in a folder below;
+/// for the parts of a split recording (with metadata.yaml, or numbered) all files in turn, up to
+/// one that is missing, which damage() names; for an IMU and radars recorded apart, all at once.
+/// Compressed messages and files (zstd) are decompressed. If the clock of the recorder is set back,
+/// the receive times go on. The points of a ti_mmwave_rospkg/RadarScan are one message a scan.
+/// @throws std::runtime_error if there is no such file, its format is unknown, a folder holds
+/// several recordings, or the library for it was missing at build time
 std::unique_ptr<MessageStream> open_messages(const std::filesystem::path& path);
 
 }  // namespace rio::bag
