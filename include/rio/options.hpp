@@ -229,7 +229,6 @@ struct AblationOptions {
   bool elevation_walk = true;     ///< (E3) of it
   bool range_curvature = true;    ///< terms of second order in the range of a landmark
   bool mismatch_doppler = true;   ///< (E4) of update/noise_inflation.hpp
-  bool outlier_share = true;      ///< (E5) of it
 };
 
 /// Queues between the sensors and the estimator.

@@ -98,7 +98,6 @@ void publish_ekf(Options* o) {
   o->update.max_landmarks = 20;
   o->update.gate_probability = 0.975;
   o->update.max_clones = 7;
-  o->ablation.outlier_share = false;
   o->calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
 }
 

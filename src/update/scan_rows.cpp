@@ -71,9 +71,6 @@ void ScanRows::begin_scan(const Observations& seen, const StateEstimate& state_e
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (!options_.use_doppler) return;
-  std::size_t outliers = 0;
-  for (std::size_t i = 0; i < seen.scan->items.size(); ++i) outliers += seen.is_static(i) ? 0 : 1;
-  outliers_[x.estimate.radar].add(seen.scan->items.size(), outliers, since_scan_);
   velocity_covariance_ = state_estimate.radar_velocity_covariance(x);
   correction_S_ = expected_correction(seen.ego_velocity, x, velocity_covariance_);
 }
@@ -93,8 +90,6 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
   const Matrix3d& V = velocity_covariance_;
   const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
   const SteadyOffset steady = x.steady_offset();
-  const double share = outliers_[x.estimate.radar].value();
-  const double foreign = ablation_.outlier_share ? outlier_factor(share) : 1.0;
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
     if (!tells_doppler(seen, i)) continue;
     Measured<DopplerModel> m{DopplerModel::measurement(seen.detection(i), x.gyro_B),
@@ -115,7 +110,7 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
     }
     if (!judge(DopplerModel::kModel, i, valid, report)) continue;
     m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
-    keep(m, foreign * doppler_repetition(seen.detection(i), x));
+    keep(m, doppler_repetition(seen.detection(i), x));
   }
 }
 

@@ -81,8 +81,6 @@ const std::vector<Switch>& switches() {
        [](Options& o) { o.ablation.range_curvature = false; }},
       {"Doppler of a wrong match as good as of a right one", "hover",
        [](Options& o) { o.ablation.mismatch_doppler = false; }},
-      {"outliers that pass for static not expected", "people",
-       [](Options& o) { o.ablation.outlier_share = false; }},
       {"matches of the gate at once", "hover",
        [](Options& o) { o.frontend.match_core = o.frontend.match_probability; }},
       {"Euclidean matching", "indoor people",

@@ -92,38 +92,5 @@ TEST(NoiseInflation, ADopplerOfAMismatchIsThatOfTheNeighbour) {
   }
 }
 
-// A third of the Dopplers of others passes for static: the outliers that are found tell how many of
-// the static set are wrong.
-TEST(NoiseInflation, OutliersFoundTellHowManyPassed) {
-  constexpr int kDetections = 400'000;
-  test::Random random(7);
-  for (const double foreign : {0.0, 0.1, 0.3, 0.45}) {
-    int outliers = 0, wrong = 0;
-    for (int i = 0; i < kDetections; ++i) {
-      if (random.uniform(0.0, 1.0) >= foreign) continue;
-      ++(random.uniform(0.0, 1.0) < 1.0 / 3.0 ? wrong : outliers);
-    }
-    const double share = wrong / static_cast<double>(kDetections - outliers);
-    EXPECT_NEAR(
-        outlier_factor(outliers / static_cast<double>(kDetections)) / mismatch_factor(1.0 - share),
-        1.0, 0.02)
-        << foreign;
-  }
-  EXPECT_EQ(outlier_factor(0.0), 1.0);
-  EXPECT_NEAR(outlier_factor(0.5), 10.0, 1e-9);
-  EXPECT_NEAR(outlier_factor(1.0), 10.0, 1e-9);
-}
-
-TEST(NoiseInflation, TheShareOfOutliersIsThatOfTheLastSecond) {
-  OutlierShare share;
-  EXPECT_EQ(share.value(), 0.0);
-  share.add(0, 0, 1.0);
-  EXPECT_EQ(share.value(), 0.0);
-  for (int i = 0; i < 100; ++i) share.add(10, 4, 0.1);
-  EXPECT_NEAR(share.value(), 0.4, 1e-9);
-  for (int i = 0; i < 10; ++i) share.add(10, 0, 0.1);
-  EXPECT_NEAR(share.value(), 0.4 * std::exp(-1.0), 1e-3);
-}
-
 }  // namespace
 }  // namespace rio

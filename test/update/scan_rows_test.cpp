@@ -108,23 +108,6 @@ TEST_F(ScanRowsTest, WhatIsNotStaticTellsNothing) {
   EXPECT_TRUE(build(b).rows().empty());
 }
 
-TEST_F(ScanRowsTest, OutliersWidenTheDopplersOfTheScansAfterThem) {
-  const StateEstimate b = state_estimate();
-  build(b);
-  EXPECT_EQ(inflation(*rows_, 0), 1.0);
-  seen_.moves[2] = true;
-  const double variance = build(b).rows()[0].variance;
-  EXPECT_NEAR(inflation(*rows_, 0), outlier_factor(1.0 / 3.0), 1e-9);
-  seen_.moves[2] = false;
-  build(*rows_, b);
-  EXPECT_GT(inflation(*rows_, 0), 1.2);
-  EXPECT_LT(inflation(*rows_, 0), 0.9 * outlier_factor(1.0 / 3.0));
-  seen_.moves[2] = true;
-  options_.ablation.outlier_share = false;
-  EXPECT_NEAR(variance / build(b).rows()[0].variance, outlier_factor(1.0 / 3.0), 1e-9);
-  EXPECT_EQ(inflation(*rows_, 0), 1.0);
-}
-
 // S = sigma_D^2 + u^T P_v u; a residual of the gate's root times its sigma is the bound.
 TEST_F(ScanRowsTest, TheGateHoldsTheInnovationAgainstItsCovariance) {
   const double sigma = std::hypot(options_.radar.sigma_doppler, std::sqrt(kVelocityVar + 1e-8));

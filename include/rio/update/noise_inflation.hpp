@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stage 4: noise inflation, for errors that repeat from scan to scan while the radar hardly moves,
-// for matches with a neighbour of the landmark, and for outliers that pass for static. Derivations:
-// data/theory.md, 8.
+// and for matches with a neighbour of the landmark. Derivations: data/theory.md, 8.
 //
 // (E1) correlation with the previous measurement, d travelled since: rho = (1 - f) exp(-d / d0), f
 //      the share of the variance that is independent in every scan (receiver noise)
 // (E2) the variance is multiplied by (1 + rho) / (1 - rho)
 // (E3) a match that is right with probability p: the variance is multiplied by 1 / (2 p - 1)
 // (E4) its Doppler: the variance grows by 2 (1 - p) v^T Sigma v, Sigma that of the direction
-// (E5) a share o of the detections is found to be no part of the static scene, and a share q of
-//      what is no part of it passes for static: 1 - p = q / (1 - q) o / (1 - o) of the static set
 //
 // Reference: Bayley and Hammersley, The "Effective" Number of Independent Observations in an
 // Autocorrelated Time Series, 1946 (E2).
 #pragma once
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace rio {
 
@@ -45,30 +40,5 @@ inline double mismatch_factor(double right) {
 inline double mismatch_variance(double right, double across) {
   return 2.0 * (1.0 - right) * across;
 }
-
-/// (E5), (E3): factor of the variance of the Dopplers of the static set, 1 to 10.
-/// @param outliers o, 0 to 1
-inline double outlier_factor(double outliers) {
-  constexpr double kPass = 1.0 / 3.0;  // q
-  constexpr double kRight = 0.55;      // p at least: some people are no reason to stop measuring
-  const double wrong = kPass / (1.0 - kPass) * outliers / std::max(1.0 - outliers, 1e-9);
-  return mismatch_factor(std::max(1.0 - wrong, kRight));
-}
-
-/// The share of outliers among the detections of the last second.
-class OutlierShare {
- public:
-  /// A scan, `dt` after the one before [s].
-  void add(std::size_t detections, std::size_t outliers, double dt) {
-    const double keep = std::exp(-dt);
-    detections_ = keep * detections_ + static_cast<double>(detections);
-    outliers_ = keep * outliers_ + static_cast<double>(outliers);
-  }
-  /// 0 before the first detection.
-  double value() const { return detections_ > 0.0 ? outliers_ / detections_ : 0.0; }
-
- private:
-  double detections_ = 0.0, outliers_ = 0.0;
-};
 
 }  // namespace rio

@@ -150,7 +150,6 @@ class ScanRows {
   std::array<double, kMaxRadars> distance_at_scan_{};  ///< travelled at its last scan [m]
   double since_scan_ = 1.0;                            ///< time since its last scan, at most 1 [s]
   std::array<std::optional<Time>, kMaxRadars> last_scan_{};
-  std::array<OutlierShare, kMaxRadars> outliers_{};
   Gate gate_;
   RadarModels models_;
   RowBatch batch_;
