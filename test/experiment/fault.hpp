@@ -101,6 +101,12 @@ const std::vector<Fault>& faults();
 /// @throws std::runtime_error if there is no such fault
 const Fault& fault_named(std::string_view name);
 
+/// The groups of the catalogue.
+std::vector<Fault> imu_faults();
+std::vector<Fault> radar_faults();
+std::vector<Fault> time_faults();
+std::vector<Fault> configuration_faults();
+
 /// Both faults; lasts as long as the longer one.
 Fault together(const Fault& a, const Fault& b, Promised promised);
 
