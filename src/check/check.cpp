@@ -146,19 +146,22 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
       gyro_unit = kDegree;
     }
   }
-  const auto judged = [&](const std::vector<RadarSpeed>& some) {
-    return check_motion(
-        {imu.good, some, gyro_unit, imu.check.accel_unit, ranges.sign, imu.check.rest.accel},
-        options, advice);
+  const auto data = [&](const std::vector<RadarSpeed>& some) {
+    return MotionData{
+        imu.good, some, gyro_unit, imu.check.accel_unit, ranges.sign, imu.check.rest.accel};
   };
-  Findings motion = judged(speeds);
+  Findings motion = check_motion(data(speeds), options, advice);
   if (motion.size() == 1) {  // explains nothing
-    const Findings others = judged(radar_speeds(without_points_of(speeds, scans, limit), read));
+    const auto some = radar_speeds(without_points_of(speeds, scans, limit), read);
+    const Findings others = check_motion(data(some), options, advice);
     if (others.size() > 1 && worst(others) == Verdict::kOk) motion = {most_points_move(others[0])};
   }
   const bool may_be_half = !(limit > 0.0) || fastest(scans) < kHalf * limit;
   if (may_be_half && worst(motion) == Verdict::kOk) {
-    const Findings twice = judged(radar_speeds(with_twice_the_doppler(scans), read));
+    const std::vector<RadarSpeed> doubled = radar_speeds(with_twice_the_doppler(scans), read);
+    MotionData sure = data(doubled);
+    sure.scale_error = 1.0;  // twice the right Doppler is not much off, either
+    const Findings twice = check_motion(sure, options, advice);
     if (twice.size() > 1 && worst(twice) == Verdict::kOk)
       motion = {doppler_is_half(twice[0], advice)};
   }

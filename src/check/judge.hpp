@@ -9,6 +9,8 @@
 
 namespace rio::check {
 
+inline constexpr double kShortestWindow = 2.0;  ///< hardly notices the biases of the IMU [s]
+
 struct Judge {
   const MotionData& data;
   const Agreement& all;  ///< of the windows

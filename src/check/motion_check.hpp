@@ -2,13 +2,6 @@
 // Checks from the motion: the axes and the sign with which the radar velocities fit the IMU, the
 // scale of the Doppler, the delay of the stamps. Reports if the motion gives no information.
 //
-// Axes: the configured mounting competes with all others by right angles, about axes of the radar
-// or of the body, each with both signs of the Doppler, and with the best at any angle if none of
-// these is near it, all at the best delay. The configuration is wrong only if another hypothesis
-// explains the movement, the configured one is clearly worse, and the difference is significant by
-// (E6) of motion.hpp. What the ranges say of the sign (points_check.hpp) excludes candidates:
-// motion in a plane does not distinguish the other sign from a radar turned by 180 deg.
-//
 // An unknown mounting is not judged: the rotation that the motion shows takes its place. Rates of
 // another sign, order or range (gyro_check.hpp) come first. A radar that hardly moves, or by far
 // less than the IMU, has a Doppler from which the motion of the vehicle was subtracted.

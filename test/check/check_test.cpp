@@ -127,8 +127,7 @@ TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
     const Finding finding = only_fault(check_it(dataset, Source::kFolder, dir.path()));
     EXPECT_EQ(finding.subject, "imu stamps");
     expect(finding, Verdict::kDoubtful, ", 1 out of order");
-    const std::string line = std::to_string(row + 2);  // below the heading
-    EXPECT_EQ(finding.change, "remove the line " + csv + ":" + line);
+    EXPECT_EQ(finding.change, "remove the line " + csv + ":" + std::to_string(row + 2));
   }
 }
 

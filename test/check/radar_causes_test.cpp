@@ -124,6 +124,15 @@ TEST(RadarCauses, AFactorOfTheDopplerIsNamed) {
   expect(said(dataset, "Doppler"), Verdict::kWrong, "in mm/s", "*0.001");
 }
 
+TEST(RadarCauses, ACoarseDopplerIsNotHalfTheRangeRate) {
+  sim::Scenario scenario;
+  ASSERT_TRUE(sim::scenario("rough-ground", &scenario));
+  for (scenario.seed = 1; scenario.seed <= 9; ++scenario.seed) {
+    const Findings findings = check_it(flown(scenario));
+    EXPECT_NE(worst(findings), Verdict::kWrong) << scenario.seed << "\n" << text_of(findings);
+  }
+}
+
 TEST(RadarCauses, MoversThatAgreeAreNotTheRadar) {
   double time = 0.0;
   std::size_t i = 0;
