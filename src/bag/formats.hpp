@@ -17,6 +17,10 @@ std::unique_ptr<MessageStream> open_ros1_bag(const std::filesystem::path& path);
 std::unique_ptr<MessageStream> open_mcap(const std::filesystem::path& path);
 /// The tables `topics` and `messages` of rosbag2's sqlite3 storage.
 std::unique_ptr<MessageStream> open_db3(const std::filesystem::path& path);
+/// The format from the first bytes; a folder by open_folder().
+std::unique_ptr<MessageStream> open_file(const std::filesystem::path& path);
+/// The recordings in a folder as one. Throws if there is none, or several that do not go together.
+std::unique_ptr<MessageStream> open_folder(const std::filesystem::path& folder);
 
 /// What recorders and drivers do to messages, undone: messages compressed one by one, scans sent
 /// point by point, receive times after the clock of the recorder was set back. Scans of kTiScanType

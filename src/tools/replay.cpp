@@ -118,10 +118,7 @@ class Replay {
     NavState state = start.state;
     if (init_velocity_) state.v_WB = *init_velocity_;
     restart(state, start.covariance);
-    for (const ImuSample* after = nullptr;
-         (after = feed_.imu(1)) != nullptr && after->time <= state.time;) {
-      next_imu();
-    }
+    while (feed_.imu(1) != nullptr && feed_.imu(1)->time <= state.time) next_imu();
     std::size_t radar = 0;
     for (auto due = feed_.due(); due && *due < state.time; due = feed_.due()) {
       (void)feed_.take_scan(&radar);
