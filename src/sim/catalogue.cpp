@@ -143,6 +143,8 @@ const std::vector<CatalogueEntry>& catalogue() {
          s.radar.doppler_scale = 0.028;
          s.radar.elevation_bias = 2.0 * kDegree;
        }},
+      {"scene", "all directions off by 3 deg, other ones every 3 m, as by multipath",
+       [](Scenario& s) { s.radar.scene_angle = 3.0 * kDegree; }},
       {"latency", "scans arrive 80 ms after they were measured",
        [](Scenario& s) { s.radar.latency = 0.08; }},
       {"rough-imu", "vibration of 1 g, stamps that jitter by 0.5 ms, worse biases",

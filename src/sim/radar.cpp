@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <set>
 
 namespace rio::sim {
@@ -18,7 +19,8 @@ RadarSimulator::RadarSimulator(RadarModel model, Room room, std::uint64_t seed)
       highlights_(seed),
       reflector_speckles_(fading_.make(room_.reflectors.size())),
       highlight_speckles_(fading_.make(model_.specular ? kHighlights : 0)),
-      own_random_(seed, 15) {
+      own_random_(seed, 15),
+      scene_random_(seed, 17) {
   constexpr double kBumper = 1.5;  // parts of the vehicle are within [m]
   for (int i = 0; i < model_.own_echoes; ++i) {
     own_.push_back({own_random_.uniform(model_.min_range, kBumper),
@@ -33,6 +35,7 @@ RadarSimulator::RadarSimulator(RadarModel model, Room room, std::uint64_t seed)
     people_.emplace_back(seed, i, room_.low_W, room_.high_W);
     people_speckles_.push_back(fading_.make(Person::kCentres));
   }
+  age_scene(std::numeric_limits<double>::infinity());
 }
 
 LabeledScan RadarSimulator::scan(const Trajectory::Point& body, double outlier_share) {
@@ -42,7 +45,9 @@ LabeledScan RadarSimulator::scan(const Trajectory::Point& body, double outlier_s
   const Vector3d lever_W = R_WB * body.gyro_B.cross(model_.T_BS.translation);
   const View view{R_WS.transpose(), p_WS, R_WS.transpose() * (body.nav.v_WB + lever_W)};  // (E2)
 
-  path_ += first_scan_ ? (p_WS - last_p_WS_).norm() : 0.0;
+  const double way = first_scan_ ? (p_WS - last_p_WS_).norm() : 0.0;
+  path_ += way;
+  age_scene(way);
   last_p_WS_ = p_WS;
   if (!first_scan_) first_scan_ = body.nav.time;
 
@@ -229,6 +234,12 @@ RadarSimulator::Echo RadarSimulator::ghost(const Echo& source, const View& view)
   return best;
 }
 
+void RadarSimulator::age_scene(double way) {
+  const double keep = std::exp(-way / model_.scene_distance);
+  const Eigen::Vector2d n(scene_random_.normal(), scene_random_.normal());
+  scene_error_ = keep * scene_error_ + std::sqrt(1.0 - keep * keep) * model_.scene_angle * n;
+}
+
 RadarDetection RadarSimulator::measure(const Echo& echo) {
   const double fresh = model_.fresh_noise;
   const double keep = std::sqrt(1.0 - fresh * fresh);
@@ -240,7 +251,8 @@ RadarDetection RadarSimulator::measure(const Echo& echo) {
   polar.range += model_.sigma_range * n[0];
   polar.azimuth += growth * model_.sigma_azimuth / std::cos(echo.polar.azimuth) * n[1];
   polar.elevation += growth * model_.sigma_elevation / std::cos(echo.polar.elevation) * n[2];
-  polar.elevation += model_.elevation_bias;
+  polar.azimuth += scene_error_.x();
+  polar.elevation += model_.elevation_bias + scene_error_.y();
   double doppler = echo.range_rate + model_.sigma_doppler * n[3];
   const double in_cells = echo.range_rate / model_.doppler_resolution;
   const double off_centre = in_cells - std::round(in_cells);  // half a cell at most

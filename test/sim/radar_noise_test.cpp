@@ -104,6 +104,34 @@ TEST(RadarNoise, IdealIsUnbiasedAndHasItsSigmas) {
   expect_sigma(select(errors, &Error::doppler), 0.02, 0.025, 0.035);
 }
 
+TEST(RadarNoise, ASceneTurnsAllDirectionsAndChangesWithTheWay) {
+  RadarModel model = noise_free();
+  model.scene_angle = 2.0 * kDegree;
+  model.scene_distance = 0.3;
+  std::vector<Error> scans;  // the first error of each
+  double product = 0.0;
+  double expected = 0.0;
+  for (const Error& e : errors_of(model)) {
+    if (!scans.empty() && e.seconds == scans.back().seconds) {
+      EXPECT_NEAR(e.azimuth, scans.back().azimuth, 1e-9);
+      EXPECT_NEAR(e.elevation, scans.back().elevation, 1e-9);
+      continue;
+    }
+    if (!scans.empty()) {
+      const Error& last = scans.back();
+      const Vector3d way = radar_position(e.body.nav, model) - radar_position(last.body.nav, model);
+      product += e.azimuth * last.azimuth + e.elevation * last.elevation;
+      expected += std::exp(-way.norm() / model.scene_distance) *
+                  (last.azimuth * last.azimuth + last.elevation * last.elevation);
+    }
+    scans.push_back(e);
+  }
+  // 200 e-folding distances, two angles: three standard errors
+  expect_sigma(select(scans, &Error::azimuth), model.scene_angle, 0.15);
+  expect_sigma(select(scans, &Error::elevation), model.scene_angle, 0.15);
+  EXPECT_NEAR(product / expected, 1.0, 0.05);
+}
+
 TEST(RadarNoise, IdealIsWhiteAndOtherDecaysWithTheWayFlown) {
   const auto white = [](double) { return 0.0; };
   // some 10^4 pairs: five standard errors

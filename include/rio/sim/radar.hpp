@@ -9,6 +9,8 @@
 // (E6) weak echoes: g^2 = 1 + k 10^(-(SNR - threshold) / 10)
 // (E7) n = sqrt(1 - f^2) n_lasting + f n_fresh; interference lasts while the radar is at rest
 // (E8) a directional reflector: 3 dB (aspect / lobe_width)^2 less at an aspect off its facing
+// (E9) azimuth and elevation of all points are off by e <- k e + sqrt(1 - k^2) scene_angle n,
+//      k = exp(-way / scene_distance), first order in the distance travelled
 // One peak per range-Doppler cell. Frames W, B, S; metres, radians, m/s, dB.
 #pragma once
 
@@ -98,6 +100,9 @@ class RadarSimulator {
   /// The nearest mirror image in view, or the double bounce, or a false alarm if neither exists.
   Echo ghost(const Echo& source, const View& view);
 
+  /// (E9) after another piece of the way [m].
+  void age_scene(double way);
+
   /// (E5)
   RadarDetection measure(const Echo& echo);
 
@@ -115,6 +120,8 @@ class RadarSimulator {
   std::vector<Vector3d> facing_W_;  ///< one per reflector, if they have lobes
   std::vector<Person> people_;
   std::vector<Speckles> people_speckles_;
+  Random scene_random_;
+  Eigen::Vector2d scene_error_ = Eigen::Vector2d::Zero();  ///< of azimuth and elevation [rad]
   std::optional<Time> first_scan_;
   Vector3d last_p_WS_ = Vector3d::Zero();
   double path_ = 0.0;

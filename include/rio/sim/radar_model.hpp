@@ -70,6 +70,10 @@ struct RadarModel {
   double lost_share = 0.0;      ///< share of scans lost on the way to the host
   double doppler_scale = 0.0;   ///< relative error of the reported range rates
   double elevation_bias = 0.0;  ///< added to every elevation [rad]
+  /// Error of azimuth and elevation that all points share, by what lasts in a scene: multipath of
+  /// floor and walls, the sides from which things are seen [rad].
+  double scene_angle = 0.0;
+  double scene_distance = 3.0;  ///< e-folding distance of that [m]
   double stamp_offset = 0.0;    ///< the stamps are late by this [s]
   double latency = 0.0;         ///< from the measurement to the arrival of a scan [s]
 

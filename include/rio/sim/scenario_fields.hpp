@@ -178,6 +178,10 @@ void visit_fields(ScenarioT& s, Visitor&& visit) {
         "Relative error of the reported range rates.");
   field("radar.elevation_bias", s.radar.elevation_bias, "rad", -0.5, 0.5,
         "Added to every elevation.");
+  field("radar.scene_angle", s.radar.scene_angle, "rad", 0, 0.5,
+        "Error of azimuth and elevation that all points of a scene share, as by multipath.");
+  field("radar.scene_distance", s.radar.scene_distance, "m", 1e-3, 1000,
+        "E-folding distance of that error.");
   field("radar.stamp_offset", s.radar.stamp_offset, "s", -1, 1, "The stamps are late by this.");
   field("radar.latency", s.radar.latency, "s", 0, 10,
         "From the measurement to the arrival of a scan; acts in experiments, not in recordings.");
