@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build needs from Debian or Ubuntu packages; asks for nothing that is there already.
-#   cmake/install_dependencies.sh [tools|tests|tidy|fuzz|package|arm64|armhf|docs]
+#   cmake/install_dependencies.sh [tools|tests|tidy|fuzz|package|arm64 [package]|armhf|docs]
 # tests, fuzz, package and the cross builds = tools and more, tidy = tests and more
 set -euo pipefail
 
@@ -21,9 +21,9 @@ case "${1:-tools}" in
 esac
 if [ -n "$foreign" ]; then
   packages+=(qemu-user python3)
-  for library in libfmt-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libgtest-dev; do
-    packages+=("$library:$foreign")
-  done
+  libraries=(libfmt-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libgtest-dev)
+  [ "${2:-}" != package ] || libraries+=(libwebsockets-dev libyaml-cpp0.7 libpython3-dev)
+  packages+=("${libraries[@]/%/:$foreign}")
 fi
 
 missing=()

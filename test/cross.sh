@@ -5,23 +5,12 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 arch=${1:?arm64 or armhf}
-[ -f "cmake/toolchain/$arch.cmake" ] || { echo "no cmake/toolchain/$arch.cmake" >&2; exit 1; }
-cmake/install_dependencies.sh "$arch"
-case "$arch" in
-  arm64) qemu=qemu-aarch64 triplet=aarch64-linux-gnu ;;
-  armhf) qemu=qemu-arm triplet=arm-linux-gnueabihf ;;
-esac
-yaml=$PWD/build/$arch/yaml-cpp  # installed, it would replace that of this machine
-if [ ! -d "$yaml/usr" ]; then
-  mkdir -p "$yaml"
-  (cd "$yaml" && apt-get download -qq "libyaml-cpp-dev:$arch" "libyaml-cpp0.7:$arch" &&
-    for package in *.deb; do dpkg -x "$package" .; done)
-fi
+what=
+. test/cross_build.sh
 
 options=(-G Ninja -S . -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O2 -DRIO_WARNINGS_AS_ERRORS=ON)
 tests=(core_maths_test propagate_imu_test propagate_motion_test frontend_scan_test models_radar_test mavlink_link_test)
-cmake "${options[@]}" -B "build/$arch" -DCMAKE_TOOLCHAIN_FILE="cmake/toolchain/$arch.cmake" \
-  -Dyaml-cpp_DIR="$yaml/usr/lib/$triplet/cmake/yaml-cpp" -DCMAKE_EXE_LINKER_FLAGS="-L$yaml/usr/lib/$triplet" >/dev/null
+cmake "${options[@]}" -B "build/$arch" "${cross[@]}" >/dev/null
 cmake --build "build/$arch" -j "$(nproc)" --target rio_tool "${tests[@]}"
 ctest --test-dir "build/$arch" --output-on-failure --no-tests=error -R "^($(IFS='|'; echo "${tests[*]}"))\$"
 

@@ -6,6 +6,7 @@
 #   test/run.sh thread      the test of two threads, with ThreadSanitizer
 #   test/run.sh tidy        clang-format, clang-tidy, every header compiled alone
 #   test/run.sh package     the Debian packages: lintian, installed into a root, used from there
+#   test/run.sh package arm64     the same, cross-built, the program under qemu-user
 #   test/run.sh docs        the site, without a warning of Doxygen and Sphinx
 #   test/run.sh small       as for a flight controller: code size, memory, stack
 #   test/run.sh arm64       cross build (or armhf): unit tests and the sample flight under qemu-user
@@ -19,7 +20,7 @@ needs=tests
 case "${1:-}" in
   sanitize | thread) mode=$1; shift ;;
   tidy) mode=tidy needs=tidy; shift ;;
-  package) cmake/install_dependencies.sh package; exec test/package/deb.sh ;;
+  package) cmake/install_dependencies.sh package; exec test/package/deb.sh "build/package${2:+-$2}" "${@:2}" ;;
   arm64 | armhf) exec test/cross.sh "$1" ;;
   docs) exec data/docs/build.sh ;;
   small) exec test/small.sh "${@:2}" ;;
