@@ -11,12 +11,17 @@ cp -r data/docs "$out/source"
 mkdir -p "$out/source/api"
 version=$(sed -n 's/#define RIO_VERSION_[MP][AIO][A-Z]* //p' include/rio/version.hpp | paste -sd.)
 { cat data/docs/Doxyfile; echo "OUTPUT_DIRECTORY = $out/source/api"; echo "PROJECT_NUMBER = $version"; } | doxygen -
-for page in data/README.md:recordings data/INTEGRATION.md:integration data/CHANGELOG.md:changes data/presets.md:presets \
-  data/results/README.md:results data/theory.md:theory data/datasets.md:datasets include/rio/README.md:map; do
-  # links between the documents; those to other files become text
-  sed -E -e 's|\]\(results/README\.md|](results.md|; s|\]\(README\.md|](recordings.md|; s|\]\(INTEGRATION\.md|](integration.md|' \
-    -e 's,\[([^]]*)\]\((\.\./|config/|awr)[^)]*\),\1,g' "${page%%:*}" >"$out/source/${page##*:}.md"
+for page in README.md:start data/README.md:recordings data/INTEGRATION.md:integration data/CHANGELOG.md:changes \
+  data/presets.md:presets data/results/README.md:results data/theory.md:theory data/datasets.md:datasets \
+  include/rio/README.md:map; do
+  cp "${page%%:*}" "$out/source/${page##*:}.md"
 done
-cp data/results/*.svg "$out/source/"
+# links between the documents; those to other files become text
+sed -E -i -e 's,\]\((\.\./)*(data/)?results/README\.md,](results.md,g; s,\]\((\.\./)*include/rio/README\.md,](map.md,g' \
+  -e 's,\]\((\.\./)*(data/)?INTEGRATION\.md,](integration.md,g; s,\]\(\.\./\.\./README\.md,](start.md,g' \
+  -e 's,\]\((\.\./|data/)?README\.md,](recordings.md,g; s,\]\((\.\./|data/)?(docs/)?([a-z]+\.md),](\3,g' \
+  -e 's,\]\((\.\./|data/)(results|pictures)/([a-z0-9]+\.(svg|png)),](\3,g' \
+  -e 's,\[([^]]*)\]\((\.\./|config/|awr|src/|include/)[^)]*\),\1,g' "$out"/source/*.md
+cp data/results/*.svg data/pictures/*.png "$out/source/"
 sphinx-build -q -W --keep-going -j auto -D "version=$version" -D "release=$version" "$out/source" "$out/html"
 echo "$out/html/index.html"

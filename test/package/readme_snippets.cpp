@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pieces of code in README.md that are no example of their own, word for word between the
-// markers (readme_example.cmake): compiled, not run.
+// The pieces of code in data/docs/library.md, word for word between the markers
+// (readme_example.cmake): compiled, not run.
 #include <rio/aiding.hpp>
 #include <rio/mavlink/frame.hpp>
 #include <rio/mavlink/odometry.hpp>
