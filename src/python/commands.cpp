@@ -59,6 +59,11 @@ eval::Trajectory trajectory_of(const Times& times, const Values& positions,
   for (py::ssize_t i = 0; i < count; ++i) {
     path.push_back(
         {Time(t(i)), {p(i, 0), p(i, 1), p(i, 2)}, Quaternion(q(i, 0), q(i, 1), q(i, 2), q(i, 3))});
+    const eval::StampedPose& pose = path.back();
+    if (!pose.p.allFinite() || !pose.q.coeffs().allFinite() || pose.q.norm() == 0.0) {
+      throw py::value_error("a path: pose " + std::to_string(i) +
+                            " is not finite, or has no rotation");
+    }
   }
   return path;
 }
@@ -70,6 +75,10 @@ eval::Trajectory load(const std::string& path, bool truth) {
 std::string evaluate(const eval::Trajectory& truth, const std::string& truth_name,
                      const eval::Trajectory& estimate, const std::string& estimate_name,
                      const std::string& align, double max_diff) {
+  if (!eval::alignment_kind(align)) {
+    throw py::value_error("align: none, origin, yaw or se3 is expected, not " + align);
+  }
+  if (!(max_diff >= 0.0)) throw py::value_error("max_diff: seconds, not negative, are expected");
   tools::EvaluateArguments arguments;
   arguments.truth = truth_name;
   arguments.align = align;
@@ -81,6 +90,11 @@ std::string evaluate(const eval::Trajectory& truth, const std::string& truth_nam
 void simulate(const std::string& out, const std::string& scenario,
               std::optional<std::uint64_t> seed, std::optional<double> length,
               const std::string& trajectory, std::size_t radars, bool ideal) {
+  // the ranges of the program
+  if (length && !(*length >= 20.0 && *length <= 1000.0)) {
+    throw py::value_error("length: 20 to 1000 m are expected");
+  }
+  if (radars < 1 || radars > 4) throw py::value_error("radars: 1 to 4 are expected");
   tools::SimulateArguments arguments;
   arguments.out = out;
   arguments.scenario = scenario;

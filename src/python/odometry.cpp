@@ -39,10 +39,17 @@ double& column(RadarDetection& d, std::size_t i) {
   return *columns[i];
 }
 
+/// Lists and other sequences are values by row; a pandas.DataFrame is records, by its names.
+py::array array_of(const py::object& points) {
+  if (py::hasattr(points, "to_records")) {
+    return points.attr("to_records")(py::arg("index") = false);
+  }
+  return py::array(points);
+}
+
 /// N rows of 4 to 10 columns.
 void read_matrix(const py::array& points, RadarScan* scan) {
-  const Points values = Points::ensure(points);
-  if (!values) throw py::error_already_set();
+  const Points values(points);
   const auto columns = values.ndim() == 2 ? static_cast<std::size_t>(values.shape(1)) : 0;
   if (columns < kRequired || columns > kColumns.size()) {
     throw py::value_error(
@@ -77,8 +84,7 @@ void read_fields(const py::array& points, RadarScan* scan) {
       continue;
     }
     const py::object field = points[kColumns[k]];
-    const Points values = Points::ensure(field);
-    if (!values) throw py::error_already_set();
+    const Points values(field);
     const auto at = values.unchecked<1>();
     for (std::size_t i = 0; i < scan->detections.size(); ++i) {
       column(scan->detections[i], k) = at(static_cast<py::ssize_t>(i));
@@ -86,7 +92,8 @@ void read_fields(const py::array& points, RadarScan* scan) {
   }
 }
 
-RadarScan scan_of(std::int64_t time, const py::array& points) {
+RadarScan scan_of(std::int64_t time, const py::object& given) {
+  const py::array points = array_of(given);
   RadarScan scan;
   scan.time = Time(time);
   if (points.size() == 0) return scan;
@@ -129,6 +136,10 @@ py::dict counters_of(const Odometry& odometry) {
   out["scans_non_finite"] = c.scans_non_finite;
   out["detections_non_finite"] = c.detections_non_finite;
   out["scans_uninitialized"] = c.scans_uninitialized;
+  out["aiding"] = c.aiding;
+  out["aiding_late"] = c.aiding_late;
+  out["aiding_ahead"] = c.aiding_ahead;
+  out["aiding_overflow"] = c.aiding_overflow;
   out["updates_failed"] = c.updates_failed;
   out["velocity_resets"] = c.velocity_resets;
   out["attitude_resets"] = c.attitude_resets;
@@ -159,7 +170,7 @@ void bind_odometry(py::module_& module) {
           "axes [m/s^2], +g upwards at rest")
       .def(
           "add_scan",
-          [](Odometry& o, std::int64_t time, const py::array& points, std::size_t radar) {
+          [](Odometry& o, std::int64_t time, const py::object& points, std::size_t radar) {
             return o.add_scan(scan_of(time, points), radar);
           },
           py::arg("time"), py::arg("points"), py::arg("radar") = 0,
@@ -167,8 +178,9 @@ void bind_odometry(py::module_& module) {
           "time: int, nanoseconds, the middle of the chirps\n"
           "points: N x 4 to N x 10: x, y, z [m], radar axes; doppler [m/s], positive = receding;\n"
           "snr, noise [dB]; sigmas of range [m], azimuth, elevation [rad], doppler [m/s], 0 =\n"
-          "that of the options. Or a structured array with fields x, y, z, doppler, snr, noise,\n"
-          "sigma_range, sigma_azimuth, sigma_elevation, sigma_doppler, the first four required.")
+          "that of the options. Or a structured array or DataFrame with fields x, y, z, doppler,\n"
+          "snr, noise, sigma_range, sigma_azimuth, sigma_elevation, sigma_doppler, the first four\n"
+          "required.")
       .def(
           "reset",
           [](Odometry& o, const NavState& state, const Eigen::Ref<const Eigen::MatrixXd>& P) {

@@ -32,20 +32,21 @@ Eigen::Vector4d orientation_of(const NavState& state) {
 }
 
 void bind_status(py::module_& module) {
-  py::enum_<Status>(module, "Status", "Outcome of a call; see Status in rio/report.hpp.")
+  py::enum_<Status>(module, "Status", "Outcome of a call.")
       .value("OK", Status::kOk)
-      .value("WAITING", Status::kWaiting)
-      .value("NOT_INITIALIZED", Status::kNotInitialized)
-      .value("MOVING", Status::kMoving)
-      .value("STALE", Status::kStale)
-      .value("DUPLICATE", Status::kDuplicate)
-      .value("LATE", Status::kLate)
-      .value("QUEUE_FULL", Status::kQueueFull)
-      .value("NON_FINITE", Status::kNonFinite)
-      .value("NUMERICAL", Status::kNumerical)
-      .value("IMPLAUSIBLE", Status::kImplausible)
-      .value("AHEAD", Status::kAhead)
-      .value("UNDECLARED", Status::kUndeclared);
+      .value("WAITING", Status::kWaiting, "queued: newer than the IMU, or of another sensor")
+      .value("NOT_INITIALIZED", Status::kNotInitialized, "no estimate yet")
+      .value("MOVING", Status::kMoving, "no start yet: the sensor does not stand still")
+      .value("STALE", Status::kStale, "IMU sample not newer than the last one")
+      .value("DUPLICATE", Status::kDuplicate, "scan that was already taken")
+      .value("LATE", Status::kLate, "older than the estimate")
+      .value("QUEUE_FULL", Status::kQueueFull, "too much waits")
+      .value("NON_FINITE", Status::kNonFinite, "NaN or infinity in the data")
+      .value("NUMERICAL", Status::kNumerical,
+             "the update failed; no valid covariance or quaternion")
+      .value("IMPLAUSIBLE", Status::kImplausible, "IMU sample frozen or out of range")
+      .value("AHEAD", Status::kAhead, "stamp too far ahead of the newest IMU sample")
+      .value("UNDECLARED", Status::kUndeclared, "no such radar or auxiliary state in the options");
 }
 
 void bind_state(py::module_& module) {
@@ -63,7 +64,18 @@ void bind_state(py::module_& module) {
                              "(4,) quaternion w, x, y, z that takes body to world axes")
       .def_property_readonly("velocity", vector(&NavState::v_WB), "(3,) in world axes [m/s]")
       .def_property_readonly("gyro_bias", vector(&NavState::gyro_bias), "(3,) [rad/s]")
-      .def_property_readonly("accel_bias", vector(&NavState::accel_bias), "(3,) [m/s^2]");
+      .def_property_readonly("accel_bias", vector(&NavState::accel_bias), "(3,) [m/s^2]")
+      .def("__reduce__",  // copies and pickles
+           [](const py::object& s) {
+             return py::make_tuple(
+                 py::type::of(s),
+                 py::make_tuple(s.attr("time"), s.attr("position"), s.attr("orientation"),
+                                s.attr("velocity"), s.attr("gyro_bias"), s.attr("accel_bias")));
+           })
+      .def("__repr__", [](const py::object& s) {
+        return py::str("<rio.State: time {}, position {}, velocity {}>")
+            .format(s.attr("time"), s.attr("position"), s.attr("velocity"));
+      });
 }
 
 py::dict severities(const Health& health, double at_least) {
@@ -90,7 +102,11 @@ void bind_health(py::module_& module) {
           "what makes it less than ok: {name: severity of 1 or more}")
       .def_property_readonly(
           "severity", [](const Health& h) { return severities(h, 0.0); },
-          "every reason: {name: signal over limit}");
+          "every reason: {name: signal over limit}")
+      .def("__repr__", [](const py::object& h) {
+        return py::str("<rio.Health: {}, quality {}, reasons {}>")
+            .format(h.attr("state"), h.attr("quality"), h.attr("reasons"));
+      });
 }
 
 py::dict models_of(const UpdateReport& report) {
@@ -111,18 +127,20 @@ void bind_update(py::module_& module) {
   const auto radar = [](const UpdateReport& r) { return r.radar; };
   py::class_<UpdateReport>(module, "Report", "The last update; see UpdateReport in rio/report.hpp.")
       .def_property_readonly(
-          "time", [](const UpdateReport& r) { return r.time.count(); }, "int, nanoseconds")
-      .def_property_readonly("radar", radar)
+          "time", [](const UpdateReport& r) { return r.time.count(); },
+          "stamp of the scan, int, nanoseconds")
+      .def_property_readonly("radar", radar, "index of the radar of the scan")
       .def_readonly("status", &UpdateReport::status)
       .def_readonly("detections", &UpdateReport::detections, "in the scan")
       .def_readonly("detections_kept", &UpdateReport::detections_kept, "after the filter")
-      .def_readonly("static_detections", &UpdateReport::static_detections)
+      .def_readonly("static_detections", &UpdateReport::static_detections,
+                    "inliers of the ego-velocity consensus")
       .def_readonly("ego_velocity", &UpdateReport::ego_velocity_S, "(3,) radar axes [m/s]")
       .def_readonly("ego_velocity_valid", &UpdateReport::ego_velocity_valid)
-      .def_readonly("trails", &UpdateReport::trails)
+      .def_readonly("trails", &UpdateReport::trails, "alive after the update")
       .def_readonly("landmarks", &UpdateReport::landmarks, "in the state")
       .def_readonly("landmarks_matched", &UpdateReport::landmarks_matched)
-      .def_readonly("at_rest", &UpdateReport::at_rest)
+      .def_readonly("at_rest", &UpdateReport::at_rest, "standstill for a while, by IMU and radar")
       .def_readonly("health", &UpdateReport::health)
       .def_property_readonly("models", &models_of, "{model: {'rows_used': ..., 'nis': ...}}")
       .def_property_readonly(

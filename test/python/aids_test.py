@@ -79,6 +79,7 @@ def test_true_values_are_used(flight, sensor):
 def test_a_state_that_is_not_declared_is_told(flight):
     _, statuses, _, _ = flown(flight, "height")
     assert statuses == {rio.Status.UNDECLARED}
+    assert rio.Odometry(auxiliary="height_offset").counters()["aiding"] == 0
     with pytest.raises(ValueError, match="wind: no such state, but height_offset and ground_height"):
         rio.Odometry(auxiliary=["wind"])
     with pytest.raises(ValueError, match="ground_height: given twice"):

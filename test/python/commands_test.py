@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Options, evaluate, check and simulate, against the program; the stubs against the package."""
 import ast
+import copy
 import filecmp
 import importlib.util
 import json
 import os
 import pathlib
+import pickle
 import subprocess
 import sys
 
@@ -26,6 +28,7 @@ def test_options_of_dict_text_and_key_are_the_same(tmp_path):
         assert options == by_key
     assert by_key != rio.Options()
     assert repr(by_key) == "rio.Options({'radar.sigma_doppler': 0.05})"
+    assert "radar.sigma_doppler" in by_key and "radar.sigma_dopler" not in by_key
 
 
 def test_presets_are_those_of_the_program(program):
@@ -88,24 +91,72 @@ def test_simulate_equals_the_program(flight, tmp_path):
         assert filecmp.cmp(f"{folder}/{name}", flight / name, shallow=False), name
 
 
+def test_wrong_arguments_are_named(flight, tmp_path):
+    result = rio.replay(flight)
+    path = result.path
+    for bad, why in ((path._replace(positions=path.positions * np.nan), "pose 0 is not finite"),
+                     (path._replace(orientations=path.orientations * 0), "pose 0 .* no rotation"),
+                     (path._replace(positions=path.positions[:, :2]), "positions .N x 3")):
+        with pytest.raises(ValueError, match=why):
+            rio.evaluate(flight, bad)
+    with pytest.raises(TypeError, match="nanoseconds"):
+        rio.evaluate(flight, path._replace(times=path.times * 1e-9))
+    with pytest.raises(ValueError, match="none, origin, yaw or se3 .* not sim3"):
+        rio.evaluate(flight, result, align="sim3")
+    with pytest.raises(ValueError, match="max_diff"):
+        rio.evaluate(flight, result, max_diff=float("nan"))
+    for wrong in ({"length": -1.0}, {"length": float("nan")}, {"radars": 0}, {"radars": 5}):
+        with pytest.raises(ValueError, match=f"{next(iter(wrong))}: "):
+            rio.simulate(tmp_path / "none", **wrong)
+    assert not (tmp_path / "none").exists()
+
+
+def test_results_are_copied_pickled_and_shown(flight):
+    state = rio.State(7, [1, 2, 3], [0, 1, 0, 0], [4, 5, 6], [7, 8, 9], [10, 11, 12])
+    for twin in (copy.deepcopy(state), pickle.loads(pickle.dumps(state))):
+        for name in ("time", "position", "orientation", "velocity", "gyro_bias", "accel_bias"):
+            assert np.array_equal(getattr(twin, name), getattr(state, name)), name
+    assert repr(state).startswith("<rio.State: time 7, position [1. 2. 3.], velocity [4. 5. 6.]")
+    assert repr(rio.Odometry().health()).startswith("<rio.Health: initialising, quality ")
+    result = rio.replay(flight)
+    twin = pickle.loads(pickle.dumps(result))
+    assert twin != result and {result: "a key"}[result]  # arrays have no single truth value
+    assert np.array_equal(twin.positions, result.positions) and twin.summary == result.summary
+
+
 def declared(body):
-    """Names of functions, classes and values in the body of a stub, without those of the language."""
-    names = set()
-    for node in body:
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-            names.add(node.name)
-        elif isinstance(node, ast.AnnAssign):
-            names.add(node.target.id)
-    return {name for name in names if not name.startswith("__")}
+    """What the body of a stub declares by name, without what is of the language."""
+    nodes = {node.target.id if isinstance(node, ast.AnnAssign) else node.name: node for node in body
+             if isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.AnnAssign))}
+    return {name: node for name, node in nodes.items() if name == "__init__" or not name.startswith("__")}
+
+
+def signature(function):
+    """Names of the arguments, how many of them have a default, and what is returned; of the last
+    only what is plain, as the compiled part and the stubs write types of numpy in different ways."""
+    arguments, returned = function.args, ast.unparse(function.returns).replace("rio._rio.", "")
+    plain = returned if returned in ("None", "bool", "str", "Status", "State", "Report", "Health") else ""
+    return [a.arg for a in arguments.args], len(arguments.defaults), plain
 
 
 def test_stubs_declare_what_is_there():
-    stub = ast.parse((pathlib.Path(rio.__file__).parent / "_rio.pyi").read_text())
-    assert declared(stub.body) == {name for name in vars(rio._rio) if not name.startswith("__")}
-    for node in stub.body:
-        if isinstance(node, ast.ClassDef) and node.name not in ("Error", "Status"):
-            there = {name for name in vars(getattr(rio._rio, node.name)) if not name.startswith("_")}
-            assert declared(node.body) == there, node.name
+    stub = declared(ast.parse((pathlib.Path(rio.__file__).parent / "_rio.pyi").read_text()).body)
+    assert set(stub) == {name for name in vars(rio._rio) if not name.startswith("__")}
+    functions = [(getattr(rio._rio, n), node) for n, node in stub.items() if isinstance(node, ast.FunctionDef)]
+    for name, node in stub.items():
+        if not isinstance(node, ast.ClassDef) or name == "Error":
+            continue
+        there = vars(getattr(rio._rio, name))
+        members = declared(node.body)
+        assert set(members) - {"__init__"} == {n for n in there if not n.startswith("_")}, name
+        for member, declaration in members.items():
+            is_property = "property" in [ast.unparse(d) for d in getattr(declaration, "decorator_list", [])]
+            assert is_property == isinstance(there[member], property), member
+            if isinstance(declaration, ast.FunctionDef) and not is_property:
+                functions.append((getattr(getattr(rio._rio, name), member), declaration))
+    for function, declaration in functions:
+        there = ast.parse(f"def {function.__doc__.splitlines()[0]}: ...").body[0]
+        assert signature(there) == signature(declaration), declaration.name
 
 
 @pytest.mark.skipif(importlib.util.find_spec("mypy") is None, reason="needs the package mypy")

@@ -3,6 +3,7 @@
 import gc
 import json
 import threading
+import types
 
 import numpy as np
 import pytest
@@ -139,8 +140,9 @@ def test_points_as_records(flight):
     records = np.zeros(len(points), dtype=[(name, "f8") for name in reversed(names)])
     for index, name in enumerate(names):
         records[name] = points[:, index]
+    frame = types.SimpleNamespace(to_records=lambda index: records)  # as of pandas
     states = []
-    for given in (points, records):
+    for given in (points, records, points.tolist(), np.asfortranarray(points), frame):
         odometry = rio.Odometry(sensors=flight)
         start = rio.State(time - 10**7, [1, 2, 3], [1, 0, 0, 0], [0, 0, 0])
         assert odometry.reset(start, np.eye(15) * 0.01) == rio.Status.OK
@@ -148,7 +150,7 @@ def test_points_as_records(flight):
         odometry.add_imu(time, [0, 0, 0], [0, 0, 9.81])
         assert odometry.add_scan(time, given) == rio.Status.OK
         states.append((odometry.at_scan().position, odometry.at_scan().velocity, odometry.covariance()))
-    assert all(np.array_equal(a, b) for a, b in zip(*states))
+    assert all(np.array_equal(a, b) for a, *others in zip(*states) for b in others)
     assert not np.array_equal(states[0][1], [0, 0, 0])
 
 
@@ -160,9 +162,12 @@ def test_wrong_points_are_named():
         odometry.add_scan(0, np.zeros(5, dtype=[("x", "f8"), ("y", "f8"), ("z", "f8")]))
     with pytest.raises(ValueError, match='unknown field "rdot"'):
         odometry.add_scan(0, np.zeros(5, dtype=[("x", "f8"), ("rdot", "f8")]))
+    with pytest.raises(ValueError, match="could not convert string"):
+        odometry.add_scan(0, [["a", "b", "c", "d"]])
     with pytest.raises(TypeError):
         odometry.add_imu(0.5, [0, 0, 0], [0, 0, 9.81])  # seconds
-    assert odometry.add_scan(0, np.zeros((0, 4))) == rio.Status.NOT_INITIALIZED
+    for empty in (np.zeros((0, 4)), []):
+        assert odometry.add_scan(0, empty) == rio.Status.NOT_INITIALIZED
 
 
 def test_what_is_not_there_is_an_error(tmp_path):

@@ -14,7 +14,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from typing import Any, Mapping, NamedTuple, Sequence, Union
+from typing import Any, Iterator, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,9 @@ class Options:
     def __getitem__(self, key: str) -> Any:
         return self.as_dict()[key]
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.as_dict())
+
     def as_dict(self) -> dict[str, Any]:
         """Every key with its value, without sensor files."""
         return _rio.option_values(self._texts, self._preset)
@@ -142,7 +145,8 @@ class Odometry(_rio.Odometry):
     def __init__(self, options: OptionsLike = None, *, sensors: PathLike = "",
                  auxiliary: Sequence[str] = ()) -> None:
         chosen = _options(options)
-        super().__init__(chosen._texts, chosen._preset, os.fspath(sensors), list(auxiliary))
+        names = [auxiliary] if isinstance(auxiliary, str) else list(auxiliary)
+        super().__init__(chosen._texts, chosen._preset, os.fspath(sensors), names)
 
 
 class Path(NamedTuple):
@@ -167,7 +171,7 @@ class Event(NamedTuple):
     """of a re-opened position its sigma [m], else zero"""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Result:
     """What a replay estimated, one row per scan; the arrays own their memory."""
 
@@ -262,6 +266,8 @@ def _trajectory(source: PathSource, truth: bool) -> tuple[_rio.Trajectory, str]:
     if isinstance(source, Result):
         source = source.path
     if isinstance(source, Path):
+        if np.asarray(source.times).dtype.kind not in "iu":
+            raise TypeError("times of a path: integers are expected, nanoseconds")
         return _rio.Trajectory(*source), "result"
     return _rio.Trajectory.load(os.fspath(source), truth), os.fspath(source)
 
