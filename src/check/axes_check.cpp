@@ -207,11 +207,12 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     out.change = judge.advice.negate_doppler() + ", or look at the axes of the points";
     return out;
   }
-  const auto imu_axes =
-      judge.advice.imu_axes(found.R * judge.configured.transpose(), judge.data.up);
-  if (imu_axes && judge.advice.bag()) {
+  for (const Axes& axes : alike) {
+    const auto imu_axes =
+        judge.advice.imu_axes(axes.R * judge.configured.transpose(), judge.data.up);
+    if (!imu_axes || !judge.advice.bag()) continue;
     out.text += fmt::format(", and {:.0f} % if the IMU is in {}, as its gravity also shows",
-                            100.0 * best, *imu_axes);
+                            100.0 * judge.all.explained(axes.R), *imu_axes);
     out.change = "--imu-axes " + *imu_axes + " (without it, if it is given)";
     return out;
   }

@@ -91,6 +91,18 @@ TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
   }
 }
 
+TEST(CheckOfARealRecording, GravityTellsAnImuInFrdFromARadarTurnedAlike) {
+  for (const char* name : {"kart/labDriveAround3_A", "kart2/jun26_DriveArroundFast"}) {
+    if (is_missing(name)) GTEST_SKIP() << kNeeded;
+    const io::Dataset healthy = io::read_dataset(recording_at(name));
+    for (const Fault& fault : faults()) {
+      if (std::string(fault.name) != "ImuInForwardRightDown") continue;
+      const Findings findings = check_it_with(fault, healthy);
+      EXPECT_NE(check::naming(findings, fault), nullptr) << name << "\n" << text_of(findings);
+    }
+  }
+}
+
 TEST(CheckOfARealRecording, AGyroInDegreesDoesNotRest) {
   for (const char* name : {"kart/driveAround1_B", "kart2/sep_labHallway_L"}) {
     if (is_missing(name)) GTEST_SKIP() << kNeeded;
