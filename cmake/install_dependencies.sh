@@ -22,7 +22,7 @@ esac
 if [ -n "$foreign" ]; then
   packages+=(qemu-user python3)
   libraries=(libfmt-dev libbz2-dev liblz4-dev libzstd-dev libsqlite3-dev libgtest-dev)
-  [ "${2:-}" != package ] || libraries+=(libwebsockets-dev libyaml-cpp0.7 libpython3-dev)
+  [ "${2:-}" != package ] || libraries+=(libwebsockets17 libssl-dev libyaml-cpp0.7 libpython3-dev)
   packages+=("${libraries[@]/%/:$foreign}")
 fi
 

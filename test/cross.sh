@@ -20,7 +20,7 @@ if [ -z "${RIO_HOST_TOOL:-}" ]; then
   RIO_HOST_TOOL=build/host/src/tools/rio
 fi
 "$RIO_HOST_TOOL" replay data/sample_flight --no-check --states "build/$arch/host.csv" >/dev/null
-"$qemu" -L / -E "LD_LIBRARY_PATH=$yaml/usr/lib/$triplet" "build/$arch/src/tools/rio" replay data/sample_flight --no-check --states "build/$arch/states.csv"
+"$qemu" -L / -E "LD_LIBRARY_PATH=$root/usr/lib/$triplet" "build/$arch/src/tools/rio" replay data/sample_flight --no-check --states "build/$arch/states.csv"
 python3 - "build/$arch/host.csv" "build/$arch/states.csv" <<'COMPARE'
 import sys
 host, small = ([[float(cell) for cell in line.split(",")[:8]] for line in open(name) if line[0].isdigit()]
