@@ -11,10 +11,12 @@ namespace {
 
 constexpr std::size_t kTlvHeader = 8;
 constexpr std::size_t kSide = 4;
-constexpr std::size_t kUnit = 32;  // the length of a padded packet is a multiple of it
+constexpr std::size_t kLongestUnit = 64;  // of padding; the length is a multiple of the unit
 constexpr std::uint32_t kXwr14 = 0xA1443;
+constexpr std::uint32_t kLowPowerSdk = 5;  // and later
+constexpr double kMostDb = 100.0;          // of an echo: more is a ratio of powers
 constexpr std::uint32_t kPlatforms = 0xA;  // their upper half
-enum Tlv : std::uint32_t { kSideInfo = 7, kLastOfDemo = 9 };
+enum Tlv : std::uint32_t { kPoints = 1, kSideInfo = 7, kLastOfDemo = 9 };
 
 /// Positions in a header [bytes].
 struct Layout {
@@ -22,11 +24,13 @@ struct Layout {
   std::size_t length_at;
   std::size_t platform_at;
   std::size_t tlvs_at;
-  bool
-      is_demo;  ///< u32 numTLVs, TLV lengths of the payload; else u16, lengths with type and length
+  std::size_t own;  ///< of type and length in the length of a TLV; if there are, numTLVs is u16
 };
-constexpr Layout kLayouts[] = {
-    {40, 12, 16, 32, true}, {48, 12, 16, 44, false}, {52, 20, 12, 48, false}};
+constexpr Layout kLayouts[] = {{40, 12, 16, 32, 0},  // of the demos that are read
+                               {48, 12, 16, 44, kTlvHeader},
+                               {52, 20, 12, 48, kTlvHeader},
+                               {44, 12, 16, 32, 0},
+                               {44, 12, 16, 36, 0}};
 constexpr std::size_t kLayoutCount = sizeof kLayouts / sizeof *kLayouts;
 
 std::uint32_t u16(const std::uint8_t* b) {
@@ -73,9 +77,9 @@ Vector3d from_sphere(double range, double azimuth, double elevation) {
   return {level * std::cos(azimuth), -level * std::sin(azimuth), range * std::sin(elevation)};
 }
 
-/// Whether the points have SNR themselves, so that TLV 7 tells nothing.
-bool has_own_snr(PointForm form) {
-  return form == PointForm::kCartesianUnits || form == PointForm::kSphericalUnits;
+/// Whether SNR and noise of the points are in TLV 7.
+bool has_side_info(PointForm form) {
+  return form == PointForm::kCartesian || form == PointForm::kSpherical;
 }
 
 /// In radar axes; false if it is not finite.
@@ -108,6 +112,7 @@ bool read_point(const Firmware& row, const std::uint8_t* head, const std::uint8_
       d->point_S = from_sphere(f32(head + 12) * u16(p + 4), azimuth, elevation);
       d->range_rate = f32(head + 8) * i16(p + 2);
       d->snr_db = f32(head + 16) * u16(p + 6);
+      if (d->snr_db > kMostDb) d->snr_db = 10.0 * std::log10(d->snr_db);
       return true;
     }
     case PointForm::kNotRead:
@@ -149,18 +154,18 @@ PacketVerdict PacketWalk::read_header(const std::uint8_t* packet) {
   const Layout& layout = kLayouts[layout_];
   const std::uint32_t size = u32(packet + layout.length_at);
   const std::uint32_t tlvs =
-      layout.is_demo ? u32(packet + layout.tlvs_at) : u16(packet + layout.tlvs_at);
+      layout.own == 0 ? u32(packet + layout.tlvs_at) : u16(packet + layout.tlvs_at);
   if (size < layout.header || size > max_packet_) return PacketVerdict::kDamaged;
   if (tlvs > (size - layout.header) / kTlvHeader) return PacketVerdict::kDamaged;
-  if (layout.is_demo && u32(packet + 8) >> 24 <= kOldDemos.last_sdk) {
+  if (layout_ == 0 && u32(packet + 8) >> 24 <= kOldDemos.last_sdk) {
     firmware_ = &kOldDemos;
     return PacketVerdict::kOldSdk;
   }
-  if (!layout.is_demo && u32(packet + layout.platform_at) >> 16 != kPlatforms) {
+  if (layout_ > 0 && (tlvs == 0 || u32(packet + layout.platform_at) >> 16 != kPlatforms)) {
     return PacketVerdict::kDamaged;
   }
   // no TLV has type 0, and no subframe of an xWR14xx another number
-  has_subframe_ = u32(packet + 16) != kXwr14 || u32(packet + 36) == 0;
+  has_subframe_ = layout_ > 0 || u32(packet + 16) != kXwr14 || u32(packet + 36) == 0;
   size_ = size;
   tlvs_left_ = tlvs;
   at_ = has_subframe_ ? layout.header : layout.header - sizeof(std::uint32_t);
@@ -170,7 +175,7 @@ PacketVerdict PacketWalk::read_header(const std::uint8_t* packet) {
 /// Takes the complete header of the TLV at at_ and moves to the next.
 bool PacketWalk::read_tlv(const std::uint8_t* packet) {
   const std::uint32_t type = u32(packet + at_);
-  const std::size_t own = kLayouts[layout_].is_demo ? 0 : kTlvHeader;
+  const std::size_t own = kLayouts[layout_].own;
   const std::size_t length = u32(packet + at_ + 4);
   at_ += kTlvHeader;
   if (length < own || length - own > size_ - at_) return false;
@@ -189,42 +194,50 @@ bool PacketWalk::read_tlv(const std::uint8_t* packet) {
   return true;
 }
 
-/// For a packet whose TLVs were all read.
+/// For a packet whose TLVs were all read: up to a multiple of a power of two.
 bool PacketWalk::is_padded() const {
-  return size_ == at_ || (kLayouts[layout_].is_demo && size_ % kUnit == 0 && size_ - at_ < kUnit);
+  const std::size_t unit = std::min(kLongestUnit, size_ & (~size_ + 1));
+  return size_ - at_ < (kLayouts[layout_].own == 0 ? unit : 1);
+}
+
+/// The points in the packet, if it is of the row.
+std::uint64_t PacketWalk::points_by(const Firmware& row, const std::uint8_t* packet) const {
+  if (row.tlv == kPoints && row.first_sdk < kLowPowerSdk) return u32(packet + 28);
+  return points_.length < row.head ? 0 : (points_.length - row.head) / row.point;
 }
 
 /// Whether the head and the counts of the points are those of the row, for a packet of a demo.
 bool PacketWalk::agrees(const Firmware& row, const std::uint8_t* packet) const {
-  const std::uint64_t objects = u32(packet + 28);  // no overflow where size_t has 32 bits
+  const std::uint64_t points = points_by(row, packet);  // no overflow where size_t has 32 bits
   const std::uint8_t* payload = packet + points_.at;
-  if (row.tlv != points_.type || points_.length != row.head + objects * row.point) return false;
-  if (row.form == PointForm::kNotRead || objects == 0) return true;
+  if (row.tlv != points_.type) return false;
+  if (points_.length == 0 && points == 0) return true;
+  if (points_.length != row.head + points * row.point) return false;
+  if (row.form == PointForm::kNotRead || points == 0) return true;
   switch (row.form) {
     case PointForm::kCartesianUnits:
-      return are_units(payload, 4) && u16(payload + 16) + u16(payload + 18) == objects;
+      return are_units(payload, 4) && u16(payload + 16) + u16(payload + 18) == points;
     case PointForm::kSphericalUnits:
       return are_units(payload, 5);
-    default:  // u16 number and u16 binary places; as x a number below 1e-38
-      return u16(payload) != objects || u16(payload + 2) > 15;
+    default:  // u16 number and u16 binary places of objects; as x a number below 1e-38
+      return u16(payload) == 0 || u16(payload + 2) > 15;
   }
 }
 
 /// A packet whose lengths agree: its firmware, and whether its counts do.
 PacketVerdict PacketWalk::judge(const std::uint8_t* packet) {
-  const bool is_demo = kLayouts[layout_].is_demo;
-  if (is_demo && points_.type == 0) {
+  if (layout_ == 0 && points_.type == 0) {
     return side_.length == 0 ? PacketVerdict::kComplete : PacketVerdict::kDamaged;
   }
   const std::uint32_t sdk = u32(packet + 8) >> 24;
   const auto fits = [&](const Firmware& row) {
     return row.header == kLayouts[layout_].header && sdk >= row.first_sdk && sdk <= row.last_sdk &&
-           (!is_demo || row.point == 0 || agrees(row, packet));
+           (layout_ > 0 || row.point == 0 || agrees(row, packet));
   };
   firmware_ = std::find_if(std::begin(kFirmware), std::end(kFirmware), fits);
   if (firmware_->form == PointForm::kNotRead) return PacketVerdict::kOtherDemo;
-  const bool contradicts =
-      !has_own_snr(firmware_->form) && side_.length > 0 && side_.length / kSide != u32(packet + 28);
+  const bool contradicts = has_side_info(firmware_->form) && side_.length > 0 &&
+                           side_.length / kSide != points_by(*firmware_, packet);
   return contradicts ? PacketVerdict::kDamaged : PacketVerdict::kComplete;
 }
 
@@ -239,12 +252,12 @@ std::size_t PacketWalk::decode(const std::uint8_t* packet, Frame* frame) const {
   detections.clear();
   if (firmware_ == nullptr) return 0;
   const std::uint8_t* payload = packet + points_.at;
-  const std::size_t count = u32(packet + 28);
+  const auto count = static_cast<std::size_t>(points_by(*firmware_, packet));
   for (std::size_t i = 0; i < count; ++i) {
     RadarDetection detection;
     const std::uint8_t* point = payload + firmware_->head + i * firmware_->point;
     if (!read_point(*firmware_, payload, point, &detection)) continue;
-    if (!has_own_snr(firmware_->form) && side_.length > 0) {
+    if (has_side_info(firmware_->form) && side_.length > 0) {
       const std::uint8_t* side = packet + side_.at + i * kSide;
       detection.snr_db = 0.1 * i16(side);
       detection.noise_db = 0.1 * i16(side + 2);

@@ -277,6 +277,30 @@ TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
   }
 }
 
+/// What comes instead of samples from the port of the IMU.
+TEST_F(Live, SaysWhyThereAreNoSamples) {
+  const std::string other = ": another port, baud rate or --imu-format";
+  const std::string text = "1,0,0,0,0,0\n", radar = text_of(sim::packet_of(1, {}));
+  const struct {
+    std::string bytes, format, said;
+  } rows[] = {
+      {"", "binary", ": no byte came"},
+      {radar + radar, "binary", ", but packets of a TI radar: exchange the ports"},
+      {radar + radar, "mavlink", ", but packets of a TI radar: exchange the ports"},
+      {std::string(300, '\xE6'), "binary", " in 300 bytes" + other},  // as by another baud rate
+      {std::string(300, '\xE6'), "mavlink", " in 300 bytes" + other},
+      {"$GNGGA,123519,4807.038,N\r\n", "csv", " in 26 bytes" + other},
+      {text, "csv", " in 12 bytes" + other},  // a column is missing
+      {text, "mavlink-raw", " in 12 bytes" + other},
+  };
+  for (const auto& [bytes, format, said] : rows) {
+    fails(1,
+          "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
+              dir_->write("imu.bin", bytes).string() + " --imu-format " + format,
+          {"no sample of the IMU" + said});
+  }
+}
+
 TEST_F(Live, WrongCommandLines) {
   const std::string imu = "live --imu " + file("nothing") + " --patience 0";
   const std::string both = imu + " --radar " + file("nothing");

@@ -26,21 +26,24 @@ double difference(const RadarScan& scan, const std::vector<WrittenPoint>& points
   return most;
 }
 
-/// The one frame of a packet, with padding and without.
+/// The one frame of a packet, without padding and with that of 32 and of 64.
 RadarScan scan_of(const WrittenPacket& packet) {
   Reading reading;
   reading.push(unpadded(packet));
   reading.push(packet.bytes());
+  reading.push(padded(packet, 64));
   reading.flush();
   EXPECT_EQ(reading.counters().damaged + reading.counters().other_sdk, 0U);
   if (packet.objects > 0) {
     EXPECT_EQ(reading.reader.problem(), "");
   }
-  if (reading.frames.size() != 2) {
+  if (reading.frames.size() != 3) {
     ADD_FAILURE() << reading.frames.size() << " frames";
     return {};
   }
-  EXPECT_EQ(reading.frames[0].scan.detections.size(), reading.frames[1].scan.detections.size());
+  for (const Frame& frame : reading.frames) {
+    EXPECT_EQ(frame.scan.detections.size(), reading.frames[1].scan.detections.size());
+  }
   EXPECT_EQ(reading.frames[1].version, packet.version);
   return reading.frames[1].scan;
 }
@@ -117,12 +120,65 @@ TEST(TiFirmware, SphericalPointsAreRead) {
   EXPECT_DOUBLE_EQ(scan.detections[0].noise_db, 42.1);
 }
 
+/// People tracking counts none in its header, the xWRL6432 those of major motion, the xWRL6844 both
+/// in one number. A length that is not one of whole points is none.
+TEST(TiFirmware, NumDetectedObjOfOtherTlvsAndOfSdk5IsNotAsked) {
+  const auto points = points_of(8);
+  for (WrittenPacket packet :
+       {packet_with(kSdk55, 0xA6432, 8, {{1, points_tlv(points)}, {7, side_tlv(points)}}),
+        packet_with(kSdk55, 0xA6432, 8, {{1, points_tlv(points)}}), low_power(8, 1),
+        low_power(8, 2), tracking(8), packet_with(kSdk36, kXwr68, 8, {{1000, points_tlv(points)}}),
+        packet_with(kSdk55, 0xA6844, 8, {{1020, spherical_tlv(points)}})}) {
+    for (const std::uint32_t objects : {0U, 5U, 9U, 0x30005U, ~0U}) {
+      packet.objects = objects;
+      EXPECT_EQ(scan_of(packet).detections.size(), 8U) << objects << " " << packet.tlvs[0].first;
+      WrittenPacket other = packet;
+      other.tlvs[0].second.pop_back();
+      refused(other.bytes());
+    }
+    packet.tlvs[0].second.clear();
+    packet.objects = 0;
+    if (packet.tlvs.size() == 1) {
+      EXPECT_EQ(scan_of(packet).detections.size(), 0U);
+    }
+  }
+  refused(packet_with(kSdk55, 0xA6432, 7, {{1, points_tlv(points)}, {7, side_tlv(points_of(7))}})
+              .bytes());
+}
+
+/// That of people tracking is a ratio in some firmware, and dB in other.
+TEST(TiFirmware, AnSnrBeyondAllDecibelsIsARatio) {
+  Bytes payload = spherical_tlv(points_of(1));
+  const auto snr = [&payload](std::uint8_t low, std::uint8_t high) {
+    payload[26] = low;
+    payload[27] = high;
+    const RadarScan scan = scan_of(packet_with(kSdk36, kXwr68, 1, {{1020, payload}}));
+    return scan.detections.empty() ? 0.0 : scan.detections[0].snr_db;
+  };
+  EXPECT_NEAR(snr(0xFF, 0xFF), 34.2, 0.05);
+  EXPECT_NEAR(snr(0x90, 0x01), 400 * 0.04, 1e-6);
+}
+
+TEST(TiFirmware, AHeaderOf44BytesIsNamed) {
+  for (const bool minor : {false, true}) {  // numDetectedObjMinor before numTLVs (xWRL6844)
+    for (int count = 1; count < 40; ++count) {
+      const auto points = points_of(count);
+      Bytes bytes = unpadded(packet_with(minor ? kSdk55 : kSdk36, minor ? 0xA6844 : kXwr68, count,
+                                         {{1, points_tlv(points)}, {8, points_tlv(points)}}));
+      const Bytes word = {static_cast<std::uint8_t>(count), 0, 0, 0};
+      bytes.insert(bytes.begin() + (minor ? 32 : 40), word.begin(), word.end());
+      bytes[12] = static_cast<std::uint8_t>(bytes.size());
+      bytes[13] = static_cast<std::uint8_t>(bytes.size() >> 8);
+      EXPECT_PRED2(contains, refused(bytes), minor ? "xWRL6844 people" : "area scanner") << count;
+    }
+  }
+}
+
 TEST(TiFirmware, CountsThatContradictAreNoPoints) {
   const auto points = points_of(8);
   for (WrittenPacket packet :
        {packet_with(kSdk36, kXwr68, 8, {{1, points_tlv(points)}, {7, side_tlv(points)}}),
-        packet_with(0x04070201, 0xA2944, 8, {{1, points_tlv(points)}}), low_power(8, 1),
-        low_power(8, 2), tracking(8)}) {
+        packet_with(0x04070201, 0xA2944, 8, {{1, points_tlv(points)}})}) {
     for (const std::uint32_t objects : {0U, 7U, 9U, 16U, ~0U}) {
       packet.objects = objects;
       refused(packet.bytes());
@@ -147,11 +203,12 @@ TEST(TiFirmware, CountsThatContradictAreNoPoints) {
 
 TEST(TiFirmware, ObjectsOfMrrAreNoPoints) {
   for (int count = 0; count < 60; ++count) {
-    for (const int size : {10, 14}) {
+    for (const int size : {8, 10, 14}) {
       WrittenPacket packet = mrr(count, size);
       packet.tlvs.emplace_back(2, Bytes(12, 1));
       packet.tlvs.emplace_back(3, Bytes(16, 2));
-      EXPECT_PRED2(contains, refused(packet.bytes()), "TLV 1 of another demo: MRR")
+      EXPECT_PRED2(contains, refused(packet.bytes()),
+                   size == 8 && count > 0 ? "demo: SRR" : "TLV 1 of another demo: MRR")
           << count << " " << size;
       EXPECT_PRED2(contains, refused(unpadded(packet)), "out-of-box demo of SDK 3.x") << count;
     }

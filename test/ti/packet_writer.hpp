@@ -80,7 +80,8 @@ inline Bytes spherical_tlv(const std::vector<WrittenPoint>& points) {
   return bytes;
 }
 
-/// Payload of TLV 1 of SDK 1 and 2 (12 bytes an object), of MRR (10, or 14 with SNR).
+/// Payload of TLV 1 of SDK 1 and 2 (12 bytes an object), of MRR (10, or 14 with SNR), of
+/// SRR (8, no z).
 inline Bytes fixed_point_tlv(const std::vector<WrittenPoint>& points, int size, int places = 7) {
   Bytes bytes;
   put(&bytes, static_cast<std::uint32_t>(points.size()), 2);
@@ -89,20 +90,26 @@ inline Bytes fixed_point_tlv(const std::vector<WrittenPoint>& points, int size, 
     if (size == 12) put(&bytes, 40, 2);  // range bin
     put_number(&bytes, std::ldexp(p.velocity, places), 2);
     put(&bytes, 1200, 2);  // peak
-    for (const float metres : {p.x, p.y, p.z}) put_number(&bytes, std::ldexp(metres, places), 2);
+    for (const float metres : {p.x, p.y}) put_number(&bytes, std::ldexp(metres, places), 2);
+    if (size != 8) put_number(&bytes, std::ldexp(p.z, places), 2);
     if (size == 14) put(&bytes, 0x00140015);  // SNR
   }
   return bytes;
 }
 
-/// The packet without padding.
-inline Bytes unpadded(const WrittenPacket& packet) {
+/// The packet padded up to a multiple of `unit`.
+inline Bytes padded(const WrittenPacket& packet, std::size_t unit) {
   Bytes bytes = packet.bytes();
   std::size_t size = packet.with_subframe ? 40 : 36;
   for (const auto& [type, payload] : packet.tlvs) size += 8 + payload.size();
-  bytes.resize(size);
+  size = (size + unit - 1) / unit * unit;
+  bytes.resize(size, 0x5A);
   for (std::size_t i = 0; i < 4; ++i) bytes[12 + i] = static_cast<std::uint8_t>(size >> (8 * i));
   return bytes;
+}
+
+inline Bytes unpadded(const WrittenPacket& packet) {
+  return padded(packet, 1);
 }
 
 /// The same TLVs behind a header of 48 or 52 bytes (people counting), whose lengths count type and

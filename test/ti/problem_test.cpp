@@ -212,7 +212,7 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
   };
   WrittenPacket contradicting = packet_of(1, some_points(1, 3));
   contradicting.version = 0x05040000;
-  contradicting.objects = 2;
+  contradicting.tlvs[0].second.pop_back();
   rows.push_back({text_of(contradicting),
                   StreamState::kNewSdk,
                   {"packets of SDK 4 or later", "load the out-of-box demo of its SDK"}});

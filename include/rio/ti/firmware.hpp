@@ -4,7 +4,8 @@
 //
 // Sources: mmw_output.h and dpif_pointcloud.h of the mmWave SDK 3.x, mmw_output.h of the MCU+ SDK
 // and of the SDK for low-power radars, the TLV definitions and visualizers of TI's Radar Toolbox
-// and Industrial Toolbox, the MRR demo of SDK 1 to 3.
+// and Industrial Toolbox, the MRR and SRR demos of SDK 1 to 3, people tracking of the
+// xWRL6844.
 #pragma once
 
 #include <cstddef>
@@ -36,8 +37,10 @@ struct Firmware {
   const char* commands = "";
 };
 
-/// The first row that fits a packet is its firmware: version, header, TLV, and a payload of
-/// head + numDetectedObj * point bytes. The last row of a header is for all others with it.
+/// The first row that fits a packet is its firmware: version, header, TLV, and a payload of whole
+/// points. The last row of a header is for all others with it. In TLV 1 of SDK 3 and 4, which other
+/// demos fill with objects of other sizes, numDetectedObj must be the number of the points;
+/// elsewhere that is 0, or of some of them (major motion), in some firmware.
 inline constexpr Firmware kFirmware[] = {
     {"SDK 1 or 2", 0, 2, 40, 1, 4, 12, PointForm::kNotRead, 921600, "load a demo of SDK 3.x",
      " peakGrouping nearFieldCfg "},
@@ -62,8 +65,14 @@ inline constexpr Firmware kFirmware[] = {
      "load the out-of-box demo of SDK 3.x"},
     {"MRR or SRR (objects of 14 bytes)", 3, 255, 40, 1, 4, 14, PointForm::kNotRead, 921600,
      "load the out-of-box demo of SDK 3.x"},
+    {"SRR (objects of 8 bytes)", 3, 255, 40, 1, 4, 8, PointForm::kNotRead, 921600,
+     "load the out-of-box demo of SDK 3.x"},
     {"an unknown demo", 3, 255, 40, 0, 0, 0, PointForm::kNotRead, 921600,
      "load the out-of-box demo of SDK 3.x"},
+    {"area scanner (header of 44 bytes)", 0, 4, 44, 1, 0, 16, PointForm::kNotRead, 921600,
+     "load the out-of-box demo of SDK 3.x"},
+    {"xWRL6844 people tracking (header of 44 bytes)", 5, 255, 44, 1, 0, 16, PointForm::kNotRead,
+     1250000, "load the out-of-box demo of its SDK"},
     {"people counting (header of 48 bytes)", 0, 255, 48, 6, 20, 8, PointForm::kNotRead, 921600,
      "load the out-of-box demo of SDK 3.x"},
     {"people counting (header of 52 bytes)", 0, 255, 52, 6, 0, 16, PointForm::kNotRead, 921600,
@@ -71,7 +80,7 @@ inline constexpr Firmware kFirmware[] = {
 };
 inline constexpr const Firmware& kOldDemos = kFirmware[0];
 inline constexpr const Firmware& kDemo = kFirmware[1];
-inline constexpr const Firmware& kUnknownDemo = kFirmware[10];
+inline constexpr const Firmware& kUnknownDemo = kFirmware[11];
 static_assert(kUnknownDemo.header == 40 && kUnknownDemo.point == 0);
 
 }  // namespace rio::ti

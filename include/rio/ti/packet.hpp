@@ -8,11 +8,11 @@
 //   offset type   field           here
 //    0     u16[4] magic word      02 01 04 03 06 05 08 07 on the wire
 //    8     u32    version         Frame::version: major << 24 | minor << 16 | bugfix << 8 | build
-//   12     u32    totalPacketLen  Frame::bytes: header, TLVs and padding up to a multiple of 32, or none
+//   12     u32    totalPacketLen  Frame::bytes: header, TLVs and padding up to a multiple of 32 or 64, or none
 //   16     u32    platform        Frame::platform: 0xA1843, 0xA6843, 0xA1642, 0xA1443, 0xA2944, 0xA6432
 //   20     u32    frameNumber     Frame::number: counts from power-on, also over sensorStop
 //   24     u32    timeCpuCycles   Frame::cycles: when it was made; wraps (21.5 s at 200 MHz)
-//   28     u32    numDetectedObj  must be the number of the points
+//   28     u32    numDetectedObj  of TLV 1 with SDK 3 and 4 it must be the number of the points
 //   32     u32    numTLVs         how many follow
 //   36     u32    subFrameNumber  Frame::subframe: 0 but for advanced frames, ~0 with 0xA6432; none with 0xA1443
 //   40            TLVs            u32 type, u32 length of what follows, as many bytes
@@ -28,7 +28,7 @@
 //   SNR, noise [dB]; u16 points of major, u16 of minor motion; then 10 or 12 bytes each
 //    0  i16[4] x, y, z, velocity                     8  u8 or i16  snr, then noise
 //   TLV 1020, spherical points (people tracking): f32 units of elevation, azimuth [rad], velocity [m/s],
-//   range [m], SNR [dB]; then 8 bytes each
+//   range [m], SNR (dB, or a ratio of powers, as above 100); then 8 bytes each
 //    0  i8  elevation, up     1  i8  azimuth, to the right   2  i16  velocity   4  u16  range   6  u16  snr
 //   TLV 1000, the same without units, 16 bytes each: f32 range [m], azimuth, elevation [rad], velocity [m/s];
 //   SNR and noise in TLV 7
@@ -40,8 +40,9 @@
 // `guiMonitor` without it: SNR and noise are then 0); the order is free. There is no checksum: a
 // packet is accepted if its lengths and counts agree to the byte; damage inside the numbers cannot
 // be detected. Other packets are recognised and not read: of SDK 1 and 2 by their version, of the
-// MRR demo by the size of their objects, of people counting by their longer headers (u16 numTLVs at
-// 44 or 48, lengths that include the 8 bytes of type and length). Rows and sources: firmware.hpp.
+// MRR and SRR demos by the size of their objects, of people counting and of the area scanner by
+// their longer headers (u32 numTLVs at 32 or 36 with 44 bytes; with 48 and 52 u16 numTLVs at 44 and
+// 48, and lengths that include the 8 bytes of type and length). Rows and sources: firmware.hpp.
 #pragma once
 
 #include <cstddef>
@@ -115,6 +116,7 @@ class PacketWalk {
   PacketVerdict read_header(const std::uint8_t* packet);
   bool read_tlv(const std::uint8_t* packet);
   bool is_padded() const;
+  std::uint64_t points_by(const Firmware& row, const std::uint8_t* packet) const;
   bool agrees(const Firmware& row, const std::uint8_t* packet) const;
   PacketVerdict judge(const std::uint8_t* packet);
 
