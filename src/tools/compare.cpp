@@ -46,10 +46,6 @@ class PathOf : public view::RunSink {
   eval::Trajectory* poses_;
 };
 
-std::string stem(const std::string& path) {
-  return named(path).stem().string();
-}
-
 /// "KEY=1,2" as "KEY=1" and "KEY=2".
 std::vector<std::string> settings_of(const std::string& vary) {
   const std::size_t equals = vary.find('=');
@@ -113,17 +109,19 @@ bool is_recording(const std::string& path) {
 
 std::vector<Run> runs_of(const CompareArguments& arguments) {
   std::vector<Run> runs;
-  for (const std::string& path : arguments.runs) {
+  const std::vector<std::string> labels = default_labels(arguments.runs);
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    const std::string& path = arguments.runs[i];
     if (!is_recording(path)) {
-      runs.push_back({stem(path), io::read_trajectory(path), {}});
+      runs.push_back({labels[i], io::read_trajectory(path), {}});
       continue;
     }
     for (const auto& [variant, estimator] : variants_of(arguments)) {
       const bool alone =
           std::count_if(arguments.runs.begin(), arguments.runs.end(), is_recording) == 1;
-      const std::string name = variant.empty() ? stem(path)
+      const std::string name = variant.empty() ? labels[i]
                                : alone         ? variant
-                                               : stem(path) + " " + variant;
+                                               : labels[i] + " " + variant;
       fmt::print(stderr, "{} ...\n", name);
       runs.push_back(replay_of(arguments, path, name, estimator));
     }
@@ -192,7 +190,7 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
     }
   }
   const auto plot = [&](const std::string& title, const std::string& note, const char* column) {
-    view::Plot out{title, note, {}, {}, false, "Over time"};
+    view::Plot out{"Over time", title, note, {}};
     for (std::size_t i = 0; i < runs.size(); ++i) {
       out.curves.push_back({runs[i].name, column + std::to_string(i)});
     }
@@ -225,6 +223,24 @@ TextTable table_without_truth(const std::vector<Run>& runs) {
 }
 
 }  // namespace
+
+std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
+  const auto name = [](const std::string& given) {
+    const std::filesystem::path path = named(given);
+    return std::pair(path.parent_path().filename().string(), path.stem().string());
+  };
+  std::vector<std::string> labels;
+  for (const std::string& path : paths) {
+    const auto same = [&](const std::string& other) {
+      return name(other).second == name(path).second;
+    };
+    const auto [folder, stem] = name(path);
+    const bool shared = std::count_if(paths.begin(), paths.end(), same) > 1;
+    labels.push_back(stem);
+    if (shared && !folder.empty()) labels.back().insert(0, folder + "/");
+  }
+  return labels;
+}
 
 std::vector<eval::PosePair> lay_over(const eval::Trajectory& truth, const std::string& align,
                                      eval::Trajectory* estimate) {

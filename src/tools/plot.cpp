@@ -22,6 +22,7 @@
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
 #include "rio/io/trajectory.hpp"
+#include "view_outputs.hpp"
 
 namespace rio::tools {
 
@@ -71,25 +72,6 @@ std::vector<Point> curve_of(const std::vector<Sample>& samples, PointOf point_of
     curve.push_back(point);
   }
   return curve;
-}
-
-/// File name without extension; with its folder if two would be equal.
-std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
-  const auto name = [](std::filesystem::path path) {
-    if (path.filename().empty()) path = path.parent_path();  // "run/" is the folder "run"
-    return std::pair(path.parent_path().filename().string(), path.stem().string());
-  };
-  std::vector<std::string> labels;
-  for (const std::string& path : paths) {
-    const auto same = [&](const std::string& other) {
-      return name(other).second == name(path).second;
-    };
-    const auto [folder, stem] = name(path);
-    const bool shared = std::count_if(paths.begin(), paths.end(), same) > 1;
-    labels.push_back(stem);
-    if (shared && !folder.empty()) labels.back().insert(0, folder + "/");
-  }
-  return labels;
 }
 
 void draw_plan(Svg* svg, double left, double top, double size, const std::vector<Series>& all) {

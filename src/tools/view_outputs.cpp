@@ -3,10 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
+#include "view/calibration_names.hpp"
 #include "view/csv_log.hpp"
 #include "view/live_server.hpp"
 #include "view/messages.hpp"
@@ -14,6 +15,12 @@
 namespace rio::tools {
 
 namespace {
+
+/// What to do about a parameter of the calibration that is not doubtful.
+std::string advice(const CalibrationReport& c) {
+  if (c.observability != Observability::kObserved) return "needs turns and changes of speed";
+  return std::abs(c.value) > 3.0 * c.sigma ? "rio calibrate writes it into the sensor files" : "";
+}
 
 void fill_card(const ReplaySummary& summary, view::Page* page) {
   page->verdict = summary.health.verdict();
@@ -27,16 +34,21 @@ void fill_card(const ReplaySummary& summary, view::Page* page) {
   card.push_back({"Start", summary.initialised_by});
   if (summary.wall > Time{0}) {
     card.push_back({"Real-time factor",
-                    fmt::format("{:.0f}", to_seconds(summary.span) / to_seconds(summary.wall))});
+                    fmt::format("{:.0f} x", to_seconds(summary.span) / to_seconds(summary.wall))});
   }
-  for (auto [name, unit, scale, c, check] : calibration_lines(summary.calibration)) {
-    std::replace(name.begin(), name.end(), '_', ' ');
-    card.push_back({name,
+  for (const auto& [name, unit, scale, c, check] : calibration_lines(summary.calibration)) {
+    card.push_back({view::title_of(name),
                     fmt::format("{:+.2f} {} ± {:.2f}, {}", scale * c.value, unit, scale * c.sigma,
                                 to_string(c.observability)),
-                    check.empty() ? "" : "check " + check});
+                    check.empty() ? advice(c) : "check " + check});
   }
   page->card = std::move(card);
+  if (!summary.data || summary.data->empty()) return;
+  view::Table found{"Doubts about the recording", {{"what", "", "found", "to do"}}};
+  for (const check::Finding& f : *summary.data) {
+    found.rows.push_back({f.subject, to_string(f.verdict), f.text, f.change});
+  }
+  page->tables.push_back(std::move(found));
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 // The parameters of the calibration, for display.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstddef>
 #include <string>
 
@@ -37,6 +39,12 @@ inline std::string calibration_name(std::size_t i, std::size_t r) {
   if (r == 0) return name;
   const std::string own = "radar" + std::to_string(r) + "_";
   return own + (name.rfind("radar_", 0) == 0 ? name.substr(6) : name);
+}
+/// A name of the program as the beginning of a title: "radar1_time_offset" is "Radar1 time offset".
+inline std::string title_of(std::string name) {
+  name[0] = static_cast<char>(std::toupper(name[0]));
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
 }
 /// Possible cause for radar r.
 inline std::string calibration_check(std::size_t i, std::size_t r) {

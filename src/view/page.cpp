@@ -50,21 +50,21 @@ std::int16_t rounded(double value) {
   return static_cast<std::int16_t>(std::clamp(std::round(value), -32767.0, 32767.0));
 }
 
-/// The two values that a bucket of a column is drawn with.
-std::pair<float, float> fold(const Columns::Column& column, std::size_t from, std::size_t to) {
-  std::size_t low = to;
-  std::size_t high = to;
-  for (std::size_t i = from; i < to; ++i) {
-    if (i >= column.values.size() || std::isnan(column.values[i])) continue;
-    if (low == to || column.values[i] < column.values[low]) low = i;
-    if (high == to || column.values[i] > column.values[high]) high = i;
+/// The two values that each bucket of a column is drawn with: the smallest, the largest, or both.
+std::vector<float> folded(const std::vector<float>& v, std::size_t step, bool lows, bool highs) {
+  std::vector<float> out;
+  for (std::size_t from = 0; from < v.size(); from += step) {
+    std::size_t low = from;
+    std::size_t high = from;
+    for (std::size_t i = from; i < std::min(from + step, v.size()); ++i) {
+      if (std::isnan(v[low]) || v[i] < v[low]) low = i;
+      if (std::isnan(v[high]) || v[i] > v[high]) high = i;
+    }
+    if (lows) high = low;
+    if (highs) low = high;
+    out.insert(out.end(), {v[std::min(low, high)], v[std::max(low, high)]});
   }
-  if (low == to) return {kMissing, kMissing};
-  const float smallest = column.values[low];
-  const float largest = column.values[high];
-  if (column.fold == Fold::kLow) return {smallest, smallest};
-  if (column.fold == Fold::kHigh) return {largest, largest};
-  return low < high ? std::pair(smallest, largest) : std::pair(largest, smallest);
+  return out;
 }
 
 /// A library of Debian as text; empty if it is not installed.
@@ -89,7 +89,7 @@ std::string inlined(std::string text, const std::string& element) {
 Json columns_json(const Page& page, std::size_t* every) {
   const Columns columns = page.columns.folded(kMostRows, every);
   Json json = {{"t", base64(columns.times())}};
-  for (const auto& [name, column] : columns.all()) json[name] = base64(column.values);
+  for (const auto& [name, column] : columns.all()) json[name] = base64(column);
   return json;
 }
 
@@ -97,14 +97,10 @@ Json plots_json(const Page& page) {
   Json plots = Json::array();
   for (const Plot& plot : page.plots) {
     Json curves = Json::array();
-    for (const Curve& c : plot.curves) {
+    for (std::size_t i = 0; i < plot.curves.size(); ++i) {
+      const Curve& c = plot.curves[i];
       if (!page.columns.has(c.value)) continue;
-      curves.push_back({{"label", c.label},
-                        {"value", c.value},
-                        {"sigma", c.sigma},
-                        {"low", c.low},
-                        {"high", c.high},
-                        {"zero", c.about_zero}});
+      curves.push_back({{"index", i}, {"label", c.label}, {"value", c.value}});  // i: its colour
     }
     if (curves.empty()) continue;
     plots.push_back({{"group", plot.group},
@@ -112,9 +108,28 @@ Json plots_json(const Page& page) {
                      {"note", plot.note},
                      {"curves", curves},
                      {"lines", plot.lines},
+                     {"range", plot.range},
+                     {"zero", plot.bands_about_zero},
                      {"steps", plot.steps}});
   }
   return plots;
+}
+
+Json marks_json(const Marks& marks) {
+  std::vector<float> times;
+  std::vector<float> centres;
+  std::vector<std::uint32_t> firsts;  // index of the first mark of a scan
+  std::vector<std::int16_t> values;
+  std::vector<std::uint8_t> labels;
+  for (const Marks::Scan& scan : marks.scans) {
+    times.push_back(static_cast<float>(scan.seconds));
+    for (const double value : scan.centre) centres.push_back(static_cast<float>(value));
+    firsts.push_back(static_cast<std::uint32_t>(labels.size()));
+    values.insert(values.end(), scan.values.begin(), scan.values.end());
+    labels.insert(labels.end(), scan.labels.begin(), scan.labels.end());
+  }
+  return {{"stride", marks.stride},  {"t", base64(times)},       {"centre", base64(centres)},
+          {"first", base64(firsts)}, {"values", base64(values)}, {"labels", base64(labels)}};
 }
 
 Json page_json(const Page& page) {
@@ -125,7 +140,8 @@ Json page_json(const Page& page) {
                {"paths", Json::array()},
                {"histograms", Json::array()},
                {"events", Json::array()},
-               {"labels", Json::array()}};
+               {"labels", Json::array()},
+               {"marks", marks_json(page.marks)}};
   for (const Path& path : page.paths) {
     json["paths"].push_back({{"name", path.name},
                              {"t", base64(path.times)},
@@ -133,8 +149,10 @@ Json page_json(const Page& page) {
                              {"q", base64(path.attitudes)}});
   }
   for (const Histogram& h : page.histograms) {
-    json["histograms"].push_back({{"title", h.title},
+    json["histograms"].push_back({{"group", "Histograms"},
+                                  {"title", h.title},
                                   {"note", h.note},
+                                  {"unit", h.unit},
                                   {"first", h.first},
                                   {"width", h.width},
                                   {"counts", h.counts},
@@ -150,9 +168,6 @@ Json page_json(const Page& page) {
     json["labels"].push_back(to_string(static_cast<PointLabel>(i)));
   }
   json["labels"].push_back("landmark");
-  json["marks"] = {{"stride", page.marks.stride},          {"t", base64(page.marks.times)},
-                   {"centre", base64(page.marks.centres)}, {"first", base64(page.marks.firsts)},
-                   {"values", base64(page.marks.values)},  {"labels", base64(page.marks.labels)}};
   return json;
 }
 
@@ -185,72 +200,50 @@ std::string card_html(const Page& page) {
 
 }  // namespace
 
-void Columns::set(const std::string& name, double value, Fold fold_by) {
-  Column& column = columns_[name];
-  column.fold = fold_by;
-  column.values.resize(times_.size(), kMissing);
-  column.values.back() = static_cast<float>(value);
+void Columns::set(const std::string& name, double value) {
+  std::vector<float>& column = columns_[name];
+  column.resize(times_.size(), kMissing);
+  column.back() = static_cast<float>(value);
 }
 
 Columns Columns::folded(std::size_t most, std::size_t* every) const {
-  Columns out;
   const std::size_t step = rows() <= most ? 1 : (2 * rows() + most - 1) / most;
   *every = step;
-  for (const auto& [name, column] : columns_) {
-    Column& to = out.columns_[name];
-    to.fold = column.fold;
-    if (step == 1) to.values = column.values;
-    to.values.resize(step == 1 ? rows() : 0, kMissing);
-    for (std::size_t i = 0; step > 1 && i < rows(); i += step) {
-      const auto [first, second] = fold(column, i, std::min(i + step, rows()));
-      to.values.insert(to.values.end(), {first, second});
+  Columns out = *this;
+  for (auto& [name, column] : out.columns_) {
+    column.resize(rows(), kMissing);
+    const bool sigmas = name[0] == 's' && has(name.substr(1));
+    if (step > 1) {
+      column = view::folded(column, step, name.back() == '-', name.back() == '+' || sigmas);
     }
   }
-  if (step == 1) out.times_ = times_;
+  if (step > 1) out.times_.clear();
   for (std::size_t i = 0; step > 1 && i < rows(); i += step) {
     const float end = times_[std::min(i + step, rows() - 1)];
-    out.times_.push_back(times_[i]);
-    out.times_.push_back(0.5F * (times_[i] + end));
+    out.times_.insert(out.times_.end(), {times_[i], 0.5F * (times_[i] + end)});
   }
   return out;
 }
 
 void Marks::start_scan(double seconds, const Vector3d& centre) {
-  if (scan_ % stride == 0 && labels.size() > kMostMarks) drop_every_second();
-  kept_ = scan_++ % stride == 0;
-  if (!kept_) return;
-  times.push_back(static_cast<float>(seconds));
-  for (const double value : centre) centres.push_back(static_cast<float>(value));
-  firsts.push_back(static_cast<std::uint32_t>(labels.size()));
+  if (seen_ % stride == 0 && marks_ > kMostMarks) {
+    std::size_t i = 0;
+    std::erase_if(scans, [&i](const Scan& /*scan*/) { return i++ % 2 == 1; });
+    stride *= 2;
+    marks_ = 0;
+    for (const Scan& scan : scans) marks_ += scan.labels.size();
+  }
+  kept_ = seen_++ % stride == 0;
+  if (kept_) scans.push_back({seconds, centre});
 }
 
 void Marks::add(const Vector3d& point_W, double value, std::uint8_t label) {
   if (!kept_) return;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double centre = centres[centres.size() - 3 + i];
-    values.push_back(rounded(100.0 * (point_W[static_cast<Eigen::Index>(i)] - centre)));
-  }
-  values.push_back(rounded(1000.0 * value));
-  labels.push_back(label);
-}
-
-void Marks::drop_every_second() {
-  Marks kept;
-  for (std::size_t s = 0; s < times.size(); s += 2) {
-    const auto take = [](const auto& from, std::size_t first, std::size_t last, auto* to) {
-      to->insert(to->end(), from.begin() + static_cast<std::ptrdiff_t>(first),
-                 from.begin() + static_cast<std::ptrdiff_t>(last));
-    };
-    const std::size_t end = s + 1 < times.size() ? firsts[s + 1] : labels.size();
-    kept.times.push_back(times[s]);
-    kept.firsts.push_back(static_cast<std::uint32_t>(kept.labels.size()));
-    take(centres, 3 * s, 3 * s + 3, &kept.centres);
-    take(values, 4UL * firsts[s], 4 * end, &kept.values);
-    take(labels, firsts[s], end, &kept.labels);
-  }
-  kept.stride = 2 * stride;
-  kept.scan_ = scan_;
-  *this = std::move(kept);
+  Scan& scan = scans.back();
+  for (const double d : Vector3d(point_W - scan.centre)) scan.values.push_back(rounded(100.0 * d));
+  scan.values.push_back(rounded(1000.0 * value));
+  scan.labels.push_back(label);
+  ++marks_;
 }
 
 std::vector<std::string> write_page(const Page& page, const std::filesystem::path& path) {

@@ -14,57 +14,45 @@
 
 namespace rio::view {
 
-/// How the rows of a column are drawn where there are more of them than pixels: never thinned.
-enum class Fold : std::uint8_t {
-  kBoth,  ///< the smallest and the largest, in their order
-  kLow,   ///< the smallest: lower edge of a band
-  kHigh,  ///< the largest: upper edge of a band, sigmas
-};
-
-/// Numbers over one time axis; missing ones are NaN.
+/// Numbers over one time axis; missing ones are NaN. Column "s" + name has sigmas of column name;
+/// columns name + "-" and name + "+" are the edges of a band about it.
 class Columns {
  public:
   void start_row(double seconds) { times_.push_back(static_cast<float>(seconds)); }
   /// Of the newest row.
-  void set(const std::string& name, double value, Fold fold = Fold::kBoth);
+  void set(const std::string& name, double value);
   bool has(const std::string& name) const { return columns_.count(name) > 0; }
   std::size_t rows() const { return times_.size(); }
-
-  struct Column {
-    Fold fold = Fold::kBoth;
-    std::vector<float> values;
-  };
-  /// At most about `most` rows; `every` rows of the original became two.
+  /// At most about `most` rows, `every` of the original as two: the smallest and the largest in
+  /// their order; of edges and sigmas the outer one. Nothing is thinned.
   Columns folded(std::size_t most, std::size_t* every) const;
   const std::vector<float>& times() const { return times_; }
-  const std::map<std::string, Column>& all() const { return columns_; }
+  const std::map<std::string, std::vector<float>>& all() const { return columns_; }
 
  private:
   std::vector<float> times_;
-  std::map<std::string, Column> columns_;
+  std::map<std::string, std::vector<float>> columns_;
 };
 
-/// A curve of a plot: names of columns.
+/// A curve of a plot with the name of its column. Its band is of three sigmas or between edges.
 struct Curve {
-  std::string label;
-  std::string value;
-  std::string sigma{};        ///< a band of three of them about the value ...
-  std::string low{}, high{};  ///< ... or between two columns
-  bool about_zero = false;    ///< the band of sigma is about zero, not about the value
+  std::string label, value;
 };
 
 struct Plot {
+  std::string group;  ///< heading above
   std::string title;  ///< with the unit
   std::string note;   ///< what is to be expected
   std::vector<Curve> curves;
   std::vector<double> lines{};  ///< horizontal ones
   bool steps = false;
-  std::string group{};  ///< heading above
+  std::vector<double> range{};    ///< of the y axis; empty: that of the values
+  bool bands_about_zero = false;  ///< those of sigmas: not about the curve
 };
 
 /// A histogram: counts over equal bins, with vertical lines at special values.
 struct Histogram {
-  std::string title, note;
+  std::string title, note, unit;
   double first = 0.0, width = 1.0;
   std::vector<std::uint64_t> counts;
   std::vector<double> lines{};
@@ -95,18 +83,19 @@ class Marks {
   /// @param value residual of a point [m/s], sigma of a landmark [m]
   void add(const Vector3d& point_W, double value, std::uint8_t label);
 
+  struct Scan {
+    double seconds = 0.0;
+    Vector3d centre;
+    std::vector<std::int16_t> values{};  ///< x y z [cm] from the centre, value [mm or mm/s]
+    std::vector<std::uint8_t> labels{};
+  };
   std::size_t stride = 1;  ///< one of so many scans is kept
-  std::vector<float> times;
-  std::vector<float> centres;         ///< x y z of each scan [m]
-  std::vector<std::uint32_t> firsts;  ///< index of its first mark
-  std::vector<std::int16_t> values;   ///< x y z [cm] from the centre, value [mm or mm/s]
-  std::vector<std::uint8_t> labels;
+  std::vector<Scan> scans;
 
  private:
-  void drop_every_second();
-
-  std::size_t scan_ = 0;
-  bool kept_ = false;
+  std::size_t seen_ = 0;   ///< scans
+  std::size_t marks_ = 0;  ///< kept
+  bool kept_ = false;      ///< the newest scan
 };
 
 struct CardLine {

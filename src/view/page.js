@@ -13,11 +13,12 @@ const marks = {
   t: floats(data.marks.t), centre: floats(data.marks.centre), first: new Uint32Array(bytes(data.marks.first)),
   values: new Int16Array(bytes(data.marks.values)), labels: new Uint8Array(bytes(data.marks.labels)),
 };
-const main = paths[0] || { t: new Float32Array(), p: new Float32Array(), q: new Float32Array() };
+const main = paths[0];
 const begin = times.length ? times[0] : 0;
 const end = times.length ? times[times.length - 1] : 1;
 const listeners = []; // of the cursor
 let cursor = begin;
+let shown = [begin, end]; // times in view
 
 /** Index of the last of sorted values that is not above t. */
 function before(values, t) {
@@ -31,6 +32,7 @@ function before(values, t) {
   return low;
 }
 function moveTo(t) {
+  if (!times.length) return;
   cursor = Math.min(end, Math.max(begin, t));
   $("cursor").value = cursor;
   for (const listener of listeners) listener(cursor);
@@ -41,6 +43,11 @@ function element(parent, tag, name, text) {
   if (text) e.textContent = text;
   return e;
 }
+function number(value) {
+  const size = Math.abs(value);
+  if (value === 0) return "0";
+  return size >= 1e5 || size < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
+}
 
 // ---- theme and cursor
 const wantsDark = matchMedia("(prefers-color-scheme: dark)");
@@ -50,7 +57,7 @@ function setTheme(isDark) {
   document.documentElement.classList.toggle("dark", isDark);
   for (const redraw of themed) redraw();
 }
-document.documentElement.classList.toggle("dark", dark);
+setTheme(dark);
 $("theme").onclick = () => setTheme((dark = !dark));
 wantsDark.onchange = () => setTheme((dark = wantsDark.matches));
 Object.assign($("cursor"), { min: begin, max: end, value: begin });
@@ -73,83 +80,79 @@ $("play").onclick = () => {
 listeners.push((t) => {
   const row = before(times, t);
   const at = (name) => column[name][row].toFixed(2).replace(/^-(0\.0+)$/, "$1");
-  $("now").textContent = `${t.toFixed(2)} s` +
+  $("now").textContent = `${times[row].toFixed(2)} s` +
     (column["p.x"] ? `   position ${at("p.x")} ${at("p.y")} ${at("p.z")} m   speed ${at("speed")} m/s` : "");
 });
 
 // ---- events
-let shown = [begin, end]; // times in view
+const buttons = []; // on the strip
+const hand = element($("strip"), "div", "hair");
 function placeEvents() {
-  const span = Math.max(1e-6, shown[1] - shown[0]);
-  for (const button of $("strip").children) button.style.left = `${(100 * (button.t - shown[0])) / span}%`;
+  const place = (e, t) => {
+    e.hidden = t < shown[0] || t > shown[1];
+    e.style.left = `${(100 * (t - shown[0])) / Math.max(1e-6, shown[1] - shown[0])}%`;
+  };
+  for (const button of buttons) place(button, button.t);
+  place(hand, cursor);
+  ["from", "to"].forEach((id, i) => ($(id).textContent = `${shown[i].toFixed(1)} s`));
 }
 $("happened").hidden = data.events.length === 0;
 for (const event of data.events) {
   const text = `${event.t.toFixed(2)} s: ${event.text}`;
   for (const place of [$("strip"), element($("events"), "li")]) {
     const button = element(place, "button", event.serious ? "serious" : "");
-    if (place === $("strip")) button.setAttribute("aria-label", text);
-    else button.textContent = text;
     Object.assign(button, { t: event.t, title: text, onclick: () => moveTo(event.t) });
+    if (place !== $("strip")) button.textContent = text;
+    else buttons.push(Object.assign(button, { tabIndex: -1 })); // the keyboard has the list
   }
 }
-placeEvents();
+listeners.push(placeEvents);
 
 // ---- series
 const graphs = [];
 const dashes = [null, [7, 3], [2, 2], [9, 3, 2, 3], [12, 4], [4, 4]];
-const colours = () => ["x", "y", "z", "w", "ink", "soft"].map(style);
+const hues = ["x", "y", "z", "w", "ink", "soft"]; // of a curve and a path by its index
 let zooming = false;
 function zoomTo(range, from) {
   if (zooming || (range[0] === shown[0] && range[1] === shown[1])) return;
   zooming = true;
   shown = range;
   for (const graph of graphs) if (graph !== from) graph.updateOptions({ dateWindow: range });
-  placeEvents();
   zooming = false;
   moveTo(cursor);
 }
-function number(value) {
-  const size = Math.abs(value);
-  if (value === 0) return "0";
-  return size >= 1e5 || size < 1e-3 ? value.toExponential(2) : String(+value.toPrecision(4));
+function rowsOf(curves, banded, zero) {
+  return Array.from(times, (t, i) => [t, ...curves.map((c) => {
+    const v = c.v[i];
+    if (Number.isNaN(v)) return banded ? [null, null, null] : null;
+    if (!banded) return v;
+    if (c.l) return [c.l[i], v, c.h[i]];
+    const band = c.s ? 3 * c.s[i] : 0;
+    return c.s && zero ? [-band, v, band] : [v - band, v, v + band];
+  })]);
 }
-function rowsOf(plot) {
-  const curves = plot.curves.map((c) => ({ ...c, v: column[c.value], s: column[c.sigma], l: column[c.low], h: column[c.high] }));
-  const banded = curves.some((c) => c.s || c.l);
-  const rows = [];
-  for (let i = 0; i < times.length; ++i) {
-    const row = [times[i]];
-    for (const c of curves) {
-      const v = c.v[i];
-      if (Number.isNaN(v)) row.push(banded ? [null, null, null] : null);
-      else if (!banded) row.push(v);
-      else if (c.l) row.push([c.l[i], v, c.h[i]]);
-      else if (c.s) row.push(c.zero ? [-3 * c.s[i], v, 3 * c.s[i]] : [v - 3 * c.s[i], v, v + 3 * c.s[i]]);
-      else row.push([v, v, v]);
-    }
-    rows.push(row);
-  }
-  return [rows, banded];
-}
-/** A graph under its title: its place on the page, and itself. */
-function graphOf(title, note, rows, xAxis, more) {
+/** A graph under its title and, where a group begins, under that of the group. */
+let group = "";
+function graphOf(plot, rows, unit, shades, more) {
+  if (plot.group !== group) element($("series"), "h2", "", (group = plot.group));
   const box = element($("series"), "div", "plot");
-  element(box, "h3", "", title);
-  element(box, "p", "note", note);
+  element(box, "h3", "", plot.title);
+  element(box, "p", "note", plot.note);
   const labelsDiv = element(box, "div", "legend");
   const area = element(box, "div", "area");
-  area.tabIndex = 0;
   area.setAttribute("role", "img");
-  area.setAttribute("aria-label", `${title}. ${note} Arrow keys move the cursor, plus and minus zoom, 0 shows all.`);
-  const coloured = () => ({ colors: colours(), gridLineColor: style("line"), axisLineColor: style("line") });
+  area.setAttribute("aria-label", `${plot.title}. ${plot.note}`);
+  const coloured = () => ({ colors: shades.map((i) => style(hues[i % 6])), gridLineColor: style("line"), axisLineColor: style("line") });
   const graph = new Dygraph(area, rows, {
     ...coloured(), legend: "always", labelsDiv, strokeWidth: 1.3, axisLabelFontSize: 12, gridLineWidth: 0.5,
-    labelsKMB: false, highlightCircleSize: 3, rightGap: 8, fillAlpha: 0.16,
-    axes: { x: xAxis, y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number } }, ...more,
+    labelsKMB: false, highlightCircleSize: 3, rightGap: 14, fillAlpha: 0.16, ...more,
+    axes: {
+      x: { axisLabelFormatter: (v) => `${+v.toPrecision(7)} ${unit}`, valueFormatter: (v) => `${v.toFixed(2)} ${unit}` },
+      y: { axisLabelWidth: 56, axisLabelFormatter: number, valueFormatter: number, ...more.y },
+    },
   });
   themed.push(() => graph.updateOptions(coloured()));
-  return { box, area, graph };
+  return { area, graph };
 }
 /** Straight lines over a plot, each from one point to another, in pixels. */
 function rule(ctx, colour, dash, ends) {
@@ -164,57 +167,50 @@ function rule(ctx, colour, dash, ends) {
   ctx.setLineDash([]);
 }
 function drawPlot(plot) {
-  const [rows, banded] = rowsOf(plot);
-  const names = plot.curves.map((c) => c.label);
+  const curves = plot.curves.map((c) => ({ ...c, v: column[c.value], s: column[`s${c.value}`],
+    l: column[`${c.value}-`], h: column[`${c.value}+`] }));
+  const banded = curves.some((c) => c.s || c.l);
   const series = {};
-  names.forEach((name, i) => (series[name] = { strokePattern: dashes[i % dashes.length] }));
-  const xAxis = { axisLabelFormatter: (t) => `${+t.toPrecision(7)}`, valueFormatter: (t) => `${t.toFixed(2)} s` };
-  const { box, area, graph } = graphOf(plot.title, plot.note, rows, xAxis, {
-    labels: ["t", ...names], customBars: banded, series, stepPlot: plot.steps, dateWindow: shown,
+  for (const c of curves) series[c.label] = { strokePattern: dashes[c.index % 6], sigma: c.s };
+  const { area, graph } = graphOf(plot, rowsOf(curves, banded, plot.zero), "s", curves.map((c) => c.index), {
+    labels: ["t", ...curves.map((c) => c.label)], customBars: banded, series, stepPlot: plot.steps, dateWindow: shown,
+    y: { valueFormatter: (v, o, name, g, row) => number(v) + (series[name].sigma ? ` ± ${number(series[name].sigma[row])}` : "") },
+    valueRange: plot.range.length ? plot.range : null,
     underlayCallback: (ctx, { x, w }, g) => rule(ctx, "soft", [3, 3],
       plot.lines.map((y) => g.toDomYCoord(y)).map((at) => [x, at, x + w, at])),
-    drawCallback: (g, initial) => { if (!initial) zoomTo(g.xAxisRange(), g); },
+    drawCallback: (g, initial) => {
+      if (initial) return;
+      zoomTo(g.xAxisRange(), g);
+      place(cursor);
+    },
     clickCallback: (e, x) => moveTo(x),
     highlightCallback: (e, x) => { if (!playing && !e.buttons) moveTo(x); },
     unhighlightCallback: () => moveTo(cursor),
   });
-  const hair = element(box, "div", "hair");
+  const hair = element(area, "div", "hair");
   graphs.push(graph);
   const place = (t) => {
-    const area_ = graph.getArea();
-    const [from, to] = graph.xAxisRange();
-    hair.hidden = t < from || t > to;
-    hair.style.cssText = `left:${graph.toDomXCoord(t) + area.offsetLeft}px;top:${area.offsetTop + area_.y}px;height:${area_.h}px`;
+    hair.hidden = t < shown[0] || t > shown[1];
+    hair.style.left = `${graph.toDomXCoord(t)}px`;
     graph.setSelection(before(times, t));
   };
   listeners.push(place);
-  area.onkeydown = (e) => {
-    const step = (shown[1] - shown[0]) / 100;
-    const zoom = (factor) => zoomTo([cursor - (cursor - shown[0]) * factor, cursor + (shown[1] - cursor) * factor]);
-    const act = { ArrowLeft: () => moveTo(cursor - step), ArrowRight: () => moveTo(cursor + step),
-      "+": () => zoom(0.5), "-": () => zoom(2), 0: () => zoomTo([begin, end]) }[e.key];
-    if (act) { act(); e.preventDefault(); }
-  };
   place(cursor);
 }
 function drawHistogram(h) {
   const rows = h.counts.map((count, i) => [h.first + i * h.width, count]);
   rows.push([h.first + h.counts.length * h.width, 0]);
-  graphOf(h.title, h.note, rows, {}, {
-    labels: ["range rate", "points"], stepPlot: true, fillGraph: true, includeZero: true,
+  const reach = [rows[0][0], rows[rows.length - 1][0], ...h.lines];
+  graphOf(h, rows, h.unit, [0], {
+    labels: [h.unit, "number"], stepPlot: true, fillGraph: true, includeZero: true,
+    dateWindow: [Math.min(...reach) - h.width, Math.max(...reach) + h.width],
     underlayCallback: (ctx, { y, h: height }, g) => rule(ctx, "bad", [],
       h.lines.map((x) => g.toDomXCoord(x)).map((at) => [at, y, at, y + height])),
   });
 }
 const toDraw = [];
 if (typeof Dygraph !== "undefined") {
-  let group = "";
-  for (const plot of data.plots) {
-    toDraw.push(() => {
-      if (plot.group !== group) element($("series"), "h2", "", (group = plot.group));
-      drawPlot(plot);
-    });
-  }
+  for (const plot of data.plots) toDraw.push(() => drawPlot(plot));
   for (const h of data.histograms) toDraw.push(() => drawHistogram(h));
 }
 function drawSome(deadline) {
@@ -222,29 +218,45 @@ function drawSome(deadline) {
   if (toDraw.length) requestIdleCallback(drawSome, { timeout: 50 });
   else document.documentElement.dataset.drawn = "yes";
 }
-$("whole").onclick = () => {
+$("keys").hidden = toDraw.length === 0;
+function showAll() {
   zoomTo([begin, end]);
-  for (const graph of graphs) if (graph.isZoomed("y")) graph.updateOptions({ valueRange: null });
+  for (const graph of graphs) if (graph.isZoomed("y")) graph.resetZoom();
+}
+$("whole").onclick = showAll;
+document.onkeydown = (e) => {
+  if (e.target.closest("#view, select") || e.ctrlKey || e.altKey || e.metaKey) return;
+  const step = (shown[1] - shown[0]) / 100;
+  const zoom = (factor) => zoomTo([cursor - (cursor - shown[0]) * factor, cursor + (shown[1] - cursor) * factor]);
+  const act = { ArrowLeft: () => moveTo(cursor - step), ArrowRight: () => moveTo(cursor + step),
+    "+": () => zoom(0.5), "-": () => zoom(2), 0: showAll }[e.key];
+  if (act) { act(); e.preventDefault(); }
 };
 $("folded").textContent = (data.every > 1
   ? `Series are drawn by the smallest and the largest value of every ${data.every} scans. ` : "") +
   (data.marks.stride > 1 ? `The points of one scan in ${data.marks.stride} are kept.` : "");
 
 // ---- paths and points
+// of each label a shape, so that they are told apart without colour: outline, whether filled, colour
+const shapes = [["M32 10a22 22 0 1 0 .1 0z", false, "soft"], ["M32 6a26 26 0 1 0 .1 0z", true, "x"],
+  ["M10 10h44v44h-44z", true, "z"], ["M32 6L60 56H4z", true, "w"], ["M10 10L54 54M54 10L10 54", false, "y"],
+  ["M8 32H56", false, "soft"], ["M32 4L60 32L32 60L4 32z", false, "ink"]];
+const landmark = shapes.length - 1;
+const byResidual = () => $("colour").value === "residual";
 function startScene() {
   const canvas = $("view");
   let renderer;
+  $("scene").hidden = false;
   try {
     renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
   } catch (e) {
-    $("scene").hidden = false;
     $("scene-note").textContent = "This browser has no WebGL: no paths and points.";
     canvas.hidden = true;
     return;
   }
-  $("scene").hidden = false;
   const scene = new THREE.Scene();
   const box = new THREE.Box3();
+  const colour = (name) => new THREE.Color(style(name));
   const at = (p, i) => new THREE.Vector3(p[3 * i], p[3 * i + 1], p[3 * i + 2]);
   const geometryOf = (positions) => {
     const geometry = new THREE.BufferGeometry();
@@ -256,70 +268,43 @@ function startScene() {
     scene.add(object);
     return object;
   }
-  const lines = paths.map((path, k) => {
-    for (let i = 0; i < path.t.length; ++i) box.expandByPoint(at(path.p, i));
-    const line = add(new THREE.Line(geometryOf(path.p), new THREE.LineBasicMaterial()));
-    line.renderOrder = k === 0 ? 1 : 0;
-    if (k === 0) { // lines are a pixel wide: dots make the first one thicker
-      const between = Math.max(1, Math.ceil(8000 / path.t.length)); // as close as the pixels of a line
-      const places = [];
-      for (let i = 0; i + 1 < path.t.length; ++i) {
-        for (let k = 0; k < between; ++k) places.push(...at(path.p, i).lerp(at(path.p, i + 1), k / between).toArray());
-      }
-      const dots = add(new THREE.Points(geometryOf(places), new THREE.PointsMaterial({ size: 2, sizeAttenuation: false })));
-      dots.material.color = line.material.color;
-    }
-    return line;
-  });
+  for (const path of paths) for (let i = 0; i < path.t.length; ++i) box.expandByPoint(at(path.p, i));
   const size = Math.max(1, box.getSize(new THREE.Vector3()).length());
   const centre = box.getCenter(new THREE.Vector3());
+  const lines = paths.map((path) => add(new THREE.Line(geometryOf(path.p), new THREE.LineBasicMaterial())));
+  const places = []; // lines are a pixel wide: dots make the first one thicker
+  for (let i = 0; i + 1 < main.t.length; ++i) {
+    const [from, to] = [at(main.p, i), at(main.p, i + 1)];
+    const dots = Math.min(1000, Math.ceil((700 * from.distanceTo(to)) / size)); // as close as pixels
+    for (let n = 0; n < dots; ++n) places.push(...from.clone().lerp(to, n / dots).toArray());
+  }
+  const thick = new THREE.PointsMaterial({ size: 2, sizeAttenuation: false });
+  thick.color = lines[0].material.color;
+  add(new THREE.Points(geometryOf(places), thick));
 
-  // markers: one shape for each label, so that they are told apart without colour
-  const shapes = ["ring", "disc", "square", "triangle", "cross", "bar", "diamond"];
-  function shape(name, side = 64) {
-    const c = Object.assign(document.createElement("canvas"), { width: side, height: side });
-    const g = c.getContext("2d");
-    g.scale(side / 64, side / 64);
-    g.fillStyle = g.strokeStyle = "#fff";
-    g.lineWidth = 10;
-    g.beginPath();
-    if (name === "ring") g.arc(32, 32, 22, 0, 7);
-    if (name === "disc") g.arc(32, 32, 26, 0, 7);
-    if (name === "square") g.rect(10, 10, 44, 44);
-    if (name === "triangle") { g.moveTo(32, 6); g.lineTo(60, 56); g.lineTo(4, 56); g.closePath(); }
-    if (name === "diamond") { g.moveTo(32, 2); g.lineTo(62, 32); g.lineTo(32, 62); g.lineTo(2, 32); g.closePath(); }
-    if (name === "cross") { g.moveTo(10, 10); g.lineTo(54, 54); g.moveTo(54, 10); g.lineTo(10, 54); }
-    if (name === "bar") { g.moveTo(8, 32); g.lineTo(56, 32); }
-    if (["ring", "cross", "bar", "diamond"].includes(name)) g.stroke();
-    else g.fill();
-    return c;
+  function markers(label, pixels, positions = [], vertexColors = THREE.NoColors) {
+    const icon = Object.assign(document.createElement("canvas"), { width: 64, height: 64 });
+    const g = icon.getContext("2d");
+    Object.assign(g, { fillStyle: "#fff", strokeStyle: "#fff", lineWidth: 10 });
+    g[shapes[label][1] ? "fill" : "stroke"](new Path2D(shapes[label][0]));
+    const map = new THREE.CanvasTexture(icon);
+    return add(new THREE.Points(geometryOf(positions), new THREE.PointsMaterial(
+      { size: pixels, sizeAttenuation: false, vertexColors, map, alphaTest: 0.4, transparent: true })));
   }
-  const tint = () => ["soft", "x", "z", "w", "y", "soft", "ink"].map((n) => new THREE.Color(style(n)));
-  const clouds = shapes.map((name, i) => {
-    const material = new THREE.PointsMaterial({
-      size: name === "diamond" ? 13 : 9, sizeAttenuation: false, vertexColors: THREE.VertexColors,
-      map: new THREE.CanvasTexture(shape(name)), alphaTest: 0.4, transparent: true,
-    });
-    return add(new THREE.Points(new THREE.BufferGeometry(), material));
-  });
-  function residualColour(r) { // blue: approaches too fast, grey: fits, orange: recedes too fast
-    const share = Math.max(-1, Math.min(1, r / 0.3));
-    const target = new THREE.Color(style(share < 0 ? "x" : "y"));
-    return new THREE.Color(style("soft")).lerp(target, Math.abs(share));
-  }
+  const clouds = shapes.map((shape, i) => markers(i, i === landmark ? 13 : 9, [], THREE.VertexColors));
   function showPoints(t) {
     const scan = before(marks.t, t);
+    const last = scan + 1 < marks.t.length ? marks.first[scan + 1] : marks.labels.length;
+    const [slower, fits, faster] = ["x", "soft", "y"].map(colour);
+    const byLabel = shapes.map((shape) => colour(shape[2]));
     const positions = shapes.map(() => []);
     const tints = shapes.map(() => []);
-    const byLabel = tint();
-    if (marks.t.length) {
-      const last = scan + 1 < marks.t.length ? marks.first[scan + 1] : marks.labels.length;
-      for (let i = marks.first[scan]; i < last; ++i) {
-        const label = marks.labels[i];
-        for (let k = 0; k < 3; ++k) positions[label].push(marks.centre[3 * scan + k] + marks.values[4 * i + k] / 100);
-        const c = label < 6 && $("colour").value === "residual" ? residualColour(marks.values[4 * i + 3] / 1000) : byLabel[label];
-        tints[label].push(c.r, c.g, c.b);
-      }
+    for (let i = marks.t.length ? marks.first[scan] : last; i < last; ++i) {
+      const label = marks.labels[i];
+      for (let k = 0; k < 3; ++k) positions[label].push(marks.centre[3 * scan + k] + marks.values[4 * i + k] / 100);
+      const share = Math.max(-1, Math.min(1, marks.values[4 * i + 3] / 300)); // mm/s, full colour from 0.3 m/s
+      const c = label !== landmark && byResidual() ? fits.clone().lerp(share < 0 ? slower : faster, Math.abs(share)) : byLabel[label];
+      tints[label].push(c.r, c.g, c.b);
     }
     clouds.forEach((cloud, i) => {
       cloud.geometry.dispose();
@@ -327,21 +312,17 @@ function startScene() {
       cloud.geometry.setAttribute("color", new THREE.Float32BufferAttribute(tints[i], 3));
     });
   }
-
-  // serious events on the path
-  const serious = [];
-  for (const event of data.events) if (event.serious && main.t.length) serious.push(...at(main.p, before(main.t, event.t)).toArray());
-  const bad = add(new THREE.Points(geometryOf(serious), new THREE.PointsMaterial({
-    size: 16, sizeAttenuation: false, map: new THREE.CanvasTexture(shape("ring")), alphaTest: 0.4, transparent: true })));
+  const serious = data.events.filter((event) => event.serious);
+  const bad = markers(0, 16, serious.flatMap((event) => at(main.p, before(main.t, event.t)).toArray()));
 
   // the body at the cursor: its axes, forward the longest
-  const body = new THREE.Group();
+  const body = add(new THREE.Group());
+  body.add(markers(0, 11, [0, 0, 0]));
   for (const [direction, name, length] of [[[1, 0, 0], "y", 1], [[0, 1, 0], "z", 0.5], [[0, 0, 1], "x", 0.5]]) {
-    const arrow = new THREE.ArrowHelper(new THREE.Vector3(...direction), new THREE.Vector3(), length * size * 0.06);
+    const arrow = new THREE.ArrowHelper(new THREE.Vector3(...direction), new THREE.Vector3(), length * size * 0.08);
     arrow.name = name;
     body.add(arrow);
   }
-  scene.add(body);
 
   // a grid whose lines are a round number apart, on the ground of the path
   const spacing = [1, 2, 5, 10].map((s) => s * 10 ** Math.floor(Math.log10(size / 10))).find((s) => size / s <= 12);
@@ -349,24 +330,34 @@ function startScene() {
   let grid;
   function makeGrid() {
     if (grid) scene.remove(grid);
-    grid = new THREE.GridHelper(count * spacing, count, style("line"), style("line"));
+    grid = add(new THREE.GridHelper(count * spacing, count, style("line"), style("line")));
     grid.rotation.x = Math.PI / 2;
     grid.position.set(Math.round(centre.x / spacing) * spacing, Math.round(centre.y / spacing) * spacing, box.min.z);
-    scene.add(grid);
   }
 
+  // plan and side show what the 3-D view looks at, zoomed as far; areas: left, bottom, width, height
   const flat = () => new THREE.OrthographicCamera(-1, 1, 1, -1, -10 * size, 10 * size);
+  const far = 1.15 * size; // of the camera, for all of the path
   const views = [
-    { camera: flat(), name: "plan: x right, y up", from: [0, 0, 1], area: [0, 0.34, 0.5, 0.66] },
-    { camera: flat(), name: "side: x right, z up", from: [0, -1, 0], area: [0, 0, 0.5, 0.34] },
-    { camera: new THREE.PerspectiveCamera(45, 1, size / 1000, 50 * size), name: "3-D", from: [-0.7, -1, 0.8], area: [0.5, 0, 0.5, 1] },
+    { camera: flat(), name: `plan: x right, y up, grid ${number(spacing)} m`, from: [0, 0, 1], wide: [0, 0.34, 0.5, 0.66], narrow: [0, 0.6, 1, 0.4] },
+    { camera: flat(), name: "side: x right, z up", from: [0, -1, 0], wide: [0, 0, 0.5, 0.34], narrow: [0, 0.42, 1, 0.18] },
+    { camera: new THREE.PerspectiveCamera(45, 1, size / 1000, 50 * size), name: "3-D", from: [-0.7, -1, 0.8], wide: [0.5, 0, 0.5, 1], narrow: [0, 0, 1, 0.42] },
   ];
+  for (const view of views) view.caption = element($("views"), "span", "", view.name);
   for (const view of views.slice(1)) view.camera.up.set(0, 0, 1);
-  views[2].camera.position.copy(centre).addScaledVector(new THREE.Vector3(...views[2].from).normalize(), 1.15 * size);
-  const controls = new THREE.OrbitControls(views[2].camera, canvas);
+  const camera = views[2].camera;
+  camera.position.copy(centre).addScaledVector(new THREE.Vector3(...views[2].from).normalize(), far);
+  canvas.addEventListener("wheel", (e) => { // else it scrolls the page
+    if (document.activeElement !== canvas) e.stopImmediatePropagation();
+  }, true);
+  const controls = new THREE.OrbitControls(camera, canvas);
   controls.target.copy(centre);
   controls.enableKeys = false;
   controls.update();
+  function lookAt(place) {
+    camera.position.add(place).sub(controls.target);
+    controls.target.copy(place);
+  }
 
   let scheduled = false;
   function draw() {
@@ -381,64 +372,67 @@ function startScene() {
     renderer.clear();
     renderer.setClearColor(style("ground"));
     renderer.setScissorTest(true);
-    const target = $("follow").checked ? body.position : centre;
     const extent = box.getSize(new THREE.Vector3());
+    const zoomed = camera.position.distanceTo(controls.target) / far;
     for (const view of views) {
-      const [x, y, w, h] = [view.area[0] * width, view.area[1] * height, view.area[2] * width, view.area[3] * height];
+      const area = width < 600 ? view.narrow : view.wide;
+      const [x, y, w, h] = area.map((share, i) => share * (i % 2 ? height : width));
+      Object.assign(view.caption.style, { left: `${x + 5}px`, top: `${height - y - h + 2}px` });
       renderer.setViewport(x + 1, y + 1, w - 2, h - 2);
       renderer.setScissor(x + 1, y + 1, w - 2, h - 2);
-      if (view.camera.isOrthographicCamera) {
-        const side = view.from[1] !== 0;
-        const wide = Math.max(extent.x, ((side ? extent.z : extent.y) * w) / h, 0.3 * size) * 0.62;
-        Object.assign(view.camera, { left: -wide, right: wide, top: (wide * h) / w, bottom: (-wide * h) / w });
-        view.camera.position.copy(target).addScaledVector(new THREE.Vector3(...view.from), size);
-        view.camera.lookAt(target);
+      if (view.camera === camera) {
+        Object.assign(camera, { aspect: w / h, fov: 45 * Math.max(1, h / w) });
       } else {
-        view.camera.aspect = w / h;
+        const up = view.from[1] ? extent.z : extent.y;
+        const half = Math.max(extent.x, (up * w) / h, 0.3 * size) * 0.62 * zoomed;
+        Object.assign(view.camera, { left: -half, right: half, top: (half * h) / w, bottom: (-half * h) / w });
+        view.camera.position.copy(controls.target).addScaledVector(new THREE.Vector3(...view.from), size);
+        view.camera.lookAt(controls.target);
       }
       view.camera.updateProjectionMatrix();
       renderer.render(scene, view.camera);
     }
   }
+  addEventListener("beforeprint", () => { // what is drawn now does not reach the paper otherwise
+    Object.assign($("paper"), { width: canvas.width, height: canvas.height });
+    $("paper").getContext("2d").drawImage(canvas, 0, 0);
+  });
   const redraw = () => {
     if (!scheduled) requestAnimationFrame(draw);
     scheduled = true;
   };
-  function restyle() {
-    const pathColours = ["x", "truth", "y", "z", "w", "soft"].map(style);
-    lines.forEach((line, i) => line.material.color.set(paths[i].name === "truth" ? style("truth") : pathColours[i === 0 ? 0 : 1 + (i % 5)]));
-    body.children.forEach((arrow) => arrow.setColor(new THREE.Color(style(arrow.name))));
-    bad.material.color.set(style("bad"));
-    makeGrid();
-    const legend = $("legend");
-    legend.textContent = "";
-    paths.forEach((path, i) => {
-      const item = element(legend, "span", "", `━ ${path.name}`);
-      item.style.color = `#${lines[i].material.color.getHexString()}`;
-    });
-    data.labels.forEach((label, i) => {
-      if (!marks.labels.includes(i)) return;
-      const item = element(legend, "span");
-      const icon = shape(shapes[i], 14);
-      const g = icon.getContext("2d");
-      g.setTransform(1, 0, 0, 1, 0, 0);
-      g.globalCompositeOperation = "source-in";
-      g.fillStyle = `#${tint()[i].getHexString()}`;
-      g.fillRect(0, 0, 14, 14);
-      item.append(icon, ` ${label}`);
-    });
-    showPoints(cursor);
-    redraw();
+  function entry(sample, text) {
+    const item = element($("legend"), "span");
+    item.innerHTML = sample;
+    item.append(` ${text}`);
   }
-  $("scene-note").textContent = `Left above plan (x right, y up), below side view (x right, z up), right 3-D: drag to turn, wheel to zoom. ` +
-    `Grid ${number(spacing)} m. Rings in red: serious events. Points are those of the scan at the cursor; orange: recedes faster than a static point, blue: slower, full colour from 0.3 m/s.`;
+  function restyle() {
+    $("legend").textContent = "";
+    lines.forEach((line, i) => {
+      line.material.color.set(style(paths[i].name === "truth" ? "truth" : hues[i % 6]));
+      entry(`<i style="background:#${line.material.color.getHexString()}"></i>`, paths[i].name);
+    });
+    shapes.forEach(([outline, filled, name], i) => {
+      if (!marks.labels.includes(i)) return;
+      const paint = filled ? 'fill="currentColor"' : 'fill="none" stroke="currentColor" stroke-width="10"';
+      entry(`<svg viewBox="0 0 64 64" style="color:var(--${byResidual() ? "ink" : name})"><path d="${outline}" ${paint}/></svg>`, data.labels[i]);
+    });
+    if (marks.labels.length && byResidual()) entry("<i class='ramp'></i>", "Doppler residual −0.3 to 0.3 m/s, orange: recedes faster than a static point");
+    body.children.forEach((arrow) => (arrow.setColor ? arrow.setColor(colour(arrow.name)) : (arrow.material.color = colour("ink"))));
+    bad.material.color = colour("bad");
+    makeGrid();
+    showPoints(cursor);
+    draw();
+  }
+  $("points").hidden = !marks.labels.length;
+  $("scene-note").textContent = "Drag to turn, click and wheel to zoom." + (serious.length ? " Red rings: serious events." : "") +
+    (marks.labels.length ? " Points and landmarks are those of the scan at the cursor." : "");
   listeners.push((t) => {
     showPoints(t);
-    if (main.t.length) {
-      const i = before(main.t, t);
-      body.position.copy(at(main.p, i));
-      if (main.q.length) body.quaternion.fromArray(main.q, 4 * i);
-    }
+    const i = before(main.t, t);
+    body.position.copy(at(main.p, i));
+    if (main.q.length) body.quaternion.fromArray(main.q, 4 * i);
+    if ($("follow").checked) lookAt(body.position);
     redraw();
   });
   controls.addEventListener("change", redraw);
@@ -446,24 +440,32 @@ function startScene() {
     const angle = { ArrowLeft: 0.1, ArrowRight: -0.1 }[e.key];
     const factor = { "+": 0.9, "-": 1.1, ArrowUp: 0.9, ArrowDown: 1.1 }[e.key];
     if (!angle && !factor) return;
-    const offset = views[2].camera.position.clone().sub(controls.target);
+    const offset = camera.position.clone().sub(controls.target);
     if (angle) offset.applyAxisAngle(new THREE.Vector3(0, 0, 1), angle);
-    views[2].camera.position.copy(controls.target).add(offset.multiplyScalar(factor || 1));
+    camera.position.copy(controls.target).add(offset.multiplyScalar(factor || 1));
     controls.update();
     redraw();
     e.preventDefault();
   };
-  for (const id of ["colour", "follow"]) $(id).onchange = () => moveTo(cursor);
+  $("colour").onchange = restyle;
+  $("follow").onchange = (e) => {
+    lookAt(e.target.checked ? body.position : centre);
+    redraw();
+  };
   new ResizeObserver(redraw).observe(canvas);
   themed.push(restyle);
   restyle();
 }
+function setWidth(width, isDark) { // graphs follow the width of the page, not that of the paper
+  document.body.style.width = width;
+  setTheme(isDark);
+}
+addEventListener("beforeprint", () => {
+  drawSome();
+  setWidth("700px", false);
+});
+addEventListener("afterprint", () => setWidth("", dark));
 if (typeof THREE !== "undefined" && paths.length) startScene();
 const trouble = data.events.find((event) => event.serious); // where it went wrong
 moveTo(trouble ? trouble.t : begin + 0.4 * (end - begin));
 requestIdleCallback(drawSome, { timeout: 50 });
-addEventListener("beforeprint", () => {
-  drawSome();
-  setTheme(false);
-});
-addEventListener("afterprint", () => setTheme(dark));

@@ -23,7 +23,7 @@ void set_vector(Columns* columns, const std::string& name, const Vector3d& value
   for (int i = 0; i < 3; ++i) {
     const std::string column = name + "." + kAxes[i];
     columns->set(column, scale * value[i]);
-    columns->set("s" + column, scale * sigma[i], Fold::kHigh);
+    columns->set("s" + column, scale * sigma[i]);
   }
 }
 
@@ -70,21 +70,25 @@ void ReportBuilder::add_state(const ScanRecord& record) {
   const auto sigma = [](double variance) {
     return eval::kDegreesPerRadian * std::sqrt(std::max(0.0, variance));
   };
+  yaw_sigma_ = sigma(P(2, 2));
   columns.set("a.roll", eval::kDegreesPerRadian * std::atan2(R(2, 1), R(2, 2)));
   columns.set("a.pitch", -eval::kDegreesPerRadian * std::asin(std::clamp(R(2, 0), -1.0, 1.0)));
   columns.set("a.yaw", eval::kDegreesPerRadian * yaw_);
-  columns.set("sa.roll", sigma(P(0, 0)), Fold::kHigh);   // about the axes of the world: as roll and
-  columns.set("sa.pitch", sigma(P(1, 1)), Fold::kHigh);  // pitch up to the heading
-  columns.set("sa.yaw", sigma(P(2, 2)), Fold::kHigh);
+  columns.set("sa.roll", sigma(P(0, 0)));   // about the axes of the world: as roll and
+  columns.set("sa.pitch", sigma(P(1, 1)));  // pitch up to the heading
+  columns.set("sa.yaw", yaw_sigma_);
 }
 
 void ReportBuilder::add_calibration(const ScanRecord& record) {
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = record.report.calibration[i];
     if (c.observability == Observability::kNotEstimated) continue;
-    const std::string column = calibration_name(i, record.radar);
-    page_.columns.set(column, kCalibrationNames[i].scale * c.value);
-    page_.columns.set("s" + column, kCalibrationNames[i].scale * c.sigma, Fold::kHigh);
+    calibration_[calibration_name(i, record.radar)] = {kCalibrationNames[i].scale * c.value,
+                                                       kCalibrationNames[i].scale * c.sigma};
+  }
+  for (const auto& [column, correction] : calibration_) {  // of the other radars: unchanged
+    page_.columns.set(column, correction.first);
+    page_.columns.set("s" + column, correction.second);
   }
 }
 
@@ -111,16 +115,16 @@ void ReportBuilder::add_models(const ScanRecord& record) {
       ++count;
     }
     if (count > 0) {
-      columns.set(name + ".low", low, Fold::kLow);
+      columns.set(name + ".mean-", low);
       columns.set(name + ".mean", sum / count);
-      columns.set(name + ".high", high, Fold::kHigh);
+      columns.set(name + ".mean+", high);
     }
     if (model.rows_used == 0) continue;
     const double n = model.rows_used;  // 95 % of consistent scans are between
     columns.set(name + ".nis", model.nis / n);
-    columns.set(name + ".nlow", chi2_quantile(0.025, n) / n, Fold::kLow);
+    columns.set(name + ".one-", chi2_quantile(0.025, n) / n);
     columns.set(name + ".one", 1.0);
-    columns.set(name + ".nhigh", chi2_quantile(0.975, n) / n, Fold::kHigh);
+    columns.set(name + ".one+", chi2_quantile(0.975, n) / n);
   }
 }
 
@@ -170,8 +174,9 @@ void ReportBuilder::add_truth(const ScanRecord& record, double seconds) {
   const Vector3d error = here.p - there.p;
   last_error_ = error.norm();
   squares_ += error.squaredNorm();
-  for (int i = 0; i < 3; ++i) page_.columns.set(std::string("e.") + kAxes[i], error[i]);
+  set_vector(&page_.columns, "e", error, record.sigma(body::kPosition));
   page_.columns.set("e.yaw", eval::yaw_error({there, here}));
+  page_.columns.set("se.yaw", yaw_sigma_);
   page_.columns.set("e.tilt", eval::tilt_error({there, here}));
 }
 
@@ -185,8 +190,9 @@ void ReportBuilder::finish_histogram() {
   const int first = rates_.begin()->first;
   const int last = rates_.rbegin()->first;
   const int merged = 1 + (last - first) / 160;
-  Histogram h{"Range rates of all points [m/s]",
-              "static ones unfolded",
+  Histogram h{"Points by range rate",
+              "number of them; those of static points are unfolded",
+              "m/s",
               (first - 0.5) * rate_bin(),
               merged * rate_bin(),
               {}};
@@ -197,7 +203,7 @@ void ReportBuilder::finish_histogram() {
   const double fold = start_->options.radar.max_doppler;
   if (fold > 0.0) {
     h.lines = {-fold, fold};
-    h.note += fmt::format("; lines at the ambiguity, {:.2f} m/s", fold);
+    h.note += fmt::format("; lines at the ambiguity, ±{:.2f} m/s", fold);
   }
   page_.histograms.push_back(std::move(h));
 }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "view/page.hpp"
 
@@ -33,12 +35,14 @@ class ReportBuilder : public RunSink {
   std::optional<RunStart> start_;
   bool begun_ = false;
   double yaw_ = 0.0;            ///< unwound [rad]
+  double yaw_sigma_ = 0.0;      ///< [deg]
   std::size_t next_truth_ = 1;  ///< first true pose after the newest scan
   std::optional<Pose> over_;    ///< lays the truth over the estimate
   Vector3d last_truth_ = Vector3d::Zero();
-  double truth_length_ = 0.0;           ///< [m]
-  double last_error_ = 0.0;             ///< [m]
-  double squares_ = 0.0;                ///< of the position errors [m^2]
+  double truth_length_ = 0.0;                                     ///< [m]
+  double last_error_ = 0.0;                                       ///< [m]
+  double squares_ = 0.0;                                          ///< of the position errors [m^2]
+  std::map<std::string, std::pair<double, double>> calibration_;  ///< newest value and sigma
   std::map<int, std::uint64_t> rates_;  ///< range rates by bins of rate_bin()
 };
 

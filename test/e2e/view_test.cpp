@@ -3,6 +3,9 @@
 // and the readers of others take part where they are installed (NODE_PATH).
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <set>
@@ -34,6 +37,46 @@ std::vector<std::map<std::string, std::string>> table(const fs::path& file) {
     if (!row.empty()) rows.push_back(row);
   }
   return rows;
+}
+
+/// The data in a page.
+Json data_of(const fs::path& page) {
+  const std::string begin = "<script type='application/json' id='data'>";
+  const std::string text = text_of(page);
+  const std::size_t at = text.find(begin) + begin.size();
+  return Json::parse(text.substr(at, text.find("</script>", at) - at));
+}
+
+/// The float32 values of a column of a page.
+std::vector<float> column_of(const Json& data, const std::string& name) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  int count = 0;
+  for (const char c : data.at("columns").at(name).get<std::string>()) {
+    if (c == '=') break;
+    bits = (bits << 6) | static_cast<std::uint32_t>(digits.find(c));
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    bytes += static_cast<char>((bits >> count) & 255U);
+  }
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+/// Opens a page in a browser, if one is there.
+/// @param said by the program: a library may be missing
+void look_at(const std::string& page, const std::string& name, const std::string& said) {
+  if (!has_node("playwright-core") || !fs::exists("/usr/bin/chromium") || contains(said, "libjs")) {
+    GTEST_SKIP() << "skipped: needs playwright-core, chromium, libjs-dygraphs and libjs-three";
+  }
+  const fs::path shots = fs::temp_directory_path() / name;  // for a person to look at
+  fs::create_directories(shots);
+  const Outcome look =
+      run_command("node " + kScripts + "look_at_report.cjs " + page + " " + shots.string());
+  EXPECT_EQ(look.code, 0) << look.output;
 }
 
 TEST_F(Tool, TheLogHasEveryScanOfTheRecordingByItsStamp) {
@@ -80,15 +123,56 @@ TEST_F(Tool, ThePageIsWholeAndShowsWhatItSays) {
   const std::string text = text_of(page);
   expect_parts(text, {"class='verdict healthy'", "Error at the end"});
   expect_none(text, {"src='http"});
-  if (!has_node("playwright-core") || !fs::exists("/usr/bin/chromium") ||
-      contains(run.output, "libjs")) {
-    GTEST_SKIP() << "skipped: needs playwright-core, chromium, libjs-dygraphs and libjs-three";
+  look_at(page, "rio-report", run.output);
+}
+
+TEST_F(Tool, ThePageShowsWhatIsEstimated) {
+  const std::string page = file("same.html");
+  const std::string log = file("same_log");
+  rio("replay " + flight_ + " --no-check --report " + page + " --log " + log);
+  const Json data = data_of(page);
+  const auto scans = table(log + "/scans.csv");
+  const std::vector<std::pair<std::string, std::string>> same = {
+      {"p.x", "p_x_m"}, {"sp.y", "sigma_p_y_m"}, {"v.z", "v_z_mps"}, {"n.ms", "update_ms"}};
+  for (const auto& [column, name] : same) {
+    const std::vector<float> shown = column_of(data, column);
+    ASSERT_EQ(shown.size(), scans.size());
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const double logged = std::stod(scans[i].at(name));
+      EXPECT_NEAR(shown[i], logged, 1e-6 * (1.0 + std::abs(logged))) << column << " of scan " << i;
+    }
   }
-  const fs::path shots = fs::temp_directory_path() / "rio-report";  // for a person to look at
-  fs::create_directories(shots);
-  const Outcome look =
-      run_command("node " + kScripts + "look_at_report.cjs " + page + " " + shots.string());
-  EXPECT_EQ(look.code, 0) << look.output;
+  // what is drawn at special values has room for them
+  for (const Json& plot : data.at("plots")) {
+    if (plot.at("range").empty()) continue;
+    for (const double line : plot.at("lines")) {
+      EXPECT_GT(line, plot.at("range").at(0));
+      EXPECT_LT(line, plot.at("range").at(1));
+    }
+  }
+}
+
+TEST_F(Tool, ThePageShowsTheCalibrationOfEachRadarWithoutGaps) {
+  const std::string folder = file("two");
+  rio("simulate " + folder + " --seed 3 --length 20 --radars 2");
+  rio("replay " + folder + " --no-check --report " + file("two.html"));
+  const Json data = data_of(file("two.html"));
+  for (const char* name : {"sradar_rotation_x", "sradar1_rotation_x"}) {
+    const std::vector<float> sigma = column_of(data, name);
+    EXPECT_LE(std::count_if(sigma.begin(), sigma.end(), [](float s) { return std::isnan(s); }), 1)
+        << name;  // at most before its first scan
+  }
+}
+
+TEST_F(Tool, ThePageSaysWhatIsDoubtfulAboutTheRecording) {
+  const std::string folder =
+      changed("in_g", "imu0/data.csv", "for (i = 5; i < 8; ++i) $i = $i * 101.97");
+  const Outcome run =
+      try_rio("replay --init groundtruth " + folder + " --report " + file("doubts.html"));
+  expect_parts(text_of(file("doubts.html")),
+               {"<h2>Doubts about the recording</h2>", "<td>accelerometer unit</td><td>wrong</td>",
+                "multiply the last three columns"});
+  look_at(file("doubts.html"), "rio-report-without-scans", run.output);
 }
 
 TEST_F(Tool, TheMessagesAreReadByOthers) {
@@ -150,7 +234,16 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   rio("compare " + flight_ + " " + tum +
           " --vary update.max_landmarks=5,40 --backend ekf --report " + page,
       {"| ekf update.max_landmarks=5 |", "| ekf update.max_landmarks=40 |", "| other |"});
-  EXPECT_TRUE(fs::exists(page));
+  for (const Json& plot : data_of(page).at("plots")) {  // a run has one colour in all plots
+    if (plot.at("title") == "Difference of position [m]") {
+      EXPECT_EQ(plot.at("curves").at(0).at("label"), "ekf update.max_landmarks=40");
+      EXPECT_EQ(plot.at("curves").at(0).at("index"), 1);
+    }
+  }
+  fs::create_directories(file("again"));
+  fs::copy_file(tum, file("again/other.tum"));
+  rio("compare " + tum + " " + file("again/other.tum"),
+      {"| " + fs::path(tum).parent_path().filename().string() + "/other |", "| again/other |"});
   std::ofstream(file("strange.tum")) << "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n";
   fails(1, "compare " + tum + " " + file("strange.tum"), {"no time in common: other is from "});
   fails(1, "plot " + tum + " --out x.png", {"rsvg-convert"});

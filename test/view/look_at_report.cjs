@@ -28,7 +28,7 @@ async function main() {
   });
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, offline: true });
   const page = await context.newPage();
-  page.setDefaultTimeout(120000); // a busy machine
+  page.setDefaultTimeout(60000); // a busy machine
   const errors = [];
   page.on("console", (m) => m.type() === "error" && errors.push(m.text()));
   page.on("pageerror", (e) => errors.push(String(e)));
@@ -41,12 +41,26 @@ async function main() {
   console.log(`opened in ${opened} ms, all drawn in ${Date.now() - start} ms`);
   await shot("first");
 
+  if (await page.isHidden("#time")) { // a run without a scan
+    if (errors.length) fail(`the console says: ${errors.join("; ")}`);
+    return browser.close();
+  }
+
   // every plot has a curve in it
   const counts = await page.evaluate(drawn);
   if (counts.length < 5) fail(`only ${counts.length} plots`);
   counts.forEach((count, i) => count > 200 || fail(`plot ${i} is empty`));
 
-  // the cursor moves the line in all plots
+  // axes have their unit
+  const units = await page.$$eval(".dygraph-axis-label-x", (all) => all.map((l) => l.textContent));
+  if (units.some((text) => !/ (s|m\/s)$/.test(text))) fail(`no unit: ${units.join()}`);
+
+  // the cursor moves the line in all plots, which is as high as they are
+  const heights = await page.$$eval(".plot .area", (all) => all.map((area) => {
+    const hair = area.querySelector(".hair");
+    return hair ? hair.getBoundingClientRect().top - area.getBoundingClientRect().top : 0;
+  }));
+  if (heights.some((top) => top !== 0)) fail("a line of the cursor is beside its plot");
   const hairs = () => page.$$eval(".plot .hair", (all) => all.map((h) => h.style.left));
   const before = await hairs();
   const now = await page.textContent("#now");
@@ -64,7 +78,7 @@ async function main() {
     page.$$eval(".plot .area", (all) => all.map((a) => [...a.querySelectorAll(".dygraph-axis-label-x")].map((l) => l.textContent).join()));
   const wide = await labels();
   const hairCount = after.length;
-  await page.focus(".plot .area");
+  await page.focus("#play");
   await page.keyboard.press("+");
   await page.waitForTimeout(300);
   const narrow = await labels();
@@ -72,6 +86,20 @@ async function main() {
   await page.click("#whole");
   await page.waitForTimeout(300);
   if ((await labels()).slice(0, hairCount).join() !== wide.slice(0, hairCount).join()) fail("the zoom does not end");
+
+  // arrow keys move the cursor wherever one is, and only there where they do nothing else
+  const time = () => page.textContent("#now");
+  const still = await time();
+  await page.keyboard.press("ArrowRight");
+  if ((await time()) === still) fail("an arrow key does not move the cursor");
+
+  // the wheel scrolls the page over the paths, until one has clicked there
+  const place = await (await page.$("#view")).boundingBox();
+  await page.mouse.move(place.x + 0.75 * place.width, place.y + 0.5 * place.height);
+  const far = await page.evaluate(() => scrollY);
+  await page.mouse.wheel(0, 100);
+  await page.waitForFunction((y) => scrollY > y, far, { timeout: 5000 }).catch(() => fail("the wheel does not scroll"));
+  await page.evaluate(() => scrollTo(0, 0));
 
   // the 3-D view turns
   const scene = () => page.$eval("#view", (c) => c.toDataURL());
@@ -96,6 +124,14 @@ async function main() {
     await page.click("#events button >> nth=-1");
     if (at === (await page.textContent("#now"))) fail("an event does not move the cursor");
   }
+
+  // on a telephone nothing is wider than the screen
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.waitForTimeout(300);
+  const widest = await page.evaluate(() => document.documentElement.scrollWidth);
+  if (widest > 390) fail(`${widest} pixels wide on a telephone`);
+  await shot("telephone");
+  await page.setViewportSize({ width: 1280, height: 900 });
 
   await page.emulateMedia({ colorScheme: "dark" });
   const is_dark = () => getComputedStyle(document.body).backgroundColor !== "rgb(255, 255, 255)";
