@@ -9,10 +9,10 @@ esac
 root=$PWD/build/$arch/root
 unpacked=("libyaml-cpp-dev:$arch" "libyaml-cpp0.7:$arch")  # installed, their headers would replace those of this machine
 cross=(-DCMAKE_TOOLCHAIN_FILE="cmake/toolchain/$arch.cmake" -Dyaml-cpp_DIR="$root/usr/lib/$triplet/cmake/yaml-cpp"
-  -DCMAKE_EXE_LINKER_FLAGS="-L$root/usr/lib/$triplet")
+  -DCMAKE_EXE_LINKER_FLAGS="-L$root/usr/lib/$triplet" -DCMAKE_MODULE_LINKER_FLAGS="-L$root/usr/lib/$triplet")
 if [ "$what" = package ]; then
-  python=$(/usr/bin/python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
-  cross+=(-DPython3_INCLUDE_DIR="/usr/include/python$python" -DPYTHON_MODULE_EXTENSION=".cpython-${python/./}-$triplet.so")
+  cross+=(-DPython3_INCLUDE_DIR="/usr/include/$(/usr/bin/python3 -c 'import sys; print("python%d.%d" % sys.version_info[:2])')")
+  export _PYTHON_SYSCONFIGDATA_NAME="_sysconfigdata__$triplet"  # for the name of the module
   unpacked+=("libwebsockets-dev:$arch" "libwebsockets17:$arch")
   cross+=(-DLIBWEBSOCKETS_INCLUDE_DIR="$root/usr/include" -DLIBWEBSOCKETS_LIBRARY="$root/usr/lib/$triplet/libwebsockets.so")
 fi
