@@ -64,7 +64,7 @@ std::vector<fs::path> bags_in(const fs::path& folder,
 }  // namespace
 
 std::vector<fs::path> recordings_in(const fs::path& folder) {
-  const std::vector<fs::path> bags = bags_in(folder);
+  std::vector<fs::path> bags = bags_in(folder);
   if (!bags.empty()) return bags;
   return files_of(folder, [](const fs::path& below) {
     constexpr auto kReadable = fs::directory_options::skip_permission_denied;

@@ -184,7 +184,7 @@ TEST(Check, EveryRadarIsNamed) {
 }
 
 TEST(Check, MirroredAxesOfTheImu) {
-  const io::Dataset healthy = flight();
+  const io::Dataset& healthy = flight();
   Matrix3d swapped;
   swapped << 0, 1, 0, 1, 0, 0, 0, 0, 1;
   const Matrix3d left_handed = Vector3d(1, -1, 1).asDiagonal();

@@ -109,7 +109,7 @@ TEST(Csv, ZerosOfAPowerFailureEndATableThatMayBeCut) {
   CsvReader whole(file);
   EXPECT_TRUE(whole.next());
   EXPECT_ERROR(whole.next(), "a.csv:2: holds bytes of zero: damaged");
-  CsvReader wide(dir.write("a.csv", std::string("#\0t\0\n\0001\0,\0002\0\n\0", 15)), ',', true);
+  CsvReader wide(dir.write("a.csv", std::string("#\0t\0\n\0001\0,\0002\0\n\0", 14)), ',', true);
   EXPECT_ERROR(wide.next(), "a.csv:2: holds bytes of zero: damaged, or UTF-16");
 }
 
