@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio replay`: a recording through the estimator, as a flight stack would feed it.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -32,6 +33,13 @@
 namespace rio::tools {
 
 namespace {
+
+/// What is free goes back to the system, where the C library can do so.
+void give_back_memory() {
+#ifdef __GLIBC__
+  (void)malloc_trim(0);
+#endif
+}
 
 Time steady_now() {
   return std::chrono::steady_clock::now().time_since_epoch();
@@ -262,6 +270,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
   ReplaySummary summary =
       Replay(arguments, recording, options, std::move(steps), view, on_scan).run();
   if (!arguments.no_check && arguments.findings) {
+    give_back_memory();  // of the estimator and the feed
     const CheckedPart part = read_checked_part(recording.samples.get(), recording.sensors);
     summary.data = not_ok(findings_of(arguments.dataset, part.data, checked));
     if (summary.initialised_by != "static") without_start(&*summary.data);
