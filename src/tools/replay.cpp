@@ -34,9 +34,12 @@ namespace rio::tools {
 
 namespace {
 
-/// What is free goes back to the system, where the C library can do so.
+/// What is free goes back to the system, now and, of large blocks, from now on, where the C library
+/// can do so.
 void give_back_memory() {
 #ifdef __GLIBC__
+  constexpr int kLarge = 64 * 1024;  // [bytes]
+  (void)mallopt(M_MMAP_THRESHOLD, kLarge);
   (void)malloc_trim(0);
 #endif
 }
