@@ -22,7 +22,7 @@ namespace rio::check {
 Matrix3d best_rotation(const Agreement& all, double sign = 1.0);
 
 /// The best of the candidates; the first of those that it does not beat significantly.
-/// @param alike those, the one that is returned first
+/// @param alike all of these, first the one that is returned
 Axes choose_axes(const Judge& judge, std::vector<Axes>* alike);
 
 /// @param found,alike of choose_axes()

@@ -224,24 +224,6 @@ TextTable table_without_truth(const std::vector<Run>& runs) {
 
 }  // namespace
 
-std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
-  const auto name = [](const std::string& given) {
-    const std::filesystem::path path = named(given);
-    return std::pair(path.parent_path().filename().string(), path.stem().string());
-  };
-  std::vector<std::string> labels;
-  for (const std::string& path : paths) {
-    const auto same = [&](const std::string& other) {
-      return name(other).second == name(path).second;
-    };
-    const auto [folder, stem] = name(path);
-    const bool shared = std::count_if(paths.begin(), paths.end(), same) > 1;
-    labels.push_back(stem);
-    if (shared && !folder.empty()) labels.back().insert(0, folder + "/");
-  }
-  return labels;
-}
-
 std::vector<eval::PosePair> lay_over(const eval::Trajectory& truth, const std::string& align,
                                      eval::Trajectory* estimate) {
   std::vector<eval::PosePair> pairs = eval::associate(truth, *estimate).pairs;

@@ -2,15 +2,18 @@
 // `rio evaluate`: the error figures of an estimate, as a table or as a JSON line.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.hpp"
 #include "evaluate.hpp"
+#include "outputs.hpp"
 #include "recording.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/bag/recording.hpp"
@@ -152,6 +155,24 @@ Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajec
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(name + " against " + arguments.truth + ": " + error.what());
   }
+}
+
+std::vector<std::string> default_labels(const std::vector<std::string>& paths) {
+  const auto name = [](const std::string& given) {
+    const std::filesystem::path path = named(given);
+    return std::pair(path.parent_path().filename().string(), path.stem().string());
+  };
+  std::vector<std::string> labels;
+  for (const std::string& path : paths) {
+    const auto same = [&](const std::string& other) {
+      return name(other).second == name(path).second;
+    };
+    const auto [folder, stem] = name(path);
+    const bool shared = std::count_if(paths.begin(), paths.end(), same) > 1;
+    labels.push_back(stem);
+    if (shared && !folder.empty()) labels.back().insert(0, folder + "/");
+  }
+  return labels;
 }
 
 TextTable comparison_table(const std::vector<NamedEvaluation>& all) {

@@ -11,8 +11,9 @@
 
 namespace rio::tools {
 
+/// @param arguments with an alignment that there is
 /// @param name of the estimate, for messages
-/// @throws std::runtime_error if there is no such alignment, or fewer than two poses can be paired
+/// @throws std::runtime_error if fewer than two poses can be paired
 eval::Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajectory& truth,
                                 const eval::Trajectory& estimate, const std::string& name);
 
@@ -29,6 +30,10 @@ TextTable comparison_table(const std::vector<NamedEvaluation>& all);
 
 /// In Markdown.
 void print_table(const TextTable& rows);
+
+/// Names of files in a picture: without folder and extension; with the folder if two would be
+/// equal.
+std::vector<std::string> default_labels(const std::vector<std::string>& paths);
 
 /// Lays the estimate over the truth in this way.
 /// @return its pairs with the true poses

@@ -22,7 +22,6 @@
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
 #include "rio/io/trajectory.hpp"
-#include "view_outputs.hpp"
 
 namespace rio::tools {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rio replay`: a recording through the estimator, as a flight stack would feed it.
 #include <fmt/format.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -12,6 +11,10 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "checked_part.hpp"
 #include "commands.hpp"

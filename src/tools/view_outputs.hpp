@@ -20,10 +20,6 @@ class LiveServer;
 
 namespace rio::tools {
 
-/// Names of files in a picture: without folder and extension; with the folder if two would be
-/// equal.
-std::vector<std::string> default_labels(const std::vector<std::string>& paths);
-
 /// Writes the page; what is missing in it is noted on stderr.
 void write_report(const view::Page& page, const std::string& path);
 

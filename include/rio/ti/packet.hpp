@@ -28,7 +28,7 @@
 //   SNR, noise [dB]; u16 points of major, u16 of minor motion; then 10 or 12 bytes each
 //    0  i16[4] x, y, z, velocity                     8  u8 or i16  snr, then noise
 //   TLV 1020, spherical points (people tracking): f32 units of elevation, azimuth [rad], velocity [m/s],
-//   range [m], SNR (dB, or a ratio of powers, as above 100); then 8 bytes each
+//   range [m], SNR [dB; above 100 a ratio of powers]; then 8 bytes each
 //    0  i8  elevation, up     1  i8  azimuth, to the right   2  i16  velocity   4  u16  range   6  u16  snr
 //   TLV 1000, the same without units, 16 bytes each: f32 range [m], azimuth, elevation [rad], velocity [m/s];
 //   SNR and noise in TLV 7
