@@ -49,6 +49,38 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   layout_ = layout_.of_radar(0);
   restart_steady_motion(prior.q_WB.conjugate() * prior.v_WB);
   covariance_.reset(P0, parameters_.prior);
+  for (std::size_t r = 0; r < options_.radars(); ++r) draw_scene(r);
+}
+
+void StateEstimate::count_points(std::size_t points) {
+  constexpr double kScans = 20.0;  // in the mean: a second or two
+  const double counted = std::max(1.0, static_cast<double>(points));
+  estimate_.points += (counted - estimate_.points) / kScans;
+}
+
+void StateEstimate::draw_scene(std::size_t r) {
+  if (!layout_.has_mounting()) return;
+  RadarState radar = estimate_.of_radar(r);
+  radar.T_BS.rotation = radar.mounting;
+  estimate_.set_radar(r, radar);
+  const Layout layout = layout_.of_radar(r);
+  covariance_.relax(layout.extrinsics(), layout.mounting(), 0.0,
+                    scene_variance(options_.calibration.scene_sigma, radar.points));
+}
+
+void StateEstimate::change_scene(double distance) {
+  for (std::size_t r = 0; layout_.has_mounting() && r < options_.radars(); ++r) {
+    RadarState radar = estimate_.of_radar(r);
+    const SceneStep step = scene_step(r, distance);
+    step.apply(&radar);
+    estimate_.set_radar(r, radar);
+    const Layout layout = layout_.of_radar(r);
+    covariance_.relax(layout.extrinsics(), layout.mounting(), step.decay, step.variance);
+  }
+}
+
+SceneStep StateEstimate::scene_step(std::size_t r, double distance) const {
+  return {distance, options_.calibration.scene_sigma, estimate_.of_radar(r).points};
 }
 
 void StateEstimate::select_radar(std::size_t r) {
@@ -96,6 +128,7 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
                                                  options_.update.landmark_walk, distance));
   }
   covariance_.add_parameter_noise(parameters_.walk, seconds);
+  change_scene(distance);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
 }
@@ -122,9 +155,16 @@ void StateEstimate::restart_steady_motion(const Vector3d& v_B) {
 void StateEstimate::set_mounting(std::size_t r, const Mounting& mounting) {
   RadarState radar = estimate_.of_radar(r);
   radar.T_BS = mounting.T_BS;
+  radar.mounting = mounting.T_BS.rotation;
   estimate_.set_radar(r, radar);
-  const int at = layout_.of_radar(r).extrinsics();
-  covariance_.replace({at, at + 3}, mounting.covariance.topLeftCorner<6, 6>());
+  const auto [rotation, translation] = mounting_columns(r);
+  covariance_.replace({rotation, translation}, mounting.covariance.topLeftCorner<6, 6>());
+  draw_scene(r);
+}
+
+std::array<int, 2> StateEstimate::mounting_columns(std::size_t r) const {
+  const Layout layout = layout_.of_radar(r);
+  return {calibration_column(layout, 0), layout.extrinsics() + 3};
 }
 
 void StateEstimate::set_mounting_and_motion(std::size_t r, const Mounting& mounting) {
@@ -132,8 +172,10 @@ void StateEstimate::set_mounting_and_motion(std::size_t r, const Mounting& mount
   NavState& nav = estimate_.nav;
   nav.p_WB += mounting.position_error_W;
   nav.v_WB += mounting.velocity_error_W;
-  const int at = layout_.of_radar(r).extrinsics();
-  covariance_.replace({at, at + 3, body::kPosition, body::kVelocity}, mounting.covariance);
+  const auto [rotation, translation] = mounting_columns(r);
+  covariance_.replace({rotation, translation, body::kPosition, body::kVelocity},
+                      mounting.covariance);
+  draw_scene(r);
   restart_steady_motion(nav.q_WB.conjugate() * nav.v_WB);
 }
 
@@ -252,7 +294,14 @@ void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx
   const CalibrationVector limits = kCalibrationLimit * calibration_sigmas(options_.calibration);
   const CalibrationVector total =
       corrections_between(configured, corrected(estimate_.of_radar(r), step));
-  estimate_.set_radar(r, corrected(configured, total.cwiseMin(limits).cwiseMax(-limits)));
+  RadarState now = corrected(configured, total.cwiseMin(limits).cwiseMax(-limits));
+  const RadarState before = estimate_.of_radar(r);
+  now.points = before.points;
+  if (layout.has_mounting()) {
+    const Quaternion turn = quaternion_exp(dx.segment<3>(layout.extrinsics()));
+    now.T_BS.rotation = (before.T_BS.rotation * turn).normalized();
+  }
+  estimate_.set_radar(r, now);
 }
 
 }  // namespace rio
