@@ -22,7 +22,6 @@ class StateEstimateTest : public testing::Test {
     nav_.time = Time(1'000'000'000);
     options_.imu.measure_noise = false;
     options_.frontend.matching = Matching::kEuclidean;
-    options_.calibration.scene_sigma = 0.12;
   }
   StateEstimate state_estimate(double velocity_sigma = 0.1) const {
     StateEstimate b(options_, 3);
@@ -125,64 +124,6 @@ TEST_F(StateEstimateTest, ErrorsThatLastMoveTheHeightsOfLandmarks) {
                     b.estimate().distance_travelled);
   EXPECT_LT((added - expected).norm(), 1e-9);
   EXPECT_GT(added.z(), 2.0 * added.x());
-}
-
-/// Covariance of the difference of two blocks of three.
-Matrix3d difference(const StateEstimate& b, int x, int y) {
-  const auto P = b.covariance().matrix();
-  return P.block<3, 3>(x, x) + P.block<3, 3>(y, y) - P.block<3, 3>(x, y) - P.block<3, 3>(y, x);
-}
-
-TEST_F(StateEstimateTest, TheSceneTurnsTheRadarBesideItsMounting) {
-  const StateEstimate b = state_estimate();
-  const Layout& layout = b.layout();
-  const auto P = b.covariance().matrix();
-  const Matrix3d mounting = P.block<3, 3>(layout.mounting(), layout.mounting());
-  const double sigma = options_.calibration.rotation_sigma;
-  EXPECT_LT((mounting - sigma * sigma * Matrix3d::Identity()).norm(), 1e-15);
-  const Vector3d scene = scene_variance(options_.calibration.scene_sigma, b.estimate().points);
-  const Matrix3d off = difference(b, layout.extrinsics(), layout.mounting());
-  EXPECT_LT((off - Matrix3d(scene.asDiagonal())).norm(), 1e-15);
-}
-
-// After many lengths of the way it is a new one, however well it was known.
-TEST_F(StateEstimateTest, TheSceneChangesOnTheWay) {
-  nav_.v_WB = {30.0, 0.0, 0.0};
-  StateEstimate b = state_estimate();
-  b.estimate().T_BS.rotation = b.estimate().mounting * quaternion_exp({0.0, 0.05, -0.05});
-  const Layout& layout = b.layout();
-  b.covariance().relax(layout.extrinsics(), layout.mounting(), 0.0, Vector3d::Zero());
-  fly(&b, Vector3d::Zero(), Vector3d::Zero());
-  const Vector3d scene = scene_variance(options_.calibration.scene_sigma, b.estimate().points);
-  const Matrix3d off = difference(b, layout.extrinsics(), layout.mounting());
-  EXPECT_LT((off - Matrix3d(scene.asDiagonal())).norm(), 1e-3 * scene.norm());
-  EXPECT_LT(b.estimate().T_BS.rotation.angularDistance(b.estimate().mounting), 1e-5);
-}
-
-TEST_F(StateEstimateTest, MorePointsTurnLess) {
-  StateEstimate b = state_estimate();
-  for (int scan = 0; scan < 200; ++scan) b.count_points(40);
-  EXPECT_NEAR(b.estimate().points, 40.0, 0.1);
-  EXPECT_LT(b.scene_step(0, 1.0).variance.y(),
-            state_estimate().scene_step(0, 1.0).variance.y() / 3);
-  for (int scan = 0; scan < 200; ++scan) b.count_points(0);
-  EXPECT_NEAR(b.estimate().points, 1.0, 0.1);
-}
-
-// The limit is that of the mounting.
-TEST_F(StateEstimateTest, CorrectionsTurnMountingAndSceneEachByItsColumns) {
-  StateEstimate b = state_estimate();
-  const Quaternion start = b.estimate().mounting;
-  Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
-  dx.segment<3>(b.layout().extrinsics()) << 0.0, 0.3, 0.1;
-  dx.segment<3>(b.layout().mounting()) << 0.02, -0.03, 9.0;
-  b.correct(dx);
-  const double limit = kCalibrationLimit * options_.calibration.rotation_sigma;
-  const Vector3d mounting = quaternion_log(start.conjugate() * b.estimate().mounting);
-  EXPECT_LT(mounting.cwiseAbs().maxCoeff(), limit + 1e-9);
-  EXPECT_GT(mounting.z(), 0.9 * limit);
-  const Vector3d seen = quaternion_log(start.conjugate() * b.estimate().T_BS.rotation);
-  EXPECT_LT((seen - Vector3d(0.0, 0.3, 0.1)).norm(), 1e-12);
 }
 
 TEST_F(StateEstimateTest, NothingChangesIfTheResultIsNotFinite) {
