@@ -249,9 +249,8 @@ TEST_F(PriorTest, RemovingALandmarkIsTheSchurComplement) {
     prior.remove_landmark(static_cast<std::size_t>(i), kKnown - 1);
     std::vector<Eigen::Index> order(kSize - 3);  // the last one has moved to i
     std::iota(order.begin(), order.end(), 0);
-    for (int c = 0; c < 3 && i < kKnown - 1; ++c) {
-      order[static_cast<std::size_t>(landmark(i) + c)] = landmark(kKnown - 1) + c;
-    }
+    if (i < kKnown - 1)
+      std::iota(order.begin() + landmark(i), order.begin() + landmark(i) + 3, landmark(kKnown - 1));
     expected.A = expected.A(order, order).eval();
     expected.g = expected.g(order).eval();
     expect_prior(prior, expected, 1e-10);
