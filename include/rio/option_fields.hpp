@@ -113,6 +113,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Prior of the delay of the radar's stamps; 0 = not estimated.");
   field("calibration.doppler_scale_sigma", o.calibration.doppler_scale_sigma, "", 0, 0.1,
         "Prior of the relative error of the Doppler; 0 = not estimated.");
+  inner("calibration.scene_sigma", o.calibration.scene_sigma, "rad", 0, 1,
+        "Error of the direction of a point that lasts for metres; needs an estimated mounting.");
 
   field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
         "States of the sliding window.");
@@ -214,8 +216,6 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
         "Probability of passing the chi-squared gate; 1 = no gate.");
   field("calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
         "Random walk of each of them, in its default prior.");
-  field("calibration.scene_sigma", o.calibration.scene_sigma, "rad", 0, 1,
-        "Error of the direction of a point that lasts for metres; needs an estimated mounting.");
   field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
   field("smoother.landmark_kernel_size", o.smoother.landmark_kernel_size, "", 0, 1e6,
