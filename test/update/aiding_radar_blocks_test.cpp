@@ -71,6 +71,7 @@ class AidingRadarBlocksTest : public testing::Test {
     CalibrationOptions c;
     c.rotation_sigma = c.translation_sigma = c.time_offset_sigma = mounting;
     c.doppler_scale_sigma = doppler_scale;
+    c.scene_sigma = 0.1;
     return c;
   }
 
