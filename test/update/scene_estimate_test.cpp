@@ -83,6 +83,7 @@ TEST_F(SceneEstimateTest, MorePointsTurnLess) {
 // The limit is that of the mounting.
 TEST_F(SceneEstimateTest, CorrectionsTurnMountingAndSceneEachByItsColumns) {
   StateEstimate b = state_estimate();
+  b.estimate().points = 40.0;
   const Quaternion start = b.estimate().mounting;
   Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
   dx.segment<3>(b.layout().extrinsics()) << 0.0, 0.3, 0.1;
@@ -94,6 +95,7 @@ TEST_F(SceneEstimateTest, CorrectionsTurnMountingAndSceneEachByItsColumns) {
   EXPECT_GT(mounting.z(), 0.9 * limit);
   const Vector3d seen = quaternion_log(start.conjugate() * b.estimate().T_BS.rotation);
   EXPECT_LT((seen - Vector3d(0.0, 0.3, 0.1)).norm(), 1e-12);
+  EXPECT_EQ(b.estimate().points, 40.0);
 }
 
 // The search for an unknown mounting knows nothing of the scene: its prior is added to what was
