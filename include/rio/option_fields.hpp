@@ -113,8 +113,6 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
         "Prior of the delay of the radar's stamps; 0 = not estimated.");
   field("calibration.doppler_scale_sigma", o.calibration.doppler_scale_sigma, "", 0, 0.1,
         "Prior of the relative error of the Doppler; 0 = not estimated.");
-  inner("calibration.scene_sigma", o.calibration.scene_sigma, "rad", 0, 1,
-        "Error of the direction of a point that lasts for metres; needs an estimated mounting.");
 
   field("smoother.window", o.smoother.window, "", 2, option_limits::kClones - 1,
         "States of the sliding window.");

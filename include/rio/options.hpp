@@ -186,11 +186,6 @@ struct CalibrationOptions {
   /// Random walk of each that is estimated, in its default sigma above: a rotation drifts by 0.09
   /// deg in a minute, with temperature, load and the directions of the reflectors [1/sqrt(s)].
   double walk = 0.004;
-  /// The direction of a point is off by this for metres of the way: reflectors that the radar does
-  /// not resolve, multipath. All directions of a scan together then by less the more points it has
-  /// (state/scene_rotation.hpp). Per angle; 0 = they err independently in every scan. Karts with
-  /// few points are best with 0.12; it costs where the gyro or the heights are the problem [rad].
-  double scene_sigma = 0.0;
 };
 
 /// In sigmas of the prior.

@@ -108,7 +108,6 @@ Options measuring_options(Options options) {
   options.update.match_trust = std::max(0.88, options.update.match_trust);
   options.update.gate_probability = 0.999;
   options.ablation.elevation_walk = false;  // a multiple of the noise that is sought
-  options.calibration.scene_sigma = 0.0;    // learns a part of it
   options.frontend.ransac_sigmas = 1.5 * options.frontend.ransac_sigmas;
   return options;
 }

@@ -84,7 +84,7 @@ class Repetition {
     c.translation_sigma = std::min(10.0, kLoose * c.translation_sigma);
     c.time_offset_sigma = std::min(0.1, kLoose * c.time_offset_sigma);
     c.doppler_scale_sigma = std::min(0.1, kLoose * c.doppler_scale_sigma);
-    c.walk = c.scene_sigma = 0.0;  // the halves say how constant they are
+    c.walk = 0.0;  // the halves say how constant they are
   }
 
   std::vector<RecordingCalibration> run() {

@@ -43,7 +43,6 @@ Status Ekf::update(const Observations& /*seen*/, const ScanRows& rows) {
 
 void Ekf::maintain_landmarks(const Observations& seen, const ScanRows& rows,
                              const Promotions& promotions, UpdateReport* report) {
-  state_estimate_.count_points(seen.static_points());
   rio::maintain_landmarks(
       seen, rows, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { state_estimate_.remove_landmark(i); },

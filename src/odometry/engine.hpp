@@ -411,7 +411,7 @@ class Engine final : public Odometry::Impl {
   void publish() {
     covariance = pipeline_.backend().state_estimate().covariance().body();
     for (std::size_t r = 0; r < options_.radars(); ++r) {
-      extrinsics[r] = pipeline_.estimate().of_radar(r).mount();
+      extrinsics[r] = pipeline_.estimate().of_radar(r).T_BS;
     }
     imu_.forget_before(at_scan().time - from_seconds(options_.timing.aiding_delay));
     predictor_.rebase(at_scan(), imu_);

@@ -66,14 +66,9 @@ double Prior::add_to(NormalEquations* system, const Window& window, const Estima
                               turn_jacobian(s).inverse() * Zt * R, &work_, &work_g_);
   }
   turn_back(heading());
-  for (std::size_t r = 0; r < layout_.radars(); ++r) {
-    const Layout layout = layout_.of_radar(r);
-    const auto turn = [&](int column) {
-      const int at = border(column);
-      quadratic::multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
-    };
-    if (layout.has_extrinsics()) turn(layout.extrinsics());
-    if (layout.has_mounting()) turn(layout.mounting());
+  for (std::size_t r = 0; layout_.has_extrinsics() && r < layout_.radars(); ++r) {
+    const int at = border(layout_.of_radar(r).extrinsics());
+    quadratic::multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
   }
   system->add_quadratic(leading_states(), work_.topLeftCorner(n, n), work_g_.head(n));
   return cost;
@@ -111,26 +106,6 @@ void Prior::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
     quadratic::subtract_projection(size(), border(body::kSize + first), own, &A_, &g_, &work_);
   }
   mirror_lower(A_.topLeftCorner(size(), size()));
-}
-
-void Prior::change_scene(std::size_t r, const SceneStep& step) {
-  if (!layout_.has_mounting() || !(step.decay < 1.0)) return;
-  const int n = size();
-  const int at = border(layout_.of_radar(r).extrinsics());
-  const int to = border(layout_.of_radar(r).mounting());
-  const double rest = 1.0 - step.decay;
-  for (int i = 0; i < 3; ++i) {  // xi = B xi', xi_at = (xi'_at - rest xi'_to) / decay
-    A_.col(at + i).head(n) /= step.decay;
-    A_.col(to + i).head(n) -= rest * A_.col(at + i).head(n);
-    A_.row(at + i).head(n) /= step.decay;
-    A_.row(to + i).head(n) -= rest * A_.row(at + i).head(n);
-    g_[at + i] /= step.decay;
-    g_[to + i] -= rest * g_[at + i];
-  }
-  step.apply(&radars_[r]);
-  const Vector3d own = step.variance.cwiseInverse();
-  quadratic::subtract_projection(n, at, own, &A_, &g_, &work_);
-  mirror_lower(A_.topLeftCorner(n, n));
 }
 
 void Prior::remove_landmark(std::size_t i, std::size_t last) {
@@ -174,10 +149,6 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
     for (int i = 0; i < moved.size(); ++i) {
       const int column = calibration_column(layout, i);
       if (column >= 0) xi_[border(column)] = moved[i];
-    }
-    if (layout.has_mounting()) {
-      xi_.segment<3>(border(layout.extrinsics())) =
-          quaternion_log(radars_[r].T_BS.rotation.conjugate() * x.of_radar(r).T_BS.rotation);
     }
   }
   xi_.segment(border(layout_.auxiliary()), layout_.auxiliary_size()) =

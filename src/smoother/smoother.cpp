@@ -75,7 +75,6 @@ Status Smoother::update(const Observations& seen, const ScanRows& rows) {
 
 void Smoother::maintain_landmarks(const Observations& seen, const ScanRows& rows,
                                   const Promotions& promotions, UpdateReport* report) {
-  state_estimate_.count_points(seen.static_points());
   rio::maintain_landmarks(
       seen, rows, promotions, options_, &state_estimate_.estimate(), report,
       [this](std::size_t i) { remove_landmark(i); },
@@ -201,14 +200,10 @@ bool Smoother::marginalise_oldest() {
   if (!system_.eliminate_oldest(&leading, &A_, &g_)) return false;
   const int n = body::kSize * leading + system_.border();
   prior_.assign(A_.topLeftCorner(n, n), g_.head(n), window_, 1, leading, estimate());
-  const double distance = (window_[1].nav.p_WB - window_[0].nav.p_WB).norm();
   prior_.add_landmark_noise(estimate(), window_[1].nav.p_WB, options_.update.landmark_walk,
-                            distance);
+                            (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
   prior_.add_parameter_noise(state_estimate_.parameters().walk,
                              to_seconds(window_[1].nav.time - window_[0].nav.time));
-  for (std::size_t r = 0; r < options_.radars(); ++r) {
-    prior_.change_scene(r, state_estimate_.scene_step(r, distance));
-  }
   window_.pop_oldest();
   window_.publish(&state_estimate_.estimate());
   return true;

@@ -24,20 +24,17 @@ CalibrationVector calibration_sigmas(const CalibrationOptions& options) {
 }
 
 RadarState corrected(const RadarState& from, const CalibrationVector& corrections) {
-  const Quaternion scene = from.mounting.conjugate() * from.T_BS.rotation;
   const Quaternion turn = quaternion_exp(corrections.segment<3>(kRotation));
-  RadarState to = from;
-  to.mounting = (from.mounting * turn).normalized();
-  to.T_BS.rotation = (to.mounting * scene).normalized();
-  to.T_BS.translation += corrections.segment<3>(kTranslation);
-  to.doppler_scale += corrections[kDopplerScale];
-  to.time_offset += corrections[kTimeOffset];
-  return to;
+  return {{(from.T_BS.rotation * turn).normalized(),
+           from.T_BS.translation + corrections.segment<3>(kTranslation)},
+          from.doppler_scale + corrections[kDopplerScale],
+          from.time_offset + corrections[kTimeOffset]};
 }
 
 CalibrationVector corrections_between(const RadarState& from, const RadarState& to) {
   CalibrationVector corrections;
-  corrections.segment<3>(kRotation) = quaternion_log(from.mounting.conjugate() * to.mounting);
+  corrections.segment<3>(kRotation) =
+      quaternion_log(from.T_BS.rotation.conjugate() * to.T_BS.rotation);
   corrections.segment<3>(kTranslation) = to.T_BS.translation - from.T_BS.translation;
   corrections[kDopplerScale] = to.doppler_scale - from.doppler_scale;
   corrections[kTimeOffset] = to.time_offset - from.time_offset;
@@ -45,7 +42,6 @@ CalibrationVector corrections_between(const RadarState& from, const RadarState& 
 }
 
 int calibration_column(const Layout& layout, int i) {
-  if (i < kTranslation && layout.has_mounting()) return layout.mounting() + i;
   if (i < kDopplerScale) return layout.has_extrinsics() ? layout.extrinsics() + i : -1;
   if (i == kDopplerScale) return layout.has_doppler_scale() ? layout.doppler_scale() : -1;
   return layout.time_offset_column();

@@ -4,11 +4,7 @@
 namespace rio {
 
 RadarState Estimate::of_radar(std::size_t r) const {
-  if (r != radar) return others[r];
-  RadarState state(T_BS, doppler_scale, time_offset);
-  state.mounting = mounting;
-  state.points = points;
-  return state;
+  return r == radar ? RadarState{T_BS, doppler_scale, time_offset} : others[r];
 }
 
 void Estimate::set_radar(std::size_t r, const RadarState& state) {
@@ -19,8 +15,6 @@ void Estimate::set_radar(std::size_t r, const RadarState& state) {
   T_BS = state.T_BS;
   doppler_scale = state.doppler_scale;
   time_offset = state.time_offset;
-  mounting = state.mounting;
-  points = state.points;
 }
 
 void Estimate::select_radar(std::size_t r) {

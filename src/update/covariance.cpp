@@ -78,17 +78,6 @@ void Covariance::add_parameter_noise(const Eigen::VectorXd& walk, double seconds
   P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
 }
 
-void Covariance::relax(int at, int to, double decay, const Vector3d& variance) {
-  const double rest = 1.0 - decay;
-  for (int i = 0; i < 3; ++i) {  // rows and columns in turn, which keeps it symmetric
-    auto own = P_.col(at + i).head(size_);
-    own = decay * own + rest * P_.col(to + i).head(size_);
-    const double square = decay * own[at + i] + rest * own[to + i];
-    P_.row(at + i).head(size_) = own.transpose();
-    P_(at + i, at + i) = square + variance[i];
-  }
-}
-
 void Covariance::inflate_along(int at, const Vector3d& axis) {
   P_.block<3, 3>(at, at) += axis * axis.transpose();
 }

@@ -49,7 +49,6 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   layout_ = layout_.of_radar(0);
   restart_steady_motion(prior.q_WB.conjugate() * prior.v_WB);
   covariance_.reset(P0, parameters_.prior);
-  for (std::size_t r = 0; r < options_.radars(); ++r) draw_scene(r);
 }
 
 void StateEstimate::select_radar(std::size_t r) {
@@ -97,7 +96,6 @@ Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
                                                  options_.update.landmark_walk, distance));
   }
   covariance_.add_parameter_noise(parameters_.walk, seconds);
-  change_scene(distance);
   if (options_.frontend.matching == Matching::kMahalanobis) predict_landmarks();
   return Status::kOk;
 }
@@ -121,11 +119,41 @@ void StateEstimate::restart_steady_motion(const Vector3d& v_B) {
   estimate_.steady = steady_.motion();
 }
 
+void StateEstimate::set_mounting(std::size_t r, const Mounting& mounting) {
+  RadarState radar = estimate_.of_radar(r);
+  radar.T_BS = mounting.T_BS;
+  estimate_.set_radar(r, radar);
+  const int at = layout_.of_radar(r).extrinsics();
+  covariance_.replace({at, at + 3}, mounting.covariance.topLeftCorner<6, 6>());
+}
+
+void StateEstimate::set_mounting_and_motion(std::size_t r, const Mounting& mounting) {
+  set_mounting(r, mounting);
+  NavState& nav = estimate_.nav;
+  nav.p_WB += mounting.position_error_W;
+  nav.v_WB += mounting.velocity_error_W;
+  const int at = layout_.of_radar(r).extrinsics();
+  covariance_.replace({at, at + 3, body::kPosition, body::kVelocity}, mounting.covariance);
+  restart_steady_motion(nav.q_WB.conjugate() * nav.v_WB);
+}
+
 void StateEstimate::set_auxiliary(int first, const Eigen::Ref<const Eigen::VectorXd>& value,
                                   const Eigen::Ref<const Eigen::MatrixXd>& by_body,
                                   const Eigen::Ref<const Eigen::MatrixXd>& noise) {
   estimate_.auxiliary.segment(first, value.size()) = value;
   covariance_.assign_parameters(layout_.auxiliary() + first, by_body, noise);
+}
+
+Eigen::Matrix4d StateEstimate::velocity_calibration() const {
+  Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+  const auto all = covariance_.matrix();
+  if (layout_.has_extrinsics()) {
+    P.topLeftCorner<3, 3>() = all.block<3, 3>(layout_.extrinsics(), layout_.extrinsics());
+  }
+  if (layout_.has_doppler_scale()) {
+    P(3, 3) = all(layout_.doppler_scale(), layout_.doppler_scale());
+  }
+  return P;
 }
 
 Matrix3d StateEstimate::radar_velocity_covariance(const LinearizationPoint& x) const {
@@ -211,6 +239,20 @@ void StateEstimate::correct(const Eigen::VectorXd& dx) {
   for (std::size_t i = 0; i < estimate_.landmarks.size(); ++i) {
     estimate_.landmarks[i].p_W += dx.segment<3>(layout_.landmark(static_cast<int>(i)));
   }
+}
+
+void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx) {
+  const Layout layout = layout_.of_radar(r);
+  CalibrationVector step = CalibrationVector::Zero();
+  for (int i = 0; i < step.size(); ++i) {
+    const int column = calibration_column(layout, i);
+    if (column >= 0) step[i] = dx[column];
+  }
+  const RadarState configured = configured_state(options_.mount(r));
+  const CalibrationVector limits = kCalibrationLimit * calibration_sigmas(options_.calibration);
+  const CalibrationVector total =
+      corrections_between(configured, corrected(estimate_.of_radar(r), step));
+  estimate_.set_radar(r, corrected(configured, total.cwiseMin(limits).cwiseMax(-limits)));
 }
 
 }  // namespace rio

@@ -53,12 +53,6 @@ const Variant kVariants[] = {
        o.update.max_clones = 20;
        keep_many_landmarks(o);
      }},
-    {"directions off together", [](Options& o) { o.calibration.scene_sigma = 0.12; }},
-    {"directions off together, smoother",
-     [](Options& o) {
-       o.backend = BackEnd::kSmoother;
-       o.calibration.scene_sigma = 0.12;
-     }},
     {"many landmarks, a long window, few iterations",
      [](Options& o) {
        o.backend = BackEnd::kSmoother;

@@ -89,13 +89,6 @@ TEST_F(EkfTest, TheVehiclesOwnEchoesTellNothingAndAreCounted) {
   EXPECT_GE(gated, 8);  // of nine
 }
 
-TEST_F(EkfTest, CountsTheStaticPointsOfItsScans) {
-  flight_.begin(flight_.options());
-  const double before = x().points;
-  fly(50);
-  EXPECT_GT(x().points, before + 5.0);  // some twenty a scan
-}
-
 TEST_F(EkfTest, FindsAMountingError) {
   Options o = flight_.options();
   const Quaternion truth = o.radar.T_BS.rotation;

@@ -22,7 +22,6 @@ namespace {
 constexpr int kSeeds = 8;
 constexpr int kDraws = 18;             // of the random perturbations
 constexpr double kHonestShare = 0.95;  // of the scans
-constexpr double kSceneSigma = 0.12;   // state/scene_rotation.hpp, off by default [rad]
 
 const Variants& estimators() {
   static const Variants all = {
@@ -35,13 +34,6 @@ const Variants& estimators() {
        [](Options& o) {
          use_smoother(o);
          forget_mounting(o);
-       }},
-      {"default, directions off together, filter", "default",
-       [](Options& o) { o.calibration.scene_sigma = kSceneSigma; }},
-      {"default, directions off together, smoother", "default",
-       [](Options& o) {
-         use_smoother(o);
-         o.calibration.scene_sigma = kSceneSigma;
        }},
       {"published-ekf", "published-ekf"},
       {"published-smoother", "published-smoother"},

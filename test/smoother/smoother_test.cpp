@@ -37,12 +37,6 @@ class SmootherTest : public testing::Test {
   SmootherFlight flight_;
 };
 
-TEST_F(SmootherTest, CountsTheStaticPointsOfItsScans) {
-  const double before = x().points;
-  fly(50);
-  EXPECT_GT(x().points, before + 5.0);  // some twenty a scan
-}
-
 // They are the clones; that of the start is no scan.
 TEST_F(SmootherTest, KeepsTheLastStatesFirstInFirstOut) {
   const auto n = static_cast<std::size_t>(flight_.options().smoother.window);

@@ -23,35 +23,13 @@ TEST(CalibrationVector, CorrectionsLeadFromOneCalibrationToTheOther) {
   EXPECT_LT((turn - Vector3d(0.1, -0.2, 0.3)).norm(), 1e-15);
 }
 
-// A correction turns the mounting and, with it, what the scans see.
-TEST(CalibrationVector, TheRotationOfTheSceneIsNoCalibration) {
-  const Quaternion scene = quaternion_exp({0.0, 0.04, -0.03});
-  RadarState from;
-  from.mounting = quaternion_exp({0.4, -0.7, 0.2});
-  from.T_BS.rotation = from.mounting * scene;
-  CalibrationVector c = CalibrationVector::Zero();
-  c.head<3>() << 0.1, -0.2, 0.3;
-  const RadarState to = corrected(from, c);
-  EXPECT_LT((corrections_between(from, to) - c).norm(), 1e-15);
-  EXPECT_LT((to.mounting.conjugate() * to.T_BS.rotation).angularDistance(scene), 1e-7);
-  RadarState seen_otherwise = from;
-  seen_otherwise.T_BS.rotation = from.mounting;
-  EXPECT_TRUE(corrections_between(from, seen_otherwise).isZero(0.0));
-}
-
 TEST(CalibrationVector, ColumnsAreThoseOfTheBlocks) {
   CalibrationOptions options;
-  options.scene_sigma = 0.1;
   const Layout all(options, 2, 3, 0, 2);
   const Layout second = all.of_radar(1);
-  for (int i = 0; i < 3; ++i) EXPECT_EQ(calibration_column(second, i), second.mounting() + i);
-  for (int i = 3; i < 6; ++i) EXPECT_EQ(calibration_column(second, i), second.extrinsics() + i);
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(calibration_column(second, i), second.extrinsics() + i);
   EXPECT_EQ(calibration_column(second, 6), second.column<DopplerScale>(0));
   EXPECT_EQ(calibration_column(second, 7), second.time_offset_column());
-  EXPECT_EQ(second.mounting() + 3, second.auxiliary());
-  options.scene_sigma = 0.0;  // the mounting is what the scans see
-  const Layout constant(options, 2, 3);
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(calibration_column(constant, i), constant.extrinsics() + i);
   options.rotation_sigma = options.translation_sigma = 0.0;
   options.doppler_scale_sigma = options.time_offset_sigma = 0.0;
   const Layout none(options, 2, 3);

@@ -12,10 +12,9 @@ constexpr double kTranslation = 0.1;
 constexpr double kDelay = 0.04;
 constexpr double kScale = 0.005;
 constexpr double kWalk = 0.1;
-constexpr double kScene = 0.2;
 
 CalibrationOptions calibration() {
-  return {kRotation, kTranslation, kDelay, kScale, kWalk, kScene};
+  return {kRotation, kTranslation, kDelay, kScale, kWalk};
 }
 
 void expect_square(double sigma, const Eigen::VectorXd& variances, int column, int count = 1) {
@@ -27,16 +26,15 @@ void expect_square(double sigma, const Eigen::VectorXd& variances, int column, i
 TEST(ParameterNoise, EachParameterOfEachRadarHasItsOwn) {
   const Layout layout(calibration(), 2, 5, 0, 2);
   const ParameterNoise noise = parameter_noise(layout, calibration());
-  ASSERT_EQ(noise.prior.size(), 22);
-  ASSERT_EQ(noise.walk.size(), 22);
+  ASSERT_EQ(noise.prior.size(), 16);
+  ASSERT_EQ(noise.walk.size(), 16);
   for (std::size_t r = 0; r < 2; ++r) {
     const Layout own = layout.of_radar(r);
     const auto expect = [&](double sigma, double usual, int column, int count) {
       expect_square(sigma, noise.prior, column, count);
       expect_square(kWalk * usual, noise.walk, column, count);
     };
-    expect(kRotation, 0.05, own.mounting(), 3);
-    expect(0.0, 0.0, own.extrinsics(), 3);  // turned with the mounting, by StateEstimate
+    expect(kRotation, 0.05, own.extrinsics(), 3);
     expect(kTranslation, 0.03, own.extrinsics() + 3, 3);
     expect(kScale, 0.02, own.doppler_scale(), 1);
     expect(kDelay, 0.03, own.time_offset(), 1);
@@ -49,7 +47,7 @@ TEST(ParameterNoise, AuxiliaryStatesFollowTheCalibration) {
   ASSERT_TRUE(states.declare({"wind", 2, 4.0, 0.0}));
   const Layout layout(calibration(), 2, 5, states.size());
   const ParameterNoise noise = parameter_noise(layout, calibration(), states);
-  ASSERT_EQ(noise.prior.size(), 14);
+  ASSERT_EQ(noise.prior.size(), 11);
   expect_square(3.0, noise.prior, layout.auxiliary());
   expect_square(0.5, noise.walk, layout.auxiliary());
   expect_square(4.0, noise.prior, layout.auxiliary() + 1, 2);
@@ -59,13 +57,13 @@ TEST(ParameterNoise, AuxiliaryStatesFollowTheCalibration) {
 // A parameter with the prior 0 does not walk, although others of its block are estimated.
 TEST(ParameterNoise, WhatIsNotEstimatedStays) {
   CalibrationOptions some;
-  some = {kRotation, 0.0, 0.0, 0.0, kWalk, kScene};
+  some = {kRotation, 0.0, 0.0, 0.0, kWalk};
   const Layout layout(some, 0, 0);
   const ParameterNoise noise = parameter_noise(layout, some);
-  ASSERT_EQ(noise.walk.size(), 9);
+  ASSERT_EQ(noise.walk.size(), 6);
   expect_square(0.0, noise.prior, layout.extrinsics() + 3, 3);
   expect_square(0.0, noise.walk, layout.extrinsics() + 3, 3);
-  some = {0.0, 0.0, 0.0, 0.0, kWalk, kScene};
+  some = {0.0, 0.0, 0.0, 0.0, kWalk};
   EXPECT_EQ(parameter_noise(Layout(some, 0, 0), some).walk.size(), 0);
 }
 

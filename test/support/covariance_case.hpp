@@ -27,7 +27,7 @@ class CovarianceCase : public testing::Test {
     covariance_.propagate(random_transition(), noise());
   }
 
-  static CalibrationOptions calibration() { return {0.05, 0.03, 0.02, 0.02, 0.03, 0.12}; }
+  static CalibrationOptions calibration() { return {0.05, 0.03, 0.02, 0.02, 0.03}; }
   /// Of all but the biases, which stay what they are.
   Matrix15d random_transition() {
     Matrix15d phi = Matrix15d::Identity();

@@ -32,21 +32,6 @@ TEST_F(CovarianceTest, ReopenedVelocityTakesThePositionAlong) {
   expect_equal(expected, 1e-12);
 }
 
-TEST_F(CovarianceTest, RelaxationEqualsTheDenseProduct) {
-  const int at = layout_.extrinsics();
-  const int to = layout_.mounting();
-  const Vector3d variance(0.1, 0.2, 0.3);
-  for (const double decay : {0.7, 0.0}) {
-    MatrixXd F = MatrixXd::Identity(covariance_.size(), covariance_.size());
-    F.block<3, 3>(at, at) = decay * Matrix3d::Identity();
-    F.block<3, 3>(at, to) = (1.0 - decay) * Matrix3d::Identity();
-    MatrixXd expected = F * dense() * F.transpose();
-    expected.diagonal().segment<3>(at) += variance;
-    covariance_.relax(at, to, decay, variance);
-    expect_equal(expected, 1e-12);
-  }
-}
-
 TEST_F(CovarianceTest, MeasuredVelocityIsAKalmanUpdate) {
   const Vector3d residual(0.3, -0.2, 0.1);
   const Matrix3d noise = Vector3d(0.1, 0.2, 0.3).asDiagonal();

@@ -36,11 +36,6 @@ struct Observations {
 
   const Detection& detection(std::size_t i) const { return scan->items[i]; }
   bool is_static(std::size_t i) const { return ego_velocity.inlier[i] && !moves[i]; }
-  std::size_t static_points() const {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < scan->items.size(); ++i) count += is_static(i) ? 1U : 0U;
-    return count;
-  }
   /// Discards the static set and the matches of the scan.
   void withdraw() {
     ego_velocity.clear();

@@ -7,7 +7,7 @@
 //      heading
 // (E2) state 0  phi = (tau_x, tau_y, psi);  other states  phi = Log(Z^T R R_l^T)
 //      all      eta_p = Z^T p - p_l, eta_v = Z^T v - v_l, biases b - b_l;  landmarks  Z^T l - l_l
-// (E3) T_BS and mounting Log(R_l^T R), p - p_l; other calibration and auxiliary states c - c_l
+// (E3) T_BS Log(R_l^T R), p - p_l; other calibration and auxiliary states c - c_l
 // (E4) dxi = (I + w e_psi^T) B dx with B by blocks: phi_0 [Jl(tau) e_x, Jl(tau) e_y, e_z]^-1 Z^T R,
 //      phi Jl^-1(phi) Z^T R, eta Z^T;  w: -Jl^-1(phi) e_z at phi, -e_z x (Z^T y) at the eta of y
 // Observability constraint: a rotation of everything about gravity changes psi only, a translation
@@ -27,7 +27,6 @@
 #include "rio/smoother/window.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
-#include "rio/state/scene_rotation.hpp"
 
 namespace rio {
 
@@ -60,9 +59,6 @@ class Prior {
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk
   void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
-
-  /// (E2) of state/scene_rotation.hpp for the scene of radar r.
-  void change_scene(std::size_t r, const SceneStep& step);
 
   /// Marginalises landmark i, if the prior has it; the last one takes its place.
   void remove_landmark(std::size_t i, std::size_t last);

@@ -24,11 +24,9 @@ inline RadarState configured_state(const RadarMount& mount) {
   return {mount.T_BS, mount.doppler_scale, mount.time_offset};
 }
 
-/// The calibration with the corrections applied: the mounting R <- R Exp(c_rotation), all else is
-/// added. The scene's rotation stays.
+/// The calibration with the corrections applied: R <- R Exp(c_rotation), all else is added.
 RadarState corrected(const RadarState& from, const CalibrationVector& corrections);
-/// The corrections that lead from one calibration to another, the scene's rotations apart; the
-/// inverse of corrected().
+/// The corrections that lead from one calibration to another; the inverse of corrected().
 CalibrationVector corrections_between(const RadarState& from, const RadarState& to);
 
 /// The column of parameter i of the selected radar in the error state, -1 = not estimated.

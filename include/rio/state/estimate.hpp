@@ -63,23 +63,13 @@ struct LandmarkState {
 
 /// What is estimated of one radar.
 struct RadarState {
-  RadarState() = default;
-  /// Of a scan that sees the mounting itself.
-  RadarState(const Pose& mount, double scale, double offset)
-      : T_BS(mount), doppler_scale(scale), time_offset(offset), mounting(mount.rotation) {}
-
-  Pose T_BS;                                     ///< as its scans see it (state/scene_rotation.hpp)
-  double doppler_scale = 0.0;                    ///< relative error of the range rates as received
-  double time_offset = 0.0;                      ///< stamp minus time of measurement [s]
-  Quaternion mounting = Quaternion::Identity();  ///< rotation of T_BS without the scene's
-  double points = 10.0;                          ///< static ones of a scan, mean of some scans
-
-  /// T_BS without the scene's rotation.
-  Pose mount() const { return {mounting, T_BS.translation}; }
+  Pose T_BS;
+  double doppler_scale = 0.0;  ///< relative error of the range rates as received
+  double time_offset = 0.0;    ///< stamp minus time of measurement [s]
 };
 
-/// Predicted or corrected means at one instant. With several radars, T_BS, doppler_scale,
-/// time_offset, mounting and points are those of the radar whose scan is being processed.
+/// Predicted or corrected means at one instant. With several radars, T_BS, doppler_scale and
+/// time_offset are those of the radar whose scan is being processed.
 struct Estimate {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
@@ -87,13 +77,11 @@ struct Estimate {
   double accel_density = 0.0;          ///< of the accelerometer, measured [(m/s^2)^2/Hz]
   SteadyMotion steady;                 ///< where the Jacobians of the calibration are evaluated
   Pose T_BS;
-  double doppler_scale = 0.0;                    ///< relative error of the range rates as received
-  double distance_travelled = 0.0;               ///< since the start [m]
-  double time_offset = 0.0;                      ///< stamp minus time of measurement [s]
-  Quaternion mounting = Quaternion::Identity();  ///< as in RadarState
-  double points = 10.0;                          ///< as in RadarState
-  std::size_t radar = 0;                         ///< whose scan is being processed
-  std::array<RadarState, kMaxRadars> others;     ///< by radar; the entry of `radar` is stale
+  double doppler_scale = 0.0;                 ///< relative error of the range rates as received
+  double distance_travelled = 0.0;            ///< since the start [m]
+  double time_offset = 0.0;                   ///< stamp minus time of measurement [s]
+  std::size_t radar = 0;                      ///< whose scan is being processed
+  std::array<RadarState, kMaxRadars> others;  ///< by radar; the entry of `radar` is stale
   AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
   StaticVector<Clone, kMaxClones> clones;  ///< of each radar the newest replaces the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;

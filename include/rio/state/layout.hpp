@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Position of each block in the error state:
-//   [body 15 | of each radar: extrinsics 0 or 6, Doppler scale 0 or 1, time offset 0 or 1,
-//    mounting 0 or 3 | auxiliary states | clones 6 N | landmarks 3 M]
+//   [body 15 | of each radar: extrinsics 0 or 6, Doppler scale 0 or 1, time offset 0 or 1 |
+//    auxiliary states | clones 6 N | landmarks 3 M]
 //
 // The clone region always has room for N clones (stochastic cloning); a new one replaces the
 // oldest, so marginalising a clone moves nothing. Landmarks come last because their number changes.
@@ -21,7 +21,6 @@ class Layout {
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
         doppler_scale_(calibration.doppler_scale_sigma > 0.0),
         time_offset_(calibration.time_offset_sigma > 0.0),
-        mounting_(extrinsics_ && calibration.scene_sigma > 0.0),
         radars_(static_cast<int>(radars)),
         auxiliary_(auxiliary),
         max_clones_(max_clones),
@@ -42,8 +41,6 @@ class Layout {
   bool has_extrinsics() const { return extrinsics_; }
   bool has_doppler_scale() const { return doppler_scale_; }
   bool has_time_offset() const { return time_offset_; }
-  /// The mounting has columns of its own (state/scene_rotation.hpp).
-  bool has_mounting() const { return mounting_; }
   int max_clones() const { return max_clones_; }
   int max_landmarks() const { return max_landmarks_; }
 
@@ -52,7 +49,6 @@ class Layout {
   int extrinsics() const { return body::kSize + radar_ * calibration_size(); }
   int doppler_scale() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
   int time_offset() const { return doppler_scale() + (doppler_scale_ ? 1 : 0); }
-  int mounting() const { return time_offset() + (time_offset_ ? 1 : 0); }
   int auxiliary() const { return body::kSize + radars_ * calibration_size(); }
   int auxiliary_size() const { return auxiliary_; }
   int clone(int slot) const { return auxiliary() + auxiliary_ + 6 * slot; }
@@ -77,14 +73,12 @@ class Layout {
  private:
   /// Columns of the calibration of one radar.
   int calibration_size() const {
-    return (extrinsics_ ? Extrinsics::kDof : 0) + (doppler_scale_ ? 1 : 0) +
-           (time_offset_ ? 1 : 0) + (mounting_ ? 3 : 0);
+    return (extrinsics_ ? Extrinsics::kDof : 0) + (doppler_scale_ ? 1 : 0) + (time_offset_ ? 1 : 0);
   }
 
   bool extrinsics_;
   bool doppler_scale_;
   bool time_offset_;
-  bool mounting_;
   int radars_;
   int radar_ = 0;
   int auxiliary_;

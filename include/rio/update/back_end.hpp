@@ -34,8 +34,8 @@ enum class Invalidates {
 /// | 5 update    | update(seen, rows) -> Status               | state and covariance; as          |
 /// |             |                                            | predicted if it is kNumerical     |
 /// | 6 promote   | landmark_room(seen)                        | nothing                           |
-/// |             | maintain_landmarks(seen, rows, promotions, | the landmarks; counts the points  |
-/// |             | report)                                    | (state/scene_rotation.hpp)        |
+/// |             | maintain_landmarks(seen, rows, promotions, | the landmarks                     |
+/// |             | report)                                    |                                   |
 /// | 7 clone     | clone(scan)                                | the clones                        |
 /// Between the calls, estimate() and state_estimate() are the mean and covariance at the newest
 /// time. No member allocates after construction.

@@ -80,11 +80,6 @@ class Covariance {
   /// @param walk ParameterNoise::walk
   void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
 
-  /// Three elements from `at` on return to those from `to` on: x_at <- decay x_at +
-  /// (1 - decay) x_to + n.
-  /// @param variance of n
-  void relax(int at, int to, double decay, const Vector3d& variance);
-
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;
 

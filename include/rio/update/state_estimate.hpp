@@ -18,7 +18,6 @@
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
 #include "rio/state/parameters.hpp"
-#include "rio/state/scene_rotation.hpp"
 #include "rio/update/covariance.hpp"
 #include "rio/update/linearize.hpp"
 
@@ -57,13 +56,6 @@ class StateEstimate {
   void set_mounting(std::size_t r, const Mounting& mounting);
   /// Same, at the time of the scan that completed the evidence: corrects position and velocity.
   void set_mounting_and_motion(std::size_t r, const Mounting& mounting);
-
-  /// A scan of the selected radar had that many static points (state/scene_rotation.hpp).
-  void count_points(std::size_t points);
-
-  /// (E2) of state/scene_rotation.hpp for radar r.
-  /// @param distance travelled [m]
-  SceneStep scene_step(std::size_t r, double distance) const;
 
   /// The auxiliary state whose first element is `first`, independent of all so far, becomes `value`
   /// with the error by_body dx + n, cov(n) = noise (update/delayed_start.hpp).
@@ -106,13 +98,6 @@ class StateEstimate {
   std::size_t slot_for(ScanId scan);
 
   void correct_calibration(std::size_t r, const Eigen::VectorXd& dx);
-
-  /// The scene's rotation of radar r has its prior, independent of all else.
-  void draw_scene(std::size_t r);
-  /// The scenes change with the distance travelled.
-  void change_scene(double distance);
-  /// First columns of rotation and translation of the mounting.
-  std::array<int, 2> mounting_columns(std::size_t r) const;
 
   Options options_;
   Layout layout_;
