@@ -241,6 +241,14 @@ std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSam
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv) {
   ImuCheck out;
+  constexpr double kFine = 1e-3;  // less is the rounding of a driver [s]
+  if (const double grid = grid_of(samples);
+      good.size() > 1 && grid >= kFine && 3 * good.size() < 2 * samples.size()) {
+    out.findings.push_back(cut_stamps(
+        "imu stamps", grid,
+        source == Source::kBag ? "--imu-clock receive" : "write them in ns, with all digits"));
+    return out;
+  }
   if (good.size() < 100) {
     out.findings.push_back({Verdict::kWrong, "imu stamps",
                             fmt::format("{} of {} samples are finite and in the order of time",

@@ -2,9 +2,12 @@
 // Items of a recording in time order, and the positions of the others.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <numeric>
@@ -12,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "check/check.hpp"
 #include "rio/checks/stamp_guard.hpp"
 #include "rio/types.hpp"
 
@@ -84,6 +88,24 @@ Strays strays(const Items& all) {
     if (!repeated && out.count++ == 0) out.first = i;
   }
   return out;
+}
+
+/// The coarsest grid that all valid stamps are on [s]; 0 without one that is not zero.
+template <typename Items>
+double grid_of(const Items& items) {
+  std::int64_t grid = 0;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (is_stamp(items[i].time)) grid = std::gcd(grid, items[i].time.count());
+  }
+  return to_seconds(Time(grid));
+}
+
+/// Stamps that lost their last digits.
+inline Finding cut_stamps(const char* subject, double grid, std::string change) {
+  return {Verdict::kWrong, subject,
+          fmt::format("all stamps are multiples of {:g} s: they lost digits when they were written",
+                      grid),
+          std::move(change)};
 }
 
 /// Where a clock was set back or started again: later stamps go on from there.

@@ -28,6 +28,32 @@ double duration(const Scans& scans) {
   return std::max(1e-3, to_seconds(end - begin));
 }
 
+/// The longest interval between samples in order.
+std::pair<Time, Time> longest_gap(const std::vector<ImuSample>& samples) {
+  const std::vector<std::size_t> order = in_order(samples);
+  std::pair<Time, Time> out;
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const Time from = samples[order[i - 1]].time;
+    const Time to = samples[order[i]].time;
+    if (to - from > out.second - out.first) out = {from, to};
+  }
+  return out;
+}
+
+/// Whether there are scans before and after an interval of some length, and none within.
+bool is_silent(const Scans& scans, Time from, Time to) {
+  constexpr double kPause = 0.25;  // two scans at least are missing [s]
+  if (to_seconds(to - from) < kPause) return false;
+  bool before = false;
+  bool after = false;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const Time t = scans[i].time;
+    if (t > from && t < to) return false;
+    (t <= from ? before : after) = true;
+  }
+  return before && after;
+}
+
 /// The row of a file at which a scan begins: one per detection, or one for an empty scan.
 std::size_t row_of(const Scans& scans, std::size_t scan) {
   std::size_t row = 0;
@@ -38,6 +64,11 @@ std::size_t row_of(const Scans& scans, std::size_t scan) {
 
 Finding check_stamps(const Scans& scans, const io::RadarInfo& info, const Advice& advice,
                      const std::filesystem::path& csv) {
+  constexpr double kNoScans = 0.5;  // no radar is that slow [s]
+  if (const double grid = grid_of(scans); grid >= kNoScans) {
+    return cut_stamps("radar stamps", grid,
+                      advice.bag() ? "--radar-clock receive" : "write them in ns, with all digits");
+  }
   std::vector<double> periods;
   const std::vector<std::size_t> order = in_order(scans);
   for (std::size_t i = 1; i < order.size(); ++i) {
@@ -222,7 +253,17 @@ Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
                           "its start, both for {:.1f} s",
                           imu, radar, late, both)};
   const double share = both / std::max(1e-3, std::min(imu, radar));
-  if (share > 0.8) return out;
+  if (share > 0.8) {
+    if (const auto [from, to] = longest_gap(samples); is_silent(scans, from, to)) {
+      out.verdict = Verdict::kDoubtful;
+      out.text += fmt::format("; both are silent for {:.3f} s, {:.1f} s after the begin",
+                              to_seconds(to - from), to_seconds(from - imu_begin));
+      out.change =
+          "if nothing was lost there the clock was set forward (NTP?): take that off all "
+          "later stamps";
+    }
+    return out;
+  }
   out.verdict = share < 0.1 ? Verdict::kWrong : Verdict::kDoubtful;
   out.change = "both sensors need one clock; if both began together, ";
   out.change += advice.bag()

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Faults of the IMU and of clocks with a cause that another one resembles: the right one is named,
+// Faults of the IMU with a cause that another one resembles: the right one is named,
 // with what to paste.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 
 #include "check/check_it.hpp"
-#include "check/clock_steps.hpp"
 #include "check/flown.hpp"
-#include "support/temp_dir.hpp"
 
 namespace rio::test {
 namespace {
@@ -58,28 +54,6 @@ TEST(ImuCauses, ExchangedColumnsAreOneFault) {
   for (const Finding& f : findings) {
     EXPECT_EQ(f.verdict, f.subject == "accelerometer unit" ? Verdict::kWrong : Verdict::kOk)
         << text_of(findings);
-  }
-}
-
-TEST(ImuCauses, StampsInAnotherUnitAreTheOnlyFinding) {
-  for (const auto& [divisor, unit] : {std::pair(1000, "us"), std::pair(1000000, "ms")}) {
-    io::Dataset dataset = flight();
-    for (ImuSample& s : dataset.imu) s.time /= divisor;
-    for (RadarScan& s : dataset.scans) s.time /= divisor;
-    EXPECT_EQ(check_it(dataset).size(), 1U) << text_of(check_it(dataset));
-    expect(said(dataset, "imu stamps"), Verdict::kWrong, std::string("the stamps are in ") + unit,
-           "by " + std::to_string(divisor) + ":");
-  }
-}
-
-TEST(ImuCauses, AClockThatGoesBackIsNotTwoPublishers) {
-  io::Dataset dataset = flight();
-  const Time half = dataset.imu[dataset.imu.size() / 2].time;
-  for (ImuSample& s : dataset.imu) s.time -= s.time > half ? from_seconds(9.0) : Time(0);
-  for (RadarScan& s : dataset.scans) s.time -= s.time > half ? from_seconds(9.0) : Time(0);
-  for (const char* subject : {"imu stamps", "radar stamps"}) {
-    expect(said(dataset, subject, Source::kFolder), Verdict::kDoubtful,
-           "the clock goes back once, first by 9 s", "split the recording there");
   }
 }
 
@@ -136,119 +110,10 @@ TEST(ImuCauses, AnotherRangeOfTheGyroIsNamed) {
   }
 }
 
-TEST(ImuCauses, APeriodBetweenOneAndTwoStepsOfItsGridLosesNothing) {
-  io::Dataset dataset = flight();
-  const auto cut = [](std::size_t i, double hz, double step) {
-    return from_seconds(step * std::floor(static_cast<double>(i) / hz / step + 1e-9));
-  };
-  for (std::size_t i = 0; i < dataset.scans.size(); ++i) {
-    dataset.scans[i].time = Time(1'000'000'000) + cut(i, 15.0, 0.05);
-  }
-  for (std::size_t i = 0; i < dataset.imu.size(); ++i) {
-    dataset.imu[i].time = Time(1'000'000'000) + cut(i, 700.0, 0.001);
-  }
-  EXPECT_PRED2(contains, said(dataset, "radar stamps").text, "(15.0 Hz)");
-  EXPECT_PRED2(contains, said(dataset, "imu stamps").text, "(700 Hz), 0.0 % lost");
-  dataset.imu_info.rate_hz = 1000.0;  // unless the sensor is known to be faster
-  EXPECT_PRED2(contains, said(dataset, "imu stamps", Source::kFolder).text, "(1000 Hz), 30.0 %");
-}
-
 TEST(ImuCauses, AnAccelerometerOffAtRestIsNoMissingRest) {
   const io::Dataset dataset = with_imu([](ImuSample& s) { s.accel_B *= 1.06; });
   expect_change(dataset, "accelerometer unit", "scale or bias is off");
   EXPECT_PRED2(contains, said(dataset, "start").text, "too far off gravity");
-}
-
-TEST(ImuCauses, StampsOfOneSensorInAnotherUnitAreThoseOfThatSensor) {
-  io::Dataset dataset = flight();
-  const Time epoch = from_seconds(1.7e9);
-  for (RadarScan& s : dataset.scans) s.time += epoch;
-  io::Dataset of_imu = dataset;
-  for (ImuSample& s : of_imu.imu) s.time = epoch + s.time / 1000;
-  EXPECT_EQ(said(of_imu, "imu stamps").change,
-            "--imu-clock receive, or multiply the stamps of the IMU by 1000: they must be in ns");
-  for (const auto& [divisor, unit] : {std::pair(1000, "in us"), std::pair(1000000, "in ms")}) {
-    io::Dataset of_radar = dataset;
-    for (ImuSample& s : of_radar.imu) s.time += epoch;
-    for (RadarScan& s : of_radar.scans) s.time = epoch + (s.time - epoch) / divisor;
-    expect(said(of_radar, "clocks"), Verdict::kWrong, unit, "--radar-clock receive");
-    EXPECT_EQ(find(check_it(of_radar), "radar stamps"), nullptr);
-  }
-}
-
-TEST(ImuCauses, StampsOfTheRadarInMicrosecondsNeedNoOffset) {
-  io::Dataset dataset = flight();
-  for (ImuSample& s : dataset.imu) s.time += from_seconds(1.7e9);
-  for (RadarScan& s : dataset.scans) s.time = (s.time + from_seconds(1.7e9)) / 1000;
-  const Finding finding = said(dataset, "clocks", Source::kFolder);
-  EXPECT_PRED2(contains, finding.text, "in us");
-  EXPECT_EQ(finding.change, "multiply the stamps of the radar by 1000: they must be in ns");
-  EXPECT_EQ(find(check_it(dataset), "radar stamps"), nullptr);  // nor what follows from them
-}
-
-TEST(ImuCauses, AStepOfItsClockIsFoundToTheSample) {
-  for (const double step : {0.15, -0.3, 1.5, -2.0, 40.0}) {
-    SCOPED_TRACE(step);
-    io::Dataset dataset = flight();
-    const std::size_t first = dataset.imu.size() / 3;
-    for (std::size_t i = first; i < dataset.imu.size(); ++i) {
-      dataset.imu[i].time += from_seconds(step);
-    }
-    const Findings findings = check_it(dataset);
-    const bool back = step < -0.5;
-    expect(said(findings, back ? "imu stamps" : "delay of the radar"),
-           back ? Verdict::kDoubtful : Verdict::kWrong, fmt::format("from sample {} on", first + 1),
-           "`rio replay`, which takes it out");
-    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), back ? 0 : 1)
-        << text_of(findings);
-  }
-}
-
-/// The steps found where both clocks step in the middle of the flight.
-check::ClockSteps steps_of_both(double step) {
-  io::Dataset dataset = flight();
-  const Time then = dataset.imu[dataset.imu.size() / 2].time;
-  const auto move = [&](auto* items) {
-    for (auto& item : *items) {
-      if (item.time >= then) item.time += from_seconds(step);
-    }
-  };
-  move(&dataset.imu);
-  move(&dataset.scans);
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  return check::find_clock_steps(dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info,
-                                 options);
-}
-
-TEST(ImuCauses, ClocksThatGoBackTogetherStep) {
-  for (const double step : {-0.3, -20.0, -1.7e9}) {
-    SCOPED_TRACE(step);
-    const check::ClockSteps steps = steps_of_both(step);
-    EXPECT_EQ(steps.imu.size(), 1U);
-    EXPECT_EQ(steps.radars[0].size(), 1U);
-  }
-}
-
-TEST(ImuCauses, ClocksThatGoForwardTogetherMayPause) {
-  for (const double step : {0.3, 1.5, 20.0, 7200.0}) {
-    SCOPED_TRACE(step);
-    const check::ClockSteps steps = steps_of_both(step);
-    EXPECT_TRUE(steps.imu.empty());
-    EXPECT_TRUE(steps.radars[0].empty());
-  }
-}
-
-TEST(ImuCauses, APauseIsNoStepOfItsClock) {
-  for (const bool of_both : {false, true}) {
-    io::Dataset dataset = flight();
-    const Time begin = dataset.imu[dataset.imu.size() / 2].time;
-    const auto lost = [&](Time t) { return t > begin && t < begin + from_seconds(0.5); };
-    std::erase_if(dataset.imu, [&](const ImuSample& s) { return lost(s.time); });
-    if (of_both) std::erase_if(dataset.scans, [&](const RadarScan& s) { return lost(s.time); });
-    const Findings findings = check_it(dataset);
-    EXPECT_FALSE(contains(text_of(findings), "a clock steps")) << text_of(findings);
-  }
 }
 
 }  // namespace

@@ -11,12 +11,10 @@
 #include <vector>
 
 #include "check/check_it.hpp"
-#include "check/clock_steps.hpp"
 #include "check/flown.hpp"
 #include "check/motion.hpp"
 #include "check/points_check.hpp"
 #include "rio/core/so3.hpp"
-#include "support/temp_dir.hpp"
 
 namespace rio::test {
 namespace {
@@ -27,38 +25,6 @@ io::Dataset with_detections(const Change& change) {
   io::Dataset dataset = flight();
   each_detection(&dataset, change);
   return dataset;
-}
-
-std::vector<Time> stamps_of(const io::Dataset& dataset) {
-  std::vector<Time> stamps;
-  for (const RadarScan& scan : dataset.scans) stamps.push_back(scan.time);
-  return stamps;
-}
-
-std::vector<check::ClockStep> steps_in(const io::Dataset& dataset) {
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  const check::ClockSteps steps = check::find_clock_steps(
-      dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info, options);
-  EXPECT_TRUE(steps.imu.empty());
-  return steps.radars[0];
-}
-
-TEST(RadarCauses, TheRateOfStampsOnAGridIsThatOfTheRadar) {
-  io::Dataset dataset = flight();
-  std::size_t lost = 0;
-  for (std::size_t i = 0; i < dataset.scans.size(); ++i) {
-    if (i % 5 == 0) ++lost;  // lost scans do not count
-    const auto tick = static_cast<std::int64_t>(std::floor(static_cast<double>(i + lost) / 0.3));
-    dataset.scans[i].time = dataset.imu.front().time + tick * Time(10'000'000);
-  }
-  dataset.radar_info.rate_hz = 30.0;
-  const Finding finding = said(dataset, "radar stamps", Source::kFolder);
-  expect(finding, Verdict::kOk, "(30.0 Hz)");
-  dataset.radar_info.rate_hz = 20.0;
-  EXPECT_EQ(said(dataset, "radar stamps", Source::kFolder).change,
-            "radar0/sensor.yaml: rate_hz: 30.0");
-  EXPECT_EQ(said(dataset, "radar stamps").change, "");  // a bag has no such file
 }
 
 TEST(RadarCauses, AnSnrThatIsNoDecibelsIsNotAWeakRadar) {
@@ -153,68 +119,6 @@ TEST(RadarCauses, MovingTracksAreNoHighThreshold) {
     if (++i % 7 != 0) d->range_rate = 1.4 * std::sin(1.7 * static_cast<double>(i));
   });
   expect(said(dataset, "points"), Verdict::kDoubtful, "", "most points move");
-}
-
-TEST(RadarCauses, ScansOutOfOrderAreNotRepeated) {
-  io::Dataset dataset = flight();
-  for (std::size_t i = 10; i + 1 < dataset.scans.size(); i += 10) {
-    std::swap(dataset.scans[i], dataset.scans[i + 1]);
-  }
-  expect_change(dataset, "radar stamps", "put the scans in the order");
-  dataset = flight();
-  dataset.scans[20].time = dataset.scans[19].time;
-  expect_change(dataset, "radar stamps", "a stamp of its own");
-}
-
-TEST(RadarCauses, AStepOfItsClockIsFoundToTheScan) {
-  for (const double step : {0.15, -0.3, 1.5, -2.0, 40.0}) {
-    SCOPED_TRACE(step);
-    io::Dataset dataset = flight();
-    const std::size_t first = dataset.scans.size() / 3;
-    for (std::size_t i = first; i < dataset.scans.size(); ++i) {
-      dataset.scans[i].time += from_seconds(step);
-    }
-    const Findings findings = check_it(dataset);
-    const bool back = step < -0.5;
-    expect(said(findings, back ? "radar stamps" : "delay of the radar"),
-           back ? Verdict::kDoubtful : Verdict::kWrong, fmt::format("from scan {} on", first + 1),
-           "`rio replay`, which takes it out");
-    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), back ? 0 : 1)
-        << text_of(findings);
-    const std::vector<check::ClockStep> steps = steps_in(dataset);
-    ASSERT_EQ(steps.size(), 1U);
-    EXPECT_NEAR(to_seconds(steps[0].size), step, 0.005);  // of the jitter of the stamps
-  }
-}
-
-TEST(RadarCauses, TwoStepsOfAClockAreFound) {
-  io::Dataset dataset = flight();
-  const std::size_t third = dataset.scans.size() / 3;
-  for (std::size_t i = third; i < dataset.scans.size(); ++i) {
-    dataset.scans[i].time += i < 2 * third ? from_seconds(0.7) : from_seconds(0.2);
-  }
-  const std::vector<check::ClockStep> steps = steps_in(dataset);
-  ASSERT_EQ(steps.size(), 2U);
-  EXPECT_EQ(steps[0].first, third);
-  EXPECT_EQ(steps[1].first, 2 * third);
-  EXPECT_NEAR(to_seconds(-check::without_steps(Time{0}, steps, 2 * third)), 0.2, 0.005);
-}
-
-TEST(RadarCauses, APauseOrACorruptStampIsNoStepOfAClock) {
-  io::Dataset dataset = flight();
-  for (std::size_t i = 60; i + 60 < dataset.scans.size(); i += 57) {
-    dataset.scans.erase(dataset.scans.begin() + static_cast<std::ptrdiff_t>(i),
-                        dataset.scans.begin() + static_cast<std::ptrdiff_t>(i + 5));
-  }
-  EXPECT_FALSE(check::possible_steps(stamps_of(dataset)).empty());
-  EXPECT_TRUE(steps_in(dataset).empty());
-  dataset = flight();
-  std::rotate(dataset.scans.begin() + 80, dataset.scans.begin() + 90, dataset.scans.begin() + 120);
-  EXPECT_TRUE(steps_in(dataset).empty());  // out of order
-  dataset = flight();
-  dataset.scans[100].time += from_seconds(3.0);
-  dataset.scans[150].time = Time::min();
-  EXPECT_TRUE(check::possible_steps(stamps_of(dataset)).empty());
 }
 
 TEST(RadarCauses, ADelayHasOneProposal) {
@@ -323,22 +227,6 @@ TEST(RadarCauses, ALeverArmInMillimetresIsDoubtful) {
   EXPECT_EQ(find(check_it(dataset), "lever arm"), nullptr);
   dataset.radar_info.T_BS->translation = Vector3d(100.0, 0.0, -50.0);
   expect_change(dataset, "lever arm", "in mm or cm?");
-}
-
-TEST(RadarCauses, PointsOfAScanShareItsStamp) {
-  io::Dataset dataset = flight();
-  dataset.scans.clear();
-  for (const RadarScan& scan : flight().scans) {
-    for (std::size_t i = 0; i < scan.detections.size(); ++i) {
-      RadarScan one;
-      one.time = scan.time + Time(1000 * static_cast<std::int64_t>(i));
-      one.detections = {scan.detections[i]};
-      dataset.scans.push_back(one);
-    }
-  }
-  expect(said(dataset, "radar stamps"), Verdict::kWrong, "",
-         "all points of a scan must share its stamp");
-  EXPECT_EQ(find(check_it(dataset), "points"), nullptr);
 }
 
 TEST(RadarCauses, ARadarWithoutElevationIsNamed) {
