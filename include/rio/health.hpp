@@ -30,7 +30,7 @@ enum class HealthReason : std::uint8_t {
   kRadarSilent,           ///< no informative scan for a while
   kFewDetections,         ///< scans arrive, but hardly any measurement is used
   kOutliers,              ///< most detections do not fit a static world
-  kGated,                 ///< the gates reject many measurements
+  kGated,                 ///< the gates reject many measurements; for 10 s: the estimate is lost
   kInnovations,           ///< innovations are larger than their sigmas
   kVelocityContradicted,  ///< another velocity explains the Dopplers of a second far better
   kTiltContradicted,      ///< the Dopplers of two seconds show a different gravity direction

@@ -25,9 +25,9 @@ Effect effect(HealthReason reason) {
     case HealthReason::kRadarSilent:
     case HealthReason::kFewDetections:
     case HealthReason::kOutliers:
-    case HealthReason::kGated:
     case HealthReason::kInnovations:
       return {true, true, false, false};
+    case HealthReason::kGated:
     case HealthReason::kVelocityContradicted:
       return {true, true, false, true};
     case HealthReason::kTiltContradicted:
@@ -65,7 +65,7 @@ void HealthMonitor::reset(Time time) {
   const std::uint8_t resets = health_.reset_counter;
   *this = HealthMonitor{};
   health_.reset_counter = static_cast<std::uint8_t>(resets + 1);
-  now_ = last_used_ = time;
+  now_ = last_used_ = not_gated_ = time;
 }
 
 void HealthMonitor::add_step() {
@@ -176,7 +176,9 @@ void HealthMonitor::judge_scans(Time now, Time pause) {
   severity(HealthReason::kFewDetections) = kFewRows / std::max(rows_used_, 1e-3);
   const double others = detections_ - static_detections_;
   severity(HealthReason::kOutliers) = others / std::max(detections_, 10.0) / kOutliers;
-  severity(HealthReason::kGated) = gated_share() / kGated;
+  if (unusual_gated_share() == 0.0) not_gated_ = now;
+  severity(HealthReason::kGated) =
+      std::max(gated_share() / kGated, to_seconds(now - not_gated_) / kGatedTime);
   severity(HealthReason::kInnovations) = nis_ / std::max(rows_used_, 10.0) / kInnovations;
   severity(HealthReason::kImuGaps) = (gaps_ + to_seconds(pause)) / kLostTime;
   severity(HealthReason::kReopened) = steps_;

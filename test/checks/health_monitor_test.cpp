@@ -125,6 +125,16 @@ TEST_F(HealthMonitorTest, OutliersAndGatedMeasurementsDegrade) {
   EXPECT_EQ(health().heading, HealthState::kOk);
 }
 
+TEST_F(HealthMonitorTest, GatesThatRejectForLongLoseTheEstimate) {
+  fly(seconds(3));
+  scan_.models[0].rows_gated = 18;
+  EXPECT_EQ(after(seconds(8)).state, HealthState::kDegraded);
+  EXPECT_EQ(after(seconds(4)).state, HealthState::kLost);
+  EXPECT_EQ(health().heading, HealthState::kOk);
+  scan_.models[0].rows_gated = 0;
+  EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
+}
+
 TEST_F(HealthMonitorTest, OtherSensorsContradictWhenGatedOrBeyondTheirNoise) {
   ModelReport& aiding = of(Model::kAiding);
   aiding.rows_used = 1;

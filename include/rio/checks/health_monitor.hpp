@@ -64,6 +64,7 @@ class HealthMonitor {
   static constexpr double kFewRows = 3.0;        // a velocity has three components
   static constexpr double kOutliers = 0.7;       // above that a consensus is unreliable
   static constexpr double kGated = 0.3;          // nominally a gate rejects one in a hundred
+  static constexpr double kGatedTime = 2.5;      // for longer the estimate is wrong, not scans [s]
   static constexpr double kInnovations = 2.0;    // mean NIS of a row
   static constexpr double kVelocityTime = 0.5;   // contradicted [s]
   static constexpr double kTiltTime = 0.75;      // same: a person may pass by [s]
@@ -95,6 +96,7 @@ class HealthMonitor {
   Health health_;
   Time now_{0};         ///< time up to which the sums have decayed
   Time last_used_{0};   ///< last scan with a row used
+  Time not_gated_{0};   ///< last time without an unusual_gated_share()
   bool begun_ = false;  ///< the radar has determined velocity and tilt since the start
   // decaying sums
   double detections_ = 0.0;
