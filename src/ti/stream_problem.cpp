@@ -27,19 +27,28 @@ const char* compression(const std::uint8_t* head) {
   return nullptr;
 }
 
-/// What other devices send, each recognised by bytes that come again and again; '?' is any byte.
+constexpr const char* kExchange = "exchange the ports of --imu and --radar";
+constexpr const char* kDataPort = "give the data port of the radar";
+constexpr const char* kNotRead = "not read; send its samples as csv lines or MAVLink";
+constexpr OtherDevice kNumbers = {"numbers in text, as of an IMU", kExchange,
+                                  "--imu-format csv, in the columns of data/INTEGRATION.md"};
+
+/// Each recognised by bytes that come again and again; '?' is any byte.
 using namespace std::string_view_literals;
+constexpr const char* kAutopilot = "MAVLink of an autopilot";
+constexpr const char* kAsMavlink = "--imu-format mavlink or mavlink-raw";
 constexpr struct {
   std::string_view bytes;
-  const char* what;
+  OtherDevice device;
 } kOthers[] = {
-    {"RI\1"sv, "samples of an IMU: exchange the ports of --imu and --radar"},
-    {"\xFD?\0\0?\1\1"sv, "MAVLink of an autopilot: exchange the ports of --imu and --radar"},
-    {"\xFE??\1\1"sv, "MAVLink of an autopilot: exchange the ports of --imu and --radar"},
-    {"\xB5\x62"sv, "UBX of a GNSS receiver: give the data port of the radar"},
-    {"$?????,"sv, "lines of a GNSS receiver or IMU (NMEA): give the data port of the radar"},
-    {"\xFA\xFF\x36"sv, "data of an Xsens IMU: give the data port of the radar"},
-    {"\\x??\\x??\\x"sv, "a dump in text (of Python): give the bytes themselves"},
+    {"RI\1"sv, {"samples of an IMU", kExchange, "--imu-format binary"}},
+    {"\xFD?\0\0?\1\1"sv, {kAutopilot, kExchange, kAsMavlink}},
+    {"\xFE??\1\1"sv, {kAutopilot, kExchange, kAsMavlink}},
+    {"\xB5\x62"sv, {"UBX of a GNSS receiver", kDataPort, kNotRead}},
+    {"$?????,"sv, {"lines of a GNSS receiver or IMU (NMEA)", kDataPort, kNotRead}},
+    {"\xFA\xFF\x36"sv, {"data of an Xsens IMU", kDataPort, kNotRead}},
+    {"\\x??\\x??\\x"sv,
+     {"a dump in text (of Python)", "give the bytes themselves", "give the bytes themselves"}},
 };
 
 bool begins_with(std::string_view text, std::string_view pattern) {
@@ -48,28 +57,32 @@ bool begins_with(std::string_view text, std::string_view pattern) {
          std::equal(pattern.begin(), pattern.end(), text.begin(), fits);
 }
 
-/// Null if it is none of those known.
-const char* other_device(std::string_view text) {
+}  // namespace
+
+const OtherDevice* PacketReader::other_device() const {
   constexpr std::size_t kRare = 1024;  // bytes between two of them
+  const std::string_view text = newest();
+  if (text.empty()) return nullptr;
   for (const auto& other : kOthers) {
     std::size_t count = 0;
     for (std::size_t at = text.find(other.bytes[0]); at != text.npos;
          at = text.find(other.bytes[0], at + 1)) {
       count += begins_with(text.substr(at), other.bytes) ? 1 : 0;
     }
-    if (count > 2 + text.size() / kRare) return other.what;
+    if (count > 2 + text.size() / kRare) return &other.device;
   }
   const auto share = [text](std::string_view set) {
     const auto is_in = [set](char c) { return set.find(c) != std::string_view::npos; };
     return static_cast<double>(std::count_if(text.begin(), text.end(), is_in)) /
            static_cast<double>(text.size());
   };
-  return share("0123456789+-.,;eE \t\r\n") > 0.95 && share(",;") > 0.02
-             ? "numbers in text, as of an IMU: exchange the ports of --imu and --radar"
-             : nullptr;
+  return share("0123456789+-.,;eE \t\r\n") > 0.95 && share(",;") > 0.02 ? &kNumbers : nullptr;
 }
 
-}  // namespace
+std::string_view PacketReader::newest() const {
+  return {reinterpret_cast<const char*>(buffer_.data()),
+          std::min<std::uint64_t>(counters_.bytes, buffer_.size())};
+}
 
 const char* to_string(StreamState state) {
   static constexpr const char* kTexts[] = {
@@ -89,11 +102,10 @@ const char* to_string(StreamState state) {
 
 std::string PacketReader::problem() const {
   std::string text = to_string(state_);
-  const std::string_view received(reinterpret_cast<const char*>(buffer_.data()),
-                                  std::min<std::uint64_t>(counters_.bytes, buffer_.size()));
   if (state_ == StreamState::kText || state_ == StreamState::kSearching) {
-    const char* other = other_device(received);
-    if (other != nullptr) return std::string("no packets, but ") + other;
+    const OtherDevice* other = other_device();
+    if (other != nullptr)
+      return std::string("no packets, but ") + other->what + ": " + other->at_radar;
   }
   switch (state_) {
     case StreamState::kFrames:
@@ -115,7 +127,8 @@ std::string PacketReader::problem() const {
       if (20 * dumped_ > 19 * fruitless_) {
         return "no packets, but a dump in text (hexdump, xxd): give the bytes themselves";
       }
-      return text + (received.find(":/>") == received.npos ? ", or that of another device" : "");
+      return text +
+             (newest().find(":/>") == std::string_view::npos ? ", or that of another device" : "");
     case StreamState::kSearching: {
       if (const char* kind = compression(head_.data())) {
         return std::string("no packets, but a compressed file (") + kind + "): unpack it first";

@@ -203,6 +203,9 @@ class LiveRun {
       return ", but packets of a TI radar: exchange the ports of --imu and --radar";
     }
     if (seen.bytes == 0) return ": no byte came";
+    if (const ti::OtherDevice* other = not_imu_.other_device()) {
+      return fmt::format(", but {}: {}", other->what, other->at_imu);
+    }
     return fmt::format(" in {} bytes: another port, baud rate or --imu-format", seen.bytes);
   }
 

@@ -281,6 +281,7 @@ TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
 TEST_F(Live, SaysWhyThereAreNoSamples) {
   const std::string other = ": another port, baud rate or --imu-format";
   const std::string text = "1,0,0,0,0,0\n", radar = text_of(sim::packet_of(1, {}));
+  const std::string ubx = "\xB5\x62 and more", pixhawk = "\xFE>\7\1\1i and more";
   const struct {
     std::string bytes, format, said;
   } rows[] = {
@@ -290,8 +291,9 @@ TEST_F(Live, SaysWhyThereAreNoSamples) {
       {std::string(300, '\xE6'), "binary", " in 300 bytes" + other},  // as by another baud rate
       {std::string(300, '\xE6'), "mavlink", " in 300 bytes" + other},
       {"$GNGGA,123519,4807.038,N\r\n", "csv", " in 26 bytes" + other},
-      {text, "csv", " in 12 bytes" + other},  // a column is missing
-      {text, "mavlink-raw", " in 12 bytes" + other},
+      {text, "csv", ", but numbers in text, as of an IMU: --imu-format csv, in the columns"},
+      {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
+      {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
   };
   for (const auto& [bytes, format, said] : rows) {
     fails(1,

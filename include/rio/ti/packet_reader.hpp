@@ -27,6 +27,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rio/ti/packet.hpp"
@@ -62,6 +63,13 @@ enum class StreamState : std::uint8_t {
 
 /// The state in words, for a log. PacketReader::problem() says more.
 const char* to_string(StreamState state);
+
+/// A device that sends no packets, and what to do where its bytes come from a port.
+struct OtherDevice {
+  const char* what;
+  const char* at_radar;  ///< from the port of a radar
+  const char* at_imu;    ///< from that of the IMU
+};
 
 /// Splits the bytes of one radar into frames. No allocation after construction; O(1) per byte.
 class PacketReader {
@@ -104,12 +112,15 @@ class PacketReader {
   /// Why there are no points, or many packets are damaged, and what to do; empty if neither.
   /// Allocates.
   std::string problem() const;
+  /// Whose bytes the newest ones are, if they are no packets; null if that is not known.
+  const OtherDevice* other_device() const;
 
   /// Discards the bytes of an incomplete packet, for example after the port was reopened; keeps the
   /// counters.
   void drop_pending();
 
  private:
+  std::string_view newest() const;
   std::size_t store(const std::uint8_t* bytes, std::size_t count);
   Frame* next(Time arrival);
   bool find_packet(Time arrival);
