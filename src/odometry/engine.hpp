@@ -14,7 +14,6 @@
 #include "prior_check.hpp"
 #include "rio/checks/imu_guard.hpp"
 #include "rio/checks/stamp_guard.hpp"
-#include "rio/models/detection.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/moving_start.hpp"
@@ -22,10 +21,7 @@
 #include "rio/propagate/restart.hpp"
 #include "rio/propagate/static_alignment.hpp"
 #include "rio/propagate/strapdown.hpp"
-#include "scan_clock.hpp"
-#include "scan_history.hpp"
-#include "scan_queue.hpp"
-#include "stamp_run.hpp"
+#include "scan_intake.hpp"
 
 namespace rio {
 
@@ -42,11 +38,7 @@ class Engine final : public Odometry::Impl {
         aligner_(o.start, o.imu),
         moving_start_(o.start, o.imu.gravity),
         restart_(o.start, o.imu),
-        history_(o.radars(), o.timing.scan_wait),
-        queue_(static_cast<std::size_t>(o.timing.scan_queue) * o.radars(),
-               o.frontend.max_detections),
-        filtered_(o.frontend.max_detections),
-        scan_stamps_(from_seconds(o.timing.max_ahead)) {
+        scans_(options_) {
     for (std::size_t r = 0; r < o.radars(); ++r) extrinsics[r] = o.mount(r).T_BS;
     landmarks_.reserve(kMaxLandmarks);
   }
@@ -97,7 +89,7 @@ class Engine final : public Odometry::Impl {
     }
     ++counters.imu_samples;
     if (stamp == StampVerdict::kRestarted &&
-        !scan_stamps_.goes_through(imu_.newest().time, sample.time)) {
+        !scans_.goes_through(imu_.newest().time, sample.time)) {
       restart_clock();
     }
     if (initialized && imu_.empty() && !is_near(sample.time)) carry_to(sample.time);
@@ -120,56 +112,26 @@ class Engine final : public Odometry::Impl {
 
   Status add_scan(const RadarScan& scan, std::size_t radar) override {
     if (radar >= options_.radars()) return Status::kUndeclared;
-    const Time stamp = clocks_[radar].corrected(scan.time, newest_imu());
-    if (clocks_[radar].stepped()) carry_radar_clock(radar);
-    scan_stamps_.add(stamp);
+    const Time stamp = scans_.corrected(scan.time, radar, imu_);
+    if (scans_.clock_stepped(radar)) carry_radar_clock(radar);
     if (!initialized) {
       ++counters.scans_uninitialized;
       return Status::kNotInitialized;
     }
-    if (history_.is_last(stamp, radar) || queue_.contains(stamp, radar)) {
-      ++counters.scans_duplicate;
-      return Status::kDuplicate;
-    }
-    if (is_late(stamp, radar)) {
-      ++counters.scans_late;
-      return Status::kLate;
-    }
-    if (is_ahead(stamp)) {
-      ++counters.scans_ahead;
-      return Status::kAhead;
-    }
-    filter_detections(scan, options_.radar_of(radar), options_.frontend.max_detections, filtered_);
-    filtered_.time = stamp;
-    filtered_.radar = radar;
-    counters.detections_non_finite += static_cast<std::uint64_t>(filtered_.non_finite);
-    if (filtered_.received > 0 && filtered_.non_finite == filtered_.received) {
-      ++counters.scans_non_finite;
-      return Status::kNonFinite;
-    }
-    const Time measured = pipeline_.measured_at(stamp, radar);
-    const bool next = queue_.empty() || options_.radars() == 1;
-    const bool waits = !next || !is_ready(measured, radar);
-    if (waits && queue_.full()) {
-      ++counters.scans_overflow;
-      return Status::kQueueFull;
-    }
-    if (history_.is_repeated(filtered_)) {
-      ++counters.scans_duplicate;
-      return Status::kDuplicate;
-    }
-    history_.take(radar, measured, newest_imu());
-    if (!waits) {
-      const Status status = count(filtered_, pipeline_.process(filtered_, imu_));
+    const Time measured = is_stamp(stamp) ? pipeline_.measured_at(stamp, radar) : stamp;
+    const Status taken =
+        scans_.accept(scan, {radar, stamp, measured}, at_scan().time, imu_, &counters);
+    if (taken == Status::kOk) {
+      const Status status = count(scans_.accepted(), pipeline_.process(scans_.accepted(), imu_));
       process_ready();
       return status;
     }
+    if (taken != Status::kWaiting) return taken;
     if (!imu_.empty() && imu_.is_gap(imu_.newest(), {stamp, {}, {}})) {
       watch(stamp - imu_.newest().time);
     }
-    queue_.insert(filtered_, measured);
     process_ready();  // scans of other radars may have waited for this one
-    return queue_.contains(stamp, radar) ? Status::kWaiting : pipeline_.report().status;
+    return scans_.queue().contains(stamp, radar) ? Status::kWaiting : pipeline_.report().status;
   }
 
   Status add_measurement(const AidingMeasurement& z) override {
@@ -182,7 +144,7 @@ class Engine final : public Odometry::Impl {
       ++counters.aiding_late;
       return Status::kLate;
     }
-    if (is_ahead(z.time())) {
+    if (scans_.is_ahead(z.time(), at_scan().time, imu_)) {
       ++counters.aiding_ahead;
       return Status::kAhead;
     }
@@ -219,7 +181,7 @@ class Engine final : public Odometry::Impl {
     restart_.reset();
     counters = Counters{};
     forget_scans();
-    history_.forget_fingerprints();
+    scans_.forget_fingerprints();
     initialized = true;
     publish();
     return Status::kOk;
@@ -229,7 +191,7 @@ class Engine final : public Odometry::Impl {
     initialized = false;
     imu_.clear();
     stamps_.reset();
-    for (ScanClock& clock : clocks_) clock.reset();
+    scans_.reset_clocks();
     guard_.reset();
     aligner_.reset();
     moving_start_.reset();
@@ -242,42 +204,19 @@ class Engine final : public Odometry::Impl {
   }
 
  private:
-  std::optional<Time> newest_imu() const {
-    if (imu_.empty()) return std::nullopt;
-    return imu_.newest().time;
-  }
-
   void forget_scans() {
-    queue_.clear();
-    history_.forget(newest_imu());
+    scans_.forget(imu_);
     watched_.reset();
   }
 
-  bool is_ready(Time measured, std::size_t radar) const {
-    return !imu_.empty() && history_.is_ready(measured, radar, imu_.newest().time);
-  }
-
   void process_ready() {
-    while (!queue_.empty()) {
-      const DetectionList& next = queue_.front();
-      if (!is_ready(pipeline_.measured_at(next.time, next.radar), next.radar)) return;
+    while (!scans_.queue().empty()) {
+      const DetectionList& next = scans_.queue().front();
+      const Time measured = pipeline_.measured_at(next.time, next.radar);
+      if (!scans_.is_ready(measured, next.radar, imu_)) return;
       (void)count(next, pipeline_.process(next, imu_));
-      queue_.pop_front();
+      scans_.pop();
     }
-  }
-
-  /// Measured before the estimate. A scan that follows the last one is not late, even if a change
-  /// of the estimated time offset puts it before the estimate.
-  bool is_late(Time stamp, std::size_t radar) const {
-    if (!is_stamp(stamp)) return stamp < Time{0};
-    if (history_.follows_last(stamp, radar, at_scan().time)) return false;
-    return pipeline_.measured_at(stamp, radar) < at_scan().time;
-  }
-
-  /// Too far ahead of the IMU to wait for it.
-  bool is_ahead(Time stamp) const {
-    const Time newest = imu_.empty() ? at_scan().time : imu_.newest().time;
-    return !is_stamp(stamp) || stamp - newest > from_seconds(options_.timing.max_ahead);
   }
 
   /// More than max_lag before the buffered samples: the IMU data from `time` on are incomplete.
@@ -307,7 +246,7 @@ class Engine final : public Odometry::Impl {
     imu_.clear();
     aligner_.reset();
     moving_start_.reset();
-    for (ScanClock& clock : clocks_) clock.reset();
+    scans_.reset_clocks();
     if (!initialized) return;
     imu_.push_back(last);  // a gap follows, to the first sample of the new clock
     add_unknown_pause(options_.imu, at_scan().v_WB.norm(), covariance);
@@ -317,7 +256,7 @@ class Engine final : public Odometry::Impl {
   /// The clock of a radar has stepped. Its scans that wait have stamps of neither clock.
   void carry_radar_clock(std::size_t radar) {
     ++counters.radar_clock_steps;
-    counters.scans_late += queue_.size();
+    counters.scans_late += scans_.queue().size();
     forget_scans();
     pipeline_.add_clock_step(radar);
     publish();
@@ -332,7 +271,7 @@ class Engine final : public Odometry::Impl {
 
   /// Restarts the pipeline from `state`; the queued scans are discarded as late.
   void hold(const NavState& state, const BodyCovariance& P) {
-    counters.scans_late += queue_.size();
+    counters.scans_late += scans_.queue().size();
     forget_scans();
     restart_.reset();
     pipeline_.reset(state, P);
@@ -358,7 +297,7 @@ class Engine final : public Odometry::Impl {
 
   /// After the pipeline has processed a scan.
   Status count(const DetectionList& scan, Status status) {
-    history_.process(scan.time, scan.radar, at_scan().time);
+    scans_.processed(scan, at_scan().time);
     ++(status == Status::kOk ? counters.scans : counters.updates_failed);
     counters.velocity_resets += pipeline_.report().velocity_reset ? 1 : 0;
     counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
@@ -435,11 +374,7 @@ class Engine final : public Odometry::Impl {
   StaticAligner aligner_;
   MovingStart moving_start_;
   Restart restart_;
-  std::array<ScanClock, kMaxRadars> clocks_;
-  ScanHistory history_;
-  ScanQueue queue_;
-  DetectionList filtered_;
-  StampRun scan_stamps_;
+  ScanIntake scans_;
   std::optional<Time> watched_;  ///< last update of the health between scans
 };
 
