@@ -220,6 +220,11 @@ void survey_doppler_grid(const fs::path& folder, DopplerGrid* grid, RadarInfo* i
 }  // namespace
 
 RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
+  if (!fs::exists(root / kImu)) {
+    throw std::runtime_error(root.string() +
+                             ": a folder without a recording: no bag, and no imu0/data.csv and "
+                             "radar0/data.csv, as CSV files are named (data/README.md)");
+  }
   RecordingOutline outline;
   Dataset& sensors = outline.sensors;
   DopplerGrid grid;

@@ -142,6 +142,8 @@ TEST_F(DatasetTest, MissingPartsAreErrors) {
   const TempDir empty;
   EXPECT_ERROR(read_dataset(empty.path() / "none"), "none: no such folder");
   EXPECT_ERROR(read_dataset(empty.write("file", "x")), "file: is not a folder");
+  EXPECT_ERROR(read_dataset(empty.path()), "a folder without a recording: no bag, and no imu0");
+  std::filesystem::create_directory(empty.path() / "imu0");
   EXPECT_ERROR(read_dataset(empty.path()), "imu0/data.csv: no such file");
   empty.write("imu0/data.csv", kImuRows);
   EXPECT_ERROR(read_dataset(empty.path()), "radar0/data.csv: no such file");
