@@ -5,11 +5,12 @@
     test/mutation.py [--count 50] [--seed 1] [--room ROOM]... [--bodies] [--deep] [--jobs N]
                      [--results FILE] [--work DIR] [--list]
 
-Draws mutants of include/rio/ROOM and src/ROOM (frontend, update, ekf, smoother, propagate) and, as
-the room "engine", of src/odometry/engine.* and include/rio/pipeline.hpp, builds each in a copy of the sources and runs tests until one is red: those of the
-room, the one named like the file first, then short flights, with --deep also the long ones. The
-golden file (indication_test) notices any change, so it never counts; what only it sees is reported
-apart. The outcome is a table of survivors with file, line and change, and the share killed.
+Draws mutants of include/rio/ROOM and src/ROOM (frontend, update, ekf, smoother, propagate, checks)
+and, as the room "engine", of src/odometry/engine.*, scan_intake.* and include/rio/pipeline.hpp,
+builds each in a copy of the sources and runs tests until one is red: those of the room, the one
+named like the file first, then short flights, with --deep also the long ones. The golden file
+(indication_test) notices any change, so it never counts; what only it sees is reported apart. The
+outcome is a table of survivors with file, line and change, and the share killed.
 
 The same seed draws the same mutants from the same sources. Every outcome is written to FILE as it
 is found; called again, what stands there is not repeated, so a run can be stopped and continued.
@@ -29,10 +30,10 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-ROOMS = ['propagate', 'frontend', 'update', 'ekf', 'smoother', 'engine']
+ROOMS = ['propagate', 'frontend', 'update', 'ekf', 'smoother', 'checks', 'engine']
 # whose tests are run for a mutant of the room, in this order
 NEXT = {'propagate': ['propagate', 'smoother'], 'frontend': ['frontend'], 'update': ['update', 'ekf'],
-        'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'engine': []}
+        'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'checks': ['checks'], 'engine': []}
 FLIGHT = ['api_engine_test', 'api_odometry_test', 'api_aiding_test', 'mc_accuracy_gate_test']
 DEEP = ['api_contract_test', 'mc_recovery_test', 'mc_imu_fault_test', 'mc_calibration_test',
         'mc_consistency_test', 'api_allocation_test', 'e2e_touchdown_test', 'e2e_kart_test']
@@ -126,7 +127,7 @@ def mutants_of_line(code):
 
 def room_of(path):
     name = os.path.basename(path)
-    whole = name.startswith('engine.') or name == 'pipeline.hpp'
+    whole = name.startswith(('engine.', 'scan_intake.')) or name == 'pipeline.hpp'
     return 'engine' if whole else os.path.basename(os.path.dirname(path))
 
 
@@ -135,8 +136,8 @@ def sites(rooms):
     found = []
     files = subprocess.run(['git', '-C', ROOT, 'ls-files', 'include/rio', 'src'], check=True,
                            capture_output=True, text=True).stdout.split()
-    wanted = re.compile(r'(include/rio|src)/(propagate|frontend|update|ekf|smoother)/|'
-                        r'src/odometry/engine\.[ch]pp$|include/rio/pipeline\.hpp$')
+    wanted = re.compile(r'(include/rio|src)/(propagate|frontend|update|ekf|smoother|checks)/|'
+                        r'src/odometry/(engine|scan_intake)\.[ch]pp$|include/rio/pipeline\.hpp$')
     for path in sorted(files):
         if not wanted.match(path) or room_of(path) not in rooms:
             continue
