@@ -31,9 +31,19 @@ root=$PWD/root
 rm -rf "$root" consumer
 for package in ./*_"$version"_"$arch".deb; do dpkg -x "$package" "$root"; done
 libraries=$(dirname "$(find "$root/usr" -name 'librio.so.*' | head -1)")
+consumer() {
+  cmake -G Ninja -S "$source/test/package/consumer" -B consumer -DCMAKE_PREFIX_PATH="$root/usr" \
+    -DCMAKE_BUILD_TYPE=Release -DEXAMPLES="$root/usr/share/rio/examples" "$@" >/dev/null
+  cmake --build consumer
+}
+programs=(link driver autopilot research core new_model)
 if [ "$arch" != "$host" ]; then
-  "${emulator[@]}" -E "LD_LIBRARY_PATH=$libraries" "$root/usr/bin/rio" replay "$source/data/sample_flight" --out flight.tum
-  echo "Packages of $arch: ok; Python package and foreign project not run"
+  emulator+=(-E "LD_LIBRARY_PATH=$libraries")
+  "${emulator[@]}" "$root/usr/bin/rio" replay "$source/data/sample_flight" --out flight.tum
+  test -s "$root"/usr/share/man/man1/rio.1.gz
+  consumer -DCMAKE_TOOLCHAIN_FILE="$source/cmake/toolchain/$arch.cmake" "${cross[@]:1}" --no-warn-unused-cli
+  for program in "${programs[@]}"; do "${emulator[@]}" "consumer/$program" >/dev/null; done
+  echo "Packages of $arch: ok; Python package not run"
   exit
 fi
 export LD_LIBRARY_PATH=$libraries
@@ -47,8 +57,6 @@ same = pathlib.Path("python.tum").read_bytes() == pathlib.Path(sys.argv[2]).read
 print("Python package:", rio.__file__, "the same bytes" if same else "OTHER BYTES")
 sys.exit(not same)
 CHECK
-cmake -G Ninja -S "$source/test/package/consumer" -B consumer -DCMAKE_PREFIX_PATH="$root/usr" \
-  -DCMAKE_BUILD_TYPE=Release -DEXAMPLES="$root/usr/share/rio/examples" >/dev/null
-cmake --build consumer
-for program in link driver autopilot research core new_model new_model_test; do "consumer/$program" >/dev/null; done
+consumer
+for program in "${programs[@]}" new_model_test; do "consumer/$program" >/dev/null; done
 echo "Packages: ok"
