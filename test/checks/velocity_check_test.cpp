@@ -204,6 +204,9 @@ TEST_F(VelocityCheckTest, TheShareByChanceIsThatOfRandomDopplers) {
   EXPECT_LT(half, 0.13);
   EXPECT_GT(mean_chance(1, 9), 0.4);
   EXPECT_GT(mean_chance(0, 10), 0.8);
+  options_.radar.max_doppler = 0.8;  // beside the bounds are 0.5 m/s, not the pace of people
+  EXPECT_GT(mean_chance(0, 10), 0.8);
+  EXPECT_LT(mean_chance(6, 0), 0.01);
   check_->reset(vehicle_->truth.time);
   EXPECT_EQ(check_->chance(), 0.0);
 }
