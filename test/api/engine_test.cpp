@@ -226,6 +226,17 @@ TEST_F(JumpTest, SilenceIsNoticedAfterTheClockHasJumpedBack) {
   EXPECT_EQ(odometry->health().state, HealthState::kDeadReckoning);
 }
 
+// What the IMU has measured since the last scan is not lost with its clock.
+TEST_F(JumpTest, TheMotionSinceTheLastScanGoesOnInTheNewClock) {
+  auto odometry = started();
+  fly(*odometry, kStart + milliseconds(50), kStart + milliseconds(2000), Time{0});
+  feed_ahead(*odometry, kStart + milliseconds(2300), Time{0});
+  const Time end = kStart + milliseconds(2600);
+  feed_ahead(*odometry, end, std::chrono::seconds(-9));
+  EXPECT_EQ(odometry->counters().clock_restarts, 1U);
+  EXPECT_LT((odometry->now().p_WB - truth(end).p_WB).norm(), 0.02);
+}
+
 // While the IMU pauses for longer than max_pause, the stamps of the radar go on: no clock jumped.
 TEST_F(JumpTest, APauseThatTheRadarHasSeenIsNoJumpOfTheClock) {
   options_.timing.max_pause = 10.0;
