@@ -292,6 +292,7 @@ TEST_F(Live, SaysWhyThereAreNoSamples) {
       {std::string(300, '\xE6'), "mavlink", " in 300 bytes" + other},
       {"$GNGGA,123519,4807.038,N\r\n", "csv", " in 26 bytes" + other},
       {text, "csv", ", but numbers in text, as of an IMU: --imu-format csv, in the columns"},
+      {text, "mavlink-raw", ", but numbers in text, as of an IMU: --imu-format csv"},
       {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
       {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
   };

@@ -64,7 +64,7 @@ class HealthMonitor {
   static constexpr double kFewRows = 3.0;        // a velocity has three components
   static constexpr double kOutliers = 0.7;       // above that a consensus is unreliable
   static constexpr double kGated = 0.3;          // nominally a gate rejects one in a hundred
-  static constexpr double kGatedTime = 2.5;      // for longer the estimate is wrong, not scans [s]
+  static constexpr double kGatedTime = 2.5;      // four times that: not the scans are wrong [s]
   static constexpr double kInnovations = 2.0;    // mean NIS of a row
   static constexpr double kVelocityTime = 0.5;   // contradicted [s]
   static constexpr double kTiltTime = 0.75;      // same: a person may pass by [s]
