@@ -1,12 +1,233 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "odometry/scan_intake.hpp"
-
+// The intake of scans: steps of the radar's clock, pauses told from jumps, what is late, repeated
+// or waited for.
 #include <gtest/gtest.h>
+
+#include <functional>
+
+#include "odometry/scan_clock.hpp"
+#include "odometry/scan_history.hpp"
+#include "odometry/scan_intake.hpp"
+#include "odometry/stamp_run.hpp"
 
 namespace rio {
 namespace {
 
+using std::chrono::hours;
 using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Scan k of a radar of 20 Hz and an IMU of 200 Hz: measured at 50 k ms, received 10 ms later.
+struct Arrival {
+  Time stamp;
+  Time imu;
+};
+Arrival usual(int k) {
+  return {milliseconds(50 * k), milliseconds(50 * k + 10)};
+}
+
+/// The shift after so many scans, changed from the hundredth on.
+Time shift_after(const std::function<void(int, Arrival*)>& change, int scans = 200) {
+  ScanClock clock;
+  for (int k = 0; k < scans; ++k) {
+    Arrival a = usual(k);
+    if (k >= 100) change(k, &a);
+    (void)clock.corrected(a.stamp, a.imu);
+  }
+  return clock.shift();
+}
+
+TEST(ScanClock, FindsAStepInEitherDirection) {
+  for (const Time step :
+       {Time(milliseconds(300)), Time(-milliseconds(300)), Time(-seconds(5)), Time(hours(2))}) {
+    EXPECT_EQ(shift_after([step](int, Arrival* a) { a->stamp += step; }), step);
+  }
+}
+
+TEST(ScanClock, CorrectsFromTheFifthScanOn) {
+  ScanClock clock;
+  for (int k = 0; k < 120; ++k) {
+    const Time step = k < 100 ? Time(0) : Time(milliseconds(300));
+    const Time corrected = clock.corrected(usual(k).stamp + step, usual(k).imu);
+    EXPECT_EQ(corrected, usual(k).stamp + (k < 104 ? step : Time(0))) << k;
+    EXPECT_EQ(clock.stepped(), k == 104) << k;
+  }
+  clock.reset();
+  EXPECT_EQ(clock.shift(), Time(0));
+}
+
+TEST(ScanClock, DelaysArePassedOver) {
+  const auto none = [](const std::function<void(int, Arrival*)>& change) {
+    EXPECT_EQ(shift_after(change), Time(0));
+  };
+  none([](int, Arrival* a) { a->imu += milliseconds(400); });              // late from now on
+  none([](int k, Arrival* a) { a->imu += milliseconds(50 * (k % 10)); });  // in blocks
+  none([](int, Arrival* a) { a->imu -= milliseconds(400); });              // the IMU is late
+  none([](int, Arrival* a) { *a = {a->stamp + seconds(5), a->imu + seconds(5)}; });  // a silence
+  none([](int, Arrival* a) { a->imu = usual(100).imu; });                           // the IMU stops
+  none([](int k, Arrival* a) { a->stamp -= milliseconds(k % 2 == 0 ? 300 : 0); });  // repeated
+  none([](int k, Arrival* a) { a->stamp += milliseconds(k < 104 ? 900 : 0); });     // four odd ones
+  none([](int, Arrival* a) { a->stamp += milliseconds(90); });  // found as a time offset
+  none([](int k, Arrival* a) { a->stamp += milliseconds(k % 2 == 0 ? 300 : 600); });  // no one step
+  // late from now on, then an odd stamp: not taken for a step back to zero
+  none([](int k, Arrival* a) {
+    a->imu += milliseconds(400);
+    if (k == 150) a->stamp += milliseconds(200);
+  });
+  // both clocks jump, and the samples of the IMU are not believed for a second
+  none([](int k, Arrival* a) {
+    a->stamp += seconds(30);
+    a->imu = k < 120 ? usual(100).imu : a->imu + seconds(30);
+  });
+}
+
+// The same with a radar so fast that its scans within a step of the IMU have nearly the same lag.
+TEST(ScanClock, TheImuMustGoOn) {
+  ScanClock clock;
+  for (int k = 0; k < 400; ++k) {
+    const Time jump = k < 200 ? Time(0) : Time(seconds(30));
+    const Time t = milliseconds(10 * k);
+    const bool believed = k < 200 || k >= 300;
+    (void)clock.corrected(t + jump, believed ? t + jump : milliseconds(2000));
+  }
+  EXPECT_EQ(clock.shift(), Time(0));
+}
+
+// From the twentieth late scan on the radar delivers on time again: new scans overtake late ones.
+TEST(ScanClock, ADelayThatEndsIsNoStep) {
+  ScanClock clock;
+  const auto add = [&clock](int k, int late) {
+    (void)clock.corrected(usual(k).stamp, usual(k + late).imu);
+  };
+  for (int k = 0; k < 100; ++k) add(k, 0);
+  for (int k = 100; k < 120; ++k) add(k, 18);
+  for (int k = 120; k < 138; ++k) {
+    add(k + 18, 0);
+    add(k, 18);
+  }
+  for (int k = 156; k < 200; ++k) add(k, 0);
+  EXPECT_EQ(clock.shift(), Time(0));
+}
+
+// One odd stamp, wherever it comes from, must not make the scans after it look irregular.
+TEST(ScanClock, AnOddStampIsForgotten) {
+  for (const Time odd : {Time(hours(1)), Time(-hours(1)), Time(seconds(3))}) {
+    for (const bool due : {true, false}) {
+      EXPECT_EQ(shift_after([&](int k, Arrival* a) {
+                  if (k == 100) *a = {a->stamp + odd, due ? a->imu : a->imu + milliseconds(200)};
+                  if (k >= 170) a->imu += milliseconds(400);  // late from then on
+                }),
+                Time(0));
+    }
+  }
+}
+
+TEST(ScanClock, FollowsALagThatDrifts) {
+  ScanClock clock;
+  for (int k = 0; k < 1000; ++k) {
+    const Arrival a = usual(k);
+    (void)clock.corrected(a.stamp, a.imu + Time(milliseconds(k)) / 2);
+  }
+  EXPECT_EQ(clock.shift(), Time(0));
+  EXPECT_EQ(clock.corrected(Time::min(), seconds(60)), Time::min()) << "no stamp";
+  EXPECT_EQ(clock.corrected(seconds(1), std::nullopt), Time(seconds(1))) << "no IMU";
+}
+
+TEST(StampRun, TellsAPauseFromAJump) {
+  StampRun run(seconds(1));
+  EXPECT_FALSE(run.goes_through(seconds(0), seconds(20)));
+  for (Time t{0}; t <= seconds(20); t += milliseconds(100)) run.add(t);
+  EXPECT_TRUE(run.goes_through(seconds(5), seconds(20)));
+  EXPECT_TRUE(run.goes_through(seconds(-1) + milliseconds(1), milliseconds(20999)));
+  EXPECT_FALSE(run.goes_through(seconds(-1), seconds(20))) << "it began later";
+  EXPECT_FALSE(run.goes_through(seconds(5), seconds(21))) << "it has ended before";
+  EXPECT_FALSE(run.goes_through(seconds(20), seconds(20))) << "nothing lies between";
+  run.add(Time::min());  // no stamp
+  EXPECT_TRUE(run.goes_through(seconds(5), seconds(20)));
+  run.add(seconds(21));  // as far as a jump is
+  EXPECT_FALSE(run.goes_through(seconds(5), seconds(21)));
+}
+
+// Scans of several radars arrive in any order.
+TEST(StampRun, GoesOnBackwardsToo) {
+  StampRun run(seconds(1));
+  for (int i = 0; i < 100; ++i) run.add(milliseconds(100 * i + (i % 2 == 0 ? 250 : 0)));
+  EXPECT_TRUE(run.goes_through(seconds(2), seconds(10)));
+}
+
+DetectionList scan_with(double range_rate, std::size_t radar = 0) {
+  DetectionList scan;
+  scan.radar = radar;
+  scan.items.resize(1);
+  scan.items[0].range_rate = range_rate;
+  return scan;
+}
+
+TEST(ScanHistory, AScanIsTheLastOnceProcessed) {
+  ScanHistory history(2, 0.1);
+  EXPECT_FALSE(history.is_last(Time{0}, 0));
+  history.process(milliseconds(70), 0, milliseconds(60));
+  EXPECT_TRUE(history.is_last(milliseconds(70), 0));
+  EXPECT_FALSE(history.is_last(milliseconds(70), 1));
+  history.forget(Time{0});
+  EXPECT_FALSE(history.is_last(milliseconds(70), 0));
+}
+
+TEST(ScanHistory, FollowsTheLastWhileTheEstimateIsOfItsTime) {
+  ScanHistory history(2, 0.1);
+  history.process(milliseconds(70), 0, milliseconds(60));
+  EXPECT_TRUE(history.follows_last(milliseconds(71), 0, milliseconds(60)));
+  EXPECT_FALSE(history.follows_last(milliseconds(70), 0, milliseconds(60)));
+  EXPECT_FALSE(history.follows_last(milliseconds(71), 0, milliseconds(65))) << "it has moved on";
+  EXPECT_FALSE(history.follows_last(milliseconds(71), 1, milliseconds(60)));
+  history.process(milliseconds(72), 1, milliseconds(60));
+  EXPECT_FALSE(history.follows_last(milliseconds(73), 0, milliseconds(60))) << "not the last";
+}
+
+TEST(ScanHistory, KnowsARepeatedScanOfEachRadar) {
+  ScanHistory history(2, 0.1);
+  EXPECT_FALSE(history.is_repeated(scan_with(0.5)));
+  EXPECT_FALSE(history.is_repeated(scan_with(0.5, 1)));
+  EXPECT_TRUE(history.is_repeated(scan_with(0.5)));
+  EXPECT_FALSE(history.is_repeated(scan_with(0.6)));
+  EXPECT_FALSE(history.is_repeated(scan_with(0.0)));
+  EXPECT_FALSE(history.is_repeated(scan_with(0.0))) << "at rest scans may be alike";
+  EXPECT_TRUE(history.is_repeated(scan_with(0.5, 1)));
+  history.forget(Time{0});
+  EXPECT_TRUE(history.is_repeated(scan_with(0.5, 1)));
+  history.forget_fingerprints();
+  EXPECT_FALSE(history.is_repeated(scan_with(0.5, 1)));
+}
+
+TEST(ScanHistory, OneRadarWaitsForTheImuAlone) {
+  const ScanHistory history(1, 0.1);
+  EXPECT_FALSE(history.is_ready(milliseconds(50), 0, milliseconds(49)));
+  EXPECT_TRUE(history.is_ready(milliseconds(50), 0, milliseconds(50)));
+}
+
+TEST(ScanHistory, OfTwoRadarsEachWaitsForTheOther) {
+  for (const Time epoch : {milliseconds(0), milliseconds(-1000)}) {
+    const auto at = [epoch](int ms) { return epoch + milliseconds(ms); };
+    ScanHistory history(2, 0.1);
+    history.forget(epoch);
+    history.take(0, at(50), at(55));
+    EXPECT_FALSE(history.is_ready(at(50), 0, at(60)));
+    EXPECT_TRUE(history.is_ready(at(50), 0, at(150))) << "long enough";
+    history.take(1, at(40), at(60));
+    EXPECT_FALSE(history.is_ready(at(50), 0, at(60))) << "that was an earlier one";
+    history.take(1, at(52), at(60));
+    EXPECT_TRUE(history.is_ready(at(50), 0, at(60)));
+  }
+}
+
+TEST(ScanHistory, ASilentRadarIsNotWaitedFor) {
+  ScanHistory history(2, 0.1);
+  history.forget(milliseconds(0));
+  history.take(1, milliseconds(10), milliseconds(20));
+  history.take(0, milliseconds(500), milliseconds(510));
+  EXPECT_FALSE(history.is_ready(milliseconds(500), 0, milliseconds(519)));
+  EXPECT_TRUE(history.is_ready(milliseconds(500), 0, milliseconds(520)));
+}
 
 class ScanIntakeTest : public testing::Test {
  protected:
