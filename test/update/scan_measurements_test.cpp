@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The measurements of a scan as both back-ends use them.
-#include "rio/update/scan_measurements.hpp"
-
+// The measurements of a scan as both back-ends use them, and the report of its points.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
+
+#include "rio/update/point_report.hpp"
+#include "rio/update/scan_measurements.hpp"
 
 namespace rio {
 namespace {
@@ -84,6 +86,76 @@ TEST_F(ScanMeasurementsTest, EveryModelOfAMeasurementIsCalledUntilOneIsOutOfItsD
   EXPECT_EQ(calls(m, 1), (std::pair{2, false}));
   EXPECT_EQ(calls(m, 0), (std::pair{1, false}));
   EXPECT_EQ(calls(Measured<DopplerModel>{}, 9), (std::pair{1, true}));
+}
+
+constexpr double kForward = 2.0;  // of the radar along its boresight [m/s]
+
+/// A point ahead at `range`, with the range rate of a static one there plus `error`.
+Detection ahead(double range, double error) {
+  RadarDetection raw;
+  raw.point_S = Vector3d(range, 0.0, 0.0);
+  raw.range_rate = -kForward + error;
+  raw.snr_db = range;
+  return make_detection(raw, RadarOptions{});
+}
+
+/// A scan of six detections, one of each label, the own echo third.
+class PointReports : public testing::Test {
+ protected:
+  PointReports() {
+    for (int i = 0; i < 6; ++i) received_.items.push_back(ahead(1.0 + i, 0.1 * i));
+    (void)own_.push_back(2);
+    rest_ = received_;
+    rest_.items.erase(rest_.items.begin() + 2);
+    seen_.scan = &rest_;
+    seen_.ego_velocity.inlier[0] = seen_.ego_velocity.inlier[1] = true;
+    seen_.ego_velocity.inlier[2] = true;
+    seen_.moves[2] = true;
+    seen_.ego_velocity.outlier[3] = true;
+    (void)seen_.matches.landmarks.push_back({0, 1});
+    x_.nav.v_WB = Vector3d(0.0, kForward, 0.0);
+    x_.nav.p_WB = Vector3d(10.0, 20.0, 30.0);
+    x_.nav.q_WB = Quaternion(Eigen::AngleAxisd(std::acos(0.0), Vector3d::UnitZ()));
+    x_.T_BS.translation = Vector3d(0.5, 0.0, 0.0);
+  }
+  std::vector<PointReport> report(bool trails = false) {
+    std::vector<PointReport> points;
+    report_points(received_, own_, seen_, x_, trails, &points);
+    return points;
+  }
+
+  DetectionList received_, rest_;
+  OwnEchoList own_;
+  Observations seen_;
+  Estimate x_;
+};
+
+TEST_F(PointReports, HaveTheLabelsInTheOrderOfTheFilteredScan) {
+  const std::vector<PointReport> points = report();
+  const std::vector<PointLabel> expected = {PointLabel::kStatic,  PointLabel::kMatched,
+                                            PointLabel::kOwnEcho, PointLabel::kMover,
+                                            PointLabel::kOutlier, PointLabel::kUnused};
+  ASSERT_EQ(points.size(), expected.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(points[i].label, expected[i]) << i;
+    EXPECT_EQ(points[i].snr_db, 1.0 + static_cast<double>(i));
+  }
+}
+
+TEST_F(PointReports, AreInTheWorldWithTheirResiduals) {
+  const std::vector<PointReport> points = report();
+  for (int i = 0; i < 6; ++i) {
+    const PointReport& point = points[static_cast<std::size_t>(i)];
+    EXPECT_LT((point.point_W - Vector3d(10.0, 21.5 + i, 30.0)).norm(), 1e-12);
+    EXPECT_NEAR(point.residual, 0.1 * i, 1e-12);
+    EXPECT_GT(point.residual_sigma, 0.0);
+  }
+}
+
+TEST_F(PointReports, TrailsMatchOnlyWhereTheyMeasure) {
+  (void)seen_.matches.trails.push_back({0, 0});
+  EXPECT_EQ(report(false)[0].label, PointLabel::kStatic);
+  EXPECT_EQ(report(true)[0].label, PointLabel::kMatched);
 }
 
 }  // namespace
