@@ -14,9 +14,7 @@
 #include <vector>
 
 #include "rio/sim/flight.hpp"
-#include "sim/extent.hpp"
-#include "support/flight_numbers.hpp"
-#include "support/imu_integration.hpp"
+#include "sim/flights.hpp"
 #include "support/measured.hpp"
 
 namespace rio::sim {
@@ -66,7 +64,7 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
     Scenario chosen = named(entry.name);
     chosen.max_duration = 10.0;  // 4 s of standstill, 6 s of flight
     const Flight flight = simulate_flight(chosen);
-    const std::vector<double> all = test::numbers_of(flight);
+    const std::vector<double> all = numbers_of(flight);
     for (const double number : all) ASSERT_TRUE(std::isfinite(number));
     EXPECT_GT(static_cast<double>(flight.imu.size()), 9.5 * chosen.imu.rate_hz);
     EXPECT_TRUE(increasing(flight.imu));
@@ -82,16 +80,16 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
     }
     EXPECT_GT(detections, flight.scans.size());
 
-    const std::vector<double> again = test::numbers_of(simulate_flight(chosen));
+    const std::vector<double> again = numbers_of(simulate_flight(chosen));
     ASSERT_EQ(all.size(), again.size());
     EXPECT_EQ(std::memcmp(all.data(), again.data(), all.size() * sizeof(double)), 0);
     chosen.seed += 1;
-    EXPECT_NE(all, test::numbers_of(simulate_flight(chosen)));
+    EXPECT_NE(all, numbers_of(simulate_flight(chosen)));
   }
 }
 
 // Method: the noise-free samples are integrated by Runge-Kutta of order four
-// (support/imu_integration.hpp) for 30 s from take-off on. At the 200 Hz of the simulated IMU
+// (sim/flights.hpp) for 30 s from take-off on. At the 200 Hz of the simulated IMU
 // the method leaves at most 3e-7 m and 2e-10 rad (measured); a millimetre is what is asked for,
 // the bounds are tighter so that a small inconsistency shows.
 TEST(Catalogue, NoiseFreeImuOfEveryPathIntegratesToTheTruth) {
@@ -100,8 +98,8 @@ TEST(Catalogue, NoiseFreeImuOfEveryPathIntegratesToTheTruth) {
     const Scenario chosen = named(entry.name);
     const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
     if (!seen.emplace(trajectory.duration(), trajectory.at(20.0).nav.p_WB.x()).second) continue;
-    const test::Drift drift =
-        test::integrate_imu(trajectory, chosen.path.stand_before, 30.0, chosen.imu.rate_hz);
+    const Drift drift =
+        integrate_imu(trajectory, chosen.path.stand_before, 30.0, chosen.imu.rate_hz);
     EXPECT_GT(drift.moved, 1.5) << entry.name;
     EXPECT_LT(drift.position, 1e-5) << entry.name;
     EXPECT_LT(drift.attitude, 1e-8) << entry.name;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rio/core/so3.hpp"
-#include "support/flight_numbers.hpp"
+#include "sim/flights.hpp"
 #include "support/statistics.hpp"
 
 namespace rio::sim {
@@ -105,7 +105,7 @@ TEST(Flight, IsCutAtTheMaximalDuration) {
   EXPECT_EQ(flight.imu.size(), 1501U);
   EXPECT_EQ(flight.imu.back().time - flight.imu.front().time, from_seconds(7.5));
   EXPECT_LE(flight.scans.back().time, flight.imu.back().time);
-  EXPECT_EQ(test::numbers_of(flight)[0], 0.0);
+  EXPECT_EQ(numbers_of(flight)[0], 0.0);
 }
 
 TEST(Flight, IdealHasNoOutliersNoGridsNoVibration) {

@@ -13,7 +13,7 @@
 
 #include "rio/core/so3.hpp"
 #include "rio/sim/random.hpp"
-#include "sim/extent.hpp"
+#include "sim/flights.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::sim {
