@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rio check` says of recordings, for tests.
+// Simulated flights as recordings, and what `rio check` says of recordings, for tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,6 +10,8 @@
 #include "check/check.hpp"
 #include "check/faults.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/sim/catalogue.hpp"
+#include "rio/sim/flight.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::test {
@@ -25,6 +27,31 @@ using check::turn_mounting;
 using check::Verdict;
 
 inline constexpr double kHalfTurn = 3.14159265358979323846;
+
+inline io::Dataset flown(const sim::Scenario& scenario) {
+  const sim::Flight flight = sim::simulate_flight(scenario);
+  io::Dataset out;
+  out.imu = flight.imu;
+  out.scans = flight.scans;
+  out.radar_info.T_BS = flight.configured_T_BS;
+  if (scenario.radar.ambiguous) out.radar_info.max_doppler = scenario.radar.reported_max_doppler();
+  out.radar_info.doppler_resolution = scenario.radar.reported_doppler_resolution();
+  out.radar_info.rate_hz = scenario.radar.rate_hz;
+  return out;
+}
+
+inline io::Dataset flown(const std::string& name, double length) {
+  sim::Scenario scenario;
+  EXPECT_TRUE(sim::scenario(name, &scenario)) << name;
+  scenario.path.length = length;
+  return flown(scenario);
+}
+
+/// One with which nothing is wrong.
+inline const io::Dataset& flight() {
+  static const io::Dataset kFlight = flown("indoor-1", 50.0);
+  return kFlight;
+}
 
 /// @param folder of the recording, for lines of its files
 inline Findings check_it(const io::Dataset& dataset, Source source = Source::kBag,

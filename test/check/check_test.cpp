@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "check/check_it.hpp"
-#include "check/flown.hpp"
 #include "check/imu_check.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/sim/catalogue.hpp"

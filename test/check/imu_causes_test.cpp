@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "check/check_it.hpp"
-#include "check/flown.hpp"
 
 namespace rio::test {
 namespace {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "check/check_it.hpp"
-#include "check/flown.hpp"
 #include "check/motion.hpp"
 #include "check/points_check.hpp"
 #include "rio/core/so3.hpp"

@@ -3,13 +3,12 @@
 // six points a scan. Skipped without RIO_TEST_DATA, a folder with them.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <set>
 #include <string>
 
 #include "check/check_it.hpp"
 #include "support/measured.hpp"
+#include "support/real_data.hpp"
 
 namespace rio::test {
 namespace {
@@ -27,19 +26,9 @@ const std::set<std::string> kToldWithoutMotion = {"DopplerSign",
                                                   "DopplerAndSnrSwapped",
                                                   "NoOverlap"};
 
-std::filesystem::path recording_at(const std::string& name) {
-  const char* data = std::getenv("RIO_TEST_DATA");
-  return std::filesystem::path(data != nullptr ? data : "") / name;
-}
-
-bool is_missing(const std::string& name) {
-  return !std::filesystem::exists(recording_at(name) / "imu0");
-}
-constexpr const char* kNeeded = "needs RIO_TEST_DATA, a folder with the recordings";
-
 /// @return faults named
 int expect_named(const std::string& name, const std::set<std::string>* expected_names) {
-  const io::Dataset healthy = io::read_dataset(recording_at(name));
+  const io::Dataset healthy = io::read_dataset(real_data(name));
   SCOPED_TRACE(name);
   expect_ok(healthy);
   int named = 0;
@@ -56,14 +45,14 @@ int expect_named(const std::string& name, const std::set<std::string>* expected_
 }
 
 TEST(CheckOfARealRecording, NamesTheFaultsItsMotionTells) {
-  if (is_missing("ti_demo")) GTEST_SKIP() << kNeeded;
+  if (real_data("ti_demo").empty()) GTEST_SKIP() << kNoRealData;
   measured("ti_demo: faults named", expect_named("ti_demo", nullptr),
            std::to_string(faults().size()));
 }
 
 TEST(CheckOfARealRecording, AStepOfAClockIsFound) {
-  if (is_missing("ti_demo")) GTEST_SKIP() << kNeeded;
-  const io::Dataset healthy = io::read_dataset(recording_at("ti_demo"));
+  if (real_data("ti_demo").empty()) GTEST_SKIP() << kNoRealData;
+  const io::Dataset healthy = io::read_dataset(real_data("ti_demo"));
   for (const double step : {0.2, 0.3}) {
     for (const double part : {0.5, 0.7}) {
       const auto make_step = [&](auto* items) {
@@ -84,7 +73,7 @@ TEST(CheckOfARealRecording, AStepOfAClockIsFound) {
 }
 
 TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
-  if (is_missing("kart/driveAround1_A")) GTEST_SKIP() << kNeeded;
+  if (real_data("kart/driveAround1_A").empty()) GTEST_SKIP() << kNoRealData;
   for (const char* name : {"kart/driveAround1_A", "kart/outside4_B"}) {
     measured(std::string(name) + ": faults named", expect_named(name, &kToldWithoutMotion),
              std::to_string(kToldWithoutMotion.size()));
@@ -93,8 +82,8 @@ TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
 
 TEST(CheckOfARealRecording, GravityTellsAnImuInFrdFromARadarTurnedAlike) {
   for (const char* name : {"kart/labDriveAround3_A", "kart2/jun26_DriveArroundFast"}) {
-    if (is_missing(name)) GTEST_SKIP() << kNeeded;
-    const io::Dataset healthy = io::read_dataset(recording_at(name));
+    if (real_data(name).empty()) GTEST_SKIP() << kNoRealData;
+    const io::Dataset healthy = io::read_dataset(real_data(name));
     for (const Fault& fault : faults()) {
       if (std::string(fault.name) != "ImuInForwardRightDown") continue;
       const Findings findings = check_it_with(fault, healthy);
@@ -105,20 +94,20 @@ TEST(CheckOfARealRecording, GravityTellsAnImuInFrdFromARadarTurnedAlike) {
 
 TEST(CheckOfARealRecording, AGyroInDegreesDoesNotRest) {
   for (const char* name : {"kart/driveAround1_B", "kart2/sep_labHallway_L"}) {
-    if (is_missing(name)) GTEST_SKIP() << kNeeded;
-    io::Dataset dataset = io::read_dataset(recording_at(name));
+    if (real_data(name).empty()) GTEST_SKIP() << kNoRealData;
+    io::Dataset dataset = io::read_dataset(real_data(name));
     for (ImuSample& s : dataset.imu) s.gyro_B *= 180.0 / kHalfTurn;
     expect(said(dataset, "gyro unit"), Verdict::kWrong, "in deg/s", "--gyro-unit deg/s");
   }
 }
 
 TEST(CheckOfARealRecording, WindowsOfSecondsTellTheMountingWithSixPointsAScan) {
-  if (is_missing("kart/labDriveAround1_A")) GTEST_SKIP() << kNeeded;
+  if (real_data("kart/labDriveAround1_A").empty()) GTEST_SKIP() << kNoRealData;
   const std::set<std::string> told = {"MountingTurned90AboutTheBody",
                                       "MountingTurned180AboutTheBody", "MountingUpsideDown",
                                       "AxesOfTheChip", "ImuInForwardRightDown"};
   for (const char* name : {"kart/labDriveAround1_A", "kart/labDriveAround3_B"}) {
-    const io::Dataset healthy = io::read_dataset(recording_at(name));
+    const io::Dataset healthy = io::read_dataset(real_data(name));
     SCOPED_TRACE(name);
     expect_ok(healthy);
     for (const Fault& fault : faults()) {

@@ -11,7 +11,6 @@
 
 #include "check/check_it.hpp"
 #include "check/clock_steps.hpp"
-#include "check/flown.hpp"
 
 namespace rio::test {
 namespace {
@@ -22,11 +21,16 @@ std::vector<Time> stamps_of(const io::Dataset& dataset) {
   return stamps;
 }
 
-std::vector<check::ClockStep> steps_in(const io::Dataset& dataset) {
+check::ClockSteps steps_of_both(const io::Dataset& dataset) {
   Options options;
   io::apply_sensor_info(dataset, &options);
-  const check::ClockSteps steps = check::find_clock_steps(
-      dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info, options);
+  return check::find_clock_steps(dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info,
+                                 options);
+}
+
+/// Those of the radar, and the IMU has none.
+std::vector<check::ClockStep> steps_in(const io::Dataset& dataset) {
+  const check::ClockSteps steps = steps_of_both(dataset);
   EXPECT_TRUE(steps.imu.empty());
   return steps.radars[0];
 }
@@ -45,12 +49,26 @@ io::Dataset with_step_of_both(double step) {
   return dataset;
 }
 
-check::ClockSteps steps_of_both(double step) {
-  const io::Dataset dataset = with_step_of_both(step);
-  Options options;
-  io::apply_sensor_info(dataset, &options);
-  return check::find_clock_steps(dataset.imu, {check::Scans(dataset.scans)}, dataset.imu_info,
-                                 options);
+constexpr double kSteps[] = {0.15, -0.3, 1.5, -2.0, 40.0};  // [s]
+
+/// A step of one clock after a third of the flight is found to the item, which is the only fault.
+/// @return the flight with it
+template <class Item>
+io::Dataset expect_step_found(std::vector<Item> io::Dataset::*items, double step,
+                              const std::string& stamps, const std::string& item) {
+  io::Dataset dataset = flight();
+  const std::size_t first = (dataset.*items).size() / 3;
+  for (std::size_t i = first; i < (dataset.*items).size(); ++i) {
+    (dataset.*items)[i].time += from_seconds(step);
+  }
+  const Findings findings = check_it(dataset);
+  const bool back = step < -0.5;
+  expect(said(findings, back ? stamps : "delay of the radar"),
+         back ? Verdict::kDoubtful : Verdict::kWrong, fmt::format("from {} {} on", item, first + 1),
+         "`rio replay`, which takes it out");
+  EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), back ? 0 : 1)
+      << text_of(findings);
+  return dataset;
 }
 
 TEST(ImuStamps, StampsInAnotherUnitAreTheOnlyFinding) {
@@ -131,27 +149,16 @@ TEST(ImuStamps, AClockThatGoesBackIsNotTwoPublishers) {
 }
 
 TEST(ImuStamps, AStepOfTheClockIsFoundToTheSample) {
-  for (const double step : {0.15, -0.3, 1.5, -2.0, 40.0}) {
+  for (const double step : kSteps) {
     SCOPED_TRACE(step);
-    io::Dataset dataset = flight();
-    const std::size_t first = dataset.imu.size() / 3;
-    for (std::size_t i = first; i < dataset.imu.size(); ++i) {
-      dataset.imu[i].time += from_seconds(step);
-    }
-    const Findings findings = check_it(dataset);
-    const bool back = step < -0.5;
-    expect(said(findings, back ? "imu stamps" : "delay of the radar"),
-           back ? Verdict::kDoubtful : Verdict::kWrong, fmt::format("from sample {} on", first + 1),
-           "`rio replay`, which takes it out");
-    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), back ? 0 : 1)
-        << text_of(findings);
+    expect_step_found(&io::Dataset::imu, step, "imu stamps", "sample");
   }
 }
 
 TEST(Clocks, ThatGoBackTogetherStep) {
   for (const double step : {-0.3, -20.0, -1.7e9}) {
     SCOPED_TRACE(step);
-    const check::ClockSteps steps = steps_of_both(step);
+    const check::ClockSteps steps = steps_of_both(with_step_of_both(step));
     EXPECT_EQ(steps.imu.size(), 1U);
     EXPECT_EQ(steps.radars[0].size(), 1U);
   }
@@ -160,7 +167,7 @@ TEST(Clocks, ThatGoBackTogetherStep) {
 TEST(Clocks, ThatGoForwardTogetherMayPause) {
   for (const double step : {0.3, 1.5, 20.0, 7200.0}) {
     SCOPED_TRACE(step);
-    const check::ClockSteps steps = steps_of_both(step);
+    const check::ClockSteps steps = steps_of_both(with_step_of_both(step));
     EXPECT_TRUE(steps.imu.empty());
     EXPECT_TRUE(steps.radars[0].empty());
     expect(said(with_step_of_both(step), "clocks"), Verdict::kDoubtful,
@@ -234,21 +241,10 @@ TEST(RadarStamps, StampsThatLostDigitsAreNoSlowRadar) {
 }
 
 TEST(RadarStamps, AStepOfTheClockIsFoundToTheScan) {
-  for (const double step : {0.15, -0.3, 1.5, -2.0, 40.0}) {
+  for (const double step : kSteps) {
     SCOPED_TRACE(step);
-    io::Dataset dataset = flight();
-    const std::size_t first = dataset.scans.size() / 3;
-    for (std::size_t i = first; i < dataset.scans.size(); ++i) {
-      dataset.scans[i].time += from_seconds(step);
-    }
-    const Findings findings = check_it(dataset);
-    const bool back = step < -0.5;
-    expect(said(findings, back ? "radar stamps" : "delay of the radar"),
-           back ? Verdict::kDoubtful : Verdict::kWrong, fmt::format("from scan {} on", first + 1),
-           "`rio replay`, which takes it out");
-    EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), back ? 0 : 1)
-        << text_of(findings);
-    const std::vector<check::ClockStep> steps = steps_in(dataset);
+    const std::vector<check::ClockStep> steps =
+        steps_in(expect_step_found(&io::Dataset::scans, step, "radar stamps", "scan"));
     ASSERT_EQ(steps.size(), 1U);
     EXPECT_NEAR(to_seconds(steps[0].size), step, 0.005);  // of the jitter of the stamps
   }
