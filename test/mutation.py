@@ -36,7 +36,7 @@ NEXT = {'propagate': ['propagate', 'smoother'], 'frontend': ['frontend'], 'updat
         'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'checks': ['checks'], 'engine': []}
 FLIGHT = ['api_engine_test', 'api_odometry_test', 'api_aiding_test', 'mc_accuracy_gate_test']
 DEEP = ['api_contract_test', 'mc_recovery_test', 'mc_imu_fault_test', 'mc_calibration_test',
-        'mc_consistency_test', 'api_allocation_test', 'e2e_touchdown_test', 'e2e_kart_test']
+        'mc_consistency_test', 'api_allocation_test', 'e2e_recordings_test']
 GOLDEN = 'indication_indication_test'
 LABELS = ['unit', 'model', 'property', 'mc', 'e2e']
 

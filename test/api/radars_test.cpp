@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several radars on one body, through the odometry API, with either back-end. Their scans have the
-// same stamps, which is the hardest case; the drives of test/e2e/kart_test.cpp have them
+// same stamps, which is the hardest case; the drives of test/e2e/recordings_test.cpp have them
 // interleaved.
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The `rio` program as a user runs it: replay, evaluate, plot, options; and a real recording where
-// there is one. `rio simulate` is in simulate_test.cpp, damaged input in damaged_test.cpp.
+// there is one. `rio simulate` is in simulate_test.cpp, damaged input in files_test.cpp.
 #include <gtest/gtest.h>
 
 #include <cmath>
