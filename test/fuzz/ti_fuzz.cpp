@@ -8,7 +8,7 @@
 #include "fuzz/fuzz.hpp"
 #include "rio/ti/frame_clock.hpp"
 #include "rio/ti/packet_reader.hpp"
-#include "ti/packet_writer.hpp"
+#include "ti/packets.hpp"
 
 namespace rio::ti {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "ti/packet_writer.hpp"
+#include "ti/packets.hpp"
 
 namespace rio::live::test {
 namespace {

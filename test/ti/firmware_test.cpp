@@ -5,8 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/temp_dir.hpp"
-#include "ti/firmware_packets.hpp"
-#include "ti/reading.hpp"
+#include "ti/packets.hpp"
 
 namespace rio::ti::test {
 namespace {

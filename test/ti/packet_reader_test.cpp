@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "rio/testing/allocation_guard.hpp"
-#include "ti/reading.hpp"
+#include "ti/packets.hpp"
 
 namespace rio::ti::test {
 namespace {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Packets as the simulated radar writes them, and points for them.
+// Packets as the simulated radar and the firmware of the table write them, points for them, and a
+// reader with all that it has handed out.
 #pragma once
 
 #include <algorithm>
@@ -7,10 +8,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "rio/sim/ti_packet.hpp"
 #include "rio/ti/packet.hpp"
+#include "rio/ti/packet_reader.hpp"
 
 namespace rio::ti::test {
 
@@ -141,6 +144,81 @@ inline Bytes joined(const std::vector<Bytes>& parts) {
   Bytes all;
   for (const Bytes& part : parts) all.insert(all.end(), part.begin(), part.end());
   return all;
+}
+
+using Tlvs = std::vector<std::pair<std::uint32_t, Bytes>>;
+
+/// Points on all grids but those of the angles.
+inline std::vector<WrittenPoint> points_of(int count) {
+  std::vector<WrittenPoint> points;
+  for (int i = 0; i < count; ++i) {
+    points.push_back({0.25F * static_cast<float>(i % 7 - 3), 2.0F + 0.125F * static_cast<float>(i),
+                      0.25F * static_cast<float>(i % 5 - 2), 0.125F * static_cast<float>(i % 9 - 4),
+                      static_cast<std::int16_t>(100 + 20 * i), 500});
+  }
+  return points;
+}
+
+inline WrittenPacket packet_with(std::uint32_t version, std::uint32_t platform, int points,
+                                 Tlvs tlvs) {
+  WrittenPacket packet;
+  packet.version = version;
+  packet.platform = platform;
+  packet.number = 101;
+  packet.objects = static_cast<std::uint32_t>(points);
+  packet.tlvs = std::move(tlvs);
+  return packet;
+}
+inline constexpr std::uint32_t kSdk36 = 0x03060000, kXwr68 = 0xA6843, kSdk55 = 0x05050002;
+
+inline WrittenPacket low_power(int points, int side) {
+  return packet_with(kSdk55, 0xA6432, points, {{301, compressed_tlv(points_of(points), side)}});
+}
+inline WrittenPacket tracking(int points) {
+  return packet_with(kSdk36, kXwr68, points, {{1020, spherical_tlv(points_of(points))}});
+}
+inline WrittenPacket mrr(int points, int size) {
+  return packet_with(0x03050001, 0xA1843, points, {{1, fixed_point_tlv(points_of(points), size)}});
+}
+
+struct Reading {
+  PacketReader reader;
+  std::vector<Frame> frames;
+
+  explicit Reading(std::size_t max_packet = PacketReader::kMaxPacket) : reader(max_packet) {}
+
+  void push(const std::uint8_t* bytes, std::size_t count, Time arrival = Time{0}) {
+    reader.push(bytes, count, arrival, [this](const Frame& frame) { frames.push_back(frame); });
+  }
+  void push(const Bytes& bytes, Time arrival = Time{0}) {
+    push(bytes.data(), bytes.size(), arrival);
+  }
+  /// In two pieces.
+  void push_split(const Bytes& bytes, std::size_t first, Time arrival = Time{0}) {
+    push(bytes.data(), first, arrival);
+    push(bytes.data() + first, bytes.size() - first, arrival);
+  }
+  void flush() {
+    reader.flush([this](const Frame& frame) { frames.push_back(frame); });
+  }
+  const PacketCounters& counters() const { return reader.counters(); }
+  std::vector<std::uint32_t> numbers() const {
+    std::vector<std::uint32_t> numbers;
+    for (const Frame& frame : frames) numbers.push_back(frame.number);
+    return numbers;
+  }
+};
+
+/// The frame is the packet of these points, none left out.
+inline bool is_frame_of(const Frame& frame, std::uint32_t number,
+                        const std::vector<WrittenPoint>& points) {
+  const auto same = [](const RadarDetection& d, const WrittenPoint& p) {
+    return d.point_S == Vector3d(p.y, -p.x, p.z) && d.range_rate == p.velocity &&
+           d.snr_db == 0.1 * p.snr && d.noise_db == 0.1 * p.noise;
+  };
+  return frame.number == number &&
+         std::equal(frame.scan.detections.begin(), frame.scan.detections.end(), points.begin(),
+                    points.end(), same);
 }
 
 }  // namespace rio::ti::test
