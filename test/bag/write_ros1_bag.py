@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Writes a bag with Debian's rosbag, for referee_test.cpp: write_ros1_bag.py FILE none|bz2|lz4
+# Writes a bag with Debian's rosbag, for recording_writer_test.cpp: write_ros1_bag.py FILE none|bz2|lz4
 import struct
 import sys
 

@@ -148,14 +148,11 @@ TEST_F(Bag, TruthAndBarometerOfABagAreThoseOfItsFolder) {
   std::vector<Written> messages = messages_of(data, Wire::kRos1);
   for (const NavState& state : data.ground_truth) {
     Wire pose(Wire::kRos1);
-    pose.header(state.time, "map");
-    for (const double value : state.p_WB) pose.put(value);
-    for (const double value : state.q_WB.coeffs()) pose.put(value);
+    pose.header(state.time, "map").all(state.p_WB).all(state.q_WB.coeffs());
     messages.push_back({"/truth", bag::kPoseType, state.time, pose.bytes});
     const double pressure = 1e5 * std::exp(-state.p_WB.z() / 8573.0);
-    messages.push_back(
-        {"/baro", bag::kPressureType, state.time,
-         Wire(Wire::kRos1).header(state.time, "imu_link").put(pressure).put(0.0).bytes});
+    messages.push_back({"/baro", bag::kPressureType, state.time,
+                        pressure_message(Wire::kRos1, state.time, pressure)});
   }
   write_bag(file("truth.bag"), "ros1-none", messages, 500);
   recorded("ros1-none");  // the mounting

@@ -98,9 +98,7 @@ inline std::string old_cloud(Time stamp, const std::vector<CloudField>& channels
                              const Points& values, const std::vector<Vector3d>& points) {
   Wire wire(Wire::kRos1);
   wire.header(stamp, "radar").put(static_cast<std::uint32_t>(points.size()));
-  for (const Vector3d& p : points) {
-    for (const double value : p) wire.put(static_cast<float>(value));
-  }
+  for (const Vector3d& p : points) wire.all(Eigen::Vector3f(p.cast<float>()));
   wire.put(static_cast<std::uint32_t>(channels.size()));
   for (std::size_t c = 0; c < channels.size(); ++c) {
     wire.text(channels[c].name).put(static_cast<std::uint32_t>(points.size()));
@@ -152,9 +150,8 @@ inline std::string pose_message(Wire::Kind kind, const std::string& type, const 
   wire.header(state.time, "world");
   const bool odometry = type == "nav_msgs/Odometry";
   if (odometry) wire.text("body");
-  for (const double value : state.p_WB) wire.put(value);
-  for (const double value : state.q_WB.coeffs()) wire.put(value);
-  for (int i = 0; odometry && i < 36 + 6 + 36; ++i) wire.put(0.0);
+  wire.all(state.p_WB).all(state.q_WB.coeffs());
+  if (odometry) wire.repeat(36 + 6 + 36, 0.0);
   return wire.bytes;
 }
 
@@ -189,9 +186,8 @@ inline std::vector<Written> messages_of(const Miniature& mini, const io::Dataset
       add("/decoy/pose", mini.truth_type(), state.time,
           pose_message(kind, mini.truth_type(), state));
     }
-    Wire pressure(kind);
-    pressure.header(sample.time, "baro").put(1.0e5 + static_cast<double>(i)).put(0.0);
-    add(mini.pressure, "sensor_msgs/FluidPressure", sample.time, pressure.bytes);
+    add(mini.pressure, "sensor_msgs/FluidPressure", sample.time,
+        pressure_message(kind, sample.time, 1.0e5 + static_cast<double>(i)));
   }
   return messages;
 }
