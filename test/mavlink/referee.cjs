@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames of node-mavlink, for referee_test.cpp: node referee.cjs MESSAGES FRAMES
+// Frames of node-mavlink, for frame_test.cpp: node referee.cjs MESSAGES FRAMES
 // A line of MESSAGES: name, version, sequence, system, component, the fields in the order of the wire, numbers of
 // arrays one by one, floats as the integers of their bits.
 const fs = require("fs");
