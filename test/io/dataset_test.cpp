@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "io/sample_dataset.hpp"
 #include "rio/io/recording_stream.hpp"
+#include "support/real_data.hpp"
 #include "support/same_recording.hpp"
 
 namespace rio::io {
@@ -197,11 +197,9 @@ TEST_F(DatasetTest, WriterRefusesWhatItCouldNotReadBack) {
 }
 
 TEST_F(DatasetTest, RealRecording) {
-  const char* folder = std::getenv("RIO_TEST_DATA");
-  if (folder == nullptr || !std::filesystem::exists(std::filesystem::path(folder) / "ti_demo")) {
-    GTEST_SKIP() << "set RIO_TEST_DATA to a folder that holds ti_demo";
-  }
-  const Dataset d = read_dataset(std::filesystem::path(folder) / "ti_demo");
+  const std::filesystem::path folder = test::real_data("ti_demo");
+  if (folder.empty()) GTEST_SKIP() << test::kNoRealData;
+  const Dataset d = read_dataset(folder);
   EXPECT_EQ(d.imu.size(), 8270U);
   EXPECT_EQ(d.scans.size(), 412U);
   EXPECT_EQ(d.baro.size(), 2057U);
