@@ -3,12 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <utility>
 
 namespace rio::sim {
 namespace {
+
+using Eigen::ArrayXd;
 
 constexpr int kDraws = 200000;
 
@@ -22,40 +25,23 @@ TEST(Random, MatchesTheReferenceOutputOfPcg32) {
 
 TEST(Random, UniformFillsItsIntervalEvenly) {
   Random random(1);
-  double sum = 0.0;
-  double squares = 0.0;
-  for (int i = 0; i < kDraws; ++i) {
-    const double x = random.uniform(-1.0, 3.0);
-    ASSERT_GE(x, -1.0);
-    ASSERT_LT(x, 3.0);
-    sum += x;
-    squares += (x - 1.0) * (x - 1.0);
-  }
+  const ArrayXd x = ArrayXd::NullaryExpr(kDraws, [&] { return random.uniform(-1.0, 3.0); });
+  EXPECT_GE(x.minCoeff(), -1.0);
+  EXPECT_LT(x.maxCoeff(), 3.0);
   // five standard errors: 1.155/sqrt(n) = 0.0026, and 1.19/sqrt(n) = 0.0027
-  EXPECT_NEAR(sum / kDraws, 1.0, 0.013);
-  EXPECT_NEAR(squares / kDraws, 4.0 / 3.0, 0.014);
+  EXPECT_NEAR(x.mean(), 1.0, 0.013);
+  EXPECT_NEAR((x - 1.0).square().mean(), 4.0 / 3.0, 0.014);
 }
 
 TEST(Random, NormalHasTheMomentsOfAGaussian) {
   Random random(2);
-  double sum = 0.0;
-  double squares = 0.0;
-  double fourth = 0.0;
-  double lagged = 0.0;
-  double last = 0.0;
-  for (int i = 0; i < kDraws; ++i) {
-    const double x = random.normal();
-    sum += x;
-    squares += x * x;
-    fourth += x * x * x * x;
-    lagged += x * last;
-    last = x;
-  }
+  const ArrayXd x = ArrayXd::NullaryExpr(kDraws, [&] { return random.normal(); });
   // five standard errors of each moment
-  EXPECT_NEAR(sum / kDraws, 0.0, 5.0 / std::sqrt(kDraws));
-  EXPECT_NEAR(squares / kDraws, 1.0, 5.0 * std::sqrt(2.0 / kDraws));
-  EXPECT_NEAR(fourth / kDraws, 3.0, 5.0 * std::sqrt(96.0 / kDraws));
-  EXPECT_NEAR(lagged / kDraws, 0.0, 5.0 / std::sqrt(kDraws));
+  EXPECT_NEAR(x.mean(), 0.0, 5.0 / std::sqrt(kDraws));
+  EXPECT_NEAR(x.square().mean(), 1.0, 5.0 * std::sqrt(2.0 / kDraws));
+  EXPECT_NEAR(x.pow(4).mean(), 3.0, 5.0 * std::sqrt(96.0 / kDraws));
+  const ArrayXd lagged = x.tail(kDraws - 1) * x.head(kDraws - 1);
+  EXPECT_NEAR(lagged.mean(), 0.0, 5.0 / std::sqrt(kDraws));
 }
 
 TEST(Random, SeedsAndStreamsAreUncorrelated) {
