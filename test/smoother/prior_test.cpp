@@ -13,7 +13,7 @@
 
 #include "rio/sim/random.hpp"
 #include "rio/update/look_correlation.hpp"
-#include "support/random_matrix.hpp"
+#include "support/dense_rows.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {

@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of the update as dense matrices.
+// Dense matrices: of standard normal numbers, how two are compared, and of rows of the update.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
 #include <span>
 
+#include "rio/sim/random.hpp"
 #include "rio/update/linear_rows.hpp"
-#include "support/random_matrix.hpp"
 #include "support/symmetric.hpp"
 
 namespace rio::test {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+inline MatrixXd random_matrix(sim::Random& random, Eigen::Index rows, Eigen::Index cols) {
+  return MatrixXd::NullaryExpr(rows, cols, [&random] { return random.normal(); });
+}
+
+/// No element differs by more than this share of the largest one.
+inline void expect_close(const MatrixXd& actual, const MatrixXd& expected, double relative) {
+  ASSERT_EQ(actual.rows(), expected.rows());
+  ASSERT_EQ(actual.cols(), expected.cols());
+  if (expected.size() == 0) return;
+  EXPECT_LE((actual - expected).cwiseAbs().maxCoeff(), relative * expected.cwiseAbs().maxCoeff());
+}
 
 struct DenseRows {
   MatrixXd H;

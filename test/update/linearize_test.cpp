@@ -13,7 +13,7 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_point.hpp"
 #include "rio/models/trail_distance.hpp"
-#include "support/random_matrix.hpp"
+#include "support/dense_rows.hpp"
 #include "support/random_state.hpp"
 #include "support/symmetric.hpp"
 
