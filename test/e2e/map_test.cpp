@@ -4,28 +4,22 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "support/matches.hpp"
+#include "support/temp_dir.hpp"
 
 namespace rio {
 namespace {
 
 namespace fs = std::filesystem;
 using test::matches;
+using test::text_of;
 
 const fs::path kHeaders = fs::path(RIO_SOURCE_DIR) / "include" / "rio";
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
-}
 
 /// Paths relative to include/rio.
 std::vector<fs::path> headers() {

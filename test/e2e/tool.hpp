@@ -83,11 +83,6 @@ inline Outcome rio(const std::string& arguments, const Parts& parts = {}) {
   return fails(0, arguments, parts);
 }
 
-inline std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// Lines that are no comments.
 inline std::vector<std::string> lines_of(const fs::path& file) {
   std::ifstream in(file);

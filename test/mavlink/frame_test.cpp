@@ -5,7 +5,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <string>
 
 #include "mavlink/random_messages.hpp"
@@ -182,8 +181,8 @@ class Messages {
     const std::string out = dir.path() / "frames";
     std::ofstream(in) << lines_;
     EXPECT_TRUE(runs("node " RIO_SOURCE_DIR "/test/mavlink/referee.cjs " + in + " " + out));
-    std::ifstream file(out, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    const std::string text = rio::test::text_of(out);
+    return {text.begin(), text.end()};
   }
   const Bytes& ours() const { return frames_; }
   const std::vector<Bytes>& payloads() const { return payloads_; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A folder that lives as long as the test, and a shorthand for the message of what a call throws.
+// A folder that lives as long as the test, the text of a file, and the message of what a call
+// throws.
 #pragma once
 
 #include <unistd.h>
@@ -7,10 +8,17 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
 namespace rio::test {
+
+/// All of a file; "" if it cannot be read.
+inline std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 class TempDir {
  public:
@@ -36,10 +44,7 @@ class TempDir {
     return file;
   }
 
-  std::string read(const std::string& name) const {
-    std::ifstream stream(path_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  }
+  std::string read(const std::string& name) const { return text_of(path_ / name); }
 
  private:
   std::filesystem::path path_;

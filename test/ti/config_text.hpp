@@ -4,17 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "rio/ti/config.hpp"
+#include "support/temp_dir.hpp"
 
 namespace rio::ti::test {
 
 inline std::string committed() {
-  std::ifstream file(RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg");
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return rio::test::text_of(RIO_SOURCE_DIR "/data/awr1843boost_odometry.cfg");
 }
 
 inline std::string replaced(std::string text, const std::string& what, const std::string& by) {
