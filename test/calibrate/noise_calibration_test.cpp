@@ -9,9 +9,9 @@
 #include <string>
 
 #include "experiment/trial.hpp"
-#include "rio/sim/catalogue.hpp"
 #include "support/constants.hpp"
 #include "support/flight_recording.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::calibrate {
 namespace {
@@ -28,9 +28,7 @@ struct Case {
 };
 
 sim::Flight fly(const Sigmas& sigmas, std::uint64_t seed) {
-  sim::Scenario scenario;
-  EXPECT_TRUE(sim::scenario("monte-carlo", &scenario));
-  scenario.seed = seed;
+  sim::Scenario scenario = test::scenario_named("monte-carlo", seed);
   scenario.radar.sigma_range = sigmas[0];
   scenario.radar.sigma_azimuth = sigmas[1];
   scenario.radar.sigma_elevation = sigmas[2];

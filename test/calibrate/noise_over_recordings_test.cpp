@@ -8,15 +8,14 @@
 #include <string>
 
 #include "experiment/trial.hpp"
-#include "rio/sim/catalogue.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::calibrate {
 namespace {
 
 TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
-  sim::Scenario scenario;
-  ASSERT_TRUE(sim::scenario("monte-carlo", &scenario));
+  sim::Scenario scenario = test::scenario_named("monte-carlo");
   std::vector<Recording> recordings;
   std::vector<RecordingCalibration> runs;
   Options options;
@@ -53,10 +52,7 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
 }
 
 TEST(NoiseOverRecordings, SaysWhichRecordingTellsNothing) {
-  sim::Scenario scenario;
-  ASSERT_TRUE(sim::scenario("monte-carlo", &scenario));
-  scenario.seed = 12;
-  const sim::Flight flight = sim::simulate_flight(scenario);
+  const sim::Flight flight = sim::simulate_flight(test::scenario_named("monte-carlo", 12));
   const Options options = experiment::options_for(flight, "default");
   Recording recording{flight.imu, flight.scans, std::nullopt, {}};
   recording.scans.resize(25);  // hardly off the ground

@@ -10,8 +10,7 @@
 #include "check/check.hpp"
 #include "check/faults.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/sim/catalogue.hpp"
-#include "rio/sim/flight.hpp"
+#include "support/short_flight.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::test {
@@ -41,8 +40,7 @@ inline io::Dataset flown(const sim::Scenario& scenario) {
 }
 
 inline io::Dataset flown(const std::string& name, double length) {
-  sim::Scenario scenario;
-  EXPECT_TRUE(sim::scenario(name, &scenario)) << name;
+  sim::Scenario scenario = scenario_named(name);
   scenario.path.length = length;
   return flown(scenario);
 }

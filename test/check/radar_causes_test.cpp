@@ -90,8 +90,7 @@ TEST(RadarCauses, AFactorOfTheDopplerIsNamed) {
 }
 
 TEST(RadarCauses, ACoarseDopplerIsNotHalfTheRangeRate) {
-  sim::Scenario scenario;
-  ASSERT_TRUE(sim::scenario("rough-ground", &scenario));
+  sim::Scenario scenario = scenario_named("rough-ground");
   for (scenario.seed = 1; scenario.seed <= 9; ++scenario.seed) {
     const Findings findings = check_it(flown(scenario));
     EXPECT_NE(worst(findings), Verdict::kWrong) << scenario.seed << "\n" << text_of(findings);

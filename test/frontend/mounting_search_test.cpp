@@ -10,9 +10,8 @@
 #include <optional>
 
 #include "rio/core/so3.hpp"
-#include "rio/sim/catalogue.hpp"
-#include "rio/sim/flight.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -49,14 +48,6 @@ struct Found {
     for (int i = begin; i < end; ++i) EXPECT_LT(std::abs(error[i]), 3.0 * sigma(i)) << i;
   }
 };
-
-sim::Flight flight_of(const char* name, std::uint64_t seed, double duration) {
-  sim::Scenario scenario;
-  EXPECT_TRUE(sim::scenario(name, &scenario));
-  scenario.seed = seed;
-  scenario.max_duration = duration;
-  return sim::simulate_flight(scenario);
-}
 
 Options options_with(const sim::Flight& flight, const Pose& configured) {
   const sim::RadarModel& radar = flight.scenario.radar;
@@ -118,7 +109,7 @@ Pose turned(const Pose& mounting, double angle, const Vector3d& axis) {
 }
 
 TEST(MountingSearch, FindsAMountingTurnedByAnyAngle) {
-  const sim::Flight flight = flight_of("indoor-1", 3, 25.0);
+  const sim::Flight flight = short_flight("indoor-1", 25.0, 3);
   const Pose truth = flight.scenario.radar.T_BS;
   for (const double angle : {0.0, 30.0, 90.0, 150.0, 180.0}) {
     for (const Vector3d& axis : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(1, -2, 3)}) {
@@ -147,7 +138,7 @@ TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
   double motion = 0.0;
   constexpr int kFlights = 12;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
-    const sim::Flight flight = flight_of("indoor-1", seed, 25.0);
+    const sim::Flight flight = short_flight("indoor-1", 25.0, seed);
     sim::Random random(seed);
     Drift drift;
     for (int i = 0; i < 3; ++i) {
@@ -177,7 +168,7 @@ TEST(MountingSearch, NoisyVelocitiesDoNotTurnIt) {
   double pitch = 0.0;
   constexpr int kFlights = 12;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
-    const sim::Flight flight = flight_of("outdoor", seed, 25.0);
+    const sim::Flight flight = short_flight("outdoor", 25.0, seed);
     const auto found = search(flight, Pose{});
     ASSERT_TRUE(found) << seed;
     pitch += found->error[1] / found->sigma(1) / kFlights;
@@ -187,7 +178,7 @@ TEST(MountingSearch, NoisyVelocitiesDoNotTurnIt) {
 }
 
 TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {
-  const sim::Flight flight = flight_of("outdoor", 1, 25.0);
+  const sim::Flight flight = short_flight("outdoor", 25.0, 1);
   Drift drift;
   drift.sigma_velocity = 0.2;
   constexpr double kVertical = 1e-3;
@@ -205,7 +196,7 @@ TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {
 // Flights that begin with a climb of five seconds, which does not show the heading of the radar.
 TEST(MountingSearch, WhatAClimbDoesNotShowIsAwaited) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const sim::Flight flight = flight_of("outdoor", seed, 25.0);
+    const sim::Flight flight = short_flight("outdoor", 25.0, seed);
     const Pose truth = flight.scenario.radar.T_BS;
     const auto found = search(flight, turned(truth, 90.0 * kDegree, {1, -2, 3}));
     ASSERT_TRUE(found) << seed;
@@ -240,7 +231,7 @@ TEST(MountingSearch, WhatAStraightDriveDoesNotShowIsAsConfigured) {
 // With a lever arm that is unknown, too, a turn on level ground looks the same upside down.
 TEST(MountingSearch, ADriveOnLevelGroundIsNotUpsideDown) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    const sim::Flight flight = flight_of("rough-ground", seed, 40.0);
+    const sim::Flight flight = short_flight("rough-ground", 40.0, seed);
     const auto found = search(flight, Pose{});
     ASSERT_TRUE(found) << seed;
     EXPECT_LT(found->rotation(), 1.0) << seed;
@@ -248,7 +239,7 @@ TEST(MountingSearch, ADriveOnLevelGroundIsNotUpsideDown) {
 }
 
 TEST(MountingSearch, ACorrectedVelocityNeedsARestart) {
-  const sim::Flight flight = flight_of("indoor-1", 3, 25.0);
+  const sim::Flight flight = short_flight("indoor-1", 25.0, 3);
   const Pose configured = turned(flight.scenario.radar.T_BS, 2.0, {1, 2, 3});
   Drift drift;
   drift.sigma_velocity = 1.0;

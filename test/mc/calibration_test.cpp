@@ -10,6 +10,7 @@
 #include "rio/eval/nees.hpp"
 #include "rio/sim/random.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 namespace {
@@ -26,7 +27,7 @@ using ChangeOptions = std::function<void(Options&)>;
 /// A flight with noise as the filter models it.
 Result fly_one(Calibration parameter, std::uint64_t seed, double length,
                const ChangeScenario& change_scenario, const ChangeOptions& change_options = {}) {
-  sim::Scenario scenario = cases_of("monte-carlo", 1, seed).front().scenario;
+  sim::Scenario scenario = test::scenario_named("monte-carlo", seed);
   scenario.path.length = length;
   change_scenario(scenario);
   const sim::Flight flight = sim::simulate_flight(scenario);

@@ -77,9 +77,8 @@ TEST(ImuFault, StrongVibrationLeavesAnHonestPosition) {
   const Fault& vibration = fault_named("vibration of 3 g and 1 rad/s for 10 s");
   double worst = 0.0;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    sim::Scenario scenario = cases_of("outdoor", 1, seed).front().scenario;
-    scenario.max_duration = kFaultBegins + vibration.duration + kJudgedAfter;
-    const sim::Flight flight = sim::simulate_flight(scenario);
+    const sim::Flight flight =
+        test::short_flight("outdoor", kFaultBegins + vibration.duration + kJudgedAfter, seed);
     for (const Variant& v : kBackEnds) {
       const Survival end = survive(flight, options_of(flight, v), vibration);
       worst = std::max(worst, end.last.position_sigmas);

@@ -104,7 +104,7 @@ TEST(Recovery, WithAFewPointsAScan) {
 TEST(Recovery, AStandingRadarIsNotDraggedByAPerson) {
   LateSteps all;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    sim::Scenario scenario = cases_of("sparse", 1, seed).front().scenario;
+    sim::Scenario scenario = test::scenario_named("sparse", seed);
     scenario.path.stand_before = 14.0;
     scenario.max_duration = 13.0;
     sim::Flight flight = sim::simulate_flight(scenario);

@@ -16,15 +16,12 @@
 #include "rio/sim/flight.hpp"
 #include "sim/flights.hpp"
 #include "support/measured.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::sim {
 namespace {
 
-Scenario named(const std::string& name) {
-  Scenario chosen;
-  EXPECT_TRUE(scenario(name, &chosen)) << name;
-  return chosen;
-}
+using test::scenario_named;
 
 TEST(Catalogue, NamesAreUniqueAndDescribed) {
   std::set<std::string> names;
@@ -61,7 +58,7 @@ bool increasing(const std::vector<Stamped>& items) {
 TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
   for (const CatalogueEntry& entry : catalogue()) {
     SCOPED_TRACE(entry.name);
-    Scenario chosen = named(entry.name);
+    Scenario chosen = scenario_named(entry.name);
     chosen.max_duration = 10.0;  // 4 s of standstill, 6 s of flight
     const Flight flight = simulate_flight(chosen);
     const std::vector<double> all = numbers_of(flight);
@@ -95,7 +92,7 @@ TEST(Catalogue, EveryScenarioGivesFiniteOrderedDataAndTheSameTwice) {
 TEST(Catalogue, NoiseFreeImuOfEveryPathIntegratesToTheTruth) {
   std::set<std::pair<double, double>> seen;  // the seven indoor lengths are seven paths
   for (const CatalogueEntry& entry : catalogue()) {
-    const Scenario chosen = named(entry.name);
+    const Scenario chosen = scenario_named(entry.name);
     const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
     if (!seen.emplace(trajectory.duration(), trajectory.at(20.0).nav.p_WB.x()).second) continue;
     const Drift drift =
@@ -108,7 +105,7 @@ TEST(Catalogue, NoiseFreeImuOfEveryPathIntegratesToTheTruth) {
 }
 
 TEST(Catalogue, AggressiveFoldsTheDoppler) {
-  const Scenario chosen = named("aggressive");
+  const Scenario chosen = scenario_named("aggressive");
   const double fastest = extent(random_flight(chosen.seed, chosen.path)).fastest;
   EXPECT_GT(fastest, 3.2);
   EXPECT_LE(fastest, chosen.path.max_speed);
@@ -116,7 +113,7 @@ TEST(Catalogue, AggressiveFoldsTheDoppler) {
 }
 
 TEST(Catalogue, HoverIsSlowerThanTheDopplerGridResolves) {
-  const Scenario chosen = named("hover");
+  const Scenario chosen = scenario_named("hover");
   const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
   double seconds = 0.0;
   double slow = 0.0;
@@ -131,12 +128,12 @@ TEST(Catalogue, HoverIsSlowerThanTheDopplerGridResolves) {
 
 TEST(Catalogue, IcraFlightsHaveTheLengthsOfTheTable) {
   for (std::size_t i = 0; i < kIcraLengths.size(); ++i) {
-    EXPECT_EQ(named("indoor-" + std::to_string(i + 1)).path.length, kIcraLengths[i]);
+    EXPECT_EQ(scenario_named("indoor-" + std::to_string(i + 1)).path.length, kIcraLengths[i]);
   }
 }
 
 TEST(Catalogue, RoughGroundIsDrivenNoseAheadOnAFlatFloor) {
-  Scenario chosen = named("rough-ground");
+  Scenario chosen = scenario_named("rough-ground");
   for (chosen.seed = 1; chosen.seed <= 3; ++chosen.seed) {
     const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
     EXPECT_NEAR(trajectory.length(), 35.0, 1e-6);
@@ -159,7 +156,7 @@ TEST(Catalogue, RoughGroundIsDrivenNoseAheadOnAFlatFloor) {
 }
 
 TEST(Catalogue, RoughGroundHasSparseCoarseScansAndLostSamples) {
-  const Scenario chosen = named("rough-ground");
+  const Scenario chosen = scenario_named("rough-ground");
   const Flight flight = simulate_flight(chosen);
   std::vector<std::size_t> points;
   for (const RadarScan& scan : flight.scans) {
@@ -189,7 +186,7 @@ TEST(Catalogue, RoughGroundHasSparseCoarseScansAndLostSamples) {
 }
 
 TEST(Catalogue, LongLastsTwentyMinutes) {
-  const Scenario chosen = named("long");
+  const Scenario chosen = scenario_named("long");
   const Trajectory trajectory = random_flight(chosen.seed, chosen.path);
   EXPECT_NEAR(trajectory.duration(), 1200.0, 25.0);
   EXPECT_NEAR(trajectory.length(), 850.0, 60.0);
@@ -197,7 +194,7 @@ TEST(Catalogue, LongLastsTwentyMinutes) {
 
 /// What that does: Disturbances.OutagesLeaveNoScans, ImuGapsLeaveNoSamplesAndTruthGoesOn, Spells.
 TEST(Catalogue, DropoutSilencesBothSensorsTwice) {
-  const Disturbances disturbances = named("dropout").disturbances;
+  const Disturbances disturbances = scenario_named("dropout").disturbances;
   EXPECT_EQ(disturbances.outages.count, 2);
   EXPECT_EQ(disturbances.outages.duration, 5.0);
   EXPECT_EQ(disturbances.imu_gaps.count, 2);

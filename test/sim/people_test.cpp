@@ -9,9 +9,8 @@
 #include <limits>
 #include <vector>
 
-#include "rio/sim/catalogue.hpp"
-#include "rio/sim/flight.hpp"
 #include "sim/radar_cases.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::sim {
 namespace {
@@ -155,8 +154,7 @@ TEST(RadarPeople, DoNotCountAsStaticAndObeyTheThreshold) {
 }
 
 TEST(RadarPeople, GiveFourTenthsOfTheDetectionsOfTheirScenario) {
-  Scenario chosen;
-  ASSERT_TRUE(scenario("people", &chosen));
+  Scenario chosen = test::scenario_named("people");
   double people = 0.0;
   double all = 0.0;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
@@ -171,8 +169,7 @@ TEST(RadarPeople, GiveFourTenthsOfTheDetectionsOfTheirScenario) {
 }
 
 TEST(RadarScenarios, SparseScansHoldThreeToEightPoints) {
-  Scenario chosen;
-  ASSERT_TRUE(scenario("sparse", &chosen));
+  Scenario chosen = test::scenario_named("sparse");
   double outside = 0.0;
   double all = 0.0;
   for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
@@ -186,9 +183,7 @@ TEST(RadarScenarios, SparseScansHoldThreeToEightPoints) {
 }
 
 TEST(RadarScenarios, OutdoorsManyPointsAreFar) {
-  Scenario chosen;
-  ASSERT_TRUE(scenario("outdoor", &chosen));
-  const Flight flight = simulate_flight(chosen);
+  const Flight flight = simulate_flight(test::scenario_named("outdoor"));
   double far = 0.0;
   double all = 0.0;
   for (const RadarScan& scan : flight.scans) {
