@@ -1,120 +1,64 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The names of the enumerations, each in the order of its values.
 #include "rio/report.hpp"
+
+#include <array>
 
 namespace rio {
 
+namespace {
+
+template <class Enum, std::size_t kSize>
+const char* name(const std::array<const char*, kSize>& names, Enum value, const char* otherwise) {
+  const auto i = static_cast<std::size_t>(value);
+  return i < kSize ? names[i] : otherwise;
+}
+
+}  // namespace
+
 const char* to_string(Status status) {
-  switch (status) {
-    case Status::kOk:
-      return "kOk";
-    case Status::kWaiting:
-      return "kWaiting";
-    case Status::kNotInitialized:
-      return "kNotInitialized";
-    case Status::kMoving:
-      return "kMoving";
-    case Status::kStale:
-      return "kStale";
-    case Status::kDuplicate:
-      return "kDuplicate";
-    case Status::kLate:
-      return "kLate";
-    case Status::kQueueFull:
-      return "kQueueFull";
-    case Status::kNonFinite:
-      return "kNonFinite";
-    case Status::kNumerical:
-      return "kNumerical";
-    case Status::kImplausible:
-      return "kImplausible";
-    case Status::kAhead:
-      return "kAhead";
-    case Status::kUndeclared:
-      return "kUndeclared";
-  }
-  return "unknown status";
+  constexpr std::array kNames = {"kOk",        "kWaiting",   "kNotInitialized", "kMoving",
+                                 "kStale",     "kDuplicate", "kLate",           "kQueueFull",
+                                 "kNonFinite", "kNumerical", "kImplausible",    "kAhead",
+                                 "kUndeclared"};
+  static_assert(kNames.size() == static_cast<std::size_t>(Status::kUndeclared) + 1);
+  return name(kNames, status, "unknown status");
 }
 
 const char* to_string(Model model) {
-  switch (model) {
-    case Model::kDoppler:
-      return "doppler";
-    case Model::kTrailDistance:
-      return "trail_distance";
-    case Model::kLandmarkDistance:
-      return "landmark_distance";
-    case Model::kLandmarkPoint:
-      return "landmark_point";
-    case Model::kLandmarkPosition:
-      return "landmark_position";
-    case Model::kRest:
-      return "rest";
-    case Model::kAiding:
-      return "aiding";
-    case Model::kEgoVelocity:
-      return "ego_velocity";
-    case Model::kCount:
-      break;
-  }
-  return "unknown model";
+  constexpr std::array kNames = {"doppler",        "trail_distance",    "landmark_distance",
+                                 "landmark_point", "landmark_position", "rest",
+                                 "aiding",         "ego_velocity"};
+  static_assert(kNames.size() == kModelCount);
+  return name(kNames, model, "unknown model");
 }
 
 const char* to_string(HealthState state) {
-  switch (state) {
-    case HealthState::kInitializing:
-      return "initialising";
-    case HealthState::kOk:
-      return "ok";
-    case HealthState::kDegraded:
-      return "degraded";
-    case HealthState::kDeadReckoning:
-      return "dead reckoning";
-    case HealthState::kLost:
-      return "lost";
-  }
-  return "unknown state";
+  constexpr std::array kNames = {"initialising", "ok", "degraded", "dead reckoning", "lost"};
+  static_assert(kNames.size() == static_cast<std::size_t>(HealthState::kLost) + 1);
+  return name(kNames, state, "unknown state");
 }
 
 const char* to_string(HealthReason reason) {
-  switch (reason) {
-    case HealthReason::kRadarSilent:
-      return "radar silent";
-    case HealthReason::kFewDetections:
-      return "few measurements";
-    case HealthReason::kOutliers:
-      return "outliers";
-    case HealthReason::kGated:
-      return "measurements gated";
-    case HealthReason::kInnovations:
-      return "large innovations";
-    case HealthReason::kVelocityContradicted:
-      return "velocity contradicted";
-    case HealthReason::kTiltContradicted:
-      return "tilt contradicted";
-    case HealthReason::kReopened:
-      return "step of the estimate";
-    case HealthReason::kImuGaps:
-      return "gaps of the IMU";
-    case HealthReason::kUncertainPosition:
-      return "position uncertain";
-    case HealthReason::kUncertainVelocity:
-      return "velocity uncertain";
-    case HealthReason::kUncertainHeading:
-      return "heading uncertain";
-    case HealthReason::kUncertainTilt:
-      return "tilt uncertain";
-    case HealthReason::kTooFast:
-      return "too fast";
-    case HealthReason::kCalibration:
-      return "calibration doubtful";
-    case HealthReason::kNumerical:
-      return "update failed";
-    case HealthReason::kAiding:
-      return "other sensors contradict";
-    case HealthReason::kCount:
-      break;
-  }
-  return "unknown reason";
+  constexpr std::array kNames = {"radar silent",
+                                 "few measurements",
+                                 "outliers",
+                                 "measurements gated",
+                                 "large innovations",
+                                 "velocity contradicted",
+                                 "tilt contradicted",
+                                 "step of the estimate",
+                                 "gaps of the IMU",
+                                 "position uncertain",
+                                 "velocity uncertain",
+                                 "heading uncertain",
+                                 "tilt uncertain",
+                                 "too fast",
+                                 "calibration doubtful",
+                                 "update failed",
+                                 "other sensors contradict"};
+  static_assert(kNames.size() == kHealthReasonCount);
+  return name(kNames, reason, "unknown reason");
 }
 
 }  // namespace rio
