@@ -2,6 +2,7 @@
 #include "rio/checks/health_monitor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 
@@ -20,40 +21,26 @@ struct Effect {
   bool loses;
 };
 
-Effect effect(HealthReason reason) {
-  switch (reason) {
-    case HealthReason::kRadarSilent:
-    case HealthReason::kFewDetections:
-    case HealthReason::kOutliers:
-    case HealthReason::kInnovations:
-      return {true, true, false, false};
-    case HealthReason::kGated:
-    case HealthReason::kVelocityContradicted:
-      return {true, true, false, true};
-    case HealthReason::kTiltContradicted:
-    case HealthReason::kReopened:
-      return {true, true, true, true};
-    case HealthReason::kImuGaps:
-      return {true, true, true, false};
-    case HealthReason::kUncertainPosition:
-      return {true, false, false, true};
-    case HealthReason::kUncertainVelocity:
-      return {true, true, false, true};
-    case HealthReason::kUncertainHeading:
-      return {true, false, true, true};
-    case HealthReason::kUncertainTilt:
-    case HealthReason::kTooFast:
-    case HealthReason::kNumerical:
-      return {true, true, true, true};
-    case HealthReason::kAiding:
-      return {true, true, true, false};
-    case HealthReason::kCalibration:
-      return {true, true, false, false};
-    case HealthReason::kCount:
-      break;
-  }
-  return {};
-}
+/// Position, velocity, heading, loses; in the order of HealthReason.
+constexpr std::array<Effect, kHealthReasonCount> kEffects = {{
+    {true, true, false, false},  // kRadarSilent
+    {true, true, false, false},  // kFewDetections
+    {true, true, false, false},  // kOutliers
+    {true, true, false, true},   // kGated
+    {true, true, false, false},  // kInnovations
+    {true, true, false, true},   // kVelocityContradicted
+    {true, true, true, true},    // kTiltContradicted
+    {true, true, true, true},    // kReopened
+    {true, true, true, false},   // kImuGaps
+    {true, false, false, true},  // kUncertainPosition
+    {true, true, false, true},   // kUncertainVelocity
+    {true, false, true, true},   // kUncertainHeading
+    {true, true, true, true},    // kUncertainTilt
+    {true, true, true, true},    // kTooFast
+    {true, true, false, false},  // kCalibration
+    {true, true, true, true},    // kNumerical
+    {true, true, true, false},   // kAiding
+}};
 
 double largest_sigma(const BodyCovariance& P, int at, int size) {
   return std::sqrt(std::max(0.0, P.diagonal().segment(at, size).maxCoeff()));
@@ -149,10 +136,11 @@ double HealthMonitor::clock_doubt(const UpdateReport& report, Time now) {
       report.calibration[static_cast<std::size_t>(Calibration::kTimeOffset)];
   if (c.observability == Observability::kNotEstimated) return 0.0;
   PastOffsets& past = offsets_[report.radar];
-  if (past.count == 0 || now - past.newest().time >= kClockStep) {
-    past.ring[past.count++ % kClockSteps] = {now, c.value, c.sigma};
+  if (past.empty() || now - past.back().time >= kClockStep) {
+    if (past.full()) past.erase(0);
+    (void)past.push_back({now, c.value, c.sigma});
   }
-  return std::abs(c.value - past.oldest().value) / (kClockSigmas * past.oldest().sigma);
+  return std::abs(c.value - past.front().value) / (kClockSigmas * past.front().sigma);
 }
 
 void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCovariance& P_body) {
@@ -203,7 +191,7 @@ void HealthMonitor::conclude() {
     for (std::size_t i = 0; i < kHealthReasonCount; ++i) {
       const auto reason = static_cast<HealthReason>(i);
       const double s = severity(reason);
-      const Effect of = effect(reason);
+      const Effect& of = kEffects[i];
       largest = std::max(largest, s);
       if (!(of.*doubted) || s < 1.0) continue;
       HealthState now = HealthState::kDegraded;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 
+#include "rio/core/static_vector.hpp"
 #include "rio/health.hpp"
 #include "rio/report.hpp"
 #include "rio/state/estimate.hpp"
@@ -79,19 +80,14 @@ class HealthMonitor {
   static constexpr Time kClockStep = std::chrono::seconds(1);
   static constexpr std::size_t kClockSteps = 10;
 
-  /// Time offset of a radar in the last kClockSteps seconds; constant unless its clock was changed.
-  struct PastOffsets {
-    struct Offset {
-      Time time{0};
-      double value = 0.0;
-      double sigma = 0.0;
-    };
-    std::array<Offset, kClockSteps> ring;
-    std::size_t count = 0;  ///< recorded so far
-
-    const Offset& newest() const { return ring[(count + kClockSteps - 1) % kClockSteps]; }
-    const Offset& oldest() const { return ring[count < kClockSteps ? 0 : count % kClockSteps]; }
+  /// Estimate of a time offset.
+  struct Offset {
+    Time time{0};
+    double value = 0.0;
+    double sigma = 0.0;
   };
+  /// Time offset of a radar in the last kClockSteps seconds; constant unless its clock was changed.
+  using PastOffsets = StaticVector<Offset, kClockSteps>;
 
   Health health_;
   Time now_{0};         ///< time up to which the sums have decayed
