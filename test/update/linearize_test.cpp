@@ -27,14 +27,14 @@ TEST(Whiten, IsTheInverseOfTheCholeskyFactor) {
   for (int i = 0; i < 20; ++i) {
     const MatrixXd root = random_matrix(random, kDim, kDim);
     const JacobianOf<kDim, kDim> R = root * root.transpose() + MatrixXd::Identity(kDim, kDim);
-    ResidualOf<kDim> r = random_matrix(random, kDim, 1);
-    JacobianOf<kDim, kDof> J = random_matrix(random, kDim, kDof);
+    const ResidualOf<kDim> r = random_matrix(random, kDim, 1);
+    const JacobianOf<kDim, kDof> J = random_matrix(random, kDim, kDof);
     const MatrixXd W = whitening(R);
     const ResidualOf<kDim> expected_r = W * r;
     const JacobianOf<kDim, kDof> expected_J = W * J;
-    whiten<kDim, kDof>(R, &r, &J);
-    EXPECT_LT((r - expected_r).norm(), 1e-12);
-    EXPECT_LT((J - expected_J).norm(), 1e-12);
+    const SmallCholesky<kDim> cholesky(R);
+    EXPECT_LT((cholesky.whitened(r) - expected_r).norm(), 1e-12);
+    EXPECT_LT((cholesky.whitened(J) - expected_J).norm(), 1e-12);
   }
 }
 

@@ -23,7 +23,7 @@
 #include <new>
 #include <type_traits>
 
-#include "rio/core/whiten.hpp"
+#include "rio/core/small_cholesky.hpp"
 #include "rio/state/auxiliary.hpp"
 #include "rio/state/blocks.hpp"
 #include "rio/types.hpp"
@@ -212,10 +212,11 @@ class AidingMeasurement {
       Eigen::Matrix<double, kDim, BlockList<B...>::kDof> J;
       Eigen::Matrix<double, kDim, kDim> R;
       if (!both.model.evaluate(both.z, value<B>(x, index)..., r, &J, R)) return false;
-      whiten<kDim, BlockList<B...>::kDof>(R, &r, &J);
+      const SmallCholesky<kDim> root(R);
+      J = root.whitened(J);
       *rows = {};
       rows->count = kDim;
-      rows->r.template head<kDim>() = r;
+      rows->r.template head<kDim>() = root.whitened(r);
       int others = kBody;
       (place<B>(J, *x.states, index, columns, &others, rows), ...);
       return true;

@@ -13,7 +13,7 @@
 #include <array>
 #include <type_traits>
 
-#include "rio/core/whiten.hpp"
+#include "rio/core/small_cholesky.hpp"
 #include "rio/models/concept.hpp"
 #include "rio/models/doppler.hpp"
 #include "rio/state/estimate.hpp"
@@ -123,7 +123,11 @@ template <MeasurementModel M, class... B>
 bool evaluate_at(const M& model, const typename M::Measurement& z, BlockList<B...> /*blocks*/,
                  const LinearizationPoint& x, BlockIndex index, Evaluation<M>* e) {
   if (!model.evaluate(z, block_value<B>(x, index)..., e->r, &e->J, e->R)) return false;
-  if constexpr (M::kDim > 1) whiten<M::kDim, M::Blocks::kDof>(e->R, &e->r, &e->J);
+  if constexpr (M::kDim > 1) {
+    const SmallCholesky<M::kDim> root(e->R);
+    e->r = root.whitened(e->r);
+    e->J = root.whitened(e->J);
+  }
   return true;
 }
 
