@@ -29,10 +29,7 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   D.row(0) = u.transpose();
   D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
   D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;
-  const Eigen::Matrix<double, 3, ObservedPoint::Blocks::kDof> d = D * point.d_e;
-  J->block<3, 6>(0, Blocks::column<BodyPose>()) = ObservedPoint::by_body(d);
-  J->block<3, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d);
-  J->block<3, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d);
+  *J = D * point.d_e;
   return true;
 }
 
@@ -58,18 +55,19 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const Vector3d a = T_BS.R * scaled_u;
   const Vector3d a_W = T_WB.R * a;
   const Eigen::RowVector3d d_h_d_e = (u.dot(v_S) * scaled_u - scale * v_S).transpose() / h;
-  const Eigen::Matrix<double, 1, ObservedPoint::Blocks::kDof> d_h = d_h_d_e * point.d_e;
-  J->block<1, 6>(0, Blocks::column<BodyPose>()) = ObservedPoint::by_body(d_h);
+  using Point = ObservedPoint::Blocks;
+  const Eigen::Matrix<double, 1, Point::kDof> d_h = d_h_d_e * point.d_e;
+  J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h.segment<6>(Point::column<BodyPose>());
   J->block<1, 3>(0, Blocks::column<BodyPose>()) += v_B.cross(a).transpose();
   J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
   J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
-  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = ObservedPoint::by_extrinsics(d_h);
+  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h.segment<6>(Point::column<Extrinsics>());
   const Vector3d steady_v_S = v_S + z.steady.velocity_S;
   const Vector3d steady_w = w + z.steady.rate_B;
   J->block<1, 3>(0, Blocks::column<Extrinsics>()) += steady_v_S.cross(scaled_u).transpose();
   J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += steady_w.cross(a).transpose();
   (*J)(0, Blocks::column<DopplerScale>()) = -u.dot(steady_v_S);
-  J->block<1, 3>(0, Blocks::column<Landmark>()) = ObservedPoint::by_landmark(d_h);
+  J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h.segment<3>(Point::column<Landmark>());
   return true;
 }
 

@@ -10,11 +10,7 @@ bool LandmarkPositionModel::evaluate(const Measurement& z, const RigidPose& T_WB
   const ObservedPoint point(T_WB, T_BS, p_WL);
   r = z.point_S - point.e_S;  // (E1)
   R = z.covariance;
-  if (J == nullptr) return true;
-
-  J->block<3, 6>(0, Blocks::column<BodyPose>()) = point.d_body();
-  J->block<3, 6>(0, Blocks::column<Extrinsics>()) = point.d_extrinsics();
-  J->block<3, 3>(0, Blocks::column<Landmark>()) = point.d_landmark();
+  if (J != nullptr) *J = point.d_e;
   return true;
 }
 

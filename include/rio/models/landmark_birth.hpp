@@ -34,21 +34,6 @@ struct ObservedPoint {
   JacobianOf<3, Blocks::kDof> d_e;  ///< in the errors of the blocks
 
   ObservedPoint(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& p_WL);
-
-  // The columns of d_e, or of a product D d_e, by block.
-  static auto by_body(const auto& d) {
-    return d.template middleCols<6>(Blocks::column<BodyPose>());
-  }
-  static auto by_extrinsics(const auto& d) {
-    return d.template middleCols<6>(Blocks::column<Extrinsics>());
-  }
-  static auto by_landmark(const auto& d) {
-    return d.template middleCols<3>(Blocks::column<Landmark>());
-  }
-
-  auto d_body() const { return by_body(d_e); }
-  auto d_extrinsics() const { return by_extrinsics(d_e); }
-  auto d_landmark() const { return by_landmark(d_e); }
 };
 
 }  // namespace rio

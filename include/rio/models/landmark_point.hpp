@@ -31,7 +31,7 @@ class LandmarkPointModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 3;
-  using Blocks = BlockList<BodyPose, Extrinsics, Landmark>;
+  using Blocks = ObservedPoint::Blocks;
 
   struct Measurement {
     double range = 0.0;                              ///< [m]

@@ -20,7 +20,7 @@ class LandmarkPositionModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPosition;
   static constexpr int kDim = 3;
-  using Blocks = BlockList<BodyPose, Extrinsics, Landmark>;
+  using Blocks = ObservedPoint::Blocks;
 
   struct Measurement {
     Vector3d point_S = Vector3d::UnitX();        ///< [m]
