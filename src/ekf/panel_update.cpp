@@ -49,12 +49,12 @@ bool PanelUpdate::apply(const RowBatch& batch, Covariance* covariance, Eigen::Ve
   std::size_t block = 0;
   while (block < batch.blocks().size()) {
     if (block > 0) mirror_lower(P);
-    const std::size_t begin = block;
+    const LinearRow* first = &batch.rows()[batch.blocks()[block].first];
     std::size_t rows = 0;
     while (block < batch.blocks().size() && rows + batch.blocks()[block].count <= kPanel) {
       rows += batch.blocks()[block++].count;
     }
-    if (!panel(batch, begin, block, static_cast<Eigen::Index>(rows), P, dx)) {
+    if (!panel(first, static_cast<Eigen::Index>(rows), P, dx)) {
       if (several) P = backup;
       return false;
     }
@@ -62,15 +62,14 @@ bool PanelUpdate::apply(const RowBatch& batch, Covariance* covariance, Eigen::Ve
   return true;
 }
 
-bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
-                        Eigen::Index m, Eigen::Ref<Eigen::MatrixXd> P, Eigen::VectorXd* dx) {
+bool PanelUpdate::panel(const LinearRow* rows, Eigen::Index m, Eigen::Ref<Eigen::MatrixXd> P,
+                        Eigen::VectorXd* dx) {
   const Eigen::Index size = P.rows();
-  const std::size_t first = batch.blocks()[first_block].first;
   auto W = W_.topLeftCorner(size, m);
   Eigen::Matrix<double, kPanel, 1> innovation = Eigen::Matrix<double, kPanel, 1>::Zero();
   PanelMatrix S(m, m);
   for (Eigen::Index k = 0; k < m; ++k) {
-    const LinearRow& row = batch.rows()[first + static_cast<std::size_t>(k)];
+    const LinearRow& row = rows[k];
     innovation[k] = row.residual;
     Combination of_P;
     row.for_each_segment([&](int column, const double* h, int length) {
@@ -80,15 +79,15 @@ bool PanelUpdate::panel(const RowBatch& batch, std::size_t first_block, std::siz
       }
     });
     of_P.sum(size, &W(0, k));
-    for (Eigen::Index j = 0; j <= k; ++j) {  // S = H W, lower triangle
+    for (Eigen::Index j = 0; j <= k; ++j) {  // S = H W + R, lower triangle
       double s = 0.0;
       row.for_each_segment([&](int column, const double* h, int length) {
         for (int i = 0; i < length; ++i) s += h[i] * W(column + i, j);
       });
       S(k, j) = s;
     }
+    S(k, k) += row.variance;
   }
-  add_noise(batch, first_block, end_block, &S);
   if (!factorise_in_place(S)) return false;
   for (Eigen::Index k = 0; k < m; ++k) {  // innovation <- L^-1 innovation
     const double before = S.row(k).head(k).dot(innovation.head(k));
@@ -119,17 +118,6 @@ void PanelUpdate::solve(const PanelMatrix& L, Eigen::Ref<Eigen::MatrixXd> W) {
     for (Eigen::Index j = 0; j < k; ++j) of_W.add(&W(0, j), L(k, j));
     of_W.sum(W.rows(), before.data());
     W.col(k) = (W.col(k) - before) * (1.0 / L(k, k));
-  }
-}
-
-void PanelUpdate::add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
-                            PanelMatrix* S) {
-  Eigen::Index k = 0;
-  for (std::size_t b = first_block; b < end_block; ++b) {
-    const RowBlock& block = batch.blocks()[b];
-    for (std::size_t i = 0; i < block.count; ++i, ++k) {
-      (*S)(k, k) += batch.rows()[block.first + i].variance;
-    }
   }
 }
 

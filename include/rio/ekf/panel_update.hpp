@@ -25,16 +25,12 @@ class PanelUpdate {
   static constexpr int kPanel = 32;  // rows: Eigen's packing buffers then stay on the stack
   using PanelMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kPanel, kPanel>;
 
-  /// Applies one panel; if it fails, false and P unchanged.
-  bool panel(const RowBatch& batch, std::size_t first_block, std::size_t end_block, Eigen::Index m,
-             Eigen::Ref<Eigen::MatrixXd> P, Eigen::VectorXd* dx);
+  /// Applies one panel of m rows; if it fails, false and P unchanged.
+  bool panel(const LinearRow* rows, Eigen::Index m, Eigen::Ref<Eigen::MatrixXd> P,
+             Eigen::VectorXd* dx);
 
   /// W <- W L^-T.
   void solve(const PanelMatrix& L, Eigen::Ref<Eigen::MatrixXd> W);
-
-  /// Adds R to the diagonal of S.
-  static void add_noise(const RowBatch& batch, std::size_t first_block, std::size_t end_block,
-                        PanelMatrix* S);
 
   Eigen::MatrixXd backup_;
   Eigen::MatrixXd W_;
