@@ -81,17 +81,27 @@ struct RowBlock {
 /// Rows of one update; storage allocated once.
 class RowBatch {
  public:
-  explicit RowBatch(std::size_t capacity);
+  explicit RowBatch(std::size_t capacity) {
+    rows_.reserve(capacity);
+    blocks_.reserve(capacity);
+  }
 
   const std::vector<LinearRow>& rows() const { return rows_; }
   const std::vector<RowBlock>& blocks() const { return blocks_; }
-  void clear();
+  void clear() {
+    rows_.clear();
+    blocks_.clear();
+  }
 
   /// Opens a block; the rows pushed after this belong to it.
   void begin_block() { blocks_.push_back({rows_.size(), 0}); }
   const RowBlock& last_block() const { return blocks_.back(); }
   /// Shifts the residual of the first row of the last block and adds to its noise variance.
-  void correct_first_row(double shift, double variance);
+  void correct_first_row(double shift, double variance) {
+    LinearRow& row = rows_[blocks_.back().first];
+    row.residual += shift;
+    row.variance += variance;
+  }
   /// Adds to the noise variance of the last row.
   void add_variance(double variance) { rows_.back().variance += variance; }
   /// Multiplies the noise variance of one row of the last block.
@@ -99,12 +109,21 @@ class RowBatch {
     rows_[blocks_.back().first + row].variance *= factor;
   }
   /// Multiplies the noise variance of the last block.
-  void scale_variance(double factor);
+  void scale_variance(double factor) {
+    for (std::size_t row = 0; row < blocks_.back().count; ++row) scale_row(row, factor);
+  }
   /// Removes the last block and its rows.
-  void drop_block();
+  void drop_block() {
+    rows_.resize(blocks_.back().first);
+    blocks_.pop_back();
+  }
 
   /// Appends a row to the open block.
-  void push(const LinearRow& row);
+  void push(const LinearRow& row) {
+    RIO_ASSERT(rows_.size() < rows_.capacity());
+    rows_.push_back(row);
+    ++blocks_.back().count;
+  }
 
  private:
   std::vector<LinearRow> rows_;
