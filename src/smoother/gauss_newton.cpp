@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/gauss_newton.hpp"
 
-#include "rio/core/so3.hpp"
-
 namespace rio {
 
 void WindowPoint::save(const Window& window, const Estimate& x) {
@@ -31,22 +29,14 @@ double GaussNewton::step(const NormalEquations& system) {
 void GaussNewton::apply(const NormalEquations& system, Window* window,
                         StateEstimate* state_estimate) {
   for (std::size_t k = 0; k + 1 < window->size(); ++k) {
-    correct_nav(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
-                &(*window)[k].nav);
+    add_error(dx_.segment<body::kSize>(body::kSize * static_cast<Eigen::Index>(k)),
+              &(*window)[k].nav);
   }
   const int size = system.tail_size();
   tail_.head(size) = dx_.segment(system.size() - size, size);
   state_estimate->correct(tail_);
   window->newest().nav = state_estimate->estimate().nav;
   window->publish(&state_estimate->estimate());
-}
-
-void GaussNewton::correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav) {
-  nav->q_WB = (nav->q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
-  nav->p_WB += dx.segment<3>(body::kPosition);
-  nav->v_WB += dx.segment<3>(body::kVelocity);
-  nav->gyro_bias += dx.segment<3>(body::kGyroBias);
-  nav->accel_bias += dx.segment<3>(body::kAccelBias);
 }
 
 }  // namespace rio

@@ -5,49 +5,32 @@
 
 namespace rio {
 
-InertialState::InertialState(const NavState& x)
-    : T_WB(x.q_WB.toRotationMatrix(), x.p_WB),
-      v_WB(x.v_WB),
-      gyro_bias(x.gyro_bias),
-      accel_bias(x.accel_bias) {}
-
-InertialState retract(const InertialState& x, const Eigen::Matrix<double, body::kSize, 1>& error) {
-  static_assert(body::kAttitude == 0 && body::kPosition == 3);  // as in PoseBlock
-  InertialState out = x;
-  out.T_WB = PoseBlock::retract(x.T_WB, error.head<PoseBlock::kDof>());
-  out.v_WB += error.segment<3>(body::kVelocity);
-  out.gyro_bias += error.segment<3>(body::kGyroBias);
-  out.accel_bias += error.segment<3>(body::kAccelBias);
-  return out;
-}
-
 ImuFactor::ImuFactor(const Preintegration& imu, double gravity)
     : imu_(imu), gravity_W_(0.0, 0.0, -gravity), root_(imu.covariance()) {
   valid_ = imu.duration() > Time{0} && imu.finite() && root_.positive();
 }
 
-void ImuFactor::evaluate(const InertialState& xi, const InertialState& xj, Residual* r,
-                         Jacobian* J) const {
+void ImuFactor::evaluate(const NavState& xi, const NavState& xj, Residual* r, Jacobian* J) const {
   evaluate_unwhitened(xi, xj, r, J);
   *r = root_.whitened(*r);
   if (J != nullptr) root_.L().triangularView<Eigen::Lower>().solveInPlace(*J);
 }
 
-void ImuFactor::evaluate_unwhitened(const InertialState& xi, const InertialState& xj, Residual* r,
+void ImuFactor::evaluate_unwhitened(const NavState& xi, const NavState& xj, Residual* r,
                                     Jacobian* J) const {
   const double T = to_seconds(imu_.duration());
   const ImuIncrement d = imu_.corrected(xi.gyro_bias, xi.accel_bias);
-  const Matrix3d R_ij = xi.T_WB.R.transpose() * xj.T_WB.R;
-  const Vector3d u_p =
-      xi.T_WB.R.transpose() * (xj.T_WB.p - xi.T_WB.p - (xi.v_WB + 0.5 * T * gravity_W_) * T);
-  const Vector3d u_v = xi.T_WB.R.transpose() * (xj.v_WB - xi.v_WB - gravity_W_ * T);
+  const Matrix3d R_i = xi.q_WB.toRotationMatrix();
+  const Matrix3d R_ij = R_i.transpose() * xj.q_WB.toRotationMatrix();
+  const Vector3d u_p = R_i.transpose() * (xj.p_WB - xi.p_WB - (xi.v_WB + 0.5 * T * gravity_W_) * T);
+  const Vector3d u_v = R_i.transpose() * (xj.v_WB - xi.v_WB - gravity_W_ * T);
   const Vector3d r_phi = quaternion_log(d.delta_q.conjugate() * Quaternion(R_ij));
   *r << r_phi, u_p - d.delta_p, u_v - d.delta_v, xj.gyro_bias - xi.gyro_bias,
       xj.accel_bias - xi.accel_bias;
   if (J == nullptr) return;
   J->setZero();
   differentiate_attitude(R_ij, r_phi, imu_.rotation_correction(xi.gyro_bias), J);
-  differentiate_motion(xi.T_WB.R, u_p, u_v, T, J);
+  differentiate_motion(R_i, u_p, u_v, T, J);
   J->block<6, 6>(body::kGyroBias, body::kGyroBias) = -Eigen::Matrix<double, 6, 6>::Identity();
   J->block<6, 6>(body::kGyroBias, kJ + body::kGyroBias).setIdentity();
 }

@@ -28,19 +28,6 @@ ImuIncrement Preintegration::corrected(const Vector3d& gyro_bias,
   return out;
 }
 
-NavState Preintegration::predict(const NavState& from, double gravity) const {
-  const ImuIncrement d = corrected(from.gyro_bias, from.accel_bias);
-  const double T = to_seconds(duration_);
-  const Matrix3d R = from.q_WB.toRotationMatrix();
-  const Vector3d g(0.0, 0.0, -gravity);
-  NavState out = from;
-  out.time += duration_;
-  out.q_WB = (from.q_WB * d.delta_q).normalized();
-  out.p_WB += R * d.delta_p + (from.v_WB + 0.5 * T * g) * T;
-  out.v_WB += R * d.delta_v + g * T;
-  return out;
-}
-
 ImuOptions Preintegration::weightless(ImuOptions options) {
   options.gravity = 0.0;
   options.gyro_noise_density = std::max(options.gyro_noise_density, imu_floor::kGyroNoise);

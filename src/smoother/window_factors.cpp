@@ -31,8 +31,7 @@ double WindowFactors::add_all(const Estimate& x) {
 double WindowFactors::add_imu(std::size_t k) {
   ImuFactor::Residual r;
   ImuFactor::Jacobian J;
-  window_[k].to_next.evaluate(InertialState(window_[k].nav), InertialState(window_[k + 1].nav), &r,
-                              &J);
+  window_[k].to_next.evaluate(window_[k].nav, window_[k + 1].nav, &r, &J);
   system_->add_between(static_cast<int>(k), J, r);
   return 0.5 * r.squaredNorm();
 }

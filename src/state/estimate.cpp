@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/state/estimate.hpp"
 
+#include "rio/core/so3.hpp"
+
 namespace rio {
 
 RadarState Estimate::of_radar(std::size_t r) const {
@@ -29,6 +31,14 @@ int Estimate::find_clone(ScanId scan) const {
     if (clones[i].scan == scan) return static_cast<int>(i);
   }
   return -1;
+}
+
+void add_error(const Eigen::Matrix<double, body::kSize, 1>& error, NavState* nav) {
+  nav->q_WB = (nav->q_WB * quaternion_exp(error.segment<3>(body::kAttitude))).normalized();
+  nav->p_WB += error.segment<3>(body::kPosition);
+  nav->v_WB += error.segment<3>(body::kVelocity);
+  nav->gyro_bias += error.segment<3>(body::kGyroBias);
+  nav->accel_bias += error.segment<3>(body::kAccelBias);
 }
 
 Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S) {

@@ -223,12 +223,7 @@ void StateEstimate::remove_landmark(std::size_t i) {
 }
 
 void StateEstimate::correct(const Eigen::VectorXd& dx) {
-  NavState& nav = estimate_.nav;
-  nav.q_WB = (nav.q_WB * quaternion_exp(dx.segment<3>(body::kAttitude))).normalized();
-  nav.p_WB += dx.segment<3>(body::kPosition);
-  nav.v_WB += dx.segment<3>(body::kVelocity);
-  nav.gyro_bias += dx.segment<3>(body::kGyroBias);
-  nav.accel_bias += dx.segment<3>(body::kAccelBias);
+  add_error(dx.head<body::kSize>(), &estimate_.nav);
   for (std::size_t r = 0; r < layout_.radars(); ++r) correct_calibration(r, dx);
   estimate_.auxiliary.head(layout_.auxiliary_size()) +=
       dx.segment(layout_.auxiliary(), layout_.auxiliary_size());

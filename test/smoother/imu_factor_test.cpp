@@ -16,6 +16,7 @@ namespace rio {
 namespace {
 
 using test::kRates;
+using test::predict;
 using test::preintegrate;
 using test::random_steps;
 using test::Steps;
@@ -73,13 +74,13 @@ Pair random_pair(test::Random& random, double rate, double attitude, double moti
   test::BodyVector e;
   e << attitude * random.direction(), random.normal_vector(motion), random.normal_vector(motion),
       random.normal_vector(0.1 * motion), random.normal_vector(motion);
-  out.xj = test::perturbed(imu.predict(out.xi, 9.81), e);
+  out.xj = test::perturbed(predict(imu, out.xi, 9.81), e);
   return out;
 }
 
 ImuFactor::Residual residual(const ImuFactor& factor, const NavState& xi, const NavState& xj) {
   ImuFactor::Residual r;
-  factor.evaluate_unwhitened(InertialState(xi), InertialState(xj), &r, nullptr);
+  factor.evaluate_unwhitened(xi, xj, &r, nullptr);
   return r;
 }
 
@@ -87,7 +88,7 @@ void expect_jacobian_of_differences(const Pair& pair, double tolerance) {
   constexpr double h = 1e-3;  // five points: h^4/30 of truncation, 1e-12 of rounding
   ImuFactor::Residual r;
   ImuFactor::Jacobian J;
-  pair.factor.evaluate_unwhitened(InertialState(pair.xi), InertialState(pair.xj), &r, &J);
+  pair.factor.evaluate_unwhitened(pair.xi, pair.xj, &r, &J);
   EXPECT_EQ(r, residual(pair.factor, pair.xi, pair.xj));  // the same with and without J
   for (int column = 0; column < 2 * body::kSize; ++column) {
     const bool first = column < body::kSize;
@@ -127,7 +128,7 @@ TEST(ImuFactor, ResidualIsTheErrorOfThePrediction) {
   test::Random random(20);
   for (const double rate : kRates) {
     const Pair pair = random_pair(random, rate, 0.3, 0.2);
-    const NavState predicted = pair.factor.imu().predict(pair.xi, 9.81);
+    const NavState predicted = predict(pair.factor.imu(), pair.xi, 9.81);
     // positions of 5 m, rounded
     EXPECT_LT(residual(pair.factor, pair.xi, predicted).norm(), 1e-13);
     const test::BodyVector expected =
@@ -143,8 +144,8 @@ TEST(ImuFactor, WhitenedByItsCovariance) {
   ImuFactor::Residual white_r;
   ImuFactor::Jacobian J;
   ImuFactor::Jacobian white_J;
-  pair.factor.evaluate_unwhitened(InertialState(pair.xi), InertialState(pair.xj), &r, &J);
-  pair.factor.evaluate(InertialState(pair.xi), InertialState(pair.xj), &white_r, &white_J);
+  pair.factor.evaluate_unwhitened(pair.xi, pair.xj, &r, &J);
+  pair.factor.evaluate(pair.xi, pair.xj, &white_r, &white_J);
   const Eigen::FullPivLU<Matrix15d> S(pair.factor.imu().covariance());
   const double cost = r.dot(S.solve(r));
   EXPECT_NEAR(white_r.squaredNorm() / cost, 1.0, 1e-12);  // solved by another decomposition
@@ -153,22 +154,6 @@ TEST(ImuFactor, WhitenedByItsCovariance) {
   EXPECT_LT((white_H - H).cwiseAbs().maxCoeff() / H.cwiseAbs().maxCoeff(), 1e-12);
   const Eigen::Matrix<double, 30, 1> gradient = J.transpose() * S.solve(r);
   EXPECT_LT((white_J.transpose() * white_r - gradient).norm() / gradient.norm(), 1e-12);
-}
-
-TEST(ImuFactor, StateConvertsAndRetractsAsTheErrorIsDefined) {
-  test::Random random(22);
-  for (int i = 0; i < 5; ++i) {
-    const NavState x = random.state();
-    test::BodyVector e;
-    for (int k = 0; k < body::kSize; ++k) e[k] = random.normal(0.5);
-    const InertialState actual = retract(InertialState(x), e);
-    const InertialState expected(test::perturbed(x, e));
-    EXPECT_LT((actual.T_WB.R - expected.T_WB.R).norm(), 1e-14);
-    EXPECT_LT((actual.T_WB.p - expected.T_WB.p).norm(), 1e-14);
-    EXPECT_LT((actual.v_WB - expected.v_WB).norm(), 1e-14);
-    EXPECT_LT((actual.gyro_bias - expected.gyro_bias).norm(), 1e-14);
-    EXPECT_LT((actual.accel_bias - expected.accel_bias).norm(), 1e-14);
-  }
 }
 
 }  // namespace

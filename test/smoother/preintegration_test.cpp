@@ -17,6 +17,7 @@ namespace rio {
 namespace {
 
 using test::kRates;
+using test::predict;
 using test::preintegrate;
 using test::random_steps;
 using test::relative_difference;
@@ -34,7 +35,7 @@ TEST(Preintegration, PredictEqualsStrapdown) {
       NavState expected = from;
       for (const ImuStep& step : steps) integrate(step, options.gravity, expected);
       const NavState actual =
-          preintegrate(steps, from.gyro_bias, from.accel_bias).predict(from, options.gravity);
+          predict(preintegrate(steps, from.gyro_bias, from.accel_bias), from, options.gravity);
       EXPECT_EQ(actual.time, expected.time);
       // 60 additions to some 20 m, rounded at 4e-15 each
       EXPECT_LT(test::error_of(expected, actual).cwiseAbs().maxCoeff(), 2e-13) << rate;
@@ -109,7 +110,7 @@ TEST(Preintegration, ResetForgetsAndNonFiniteDataAreNoticed) {
   EXPECT_FALSE(ImuFactor(imu, 9.81).valid());  // no step, no covariance
   EXPECT_FALSE(ImuFactor().valid());
   const NavState from = random.state();
-  EXPECT_LT(test::error_of(from, imu.predict(from, 9.81)).norm(), 1e-15);
+  EXPECT_LT(test::error_of(from, predict(imu, from, 9.81)).norm(), 1e-15);
   steps[4].accel_B.z() = std::numeric_limits<double>::quiet_NaN();
   imu = preintegrate(steps, Vector3d::Zero(), Vector3d::Zero());
   EXPECT_FALSE(imu.finite());

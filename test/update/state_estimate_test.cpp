@@ -243,5 +243,22 @@ TEST_F(StateEstimateTest, CorrectionsReachEveryBlock) {
       1e-12);
 }
 
+TEST(AddError, ChangesAStateAsTheErrorIsDefined) {
+  test::Random random(22);
+  for (int i = 0; i < 5; ++i) {
+    const NavState x = random.state();
+    test::BodyVector e;
+    for (int k = 0; k < body::kSize; ++k) e[k] = random.normal(0.5);
+    NavState actual = x;
+    add_error(e, &actual);
+    const NavState expected = test::perturbed(x, e);
+    EXPECT_LT((actual.q_WB.toRotationMatrix() - expected.q_WB.toRotationMatrix()).norm(), 1e-14);
+    EXPECT_LT((actual.p_WB - expected.p_WB).norm(), 1e-14);
+    EXPECT_LT((actual.v_WB - expected.v_WB).norm(), 1e-14);
+    EXPECT_LT((actual.gyro_bias - expected.gyro_bias).norm(), 1e-14);
+    EXPECT_LT((actual.accel_bias - expected.accel_bias).norm(), 1e-14);
+  }
+}
+
 }  // namespace
 }  // namespace rio

@@ -90,7 +90,6 @@ class GaussNewton {
   double step(const NormalEquations& system);
 
   void apply(const NormalEquations& system, Window* window, StateEstimate* state_estimate);
-  static void correct_nav(const Eigen::Matrix<double, body::kSize, 1>& dx, NavState* nav);
 
   SmootherOptions options_;
   WindowPoint saved_;

@@ -19,24 +19,9 @@
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/smoother/preintegration.hpp"
-#include "rio/state/blocks.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
-
-/// The part of a state of the sliding window that the IMU propagates.
-struct InertialState {
-  RigidPose T_WB;
-  Vector3d v_WB = Vector3d::Zero();        ///< W axes [m/s]
-  Vector3d gyro_bias = Vector3d::Zero();   ///< [rad/s]
-  Vector3d accel_bias = Vector3d::Zero();  ///< [m/s^2]
-
-  InertialState() = default;
-  explicit InertialState(const NavState& x);
-};
-
-/// x with the error added, order of namespace body.
-InertialState retract(const InertialState& x, const Eigen::Matrix<double, body::kSize, 1>& error);
 
 /// Residual and Jacobian between state i (columns 0..14) and state j (columns 15..29). Fixed size,
 /// no allocation.
@@ -56,11 +41,10 @@ class ImuFactor {
   const Preintegration& imu() const { return imu_; }
 
   /// (E4): unit covariance. J may be null.
-  void evaluate(const InertialState& xi, const InertialState& xj, Residual* r, Jacobian* J) const;
+  void evaluate(const NavState& xi, const NavState& xj, Residual* r, Jacobian* J) const;
 
   /// (E1) to (E3): [rad, m, m/s, rad/s, m/s^2], covariance imu().covariance(). J may be null.
-  void evaluate_unwhitened(const InertialState& xi, const InertialState& xj, Residual* r,
-                           Jacobian* J) const;
+  void evaluate_unwhitened(const NavState& xi, const NavState& xj, Residual* r, Jacobian* J) const;
 
  private:
   static constexpr int kJ = body::kSize;  // first column of state j

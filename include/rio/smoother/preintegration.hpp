@@ -82,10 +82,6 @@ class Preintegration {
   /// The blocks of A.
   const BodyTransition& jacobians() const { return chain_.from_start; }
 
-  /// The state after the last step, starting `from` the state at the first, with the biases of
-  /// `from` (E3, E1); the stamp advances by duration(). Gravity along -z of W [m/s^2].
-  NavState predict(const NavState& from, double gravity) const;
-
  private:
   static ImuOptions weightless(ImuOptions options);
 

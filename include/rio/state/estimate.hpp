@@ -97,6 +97,9 @@ struct Estimate {
   int find_clone(ScanId scan) const;
 };
 
+/// Adds an error in the order of namespace body.
+void add_error(const Eigen::Matrix<double, body::kSize, 1>& error, NavState* nav);
+
 /// Radar point in world coordinates: the inverse observation model (ICRA 2023, eq. 12).
 Vector3d to_world(const RigidPose& T_WB, const RigidPose& T_BS, const Vector3d& point_S);
 /// World point in radar coordinates (ICRA 2023, eq. 13).
