@@ -6,7 +6,6 @@
 
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
-#include "rio/propagate/imu_increments.hpp"
 #include "rio/propagate/strapdown.hpp"
 
 namespace rio {

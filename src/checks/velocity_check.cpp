@@ -9,7 +9,7 @@
 #include "rio/core/random.hpp"
 #include "rio/core/small_cholesky.hpp"
 #include "rio/core/so3.hpp"
-#include "rio/propagate/imu_increments.hpp"
+#include "rio/propagate/strapdown.hpp"
 
 namespace rio {
 

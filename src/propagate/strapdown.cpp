@@ -22,6 +22,14 @@ void integrate(const ImuStep& step, double gravity, NavState& state) {
   state.time = step.end;
 }
 
+ImuIncrements imu_increments(Time from, Time to, const NavState& biases, const ImuBuffer& imu) {
+  NavState moved;
+  moved.gyro_bias = biases.gyro_bias;
+  moved.accel_bias = biases.accel_bias;
+  imu.for_each_step(from, to, [&](const ImuStep& step) { integrate(step, 0.0, moved); });
+  return {to_seconds(to - from), moved.q_WB.toRotationMatrix(), moved.v_WB, moved.p_WB};
+}
+
 namespace {
 
 /// [v]x M.

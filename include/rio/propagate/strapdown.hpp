@@ -29,6 +29,21 @@ void integrate(const Vector3d& gyro_B, const Vector3d& accel_B, double dt, doubl
 /// (E1) over one step, stamp included.
 void integrate(const ImuStep& step, double gravity, NavState& state);
 
+/// What the IMU says of the motion between two times: with body axes at the earlier one, a,
+/// (E4) R = R_a D,  v = v_a + g s + R_a u,  p = p_a + v_a s + g s^2 / 2 + R_a w
+/// Compare smoother/preintegration.hpp, which adds covariance and derivatives by the biases.
+struct ImuIncrements {
+  double seconds = 0.0;                  ///< s
+  Matrix3d turn = Matrix3d::Identity();  ///< D
+  Vector3d velocity = Vector3d::Zero();  ///< u [m/s]
+  Vector3d position = Vector3d::Zero();  ///< w [m]
+};
+
+/// (E4)
+/// @param biases state whose biases correct the samples
+/// @param imu holds the samples from `from` to `to`
+ImuIncrements imu_increments(Time from, Time to, const NavState& biases, const ImuBuffer& imu);
+
 /// The blocks of (E2) that are neither zero nor identity, row_column; position by velocity is dt I.
 /// Products of such transitions have the same form.
 struct BodyTransition {

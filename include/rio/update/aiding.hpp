@@ -2,7 +2,7 @@
 // Stages 3 and 4 for external models: a measurement at its own time as rows in the error of a later
 // state.
 //
-// (E1) the IMU increments D, u, w over the s seconds between the two (propagate/imu_increments.hpp)
+// (E1) the IMU increments D, u, w over the s seconds between the two (propagate/strapdown.hpp)
 // (E2) errors at a by those of the later state: dphi_a = D dphi + s Jl(log D) db_g,
 //      dv_a = dv + R_a [u] (dphi_a - s / 2 db_g),
 //      dp_a = dp - s dv_a + R_a [w] (dphi_a - s / 3 db_g)
@@ -12,7 +12,7 @@
 
 #include "rio/core/static_vector.hpp"
 #include "rio/models/aiding_measurement.hpp"
-#include "rio/propagate/imu_increments.hpp"
+#include "rio/propagate/strapdown.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/update/linear_rows.hpp"
 
