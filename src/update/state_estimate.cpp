@@ -8,7 +8,6 @@
 #include "rio/models/doppler.hpp"
 #include "rio/models/landmark_birth.hpp"
 #include "rio/propagate/strapdown.hpp"
-#include "rio/state/calibration.hpp"
 #include "rio/update/gathered_covariance.hpp"
 #include "rio/update/look_correlation.hpp"
 

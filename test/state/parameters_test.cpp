@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which column of the state gets which prior and which random walk.
-#include "rio/state/parameters.hpp"
+#include "rio/state/calibration.hpp"
 
 #include <gtest/gtest.h>
 

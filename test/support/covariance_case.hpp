@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rio/state/parameters.hpp"
+#include "rio/state/calibration.hpp"
 #include "rio/update/covariance.hpp"
 #include "support/dense_rows.hpp"
 

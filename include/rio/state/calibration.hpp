@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The calibration of one radar as a vector, in the order of `Calibration` (report.hpp), which is
 // that of its columns in the error state: rotation vector and translation of T_BS, Doppler scale,
-// time offset.
+// time offset. With the auxiliary states they are the parameters, states without dynamics: each
+// starts from a prior and is a random walk.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,5 +32,16 @@ CalibrationVector corrections_between(const RadarState& from, const RadarState& 
 
 /// The column of parameter i of the selected radar in the error state, -1 = not estimated.
 int calibration_column(const Layout& layout, int i);
+
+/// Of each column from body::kSize to the first clone; 0 where a parameter is not estimated.
+struct ParameterNoise {
+  Eigen::VectorXd prior;  ///< variance at the start [unit^2]
+  Eigen::VectorXd walk;   ///< variance of the random walk per time [unit^2/s]
+};
+
+/// The walk of the calibration does not depend on the prior: a parameter that is known better
+/// drifts as much.
+ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& calibration,
+                               const AuxiliaryStates& auxiliary = {});
 
 }  // namespace rio

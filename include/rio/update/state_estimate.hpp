@@ -17,7 +17,7 @@
 #include "rio/report.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
-#include "rio/state/parameters.hpp"
+#include "rio/state/calibration.hpp"
 #include "rio/update/covariance.hpp"
 #include "rio/update/linearize.hpp"
 
