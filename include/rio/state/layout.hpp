@@ -33,16 +33,11 @@ class Layout {
     return out;
   }
   std::size_t radars() const { return static_cast<std::size_t>(radars_); }
-  /// The radar to whose calibration a column belongs; `column` is one of the calibration columns.
-  std::size_t radar_of(int column) const {
-    return static_cast<std::size_t>((column - body::kSize) / calibration_size());
-  }
 
   bool has_extrinsics() const { return extrinsics_; }
   bool has_doppler_scale() const { return doppler_scale_; }
   bool has_time_offset() const { return time_offset_; }
   int max_clones() const { return max_clones_; }
-  int max_landmarks() const { return max_landmarks_; }
 
   // First column of each block, the calibration that of the selected radar. Valid only for blocks
   // that are estimated.
