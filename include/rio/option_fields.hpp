@@ -8,7 +8,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -251,11 +250,6 @@ constexpr std::array<std::string_view, 3> names_of(DopplerDirections) {
 }
 constexpr std::array<std::string_view, 3> names_of(LandmarkMeasurement) {
   return {"distance", "position", "point"};
-}
-
-template <class Enum>
-std::enable_if_t<std::is_enum_v<Enum>, std::string> field_error(const FieldInfo& info, Enum value) {
-  return field_error(info, static_cast<double>(value));
 }
 
 }  // namespace rio

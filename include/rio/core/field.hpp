@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 
 #include "rio/types.hpp"
 
@@ -25,48 +26,31 @@ struct FieldInfo {
   Layer layer = Layer::kUser;
 };
 
-namespace field_detail {
-
-/// Shortest decimal text that reads back as the same number.
-template <class Number>
-std::string to_text(Number value) {
-  char buffer[32];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  return std::string(buffer, end);
-}
-
-}  // namespace field_detail
-
 /// What is wrong with a value, e.g. "update.max_clones = 30 is outside [0, 20]"; empty if valid.
-inline std::string field_error(const FieldInfo& info, double value) {
-  if (value >= info.min && value <= info.max) return {};
-  using field_detail::to_text;
-  const std::string unit = *info.unit == '\0' ? "" : std::string(" ") + info.unit;
-  return std::string(info.key) + " = " + to_text(value) + " is outside [" + to_text(info.min) +
-         ", " + to_text(info.max) + "]" + unit;
-}
-inline std::string field_error(const FieldInfo& info, std::uint64_t value) {
-  return field_error(info, static_cast<double>(value));
-}
-inline std::string field_error(const FieldInfo& info, int value) {
-  return field_error(info, static_cast<double>(value));
-}
-inline std::string field_error(const FieldInfo&, bool) {
-  return {};
-}
-inline std::string field_error(const FieldInfo&, const std::string&) {
-  return {};
-}
-inline std::string field_error(const FieldInfo& info, const Vector3d& value) {
-  for (int i = 0; i < 3; ++i) {
-    std::string error = field_error(info, value[i]);
-    if (!error.empty()) return error;
+template <class Value>
+std::string field_error([[maybe_unused]] const FieldInfo& info,
+                        [[maybe_unused]] const Value& value) {
+  if constexpr (std::is_same_v<Value, Vector3d>) {
+    for (const double element : value) {
+      std::string error = field_error(info, element);
+      if (!error.empty()) return error;
+    }
+  } else if constexpr (std::is_same_v<Value, Quaternion>) {
+    if (!(std::abs(value.norm() - 1.0) < 1e-6)) {
+      return std::string(info.key) + " is not a unit quaternion";
+    }
+  } else if constexpr (!std::is_same_v<Value, bool> && !std::is_same_v<Value, std::string>) {
+    const auto number = static_cast<double>(value);
+    if (number >= info.min && number <= info.max) return {};
+    const auto text = [](double x) {  // the shortest that reads back as the same number
+      char buffer[32];
+      return std::string(buffer, std::to_chars(buffer, buffer + sizeof buffer, x).ptr);
+    };
+    const std::string unit = *info.unit == '\0' ? "" : std::string(" ") + info.unit;
+    return std::string(info.key) + " = " + text(number) + " is outside [" + text(info.min) + ", " +
+           text(info.max) + "]" + unit;
   }
   return {};
-}
-inline std::string field_error(const FieldInfo& info, const Quaternion& value) {
-  if (std::abs(value.norm() - 1.0) < 1e-6) return {};
-  return std::string(info.key) + " is not a unit quaternion";
 }
 
 }  // namespace rio
