@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/export.hpp"

@@ -2,7 +2,6 @@
 #include "rio/checks/health_monitor.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/models/detection.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <iterator>
 

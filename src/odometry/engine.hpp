@@ -3,11 +3,7 @@
 // Each back-end is compiled in its own file.
 #pragma once
 
-#include <array>
-#include <cstring>
-#include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "odometry_impl.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/smoother/normal_equations.hpp"
 
-#include <algorithm>
 #include <numeric>
 
 #include "rio/core/mirror.hpp"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/state/blocks.hpp"
 
-#include "rio/core/so3.hpp"
-
 namespace rio {
 
 RigidPose::RigidPose(const Pose& pose) : R(pose.rotation.toRotationMatrix()), p(pose.translation) {}

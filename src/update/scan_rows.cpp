@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/scan_rows.hpp"
 
-#include <array>
 #include <cmath>
 #include <limits>
 

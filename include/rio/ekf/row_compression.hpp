@@ -14,7 +14,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 
 #include "rio/core/static_vector.hpp"
 #include "rio/update/linear_rows.hpp"

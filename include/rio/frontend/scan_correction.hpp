@@ -3,7 +3,6 @@
 // without the echoes of the vehicle itself.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "rio/frontend/own_echoes.hpp"

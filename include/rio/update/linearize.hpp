@@ -10,7 +10,6 @@
 //      dv' = dv + s [a_W] R dphi
 #pragma once
 
-#include <array>
 #include <type_traits>
 
 #include "rio/core/small_cholesky.hpp"

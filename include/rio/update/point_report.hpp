@@ -3,7 +3,6 @@
 // by the estimate after the update.
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "rio/core/static_vector.hpp"

@@ -6,8 +6,6 @@
 // Stages 1, 7 and 6.
 #pragma once
 
-#include <array>
-
 #include "rio/core/static_vector.hpp"
 #include "rio/frontend/mounting_search.hpp"
 #include "rio/models/detection.hpp"
@@ -15,9 +13,9 @@
 #include "rio/propagate/imu_buffer.hpp"
 #include "rio/propagate/steady_motion.hpp"
 #include "rio/report.hpp"
+#include "rio/state/calibration.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
-#include "rio/state/calibration.hpp"
 #include "rio/update/covariance.hpp"
 #include "rio/update/linearize.hpp"
 
