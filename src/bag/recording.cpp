@@ -239,9 +239,9 @@ std::vector<NavState> read_truth(const fs::path& path) {
   return states;
 }
 
-Recording read_recording(const fs::path& path, const RecordingRequest& request) {
+io::Dataset read_recording(const fs::path& path, const RecordingRequest& request) {
   BagStream stream(path, request);
-  return {io::collect(&stream), stream.outline().damage};
+  return io::collect(&stream);
 }
 
 }  // namespace rio::bag

@@ -205,7 +205,7 @@ Surveyed survey(const fs::path& path, const RecordingRequest& request) {
   tell_pauses(&sources);
   tell_ends(out.outline, &sources);
   tell(&out, &sources);
-  out.outline.damage = sources.damage();
+  out.outline.sensors.damage = sources.damage();
   return out;
 }
 

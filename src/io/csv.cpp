@@ -245,12 +245,6 @@ double CsvReader::number(std::size_t i) const {
   return *value;
 }
 
-bool CsvReader::is_plain_number(std::size_t i) const {
-  if (is_plain_decimal(cell(i))) return true;
-  (void)number(i);
-  return false;
-}
-
 std::int64_t CsvReader::integer(std::size_t i) const {
   const auto value = number_of<std::int64_t>(cell(i));
   if (value) return *value;

@@ -6,16 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <stdexcept>
-#include <utility>
 
 #include "dataset_layout.hpp"
-#include "dataset_survey.hpp"
 #include "doppler_grid.hpp"
 #include "rio/io/csv.hpp"
 #include "rio/io/scan_folder.hpp"
-#include "sensor_files.hpp"
 #include "sensor_rows.hpp"
 #include "unit_quaternion.hpp"
 
@@ -43,21 +39,6 @@ NavState truth_at(const CsvReader& rows) {
     rows.fail("a value is not finite");
   }
   return state;
-}
-
-/// The stamp; throws as truth_at(), and is faster if all numbers are in common notation.
-Time look_at_truth(const CsvReader& rows) {
-  const auto plain = [&rows](std::size_t begin, std::size_t end) {
-    while (begin < end && rows.is_plain_number(begin)) ++begin;
-    return begin == end;
-  };
-  const Time time(rows.integer(0));
-  const bool usual =
-      plain(1, 4) &&
-      unit_quaternion(rows.number(4), rows.number(5), rows.number(6), rows.number(7)) &&
-      (rows.columns() < 11 || plain(8, 11)) &&
-      (rows.columns() != kEurocColumns || plain(11, kEurocColumns));
-  return usual ? time : truth_at(rows).time;
 }
 
 /// @param take gets every row and returns its stamp
@@ -90,10 +71,11 @@ NavState read_start_of_truth(const fs::path& path, const RecordingOutline& outli
   std::optional<NavState> start;
   bool within = false;
   read_truth_file(path, kEurocColumns, [&](const CsvReader& rows) {
-    if (within) return look_at_truth(rows);
-    start = truth_at(rows);
-    within = start->time >= outline.imu_begin && start->time <= outline.imu_end;
-    return start->time;
+    const NavState state = truth_at(rows);
+    if (within) return state.time;
+    start = state;
+    within = state.time >= outline.imu_begin && state.time <= outline.imu_end;
+    return state.time;
   });
   return *start;
 }
@@ -115,8 +97,8 @@ void require_order(const fs::path& path, std::size_t stamps, std::size_t back) {
 
 /// Samples that are not finite are kept as recorded, and the first is noted. The span of the stamps
 /// leaves out a corrupt first or last one, hours from its neighbour.
-void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
-  ImuRows rows(path, samples != nullptr ? Numbers::kRead : Numbers::kLookAt);
+void survey_imu(const fs::path& path, RecordingOutline* outline) {
+  ImuRows rows(path);
   ImuSample sample;
   int bad = 0;
   std::size_t back = 0;
@@ -134,8 +116,7 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
     outline->imu_odd = outline->imu_odd || (earlier > 0 && odd);
     back += earlier > 0 && sample.time < before ? 1 : 0;
     before = sample.time;
-    if (samples != nullptr) samples->imu.push_back(sample);
-    if (rows.is_finite()) continue;
+    if ((sample.gyro_B + sample.accel_B).allFinite()) continue;
     if (++bad == 1) first = rows.place();
   }
   note_cut(rows.cut(), &outline->sensors);
@@ -148,10 +129,8 @@ void survey_imu(const fs::path& path, RecordingOutline* outline, Dataset* sample
 }
 
 /// The stamps of the scans.
-/// @param scans receives the scans, if not null; so does the grid
-std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* scans,
-                               DopplerGrid* grid, Dataset* sensors) {
-  RadarRows rows(path, scans != nullptr ? Numbers::kRead : Numbers::kLookAt);
+std::vector<Time> survey_radar(const fs::path& path, DopplerGrid* grid, Dataset* sensors) {
+  RadarRows rows(path);
   std::vector<Time> times;
   RadarScan scan;
   std::size_t back = 0;
@@ -159,7 +138,6 @@ std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* sca
     back += !times.empty() && scan.time < times.back() ? 1 : 0;
     times.push_back(scan.time);
     grid->add(scan);
-    if (scans != nullptr) scans->push_back(std::move(scan));
   }
   note_cut(rows.cut(), sensors);
   if (times.empty()) throw std::runtime_error(path.string() + ": holds no scans");
@@ -167,13 +145,10 @@ std::vector<Time> survey_radar(const fs::path& path, std::vector<RadarScan>* sca
   return times;
 }
 
-void survey_baro(const fs::path& path, RecordingOutline* outline, Dataset* samples) {
+void survey_baro(const fs::path& path, RecordingOutline* outline) {
   BaroRows rows(path);
   BaroSample sample;
-  while (rows.next(&sample)) {
-    ++outline->baro_samples;
-    if (samples != nullptr) samples->baro.push_back(sample);
-  }
+  while (rows.next(&sample)) ++outline->baro_samples;
   note_cut(rows.cut(), &outline->sensors);
 }
 
@@ -207,7 +182,7 @@ void survey_doppler_grid(const fs::path& folder, DopplerGrid* grid, RadarInfo* i
   std::optional<double>& step = info->doppler_resolution;
   if (step) return;
   step = grid->step([&folder](const auto& use) {
-    RadarRows rows(folder / kData, Numbers::kLookAt);
+    RadarRows rows(folder / kData);
     RadarScan scan;
     while (rows.next(&scan) && use(scan)) {
     }
@@ -219,7 +194,7 @@ void survey_doppler_grid(const fs::path& folder, DopplerGrid* grid, RadarInfo* i
 
 }  // namespace
 
-RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
+RecordingOutline survey(const fs::path& root, Truth truth) {
   if (!fs::exists(root / kImu)) {
     throw std::runtime_error(root.string() +
                              ": a folder without a recording: no bag, and no imu0/data.csv and "
@@ -228,10 +203,9 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
   RecordingOutline outline;
   Dataset& sensors = outline.sensors;
   DopplerGrid grid;
-  survey_imu(root / kImu / kData, &outline, samples);
-  outline.scan_times.push_back(survey_radar(
-      root / kRadar / kData, samples != nullptr ? &samples->scans : nullptr, &grid, &sensors));
-  if (fs::exists(root / kBaro)) survey_baro(root / kBaro / kData, &outline, samples);
+  survey_imu(root / kImu / kData, &outline);
+  outline.scan_times.push_back(survey_radar(root / kRadar / kData, &grid, &sensors));
+  if (fs::exists(root / kBaro)) survey_baro(root / kBaro / kData, &outline);
   if (fs::exists(root / kTruth)) {
     const fs::path file = root / kTruth / kData;
     sensors.ground_truth = truth == Truth::kAll
@@ -243,10 +217,8 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
   for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
     const fs::path folder = root / radar_folder(r);
     if (!fs::exists(folder)) break;
-    std::vector<RadarScan>* scans = nullptr;
-    if (samples != nullptr) scans = &samples->other_radars.emplace_back().scans;
     DopplerGrid own_grid;
-    outline.scan_times.push_back(survey_radar(folder / kData, scans, &own_grid, &sensors));
+    outline.scan_times.push_back(survey_radar(folder / kData, &own_grid, &sensors));
     RadarInfo& info = sensors.other_radars.emplace_back().info;
     read_radar_info(folder / kSensor, &info, &sensors.notes);
     survey_doppler_grid(folder, &own_grid, &info, &sensors.notes);
@@ -254,7 +226,6 @@ RecordingOutline survey(const fs::path& root, Truth truth, Dataset* samples) {
   note_radars_left_out(root, 1 + sensors.other_radars.size(), &sensors.notes);
   note_if_cut_short(root, &outline);
   survey_doppler_grid(root / kRadar, &grid, &sensors.radar_info, &sensors.notes);
-  outline.damage = sensors.damage;
   return outline;
 }
 
@@ -267,16 +238,7 @@ bool is_dataset_folder(const fs::path& path) {
 }
 
 Dataset read_dataset(const fs::path& path, Truth truth) {
-  if (is_scan_folder(path)) return collect(open_scan_folder(path).get());
-  Dataset all;
-  Dataset sensors = survey(dataset_root(path), truth, &all).sensors;
-  sensors.imu = std::move(all.imu);
-  sensors.scans = std::move(all.scans);
-  sensors.baro = std::move(all.baro);
-  for (std::size_t i = 0; i < all.other_radars.size(); ++i) {
-    sensors.other_radars[i].scans = std::move(all.other_radars[i].scans);
-  }
-  return sensors;
+  return collect(open_dataset(path, truth).get());
 }
 
 std::vector<NavState> read_ground_truth(const fs::path& path) {

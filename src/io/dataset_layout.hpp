@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Names of folders, files and keys of a recording, for the reader and the writer; private to
-// rio_io.
+// Names of folders, files and keys of a recording, and the readers of its parts; private to rio_io.
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "rio/io/dataset.hpp"
+#include "rio/io/recording_stream.hpp"
 
 namespace rio::io {
 
@@ -37,5 +37,14 @@ struct SensorKey {
 std::vector<SensorKey> imu_keys(ImuInfo* info);
 /// The keys of radar0/sensor.yaml; plain numbers of keys that end in _deg are degrees.
 std::vector<SensorKey> radar_keys(RadarInfo* info);
+
+/// Reads imu0/sensor.yaml; a missing file is a note.
+void read_imu_info(const std::filesystem::path& path, Dataset* dataset);
+/// Reads radar0/sensor.yaml; a missing file, and a file without T_BS, are notes.
+void read_radar_info(const std::filesystem::path& path, RadarInfo* info,
+                     std::vector<std::string>* notes);
+
+/// One pass over a dataset folder; throws as read_dataset() does.
+RecordingOutline survey(const std::filesystem::path& root, Truth truth);
 
 }  // namespace rio::io

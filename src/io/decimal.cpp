@@ -1,28 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "decimal.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <string>
 
 namespace rio::io {
-
-bool is_plain_decimal(std::string_view text) {
-  constexpr std::size_t kLongest = 32;
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  if (text.size() > kLongest) return false;
-  const char* c = text.data();
-  const char* const end = c + text.size();
-  if (c != end && *c == '-') ++c;
-  if (c == end || !digit(*c)) return false;
-  while (c != end && digit(*c)) ++c;
-  if (c != end && *c == '.') ++c;
-  while (c != end && digit(*c)) ++c;
-  if (c == end) return true;
-  if (*c++ != 'e') return false;
-  if (c != end && (*c == '-' || *c == '+')) ++c;
-  return (end - c == 1 || end - c == 2) && std::all_of(c, end, digit);
-}
 
 std::optional<std::int64_t> scaled_by_1e9(std::string_view text) {
   text = without_plus(text);

@@ -26,9 +26,6 @@ std::optional<Number> number_of(std::string_view text) {
   return value;
 }
 
-/// Matches -12.5, 3, 1e-05, unless a double would overflow.
-bool is_plain_decimal(std::string_view text);
-
 /// A decimal number, exponent allowed, times 1e9, rounded half away from zero; without floating
 /// point.
 std::optional<std::int64_t> scaled_by_1e9(std::string_view text);

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "dataset_layout.hpp"
-#include "dataset_survey.hpp"
 #include "rio/io/scan_folder.hpp"
 #include "sensor_rows.hpp"
 
@@ -19,7 +18,7 @@ namespace {
 class FolderStream final : public RecordingStream {
  public:
   FolderStream(const fs::path& path, Truth truth) : root_(dataset_root(path)) {
-    outline_ = survey(root_, truth, nullptr);
+    outline_ = survey(root_, truth);
     radars_.resize(outline_.scan_times.size());
   }
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// sensor.yaml of IMU and radars.
-#include "sensor_files.hpp"
-
+// Reads sensor.yaml of IMU and radars.
 #include <fmt/format.h>
 
 #include <Eigen/SVD>

@@ -14,10 +14,6 @@ double number_or_zero(const CsvReader& rows, std::size_t i) {
   return i >= rows.columns() || rows.is_empty(i) ? 0.0 : rows.number(i);
 }
 
-void look_at_number_if_any(const CsvReader& rows, std::size_t i) {
-  if (i < rows.columns() && !rows.is_empty(i)) (void)rows.is_plain_number(i);
-}
-
 bool is_empty_scan(const CsvReader& rows) {
   if (rows.columns() < 5) return false;
   for (std::size_t i = 1; i < rows.columns(); ++i) {
@@ -42,24 +38,13 @@ Vector3d vector_at(const CsvReader& rows, std::size_t i) {
 bool ImuRows::next(ImuSample* sample) {
   if (!rows_.next()) return false;
   sample->time = Time(rows_.integer(0));
-  if (numbers_ == Numbers::kLookAt) {
-    std::size_t i = 1;
-    while (i < 7 && rows_.is_plain_number(i)) ++i;
-    finite_ = true;
-    if (i == 7) return true;
-  }
   sample->gyro_B = vector_at(rows_, 1);
   sample->accel_B = vector_at(rows_, 4);
-  finite_ = (sample->gyro_B + sample->accel_B).allFinite();
   return true;
 }
 
 RadarDetection RadarRows::detection() const {
   RadarDetection d;
-  if (numbers_ == Numbers::kLookAt) {
-    look_at_detection(&d);
-    return d;
-  }
   d.point_S = vector_at(rows_, 1);
   d.range_rate = rows_.number(4);
   d.snr_db = number_or_zero(rows_, 5);
@@ -71,15 +56,6 @@ RadarDetection RadarRows::detection() const {
     d.sigma_doppler = sigma_at(rows_, kRadarColumns + 3);
   }
   return d;
-}
-
-void RadarRows::look_at_detection(RadarDetection* d) const {
-  for (std::size_t i = 1; i < 4; ++i) (void)rows_.is_plain_number(i);
-  d->range_rate = rows_.number(4);
-  look_at_number_if_any(rows_, 5);
-  look_at_number_if_any(rows_, 6);
-  if (rows_.columns() < kRadarColumns + 4) return;
-  for (std::size_t i = 0; i < 4; ++i) (void)sigma_at(rows_, kRadarColumns + i);
 }
 
 bool RadarRows::next(RadarScan* scan) {

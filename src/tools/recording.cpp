@@ -171,14 +171,9 @@ void print_what_is_missing(const fs::path& out, bool mounted) {
 }  // namespace
 
 io::Dataset read_any(const std::string& path, const RecordingArguments& arguments, bool truth) {
-  io::Dataset dataset;
-  if (is_bag(path, arguments)) {
-    bag::Recording recording = bag::read_recording(path, request_of(arguments, truth));
-    dataset = std::move(recording.dataset);
-    dataset.damage = recording.damage;
-  } else {
-    dataset = io::read_dataset(path);
-  }
+  io::Dataset dataset = is_bag(path, arguments)
+                            ? bag::read_recording(path, request_of(arguments, truth))
+                            : io::read_dataset(path);
   take_settings(arguments, &dataset);
   return dataset;
 }

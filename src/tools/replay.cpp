@@ -282,7 +282,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
     if (summary.initialised_by != "static") without_start(&*summary.data);
     summary.checked_seconds = part.seconds;
   }
-  const std::string& damage = recording.samples->outline().damage;
+  const std::string& damage = recording.samples->outline().sensors.damage;
   if (!summary.started) {
     throw std::runtime_error(no_start_text(summary.data) + (damage.empty() ? "" : "\n" + damage));
   }

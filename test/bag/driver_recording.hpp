@@ -23,18 +23,19 @@ using test::Written;
 inline constexpr Time kSecond(1'000'000'000);
 
 /// A line each.
-inline std::string notes_of(const Recording& recording) {
+inline std::string notes_of(const io::Dataset& recording) {
   std::string text;
-  for (const std::string& note : recording.dataset.notes) text += note + "\n";
+  for (const std::string& note : recording.notes) text += note + "\n";
   return text;
 }
 
 class DriverRecording : public testing::Test {
  protected:
-  Recording read(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
+  io::Dataset read(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
     return read_recording(dir_.write("a", test::ros1_bag(messages, "none", 20)), request);
   }
-  Recording read_ros2(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
+  io::Dataset read_ros2(const std::vector<Written>& messages,
+                        const RecordingRequest& request = {}) {
     return read_recording(dir_.write("a", test::mcap(messages, "none", 20)), request);
   }
   /// Stamps, to `tolerance`, and detections.

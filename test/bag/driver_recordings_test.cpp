@@ -16,14 +16,14 @@ namespace {
 
 TEST_F(DriverRecording, ACovarianceThatDeniesValuesThatAreThereIsNotBelieved) {
   std::vector<Written> messages = test::at_rest(Wire::kRos1, 5);
-  const Recording good = read(messages);
+  const io::Dataset good = read(messages);
   for (Written& m : messages) {
     if (m.topic != "/imu") continue;
     const Topic imu{"", kImuType, Encoding::kRos1, ""};
     m.data = imu_message(Wire::kRos1, decode_imu_of(imu, test::bytes_of(m.data)).sample, -1.0);
   }
-  const Recording recording = read(messages);
-  expect_same(recording.dataset, good.dataset);
+  const io::Dataset recording = read(messages);
+  expect_same(recording, good);
   EXPECT_PRED2(test::contains, notes_of(recording),
                "/imu: 50 messages have values and a covariance of -1");
 }
@@ -49,8 +49,8 @@ TEST_F(DriverRecording, HalvesOfAnImuAreOne) {
     SCOPED_TRACE(name);
     RecordingRequest request;
     request.imu_topic = name;
-    const Recording recording = read(halves(), request);
-    const std::vector<ImuSample>& imu = recording.dataset.imu;
+    const io::Dataset recording = read(halves(), request);
+    const std::vector<ImuSample>& imu = recording.imu;
     ASSERT_EQ(imu.size(), 199U);  // up to the last force
     for (std::size_t i = 0; i < imu.size(); ++i) {
       EXPECT_NEAR(imu[i].gyro_B.x(), 1e-3 * static_cast<double>(i), 1e-12);
@@ -59,21 +59,21 @@ TEST_F(DriverRecording, HalvesOfAnImuAreOne) {
     }
     EXPECT_PRED2(test::contains, notes_of(recording), "gyroscope /gyro, accelerometer /accel");
   }
-  expect_same(read(halves(-1.0)).dataset, read(halves()).dataset);
+  expect_same(read(halves(-1.0)), read(halves()));
   std::vector<Written> one = halves();
   std::erase_if(one, [](const Written& m) { return m.topic == "/accel"; });
   EXPECT_ERROR(read(one), "/gyro has no accelerometer, and no other topic has it");
 }
 
 TEST_F(DriverRecording, AnAccelerometerOnAnotherClockIsOnThatOfTheRecorder) {
-  const Recording good = read(halves());
+  const io::Dataset good = read(halves());
   std::vector<Written> messages = halves();
   for (Written& m : messages) {
     if (m.topic == "/accel") move_header(&m, -1'000'000 * kSecond);
   }
-  const Recording recording = read(messages);
-  ASSERT_EQ(recording.dataset.imu.size(), good.dataset.imu.size());
-  EXPECT_EQ(recording.dataset.imu[20].accel_B, good.dataset.imu[20].accel_B);
+  const io::Dataset recording = read(messages);
+  ASSERT_EQ(recording.imu.size(), good.imu.size());
+  EXPECT_EQ(recording.imu[20].accel_B, good.imu[20].accel_B);
   EXPECT_PRED2(test::contains, notes_of(recording), "clocks of IMU and accelerometer are 1000000.");
 }
 
@@ -83,7 +83,7 @@ TEST_F(DriverRecording, ForcesThatAreMissingAreNotMadeUp) {
     const Time at = m.received - messages[0].received;
     return m.topic == "/accel" && at > kSecond / 2 && at < kSecond;
   });
-  const std::vector<ImuSample> imu = read(messages).dataset.imu;
+  const std::vector<ImuSample> imu = read(messages).imu;
   Time longest{0};
   for (std::size_t i = 1; i < imu.size(); ++i) {
     longest = std::max(longest, imu[i].time - imu[i - 1].time);
@@ -99,18 +99,18 @@ TEST_F(DriverRecording, Px4SensorsAreAnImu) {
     wire.all({1.0F, 2.0F, -9.75F}).put(std::uint32_t{5000}).repeat(2, std::uint8_t{0});
     messages->push_back({"/fmu", kPx4ImuType, m.received, wire.bytes});
   };
-  const Recording recording = read_ros2(replaced(Wire::kCdr, 5, "/imu", px4));
-  ASSERT_EQ(recording.dataset.imu.size(), 50U);
-  EXPECT_EQ(recording.dataset.imu[3].gyro_B, Vector3d(0.5, -0.25, 0.125));
-  EXPECT_EQ(recording.dataset.imu[3].accel_B, Vector3d(1.0, -2.0, 9.75));
+  const io::Dataset recording = read_ros2(replaced(Wire::kCdr, 5, "/imu", px4));
+  ASSERT_EQ(recording.imu.size(), 50U);
+  EXPECT_EQ(recording.imu[3].gyro_B, Vector3d(0.5, -0.25, 0.125));
+  EXPECT_EQ(recording.imu[3].accel_B, Vector3d(1.0, -2.0, 9.75));
   EXPECT_PRED2(test::contains, notes_of(recording), "/fmu: axes forward, right, down");
   // both on the clock of the recorder
-  const Time apart = recording.dataset.scans[1].time - recording.dataset.imu[19].time;
+  const Time apart = recording.scans[1].time - recording.imu[19].time;
   EXPECT_LE(std::abs(apart.count()), 2000);
 }
 
 TEST_F(DriverRecording, PointsOfAScanInMessagesOfTheirOwnAreAScan) {
-  const Recording good = read(test::at_rest(Wire::kRos1, 10));
+  const io::Dataset good = read(test::at_rest(Wire::kRos1, 10));
   const auto point_by_point = [](const Written& m, Time stamp, std::vector<Written>* messages) {
     for (std::uint16_t id = 0; id < 2; ++id) {
       Wire wire(Wire::kRos1);
@@ -119,9 +119,9 @@ TEST_F(DriverRecording, PointsOfAScanInMessagesOfTheirOwnAreAScan) {
       messages->push_back({"/scan", kTiScanType, m.received, wire.bytes});
     }
   };
-  const Recording recording = read(replaced(Wire::kRos1, 10, "/radar", point_by_point));
-  expect_same(recording.dataset, good.dataset);
-  const RadarDetection& d = recording.dataset.scans[9].detections.at(1);
+  const io::Dataset recording = read(replaced(Wire::kRos1, 10, "/radar", point_by_point));
+  expect_same(recording, good);
+  const RadarDetection& d = recording.scans[9].detections.at(1);
   EXPECT_EQ(d.point_S, Vector3d(1.5, 3.5, -0.5));
   EXPECT_EQ(d.range_rate, 0.25);
   EXPECT_EQ(d.snr_db, 12.0);
@@ -143,9 +143,9 @@ std::vector<Written> radar_returns(Wire::Kind kind, float azimuth) {
 TEST_F(DriverRecording, RadarReturnsArePoints) {
   for (const Wire::Kind kind : {Wire::kRos1, Wire::kCdr}) {
     const std::vector<Written> messages = radar_returns(kind, std::numbers::pi_v<float> / 6.F);
-    const Recording recording = kind == Wire::kCdr ? read_ros2(messages) : read(messages);
-    ASSERT_EQ(recording.dataset.scans.size(), 10U);
-    const RadarDetection& d = recording.dataset.scans[3].detections.at(0);
+    const io::Dataset recording = kind == Wire::kCdr ? read_ros2(messages) : read(messages);
+    ASSERT_EQ(recording.scans.size(), 10U);
+    const RadarDetection& d = recording.scans[3].detections.at(0);
     EXPECT_LT((d.point_S - Vector3d(std::sqrt(3.0), 1.0, 0.0)).norm(), 1e-6);
     EXPECT_EQ(d.range_rate, 0.75);
     EXPECT_EQ(d.snr_db, 20.0);
@@ -160,7 +160,7 @@ TEST_F(DriverRecording, AnglesInDegreesAreAnError) {
   RecordingRequest request;
   request.points.fields = {{"azimuth=azimuth*0.0174533", ""},
                            {"elevation=elevation*0.0174533", ""}};
-  const RadarDetection d = read(messages, request).dataset.scans[3].detections.at(0);
+  const RadarDetection d = read(messages, request).scans[3].detections.at(0);
   EXPECT_LT((d.point_S - Vector3d(std::sqrt(3.0), 1.0, 0.0)).norm(), 1e-5);
 }
 
@@ -194,11 +194,11 @@ TEST_F(DriverRecording, SeveralRadarsHaveTheirMountingsFromTheTree) {
                   transforms(when, {{"base", "imu_link", {quarter, {1.0, 0.0, 0.0}}},
                                     {"base", "radar", {Quaternion::Identity(), {1.0, 2.0, 0.0}}},
                                     {"radar", "radar_left", {quarter, {0.0, 0.0, 3.0}}}}));
-  const Recording recording = read(messages);
-  ASSERT_EQ(recording.dataset.other_radars.size(), 1U);
-  EXPECT_EQ(recording.dataset.other_radars[0].scans.size(), 10U);
-  const Pose& left = *recording.dataset.radar_info.T_BS;  // topics in the order of their names
-  const Pose& first = *recording.dataset.other_radars[0].info.T_BS;
+  const io::Dataset recording = read(messages);
+  ASSERT_EQ(recording.other_radars.size(), 1U);
+  EXPECT_EQ(recording.other_radars[0].scans.size(), 10U);
+  const Pose& left = *recording.radar_info.T_BS;  // topics in the order of their names
+  const Pose& first = *recording.other_radars[0].info.T_BS;
   EXPECT_LT((first.translation - Vector3d(2.0, 0.0, 0.0)).norm(), 1e-12);
   EXPECT_LT(first.rotation.angularDistance(quarter.conjugate()), 1e-7);
   EXPECT_LT((left.translation - Vector3d(2.0, 0.0, 3.0)).norm(), 1e-12);
@@ -207,14 +207,13 @@ TEST_F(DriverRecording, SeveralRadarsHaveTheirMountingsFromTheTree) {
 
   RecordingRequest request;
   request.radar_topic = "/radar,/left";
-  EXPECT_LT(
-      (read(messages, request).dataset.radar_info.T_BS->translation - first.translation).norm(),
-      1e-12);
+  EXPECT_LT((read(messages, request).radar_info.T_BS->translation - first.translation).norm(),
+            1e-12);
   request.radar_topic = "/radar";
-  EXPECT_TRUE(read(messages, request).dataset.other_radars.empty());
+  EXPECT_TRUE(read(messages, request).other_radars.empty());
   // the frame is that of the points as they are sent: here in axes of the chip
   request.points.axes = "ti";
-  const Quaternion turned = read(messages, request).dataset.radar_info.T_BS->rotation;
+  const Quaternion turned = read(messages, request).radar_info.T_BS->rotation;
   EXPECT_LT(
       (turned * Vector3d(0.0, 1.0, 0.0) - quarter.conjugate() * Vector3d(-1.0, 0.0, 0.0)).norm(),
       1e-7);
@@ -225,7 +224,7 @@ TEST_F(DriverRecording, CloudsWithoutDopplerAreNoRadar) {
   messages.push_back({"/lidar", "sensor_msgs/PointCloud2", messages.back().received,
                       cloud_message(Wire::kRos1, messages.back().received,
                                     {{"x", 0}, {"y", 4}, {"z", 8}}, {{1, 2, 3}}, 12)});
-  EXPECT_EQ(read(messages).dataset.scans.size(), 10U);
+  EXPECT_EQ(read(messages).scans.size(), 10U);
 }
 
 TEST_F(DriverRecording, ARadarThatEndsEarlyIsTold) {
@@ -239,17 +238,17 @@ TEST_F(DriverRecording, ARadarThatEndsEarlyIsTold) {
 TEST_F(DriverRecording, CompressedMessagesAndFiles) {
 #ifdef RIO_HAS_ZSTD
   const std::vector<Written> plain = test::at_rest(Wire::kCdr, 10);
-  const Recording good = read_ros2(plain);
+  const io::Dataset good = read_ros2(plain);
   std::vector<Written> messages = plain;
   for (Written& m : messages) m.data = test::compressed("zstd", m.data);
-  expect_same(read_ros2(messages).dataset, good.dataset);
+  expect_same(read_ros2(messages), good);
   dir_.write("folder/flight_0.mcap.zstd", test::compressed("zstd", test::mcap(plain, "none", 20)));
-  expect_same(read_recording(dir_.path() / "folder", {}).dataset, good.dataset);
+  expect_same(read_recording(dir_.path() / "folder", {}), good);
   EXPECT_ERROR(read_recording(dir_.write("bad.zstd", "\x28\xB5\x2F\xFD and nothing more"), {}),
                "zstd data is damaged");
 #ifdef RIO_HAS_SQLITE3
   test::write_bag(dir_.path() / "plain.db3", "db3", messages);
-  expect_same(read_recording(dir_.path() / "plain.db3", {}).dataset, good.dataset);
+  expect_same(read_recording(dir_.path() / "plain.db3", {}), good);
 #endif
 #else
   GTEST_SKIP() << "skipped: built without zstd";

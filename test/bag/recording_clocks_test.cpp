@@ -37,20 +37,20 @@ std::vector<Written> jumping(const std::string& of, Time headers, Time received)
 }
 
 TEST_F(RecordingClocks, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
-  const Recording good = read(test::at_rest(Wire::kRos1, 40));
+  const io::Dataset good = read(test::at_rest(Wire::kRos1, 40));
   for (const char* of : {"both", "imu", "radar"}) {
     for (const Time jump :
          {-9 * kSecond, 9 * kSecond, -1'599'999'000 * kSecond, -kSecond / 5, -kSecond / 10,
           kSecond / 5, kSecond / 10, 3 * kSecond / 10, 31 * kSecond / 100}) {
-      const Recording recording = read(jumping(of, jump, Time(0)));
-      expect_same(recording.dataset, good.dataset);
+      const io::Dataset recording = read(jumping(of, jump, Time(0)));
+      expect_same(recording, good);
       EXPECT_PRED2(test::contains, notes_of(recording), "the header clock jumps by ");
     }
   }
   // the clock of the recorder with them, by NTP or by hand: the interval at the step is that of the
   // IMU before
   for (const Time step : {-kSecond / 5, -kSecond / 10, -10 * kSecond}) {
-    expect_same(read(jumping("both", step, step)).dataset, good.dataset);
+    expect_same(read(jumping("both", step, step)), good);
     const std::string text = summary_text(summarise(open_messages(dir_.path() / "a").get()));
     EXPECT_PRED2(test::contains, text, "  100.00 Hz");
   }
@@ -68,7 +68,7 @@ TEST_F(RecordingClocks, MessagesThatAreSwappedOrStampedLateAreNoJump) {
     move_header(&messages[scans[k + 4]], -kSecond / 12);
     move_header(&messages[scans[k] + 3], -kSecond / 12);
   }
-  const Recording recording = read(messages);
+  const io::Dataset recording = read(messages);
   EXPECT_EQ(notes_of(recording).find("jumps"), std::string::npos) << notes_of(recording);
 }
 
@@ -81,7 +81,7 @@ TEST_F(RecordingClocks, MessagesThatAreLateAndLostAreNoJump) {
   }
   std::erase_if(messages,
                 [&](const Written& m) { return m.topic == "/radar" && random() % 5 == 0; });
-  const Recording recording = read(messages);
+  const io::Dataset recording = read(messages);
   EXPECT_EQ(notes_of(recording).find("jumps"), std::string::npos) << notes_of(recording);
 }
 
@@ -116,19 +116,19 @@ std::vector<Written> arriving(const std::string& topic, const std::function<Time
 }
 
 TEST_F(RecordingClocks, ATopicThatArrivesLateIsOnItsClock) {
-  const Recording good = read(test::at_rest(Wire::kRos1, 160));
+  const io::Dataset good = read(test::at_rest(Wire::kRos1, 160));
   const auto growing = [](Time at) { return at / 5; };
   const auto drained = [](Time at) { return at < 9 * kSecond ? 3 * kSecond / 2 : Time(0); };
   const auto slow = [](Time at) { return 9 * at; };
   for (const std::string topic : {"/radar", "/imu"}) {
-    expect_same(read(arriving(topic, growing)).dataset, good.dataset);
-    expect_same(read(arriving(topic, drained)).dataset, good.dataset);
+    expect_same(read(arriving(topic, growing)), good);
+    expect_same(read(arriving(topic, drained)), good);
   }
   std::vector<Written> played = arriving("", slow);  // at a tenth of the speed, recorded again
   std::erase_if(played, [&](const Written& m) {      // a radar that begins later
     return m.topic == "/radar" && m.received < played[0].received + 7 * kSecond;
   });
-  EXPECT_EQ(read(played).dataset.scans[0].time, good.dataset.scans[7].time);
+  EXPECT_EQ(read(played).scans[0].time, good.scans[7].time);
 
   std::vector<Written> apart = test::at_rest(Wire::kRos1, 40);
   for (Written& m : apart) {
@@ -142,12 +142,11 @@ TEST_F(RecordingClocks, OneCorruptStampIsNoJump) {
   for (const std::size_t place : {std::size_t{0}, std::size_t{57}}) {
     std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
     messages[place].data[5] = static_cast<char>(messages[place].data[5] ^ 0x10);
-    const Recording good = read(test::at_rest(Wire::kRos1, 40));
-    const Recording recording = read(messages);
+    const io::Dataset good = read(test::at_rest(Wire::kRos1, 40));
+    const io::Dataset recording = read(messages);
     EXPECT_EQ(notes_of(recording).find("jumps"), std::string::npos) << notes_of(recording);
-    EXPECT_NE(recording.dataset.imu[place - place / 11].time,
-              good.dataset.imu[place - place / 11].time);
-    EXPECT_EQ(recording.dataset.imu.back().time, good.dataset.imu.back().time);
+    EXPECT_NE(recording.imu[place - place / 11].time, good.imu[place - place / 11].time);
+    EXPECT_EQ(recording.imu.back().time, good.imu.back().time);
   }
 }
 
@@ -178,9 +177,9 @@ TEST_F(RecordingTruth, PosesAreTheTruthAndPressuresTheBarometer) {
   for (const bool odometry : {false, true}) {
     const std::vector<Written> messages = with_others(Time(0), 1e5, quarter, odometry);
     RecordingRequest request;
-    EXPECT_TRUE(read(messages).dataset.ground_truth.empty());  // only if it is asked for
+    EXPECT_TRUE(read(messages).ground_truth.empty());  // only if it is asked for
     request.truth = true;
-    const io::Dataset data = read(messages, request).dataset;
+    const io::Dataset data = read(messages, request);
     ASSERT_EQ(data.ground_truth.size(), 200U);
     ASSERT_EQ(data.baro.size(), 200U);
     const NavState& state = data.ground_truth[7];
@@ -199,7 +198,7 @@ TEST_F(RecordingTruth, TruthAndBarometerOnAnotherClockAreOnThatOfTheImu) {
   request.truth = true;
   for (const std::optional<Time> by :
        {std::optional(-1'500'000'000 * kSecond), std::optional<Time>()}) {
-    const io::Dataset data = read(with_others(by, 1e5, Quaternion::Identity()), request).dataset;
+    const io::Dataset data = read(with_others(by, 1e5, Quaternion::Identity()), request);
     ASSERT_EQ(data.ground_truth.size(), 200U);
     ASSERT_EQ(data.baro.size(), 200U);
     EXPECT_LT(std::abs(to_seconds(data.ground_truth[7].time - data.imu[7].time)), 1e-6);
@@ -217,7 +216,7 @@ TEST_F(RecordingTruth, ATruthThatWasAddedLaterKeepsItsHeaders) {
     messages.push_back(m);
     messages.back().received += 1'000'000 * kSecond;
   }
-  const io::Dataset data = read(messages, request).dataset;
+  const io::Dataset data = read(messages, request);
   EXPECT_EQ(data.ground_truth.at(0).time, data.imu[120].time);
 }
 
@@ -239,10 +238,10 @@ TEST_F(RecordingTruth, ATruthOrBarometerThatCannotBeReadIsTold) {
   RecordingRequest request;
   request.truth = true;
   for (const double pressure : {0.0, std::nan("")}) {
-    const Recording recording =
+    const io::Dataset recording =
         read(with_others(Time(0), pressure, Quaternion(0.0, 0.0, 0.0, 0.0)), request);
-    EXPECT_TRUE(recording.dataset.ground_truth.empty());
-    EXPECT_TRUE(recording.dataset.baro.empty());
+    EXPECT_TRUE(recording.ground_truth.empty());
+    EXPECT_TRUE(recording.baro.empty());
     for (const char* text : {"/truth: 200 messages cannot be read and are left out; the first one, "
                              "byte 75: no unit quaternion, which a pose needs",
                              "/baro: 200 messages cannot be read and are left out; the first one, "

@@ -36,24 +36,24 @@ TEST_F(RecordingTest, TheClocksAreChosenByWhatTheHeadersSay) {
     }
     return read(messages, request);
   };
-  const Recording same = all(kBegin - Time(1000), kBegin - Time(2000));
-  EXPECT_EQ(same.dataset.imu[3].time, kBegin - Time(1000) + 3 * gap);
-  EXPECT_EQ(same.dataset.scans[3].time, kBegin - Time(2000) + 3 * gap);
+  const io::Dataset same = all(kBegin - Time(1000), kBegin - Time(2000));
+  EXPECT_EQ(same.imu[3].time, kBegin - Time(1000) + 3 * gap);
+  EXPECT_EQ(same.scans[3].time, kBegin - Time(2000) + 3 * gap);
   EXPECT_PRED2(test::contains, notes_of(same), "/imu: 9 messages, stamped by their headers\n");
 
   // a zero stamp: the radar by its arrival, the IMU carried there without its jitter
-  const Recording zero = all(Time(5'000'000'000), Time(0));
-  EXPECT_EQ(zero.dataset.imu[3].time, kBegin + 3 * gap);
-  EXPECT_EQ(zero.dataset.scans[3].time, kBegin + 3 * gap);
+  const io::Dataset zero = all(Time(5'000'000'000), Time(0));
+  EXPECT_EQ(zero.imu[3].time, kBegin + 3 * gap);
+  EXPECT_EQ(zero.scans[3].time, kBegin + 3 * gap);
   EXPECT_PRED2(test::contains, notes_of(zero),
                "/radar: 9 messages, stamped when they were received "
                "(9 header stamps are zero)");
   EXPECT_PRED2(test::contains, notes_of(zero), "--radar-offset");
 
   // two clocks: both onto that of the recorder
-  const Recording two = all(Time(5'000'000'000), Time(90'000'000'000));
-  EXPECT_EQ(two.dataset.imu[3].time, kBegin + 3 * gap);
-  EXPECT_EQ(two.dataset.scans[3].time, kBegin + 3 * gap);
+  const io::Dataset two = all(Time(5'000'000'000), Time(90'000'000'000));
+  EXPECT_EQ(two.imu[3].time, kBegin + 3 * gap);
+  EXPECT_EQ(two.scans[3].time, kBegin + 3 * gap);
   EXPECT_PRED2(test::contains, notes_of(two),
                "the header clocks of IMU and radar are 85.000 s apart");
 
@@ -66,9 +66,9 @@ TEST_F(RecordingTest, TheClocksAreChosenByWhatTheHeadersSay) {
   request.imu_clock = Clock::kReceive;
   request.radar_offset = -0.5;
   request.imu_offset = 0.25;
-  const Recording asked = all(kBegin, kBegin, request);
-  EXPECT_EQ(asked.dataset.imu[1].time, kBegin + 2 * gap);
-  EXPECT_EQ(asked.dataset.scans[2].time, kBegin);
+  const io::Dataset asked = all(kBegin, kBegin, request);
+  EXPECT_EQ(asked.imu[1].time, kBegin + 2 * gap);
+  EXPECT_EQ(asked.scans[2].time, kBegin);
 }
 
 /// Ten triggers 100 ms apart on a clock of their own; of all but the last one a scan with their
@@ -97,11 +97,11 @@ TEST_F(RecordingTest, ScansAreStampedByTheirTriggers) {
   RecordingRequest request;
   request.radar_clock = Clock::kTrigger;
   request.radar_offset = 9e-3;
-  const auto time = [](const Recording& r, std::size_t i) {
-    return r.dataset.scans.at(i).time - r.dataset.imu.at(i).time;
+  const auto time = [](const io::Dataset& r, std::size_t i) {
+    return r.scans.at(i).time - r.imu.at(i).time;
   };
-  const Recording same = read(messages, request);
-  ASSERT_EQ(same.dataset.scans.size(), 9U);
+  const io::Dataset same = read(messages, request);
+  ASSERT_EQ(same.scans.size(), 9U);
   for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(time(same, i), Time(9'000'000)) << i;
   EXPECT_PRED2(test::contains, notes_of(same),
                "/radar: 9 messages, 9 stamped by the last trigger before on /tick, of the same "
@@ -114,9 +114,9 @@ TEST_F(RecordingTest, ScansAreStampedByTheirTriggers) {
   messages.push_back(messages[10]);
   messages.back().received += Time(50'000'000'000);
   messages.erase(messages.begin() + 4);  // the second one
-  const Recording lost = read(messages, request);
-  ASSERT_EQ(lost.dataset.scans.size(), 8U);
-  EXPECT_EQ(lost.dataset.scans[1].time - lost.dataset.imu[2].time, Time(9'000'000));
+  const io::Dataset lost = read(messages, request);
+  ASSERT_EQ(lost.scans.size(), 8U);
+  EXPECT_EQ(lost.scans[1].time - lost.imu[2].time, Time(9'000'000));
   EXPECT_PRED2(test::contains, notes_of(lost), "1 without one are left out");
 }
 
@@ -145,7 +145,7 @@ TEST_F(RecordingTest, TriggersThatDoNotFitAreErrors) {
   messages = triggered(Wire::kCdr);
   EXPECT_ERROR(read_ros2(messages, request), "/tick have no sequence numbers, as in ROS 2");
   request.trigger_match = TriggerMatch::kEarlier;
-  EXPECT_EQ(read_ros2(messages, request).dataset.scans.size(), 9U);
+  EXPECT_EQ(read_ros2(messages, request).scans.size(), 9U);
 }
 
 TEST_F(RecordingTest, TopicsAreGuessedOnlyIfThereIsOne) {
@@ -157,7 +157,7 @@ TEST_F(RecordingTest, TopicsAreGuessedOnlyIfThereIsOne) {
                "sensor_msgs/Imu (20 messages)");
   RecordingRequest request;
   request.imu_topic = "/imu2";
-  EXPECT_EQ(read(messages, request).dataset.imu.size(), 1U);
+  EXPECT_EQ(read(messages, request).imu.size(), 1U);
   request.imu_topic = "/imu3";
   EXPECT_ERROR(read(messages, request), "no topic /imu3; there are\n  /imu sensor_msgs/Imu");
   request.imu_topic = "/radar";
@@ -170,9 +170,9 @@ TEST_F(RecordingTest, UnitsOfTheImuAreConverted) {
   RecordingRequest request;
   request.gyro_unit = 0.5;
   request.accel_unit = 9.80665;
-  const Recording recording = read({imu(kBegin, kBegin), scan(kBegin, kBegin)}, request);
-  EXPECT_EQ(recording.dataset.imu[0].gyro_B, Vector3d(0.5, 1.0, 1.5));
-  EXPECT_EQ(recording.dataset.imu[0].accel_B, 9.80665 * Vector3d(4, 5, 6));
+  const io::Dataset recording = read({imu(kBegin, kBegin), scan(kBegin, kBegin)}, request);
+  EXPECT_EQ(recording.imu[0].gyro_B, Vector3d(0.5, 1.0, 1.5));
+  EXPECT_EQ(recording.imu[0].accel_B, 9.80665 * Vector3d(4, 5, 6));
 }
 
 TEST_F(RecordingTest, WhatIsLeftOutIsCounted) {
@@ -181,11 +181,11 @@ TEST_F(RecordingTest, WhatIsLeftOutIsCounted) {
   messages.push_back(scan(kBegin, kBegin, {{1, 2, 3, 4, NAN}, {1, 2, 3, 4, 5}}));
   messages.push_back(scan(kBegin, kBegin));
   messages.push_back(scan(kBegin + Time(1), kBegin, {}));
-  const Recording recording = read(messages);
-  EXPECT_EQ(recording.dataset.imu.size(), 1U);
-  ASSERT_EQ(recording.dataset.scans.size(), 2U);
-  EXPECT_EQ(recording.dataset.scans[0].detections.size(), 1U);
-  EXPECT_TRUE(recording.dataset.scans[1].detections.empty());
+  const io::Dataset recording = read(messages);
+  EXPECT_EQ(recording.imu.size(), 1U);
+  ASSERT_EQ(recording.scans.size(), 2U);
+  EXPECT_EQ(recording.scans[0].detections.size(), 1U);
+  EXPECT_TRUE(recording.scans[1].detections.empty());
   const std::string text = notes_of(recording);
   EXPECT_PRED2(test::contains, text, "1 scans have the stamp of the scan before");
   EXPECT_PRED2(test::contains, text, "1 points are not finite");
@@ -196,13 +196,13 @@ TEST_F(RecordingTest, OfADamagedFileItKeepsWhatStandsBefore) {
   const std::vector<Written> messages = test::at_rest(Wire::kRos1, 20);
   const std::string bytes = test::ros1_bag(messages, "none", 44);
   const auto path = dir_.write("cut", bytes.substr(0, bytes.size() / 2));
-  const Recording recording = read_recording(path, {});
+  const io::Dataset recording = read_recording(path, {});
   EXPECT_PRED2(test::contains, recording.damage, "cut: byte ");
-  EXPECT_GT(recording.dataset.imu.size(), 90U);
-  EXPECT_LT(recording.dataset.imu.size(), 110U);
-  EXPECT_NEAR(*recording.dataset.imu_info.rate_hz, 100.0, 1e-3);
-  EXPECT_NEAR(*recording.dataset.radar_info.rate_hz, 10.0, 1e-3);
-  EXPECT_FALSE(recording.dataset.radar_info.T_BS);
+  EXPECT_GT(recording.imu.size(), 90U);
+  EXPECT_LT(recording.imu.size(), 110U);
+  EXPECT_NEAR(*recording.imu_info.rate_hz, 100.0, 1e-3);
+  EXPECT_NEAR(*recording.radar_info.rate_hz, 10.0, 1e-3);
+  EXPECT_FALSE(recording.radar_info.T_BS);
   EXPECT_ERROR(read_recording(dir_.write("b", bytes.substr(0, 40)), {}), "b: byte ");
 }
 
@@ -223,7 +223,7 @@ TEST_F(RecordingTest, SampleBySampleEveryFormatIsTheSame) {
       const auto path = dir_.path() / format;
       std::filesystem::remove(path);
       test::write_bag(path, format, messages);
-      const io::Dataset all = read_recording(path, {}).dataset;
+      const io::Dataset all = read_recording(path, {});
       ASSERT_EQ(all.imu.size(), 4499U);
       ASSERT_EQ(all.scans.size(), 451U);
       const auto stream = open_recording(path, {});

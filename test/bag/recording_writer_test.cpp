@@ -22,9 +22,8 @@ bool runs(const std::string& command) {
 
 /// What the script writes.
 void expect_the_recording(const std::filesystem::path& path) {
-  const Recording recording = read_recording(path, {});
-  EXPECT_EQ(recording.damage, "");
-  const io::Dataset& data = recording.dataset;
+  const io::Dataset data = read_recording(path, {});
+  EXPECT_EQ(data.damage, "");
   ASSERT_EQ(data.imu.size(), 300U);
   ASSERT_EQ(data.scans.size(), 30U);
   for (int i = 0; i < 300; ++i) {
@@ -118,12 +117,12 @@ void write(const std::filesystem::path& path, bool closed = true) {
 }
 
 /// To the last bit.
-void expect_all(const Recording& read) {
+void expect_all(const io::Dataset& read) {
   EXPECT_EQ(read.damage, "");
   io::Dataset put;
   put.imu = some_imu();
   put.scans = some_scans();
-  test::expect_same_recording(read.dataset, put, 0.0, 0.0,
+  test::expect_same_recording(read, put, 0.0, 0.0,
                               [](const RadarDetection& a, const RadarDetection& b) {
                                 ASSERT_EQ(a.snr_db, b.snr_db);
                                 ASSERT_EQ(a.noise_db, b.noise_db);
@@ -139,19 +138,19 @@ TEST(RecordingWriter, ReadsBack) {
 TEST(RecordingWriter, WholeChunksAreReadWhereverTheFileEnds) {
   const TempDir dir;
   write(dir.path() / "open.mcap", false);
-  EXPECT_GT(read_recording(dir.path() / "open.mcap", {}).dataset.imu.size(), 100U * kSeconds - 1);
+  EXPECT_GT(read_recording(dir.path() / "open.mcap", {}).imu.size(), 100U * kSeconds - 1);
   write(dir.path() / "a.mcap");
   const std::string bytes = dir.read("a.mcap");
   std::size_t least = 0;
   const std::size_t first_chunks = 100'000;
   for (std::size_t size = first_chunks; size < bytes.size(); size += 9973) {
     const auto cut = dir.write("cut.mcap", bytes.substr(0, size));
-    const Recording read = read_recording(cut, {});
+    const io::Dataset read = read_recording(cut, {});
     EXPECT_NE(read.damage, "") << size;
-    EXPECT_GE(read.dataset.imu.size(), least) << size;
+    EXPECT_GE(read.imu.size(), least) << size;
     // a second is less than 60 kB: all but the last one are there
-    EXPECT_GE(read.dataset.imu.size() + 100, 100 * (size / 60'000)) << size;
-    least = read.dataset.imu.size();
+    EXPECT_GE(read.imu.size() + 100, 100 * (size / 60'000)) << size;
+    least = read.imu.size();
   }
   EXPECT_GT(least, 100U * (kSeconds - 2));
 }

@@ -84,8 +84,8 @@ io::Dataset read(const fs::path& path, const std::string& dataset) {
   bag::RecordingRequest request;
   if (!dataset.empty()) request = bag::request_of(bag::dataset_preset(dataset));
   request.truth = true;
-  io::Dataset data = io::is_dataset_folder(path) ? io::read_dataset(path)
-                                                 : bag::read_recording(path, request).dataset;
+  io::Dataset data =
+      io::is_dataset_folder(path) ? io::read_dataset(path) : bag::read_recording(path, request);
   if (!dataset.empty()) bag::take_mounting(bag::dataset_preset(dataset), &data.radar_info);
   return data;
 }

@@ -28,8 +28,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text = rio::fuzz::text_of(data, size);
   const std::string file = dir.write("recording", text);
   try {
-    const rio::bag::Recording recording = rio::bag::read_recording(file, {});
-    RIO_FUZZ_CHECK(!recording.dataset.imu.empty());
+    const rio::io::Dataset recording = rio::bag::read_recording(file, {});
+    RIO_FUZZ_CHECK(!recording.imu.empty());
     const auto summary = rio::bag::summarise(rio::bag::open_messages(file).get());
     RIO_FUZZ_CHECK(!rio::bag::summary_text(summary).empty());
   } catch (const std::runtime_error& error) {

@@ -134,7 +134,7 @@ TEST_F(DatasetTest, ACutLastLineEndsItsSensorAndIsNamed) {
   EXPECT_PRED2(test::contains, d.damage, "imu0/data.csv:3: the file ends inside of this line\n");
   EXPECT_PRED2(test::contains, d.damage, "radar0/data.csv:3: the file ends inside of this line");
   const auto stream = open_dataset(dir.path());
-  EXPECT_EQ(stream->outline().damage, d.damage);
+  EXPECT_EQ(stream->outline().sensors.damage, d.damage);
   EXPECT_EQ(stream->outline().imu_samples, 2U);
 }
 

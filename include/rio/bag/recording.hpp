@@ -62,20 +62,16 @@ struct RecordingRequest {
   bool mounting_is_known = false;  ///< from another source: no note about it
 };
 
-struct Recording {
-  io::Dataset dataset;  ///< its notes list assignments, assumptions and dropped data
-  std::string damage;   ///< empty, or the position of damage in the file: the data set ends there
-};
-
 /// Reads IMU, radars, barometer and ground truth of a file for open_messages(); the types are those
 /// of messages.hpp. Messages that cannot be decoded, scans with the stamp of the scan before, scans
 /// without a trigger and points that are not finite are dropped and counted in the notes. If the
 /// clock of the headers jumps, later headers are moved so that it goes on as the messages were
 /// received; a pause of all sensors, which may be a clock set forward, is told in the notes. Forces
-/// of an accelerometer on its own topic are not interpolated across a gap.
+/// of an accelerometer on its own topic are not interpolated across a gap. The notes also list
+/// assignments and assumptions.
 /// @throws std::runtime_error that lists the topics if one is missing or not unique; if the fields
 /// of the points do not fit; if no readable data are left
-Recording read_recording(const std::filesystem::path& path, const RecordingRequest& request);
+io::Dataset read_recording(const std::filesystem::path& path, const RecordingRequest& request);
 
 /// The same, sample by sample; throws as read_recording() does.
 std::unique_ptr<io::RecordingStream> open_recording(const std::filesystem::path& path,

@@ -43,9 +43,6 @@ class CsvReader {
   bool is_empty(std::size_t i) const { return cell(i).empty(); }
   /// A decimal number, nan and inf included.
   double number(std::size_t i) const;
-  /// Whether the number is in the common notation (faster than parsing it): digits, a point, an
-  /// exponent, and finite. Throws where number() would.
-  bool is_plain_number(std::size_t i) const;
   /// An exact integer.
   std::int64_t integer(std::size_t i) const;
   /// Decimal seconds to exact nanoseconds; further digits are rounded.

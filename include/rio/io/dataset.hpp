@@ -83,7 +83,8 @@ struct Dataset {
   ImuInfo imu_info;
   RadarInfo radar_info;
   std::vector<std::string> notes;  ///< messages for the user, such as a missing sensor.yaml
-  std::string damage;              ///< empty, or where a file is cut: the sensor ends there
+  /// Empty, or where a file is damaged: the recording ends there, in a folder the sensor.
+  std::string damage;
 };
 
 /// All of the ground truth, or only the start of a replay: the first state within the span of the

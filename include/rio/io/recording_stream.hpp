@@ -15,8 +15,8 @@ namespace rio::io {
 
 /// Properties of a recording, known before its samples are given.
 struct RecordingOutline {
-  /// The sensors, the requested ground truth, and the notes; no samples. A radar of `other_radars`
-  /// has no scans there.
+  /// The sensors, the requested ground truth, the notes and the damage; no samples. A radar of
+  /// `other_radars` has no scans there.
   Dataset sensors;
   std::size_t imu_samples = 0;
   Time imu_begin{0};  ///< stamp of the first sample in the file, unless it is corrupt
@@ -26,8 +26,6 @@ struct RecordingOutline {
   /// Stamps of the scans in file order, by radar.
   std::vector<std::vector<Time>> scan_times;
   std::size_t baro_samples = 0;
-  /// Empty, or the position of damage in the file: the recording ends there.
-  std::string damage;
 };
 
 /// Created by open_dataset() and bag::open_recording(). All of it has been read once, so errors
