@@ -1,25 +1,65 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The writer of recordings.
+// The writers of recordings, at once and during the run.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "dataset_layout.hpp"
-#include "dataset_rows.hpp"
-#include "rio/io/dataset.hpp"
-#include "rio/io/text_file.hpp"
+#include "rio/io/dataset_stream.hpp"
 
 namespace rio::io {
 
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr const char* kImuHeader =
+    "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
+    "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+
+/// ",x,y,z"; every number exactly.
+void append(std::string* row, const Vector3d& v) {
+  fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
+}
+
+void append_row(std::string* text, const ImuSample& sample) {
+  *text += fmt::format("{}", sample.time.count());
+  append(text, sample.gyro_B);
+  append(text, sample.accel_B);
+  *text += '\n';
+}
+
+/// @param sigmas include the columns of the detections' own sigmas
+std::string radar_header(bool sigmas) {
+  std::string text = "#timestamp [ns],x [m],y [m],z [m],doppler [m s^-1],snr [dB],noise [dB]";
+  if (sigmas) {
+    text += ",sigma range [m],sigma azimuth [rad],sigma elevation [rad],sigma doppler [m s^-1]";
+  }
+  return text + '\n';
+}
+
+/// A row per detection; one with empty fields for an empty scan.
+void append_rows(std::string* text, const RadarScan& scan, bool sigmas) {
+  if (scan.detections.empty()) {
+    *text += fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
+  }
+  for (const RadarDetection& d : scan.detections) {
+    *text += fmt::format("{}", scan.time.count());
+    append(text, d.point_S);
+    *text += fmt::format(",{},{},{}", d.range_rate, d.snr_db, d.noise_db);
+    if (sigmas) {
+      *text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
+                           d.sigma_doppler);
+    }
+    *text += '\n';
+  }
+}
 
 std::string pose_text(const Pose& pose) {
   const Matrix3d R = pose.rotation.toRotationMatrix();
@@ -44,6 +84,7 @@ std::string keys_text(const std::vector<SensorKey>& keys) {
 }
 
 void write_file(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
   TextFile file(path);
   file.write(text);
   file.close();
@@ -99,14 +140,6 @@ std::string truth_text(const std::vector<NavState>& states) {
   return text;
 }
 
-std::string radar_info_text(const RadarInfo& info, const std::string& comment) {
-  RadarInfo radar = info;
-  return comment_text(comment) +
-         "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, "
-         "positive = receding\n" +
-         (radar.T_BS ? pose_text(*radar.T_BS) : "") + keys_text(radar_keys(&radar));
-}
-
 /// Two neighbouring scans with one stamp would be read as one.
 void check_stamps(const fs::path& folder, const std::vector<RadarScan>& scans) {
   for (std::size_t i = 1; i < scans.size(); ++i) {
@@ -116,38 +149,43 @@ void check_stamps(const fs::path& folder, const std::vector<RadarScan>& scans) {
   }
 }
 
+void refuse_left_over(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  throw std::runtime_error(folder.string() + ": is left from another recording");
+}
+
+TextFile begin_file(const fs::path& folder, const std::string& header) {
+  const fs::path path = folder / kData;
+  if (fs::exists(path)) throw std::runtime_error(path.string() + ": is another recording");
+  fs::create_directories(folder);
+  TextFile file(path);
+  file.write(header);
+  return file;
+}
+
 }  // namespace
 
 void write_dataset(const fs::path& path, const Dataset& dataset) {
+  const std::size_t others = dataset.other_radars.size();
   check_stamps(path / kRadar, dataset.scans);
   for (std::size_t r = 1; r <= Options::kMaxOtherRadars; ++r) {
     const fs::path folder = path / radar_folder(r);
-    if (r <= dataset.other_radars.size()) {
+    if (r <= others) {
       check_stamps(folder, dataset.other_radars[r - 1].scans);
-    } else if (fs::exists(folder)) {
-      throw std::runtime_error(folder.string() + ": is left from another recording");
+    } else {
+      refuse_left_over(folder);
     }
   }
-  const std::pair<const char*, std::string> optional_files[] = {
-      {kBaro, dataset.baro.empty() ? "" : baro_text(dataset.baro)},
-      {kTruth, dataset.ground_truth.empty() ? "" : truth_text(dataset.ground_truth)}};
-  for (const auto& [folder, text] : optional_files) {
-    if (text.empty() && fs::exists(path / folder)) {
-      throw std::runtime_error((path / folder).string() + ": is left from another recording");
-    }
-  }
-  fs::create_directories(path / kImu);
-  fs::create_directories(path / kRadar);
+  if (dataset.baro.empty()) refuse_left_over(path / kBaro);
+  if (dataset.ground_truth.empty()) refuse_left_over(path / kTruth);
   write_file(path / kImu / kData, imu_text(dataset.imu));
   write_file(path / kRadar / kData, radar_text(dataset.scans));
-  for (const auto& [folder, text] : optional_files) {
-    if (text.empty()) continue;
-    fs::create_directories(path / folder);
-    write_file(path / folder / kData, text);
+  if (!dataset.baro.empty()) write_file(path / kBaro / kData, baro_text(dataset.baro));
+  if (!dataset.ground_truth.empty()) {
+    write_file(path / kTruth / kData, truth_text(dataset.ground_truth));
   }
-  for (std::size_t r = 1; r <= dataset.other_radars.size(); ++r) {
+  for (std::size_t r = 1; r <= others; ++r) {
     const Dataset::OtherRadar& other = dataset.other_radars[r - 1];
-    fs::create_directories(path / radar_folder(r));
     write_file(path / radar_folder(r) / kData, radar_text(other.scans));
     write_radar_info(path, other.info, {}, r);
   }
@@ -156,7 +194,6 @@ void write_dataset(const fs::path& path, const Dataset& dataset) {
 }
 
 void write_imu_info(const fs::path& path, const ImuInfo& info, const std::string& comment) {
-  fs::create_directories(path / kImu);
   ImuInfo imu = info;
   write_file(path / kImu / kSensor, comment_text(comment) + "sensor_type: imu\n" +
                                         pose_text(Pose{}) + keys_text(imu_keys(&imu)));
@@ -164,9 +201,47 @@ void write_imu_info(const fs::path& path, const ImuInfo& info, const std::string
 
 void write_radar_info(const fs::path& path, const RadarInfo& info, const std::string& comment,
                       std::size_t radar) {
-  const fs::path folder = path / radar_folder(radar);
-  fs::create_directories(folder);
-  write_file(folder / kSensor, radar_info_text(info, comment));
+  RadarInfo copy = info;
+  write_file(path / radar_folder(radar) / kSensor,
+             comment_text(comment) +
+                 "sensor_type: radar\ncomment: x forward, y left, z up; doppler = range rate, "
+                 "positive = receding\n" +
+                 (copy.T_BS ? pose_text(*copy.T_BS) : "") + keys_text(radar_keys(&copy)));
+}
+
+DatasetStream::DatasetStream(const fs::path& path, const Dataset& info)
+    : imu_(begin_file(path / kImu, kImuHeader)) {
+  write_imu_info(path, info.imu_info);
+  for (std::size_t r = 0; r <= info.other_radars.size(); ++r) {
+    radars_.push_back({begin_file(path / radar_folder(r), radar_header(false))});
+    write_radar_info(path, r == 0 ? info.radar_info : info.other_radars[r - 1].info, {}, r);
+  }
+}
+
+void DatasetStream::add(const ImuSample& sample) {
+  std::string row;
+  append_row(&row, sample);
+  imu_.write(row);
+}
+
+void DatasetStream::add(const RadarScan& scan, std::size_t radar) {
+  Radar& to = radars_.at(radar);
+  if (to.any && scan.time == to.last) return;
+  to.any = true;
+  to.last = scan.time;
+  std::string rows;
+  append_rows(&rows, scan, false);
+  to.file.write(rows);
+}
+
+void DatasetStream::flush() {
+  imu_.flush();
+  for (Radar& radar : radars_) radar.file.flush();
+}
+
+void DatasetStream::close() {
+  imu_.close();
+  for (Radar& radar : radars_) radar.file.close();
 }
 
 }  // namespace rio::io
