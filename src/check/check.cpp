@@ -11,14 +11,12 @@
 #include <vector>
 
 #include "check/clock_steps.hpp"
-#include "check/doppler_check.hpp"
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_check.hpp"
 #include "check/order.hpp"
 #include "check/points_check.hpp"
 #include "check/radar_check.hpp"
-#include "check/start_check.hpp"
 #include "check/units.hpp"
 
 namespace rio::check {

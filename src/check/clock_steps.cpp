@@ -9,7 +9,7 @@
 
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
-#include "check/motion_data.hpp"
+#include "check/motion_check.hpp"
 #include "check/numbers.hpp"
 #include "rio/checks/stamp_guard.hpp"
 #include "rio/frontend/mounting_search.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/doppler_check.hpp"
+#include "check/radar_check.hpp"
 
 #include <fmt/format.h>
 

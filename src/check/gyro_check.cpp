@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/gyro_check.hpp"
+#include "check/judge.hpp"
 
 #include <fmt/format.h>
 

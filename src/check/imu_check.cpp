@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "check/advice.hpp"
-#include "check/imu_stamps.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
 #include "check/units.hpp"

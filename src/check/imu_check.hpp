@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Checks of the IMU alone: stamps, units, saturation. No motion model and no radar is needed.
+// Checks of the IMU alone: stamps, units, saturation, the standstill with which the estimator
+// starts. No motion model and no radar is needed.
 //
 // The unit of the accelerometer: at rest it measures g, in flight g on average.
 // The unit of the gyro: it rotates the specific force of one second into that of the next. With
@@ -14,10 +15,28 @@
 #include <vector>
 
 #include "check/finding.hpp"
+#include "check/scans.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/options.hpp"
 #include "rio/types.hpp"
 
 namespace rio::check {
+
+// How long the IMU can bridge missing data: the rules by which gaps are judged.
+
+/// Largest uncertainty of velocity and tilt of an estimate that is ok; the limits of
+/// HealthReason::kUncertainVelocity and kUncertainTilt.
+inline constexpr double kMostVelocity = 0.5;                               // [m/s]
+inline constexpr double kMostTilt = 3.0 * 3.14159265358979323846 / 180.0;  // [rad]
+
+/// The tilt in flight is known to about a degree, which causes this apparent acceleration.
+inline constexpr double kFeigned = 0.17;  // [m/s^2]
+
+/// A longer silence of the radar makes the velocity uncertain.
+inline constexpr double kLongestSilence = kMostVelocity / kFeigned;  // [s]
+
+/// Up to this interval of radar velocities the IMU adds less than the error of one of them.
+inline constexpr double kSparseVelocities = 0.1 / kFeigned;  // [s]
 
 /// Samples that can be integrated: finite, in_order() of order.hpp; empty if these are all.
 std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
@@ -63,6 +82,18 @@ struct CheckedImu {
 /// @param csv their file, to name lines of it; may be empty
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv);
+
+/// Unit, rate and order of the stamps, and what the lost samples cost the estimate. Parameters as
+/// those of check_imu(), at least two good samples.
+/// @param unit of the stamps [ns]; unchanged if it is that, else the change is up to the caller
+Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
+                     const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
+                     double* unit);
+
+/// Whether the estimator finds the standstill with which it starts, and what a late one costs;
+/// subject "start".
+/// @param scans of the first radar
+Finding check_start(const CheckedImu& imu, const Scans& scans, const Options& options);
 
 /// With gyro and accelerometer exchanged.
 std::vector<ImuSample> exchanged(std::vector<ImuSample> samples);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/imu_stamps.hpp"
+#include "check/imu_check.hpp"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "check/advice.hpp"
-#include "check/bridge.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
 #include "check/units.hpp"

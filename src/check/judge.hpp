@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the checks from the motion judge: the windows of one length.
+// The parts of the check from the motion: what they judge, and the axes, the gyro and the delay.
 #pragma once
 
-#include "check/advice.hpp"
-#include "check/motion.hpp"
-#include "check/motion_data.hpp"
-#include "rio/options.hpp"
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "check/motion_check.hpp"
 
 namespace rio::check {
 
 inline constexpr double kShortestWindow = 2.0;  ///< hardly notices the biases of the IMU [s]
 
+/// The windows of one length.
 struct Judge {
   const MotionData& data;
   const Agreement& all;  ///< of the windows
@@ -23,5 +25,66 @@ struct Judge {
     return significance(all.explained(worse), all.explained(better), all.windows);
   }
 };
+
+// The axes and the sign of the Doppler with which the velocities of the radar fit the IMU.
+//
+// The configured mounting competes with all others by right angles, about axes of the radar
+// or of the body, each with both signs of the Doppler, and with the best at any angle if none of
+// these is near it, all at the best delay. The configuration is wrong only if another hypothesis
+// explains the movement, the configured one is clearly worse, and the difference is significant by
+// (E6) of motion.hpp. What the ranges say of the sign (points_check.hpp) excludes candidates:
+// motion in a plane does not distinguish the other sign from a radar turned by 180 deg.
+
+/// The rotation with which b^T r of (E4) is largest (Wahba's problem).
+/// @param sign -1: the mirrored one, as if the Doppler were flipped
+Matrix3d best_rotation(const Agreement& all, double sign = 1.0);
+
+/// The best of the candidates; the first of those that it does not beat significantly.
+/// @param alike all of these, first the one that is returned
+Axes choose_axes(const Judge& judge, std::vector<Axes>* alike);
+
+/// @param found,alike of choose_axes()
+Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes>& alike);
+
+/// The Doppler lacks the motion of the vehicle, as `text` says, unless the IMU measures nonsense.
+Finding compensated(const Judge& judge, const std::string& text);
+
+// The gyro by the radar: both agree only with rates in another unit, of another range, of another
+// sign, or in other axes than the accelerometer.
+
+/// @param as_read explained with the rates as they are
+std::optional<Finding> check_gyro_by_radar(const Judge& judge, double as_read);
+
+// The delay of the stamps of the radar, by the shift with which the motion of radar and IMU agrees
+// best: every 20 ms up to 0.28 s to both sides of the configured delay, and up to four seconds
+// where these are not enough.
+
+/// The largest share (E4) of motion.hpp with the axes of any of the candidates() that the sign of
+/// the Doppler allows.
+double most_explained(const Agreement& windows, const Options& options, DopplerSign sign);
+
+/// The windows for every shift, from the most negative on.
+/// @param length of a window [s]
+std::vector<Agreement> all_shifts(const MotionData& data, double length, const RadarOptions& radar);
+
+/// The windows in which the axes are judged: at the configured delay, unless another shift is
+/// significantly better with some axes.
+/// @param shifts of all_shifts(), like those below
+const Agreement& windows_to_judge(const std::vector<Agreement>& shifts, const Options& options,
+                                  DopplerSign sign);
+
+/// Whether the first or the last shift explains the motion best.
+bool ends_at_the_best(const std::vector<Agreement>& shifts, const Options& options,
+                      DopplerSign sign);
+
+/// @param R axes of the radar as found
+Finding check_delay(const std::vector<Agreement>& shifts, const Matrix3d& R, const Options& options,
+                    const Advice& advice);
+
+/// A delay beyond those of check_delay(), with which radar and IMU agree at last; empty if there is
+/// none.
+/// @param near explained at most with those of check_delay()
+std::optional<Finding> check_far_delay(const MotionData& data, double length, double near,
+                                       const Options& options, const Advice& advice);
 
 }  // namespace rio::check

@@ -8,9 +8,7 @@
 #include <cmath>
 #include <optional>
 
-#include "check/axes_check.hpp"
-#include "check/delay_check.hpp"
-#include "check/gyro_check.hpp"
+#include "check/judge.hpp"
 #include "check/units.hpp"
 #include "rio/frontend/mounting_search.hpp"
 

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "check/bridge.hpp"
-#include "check/doppler_check.hpp"
+#include "check/imu_check.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
 #include "rio/checks/stamp_guard.hpp"

@@ -10,6 +10,7 @@
 #include "check/motion.hpp"
 #include "check/scans.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/options.hpp"
 
 namespace rio::check {
 
@@ -27,5 +28,13 @@ Findings check_radar(const Scans& scans, const io::RadarInfo& info,
                      const std::vector<RadarSpeed>& speeds, const CheckedImu& imu,
                      const Options& options, const Advice& advice,
                      const std::filesystem::path& csv);
+
+/// The Doppler of a radar: its columns, its limit, and whether it is zero at rest.
+Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& options,
+                      const Advice& advice);
+
+/// The largest Doppler except for one of a thousand [m/s]: where a radar folds whose limit is
+/// configured in another unit.
+double fastest(const Scans& scans);
 
 }  // namespace rio::check

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/start_check.hpp"
+#include "check/imu_check.hpp"
 
 #include <fmt/format.h>
 
