@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "formats.hpp"
-#include "io/foreign_file.hpp"
 #include "recording_folder.hpp"
 #include "rio/bag/wire.hpp"
+#include "rio/io/csv.hpp"
 
 namespace rio::bag {
 

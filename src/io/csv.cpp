@@ -11,33 +11,14 @@
 #include <utility>
 
 #include "decimal.hpp"
-#include "foreign_file.hpp"
 
 namespace rio::io {
 
 namespace {
 
-constexpr bool is_blank(char c) {
-  return c == ' ' || c == '\t';
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-/// Without the blanks and quotes around it.
-std::string_view unquoted(std::string_view cell) {
-  const auto is_around = [](char c) { return is_blank(c) || c == '"' || c == '\''; };
-  while (!cell.empty() && is_around(cell.front())) cell.remove_prefix(1);
-  while (!cell.empty() && is_around(cell.back())) cell.remove_suffix(1);
-  return cell;
-}
-
 /// In small letters, without its unit; components of a quaternion as "qw".
 std::string name_of_column(std::string_view cell) {
-  while (!cell.empty() && (is_blank(cell.front()) || cell.front() == '#')) cell.remove_prefix(1);
+  cell.remove_prefix(std::min(cell.find_first_not_of(" \t#"), cell.size()));
   std::string name(cell.substr(0, cell.find_first_of(" \t[(")));
   for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   constexpr std::string_view kComponents = "wxyz";
@@ -225,7 +206,7 @@ void CsvReader::split(std::string_view line) {
   cells_.clear();
   while (true) {
     const std::size_t end = separator_ == ' ' ? line.find_first_of(" \t") : line.find(separator_);
-    cells_.push_back(unquoted(line.substr(0, end)));
+    cells_.push_back(trimmed(line.substr(0, end), " \t\"'"));
     if (end == std::string_view::npos) return;
     line.remove_prefix(end + 1);
     if (separator_ == ' ') line = trimmed(line);

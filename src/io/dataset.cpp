@@ -9,11 +9,11 @@
 #include <stdexcept>
 
 #include "dataset_layout.hpp"
+#include "decimal.hpp"
 #include "doppler_grid.hpp"
 #include "rio/io/csv.hpp"
 #include "rio/io/scan_folder.hpp"
 #include "sensor_rows.hpp"
-#include "unit_quaternion.hpp"
 
 namespace rio::io {
 

@@ -17,9 +17,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "decimal.hpp"
 #include "rio/core/field.hpp"
 #include "rio/option_fields.hpp"
-#include "unit_quaternion.hpp"
 #include "yaml.hpp"
 
 namespace rio::io {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "foreign_file.hpp"
+#include "rio/io/csv.hpp"
 
 #include <algorithm>
 #include <cctype>

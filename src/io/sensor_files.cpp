@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "dataset_layout.hpp"
-#include "unit_quaternion.hpp"
+#include "decimal.hpp"
 #include "yaml.hpp"
 
 namespace rio::io {

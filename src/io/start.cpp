@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "unit_quaternion.hpp"
+#include "decimal.hpp"
 #include "yaml.hpp"
 
 namespace rio::io {

@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "decimal.hpp"
 #include "rio/io/csv.hpp"
 #include "rio/io/dataset.hpp"
-#include "unit_quaternion.hpp"
 
 namespace rio::io {
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <system_error>
 
+#include "decimal.hpp"
+
 namespace rio::io {
 
 namespace {
@@ -57,12 +59,6 @@ constexpr std::array<NamedUnit, 24> kUnits = {{
   throw std::invalid_argument("unknown unit \"" + std::string(text) + "\"");
 }
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
 /// One factor such as "m", "s^2" or "sqrt(Hz)", times `sign` in the exponent.
 void multiply(std::string_view text, int sign, Unit* product) {
   text = trimmed(text);
@@ -110,8 +106,7 @@ Unit parse_unit(std::string_view text) {
 
 double parse_quantity(std::string_view text, std::string_view si_unit) {
   const std::string_view whole = trimmed(text);
-  std::string_view digits = whole;
-  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  const std::string_view digits = without_plus(whole);
   double value = 0.0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc{}) {

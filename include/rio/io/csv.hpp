@@ -17,6 +17,11 @@ namespace rio::io {
 /// The contents of a file; throws std::runtime_error if it is missing, a folder, or empty.
 std::string read_text(const std::filesystem::path& path);
 
+/// What a file is by its first bytes, 32 or more, and what to do, if it is not what its name says,
+/// as downloads and power failures leave files: "a page of HTML...: download it again"; empty if it
+/// is none of those known.
+std::string_view foreign_file(std::string_view head);
+
 /// Every error is a std::runtime_error that begins "FILE:LINE: ". All rows must have as many cells
 /// as the first, so a truncated row is an error, and a decimal comma is found by the columns of a #
 /// header; CRLF and a last line without newline are accepted.
