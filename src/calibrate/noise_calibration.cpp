@@ -11,7 +11,6 @@
 #include "calibrate/noise_probe.hpp"
 #include "rio/pipeline.hpp"
 #include "rio/propagate/imu_buffer.hpp"
-#include "rio/propagate/static_alignment.hpp"
 
 namespace rio::calibrate {
 
@@ -32,7 +31,7 @@ class Run {
         imu_(options.timing, options.imu),
         aligner_(options.start, options.imu) {
     pipeline_.backend().connect(out, recording.truth);
-    if (recording.start) begin(recording.start->state, recording.start->covariance);
+    if (recording.start) begin(*recording.start);
   }
 
   void run() {
@@ -48,9 +47,9 @@ class Run {
   }
 
  private:
-  void begin(const NavState& state, const BodyCovariance& covariance) {
-    pipeline_.reset(state, covariance);
-    last_scan_ = state.time;
+  void begin(const Start& start) {
+    pipeline_.reset(start.state, start.covariance);
+    last_scan_ = start.state.time;
     running_ = true;
   }
 
@@ -60,7 +59,7 @@ class Run {
     if (!running_) {
       std::optional<Alignment> alignment;
       (void)aligner_.add(sample, &alignment);  // on motion it waits for the next standstill
-      if (alignment) begin(alignment->state, alignment->covariance);
+      if (alignment) begin(*alignment);
       return;
     }
     while (next_ < recording_.scans.size() &&

@@ -10,6 +10,7 @@
 
 #include "rio/eval/noise_fit.hpp"
 #include "rio/options.hpp"
+#include "rio/propagate/static_alignment.hpp"
 #include "rio/types.hpp"
 
 namespace rio::calibrate {
@@ -21,10 +22,7 @@ inline constexpr double kAllAlike = -200.0;
 using TruthAt = std::function<std::optional<NavState>(Time)>;
 
 /// Start of a run.
-struct Start {
-  NavState state;
-  BodyCovariance covariance = BodyCovariance::Zero();
-};
+using Start = Alignment;
 
 /// Input of a run.
 struct Recording {

@@ -73,10 +73,10 @@ BodyCovariance start_covariance(const Quaternion& q_WB, const StartOptions& star
   return P;
 }
 
-StartFile load_start(const std::filesystem::path& path, const StartOptions& start,
+Alignment load_start(const std::filesystem::path& path, const StartOptions& start,
                      Time default_time) {
   const YamlFile file = load_yaml(path);
-  StartFile out;
+  Alignment out;
   out.state.time = default_time;
   std::map<int, Vector3d> given;  // first row of the block -> variances
 

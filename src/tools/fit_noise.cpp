@@ -43,9 +43,7 @@ std::optional<calibrate::Start> make_start(const FitNoiseArguments& arguments,
                                            const io::Dataset& dataset, const Options& options) {
   if (arguments.init == "static") return std::nullopt;
   if (arguments.init == "groundtruth") return start_from_truth(dataset, options);
-  const io::StartFile file =
-      io::load_start(arguments.init, options.start, dataset.imu.front().time);
-  return calibrate::Start{file.state, file.covariance};
+  return io::load_start(arguments.init, options.start, dataset.imu.front().time);
 }
 
 double degrees(double angle) {

@@ -63,7 +63,7 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
   if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
   if (init == "static") return std::nullopt;
   if (init == "groundtruth") return start_from_truth(recording, options);
-  const io::StartFile file =
+  const Alignment file =
       io::load_start(init, options.start, recording.samples->outline().imu_begin);
   return Start{file.state, file.covariance, "file"};
 }

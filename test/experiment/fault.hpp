@@ -31,7 +31,7 @@ struct Event {
   Kind kind = Kind::kImu;
   ImuSample sample{};
   RadarScan scan{};
-  std::shared_ptr<const io::StartFile> start{};
+  std::shared_ptr<const Alignment> start{};
   bool lost = false;  ///< never arrives
 
   bool is_imu() const { return kind == Kind::kImu; }

@@ -29,7 +29,7 @@ Fault turned_mounting(double degrees, Promised promised) {
   });
 }
 
-using Start = io::StartFile;
+using Start = Alignment;
 
 /// A start in flight from the truth with the sigmas of the options' start, modified.
 Fault start(const std::string& name, Promised promised, const std::function<void(Start&)>& change) {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "fuzz/fuzz.hpp"
-#include "rio/bag/recording_map.hpp"
+#include "rio/bag/recording.hpp"
 #include "rio/io/start.hpp"
 #include "support/temp_dir.hpp"
 
@@ -21,7 +21,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     }
   });
   rio::fuzz::reads(file + ":", [&] {
-    const rio::io::StartFile start = rio::io::load_start(file, {}, rio::Time{0});
+    const rio::Alignment start = rio::io::load_start(file, {}, rio::Time{0});
     RIO_FUZZ_CHECK(start.state.p_WB.allFinite() && start.state.v_WB.allFinite());
     RIO_FUZZ_CHECK(std::abs(start.state.q_WB.norm() - 1.0) < 1e-9);
     RIO_FUZZ_CHECK(start.covariance.allFinite());

@@ -36,7 +36,7 @@ TEST(Start, CovarianceOfYawFollowsTheAttitude) {
 
 TEST(Start, ReadsEveryKey) {
   const TempDir dir;
-  const StartFile file = load_start(dir.write("s.yaml",
+  const Alignment file = load_start(dir.write("s.yaml",
                                               "time_ns: 1403636579758555392\n"
                                               "position: [1, 2 cm, 3]\n"
                                               "quaternion_wxyz: [0, 0.6, 0, 0.8]\n"
@@ -70,7 +70,7 @@ TEST(Start, MissingKeysHaveDefaults) {
   const TempDir dir;
   StartOptions start;
   start.sigma_tilt = 0.2;
-  const StartFile file = load_start(
+  const Alignment file = load_start(
       dir.write("s.yaml", "quaternion_wxyz: [1, 0, 0, 0]\nvelocity: [1, 0, 0]\n"), start, Time(5));
   EXPECT_EQ(file.state.time, Time(5));
   EXPECT_EQ(file.state.p_WB, Vector3d(0, 0, 0));

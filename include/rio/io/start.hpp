@@ -5,15 +5,10 @@
 #include <filesystem>
 
 #include "rio/options.hpp"
+#include "rio/propagate/static_alignment.hpp"
 #include "rio/types.hpp"
 
 namespace rio::io {
-
-/// First state with its covariance, order of namespace body.
-struct StartFile {
-  NavState state;
-  BodyCovariance covariance = BodyCovariance::Zero();
-};
 
 /// Covariance of a start with the sigmas of `start`. Yaw and tilt are about world axes, so the body
 /// block is R^T diag(tilt^2, tilt^2, yaw^2) R.
@@ -26,7 +21,7 @@ BodyCovariance start_covariance(const Quaternion& q_WB, const StartOptions& star
 /// to `start`.
 /// @param default_time of the state when the file has no time_ns
 /// @throws std::runtime_error "FILE:LINE: ..." for unknown keys, wrong types and units
-StartFile load_start(const std::filesystem::path& path, const StartOptions& start,
+Alignment load_start(const std::filesystem::path& path, const StartOptions& start,
                      Time default_time);
 
 }  // namespace rio::io
