@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/bag/recording_map.hpp"
+#include "rio/bag/recording.hpp"
 
 #include <stdexcept>
 #include <string>

@@ -12,7 +12,6 @@
 #include "outputs.hpp"
 #include "rio/bag/dataset_presets.hpp"
 #include "rio/bag/recording.hpp"
-#include "rio/bag/recording_map.hpp"
 #include "rio/bag/recording_writer.hpp"
 #include "rio/bag/summary.hpp"
 #include "rio/io/scan_folder.hpp"

@@ -8,7 +8,7 @@
 
 #include "bag/ros_message.hpp"
 #include "rio/bag/point_fields.hpp"
-#include "rio/bag/recording_map.hpp"
+#include "rio/bag/recording.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::bag {

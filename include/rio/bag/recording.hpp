@@ -77,6 +77,19 @@ io::Dataset read_recording(const std::filesystem::path& path, const RecordingReq
 std::unique_ptr<io::RecordingStream> open_recording(const std::filesystem::path& path,
                                                     const RecordingRequest& request);
 
+/// The settings to read recordings of one kind, from a file: topics, clocks, units, and the
+/// assignment of point fields.
+///
+///     imu: {topic: /imu/data, clock: header, gyro_unit: deg/s}
+///     radar:
+///       axes: rdf
+///       fields: {doppler: [rdot*-1, velocity], snr: power*0.1}
+///
+/// Missing keys keep the value of `base`.
+/// @throws std::runtime_error "FILE:LINE: ..." for unknown keys, clocks and units, and for values
+/// that are not text; PointMap checks field names once there are points
+RecordingRequest load_recording_map(const std::filesystem::path& path, RecordingRequest base = {});
+
 /// The ground truth of a file for open_messages(): stamped as the recording in it would be by
 /// default, else by the headers.
 /// @throws std::runtime_error if there is no topic with one, or several
