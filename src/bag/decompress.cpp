@@ -11,6 +11,8 @@
 #include <zstd.h>
 #endif
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -24,12 +26,6 @@
 namespace rio::bag {
 
 namespace {
-
-[[noreturn]] [[maybe_unused]] void fail_without(const std::string& library) {
-  throw std::runtime_error("chunks of this recording need lib" + library +
-                           ", which rio was built without: install lib" + library +
-                           "-dev and build again");
-}
 
 /// The output of a decompressor, which grows up to the declared size.
 class Sink {
@@ -90,10 +86,6 @@ std::string decompress_bz2(Bytes in, Sink* sink) {
     if (room.empty() && made > 0) return "its bzip2 data gives more bytes than declared";
   }
 }
-#else
-std::string decompress_bz2(Bytes, Sink*) {
-  fail_without("bz2");
-}
 #endif
 
 #ifdef RIO_HAS_LZ4
@@ -116,10 +108,6 @@ std::string decompress_lz4(Bytes in, Sink* sink) {
   }
   return sink->verdict(true);
 }
-#else
-std::string decompress_lz4(Bytes, Sink*) {
-  fail_without("lz4");
-}
 #endif
 
 #ifdef RIO_HAS_ZSTD
@@ -138,22 +126,30 @@ std::string decompress_zstd(Bytes in, Sink* sink) {
   }
   return sink->verdict(true);
 }
-#else
-std::string decompress_zstd(Bytes, Sink*) {
-  fail_without("zstd");
-}
 #endif
 
 }  // namespace
 
-std::string decompress(std::string_view method, Bytes in, std::optional<std::uint64_t> declared,
-                       std::vector<std::uint8_t>* out) {
+std::string decompress(std::string_view method, [[maybe_unused]] Bytes in,
+                       std::optional<std::uint64_t> declared, std::vector<std::uint8_t>* out) {
   out->clear();
   if (declared && *declared > kMaxRecord) return "declares more than 1 GiB";
-  Sink sink(declared, out);
+  [[maybe_unused]] Sink sink(declared, out);
+#ifdef RIO_HAS_BZ2
   if (method == "bz2") return decompress_bz2(in, &sink);
+#endif
+#ifdef RIO_HAS_LZ4
   if (method == "lz4") return decompress_lz4(in, &sink);
+#endif
+#ifdef RIO_HAS_ZSTD
   if (method == "zstd") return decompress_zstd(in, &sink);
+#endif
+  if (method == "bz2" || method == "lz4" || method == "zstd") {
+    throw std::runtime_error(fmt::format(
+        "chunks of this recording need lib{0}, which rio was built without: install lib{0}-dev and "
+        "build again",
+        method));
+  }
   return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
 }
 
