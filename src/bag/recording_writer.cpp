@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/bag/recording_writer.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "mcap_writer.hpp"
+#include "rio/sim/ti_packet.hpp"
 #include "ros2_types.hpp"
 
 namespace rio::bag {
@@ -34,18 +33,11 @@ std::string imu_message(const ImuSample& sample) {
   return message.bytes();
 }
 
-std::int16_t tenths(double db) {
-  return static_cast<std::int16_t>(std::clamp(std::round(10.0 * db), -32768.0, 32767.0));
-}
-
 std::string points_of(const RadarScan& scan) {
   ByteWriter points;
   for (const RadarDetection& d : scan.detections) {
-    const Vector3d& p = d.point_S;
-    for (const double value : {-p.y(), p.x(), p.z(), d.range_rate}) {
-      points.put(static_cast<float>(value));
-    }
-    points.put(tenths(d.snr_db)).put(tenths(d.noise_db));
+    const sim::WrittenPoint p = sim::written(d);
+    points.put(p.x).put(p.y).put(p.z).put(p.velocity).put(p.snr).put(p.noise);
   }
   return points.bytes();
 }
