@@ -3,6 +3,7 @@
 // sigmas.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 namespace rio::calibrate {
@@ -22,12 +23,30 @@ struct Combined {
 };
 
 /// At least one measurement.
-Combined combine(const std::vector<Measured>& measured);
+inline Combined combine(const std::vector<Measured>& measured) {
+  double weights = 0.0;
+  Combined out;
+  for (const Measured& m : measured) {
+    const double weight = 1.0 / (m.sigma * m.sigma);
+    weights += weight;
+    out.value += weight * m.value;
+  }
+  out.value /= weights;
+  out.sigma = 1.0 / std::sqrt(weights);
+  for (const Measured& m : measured) {
+    const double off = (m.value - out.value) / m.sigma;
+    out.chi2 += off * off;
+  }
+  out.dof = static_cast<int>(measured.size()) - 1;
+  return out;
+}
 
 /// Measurements farther apart than this contradict each other [sigmas].
 inline constexpr double kFarApart = 3.0;
 
 /// |a - b| over the sigma of the difference.
-double apart(const Measured& a, const Measured& b);
+inline double apart(const Measured& a, const Measured& b) {
+  return std::abs(a.value - b.value) / std::hypot(a.sigma, b.sigma);
+}
 
 }  // namespace rio::calibrate

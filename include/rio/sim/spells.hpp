@@ -10,7 +10,13 @@ struct Spells {
   double duration = 0.0;  ///< of each [s]
 
   /// Whether `seconds` after the start of a flight of `total` seconds is inside one.
-  bool contain(double seconds, double total) const;
+  bool contain(double seconds, double total) const {
+    for (int k = 1; k <= count; ++k) {
+      const double since = seconds - total * k / (count + 1) + 0.5 * duration;
+      if (since >= 0.0 && since < duration) return true;
+    }
+    return false;
+  }
 };
 
 }  // namespace rio::sim
