@@ -136,7 +136,6 @@ void make_imu_ideal(const Drive& drive, Cause cause, std::uint64_t seed, io::Dat
 /// Of all drives the runs of a cause and a back-end; a drive counts with the mean of its seeds.
 std::vector<std::string> row_of(const std::vector<RealRun>& runs, const std::string& cause,
                                 std::size_t back_end) {
-  constexpr double kDegree = 180.0 / 3.14159265358979;
   std::vector<double> pitch, height;
   double square = 0.0, largest = 0.0, lowest = 1.0, n = 0.0;
   for (const RealRun& run : runs) {
@@ -146,7 +145,7 @@ std::vector<std::string> row_of(const std::vector<RealRun>& runs, const std::str
       if (!s.started) continue;
       const double sigmas = std::abs(s.pitch) / s.pitch_sigma;
       started += 1.0;
-      pitches += kDegree * s.pitch;
+      pitches += s.pitch / sim::kDegree;
       heights += s.height_share();
       square += sigmas * sigmas;
       largest = std::max(largest, sigmas);

@@ -12,7 +12,7 @@ namespace rio::experiment {
 
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
+using sim::kDegree;
 
 Fault wrong_mounting(const std::string& by, Promised promised,
                      const std::function<void(Pose&)>& change) {

@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
 
@@ -23,8 +22,6 @@
 namespace rio::experiment {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 TEST(Spread, MeanWorstAndSampleDeviation) {
   const Spread s = Spread::of(std::vector<double>{1.0, 4.0, 1.0});
   EXPECT_DOUBLE_EQ(s.mean, 2.0);
@@ -39,7 +36,7 @@ TEST(Spread, MeanWorstAndSampleDeviation) {
 
 TEST(Spread, OneMissingFigureIsTheWorst) {
   for (const auto& values :
-       {std::vector<double>{kNan, 1.0, 2.0}, {1.0, kNan, 2.0}, {1.0, 2.0, kNan}}) {
+       {std::vector<double>{NAN, 1.0, 2.0}, {1.0, NAN, 2.0}, {1.0, 2.0, NAN}}) {
     EXPECT_TRUE(std::isnan(Spread::of(values).worst));
     EXPECT_TRUE(std::isnan(Spread::of(values).mean));
   }

@@ -18,7 +18,6 @@ namespace {
 constexpr double kRow = 600.0;          // [s]
 constexpr double kComparison = 600.0;   // of the runs that must be the same [s]
 constexpr std::size_t kTableRows = 24;  // of the report; the csv has all
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 std::vector<std::string> cells(const SoakRow& row) {
   return {fmt::format("{:.2f}", row.time / 3600.0),
@@ -27,7 +26,7 @@ std::vector<std::string> cells(const SoakRow& row) {
           fmt::format("{:.2f}", row.nees_position),
           fmt::format("{:.3f}", row.velocity_error),
           fmt::format("{:.2f}", row.nees_velocity),
-          fmt::format("{:.3f}", row.tilt_error / kDegree),
+          fmt::format("{:.3f}", row.tilt_error / sim::kDegree),
           fmt::format("{:.2f}", row.nees_tilt),
           fmt::format("{:.2f}", row.calibration),
           fmt::format("{:.0e}", row.asymmetry),

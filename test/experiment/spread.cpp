@@ -4,14 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace rio::experiment {
 
 Spread Spread::of(const std::vector<double>& values) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  if (values.empty()) return {kNan, kNan, kNan};
+  if (values.empty()) return {NAN, NAN, NAN};
   const double n = static_cast<double>(values.size());
   Spread s{0.0, values.front(), 0.0};
   for (const double value : values) {

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -20,7 +18,6 @@ namespace rio::sim {
 namespace {
 
 using Poses = std::vector<eval::StampedPose>;
-constexpr double kOneDegree = std::numbers::pi / 180.0;
 constexpr Time kEpoch{1'403'715'273'262'140'000};
 
 const Trajectory& flown() {
@@ -83,7 +80,7 @@ TEST(TrajectoryFit, RecoversAKnownFlight) {
     const TrajectoryFit fit = fit_trajectory(poses);
     const FitError worst = error(fit, poses);
     EXPECT_LT(worst.position, 1e-3) << rate_hz;  // finer knots than the truth's: nothing is lost
-    EXPECT_LT(worst.attitude, 0.2 * kOneDegree) << rate_hz;  // second derivative of the above
+    EXPECT_LT(worst.attitude, 0.2 * kDegree) << rate_hz;  // second derivative of the above
     EXPECT_LT(fit.rms, 2e-4) << rate_hz;
     EXPECT_NEAR(fit.trajectory.length(), truth.length(), 0.01) << rate_hz;
     // recorded from its standstill on: both worlds are the same, and the motion between samples too
@@ -231,17 +228,15 @@ TEST(TrajectoryFit, RefusesBadRecordings) {
   EXPECT_PRED2(test::contains, failure({}), "0 poses");
   EXPECT_PRED2(test::contains, failure(record(0.8, 5.0, 15.0)), "9 poses");
   EXPECT_PRED2(test::contains, failure(record(20.0, 5.0, 6.9)), "s long");
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   const struct {
     void (*damage)(Poses& poses);
     const char* said;
   } damages[] = {
       {[](Poses& p) { p[7].time = p[6].time; }, "pose 8 is not later"},
       {[](Poses& p) { std::swap(p[7], p[20]); }, "pose 9 is not later"},
-      {[](Poses& p) { p[3].p.y() = kNan; }, "pose 4 is not finite"},
-      {[](Poses& p) { p[3].p.z() = kInf; }, "pose 4 is not finite"},
-      {[](Poses& p) { p[3].q.w() = kNan; }, "pose 4 is not finite"},
+      {[](Poses& p) { p[3].p.y() = NAN; }, "pose 4 is not finite"},
+      {[](Poses& p) { p[3].p.z() = INFINITY; }, "pose 4 is not finite"},
+      {[](Poses& p) { p[3].q.w() = NAN; }, "pose 4 is not finite"},
       {[](Poses& p) { p[3].q.coeffs().setZero(); }, "unit quaternion"},
       {[](Poses& p) { p[90].p.z() += 5.0; }, "falls freely"},
   };
@@ -255,7 +250,7 @@ TEST(TrajectoryFit, RefusesBadRecordings) {
 TEST(TrajectoryFit, NeedsAnUprightAxis) {
   const Poses poses = record(20.0);
   const auto pitched = [&](double degrees) {
-    return mounted(poses, gamma(0, Vector3d(0.0, degrees * kOneDegree, 0.0)));
+    return mounted(poses, gamma(0, Vector3d(0.0, degrees * kDegree, 0.0)));
   };
   // the flight itself is level on average to a degree
   EXPECT_PRED2(test::contains, failure(pitched(38.0)), "35 deg");
