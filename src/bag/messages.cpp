@@ -35,21 +35,21 @@ Vector3d read_measured(WireReader* reader, bool* is_there, ImuMessage* message) 
 ImuMessage decode_px4_imu(Encoding encoding, Bytes message) {
   constexpr std::int32_t kNone = 0x7FFFFFFF;  // no sample of the accelerometer
   WireReader reader = reader_of(encoding, message);
-  const auto frd = [&reader] {
+  const auto vector = [&reader] {
     Vector3d v;
     for (double& value : v) value = static_cast<double>(reader.read<float>());
-    return Vector3d(v.x(), -v.y(), -v.z());
+    return v;
   };
   ImuMessage out;
   const auto microseconds = reader.read<std::uint64_t>();
   if (microseconds > (std::uint64_t{1} << 52)) throw Damage(4, "a stamp out of all reason");
   out.header.stamp = Time(static_cast<std::int64_t>(microseconds) * 1000);
   out.sample.time = out.header.stamp;
-  out.sample.gyro_B = frd();
+  out.sample.gyro_B = vector();
   (void)reader.read<std::uint32_t>();  // interval of the gyro
   const std::size_t where = reader.position();
   if (reader.read<std::int32_t>() == kNone) throw Damage(where, "it has no accelerometer");
-  out.sample.accel_B = frd();
+  out.sample.accel_B = vector();
   return out;
 }
 

@@ -17,6 +17,7 @@ constexpr const char* kFields = "radar.fields";  // has keys of its own
 /// The keys of the file, except those of the fields.
 struct MapFile {
   RecordingRequest request;
+  Axes imu_axes{};
   std::string gyro_unit;
   std::string accel_unit;
 };
@@ -31,7 +32,7 @@ void visit_fields(MapFile& file, const Visitor& visit) {
   field("imu.topic", request.imu_topic);
   field("imu.clock", request.imu_clock);
   field("imu.offset", request.imu_offset, "s");
-  field("imu.axes", request.imu_axes);
+  field("imu.axes", file.imu_axes);
   field("imu.gyro_unit", file.gyro_unit);
   field("imu.accel_unit", file.accel_unit);
   field("pressure.topic", request.pressure_topic);
@@ -99,6 +100,7 @@ RecordingRequest load_recording_map(const std::filesystem::path& path, Recording
   MapFile map;
   map.request = std::move(base);
   io::read_fields(file, kFields, &map);
+  if (find(file, "imu", "axes").IsDefined()) map.request.imu_axes = map.imu_axes;
   map.request.gyro_unit = unit_of(file, "gyro_unit", map.gyro_unit, "rad/s");
   map.request.accel_unit = unit_of(file, "accel_unit", map.accel_unit, "m/s^2");
   read_point_fields(file, &map.request.points);

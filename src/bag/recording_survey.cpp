@@ -26,12 +26,18 @@ void require_some(const Sources& sources, const Source& source) {
       sources.damage().empty() ? "" : "; " + sources.damage());
 }
 
+/// Of the messages of a type.
+Axes imu_axes(const RecordingRequest& request, const std::string& type) {
+  return request.imu_axes.value_or(type == kPx4ImuType ? Axes::kFrd : Axes::kFlu);
+}
+
 /// The mounting that /tf_static tells.
 std::optional<Pose> mounting(const Sources& sources, const Source& radar) {
   std::optional<Pose> T = sources.frames.pose(radar.frame, sources.imu->frame);
   if (T) {
-    T->translation = to_flu(sources.request().imu_axes, T->translation);
-    T->rotation = Quaternion(flu_from(sources.request().imu_axes)) * T->rotation;
+    const Axes axes = imu_axes(sources.request(), sources.imu->type);
+    T->translation = to_flu(axes, T->translation);
+    T->rotation = Quaternion(flu_from(axes)) * T->rotation;
   }
   if (T && radar.clouds->map() != nullptr) {
     T->rotation = T->rotation * Quaternion(radar.clouds->map()->rotation().transpose());
@@ -145,12 +151,10 @@ void tell(Surveyed* surveyed, Sources* sources) {
     sources->note(
         "no mounting in a recording: radar pose from the options, by default at the body origin");
   }
-  if (request.imu_axes != Axes::kFlu) {
-    sources->note("{}: axes {}, turned to forward, left, up", imu.role.name,
-                  names_of(request.imu_axes)[static_cast<std::size_t>(request.imu_axes)]);
-  }
-  if (imu.type == kPx4ImuType) {
-    sources->note("{}: axes forward, right, down, turned to forward, left, up", imu.role.name);
+  if (const Axes axes = imu_axes(request, imu.type); axes != Axes::kFlu) {
+    sources->note("{}: axes {}{}, turned to forward, left, up", imu.role.name,
+                  names_of(axes)[static_cast<std::size_t>(axes)],
+                  request.imu_axes ? "" : ", those of PX4");
   }
   if (imu.denied > 0) {
     sources->note(
@@ -174,8 +178,9 @@ void tell(Surveyed* surveyed, Sources* sources) {
 ImuMessage imu_message(const Topic& topic, const Message& message,
                        const RecordingRequest& request) {
   ImuMessage read = decode_imu_of(topic, message.data);
-  read.sample.gyro_B = request.gyro_unit * to_flu(request.imu_axes, read.sample.gyro_B);
-  read.sample.accel_B = request.accel_unit * to_flu(request.imu_axes, read.sample.accel_B);
+  const Axes axes = imu_axes(request, topic.type);
+  read.sample.gyro_B = request.gyro_unit * to_flu(axes, read.sample.gyro_B);
+  read.sample.accel_B = request.accel_unit * to_flu(axes, read.sample.accel_B);
   return read;
 }
 

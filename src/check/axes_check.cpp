@@ -213,7 +213,8 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     if (!imu_axes || !judge.advice.bag()) continue;
     out.text += fmt::format(", and {:.0f} % if the IMU is in {}, as its gravity also shows",
                             100.0 * judge.all.explained(axes.R), *imu_axes);
-    out.change = "--imu-axes " + *imu_axes + " (without it, if it is given)";
+    out.change = "--imu-axes " + *imu_axes;
+    if (*imu_axes == "frd") out.change += " (flu, if they are turned from frd already)";
     return out;
   }
   out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found));

@@ -57,7 +57,7 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   set_quantity(a.radar_offset, "s", &request.radar_offset);
   if (!a.gyro_unit.empty()) set_quantity("1 " + a.gyro_unit, "rad/s", &request.gyro_unit);
   if (!a.accel_unit.empty()) set_quantity("1 " + a.accel_unit, "m/s^2", &request.accel_unit);
-  set_named(a.imu_axes, &request.imu_axes);
+  if (!a.imu_axes.empty()) set_named(a.imu_axes, &request.imu_axes.emplace());
   request.mounting_is_known = request.mounting_is_known || !a.sensors.empty();
   bag::PointRequest& points = request.points;
   if (!a.points.empty()) points.axes.clear();  // those of the data set

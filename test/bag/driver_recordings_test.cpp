@@ -103,7 +103,13 @@ TEST_F(DriverRecording, Px4SensorsAreAnImu) {
   ASSERT_EQ(recording.imu.size(), 50U);
   EXPECT_EQ(recording.imu[3].gyro_B, Vector3d(0.5, -0.25, 0.125));
   EXPECT_EQ(recording.imu[3].accel_B, Vector3d(1.0, -2.0, 9.75));
-  EXPECT_PRED2(test::contains, notes_of(recording), "/fmu: axes forward, right, down");
+  EXPECT_PRED2(test::contains, notes_of(recording), "/fmu: axes frd, those of PX4, turned");
+  for (const Axes axes : {Axes::kFrd, Axes::kFlu}) {  // what is said of them wins
+    RecordingRequest request;
+    request.imu_axes = axes;
+    const io::Dataset said = read_ros2(replaced(Wire::kCdr, 5, "/imu", px4), request);
+    EXPECT_EQ(said.imu[3].accel_B, to_flu(axes, Vector3d(1.0, 2.0, -9.75)));
+  }
   // both on the clock of the recorder
   const Time apart = recording.scans[1].time - recording.imu[19].time;
   EXPECT_LE(std::abs(apart.count()), 2000);

@@ -20,7 +20,7 @@ struct DatasetPreset {
   const char* truth = "";
   const char* points = "";     ///< preset of points; empty: by their fields
   const char* axes = "";       ///< of the points; wins over the preset of points
-  Axes imu_axes = Axes::kFlu;  ///< of the messages
+  std::optional<Axes> imu_axes{};  ///< of the messages
   /// Pose of the radar (forward, left, up) in the IMU frame: x y z [m], quaternion w x y z.
   std::array<double, 7> mounting{};  ///< all zero: not known
   const char* doubt = "";            ///< what no source settles

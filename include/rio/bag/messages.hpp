@@ -69,8 +69,8 @@ PointCloud decode_cloud(Encoding encoding, Bytes message);
 Header decode_header(Encoding encoding, Bytes message);
 /// @}
 
-/// An IMU message of any type. The axes of px4_msgs/SensorCombined (forward, right, down) become
-/// forward, left, up; its stamp is the time since boot.
+/// An IMU message of any type, in its own axes; the stamp of px4_msgs/SensorCombined is the time
+/// since boot.
 struct ImuMessage {
   Header header;
   ImuSample sample;

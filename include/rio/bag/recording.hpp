@@ -55,7 +55,7 @@ struct RecordingRequest {
   TriggerMatch trigger_match = TriggerMatch::kSequence;
   double imu_offset = 0.0;     ///< added to the stamps [s]
   double radar_offset = 0.0;   ///< added to the stamps [s]
-  Axes imu_axes = Axes::kFlu;  ///< of the messages; those of PX4 are turned before
+  std::optional<Axes> imu_axes;  ///< of the messages; none: frd of PX4, flu of others
   double gyro_unit = 1.0;      ///< [rad/s]
   double accel_unit = 1.0;     ///< [m/s^2]
   PointRequest points;
