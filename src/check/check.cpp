@@ -141,6 +141,7 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   if (gyro_unit == 1.0) {
     if (const auto unit = check_rates(imu.good, scans, options, advice)) {
       out.push_back(*unit);
+      if (imu.check.exchanged) out.back().change += " when they are exchanged";
       gyro_unit = kDegree;
     }
   }

@@ -29,6 +29,22 @@ bool looks_exchanged(std::span<const Point> points) {
          std::all_of(points.begin(), points.end(), recedes_or_stands);
 }
 
+constexpr double kFastest = 100.0;  // no vehicle [m/s]
+
+/// The share of points whose Doppler is a mark of the driver for "none": few, beyond any vehicle,
+/// and apart from all others. 0 if the fast ones are not that.
+double share_of_marks(std::span<const Point> points) {
+  constexpr double kMost = 0.2;  // of the points
+  std::size_t beyond = 0;
+  for (const Point& d : points) {
+    const double speed = std::abs(d.range_rate);
+    if (speed > 0.3 * kFastest && speed <= kFastest) return 0.0;
+    beyond += speed > kFastest ? 1U : 0U;
+  }
+  const double share = static_cast<double>(beyond) / static_cast<double>(points.size());
+  return share < kMost ? share : 0.0;
+}
+
 /// Whether the Dopplers of the IMU's way cannot all be zero.
 bool moves(const CheckedImu& imu) {
   const ImuCheck& check = imu.check;
@@ -63,7 +79,6 @@ double fastest(const Scans& scans) {
 
 Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& options,
                       const Advice& advice) {
-  constexpr double kFastest = 100.0;  // no vehicle [m/s]
   const std::span<const Point> points = scans.points();
   const auto count_if = [points](const auto& is_counted) {
     return static_cast<double>(std::count_if(points.begin(), points.end(), is_counted));
@@ -85,6 +100,13 @@ Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& 
     out.text += ", never negative, while the SNR is: the two are exchanged";
     out.change = advice.bag() ? "--field doppler=NAME --field snr=NAME, the other way round"
                               : "exchange the columns doppler and snr of " + advice.csv();
+  } else if (const double marks = share_of_marks(points); marks > 0.0) {
+    out.verdict = Verdict::kDoubtful;
+    out.text += fmt::format(
+        "; {:.2g} % of the points are beyond {:.0f} m/s and none is near: marks of the driver for "
+        "no velocity",
+        100.0 * marks, kFastest);
+    out.change = "leave these points out where they are recorded; here they are outliers";
   } else if (most > kFastest) {
     const bool in_mm = 1e-2 * most > (limit > 0.0 ? 2.0 * limit : 30.0);
     out.verdict = Verdict::kWrong;

@@ -54,13 +54,37 @@ Rest stillest(const std::vector<ImuSample>& samples) {
   return best;
 }
 
+struct Unit {
+  const char* name;
+  double factor;  ///< to [m/s^2]
+};
+constexpr std::array<Unit, 4> kUnits = {
+    {{"m/s^2", 1.0}, {"g", kStandardGravity}, {"mg", 1e-3 * kStandardGravity}, {"ft/s^2", 0.3048}}};
+
+/// The unit in which this is gravity, to a share of it; null if there is none.
+const Unit* unit_of_gravity(double norm, double share) {
+  const auto unit = std::ranges::find_if(kUnits, [=](const Unit& u) {
+    return std::abs(norm * u.factor / kStandardGravity - 1.0) < share;
+  });
+  return unit == kUnits.end() ? nullptr : &*unit;
+}
+
+std::string accel_in(const Unit& unit, Source source) {
+  if (source == Source::kBag) return fmt::format("--accel-unit {}", unit.name);
+  return fmt::format("multiply the last three columns of imu0/data.csv by {:.6g}", unit.factor);
+}
+
+/// The unit of the accelerometer if its columns are those of the gyro; null if they are not.
+const Unit* unit_if_exchanged(const Rest& rest) {
+  const double rate = rest.gyro.norm();
+  const Unit* const unit = unit_of_gravity(rate, 0.05);
+  // 1 rad/s, as of gravity in g, may also be a turn: but not without a force, and not so steady
+  const bool sure =
+      unit == &kUnits[0] || (rest.accel.norm() < 0.1 * rate && rest.turning < 0.05 * rate);
+  return sure ? unit : nullptr;
+}
+
 Finding check_accel(const Rest& rest, Source source, ImuCheck* found) {
-  struct Unit {
-    const char* name;
-    double factor;
-  };
-  constexpr std::array<Unit, 3> kUnits = {
-      {{"g", kStandardGravity}, {"mg", 1e-3 * kStandardGravity}, {"ft/s^2", 0.3048}}};
   const double f = rest.accel.norm();
   if (!std::isfinite(rest.spread)) {
     return {Verdict::kDoubtful, "accelerometer unit", "no second has enough samples to tell",
@@ -81,14 +105,19 @@ Finding check_accel(const Rest& rest, Source source, ImuCheck* found) {
     return out;
   }
   out.verdict = Verdict::kWrong;
-  if (std::abs(rest.gyro.norm() / kStandardGravity - 1.0) < 0.05) {
+  if (const Unit* const unit = unit_if_exchanged(rest)) {
     found->exchanged = true;
+    found->accel_unit = unit->factor;
     out.text += fmt::format(", but the gyro reads {:.4g}: gyro and accelerometer are exchanged",
                             rest.gyro.norm());
     out.change =
         source == Source::kBag
             ? "exchange angular_velocity and linear_acceleration where they are recorded"
             : "exchange the two groups of three columns of imu0/data.csv: the gyro is first";
+    if (unit->factor != 1.0) {
+      out.text += fmt::format(", and the accelerometer is in {}", unit->name);
+      out.change += ", then " + accel_in(*unit, source);
+    }
     return out;
   }
   found->integrable = false;
@@ -99,15 +128,11 @@ Finding check_accel(const Rest& rest, Source source, ImuCheck* found) {
     return out;
   }
   out.change = "find the unit of the accelerometer; at rest it must read 9.81 m/s^2";
-  for (const Unit& u : kUnits) {
-    if (std::abs(f * u.factor / kStandardGravity - 1.0) > 0.1) continue;
-    found->accel_unit = u.factor;
+  if (const Unit* const unit = unit_of_gravity(f, 0.1)) {
+    found->accel_unit = unit->factor;
     found->integrable = true;
-    out.text += fmt::format(": it is in {}", u.name);
-    out.change =
-        source == Source::kBag
-            ? fmt::format("--accel-unit {}", u.name)
-            : fmt::format("multiply the last three columns of imu0/data.csv by {:.6g}", u.factor);
+    out.text += fmt::format(": it is in {}", unit->name);
+    out.change = accel_in(*unit, source);
   }
   return out;
 }
@@ -237,12 +262,23 @@ std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSam
   return out;
 }
 
+/// Samples with the stamp, but not the values, of the one before.
+std::size_t different_at_one_stamp(const std::vector<ImuSample>& samples) {
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const ImuSample& before = samples[i - 1];
+    count += samples[i].time == before.time &&
+             (samples[i].gyro_B != before.gyro_B || samples[i].accel_B != before.accel_B);
+  }
+  return count;
+}
+
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv) {
   ImuCheck out;
   constexpr double kFine = 1e-3;  // less is the rounding of a driver [s]
   if (const double grid = grid_of(samples);
-      good.size() > 1 && grid >= kFine && 3 * good.size() < 2 * samples.size()) {
+      good.size() > 1 && grid >= kFine && 3 * different_at_one_stamp(samples) > samples.size()) {
     out.findings.push_back(cut_stamps(
         "imu stamps", grid,
         source == Source::kBag ? "--imu-clock receive" : "write them in ns, with all digits"));

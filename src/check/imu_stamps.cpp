@@ -81,8 +81,11 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
                      const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
                      double* unit) {
   int repeated = 0;
+  int twice = 0;  // with its values, too
   for (std::size_t i = 1; i < all.size(); ++i) {
-    repeated += all[i].time == all[i - 1].time ? 1 : 0;
+    if (all[i].time != all[i - 1].time) continue;
+    ++repeated;
+    twice += all[i].gyro_B == all[i - 1].gyro_B && all[i].accel_B == all[i - 1].accel_B ? 1 : 0;
   }
   const Strays stray = strays(all);
   std::vector<double> periods;
@@ -122,7 +125,16 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
   const double configured =
       source == Source::kBag ? 1.0 / period : info.rate_hz.value_or(1.0 / period);
   const Jump jump = jumps_back(all);
-  if (period < kFastest) {
+  const double mean =
+      to_seconds(good.back().time - good.front().time) / static_cast<double>(periods.size());
+  constexpr double kBatch = 3.0;  // mean over usual interval, where samples come together
+  if (period < kFastest && mean > kBatch * period) {
+    const auto batches = std::ranges::count_if(periods, [=](double p) { return p > mean; }) + 1;
+    out.verdict = Verdict::kWrong;
+    out.text += fmt::format(": they come in batches of {:.0f}, stamped when they arrived",
+                            static_cast<double>(good.size()) / static_cast<double>(batches));
+    out.change = "stamp each sample by itself in its driver, or read the IMU sample by sample";
+  } else if (period < kFastest) {
     const bool micro = 1e3 * period > kFastest;
     *unit = micro ? 1e3 : 1e6;
     out.verdict = Verdict::kWrong;
@@ -138,6 +150,10 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
              0.01 * static_cast<double>(all.size())) {
     out.verdict = Verdict::kDoubtful;
     out.change = "look for two publishers of one topic, or samples stamped on arrival";
+    if (2 * twice > repeated) {
+      out.text += fmt::format(", {} of them with the values of the one before", twice);
+      out.change = "look for two publishers of one topic, or two recordings of it joined";
+    }
   } else if (!bridged || bridged->velocity > kMostVelocity || bridged->angle > kMostTilt) {
     out.verdict = Verdict::kDoubtful;
     out.change = "record with less load; the gaps are bridged, at a loss of accuracy";

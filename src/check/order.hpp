@@ -100,8 +100,17 @@ double grid_of(const Items& items) {
   return to_seconds(Time(grid));
 }
 
-/// Stamps that lost their last digits.
+/// Many items share a stamp: it lost its last digits, or they came in batches. Digits are lost at a
+/// power of ten.
 inline Finding cut_stamps(const char* subject, double grid, std::string change) {
+  const double digits = std::log10(grid);
+  if (std::abs(digits - std::round(digits)) > 1e-6) {
+    return {Verdict::kWrong, subject,
+            fmt::format("all stamps are multiples of {:g} s: samples come in batches that share a "
+                        "stamp",
+                        grid),
+            "stamp each sample by itself in its driver"};
+  }
   return {Verdict::kWrong, subject,
           fmt::format("all stamps are multiples of {:g} s: they lost digits when they were written",
                       grid),

@@ -150,7 +150,16 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
           rate,
           speeds.empty() ? 0.0 : 100.0 * quantile_of(speeds, &RadarSpeed::inlier_share, 0.5))};
   const double most_snr = snr(0.999);
-  if (usual_snr > kMostSnr || most_snr > 10.0 * kMostSnr) {
+  const auto is_mark = [&](const Point& p) {
+    return p.snr_db <= kMostSnr || p.snr_db == most_snr;  // of the driver: all the same
+  };
+  if (usual_snr <= kMostSnr && most_snr > kMostSnr &&
+      std::ranges::all_of(scans.points(), is_mark)) {
+    out.verdict = Verdict::kDoubtful;
+    out.text +=
+        fmt::format("; some have an SNR of {:.6g}: a mark of the driver for none", most_snr);
+    out.change = "leave these points out, or give them no SNR, where they are recorded";
+  } else if (usual_snr > kMostSnr || most_snr > 10.0 * kMostSnr) {
     double factor = 0.1;
     while (factor * most_snr > kMostSnr && factor > 1e-4) factor *= 0.1;
     const bool linear = most_snr > 100.0 * std::abs(usual_snr);
