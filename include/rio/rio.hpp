@@ -50,6 +50,7 @@
 //   all stamps  within 146 years of their epoch; beyond that they are too old, or ahead.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -140,6 +141,12 @@ class RIO_API Odometry {
   /// call of any function.
   const std::vector<LandmarkReport>& landmarks() const noexcept;
   const Counters& counters() const noexcept;
+
+  /// From now on `call` is called for every scan that was processed, within the call that did it,
+  /// when at_scan(), covariance(), report() and points() are of that scan: with several radars one
+  /// call may process several. It must not throw, nor add anything to this estimator. An empty
+  /// function ends it. The one call that allocates.
+  void on_scan(std::function<void()> call);
 
   struct Impl;  ///< private implementation
 

@@ -36,11 +36,14 @@ CalibrationRun run_calibration(const Recording& recording, const Options& option
                                const std::optional<Start>& start, Time end) {
   const std::unique_ptr<Odometry> odometry = create(options, start);
   CalibrationRun run;
+  odometry->on_scan([&run, &odometry] {
+    run.states.push_back({odometry->at_scan(), odometry->covariance()});
+    run.calibration = odometry->report().calibration;
+  });
   std::size_t scan = 0;
   if (start) {
     while (scan < recording.scans.size() && recording.scans[scan].time < start->state.time) ++scan;
   }
-  std::uint64_t recorded = 0;
   for (std::size_t i = start ? sample_before(recording.imu, start->state.time) : 0;
        i < recording.imu.size() && recording.imu[i].time <= end; ++i) {
     (void)odometry->add_imu(recording.imu[i]);  // its outcome is counted
@@ -48,10 +51,6 @@ CalibrationRun run_calibration(const Recording& recording, const Options& option
          ++scan) {
       (void)odometry->add_scan(recording.scans[scan]);
     }
-    if (odometry->counters().scans == recorded) continue;
-    recorded = odometry->counters().scans;
-    run.states.push_back({odometry->at_scan(), odometry->covariance()});
-    run.calibration = odometry->report().calibration;
   }
   if (run.states.empty()) {
     throw std::runtime_error(

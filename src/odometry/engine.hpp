@@ -299,6 +299,7 @@ class Engine final : public Odometry::Impl {
     counters.attitude_resets += pipeline_.report().attitude_reset ? 1 : 0;
     counters.position_reopened += pipeline_.report().position_reopened > 0.0 ? 1 : 0;
     publish();
+    if (on_scan) on_scan();
     return status;
   }
 

@@ -78,5 +78,8 @@ const std::vector<LandmarkReport>& Odometry::landmarks() const noexcept {
 const Counters& Odometry::counters() const noexcept {
   return impl_->counters;
 }
+void Odometry::on_scan(std::function<void()> call) {
+  impl_->on_scan = std::move(call);
+}
 
 }  // namespace rio

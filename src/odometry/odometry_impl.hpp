@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct Odometry::Impl {
   std::array<Pose, 1 + Options::kMaxOtherRadars> extrinsics;
   Counters counters;
   bool initialized = false;
+  std::function<void()> on_scan;  ///< after a scan was processed; may be empty
 };
 
 std::unique_ptr<Odometry::Impl> make_ekf_engine(const Options& options);

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -79,10 +80,9 @@ view::RunStart run_start(const ReplayArguments& arguments, const OpenRecording& 
           RIO_VERSION};
 }
 
-/// Feeds the samples in the order of their stamps. At most one scan waits for the IMU, so that no
-/// report is overwritten before it was read; scans inside a gap of the IMU are therefore given
-/// after it, and those farther back than timing.max_lag count as late. Those of several radars wait
-/// for each other.
+/// Feeds the samples in the order of their stamps. At most one scan of a single radar waits for the
+/// IMU: scans inside a gap of the IMU are given after it, and those farther back than
+/// timing.max_lag count as late. Those of several radars wait for each other.
 class Replay {
  public:
   /// @param steps of the clocks, to be taken out
@@ -99,6 +99,7 @@ class Replay {
     std::string why;
     odometry_ = Odometry::create(used, &why);
     if (odometry_ == nullptr) throw std::runtime_error(why);
+    odometry_->on_scan([this] { record(); });
     if (!arguments.init_velocity.empty()) init_velocity_ = Vector3d(arguments.init_velocity.data());
     summary_.initialised_by = start_ ? start_->source : "static";
     if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
@@ -161,21 +162,14 @@ class Replay {
   void give_imu(const ImuSample& sample) {
     const bool was_initialized = odometry_->initialized();
     const std::uint64_t restarts = this->restarts();
-    const Time before = steady_now();
-    (void)odometry_->add_imu(sample);  // its outcome is counted
-    summary_.wall += steady_now() - before;
+    timed([&] { (void)odometry_->add_imu(sample); });  // its outcome is counted
     if (odometry_->initialized()) summary_.health.add(sample.time, odometry_->health());
     if (!was_initialized && odometry_->initialized() && init_velocity_) {
       NavState state = odometry_->at_scan();
       state.v_WB = *init_velocity_;
       restart(state, BodyCovariance(odometry_->covariance()));
     }
-    if (waiting_ && odometry_->report().time == *waiting_) {
-      waiting_.reset();
-      record();
-    }
-    if (several_) record_new();
-    if (this->restarts() != restarts) waiting_.reset();  // the scan has been discarded as late
+    if (this->restarts() != restarts) waiting_ = false;  // the scan has been discarded as late
   }
 
   std::uint64_t restarts() const {
@@ -193,24 +187,36 @@ class Replay {
   void give_scan() {
     std::size_t radar = 0;
     const RadarScan& scan = feed_.take_scan(&radar);
-    const Time before = steady_now();
-    const Status status = odometry_->add_scan(scan, radar);
-    summary_.wall += steady_now() - before;
+    Status status = Status::kOk;
+    timed([&] { status = odometry_->add_scan(scan, radar); });
     if (status == Status::kNotInitialized) ++summary_.scans_before_start;
-    if (several_) return record_new();
-    if (status == Status::kWaiting) waiting_ = scan.time;
-    if (status == Status::kOk) record();
+    waiting_ = !several_ && status == Status::kWaiting;
   }
 
-  /// With several radars any call may process scans; of two in one call the last is reported.
-  void record_new() {
-    if (odometry_->counters().scans == recorded_) return;
-    recorded_ = odometry_->counters().scans;
-    record();
+  /// Calls the estimator, whose time is counted without that of recording.
+  template <class Call>
+  void timed(const Call& call) {
+    const Time before = steady_now();
+    recording_ = Time{0};
+    call();
+    summary_.wall += steady_now() - before - recording_;
+    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  }
+
+  /// Within a call of the estimator, which does not throw.
+  void record() noexcept {
+    const Time before = steady_now();
+    waiting_ = false;
+    try {
+      if (!error_) record_scan();
+    } catch (...) {
+      error_ = std::current_exception();
+    }
+    recording_ += steady_now() - before;
   }
 
   /// A failed update has no row: its estimate is not at the scan.
-  void record() {
+  void record_scan() {
     if (odometry_->report().status != Status::kOk) return;
     const NavState& state = odometry_->at_scan();
     if (!(state.p_WB + state.v_WB + state.gyro_bias + state.accel_bias).allFinite() ||
@@ -229,7 +235,6 @@ class Replay {
     summary_.started = odometry_->initialized();
     summary_.scans_unprocessed = static_cast<int>(feed_.scans_left()) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
-    if (several_) summary_.scans = static_cast<int>(summary_.counters.scans);
     summary_.height_offset = auxiliary<HeightOffset>(*odometry_);
     summary_.span = outline_.imu_end - outline_.imu_begin;
     double recorded = 0.0;
@@ -249,12 +254,13 @@ class Replay {
   std::size_t imu_ = 0;  ///< samples that have passed
   std::optional<HeightFeed> heights_;
   bool several_ = outline_.scan_times.size() > 1;  ///< radars
-  std::uint64_t recorded_ = 0;                     ///< scans of several radars
   ScanOutputs outputs_;
   std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
   std::optional<Vector3d> init_velocity_;
-  std::optional<Time> waiting_;  ///< stamp of the scan that waits for the IMU
+  bool waiting_ = false;      ///< a scan of the single radar waits for the IMU
+  Time recording_{0};         ///< spent on it within a call
+  std::exception_ptr error_;  ///< of recording
   ReplaySummary summary_;
 };
 

@@ -72,6 +72,8 @@ class RadarsTest : public BackEndTest {
     const sim::Flight& flight = all.front();
     delays.resize(all.size(), Time{0});
     odometry = Odometry::create(options(all, alike));
+    told.clear();
+    odometry->on_scan([this] { told.push_back(odometry->report().radar); });
     std::vector<std::size_t> next(all.size(), 0);
     Errors out;
     for (const ImuSample& sample : flight.imu) {
@@ -91,6 +93,7 @@ class RadarsTest : public BackEndTest {
   }
 
   std::unique_ptr<Odometry> odometry;
+  std::vector<std::size_t> told;  ///< the radar of each processed scan
 };
 
 TEST_P(RadarsTest, MoreRadarsAreBetterThanOne) {
@@ -127,6 +130,13 @@ TEST_P(RadarsTest, OneOfThemFailsInFlight) {
     EXPECT_LT(result.pose_nees / result.steps, 3.0);
     EXPECT_EQ(odometry->health().state, HealthState::kOk);
   }
+}
+
+TEST_P(RadarsTest, EveryProcessedScanIsTold) {
+  fly(flights(2, kFrontAndDown), {milliseconds(80), milliseconds(60)});
+  EXPECT_EQ(told.size(), odometry->counters().scans);
+  const auto of_first = std::ranges::count(told, std::size_t{0});
+  EXPECT_EQ(2 * static_cast<std::size_t>(of_first), told.size());
 }
 
 TEST_P(RadarsTest, TheOrderOfArrivalDoesNotMatter) {
