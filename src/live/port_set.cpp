@@ -56,6 +56,8 @@ void PortSet::reopen(Entry* entry) {
   } else if (now - entry->since >= patience_) {
     entry->over = true;
     on_message_(watched.what + ": " + watched.port.name() + " is not there");
+  } else if (!entry->was_open && !std::exchange(entry->awaited, true)) {
+    on_message_(watched.what + ": " + watched.port.name() + " is not there yet: it is waited for");
   }
 }
 

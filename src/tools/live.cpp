@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "check/imu_check.hpp"
 #include "commands.hpp"
 #include "live/host_clock.hpp"
 #include "live/imu_stream.hpp"
@@ -125,7 +126,7 @@ class LiveRun {
     if (session_->imu_samples() == 0) {
       fail("no sample of the IMU" + imu_problem());
     } else if (!session_->odometry().initialized()) {
-      fail("no start: hold it still at first, or give start.max_wait");
+      fail("no start: " + start_problem());
     } else if (summary_.replay().updates == 0 && failed.empty()) {
       fail("no scan gave an update: their points or times are of no use, see the counters above");
     }
@@ -178,7 +179,7 @@ class LiveRun {
                        [this](const std::uint8_t* bytes, std::size_t count, Time arrival) {
                          if (imu_is_mavlink()) look_at_imu(bytes, count, arrival);
                          link_->receive(bytes, count, arrival, [&](const ImuSample& sample) {
-                           if (imu_is_mavlink()) session_->imu(sample, arrival);
+                           if (imu_is_mavlink()) give_imu(sample, arrival);
                          });
                        }});
   }
@@ -203,15 +204,49 @@ class LiveRun {
       return ", but packets of a TI radar: exchange the ports of --imu and --radar";
     }
     if (seen.bytes == 0) return ": no byte came";
+    if (const std::uint64_t damaged = frames_.counters().damaged; damaged > 0) {
+      return fmt::format(
+          ", but {} whose checksum is wrong: bytes are missing, or the sender packs them otherwise",
+          damaged);
+    }
     if (const ti::OtherDevice* other = not_imu_.other_device()) {
       return fmt::format(", but {}: {}", other->what, other->at_imu);
     }
     return fmt::format(" in {} bytes: another port, baud rate or --imu-format", seen.bytes);
   }
 
+  /// What `rio check` says of the samples before the start.
+  std::string start_problem() const {
+    if (first_samples_.size() > 1) {
+      const std::vector<ImuSample>& all = first_samples_;
+      const auto usable = check::usable_if_not_all(all);
+      for (const check::Finding& finding :
+           check::check_imu(all, usable ? *usable : all, {}, check::Source::kFolder, {}).findings) {
+        if (finding.verdict != check::Verdict::kWrong) continue;
+        return fmt::format("{}: {}; --imu must send rad/s, m/s^2 with gravity, and ns",
+                           finding.subject, finding.text);
+      }
+    }
+    return "hold it still at first, or give start.max_wait";
+  }
+
+  /// To the estimator; says once why there is no start after some seconds.
+  void give_imu(const ImuSample& sample, Time arrival) {
+    constexpr std::size_t kMost = 10'000;  // five seconds at 2 kHz
+    constexpr std::size_t kMany = 1'000;   // if their stamps are in another unit
+    constexpr double kLong = 5.0;          // [s]
+    session_->imu(sample, arrival);
+    if (session_->odometry().initialized() || first_samples_.size() >= kMost) return;
+    first_samples_.push_back(sample);
+    const double waited = to_seconds(sample.time - first_samples_.front().time);
+    if (told_ || (waited < kLong && first_samples_.size() < kMany)) return;
+    told_ = true;
+    screen_.say("IMU: no start yet: " + start_problem());
+  }
+
   void take_imu(const std::uint8_t* bytes, std::size_t count, Time arrival) {
     look_at_imu(bytes, count, arrival);
-    const auto on_sample = [&](const ImuSample& sample) { session_->imu(sample, arrival); };
+    const auto on_sample = [&](const ImuSample& sample) { give_imu(sample, arrival); };
     if (arguments_.imu_format == "csv") {
       lines_.push(bytes, count, on_sample);
     } else {
@@ -238,6 +273,8 @@ class LiveRun {
   live::ImuFrameReader frames_;
   live::ImuLineReader lines_;
   ti::PacketReader not_imu_;
+  std::vector<ImuSample> first_samples_;  ///< before the start
+  bool told_ = false;                     ///< why there is none
   std::optional<live::Session> session_;
 };
 

@@ -281,6 +281,7 @@ TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
 TEST_F(Live, SaysWhyThereAreNoSamples) {
   const std::string other = ": another port, baud rate or --imu-format";
   const std::string text = "1,0,0,0,0,0\n", radar = text_of(sim::packet_of(1, {}));
+  const std::string frame = "RI\1" + std::string(35, '\x90');
   const std::string ubx = "\xB5\x62 and more", pixhawk = "\xFE>\7\1\1i and more";
   const struct {
     std::string bytes, format, said;
@@ -295,12 +296,36 @@ TEST_F(Live, SaysWhyThereAreNoSamples) {
       {text, "mavlink-raw", ", but numbers in text, as of an IMU: --imu-format csv"},
       {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
       {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
+      {frame + frame + frame, "binary", ", but 2 whose checksum is wrong: bytes are missing"},
   };
   for (const auto& [bytes, format, said] : rows) {
     fails(1,
           "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
               dir_->write("imu.bin", bytes).string() + " --imu-format " + format,
           {"no sample of the IMU" + said});
+  }
+}
+
+/// Samples at rest that the estimator cannot start with.
+TEST_F(Live, SaysWhyItDoesNotStart) {
+  const struct {
+    const char* values;
+    std::int64_t step;  // of the stamps
+    const char* said;
+  } rows[] = {
+      {"0.01,0,0,0,0,1", 5'000'000, "it is in g; --imu must send"},
+      {"0.01,0,9.81,0.01,0,0", 5'000'000, "gyro and accelerometer are exchanged; --imu must send"},
+      {"0.01,0,0,0,0,0.02", 5'000'000, "gravity was removed; --imu must send"},
+      {"0.01,0,0,0,0,9.81", 5'000, "the stamps are in us; --imu must send"},
+  };
+  for (const auto& [values, step, said] : rows) {
+    std::string samples;
+    for (std::int64_t i = 1; i < 1200; ++i)
+      samples += std::to_string(i * step) + "," + values + "\n";
+    fails(1,
+          "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
+              dir_->write("imu.csv", samples).string() + " --imu-format csv",
+          {"IMU: no start yet: ", "rio: ", "no start: ", said});
   }
 }
 
