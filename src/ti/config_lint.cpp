@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <string_view>
 
 #include "config_check.hpp"
 #include "rio/ti/config_sender.hpp"
@@ -39,12 +40,25 @@ class CommandCheck : private ConfigCheck {
     for (const ConfigCommand& command : all_.commands) {
       const Known* known = find_known(command.name);
       if (known == nullptr) {
+        const auto meant = std::find_if(std::begin(kKnown), std::end(kKnown), [&](const Known& k) {
+          return is_one_letter_off(command.name, k.name);
+        });
         add(LintKind::kUnknownCommand, true, &command,
-            "the demo of SDK 3.x does not know " + command.name, "take the line out");
+            "the demo of SDK 3.x does not know " + command.name,
+            meant == std::end(kKnown) ? "take the line out"
+                                      : "did you mean " + std::string(meant->name) + "?");
         continue;
       }
       check_arguments(command, *known);
     }
+  }
+
+  /// One letter is wrong, missing or too many.
+  static bool is_one_letter_off(std::string_view said, std::string_view known) {
+    const auto begin = std::mismatch(said.begin(), said.end(), known.begin(), known.end());
+    const auto end = std::mismatch(said.rbegin(), said.rend(), known.rbegin(), known.rend());
+    const auto alike = begin.first - said.begin() + (end.first - said.rbegin());
+    return alike + 1 >= static_cast<std::ptrdiff_t>(std::max(said.size(), known.size()));
   }
 
   void check_arguments(const ConfigCommand& command, const Known& known) {
@@ -109,6 +123,8 @@ class CommandCheck : private ConfigCheck {
   void check_missing() {
     for (const Known& known : kKnown) {
       if (!known.required || config_.find(known.name) != nullptr) continue;
+      const bool has_subframes = config_.find("advFrameCfg") != nullptr;  // in place of the frame
+      if (has_subframes && std::string_view(known.name) == "frameCfg") continue;
       add(LintKind::kMissingCommand, true, nullptr,
           format("%s is missing: the demo does not start without it", known.name), "");
     }
@@ -245,7 +261,8 @@ const char* to_string(LintKind kind) {
                                            "field of view",
                                            "limits of the speed",
                                            "elevation",
-                                           "other firmware"};
+                                           "other firmware",
+                                           "scan rate"};
   static_assert(sizeof kNames / sizeof *kNames == static_cast<std::size_t>(LintKind::kCount));
   return kind < LintKind::kCount ? kNames[static_cast<std::size_t>(kind)] : "unknown";
 }

@@ -7,7 +7,8 @@
 namespace rio::ti {
 namespace {
 
-constexpr double kCoarseGrid = 0.25;  // [m/s]
+constexpr double kCoarseGrid = 0.25;      // [m/s]
+constexpr double kLongestPeriod = 100.0;  // [ms]
 
 std::string number(double value) {
   return format("%g", value);
@@ -136,6 +137,11 @@ class FigureCheck : private ConfigCheck {
           format("the chirps take %.2f ms of a period of %g ms", block, period),
           line_of(frame, 4, number(std::ceil(block / 0.5))));
       return;
+    }
+    if (period > kLongestPeriod) {
+      add(LintKind::kFewScans, false, &frame,
+          format("a scan each %g ms: ten a second or more confirm each other", period),
+          line_of(frame, 4, number(kLongestPeriod)));
     }
     if (wire < period - block) return;
     const double free = 1e-4 * (period - block) * figures_.baud;  // [bytes]

@@ -108,6 +108,7 @@ enum class LintKind : std::uint8_t {
   kSpeedCut,            ///< cfarFovCfg: points are rejected by speed
   kFlatElevation,       ///< the transmitters do not resolve elevation
   kOtherFirmware,       ///< not of the demo of SDK 3.x: nothing else was judged
+  kFewScans,            ///< fewer than ten a second
   kCount
 };
 /// Name of a kind, as in "clutter removal".
