@@ -28,37 +28,30 @@ void ImuFactor::evaluate_unwhitened(const NavState& xi, const NavState& xj, Resi
   *r << r_phi, u_p - d.delta_p, u_v - d.delta_v, xj.gyro_bias - xi.gyro_bias,
       xj.accel_bias - xi.accel_bias;
   if (J == nullptr) return;
-  J->setZero();
-  differentiate_attitude(R_ij, r_phi, imu_.rotation_correction(xi.gyro_bias), J);
-  differentiate_motion(R_i, u_p, u_v, T, J);
-  J->block<6, 6>(body::kGyroBias, body::kGyroBias) = -Eigen::Matrix<double, 6, 6>::Identity();
-  J->block<6, 6>(body::kGyroBias, kJ + body::kGyroBias).setIdentity();
-}
 
-void ImuFactor::differentiate_attitude(const Matrix3d& R_ij, const Vector3d& r_phi,
-                                       const Vector3d& c, Jacobian* J) const {
   using namespace body;
+  constexpr int kJ = kSize;  // first column of state j
+  const BodyTransition& A = imu_.jacobians();
   const Matrix3d inverse_Jr = gamma(1, -r_phi).inverse();  // regular: |r_phi| <= pi
-  J->block<3, 3>(kAttitude, kAttitude) = -inverse_Jr * R_ij.transpose();
+  const Vector3d c = imu_.rotation_correction(xi.gyro_bias);
+  J->setZero();
+  J->block<3, 3>(kAttitude, kAttitude) = -inverse_Jr * R_ij.transpose();  // (E2)
   J->block<3, 3>(kAttitude, kJ + kAttitude) = inverse_Jr;
   J->block<3, 3>(kAttitude, kGyroBias) =
-      -inverse_Jr * gamma(0, -r_phi) * gamma(1, -c) * imu_.jacobians().attitude_gyro;
-}
-
-void ImuFactor::differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, const Vector3d& u_v,
-                                     double T, Jacobian* J) const {
-  using namespace body;
-  J->block<3, 3>(kPosition, kAttitude) = skew(u_p);
+      -inverse_Jr * gamma(0, -r_phi) * gamma(1, -c) * A.attitude_gyro;
+  J->block<3, 3>(kPosition, kAttitude) = skew(u_p);  // (E3)
   J->block<3, 3>(kPosition, kPosition) = -R_i.transpose();
   J->block<3, 3>(kPosition, kVelocity) = -T * R_i.transpose();
-  J->block<3, 3>(kPosition, kGyroBias) = -imu_.jacobians().position_gyro;
-  J->block<3, 3>(kPosition, kAccelBias) = -imu_.jacobians().position_accel;
+  J->block<3, 3>(kPosition, kGyroBias) = -A.position_gyro;
+  J->block<3, 3>(kPosition, kAccelBias) = -A.position_accel;
   J->block<3, 3>(kPosition, kJ + kPosition) = R_i.transpose();
   J->block<3, 3>(kVelocity, kAttitude) = skew(u_v);
   J->block<3, 3>(kVelocity, kVelocity) = -R_i.transpose();
-  J->block<3, 3>(kVelocity, kGyroBias) = -imu_.jacobians().velocity_gyro;
-  J->block<3, 3>(kVelocity, kAccelBias) = -imu_.jacobians().velocity_accel;
+  J->block<3, 3>(kVelocity, kGyroBias) = -A.velocity_gyro;
+  J->block<3, 3>(kVelocity, kAccelBias) = -A.velocity_accel;
   J->block<3, 3>(kVelocity, kJ + kVelocity) = R_i.transpose();
+  J->block<6, 6>(kGyroBias, kGyroBias) = -Eigen::Matrix<double, 6, 6>::Identity();
+  J->block<6, 6>(kGyroBias, kJ + kGyroBias).setIdentity();
 }
 
 }  // namespace rio

@@ -5,6 +5,19 @@
 
 namespace rio {
 
+namespace {
+
+ImuOptions weightless(ImuOptions options) {
+  options.gravity = 0.0;
+  options.gyro_noise_density = std::max(options.gyro_noise_density, imu_floor::kGyroNoise);
+  options.gyro_random_walk = std::max(options.gyro_random_walk, imu_floor::kGyroWalk);
+  options.accel_noise_density = std::max(options.accel_noise_density, imu_floor::kAccelNoise);
+  options.accel_random_walk = std::max(options.accel_random_walk, imu_floor::kAccelWalk);
+  return options;
+}
+
+}  // namespace
+
 void Preintegration::reset(const Vector3d& gyro_bias, const Vector3d& accel_bias) {
   chain_ = Propagation{};
   chain_.state.gyro_bias = gyro_bias;
@@ -26,15 +39,6 @@ ImuIncrement Preintegration::corrected(const Vector3d& gyro_bias,
   out.delta_v += jacobians().velocity_gyro * dbg + jacobians().velocity_accel * dba;
   out.delta_p += jacobians().position_gyro * dbg + jacobians().position_accel * dba;
   return out;
-}
-
-ImuOptions Preintegration::weightless(ImuOptions options) {
-  options.gravity = 0.0;
-  options.gyro_noise_density = std::max(options.gyro_noise_density, imu_floor::kGyroNoise);
-  options.gyro_random_walk = std::max(options.gyro_random_walk, imu_floor::kGyroWalk);
-  options.accel_noise_density = std::max(options.accel_noise_density, imu_floor::kAccelNoise);
-  options.accel_random_walk = std::max(options.accel_random_walk, imu_floor::kAccelWalk);
-  return options;
 }
 
 }  // namespace rio

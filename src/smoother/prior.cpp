@@ -13,9 +13,9 @@ namespace rio {
 
 Prior::Prior(const Layout& layout, int max_states)
     : layout_(layout),
-      A_(matrix(layout, max_states)),
+      g_(Eigen::VectorXd::Zero(body::kSize * (max_states - 1) + layout.capacity())),
+      A_(Eigen::MatrixXd::Zero(g_.size(), g_.size())),
       work_(A_),
-      g_(Eigen::VectorXd::Zero(A_.rows())),
       work_g_(g_),
       xi_(g_),
       w_(g_),
@@ -116,17 +116,23 @@ void Prior::remove_landmark(std::size_t i, std::size_t last) {
   mirror_lower(A_.topLeftCorner(size(), size()));
   // the window's last landmark moves to i; the prior's own last one may be an earlier one
   const std::size_t own_last = landmarks_.size() - 1;
-  if (last != own_last) {
-    forget_in_place(i);
+  const int n = size();
+  if (last != own_last) {  // another landmark takes the place: no information about it
+    A_.middleRows(at, 3).leftCols(n).setZero();
+    A_.middleCols(at, 3).topRows(n).setZero();
+    g_.segment<3>(at).setZero();
+    owed_[i].setZero();
     return;
   }
-  move_landmark(own_last, i);
+  if (i != own_last) {
+    const int source = border(layout_.landmark(static_cast<int>(own_last)));
+    A_.block(at, 0, 3, n) = A_.block(source, 0, 3, n);
+    A_.block(0, at, n, 3) = A_.block(0, source, n, 3);
+    g_.segment<3>(at) = g_.segment<3>(source);
+    landmarks_[i] = landmarks_[own_last];
+    owed_[i] = owed_[own_last];
+  }
   landmarks_.pop_back();
-}
-
-Eigen::MatrixXd Prior::matrix(const Layout& layout, int max_states) {
-  const int size = body::kSize * (max_states - 1) + layout.capacity();
-  return Eigen::MatrixXd::Zero(size, size);
 }
 
 void Prior::evaluate(const Window& window, const Estimate& x) {
@@ -215,26 +221,6 @@ void Prior::turn_back(double heading) {
       if (c < at + 2) turn(&work_(at, c), &work_(at + 1, c));
     });
   }
-}
-
-void Prior::forget_in_place(std::size_t i) {
-  const int at = border(layout_.landmark(static_cast<int>(i)));
-  A_.middleRows(at, 3).leftCols(size()).setZero();
-  A_.middleCols(at, 3).topRows(size()).setZero();
-  g_.segment<3>(at).setZero();
-  owed_[i].setZero();
-}
-
-void Prior::move_landmark(std::size_t from, std::size_t to) {
-  if (from == to) return;
-  const int n = size();
-  const int source = border(layout_.landmark(static_cast<int>(from)));
-  const int target = border(layout_.landmark(static_cast<int>(to)));
-  A_.block(target, 0, 3, n) = A_.block(source, 0, 3, n);
-  A_.block(0, target, n, 3) = A_.block(0, source, n, 3);
-  g_.segment<3>(target) = g_.segment<3>(source);
-  landmarks_[to] = landmarks_[from];
-  owed_[to] = owed_[from];
 }
 
 }  // namespace rio

@@ -7,7 +7,7 @@ namespace rio {
 
 void ScanInformation::begin(const WindowLayout& layout) {
   state_ = layout.state;
-  for (int i = 0; i < kBody; ++i) columns_[static_cast<std::size_t>(i)] = own_column(layout, i);
+  set_columns(0, kBody, body::kSize * layout.state);
   set_columns(kExtrinsics, Extrinsics::kDof, layout.column<Extrinsics>(0));
   set_columns(kDopplerScale, 1, layout.column<DopplerScale>(0));
   set_columns(kTimeOffset, 1, layout.time_offset_column());

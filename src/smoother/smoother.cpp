@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rio/core/dense_cholesky.hpp"
+#include "rio/core/mirror.hpp"
 
 namespace rio {
 
@@ -57,7 +58,7 @@ Status Smoother::update(const Observations& seen, const ScanRows& rows) {
   before_.save(window_, estimate());
   if (!solve()) {
     before_.restore(&window_, &state_estimate_.estimate());
-    drop_aiding();
+    for (std::vector<AidingFactor>* kept : aided_) kept->pop_back();
     if (appended) window_.pop_newest();
     if (!appended) window_.newest().cut(mark);
     window_.newest().to_next.invalidate();
@@ -111,7 +112,7 @@ void Smoother::restart() {
   A.setIdentity();
   P.triangularView<Eigen::Lower>().solveInPlace(A);
   P.transpose().triangularView<Eigen::Upper>().solveInPlace(A);
-  for (int c = 1; c < n; ++c) A.col(c).head(c) = A.row(c).head(c).transpose();
+  mirror_lower(A);
   g_.head(n).setZero();
   prior_.assign(A, g_.head(n), window_, 0, 1, estimate());
   window_.publish(&state_estimate_.estimate());
@@ -148,7 +149,8 @@ void Smoother::take(const Observations& seen, const ScanRows& rows) {
   state.measurements.append(rows.measurements());
   for (const std::size_t i : rows.aiding()) {
     const AidingObservation& aiding = (*seen.aiding)[i];
-    WindowState& keeps = keeper(aiding);  // the newest, if the window has started over since
+    // the newest, if the window has started over since
+    WindowState& keeps = window_[std::min(window_.first_from(aiding.anchor), window_.size() - 1)];
     const bool anchored = keeps.nav.time == aiding.anchor;
     if (keeps.aiding.size() == kMaxAiding) continue;  // full: recorded as used, but left out
     keeps.aiding.push_back({aiding.measurement, anchored ? aiding.to_anchor : aiding.to_now});
@@ -156,26 +158,16 @@ void Smoother::take(const Observations& seen, const ScanRows& rows) {
   }
 }
 
-WindowState& Smoother::keeper(const AidingObservation& aiding) {
-  return window_[std::min(window_.first_from(aiding.anchor), window_.size() - 1)];
-}
-
-void Smoother::drop_aiding() {
-  for (std::vector<AidingFactor>* kept : aided_) kept->pop_back();
-}
-
 bool Smoother::solve() {
-  if (!solver_.minimise([this] { return build(); }, &system_, &window_, &state_estimate_))
-    return false;
+  const auto build = [this] {
+    const double cost = begin_with_prior();
+    return cost + factors_.add_all(estimate());
+  };
+  if (!solver_.minimise(build, &system_, &window_, &state_estimate_)) return false;
   auto P = P_.topLeftCorner(system_.tail_size(), system_.tail_size());
   if (!system_.tail_covariance(&P_) || !P.allFinite()) return false;
   state_estimate_.covariance().matrix() = P;
   return true;
-}
-
-double Smoother::build() {
-  const double cost = begin_with_prior();
-  return cost + factors_.add_all(estimate());
 }
 
 double Smoother::begin_with_prior() {

@@ -47,16 +47,6 @@ class ImuFactor {
   void evaluate_unwhitened(const NavState& xi, const NavState& xj, Residual* r, Jacobian* J) const;
 
  private:
-  static constexpr int kJ = body::kSize;  // first column of state j
-
-  /// (E2)
-  void differentiate_attitude(const Matrix3d& R_ij, const Vector3d& r_phi, const Vector3d& c,
-                              Jacobian* J) const;
-
-  /// (E3)
-  void differentiate_motion(const Matrix3d& R_i, const Vector3d& u_p, const Vector3d& u_v, double T,
-                            Jacobian* J) const;
-
   Preintegration imu_;
   Vector3d gravity_W_ = Vector3d::Zero();
   SmallCholesky<body::kSize> root_{Matrix15d::Zero()};  ///< L of (E4)

@@ -83,8 +83,6 @@ class Preintegration {
   const BodyTransition& jacobians() const { return chain_.from_start; }
 
  private:
-  static ImuOptions weightless(ImuOptions options);
-
   Propagation chain_;  // its W is the first body frame, free of gravity
   Time duration_{0};
 };

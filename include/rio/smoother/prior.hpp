@@ -64,7 +64,6 @@ class Prior {
   void remove_landmark(std::size_t i, std::size_t last);
 
  private:
-  static Eigen::MatrixXd matrix(const Layout& layout, int max_states);
   int size() const { return border(layout_.size(static_cast<int>(landmarks_.size()))); }
   /// Column of the prior for a column of [newest state | border].
   int border(int column) const { return column - body::kSize + body::kSize * leading_states(); }
@@ -100,10 +99,6 @@ class Prior {
     for (int at = border(layout_.landmark(0)); at < size(); at += Landmark::kDof) f(at);
   }
 
-  /// Sets the information about landmark i to zero; another one takes its place.
-  void forget_in_place(std::size_t i);
-  void move_landmark(std::size_t from, std::size_t to);
-
   Layout layout_;
   std::vector<NavState> states_;
   StaticVector<LandmarkState, kMaxLandmarks> landmarks_;
@@ -111,9 +106,9 @@ class Prior {
   std::size_t turn_ = 0;                      ///< the landmark whose turn is next
   std::array<RadarState, kMaxRadars> radars_;
   AuxiliaryValues auxiliary_ = AuxiliaryValues::Zero();
+  Eigen::VectorXd g_;
   Eigen::MatrixXd A_;
   Eigen::MatrixXd work_;
-  Eigen::VectorXd g_;
   Eigen::VectorXd work_g_;
   Eigen::VectorXd xi_;
   Eigen::VectorXd w_;

@@ -72,9 +72,6 @@ class ScanInformation {
   static constexpr int kCapacity = cholesky::kPanel;  // no product is deeper
   static_assert(body::kGyroBias + 3 == kBody);
 
-  static int own_column(const WindowLayout& layout, int i) {
-    return body::kSize * layout.state + i;
-  }
   void set_columns(int first, int count, int column);
 
   /// First local unknown of a block (E1).

@@ -88,15 +88,11 @@ class Smoother {
   /// Measurements that passed the gates become factors of the newest state, aiding measurements
   /// also of earlier ones.
   void take(const Observations& seen, const ScanRows& rows);
-  WindowState& keeper(const AidingObservation& aiding);
-  /// Removes the aiding factors added by take().
-  void drop_aiding();
 
   /// Optimises; the result is in the state estimate and the window.
   bool solve();
 
-  /// Builds the system at the current point; returns its cost.
-  double build();
+  /// Begins the system at the current point; returns the cost of the prior.
   double begin_with_prior();
 
   /// Marginalises the oldest state: all factors that touch it become the prior of the others.
