@@ -32,6 +32,7 @@
 #include "rio/update/back_end.hpp"
 #include "rio/update/delayed_start.hpp"
 #include "rio/update/ego_velocity_measurement.hpp"
+#include "rio/update/landmark_policy.hpp"
 #include "rio/update/point_report.hpp"
 #include "rio/update/scan_rows.hpp"
 
@@ -181,7 +182,8 @@ class Pipeline {
       report_points(received, correction_.own_echoes(), seen_, estimate(),
                     options_.update.use_trails, &points_);
       const ScanId scan_id = number();
-      frontend().advance(seen_, scan_id, backend_.landmark_room(seen_), &promotions_);  // 6
+      frontend().advance(seen_, scan_id, landmark_room(estimate(), seen_, options_),
+                         &promotions_);  // 6
       backend_.maintain_landmarks(seen_, rows_, promotions_, &report_);
       const double seconds = to_seconds(estimate().nav.time - last);
       if (checks_.check_heading()) reset_frontends();

@@ -33,7 +33,6 @@ class StateOnly {
   }
   void drop_landmarks(UpdateReport* /*report*/) { ++dropped; }
   Status update(const Observations& /*seen*/, const ScanRows& /*rows*/) { return Status::kOk; }
-  std::size_t landmark_room(const Observations& /*seen*/) const { return 0; }
   void maintain_landmarks(const Observations&, const ScanRows&, const Promotions&, UpdateReport*) {}
   void clone(ScanId /*scan*/) {}
 

@@ -35,10 +35,6 @@ class Smoother {
   const StateEstimate& state_estimate() const { return state_estimate_; }
   const Window& window() const { return window_; }
   const Prior& prior() const { return prior_; }
-  /// New landmarks that can be taken (update/landmark_policy.hpp).
-  std::size_t landmark_room(const Observations& seen) const {
-    return rio::landmark_room(estimate(), seen, options_);
-  }
 
   /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0);

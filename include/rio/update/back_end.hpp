@@ -33,8 +33,7 @@ enum class Invalidates {
 /// |             | drop_landmarks(report)                     | the landmarks                     |
 /// | 5 update    | update(seen, rows) -> Status               | state and covariance; as          |
 /// |             |                                            | predicted if it is kNumerical     |
-/// | 6 promote   | landmark_room(seen)                        | nothing                           |
-/// |             | maintain_landmarks(seen, rows, promotions, | the landmarks                     |
+/// | 6 promote   | maintain_landmarks(seen, rows, promotions, | the landmarks                     |
 /// |             | report)                                    |                                   |
 /// | 7 clone     | clone(scan)                                | the clones                        |
 /// Between the calls, estimate() and state_estimate() are the mean and covariance at the newest
@@ -54,7 +53,6 @@ concept OdometryBackEnd = std::constructible_from<B, const Options&> &&
   b.replace(change, Invalidates::kLandmarks, report);
   b.drop_landmarks(report);
   { b.update(seen, rows) } -> std::same_as<Status>;
-  { read.landmark_room(seen) } -> std::same_as<std::size_t>;
   b.maintain_landmarks(seen, rows, promotions, report);
   b.clone(ScanId{});
 };
