@@ -32,7 +32,13 @@ void Frontend::match(const DetectionList& scan, const Estimate& predicted, Obser
   out->scan = &scan;
   out->trails = &trails_;
   out->moves.fill(false);
-  if (unwrap_) unwrap(scan, out);
+  if (unwrap_) {  // a copy with the range rates of the static set unfolded
+    unwrapped_ = scan;
+    for (std::size_t i = 0; i < scan.items.size(); ++i) {
+      if (out->is_static(i)) unwrapped_.items[i].range_rate = out->ego_velocity.range_rate[i];
+    }
+    out->scan = &unwrapped_;
+  }
   find_companions(out);
   out->matches.clear();
   if (!use_trails_) return;
@@ -91,14 +97,6 @@ void Frontend::find_movers(const Vector3d& v_S, Observations* out) const {
     const double bound = options_.mover_sigmas * std::sqrt(trail.matches + 1.0);
     if (std::abs(trail.doppler_sum + residual) > bound) out->moves[m.detection] = true;
   }
-}
-
-void Frontend::unwrap(const DetectionList& scan, Observations* out) {
-  unwrapped_ = scan;
-  for (std::size_t i = 0; i < scan.items.size(); ++i) {
-    if (out->is_static(i)) unwrapped_.items[i].range_rate = out->ego_velocity.range_rate[i];
-  }
-  out->scan = &unwrapped_;
 }
 
 }  // namespace rio

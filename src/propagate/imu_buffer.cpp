@@ -2,15 +2,6 @@
 #include "rio/propagate/imu_buffer.hpp"
 
 namespace rio {
-namespace {
-
-ImuSample with_time(ImuSample sample, Time time) {
-  sample.time = time;
-  return sample;
-}
-
-}  // namespace
-
 ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) {
   const double span = to_seconds(b.time - a.time);
   const double weight = span > 0.0 ? to_seconds(time - a.time) / span : 0.0;
@@ -38,9 +29,10 @@ void ImuBuffer::forget_before(Time time) {
 
 ImuSample ImuBuffer::at(Time time) const {
   const std::size_t i = first_after(time);
-  if (i == 0) return with_time(samples_.front(), time);
-  if (i == samples_.size()) return with_time(samples_.back(), time);
-  return interpolate(samples_[i - 1], samples_[i], time);
+  if (i > 0 && i < samples_.size()) return interpolate(samples_[i - 1], samples_[i], time);
+  ImuSample held = i == 0 ? samples_.front() : samples_.back();
+  held.time = time;
+  return held;
 }
 
 ImuStep ImuBuffer::step(std::size_t i, Time from, Time to) const {

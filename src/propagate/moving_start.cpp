@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/propagate/moving_start.hpp"
 
+#include <algorithm>
+
 namespace rio {
 
 std::optional<Alignment> MovingStart::add(const ImuSample& sample) {
@@ -11,15 +13,12 @@ std::optional<Alignment> MovingStart::add(const ImuSample& sample) {
   const double dt = to_seconds(sample.time - newest_);
   const double elapsed = to_seconds(sample.time - *begin_);
   newest_ = sample.time;
-  up_B_ = quaternion_exp(-dt * sample.gyro_B) * up_B_;  // (E1)
-  if (dt > 0.0) up_B_ += (sample.accel_B - up_B_) * std::min(1.0, dt / averaged(elapsed));
+  up_B_ = quaternion_exp(-dt * sample.gyro_B) * up_B_;         // (E1)
+  const double averaged = std::min(elapsed, start_.duration);  // how long the mean is [s]
+  if (dt > 0.0) up_B_ += (sample.accel_B - up_B_) * std::min(1.0, dt / averaged);
   if (start_.max_wait <= 0.0 || elapsed < start_.max_wait || !(up_B_.norm() > 0.0)) return {};
-  return at(sample.time, averaged(elapsed));
-}
-
-Alignment MovingStart::at(Time time, double averaged) const {
   Alignment out;
-  out.state.time = time;
+  out.state.time = sample.time;
   const Vector3d y = up_B_.normalized();
   out.state.q_WB = level(y);  // (E2)
   const Matrix3d along = y * y.transpose();

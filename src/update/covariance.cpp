@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/covariance.hpp"
 
+#include "rio/core/mirror.hpp"
 #include "rio/core/small_cholesky.hpp"
 
 namespace rio {
@@ -70,8 +71,7 @@ void Covariance::assign_parameters(int at, const Eigen::Ref<const Eigen::MatrixX
   }
   P_.block(at, 0, n, size_) = JP;
   P_.block(0, at, size_, n) = JP.transpose();
-  auto own = P_.block(at, at, n, n);
-  for (Eigen::Index c = 1; c < n; ++c) own.col(c).head(c) = own.row(c).head(c).transpose();
+  mirror_lower(P_.block(at, at, n, n));
 }
 
 void Covariance::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {

@@ -58,17 +58,14 @@ bool DelayedStarts::hold(const AidingObservation& seen, const StateEstimate& x) 
   std::vector<HeldMeasurement>& held = one->held;
   if (!held.empty() && z.time() < held.back().z.time() + one->interval) return true;
   if (held.empty()) one->next_try = z.time() + kTryEvery;
-  if (held.size() == DelayedState::kMostHeld) thin_out(one);
+  if (held.size() == DelayedState::kMostHeld) {  // keeps every second one
+    for (std::size_t i = 0; i < held.size() / 2; ++i) held[i] = held[2 * i];
+    held.erase(held.begin() + static_cast<std::ptrdiff_t>(held.size() / 2), held.end());
+    one->interval = (held.back().z.time() - held.front().z.time()) / (held.size() - 1);
+  }
   held.push_back({z, aided_state(z, seen.to_now, x.estimate().nav, x.estimate(), gravity_),
                   x.covariance().matrix().block<3, 3>(body::kPosition, body::kPosition)});
   return true;
-}
-
-void DelayedStarts::thin_out(DelayedState* state) {
-  std::vector<HeldMeasurement>& held = state->held;
-  for (std::size_t i = 0; i < held.size() / 2; ++i) held[i] = held[2 * i];
-  held.erase(held.begin() + static_cast<std::ptrdiff_t>(held.size() / 2), held.end());
-  state->interval = (held.back().z.time() - held.front().z.time()) / (held.size() - 1);
 }
 
 const DelayedStart* DelayedStarts::determine(const StateEstimate& x) {

@@ -75,9 +75,6 @@ class Frontend {
   /// Marks slow movers within the static set: their Doppler residuals add up along a trail.
   void find_movers(const Vector3d& v_S, Observations* out) const;
 
-  /// Copies the scan with the range rates of its static set unfolded.
-  void unwrap(const DetectionList& scan, Observations* out);
-
   FrontendOptions options_;
   bool use_trails_;
   bool use_landmarks_;

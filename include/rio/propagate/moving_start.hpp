@@ -7,7 +7,6 @@
 // (E2) R F/|F| = e_z, yaw 0: exact but for the mean acceleration, the change of velocity over T
 #pragma once
 
-#include <algorithm>
 #include <optional>
 
 #include "rio/core/so3.hpp"
@@ -32,10 +31,6 @@ class MovingStart {
   double force() const { return up_B_.norm(); }
 
  private:
-  Alignment at(Time time, double averaged) const;
-  /// How long the mean is [s].
-  double averaged(double elapsed) const { return std::min(elapsed, start_.duration); }
-
   static constexpr double kVelocity = 5.0;        // of a small robot: sigma per axis [m/s]
   static constexpr double kVelocityChange = 2.0;  // its change over the duration, same [m/s]
 

@@ -85,9 +85,6 @@ class DelayedStarts {
   const DelayedStart* determine(const StateEstimate& x);
 
  private:
-  /// Keeps every second one.
-  static void thin_out(DelayedState* state);
-
   AuxiliaryStates states_;
   double gravity_;
   std::vector<DelayedState> delayed_;
