@@ -42,32 +42,27 @@ bool LandmarkDopplerModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const double h = point.e_S.norm();
   if (!(h > kMinRange)) return false;
   const Vector3d u = point.e_S / h;
-  const Vector3d w = z.gyro_B - gyro_bias;
-  const Vector3d v_B = T_WB.R.transpose() * v_WB;
-  const Vector3d radar_v_B = v_B + w.cross(T_BS.p);
-  const Vector3d v_S = T_BS.R.transpose() * radar_v_B;
-  const double scale = 1.0 + scale_error;
-  r[0] = z.range_rate + scale * u.dot(v_S);  // (E3)
-  R(0, 0) = z.sigma_doppler * z.sigma_doppler;
+  DopplerModel::Measurement along;  // of a point in the direction u
+  along.range_rate = z.range_rate;
+  along.sigma_doppler = z.sigma_doppler;
+  along.direction_S = u;
+  along.gyro_B = z.gyro_B;
+  along.steady = z.steady;
+  JacobianOf<kDim, DopplerModel::Blocks::kDof> d;
+  DopplerModel(DopplerDirections::kExact)  // (E3)
+      .evaluate(along, T_WB, v_WB, gyro_bias, T_BS, scale_error, r, J != nullptr ? &d : nullptr, R);
   if (J == nullptr) return true;
 
+  const double scale = 1.0 + scale_error;
   const Vector3d scaled_u = scale * u;
-  const Vector3d a = T_BS.R * scaled_u;
-  const Vector3d a_W = T_WB.R * a;
+  const Vector3d v_S = radar_velocity(T_WB, v_WB, z.gyro_B - gyro_bias, T_BS);
   const Eigen::RowVector3d d_h_d_e = (u.dot(v_S) * scaled_u - scale * v_S).transpose() / h;
   using Point = ObservedPoint::Blocks;
-  const Eigen::Matrix<double, 1, Point::kDof> d_h = d_h_d_e * point.d_e;
-  J->block<1, 6>(0, Blocks::column<BodyPose>()) = d_h.segment<6>(Point::column<BodyPose>());
-  J->block<1, 3>(0, Blocks::column<BodyPose>()) += v_B.cross(a).transpose();
-  J->block<1, 3>(0, Blocks::column<BodyVelocity>()) = -a_W.transpose();
-  J->block<1, 3>(0, Blocks::column<GyroBias>()) = T_BS.p.cross(a).transpose();
-  J->block<1, 6>(0, Blocks::column<Extrinsics>()) = d_h.segment<6>(Point::column<Extrinsics>());
-  const Vector3d steady_v_S = v_S + z.steady.velocity_S;
-  const Vector3d steady_w = w + z.steady.rate_B;
-  J->block<1, 3>(0, Blocks::column<Extrinsics>()) += steady_v_S.cross(scaled_u).transpose();
-  J->block<1, 3>(0, Blocks::column<Extrinsics>() + 3) += steady_w.cross(a).transpose();
-  (*J)(0, Blocks::column<DopplerScale>()) = -u.dot(steady_v_S);
-  J->block<1, 3>(0, Blocks::column<Landmark>()) = d_h.segment<3>(Point::column<Landmark>());
+  const Eigen::Matrix<double, 1, Point::kDof> by_point = d_h_d_e * point.d_e;
+  J->head<DopplerModel::Blocks::kDof>() = d;
+  J->segment<6>(Blocks::column<BodyPose>()) += by_point.segment<6>(Point::column<BodyPose>());
+  J->segment<6>(Blocks::column<Extrinsics>()) += by_point.segment<6>(Point::column<Extrinsics>());
+  J->segment<3>(Blocks::column<Landmark>()) = by_point.segment<3>(Point::column<Landmark>());
   return true;
 }
 
