@@ -5,11 +5,54 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/dense_cholesky.hpp"
 #include "rio/core/mirror.hpp"
 #include "rio/state/calibration.hpp"
 #include "rio/update/look_correlation.hpp"
 
 namespace rio {
+
+namespace {
+
+// In place, on the leading n unknowns of a quadratic x^T A x / 2 - g^T x. Only the lower triangle
+// of the symmetric A is read and valid afterwards.
+
+/// New unknowns y, x = B y with B = I except for the 3x3 block `own` at `at`:  A <- B^T A B,
+/// g <- B^T g
+void multiply_block(int n, int at, const Matrix3d& own, Eigen::MatrixXd* A, Eigen::VectorXd* g) {
+  auto columns = A->block(at, at, n - at, 3);
+  for (int r = 0; r < columns.rows(); ++r) columns.row(r) = (columns.row(r) * own).eval();
+  for (int c = 0; c < at + 3; ++c) {
+    A->block<3, 1>(at, c) = (own.transpose() * A->block<3, 1>(at, c)).eval();
+  }
+  g->segment<3>(at) = (own.transpose() * g->segment<3>(at)).eval();
+}
+
+/// Independent noise of covariance E C E^T added to the unknowns E, the own.size() columns from
+/// `at` on, at most cholesky::kPanel; C^-1 = diag(own), 0 marginalises them:
+///   (A^-1 + E C E^T)^-1 = A - A E (C^-1 + E^T A E)^-1 E^T A                    (Woodbury 1950)
+/// No effect if C^-1 + E^T A E is not positive definite: A has no information about E.
+/// @param scratch of at least n rows and one column more than E
+void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>& own,
+                         Eigen::MatrixXd* A, Eigen::VectorXd* g, Eigen::MatrixXd* scratch) {
+  const auto width = static_cast<int>(own.size());
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, cholesky::kPanel, cholesky::kPanel> L =
+      A->block(at, at, width, width).selfadjointView<Eigen::Lower>();
+  auto W = scratch->topLeftCorner(n, width);  // A E
+  W.topRows(at) = A->block(at, 0, width, at).transpose();
+  W.middleRows(at, width) = L;
+  W.bottomRows(n - at - width) = A->block(at + width, at, n - at - width, width);
+  L.diagonal() += own;
+  if (!factorise_in_place(L)) return;
+  cholesky::divide_right(L, W);
+  auto y = scratch->col(width).head(width);
+  y = g->segment(at, width);
+  L.triangularView<Eigen::Lower>().solveInPlace(y);
+  A->topLeftCorner(n, n).selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+  g->head(n).noalias() -= W * y;
+}
+
+}  // namespace
 
 Prior::Prior(const Layout& layout, int max_states)
     : layout_(layout),
@@ -40,7 +83,7 @@ void Prior::assign(const Eigen::Ref<const Eigen::MatrixXd>& A,
   g_.head(size()) = g;
   for (int s = 0; s < leading; ++s) {  // the inverse of (E4) where xi = 0
     const Matrix3d R = states_[static_cast<std::size_t>(s)].q_WB.toRotationMatrix();
-    quadratic::multiply_block(size(), body::kSize * s + body::kAttitude, R.transpose(), &A_, &g_);
+    multiply_block(size(), body::kSize * s + body::kAttitude, R.transpose(), &A_, &g_);
   }
   mirror_lower(A_.topLeftCorner(size(), size()));
   xi_.head(size()).setZero();
@@ -62,13 +105,13 @@ double Prior::add_to(NormalEquations* system, const Window& window, const Estima
   add_heading_part(&work_, &work_g_);
   for (int s = 0; s < leading_states(); ++s) {
     const Matrix3d R = window[static_cast<std::size_t>(s)].nav.q_WB.toRotationMatrix();
-    quadratic::multiply_block(n, body::kSize * s + body::kAttitude,
-                              turn_jacobian(s).inverse() * Zt * R, &work_, &work_g_);
+    multiply_block(n, body::kSize * s + body::kAttitude, turn_jacobian(s).inverse() * Zt * R,
+                   &work_, &work_g_);
   }
   turn_back(heading());
   for (std::size_t r = 0; layout_.has_extrinsics() && r < layout_.radars(); ++r) {
     const int at = border(layout_.of_radar(r).extrinsics());
-    quadratic::multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
+    multiply_block(n, at, gamma(1, -xi.segment<3>(at)).inverse(), &work_, &work_g_);
   }
   system->add_quadratic(leading_states(), work_.topLeftCorner(n, n), work_g_.head(n));
   return cost;
@@ -91,7 +134,7 @@ void Prior::add_landmark_noise(const Estimate& x, const Vector3d& p_WB, double w
     owed_[i].setZero();
   }
   const int at = border(layout_.landmark(static_cast<int>(first)));
-  quadratic::subtract_projection(size(), at, own, &A_, &g_, &work_);
+  subtract_projection(size(), at, own, &A_, &g_, &work_);
   mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
@@ -103,7 +146,7 @@ void Prior::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
   for (int first = 0; first < count; first += cholesky::kPanel) {
     const int width = std::min(cholesky::kPanel, count - first);
     own = (seconds * walk.segment(first, width)).cwiseMax(kNothing).cwiseInverse();
-    quadratic::subtract_projection(size(), border(body::kSize + first), own, &A_, &g_, &work_);
+    subtract_projection(size(), border(body::kSize + first), own, &A_, &g_, &work_);
   }
   mirror_lower(A_.topLeftCorner(size(), size()));
 }
@@ -112,7 +155,7 @@ void Prior::remove_landmark(std::size_t i, std::size_t last) {
   if (i >= landmarks_.size()) return;
   const int at = border(layout_.landmark(static_cast<int>(i)));
   const Vector3d nothing = Vector3d::Zero();
-  quadratic::subtract_projection(size(), at, nothing, &A_, &g_, &work_);
+  subtract_projection(size(), at, nothing, &A_, &g_, &work_);
   mirror_lower(A_.topLeftCorner(size(), size()));
   // the window's last landmark moves to i; the prior's own last one may be an earlier one
   const std::size_t own_last = landmarks_.size() - 1;

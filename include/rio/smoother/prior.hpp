@@ -23,7 +23,6 @@
 #include "rio/core/so3.hpp"
 #include "rio/smoother/block_cholesky.hpp"
 #include "rio/smoother/normal_equations.hpp"
-#include "rio/smoother/quadratic.hpp"
 #include "rio/smoother/window.hpp"
 #include "rio/state/estimate.hpp"
 #include "rio/state/layout.hpp"
