@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/ekf/ekf.hpp"
 
-#include "rio/core/mirror.hpp"
+#include "rio/core/symmetric.hpp"
 
 namespace rio {
 

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "rio/core/dense_cholesky.hpp"
-#include "rio/core/mirror.hpp"
+#include "rio/core/symmetric.hpp"
 
 namespace rio {
 

@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "rio/core/mirror.hpp"
+#include "rio/core/symmetric.hpp"
 
 namespace rio {
 

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rio/core/dense_cholesky.hpp"
-#include "rio/core/mirror.hpp"
+#include "rio/core/symmetric.hpp"
 #include "rio/state/calibration.hpp"
 #include "rio/update/look_correlation.hpp"
 

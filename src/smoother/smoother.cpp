@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "rio/core/dense_cholesky.hpp"
-#include "rio/core/mirror.hpp"
+#include "rio/core/symmetric.hpp"
 
 namespace rio {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/covariance.hpp"
 
-#include "rio/core/mirror.hpp"
 #include "rio/core/small_cholesky.hpp"
+#include "rio/core/symmetric.hpp"
 
 namespace rio {
 
@@ -11,14 +11,6 @@ Covariance::Covariance(const Layout& layout)
       P_(Eigen::MatrixXd::Zero(layout.capacity(), layout.capacity())),
       scratch_(Eigen::MatrixXd::Zero(body::kSize, layout.capacity())),
       size_(layout.size(0)) {}
-
-Eigen::Ref<const Eigen::MatrixXd> Covariance::matrix() const {
-  return P_.topLeftCorner(size_, size_);
-}
-
-Eigen::Ref<Eigen::MatrixXd> Covariance::matrix() {
-  return P_.topLeftCorner(size_, size_);
-}
 
 void Covariance::reset(const BodyCovariance& P0, const Eigen::VectorXd& parameters) {
   P_.setZero();
@@ -72,14 +64,6 @@ void Covariance::assign_parameters(int at, const Eigen::Ref<const Eigen::MatrixX
   P_.block(at, 0, n, size_) = JP;
   P_.block(0, at, size_, n) = JP.transpose();
   mirror_lower(P_.block(at, at, n, n));
-}
-
-void Covariance::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
-  P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
-}
-
-void Covariance::inflate_along(int at, const Vector3d& axis) {
-  P_.block<3, 3>(at, at) += axis * axis.transpose();
 }
 
 void Covariance::inflate_velocity(double variance, double duration) {  // (E3)

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rio/core/mirror.hpp"
+#include "rio/core/symmetric.hpp"
 #include "support/covariance_case.hpp"
 #include "support/symmetric.hpp"
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "rio/core/mirror.hpp"
 #include "rio/core/so3.hpp"
+#include "rio/core/symmetric.hpp"
 #include "support/covariance_case.hpp"
 
 namespace rio::test {

@@ -15,9 +15,16 @@ class Predictor {
   const NavState& state() const { return state_; }
 
   /// After an update or a reset: starts over from the corrected state.
-  void rebase(const NavState& corrected, const ImuBuffer& imu);
+  void rebase(const NavState& corrected, const ImuBuffer& imu) {
+    state_ = corrected;
+    advance(imu);
+  }
   /// To the newest sample; constant time when called for every sample.
-  void advance(const ImuBuffer& imu);
+  void advance(const ImuBuffer& imu) {
+    if (imu.empty()) return;
+    imu.for_each_step(state_.time, imu.newest().time,
+                      [this](const ImuStep& step) { integrate(step, gravity_, state_); });
+  }
 
  private:
   double gravity_;

@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "rio/core/so3.hpp"  // a model that includes its blocks has the rotations, too
-#include "rio/export.hpp"
 #include "rio/types.hpp"
 
 namespace rio {
@@ -21,14 +20,16 @@ struct RigidPose {
 
   RigidPose() = default;
   RigidPose(const Matrix3d& rotation, const Vector3d& translation) : R(rotation), p(translation) {}
-  RIO_API explicit RigidPose(const Pose& pose);
+  explicit RigidPose(const Pose& pose) : R(pose.rotation.toRotationMatrix()), p(pose.translation) {}
 };
 
 /// Blocks of pose type: error [dphi, dp].
 struct PoseBlock {
   using Value = RigidPose;
   static constexpr int kDof = 6;
-  RIO_API static Value retract(const Value& x, const Eigen::Matrix<double, kDof, 1>& error);
+  static Value retract(const Value& x, const Eigen::Matrix<double, kDof, 1>& error) {
+    return {x.R * gamma(0, error.head<3>()), x.p + error.tail<3>()};
+  }
 };
 /// Blocks of vector type.
 template <int kSize>

@@ -28,9 +28,9 @@ class Covariance {
 
   int size() const { return size_; }
   /// P, size() square, symmetric to the last bit.
-  Eigen::Ref<const Eigen::MatrixXd> matrix() const;
+  Eigen::Ref<const Eigen::MatrixXd> matrix() const { return P_.topLeftCorner(size_, size_); }
   /// For updates, which must leave it symmetric to the last bit.
-  Eigen::Ref<Eigen::MatrixXd> matrix();
+  Eigen::Ref<Eigen::MatrixXd> matrix() { return P_.topLeftCorner(size_, size_); }
   auto body() const { return P_.topLeftCorner<body::kSize, body::kSize>(); }
 
   /// Body block and the prior variances of the parameters; no clones, no landmarks.
@@ -47,7 +47,9 @@ class Covariance {
   void inflate(int at, double variance) { P_.diagonal().segment<3>(at).array() += variance; }
 
   /// Same along one axis only, whose length is the sigma added.
-  void inflate_along(int at, const Vector3d& axis);
+  void inflate_along(int at, const Vector3d& axis) {
+    P_.block<3, 3>(at, at) += axis * axis.transpose();
+  }
 
   /// (E4). dx is the correction of the state.
   /// @param residual_W measured minus estimated velocity [m/s]
@@ -78,7 +80,9 @@ class Covariance {
 
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk
-  void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
+  void add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
+    P_.diagonal().segment(body::kSize, walk.size()) += seconds * walk;
+  }
 
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rio/core/dense_cholesky.hpp"
+#include "rio/core/symmetric.hpp"
 
 #include <Eigen/Cholesky>
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Symmetric matrices that are computed in their lower triangle.
+// Symmetric matrices of any size, kept in their lower triangle.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace rio {
+
+/// Lower triangle of A <- L with A = L L^T. Reads the lower triangle only. False if A is not
+/// positive definite. Does not allocate.
+bool factorise_in_place(Eigen::Ref<Eigen::MatrixXd> A);
 
 /// Upper triangle <- lower triangle: symmetric to the last bit.
 inline void mirror_lower(Eigen::Ref<Eigen::MatrixXd> A) {
