@@ -5,27 +5,6 @@
 
 namespace rio {
 
-RadarState Estimate::of_radar(std::size_t r) const {
-  return r == radar ? RadarState{T_BS, doppler_scale, time_offset} : others[r];
-}
-
-void Estimate::set_radar(std::size_t r, const RadarState& state) {
-  if (r != radar) {
-    others[r] = state;
-    return;
-  }
-  T_BS = state.T_BS;
-  doppler_scale = state.doppler_scale;
-  time_offset = state.time_offset;
-}
-
-void Estimate::select_radar(std::size_t r) {
-  if (r == radar) return;
-  others[radar] = of_radar(radar);
-  radar = r;
-  set_radar(r, RadarState(others[r]));
-}
-
 int Estimate::find_clone(ScanId scan) const {
   for (std::size_t i = 0; i < clones.size(); ++i) {
     if (clones[i].scan == scan) return static_cast<int>(i);

@@ -68,28 +68,31 @@ struct RadarState {
   double time_offset = 0.0;    ///< stamp minus time of measurement [s]
 };
 
-/// Predicted or corrected means at one instant. With several radars, T_BS, doppler_scale and
-/// time_offset are those of the radar whose scan is being processed.
-struct Estimate {
+/// Predicted or corrected means at one instant. The RadarState is that of the radar whose scan is
+/// being processed.
+struct Estimate : RadarState {
   NavState nav;
   Vector3d gyro_B = Vector3d::Zero();  ///< measured angular rate at nav.time, bias included [rad/s]
   double gyro_variance = 0.0;          ///< of that measurement, per axis [rad^2/s^2]
   double accel_density = 0.0;          ///< of the accelerometer, measured [(m/s^2)^2/Hz]
   SteadyMotion steady;                 ///< where the Jacobians of the calibration are evaluated
-  Pose T_BS;
-  double doppler_scale = 0.0;                 ///< relative error of the range rates as received
-  double distance_travelled = 0.0;            ///< since the start [m]
-  double time_offset = 0.0;                   ///< stamp minus time of measurement [s]
-  std::size_t radar = 0;                      ///< whose scan is being processed
-  std::array<RadarState, kMaxRadars> others;  ///< by radar; the entry of `radar` is stale
+  double distance_travelled = 0.0;     ///< since the start [m]
+  std::size_t radar = 0;               ///< whose scan is being processed
+  std::array<RadarState, kMaxRadars> others;            ///< by radar; the entry of `radar` is stale
   AuxiliaryValues auxiliary = AuxiliaryValues::Zero();  ///< states of extensions
   StaticVector<Clone, kMaxClones> clones;  ///< of each radar the newest replaces the oldest
   StaticVector<LandmarkState, kMaxLandmarks> landmarks;
 
-  RadarState of_radar(std::size_t r) const;
-  void set_radar(std::size_t r, const RadarState& state);
+  const RadarState& of_radar(std::size_t r) const { return r == radar ? *this : others[r]; }
+  void set_radar(std::size_t r, const RadarState& state) {
+    (r == radar ? *this : others[r]) = state;
+  }
   /// Makes radar r the one whose scan is being processed.
-  void select_radar(std::size_t r);
+  void select_radar(std::size_t r) {
+    others[radar] = *this;
+    radar = r;
+    set_radar(r, others[r]);
+  }
 
   /// Body pose as matrices.
   RigidPose T_WB() const { return RigidPose(Pose{nav.q_WB, nav.p_WB}); }
