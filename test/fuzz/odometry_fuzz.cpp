@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "fuzz/judge.hpp"
-#include "fuzz/options_of.hpp"
 #include "fuzz/vehicle.hpp"
 #include "rio/models/aids.hpp"
 
