@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -145,61 +144,42 @@ inline std::string open_sections(std::string_view key, std::string_view previous
   return indent + std::string(key.substr(begin));
 }
 
-/// Applies the values of one file to an object.
+/// Sets the field `key` and checks its range; false if there is no such field.
 template <class Object>
-class FieldsReader {
- public:
-  FieldsReader(const YamlFile& file, const std::string& base_key, Object* object,
-               const std::vector<ClosedKey>& closed)
-      : file_(file), base_key_(base_key), closed_(closed), keys_{base_key}, object_(object) {
-    visit_fields(*object,
-                 [this](const FieldInfo& info, const auto&) { keys_.emplace_back(info.key); });
-  }
+bool set_field(const YamlFile& file, const std::string& key, const YAML::Node& node,
+               Object* object) {
+  bool found = false;
+  visit_fields(*object, [&](const FieldInfo& info, auto& field) {
+    if (key != info.key) return;
+    found = true;
+    ReadField{file, node, info}(field);
+    const std::string error = field_error(info, field);
+    if (!error.empty()) fail_at(file, node, error);
+  });
+  return found;
+}
 
-  void read() { read(file_.root, ""); }
-
- private:
-  void read(const YAML::Node& map, const std::string& prefix) {
-    for (const auto& entry : map) {
-      const std::string key = prefix + entry.first.Scalar();
-      const YAML::Node& value = entry.second;
-      if (key == base_key_) continue;
-      if (is_section(key, keys_)) {
-        if (!value.IsMap() && !value.IsNull()) fail_at(file_, value, key + ": a map is expected");
-        read(value, key + ".");
-      } else if (const auto why = why_closed(key)) {
-        fail_at(file_, entry.first, key + " " + *why);
-      } else if (!set_field(key, value)) {
-        fail_at(file_, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, keys_));
-      }
+/// Reads a section with the keys below `prefix`.
+template <class Object>
+void read_section(const YamlFile& file, const YAML::Node& map, const std::string& prefix,
+                  const std::vector<std::string>& keys, const std::vector<ClosedKey>& closed,
+                  Object* object) {
+  for (const auto& entry : map) {
+    const std::string key = prefix + entry.first.Scalar();
+    const YAML::Node& value = entry.second;
+    const auto why = std::find_if(closed.begin(), closed.end(),
+                                  [&key](const ClosedKey& each) { return each.key == key; });
+    if (key == keys.front()) continue;  // the base
+    if (is_section(key, keys)) {
+      if (!value.IsMap() && !value.IsNull()) fail_at(file, value, key + ": a map is expected");
+      read_section(file, value, key + ".", keys, closed, object);
+    } else if (why != closed.end()) {
+      fail_at(file, entry.first, key + " " + why->why);
+    } else if (!set_field(file, key, value, object)) {
+      fail_at(file, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, keys));
     }
   }
-
-  std::optional<std::string> why_closed(const std::string& key) const {
-    const auto same = [&key](const ClosedKey& closed) { return closed.key == key; };
-    const auto found = std::find_if(closed_.begin(), closed_.end(), same);
-    return found == closed_.end() ? std::nullopt : std::optional(found->why);
-  }
-
-  /// False if there is no such field.
-  bool set_field(const std::string& key, const YAML::Node& node) {
-    bool found = false;
-    visit_fields(*object_, [&](const FieldInfo& info, auto& field) {
-      if (key != info.key) return;
-      found = true;
-      ReadField{file_, node, info}(field);
-      const std::string error = field_error(info, field);
-      if (!error.empty()) fail_at(file_, node, error);
-    });
-    return found;
-  }
-
-  const YamlFile& file_;
-  std::string base_key_;
-  std::vector<ClosedKey> closed_;
-  std::vector<std::string> keys_;
-  Object* object_;
-};
+}
 
 }  // namespace fields_yaml_detail
 
@@ -208,7 +188,10 @@ class FieldsReader {
 template <class Object>
 void read_fields(const YamlFile& file, const std::string& base_key, Object* object,
                  const std::vector<ClosedKey>& closed = {}) {
-  fields_yaml_detail::FieldsReader<Object>(file, base_key, object, closed).read();
+  std::vector<std::string> keys = {base_key};
+  visit_fields(*object,
+               [&keys](const FieldInfo& info, const auto&) { keys.emplace_back(info.key); });
+  fields_yaml_detail::read_section(file, file.root, "", keys, closed, object);
 }
 
 /// Every field with its unit and meaning as a comment; reads back to the same values.
