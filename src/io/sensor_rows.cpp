@@ -36,54 +36,54 @@ Vector3d vector_at(const CsvReader& rows, std::size_t i) {
 }
 
 bool ImuRows::next(ImuSample* sample) {
-  if (!rows_.next()) return false;
-  sample->time = Time(rows_.integer(0));
-  sample->gyro_B = vector_at(rows_, 1);
-  sample->accel_B = vector_at(rows_, 4);
+  if (!CsvReader::next()) return false;
+  sample->time = Time(integer(0));
+  sample->gyro_B = vector_at(*this, 1);
+  sample->accel_B = vector_at(*this, 4);
   return true;
 }
 
 RadarDetection RadarRows::detection() const {
   RadarDetection d;
-  d.point_S = vector_at(rows_, 1);
-  d.range_rate = rows_.number(4);
-  d.snr_db = number_or_zero(rows_, 5);
-  d.noise_db = number_or_zero(rows_, 6);
-  if (rows_.columns() >= kRadarColumns + 4) {
-    d.sigma_range = sigma_at(rows_, kRadarColumns);
-    d.sigma_azimuth = sigma_at(rows_, kRadarColumns + 1);
-    d.sigma_elevation = sigma_at(rows_, kRadarColumns + 2);
-    d.sigma_doppler = sigma_at(rows_, kRadarColumns + 3);
+  d.point_S = vector_at(*this, 1);
+  d.range_rate = number(4);
+  d.snr_db = number_or_zero(*this, 5);
+  d.noise_db = number_or_zero(*this, 6);
+  if (columns() >= kRadarColumns + 4) {
+    d.sigma_range = sigma_at(*this, kRadarColumns);
+    d.sigma_azimuth = sigma_at(*this, kRadarColumns + 1);
+    d.sigma_elevation = sigma_at(*this, kRadarColumns + 2);
+    d.sigma_doppler = sigma_at(*this, kRadarColumns + 3);
   }
   return d;
 }
 
 bool RadarRows::next(RadarScan* scan) {
   if (!begun_) {
-    if (!rows_.next()) return false;
-    time_ = Time(rows_.integer(0));
+    if (!CsvReader::next()) return false;
+    time_ = Time(integer(0));
   }
   begun_ = false;
   scan->time = time_;
   scan->detections.clear();
-  const bool empty = is_empty_scan(rows_);
+  const bool empty = is_empty_scan(*this);
   if (!empty) scan->detections.push_back(detection());
-  while (rows_.next()) {
-    time_ = Time(rows_.integer(0));
+  while (CsvReader::next()) {
+    time_ = Time(integer(0));
     if (time_ != scan->time) {
       begun_ = true;
       break;
     }
-    if (is_empty_scan(rows_)) rows_.fail("an empty scan has the stamp of the row before");
-    if (empty) rows_.fail("a detection has the stamp of an empty scan");
+    if (is_empty_scan(*this)) fail("an empty scan has the stamp of the row before");
+    if (empty) fail("a detection has the stamp of an empty scan");
     scan->detections.push_back(detection());
   }
   return true;
 }
 
 bool BaroRows::next(BaroSample* sample) {
-  if (!rows_.next()) return false;
-  *sample = {Time(rows_.integer(0)), rows_.number(1)};
+  if (!CsvReader::next()) return false;
+  *sample = {Time(integer(0)), number(1)};
   return true;
 }
 
