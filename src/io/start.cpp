@@ -80,28 +80,18 @@ Alignment load_start(const std::filesystem::path& path, const StartOptions& star
   out.state.time = default_time;
   std::map<int, Vector3d> given;  // first row of the block -> variances
 
-  const auto vector = [&](const char* key, const char* unit, Vector3d* target) {
-    return [&file, key, unit, target](const YAML::Node& node) {
-      *target = finite_vector(file, node, key, unit);
-    };
-  };
-  const auto sigma = [&](const char* key, const char* unit, int row) {
-    return [&file, &given, key, unit, row](const YAML::Node& node) {
-      given[row] = variances(file, node, std::string("sigma.") + key, unit);
-    };
-  };
-  const Handlers sigmas = {
-      {"position", sigma("position", "m", body::kPosition)},
-      {"orientation", sigma("orientation", "rad", body::kAttitude)},
-      {"velocity", sigma("velocity", "m/s", body::kVelocity)},
-      {"gyro_bias", sigma("gyro_bias", "rad/s", body::kGyroBias)},
-      {"accel_bias", sigma("accel_bias", "m/s^2", body::kAccelBias)},
-  };
-  const Handlers keys = {
-      {"position", vector("position", "m", &out.state.p_WB)},
-      {"velocity", vector("velocity", "m/s", &out.state.v_WB)},
-      {"gyro_bias", vector("gyro_bias", "rad/s", &out.state.gyro_bias)},
-      {"accel_bias", vector("accel_bias", "m/s^2", &out.state.accel_bias)},
+  const struct {
+    const char* key;
+    const char* unit;
+    int row;
+    Vector3d* value;  ///< null: given otherwise
+  } blocks[] = {{"position", "m", body::kPosition, &out.state.p_WB},
+                {"orientation", "rad", body::kAttitude, nullptr},
+                {"velocity", "m/s", body::kVelocity, &out.state.v_WB},
+                {"gyro_bias", "rad/s", body::kGyroBias, &out.state.gyro_bias},
+                {"accel_bias", "m/s^2", body::kAccelBias, &out.state.accel_bias}};
+  Handlers sigmas;
+  Handlers keys = {
       {"quaternion_wxyz",
        [&](const YAML::Node& node) {
          const std::vector<double> v = yaml_numbers(file, node, "quaternion_wxyz", "", 4);
@@ -125,6 +115,15 @@ Alignment load_start(const std::filesystem::path& path, const StartOptions& star
          dispatch(file, node, sigmas);
        }},
   };
+  for (const auto& block : blocks) {
+    sigmas[block.key] = [&](const YAML::Node& node) {
+      given[block.row] = variances(file, node, std::string("sigma.") + block.key, block.unit);
+    };
+    if (block.value == nullptr) continue;
+    keys[block.key] = [&](const YAML::Node& node) {
+      *block.value = finite_vector(file, node, block.key, block.unit);
+    };
+  }
   const std::set<std::string> seen = dispatch(file, file.root, keys);
   for (const char* required : {"quaternion_wxyz", "velocity"}) {
     if (seen.count(required) == 0)
