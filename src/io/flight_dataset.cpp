@@ -3,18 +3,6 @@
 
 namespace rio::io {
 
-namespace {
-
-ImuInfo imu_info_of(const sim::ImuModel& model) {
-  return {.rate_hz = model.rate_hz,
-          .gyro_noise_density = model.gyro_noise_density,
-          .gyro_random_walk = model.gyro_random_walk,
-          .accel_noise_density = model.accel_noise_density,
-          .accel_random_walk = model.accel_random_walk};
-}
-
-}  // namespace
-
 RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& configured_T_BS) {
   RadarInfo info;
   info.T_BS = configured_T_BS;
@@ -37,7 +25,12 @@ Dataset dataset_of(const sim::Flight& flight) {
   dataset.imu = flight.imu;
   dataset.scans = flight.scans;
   dataset.ground_truth = flight.truth;
-  dataset.imu_info = imu_info_of(flight.scenario.imu);
+  const sim::ImuModel& imu = flight.scenario.imu;
+  dataset.imu_info = {.rate_hz = imu.rate_hz,
+                      .gyro_noise_density = imu.gyro_noise_density,
+                      .gyro_random_walk = imu.gyro_random_walk,
+                      .accel_noise_density = imu.accel_noise_density,
+                      .accel_random_walk = imu.accel_random_walk};
   dataset.radar_info = radar_info_of(flight.scenario.radar, flight.configured_T_BS);
   return dataset;
 }

@@ -14,17 +14,14 @@ namespace rio::io {
 namespace {
 
 /// The properties in sensor files, option by option.
-class Teller {
- public:
-  Teller(std::vector<std::string>* configured, std::vector<std::string>* all)
-      : configured_(configured), all_(all) {}
+struct Teller {
+  std::vector<std::string>* keys;  ///< receives those of the options, if not null
+  bool all = false;                ///< of all options, else of those that were set
 
   template <class Value, class Option>
   void copy(const char* key, const std::optional<Value>& from, Option* to) {
-    if (all_ != nullptr) all_->emplace_back(key);
-    if (!from) return;
-    if (configured_ != nullptr) configured_->emplace_back(key);
-    *to = *from;
+    if (keys != nullptr && (all || from)) keys->emplace_back(key);
+    if (from) *to = *from;
   }
   /// Zero is not a noise model.
   void copy_sigma(const char* key, const std::optional<double>& from, double* to) {
@@ -34,10 +31,6 @@ class Teller {
   void copy_prior(const char* key, const std::optional<double>& from, double* to) {
     copy(key, *to > 0.0 ? from : std::nullopt, to);
   }
-
- private:
-  std::vector<std::string>* configured_;
-  std::vector<std::string>* all_;
 };
 
 template <class Function>
@@ -101,7 +94,7 @@ void tell(const Dataset& dataset, Options* options, Teller teller) {
 
 void apply_sensor_info(const Dataset& dataset, Options* options,
                        std::vector<std::string>* configured) {
-  tell(dataset, options, Teller(configured, nullptr));
+  tell(dataset, options, {configured});
   apply_other_radars(dataset, options);
 }
 
@@ -109,7 +102,7 @@ void apply_other_radars(const Dataset& dataset, Options* options) {
   options->other_radars.clear();
   for (const Dataset::OtherRadar& other : dataset.other_radars) {
     RadarOptions radar = options->radar;
-    tell_radar(other.info, &radar, Teller(nullptr, nullptr));
+    tell_radar(other.info, &radar, {nullptr});
     (void)options->other_radars.push_back(
         {radar.T_BS, radar.time_offset, radar.doppler_scale, radar});
   }
@@ -118,7 +111,7 @@ void apply_other_radars(const Dataset& dataset, Options* options) {
 std::vector<std::string> sensor_option_keys() {
   std::vector<std::string> keys;
   Options scratch;
-  tell({}, &scratch, Teller(nullptr, &keys));
+  tell({}, &scratch, {&keys, true});
   return keys;
 }
 
