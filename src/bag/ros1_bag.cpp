@@ -3,7 +3,6 @@
 // interrupted.
 #include <cstring>
 #include <map>
-#include <optional>
 #include <string_view>
 
 #include "chunk.hpp"

@@ -6,7 +6,6 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
-#include <utility>
 
 #include "calibrate/noise_calibration.hpp"
 

@@ -3,7 +3,6 @@
 // hypotheses of motion_check.hpp, and the texts for them and for their correction.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>

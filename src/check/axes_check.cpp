@@ -6,7 +6,6 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "check/units.hpp"
 #include "rio/core/so3.hpp"

@@ -2,7 +2,6 @@
 #include "rio/io/start.hpp"
 
 #include <charconv>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <set>
