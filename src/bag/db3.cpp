@@ -4,7 +4,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "file_bytes.hpp"
+#include "chunk.hpp"
 #include "formats.hpp"
 #include "rio/bag/wire.hpp"
 

@@ -20,7 +20,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "file_bytes.hpp"
+#include "chunk.hpp"
 #include "formats.hpp"
 
 namespace rio::bag {

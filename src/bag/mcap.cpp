@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "chunk.hpp"
-#include "file_bytes.hpp"
 #include "formats.hpp"
 
 namespace rio::bag {
