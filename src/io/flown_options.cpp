@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "rio/io/csv.hpp"
 #include "rio/io/options_yaml.hpp"
 
 namespace rio::io {
@@ -21,7 +22,7 @@ std::vector<std::string> tell_sensors_and_values(const Dataset& sensors, const O
   apply_sensor_info(sensors, options, &configured);
   if (file.empty() && values.texts.empty() && values.set.empty()) return {};
   const Options before = *options;
-  if (!file.empty()) load_option_values(file, options);
+  if (!file.empty()) parse_option_values({read_text(file)}, file, options);
   if (!values.texts.empty()) parse_option_values(values.texts, kTexts, options);
   std::vector<std::string> changed = changed_options(before, *options, configured);
   apply_settings(values.set, options);
@@ -36,7 +37,7 @@ Options flown_options(const EstimatorArguments& arguments, const Dataset& sensor
   std::string name = arguments.preset;
   if (name.empty()) name = preset_in_texts(arguments.texts, kTexts).value_or("");
   if (name.empty() && !arguments.config.empty()) {
-    name = preset_in_file(arguments.config).value_or("");
+    name = preset_in_texts({read_text(arguments.config)}, arguments.config).value_or("");
   }
   Options options = std::move(base);
   if (!name.empty() && !preset(name, &options)) {

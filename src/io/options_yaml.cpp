@@ -90,13 +90,6 @@ void change(const std::string& name, Options* options, const Apply& apply) {
   *options = changed;
 }
 
-void apply_file(const YamlFile& file, Options* options) {
-  change(file.name, options, [&file](Options* changed) {
-    apply_preset(file, changed);
-    apply_values(file, changed);
-  });
-}
-
 /// KEY=VALUE as a file.
 YamlFile parse_setting(const std::string& setting) {
   const std::size_t equals = setting.find('=');
@@ -146,27 +139,18 @@ std::vector<OptionText> option_texts(const Options& options) {
 
 }  // namespace
 
-void load_options(const std::filesystem::path& path, Options* options) {
-  apply_file(load_yaml(path), options);
-}
-
-void load_option_values(const std::filesystem::path& path, Options* options) {
-  const YamlFile file = load_yaml(path);
-  change(file.name, options, [&file](Options* changed) { apply_values(file, changed); });
-}
-
 void apply_settings(const std::vector<std::string>& settings, Options* options) {
   change("settings", options, [&settings](Options* changed) {
     for (const std::string& setting : settings) apply_values(parse_setting(setting), changed);
   });
 }
 
-std::optional<std::string> preset_in_file(const std::filesystem::path& path) {
-  return preset_of(load_yaml(path));
-}
-
 void parse_options(const std::string& yaml, const std::string& name, Options* options) {
-  apply_file(parse_yaml(yaml, name), options);
+  const YamlFile file = parse_yaml(yaml, name);
+  change(name, options, [&file](Options* changed) {
+    apply_preset(file, changed);
+    apply_values(file, changed);
+  });
 }
 
 void parse_option_values(const std::vector<std::string>& yaml, const std::string& name,

@@ -14,6 +14,7 @@
 #include "rio/bag/message_stream.hpp"
 #include "rio/eval/evaluation.hpp"
 #include "rio/eval/nees.hpp"
+#include "rio/io/csv.hpp"
 #include "rio/io/options_yaml.hpp"
 #include "rio/io/trajectory.hpp"
 
@@ -150,7 +151,7 @@ std::vector<Cells> rows_of(const fs::path& path, const std::string& dataset) {
     Options options;
     io::apply_sensor_info(data, &options);
     const fs::path file = beside(path, {"options.yaml"}, {"_options.yaml"});
-    if (!file.empty()) io::load_options(file, &options);
+    if (!file.empty()) io::parse_options(io::read_text(file), file.string(), &options);
     for (const auto& [back_end, name] : kBackEnds) {
       options.backend = back_end;
       rows.push_back(cells_of(truth, replay(data, options)));

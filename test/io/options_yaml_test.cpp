@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/field_values.hpp"
+#include "rio/io/flown_options.hpp"
 #include "rio/option_fields.hpp"
 #include "support/temp_dir.hpp"
 
@@ -80,8 +81,7 @@ TEST(OptionsYaml, AFileToStartFromSaysNothingOfTheSensors) {
     Options other = expected;  // what a recording says of its sensors
     other.radar.sigma_range = 0.123;
     other.radar.T_BS.translation = {1, 2, 3};
-    const test::TempDir dir;
-    load_option_values(dir.write("my.yaml", text), &other);
+    parse_option_values({text}, "my.yaml", &other);
     EXPECT_EQ(other.radar.sigma_range, 0.123) << name;
     EXPECT_EQ(other.radar.T_BS.translation, Vector3d(1, 2, 3)) << name;
   }
@@ -99,8 +99,7 @@ TEST(OptionsYaml, AFileToStartFromLeavesTheAlgorithmToThePreset) {
   Options options;  // another preset with the values of the user
   ASSERT_TRUE(preset("published-ekf", &options));
   const double gate = options.update.gate_probability;
-  const test::TempDir dir;
-  load_option_values(dir.write("my.yaml", text), &options);
+  parse_option_values({text}, "my.yaml", &options);
   EXPECT_EQ(options.update.gate_probability, gate);
   EXPECT_EQ(options.update.max_landmarks, Options{}.update.max_landmarks);
 }
@@ -202,22 +201,28 @@ TEST(OptionsYaml, PresetComesFirstWhereverItStands) {
 }
 
 TEST(OptionsYaml, FilesWithAndWithoutPreset) {
-  const TempDir dir;
-  const auto with = dir.write("with.yaml", "preset: published-ekf\nimu: {max_gap: 0.2}\n");
-  const auto comments = dir.write("comments.yaml", "# nothing yet\n");
-  EXPECT_EQ(preset_in_file(with), "published-ekf");
-  EXPECT_EQ(preset_in_file(comments), std::nullopt);
+  const std::string with = "preset: published-ekf\nimu: {max_gap: 0.2}\n";
+  const std::string comments = "# nothing yet\n";
+  EXPECT_EQ(preset_in_texts({with}, "o.yaml"), "published-ekf");
+  EXPECT_EQ(preset_in_texts({comments}, "o.yaml"), std::nullopt);
   Options options;
-  load_option_values(with, &options);
+  parse_option_values({with}, "o.yaml", &options);
   EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kCorrected);
   EXPECT_EQ(options.imu.max_gap, 0.2);
-  load_options(with, &options);
+  parse_options(with, "o.yaml", &options);
   EXPECT_EQ(options.update.doppler_directions, DopplerDirections::kExact);
   const Values before = values(options);
-  load_options(comments, &options);
+  parse_options(comments, "o.yaml", &options);
   EXPECT_EQ(values(options), before);
-  EXPECT_ERROR(load_options(dir.path() / "none.yaml", &options), "none.yaml: no such file");
-  EXPECT_ERROR(load_options(dir.write("empty.yaml", ""), &options), "empty.yaml: is empty");
+  const TempDir dir;
+  const auto flown = [](const std::string& file) {
+    EstimatorArguments arguments;
+    arguments.config = file;
+    std::vector<std::string> notes;
+    (void)flown_options(arguments, {}, {}, &notes);
+  };
+  EXPECT_ERROR(flown(dir.path() / "none.yaml"), "none.yaml: no such file");
+  EXPECT_ERROR(flown(dir.write("empty.yaml", "")), "empty.yaml: is empty");
 }
 
 /// The nearest values that are not allowed.

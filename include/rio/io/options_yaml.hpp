@@ -2,7 +2,6 @@
 // Option files: YAML nested by stage, keys of rio/option_fields.hpp, SI numbers or "2 deg", "5 cm".
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,32 +10,25 @@
 
 namespace rio::io {
 
-/// Applies the file's top-level `preset` key, if it has one, then all its values. Unknown and
-/// duplicate keys, wrong types, units and ranges throw std::runtime_error "FILE:LINE: ..."; an
-/// incoherent set throws "FILE: ...". Nothing in `options` changes then.
-void load_options(const std::filesystem::path& path, Options* options);
-
-/// The same without the preset, for callers that insert other values between preset and file.
-void load_option_values(const std::filesystem::path& path, Options* options);
-
-/// Applies settings "KEY=VALUE" with the keys and values of option files, in their order; throws as
-/// load_option_values() does, with the setting in place of the file.
-void apply_settings(const std::vector<std::string>& settings, Options* options);
-
-/// The file's `preset` key.
-std::optional<std::string> preset_in_file(const std::filesystem::path& path);
-
-/// load_options() from a text; `name` replaces the file name in messages.
+/// Applies the top-level `preset` key of the text of an option file, if it has one, then all its
+/// values. Unknown and duplicate keys, wrong types, units and ranges throw std::runtime_error
+/// "NAME:LINE: ..."; an incoherent set throws "NAME: ...". Nothing in `options` changes then.
+/// @param name of the file, for messages
 void parse_options(const std::string& yaml, const std::string& name, Options* options);
 
-/// parse_options() from several texts without their presets, a later one overrides an earlier one;
-/// ranges are checked key by key, coherence once, at the end.
+/// The same from several texts without their presets, for callers that insert other values between
+/// preset and file. A later text overrides an earlier one; ranges are checked key by key, coherence
+/// once, at the end.
 void parse_option_values(const std::vector<std::string>& yaml, const std::string& name,
                          Options* options);
 
 /// The `preset` key of the last text that has one.
 std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
                                            const std::string& name);
+
+/// Applies settings "KEY=VALUE" with the keys and values of option files, in their order; throws as
+/// parse_option_values() does, with the setting in place of the file.
+void apply_settings(const std::vector<std::string>& settings, Options* options);
 
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
