@@ -28,14 +28,9 @@ class FileBytes {
 
   std::uint64_t size() const { return size_; }
 
-  /// Whether `count` bytes at `offset` are in the file.
-  bool holds(std::uint64_t offset, std::uint64_t count) const {
-    return offset <= size_ && count <= size_ - offset;
-  }
-
   /// Throws Damage if the file ends earlier.
   void expect(std::uint64_t offset, std::uint64_t count) const {
-    if (holds(offset, count)) return;
+    if (offset <= size_ && count <= size_ - offset) return;
     throw Damage(offset, "the file ends inside of a record: it has " + std::to_string(size_) +
                              " bytes, the record needs " + std::to_string(count) + " from here");
   }

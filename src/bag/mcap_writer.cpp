@@ -105,7 +105,10 @@ void McapWriter::flush() {
   file_.flush();
 }
 
-void McapWriter::write_summary() {
+void McapWriter::close() {
+  flush();
+  write(kDataEnd, ByteWriter().put(std::uint32_t{0}));  // no checksum of the whole file
+  const std::uint64_t summary = position_;
   std::uint64_t total = 0;
   ByteWriter counts;
   for (const auto& [channel, count] : messages_) {
@@ -126,13 +129,6 @@ void McapWriter::write_summary() {
                          .block(counts.bytes()));
   file_.write(chunk_records_.bytes());
   position_ += chunk_records_.size();
-}
-
-void McapWriter::close() {
-  flush();
-  write(kDataEnd, ByteWriter().put(std::uint32_t{0}));  // no checksum of the whole file
-  const std::uint64_t summary = position_;
-  write_summary();
   write(kFooter, ByteWriter().put(summary).put(std::uint64_t{0}).put(std::uint32_t{0}));
   file_.write(kMcapMagic);
   file_.close();

@@ -44,7 +44,6 @@ class McapWriter {
   };
 
   void write(std::uint8_t op, const ByteWriter& content);
-  void write_summary();
 
   io::TextFile file_;
   std::uint64_t position_ = 0;

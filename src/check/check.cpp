@@ -188,7 +188,8 @@ Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Sca
   }
   if (samples.empty() || check.stamp_unit != 1.0) return out;
   std::vector<ImuSample> other_way;  // the other checks are then as with the right columns
-  if (check.exchanged) other_way = exchanged(good);
+  if (check.exchanged) other_way = good;
+  for (ImuSample& sample : other_way) std::swap(sample.gyro_B, sample.accel_B);
   const CheckedImu imu{samples, check.exchanged ? other_way : good, check};
   say_steps(steps.imu, recorded, "sample", "imu", &out);
   if (worst(check.findings) != Verdict::kWrong) {

@@ -2,6 +2,7 @@
 // A finding of `rio check`: a sentence with numbers, a verdict, and the proposed change.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -14,14 +15,8 @@ enum class Verdict {
 };
 
 inline const char* to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kDoubtful:
-      return "doubtful";
-    case Verdict::kWrong:
-      return "wrong";
-    default:
-      return "ok";
-  }
+  constexpr const char* kNames[] = {"ok", "doubtful", "wrong"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 struct Finding {

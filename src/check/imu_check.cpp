@@ -304,9 +304,4 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
   return out;
 }
 
-std::vector<ImuSample> exchanged(std::vector<ImuSample> samples) {
-  for (ImuSample& sample : samples) std::swap(sample.gyro_B, sample.accel_B);
-  return samples;
-}
-
 }  // namespace rio::check

@@ -95,7 +95,4 @@ Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSam
 /// @param scans of the first radar
 Finding check_start(const CheckedImu& imu, const Scans& scans, const Options& options);
 
-/// With gyro and accelerometer exchanged.
-std::vector<ImuSample> exchanged(std::vector<ImuSample> samples);
-
 }  // namespace rio::check
