@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rio/io/flight_dataset.hpp"
+#include "rio/io/simulation.hpp"
 
 namespace rio::bench {
 

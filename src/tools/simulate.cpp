@@ -12,8 +12,7 @@
 #include "commands.hpp"
 #include "outputs.hpp"
 #include "progress.hpp"
-#include "rio/io/flight_dataset.hpp"
-#include "rio/io/scenario_yaml.hpp"
+#include "rio/io/simulation.hpp"
 #include "rio/sim/catalogue.hpp"
 #include "simulate.hpp"
 

@@ -10,7 +10,7 @@
 #include "check/faults.hpp"
 #include "experiment/experiment.hpp"
 #include "experiment/recording.hpp"
-#include "rio/io/flight_dataset.hpp"
+#include "rio/io/simulation.hpp"
 #include "rio/sim/catalogue.hpp"
 
 namespace rio::experiment {

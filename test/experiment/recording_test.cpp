@@ -14,7 +14,7 @@
 #include "experiment/spread.hpp"
 #include "rio/eval/alignment.hpp"
 #include "rio/io/dataset.hpp"
-#include "rio/io/flight_dataset.hpp"
+#include "rio/io/simulation.hpp"
 #include "rio/io/trajectory.hpp"
 #include "rio/sim/flight.hpp"
 #include "support/temp_dir.hpp"

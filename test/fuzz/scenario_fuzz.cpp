@@ -3,7 +3,7 @@
 #include <string>
 
 #include "fuzz/fuzz.hpp"
-#include "rio/io/scenario_yaml.hpp"
+#include "rio/io/simulation.hpp"
 #include "support/temp_dir.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

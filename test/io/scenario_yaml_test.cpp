@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Scenario files, and with them the table of the fields of a scenario and the catalogue.
-#include "rio/io/scenario_yaml.hpp"
+#include "rio/io/simulation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Scenario files: YAML nested as in rio/sim/scenario_fields.hpp, SI numbers or "2 deg", "5 cm".
+// Simulated flights: scenario files (YAML nested as in rio/sim/scenario_fields.hpp, SI numbers or
+// "2 deg", "5 cm"), and flights as recordings.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 
+#include "rio/io/dataset.hpp"
 #include "rio/sim/flight.hpp"
 #include "rio/sim/scenario.hpp"
 
@@ -26,5 +30,12 @@ std::string scenario_as_yaml(const sim::Scenario& scenario);
 /// leave no sample or no scan
 sim::Flight fly_scenario(const sim::Scenario& scenario,
                          const std::function<void(std::size_t, std::size_t)>& each = {});
+
+/// The sensor file of the simulated radar.
+/// @param configured_T_BS the mounting as configured
+RadarInfo radar_info_of(const sim::RadarModel& model, const Pose& configured_T_BS);
+
+/// Samples, scans, truth and sensor files of a flight with one radar.
+Dataset dataset_of(const sim::Flight& flight);
 
 }  // namespace rio::io
