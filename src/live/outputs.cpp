@@ -19,13 +19,6 @@ Json sigmas(const BodyCovariance& P, int block) {
   return numbers(P.diagonal().segment<3>(block).cwiseMax(0.0).cwiseSqrt());
 }
 
-/// Once a second recorded data are flushed to the system, so that a crash loses no more.
-bool is_due(Time now, Time* flushed) {
-  if (now - *flushed < std::chrono::seconds(1)) return false;
-  *flushed = now;
-  return true;
-}
-
 }  // namespace
 
 std::string json_line(const Odometry& odometry) {
@@ -73,24 +66,6 @@ void EstimateFiles::close() {
   if (tum_) tum_->close();
   if (states_) states_->close();
   if (json_) json_->close();
-}
-
-void Recorder::on_imu(const Session& /*session*/, const ImuSample& sample) {
-  stream_.add(sample);
-  if (is_due(sample.time, &flushed_)) stream_.flush();
-}
-
-void Recorder::on_scan(const Session& /*session*/, const RadarScan& scan, std::size_t radar) {
-  stream_.add(scan, radar);
-}
-
-void McapRecorder::on_imu(const Session& /*session*/, const ImuSample& sample) {
-  file_.add(sample);
-  if (is_due(sample.time, &flushed_)) file_.flush();
-}
-
-void McapRecorder::on_scan(const Session& /*session*/, const RadarScan& scan, std::size_t radar) {
-  file_.add(scan, radar);
 }
 
 }  // namespace rio::live

@@ -39,32 +39,31 @@ class EstimateFiles : public Listener {
   std::optional<Time> written_;  ///< of the newest line of both
 };
 
-/// The inputs of the estimator, as a data set for `rio replay`.
-class Recorder : public Listener {
+/// The inputs of the estimator in a file. Once a second they are flushed to the system, so that a
+/// crash loses no more.
+template <class File, class About>
+class RecorderTo : public Listener {
  public:
-  Recorder(const std::filesystem::path& path, const io::Dataset& info) : stream_(path, info) {}
+  RecorderTo(const std::filesystem::path& path, const About& about) : file_(path, about) {}
 
-  void on_imu(const Session& session, const ImuSample& sample) override;
-  void on_scan(const Session& session, const RadarScan& scan, std::size_t radar) override;
-  void close() { stream_.close(); }
-
- private:
-  io::DatasetStream stream_;
-  Time flushed_{0};
-};
-
-/// The same in MCAP of ROS 2.
-class McapRecorder : public Listener {
- public:
-  McapRecorder(const std::filesystem::path& path, std::size_t radars) : file_(path, radars) {}
-
-  void on_imu(const Session& session, const ImuSample& sample) override;
-  void on_scan(const Session& session, const RadarScan& scan, std::size_t radar) override;
+  void on_imu(const Session& /*session*/, const ImuSample& sample) override {
+    file_.add(sample);
+    if (sample.time - flushed_ < std::chrono::seconds(1)) return;
+    flushed_ = sample.time;
+    file_.flush();
+  }
+  void on_scan(const Session& /*session*/, const RadarScan& scan, std::size_t radar) override {
+    file_.add(scan, radar);
+  }
   void close() { file_.close(); }
 
  private:
-  bag::RecordingWriter file_;
+  File file_;
   Time flushed_{0};
 };
+/// A data set for `rio replay`, of sensors with these properties.
+using Recorder = RecorderTo<io::DatasetStream, io::Dataset>;
+/// MCAP of ROS 2, of so many radars.
+using McapRecorder = RecorderTo<bag::RecordingWriter, std::size_t>;
 
 }  // namespace rio::live
