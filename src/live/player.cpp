@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "live/imu_stream.hpp"
-#include "live/serial.hpp"
+#include "live/port.hpp"
 
 namespace rio::live {
 namespace {

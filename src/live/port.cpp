@@ -2,22 +2,32 @@
 #include "live/port.hpp"
 
 #include <arpa/inet.h>
+#include <asm/termbits.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
-#include "live/serial.hpp"
-
 namespace rio::live {
 namespace {
+
+constexpr int kLongestWait = 50;  // [ms]
+constexpr Time kRetry = std::chrono::milliseconds(200);
+constexpr double kForEver = 1e9;  // [s]
+constexpr std::size_t kBuffer = 65536;
+constexpr int kSlowest = 1200;
+constexpr int kFastest = 100000000;
+constexpr int kNear = 50;  // a UART bears a difference of 1 in so many
 
 [[noreturn]] void fail(const std::string& name, const std::string& why) {
   throw std::runtime_error(name + ": " + why);
@@ -53,6 +63,25 @@ bool is_gone(int error) {
 
 }  // namespace
 
+bool make_raw(int fd, int baud) {
+  if (isatty(fd) == 0) return true;
+  termios2 line{};
+  if (ioctl(fd, TCGETS2, &line) != 0) return false;
+  line.c_iflag = 0;
+  line.c_oflag = 0;
+  line.c_lflag = 0;
+  line.c_cflag = BOTHER | CS8 | CLOCAL | CREAD;
+  line.c_ispeed = line.c_ospeed = static_cast<speed_t>(baud);
+  line.c_cc[VMIN] = 0;
+  line.c_cc[VTIME] = 0;
+  if (ioctl(fd, TCSETS2, &line) != 0 || ioctl(fd, TCGETS2, &line) != 0) return false;
+  if (std::abs(static_cast<int>(line.c_ospeed) - baud) > baud / kNear) {  // the nearest it can do
+    errno = EINVAL;
+    return false;
+  }
+  return ioctl(fd, TCFLSH, TCIFLUSH) == 0;
+}
+
 Port::Port(const std::string& name, int default_baud)
     : name_(name), path_(name), baud_(default_baud) {
   if (name.rfind("udp:", 0) == 0) {
@@ -66,7 +95,7 @@ Port::Port(const std::string& name, int default_baud)
     path_ = name.substr(0, at);
   }
   if (path_.empty()) fail(name, "is no port");
-  if (!is_baud(baud_)) fail(name, "no such baud rate");
+  if (baud_ < kSlowest || baud_ > kFastest) fail(name, "no such baud rate");
 }
 
 Port::Port(Port&& other) noexcept
@@ -121,11 +150,6 @@ void Port::close() {
   fd_ = -1;
 }
 
-void Port::lose(State state) {
-  close();
-  state_ = state;
-}
-
 std::size_t Port::read(std::uint8_t* buffer, std::size_t size) {
   if (fd_ < 0) return 0;
   sockaddr_in from{};
@@ -140,7 +164,9 @@ std::size_t Port::read(std::uint8_t* buffer, std::size_t size) {
   // no UDP receiver (yet): the next datagram may find one
   const bool nothing_now =
       count < 0 && (errno == EAGAIN || errno == EINTR || errno == ECONNREFUSED);
-  if (!nothing_now && !is_udp_) lose(is_line_ ? State::kVanished : State::kEnded);
+  if (nothing_now || is_udp_) return 0;
+  close();
+  state_ = is_line_ ? State::kVanished : State::kEnded;
   return 0;
 }
 
@@ -150,6 +176,63 @@ bool Port::write(const std::uint8_t* bytes, std::size_t count) {
                                             reinterpret_cast<const sockaddr*>(&peer_), sizeof peer_)
                                    : ::write(fd_, bytes, count);
   return written == static_cast<ssize_t>(count);
+}
+
+PortSet::PortSet(const HostClock& clock, double patience, OnMessage on_message)
+    : clock_(clock),
+      patience_(from_seconds(std::min(patience, kForEver))),
+      on_message_(std::move(on_message)),
+      buffer_(kBuffer) {}
+
+Port& PortSet::add(Watched watched) {
+  entries_.push_back({std::move(watched)});
+  entries_.back().since = HostClock::real();
+  return entries_.back().watched.port;
+}
+
+bool PortSet::wait() {
+  std::vector<pollfd> asked;
+  for (Entry& entry : entries_) {
+    if (!entry.over && entry.watched.port.fd() < 0) reopen(&entry);
+    asked.push_back({entry.watched.port.fd(), POLLIN, 0});  // poll ignores negative descriptors
+  }
+  const int ready = poll(asked.data(), asked.size(), kLongestWait);
+  for (std::size_t i = 0; ready > 0 && i < asked.size(); ++i) {
+    if (asked[i].revents != 0) read(&entries_[i]);
+  }
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const Entry& entry) { return entry.watched.needed && !entry.over; });
+}
+
+void PortSet::reopen(Entry* entry) {
+  const Time now = HostClock::real();
+  if (now < entry->next_try) return;
+  entry->next_try = now + kRetry;
+  Watched& watched = entry->watched;
+  if (watched.port.open()) {
+    if (entry->was_open) {
+      on_message_(watched.what + ": " + watched.port.name() + " is back");
+      watched.on_reopened();
+    }
+    entry->was_open = true;
+  } else if (now - entry->since >= patience_) {
+    entry->over = true;
+    on_message_(watched.what + ": " + watched.port.name() + " is not there");
+  } else if (!entry->was_open && !std::exchange(entry->awaited, true)) {
+    on_message_(watched.what + ": " + watched.port.name() + " is not there yet: it is waited for");
+  }
+}
+
+void PortSet::read(Entry* entry) {
+  Watched& watched = entry->watched;
+  const std::size_t count = watched.port.read(buffer_.data(), buffer_.size());
+  if (count > 0) watched.on_bytes(buffer_.data(), count, clock_.now());
+  if (watched.port.state() == Port::State::kOpen) return;
+  entry->over = watched.port.state() == Port::State::kEnded;
+  entry->since = HostClock::real();
+  entry->next_try = entry->since + std::min(kRetry, patience_);
+  on_message_(watched.what + ": " + watched.port.name() +
+              (entry->over ? " has ended" : " vanished"));
 }
 
 }  // namespace rio::live

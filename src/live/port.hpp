@@ -14,9 +14,23 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <string>
+#include <vector>
+
+#include "live/host_clock.hpp"
 
 namespace rio::live {
+
+inline constexpr double kBitsPerByte = 10.0;  ///< on the wire, 8N1
+
+/// Makes a terminal a transparent byte channel: raw bytes both ways, 8N1, no flow control, no echo.
+/// Pending input is discarded, since its arrival time is unknown. Does nothing if it is not a
+/// terminal.
+/// @param baud any rate, 1200 to 1e8
+/// @return false, with errno set, if the line refuses it or cannot come near the rate
+bool make_raw(int fd, int baud);
 
 class Port {
  public:
@@ -56,7 +70,6 @@ class Port {
  private:
   void open_path();
   void open_udp();
-  void lose(State state);
 
   std::string name_;
   std::string path_;
@@ -67,6 +80,52 @@ class Port {
   int fd_ = -1;
   bool is_line_ = false;  ///< a terminal: may come back
   State state_ = State::kVanished;
+};
+
+/// A port of a set and its handling.
+struct Watched {
+  Port port;
+  std::string what;    ///< for messages, such as "radar 0"
+  bool needed = true;  ///< the set is over when all needed ports are
+  std::function<void(const std::uint8_t* bytes, std::size_t count, Time arrival)> on_bytes;
+  std::function<void()> on_reopened = [] {};
+};
+
+/// Several ports in one thread with poll(2): bytes are passed on when they arrive, and a port that
+/// vanished is reopened when it is back.
+class PortSet {
+ public:
+  using OnMessage = std::function<void(const std::string& message)>;
+
+  /// @param patience  how long to wait for a missing port [s]
+  /// @param on_message called when a port vanishes, comes back, ends
+  PortSet(const HostClock& clock, double patience, OnMessage on_message);
+
+  /// Ports are polled in this order. The port keeps its address.
+  Port& add(Watched watched);
+
+  /// Waits for bytes, 50 ms at most, and passes them on.
+  /// @return false when all needed ports are over: ended, or vanished for too long
+  bool wait();
+
+ private:
+  struct Entry {
+    Watched watched;
+    bool was_open = false;
+    bool over = false;
+    bool awaited = false;  ///< and it was told
+    Time since{0};  ///< since when it is missing
+    Time next_try{0};
+  };
+
+  void reopen(Entry* entry);
+  void read(Entry* entry);
+
+  const HostClock& clock_;
+  Time patience_;
+  OnMessage on_message_;
+  std::deque<Entry> entries_;
+  std::vector<std::uint8_t> buffer_;
 };
 
 }  // namespace rio::live

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "live/serial.hpp"
+#include "live/port.hpp"
 
 namespace rio::live {
 

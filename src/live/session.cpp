@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "live/serial.hpp"
+#include "live/port.hpp"
 
 namespace rio::live {
 namespace {

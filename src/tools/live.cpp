@@ -17,7 +17,7 @@
 #include "live/imu_stream.hpp"
 #include "live/mavlink_link.hpp"
 #include "live/outputs.hpp"
-#include "live/port_set.hpp"
+#include "live/port.hpp"
 #include "live/scan_watch.hpp"
 #include "live/session.hpp"
 #include "live_ports.hpp"

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "live/port.hpp"
-#include "live/port_set.hpp"
 #include "live/pty.hpp"
 #include "support/temp_dir.hpp"
 
