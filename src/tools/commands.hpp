@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "estimator_options.hpp"
-#include "live/cable.hpp"
+#include "live/player.hpp"
 #include "rio/eval/stamped_pose.hpp"
 
 namespace rio::tools {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "commands.hpp"
-#include "live/cable.hpp"
+#include "live/player.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/sim/flight.hpp"
 
