@@ -114,7 +114,7 @@ class PortSet {
     bool was_open = false;
     bool over = false;
     bool awaited = false;  ///< and it was told
-    Time since{0};  ///< since when it is missing
+    Time since{0};         ///< since when it is missing
     Time next_try{0};
   };
 

@@ -4,7 +4,7 @@
 //
 // The estimator uses the clock of the IMU. A radar frame is stamped in the clock of the arrivals
 // (ti/frame_clock.hpp) and converted to that of the IMU with the offset from the arrivals of the
-// samples (clock_offset.hpp).
+// samples (host_clock.hpp).
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "live/clock_offset.hpp"
+#include "live/host_clock.hpp"
 #include "rio/rio.hpp"
 #include "rio/ti/frame_clock.hpp"
 #include "rio/ti/packet_reader.hpp"
@@ -77,7 +77,6 @@ class Session {
   const Odometry& odometry() const { return *odometry_; }
   std::size_t radars() const { return radars_.size(); }
   const ti::PacketReader& reader(std::size_t r) const { return radars_[r].reader; }
-  const ti::FrameClock& frame_clock(std::size_t r) const { return radars_[r].clock; }
   /// Clock of the arrivals minus that of the IMU.
   Time host_offset() const;
   const FrameCounters& frames(std::size_t r) const { return radars_[r].frames; }
@@ -117,6 +116,28 @@ class Session {
   std::size_t next_pending_ = 0;
   std::uint64_t scans_reported_ = 0;
   std::uint64_t imu_samples_ = 0;
+};
+
+/// Says, once, why a radar gives no scans, or none with the right times.
+class ScanWatch {
+ public:
+  static constexpr Time kPatience = std::chrono::seconds(10);
+
+  /// Call it some times a second.
+  /// @param now real time
+  /// @param times Session::times_problem()
+  /// @return what to say: a certain cause at once, others after ten seconds without a scan, and
+  /// that the scans are back; mostly empty
+  std::string look(const ti::PacketReader& reader, Time now, const std::string& times = {});
+
+ private:
+  Time since_{0};  ///< without a scan
+  std::uint64_t frames_ = 0;
+  std::uint64_t bytes_ = 0;
+  bool waits_ = false;   ///< since the first look
+  bool timed_ = false;   ///< that times are wrong was said
+  bool silent_ = false;  ///< that there is no scan was said
+  ti::StreamState said_ = ti::StreamState::kSilent;
 };
 
 }  // namespace rio::live

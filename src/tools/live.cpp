@@ -18,7 +18,6 @@
 #include "live/mavlink_link.hpp"
 #include "live/outputs.hpp"
 #include "live/port.hpp"
-#include "live/scan_watch.hpp"
 #include "live/session.hpp"
 #include "live_ports.hpp"
 #include "live_summary.hpp"

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "live/clock_offset.hpp"
+#include "live/host_clock.hpp"
 #include "live/imu_stream.hpp"
-#include "live/scan_watch.hpp"
+#include "live/session.hpp"
 #include "support/measured.hpp"
 #include "ti/packets.hpp"
 

@@ -18,8 +18,8 @@ struct DatasetPreset {
   const char* radar = "";
   const char* pressure = "";
   const char* truth = "";
-  const char* points = "";     ///< preset of points; empty: by their fields
-  const char* axes = "";       ///< of the points; wins over the preset of points
+  const char* points = "";         ///< preset of points; empty: by their fields
+  const char* axes = "";           ///< of the points; wins over the preset of points
   std::optional<Axes> imu_axes{};  ///< of the messages
   /// Pose of the radar (forward, left, up) in the IMU frame: x y z [m], quaternion w x y z.
   std::array<double, 7> mounting{};  ///< all zero: not known

@@ -53,11 +53,11 @@ struct RecordingRequest {
   Clock radar_clock = Clock::kAuto;
   std::string trigger_topic;  ///< for kTrigger; empty: the only std_msgs/Header
   TriggerMatch trigger_match = TriggerMatch::kSequence;
-  double imu_offset = 0.0;     ///< added to the stamps [s]
-  double radar_offset = 0.0;   ///< added to the stamps [s]
+  double imu_offset = 0.0;       ///< added to the stamps [s]
+  double radar_offset = 0.0;     ///< added to the stamps [s]
   std::optional<Axes> imu_axes;  ///< of the messages; none: frd of PX4, flu of others
-  double gyro_unit = 1.0;      ///< [rad/s]
-  double accel_unit = 1.0;     ///< [m/s^2]
+  double gyro_unit = 1.0;        ///< [rad/s]
+  double accel_unit = 1.0;       ///< [m/s^2]
   PointRequest points;
   bool mounting_is_known = false;  ///< from another source: no note about it
 };
