@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace rio::tools {
@@ -36,8 +37,17 @@ void LiveSummary::on_imu(const live::Session& session, const ImuSample& sample) 
 }
 
 void LiveSummary::on_estimate(const live::Session& session, Time arrival) {
-  latencies_.add(clock_.to_real(clock_.now() - arrival));
+  const Time latency = clock_.to_real(clock_.now() - arrival);
+  latencies_.push_back(static_cast<float>(to_seconds(latency)));
   replay_.add(session.odometry().report(), session.odometry().at_scan());
+}
+
+double LiveSummary::latency_ms(double share) const {
+  if (latencies_.empty()) return 0.0;
+  std::vector<float> sorted = latencies_;
+  const auto at = sorted.begin() + std::lround(share * static_cast<double>(sorted.size() - 1));
+  std::nth_element(sorted.begin(), at, sorted.end());
+  return 1e3 * static_cast<double>(*at);
 }
 
 std::string LiveSummary::line(const live::Session& session) const {
@@ -64,7 +74,7 @@ std::string LiveSummary::line(const live::Session& session) const {
   }
   return fmt::format("{:7.1f} s  {}{}  scans {} lost {} damaged {}  {:.2f} ms",
                      to_seconds(replay_.span), state, silent, packets.frames, packets.lost,
-                     packets.damaged, 1e3 * latencies_.quantile(0.5));
+                     packets.damaged, latency_ms(0.5));
 }
 
 LiveSummary::Radar LiveSummary::end_of(const live::Session& session, std::size_t r) {
@@ -118,9 +128,9 @@ std::string LiveSummary::text() const {
       "last byte to estimate: {:.3f} ms median, {:.3f} ms p99; {:.1f} % of a core\n"
       "radar: {} packets, {} lost, {} damaged, {} made up, {} of unknown time; IMU: {} samples, {} "
       "lost, {} damaged; ODOMETRY: {} sent\n",
-      1e3 * latencies_.quantile(0.5), 1e3 * latencies_.quantile(0.99), 100.0 * cpu_share_,
-      all_.packets.frames, all_.packets.lost, all_.packets.damaged, all_.frames.made_up,
-      all_.frames.untimed, imu_.samples, imu_.lost, imu_.damaged, odometry_sent_);
+      latency_ms(0.5), latency_ms(0.99), 100.0 * cpu_share_, all_.packets.frames, all_.packets.lost,
+      all_.packets.damaged, all_.frames.made_up, all_.frames.untimed, imu_.samples, imu_.lost,
+      imu_.damaged, odometry_sent_);
   for (std::size_t r = 0; r < radars_.size(); ++r) {
     const auto& [packets, frames, firmware, problem] = radars_[r];
     text += fmt::format(
@@ -152,8 +162,8 @@ std::string LiveSummary::json() const {
                       {"firmware", firmware},
                       {"problem", problem}});
   }
-  all["live"] = {{"latency_median_ms", 1e3 * latencies_.quantile(0.5)},
-                 {"latency_p99_ms", 1e3 * latencies_.quantile(0.99)},
+  all["live"] = {{"latency_median_ms", latency_ms(0.5)},
+                 {"latency_p99_ms", latency_ms(0.99)},
                  {"cpu_share", cpu_share_},
                  {"packets", all_.packets.frames},
                  {"packets_lost", all_.packets.lost},

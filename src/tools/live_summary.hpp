@@ -8,7 +8,6 @@
 
 #include "live/host_clock.hpp"
 #include "live/imu_stream.hpp"
-#include "live/latencies.hpp"
 #include "live/session.hpp"
 #include "replay_summary.hpp"
 
@@ -35,9 +34,13 @@ class LiveSummary : public live::Listener {
   const std::string& without_scans() const { return without_scans_; }
 
  private:
+  /// @param share 0.5 the median
+  /// @return 0 if there is none
+  double latency_ms(double share) const;
+
   const live::HostClock& clock_;
   ReplaySummary replay_;
-  live::Latencies latencies_;
+  std::vector<float> latencies_;  ///< of the estimates [s]
   Time first_{0};
   double cpu_share_ = 0.0;
   /// Of a radar, at the end.
