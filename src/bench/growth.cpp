@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/growth.hpp"
-
+// Growth of the time of an update with the problem size.
 #include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <map>
 
-#include "bench/load.hpp"
 #include "bench/measure.hpp"
 #include "plot/chart.hpp"
 #include "plot/colours.hpp"

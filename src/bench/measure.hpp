@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Cost of the estimator on a recording: CPU time of its steps, memory, speed relative to real time.
+// What an update costs on this machine: a load, its measurement, its growth with the problem size.
 #pragma once
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "rio/io/dataset.hpp"
 #include "rio/options.hpp"
 
 namespace rio::bench {
+
+/// A simulated flight through a room, always the same bytes. Above twenty points a scan the radar
+/// is finer and sees weaker echoes in a denser room; the strongest points of each scan are kept.
+/// @param detections in each scan; near walls there may be fewer
+/// @param seconds in the air, at a scan rate of 15 Hz and 200 Hz of the IMU
+io::Dataset make_load(std::size_t detections, double seconds);
 
 /// Median and p99 of a list of times [us].
 struct Spread {
@@ -36,5 +43,32 @@ Figures measure(const io::Dataset& load, const Options& options);
 /// A preset with the back-end and the sensor properties of the recording.
 /// @throws std::runtime_error if there is no such preset
 Options options_for(const io::Dataset& load, const std::string& preset_name, BackEnd backend);
+
+/// One measured point of a curve.
+struct GrowthPoint {
+  double size = 0.0;    ///< actual points, landmarks, clones or states, mean
+  double median = 0.0;  ///< of an update [us]
+  double p99 = 0.0;
+};
+
+/// One preset and back-end along one axis.
+struct GrowthCurve {
+  std::string label;
+  std::vector<GrowthPoint> points;
+};
+
+/// One axis, from the smallest size to the largest that the options allow.
+struct Growth {
+  std::string title;  ///< "detections"
+  std::string size;   ///< "detections in a scan"
+  std::vector<GrowthCurve> curves;
+};
+
+/// Axes: detections, landmarks, clones, window.
+/// @param seconds of flight for each point
+std::vector<Growth> measure_growth(double seconds);
+
+/// As an SVG file; both axes of a panel linear, times in milliseconds.
+std::string growth_chart(const std::vector<Growth>& growths);
 
 }  // namespace rio::bench

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "bench/growth.hpp"
-#include "bench/load.hpp"
 #include "bench/measure.hpp"
 #include "commands.hpp"
 #include "outputs.hpp"

@@ -6,8 +6,6 @@
 
 #include <stdexcept>
 
-#include "bench/growth.hpp"
-#include "bench/load.hpp"
 #include "rio/testing/allocation_guard.hpp"
 
 namespace rio::bench {
