@@ -7,7 +7,6 @@
 
 #include "bench/measure.hpp"
 #include "plot/chart.hpp"
-#include "plot/colours.hpp"
 
 namespace rio::bench {
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "plot/axes.hpp"
-#include "plot/legend.hpp"
 #include "plot/panel.hpp"
 #include "plot/svg.hpp"
 

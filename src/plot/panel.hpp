@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The contents of one panel of a chart, and the ranges of its axes.
+// The contents of one panel of a chart, the ranges of its axes, the strokes of its curves, a
+// legend.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +15,17 @@
 #include "plot/svg.hpp"
 
 namespace rio::plot {
+
+/// The colours of curves: Okabe and Ito, "Color Universal Design", 2008, distinct for colour-blind
+/// readers; without their black and yellow, which are too close to text and paper.
+inline constexpr std::array<const char*, 6> kColours = {"#0072b2", "#d55e00", "#009e73",
+                                                        "#cc79a7", "#e69f00", "#56b4e9"};
+
+/// How curve `i` of a chart is drawn; dashed when the colours are used up.
+inline Stroke curve_stroke(std::size_t i) {
+  constexpr double kCurveWidth = 1.6;
+  return {kColours[i % kColours.size()], kCurveWidth, i >= kColours.size()};
+}
 
 /// A line through points, in their order. A point that is not finite, or not positive on a
 /// logarithmic axis, interrupts it. Curves with the same label share one entry of the legend; an
@@ -107,5 +121,45 @@ inline Range y_range(const Panel& panel) {
   if (panel.from_zero) y.low = 0.0;
   return y;
 }
+
+/// A legend: samples with their names, in lines that wrap at the right margin.
+class Legend {
+ public:
+  /// @param top middle of the first line
+  Legend(Svg* svg, double left, double top, double right)
+      : svg_(svg), left_(left), right_(right), x_(left), y_(top) {}
+
+  /// @param draw_sample called with the left end of the 28 pixels for the sample
+  template <class DrawSample>
+  void entry(const std::string& name, DrawSample draw_sample) {
+    const double width = kNameOffset + 2.0 + text_width(name, kSize);
+    if (x_ > left_ && x_ + width > right_) {
+      x_ = left_;
+      y_ += 22.0;
+    }
+    draw_sample(Point{x_, y_});
+    svg_->text({x_ + kNameOffset, y_ + 4.5}, name, {kSize});
+    x_ += width + 18.0;
+  }
+  /// A line as sample; a thin one is drawn thicker so that its colour shows.
+  void line(const std::string& name, const Stroke& stroke) {
+    entry(name, [&](Point at) {
+      svg_->line(at, {at.x + 28.0, at.y},
+                 {stroke.colour, std::max(3.0, stroke.width), stroke.dashed});
+    });
+  }
+  /// Middle of the last line.
+  double bottom() const { return y_; }
+
+ private:
+  static constexpr double kSize = 13.0;
+  static constexpr double kNameOffset = 36.0;
+
+  Svg* svg_;
+  double left_;
+  double right_;
+  double x_;
+  double y_;
+};
 
 }  // namespace rio::plot

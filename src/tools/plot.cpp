@@ -15,8 +15,6 @@
 #include "evaluate.hpp"
 #include "outputs.hpp"
 #include "plot/axes.hpp"
-#include "plot/colours.hpp"
-#include "plot/legend.hpp"
 #include "plot/panel.hpp"
 #include "plot/svg.hpp"
 #include "rio/eval/metrics.hpp"

@@ -13,7 +13,7 @@
 
 #include "experiment/experiment.hpp"
 #include "experiment/figures.hpp"
-#include "plot/colours.hpp"
+#include "plot/chart.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/nees.hpp"
 

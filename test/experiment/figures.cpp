@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "plot/colours.hpp"
-
 namespace rio::experiment {
 
 namespace {

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "plot/colours.hpp"
 #include "support/matches.hpp"
 
 namespace rio::plot {
