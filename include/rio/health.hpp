@@ -40,7 +40,7 @@ enum class HealthReason : std::uint8_t {
   kUncertainVelocity,     ///< sigma of an axis above 0.5 m/s
   kUncertainHeading,      ///< sigma above 10 deg
   kUncertainTilt,         ///< sigma above 3 deg
-  kTooFast,               ///< speed beyond that of any small robot
+  kTooFast,               ///< speed above 30 m/s
   /// A calibration parameter has reached its limit of five prior sigmas; or the time offset of a
   /// radar moved within ten seconds by more than five of its former sigmas: its clock was changed.
   kCalibration,

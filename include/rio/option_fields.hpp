@@ -92,7 +92,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   field("frontend.max_detections", o.frontend.max_detections, "", 5, option_limits::kDetections,
         "Detections used per scan; of more, the strongest are kept.");
   inner("frontend.ransac_threshold", o.frontend.ransac_threshold, "m/s", 1e-3, 10,
-        "The Doppler residual of an inlier is below this or ransac_sigmas.");
+        "The Doppler residual of an inlier is below this, or in `default` below three of its "
+        "sigmas.");
   inner("frontend.ransac_seed", o.frontend.ransac_seed, "", 0, 2147483647,
         "Seed of the deterministic generator.");
 
@@ -211,8 +212,9 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
         "Noise of a landmark distance, if that is the measurement.");
   field("update.gate_probability", o.update.gate_probability, "", 0.5, 1,
         "Probability of passing the chi-squared gate; 1 = no gate.");
-  field("calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
-        "Random walk of each of them, in its default prior.");
+  field(
+      "calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
+      "Random walk of each estimated calibration parameter, in units of its default prior sigma.");
   field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
   field("smoother.landmark_kernel_size", o.smoother.landmark_kernel_size, "", 0, 1e6,

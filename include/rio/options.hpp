@@ -97,7 +97,8 @@ struct FrontendOptions {
   double match_core = 0.6;
   double match_margin = 2.0;  ///< kMahalanobis: factor by which a landmark's match must be the best
   int promote_after = 6;      ///< consecutive matches that make a trail a landmark
-  double landmark_timeout = 20.0;  ///< a landmark not seen for longer is dropped [s]
+  /// A landmark not seen for longer is dropped; 0 = at its first miss [s].
+  double landmark_timeout = 20.0;
 };
 
 /// The measurement of a match with a landmark.
@@ -136,7 +137,7 @@ struct UpdateOptions {
   /// aspect. Recordings are best with 0.03 to 0.05, simulated point reflectors with 0.01
   /// [m/sqrt(m)].
   double landmark_walk = 0.02;
-  double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate
+  double gate_probability = 0.99;  ///< of passing the one-sided chi-squared gate; 1 = no gate
   int max_clones = 3;              ///< past poses kept (N), of each radar
   int max_landmarks = 40;          ///< persistent landmarks kept
 };
@@ -302,8 +303,8 @@ struct Options {
     return out;
   }
 
-  /// True when every value is inside its documented range and the set is coherent; otherwise false
-  /// and, if `why` is given, one sentence naming the first offending key.
+  /// True when every value is inside its range (option_fields.hpp) and the set is coherent;
+  /// otherwise false and, if `why` is given, one sentence naming the first offending key.
   RIO_API bool validate(std::string* why = nullptr) const;
 };
 

@@ -99,7 +99,7 @@ class RIO_API Odometry {
 
   /// Starts, or restarts, from a known state. `prior.time` may be before, at or after the newest
   /// IMU sample, within the buffered samples: kLate if more than TimingOptions::max_lag before the
-  /// samples since the last scan, kAhead if more than max_ahead after the newest. Before the first
+  /// oldest of them, kAhead if more than max_ahead after the newest. Before the first
   /// sample any time is accepted; if it is farther than ten seconds from the first sample, the
   /// state is taken to hold there. kNonFinite if a value is not finite, kImplausible if a position
   /// is beyond 1e7 m, another value beyond 1e4 or a sigma beyond 1e6 (SI units), kNumerical if P0
@@ -129,8 +129,9 @@ class RIO_API Odometry {
   /// Pose of a radar in the body frame: the estimate, or the option's value if it is not estimated.
   const Pose& extrinsics(std::size_t radar = 0) const noexcept;
   /// Value and covariance (column by column) of a declared auxiliary state at the last update;
-  /// false if there is none of that name and index, or it is delayed and not known yet. Typed
-  /// access: rio::auxiliary in rio/aiding.hpp.
+  /// false if there is none of that name and index, or it is delayed and not known yet. `value` has
+  /// room for its n elements, `covariance` for n x n. Typed access: rio::auxiliary in
+  /// rio/aiding.hpp.
   bool auxiliary(const char* name, double* value, double* covariance, int index = 0) const noexcept;
   /// The last update, stage by stage.
   const UpdateReport& report() const noexcept;

@@ -67,8 +67,8 @@ struct NavState {
   Quaternion q_WB = Quaternion::Identity();  ///< attitude, maps B to W
   Vector3d p_WB = Vector3d::Zero();          ///< position [m]
   Vector3d v_WB = Vector3d::Zero();          ///< velocity in W axes [m/s]
-  Vector3d gyro_bias = Vector3d::Zero();     ///< [rad/s]
-  Vector3d accel_bias = Vector3d::Zero();    ///< [m/s^2]
+  Vector3d gyro_bias = Vector3d::Zero();     ///< measured less true, in B axes [rad/s]
+  Vector3d accel_bias = Vector3d::Zero();    ///< the same [m/s^2]
 };
 
 /// Error order of the body state: R = R^ Exp(dphi), all else true = estimate + error.

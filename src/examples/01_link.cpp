@@ -32,9 +32,8 @@ int main() {
   auto odometry = rio::Odometry::create(options, &why);  // validates and allocates everything
   if (!odometry) return std::printf("%s\n", why.c_str()), 1;
   for (int i = 0; i < 1000; ++i) {
-    rio::Status status = odometry->add_imu(sensors.imu());                  // every IMU sample
-    if (sensors.scan_ready()) status = odometry->add_scan(sensors.scan());  // every radar scan
-    if (status == rio::Status::kMoving) std::puts("hold still");
+    if (odometry->add_imu(sensors.imu()) == rio::Status::kMoving) std::puts("hold still");
+    if (sensors.scan_ready()) (void)odometry->add_scan(sensors.scan());  // its outcome is counted
   }
   const rio::NavState& now = odometry->now();  // pose, velocity, biases at IMU rate
   // [README]

@@ -19,7 +19,7 @@ struct AuxiliaryState {
   double walk = 0.0;      ///< density of the random walk [its unit / sqrt(s)]; 0 = a constant
   int index = 0;          ///< among those of one kind (AuxiliaryBlockBase::kIndexed)
   /// Not known well enough to linearise, like the place of an anchor that measures ranges only: its
-  /// measurements are held back until they determine it (update/delayed_start.hpp).
+  /// measurements are held back until they determine it (update/delayed_start.hpp). Needs walk = 0.
   bool delayed = false;
   static constexpr int kMaxSize = 12;
   std::array<double, kMaxSize> initial{};  ///< value of each element at the start [its unit]

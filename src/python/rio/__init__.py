@@ -150,7 +150,8 @@ class Odometry(_rio.Odometry):
 
 
 class Path(NamedTuple):
-    """Poses by increasing time."""
+    """Poses by increasing time: times (N,) int64 [ns], positions (N, 3) [m], orientations (N, 4)
+    w, x, y, z, body to world."""
 
     times: NDArray[np.int64]
     """(N,) [ns]"""
@@ -161,7 +162,8 @@ class Path(NamedTuple):
 
 
 class Event(NamedTuple):
-    """Something that happened in a replay."""
+    """Something that happened in a replay: time of the scan [ns], what, value (of a re-opened
+    position its sigma [m], else zero)."""
 
     time: int
     """of the scan that shows it [ns]"""
@@ -305,7 +307,8 @@ def simulate(out: PathLike, scenario: PathLike = "", *, seed: int | None = None,
 
 
 class Finding(NamedTuple):
-    """One thing that was checked."""
+    """One thing that was checked: verdict ("ok", "doubtful" or "wrong"), subject, text, change (what
+    to change; may be empty)."""
 
     verdict: str
     """"ok", "doubtful" or "wrong" """
