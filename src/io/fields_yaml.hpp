@@ -170,7 +170,10 @@ void read_section(const YamlFile& file, const YAML::Node& map, const std::string
     const auto why = std::find_if(closed.begin(), closed.end(),
                                   [&key](const ClosedKey& each) { return each.key == key; });
     if (key == keys.front()) continue;  // the base
-    if (is_section(key, keys)) {
+    const bool of_closed = std::any_of(closed.begin(), closed.end(), [&key](const ClosedKey& each) {
+      return std::string_view(each.key).starts_with(key + ".");
+    });
+    if (is_section(key, keys) || (of_closed && value.IsMap())) {
       if (!value.IsMap() && !value.IsNull()) fail_at(file, value, key + ": a map is expected");
       read_section(file, value, key + ".", keys, closed, object);
     } else if (why != closed.end()) {

@@ -30,6 +30,22 @@ inline void refuse_nan(CLI::App* app) {
   for (CLI::App* command : app->get_subcommands({})) refuse_nan(command);
 }
 
+/// CLI::PositiveNumber and CLI::NonNegativeNumber say the largest double in all its digits.
+inline const CLI::Validator kPositive(
+    [](std::string& text) {
+      double value = 0.0;
+      const bool good = CLI::detail::lexical_cast(text, value) && value > 0.0;
+      return good ? std::string() : text + " is not above 0";
+    },
+    "POSITIVE");
+inline const CLI::Validator kNotNegative(
+    [](std::string& text) {
+      double value = 0.0;
+      const bool good = CLI::detail::lexical_cast(text, value) && value >= 0.0;
+      return good ? std::string() : text + " is below 0";
+    },
+    "NONNEGATIVE");
+
 /// Of an option, besides what its value must be.
 enum class Trait {
   kRequired,

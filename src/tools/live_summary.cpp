@@ -113,12 +113,16 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
   }
   imu_ = imu;
   odometry_sent_ = odometry_sent;
-  replay_.initialised_by = odometry.initialized() ? "static" : "never: it was not held still";
+  replay_.initialised_by = odometry.initialized()      ? "static"
+                           : session.imu_samples() == 0 ? "never: no sample of the IMU came"
+                                                        : "never: it found no standstill";
   replay_.counters = odometry.counters();
   replay_.scans = static_cast<int>(replay_.counters.scans);  // of two in one call one is seen
   replay_.scans_before_start = static_cast<int>(replay_.counters.scans_uninitialized);
   replay_.wall = cpu_time();
-  cpu_share_ = to_seconds(replay_.wall) / to_seconds(clock_.to_real(replay_.span));
+  if (replay_.span > Time{0}) {
+    cpu_share_ = to_seconds(replay_.wall) / to_seconds(clock_.to_real(replay_.span));
+  }
   replay_.health.conclude(replay_.calibration, replay_.is_absurd());
   return replay_.health.lost();
 }

@@ -30,6 +30,11 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (std::fflush(stdout) != 0) throw std::runtime_error("standard output cannot be written");
+  } catch (const CLI::RequiredError& error) {
+    const bool lacks_command = app.get_subcommands().empty();
+    if (!lacks_command || argc < 2 || argv[1][0] == '-') return app.exit(error) == 0 ? 0 : 2;
+    std::fprintf(stderr, "rio: %s is no command; rio --help lists them\n", argv[1]);
+    return 2;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }

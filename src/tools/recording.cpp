@@ -111,15 +111,13 @@ void take_settings(const RecordingArguments& arguments, io::Dataset* dataset) {
 bool is_bag(const std::string& path, const RecordingArguments& arguments) {
   if (!io::is_dataset_folder(path) && bag::is_recording(path)) return true;
   RecordingArguments allowed;
-  if (io::is_scan_folder(path)) {
-    allowed.dataset = arguments.dataset;
-    allowed.sensors = arguments.sensors;
-  }
+  allowed.sensors = arguments.sensors;
+  if (io::is_scan_folder(path)) allowed.dataset = arguments.dataset;
   if (arguments != allowed) {
     if (!io::is_dataset_folder(path)) (void)bag::open_messages(path);  // says what it is
     throw std::runtime_error(path +
-                             ": options of a bag are given, but it is none: topics, clocks and "
-                             "sensors are those of its own files");
+                             ": options of a bag are given, but it is none: topics, clocks, fields "
+                             "and units are those of its own files");
   }
   return false;
 }
@@ -147,9 +145,10 @@ void write_mcap(const fs::path& out, const io::Dataset& dataset) {
 }
 
 /// What a bag of rio does not hold of this recording.
-void print_what_is_left_out(const std::string& source, const io::Dataset& dataset) {
-  fmt::print("Not in the bag: mounting and noise, which `rio replay OUT --sensors {}` takes{}{}.\n",
-             source, dataset.ground_truth.empty() ? "" : "; the ground truth",
+void print_what_is_left_out(const std::string& out, const std::string& source,
+                            const io::Dataset& dataset) {
+  fmt::print("Not in the bag: mounting and noise, which `rio replay {} --sensors {}` takes{}{}.\n",
+             out, source, dataset.ground_truth.empty() ? "" : "; the ground truth",
              dataset.baro.empty() ? "" : "; the barometer");
 }
 
@@ -222,7 +221,7 @@ void convert(const ConvertArguments& arguments) {
   }
   fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
              dataset.scans.size());
-  if (to_bag) print_what_is_left_out(is_folder ? arguments.recording : "FOLDER", dataset);
+  if (to_bag) print_what_is_left_out(out.string(), is_folder ? arguments.recording : "FOLDER", dataset);
   if (!to_bag && !is_folder) print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
   throw_damage(dataset.damage);
 }

@@ -159,9 +159,9 @@ void add_evaluate_command(CLI::App& app) {
   command.add("--json", &to->json, "print one JSON line an estimate");
   command.add("--max-diff", &to->max_diff,
               "largest difference of stamps if the truth is too sparse to interpolate [s]",
-              CLI::NonNegativeNumber, kShown);
+              kNotNegative, kShown);
   command.add("--mae-at", &to->mae_at,
-              "also the norm of MAE up to this length of the true path [m]", CLI::PositiveNumber);
+              "also the norm of MAE up to this length of the true path [m]", kPositive);
 }
 
 void add_compare_command(CLI::App& app) {

@@ -120,7 +120,7 @@ void add_live_command(CLI::App& app) {
       ->expected(1, 4);
   command.add("--patience", &to->patience,
               "how long a port that vanished is waited for [s]; by default for ever",
-              CLI::NonNegativeNumber);
+              kNotNegative);
   command.add("--speed", &to->speed,
               "of the clock: that of `rio simulate --live --speed` at the other end",
               CLI::Range(0.1, 100.0));
@@ -135,7 +135,7 @@ void add_ti_config_command(CLI::App& app) {
       "if it\nis of other firmware, which is named and not judged");
   TiConfigArguments* to = command.runs(&ti_config);
   command.add("FILE", &to->file, "configuration, as sent to the radar", kRequired);
-  command.add("--speed", &to->speed, "of the vehicle at most [m/s]", CLI::PositiveNumber, kShown);
+  command.add("--speed", &to->speed, "of the vehicle at most [m/s]", kPositive, kShown);
   command.add("--points", &to->points, "of a frame that must get through the UART",
               CLI::Range(1, 2000), kShown);
   command.add("--json", &to->json, "print one JSON line instead of the sentences");
@@ -147,7 +147,7 @@ void add_simulate_command(CLI::App& app) {
   command.add("OUT", &to->out, "folder of the new dataset", kRequired);
   command.add("--scenario", &to->scenario, "name, see `rio scenarios`, or a scenario file");
   command.add("--seed", &to->seed, "of everything random; wins over the scenario's",
-              CLI::NonNegativeNumber);
+              kNotNegative);
   CLI::Option* length =
       command.add("--length", &to->length, "of the random path [m]; wins over the scenario's",
                   CLI::Range(20.0, 1000.0));

@@ -265,7 +265,7 @@ std::vector<std::string> write_page(const Page& page, const std::filesystem::pat
              escaped(page.title) +
              "</title>\n<meta name='viewport' content='width=device-width, initial-scale=1'>\n");
   file.write("<style>" + inlined(dygraphs_css, "style") + kPageStyle +
-             "</style>\n</head>\n<body>\n");
+             "</style>\n</head>\n<body>\n<noscript>Paths and plots need JavaScript.</noscript>\n");
   file.write(fmt::format("<header><h1>{}</h1><p>{}</p></header>\n<main>\n", escaped(page.title),
                          escaped(page.subtitle)));
   for (const std::string& note : notes) {

@@ -213,9 +213,10 @@ if (typeof Dygraph !== "undefined") {
   for (const plot of data.plots) toDraw.push(() => drawPlot(plot));
   for (const h of data.histograms) toDraw.push(() => drawHistogram(h));
 }
+const whenIdle = window.requestIdleCallback || ((call) => setTimeout(call, 1)); // not in Safari
 function drawSome(deadline) {
   while (toDraw.length && (!deadline || deadline.timeRemaining() > 8 || deadline.didTimeout)) toDraw.shift()();
-  if (toDraw.length) requestIdleCallback(drawSome, { timeout: 50 });
+  if (toDraw.length) whenIdle(drawSome, { timeout: 50 });
   else document.documentElement.dataset.drawn = "yes";
 }
 $("keys").hidden = toDraw.length === 0;
@@ -468,4 +469,4 @@ addEventListener("afterprint", () => setWidth("", dark));
 if (typeof THREE !== "undefined" && paths.length) startScene();
 const trouble = data.events.find((event) => event.serious); // where it went wrong
 moveTo(trouble ? trouble.t : begin + 0.4 * (end - begin));
-requestIdleCallback(drawSome, { timeout: 50 });
+whenIdle(drawSome, { timeout: 50 });

@@ -173,7 +173,16 @@ TEST_F(Bag, TruthAndBarometerOfABagAreThoseOfItsFolder) {
   EXPECT_LT(error, 0.5);
 }
 
-TEST_F(Bag, OptionsOfABagDoNotGoWithAFolder) {
+TEST_F(Bag, OfTheOptionsOfABagSensorsAloneGoWithAFolder) {
+  const std::string how = "replay " + flight_ + " --no-check --quiet --out ";
+  rio(how + file("own.tum"));
+  rio(how + file("said.tum") + " --sensors " + flight_);
+  EXPECT_EQ(dir_->read("own.tum"), dir_->read("said.tum"));
+  fs::create_directories(file("sensors/imu0"));
+  fs::create_directories(file("sensors/radar0"));
+  dir_->write("sensors/radar0/sensor.yaml", "max_range_m: 3\n");
+  rio(how + file("near.tum") + " --sensors " + file("sensors"));
+  EXPECT_NE(dir_->read("own.tum"), dir_->read("near.tum"));
   const Parts none = {"options of a bag are given, but it is none"};
   fails(1, "replay " + flight_ + " --points ti", none);
   fails(1, "convert " + flight_ + " " + file("x") + " --imu /imu", none);
