@@ -54,11 +54,6 @@ void HealthMonitor::reset(Time time) {
   now_ = last_used_ = not_gated_ = time;
 }
 
-void HealthMonitor::add_step() {
-  ++health_.reset_counter;
-  steps_ += 1.5;
-}
-
 void HealthMonitor::fade(Time now) {
   const double seconds = std::max(0.0, to_seconds(now - now_));
   if (now > now_) now_ = now;
@@ -147,15 +142,6 @@ void HealthMonitor::wait(Time now, Time pause, const Estimate& x, const BodyCova
   judge_scans(now, pause);
   judge_sigmas(x, P_body);
   conclude();
-}
-
-double HealthMonitor::gated_share() const {
-  return rows_gated_ / std::max(rows_used_ + rows_gated_, 10.0);
-}
-
-double HealthMonitor::unusual_gated_share() const {
-  const double share = gated_share();
-  return share >= kGated ? share : 0.0;
 }
 
 void HealthMonitor::judge_scans(Time now, Time pause) {

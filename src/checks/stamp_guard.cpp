@@ -27,10 +27,4 @@ StampVerdict StampGuard::check(Time stamp) {
   return stamp > *newest_ ? StampVerdict::kAhead : StampVerdict::kOld;
 }
 
-void StampGuard::take(Time stamp) {
-  if (newest_ && run_ == 0) interval_ = stamp - *newest_;
-  newest_ = seen_ = stamp;
-  run_ = 0;
-}
-
 }  // namespace rio

@@ -13,12 +13,6 @@ namespace rio {
 TiltCheck::TiltCheck(const Options& options)
     : options_(options), fold_(tightest_fold(options)), scans_(kMaxScans) {}
 
-void TiltCheck::reset(Time time) {
-  scans_.clear();
-  density_ = 0.0;
-  record_.reset(time);
-}
-
 std::optional<IndependentGravity> TiltCheck::observe(const Observations& seen, const Estimate& x,
                                                      const BodyCovariance& P_body,
                                                      const Matrix4d& P_radar) {

@@ -21,12 +21,6 @@ VelocityCheck::VelocityCheck(const Options& options)
   rows_.reserve(kMaxRows);
 }
 
-void VelocityCheck::reset(Time time) {
-  rows_.clear();
-  record_.reset(time);
-  proven_ = chance_ = contradiction_ = 0.0;
-}
-
 std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& scan,
                                                           const Estimate& x, double sigma,
                                                           double sigma_tilt) {
@@ -66,12 +60,6 @@ std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& s
 std::nullopt_t VelocityCheck::agree(Time now) {
   proven_ = std::min(proven_ + to_seconds(now - record_.agreed()), 2.0 * kProven);
   record_.agree(now);
-  contradiction_ = 0.0;
-  return std::nullopt;
-}
-
-std::nullopt_t VelocityCheck::abstain(Time now) {
-  record_.abstain(now);
   contradiction_ = 0.0;
   return std::nullopt;
 }

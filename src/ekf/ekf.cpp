@@ -16,10 +16,6 @@ Ekf::Ekf(const Options& options)
       reexpression_(state_estimate_.layout().capacity()),
       dx_(Eigen::VectorXd::Zero(state_estimate_.layout().capacity())) {}
 
-void Ekf::reset(const NavState& prior, const BodyCovariance& P0) {
-  state_estimate_.reset(prior, P0);
-}
-
 void Ekf::drop_landmarks(UpdateReport* report) {
   for (std::size_t i = estimate().landmarks.size(); i-- > 0;) {
     state_estimate_.remove_landmark(i);

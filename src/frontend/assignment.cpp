@@ -30,10 +30,6 @@ void Assignment::begin(std::size_t rows, std::size_t columns, double gate) {
   std::fill_n(cost_.begin(), rows * columns, gate);
 }
 
-void Assignment::set(std::size_t row, std::size_t column, double cost) {
-  cost_[row * columns_ + column] = cost < gate_ ? cost : gate_;
-}
-
 void Assignment::solve() {
   candidates_.clear();
   for (std::size_t r = 0; r < rows_; ++r) {

@@ -66,11 +66,6 @@ void Association::match(const DetectionList& scan, const std::array<bool, kMaxDe
   collect(landmarks, rows, scan.items.size(), out);
 }
 
-Matrix3d Association::believed(const Matrix3d& covariance) const {
-  if (options_.matching != Matching::kMahalanobis) return Matrix3d::Zero();
-  return covariance;
-}
-
 void Association::add_row(std::size_t row, const Known& known, const DetectionList& scan,
                           const std::array<bool, kMaxDetections>& usable,
                           std::array<bool, kMaxDetections>* near) {

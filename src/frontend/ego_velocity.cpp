@@ -111,10 +111,6 @@ void EgoVelocityRansac::consider_neighbours(const DetectionList& scan, const Tri
   }
 }
 
-double EgoVelocityRansac::residual(const Detection& d, const Vector3d& v) const {
-  return fold_.wrap(d.range_rate + d.direction_S.dot(v));
-}
-
 int EgoVelocityRansac::count_supporters(const DetectionList& scan, const Vector3d& v,
                                         int least) const {
   auto count = static_cast<int>(scan.items.size());

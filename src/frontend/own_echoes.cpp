@@ -15,10 +15,6 @@ OwnEchoes::Rate OwnEchoes::predicted(const Detection& d, const Vector3d& v_S,
                                        d.direction_S.dot(covariance_S * d.direction_S)};
 }
 
-bool OwnEchoes::may_be_zero(const Detection& d) {
-  return std::abs(d.range_rate) < kSigmas * d.sigma_doppler;
-}
-
 bool OwnEchoes::moves(const DetectionList& scan, const Vector3d& v_S,
                       const Matrix3d& covariance_S) const {
   int as_predicted = 0;

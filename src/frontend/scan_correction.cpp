@@ -10,10 +10,6 @@ ScanCorrection::ScanCorrection(const Options& options)
   }
 }
 
-void ScanCorrection::reset() {
-  for (OwnEchoes& own : own_echoes_) own.reset();
-}
-
 const DetectionList& ScanCorrection::correct(const DetectionList& received, const Estimate& x,
                                              const Matrix3d& velocity_covariance) {
   corrected_ = received;

@@ -3,11 +3,6 @@
 
 namespace rio {
 
-LandmarkPointModel::RangeCurvature LandmarkPointModel::range_curvature(double range,
-                                                                       const Eigen::Matrix2d& M) {
-  return {0.5 * range * M.trace(), 0.5 * range * range * M.squaredNorm()};
-}
-
 bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
                                   const RigidPose& T_BS, const Vector3d& p_WL, ResidualOf<kDim>& r,
                                   JacobianOf<kDim, Blocks::kDof>* J,

@@ -9,17 +9,6 @@ ImuSample interpolate(const ImuSample& a, const ImuSample& b, Time time) {
           a.accel_B + weight * (b.accel_B - a.accel_B)};
 }
 
-void ImuBuffer::clear() {
-  samples_.clear();
-  noise_.clear();
-  meter_.reset();
-}
-
-void ImuBuffer::push_back(const ImuSample& sample) {
-  samples_.push_back(sample);
-  noise_.push_back(meter_.add(sample));
-}
-
 void ImuBuffer::forget_before(Time time) {
   while (samples_.size() > 1 && samples_[1].time <= time) {
     samples_.pop_front();

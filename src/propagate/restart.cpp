@@ -28,20 +28,6 @@ Restart::Before Restart::estimate(const NavState& x, const BodyCovariance& P) {
           std::sqrt(attitude_variance(x.q_WB, attitude).heading)};
 }
 
-void Restart::reset() {
-  active_ = false;
-  before_pause_.reset();
-}
-
-void Restart::pause(const NavState& x, const BodyCovariance& P, Time end) {
-  if (!before_pause_) before_pause_ = estimate(x, P);
-  resumed_ = end;
-}
-
-void Restart::passed(Time time) {
-  if (time >= resumed_) before_pause_.reset();
-}
-
 void Restart::begin(const NavState& x, const BodyCovariance& P, bool diverged, Time now) {
   active_ = true;
   tilt_.reset();

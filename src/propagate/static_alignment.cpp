@@ -30,12 +30,6 @@ Quaternion level(const Vector3d& y) {
   return Quaternion(R);
 }
 
-void StaticAligner::reset() {
-  for (Part& part : parts_) part = Part{};
-  begin_.reset();
-  first_ = true;
-}
-
 Status StaticAligner::add(const ImuSample& sample, std::optional<Alignment>* result) {
   result->reset();
   const Time length = from_seconds(start_.duration / kParts);

@@ -20,11 +20,6 @@ Vector3d beyond_noise(const Vector3d& vector, double noise) {
 
 }  // namespace
 
-void SteadyMotionFilter::reset(const Vector3d& v_B) {
-  *this = SteadyMotionFilter{};
-  motion_.v_B = v_B;
-}
-
 void SteadyMotionFilter::add(const Vector3d& change_W, double seconds) {
   const double sum = kRotors + seconds;
   once_W_ += (change_W - seconds * once_W_) / sum;

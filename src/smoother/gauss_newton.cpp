@@ -3,16 +3,6 @@
 
 namespace rio {
 
-void WindowPoint::save(const Window& window, const Estimate& x) {
-  for (std::size_t k = 0; k < window.size(); ++k) navs_[k] = window[k].nav;
-  estimate_ = x;
-}
-
-void WindowPoint::restore(Window* window, Estimate* x) const {
-  for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs_[k];
-  *x = estimate_;
-}
-
 GaussNewton::GaussNewton(const SmootherOptions& options, int max_states, int border)
     : options_(options),
       saved_(static_cast<std::size_t>(max_states)),

@@ -24,11 +24,6 @@ Smoother::Smoother(const Options& options)
       P_(Eigen::MatrixXd::Zero(state_estimate_.layout().capacity(),
                                state_estimate_.layout().capacity())) {}
 
-void Smoother::reset(const NavState& prior, const BodyCovariance& P0) {
-  state_estimate_.reset(prior, P0);
-  restart();
-}
-
 Status Smoother::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   const Time from = estimate().nav.time;
   const Status status = state_estimate_.propagate(to, imu, gap);
@@ -86,11 +81,6 @@ void Smoother::maintain_landmarks(const Observations& seen, const ScanRows& rows
             LandmarkPointModel::measurement(d), {}, estimate().radar, estimate().landmarks.size()});
         state_estimate_.add_landmark(d);
       });
-}
-
-void Smoother::clone(ScanId scan) {
-  window_.newest().scan = scan;
-  window_.publish(&state_estimate_.estimate());
 }
 
 void Smoother::restart() {

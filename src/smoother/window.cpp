@@ -25,11 +25,6 @@ WindowState& Window::push() {
   return newest();
 }
 
-void Window::pop_oldest() {
-  first_ = (first_ + 1) % slots_.size();
-  --size_;
-}
-
 std::size_t Window::first_from(Time time) const {
   std::size_t i = 0;
   while (i < size_ && (*this)[i].nav.time < time) ++i;
@@ -56,10 +51,6 @@ bool Window::measures_landmark(std::size_t i) const {
     if ((*this)[k].measurements.has_landmark(i)) return true;
   }
   return false;
-}
-
-void Window::forget_landmark(std::size_t i, std::size_t last) {
-  for (std::size_t k = 0; k < size_; ++k) (*this)[k].measurements.forget_landmark(i, last);
 }
 
 }  // namespace rio

@@ -5,11 +5,6 @@
 
 namespace rio {
 
-void GatheredCovariance::begin(const Covariance& P) {
-  P_ = &P;
-  segments_.clear();
-}
-
 void GatheredCovariance::innovation_covariance(const RowBatch& batch, const RowBlock& block,
                                                BlockMatrix* S) {
   const auto m = static_cast<Eigen::Index>(block.count);

@@ -29,16 +29,6 @@ void LinearizationPoint::step_back(double seconds) {
   v_WB -= seconds * accel_W;
 }
 
-void LinearizationPoint::stand() {
-  pose_rate.setZero();
-  accel_W.setZero();
-  steady = SteadyMotion{};
-}
-
-Vector3d LinearizationPoint::radar_velocity_S() const {
-  return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS);
-}
-
 SteadyOffset LinearizationPoint::steady_offset() const {
   const Vector3d radar_v_B = steady.v_B + steady.rate_B.cross(T_BS.p);
   return {T_BS.R.transpose() * radar_v_B - radar_velocity_S(),

@@ -216,12 +216,6 @@ void ScanRows::add_aiding(const std::vector<AidingObservation>& aiding,
   }
 }
 
-bool ScanRows::decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
-                      const char* name) {
-  if (valid) gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
-  return judge(model, detection, valid, report, name);
-}
-
 bool ScanRows::judge(Model model, std::size_t detection, bool valid, UpdateReport* report,
                      const char* name) {
   ModelReport& sums = report->models[static_cast<std::size_t>(model)];

@@ -50,11 +50,6 @@ void StateEstimate::reset(const NavState& prior, const BodyCovariance& P0) {
   covariance_.reset(P0, parameters_.prior);
 }
 
-void StateEstimate::select_radar(std::size_t r) {
-  estimate_.select_radar(r);
-  layout_ = layout_.of_radar(r);
-}
-
 Status StateEstimate::propagate(Time to, const ImuBuffer& imu, bool* gap) {
   Propagation p;
   p.state = estimate_.nav;
@@ -106,16 +101,6 @@ double StateEstimate::body_velocity_variance() const {
   const Matrix3d cross = A * P.block<3, 3>(body::kAttitude, body::kVelocity) * R_BW.transpose();
   return (A * P.block<3, 3>(body::kAttitude, body::kAttitude) * A.transpose()).trace() +
          P.block<3, 3>(body::kVelocity, body::kVelocity).trace() + 2.0 * cross.trace();
-}
-
-void StateEstimate::measure_velocity(const Vector3d& error, const Matrix3d& covariance) {
-  covariance_.measure_velocity(error, covariance, &dx_);
-  correct(dx_);
-}
-
-void StateEstimate::restart_steady_motion(const Vector3d& v_B) {
-  steady_.reset(v_B);
-  estimate_.steady = steady_.motion();
 }
 
 void StateEstimate::set_mounting(std::size_t r, const Mounting& mounting) {

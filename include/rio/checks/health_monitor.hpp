@@ -40,11 +40,17 @@ class HealthMonitor {
 
   /// Share of the rows of the last second that the gates rejected, if kGated says it is unusual;
   /// otherwise 0.
-  double unusual_gated_share() const;
+  double unusual_gated_share() const {
+    const double share = gated_share();
+    return share >= kGated ? share : 0.0;
+  }
 
  private:
   /// The estimate has changed discontinuously.
-  void add_step();
+  void add_step() {
+    ++health_.reset_counter;
+    steps_ += 1.5;
+  }
   void fade(Time now);
   double& severity(HealthReason reason) {
     return health_.severity[static_cast<std::size_t>(reason)];
@@ -53,7 +59,7 @@ class HealthMonitor {
   double clock_doubt(const UpdateReport& report, Time now);
   void judge_aiding(const UpdateReport& report);
   void judge_scans(Time now, Time pause);
-  double gated_share() const;
+  double gated_share() const { return rows_gated_ / std::max(rows_used_ + rows_gated_, 10.0); }
   void judge_sigmas(const Estimate& x, const BodyCovariance& P_body);
   void conclude();
 

@@ -34,7 +34,11 @@ class StampGuard {
 
   StampVerdict check(Time stamp);
   /// The sample with this stamp was accepted; the next stamps are compared with it.
-  void take(Time stamp);
+  void take(Time stamp) {
+    if (newest_ && run_ == 0) interval_ = stamp - *newest_;
+    newest_ = seen_ = stamp;
+    run_ = 0;
+  }
 
   /// The newest accepted stamp in the clock of the run, if no sample was lost at the jump.
   Time newest_in_run() const { return first_ - interval_; }

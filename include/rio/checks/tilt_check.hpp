@@ -52,7 +52,11 @@ class TiltCheck {
   explicit TiltCheck(const Options& options);
 
   /// Starts over at `time`.
-  void reset(Time time);
+  void reset(Time time) {
+    scans_.clear();
+    density_ = 0.0;
+    record_.reset(time);
+  }
 
   /// A gravity that cannot be tested counts as supported.
   const CheckRecord& record() const { return record_; }

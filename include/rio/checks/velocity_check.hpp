@@ -51,7 +51,11 @@ class VelocityCheck {
   explicit VelocityCheck(const Options& options);
 
   /// Starts over; the state estimate's velocity counts as supported at `time`, but not as proven.
-  void reset(Time time);
+  void reset(Time time) {
+    rows_.clear();
+    record_.reset(time);
+    proven_ = chance_ = contradiction_ = 0.0;
+  }
 
   const CheckRecord& record() const { return record_; }
   /// It has been supported for kProven since the last reset.
@@ -123,7 +127,11 @@ class VelocityCheck {
   /// The state estimate is supported.
   std::nullopt_t agree(Time now);
   /// Neither supported nor contradicted.
-  std::nullopt_t abstain(Time now);
+  std::nullopt_t abstain(Time now) {
+    record_.abstain(now);
+    contradiction_ = 0.0;
+    return std::nullopt;
+  }
 
   static constexpr Time kWindow = std::chrono::milliseconds(1000);  // the IMU alone is accurate
   static constexpr Time kSpan = std::chrono::milliseconds(250);     // the rows must cover

@@ -26,7 +26,7 @@ class Ekf {
   const StateEstimate& state_estimate() const { return state_estimate_; }
 
   /// Starts over from `prior` with covariance P0, order of namespace body.
-  void reset(const NavState& prior, const BodyCovariance& P0);
+  void reset(const NavState& prior, const BodyCovariance& P0) { state_estimate_.reset(prior, P0); }
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap) {

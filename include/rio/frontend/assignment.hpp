@@ -30,7 +30,9 @@ class Assignment {
   /// Starts a problem with every cost at the gate.
   void begin(std::size_t rows, std::size_t columns, double gate);
   /// Sets the cost of a pair. At or above the gate, or NaN: no match.
-  void set(std::size_t row, std::size_t column, double cost);
+  void set(std::size_t row, std::size_t column, double cost) {
+    cost_[row * columns_ + column] = cost < gate_ ? cost : gate_;
+  }
   double cost(std::size_t row, std::size_t column) const { return cost_[row * columns_ + column]; }
 
   /// After this, column_of(row) is the column of a row, or kNone.

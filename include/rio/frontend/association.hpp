@@ -94,7 +94,10 @@ class Association {
     return options_.matching == Matching::kMahalanobis && distance > same_echo_ ? core_ : gate_;
   }
   /// The covariance of a known point as used by the matching: zero unless kMahalanobis.
-  Matrix3d believed(const Matrix3d& covariance) const;
+  Matrix3d believed(const Matrix3d& covariance) const {
+    if (options_.matching != Matching::kMahalanobis) return Matrix3d::Zero();
+    return covariance;
+  }
 
   /// The costs of one known point against every usable detection.
   void add_row(std::size_t row, const Known& known, const DetectionList& scan,

@@ -102,7 +102,9 @@ class EgoVelocityRansac {
   /// All combinations of the measured folds and their neighbours, e.g. for a start in motion.
   void consider_neighbours(const DetectionList& scan, const Triple& triple,
                            const std::optional<RadarVelocity>& predicted, Best* best) const;
-  double residual(const Detection& d, const Vector3d& v) const;
+  double residual(const Detection& d, const Vector3d& v) const {
+    return fold_.wrap(d.range_rate + d.direction_S.dot(v));
+  }
   /// Number of inliers of v; stops early with some number below `least` if there are fewer.
   int count_supporters(const DetectionList& scan, const Vector3d& v, int least) const;
   /// Marks the static set of v; the covariance of v may leave folds ambiguous.

@@ -56,7 +56,9 @@ class OwnEchoes {
     return fold_.wrap(d.range_rate - rate.h);
   }
   static Rate predicted(const Detection& d, const Vector3d& v_S, const Matrix3d& covariance_S);
-  static bool may_be_zero(const Detection& d);
+  static bool may_be_zero(const Detection& d) {
+    return std::abs(d.range_rate) < kSigmas * d.sigma_doppler;
+  }
   /// Some points have a Doppler, and most of these the predicted one.
   bool moves(const DetectionList& scan, const Vector3d& v_S, const Matrix3d& covariance_S) const;
   /// The known place of a detection; null if there is none.

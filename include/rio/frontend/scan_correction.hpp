@@ -19,7 +19,9 @@ class ScanCorrection {
   explicit ScanCorrection(const Options& options);
 
   /// The radar may have been moved, or the velocity was wrong.
-  void reset();
+  void reset() {
+    for (OwnEchoes& own : own_echoes_) own.reset();
+  }
 
   /// The corrected scan; valid until the next call.
   /// @param x predicted to the scan

@@ -51,7 +51,9 @@ class LandmarkPointModel {
   };
 
   /// @param M covariance of the predicted direction along azimuth and elevation [rad^2]
-  static RangeCurvature range_curvature(double range, const Eigen::Matrix2d& M);
+  static RangeCurvature range_curvature(double range, const Eigen::Matrix2d& M) {
+    return {0.5 * range * M.trace(), 0.5 * range * range * M.squaredNorm()};
+  }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
                 const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,

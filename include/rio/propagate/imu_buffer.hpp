@@ -42,13 +42,20 @@ class ImuBuffer {
 
   bool empty() const { return samples_.empty(); }
   bool full() const { return samples_.full(); }
-  void clear();
+  void clear() {
+    samples_.clear();
+    noise_.clear();
+    meter_.reset();
+  }
   std::size_t size() const { return samples_.size(); }
   const ImuSample& operator[](std::size_t i) const { return samples_[i]; }
   const ImuSample& newest() const { return samples_.back(); }
 
   /// Stamps must strictly increase: the caller checks.
-  void push_back(const ImuSample& sample);
+  void push_back(const ImuSample& sample) {
+    samples_.push_back(sample);
+    noise_.push_back(meter_.add(sample));
+  }
   /// Drops what is not needed to integrate from `time` on: keeps one sample at or before it.
   void forget_before(Time time);
   /// The pause between two samples is longer than ImuOptions::max_gap.

@@ -21,13 +21,21 @@ class Restart {
   Restart(const StartOptions& start, const ImuOptions& imu);
 
   bool active() const { return active_; }
-  void reset();
+  void reset() {
+    active_ = false;
+    before_pause_.reset();
+  }
 
   /// The IMU has paused until `end`, and the estimate has not yet reached the pause.
   /// @param P covariance of the estimate x, order of namespace body
-  void pause(const NavState& x, const BodyCovariance& P, Time end);
+  void pause(const NavState& x, const BodyCovariance& P, Time end) {
+    if (!before_pause_) before_pause_ = estimate(x, P);
+    resumed_ = end;
+  }
   /// The estimate has reached `time`, and its tilt is known.
-  void passed(Time time);
+  void passed(Time time) {
+    if (time >= resumed_) before_pause_.reset();
+  }
 
   /// The tilt is lost: starts from the estimate x, or from that before the pause.
   /// @param P covariance of x, order of namespace body

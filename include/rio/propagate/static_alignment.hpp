@@ -47,7 +47,11 @@ class StaticAligner {
  public:
   StaticAligner(const StartOptions& start, const ImuOptions& imu) : start_(start), imu_(imu) {}
 
-  void reset();
+  void reset() {
+    for (Part& part : parts_) part = Part{};
+    begin_.reset();
+    first_ = true;
+  }
 
   /// kOk: more samples are needed, or `result` holds the alignment, which may be of a time before
   /// the sample. kMoving: the window that just ended was not a standstill; the next one ends a part

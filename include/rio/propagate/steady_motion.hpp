@@ -33,7 +33,10 @@ struct SteadyMotion {
 class SteadyMotionFilter {
  public:
   /// Starts over at the velocity v_B [m/s].
-  void reset(const Vector3d& v_B);
+  void reset(const Vector3d& v_B) {
+    *this = SteadyMotionFilter{};
+    motion_.v_B = v_B;
+  }
 
   /// (E2): the velocity changes by `change_W` [m/s] in `seconds`.
   void add(const Vector3d& change_W, double seconds);

@@ -29,8 +29,14 @@ class WindowPoint {
  public:
   explicit WindowPoint(std::size_t max_states) : navs_(max_states) {}
 
-  void save(const Window& window, const Estimate& x);
-  void restore(Window* window, Estimate* x) const;
+  void save(const Window& window, const Estimate& x) {
+    for (std::size_t k = 0; k < window.size(); ++k) navs_[k] = window[k].nav;
+    estimate_ = x;
+  }
+  void restore(Window* window, Estimate* x) const {
+    for (std::size_t k = 0; k < window->size(); ++k) (*window)[k].nav = navs_[k];
+    *x = estimate_;
+  }
 
  private:
   std::vector<NavState> navs_;

@@ -37,7 +37,10 @@ class Smoother {
   const Prior& prior() const { return prior_; }
 
   /// Starts over from `prior` with covariance P0, order of namespace body.
-  void reset(const NavState& prior, const BodyCovariance& P0);
+  void reset(const NavState& prior, const BodyCovariance& P0) {
+    state_estimate_.reset(prior, P0);
+    restart();
+  }
 
   /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
@@ -67,7 +70,10 @@ class Smoother {
                           const Promotions& promotions, UpdateReport* report);
 
   /// Stage 7: assigns this scan to the newest state.
-  void clone(ScanId scan);
+  void clone(ScanId scan) {
+    window_.newest().scan = scan;
+    window_.publish(&state_estimate_.estimate());
+  }
 
  private:
   static std::size_t capacity(const Options& options) {

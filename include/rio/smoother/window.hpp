@@ -74,7 +74,10 @@ class Window {
   void clear() { size_ = 0; }
   /// Appends an empty state, the new newest one.
   WindowState& push();
-  void pop_oldest();
+  void pop_oldest() {
+    first_ = (first_ + 1) % slots_.size();
+    --size_;
+  }
   void pop_newest() { --size_; }
 
   /// Index of the first state not before `time`, size() if there is none.
@@ -90,7 +93,9 @@ class Window {
   bool measures_landmark(std::size_t i) const;
 
   /// Removes the factors of landmark i; those of the last landmark are renumbered to i.
-  void forget_landmark(std::size_t i, std::size_t last);
+  void forget_landmark(std::size_t i, std::size_t last) {
+    for (std::size_t k = 0; k < size_; ++k) (*this)[k].measurements.forget_landmark(i, last);
+  }
 
  private:
   std::vector<WindowState> slots_;

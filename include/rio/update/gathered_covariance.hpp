@@ -16,7 +16,10 @@ namespace rio {
 class GatheredCovariance {
  public:
   /// Sets P, which must not change until the last product.
-  void begin(const Covariance& P);
+  void begin(const Covariance& P) {
+    P_ = &P;
+    segments_.clear();
+  }
 
   /// H P H^T of some rows.
   template <std::size_t kRows>

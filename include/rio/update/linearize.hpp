@@ -43,10 +43,14 @@ struct LinearizationPoint {
   /// The body is at rest: the derivative of the estimate is noise and set to zero, and so is the
   /// steady motion, which otherwise would still be that of before: Dopplers at rest tell nothing
   /// of the mounting.
-  void stand();
+  void stand() {
+    pose_rate.setZero();
+    accel_W.setZero();
+    steady = SteadyMotion{};
+  }
 
   /// Velocity of the radar in its own axes.
-  Vector3d radar_velocity_S() const;
+  Vector3d radar_velocity_S() const { return radar_velocity(T_WB, v_WB, gyro_B - gyro_bias, T_BS); }
   /// From this motion to the steady one, at which the columns of the calibration are evaluated.
   SteadyOffset steady_offset() const;
 

@@ -132,7 +132,10 @@ class ScanRows {
   /// Stage 4: gates and records the last block; if it does not pass, drops it and returns false.
   /// @param name of the model of another sensor
   bool decide(Model model, std::size_t detection, bool valid, UpdateReport* report,
-              const char* name = nullptr);
+              const char* name = nullptr) {
+    if (valid) gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
+    return judge(model, detection, valid, report, name);
+  }
   /// Same, with the innovation covariance already in S_.
   bool judge(Model model, std::size_t detection, bool valid, UpdateReport* report,
              const char* name = nullptr);

@@ -38,17 +38,26 @@ class StateEstimate {
   void reset(const NavState& prior, const BodyCovariance& P0);
 
   /// A scan of radar r is processed next: estimate and layout refer to its calibration.
-  void select_radar(std::size_t r);
+  void select_radar(std::size_t r) {
+    estimate_.select_radar(r);
+    layout_ = layout_.of_radar(r);
+  }
 
   /// Propagates to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
 
   /// The velocity is off by `error`, with that covariance, both in W: corrects the mean by a
   /// measurement of it.
-  void measure_velocity(const Vector3d& error, const Matrix3d& covariance);
+  void measure_velocity(const Vector3d& error, const Matrix3d& covariance) {
+    covariance_.measure_velocity(error, covariance, &dx_);
+    correct(dx_);
+  }
   /// The motion before tells nothing of that from now on (propagate/steady_motion.hpp).
   /// @param v_B velocity of the body in its axes [m/s]
-  void restart_steady_motion(const Vector3d& v_B);
+  void restart_steady_motion(const Vector3d& v_B) {
+    steady_.reset(v_B);
+    estimate_.steady = steady_.motion();
+  }
 
   /// The mounting of radar r, which was unknown, has been found. It must be estimated.
   void set_mounting(std::size_t r, const Mounting& mounting);
