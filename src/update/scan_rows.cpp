@@ -77,9 +77,7 @@ void ScanRows::begin_scan(const Observations& seen, const StateEstimate& state_e
 void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
                         const LinearizationPoint& x, UpdateReport* report) {
   const Measured<RestModel> m{z, x.estimate.radar};
-  batch_.begin_block();
-  const bool valid = linearize(models_.of<RestModel>(), m.z, RestModel::Blocks{}, x, {},
-                               state_estimate.layout(), &batch_);
+  const bool valid = add_block(m, x, {}, state_estimate);
   if (decide(RestModel::kModel, 0, valid, report)) keep(m, 1.0);
 }
 
@@ -99,9 +97,7 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
       const auto expected = DopplerModel::expected_direction(m.z, m.z.direction_S, v_S);
       m.z.variance_factor = expected.variance_factor;
     }
-    batch_.begin_block();
-    const bool valid = linearize(models_.of<DopplerModel>(), m.z, DopplerModel::Blocks{}, x, {},
-                                 state_estimate.layout(), &batch_);
+    const bool valid = add_block(m, x, {}, state_estimate);
     if (valid) {
       const LinearRow& row = batch_.rows().back();
       const Vector3d u_S = direction_of(row, R_WS);
@@ -123,10 +119,7 @@ void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_e
       distance.z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
       distance.radar = x.estimate.radar;
       distance.past = past.scan;
-      batch_.begin_block();
-      const bool valid =
-          linearize(models_.of<TrailDistanceModel>(), distance.z, TrailDistanceModel::Blocks{}, x,
-                    {clone, 0}, state_estimate.layout(), &batch_);
+      const bool valid = add_block(distance, x, {clone, 0}, state_estimate);
       if (decide(TrailDistanceModel::kModel, m.detection, valid, report)) keep(distance, 1.0);
     }
   }
@@ -174,11 +167,7 @@ template <class M>
 bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
                             const StateEstimate& state_estimate, const LinearizationPoint& x,
                             UpdateReport* report) {
-  const BlockIndex index{0, static_cast<int>(m.landmark)};
-  batch_.begin_block();
-  const bool valid = models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
-    return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(), &batch_);
-  });
+  const bool valid = add_block(m, x, {0, static_cast<int>(m.landmark)}, state_estimate);
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   if (valid) {
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);

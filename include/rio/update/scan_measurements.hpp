@@ -52,10 +52,6 @@ class RadarModels {
                 LandmarkDistanceModel(o.sigma_landmark_distance), {},
                 TrailDistanceModel(o.sigma_trail_distance), {}) {}
 
-  template <class M>
-  const M& of() const {
-    return std::get<M>(models_);
-  }
   /// Calls add(model, z) for each model of the measurement; false as soon as one returns false.
   template <class M, class Add>
   bool for_each_model(const Measured<M>& m, const Add& add) const {

@@ -92,6 +92,17 @@ class ScanRows {
   void add_aiding(const std::vector<AidingObservation>& aiding, const StateEstimate& state_estimate,
                   UpdateReport* report);
 
+  /// Opens a block with the rows of a measurement. False: outside the domain of its model.
+  template <class M>
+  bool add_block(const Measured<M>& m, const LinearizationPoint& x, BlockIndex index,
+                 const StateEstimate& state_estimate) {
+    batch_.begin_block();
+    return models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
+      return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(),
+                       &batch_);
+    });
+  }
+
   /// Gates the match of a landmark with a detection; keeps it if it passes.
   template <class M>
   bool add_landmark(Measured<M> m, std::size_t detection, const StateEstimate& state_estimate,
