@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "calibrate_report.hpp"
-#include "checked_part.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
+#include "findings.hpp"
 #include "recording.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/io/dataset.hpp"

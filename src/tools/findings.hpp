@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The findings of `rio check` and their output.
+// What of a recording is checked; the findings of `rio check` and their output.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "check/check.hpp"
+#include "check/clock_steps.hpp"
 #include "check/finding.hpp"
 #include "commands.hpp"
 #include "rio/io/dataset.hpp"
+#include "rio/io/recording_stream.hpp"
 #include "rio/options.hpp"
 
 namespace rio::tools {
@@ -49,5 +51,24 @@ std::string findings_text(const check::Findings& findings);
 
 /// Why a replay has not started, with what `check` found as the causes.
 std::string no_start_text(const std::optional<check::Findings>& data);
+
+/// The beginning of a recording, for `rio check`: all of one of ten minutes.
+struct CheckedPart {
+  check::CheckedData data;
+  std::optional<double> seconds;  ///< its length; empty: it is all
+};
+/// @param sensors their properties
+CheckedPart read_checked_part(io::RecordingStream* stream, const io::Dataset& sensors);
+
+/// Of each sensor, as the checked part of the recording shows them. It is read only if some stamps
+/// look like steps.
+/// @param options with the sensor properties of the recording
+/// @param notes one more for every step
+check::ClockSteps find_clock_steps(io::RecordingStream* stream, const io::Dataset& sensors,
+                                   const Options& options, std::vector<std::string>* notes);
+
+/// Takes the steps of all clocks out of a recording, with a note for each.
+/// @param options with the sensor properties of the recording
+void take_out_clock_steps(const Options& options, io::Dataset* dataset);
 
 }  // namespace rio::tools

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "calibrate/noise_calibration.hpp"
-#include "checked_part.hpp"
 #include "commands.hpp"
 #include "estimator_options.hpp"
+#include "findings.hpp"
 #include "recording.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/io/dataset.hpp"

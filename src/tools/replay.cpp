@@ -17,7 +17,6 @@
 #include <malloc.h>
 #endif
 
-#include "checked_part.hpp"
 #include "commands.hpp"
 #include "findings.hpp"
 #include "outputs.hpp"
@@ -25,7 +24,6 @@
 #include "recording.hpp"
 #include "replay.hpp"
 #include "replay_feed.hpp"
-#include "replay_start.hpp"
 #include "replay_summary.hpp"
 #include "rio/aiding.hpp"
 #include "rio/io/dataset.hpp"

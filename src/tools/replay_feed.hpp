@@ -1,18 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The samples and scans of a recording in the order of a replay, streamed.
+// Where a replay begins, and the samples and scans of the recording in its order, streamed.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "check/clock_steps.hpp"
+#include "commands.hpp"
+#include "recording.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/recording_stream.hpp"
+#include "rio/options.hpp"
 #include "rio/types.hpp"
 
 namespace rio::tools {
+
+/// First state and covariance, with their source.
+struct Start {
+  NavState state;
+  BodyCovariance covariance;
+  std::string source;
+};
+
+/// Where a replay begins: at the ground truth, at a state from a file; empty: at rest.
+std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
+                                const Options& options);
 
 /// When to give each scan: at its stamp, or, if that is out of order, at the next one in order. In
 /// order is the longest increasing sequence, so that one outlier holds up no other scan. Empty if
