@@ -229,7 +229,4 @@ void print_options(const OptionsArguments& arguments);
 /// `rio scenarios`: the catalogue of simulated flights; with a name or a file that one as YAML.
 void scenarios(const std::string& name_or_file);
 
-/// `rio experiment`: hands the arguments to rio-lab. Does not return.
-[[noreturn]] void experiment(const std::vector<std::string>& arguments);
-
 }  // namespace rio::tools

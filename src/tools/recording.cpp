@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `rio info`, `rio convert`, and recordings for the other commands.
+// `rio info`, `rio convert`, `rio options`, and recordings for the other commands.
 #include "recording.hpp"
 
 #include <fmt/format.h>
@@ -14,6 +14,7 @@
 #include "rio/bag/recording.hpp"
 #include "rio/bag/recording_writer.hpp"
 #include "rio/bag/summary.hpp"
+#include "rio/io/options_yaml.hpp"
 #include "rio/io/scan_folder.hpp"
 #include "rio/io/units.hpp"
 
@@ -224,6 +225,21 @@ void convert(const ConvertArguments& arguments) {
   if (to_bag) print_what_is_left_out(out.string(), is_folder ? arguments.recording : "FOLDER", dataset);
   if (!to_bag && !is_folder) print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
   throw_damage(dataset.damage);
+}
+
+void print_options(const OptionsArguments& arguments) {
+  if (arguments.compare) return fmt::print("{}", io::presets_as_table());
+  const std::string& preset = arguments.estimator.preset;
+  if (arguments.dataset.empty()) {
+    return fmt::print("{}", io::option_file(preset.empty() ? "default" : preset));
+  }
+  const OpenRecording recording = open_any(arguments.dataset, arguments.how);
+  print_notes(recording.sensors.notes);
+  const Options options = make_options(arguments.estimator, recording.sensors);
+  if (options.radars() > 1) {
+    fmt::print("# Of radar0; that of the others is in their sensor.yaml, with these defaults.\n");
+  }
+  fmt::print("{}", io::options_as_yaml(options));
 }
 
 }  // namespace rio::tools
