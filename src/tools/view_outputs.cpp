@@ -9,8 +9,6 @@
 
 #include "view/calibration_names.hpp"
 #include "view/csv_log.hpp"
-#include "view/live_server.hpp"
-#include "view/messages.hpp"
 
 namespace rio::tools {
 
@@ -69,7 +67,16 @@ ViewOutputs::ViewOutputs(const ViewArguments& arguments) : report_path_(argument
   if (!arguments.mcap.empty()) {
     add_sink(std::make_unique<view::Messages>(std::make_unique<view::McapTarget>(arguments.mcap)));
   }
-  if (!arguments.port.empty()) serve(arguments);
+  if (arguments.port.empty()) return;
+#ifdef RIO_HAS_LIBWEBSOCKETS
+  auto server = view::make_live_server(arguments.address, std::stoi(arguments.port));
+  fmt::print(stderr, "view: ws://{}:{} (Foxglove, Lichtblick: open connection)\n",
+             arguments.address, server->port());
+  server_ = server.get();
+  add_sink(std::make_unique<view::Messages>(std::move(server)));
+#else
+  throw std::runtime_error("--view: built without libwebsockets (package libwebsockets-dev)");
+#endif
 }
 
 void ViewOutputs::begin(const view::RunStart& start) {
@@ -81,19 +88,6 @@ void ViewOutputs::add(const Odometry& odometry) {
   view::take_record(odometry, &record_);
   const std::vector<view::Event>& events = watch_.look(record_);
   for (const auto& sink : sinks_) sink->add(record_, events);
-}
-
-void ViewOutputs::serve(const ViewArguments& arguments) {
-#ifdef RIO_HAS_LIBWEBSOCKETS
-  auto server = view::make_live_server(arguments.address, std::stoi(arguments.port));
-  fmt::print(stderr, "view: ws://{}:{} (Foxglove, Lichtblick: open connection)\n",
-             arguments.address, server->port());
-  server_ = server.get();
-  add_sink(std::make_unique<view::Messages>(std::move(server)));
-#else
-  (void)arguments;
-  throw std::runtime_error("--view: built without libwebsockets (package libwebsockets-dev)");
-#endif
 }
 
 void ViewOutputs::close(const ReplaySummary& summary) {

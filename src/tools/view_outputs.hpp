@@ -14,10 +14,6 @@
 #include "view/record.hpp"
 #include "view/report.hpp"
 
-namespace rio::view {
-class LiveServer;
-}
-
 namespace rio::tools {
 
 /// Writes the page; what is missing in it is noted on stderr.
@@ -41,8 +37,6 @@ class ViewOutputs : public live::Listener {
   void close(const ReplaySummary& summary);
 
  private:
-  void serve(const ViewArguments& arguments);
-
   std::string report_path_;
   view::ReportBuilder* report_ = nullptr;  ///< among the sinks
   view::LiveServer* server_ = nullptr;     ///< of a sink

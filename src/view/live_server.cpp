@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/live_server.hpp"
-
 #include <libwebsockets.h>
 
 #include <algorithm>
@@ -14,6 +12,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "view/messages.hpp"
 
 namespace rio::view {
 
