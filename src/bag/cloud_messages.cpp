@@ -178,11 +178,11 @@ PointCloud decode_cloud_of(const Topic& topic, Bytes message) {
                                      : decode_cloud(topic.encoding, message);
 }
 
-std::optional<std::uint32_t> ti_point_id(Encoding encoding, Bytes message) {
+std::optional<TiPoint> ti_point(Encoding encoding, Bytes message) {
   try {
     WireReader reader = reader_of(encoding, message);
-    (void)read_header(&reader);
-    return reader.read<std::uint16_t>();
+    const Time stamp = read_header(&reader).stamp;
+    return TiPoint{stamp, reader.read<std::uint16_t>()};
   } catch (const Damage&) {
     return std::nullopt;
   }

@@ -125,6 +125,10 @@ class Split final : public Joined {
       add_damage(fmt::format("{}: {}, the recording begins with {}", path().string(), begin,
                              files_[0].filename().string()));
     }
+    if (next_ == files_.size()) {
+      const std::string after = missing_after(files_);
+      if (!after.empty()) add_damage(path().string() + ": " + after);
+    }
     for (const fs::path& file : not_closed(path(), files_[0])) {
       add_damage(file.string() +
                  " was not closed and is not read: rosbag reindex it, then name it as the others");
@@ -217,7 +221,8 @@ std::unique_ptr<MessageStream> open_folder(const fs::path& folder) {
   }
   std::vector<std::unique_ptr<MessageStream>> streams;
   for (const auto& [name, group] : groups) {
-    const bool several = group.size() > 1 || !not_closed(folder, group[0]).empty();
+    const bool several =
+        group.size() > 1 || !not_closed(folder, group[0]).empty() || !missing_after(group).empty();
     if (several && !fs::is_directory(group[0]) && (listed || are_parts(group))) {
       streams.push_back(std::make_unique<Split>(folder, group));
       continue;

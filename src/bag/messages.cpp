@@ -128,7 +128,9 @@ std::vector<Transform> decode_transforms(Encoding encoding, Bytes message) {
     Transform transform;
     transform.parent = frame(read_header(&reader).frame_id);
     transform.child = frame(std::string(reader.text()));
+    const std::size_t where = reader.position();
     transform.pose.translation = read_vector(&reader);
+    if (!transform.pose.translation.allFinite()) throw Damage(where, "a translation is not finite");
     transform.pose.rotation = read_xyzw(&reader);
     out.push_back(transform);
   }

@@ -2,6 +2,7 @@
 #include "recording_folder.hpp"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <utility>
@@ -84,6 +85,25 @@ std::string missing_before(const std::vector<fs::path>& files, std::size_t i) {
   if (last < first || without_digits(files[i]) != without_digits(files[0])) return {};
   return last == first ? fmt::format("part {} is missing", first)
                        : fmt::format("parts {} to {} are missing", first, last);
+}
+
+std::string missing_after(const std::vector<fs::path>& files) {
+  const fs::path metadata = files.back().parent_path() / "metadata.yaml";
+  if (!fs::exists(metadata)) return {};
+  std::vector<std::string> missing;
+  try {
+    const YAML::Node info = YAML::LoadFile(metadata.string())["rosbag2_bagfile_information"];
+    for (const YAML::Node& name : info["relative_file_paths"]) {
+      const fs::path listed = fs::path(name.Scalar()).filename();
+      const bool behind = number_of(listed) > number_of(files.back()) &&
+                          without_digits(listed) == without_digits(files.back());
+      if (behind) missing.push_back(listed.string());
+    }
+  } catch (const YAML::Exception&) {  // as if there were none
+  }
+  if (missing.empty()) return {};
+  return fmt::format("{} of {} {} missing", fmt::join(missing, ", "), metadata.filename().string(),
+                     missing.size() == 1 ? "is" : "are");
 }
 
 }  // namespace rio::bag

@@ -26,4 +26,7 @@ std::vector<std::filesystem::path> not_closed(const std::filesystem::path& folde
 /// By the numbers of the parts, in front of one of them; empty if none is missing.
 std::string missing_before(const std::vector<std::filesystem::path>& files, std::size_t i);
 
+/// The parts behind the last one that metadata.yaml of rosbag2 lists; empty if none is missing.
+std::string missing_after(const std::vector<std::filesystem::path>& files);
+
 }  // namespace rio::bag

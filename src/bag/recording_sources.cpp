@@ -118,7 +118,8 @@ void Sources::use(const Message& message) {
   if (is_transforms(topic) && topic.encoding != Encoding::kOther) {
     try {
       frames.add(decode_transforms(topic.encoding, message.data));
-    } catch (const Damage&) {  // as if there were none
+    } catch (const Damage& damage) {
+      frames.refuse(damage.what());
     }
   }
   for (Source* source : uses_[message.topic]) {

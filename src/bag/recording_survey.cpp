@@ -148,8 +148,10 @@ void tell(Surveyed* surveyed, Sources* sources) {
         sources);
   }
   if (!request.mounting_is_known && !outline.sensors.radar_info.T_BS) {
+    const std::string why = sources->frames.why_not(sources->radars[0]->frame, imu.frame);
     sources->note(
-        "no mounting in a recording: radar pose from the options, by default at the body origin");
+        "no mounting in a recording{}: radar pose from the options, by default at the body origin",
+        why.empty() ? "" : " (" + why + ")");
   }
   if (const Axes axes = imu_axes(request, imu.type); axes != Axes::kFlu) {
     sources->note("{}: axes {}{}, turned to forward, left, up", imu.role.name,

@@ -37,7 +37,7 @@ class Tidied final : public MessageStream {
     std::size_t count = 0;
     std::vector<std::uint8_t> scan;  ///< so far
     std::size_t points_of_scan = 0;
-    std::uint32_t last_id = 0;
+    TiPoint last_point;
     Time received{0};  ///< of the first point
   };
 
@@ -112,8 +112,11 @@ class Tidied final : public MessageStream {
 
   /// True if a scan is complete, which replaces the message.
   bool take_point(State* of, Message* message) {
-    const auto id = ti_point_id(topics_[message->topic].encoding, message->data);
-    const bool begins = !id || *id <= of->last_id || of->points_of_scan == kMostPoints;
+    const auto read = ti_point(topics_[message->topic].encoding, message->data);
+    const bool counts_on = read && read->id > of->last_point.id;
+    const bool uncounted = read && read->id == 0 && of->last_point.id == 0 &&  // of all points
+                           read->stamp == of->last_point.stamp && read->stamp != Time(0);
+    const bool begins = !(counts_on || uncounted) || of->points_of_scan == kMostPoints;
     const Message point = *message;
     bool complete = false;
     if (begins && !of->scan.empty()) {
@@ -126,7 +129,7 @@ class Tidied final : public MessageStream {
       of->scan.push_back(static_cast<std::uint8_t>(size >> shift));
     }
     of->scan.insert(of->scan.end(), point.data.begin(), point.data.end());
-    of->last_id = id.value_or(0);
+    of->last_point = read.value_or(TiPoint{});
     ++of->points_of_scan;
     return complete;
   }

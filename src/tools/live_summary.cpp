@@ -113,7 +113,7 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
   }
   imu_ = imu;
   odometry_sent_ = odometry_sent;
-  replay_.initialised_by = odometry.initialized()      ? "static"
+  replay_.initialised_by = odometry.initialized()       ? "static"
                            : session.imu_samples() == 0 ? "never: no sample of the IMU came"
                                                         : "never: it found no standstill";
   replay_.counters = odometry.counters();

@@ -222,7 +222,8 @@ void convert(const ConvertArguments& arguments) {
   }
   fmt::print("Written to {}: {} IMU samples, {} scans.\n", out.string(), dataset.imu.size(),
              dataset.scans.size());
-  if (to_bag) print_what_is_left_out(out.string(), is_folder ? arguments.recording : "FOLDER", dataset);
+  if (to_bag)
+    print_what_is_left_out(out.string(), is_folder ? arguments.recording : "FOLDER", dataset);
   if (!to_bag && !is_folder) print_what_is_missing(out, dataset.radar_info.T_BS.has_value());
   throw_damage(dataset.damage);
 }

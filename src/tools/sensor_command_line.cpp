@@ -119,8 +119,7 @@ void add_live_command(CLI::App& app) {
            "CLI port of a radar (115200 baud), to send it to; as many as there are radars", cfg)
       ->expected(1, 4);
   command.add("--patience", &to->patience,
-              "how long a port that vanished is waited for [s]; by default for ever",
-              kNotNegative);
+              "how long a port that vanished is waited for [s]; by default for ever", kNotNegative);
   command.add("--speed", &to->speed,
               "of the clock: that of `rio simulate --live --speed` at the other end",
               CLI::Range(0.1, 100.0));
@@ -146,8 +145,7 @@ void add_simulate_command(CLI::App& app) {
   SimulateArguments* to = command.runs(&simulate);
   command.add("OUT", &to->out, "folder of the new dataset", kRequired);
   command.add("--scenario", &to->scenario, "name, see `rio scenarios`, or a scenario file");
-  command.add("--seed", &to->seed, "of everything random; wins over the scenario's",
-              kNotNegative);
+  command.add("--seed", &to->seed, "of everything random; wins over the scenario's", kNotNegative);
   CLI::Option* length =
       command.add("--length", &to->length, "of the random path [m]; wins over the scenario's",
                   CLI::Range(20.0, 1000.0));

@@ -117,10 +117,12 @@ TEST_F(DriverRecording, Px4SensorsAreAnImu) {
 
 TEST_F(DriverRecording, PointsOfAScanInMessagesOfTheirOwnAreAScan) {
   const io::Dataset good = read(test::at_rest(Wire::kRos1, 10));
-  const auto point_by_point = [](const Written& m, Time stamp, std::vector<Written>* messages) {
+  bool counted = true;  // else the driver leaves the number of the point zero
+  const auto point_by_point = [&](const Written& m, Time stamp, std::vector<Written>* messages) {
     for (std::uint16_t id = 0; id < 2; ++id) {
       Wire wire(Wire::kRos1);
-      wire.header(stamp + id * Time(20'000), "radar").put(id);
+      wire.header(counted ? stamp + id * Time(20'000) : stamp, "radar");
+      wire.put(counted ? id : std::uint16_t{0});
       wire.all({1.5F, 2.5F + id, -0.5F, 3.0F, 0.25F}).put(std::uint16_t{3}).put(10.F).put(12.F);
       messages->push_back({"/scan", kTiScanType, m.received, wire.bytes});
     }
@@ -131,6 +133,8 @@ TEST_F(DriverRecording, PointsOfAScanInMessagesOfTheirOwnAreAScan) {
   EXPECT_EQ(d.point_S, Vector3d(1.5, 3.5, -0.5));
   EXPECT_EQ(d.range_rate, 0.25);
   EXPECT_EQ(d.snr_db, 12.0);
+  counted = false;
+  expect_same(read(replaced(Wire::kRos1, 10, "/radar", point_by_point)), good);
   EXPECT_PRED2(test::contains, summary_text(summarise(open_messages(dir_.path() / "a").get())),
                "points preset ti");
 }
@@ -223,6 +227,30 @@ TEST_F(DriverRecording, SeveralRadarsHaveTheirMountingsFromTheTree) {
   EXPECT_LT(
       (turned * Vector3d(0.0, 1.0, 0.0) - quarter.conjugate() * Vector3d(-1.0, 0.0, 0.0)).norm(),
       1e-7);
+}
+
+TEST_F(DriverRecording, AMountingThatTheTreeDoesNotHaveIsTold) {
+  const Pose same{Quaternion::Identity(), Vector3d::Zero()};
+  const struct {
+    std::vector<Transform> tree;
+    const char* said;
+  } rows[] = {
+      {{}, "no mounting in a recording: radar pose from the options"},
+      {{{"base", "imu_link", same}, {"other", "radar", same}},
+       "(/tf_static does not connect radar with imu_link)"},
+      {{{"radar", "imu_link", same}, {"imu_link", "radar", same}}, "make a loop"},
+      {{{"imu_link", "radar", {Quaternion(2.0, 0.0, 0.0, 0.0), Vector3d::Zero()}}},
+       "a message of /tf_static cannot be read: "},
+      {{{"imu_link", "radar", {Quaternion::Identity(), Vector3d::Constant(std::nan(""))}}},
+       "a translation is not finite"},
+  };
+  for (const auto& [tree, said] : rows) {
+    std::vector<Written> messages = test::at_rest(Wire::kRos1, 10);
+    messages.insert(messages.begin(), transforms(messages[0].received, tree));
+    const io::Dataset recording = read(messages);
+    EXPECT_FALSE(recording.radar_info.T_BS);
+    EXPECT_PRED2(test::contains, notes_of(recording), said);
+  }
 }
 
 TEST_F(DriverRecording, CloudsWithoutDopplerAreNoRadar) {

@@ -155,6 +155,12 @@ TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
   dir.write("folder/metadata.yaml", "");
   EXPECT_EQ(read_all(folder).messages.size(), 13U);
   std::filesystem::remove(folder / "b_12.mcap");
+  dir.write("folder/metadata.yaml",
+            "rosbag2_bagfile_information: {relative_file_paths: [a_0.mcap, a_11.mcap, a_12.mcap]}");
+  reading = read_all(folder);
+  EXPECT_EQ(reading.messages.size(), 12U);
+  EXPECT_PRED2(test::contains, reading.damage, "folder: a_12.mcap of metadata.yaml is missing");
+  dir.write("folder/metadata.yaml", "");
 
   dir.write("folder/a_10.mcap", part(10).substr(0, 60));
   reading = read_all(folder);

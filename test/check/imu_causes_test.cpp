@@ -109,6 +109,42 @@ TEST(ImuCauses, AnotherRangeOfTheGyroIsNamed) {
   }
 }
 
+TEST(ImuCauses, ExchangedColumnsMayBeInAnotherUnit) {
+  for (const auto& [factor, unit] : {std::pair(1.0 / 9.80665, "g"), std::pair(102.0, "mg")}) {
+    const io::Dataset dataset = with_imu([k = factor](ImuSample& s) {
+      std::swap(s.gyro_B, s.accel_B);
+      s.gyro_B *= k;
+    });
+    expect(said(dataset, "accelerometer unit"), Verdict::kWrong,
+           std::string("exchanged, and the accelerometer is in ") + unit,
+           std::string(", then --accel-unit ") + unit);
+  }
+}
+
+TEST(ImuCauses, SamplesInBatchesHaveNoOtherUnitOfStamps) {
+  for (const std::int64_t apart : {60'000, 0}) {  // in a batch of ten [ns]
+    io::Dataset dataset = flight();
+    const Time first = dataset.imu.front().time;
+    for (std::size_t i = 0; i < dataset.imu.size(); ++i) {
+      const auto in_batch = static_cast<std::int64_t>(i % 10);
+      dataset.imu[i].time =
+          first + (dataset.imu[i - i % 10].time - first) / 50'000'000 * 50'000'000;
+      if (i % 10 > 0) dataset.imu[i].time = dataset.imu[i - i % 10].time + Time(in_batch * apart);
+    }
+    expect(said(dataset, "imu stamps"), Verdict::kWrong, "batches",
+           "stamp each sample by itself in its driver");
+  }
+}
+
+TEST(ImuCauses, SamplesThatAreThereTwiceLostNoDigits) {
+  io::Dataset dataset = flight();
+  std::vector<ImuSample> twice;
+  for (const ImuSample& sample : dataset.imu) twice.insert(twice.end(), 2, sample);
+  dataset.imu = twice;
+  expect(said(dataset, "imu stamps"), Verdict::kDoubtful, "with the values of the one before",
+         "two recordings of it joined");
+}
+
 TEST(ImuCauses, AnAccelerometerOffAtRestIsNoMissingRest) {
   const io::Dataset dataset = with_imu([](ImuSample& s) { s.accel_B *= 1.06; });
   expect_change(dataset, "accelerometer unit", "scale or bias is off");

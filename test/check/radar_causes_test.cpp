@@ -236,5 +236,22 @@ TEST(RadarCauses, ARadarWithoutElevationIsNamed) {
          "a radar that measures elevation");
 }
 
+TEST(RadarCauses, MarksOfADriverAreNoUnit) {
+  io::Dataset dopplers = flight();
+  io::Dataset snrs = flight();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < dopplers.scans.size(); ++i) {
+    for (std::size_t k = 0; k < dopplers.scans[i].detections.size(); ++k) {
+      if (count++ % 50 != 0) continue;
+      dopplers.scans[i].detections[k].range_rate = -1000.0;
+      snrs.scans[i].detections[k].snr_db = 3276.7;
+    }
+  }
+  expect(said(dopplers, "Doppler"), Verdict::kDoubtful, "2 % of the points are beyond 100 m/s",
+         "leave these points out");
+  expect(said(snrs, "points"), Verdict::kDoubtful, "an SNR of 3276.7: a mark of the driver",
+         "leave these points out");
+}
+
 }  // namespace
 }  // namespace rio::test

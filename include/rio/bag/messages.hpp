@@ -89,8 +89,13 @@ bool is_ti_scan(const std::string& type);
 bool is_cloud(const std::string& type);
 /// Decodes any of them. ti_mmwave_rospkg/RadarScan: the messages of a scan, each after its length.
 PointCloud decode_cloud_of(const Topic& topic, Bytes message);
-/// The number of the point in its scan; empty if the bytes are not such a message.
-std::optional<std::uint32_t> ti_point_id(Encoding encoding, Bytes message);
+/// A message of ti_mmwave_rospkg/RadarScan.
+struct TiPoint {
+  Time stamp{0};
+  std::uint32_t id = 0;  ///< in its scan; some drivers leave it zero
+};
+/// Empty if the bytes are not such a message.
+std::optional<TiPoint> ti_point(Encoding encoding, Bytes message);
 
 /// A pose of geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped or
 /// nav_msgs/Odometry.
