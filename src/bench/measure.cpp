@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "rio/eval/metrics.hpp"
-#include "rio/io/flight_dataset.hpp"
+#include "rio/io/simulation.hpp"
 #include "rio/rio.hpp"
 
 namespace rio::bench {

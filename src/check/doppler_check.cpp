@@ -29,7 +29,7 @@ bool looks_exchanged(std::span<const Point> points) {
          std::all_of(points.begin(), points.end(), recedes_or_stands);
 }
 
-constexpr double kFastest = 100.0;  // no vehicle [m/s]
+constexpr double kFastestVehicle = 100.0;  // no vehicle [m/s]
 
 /// The share of points whose Doppler is a mark of the driver for "none": few, beyond any vehicle,
 /// and apart from all others. 0 if the fast ones are not that.
@@ -38,8 +38,8 @@ double share_of_marks(std::span<const Point> points) {
   std::size_t beyond = 0;
   for (const Point& d : points) {
     const double speed = std::abs(d.range_rate);
-    if (speed > 0.3 * kFastest && speed <= kFastest) return 0.0;
-    beyond += speed > kFastest ? 1U : 0U;
+    if (speed > 0.3 * kFastestVehicle && speed <= kFastestVehicle) return 0.0;
+    beyond += speed > kFastestVehicle ? 1U : 0U;
   }
   const double share = static_cast<double>(beyond) / static_cast<double>(points.size());
   return share < kMost ? share : 0.0;
@@ -105,9 +105,9 @@ Finding check_doppler(const Scans& scans, const CheckedImu& imu, const Options& 
     out.text += fmt::format(
         "; {:.2g} % of the points are beyond {:.0f} m/s and none is near: marks of the driver for "
         "no velocity",
-        100.0 * marks, kFastest);
+        100.0 * marks, kFastestVehicle);
     out.change = "leave these points out where they are recorded; here they are outliers";
-  } else if (most > kFastest) {
+  } else if (most > kFastestVehicle) {
     const bool in_mm = 1e-2 * most > (limit > 0.0 ? 2.0 * limit : 30.0);
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(": not in m/s, but in {}", in_mm ? "mm/s" : "cm/s");
