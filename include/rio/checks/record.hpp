@@ -9,9 +9,7 @@ namespace rio {
 /// Each scan either supports a part of the estimate, contradicts it, or tells nothing of it.
 class CheckRecord {
  public:
-  /// The estimate is replaced or starts over; it counts as supported at `time`.
-  void reset(Time time) { agreed_ = since_ = time; }
-  /// The scan at `now` supports it.
+  /// The scan at `now` supports it, or it is replaced or starts over, which counts as supported.
   void agree(Time now) { agreed_ = since_ = now; }
   /// The scan at `now` tells nothing: a contradiction ends without support.
   void abstain(Time now) { since_ = now; }

@@ -55,7 +55,7 @@ class TiltCheck {
   void reset(Time time) {
     scans_.clear();
     density_ = 0.0;
-    record_.reset(time);
+    record_.agree(time);
   }
 
   /// A gravity that cannot be tested counts as supported.

@@ -53,7 +53,7 @@ class VelocityCheck {
   /// Starts over; the state estimate's velocity counts as supported at `time`, but not as proven.
   void reset(Time time) {
     rows_.clear();
-    record_.reset(time);
+    record_.agree(time);
     proven_ = chance_ = contradiction_ = 0.0;
   }
 
