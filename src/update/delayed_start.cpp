@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "delayed_fit.hpp"
-
 namespace rio {
 
 namespace {
@@ -74,7 +72,7 @@ const DelayedStart* DelayedStarts::determine(const StateEstimate& x) {
     const Time newest = state.held.back().z.time();
     if (newest < state.next_try || state.held.size() < kLeast) continue;
     state.next_try = newest + kTryEvery;
-    if (!DelayedFit(state, states_, x).solve(&start_)) continue;
+    if (!fit(state, x)) continue;
     state.waits = false;
     state.held.clear();
     return &start_;

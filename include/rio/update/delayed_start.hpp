@@ -85,6 +85,9 @@ class DelayedStarts {
   const DelayedStart* determine(const StateEstimate& x);
 
  private:
+  /// (E4) and, if it is so, (E3), in start_.
+  bool fit(const DelayedState& state, const StateEstimate& x);
+
   AuxiliaryStates states_;
   double gravity_;
   std::vector<DelayedState> delayed_;
