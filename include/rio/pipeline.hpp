@@ -162,7 +162,7 @@ class Pipeline {
     if (tilt_is_lost()) return conclude();  // a linearised update could give any tilt
 
     const bool unusable = mountings_.is_unknown(received.radar) && !find_mounting(received);
-    predict_velocity_covariance();
+    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     const DetectionList& scan =
         correction_.correct(unusable ? empty_ : received, estimate(), velocity_covariance_);
     if (checks_.check_landmarks(scan.time, report_.imu_gap)) reset_frontends();
@@ -288,10 +288,6 @@ class Pipeline {
     return true;
   }
 
-  void predict_velocity_covariance() {
-    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
-  }
-
   /// Stage 2, again after a check has replaced the attitude.
   void observe(const DetectionList& scan, Time last) {
     if (checks_.check_velocity(scan, velocity_covariance_, last)) forget_velocity();
@@ -307,7 +303,7 @@ class Pipeline {
 
   /// The velocity has been replaced.
   void forget_velocity() {
-    predict_velocity_covariance();
+    velocity_covariance_ = backend_.state_estimate().radar_velocity_covariance();
     reset_frontends();
     correction_.reset();
   }
