@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measurements of other sensors: the included models of rio/models/aids.hpp.
-#include "aids.hpp"  // first: pybind11 silences a warning of Eigen where it includes it
+#include "bindings.hpp"  // first: pybind11 silences a warning of Eigen where it includes it
 
 #include <Eigen/Cholesky>
 #include <cmath>

@@ -10,10 +10,14 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "estimator_options.hpp"
+#include "rio/options.hpp"
 #include "rio/report.hpp"
+#include "rio/rio.hpp"
 #include "rio/types.hpp"
 
 namespace rio::python {
@@ -25,6 +29,21 @@ void bind_odometry(py::module_& module);
 void bind_report(py::module_& module);
 void bind_replay(py::module_& module);
 void bind_commands(py::module_& module);
+/// Measurements of other sensors, as methods of rio.Odometry.
+void bind_aids(py::class_<Odometry>* odometry);
+
+/// Throws ValueError if there is no state of that name.
+void declare_auxiliary(const std::vector<std::string>& names, Options* options);
+
+/// @param texts option files, a later one overrides an earlier one
+/// @param preset overrides theirs; may be empty
+tools::EstimatorArguments estimator_of(const std::vector<std::string>& texts,
+                                       const std::string& preset);
+
+/// Preset, then the sensor files of a folder (if one is named), then the texts. Throws
+/// std::runtime_error, "options:LINE: ..." if a line is at fault.
+Options make_options(const std::vector<std::string>& texts, const std::string& preset,
+                     const std::string& sensors);
 
 /// Hands the values to numpy, without a copy.
 /// @param shape of the array, its product with the size of Scalar is that of the vector

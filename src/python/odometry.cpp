@@ -8,10 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "aids.hpp"
 #include "bindings.hpp"
-#include "options.hpp"
-#include "rio/rio.hpp"
 
 namespace rio::python {
 

@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "estimator_options.hpp"
-#include "options.hpp"
 #include "recording.hpp"
 #include "rio/io/options_yaml.hpp"
 #include "rio/option_fields.hpp"

@@ -7,8 +7,6 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "rio/report.hpp"
-#include "rio/rio.hpp"
 
 namespace rio::python {
 
