@@ -39,6 +39,14 @@ function(rio_library_target target)
   rio_enable_warnings(${target})
 endfunction()
 
+# A part of the programs.
+function(rio_part_of_programs target)
+  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  rio_enable_warnings(${target})
+  rio_optimise_little(${target})
+endfunction()
+
 # A program that is installed.
 function(rio_program target name)
   find_package(CLI11 REQUIRED)
