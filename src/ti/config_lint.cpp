@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string_view>
 
-#include "config_check.hpp"
+#include "config_commands.hpp"
 #include "rio/ti/config_sender.hpp"
 
 namespace rio::ti {

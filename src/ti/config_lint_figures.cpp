@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "config_check.hpp"
+#include "config_commands.hpp"
 
 namespace rio::ti {
 namespace {
