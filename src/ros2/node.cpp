@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <sstream>
 #include <stdexcept>
-#include <utility>
 
 #include "estimator_options.hpp"
 #include "rio/aiding.hpp"
@@ -97,68 +96,70 @@ void Node::step() {
   diagnosed_ = newest_;
 }
 
-void Node::take_imu() {
-  const bag::Topic of = topic(parameters_.imu_topic, bag::kImuType);
-  while (imu_->take(&bytes_)) {
+template <class TakeOne>
+void Node::take(Reader* reader, const std::string& name, const TakeOne& take_one) {
+  while (reader->take(&bytes_)) {
     try {
-      const bag::ImuMessage message = bag::decode_imu_of(of, bytes_);
-      outputs_->set_body_frame(message.header.frame_id);
-      (void)odometry_->add_imu(message.sample);  // its outcome is counted
-      ++imu_samples_;
-      newest_ = message.sample.time;
-      outputs_->on_imu(*odometry_, message.sample);
+      take_one();
     } catch (const bag::Damage& damage) {
-      refuse(of.name, damage.what());
+      ++refused_;
+      if (std::count(refusals_.begin(), refusals_.end(), name) == 0) {
+        refusals_.push_back(name);
+        fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", name, damage.what());
+      }
     }
     tell();
   }
+}
+
+void Node::take_imu() {
+  const bag::Topic of = topic(parameters_.imu_topic, bag::kImuType);
+  take(&*imu_, of.name, [&] {
+    const bag::ImuMessage message = bag::decode_imu_of(of, bytes_);
+    outputs_->set_body_frame(message.header.frame_id);
+    (void)odometry_->add_imu(message.sample);  // its outcome is counted
+    ++imu_samples_;
+    newest_ = message.sample.time;
+    outputs_->on_imu(*odometry_, message.sample);
+  });
 }
 
 void Node::take_scans(std::size_t r) {
   Radar& radar = radars_[r];
-  while (radar.reader.take(&bytes_)) {
-    try {
-      const bag::PointCloud cloud = bag::decode_cloud_of(radar.topic, bytes_);
-      scan_.time = cloud.header.stamp;
-      scan_.detections.clear();
-      if (cloud.size() > 0) {
-        if (!radar.map || radar.map->fields() != cloud.fields) {
-          bag::PointRequest request;
-          request.preset = parameters_.points;
-          radar.map.emplace(cloud.fields, request);
-          fmt::print(stderr, "rio-ros2: {}: {}\n", radar.topic.name, radar.map->text());
-        }
-        (void)radar.map->convert(cloud, &scan_.detections);
+  take(&radar.reader, radar.topic.name, [&] {
+    const bag::PointCloud cloud = bag::decode_cloud_of(radar.topic, bytes_);
+    scan_.time = cloud.header.stamp;
+    scan_.detections.clear();
+    if (cloud.size() > 0) {
+      if (!radar.map || radar.map->fields() != cloud.fields) {
+        bag::PointRequest request;
+        request.preset = parameters_.points;
+        radar.map.emplace(cloud.fields, request);
+        fmt::print(stderr, "rio-ros2: {}: {}\n", radar.topic.name, radar.map->text());
       }
-      ++radar.scans;
-      outputs_->keep_points(scan_, r, cloud.header.frame_id);
-      (void)odometry_->add_scan(scan_, r);  // its outcome is counted
-    } catch (const bag::Damage& damage) {
-      refuse(radar.topic.name, damage.what());
+      (void)radar.map->convert(cloud, &scan_.detections);
     }
-    tell();
-  }
+    ++radar.scans;
+    outputs_->keep_points(scan_, r, cloud.header.frame_id);
+    (void)odometry_->add_scan(scan_, r);  // its outcome is counted
+  });
 }
 
 void Node::take_pressure() {
-  while (pressure_ && pressure_->take(&bytes_)) {
-    try {
-      bag::Header header;
-      const double pressure = bag::decode_pressure(bag::Encoding::kCdr, bytes_, &header);
-      const io::BaroSample sample{header.stamp, pressure};
-      if (!heights_.any && heights_.height(sample)) {
-        heights_.zero = *heights_.height(sample);
-        heights_.any = true;
-      }
-      const std::optional<double> height = heights_.height(sample);
-      if (!height) continue;
-      const HeightModel::Measurement z{*height, parameters_.pressure_sigma};
-      (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // its outcome is counted
-    } catch (const bag::Damage& damage) {
-      refuse(parameters_.pressure_topic, damage.what());
+  if (!pressure_) return;
+  take(&*pressure_, parameters_.pressure_topic, [&] {
+    bag::Header header;
+    const double pressure = bag::decode_pressure(bag::Encoding::kCdr, bytes_, &header);
+    const io::BaroSample sample{header.stamp, pressure};
+    if (!heights_.any && heights_.height(sample)) {
+      heights_.zero = *heights_.height(sample);
+      heights_.any = true;
     }
-    tell();
-  }
+    const std::optional<double> height = heights_.height(sample);
+    if (!height) return;
+    const HeightModel::Measurement z{*height, parameters_.pressure_sigma};
+    (void)odometry_->add_measurement({sample.time, HeightModel{}, z});  // its outcome is counted
+  });
 }
 
 void Node::take_reset() {
@@ -174,13 +175,6 @@ void Node::tell() {
   if (scans == told_scans_) return;
   told_scans_ = scans;
   if (odometry_->report().status == Status::kOk) outputs_->on_estimate(*odometry_);
-}
-
-void Node::refuse(const std::string& name, const std::string& why) {
-  ++refused_;
-  if (std::count(refusals_.begin(), refusals_.end(), name) > 0) return;
-  refusals_.push_back(name);
-  fmt::print(stderr, "rio-ros2: {}: a message is left out: {}\n", name, why);
 }
 
 std::string Node::summary() const {

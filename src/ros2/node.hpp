@@ -39,14 +39,16 @@ class Node {
 
   void make_options();
   void subscribe();
+  /// Takes the messages that have come; one that is not what its type says is left out, and told of
+  /// the first of each topic. Publishes new estimates.
+  template <class TakeOne>
+  void take(Reader* reader, const std::string& topic, const TakeOne& take_one);
   void take_imu();
   void take_scans(std::size_t radar);
   void take_pressure();
   void take_reset();
   /// After every call of the estimator: publishes a new estimate.
   void tell();
-  /// A message that is not what its type says is left out; the first of each topic is told.
-  void refuse(const std::string& topic, const std::string& why);
 
   Parameters parameters_;
   Participant participant_;

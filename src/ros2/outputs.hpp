@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <deque>
 #include <string>
-#include <vector>
 
 #include "messages.h"
 #include "rio/mavlink/odometry.hpp"
