@@ -13,7 +13,6 @@
 #include "commands.hpp"
 #include "evaluate.hpp"
 #include "outputs.hpp"
-#include "recording.hpp"
 #include "replay.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/eval/alignment.hpp"

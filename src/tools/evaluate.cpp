@@ -14,7 +14,6 @@
 #include "commands.hpp"
 #include "evaluate.hpp"
 #include "outputs.hpp"
-#include "recording.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/eval/evaluation.hpp"
