@@ -19,8 +19,6 @@ Json sigmas(const BodyCovariance& P, int block) {
   return numbers(P.diagonal().segment<3>(block).cwiseMax(0.0).cwiseSqrt());
 }
 
-}  // namespace
-
 std::string json_line(const Odometry& odometry) {
   const NavState& state = odometry.at_scan();
   const UpdateReport& report = odometry.report();
@@ -42,10 +40,14 @@ std::string json_line(const Odometry& odometry) {
   return line.dump();
 }
 
-EstimateFiles::EstimateFiles(const Names& names) : to_stdout_(names.json == "-") {
-  if (!names.tum.empty()) tum_.emplace(names.tum);
-  if (!names.states.empty()) states_.emplace(names.states);
-  if (!names.json.empty() && !to_stdout_) json_.emplace(names.json);
+}  // namespace
+
+EstimateFiles::EstimateFiles(const std::string& tum, const std::string& states,
+                             const std::string& json)
+    : to_stdout_(json == "-") {
+  if (!tum.empty()) tum_.emplace(tum);
+  if (!states.empty()) states_.emplace(states);
+  if (!json.empty() && !to_stdout_) json_.emplace(json);
 }
 
 void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {

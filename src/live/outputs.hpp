@@ -13,20 +13,14 @@
 
 namespace rio::live {
 
-/// The estimate at every scan as one line of JSON: t [s], p [m], q (w x y z), v [m/s], 1-sigma of
-/// position, attitude and velocity, health, quality, radar, detections, and the number of static
-/// ones.
-std::string json_line(const Odometry& odometry);
-
 /// The estimate at every scan. An empty name: no such file.
 class EstimateFiles : public Listener {
  public:
-  struct Names {
-    std::string tum;
-    std::string states;  ///< as `rio replay --states`
-    std::string json;    ///< lines of JSON; "-" is standard output
-  };
-  explicit EstimateFiles(const Names& names);
+  /// @param states as `rio replay --states`
+  /// @param json lines of JSON: t [ns], p [m], q (w x y z), v [m/s], 1-sigma of position, attitude
+  /// and velocity, health, quality, radar, detections, and the number of static ones; "-" is
+  /// standard output
+  EstimateFiles(const std::string& tum, const std::string& states, const std::string& json);
 
   void on_estimate(const Session& session, Time arrival) override;
   void close();

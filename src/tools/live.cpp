@@ -69,7 +69,7 @@ class LiveRun {
       : arguments_(arguments),
         clock_(arguments.speed),
         summary_(clock_),
-        files_({arguments.out, arguments.states, arguments.json_lines}),
+        files_(arguments.out, arguments.states, arguments.json_lines),
         view_(arguments.view),
         watches_(arguments.radars.size()),
         ports_(clock_, arguments.patience, std::bind_front(&Screen::say, &screen_)) {
