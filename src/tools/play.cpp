@@ -8,7 +8,6 @@
 #include <thread>
 
 #include "live/player.hpp"
-#include "live/pty.hpp"
 #include "simulate.hpp"
 #include "stop_signal.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "e2e/tool.hpp"
 #include "examples/03_live_loop/hardware.hpp"
-#include "live/pty.hpp"
+#include "live/player.hpp"
 #include "rio/sim/ti_packet.hpp"
 #include "support/matches.hpp"
 #include "support/measured.hpp"

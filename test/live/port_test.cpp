@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "live/player.hpp"
 #include "live/port.hpp"
-#include "live/pty.hpp"
 #include "support/temp_dir.hpp"
 
 namespace rio::live::test {

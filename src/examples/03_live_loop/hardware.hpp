@@ -17,7 +17,6 @@
 
 #include "live/host_clock.hpp"
 #include "live/player.hpp"
-#include "live/pty.hpp"
 
 class Hardware {
  public:
