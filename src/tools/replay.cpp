@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <optional>
@@ -19,6 +18,7 @@
 
 #include "commands.hpp"
 #include "findings.hpp"
+#include "live/host_clock.hpp"
 #include "outputs.hpp"
 #include "progress.hpp"
 #include "recording.hpp"
@@ -30,7 +30,6 @@
 #include "rio/io/trajectory.hpp"
 #include "rio/models/aids.hpp"
 #include "rio/rio.hpp"
-#include "scan_outputs.hpp"
 
 namespace rio::tools {
 
@@ -46,16 +45,12 @@ void give_back_memory() {
 #endif
 }
 
-Time steady_now() {
-  return std::chrono::steady_clock::now().time_since_epoch();
-}
-
 Options make_options(const ReplayArguments& arguments, const io::Dataset& sensors,
                      std::vector<std::string>* notes) {
   Options base;
   if (arguments.barometer) (void)base.auxiliary.declare<HeightOffset>();
   Options options = io::flown_options(arguments.estimator, sensors, base, notes);
-  options.timing.clock = &steady_now;
+  options.timing.clock = &live::HostClock::real;
   return options;
 }
 
@@ -101,7 +96,6 @@ class Replay {
     if (!arguments.init_velocity.empty()) init_velocity_ = Vector3d(arguments.init_velocity.data());
     summary_.initialised_by = start_ ? start_->source : "static";
     if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
-    summary_.reserve(feed_.scans_left());
     if (start_) begin(*start_);
     outputs_.open(arguments, outline_.imu_begin);
     if (arguments.barometer) heights_.emplace(recording.samples.get());
@@ -142,8 +136,8 @@ class Replay {
   /// Of the recording, for those who watch it.
   void pace(Time time) {
     if (arguments_.view.port.empty()) return;
-    if (!paced_from_) paced_from_ = steady_now() - time;
-    std::this_thread::sleep_for(*paced_from_ + time - steady_now());
+    if (!paced_from_) paced_from_ = live::HostClock::real() - time;
+    std::this_thread::sleep_for(*paced_from_ + time - live::HostClock::real());
   }
 
   void next_imu() {
@@ -194,23 +188,23 @@ class Replay {
   /// Calls the estimator, whose time is counted without that of recording.
   template <class Call>
   void timed(const Call& call) {
-    const Time before = steady_now();
+    const Time before = live::HostClock::real();
     recording_ = Time{0};
     call();
-    summary_.wall += steady_now() - before - recording_;
+    summary_.wall += live::HostClock::real() - before - recording_;
     if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
   }
 
   /// Within a call of the estimator, which does not throw.
   void record() noexcept {
-    const Time before = steady_now();
+    const Time before = live::HostClock::real();
     waiting_ = false;
     try {
       if (!error_) record_scan();
     } catch (...) {
       error_ = std::current_exception();
     }
-    recording_ += steady_now() - before;
+    recording_ += live::HostClock::real() - before;
   }
 
   /// A failed update has no row: its estimate is not at the scan.

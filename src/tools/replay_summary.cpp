@@ -89,11 +89,6 @@ std::array<Irregular, 21> irregular(const ReplaySummary& s) {
 
 }  // namespace
 
-void ReplaySummary::reserve(std::size_t scans_at_most) {
-  update_ms.reserve(scans_at_most);
-  propagation_ms.reserve(scans_at_most);
-}
-
 void ReplaySummary::add(const UpdateReport& report, const NavState& state) {
   int rows_used = 0;
   for (std::size_t i = 0; i < kModelCount; ++i) {

@@ -43,8 +43,6 @@ struct ReplaySummary {
 
   std::optional<double> checked_seconds;  ///< if that is not all of the recording [s]
 
-  /// Upper bound of the number of scans.
-  void reserve(std::size_t scans);
   void add(const UpdateReport& report, const NavState& state);
 
   /// Faster than sound, or farther away than sound would be.
