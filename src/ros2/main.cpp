@@ -6,14 +6,60 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "io/fields_yaml.hpp"
 #include "ros2/node.hpp"
 #include "stop_signal.hpp"
 #include "version.hpp"
 
+namespace rio::ros2 {
+
 namespace {
+
+constexpr const char* kNode = "rio";
+constexpr const char* kSection = "ros__parameters";
+
+bool is_this_node(const std::string& name) {
+  const std::string last = name.substr(name.rfind('/') + 1);
+  return last == kNode || last == "**" || last == "*";
+}
+
+/// The values of the node `rio` (or /rio, NAMESPACE/rio, /**) in a parameter file.
+/// @throws std::runtime_error "FILE:LINE: ..." for unknown parameters, and if the node is missing
+void load_parameters(const std::string& file, Parameters* parameters) {
+  const io::YamlFile all = io::load_yaml(file);
+  bool found = false;
+  for (const auto& node : all.root) {
+    if (!is_this_node(node.first.Scalar())) continue;
+    const YAML::Node values = node.second[kSection];
+    if (!values.IsDefined()) io::fail_at(all, node.second, std::string("no ") + kSection);
+    io::read_fields({all.name, values}, "", parameters);
+    found = true;
+  }
+  if (!found) throw std::runtime_error(file + ": no parameters of a node /" + kNode);
+}
+
+/// "NAME:=VALUE", as `ros2 run ... --ros-args -p`.
+void set_parameter(const std::string& assignment, Parameters* parameters) {
+  const std::size_t at = assignment.find(":=");
+  if (at == std::string::npos) {
+    throw std::runtime_error("\"" + assignment + "\": NAME:=VALUE is expected");
+  }
+  const std::string yaml = assignment.substr(0, at) + ": " + assignment.substr(at + 2);
+  io::read_fields(io::parse_yaml(yaml, assignment), "", parameters);
+}
+
+/// Every parameter with its meaning, as a parameter file.
+std::string parameter_file(const Parameters& parameters) {
+  std::istringstream lines(io::fields_text(parameters));
+  std::string text = std::string("/") + kNode + ":\n  " + kSection + ":\n";
+  for (std::string line; std::getline(lines, line);) text += "    " + line + "\n";
+  return text;
+}
 
 /// As ROS 2 has it: ROS_DOMAIN_ID, else 0.
 unsigned domain_id() {
@@ -24,7 +70,7 @@ unsigned domain_id() {
 int run(int argc, char** argv) {
   CLI::App app("Radar-inertial odometry as a node of ROS 2: IMU and radar topics in, odometry out",
                "rio-ros2");
-  app.set_version_flag("--version", rio::tools::version_text());
+  app.set_version_flag("--version", tools::version_text());
   std::vector<std::string> files;
   std::vector<std::string> values;
   bool print = false;
@@ -38,25 +84,27 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  rio::ros2::Parameters parameters;
+  Parameters parameters;
   for (const std::string& file : files) load_parameters(file, &parameters);
   for (const std::string& value : values) set_parameter(value, &parameters);
   if (print) {
     fmt::print("{}", parameter_file(parameters));
     return 0;
   }
-  rio::tools::catch_stop_signals();
-  rio::ros2::Node node(parameters, domain_id());
-  while (rio::tools::stop_requested == 0) node.step();
+  tools::catch_stop_signals();
+  Node node(parameters, domain_id());
+  while (tools::stop_requested == 0) node.step();
   fmt::print(stderr, "{}", node.summary());
   return 0;
 }
 
 }  // namespace
 
+}  // namespace rio::ros2
+
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    return rio::ros2::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rio-ros2: %s\n", error.what());
     return 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parameters of rio-ros2: a table of fields, read from a parameter file as ROS 2 writes it.
+// Parameters of rio-ros2: a table of fields.
 #pragma once
 
 #include <string>
@@ -62,15 +62,5 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<ParametersT>, Parameters>> v
   visit(FieldInfo{"pressure_sigma", "m", "Noise of a height of the barometer.", 1e-3, 100.0},
         p.pressure_sigma);
 }
-
-/// The values of the node `rio` (or /rio, NAMESPACE/rio, /**) in a parameter file.
-/// @throws std::runtime_error "FILE:LINE: ..." for unknown parameters, and if the node is missing
-void load_parameters(const std::string& file, Parameters* parameters);
-
-/// "NAME:=VALUE", as `ros2 run ... --ros-args -p`.
-void set_parameter(const std::string& assignment, Parameters* parameters);
-
-/// Every parameter with its meaning, as a parameter file.
-std::string parameter_file(const Parameters& parameters);
 
 }  // namespace rio::ros2
