@@ -36,12 +36,9 @@ py::dict check(const std::string& path, const std::vector<std::string>& texts,
   for (const check::Finding& f : checked.findings) {
     findings.append(py::make_tuple(to_string(f.verdict), f.subject, f.text, f.change));
   }
-  py::dict out;
-  out["findings"] = findings;
-  out["options"] = tools::proposed_options(checked.findings);
-  out["notes"] = checked.notes;
-  out["damage"] = checked.damage;
-  return out;
+  using namespace py::literals;
+  return py::dict("findings"_a = findings, "options"_a = tools::proposed_options(checked.findings),
+                  "notes"_a = checked.notes, "damage"_a = checked.damage);
 }
 
 eval::Trajectory trajectory_of(const Times& times, const Values& positions,

@@ -113,35 +113,22 @@ std::unique_ptr<Odometry> create(const std::vector<std::string>& texts, const st
 }
 
 py::dict counters_of(const Odometry& odometry) {
+  using namespace py::literals;
   const Counters& c = odometry.counters();
-  py::dict out;
-  out["imu_samples"] = c.imu_samples;
-  out["imu_stale"] = c.imu_stale;
-  out["imu_ahead"] = c.imu_ahead;
-  out["imu_non_finite"] = c.imu_non_finite;
-  out["imu_out_of_range"] = c.imu_out_of_range;
-  out["imu_frozen"] = c.imu_frozen;
-  out["imu_gaps"] = c.imu_gaps;
-  out["clock_restarts"] = c.clock_restarts;
-  out["radar_clock_steps"] = c.radar_clock_steps;
-  out["scans"] = c.scans;
-  out["scans_late"] = c.scans_late;
-  out["scans_ahead"] = c.scans_ahead;
-  out["scans_duplicate"] = c.scans_duplicate;
-  out["scans_overflow"] = c.scans_overflow;
-  out["scans_non_finite"] = c.scans_non_finite;
-  out["detections_non_finite"] = c.detections_non_finite;
-  out["scans_uninitialized"] = c.scans_uninitialized;
-  out["aiding"] = c.aiding;
-  out["aiding_late"] = c.aiding_late;
-  out["aiding_ahead"] = c.aiding_ahead;
-  out["aiding_overflow"] = c.aiding_overflow;
-  out["updates_failed"] = c.updates_failed;
-  out["velocity_resets"] = c.velocity_resets;
-  out["attitude_resets"] = c.attitude_resets;
-  out["restarts"] = c.restarts;
-  out["position_reopened"] = c.position_reopened;
-  return out;
+  return py::dict("imu_samples"_a = c.imu_samples, "imu_stale"_a = c.imu_stale,
+                  "imu_ahead"_a = c.imu_ahead, "imu_non_finite"_a = c.imu_non_finite,
+                  "imu_out_of_range"_a = c.imu_out_of_range, "imu_frozen"_a = c.imu_frozen,
+                  "imu_gaps"_a = c.imu_gaps, "clock_restarts"_a = c.clock_restarts,
+                  "radar_clock_steps"_a = c.radar_clock_steps, "scans"_a = c.scans,
+                  "scans_late"_a = c.scans_late, "scans_ahead"_a = c.scans_ahead,
+                  "scans_duplicate"_a = c.scans_duplicate, "scans_overflow"_a = c.scans_overflow,
+                  "scans_non_finite"_a = c.scans_non_finite,
+                  "detections_non_finite"_a = c.detections_non_finite,
+                  "scans_uninitialized"_a = c.scans_uninitialized, "aiding"_a = c.aiding,
+                  "aiding_late"_a = c.aiding_late, "aiding_ahead"_a = c.aiding_ahead,
+                  "aiding_overflow"_a = c.aiding_overflow, "updates_failed"_a = c.updates_failed,
+                  "velocity_resets"_a = c.velocity_resets, "attitude_resets"_a = c.attitude_resets,
+                  "restarts"_a = c.restarts, "position_reopened"_a = c.position_reopened);
 }
 
 }  // namespace

@@ -108,15 +108,13 @@ void bind_health(py::module_& module) {
 }
 
 py::dict models_of(const UpdateReport& report) {
+  using namespace py::literals;
   py::dict out;
   for (std::size_t i = 0; i < kModelCount; ++i) {
     const ModelReport& m = report.models[i];
-    py::dict sums;
-    sums["rows_used"] = m.rows_used;
-    sums["rows_gated"] = m.rows_gated;
-    sums["rows_out_of_domain"] = m.rows_out_of_domain;
-    sums["nis"] = m.nis;
-    out[to_string(static_cast<Model>(i))] = sums;
+    out[to_string(static_cast<Model>(i))] =
+        py::dict("rows_used"_a = m.rows_used, "rows_gated"_a = m.rows_gated,
+                 "rows_out_of_domain"_a = m.rows_out_of_domain, "nis"_a = m.nis);
   }
   return out;
 }
