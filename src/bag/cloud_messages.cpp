@@ -5,7 +5,6 @@
 #include <cstring>
 #include <iterator>
 
-#include "message_header.hpp"
 #include "rio/bag/messages.hpp"
 
 namespace rio::bag {

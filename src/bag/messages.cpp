@@ -4,8 +4,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "message_header.hpp"
-
 namespace rio::bag {
 
 namespace {
@@ -135,11 +133,6 @@ std::vector<Transform> decode_transforms(Encoding encoding, Bytes message) {
     out.push_back(transform);
   }
   return out;
-}
-
-Header decode_header(Encoding encoding, Bytes message) {
-  WireReader reader = reader_of(encoding, message);
-  return read_header(&reader);
 }
 
 bool begins_with_header(const Topic& topic) {
