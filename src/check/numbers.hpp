@@ -19,10 +19,6 @@ inline double quantile_of(std::vector<double>* values, double share) {
   return (*values)[static_cast<std::size_t>(at)];
 }
 
-inline double quantile(std::vector<double> values, double share) {
-  return quantile_of(&values, share);
-}
-
 inline double median(std::vector<double> values) {
   return quantile_of(&values, 0.5);
 }

@@ -146,8 +146,8 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
           "{:.0f} points a scan ({:.0f} to {:.0f} in nine of ten), SNR {:.0f} dB; "
           "{:.0f} % of the scans ({:.1f} a second) agree on a velocity, with {:.0f} % of "
           "their points",
-          median(counts), quantile(counts, 0.05), quantile(counts, 0.95), usual_snr, 100.0 * with,
-          rate,
+          median(counts), quantile_of(&counts, 0.05), quantile_of(&counts, 0.95), usual_snr,
+          100.0 * with, rate,
           speeds.empty() ? 0.0 : 100.0 * quantile_of(speeds, &RadarSpeed::inlier_share, 0.5))};
   const double most_snr = snr(0.999);
   const auto is_mark = [&](const Point& p) {
