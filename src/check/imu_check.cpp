@@ -10,7 +10,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "check/advice.hpp"
 #include "check/numbers.hpp"

@@ -216,10 +216,8 @@ TEST(OptionsYaml, FilesWithAndWithoutPreset) {
   EXPECT_EQ(values(options), before);
   const TempDir dir;
   const auto flown = [](const std::string& file) {
-    EstimatorArguments arguments;
-    arguments.config = file;
     std::vector<std::string> notes;
-    (void)flown_options(arguments, {}, {}, &notes);
+    (void)flown_options({{file}}, {}, {}, &notes);
   };
   EXPECT_ERROR(flown(dir.path() / "none.yaml"), "none.yaml: no such file");
   EXPECT_ERROR(flown(dir.write("empty.yaml", "")), "empty.yaml: is empty");
