@@ -27,8 +27,8 @@ class OneClock {
     std::vector<Source*> others = sources_->radars;
     if (sources_->trigger != nullptr) others = {sources_->trigger};
     if (sources_->accel != nullptr) others.push_back(sources_->accel);
-    bool headers = sources_->imu->stamps.zeros == 0;
-    for (const Source* other : others) headers = headers && other->stamps.zeros == 0;
+    bool headers = sources_->imu->stamps.has_headers();
+    for (const Source* other : others) headers = headers && other->stamps.has_headers();
     const Source* const apart = headers ? on_another_clock(others) : nullptr;
     if (imu == Clock::kAuto && radar == Clock::kAuto && headers && apart == nullptr) {
       imu = radar = Clock::kHeader;
@@ -154,8 +154,8 @@ class OneClock {
   }
 
   void require_no_zero(const Source& source) const {
-    if (source.stamps.zeros == 0) return;
     const bool is_trigger = &source == sources_->trigger;
+    if (is_trigger ? source.stamps.zeros == 0 : source.stamps.has_headers()) return;
     sources_->fail("{} of {} header stamps on {} are zero{}", source.stamps.zeros,
                    source.stamps.count, source.role.name,
                    is_trigger ? "" : fmt::format("; use --{}-clock receive", source.role.role));
@@ -182,7 +182,7 @@ class OneClock {
   std::vector<Time> stamp_other(Source* source, bool by_headers) {
     Stamps& imu = sources_->imu->stamps;
     const Stamps& of = source->stamps;
-    const bool same = of.zeros == 0 && (of.is_on_clock_of(imu) || !of.is_recorded_with(imu));
+    const bool same = of.has_headers() && (of.is_on_clock_of(imu) || !of.is_recorded_with(imu));
     if (!by_headers) return stamp_all(source, Clock::kAuto, request_.imu_offset);
     if (same) return stamp_all(source, Clock::kHeader, request_.imu_offset);
     return stamp_all(source, Clock::kAuto, request_.imu_offset - to_seconds(imu.delay()));
@@ -190,7 +190,7 @@ class OneClock {
 
   Stamping stamping(Source* source, Clock clock, double offset) {
     Stamps& stamps = source->stamps;
-    const bool zero = stamps.zeros > 0;
+    const bool zero = !stamps.has_headers();
     if (clock == Clock::kAuto) clock = zero ? Clock::kReceive : Clock::kCarried;
     if (clock != Clock::kReceive) require_no_zero(*source);
     const bool received = clock == Clock::kReceive;
@@ -199,10 +199,11 @@ class OneClock {
     if (clock == Clock::kCarried) {
       text += fmt::format(", moved by {:.9f} s onto the receive clock", to_seconds(delay));
     }
-    if (zero) text += fmt::format(" ({} header stamps are zero)", stamps.zeros);
+    if (stamps.zeros > 0) text += fmt::format(" ({} header stamps are zero)", stamps.zeros);
     if (offset != 0.0) text += fmt::format(", and by {} s", offset);
     sources_->note("{}: {} messages, {}", source->role.name, stamps.count, text);
-    Stamping how{received, received ? Shifts() : stamps.shifts(), delay + from_seconds(offset)};
+    Stamping how{received, received ? Shifts() : stamps.shifts(), delay + from_seconds(offset),
+                 stamps.delay()};
     for (const Shifts::Jump& jump : how.shifts.jumps()) {
       sources_->note(
           "{}: the header clock jumps by {:+.3f} s at message {}; later stamps are moved by "

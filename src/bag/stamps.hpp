@@ -42,8 +42,10 @@ struct Stamping {
   bool received = false;  ///< by receive times, else by headers and shifts
   Shifts shifts;
   Time shift{0};  ///< added to all
+  Time delay{0};  ///< receive - header, for the header that a driver left zero
 
   Time stamp(Time header, Time when, std::size_t message) const {
+    if (header == Time(0)) header = when - delay;
     return (received ? when : header + shifts.at(message)) + shift;
   }
 };
@@ -67,6 +69,8 @@ class Stamps {
   std::vector<Time> received;
   std::vector<std::uint32_t> sequence;
 
+  /// All but one in a hundred, as a driver leaves a few.
+  bool has_headers() const { return 100 * zeros <= count; }
   /// Median of receive - header, up to the first jump; without zero headers.
   Time delay();
   /// The smallest one: a topic that arrives later and later had it when it was on time.

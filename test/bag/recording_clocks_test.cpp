@@ -56,6 +56,18 @@ TEST_F(RecordingClocks, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
   }
 }
 
+TEST_F(RecordingClocks, AHeaderThatIsLeftZeroIsThatOfItsReceiveTime) {
+  const io::Dataset good = read(test::at_rest(Wire::kRos1, 40));
+  for (std::size_t which : {0U, 100U}) {
+    std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+    while (messages[which].topic != "/imu") ++which;
+    set_header(&messages[which], Time(0));
+    const io::Dataset recording = read(messages);
+    expect_same(recording, good);
+    EXPECT_PRED2(test::contains, notes_of(recording), "stamped by their headers (1 header stamps");
+  }
+}
+
 TEST_F(RecordingClocks, MessagesThatAreSwappedOrStampedLateAreNoJump) {
   std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
   std::vector<std::size_t> scans;

@@ -26,7 +26,7 @@ void read(const Topic& topic, Bytes message) {
     RIO_FUZZ_CHECK(decode_pressure(topic.encoding, message, &header) > 0.0);
   }
   if (!is_cloud(topic.type)) return;
-  (void)ti_point_id(topic.encoding, message);
+  (void)ti_point(topic.encoding, message);
   const PointCloud cloud = decode_cloud_of(topic, message);
   std::vector<RadarDetection> detections;
   PointMap(cloud.fields, {}).convert(cloud, &detections);
