@@ -137,8 +137,4 @@ void add_calibrate_command(CLI::App& app);
 void add_options_command(CLI::App& app);
 /// @}
 
-/// The hidden command `rio describe man|bash`: prints the manual page or the bash completions, from
-/// the description of the command line; the build calls it.
-void add_describe_command(CLI::App& app);
-
 }  // namespace rio::tools
