@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The `rio` program. Exit codes: 0 success, 1 the command failed, 2 wrong command line, 3 the
-// estimate is lost, or the recording or configuration is wrong.
+// The `rio` program, its manual page and its completions. Exit codes: 0 success, 1 the command
+// failed, 2 wrong command line, 3 the estimate is lost, or the recording or configuration is wrong.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
