@@ -19,11 +19,6 @@ namespace {
 using check::Finding;
 using check::Verdict;
 
-void print(const Finding& finding) {
-  fmt::print("{:<9} {}: {}.\n", to_string(finding.verdict), finding.subject, finding.text);
-  if (!finding.change.empty()) fmt::print("          -> {}\n", finding.change);
-}
-
 void add_notes(const check::ClockSteps& steps, const char* way_out,
                std::vector<std::string>* notes) {
   const auto add = [&](const std::vector<check::ClockStep>& of, const std::string& sensor,
@@ -109,7 +104,10 @@ void check_recording(const CheckArguments& arguments) {
                                         {"options", options}};
     fmt::print("{}\n", all.dump());
   } else {
-    for (const Finding& finding : findings) print(finding);
+    for (const Finding& f : findings) {
+      fmt::print("{:<9} {}: {}.\n", to_string(f.verdict), f.subject, f.text);
+      if (!f.change.empty()) fmt::print("          -> {}\n", f.change);
+    }
     if (!options.empty()) fmt::print("As an option file, for --config:\n{}\n", options);
   }
   throw_damage(damage);

@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "rio/io/start.hpp"
 #include "rio/propagate/static_alignment.hpp"
 
 namespace rio::tools {
@@ -40,7 +39,7 @@ Start start_from_truth(const OpenRecording& recording, const Options& options) {
         "--init groundtruth: the dataset has no ground truth " +
         std::string(truth.empty() ? "at all" : "within the time span of its IMU"));
   }
-  Start start{*row, io::start_covariance(row->q_WB, options.start), "groundtruth"};
+  Start start{{*row, io::start_covariance(row->q_WB, options.start)}, "groundtruth"};
   start.state.gyro_bias.setZero();
   start.state.accel_bias.setZero();
   const auto bias = gyro_bias_at_rest(recording.samples.get(), row->time, options);
@@ -63,9 +62,8 @@ std::optional<Start> make_start(const ReplayArguments& arguments, const OpenReco
   if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
   if (init == "static") return std::nullopt;
   if (init == "groundtruth") return start_from_truth(recording, options);
-  const Alignment file =
-      io::load_start(init, options.start, recording.samples->outline().imu_begin);
-  return Start{file.state, file.covariance, "file"};
+  const Time begin = recording.samples->outline().imu_begin;
+  return Start{io::load_start(init, options.start, begin), "file"};
 }
 
 std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {

@@ -13,15 +13,14 @@
 #include "recording.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/io/recording_stream.hpp"
+#include "rio/io/start.hpp"
 #include "rio/options.hpp"
 #include "rio/types.hpp"
 
 namespace rio::tools {
 
 /// First state and covariance, with their source.
-struct Start {
-  NavState state;
-  BodyCovariance covariance;
+struct Start : Alignment {
   std::string source;
 };
 
