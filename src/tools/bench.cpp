@@ -35,10 +35,6 @@ double peak_memory() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-double megabytes(std::size_t bytes) {
-  return static_cast<double>(bytes) / (1024.0 * 1024.0);
-}
-
 std::vector<Row> measure_all(const BenchArguments& arguments) {
   const io::Dataset load = bench::make_load(arguments.detections, arguments.seconds);
   std::vector<Row> rows;
@@ -62,7 +58,8 @@ void print(const std::vector<Row>& rows) {
         "{:<21} {:<9} {:>6.1f} {:>9.1f} {:>12.3f} {:>9.3f} {:>13.2f} {:>11.2f} {:>11.2f} "
         "{:>11.0f}\n",
         row.preset, name_of(row.backend), f.detections, f.landmarks, 1e-3 * f.update.median,
-        1e-3 * f.update.p99, f.imu_step, 1e-3 * f.create, megabytes(f.memory), f.real_time);
+        1e-3 * f.update.p99, f.imu_step, 1e-3 * f.create, static_cast<double>(f.memory) / (1 << 20),
+        f.real_time);
   }
   fmt::print(
       "\nCPU times of one core, in flight. update: of a scan, front-end to promotion. IMU step: "
