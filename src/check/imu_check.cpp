@@ -73,16 +73,20 @@ std::string accel_in(const Unit& unit, Source source) {
 }
 
 /// The unit of the accelerometer if its columns are those of the gyro; null if they are not.
-const Unit* unit_if_exchanged(const Rest& rest) {
-  const double rate = rest.gyro.norm();
-  const Unit* const unit = unit_of_gravity(rate, 0.05);
-  // 1 rad/s, as of gravity in g, may also be a turn: but not without a force, and not so steady
-  const bool sure =
-      unit == &kUnits[0] || (rest.accel.norm() < 0.1 * rate && rest.turning < 0.05 * rate);
-  return sure ? unit : nullptr;
+const Unit* unit_if_exchanged(const std::vector<ImuSample>& samples, const Rest& rest) {
+  if (unit_of_gravity(rest.gyro.norm(), 0.05) == &kUnits[0]) return &kUnits[0];
+  // 1 rad/s, as of gravity in g, may also be a turn, but no gyro reads it all the time
+  const auto rate = [&samples](double share) {
+    return quantile_of(
+        samples, [](const ImuSample& s) { return s.gyro_B.norm(); }, share);
+  };
+  const double usual = rate(0.5);
+  const bool constant = rate(0.1) > 0.7 * usual && rate(0.9) < 1.3 * usual;
+  return constant ? unit_of_gravity(usual, 0.1) : nullptr;
 }
 
-Finding check_accel(const Rest& rest, Source source, ImuCheck* found) {
+Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
+                    ImuCheck* found) {
   const double f = rest.accel.norm();
   if (!std::isfinite(rest.spread)) {
     return {Verdict::kDoubtful, "accelerometer unit", "no second has enough samples to tell",
@@ -103,7 +107,7 @@ Finding check_accel(const Rest& rest, Source source, ImuCheck* found) {
     return out;
   }
   out.verdict = Verdict::kWrong;
-  if (const Unit* const unit = unit_if_exchanged(rest)) {
+  if (const Unit* const unit = unit_if_exchanged(samples, rest)) {
     found->exchanged = true;
     found->accel_unit = unit->factor;
     out.text += fmt::format(", but the gyro reads {:.4g}: gyro and accelerometer are exchanged",
@@ -295,7 +299,7 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
   const Rest& rest = out.rest = stillest(good);
   out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamp_unit));
   if (out.stamp_unit != 1.0) return out;
-  out.findings.push_back(check_accel(rest, source, &out));
+  out.findings.push_back(check_accel(good, rest, source, &out));
   if (out.exchanged) return out;
   if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
   out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));

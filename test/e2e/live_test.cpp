@@ -296,7 +296,7 @@ TEST_F(Live, SaysWhyThereAreNoSamples) {
       {text, "mavlink-raw", ", but numbers in text, as of an IMU: --imu-format csv"},
       {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
       {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
-      {frame + frame + frame, "binary", ", but 2 whose checksum is wrong: bytes are missing"},
+      {frame + frame + frame, "binary", ", but 3 whose checksum is wrong: bytes are missing"},
   };
   for (const auto& [bytes, format, said] : rows) {
     fails(1,

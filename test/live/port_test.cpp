@@ -157,9 +157,10 @@ TEST(PortSet, OpensAgainWhatWasUnplugged) {
   ASSERT_TRUE(write(device.get(), "two"));
   EXPECT_FALSE(watcher.wait_for("onetwo"));
   EXPECT_EQ(watcher.bytes, "onetwo");
-  ASSERT_EQ(watcher.messages.size(), 2U);
-  EXPECT_EQ(watcher.messages[0], "radar: " + link.string() + " vanished");
-  EXPECT_EQ(watcher.messages[1], "radar: " + link.string() + " is back");
+  ASSERT_EQ(watcher.messages.size(), 3U);
+  EXPECT_EQ(watcher.messages[0], "radar: " + link.string() + " is not there yet: it is waited for");
+  EXPECT_EQ(watcher.messages[1], "radar: " + link.string() + " vanished");
+  EXPECT_EQ(watcher.messages[2], "radar: " + link.string() + " is back");
 }
 
 TEST(PortSet, IsOverWhenPatienceIs) {

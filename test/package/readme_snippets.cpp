@@ -40,7 +40,8 @@ void ti(rio::Odometry* odometry, const std::uint8_t* bytes, std::size_t count, r
     frame.scan.time = clock.stamp(frame);                  // the middle of the chirp block
     rio::Status status = odometry->add_scan(frame.scan);   // of every frame
   };
-  reader.push(bytes, count, now, on_frame);                // whenever bytes were read, in pieces of any size
+  // whenever bytes were read, in pieces of any size; now: when, in the clock of the IMU's stamps
+  reader.push(bytes, count, now, on_frame);
   reader.flush(on_frame);                                  // when none has come for some milliseconds
   // [README ti]
 }
