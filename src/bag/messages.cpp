@@ -110,9 +110,14 @@ double decode_pressure(Encoding encoding, Bytes message, Header* header) {
   return pressure;
 }
 
+static bool carries_transforms(const Topic& topic) {
+  return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
+}
 bool is_transforms(const Topic& topic) {
-  const bool type = topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
-  return type && topic.name.ends_with("tf_static");
+  return carries_transforms(topic) && topic.name.ends_with("tf_static");
+}
+bool is_moving_transforms(const Topic& topic) {
+  return carries_transforms(topic) && topic.name.ends_with("tf");
 }
 
 std::vector<Transform> decode_transforms(Encoding encoding, Bytes message) {

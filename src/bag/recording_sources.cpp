@@ -115,6 +115,7 @@ void Sources::use(const Message& message) {
     }
   }
   const Topic& topic = stream_->topics()[message.topic];
+  if (is_moving_transforms(topic)) frames.pass_by_moving();
   if (is_transforms(topic) && topic.encoding != Encoding::kOther) {
     try {
       frames.add(decode_transforms(topic.encoding, message.data));

@@ -30,12 +30,16 @@ class Frames {
   void add(const std::vector<Transform>& transforms) {
     for (const Transform& t : transforms) of_child_[t.child] = t;
   }
+  /// Transforms that may move, which are not read.
+  void pass_by_moving() { moving_ = true; }
   /// A message that cannot be read.
   void refuse(const std::string& why) { refused_ = why; }
   /// Why pose() is empty; empty without any transform.
   std::string why_not(const std::string& frame, const std::string& in) const {
     if (!refused_.empty()) return "a message of /tf_static cannot be read: " + refused_;
-    if (of_child_.empty()) return {};
+    if (of_child_.empty()) {
+      return moving_ ? "transforms on /tf are not read: a fixed one belongs on /tf_static" : "";
+    }
     const bool loops = to_root(frame).root.empty() || to_root(in).root.empty();
     return loops ? "the frames of /tf_static make a loop"
                  : fmt::format("/tf_static does not connect {} with {}", frame, in);
@@ -69,6 +73,7 @@ class Frames {
 
   std::map<std::string, Transform> of_child_;
   std::string refused_;  ///< why the last message was
+  bool moving_ = false;
 };
 
 /// A topic that may have a role, while it is read.

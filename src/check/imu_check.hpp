@@ -83,6 +83,12 @@ struct CheckedImu {
 ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
                    const io::ImuInfo& info, Source source, const std::filesystem::path& csv);
 
+/// The unit of the accelerometer, or what else is in its columns; adds to `found`.
+/// @param samples usable ones
+/// @param rest of them
+Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
+                    ImuCheck* found);
+
 /// Unit, rate and order of the stamps, and what the lost samples cost the estimate. Parameters as
 /// those of check_imu(), at least two good samples.
 /// @param unit of the stamps [ns]; unchanged if it is that, else the change is up to the caller

@@ -251,6 +251,11 @@ TEST_F(DriverRecording, AMountingThatTheTreeDoesNotHaveIsTold) {
     EXPECT_FALSE(recording.radar_info.T_BS);
     EXPECT_PRED2(test::contains, notes_of(recording), said);
   }
+  std::vector<Written> messages = test::at_rest(Wire::kRos1, 10);
+  messages.push_back(transforms(messages[0].received, {{"imu_link", "radar", same}}));
+  messages.back().topic = "/tf";
+  EXPECT_PRED2(test::contains, notes_of(read(messages)),
+               "(transforms on /tf are not read: a fixed one belongs on /tf_static)");
 }
 
 TEST_F(DriverRecording, CloudsWithoutDopplerAreNoRadar) {

@@ -10,7 +10,6 @@
 #include "e2e/tool.hpp"
 #include "examples/03_live_loop/hardware.hpp"
 #include "live/player.hpp"
-#include "rio/sim/ti_packet.hpp"
 #include "support/matches.hpp"
 #include "support/measured.hpp"
 
@@ -227,114 +226,6 @@ TEST_F(Live, UsesTheImuOfAnAutopilotAndTellsIt) {
   EXPECT_GT(json["scans"], 30);
   EXPECT_GT(hardware.odometry_received(), 200);
   EXPECT_EQ(json["live"]["odometry_sent"], hardware.odometry_received());
-}
-
-/// The packet as it comes from a port.
-std::string text_of(const sim::WrittenPacket& packet) {
-  const sim::Bytes bytes = packet.bytes();
-  return {bytes.begin(), bytes.end()};
-}
-
-/// The IMU of a flight, and packets of such points, read at once.
-TEST_F(Live, FailsWhereNoScanIsOfUse) {
-  const auto log_of = [&](std::uint32_t packets, float range) {
-    std::string log;
-    for (std::uint32_t number = 1; number <= packets; ++number) {
-      const std::vector<sim::WrittenPoint> points(9, {range, range, 0.0F, 1.0F, 200, 400});
-      log += text_of(sim::packet_of(number, points));
-    }
-    return dir_->write("log.bin", log).string();
-  };
-  const std::string live = "live --sensors " + flight_ + " --imu-format csv --imu " + flight_ +
-                           "/imu0/data.csv --patience 0 --radar ";
-  fails(1, live + log_of(300, 3.0F), {"rio: radar 0: the packets come all at once"});
-  fails(1, live + log_of(1, 1e30F), {"no scan gave an update"});
-}
-
-/// Two radars without a scan: each with its cause, in every place.
-TEST_F(Live, SaysOfEachRadarWhyThereAreNoScans) {
-  std::string old;
-  for (std::uint32_t number = 1; number <= 9; ++number) {
-    sim::WrittenPacket packet = sim::packet_of(number, {});
-    packet.version = 0x02010004;
-    old += text_of(packet);
-  }
-  const std::string text = "mmwDemo:/>sensorStart\r\nDone\r\n\r\nmmwDemo:/>";
-  const std::string command = "live --sensors " + flight_ + " --radar " +
-                              dir_->write("old.bin", old).string() + " --radar " +
-                              dir_->write("cli.bin", text).string() + " --imu " + file("nothing") +
-                              " --patience 0";
-  const std::string causes[] = {"packets of SDK 1 or 2, which are not read: load a demo of SDK",
-                                "no packets, but text: this is the CLI port"};
-  fails(1, command + " >" + file("summary"), {"radar 0: " + causes[0], "radar 1: " + causes[1]});
-  expect_parts(dir_->read("summary"), {causes[0], causes[1]});
-  const Json radars = fails(1, command + " --json 2>/dev/null", {}).json()["live"]["radars"];
-  ASSERT_EQ(radars.size(), 2U);
-  EXPECT_EQ(radars[0]["other_firmware"], 9);
-  for (std::size_t r = 0; r < 2; ++r) {
-    const std::string problem = radars[r]["problem"];
-    EXPECT_TRUE(problem.starts_with(causes[r])) << problem;
-  }
-}
-
-/// What comes instead of samples from the port of the IMU.
-TEST_F(Live, SaysWhyThereAreNoSamples) {
-  const std::string other = ": another port, baud rate or --imu-format";
-  const std::string text = "1,0,0,0,0,0\n", radar = text_of(sim::packet_of(1, {}));
-  const std::string frame = "RI\1" + std::string(35, '\x90');
-  const std::string ubx = "\xB5\x62 and more", pixhawk = "\xFE>\7\1\1i and more";
-  const struct {
-    std::string bytes, format, said;
-  } rows[] = {
-      {"", "binary", ": no byte came"},
-      {radar + radar, "binary", ", but packets of a TI radar: exchange the ports"},
-      {radar + radar, "mavlink", ", but packets of a TI radar: exchange the ports"},
-      {std::string(300, '\xE6'), "binary", " in 300 bytes" + other},  // as by another baud rate
-      {std::string(300, '\xE6'), "mavlink", " in 300 bytes" + other},
-      {"$GNGGA,123519,4807.038,N\r\n", "csv", " in 26 bytes" + other},
-      {text, "csv", ", but numbers in text, as of an IMU: --imu-format csv, in the columns"},
-      {text, "mavlink-raw", ", but numbers in text, as of an IMU: --imu-format csv"},
-      {ubx + ubx + ubx, "binary", ", but UBX of a GNSS receiver: not read; send its samples"},
-      {pixhawk + pixhawk + pixhawk, "csv", ", but MAVLink of an autopilot: --imu-format mavlink"},
-      {frame + frame + frame, "binary", ", but 3 whose checksum is wrong: bytes are missing"},
-  };
-  for (const auto& [bytes, format, said] : rows) {
-    fails(1,
-          "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
-              dir_->write("imu.bin", bytes).string() + " --imu-format " + format,
-          {"no sample of the IMU" + said});
-  }
-}
-
-/// Samples at rest that the estimator cannot start with.
-TEST_F(Live, SaysWhyItDoesNotStart) {
-  const struct {
-    const char* values;
-    std::int64_t step;  // of the stamps
-    const char* said;
-  } rows[] = {
-      {"0.01,0,0,0,0,1", 5'000'000, "it is in g; --imu must send"},
-      {"0.01,0,9.81,0.01,0,0", 5'000'000, "gyro and accelerometer are exchanged; --imu must send"},
-      {"0.01,0,0,0,0,0.02", 5'000'000, "gravity was removed; --imu must send"},
-      {"0.01,0,0,0,0,9.81", 5'000, "the stamps are in us; --imu must send"},
-  };
-  for (const auto& [values, step, said] : rows) {
-    std::string samples;
-    for (std::int64_t i = 1; i < 1200; ++i)
-      samples += std::to_string(i * step) + "," + values + "\n";
-    fails(1,
-          "live --sensors " + flight_ + " --patience 0 --radar " + file("nothing") + " --imu " +
-              dir_->write("imu.csv", samples).string() + " --imu-format csv",
-          {"IMU: no start yet: ", "rio: ", "no start: ", said});
-  }
-}
-
-TEST_F(Live, WrongCommandLines) {
-  const std::string imu = "live --imu " + file("nothing") + " --patience 0";
-  const std::string both = imu + " --radar " + file("nothing");
-  fails(2, imu, {"--radar"});
-  fails(1, both, {"frame rate of the radar is not known"});
-  fails(1, both + " --sensors " + flight_, {"nothing is not there", "no sample of the IMU"});
 }
 
 }  // namespace

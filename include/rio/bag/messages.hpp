@@ -134,7 +134,8 @@ struct Transform {
   std::string child;
   Pose pose;
 };
-bool is_transforms(const Topic& topic);  ///< those that do not change
+bool is_transforms(const Topic& topic);         ///< those that do not change
+bool is_moving_transforms(const Topic& topic);  ///< the others
 std::vector<Transform> decode_transforms(Encoding encoding, Bytes message);
 
 /// Whether messages of this topic are known to begin with a std_msgs/Header.
