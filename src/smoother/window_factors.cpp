@@ -125,7 +125,7 @@ LinearizationPoint WindowFactors::point(const WindowState& state, std::size_t r,
   SteadyMotion steady = state.steady;
   steady.accel_W = state.nav.q_WB * state.accel_B;
   LinearizationPoint x(estimate, state.nav, state.gyro_B, steady);
-  const RadarState now = estimate.of_radar(r);
+  const RadarState& now = estimate.of_radar(r);
   const WindowState::Scanned& scanned = state.scanned[r];
   x.T_BS = RigidPose(now.T_BS);
   x.doppler_scale = now.doppler_scale - scanned.doppler_scale;

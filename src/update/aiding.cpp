@@ -11,7 +11,7 @@ AidedState aided_state(const AidingMeasurement& z, const ImuIncrements& since, c
                        const Estimate& x, double gravity) {
   const double s = since.seconds;
   const Vector3d g_W(0.0, 0.0, -gravity);
-  const RadarState radar = x.of_radar(z.radar());
+  const RadarState& radar = x.of_radar(z.radar());
   AidedState then;
   then.T_WB.R = nav.q_WB.toRotationMatrix() * since.turn.transpose();
   then.v_WB = nav.v_WB - s * g_W - then.T_WB.R * since.velocity;
