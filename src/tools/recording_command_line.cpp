@@ -76,9 +76,10 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
   of_a_bag.add("--radar-offset", &how->radar_offset, "added to the stamps, as \"-0.12 s\"");
   of_a_bag.add("--imu-axes", &how->imu_axes, "of the IMU, turned to flu: ti, rdf or frd", axes);
   of_a_bag.add("--gyro-unit", &how->gyro_unit, "of the file, as deg/s");
-  of_a_bag.add("--sensors", &how->sensors,
-               "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise",
-               CLI::ExistingDirectory);
+  of_a_bag.add(
+      "--sensors", &how->sensors,
+      "folder with imu0/sensor.yaml, radar0/sensor.yaml: mounting and noise; also of a folder",
+      CLI::ExistingDirectory);
   of_a_bag.add("--accel-unit", &how->accel_unit, "of the file, as g");
 }
 
