@@ -248,7 +248,8 @@ TEST_F(PriorTest, RemovingALandmarkIsTheSchurComplement) {
     std::vector<Eigen::Index> order(kSize - 3);  // the last one has moved to i
     std::iota(order.begin(), order.end(), 0);
     for (int c = 0; c < 3 && i < kKnown - 1; ++c) {
-      order[static_cast<std::size_t>(landmark(i) + c)] = landmark(kKnown - 1) + c;
+      order[static_cast<std::size_t>(landmark(i)) + static_cast<std::size_t>(c)] =
+          landmark(kKnown - 1) + c;
     }
     expected.A = expected.A(order, order).eval();
     expected.g = expected.g(order).eval();

@@ -173,7 +173,7 @@ TEST_F(EgoVelocityMeasurementTest, TheCovarianceIsThatOfTheResiduals) {
   Eigen::Matrix<double, 10, 3> U;
   Eigen::Matrix<double, 10, 1> e;
   for (int i = 0; i < 10; ++i) {
-    const Detection& d = scan_.items[static_cast<std::size_t>(i + 2)];
+    const Detection& d = scan_.items[static_cast<std::size_t>(i) + 2];
     U.row(i) = d.direction_S.transpose();
     e[i] = d.range_rate + d.direction_S.dot(set_.v_S);
   }
