@@ -145,9 +145,9 @@ class RIO_API Odometry {
 
   /// From now on `call` is called for every scan that was processed, within the call that did it,
   /// when at_scan(), covariance(), report() and points() are of that scan: with several radars one
-  /// call may process several. It must not throw, nor add anything to this estimator. An empty
-  /// function ends it. The one call that allocates.
-  void on_scan(std::function<void()> call);
+  /// call may process several. It must not throw, nor add anything to this estimator. It stays
+  /// over reset(); an empty function ends it.
+  void on_scan(std::function<void()> call) noexcept;
 
   struct Impl;  ///< private implementation
 

@@ -45,8 +45,9 @@ struct Stamping {
   Time delay{0};  ///< receive - header, for the header that a driver left zero
 
   Time stamp(Time header, Time when, std::size_t message) const {
-    if (header == Time(0)) header = when - delay;
-    return (received ? when : header + shifts.at(message)) + shift;
+    const bool zero = header == Time(0);  // its receive time is on the clock that goes on already
+    const Time measured = zero ? when - delay : header + shifts.at(message);
+    return (received ? when : measured) + shift;
   }
 };
 

@@ -78,7 +78,7 @@ const std::vector<LandmarkReport>& Odometry::landmarks() const noexcept {
 const Counters& Odometry::counters() const noexcept {
   return impl_->counters;
 }
-void Odometry::on_scan(std::function<void()> call) {
+void Odometry::on_scan(std::function<void()> call) noexcept {
   impl_->on_scan = std::move(call);
 }
 

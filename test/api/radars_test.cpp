@@ -73,10 +73,14 @@ class RadarsTest : public BackEndTest {
     delays.resize(all.size(), Time{0});
     odometry = Odometry::create(options(all, alike));
     told.clear();
-    odometry->on_scan([this] { told.push_back(odometry->report().radar); });
+    odometry->on_scan([this] {
+      told.push_back(odometry->report().radar);
+      told_P = odometry->covariance();
+    });
     std::vector<std::size_t> next(all.size(), 0);
     Errors out;
     for (const ImuSample& sample : flight.imu) {
+      const std::size_t before = told.size();
       EXPECT_EQ(odometry->add_imu(sample), Status::kOk);
       for (std::size_t r = 0; r < all.size(); ++r) {
         const auto& scans = all[r].scans;
@@ -87,6 +91,9 @@ class RadarsTest : public BackEndTest {
           (void)odometry->add_scan(scans[next[r]], r);
         }
       }
+      if (told.size() > before) {
+        EXPECT_EQ(told_P, odometry->covariance());  // of the last one
+      }
       out.add(*odometry, flight);
     }
     return out;
@@ -94,6 +101,7 @@ class RadarsTest : public BackEndTest {
 
   std::unique_ptr<Odometry> odometry;
   std::vector<std::size_t> told;  ///< the radar of each processed scan
+  BodyCovariance told_P;          ///< at the last one
 };
 
 TEST_P(RadarsTest, MoreRadarsAreBetterThanOne) {

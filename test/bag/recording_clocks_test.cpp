@@ -66,6 +66,11 @@ TEST_F(RecordingClocks, AHeaderThatIsLeftZeroIsThatOfItsReceiveTime) {
     expect_same(recording, good);
     EXPECT_PRED2(test::contains, notes_of(recording), "stamped by their headers (1 header stamps");
   }
+  std::vector<Written> messages = jumping("imu", 9 * kSecond, Time(0));
+  std::size_t late = messages.size() - 20;  // behind the jump
+  while (messages[late].topic != "/imu") ++late;
+  set_header(&messages[late], Time(0));
+  expect_same(read(messages), good);
 }
 
 TEST_F(RecordingClocks, MessagesThatAreSwappedOrStampedLateAreNoJump) {
