@@ -146,16 +146,17 @@ std::string decompress(std::string_view method, [[maybe_unused]] Bytes in,
 #endif
   if (method == "bz2" || method == "lz4" || method == "zstd") {
     throw std::runtime_error(fmt::format(
-        "chunks of this recording need lib{0}, which rio was built without: install lib{0}-dev and "
-        "build again",
+        "this recording needs lib{0}, which rio was built without: install lib{0}-dev and build "
+        "again",
         method));
   }
   return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
 }
 
-bool is_zstd(Bytes in) {
+std::string_view compression_of(Bytes in) {
   const std::string_view bytes(reinterpret_cast<const char*>(in.data()), in.size());
-  return bytes.starts_with(kZstdMagic);
+  if (bytes.starts_with(kZstdMagic)) return "zstd";
+  return bytes.starts_with(kLz4Magic) ? "lz4" : "";
 }
 
 std::string decompress_file([[maybe_unused]] const std::filesystem::path& from,

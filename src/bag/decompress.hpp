@@ -22,8 +22,8 @@ namespace rio::bag {
 std::string decompress(std::string_view method, Bytes in, std::optional<std::uint64_t> declared,
                        std::vector<std::uint8_t>* out);
 
-/// Whether the bytes begin as a frame of zstd.
-bool is_zstd(Bytes in);
+/// "zstd" or "lz4" if the bytes begin as a frame of it, else empty.
+std::string_view compression_of(Bytes in);
 /// A file of zstd frames into another one, replaced.
 std::string decompress_file(const std::filesystem::path& from, const std::filesystem::path& to);
 

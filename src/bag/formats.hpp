@@ -50,6 +50,7 @@ inline constexpr char kRos1Magic[] = "#ROSBAG V2.0\n";
 inline constexpr char kMcapMagic[] = "\x89MCAP0\r\n";
 inline constexpr char kSqliteMagic[] = "SQLite format 3";
 inline constexpr char kZstdMagic[] = "\x28\xB5\x2F\xFD";
+inline constexpr char kLz4Magic[] = "\x04\x22\x4D\x18";
 
 /// Converts "sensor_msgs/msg/Imu" to "sensor_msgs/Imu".
 std::string ros1_type(std::string type);

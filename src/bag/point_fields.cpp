@@ -241,10 +241,15 @@ void PointMap::check_angles(const PointCloud& cloud) const {
   constexpr double kHalfTurn = 3.2;  // of an elevation, from the horizon or the zenith [rad]
   if (!sources_[kRange]) return;
   std::size_t beyond = 0;
+  std::size_t behind = 0;
   for (std::uint64_t i = 0; i < cloud.size(); ++i) {
+    behind += number(cloud, i, kRange) < 0.0 ? 1 : 0;
     const bool turns = std::abs(number(cloud, i, kAzimuth)) > kTurn ||
                        std::abs(number(cloud, i, kElevation)) > kHalfTurn;
     beyond += turns ? 1 : 0;
+  }
+  if (2 * behind > cloud.size()) {
+    fail("ranges below zero: --field range=" + sources_[kRange]->field.name + "*-1");
   }
   if (beyond < 2) return;  // one may be corrupt
   std::string how;

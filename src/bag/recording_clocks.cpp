@@ -27,8 +27,8 @@ class OneClock {
     std::vector<Source*> others = sources_->radars;
     if (sources_->trigger != nullptr) others = {sources_->trigger};
     if (sources_->accel != nullptr) others.push_back(sources_->accel);
-    bool headers = sources_->imu->stamps.has_headers();
-    for (const Source* other : others) headers = headers && other->stamps.has_headers();
+    bool headers = sources_->imu->stamps.has_times();
+    for (const Source* other : others) headers = headers && other->stamps.has_times();
     const Source* const apart = headers ? on_another_clock(others) : nullptr;
     if (imu == Clock::kAuto && radar == Clock::kAuto && headers && apart == nullptr) {
       imu = radar = Clock::kHeader;
@@ -182,7 +182,7 @@ class OneClock {
   std::vector<Time> stamp_other(Source* source, bool by_headers) {
     Stamps& imu = sources_->imu->stamps;
     const Stamps& of = source->stamps;
-    const bool same = of.has_headers() && (of.is_on_clock_of(imu) || !of.is_recorded_with(imu));
+    const bool same = of.has_times() && (of.is_on_clock_of(imu) || !of.is_recorded_with(imu));
     if (!by_headers) return stamp_all(source, Clock::kAuto, request_.imu_offset);
     if (same) return stamp_all(source, Clock::kHeader, request_.imu_offset);
     return stamp_all(source, Clock::kAuto, request_.imu_offset - to_seconds(imu.delay()));
@@ -190,8 +190,7 @@ class OneClock {
 
   Stamping stamping(Source* source, Clock clock, double offset) {
     Stamps& stamps = source->stamps;
-    const bool zero = !stamps.has_headers();
-    if (clock == Clock::kAuto) clock = zero ? Clock::kReceive : Clock::kCarried;
+    if (clock == Clock::kAuto) clock = stamps.has_times() ? Clock::kCarried : Clock::kReceive;
     if (clock != Clock::kReceive) require_no_zero(*source);
     const bool received = clock == Clock::kReceive;
     const Time delay = clock == Clock::kCarried ? stamps.delay() : Time(0);
@@ -200,6 +199,9 @@ class OneClock {
       text += fmt::format(", moved by {:.9f} s onto the receive clock", to_seconds(delay));
     }
     if (stamps.zeros > 0) text += fmt::format(" ({} header stamps are zero)", stamps.zeros);
+    if (!stamps.has_times() && stamps.has_headers()) {
+      text += fmt::format(" ({} header stamps are those of the message before)", stamps.repeats);
+    }
     if (offset != 0.0) text += fmt::format(", and by {} s", offset);
     sources_->note("{}: {} messages, {}", source->role.name, stamps.count, text);
     Stamping how{received, received ? Shifts() : stamps.shifts(), delay + from_seconds(offset),

@@ -15,7 +15,8 @@ namespace {
 std::string topic_list(const Summary& summary) {
   std::string text;
   for (const TopicSummary& s : summary.topics) {
-    text += fmt::format("\n  {} {} ({} messages)", s.topic.name, s.topic.type, s.messages);
+    text += fmt::format("\n  {} {} ({} messages{})", s.topic.name, s.topic.type, s.messages,
+                        s.topic.encoding == Encoding::kOther ? ", neither ROS 1 nor CDR" : "");
   }
   return text.empty() ? "\n  none" : text;
 }
@@ -187,7 +188,7 @@ std::vector<Source*> Sources::found(const std::string& role, const std::string& 
           return asked.role == role;
         })->type;
     if (!wrong_type.empty()) {
-      fail("topic {} is of type {}; read is {}", name, wrong_type, type);
+      fail("topic {} is of type {}; read is {}, of ROS 1 or CDR", name, wrong_type, type);
     }
     fail("no topic {}; there are{}{}", name.empty() ? "of type " + type : name,
          topic_list(summary_), summary_.damage.empty() ? "" : "\n" + summary_.damage);
@@ -195,8 +196,8 @@ std::vector<Source*> Sources::found(const std::string& role, const std::string& 
   return out;
 }
 
-void Sources::fail_ambiguous(const Source& one) const {
-  fail("several topics of type {}; choose with --{}:{}", one.role.type, one.role.role,
+void Sources::fail_ambiguous(const Source& one, const std::string& why) const {
+  fail("several topics of type {}; choose with --{}{}:{}", one.role.type, one.role.role, why,
        topic_list(summary_));
 }
 
@@ -260,7 +261,13 @@ void Sources::choose_radars() {
   std::vector<std::string> known;
   for (const Source* radar : radars) {
     const bool same = std::count(known.begin(), known.end(), radar->frame) > 0;
-    if (same || !frames.pose(radar->frame, imu->frame)) fail_ambiguous(*radar);
+    if (same || !frames.pose(radar->frame, imu->frame)) {
+      const std::string why = same ? "another one has the same frame"
+                                   : frames.why_not(radar->frame, imu->frame);
+      fail_ambiguous(*radar, fmt::format(" (all at once would need the mounting of each: {}: {})",
+                                         radar->role.name,
+                                         why.empty() ? "there is no /tf_static" : why));
+    }
     known.push_back(radar->frame);
   }
   std::sort(radars.begin(), radars.end(),

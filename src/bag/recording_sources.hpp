@@ -149,7 +149,7 @@ class Sources {
   void decode(Source* source, const Topic& topic, const Message& message);
   /// The sources of a role with messages: those requested, in this order, or all of its type.
   std::vector<Source*> found(const std::string& role, const std::string& names);
-  [[noreturn]] void fail_ambiguous(const Source& one) const;
+  [[noreturn]] void fail_ambiguous(const Source& one, const std::string& why = {}) const;
   Source* only(const std::vector<Source*>& sources) const;
   /// Null if there is none, or several of which none is requested.
   Source* choose_optional(const std::string& role, const std::string& name);

@@ -48,8 +48,9 @@ class Tidied final : public MessageStream {
         states_.emplace_back().points = is_ti_scan(topics_.back().type);
       }
       State& of = states_[message->topic];
-      if (topics_[message->topic].encoding == Encoding::kCdr && is_zstd(message->data)) {
-        if (!decompress("zstd", message->data, {}, &plain_).empty()) plain_.clear();
+      const std::string_view packed = compression_of(message->data);
+      if (topics_[message->topic].encoding == Encoding::kCdr && !packed.empty()) {
+        if (!decompress(packed, message->data, {}, &plain_).empty()) plain_.clear();
         message->data = plain_;
       }
       set_clock(&of, message);
@@ -73,19 +74,24 @@ class Tidied final : public MessageStream {
     return true;
   }
 
-  /// A step back, unless it ends one stray time, is made good: for all topics, by the usual
-  /// interval of the first topic that shows it.
+  /// A step back, unless it ends one stray time, and one ahead by more than any pause of a flight
+  /// (a computer that began in 1970) are made good: for all topics, by the usual interval of the
+  /// first topic that shows it.
   void set_clock(State* of, Message* message) {
+    constexpr Time kPause = std::chrono::hours(1);
     constexpr Time kFar(300'000'000);
     constexpr Time kBack(50'000'000);  // messages that are swapped are nearer
     message->received += ahead_;
     const Time back = std::min(of->last, of->last_but_one) - message->received;
-    if (of->count > 1 && back > kBack && (back > kFar || is_kept(message, of->last))) {
+    const bool is_back = back > kBack && (back > kFar || is_kept(message, of->last));
+    const bool is_ahead = message->received - std::max(of->last, latest_) > kPause;
+    if (of->count > 1 && (is_back || is_ahead)) {
       const Time step = of->last + (of->last - of->last_but_one) - message->received;
       ahead_ += step;
       message->received += step;
     }
     of->last_but_one = std::exchange(of->last, message->received);
+    latest_ = message->received;
     ++of->count;
   }
 
@@ -156,6 +162,7 @@ class Tidied final : public MessageStream {
   std::vector<std::uint8_t> plain_;  ///< decompressed message
   std::vector<std::uint8_t> given_;  ///< scan
   Time ahead_{0};                    ///< added to receive times
+  Time latest_{0};                   ///< receive time of the message before
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -179,6 +180,8 @@ int main(int argc, char** argv) {
     return rio::tools::run(argc, argv);
   } catch (const rio::tools::WrongResult& error) {
     return failed(error, 3);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return failed(std::runtime_error(error.path1().string() + ": " + error.code().message()), 1);
   } catch (const std::exception& error) {
     return failed(error, 1);
   }

@@ -49,7 +49,7 @@ bag::RecordingRequest request_of(const RecordingArguments& a, bool truth) {
   set(a.radar, &request.radar_topic);
   set(a.pressure, &request.pressure_topic);
   set(a.truth, &request.truth_topic);
-  request.truth = truth;
+  request.truth = truth || !a.truth.empty();
   set_named(a.imu_clock, &request.imu_clock);
   set_named(a.radar_clock, &request.radar_clock);
   set(a.trigger, &request.trigger_topic);

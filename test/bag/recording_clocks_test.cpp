@@ -49,7 +49,7 @@ TEST_F(RecordingClocks, AClockThatJumpsGoesOnAsTheMessagesWereReceived) {
   }
   // the clock of the recorder with them, by NTP or by hand: the interval at the step is that of the
   // IMU before
-  for (const Time step : {-kSecond / 5, -kSecond / 10, -10 * kSecond}) {
+  for (const Time step : {-kSecond / 5, -kSecond / 10, -10 * kSecond, 1'599'999'000 * kSecond}) {
     expect_same(read(jumping("both", step, step)), good);
     const std::string text = summary_text(summarise(open_messages(dir_.path() / "a").get()));
     EXPECT_PRED2(test::contains, text, "  100.00 Hz");
@@ -153,6 +153,26 @@ TEST_F(RecordingClocks, ATopicThatArrivesLateIsOnItsClock) {
   }
   EXPECT_PRED2(test::contains, notes_of(read(apart)),
                "5.000 s apart; if one only arrives late: --imu-clock header --radar-clock header");
+}
+
+/// A driver that stamps by whole seconds, or all scans by its own start.
+TEST_F(RecordingClocks, HeadersThatAreThoseOfTheMessageBeforeAreNoTimes) {
+  RecordingRequest received;
+  received.radar_clock = Clock::kReceive;
+  const io::Dataset good = read(test::at_rest(Wire::kRos1, 40), received);
+  for (const bool all : {false, true}) {
+    std::vector<Written> messages = test::at_rest(Wire::kRos1, 40);
+    const Time begin = messages[0].received / kSecond * kSecond;
+    for (Written& m : messages) {
+      if (m.topic == "/radar") set_header(&m, all ? begin : m.received / kSecond * kSecond);
+    }
+    const io::Dataset recording = read(messages);
+    expect_same(recording, good);
+    EXPECT_PRED2(test::contains, notes_of(recording), " header stamps are those of the message");
+    RecordingRequest headers;
+    headers.radar_clock = Clock::kHeader;
+    EXPECT_LT(read(messages, headers).scans.size(), 6U);
+  }
 }
 
 TEST_F(RecordingClocks, OneCorruptStampIsNoJump) {

@@ -84,6 +84,8 @@ TEST_F(Bag, InfoTellsTopicsAndConvertDoesNotOverwrite) {
   rio(convert);
   const std::string mine = dir_->read("kept/imu0/data.csv");
   fails(1, convert + " --imu-offset 1s", {"holds a recording already; --force overwrites it"});
+  fails(1, "convert " + recording + " /proc/nothing/here", {"rio: /proc/nothing/here"});
+  fails(1, "replay " + recording + " --quiet --truth /pose", {"no topic /pose; there are"});
   EXPECT_EQ(dir_->read("kept/imu0/data.csv"), mine);
   rio(convert + " --imu-offset 1s --force");
   EXPECT_NE(dir_->read("kept/imu0/data.csv"), mine);
