@@ -122,20 +122,30 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   return out;
 }
 
-/// A saturated sensor repeats the same largest value.
+/// A saturated sensor repeats the same largest value; one without noise is none.
 Finding check_saturation(const std::vector<ImuSample>& samples) {
   std::size_t at_end = 0;
   std::size_t frozen = 0;
-  const auto count_at_end = [&](const auto& value) {
+  std::string still;
+  const auto count_at_end = [&](const char* name, const auto& value) {
     double most = 0.0;
     for (const ImuSample& s : samples) most = std::max(most, std::abs(value(s)));
     std::size_t n = 0;
     for (const ImuSample& s : samples) n += std::abs(value(s)) == most ? 1U : 0U;
-    if (n > 5) at_end = std::max(at_end, n);
+    const double first = value(samples.front());
+    if (std::all_of(samples.begin(), samples.end(),
+                    [&](const ImuSample& s) { return value(s) == first; })) {
+      still += std::string(still.empty() ? "" : ", ") + name;
+    } else if (n > 5) {
+      at_end = std::max(at_end, n);
+    }
   };
-  for (int axis = 0; axis < 3; ++axis) {
-    count_at_end([axis](const ImuSample& s) { return s.gyro_B[axis]; });
-    count_at_end([axis](const ImuSample& s) { return s.accel_B[axis]; });
+  constexpr std::array kGyro = {"gyro x", "gyro y", "gyro z"};
+  constexpr std::array kAccel = {"accelerometer x", "accelerometer y", "accelerometer z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    count_at_end(kGyro[axis], [a](const ImuSample& s) { return s.gyro_B[a]; });
+    count_at_end(kAccel[axis], [a](const ImuSample& s) { return s.accel_B[a]; });
   }
   for (std::size_t i = 1; i < samples.size(); ++i) {
     frozen +=
@@ -150,7 +160,11 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
               fmt::format("{:.2f} % of an axis at its largest value, {:.2f} % of the samples equal "
                           "the one before",
                           end, same)};
-  if (end > 0.1 || same > 1.0) {
+  if (!still.empty()) {
+    out.verdict = Verdict::kDoubtful;
+    out.text += "; never changes: " + still;
+    out.change = "every axis of an IMU has noise: find out why the driver does not fill these in";
+  } else if (end > 0.1 || same > 1.0) {
     out.verdict = Verdict::kDoubtful;
     out.change = "widen the ranges of the IMU and mount it softer; read it as often as it measures";
   }
@@ -160,8 +174,9 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
 }  // namespace
 
 std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples) {
-  const auto is_finite = [](const ImuSample& s) {
-    return s.gyro_B.allFinite() && s.accel_B.allFinite();
+  constexpr double kMost = 1e9;  // in no unit of an IMU; sums of larger ones would lose the others
+  const auto is_finite = [kMost](const ImuSample& s) {
+    return (s.gyro_B.array().abs() < kMost).all() && (s.accel_B.array().abs() < kMost).all();
   };
   const bool all_finite = std::all_of(samples.begin(), samples.end(), is_finite);
   std::vector<ImuSample> some;

@@ -30,6 +30,8 @@ constexpr struct {
     {"\2\1\4\3\6\5\b\7"sv,
      "raw packets of a TI radar, without times: record it with rio live --radar PORT --imu PORT "
      "--record FOLDER"sv},
+    {"%time,field"sv,
+     "a topic as `rostopic echo -p` prints it, in columns of its own: give the bag itself"sv},
     {"ulog\1"sv, "a log of PX4, which holds no radar points: record with ROS or rio live"sv},
     {"\x89hdf"sv, "HDF5, which is not read: write it as a folder of CSV files"sv},
     {"\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0"sv, "zeros where it begins: it never came to the disk"sv},

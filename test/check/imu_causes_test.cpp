@@ -145,6 +145,19 @@ TEST(ImuCauses, SamplesThatAreThereTwiceLostNoDigits) {
          "two recordings of it joined");
 }
 
+TEST(ImuCauses, AnAxisWithoutNoiseIsNoSmallRange) {
+  const io::Dataset dataset = with_imu([](ImuSample& s) { s.gyro_B.x() = s.accel_B.z() = 9.81; });
+  expect(said(dataset, "imu saturation"), Verdict::kDoubtful,
+         "never changes: gyro x, accelerometer z", "does not fill these in");
+}
+
+TEST(ImuCauses, AValueOutOfAllReasonIsOneSampleLess) {
+  io::Dataset dataset = flight();
+  dataset.imu[900].accel_B.x() = 1e300;
+  const Findings findings = check_it(dataset);
+  EXPECT_EQ(find(findings, "accelerometer unit")->verdict, Verdict::kOk) << text_of(findings);
+}
+
 TEST(ImuCauses, AnAccelerometerOffAtRestIsNoMissingRest) {
   const io::Dataset dataset = with_imu([](ImuSample& s) { s.accel_B *= 1.06; });
   expect_change(dataset, "accelerometer unit", "scale or bias is off");

@@ -167,6 +167,7 @@ TEST(Csv, AnotherFileIsNamed) {
                           "a.csv: a pointer of git LFS"},
                          {"\n<!DOCTYPE html><html>", "a.csv: a page of HTML"},
                          {"PK\3\4 and so on", "a.csv: a zip archive"},
+                         {"%time,field.header.seq\n", "a.csv: a topic as `rostopic echo -p`"},
                          {std::string(100, '\0'), "a.csv: zeros where it begins"}};
   for (const Other& other : table) {
     EXPECT_ERROR(CsvReader(dir.write("a.csv", other.text)), other.what);
