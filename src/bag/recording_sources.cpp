@@ -262,11 +262,11 @@ void Sources::choose_radars() {
   for (const Source* radar : radars) {
     const bool same = std::count(known.begin(), known.end(), radar->frame) > 0;
     if (same || !frames.pose(radar->frame, imu->frame)) {
-      const std::string why = same ? "another one has the same frame"
-                                   : frames.why_not(radar->frame, imu->frame);
-      fail_ambiguous(*radar, fmt::format(" (all at once would need the mounting of each: {}: {})",
-                                         radar->role.name,
-                                         why.empty() ? "there is no /tf_static" : why));
+      const std::string why =
+          same ? "another one has the same frame" : frames.why_not(radar->frame, imu->frame);
+      fail_ambiguous(*radar,
+                     fmt::format(" (all at once would need the mounting of each: {}: {})",
+                                 radar->role.name, why.empty() ? "there is no /tf_static" : why));
     }
     known.push_back(radar->frame);
   }

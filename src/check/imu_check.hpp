@@ -38,7 +38,8 @@ inline constexpr double kLongestSilence = kMostVelocity / kFeigned;  // [s]
 /// Up to this interval of radar velocities the IMU adds less than the error of one of them.
 inline constexpr double kSparseVelocities = 0.1 / kFeigned;  // [s]
 
-/// Samples that can be integrated: finite, of a size that an IMU measures, in_order() of order.hpp; empty if these are all.
+/// Samples that can be integrated: finite, of a size that an IMU measures, in_order() of order.hpp;
+/// empty if these are all.
 std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
 
 /// The second in which the specific force varies least.
