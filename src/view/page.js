@@ -319,7 +319,7 @@ function startScene() {
   // the body at the cursor: its axes, forward the longest
   const body = add(new THREE.Group());
   body.add(markers(0, 11, [0, 0, 0]));
-  for (const [direction, name, length] of [[[1, 0, 0], "y", 1], [[0, 1, 0], "z", 0.5], [[0, 0, 1], "x", 0.5]]) {
+  for (const [direction, name, length] of [[[1, 0, 0], "x", 1], [[0, 1, 0], "y", 0.5], [[0, 0, 1], "z", 0.5]]) {
     const arrow = new THREE.ArrowHelper(new THREE.Vector3(...direction), new THREE.Vector3(), length * size * 0.08);
     arrow.name = name;
     body.add(arrow);
