@@ -33,7 +33,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 ROOMS = ['propagate', 'frontend', 'update', 'ekf', 'smoother', 'checks', 'engine']
 # whose tests are run for a mutant of the room, in this order
 NEXT = {'propagate': ['propagate', 'smoother'], 'frontend': ['frontend'], 'update': ['update', 'ekf'],
-        'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'checks': ['checks'], 'engine': []}
+        'ekf': ['ekf', 'update'], 'smoother': ['smoother'], 'checks': ['checks'], 'engine': ['api']}
 FLIGHT = ['api_engine_test', 'api_odometry_test', 'api_aiding_test', 'mc_accuracy_gate_test']
 DEEP = ['api_contract_test', 'mc_recovery_test', 'mc_imu_fault_test', 'mc_calibration_test',
         'mc_consistency_test', 'api_allocation_test', 'e2e_recordings_test']
