@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "rio/eval/metrics.hpp"
+#include "rio/io/options_yaml.hpp"
 #include "rio/io/simulation.hpp"
 #include "rio/rio.hpp"
 
@@ -169,10 +170,7 @@ Figures measure(const io::Dataset& load, const Options& options) {
 }
 
 Options options_for(const io::Dataset& load, const std::string& preset_name, BackEnd backend) {
-  Options options;
-  if (!preset(preset_name, &options)) {
-    throw std::runtime_error("no such preset: \"" + preset_name + "\"");
-  }
+  Options options = io::preset_named(preset_name);
   io::apply_sensor_info(load, &options);
   options.backend = backend;
   return options;

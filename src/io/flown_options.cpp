@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/io/flown_options.hpp"
 
-#include <stdexcept>
 #include <utility>
 
 #include "rio/io/csv.hpp"
@@ -39,10 +38,7 @@ Options flown_options(const EstimatorArguments& arguments, const Dataset& sensor
   if (name.empty() && !arguments.config.empty()) {
     name = preset_in_texts({read_text(arguments.config)}, arguments.config).value_or("");
   }
-  Options options = std::move(base);
-  if (!name.empty() && !preset(name, &options)) {
-    throw std::runtime_error("no such preset: \"" + name + "\"");
-  }
+  Options options = name.empty() ? std::move(base) : preset_named(name, std::move(base));
   const std::vector<std::string> changed = tell_sensors_and_values(sensors, arguments, &options);
   notes->insert(notes->end(), changed.begin(), changed.end());
   if (!arguments.backend.empty()) {

@@ -101,13 +101,9 @@ YamlFile parse_setting(const std::string& setting) {
   for (std::size_t dot; (dot = key.find('.')) != std::string::npos; end += "}") {
     key.replace(dot, 1, ": {");
   }
-  return parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting);
-}
-
-Options preset_named(const std::string& name) {
-  Options options;
-  if (!preset(name, &options)) throw std::runtime_error("no such preset: \"" + name + "\"");
-  return options;
+  YamlFile file = parse_yaml("{" + key + ": " + setting.substr(equals + 1) + end, setting);
+  file.has_lines = false;
+  return file;
 }
 
 /// The keys that sensor files or the preset set.
@@ -138,6 +134,12 @@ std::vector<OptionText> option_texts(const Options& options) {
 }
 
 }  // namespace
+
+Options preset_named(const std::string& name, Options base) {
+  if (preset(name, &base)) return base;
+  throw std::runtime_error(
+      fmt::format("no such preset: \"{}\"; there are {}", name, fmt::join(kPresets, ", ")));
+}
 
 void apply_settings(const std::vector<std::string>& settings, Options* options) {
   change("settings", options, [&settings](Options* changed) {

@@ -87,7 +87,7 @@ std::string last_part(const std::string& key) {
 }  // namespace
 
 YamlFile parse_yaml(const std::string& text, const std::string& name) {
-  YamlFile file{name, {}};
+  YamlFile file{name, {}, true};
   try {
     if (has_two_documents(text))
       throw std::runtime_error(name + ": holds more than one document, or a comma in place of one");
@@ -105,7 +105,8 @@ YamlFile load_yaml(const std::filesystem::path& path) {
 }
 
 void fail_at(const YamlFile& file, const YAML::Node& node, const std::string& what) {
-  throw std::runtime_error(file.name + ":" + std::to_string(node.Mark().line + 1) + ": " + what);
+  const std::string line = file.has_lines ? ":" + std::to_string(node.Mark().line + 1) : "";
+  throw std::runtime_error(file.name + line + ": " + what);
 }
 
 double yaml_number(const YamlFile& file, const YAML::Node& node, const std::string& key,

@@ -14,12 +14,13 @@ namespace rio::io {
 struct YamlFile {
   std::string name;  ///< for messages
   YAML::Node root;   ///< a map, or null when the file holds comments only
+  bool has_lines = true;
 };
 
 YamlFile parse_yaml(const std::string& text, const std::string& name);
 YamlFile load_yaml(const std::filesystem::path& path);
 
-/// Throws "FILE:LINE: what".
+/// Throws "FILE:LINE: what", or "FILE: what" if it has no lines.
 [[noreturn]] void fail_at(const YamlFile& file, const YAML::Node& node, const std::string& what);
 
 /// A number with or without a unit; `key` is for the message.

@@ -108,6 +108,11 @@ bool is_recording(const std::string& path) {
 
 std::vector<Run> runs_of(const CompareArguments& arguments) {
   std::vector<Run> runs;
+  const auto variants = variants_of(arguments);
+  for (const auto& variant : variants) {  // before the first one flies
+    std::vector<std::string> ignored;
+    (void)io::flown_options(variant.second, {}, {}, &ignored);
+  }
   const std::vector<std::string> labels = default_labels(arguments.runs);
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const std::string& path = arguments.runs[i];
@@ -115,7 +120,7 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
       runs.push_back({labels[i], io::read_trajectory(path), {}});
       continue;
     }
-    for (const auto& [variant, estimator] : variants_of(arguments)) {
+    for (const auto& [variant, estimator] : variants) {
       const bool alone =
           std::count_if(arguments.runs.begin(), arguments.runs.end(), is_recording) == 1;
       const std::string name = variant.empty() ? labels[i]
@@ -252,8 +257,8 @@ void compare(const CompareArguments& arguments) {
   std::vector<std::string> inputs = arguments.runs;
   inputs.push_back(arguments.truth);
   protect_inputs(inputs, {arguments.report});
-  std::vector<Run> runs = runs_of(arguments);
   const eval::Trajectory truth = common_truth(arguments);
+  std::vector<Run> runs = runs_of(arguments);
   std::vector<NamedPath> paths;
   for (const Run& run : runs) paths.emplace_back(run.name, run.poses);
   if (!truth.empty()) paths.emplace_back("the truth", truth);

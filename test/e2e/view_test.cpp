@@ -246,6 +246,9 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   rio("compare " + tum + " " + file("again/other.tum"),
       {"| " + fs::path(tum).parent_path().filename().string() + "/other |", "| again/other |"});
   std::ofstream(file("strange.tum")) << "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n";
+  const std::string at_once =
+      fails(1, "compare " + flight_ + " --preset default,none", {"none"}).output;
+  EXPECT_EQ(at_once.find("default ..."), std::string::npos) << at_once;  // before the first flies
   fails(1, "compare " + tum + " " + file("strange.tum"), {"no time in common: other is from "});
   fails(1, "plot " + tum + " --out x.png", {"rsvg-convert"});
 }

@@ -30,6 +30,10 @@ std::optional<std::string> preset_in_texts(const std::vector<std::string>& yaml,
 /// parse_option_values() does, with the setting in place of the file.
 void apply_settings(const std::vector<std::string>& settings, Options* options);
 
+/// `base` as the preset changes it.
+/// @throws std::runtime_error that tells the presets if there is no such one
+Options preset_named(const std::string& name, Options base = {});
+
 /// Every option with its unit and meaning as a comment; reads back to the same options.
 std::string options_as_yaml(const Options& options);
 
