@@ -29,16 +29,19 @@ Time stamp_at(const CsvReader& rows) {
 }
 
 /// Rows without stamps have them in timestamps.txt beside the file.
-Trajectory read_tum(const std::filesystem::path& path, TumOrder order) {
-  CsvReader rows(path, ' ');
+Trajectory read_tum(const std::filesystem::path& path, TumOrder order, char separator = ' ') {
+  CsvReader rows(path, separator);
+  rows.expect_names({"timestamp", "px", "py", "pz", "qx", "qy", "qz", "qw"});
   std::optional<CsvReader> stamps;
   Trajectory trajectory;
   while (rows.next()) {
     const std::size_t columns = rows.columns();
     const std::filesystem::path beside = path.parent_path() / "timestamps.txt";
     if (columns == 7 && !stamps && std::filesystem::exists(beside)) stamps.emplace(beside, ' ');
+    if (columns == 1) (void)rows.number(0);  // names another separator
     if (columns != 8 && !stamps) {
-      rows.fail("has " + std::to_string(columns) + " columns, a TUM file has 8");
+      rows.fail(fmt::format("has {} columns, a TUM file has 8{}", columns,
+                            columns == 12 ? "; poses of KITTI have no stamps" : ""));
     }
     if (stamps && !stamps->next()) rows.fail("has no stamp in " + beside.string());
     const std::size_t i = stamps ? 0 : 1;
@@ -66,11 +69,12 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order) {
   return trajectory;
 }
 
-/// Whether the columns of a .csv are separated by blanks.
-bool has_blanks(const std::filesystem::path& path) {
+/// Of a TUM file, whose stamps are in seconds if commas separate its columns; else empty.
+std::optional<char> tum_separator(const std::filesystem::path& path) {
   CsvReader rows(path);
-  return rows.next() && rows.columns() == 1 &&
-         rows.cell(0).find_first_of(" \t") != std::string::npos;
+  if (!rows.next() || rows.columns() == 1) return ' ';
+  const bool seconds = rows.cell(0).find_first_of(".eE") != std::string_view::npos;
+  return rows.columns() == 8 && seconds ? std::optional(',') : std::nullopt;
 }
 
 }  // namespace
@@ -99,8 +103,9 @@ Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order) {
   if (std::filesystem::exists(path / kColoradarPoses)) {
     return read_tum(path / kColoradarPoses, order);
   }
-  if (!std::filesystem::is_directory(path) && (path.extension() != ".csv" || has_blanks(path))) {
-    return read_tum(path, order);
+  if (!std::filesystem::is_directory(path)) {
+    const std::optional<char> separator = tum_separator(path);
+    if (separator) return read_tum(path, order, *separator);
   }
   Trajectory trajectory;
   for (const NavState& state : read_ground_truth(path)) {

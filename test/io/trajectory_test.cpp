@@ -2,6 +2,7 @@
 // Files of trajectories and states, and of the state at the start.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -144,6 +145,9 @@ TEST(Trajectory, RejectsDamage) {
   const auto read = [&dir](const char* text) { read_trajectory(dir.write("a.tum", text)); };
   EXPECT_ERROR(read("1 0 0 0 0 0 0 1 5\n"), "a.tum:1: has 9 columns, a TUM file has 8");
   EXPECT_ERROR(read("1 0 0 0 0 0 0 1\n2 0 0 0 0\n"), "a.tum:2: has 5 columns");
+  EXPECT_ERROR(read("1;0;0;0;0;0;0;1\n"), "columns are separated by blanks, not by ;");
+  EXPECT_ERROR(read("1 0 0 0 0 1 0 0 0 0 1 0\n"), "12 columns, a TUM file has 8; poses of KITTI");
+  EXPECT_ERROR(read("t,x,y,z,qw,qx,qy,qz\n1.5,0,0,0,1,0,0,0\n"), "column 5 is \"qw\"");
   EXPECT_ERROR(read("1 0 0 0 0 0 0 0\n"), "a.tum:1: not a unit quaternion");
   EXPECT_ERROR(read("1 0 0 0 nan 0 0 1\n"), "a.tum:1: not a unit quaternion");
   EXPECT_ERROR(read("1 nan 0 0 0 0 0 1\n"), "a.tum:1: position is not finite");
@@ -180,6 +184,10 @@ TEST(Trajectory, ReadsTheTruthFilesOfPublicDataSets) {
   const std::string others = " 4 5 6 0.5 0.5 0.5 -0.5\n";
   const std::string seconds = "1403636579.758555392" + poses + "1403636580.758555392" + others;
   check(read_trajectory(dir.write("truth.csv", "timestamp tx ty tz qx qy qz qw\n" + seconds)));
+  std::string commas = "timestamp,tx,ty,tz,qx,qy,qz,qw\n" + seconds;  // as pandas writes it
+  std::replace(commas.begin(), commas.end(), ' ', ',');
+  for (const char* name : {"commas.csv", "commas.txt"})
+    check(read_trajectory(dir.write(name, commas)));
   check(read_trajectory(
       dir.write("truth.txt", "1403636579758555392" + poses + "1403636580758555392" + others)));
   dir.write("groundtruth/timestamps.txt", "1403636579.758555392\n1403636580.758555392\n");

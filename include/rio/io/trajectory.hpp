@@ -29,11 +29,11 @@ enum class TumOrder : std::uint8_t {
   kSorted,  ///< sort; of equal stamps the first is kept
 };
 
-/// A dataset folder (its ground truth), a .csv file (EuRoC ground truth, or a states file), or else
-/// a TUM file of exactly eight columns; of seven if timestamps.txt is beside it (ColoRadar, or its
-/// folder). A .csv with blanks between the columns is a TUM file, an integer stamp of 15 digits or
-/// more is in nanoseconds. Throws std::runtime_error "FILE:LINE: ..." if it is
-/// damaged, empty, not finite, or if stamps do not strictly increase.
+/// A dataset folder (its ground truth), a table with commas and stamps in ns (EuRoC ground truth,
+/// or a states file), or else a TUM file of exactly eight columns, with blanks or commas between
+/// them; of seven if timestamps.txt is beside it (ColoRadar, or its folder). An integer stamp of 15
+/// digits or more is in nanoseconds. Throws std::runtime_error "FILE:LINE: ..." if it is damaged,
+/// empty, not finite, or if stamps do not strictly increase.
 Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order = TumOrder::kStrict);
 
 /// Error of the states file: [dp, dtheta, dv] in W, B, W axes.
