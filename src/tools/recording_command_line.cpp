@@ -61,9 +61,10 @@ void add_recording_options(const Command& command, RecordingArguments* how, bool
   of_a_bag.add("--axes", &how->axes, "of the points: flu, ti, rdf or frd; wins over --points",
                axes);
   of_a_bag.add("--approaching", &how->approaching, "the Doppler is positive towards the radar");
-  of_a_bag.add("--imu-clock", &how->imu_clock,
-               "stamps: header, receive, carried (headers moved onto the receive clock), auto",
-               CLI::IsMember({"auto", "header", "receive", "carried"}));
+  of_a_bag.add(
+      "--imu-clock", &how->imu_clock,
+      "stamps: header, receive, carried (headers moved onto the receive clock), auto (default)",
+      CLI::IsMember({"auto", "header", "receive", "carried"}));
   of_a_bag.add("--radar-clock", &how->radar_clock,
                "as --imu-clock; or trigger: headers of the messages of what triggers the scans",
                CLI::IsMember({"auto", "header", "receive", "carried", "trigger"}));

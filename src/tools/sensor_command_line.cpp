@@ -122,7 +122,7 @@ void add_live_command(CLI::App& app) {
               "how long a port that vanished is waited for [s]; by default for ever", kNotNegative);
   command.add("--speed", &to->speed,
               "of the clock: that of `rio simulate --live --speed` at the other end",
-              CLI::Range(0.1, 100.0));
+              CLI::Range(0.1, 100.0), kShown);
   add_live_outputs(command.under("Outputs"), to);
 }
 
@@ -155,7 +155,7 @@ void add_simulate_command(CLI::App& app) {
       ->excludes(length);
   command.add("--radars", &to->radars,
               "on the body, radar0, radar1, ...: two look ahead and down, three or four around",
-              CLI::Range(1, 4));
+              CLI::Range(1, 4), kShown);
   command.add("--ideal", &to->ideal,
               "ideal sensors instead of the scenario's: Gaussian noise only, no grids, folding, "
               "outliers or vibration");
@@ -164,7 +164,7 @@ void add_simulate_command(CLI::App& app) {
                                   "lines for `rio live` until it is over");
   const Command played = command.under("With --live");
   const CLI::Range share(0.0, 1.0);
-  played.add("--speed", &to->speed, "of the time", CLI::Range(0.1, 100.0), live);
+  played.add("--speed", &to->speed, "of the time", CLI::Range(0.1, 100.0), live, kShown);
   played.add("--dropped", &to->cable.dropped, "share of the packets that never arrive", share,
              live);
   played.add("--damaged", &to->cable.damaged, "share that lose some of their bytes", share, live);
