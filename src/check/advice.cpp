@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace rio::check {
@@ -64,6 +65,25 @@ std::optional<std::string> Advice::axes(const Matrix3d& turn) const {
   for (const char* name : {"flu", "ti", "rdf", "frd"}) {
     const bool fits = (turn * to_flu(info->axes) - to_flu(name)).norm() < 1e-6;
     if (fits) return std::string("--axes ") + name;
+  }
+  return std::nullopt;
+}
+
+bool Advice::has(const std::string& quantity) const {
+  return info != nullptr && std::any_of(info->fields.begin(), info->fields.end(),
+                                        [&](const auto& field) { return field.first == quantity; });
+}
+
+std::optional<std::string> Advice::mirror(const Matrix3d& M) const {
+  constexpr const char* kPoints[] = {"x", "y", "z"};
+  constexpr const char* kAngles[] = {"", "azimuth", "elevation"};
+  for (int i = 0; i < 3; ++i) {
+    Matrix3d flip = Matrix3d::Identity();
+    flip(i, i) = -1.0;
+    if ((M - flip).norm() > 1e-6 || info == nullptr || info->axes != "flu") continue;
+    for (const char* quantity : {kPoints[i], kAngles[i]}) {
+      if (has(quantity)) return scale(quantity, -1.0);
+    }
   }
   return std::nullopt;
 }

@@ -33,6 +33,10 @@ struct Advice {
   std::string option(const std::string& of_first, const std::string& of_others) const;
   /// "--axes flu", if points that must be turned by this are in other known axes.
   std::optional<std::string> axes(const Matrix3d& turn) const;
+  /// Whether the points are read from this quantity.
+  bool has(const std::string& quantity) const;
+  /// "--field y=y*-1", or of an angle, if that makes good points that are mirrored by M.
+  std::optional<std::string> mirror(const Matrix3d& M) const;
   /// "frd", if an IMU in these axes makes the radar appear turned by this about axes of the body,
   /// and its gravity shows them.
   /// @param up specific force at rest, as recorded

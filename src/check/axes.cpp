@@ -121,6 +121,7 @@ std::string change_of(const Matrix3d& configured, const Axes& axes, const Option
   const std::optional<std::string> mirrored =
       mirror_text(configured.transpose() * axes.R, "the points");
   if (!mirrored) return both;
+  if (const auto field = advice.mirror(configured.transpose() * axes.R)) return *field;
   const std::string where = advice.bag() ? "--axes or --field x=... y=... z=..."
                                          : "the columns x, y, z of " + advice.csv();
   return fmt::format("{}, by {}", *mirrored, where);

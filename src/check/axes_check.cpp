@@ -144,6 +144,14 @@ Axes choose_axes(const Judge& judge, std::vector<Axes>* alike) {
     return mirrors_the_points(axes, judge.configured);
   });
   if (strange && mirrored != alike->end()) std::iter_swap(alike->begin(), mirrored);
+  // of a plane motion a radar that is upside down is the same as an angle counted the other way
+  const auto of_angle = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
+    return judge.advice.has("azimuth") &&
+           judge.advice.mirror(judge.configured.transpose() * axes.R);
+  });
+  if (alike->front().turn > 1e-6 && of_angle != alike->end()) {
+    std::iter_swap(alike->begin(), of_angle);
+  }
   return alike->front();
 }
 

@@ -40,6 +40,27 @@ TEST(RadarCauses, AnSnrThatIsNoDecibelsIsNotAWeakRadar) {
   }
 }
 
+TEST(RadarCauses, AnAngleCountedTheOtherWayIsNoRadarUpsideDown) {
+  sim::Scenario scenario = scenario_named("indoor-1");
+  scenario.path.ground = true;  // which cannot tell the two apart, if the radar looks ahead
+  scenario.path.length = 50.0;
+  scenario.radar.T_BS.rotation.setIdentity();
+  io::Dataset dataset = flown(scenario);
+  dataset.radar_info.T_BS->rotation.setIdentity();
+  dataset.radar_info.axes = "flu";
+  dataset.radar_info.fields = {{"range", "r"}, {"azimuth", "phi*0.5"}, {"elevation", "theta"}};
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kOk);
+  each_detection(&dataset, [](RadarDetection* d) { d->point_S.y() *= -1.0; });
+  expect(said(dataset, "axes and Doppler sign"), Verdict::kDoubtful,
+         "turned by 180 deg about the x axis of the body", "--field azimuth=phi*-0.5");
+  dataset.radar_info.fields = {{"x", "x"}, {"y", "y"}, {"z", "z"}};
+  expect_change(dataset, "axes and Doppler sign", "radar: {T_BS: {translation: [0.1000,");
+  io::Dataset in_air = with_detections([](RadarDetection* d) { d->point_S.y() *= -1.0; });
+  in_air.radar_info.fields = dataset.radar_info.fields;
+  in_air.radar_info.axes = "flu";
+  EXPECT_EQ(said(in_air, "axes and Doppler sign").change, "--field y=y*-1");
+}
+
 /// The flight with this share of its motion subtracted from the Doppler, by the velocity that most
 /// points of the scan agree on.
 io::Dataset compensated(double share, double noise) {
