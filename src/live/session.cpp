@@ -76,8 +76,9 @@ std::string Session::times_problem(std::size_t r) const {
   if (frames.made_up > frames.untimed) {
     return "most packets are not used: their bytes come more slowly than baud rate and rate_hz say";
   }
-  return "most packets are not used: their numbers do not count the frames, or they come all at "
-         "once, from a file";
+  return "the packets come all at once, from a file, or their numbers do not count the frames: "
+         "most "
+         "are not used";
 }
 
 /// Stamps it, in the clock of the arrivals.
