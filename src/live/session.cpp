@@ -77,8 +77,7 @@ std::string Session::times_problem(std::size_t r) const {
     return "most packets are not used: their bytes come more slowly than baud rate and rate_hz say";
   }
   return "the packets come all at once, from a file, or their numbers do not count the frames: "
-         "most "
-         "are not used";
+         "most are not used";
 }
 
 /// Stamps it, in the clock of the arrivals.

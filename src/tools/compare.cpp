@@ -98,7 +98,7 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
   const Replayed replayed = run_replay(one, &view);
   run.verdict = replayed.summary.health.verdict();
   if (!replayed.damage.empty()) print_notes({replayed.damage});
-  if (run.poses.empty()) throw std::runtime_error(name + ": no scan was used");
+  if (run.poses.empty()) throw std::runtime_error("no scan was used");
   return run;
 }
 
@@ -108,6 +108,7 @@ bool is_recording(const std::string& path) {
 
 std::vector<Run> runs_of(const CompareArguments& arguments) {
   std::vector<Run> runs;
+  std::string failed;  // why the last one did
   const auto variants = variants_of(arguments);
   for (const auto& variant : variants) {  // before the first one flies
     std::vector<std::string> ignored;
@@ -127,9 +128,15 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
                                : alone         ? variant
                                                : labels[i] + " " + variant;
       fmt::print(stderr, "{} ...\n", name);
-      runs.push_back(replay_of(arguments, path, name, estimator));
+      try {
+        runs.push_back(replay_of(arguments, path, name, estimator));
+      } catch (const std::runtime_error& error) {
+        failed = error.what();
+        print_notes({name + " is left out: " + failed});
+      }
     }
   }
+  if (runs.empty()) throw std::runtime_error(failed);
   return runs;
 }
 

@@ -249,6 +249,9 @@ TEST_F(Tool, ComparesVariantsAndOtherEstimates) {
   const std::string at_once =
       fails(1, "compare " + flight_ + " --preset default,none", {"none"}).output;
   EXPECT_EQ(at_once.find("default ..."), std::string::npos) << at_once;  // before the first flies
+  const std::string starts = "compare " + flight_ + " --init static --vary start.duration=";
+  rio(starts + "600,2", {"start.duration=600 is left out: no start", "| start.duration=2 |"});
+  fails(1, starts + "600", {"rio: no start: "});
   fails(1, "compare " + tum + " " + file("strange.tum"), {"no time in common: other is from "});
   fails(1, "plot " + tum + " --out x.png", {"rsvg-convert"});
 }
