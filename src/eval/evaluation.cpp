@@ -2,10 +2,26 @@
 #include "rio/eval/evaluation.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
 namespace rio::eval {
+
+using std::chrono::milliseconds;
+
+namespace {
+
+/// Poses that are no nearer in time.
+Trajectory thinned(const Trajectory& all, Time interval) {
+  Trajectory some;
+  for (const StampedPose& pose : all) {
+    if (some.empty() || pose.time - some.back().time >= interval) some.push_back(pose);
+  }
+  return some;
+}
+
+}  // namespace
 
 Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
                     const EvaluationOptions& options) {
@@ -48,6 +64,37 @@ Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
   result.yaw = yaw_errors(aligned);
   result.tilt = tilt_errors(aligned);
   return result;
+}
+
+StampOffset best_stamp_offset(const Trajectory& all_true, const Trajectory& all_estimates,
+                              const EvaluationOptions& options) {
+  if (all_true.empty() || all_estimates.empty()) return {};
+  const Time duration = all_estimates.back().time - all_estimates.front().time;
+  const Trajectory truth = thinned(all_true, milliseconds(40));  // as good to interpolate
+  const Trajectory estimate = thinned(all_estimates, duration / 1000);
+  const auto rmse = [&](Time offset) {
+    Trajectory moved = estimate;
+    for (StampedPose& pose : moved) pose.time -= offset;
+    const std::vector<PosePair> pairs =
+        associate(truth, moved, options.max_difference, options.max_gap).pairs;
+    if (pairs.size() < 2) return std::numeric_limits<double>::infinity();
+    return absolute_error(transformed(align_yaw(pairs).transform, pairs)).translation.rmse;
+  };
+  StampOffset best;
+  best.rmse = best.rmse_without = rmse(Time(0));
+  Time middle{0};
+  for (const Time step : {milliseconds(50), milliseconds(5), milliseconds(1)}) {
+    const int most = step == milliseconds(50) ? 40 : 10;
+    for (int i = -most; i <= most; ++i) {
+      const Time offset = middle + i * step;
+      const double error = rmse(offset);
+      if (!(error < best.rmse)) continue;
+      best.rmse = error;
+      best.offset = offset;
+    }
+    middle = best.offset;
+  }
+  return best;
 }
 
 }  // namespace rio::eval

@@ -165,6 +165,7 @@ struct EvaluateArguments {
   std::string align = "none";
   double max_diff = 0.01;
   double mae_at = std::numeric_limits<double>::quiet_NaN();
+  std::string truth_offset;  ///< added to its stamps; empty: none
   bool json = false;
 };
 void evaluate(const EvaluateArguments& arguments);

@@ -12,12 +12,14 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "estimator_options.hpp"
 #include "evaluate.hpp"
 #include "outputs.hpp"
 #include "rio/bag/message_stream.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/eval/evaluation.hpp"
 #include "rio/io/trajectory.hpp"
+#include "rio/io/units.hpp"
 
 namespace rio::tools {
 
@@ -209,11 +211,22 @@ eval::Trajectory truth_of(const std::string& path) {
 }
 
 void evaluate(const EvaluateArguments& arguments) {
-  const eval::Trajectory truth = truth_of(arguments.truth);
+  eval::Trajectory truth = truth_of(arguments.truth);
+  const std::string& said = arguments.truth_offset;
+  const double offset = said.empty() ? 0.0 : io::parse_quantity(said, "s");
+  for (eval::StampedPose& pose : truth) pose.time += from_seconds(offset);
   std::vector<NamedEvaluation> all;
   for (const std::string& file : arguments.estimates) {
+    const eval::Trajectory estimate = io::read_trajectory(file);
     all.push_back({std::filesystem::path(file).stem().string(),
-                   evaluate_poses(arguments, truth, io::read_trajectory(file), file)});
+                   evaluate_poses(arguments, truth, estimate, file)});
+    const eval::StampOffset best = eval::best_stamp_offset(truth, estimate);
+    if (!best.is_needed()) continue;
+    print_notes(
+        {fmt::format("the clocks of truth and {} seem to differ: with --truth-offset \"{:.3f} s\" "
+                     "the RMSE of the "
+                     "position (yaw aligned) is {:.3f} m instead of {:.3f}",
+                     file, offset + to_seconds(best.offset), best.rmse, best.rmse_without)});
   }
   if (all.size() > 1 && !arguments.json) return print_table(comparison_table(all));
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -186,6 +186,8 @@ void add_evaluate_command(CLI::App& app) {
   command.add("--max-diff", &to->max_diff,
               "largest difference of stamps if the truth is too sparse to interpolate [s]",
               kNotNegative, kShown);
+  command.add("--truth-offset", &to->truth_offset,
+              "added to the stamps of the truth, as \"-0.2 s\"");
   command.add("--mae-at", &to->mae_at,
               "also the norm of MAE up to this length of the true path [m]", kPositive);
 }

@@ -57,6 +57,10 @@ TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
     EXPECT_EQ(lines_of(file("s.csv")).size(), scans());
     EXPECT_EQ(numbers(lines_of(file("s.csv"))[0]).size(), 11U + 45U + 6U);
     const Json error = rio("evaluate " + flight_ + " " + file("t.tum") + " --json").json();
+    const std::string late = "evaluate " + flight_ + " " + file("t.tum") + " --truth-offset ";
+    rio(late + "1.5s",
+        {"note: the clocks of truth and ", "t.tum seem to differ: with --truth-offset"});
+    expect_none(rio(late + "0").output, {"seem to differ"});
     EXPECT_EQ(error["associated"], scans());
     EXPECT_LT(error["norm_of_rmse_m"], 0.5);
   }

@@ -239,6 +239,26 @@ TEST(Evaluate, CountsEstimatesWithoutTruth) {
   EXPECT_EQ(result.associated, 900U - 1U);  // that of 60.007 s comes before the first pose left
 }
 
+TEST(StampOffset, IsThatOfTheClockAndNotNeededWithoutOne) {
+  Trajectory truth = circle();  // on which a time is a yaw, so that an eight is made of it
+  for (StampedPose& pose : truth) pose.p.y() *= 0.2 * pose.p.x();
+  Trajectory estimate = estimate_of(truth, {quaternion_exp({0.0, 0.0, 0.4}), {3.0, -1.0, 2.0}});
+  for (StampedPose& pose : estimate) pose.p.x() *= 1.003;  // drift
+  const StampOffset right = best_stamp_offset(truth, estimate);
+  EXPECT_LT(std::abs(to_seconds(right.offset)), 0.02);
+  EXPECT_FALSE(right.is_needed()) << right.rmse << " " << right.rmse_without;
+  for (const int late : {-1234, -87, 345, 1999}) {
+    Trajectory other_clock = truth;
+    for (StampedPose& pose : other_clock) pose.time -= milliseconds(late);
+    const StampOffset found = best_stamp_offset(other_clock, estimate);
+    EXPECT_LT(std::abs(to_seconds(found.offset) - 1e-3 * late), 0.02) << late;
+    EXPECT_TRUE(found.is_needed()) << late << " " << found.rmse;
+    EXPECT_GT(found.rmse_without, found.rmse);
+  }
+  EXPECT_FALSE(best_stamp_offset(truth, {}).is_needed());
+  EXPECT_FALSE(best_stamp_offset({truth[0]}, estimate).is_needed());
+}
+
 TEST(Evaluate, SaysWhyItCannot) {
   const Trajectory truth = circle();
   const Trajectory estimate = estimate_of(truth, {});

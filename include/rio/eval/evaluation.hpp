@@ -45,4 +45,19 @@ struct Evaluation {
 Evaluation evaluate(const Trajectory& truth, const Trajectory& estimate,
                     const EvaluationOptions& options = {});
 
+/// Added to the stamps of a truth on another clock.
+struct StampOffset {
+  Time offset{0};
+  double rmse = kNan;          ///< of the position with it, after yaw and position alignment [m]
+  double rmse_without = kNan;  ///< [m]
+
+  /// Beyond what drift and noise make of stamps that are right.
+  bool is_needed() const { return rmse < 0.5 * rmse_without; }
+};
+
+/// The offset within two seconds with the least error, from sorted poses; zero if fewer than two
+/// can be paired.
+StampOffset best_stamp_offset(const Trajectory& truth, const Trajectory& estimate,
+                              const EvaluationOptions& options = {});
+
 }  // namespace rio::eval
