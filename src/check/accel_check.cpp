@@ -21,15 +21,19 @@ struct Unit {
   const char* name;
   double factor;  ///< to [m/s^2]
 };
-constexpr std::array<Unit, 4> kUnits = {
-    {{"m/s^2", 1.0}, {"g", kStandardGravity}, {"mg", 1e-3 * kStandardGravity}, {"ft/s^2", 0.3048}}};
+constexpr std::array<Unit, 5> kUnits = {{{"m/s^2", 1.0},
+                                         {"g", kStandardGravity},
+                                         {"mg", 1e-3 * kStandardGravity},
+                                         {"cm/s^2", 1e-2},
+                                         {"ft/s^2", 0.3048}}};
 
 /// The unit in which this is gravity, to a share of it; null if there is none.
 const Unit* unit_of_gravity(double norm, double share) {
-  const auto unit = std::ranges::find_if(kUnits, [=](const Unit& u) {
-    return std::abs(norm * u.factor / kStandardGravity - 1.0) < share;
-  });
-  return unit == kUnits.end() ? nullptr : &*unit;
+  const auto off = [norm](const Unit& u) {
+    return std::abs(norm * u.factor / kStandardGravity - 1.0);
+  };
+  const auto unit = std::ranges::min_element(kUnits, {}, off);
+  return off(*unit) < share ? &*unit : nullptr;
 }
 
 std::string accel_in(const Unit& unit, Source source) {
@@ -101,6 +105,7 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
     found->accel_unit = unit->factor;
     found->integrable = true;
     out.text += fmt::format(": it is in {}", unit->name);
+    if (unit->factor < 0.011) out.text += "; mg and cm/s^2 are 2 % apart";
     out.change = accel_in(*unit, source);
   }
   return out;

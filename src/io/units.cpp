@@ -28,12 +28,13 @@ struct NamedUnit {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kStandardGravity = 9.80665;  // [m/s^2]
-constexpr std::array<NamedUnit, 24> kUnits = {{
+constexpr std::array<NamedUnit, 25> kUnits = {{
     {"m", 1.0, {1, 0, 0, 0}},
     {"km", 1e3, {1, 0, 0, 0}},
     {"cm", 1e-2, {1, 0, 0, 0}},
     {"mm", 1e-3, {1, 0, 0, 0}},
     {"um", 1e-6, {1, 0, 0, 0}},
+    {"ft", 0.3048, {1, 0, 0, 0}},
     {"s", 1.0, {0, 1, 0, 0}},
     {"ms", 1e-3, {0, 1, 0, 0}},
     {"us", 1e-6, {0, 1, 0, 0}},

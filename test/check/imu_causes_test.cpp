@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <string>
 #include <utility>
 
 #include "check/check_it.hpp"
+#include "rio/io/units.hpp"
 
 namespace rio::test {
 namespace {
@@ -143,6 +145,15 @@ TEST(ImuCauses, SamplesThatAreThereTwiceLostNoDigits) {
   dataset.imu = twice;
   expect(said(dataset, "imu stamps"), Verdict::kDoubtful, "with the values of the one before",
          "two recordings of it joined");
+}
+
+TEST(ImuCauses, EveryUnitOfTheAccelerometerCanBePasted) {
+  for (const char* unit : {"g", "mg", "cm/s^2", "ft/s^2"}) {
+    const double factor = io::parse_quantity(std::string("1 ") + unit, "m/s^2");
+    const io::Dataset dataset = with_imu([=](ImuSample& s) { s.accel_B /= factor; });
+    const Finding finding = said(dataset, "accelerometer unit");
+    EXPECT_EQ(finding.change, std::string("--accel-unit ") + unit) << finding.text;
+  }
 }
 
 TEST(ImuCauses, AnAxisWithoutNoiseIsNoSmallRange) {
