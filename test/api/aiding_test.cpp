@@ -153,6 +153,7 @@ TEST_P(AidingTest, WhileTheRadarIsSilentTheyCountAlone) {
   EXPECT_GT(alone, 5.0 * worst);
   EXPECT_LT(aided.rms(), 0.1);
   EXPECT_GT(blind.rms(), aided.rms());
+  EXPECT_EQ(odometry->counters().updates_failed, 0U);
 }
 
 TEST_P(AidingTest, LateOnesGoWhereTheyBelong) {

@@ -175,6 +175,30 @@ TEST_F(EngineTest, AWrongVelocityIsTakenBackFromThePosition) {
   EXPECT_LT((odometry->at_scan().v_WB - truth(t).v_WB).norm(), 0.1);
 }
 
+// A crowd that fills the view for a second and a half, too short for its velocity to be believed.
+// That contradicts by 1.1 m/s, with the Dopplers of the last second for up to 2.5 s.
+TEST_F(EngineTest, AfterACrowdThePositionIsReopenedOnce) {
+  auto odometry = started();
+  double reopened = 0.0;
+  for (int i = 1; i <= 100; ++i) {
+    const Time t = kStart + milliseconds(50 * i);
+    RadarScan seen = scan(t);
+    for (RadarDetection& d : seen.detections) {
+      if (i > 40 && i <= 70) d.range_rate += d.point_S.normalized().dot(Vector3d(0.8, 0.8, 0.0));
+    }
+    feed(*odometry, t + kSample);
+    ASSERT_EQ(odometry->add_scan(seen), Status::kOk) << i;
+    if (i <= 70) {
+      EXPECT_EQ(odometry->counters().position_reopened, 0U) << i;
+    }
+    reopened = std::max(reopened, odometry->report().position_reopened);
+  }
+  EXPECT_EQ(odometry->counters().position_reopened, 1U);
+  EXPECT_EQ(odometry->counters().velocity_resets, 0U);
+  EXPECT_GT(reopened, 1.1 * 1.5);
+  EXPECT_LT(reopened, 1.1 * 2.5);
+}
+
 // Semi-definite: a hundred metres beside a millimetre.
 TEST_F(EngineTest, AStartMayBeSureOfDifferencesAlone) {
   BodyCovariance P0 = 1e-6 * BodyCovariance::Identity();
