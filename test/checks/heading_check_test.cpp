@@ -102,6 +102,18 @@ TEST(HeadingCheck, WaitsUntilTheContradictionLasts) {
   EXPECT_TRUE(filter.run(3.0, &check));
 }
 
+// Of fewer than ten seconds nobody tells how they scatter.
+TEST(HeadingCheck, IsSilentInTheFirstTenSeconds) {
+  test::Random random(7);
+  for (const double step : {0.02, 0.2}) {
+    BiasFilter filter(&random);
+    HeadingCheck check{Options{}};
+    filter.step(step * filter.up_B());
+    EXPECT_FALSE(filter.run(9.0, &check)) << step;
+    EXPECT_TRUE(filter.run(5.0, &check)) << step;
+  }
+}
+
 TEST(HeadingCheck, LeavesTheOtherAxesToGravity) {
   test::Random random(3);
   BiasFilter filter(&random);
