@@ -105,6 +105,28 @@ TEST_F(VelocityCheckTest, FastTheTriplesScatterAndAreNoRivals) {
   }
 }
 
+// At 28 m/s the errors of the directions explain any Doppler that folds. That is no support.
+TEST_F(VelocityCheckTest, AVelocityThatExplainsAnythingIsContradicted) {
+  for (const int points : {3, 20}) {
+    restart();
+    const double time = seconds_to_verdict(28.0 * random_.direction(), 0.05, points);
+    EXPECT_GT(time, 0.0) << points;
+    EXPECT_LT(time, 1.0) << points;
+  }
+}
+
+// At 7 m/s most Dopplers are folded once, to either side, and an estimate that is wrong by more
+// than a fold does not tell to which.
+TEST_F(VelocityCheckTest, FindsTheFoldsWithoutTheEstimate) {
+  for (int run = 0; run < 30; ++run) {
+    v_ = 7.0 * random_.direction();
+    restart();
+    const double time = seconds_to_verdict(10.0 * random_.direction(), 0.05, 3);
+    EXPECT_GT(time, 0.0) << run;
+    EXPECT_LT(time, 1.0) << run;
+  }
+}
+
 // Three points a scan, of a radar that does not fold and, three times as often, of one that does.
 TEST_F(VelocityCheckTest, EachRadarHasItsOwnFold) {
   options_.other_radars.push_back({options_.radar.T_BS, 0.0, 0.0, options_.radar});
