@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "rio/models/aids.hpp"
 #include "rio/rio.hpp"
 #include "support/measured.hpp"
 #include "support/random_state.hpp"
@@ -216,6 +217,50 @@ TEST_F(EngineTest, AStartMayBeSureOfDifferencesAlone) {
     EXPECT_EQ(odometry->counters().updates_failed, 0U);
     EXPECT_LT((odometry->at_scan().v_WB - truth(odometry->at_scan().time).v_WB).norm(), 0.05);
   }
+}
+
+// Pauses count by their length and fade: 0.2 s are no reason for doubt, 0.8 s of 0.9 s are.
+TEST_F(EngineTest, PausesOfTheImuAreToldAndForgotten) {
+  auto odometry = started();
+  const auto told = [&] { return odometry->health().because(HealthReason::kImuGaps); };
+  const auto pause = [&](Time length) {
+    next_ += length;
+    feed(*odometry, next_ + milliseconds(100));
+  };
+  const auto fly = [&](Time end) {
+    for (Time t = next_; t <= end; t += milliseconds(50)) {
+      feed(*odometry, t + kSample);
+      EXPECT_EQ(odometry->add_scan(scan(t)), Status::kOk);
+    }
+  };
+  fly(kStart + milliseconds(2000));
+  pause(milliseconds(200));
+  EXPECT_FALSE(told());
+  fly(next_ + milliseconds(2000));
+  pause(milliseconds(400));
+  pause(milliseconds(400));
+  EXPECT_TRUE(told());
+  fly(next_ + milliseconds(2000));
+  EXPECT_FALSE(told());
+  EXPECT_EQ(odometry->counters().imu_gaps, 3U);
+}
+
+// Measurements of other sensors are not used before max_lag: until then a scan may come late.
+TEST_F(EngineTest, OtherSensorsWaitForALateScan) {
+  auto odometry = started();
+  for (int i = 1; i <= 600; ++i) {  // 3 s
+    const Time t = kStart + i * kSample;
+    feed(*odometry, t);
+    if (i % 40 == 0) {
+      EXPECT_EQ(odometry->add_measurement({t, PositionModel{}, {.p_W = truth(t).p_WB}}),
+                Status::kWaiting);
+    }
+    if (i > 200) {
+      EXPECT_GE(t - odometry->at_scan().time, milliseconds(950)) << i;
+      EXPECT_LE(t - odometry->at_scan().time, milliseconds(1000)) << i;
+    }
+  }
+  EXPECT_EQ(odometry->add_scan(scan(next_ - milliseconds(900))), Status::kOk);
 }
 
 /// Clocks that are ahead of the motion.
