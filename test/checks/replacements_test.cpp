@@ -140,5 +140,22 @@ TEST_F(ReplacementsTest, WidenedPositionIsThatMuchLessCertain) {
   EXPECT_EQ(b.estimate().nav.p_WB, nav_.p_WB);
 }
 
+// A step of the clock is known to the jitter of arrivals, for each radar its own; without a state
+// of the time offset there is nothing to widen.
+TEST_F(ReplacementsTest, AClockThatSteppedIsOffByAnArrival) {
+  options_.other_radars.push_back({options_.radar.T_BS, 0.0, 0.0, {}});
+  for (const double sigma : {0.03, 0.0}) {
+    options_.calibration.time_offset_sigma = sigma;
+    StateEstimate b = state_estimate();
+    const Eigen::MatrixXd before = b.covariance().matrix();
+    widen_time_offset(1, &b);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(before.rows(), before.cols());
+    const int column = b.layout().of_radar(1).time_offset_column();
+    ASSERT_EQ(column >= 0, sigma > 0.0);
+    if (column >= 0) expected(column, column) = 0.02 * 0.02;
+    EXPECT_LT((b.covariance().matrix() - before - expected).cwiseAbs().maxCoeff(), 1e-12) << sigma;
+  }
+}
+
 }  // namespace
 }  // namespace rio

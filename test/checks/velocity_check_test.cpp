@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <utility>
 
 #include "support/random_state.hpp"
 #include "support/seen_vehicle.hpp"
@@ -40,7 +41,7 @@ class VelocityCheckTest : public testing::Test {
     vehicle_->advance();
     Estimate x = vehicle_->estimate();
     wrong(x);
-    check_->carry(x, last, vehicle_->imu(), false);
+    check_->carry(x, last, vehicle_->imu(), std::exchange(paused_, false));
     DetectionList scan = vehicle_->scan_of(radar, points, others, u_W);
     for (Detection& d : scan.items) {
       if (!blurred_) continue;
@@ -71,6 +72,7 @@ class VelocityCheckTest : public testing::Test {
   test::Random random_{11};
   Options options_;
   Vector3d v_{0.4, -0.3, 0.1};
+  bool paused_ = false;   ///< the IMU, before the next scan
   bool blurred_ = false;  ///< the directions of the points have errors, too
   std::optional<VelocityCheck> check_;
   std::optional<test::SeenVehicle> vehicle_;
@@ -178,6 +180,19 @@ TEST_F(VelocityCheckTest, APersonWhoFillsTheViewForSecondsIsNoVelocity) {
     EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 1, 5, Vector3d(1.0, 0.5, 0.0))) << i;
   }
   for (int i = 0; i < 45; ++i) EXPECT_FALSE(step(Vector3d::Zero(), 0.05, 6));
+}
+
+// A pause of the IMU ends the proof and leaves no Dopplers: a scan after it, however dense and for
+// however long another velocity was seen before it, is no verdict, a quarter of a second of scans
+// is.
+TEST_F(VelocityCheckTest, OneScanAfterAPauseIsNoVerdict) {
+  constexpr int kDense = 23;  // enough rows in one scan
+  const Vector3d wrong = 2.0 * random_.direction();
+  for (int i = 0; i < 45; ++i) EXPECT_FALSE(step(Vector3d::Zero(), 0.05, kDense));
+  for (int i = 0; i < 15; ++i) EXPECT_FALSE(step(wrong, 0.05, kDense)) << i;
+  paused_ = true;
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(step(wrong, 0.05, kDense)) << i;
+  EXPECT_TRUE(step(wrong, 0.05, kDense));
 }
 
 // Until the patience ends it says by how much it contradicts.
