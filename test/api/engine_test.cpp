@@ -245,6 +245,20 @@ TEST_F(EngineTest, PausesOfTheImuAreToldAndForgotten) {
   EXPECT_EQ(odometry->counters().imu_gaps, 3U);
 }
 
+// While it lasts the scans that wait tell how long it is so far.
+TEST_F(EngineTest, APauseOfTheImuCountsUpToTheNewestScan) {
+  auto odometry = started();
+  for (int i = 1; i <= 40; ++i) {
+    const Time t = kStart + milliseconds(50 * i);
+    feed(*odometry, t + kSample);
+    EXPECT_EQ(odometry->add_scan(scan(t)), Status::kOk);
+  }
+  for (const int ms : {200, 250, 350, 400}) {
+    EXPECT_EQ(odometry->add_scan(scan(next_ + milliseconds(ms))), Status::kWaiting);
+    EXPECT_EQ(odometry->health().because(HealthReason::kImuGaps), ms > 300) << ms;
+  }
+}
+
 // Measurements of other sensors are not used before max_lag: until then a scan may come late.
 TEST_F(EngineTest, OtherSensorsWaitForALateScan) {
   auto odometry = started();
