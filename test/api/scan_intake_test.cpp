@@ -3,6 +3,7 @@
 // or waited for.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 #include "odometry/scan_clock.hpp"
@@ -280,6 +281,21 @@ TEST_F(ScanIntakeTest, OfOneRadarAnOlderScanOvertakesThoseThatWait) {
   intake_->processed(intake_->accepted(), milliseconds(890));
   EXPECT_EQ(add(890), Status::kDuplicate);
   EXPECT_EQ(counters_.scans_duplicate, 2U);
+}
+
+// However few they are: without its only detection it would pass for an empty one.
+TEST_F(ScanIntakeTest, AScanOfNonFiniteDetectionsAloneIsRefused) {
+  start(1);
+  const auto accept = [this](std::size_t count) {
+    RadarScan scan{milliseconds(890), {}};
+    scan.detections.resize(count);
+    for (RadarDetection& d : scan.detections) d.point_S.setConstant(std::nan(""));
+    return intake_->accept(scan, {0, scan.time, scan.time}, Time{0}, *imu_, &counters_);
+  };
+  EXPECT_EQ(accept(1), Status::kNonFinite);
+  EXPECT_EQ(accept(3), Status::kNonFinite);
+  EXPECT_EQ(accept(0), Status::kOk);
+  EXPECT_EQ(counters_.scans_non_finite, 2U);
 }
 
 }  // namespace
