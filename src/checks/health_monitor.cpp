@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include "rio/core/so3.hpp"
 #include "rio/options.hpp"
@@ -62,6 +63,7 @@ void HealthMonitor::fade(Time now) {
        {&detections_, &static_detections_, &rows_used_, &rows_gated_, &nis_, &gaps_}) {
     *sum *= kept;
   }
+  gaps_ += std::exchange(new_gaps_, 0.0);  // not faded by the pause itself
   const double kept_aiding = std::exp(-seconds / kAidingMemory);
   for (double* sum : {&aiding_used_, &aiding_gated_, &aiding_nis_}) *sum *= kept_aiding;
   const double kept_step = std::exp(-seconds / kStepMemory);

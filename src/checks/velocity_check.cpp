@@ -58,7 +58,7 @@ std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& s
 }
 
 std::nullopt_t VelocityCheck::agree(Time now) {
-  proven_ = std::min(proven_ + to_seconds(now - record_.agreed()), 2.0 * kProven);
+  proven_ += to_seconds(now - record_.agreed());
   record_.agree(now);
   contradiction_ = 0.0;
   return std::nullopt;

@@ -211,6 +211,10 @@ TEST_F(HealthMonitorTest, PausesOfTheImu) {
   monitor_.add_gap(milliseconds(400));
   EXPECT_EQ(after_silence(milliseconds(10)).heading, HealthState::kDegraded);
   EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
+  monitor_.add_gap(milliseconds(350));  // has passed when it is told
+  (void)after_silence(milliseconds(350));
+  EXPECT_TRUE(because(HealthReason::kImuGaps));
+  EXPECT_EQ(after(seconds(2)).state, HealthState::kOk);
   monitor_.wait(x_.nav.time, milliseconds(1500), x_, P_);  // scans arrive, samples do not
   EXPECT_TRUE(because(HealthReason::kImuGaps));
 }

@@ -35,8 +35,8 @@ class HealthMonitor {
   /// @param pause of the IMU so far, according to the stamps of the scans that wait for it
   void wait(Time now, Time pause, const Estimate& x, const BodyCovariance& P_body);
 
-  /// The IMU has paused for `duration`.
-  void add_gap(Time duration) { gaps_ += to_seconds(duration); }
+  /// The IMU has paused for `duration`, which ends now.
+  void add_gap(Time duration) { new_gaps_ += to_seconds(duration); }
 
   /// Share of the rows of the last second that the gates rejected, if kGated says it is unusual;
   /// otherwise 0.
@@ -106,7 +106,8 @@ class HealthMonitor {
   double rows_used_ = 0.0;
   double rows_gated_ = 0.0;
   double nis_ = 0.0;
-  double gaps_ = 0.0;  ///< [s]
+  double gaps_ = 0.0;      ///< [s]
+  double new_gaps_ = 0.0;  ///< since the last fade() [s]
   double aiding_used_ = 0.0;
   double aiding_gated_ = 0.0;
   double aiding_nis_ = 0.0;
