@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What drivers and recorders make of a recording: halves of an IMU, other message types, several
-// radars, parts of a recording, compression. Each reads as the plain one does.
+// radars, parts of a recording. Each reads as the plain one does.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -282,31 +282,6 @@ TEST_F(DriverRecording, ARadarThatEndsEarlyIsTold) {
     return m.topic == "/radar" && m.received > messages[0].received + kSecond;
   });
   EXPECT_PRED2(test::contains, notes_of(read(messages)), "/radar ends 3.0 s before /imu");
-}
-
-TEST_F(DriverRecording, CompressedMessagesAndFiles) {
-#ifdef RIO_HAS_ZSTD
-  const std::vector<Written> plain = test::at_rest(Wire::kCdr, 10);
-  const io::Dataset good = read_ros2(plain);
-  std::vector<Written> messages = plain;
-#ifdef RIO_HAS_LZ4
-  for (Written& m : messages) m.data = test::compressed("lz4", m.data);
-  expect_same(read_ros2(messages), good);
-  messages = plain;
-#endif
-  for (Written& m : messages) m.data = test::compressed("zstd", m.data);
-  expect_same(read_ros2(messages), good);
-  dir_.write("folder/flight_0.mcap.zstd", test::compressed("zstd", test::mcap(plain, "none", 20)));
-  expect_same(read_recording(dir_.path() / "folder", {}), good);
-  EXPECT_ERROR(read_recording(dir_.write("bad.zstd", "\x28\xB5\x2F\xFD and nothing more"), {}),
-               "zstd data is damaged");
-#ifdef RIO_HAS_SQLITE3
-  test::write_bag(dir_.path() / "plain.db3", "db3", messages);
-  expect_same(read_recording(dir_.path() / "plain.db3", {}), good);
-#endif
-#else
-  GTEST_SKIP() << "skipped: built without zstd";
-#endif
 }
 
 }  // namespace

@@ -269,5 +269,30 @@ TEST_F(RecordingTest, TheSummaryTellsRatesClocksAndFields) {
   }
 }
 
+TEST_F(RecordingTest, CompressedMessagesAndFiles) {
+#ifdef RIO_HAS_ZSTD
+  const std::vector<Written> plain = test::at_rest(Wire::kCdr, 10);
+  const io::Dataset good = read_ros2(plain);
+  std::vector<Written> messages = plain;
+#ifdef RIO_HAS_LZ4
+  for (Written& m : messages) m.data = test::compressed("lz4", m.data);
+  expect_same(read_ros2(messages), good);
+  messages = plain;
+#endif
+  for (Written& m : messages) m.data = test::compressed("zstd", m.data);
+  expect_same(read_ros2(messages), good);
+  dir_.write("folder/flight_0.mcap.zstd", test::compressed("zstd", test::mcap(plain, "none", 20)));
+  expect_same(read_recording(dir_.path() / "folder", {}), good);
+  EXPECT_ERROR(read_recording(dir_.write("bad.zstd", "\x28\xB5\x2F\xFD and nothing more"), {}),
+               "zstd data is damaged");
+#ifdef RIO_HAS_SQLITE3
+  test::write_bag(dir_.path() / "plain.db3", "db3", messages);
+  expect_same(read_recording(dir_.path() / "plain.db3", {}), good);
+#endif
+#else
+  GTEST_SKIP() << "skipped: built without zstd";
+#endif
+}
+
 }  // namespace
 }  // namespace rio::bag

@@ -65,6 +65,15 @@ class VelocityCheckTest : public testing::Test {
     return -1.0;
   }
 
+  /// From an estimate that is wrong by so much.
+  void find_in_a_second(double speed, double wrong, int points) {
+    v_ = speed * random_.direction();
+    restart();
+    const double time = seconds_to_verdict(wrong * random_.direction(), 0.05, points);
+    EXPECT_GT(time, 0.0);
+    EXPECT_LT(time, 1.0);
+  }
+
   double mean_chance(int points, int others);
 
   static constexpr double kLimit = 2.6;  // [m/s]
@@ -98,35 +107,18 @@ TEST_F(VelocityCheckTest, FindsTheVelocityInASecondWithAFewPointsAScan) {
 // are up to a metre a second apart, and still one: none of them is a rival of the best.
 TEST_F(VelocityCheckTest, FastTheTriplesScatterAndAreNoRivals) {
   blurred_ = true;
-  for (int run = 0; run < 20; ++run) {
-    v_ = 6.0 * random_.direction();
-    restart();
-    const double time = seconds_to_verdict(3.0 * random_.direction(), 0.05, 6);
-    EXPECT_GT(time, 0.0) << run;
-    EXPECT_LT(time, 1.0) << run;
-  }
+  for (int run = 0; run < 20; ++run) find_in_a_second(6.0, 3.0, 6);
 }
 
 // At 28 m/s the errors of the directions explain any Doppler that folds. That is no support.
 TEST_F(VelocityCheckTest, AVelocityThatExplainsAnythingIsContradicted) {
-  for (const int points : {3, 20}) {
-    restart();
-    const double time = seconds_to_verdict(28.0 * random_.direction(), 0.05, points);
-    EXPECT_GT(time, 0.0) << points;
-    EXPECT_LT(time, 1.0) << points;
-  }
+  for (const int points : {3, 20}) find_in_a_second(0.5, 28.0, points);
 }
 
 // At 7 m/s most Dopplers are folded once, to either side, and an estimate that is wrong by more
 // than a fold does not tell to which.
 TEST_F(VelocityCheckTest, FindsTheFoldsWithoutTheEstimate) {
-  for (int run = 0; run < 30; ++run) {
-    v_ = 7.0 * random_.direction();
-    restart();
-    const double time = seconds_to_verdict(10.0 * random_.direction(), 0.05, 3);
-    EXPECT_GT(time, 0.0) << run;
-    EXPECT_LT(time, 1.0) << run;
-  }
+  for (int run = 0; run < 30; ++run) find_in_a_second(7.0, 10.0, 3);
 }
 
 // Three points a scan, of a radar that does not fold and, three times as often, of one that does.

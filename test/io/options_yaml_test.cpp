@@ -55,15 +55,6 @@ TEST(OptionsYaml, KeysOfEarlierVersionsNameWhatReplacesThem) {
                "frontend.velocity_recovery is Options::checks of the library now");
 }
 
-TEST(OptionsYaml, ASettingHasNoLineAndAWrongPresetTellsAll) {
-  Options options;
-  EXPECT_ERROR(apply_settings({"radar.colour=1"}, &options),
-               "radar.colour=1: unknown key \"radar.colour\"");
-  EXPECT_ERROR(
-      preset_named("published-ukf"),
-      "no such preset: \"published-ukf\"; there are default, published-ekf, published-smoo");
-}
-
 TEST(OptionsYaml, PresetsAreValidAndRoundTrip) {
   for (const char* name : {"default", "published-ekf"}) {
     Options options;

@@ -254,5 +254,14 @@ TEST_F(SensorInfo, ReadsTheDopplerGridOffTheData) {
   EXPECT_FALSE(read().radar_info.doppler_resolution.has_value());
 }
 
+TEST(OptionsYaml, ASettingHasNoLineAndAWrongPresetTellsAll) {
+  Options options;
+  EXPECT_ERROR(apply_settings({"radar.colour=1"}, &options),
+               "radar.colour=1: unknown key \"radar.colour\"");
+  EXPECT_ERROR(
+      preset_named("published-ukf"),
+      "no such preset: \"published-ukf\"; there are default, published-ekf, published-smoo");
+}
+
 }  // namespace
 }  // namespace rio::io
