@@ -41,7 +41,7 @@ class BiasFilter {
       const Matrix3d K = P * (P + kNoise * kNoise / repeats * Matrix3d::Identity()).inverse();
       x_.nav.gyro_bias += K * (z - x_.nav.gyro_bias);
       P -= (K * P).eval();
-      if (const auto opinion = check->corrected(x_, P_)) return opinion;
+      if (auto opinion = check->corrected(x_, P_)) return opinion;
     }
     return {};
   }
