@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -127,7 +126,7 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
   std::size_t at_end = 0;
   std::size_t frozen = 0;
   std::string still;
-  const auto count_at_end = [&](const char* name, const auto& value) {
+  const auto count_at_end = [&](const std::string& name, const auto& value) {
     double most = 0.0;
     for (const ImuSample& s : samples) most = std::max(most, std::abs(value(s)));
     std::size_t n = 0;
@@ -135,17 +134,15 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
     const double first = value(samples.front());
     if (std::all_of(samples.begin(), samples.end(),
                     [&](const ImuSample& s) { return value(s) == first; })) {
-      still += std::string(still.empty() ? "" : ", ") + name;
+      still += (still.empty() ? "" : ", ") + name;
     } else if (n > 5) {
       at_end = std::max(at_end, n);
     }
   };
-  constexpr std::array kGyro = {"gyro x", "gyro y", "gyro z"};
-  constexpr std::array kAccel = {"accelerometer x", "accelerometer y", "accelerometer z"};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<Eigen::Index>(axis);
-    count_at_end(kGyro[axis], [a](const ImuSample& s) { return s.gyro_B[a]; });
-    count_at_end(kAccel[axis], [a](const ImuSample& s) { return s.accel_B[a]; });
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string name(1, "xyz"[axis]);
+    count_at_end("gyro " + name, [axis](const ImuSample& s) { return s.gyro_B[axis]; });
+    count_at_end("accelerometer " + name, [axis](const ImuSample& s) { return s.accel_B[axis]; });
   }
   for (std::size_t i = 1; i < samples.size(); ++i) {
     frozen +=
