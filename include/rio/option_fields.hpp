@@ -215,6 +215,8 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
   field(
       "calibration.walk", o.calibration.walk, "1/sqrt(s)", 0, 1,
       "Random walk of each estimated calibration parameter, in units of its default prior sigma.");
+  field("calibration.elevation_sigma", o.calibration.elevation_sigma, "rad", 0, 1,
+        "Error common to the elevations of all landmarks, considered, not estimated; 0 = none.");
   field("smoother.kernel_size", o.smoother.kernel_size, "", 1e-6, 1e6,
         "Chi-squared per degree of freedom at which the kernel begins to act.");
   field("smoother.landmark_kernel_size", o.smoother.landmark_kernel_size, "", 0, 1e6,

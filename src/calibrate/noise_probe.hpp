@@ -58,8 +58,8 @@ class NoiseProbe : public Ekf {
   void add_landmark(const Detection& d, std::size_t landmark, const LinearizationPoint& x) {
     using M = LandmarkPointModel;
     Evaluation<M> e;
-    if (!M{}.evaluate(M::measurement(d), x.T_WB, x.T_BS, estimate().landmarks[landmark].p_W, e.r,
-                      &e.J, e.R)) {
+    if (!M{}.evaluate(M::measurement(d), x.T_WB, x.T_BS, estimate().landmarks[landmark].p_W, 0.0,
+                      e.r, &e.J, e.R)) {
       return;
     }
     const BlockIndex index{0, static_cast<int>(landmark)};

@@ -34,6 +34,7 @@ Status Ekf::update(const Observations& /*seen*/, const ScanRows& rows) {
                         &state_estimate_.covariance());
   }
   mirror_lower(state_estimate_.covariance().matrix());
+  state_estimate_.consider();
   return Status::kOk;
 }
 

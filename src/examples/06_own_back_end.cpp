@@ -43,7 +43,9 @@ class PlainEkf : public rio::Ekf {
     R += estimate().gyro_variance * shared * shared.transpose();
     const Eigen::LLT<MatrixXd> S(H * P * H.transpose() + R);
     if (S.info() != Eigen::Success) return rio::Status::kNumerical;
-    const MatrixXd K = S.solve(H * P).transpose();
+    MatrixXd K = S.solve(H * P).transpose();
+    // considered, not estimated (Schmidt); the form of Joseph holds for any gain
+    K.row(state_estimate().layout().elevation_error()).setZero();
     const MatrixXd I_KH = MatrixXd::Identity(P.rows(), P.cols()) - K * H;
     const MatrixXd updated = I_KH * P * I_KH.transpose() + K * R * K.transpose();
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(state_estimate().layout().capacity());

@@ -5,18 +5,22 @@
 
 namespace rio {
 
-LandmarkBirth::LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, const Detection& d)
-    : p_WL(to_world(T_WB, T_BS, d.point_S)) {
+LandmarkBirth::LandmarkBirth(const RigidPose& T_WB, const RigidPose& T_BS, double elevation_error,
+                             const Detection& d) {
+  const Vector3d raised_S = d.range * d.sigma_elevation_S.normalized();
+  const Vector3d point_S = d.point_S - elevation_error * raised_S;
+  p_WL = to_world(T_WB, T_BS, point_S);
   const Matrix3d R_WS = T_WB.R * T_BS.R;
   d_l.setZero();
-  Vector3d point_B = T_BS.R * d.point_S;
+  Vector3d point_B = T_BS.R * point_S;
   point_B += T_BS.p;
   const Matrix3d covariance_S = point_covariance(d);
   const Matrix3d half_turned = R_WS * covariance_S;
   d_l.middleCols<3>(Blocks::column<BodyPose>()) = T_WB.R * skew(-point_B);
   d_l.middleCols<3>(Blocks::column<BodyPose>() + 3).setIdentity();
-  d_l.middleCols<3>(Blocks::column<Extrinsics>()) = R_WS * skew(-d.point_S);
+  d_l.middleCols<3>(Blocks::column<Extrinsics>()) = R_WS * skew(-point_S);
   d_l.middleCols<3>(Blocks::column<Extrinsics>() + 3) = T_WB.R;
+  d_l.col(Blocks::column<ElevationError>()) = -R_WS * raised_S;
   noise = half_turned * R_WS.transpose();
 }
 

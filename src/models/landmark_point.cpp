@@ -4,7 +4,8 @@
 namespace rio {
 
 bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
-                                  const RigidPose& T_BS, const Vector3d& p_WL, ResidualOf<kDim>& r,
+                                  const RigidPose& T_BS, const Vector3d& p_WL,
+                                  double elevation_error, ResidualOf<kDim>& r,
                                   JacobianOf<kDim, Blocks::kDof>* J,
                                   JacobianOf<kDim, kDim>& R) const noexcept {
   const ObservedPoint point(T_WB, T_BS, p_WL);
@@ -15,7 +16,7 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   const double sigma_el = z.sigma_elevation_S.norm();
   const Vector3d t_az = z.sigma_azimuth_S / sigma_az;
   const Vector3d t_el = z.sigma_elevation_S / sigma_el;
-  r << z.range - h, -t_az.dot(u), -t_el.dot(u);  // (E1) (E2)
+  r << z.range - h, -t_az.dot(u), -t_el.dot(u) - elevation_error;  // (E1) (E2)
   R.setZero();
   R.diagonal() << z.sigma_range * z.sigma_range, sigma_az * sigma_az, sigma_el * sigma_el;
   if (J == nullptr) return true;
@@ -24,7 +25,8 @@ bool LandmarkPointModel::evaluate(const Measurement& z, const RigidPose& T_WB,
   D.row(0) = u.transpose();
   D.row(1) = (t_az - t_az.dot(u) * u).transpose() / h;
   D.row(2) = (t_el - t_el.dot(u) * u).transpose() / h;
-  *J = D * point.d_e;
+  J->leftCols<ObservedPoint::Blocks::kDof>() = D * point.d_e;
+  J->col(Blocks::column<ElevationError>()) = Vector3d::UnitZ();
   return true;
 }
 

@@ -98,7 +98,7 @@ void publish_ekf(Options* o) {
   o->update.max_landmarks = 20;
   o->update.gate_probability = 0.975;
   o->update.max_clones = 7;
-  o->calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  o->calibration = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 }
 
 /// Michalczyk et al., IROS 2024: the same front-end and models with N = 10 in both places, in a

@@ -150,6 +150,34 @@ void Prior::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
   mirror_lower(A_.topLeftCorner(size(), size()));
 }
 
+void Prior::consider(const Eigen::VectorXd& variances) {
+  if (!layout_.has_elevation_error()) return;
+  constexpr double kNothing = 1e-9;  // information of landmarks that the prior does not know
+  const int n = size();
+  auto L = work_.topLeftCorner(n, n);
+  L = A();
+  L.diagonal().array() += kNothing;
+  if (!factorise_in_place(L)) return;
+  auto whitened = work_g_.head(n);  // L^-1 g
+  whitened = g();
+  L.triangularView<Eigen::Lower>().solveInPlace(whitened);
+  for (std::size_t r = 0; r < layout_.radars(); ++r) {
+    const int column = layout_.of_radar(r).elevation_error();
+    const int at = border(column);
+    auto part = A_xi_.head(n);  // L^-1 e: its square is the variance, its product the mean
+    part.setZero();
+    part[at] = 1.0;
+    L.triangularView<Eigen::Lower>().solveInPlace(part);
+    const double mean = radars_[r].elevation_error + part.dot(whitened);
+    const double noise = variances[column - body::kSize] - part.squaredNorm();
+    part = A_.col(at).head(n);
+    const double share = noise > 0.0 ? 1.0 / (1.0 / noise + part[at]) : 0.0;
+    A_.topLeftCorner(n, n).selfadjointView<Eigen::Lower>().rankUpdate(part, -share);
+    mirror_lower(A_.topLeftCorner(n, n));
+    g_.head(n) -= (share * g_[at] + mean * (1.0 - share * part[at])) * part;
+  }
+}
+
 void Prior::remove_landmark(std::size_t i, std::size_t last) {
   if (i >= landmarks_.size()) return;
   const int at = border(layout_.landmark(static_cast<int>(i)));
@@ -197,6 +225,10 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
     for (int i = 0; i < moved.size(); ++i) {
       const int column = calibration_column(layout, i);
       if (column >= 0) xi_[border(column)] = moved[i];
+    }
+    if (layout.has_elevation_error()) {
+      xi_[border(layout.elevation_error())] =
+          x.of_radar(r).elevation_error - radars_[r].elevation_error;
     }
   }
   xi_.segment(border(layout_.auxiliary()), layout_.auxiliary_size()) =

@@ -11,6 +11,7 @@ void ScanInformation::begin(const WindowLayout& layout) {
   set_columns(kExtrinsics, Extrinsics::kDof, layout.column<Extrinsics>(0));
   set_columns(kDopplerScale, 1, layout.column<DopplerScale>(0));
   set_columns(kTimeOffset, 1, layout.time_offset_column());
+  set_columns(kElevationError, 1, layout.column<ElevationError>(0));
   A_.setZero();
   g_.setZero();
   rows_ = 0;

@@ -84,6 +84,8 @@ void Smoother::maintain_landmarks(const Observations& seen, const ScanRows& rows
 }
 
 void Smoother::restart() {
+  state_estimate_.consider();
+  since_considered_ = 0;
   window_.clear();
   window_.push();
   copy_newest();
@@ -185,6 +187,10 @@ bool Smoother::marginalise_oldest() {
                             (window_[1].nav.p_WB - window_[0].nav.p_WB).norm());
   prior_.add_parameter_noise(state_estimate_.parameters().walk,
                              to_seconds(window_[1].nav.time - window_[0].nav.time));
+  if (++since_considered_ >= options_.smoother.window) {  // it costs a factorisation
+    prior_.consider(state_estimate_.parameters().prior);
+    since_considered_ = 0;
+  }
   window_.pop_oldest();
   window_.publish(&state_estimate_.estimate());
   return true;

@@ -129,6 +129,7 @@ LinearizationPoint WindowFactors::point(const WindowState& state, std::size_t r,
   const WindowState::Scanned& scanned = state.scanned[r];
   x.T_BS = RigidPose(now.T_BS);
   x.doppler_scale = now.doppler_scale - scanned.doppler_scale;
+  x.elevation_error = now.elevation_error;
   const double later = now.time_offset - scanned.time_offset;
   if (state.at_rest()) {
     x.stand();

@@ -63,6 +63,9 @@ ParameterNoise parameter_noise(const Layout& layout, const CalibrationOptions& c
       if (column >= 0)
         set(column, 1, sigmas[i], sigmas[i] > 0.0 ? calibration.walk * usual[i] : 0.0);
     }
+    if (layout.has_elevation_error()) {
+      set(layout.of_radar(r).elevation_error(), 1, calibration.elevation_sigma, 0.0);
+    }
   }
   int column = layout.auxiliary();
   for (const AuxiliaryState& state : auxiliary) {

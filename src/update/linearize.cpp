@@ -18,7 +18,8 @@ LinearizationPoint::LinearizationPoint(const Estimate& x, const NavState& nav,
       gyro_bias(nav.gyro_bias),
       gyro_B(measured_gyro_B),
       accel_W(steady_motion.accel_W),
-      steady(steady_motion) {
+      steady(steady_motion),
+      elevation_error(x.elevation_error) {
   pose_rate << gyro_B - gyro_bias, v_WB;
 }
 

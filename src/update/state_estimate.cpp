@@ -191,7 +191,8 @@ std::size_t StateEstimate::slot_for(ScanId scan) {
 }
 
 void StateEstimate::add_landmark(const Detection& d) {
-  const LandmarkBirth birth(estimate_.T_WB(), RigidPose(estimate_.T_BS), d);
+  const LandmarkBirth birth(estimate_.T_WB(), RigidPose(estimate_.T_BS), estimate_.elevation_error,
+                            d);
   covariance_.add_landmark(
       static_cast<int>(estimate_.landmarks.size()),
       state_rows<3>(birth.d_l, LandmarkBirth::Blocks{}, LinearizationPoint(estimate_), {}, layout_),
@@ -231,7 +232,21 @@ void StateEstimate::correct_calibration(std::size_t r, const Eigen::VectorXd& dx
   const CalibrationVector limits = kCalibrationLimit * calibration_sigmas(options_.calibration);
   const CalibrationVector total =
       corrections_between(configured, corrected(estimate_.of_radar(r), step));
-  estimate_.set_radar(r, corrected(configured, total.cwiseMin(limits).cwiseMax(-limits)));
+  RadarState next = corrected(configured, total.cwiseMin(limits).cwiseMax(-limits));
+  next.elevation_error = estimate_.of_radar(r).elevation_error;
+  if (layout.has_elevation_error()) next.elevation_error += dx[layout.elevation_error()];
+  estimate_.set_radar(r, next);
+}
+
+void StateEstimate::consider() {
+  if (!layout_.has_elevation_error()) return;
+  for (std::size_t r = 0; r < layout_.radars(); ++r) {
+    const int at = layout_.of_radar(r).elevation_error();
+    covariance_.matrix()(at, at) = parameters_.prior[at - body::kSize];
+    RadarState state = estimate_.of_radar(r);
+    state.elevation_error = 0.0;
+    estimate_.set_radar(r, state);
+  }
 }
 
 }  // namespace rio

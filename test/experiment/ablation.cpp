@@ -77,6 +77,8 @@ const std::vector<Switch>& switches() {
        [](Options& o) { o.ablation.look_correlation = false; }},
       {"heights of landmarks do not walk", "hover rough-ground",
        [](Options& o) { o.ablation.elevation_walk = false; }},
+      {"elevations of landmarks without a common error", "hover rough-ground",
+       [](Options& o) { o.calibration.elevation_sigma = 0.0; }},
       {"range of landmarks of first order", "hover",
        [](Options& o) { o.ablation.range_curvature = false; }},
       {"Doppler of a wrong match as good as of a right one", "hover",

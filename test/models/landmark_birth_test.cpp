@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "rio/models/landmark_point.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {
@@ -19,13 +22,21 @@ TEST(LandmarkBirth, IsObservedWhereItWasBornAndMovesAsItsJacobianSays) {
     RadarDetection raw;
     raw.point_S = random.uniform(1.0, 8.0) * random.direction();
     const Detection d = make_detection(raw, RadarOptions{});
-    const LandmarkBirth birth(T_WB, T_BS, d);
-    EXPECT_LT((ObservedPoint(T_WB, T_BS, birth.p_WL).e_S - d.point_S).norm(), 1e-13);
+    const double raised = i % 2 == 0 ? 0.0 : random.uniform(-0.05, 0.05);
+    const LandmarkBirth birth(T_WB, T_BS, raised, d);
+    const Vector3d point_S = ObservedPoint(T_WB, T_BS, birth.p_WL).e_S;
+    EXPECT_LT((point_S - d.point_S).norm(), 1e-13 + 1.001 * std::abs(raised) * d.range);
+    Evaluation<LandmarkPointModel> seen;
+    ASSERT_TRUE(evaluate(LandmarkPointModel{}, LandmarkPointModel::measurement(d),
+                         {T_WB, T_BS, birth.p_WL, raised}, &seen));
+    EXPECT_NEAR(seen.r[2], 0.0,
+                1e-12 + std::abs(raised * raised * raised));  // atan d = d - d^3 / 3
     for (int k = 0; k < LandmarkBirth::Blocks::kDof; ++k) {
       const auto moved = [&](double step) {
         const Eigen::Matrix<double, 6, 1> e = Eigen::Matrix<double, 6, 1>::Unit(k % 6) * step;
         return LandmarkBirth(k < 6 ? PoseBlock::retract(T_WB, e) : T_WB,
-                             k < 6 ? T_BS : PoseBlock::retract(T_BS, e), d)
+                             k / 6 == 1 ? PoseBlock::retract(T_BS, e) : T_BS,
+                             k < 12 ? raised : raised + step, d)
             .p_WL;
       };
       const Vector3d numeric = (moved(kStep) - moved(-kStep)) / (2.0 * kStep);

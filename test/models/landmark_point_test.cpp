@@ -70,14 +70,17 @@ TEST(LandmarkPoint, APlaceTellsTheSameOfTheState) {
     raw.point_S =
         Vector3d(random.uniform(1.0, 8.0), random.uniform(-3.0, 3.0), random.uniform(-2.0, 2.0));
     const Detection d = make_detection(raw, radar);
-    const auto information = [&]<class M>(const M& model) -> Eigen::MatrixXd {
+    const auto information = [&]<class M>(const M& model,
+                                          const typename M::Blocks::Values& x) -> Eigen::MatrixXd {
       Evaluation<M> at;
-      EXPECT_TRUE(model.evaluate(M::measurement(d), T_WB, T_BS, to_world(T_WB, T_BS, d.point_S),
-                                 at.r, &at.J, at.R));
-      return at.J.transpose() * at.R.inverse() * at.J;
+      EXPECT_TRUE(evaluate(model, M::measurement(d), x, &at));
+      const Eigen::MatrixXd J = at.J.template leftCols<ObservedPoint::Blocks::kDof>();
+      return J.transpose() * at.R.inverse() * J;
     };
-    const Eigen::MatrixXd polar = information(LandmarkPointModel{});
-    EXPECT_LT((information(LandmarkPositionModel{}) - polar).norm(), 1e-9 * polar.norm()) << i;
+    const Vector3d p_WL = to_world(T_WB, T_BS, d.point_S);
+    const Eigen::MatrixXd polar = information(LandmarkPointModel{}, {T_WB, T_BS, p_WL, 0.0});
+    const Eigen::MatrixXd cartesian = information(LandmarkPositionModel{}, {T_WB, T_BS, p_WL});
+    EXPECT_LT((cartesian - polar).norm(), 1e-9 * polar.norm()) << i;
   }
 }
 

@@ -105,7 +105,7 @@ class Referee {
   }
   /// Largest distance of the two minima [rad, m, m/s, rad/s, m/s^2, s].
   double distance() const {
-    double largest = std::abs(offset_[0]);
+    double largest = std::max(std::abs(offset_[0]), std::abs(elevation_[0]));
     const auto take = [&largest](const auto& block) {
       for (const double value : block) largest = std::max(largest, std::abs(value));
     };
@@ -166,6 +166,7 @@ class Referee {
     fix(mount_, layout_.has_extrinsics());
     fix(scale_, layout_.has_doppler_scale());
     fix(offset_, layout_.has_time_offset());
+    fix(elevation_, layout_.has_elevation_error());
   }
 
   void add_scan(std::size_t k) {
@@ -176,8 +177,8 @@ class Referee {
     for (const auto& m : seen.of<LandmarkPointModel>()) {
       if (m.landmark >= landmarks_.size()) continue;  // born by this scan, after the solution
       const Vector3d& l = x_.landmarks[m.landmark].p_W;
-      add(PointCost{base(k), m.z, m.doppler, l}, m.doppler ? 4 : 3, m.weight, &state, &mount_,
-          &scale_, &offset_, &landmarks_[m.landmark]);
+      add(PointCost{base(k), m.z, m.doppler, l, x_.elevation_error}, m.doppler ? 4 : 3, m.weight,
+          &state, &mount_, &scale_, &offset_, &elevation_, &landmarks_[m.landmark]);
     }
     for (const auto& m : seen.of<LandmarkDistanceModel>()) {
       add(RangeCost{base(k), m.z.range, options_.update.sigma_landmark_distance,
@@ -228,14 +229,17 @@ class Referee {
     }
     cost.made_T_BS = before_.estimate.T_BS;
     cost.now_T_BS = x_.T_BS;
-    cost.made_errors << before_.estimate.doppler_scale, before_.estimate.time_offset;
-    cost.now_errors << x_.doppler_scale, x_.time_offset;
+    cost.made_errors << before_.estimate.doppler_scale, before_.estimate.time_offset,
+        before_.estimate.elevation_error;
+    cost.now_errors << x_.doppler_scale, x_.time_offset, x_.elevation_error;
     add_block(mount_);
     add_block(scale_);
     add_block(offset_);
+    add_block(elevation_);
     cost.extrinsics = layout_.has_extrinsics();
     cost.doppler_scale = layout_.has_doppler_scale();
     cost.time_offset = layout_.has_time_offset();
+    cost.elevation = layout_.has_elevation_error();
     for (std::size_t i = 0; i < known; ++i) {
       cost.made_landmarks.push_back(before_.estimate.landmarks[i].p_W);
       cost.now_landmarks.push_back(x_.landmarks[i].p_W);
@@ -278,6 +282,7 @@ class Referee {
   std::array<double, 6> mount_{};
   std::array<double, 1> scale_{};
   std::array<double, 1> offset_{};
+  std::array<double, 1> elevation_{};
   std::vector<double*> free_;  ///< blocks that are estimated
   bool uncorrected_ = false;
   ceres::Problem problem_;

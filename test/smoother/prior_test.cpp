@@ -24,10 +24,10 @@ constexpr int kLeading = 2;
 constexpr int kLandmarks = 4;  // of the window; the prior knows the first three
 constexpr int kKnown = 3;
 
-constexpr int kCalibration = 8;
+constexpr int kCalibration = 9;
 
 CalibrationOptions calibration() {
-  return {0.05, 0.03, 0.02, 0.02, 0.03};
+  return {0.05, 0.03, 0.02, 0.02, 0.03, 0.04};
 }
 
 /// Unknowns, order [states | calibration | landmarks].
@@ -51,6 +51,7 @@ struct Point {
     out.x.T_BS.translation += e.segment<3>(at + 3);
     out.x.doppler_scale += e[at + 6];
     out.x.time_offset += e[at + 7];
+    out.x.elevation_error += e[at + 8];
     at += kCalibration;
     for (LandmarkState& l : out.x.landmarks) {
       l.p_W += e.segment<3>(at);
@@ -84,6 +85,7 @@ class PriorTest : public testing::Test {
     made_.x.T_BS = {random_.rotation(), random_.normal_vector()};
     made_.x.doppler_scale = 0.01;
     made_.x.time_offset = 0.01;
+    made_.x.elevation_error = 0.02;
     for (int i = 0; i < kKnown; ++i) made_.x.landmarks.push_back({random_.normal_vector(5.0)});
   }
 
@@ -289,6 +291,47 @@ TEST_F(PriorTest, ParametersThatWalkLoseInformation) {
   const Dense before(prior);
   prior.add_parameter_noise(walk, 0.5);
   expect_prior(prior, before.grown(body::kSize * kLeading, 0.5 * walk), 1e-9);
+}
+
+// As a Kalman filter would: the mean and the covariance of all else remain.
+TEST_F(PriorTest, WhatIsConsideredHasItsPriorAgain) {
+  const int at = body::kSize * kLeading + kCalibration - 1;
+  const VectorXd variances = VectorXd::Constant(kCalibration, 0.5);
+  for (const double scale : {1e3, 0.1}) {  // it is known better than its prior, and worse
+    Prior prior = made_of(scale * random_information(), random_vector(kSize));
+    const Dense before(prior);
+    MatrixXd P = before.A.inverse();
+    VectorXd mean = P * before.g;
+    EXPECT_EQ(P(at, at) < 0.5, scale > 1.0);
+    P(at, at) = std::max(P(at, at), 0.5);
+    mean[at] = -made_.x.elevation_error;  // from where the prior was made
+    prior.consider(variances);
+    Dense expected = before;
+    expected.A = P.inverse();
+    expected.g = expected.A * mean;
+    // the information that stands for unknown landmarks is 1e-8 of the least here
+    expect_prior(prior, expected, 1e-7);
+  }
+}
+
+// Landmarks that the prior does not know are no obstacle, and the radars have each their own.
+TEST_F(PriorTest, ConsidersTheErrorOfEachRadarBesideUnknownLandmarks) {
+  constexpr int n = body::kSize * kLeading + 2 * kCalibration + 3 * kKnown;
+  Prior prior(Layout(calibration(), 0, kLandmarks, 0, 2), kStates);
+  MatrixXd A = 1e3 * random_information(n);
+  A.bottomRows(3).setZero();
+  A.rightCols(3).setZero();
+  VectorXd g = random_vector(n);
+  g.tail(3).setZero();
+  prior.assign(A, g, made_.window, 0, kLeading, made_.x);
+  prior.consider(VectorXd::Constant(2 * kCalibration, 0.5));
+  const MatrixXd P = MatrixXd(prior.A()).topLeftCorner(n - 3, n - 3).inverse();
+  const VectorXd mean = P * VectorXd(prior.g()).head(n - 3);
+  for (int r = 0; r < 2; ++r) {
+    const int at = body::kSize * kLeading + (r + 1) * kCalibration - 1;
+    EXPECT_NEAR(P(at, at), 0.5, 1e-6) << r;
+    EXPECT_NEAR(mean[at], r == 0 ? -made_.x.elevation_error : 0.0, 1e-6) << r;
+  }
 }
 
 // Four radars have more parameters than one product may be deep.

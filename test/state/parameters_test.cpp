@@ -12,9 +12,10 @@ constexpr double kTranslation = 0.1;
 constexpr double kDelay = 0.04;
 constexpr double kScale = 0.005;
 constexpr double kWalk = 0.1;
+constexpr double kElevation = 0.07;
 
 CalibrationOptions calibration() {
-  return {kRotation, kTranslation, kDelay, kScale, kWalk};
+  return {kRotation, kTranslation, kDelay, kScale, kWalk, kElevation};
 }
 
 void expect_square(double sigma, const Eigen::VectorXd& variances, int column, int count = 1) {
@@ -26,8 +27,8 @@ void expect_square(double sigma, const Eigen::VectorXd& variances, int column, i
 TEST(ParameterNoise, EachParameterOfEachRadarHasItsOwn) {
   const Layout layout(calibration(), 2, 5, 0, 2);
   const ParameterNoise noise = parameter_noise(layout, calibration());
-  ASSERT_EQ(noise.prior.size(), 16);
-  ASSERT_EQ(noise.walk.size(), 16);
+  ASSERT_EQ(noise.prior.size(), 18);
+  ASSERT_EQ(noise.walk.size(), 18);
   for (std::size_t r = 0; r < 2; ++r) {
     const Layout own = layout.of_radar(r);
     const auto expect = [&](double sigma, double usual, int column, int count) {
@@ -38,6 +39,8 @@ TEST(ParameterNoise, EachParameterOfEachRadarHasItsOwn) {
     expect(kTranslation, 0.03, own.extrinsics() + 3, 3);
     expect(kScale, 0.02, own.doppler_scale(), 1);
     expect(kDelay, 0.03, own.time_offset(), 1);
+    expect_square(kElevation, noise.prior, own.elevation_error());
+    expect_square(0.0, noise.walk, own.elevation_error());
   }
 }
 
@@ -47,7 +50,7 @@ TEST(ParameterNoise, AuxiliaryStatesFollowTheCalibration) {
   ASSERT_TRUE(states.declare({"wind", 2, 4.0, 0.0}));
   const Layout layout(calibration(), 2, 5, states.size());
   const ParameterNoise noise = parameter_noise(layout, calibration(), states);
-  ASSERT_EQ(noise.prior.size(), 11);
+  ASSERT_EQ(noise.prior.size(), 12);
   expect_square(3.0, noise.prior, layout.auxiliary());
   expect_square(0.5, noise.walk, layout.auxiliary());
   expect_square(4.0, noise.prior, layout.auxiliary() + 1, 2);
@@ -57,13 +60,13 @@ TEST(ParameterNoise, AuxiliaryStatesFollowTheCalibration) {
 // A parameter with the prior 0 does not walk, although others of its block are estimated.
 TEST(ParameterNoise, WhatIsNotEstimatedStays) {
   CalibrationOptions some;
-  some = {kRotation, 0.0, 0.0, 0.0, kWalk};
+  some = {kRotation, 0.0, 0.0, 0.0, kWalk, 0.0};
   const Layout layout(some, 0, 0);
   const ParameterNoise noise = parameter_noise(layout, some);
   ASSERT_EQ(noise.walk.size(), 6);
   expect_square(0.0, noise.prior, layout.extrinsics() + 3, 3);
   expect_square(0.0, noise.walk, layout.extrinsics() + 3, 3);
-  some = {0.0, 0.0, 0.0, 0.0, kWalk};
+  some = {0.0, 0.0, 0.0, 0.0, kWalk, 0.0};
   EXPECT_EQ(parameter_noise(Layout(some, 0, 0), some).walk.size(), 0);
 }
 

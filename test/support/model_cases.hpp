@@ -44,6 +44,9 @@ inline RadarOptions test_radar_options() {
 /// The range rates of the simulated radar have the right scale.
 inline constexpr double kNoScaleError = 0.0;
 
+/// The elevations of the simulated radar have no common error.
+inline constexpr double kNoElevationError = 0.0;
+
 /// Each component from -1 to 1.
 inline Vector3d in_cube(sim::Random& random) {
   return random.in_box(-Vector3d::Ones(), Vector3d::Ones());
@@ -146,20 +149,22 @@ struct LandmarkDistanceCase : CaseOf<LandmarkDistanceModel> {
   }
 };
 
-/// A model of one detection and its landmark.
-template <class M>
-struct DetectedLandmark : CaseOf<M> {
-  static Sample<M> simulate(sim::Random& random, bool noise) {
+struct LandmarkPositionCase : CaseOf<LandmarkPositionModel> {
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
     const RandomBody body(random);
     const Vector3d place = body.place(random);
     const Detection d = body.detect(place, random, noise);
-    return {M::measurement(d), {body.pose(), body.mount(), place}};
+    return {Model::measurement(d), {body.pose(), body.mount(), place}};
   }
 };
 
-struct LandmarkPositionCase : DetectedLandmark<LandmarkPositionModel> {};
-
-struct LandmarkPointCase : DetectedLandmark<LandmarkPointModel> {
+struct LandmarkPointCase : CaseOf<LandmarkPointModel> {
+  static Sample<Model> simulate(sim::Random& random, bool noise) {
+    const RandomBody body(random);
+    const Vector3d place = body.place(random);
+    const Detection d = body.detect(place, random, noise);
+    return {Model::measurement(d), {body.pose(), body.mount(), place, kNoElevationError}};
+  }
   static std::optional<Sample<Model>> outside(sim::Random& random) {
     Sample<Model> sample = simulate(random, false);
     const RigidPose& body = std::get<0>(sample.x);

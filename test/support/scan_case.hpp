@@ -20,7 +20,7 @@ inline constexpr Time kStart = Time(1'000'000'000);
 class ScanCase : public testing::Test {
  protected:
   ScanCase() {
-    options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+    options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     options_.radar.noise_distance = 0.0;
     options_.update.doppler_directions = DopplerDirections::kExact;
     options_.update.match_trust = 1.0;

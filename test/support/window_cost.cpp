@@ -104,7 +104,8 @@ void DopplerCost::operator()(const double* state, const double* mount, const dou
 }
 
 void PointCost::operator()(const double* state, const double* mount, const double* scale_error,
-                           const double* offset, const double* landmark_error, double* r) const {
+                           const double* offset, const double* elevation,
+                           const double* landmark_error, double* r) const {
   const ScanCost::Radar radar = base.radar(state, mount, scale_error, offset);
   const Vector3d point =
       radar.R_WS.transpose() * (landmark + ConstVector3(landmark_error) - radar.p_WS);
@@ -114,7 +115,7 @@ void PointCost::operator()(const double* state, const double* mount, const doubl
   const double el = z.sigma_elevation_S.norm();
   r[0] = (z.range - range) / z.sigma_range;
   r[1] = -u.dot(z.sigma_azimuth_S / az) / az;
-  r[2] = -u.dot(z.sigma_elevation_S / el) / el;
+  r[2] = -(u.dot(z.sigma_elevation_S / el) + elevation_error + elevation[0]) / el;
   if (doppler) {
     const ScanCost::Radar before = base.uncalibrated(state, offset);
     const double calibrated =
@@ -219,6 +220,8 @@ void PriorCost::error(const double* const* blocks, double* out) const {
   if (doppler_scale) xi[at++] = scale_error[0] + now_errors[0] - made_errors[0];
   const double* late = blocks[block++];
   if (time_offset) xi[at++] = late[0] + now_errors[1] - made_errors[1];
+  const double* raised = blocks[block++];
+  if (elevation) xi[at++] = raised[0] + now_errors[2] - made_errors[2];
   for (std::size_t i = 0; i < made_landmarks.size(); ++i, at += 3) {
     xi.segment<3>(at) =
         back * (now_landmarks[i] + ConstVector3(blocks[block++])) - made_landmarks[i];

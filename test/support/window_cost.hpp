@@ -2,7 +2,7 @@
 // The cost of a sliding window as residuals, written anew from the documentation of the models and
 // differentiated numerically: a referee for the smoother. The unknowns are errors relative to a
 // reference point, in the order of namespace body and of the blocks:
-//   state 15 | T_BS 6 | Doppler scale 1 | time offset 1 | landmark 3
+//   state 15 | T_BS 6 | Doppler scale 1 | time offset 1 | elevation error 1 | landmark 3
 // so that the solution of Ceres is the distance of its minimum from that point.
 #pragma once
 
@@ -58,9 +58,11 @@ struct PointCost {
   LandmarkPointModel::Measurement z;
   std::optional<LandmarkDopplerModel::Measurement> doppler;
   Vector3d landmark;
+  double elevation_error = 0.0;
 
   void operator()(const double* state, const double* mount, const double* scale_error,
-                  const double* offset, const double* landmark_error, double* r) const;
+                  const double* offset, const double* elevation, const double* landmark_error,
+                  double* r) const;
 };
 
 struct RangeCost {
@@ -111,9 +113,9 @@ struct ImuCost {
 struct PriorCost {
   std::vector<NavState> made_states, now_states;
   Pose made_T_BS, now_T_BS;
-  Eigen::Vector2d made_errors, now_errors;  ///< Doppler scale, time offset
+  Vector3d made_errors, now_errors;  ///< Doppler scale, time offset, elevation
   std::vector<Vector3d> made_landmarks, now_landmarks;
-  bool extrinsics = false, doppler_scale = false, time_offset = false;
+  bool extrinsics = false, doppler_scale = false, time_offset = false, elevation = false;
   Eigen::MatrixXd root;    ///< s^1/2 V^T D^-1
   Eigen::VectorXd offset;  ///< s^-1/2 V^T D g
 

@@ -73,6 +73,7 @@ class AidingRadarBlocksTest : public testing::Test {
   static CalibrationOptions estimated(double mounting, double doppler_scale) {
     CalibrationOptions c;
     c.rotation_sigma = c.translation_sigma = c.time_offset_sigma = mounting;
+    c.elevation_sigma = mounting;
     c.doppler_scale_sigma = doppler_scale;
     return c;
   }
@@ -110,7 +111,7 @@ TEST_F(AidingRadarBlocksTest, ColumnsMatchCentralDifferences) {
     return r;
   };
   for (int column = own.extrinsics(); column < layout.size(0); ++column) {
-    if (column == own.time_offset()) continue;
+    if (column == own.time_offset() || column == own.elevation_error()) continue;
     const double numeric = (residual(column, kStep) - residual(column, -kStep)) / (2.0 * kStep);
     // residual = z - h(x)
     EXPECT_NEAR(h[column], -numeric, 1e-6) << column;
@@ -118,6 +119,7 @@ TEST_F(AidingRadarBlocksTest, ColumnsMatchCentralDifferences) {
   }
   EXPECT_EQ(h.segment(layout.of_radar(0).extrinsics(), own.extrinsics() - body::kSize).norm(), 0.0);
   EXPECT_EQ(h[own.time_offset()], 0.0);
+  EXPECT_EQ(h[own.elevation_error()], 0.0);
 }
 
 TEST_F(AidingRadarBlocksTest, WhatIsNotEstimatedHasNoColumn) {

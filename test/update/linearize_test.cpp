@@ -177,8 +177,8 @@ TEST_F(RowsOfAModel, BlocksStandInTheirColumns) {
             (Columns{0, layout_.clone(1), layout_.extrinsics(), layout_.time_offset()}));
   EXPECT_NEAR(trail.variance, 0.01, 1e-15);
   const LinearRow point = row(LandmarkPointModel{}, LandmarkPointModel::measurement(detection_), 2);
-  EXPECT_EQ(columns(point),
-            (Columns{0, layout_.extrinsics(), layout_.landmark(1), layout_.time_offset()}));
+  EXPECT_EQ(columns(point), (Columns{0, layout_.extrinsics(), layout_.landmark(1),
+                                     layout_.elevation_error(), layout_.time_offset()}));
   EXPECT_EQ(point.variance, 1.0);  // whitened
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rio/models/landmark_birth.hpp"
+#include "rio/models/landmark_point.hpp"
 #include "rio/update/gathered_covariance.hpp"
 #include "rio/update/look_correlation.hpp"
 #include "support/random_state.hpp"
@@ -79,7 +80,7 @@ TEST_F(StateEstimateTest, PropagationKeepsWayRateAndAcceleration) {
 TEST_F(StateEstimateTest, LandmarksArePredictedInTheRadarsAxes) {
   options_.frontend.matching = Matching::kMahalanobis;
   for (const CalibrationOptions& calibration : {CalibrationOptions{0.05, 0.03, 0.02, 0.02, 0.0},
-                                                CalibrationOptions{0.0, 0.0, 0.02, 0.0, 0.0},
+                                                CalibrationOptions{0.0, 0.0, 0.02, 0.0, 0.0, 0.0},
                                                 CalibrationOptions{0.05, 0.03, 0.0, 0.0, 0.0}}) {
     options_.calibration = calibration;
     options_.radar.T_BS.translation = Vector3d(0.1, -0.2, 0.05);
@@ -90,13 +91,42 @@ TEST_F(StateEstimateTest, LandmarksArePredictedInTheRadarsAxes) {
     for (int i = 0; i < 3; ++i) {
       const LandmarkState& landmark = b.estimate().landmarks[static_cast<std::size_t>(i)];
       const ObservedPoint point(x.T_WB, x.T_BS, landmark.p_W);
-      const auto rows = state_rows<3>(point.d_e, ObservedPoint::Blocks{}, x, {0, i}, b.layout());
+      RadarDetection raw;  // a look there, whose elevation has the common error
+      raw.point_S = point.e_S;
+      const Detection d = make_detection(raw, options_.radar);
+      JacobianOf<3, LandmarkPointModel::Blocks::kDof> d_look;
+      d_look << point.d_e, d.range * d.sigma_elevation_S.normalized();
+      const auto rows = state_rows<3>(d_look, LandmarkPointModel::Blocks{}, x, {0, i}, b.layout());
       GatheredCovariance gathered;
       gathered.begin(b.covariance());
       const Matrix3d expected = gathered.product(rows);
       EXPECT_LT((landmark.covariance_S - expected).norm(), 1e-12 * expected.norm()) << i;
     }
   }
+}
+
+// A landmark has the common error of elevations from the detection it is born from; what becomes
+// known of that error is taken back, what it has in common with the landmark remains.
+TEST_F(StateEstimateTest, WhatIsConsideredIsNeverKnown) {
+  StateEstimate b = state_estimate();
+  add_landmark({4.0, 0.0, 0.0}, &b);
+  const int at = b.layout().elevation_error();
+  const int up = b.layout().landmark(0);
+  const Quaternion q_WS = nav_.q_WB * options_.radar.T_BS.rotation;
+  const double prior = options_.calibration.elevation_sigma * options_.calibration.elevation_sigma;
+  EXPECT_NEAR(b.covariance().matrix()(at, at), prior, 1e-15);
+  const Vector3d shared = b.covariance().matrix().block<3, 1>(up, at);  // -|m| t_el
+  EXPECT_LT((shared - q_WS * Vector3d(0.0, 0.0, -4.0 * prior)).norm(), 1e-12);
+  Eigen::VectorXd dx = Eigen::VectorXd::Zero(b.layout().capacity());
+  dx[at] = 0.01;
+  b.correct(dx);
+  EXPECT_EQ(b.estimate().elevation_error, 0.01);
+  b.covariance().matrix()(at, at) = 0.1 * prior;
+  Eigen::MatrixXd expected = b.covariance().matrix();
+  expected(at, at) = prior;
+  b.consider();
+  EXPECT_EQ(b.estimate().elevation_error, 0.0);
+  EXPECT_EQ(Eigen::MatrixXd(b.covariance().matrix()), expected);
 }
 
 TEST_F(StateEstimateTest, LandmarksWalkWithTheWay) {
@@ -140,7 +170,7 @@ TEST_F(StateEstimateTest, NothingChangesIfTheResultIsNotFinite) {
 // The noise of the gyro sample moves the radar by its lever arm.
 TEST_F(StateEstimateTest, TheVarianceOfADopplerIncludesTheGyroSample) {
   constexpr double kSigma = 0.03;
-  options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  options_.calibration = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   options_.radar.T_BS = {test::rotation_of({0.3, 0.1, -0.4}), Vector3d(0.4, -0.3, 0.2)};
   StateEstimate b(options_, 3);
   b.reset(nav_, BodyCovariance::Zero());

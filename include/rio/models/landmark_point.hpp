@@ -5,7 +5,8 @@
 // e = R_BS^T (R_WB^T (l - p_WB) - p_BS), u = e/|e|, v_S the velocity of the radar in its axes
 // (E1) range      h = |e|
 // (E2) direction  h = t_az . u and t_el . u, t the unit tangents at the measured direction: the
-//                 measured values are 0, the noise is that of each angle
+//                 measured values are 0, the noise is that of each angle; the second plus the
+//                 error common to all elevations
 // (E3) Doppler    h = -u . v_S with the landmark's direction u, which is better known than the
 //                 detection's; v_S is multiplied by 1 + scale error; (E7) of models/doppler.hpp
 //                 for the v_S that the mounting turns; in the column of e by the mounting it is the
@@ -31,7 +32,7 @@ class LandmarkPointModel {
  public:
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 3;
-  using Blocks = ObservedPoint::Blocks;
+  using Blocks = BlockList<BodyPose, Extrinsics, Landmark, ElevationError>;
 
   struct Measurement {
     double range = 0.0;                              ///< [m]
@@ -56,8 +57,8 @@ class LandmarkPointModel {
   }
 
   bool evaluate(const Measurement& z, const RigidPose& T_WB, const RigidPose& T_BS,
-                const Vector3d& p_WL, ResidualOf<kDim>& r, JacobianOf<kDim, Blocks::kDof>* J,
-                JacobianOf<kDim, kDim>& R) const noexcept;
+                const Vector3d& p_WL, double elevation_error, ResidualOf<kDim>& r,
+                JacobianOf<kDim, Blocks::kDof>* J, JacobianOf<kDim, kDim>& R) const noexcept;
 };
 static_assert(MeasurementModel<LandmarkPointModel>);
 

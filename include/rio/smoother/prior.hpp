@@ -10,6 +10,9 @@
 // (E3) T_BS Log(R_l^T R), p - p_l; other calibration and auxiliary states c - c_l
 // (E4) dxi = (I + w e_psi^T) B dx with B by blocks: phi_0 [Jl(tau) e_x, Jl(tau) e_y, e_z]^-1 Z^T R,
 //      phi Jl^-1(phi) Z^T R, eta Z^T;  w: -Jl^-1(phi) e_z at phi, -e_z x (Z^T y) at the eta of y
+// (E5) consider: with m, s the mean and variance of the elevation error d in the prior alone,
+//      (A^-1 + e q e^T)^-1 = A - A e (1/q + e^T A e)^-1 e^T A with q = s_0 - s, and the mean is
+//      moved by -m e:  g <- g - A e (1/q + e^T A e)^-1 e^T g - m A' e, A' the new A
 // Observability constraint: a rotation of everything about gravity changes psi only, a translation
 // changes every eta equally. These unobservable directions do not depend on x, so A gains no
 // information about them, wherever the states move. (With the standard error, first-estimate
@@ -58,6 +61,10 @@ class Prior {
   /// Random walk of the parameters over `seconds`.
   /// @param walk ParameterNoise::walk
   void add_parameter_noise(const Eigen::VectorXd& walk, double seconds);
+
+  /// (E5): what is considered has mean zero and these variances again.
+  /// @param variances ParameterNoise::prior
+  void consider(const Eigen::VectorXd& variances);
 
   /// Marginalises landmark i, if the prior has it; the last one takes its place.
   void remove_landmark(std::size_t i, std::size_t last);

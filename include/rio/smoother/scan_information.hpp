@@ -68,7 +68,8 @@ class ScanInformation {
   static constexpr int kExtrinsics = kBody;
   static constexpr int kDopplerScale = kExtrinsics + Extrinsics::kDof;
   static constexpr int kTimeOffset = kDopplerScale + 1;
-  static constexpr int kLocal = kTimeOffset + 1;
+  static constexpr int kElevationError = kTimeOffset + 1;
+  static constexpr int kLocal = kElevationError + 1;
   static constexpr int kCapacity = cholesky::kPanel;  // no product is deeper
   static_assert(body::kGyroBias + 3 == kBody);
 
@@ -82,6 +83,7 @@ class ScanInformation {
     if constexpr (std::is_same_v<Block, GyroBias>) return body::kGyroBias;
     if constexpr (std::is_same_v<Block, Extrinsics>) return kExtrinsics;
     if constexpr (std::is_same_v<Block, DopplerScale>) return kDopplerScale;
+    if constexpr (std::is_same_v<Block, ElevationError>) return kElevationError;
   }
 
   template <int kDim, class... B>

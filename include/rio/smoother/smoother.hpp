@@ -115,6 +115,7 @@ class Smoother {
   Preintegration since_;  ///< since the newest state of the window
   WindowPoint before_;
   StaticVector<std::vector<AidingFactor>*, kMaxAiding> aided_;  ///< where take() added a factor
+  int since_considered_ = 0;  ///< states marginalised since Prior::consider()
   Eigen::VectorXd g_;
   Eigen::MatrixXd A_;
   Eigen::MatrixXd P_;

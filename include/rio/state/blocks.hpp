@@ -54,6 +54,16 @@ struct DopplerScale {
   }
 };
 
+/// Error common to the elevations of a radar's landmarks, measured minus true [rad]. It is
+/// considered, not estimated (StateEstimate::consider).
+struct ElevationError {
+  using Value = double;
+  static constexpr int kDof = 1;
+  static Value retract(Value x, const Eigen::Matrix<double, kDof, 1>& error) {
+    return x + error[0];
+  }
+};
+
 /// Base of a state that an extension adds: additive, a random walk; at the start zero, or the value
 /// given to AuxiliaryStates::declare_at. The derived block declares, as static constexpr members,
 ///   const char* kName   unique among the auxiliary states of an estimator

@@ -64,8 +64,9 @@ struct LandmarkState {
 /// What is estimated of one radar.
 struct RadarState {
   Pose T_BS;
-  double doppler_scale = 0.0;  ///< relative error of the range rates as received
-  double time_offset = 0.0;    ///< stamp minus time of measurement [s]
+  double doppler_scale = 0.0;    ///< relative error of the range rates as received
+  double time_offset = 0.0;      ///< stamp minus time of measurement [s]
+  double elevation_error = 0.0;  ///< of landmarks (state/blocks.hpp); 0 but in a window [rad]
 };
 
 /// Predicted or corrected means at one instant. The RadarState is that of the radar whose scan is

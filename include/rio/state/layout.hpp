@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Position of each block in the error state:
-//   [body 15 | of each radar: extrinsics 0 or 6, Doppler scale 0 or 1, time offset 0 or 1 |
-//    auxiliary states | clones 6 N | landmarks 3 M]
+//   [body 15 | of each radar: extrinsics 0 or 6, Doppler scale 0 or 1, time offset 0 or 1,
+//    elevation error 0 or 1 | auxiliary states | clones 6 N | landmarks 3 M]
 //
 // The clone region always has room for N clones (stochastic cloning); a new one replaces the
 // oldest, so marginalising a clone moves nothing. Landmarks come last because their number changes.
@@ -21,6 +21,7 @@ class Layout {
       : extrinsics_(calibration.rotation_sigma > 0.0 || calibration.translation_sigma > 0.0),
         doppler_scale_(calibration.doppler_scale_sigma > 0.0),
         time_offset_(calibration.time_offset_sigma > 0.0),
+        elevation_error_(calibration.elevation_sigma > 0.0),
         radars_(static_cast<int>(radars)),
         auxiliary_(auxiliary),
         max_clones_(max_clones),
@@ -37,6 +38,7 @@ class Layout {
   bool has_extrinsics() const { return extrinsics_; }
   bool has_doppler_scale() const { return doppler_scale_; }
   bool has_time_offset() const { return time_offset_; }
+  bool has_elevation_error() const { return elevation_error_; }
   int max_clones() const { return max_clones_; }
 
   // First column of each block, the calibration that of the selected radar. Valid only for blocks
@@ -44,6 +46,7 @@ class Layout {
   int extrinsics() const { return body::kSize + radar_ * calibration_size(); }
   int doppler_scale() const { return extrinsics() + (extrinsics_ ? Extrinsics::kDof : 0); }
   int time_offset() const { return doppler_scale() + (doppler_scale_ ? 1 : 0); }
+  int elevation_error() const { return time_offset() + (time_offset_ ? 1 : 0); }
   int auxiliary() const { return body::kSize + radars_ * calibration_size(); }
   int auxiliary_size() const { return auxiliary_; }
   int clone(int slot) const { return auxiliary() + auxiliary_ + 6 * slot; }
@@ -59,6 +62,8 @@ class Layout {
     if constexpr (std::is_same_v<Block, GyroBias>) return body::kGyroBias;
     if constexpr (std::is_same_v<Block, Extrinsics>) return extrinsics_ ? extrinsics() : -1;
     if constexpr (std::is_same_v<Block, DopplerScale>) return doppler_scale_ ? doppler_scale() : -1;
+    if constexpr (std::is_same_v<Block, ElevationError>)
+      return elevation_error_ ? elevation_error() : -1;
     if constexpr (std::is_same_v<Block, ClonePose>) return max_clones_ > 0 ? clone(index) : -1;
     if constexpr (std::is_same_v<Block, Landmark>) return landmark(index);
   }
@@ -68,12 +73,14 @@ class Layout {
  private:
   /// Columns of the calibration of one radar.
   int calibration_size() const {
-    return (extrinsics_ ? Extrinsics::kDof : 0) + (doppler_scale_ ? 1 : 0) + (time_offset_ ? 1 : 0);
+    return (extrinsics_ ? Extrinsics::kDof : 0) + (doppler_scale_ ? 1 : 0) +
+           (time_offset_ ? 1 : 0) + (elevation_error_ ? 1 : 0);
   }
 
   bool extrinsics_;
   bool doppler_scale_;
   bool time_offset_;
+  bool elevation_error_;
   int radars_;
   int radar_ = 0;
   int auxiliary_;

@@ -63,6 +63,7 @@ struct LinearizationPoint {
   Vector3d accel_W;  ///< [m/s^2]
   SteadyMotion steady;
   double doppler_scale = 0.0;             ///< left in corrected detections
+  double elevation_error = 0.0;           ///< [rad]
   Eigen::Matrix<double, 6, 1> pose_rate;  ///< of the error [dphi, dp] [rad/s, m/s]
   StepBack step;                          ///< from the estimate to this state
 };
@@ -81,6 +82,7 @@ const typename Block::Value& block_value(const LinearizationPoint& x, BlockIndex
   if constexpr (std::is_same_v<Block, GyroBias>) return x.gyro_bias;
   if constexpr (std::is_same_v<Block, Extrinsics>) return x.T_BS;
   if constexpr (std::is_same_v<Block, DopplerScale>) return x.doppler_scale;
+  if constexpr (std::is_same_v<Block, ElevationError>) return x.elevation_error;
   if constexpr (std::is_same_v<Block, ClonePose>) {
     return x.estimate.clones[static_cast<std::size_t>(index.clone)].T_WB;
   }
