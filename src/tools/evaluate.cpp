@@ -145,14 +145,18 @@ std::string evaluation_json(const EvaluateArguments& arguments, const std::strin
   return json.dump();
 }
 
-Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajectory& truth,
-                          const eval::Trajectory& estimate, const std::string& name) {
+eval::EvaluationOptions options_of(const EvaluateArguments& arguments) {
   eval::EvaluationOptions options;
   options.alignment = *eval::alignment_kind(arguments.align);
   options.max_difference = from_seconds(arguments.max_diff);
   options.mae_distance = arguments.mae_at;
+  return options;
+}
+
+Evaluation evaluate_poses(const EvaluateArguments& arguments, const eval::Trajectory& truth,
+                          const eval::Trajectory& estimate, const std::string& name) {
   try {
-    return eval::evaluate(truth, estimate, options);
+    return eval::evaluate(truth, estimate, options_of(arguments));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(name + " against " + arguments.truth + ": " + error.what());
   }
@@ -220,7 +224,8 @@ void evaluate(const EvaluateArguments& arguments) {
     const eval::Trajectory estimate = io::read_trajectory(file);
     all.push_back({std::filesystem::path(file).stem().string(),
                    evaluate_poses(arguments, truth, estimate, file)});
-    const eval::StampOffset best = eval::best_stamp_offset(truth, estimate);
+    const eval::StampOffset best =
+        eval::best_stamp_offset(truth, estimate, options_of(arguments));
     if (!best.is_needed()) continue;
     print_notes(
         {fmt::format("the clocks of truth and {} seem to differ: with --truth-offset \"{:.3f} s\" "

@@ -106,6 +106,20 @@ TEST_F(EkfTest, FindsAMountingError) {
   EXPECT_EQ(error(), before);
 }
 
+// However many landmarks share it; what it has in common with them is kept.
+TEST_F(EkfTest, NeverLearnsTheErrorOfAllElevations) {
+  const Options o = flight_.options();
+  flight_.begin(o);
+  fly(100);
+  ASSERT_GT(x().landmarks.size(), 5U);
+  const Layout& layout = flight_.state_estimate().layout();
+  const int at = layout.elevation_error();
+  const Eigen::MatrixXd P = flight_.state_estimate().covariance().matrix();
+  EXPECT_EQ(x().elevation_error, 0.0);
+  EXPECT_EQ(P(at, at), o.calibration.elevation_sigma * o.calibration.elevation_sigma);
+  EXPECT_GT(P.block(layout.landmark(0), at, 3, 1).norm(), P(at, at));
+}
+
 TEST_F(EkfTest, CovarianceStaysSymmetricAndPositiveSemiDefinite) {
   flight_.begin(flight_.options());
   while (!flight_.over()) {

@@ -37,6 +37,19 @@ class SmootherTest : public testing::Test {
   SmootherFlight flight_;
 };
 
+// The scans of two windows at most tell of it.
+TEST_F(SmootherTest, HardlyLearnsTheErrorOfAllElevations) {
+  const Options o = flight_.options();
+  const int at = flight_.state_estimate().layout().elevation_error();
+  double least = 1.0;
+  for (int scan = 0; scan < 100; ++scan) {
+    fly(1);
+    least = std::min(least, flight_.state_estimate().covariance().matrix()(at, at));
+  }
+  ASSERT_GT(x().landmarks.size(), 5U);
+  EXPECT_GT(std::sqrt(least), 0.3 * o.calibration.elevation_sigma);
+}
+
 // They are the clones; that of the start is no scan.
 TEST_F(SmootherTest, KeepsTheLastStatesFirstInFirstOut) {
   const auto n = static_cast<std::size_t>(flight_.options().smoother.window);
