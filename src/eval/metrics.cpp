@@ -25,7 +25,9 @@ AngleError angle_error(const std::vector<PosePair>& pairs, Error error) {
 Statistics statistics(std::vector<double> values) {
   Statistics result;
   result.count = values.size();
-  if (values.empty()) return result;
+  const auto nan =
+      std::find_if(values.begin(), values.end(), [](double v) { return std::isnan(v); });
+  if (values.empty() || nan != values.end()) return result;  // unknown
   const double n = static_cast<double>(values.size());
   double sum = 0.0;
   double sum_of_squares = 0.0;

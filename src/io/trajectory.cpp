@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
@@ -19,6 +20,7 @@ namespace rio::io {
 namespace {
 
 constexpr const char* kColoradarPoses = "groundtruth/groundtruth_poses.txt";
+constexpr std::size_t kPositions = 4;  // columns of a file without attitudes
 
 /// Decimal seconds, or integer nanoseconds of our time.
 Time stamp_at(const CsvReader& rows) {
@@ -28,8 +30,17 @@ Time stamp_at(const CsvReader& rows) {
   return Time(ns ? rows.integer(0) : rows.seconds_to_ns(0));
 }
 
+/// In the columns from `first` on, qx qy qz qw.
+Quaternion attitude_at(const CsvReader& rows, std::size_t first) {
+  const auto q = unit_quaternion(rows.number(first + 3), rows.number(first), rows.number(first + 1),
+                                 rows.number(first + 2));
+  if (!q) rows.fail("not a unit quaternion");
+  return *q;
+}
+
 /// Rows without stamps have them in timestamps.txt beside the file.
-Trajectory read_tum(const std::filesystem::path& path, TumOrder order, char separator = ' ') {
+Trajectory read_tum(const std::filesystem::path& path, TumOrder order, Attitude attitude,
+                    char separator = ' ') {
   CsvReader rows(path, separator);
   rows.expect_names({"timestamp", "px", "py", "pz", "qx", "qy", "qz", "qw"});
   std::optional<CsvReader> stamps;
@@ -39,20 +50,25 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order, char sepa
     const std::filesystem::path beside = path.parent_path() / "timestamps.txt";
     if (columns == 7 && !stamps && std::filesystem::exists(beside)) stamps.emplace(beside, ' ');
     if (columns == 1) (void)rows.number(0);  // names another separator
-    if (columns != 8 && !stamps) {
-      rows.fail(fmt::format("has {} columns, a TUM file has 8{}", columns,
-                            columns == 12 ? "; poses of KITTI have no stamps" : ""));
+    const bool positions = columns == kPositions && attitude == Attitude::kOptional;
+    if (columns != 8 && !stamps && !positions) {
+      const char* known = columns == 12 ? "; poses of KITTI have no stamps"
+                          : columns == kPositions
+                              ? "; positions alone are a truth for rio evaluate only"
+                              : "";
+      rows.fail(fmt::format("has {} columns, a TUM file has 8{}", columns, known));
     }
     if (stamps && !stamps->next()) rows.fail("has no stamp in " + beside.string());
     const std::size_t i = stamps ? 0 : 1;
     StampedPose pose;
     pose.time = stamp_at(stamps ? *stamps : rows);
     pose.p = Vector3d(rows.number(i), rows.number(i + 1), rows.number(i + 2));
-    const auto q = unit_quaternion(rows.number(i + 6), rows.number(i + 3), rows.number(i + 4),
-                                   rows.number(i + 5));
-    if (!q) rows.fail("not a unit quaternion");
     if (!pose.p.allFinite()) rows.fail("position is not finite");
-    pose.q = *q;
+    if (positions) {
+      pose.q.coeffs().setConstant(std::numeric_limits<double>::quiet_NaN());
+    } else {
+      pose.q = attitude_at(rows, i + 3);
+    }
     if (order == TumOrder::kStrict && !trajectory.empty() && pose.time <= trajectory.back().time) {
       rows.fail("time does not increase");
     }
@@ -69,10 +85,11 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order, char sepa
   return trajectory;
 }
 
-/// Of a TUM file, whose stamps are in seconds if commas separate its columns; else empty.
+/// Of a TUM file, whose stamps are in seconds if commas separate eight columns; else empty.
 std::optional<char> tum_separator(const std::filesystem::path& path) {
   CsvReader rows(path);
   if (!rows.next() || rows.columns() == 1) return ' ';
+  if (rows.columns() == kPositions) return ',';
   const bool seconds = rows.cell(0).find_first_of(".eE") != std::string_view::npos;
   return rows.columns() == 8 && seconds ? std::optional(',') : std::nullopt;
 }
@@ -99,13 +116,13 @@ void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) 
   file.close();
 }
 
-Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order) {
+Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order, Attitude attitude) {
   if (std::filesystem::exists(path / kColoradarPoses)) {
-    return read_tum(path / kColoradarPoses, order);
+    return read_tum(path / kColoradarPoses, order, attitude);
   }
   if (!std::filesystem::is_directory(path)) {
     const std::optional<char> separator = tum_separator(path);
-    if (separator) return read_tum(path, order, *separator);
+    if (separator) return read_tum(path, order, attitude, *separator);
   }
   Trajectory trajectory;
   for (const NavState& state : read_ground_truth(path)) {

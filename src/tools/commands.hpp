@@ -169,7 +169,9 @@ struct EvaluateArguments {
   bool json = false;
 };
 void evaluate(const EvaluateArguments& arguments);
-eval::Trajectory truth_of(const std::string& path);  ///< of any file or folder, or of a bag
+/// Of any file or folder, or of a bag.
+eval::Trajectory truth_of(const std::string& path,
+                          io::Attitude attitude = io::Attitude::kRequired);
 
 /// `rio compare`: runs of one recording side by side.
 struct CompareArguments {

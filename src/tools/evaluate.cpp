@@ -204,9 +204,9 @@ void print_table(const TextTable& rows) {
   }
 }
 
-eval::Trajectory truth_of(const std::string& path) {
+eval::Trajectory truth_of(const std::string& path, io::Attitude attitude) {
   if (io::is_dataset_folder(path) || !bag::begins_as_recording(path))
-    return io::read_trajectory(path);
+    return io::read_trajectory(path, io::TumOrder::kStrict, attitude);
   eval::Trajectory truth;
   for (const NavState& state : bag::read_truth(path)) {
     truth.push_back({state.time, state.p_WB, state.q_WB});
@@ -215,7 +215,12 @@ eval::Trajectory truth_of(const std::string& path) {
 }
 
 void evaluate(const EvaluateArguments& arguments) {
-  eval::Trajectory truth = truth_of(arguments.truth);
+  eval::Trajectory truth = truth_of(arguments.truth, io::Attitude::kOptional);
+  if (!truth.empty() && !truth.front().q.coeffs().allFinite()) {
+    print_notes(
+        {"the truth holds positions alone: errors of the attitude and the RPE, which needs "
+         "it, are unknown"});
+  }
   const std::string& said = arguments.truth_offset;
   const double offset = said.empty() ? 0.0 : io::parse_quantity(said, "s");
   for (eval::StampedPose& pose : truth) pose.time += from_seconds(offset);
@@ -224,8 +229,7 @@ void evaluate(const EvaluateArguments& arguments) {
     const eval::Trajectory estimate = io::read_trajectory(file);
     all.push_back({std::filesystem::path(file).stem().string(),
                    evaluate_poses(arguments, truth, estimate, file)});
-    const eval::StampOffset best =
-        eval::best_stamp_offset(truth, estimate, options_of(arguments));
+    const eval::StampOffset best = eval::best_stamp_offset(truth, estimate, options_of(arguments));
     if (!best.is_needed()) continue;
     print_notes(
         {fmt::format("the clocks of truth and {} seem to differ: with --truth-offset \"{:.3f} s\" "

@@ -47,6 +47,12 @@ TEST(Statistics, ByHand) {
   EXPECT_DOUBLE_EQ(statistics({5.0, 1.0, 2.0}).median, 2.0);
 }
 
+TEST(Statistics, OfWhatIsUnknownAreNan) {
+  const Statistics s = statistics({3.0, kNan, 1.0});
+  EXPECT_EQ(s.count, 3U);
+  EXPECT_TRUE(std::isnan(s.rmse) && std::isnan(s.median) && std::isnan(s.max));
+}
+
 TEST(Metrics, OfNothingAreNan) {
   const Statistics s = statistics({});
   EXPECT_EQ(s.count, 0U);

@@ -140,6 +140,22 @@ TEST(Trajectory, ReadsScientificNotationCommentsAndRoundedQuaternions) {
   EXPECT_NEAR(read[0].q.norm(), 1.0, 1e-15);
 }
 
+// As of a total station or GNSS, for what needs no attitude.
+TEST(Trajectory, PositionsAloneAreReadWhereTheAttitudeIsOptional) {
+  const TempDir dir;
+  for (const char* text : {"1.5 1 2 3\n2.5 4 5 6\n", "t,x,y,z\n1.5,1,2,3\n2.5,4,5,6\n",
+                           "#timestamp [ns],x,y,z\n1403636579758555392,1,2,3\n"
+                           "1403636580758555392,4,5,6\n"}) {
+    const std::filesystem::path file = dir.write("a.csv", text);
+    const Trajectory read = read_trajectory(file, TumOrder::kStrict, Attitude::kOptional);
+    ASSERT_EQ(read.size(), 2U) << text;
+    EXPECT_EQ(read[1].p, Vector3d(4, 5, 6));
+    EXPECT_EQ(read[1].time - read[0].time, Time(1'000'000'000));
+    EXPECT_TRUE(read[1].q.coeffs().array().isNaN().all());
+    EXPECT_ERROR(read_trajectory(file), "has 4 columns, a TUM file has 8; positions alone");
+  }
+}
+
 TEST(Trajectory, RejectsDamage) {
   const TempDir dir;
   const auto read = [&dir](const char* text) { read_trajectory(dir.write("a.tum", text)); };

@@ -29,12 +29,20 @@ enum class TumOrder : std::uint8_t {
   kSorted,  ///< sort; of equal stamps the first is kept
 };
 
+/// Whether a trajectory may be positions alone, as of a total station or GNSS.
+enum class Attitude : std::uint8_t {
+  kRequired,
+  kOptional,  ///< NaN if the file has none
+};
+
 /// A dataset folder (its ground truth), a table with commas and stamps in ns (EuRoC ground truth,
 /// or a states file), or else a TUM file of exactly eight columns, with blanks or commas between
-/// them; of seven if timestamps.txt is beside it (ColoRadar, or its folder). An integer stamp of 15
-/// digits or more is in nanoseconds. Throws std::runtime_error "FILE:LINE: ..." if it is damaged,
-/// empty, not finite, or if stamps do not strictly increase.
-Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order = TumOrder::kStrict);
+/// them; of seven if timestamps.txt is beside it (ColoRadar, or its folder); of four (t x y z) if
+/// the attitude is optional. An integer stamp of 15 digits or more is in nanoseconds. Throws
+/// std::runtime_error "FILE:LINE: ..." if it is damaged, empty, not finite, or if stamps do not
+/// strictly increase.
+Trajectory read_trajectory(const std::filesystem::path& path, TumOrder order = TumOrder::kStrict,
+                           Attitude attitude = Attitude::kRequired);
 
 /// Error of the states file: [dp, dtheta, dv] in W, B, W axes.
 using StateCovariance = Eigen::Matrix<double, 9, 9, Eigen::DontAlign>;
