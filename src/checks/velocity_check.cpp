@@ -185,9 +185,14 @@ bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) 
   *best = Vector3d::Zero();
   double most = likelihood(*best);
   double rival = 0.0;
-  const auto consider = [&](const Vector3d& v) {
+  const auto consider = [&](Vector3d v) {
     if (v.norm() > kFastest) return;
-    const double L = likelihood(v, kNearly * most);
+    double L = likelihood(v, kNearly * most);
+    if (L > kNearly * most && (v - *best).norm() > apart) {  // another one, or does it scatter?
+      v = climbed(v);
+      if (v.norm() > kFastest) return;
+      L = likelihood(v, kNearly * most);
+    }
     const bool far = (v - *best).norm() > apart;
     if (L > most) {
       if (far) rival = most;
@@ -227,6 +232,15 @@ bool VelocityCheck::search(const Vector3d& believed, Time seed, Vector3d* best) 
     }
   }
   return rival < kNearly * most;
+}
+
+Vector3d VelocityCheck::climbed(Vector3d v) const {
+  for (int i = 0; i < kClimb; ++i) {
+    const std::optional<IndependentVelocity> next = refine(v);
+    if (!next) break;
+    v = next->v_B;
+  }
+  return v;
 }
 
 std::optional<IndependentVelocity> VelocityCheck::refine(const Vector3d& v) const {

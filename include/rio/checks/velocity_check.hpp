@@ -121,6 +121,10 @@ class VelocityCheck {
   /// The most likely velocity; false if a distant one is nearly as likely.
   bool search(const Vector3d& believed, Time seed, Vector3d* best) const;
 
+  /// The most likely velocity near v: with the speed those of triples scatter, at 10 m/s by metres
+  /// per second.
+  Vector3d climbed(Vector3d v) const;
+
   /// Least squares over the rows that support v; none if a direction is poorly determined.
   std::optional<IndependentVelocity> refine(const Vector3d& v) const;
 
@@ -153,6 +157,7 @@ class VelocityCheck {
   static constexpr double kRepetition = 4.0;    // rows of one reflector repeat their error
   static constexpr double kLeastSigma = 0.01;   // [m/s]
   static constexpr double kLeastVolume = 0.02;  // of three directions
+  static constexpr int kClimb = 3;              // steps to the most likely velocity nearby
   static constexpr int kDraws = 30;             // at kMajority all fail once in 1500 scans
 
   Options options_;
