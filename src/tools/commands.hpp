@@ -14,6 +14,7 @@
 #include "estimator_options.hpp"
 #include "live/player.hpp"
 #include "rio/eval/stamped_pose.hpp"
+#include "rio/io/trajectory.hpp"
 
 namespace rio::tools {
 
