@@ -20,7 +20,8 @@
 //      beyond the bound and m rows inside: n b / (h m)
 //
 // The hypotheses beside the state estimate's velocity are standstill and the solutions of triples
-// of rows, in all neighbouring folds. One contradicts the state estimate if, for long enough,
+// of rows, in all neighbouring folds, moved to the most likely velocity nearby: triples of one
+// velocity scatter with the speed. One contradicts the state estimate if, for long enough,
 //   - most rows support it, over a sufficient span, and no other distant one is nearly as likely;
 //   - its L is kClearly times that of the state estimate's velocity, and beyond its three sigmas.
 // "Long enough" is short at the start and long if the state estimate was supported before: the IMU
