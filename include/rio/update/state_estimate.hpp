@@ -94,10 +94,9 @@ class StateEstimate {
   /// limited to kCalibrationLimit sigmas of its prior.
   void correct(const Eigen::VectorXd& dx);
 
-  /// Schmidt: an error that is considered has mean zero and its prior again, what it has in common
-  /// with the other states remains. Updates with the joint gain correct them as if it was not known
-  /// at all, however many measurements share it:
-  ///   P_xx, P_xd of the update, P_dd = P_dd(0), d = 0
+  /// After an update: an error d that is considered has mean zero and its prior again, while its
+  /// covariance with the other states x is that of the update. The gain of d is zero (Schmidt 1966;
+  /// data/theory.md, 7): nothing tells d, however many measurements share it.
   void consider();
 
  private:
