@@ -177,7 +177,7 @@ void add_replay_command(CLI::App& app) {
 void add_evaluate_command(CLI::App& app) {
   const Command command(app, "evaluate", "Compare an estimated path with the true one");
   EvaluateArguments* to = command.runs(&evaluate);
-  command.add("TRUTH", &to->truth, kTrajectory, kRequired);
+  command.add("TRUTH", &to->truth, std::string(kTrajectory) + "; t x y z alone, too", kRequired);
   command.add("ESTIMATE", &to->estimates, "same formats; several give a table of a row each",
               kRequired);
   add_alignment(command, &to->align,

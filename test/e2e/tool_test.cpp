@@ -66,6 +66,23 @@ TEST_F(Tool, ReplaysEveryScanIntoEveryOutput) {
   }
 }
 
+TEST_F(Tool, EvaluatesAgainstPositionsAlone) {
+  rio("replay " + flight_ + " --quiet --out " + file("path.tum"));
+  std::ofstream positions(file("positions.txt"));
+  for (const std::string& line : lines_of(file("path.tum"))) {
+    std::istringstream cells(line);
+    std::string t, x, y, z;
+    cells >> t >> x >> y >> z;
+    positions << t << ' ' << x << ' ' << y << ' ' << z << '\n';
+  }
+  positions.close();
+  const std::string against = "evaluate " + file("positions.txt") + " " + file("path.tum");
+  rio(against, {"note: the truth holds positions alone", "tilt error            - deg rmse"});
+  const Json error = rio(against + " --json").json();
+  EXPECT_EQ(error["norm_of_rmse_m"], 0.0);
+  EXPECT_TRUE(error["yaw_error_deg"]["rmse"].is_null());
+}
+
 TEST_F(Tool, ReplaysWithEitherBackEnd) {
   std::ofstream(file("ekf.yaml")) << "backend: ekf\n";
   std::ofstream(file("smoother.yaml")) << "backend: smoother\n";
