@@ -2,6 +2,7 @@
 // A replay reads while it goes on: its memory does not depend on the length of the recording.
 #include <gtest/gtest.h>
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -26,11 +27,12 @@ class Memory : public Tool {
   static constexpr double kMost = 32.0;   // [MB], 2 of them libraries of the live view
   static constexpr double kGrowth = 3.0;  // [MB]: stamps, and times of the scans for the median
 
-  /// Of a process of its own, that of this one being small.
+  /// Of a process of its own, whose peak begins with the memory of this one.
   static Replay replay(const std::string& arguments) {
     const std::string out = file("out.json");
     const std::string command =
         "exec " RIO_TOOL " replay " + arguments + " --init static --json >" + out + " 2>/dev/null";
+    malloc_trim(0);  // what other tests have freed
     const pid_t pid = fork();
     if (pid == 0) {
       execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
