@@ -42,12 +42,12 @@ TEST_F(SmootherTest, HardlyLearnsTheErrorOfAllElevations) {
   const Options o = flight_.options();
   const int at = flight_.state_estimate().layout().elevation_error();
   double least = 1.0;
-  for (int scan = 0; scan < 100; ++scan) {
+  while (!flight_.over()) {
     fly(1);
     least = std::min(least, flight_.state_estimate().covariance().matrix()(at, at));
   }
   ASSERT_GT(x().landmarks.size(), 5U);
-  EXPECT_GT(std::sqrt(least), 0.3 * o.calibration.elevation_sigma);
+  EXPECT_GT(std::sqrt(least), 0.45 * o.calibration.elevation_sigma);  // as a constant: 0.26
 }
 
 // They are the clones; that of the start is no scan.
