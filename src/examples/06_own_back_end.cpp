@@ -45,7 +45,8 @@ class PlainEkf : public rio::Ekf {
     if (S.info() != Eigen::Success) return rio::Status::kNumerical;
     MatrixXd K = S.solve(H * P).transpose();
     // considered, not estimated (Schmidt); the form of Joseph holds for any gain
-    K.row(state_estimate().layout().elevation_error()).setZero();
+    const rio::Layout& layout = state_estimate().layout();
+    if (layout.has_elevation_error()) K.row(layout.elevation_error()).setZero();
     const MatrixXd I_KH = MatrixXd::Identity(P.rows(), P.cols()) - K * H;
     const MatrixXd updated = I_KH * P * I_KH.transpose() + K * R * K.transpose();
     Eigen::VectorXd dx = Eigen::VectorXd::Zero(state_estimate().layout().capacity());

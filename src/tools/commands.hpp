@@ -171,8 +171,7 @@ struct EvaluateArguments {
 };
 void evaluate(const EvaluateArguments& arguments);
 /// Of any file or folder, or of a bag.
-eval::Trajectory truth_of(const std::string& path,
-                          io::Attitude attitude = io::Attitude::kRequired);
+eval::Trajectory truth_of(const std::string& path, io::Attitude attitude = io::Attitude::kRequired);
 
 /// `rio compare`: runs of one recording side by side.
 struct CompareArguments {

@@ -39,14 +39,8 @@ struct VectorBlock {
   static Value retract(const Value& x, const Value& error) { return x + error; }
 };
 
-struct BodyPose : PoseBlock {};           ///< T_WB at the scan: columns kAttitude, kPosition
-struct BodyVelocity : VectorBlock<3> {};  ///< v_WB [m/s]
-struct GyroBias : VectorBlock<3> {};      ///< [rad/s]
-struct ClonePose : PoseBlock {};          ///< T_WB at a past scan
-struct Extrinsics : PoseBlock {};         ///< T_BS
-struct Landmark : VectorBlock<3> {};      ///< p_WL [m]
-/// Relative error of the range rates left after the detections were corrected by its estimate.
-struct DopplerScale {
+/// Blocks of one number.
+struct ScalarBlock {
   using Value = double;
   static constexpr int kDof = 1;
   static Value retract(Value x, const Eigen::Matrix<double, kDof, 1>& error) {
@@ -54,15 +48,17 @@ struct DopplerScale {
   }
 };
 
+struct BodyPose : PoseBlock {};           ///< T_WB at the scan: columns kAttitude, kPosition
+struct BodyVelocity : VectorBlock<3> {};  ///< v_WB [m/s]
+struct GyroBias : VectorBlock<3> {};      ///< [rad/s]
+struct ClonePose : PoseBlock {};          ///< T_WB at a past scan
+struct Extrinsics : PoseBlock {};         ///< T_BS
+struct Landmark : VectorBlock<3> {};      ///< p_WL [m]
+/// Relative error of the range rates left after the detections were corrected by its estimate.
+struct DopplerScale : ScalarBlock {};
 /// Error common to the elevations of a radar's landmarks, measured minus true [rad]. It is
 /// considered, not estimated (StateEstimate::consider).
-struct ElevationError {
-  using Value = double;
-  static constexpr int kDof = 1;
-  static Value retract(Value x, const Eigen::Matrix<double, kDof, 1>& error) {
-    return x + error[0];
-  }
-};
+struct ElevationError : ScalarBlock {};
 
 /// Base of a state that an extension adds: additive, a random walk; at the start zero, or the value
 /// given to AuxiliaryStates::declare_at. The derived block declares, as static constexpr members,
