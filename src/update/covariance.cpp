@@ -152,4 +152,12 @@ double Covariance::product(const LinearRow& a, const LinearRow& b) const {
   return sum;
 }
 
+double Covariance::product(const LinearRow& row, int column) const {
+  double sum = 0.0;
+  row.for_each_segment([&](int first, const double* h, int length) {
+    sum += P_.col(column).segment(first, length).dot(Eigen::Map<const Eigen::VectorXd>(h, length));
+  });
+  return sum;
+}
+
 }  // namespace rio

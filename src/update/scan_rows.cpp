@@ -172,7 +172,10 @@ bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
   if (valid) {
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
     if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-      if (ablation_.range_curvature) add_curvature(&m.z);
+      if (ablation_.range_curvature) {
+        const Layout layout = state_estimate.layout().of_radar(m.radar);
+        add_curvature(state_estimate.covariance(), layout, &m.z);
+      }
       innovation = direction_innovation();  // now, since the gate overwrites S_
     }
   }

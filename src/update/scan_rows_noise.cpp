@@ -23,9 +23,16 @@ void ScanRows::add_gyro_noise(LandmarkDopplerModel::Measurement* z, const Vector
   z->sigma_doppler = std::sqrt(z->sigma_doppler * z->sigma_doppler + variance);
 }
 
-void ScanRows::add_curvature(LandmarkPointModel::Measurement* z) {
+void ScanRows::add_curvature(const Covariance& P, const Layout& layout,
+                             LandmarkPointModel::Measurement* z) {
   const Eigen::Vector2d sigma(z->sigma_azimuth_S.norm(), z->sigma_elevation_S.norm());
   Eigen::Matrix2d M = S_.block<2, 2>(1, 1) - Eigen::Matrix2d::Identity();  // rows have unit noise
+  if (layout.has_elevation_error()) {  // of directions with that error known
+    const int error = layout.elevation_error();
+    const LinearRow* row = &batch_.rows()[batch_.last_block().first];
+    const Eigen::Vector2d by_error(P.product(row[1], error), P.product(row[2], error));
+    M -= by_error * by_error.transpose() / P.matrix()(error, error);
+  }
   M.array() *= (sigma * sigma.transpose()).array();
   const auto curvature = LandmarkPointModel::range_curvature(z->range, M);
   const double variance = curvature.variance / (z->sigma_range * z->sigma_range);

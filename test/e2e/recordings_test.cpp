@@ -30,9 +30,10 @@ class RealRecording : public BackEndTest {
     options.backend = GetParam();
     return options;
   }
-  static experiment::RealScore judged(const experiment::Recording& recording) {
-    return experiment::judge(recording,
-                             experiment::replay(recording.data, options_of(recording.data)));
+  static experiment::RealScore judged(const experiment::Recording& recording, int seed = 1) {
+    Options options = options_of(recording.data);
+    options.frontend.ransac_seed = seed;
+    return experiment::judge(recording, experiment::replay(recording.data, options));
   }
 };
 
@@ -119,13 +120,19 @@ double median(std::vector<double> values) {
 
 class Kart : public RealRecording {
  protected:
-  /// Replays it; its errors and its honesty are kept.
-  void fly(const experiment::Recording& recording) {
-    const experiment::RealScore score = judged(recording);
-    ASSERT_TRUE(score.started) << recording.name;
-    horizontal_.push_back(score.horizontal_share());
-    height_.push_back(score.height_share());
-    honest_ = std::min(honest_, 100.0 * score.honest);
+  /// Replays it; its errors, medians over the seeds of the RANSAC, and its honesty are kept.
+  void fly(const experiment::Recording& recording, int seeds = 1) {
+    std::vector<double> horizontal;
+    std::vector<double> height;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const experiment::RealScore score = judged(recording, seed);
+      ASSERT_TRUE(score.started) << recording.name;
+      horizontal.push_back(score.horizontal_share());
+      height.push_back(score.height_share());
+      honest_ = std::min(honest_, 100.0 * score.honest);
+    }
+    horizontal_.push_back(median(horizontal));
+    height_.push_back(median(height));
   }
   static void expect_below(const std::string& what, double value, double bound) {
     measured(name() + ": " + what, value, "below " + std::to_string(bound));
@@ -153,16 +160,18 @@ TEST_P(Kart, FindsItsWay) {
   EXPECT_GT(honest_, 95.0);
 }
 
+// Four drives: their median height hangs on the seed of the RANSAC (1.25 and 1.42 % by the filter).
 TEST_P(Kart, TwoRadarsOfADriveAreBetterThanOne) {
+  constexpr int kSeeds = 8;
   if (folder_.empty()) GTEST_SKIP() << kNoRealData;
   const std::vector<experiment::Recording> recordings = experiment::find_recordings(folder_);
   for (std::size_t i = 0; i + 1 < recordings.size(); i += 2) {  // NAME_A, NAME_B
     experiment::Recording both = recordings[i];
     const io::Dataset& other = recordings[i + 1].data;
     both.data.other_radars.push_back({other.scans, other.radar_info});
-    ASSERT_NO_FATAL_FAILURE(fly(both));
+    ASSERT_NO_FATAL_FAILURE(fly(both, kSeeds));
   }
-  // one radar: 1.4 and 0.9 to 1.0
+  // one radar: 1.3 and 1.0 to 1.1
   expect_below("both radars: horizontal, median [%]", median(horizontal_), 1.0);
   expect_below("both radars: height, median [%]", median(height_), 1.4);
 }

@@ -22,7 +22,7 @@ constexpr std::size_t kTableRows = 24;  // of the report; the csv has all
 std::vector<std::string> cells(const SoakRow& row) {
   return {fmt::format("{:.2f}", row.time / 3600.0),
           fmt::format("{:.1f}", row.resident),
-          fmt::format("{:.3f} / {:.3f}", row.position_error, row.position_sigma),
+          fmt::format("{:.3f} / {:.3f}", row.position_error.norm(), row.position_sigma),
           fmt::format("{:.2f}", row.nees_position),
           fmt::format("{:.3f}", row.velocity_error),
           fmt::format("{:.2f}", row.nees_velocity),
@@ -48,13 +48,14 @@ std::string table_of(const std::vector<SoakRow>& rows) {
 
 std::string csv_of(const std::vector<SoakRow>& rows) {
   std::string text =
-      "t_s,resident_mb,position_error,position_sigma,nees_position,velocity_error,nees_velocity,"
-      "tilt_error,nees_tilt,nees_calibration,asymmetry,norm_error,lag,time_per_scan,longest_scan\n";
+      "t_s,resident_mb,error_x,error_y,error_z,position_sigma,nees_position,velocity_error,"
+      "nees_velocity,tilt_error,nees_tilt,nees_calibration,asymmetry,norm_error,lag,time_per_scan,"
+      "longest_scan\n";
   for (const SoakRow& r : rows) {
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", r.time, r.resident,
-                        r.position_error, r.position_sigma, r.nees_position, r.velocity_error,
-                        r.nees_velocity, r.tilt_error, r.nees_tilt, r.calibration, r.asymmetry,
-                        r.norm_error, r.lag, r.time_per_scan, r.longest_scan);
+                        fmt::join(r.position_error, ","), r.position_sigma, r.nees_position,
+                        r.velocity_error, r.nees_velocity, r.tilt_error, r.nees_tilt, r.calibration,
+                        r.asymmetry, r.norm_error, r.lag, r.time_per_scan, r.longest_scan);
   }
   return text;
 }

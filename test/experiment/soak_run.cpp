@@ -163,7 +163,7 @@ void add_scan(const Odometry& odometry, const NavState& truth, SoakRow* row, Soa
   const Error tilt = tilt_of(e, x, P);
   const UpdateReport& report = odometry.report();
   const double took = to_seconds(report.propagation_time + report.update_time);
-  row->position_error = position.norm();
+  row->position_error = position;
   row->position_sigma = std::sqrt(P_position.trace());
   row->velocity_error = velocity.norm;
   row->tilt_error = tilt.norm;

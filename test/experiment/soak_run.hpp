@@ -30,21 +30,21 @@ struct SoakSettings {
 
 /// At the last scan of a row; "largest" and "mean" are over its scans.
 struct SoakRow {
-  double time = 0.0;            ///< of flight [s]
-  double resident = 0.0;        ///< memory of the process [MB]
-  double position_error = 0.0;  ///< [m]
-  double position_sigma = 0.0;  ///< root of the trace of its covariance [m]
-  double velocity_error = 0.0;  ///< [m/s]
-  double tilt_error = 0.0;      ///< [rad]
-  double nees_position = 0.0;   ///< here and below, over its dimension
-  double nees_velocity = 0.0;   ///< mean
-  double nees_tilt = 0.0;       ///< mean
-  double calibration = 0.0;     ///< mean (error / sigma)^2 of its parameters
-  double asymmetry = 0.0;       ///< largest of P
-  double norm_error = 0.0;      ///< largest of | |q| - 1 |
-  double lag = 0.0;             ///< largest of now() to the newest sample [s]
-  double time_per_scan = 0.0;   ///< mean [s]
-  double longest_scan = 0.0;    ///< [s]
+  double time = 0.0;                           ///< of flight [s]
+  double resident = 0.0;                       ///< memory of the process [MB]
+  Vector3d position_error = Vector3d::Zero();  ///< world axes [m]
+  double position_sigma = 0.0;                 ///< root of the trace of its covariance [m]
+  double velocity_error = 0.0;                 ///< [m/s]
+  double tilt_error = 0.0;                     ///< [rad]
+  double nees_position = 0.0;                  ///< here and below, over its dimension
+  double nees_velocity = 0.0;                  ///< mean
+  double nees_tilt = 0.0;                      ///< mean
+  double calibration = 0.0;                    ///< mean (error / sigma)^2 of its parameters
+  double asymmetry = 0.0;                      ///< largest of P
+  double norm_error = 0.0;                     ///< largest of | |q| - 1 |
+  double lag = 0.0;                            ///< largest of now() to the newest sample [s]
+  double time_per_scan = 0.0;                  ///< mean [s]
+  double longest_scan = 0.0;                   ///< [s]
 };
 
 struct SoakRun {

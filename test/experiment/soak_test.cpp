@@ -74,7 +74,7 @@ TEST_P(Soak, NothingGrowsOrDrifts) {
     EXPECT_EQ(row.asymmetry, 0.0);
     EXPECT_LT(row.norm_error, 1e-14);
     EXPECT_EQ(row.lag, 0.0);
-    EXPECT_LT(row.position_error, 4.0 * row.position_sigma);
+    EXPECT_LT(row.position_error.norm(), 4.0 * row.position_sigma);
     EXPECT_GT(row.position_sigma, 0.0);
     EXPECT_LT(row.nees_velocity, 3.0);
     EXPECT_LT(row.nees_tilt, 3.0);

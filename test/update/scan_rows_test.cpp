@@ -87,6 +87,24 @@ TEST_F(ScanRowsTest, ALandmarksRangeIsExpectedLongerThanThatOfItsMean) {
   EXPECT_NEAR(z.sigma_range, std::sqrt(noise + variance), 1e-6);
 }
 
+// An error that all elevations share has no terms of second order, also where the landmark, born
+// with it, is nearer now and seen at another elevation than it was born with.
+TEST_F(ScanRowsTest, TheErrorCommonToElevationsLeavesTheRange) {
+  const Vector3d half_way(2.0, 0.5, 0.25);
+  see(half_way);
+  match_landmark(0, scan_.items.size() - 1);
+  const auto range_row = [&] {
+    StateEstimate b = state_estimate(1);
+    b.estimate().nav.p_WB = half_way;
+    return build(b).rows()[0];
+  };
+  const LinearRow without = range_row();
+  EXPECT_LT(without.residual, -0.1);
+  options_.calibration.elevation_sigma = 0.1;
+  EXPECT_NEAR(range_row().residual, without.residual, 1e-9);
+  EXPECT_NEAR(range_row().variance, without.variance, 1e-9);
+}
+
 TEST_F(ScanRowsTest, APlaceOrADistanceLeavesTheDopplerToTheDetection) {
   for (const auto& [measurement, model, count] :
        {std::tuple{LandmarkMeasurement::kPosition, Model::kLandmarkPosition, 3},

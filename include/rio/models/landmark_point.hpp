@@ -12,7 +12,8 @@
 //                 for the v_S that the mounting turns; in the column of e by the mounting it is the
 //                 predicted one, as in that of the landmark, with which it cancels
 // Across the line of sight e is uncertain by decimetres, where |e| is curved. Its terms of second
-// order, with M the covariance of the predicted direction [rad^2]:
+// order, with M the covariance of the predicted direction, the error common to all elevations given
+// [rad^2]:
 // (E4) E|e| - |e^| = |e^|/2 tr M,   additional variance |e^|^2/2 tr M^2
 // References: Michalczyk et al. 2023, eq. 13 (e); the paper uses the range alone. Bar-Shalom, Li,
 // Kirubarajan 2001, sec. 10.3 (second-order EKF) (E4).

@@ -86,6 +86,8 @@ class Covariance {
 
   /// h_a P h_b^T.
   double product(const LinearRow& a, const LinearRow& b) const;
+  /// h P e, e the unit vector of one column of the error state.
+  double product(const LinearRow& row, int column) const;
 
  private:
   /// (E2) for the block at column `at`, which the rows must not touch.

@@ -110,7 +110,7 @@ class ScanRows {
 
   /// Corrects the range of the last block and of its measurement, and the innovation covariance in
   /// S_, by the terms of second order.
-  void add_curvature(LandmarkPointModel::Measurement* z);
+  void add_curvature(const Covariance& P, const Layout& layout, LandmarkPointModel::Measurement* z);
 
   /// Noise inflation of the directions of a match, rows 1 and 2 of the last block, and of its
   /// measurement (update/look_correlation.hpp). After the gate, as below.
