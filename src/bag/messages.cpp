@@ -4,6 +4,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "positions.hpp"
+
 namespace rio::bag {
 
 namespace {
@@ -144,7 +146,7 @@ bool begins_with_header(const Topic& topic) {
   if (topic.encoding == Encoding::kOther) return false;
   if (is_ti_scan(topic.type)) return false;  // the messages of a scan
   if (topic.type == kHeaderType || topic.type == kImuType || is_cloud(topic.type) ||
-      is_truth(topic.type) || topic.type == kPressureType) {
+      is_truth(topic.type) || is_position(topic.type) || topic.type == kPressureType) {
     return true;
   }
   std::istringstream lines(topic.definition);

@@ -214,20 +214,26 @@ std::unique_ptr<io::RecordingStream> open_recording(const fs::path& path,
   return std::make_unique<BagStream>(path, request);
 }
 
-std::vector<NavState> read_truth(const fs::path& path) {
+std::vector<NavState> read_truth(const fs::path& path, bool positions) {
   RecordingRequest request;
   request.truth = true;
+  request.positions = positions;
   try {
     std::vector<NavState> states = survey(path, request).outline.sensors.ground_truth;
     if (!states.empty()) return states;
   } catch (const std::runtime_error&) {  // no recording of a flight
   }
   Sources sources(path, request);
-  const std::vector<Source*> found = sources.with_messages("truth");
-  if (found.empty()) sources.fail("no topic of type {} or {}", kPoseType, kOdometryType);
+  const std::vector<Source*> found = sources.with_messages(sources.truth_role());
+  if (found.empty()) {
+    sources.fail("no topic of type {} or {}{}", kPoseType, kOdometryType,
+                 positions ? fmt::format(", nor {} or {}", kPointType, kFixType) : "");
+  }
   const std::string& name = found[0]->role.name;
   if (found.size() > 1) {
-    sources.fail("several topics with poses, {} and {}", name, found[1]->role.name);
+    sources.fail("several topics with {}, {} and {}",
+                 found[0]->role.type == kPointType ? "positions" : "poses", name,
+                 found[1]->role.name);
   }
   std::vector<NavState> states;
   for (const NavState& state : found[0]->truth) {

@@ -31,7 +31,8 @@ constexpr Asked kAsked[] = {{"imu", kImuType, &RecordingRequest::imu_topic},
                             {"radar", kCloudType, &RecordingRequest::radar_topic},
                             {"trigger", kHeaderType, &RecordingRequest::trigger_topic},
                             {"pressure", kPressureType, &RecordingRequest::pressure_topic},
-                            {"truth", kPoseType, &RecordingRequest::truth_topic}};
+                            {"truth", kPoseType, &RecordingRequest::truth_topic},
+                            {"positions", kPointType, &RecordingRequest::truth_topic}};
 
 /// At least one, which may be empty.
 std::vector<std::string> names_in(const std::string& list, char separator = ',') {
@@ -51,7 +52,8 @@ Sources::Sources(const std::filesystem::path& path, const RecordingRequest& requ
   for (const auto& [role, type, topic] : kAsked) {
     const bool is_trigger = topic == &RecordingRequest::trigger_topic;
     if (is_trigger && request.radar_clock != Clock::kTrigger) continue;
-    if (topic == &RecordingRequest::truth_topic && !request.truth) continue;
+    const bool asked = type == kPointType ? request.positions : request.truth;
+    if (topic == &RecordingRequest::truth_topic && !asked) continue;
     for (const std::string& each : names_in(request.*topic)) {
       for (const std::string& name : names_in(each, '|')) wanted_.push_back({role, type, name});
     }
@@ -69,7 +71,7 @@ void Sources::choose() {
     trigger = only(found("trigger", request_.trigger_topic));
   }
   baro = choose_optional("pressure", request_.pressure_topic);
-  if (request_.truth) truth = choose_optional("truth", request_.truth_topic);
+  if (request_.truth) truth = choose_optional(truth_role(), request_.truth_topic);
   for (const Source* radar : radars) {
     if (radar->failed) std::rethrow_exception(radar->failed);
   }
@@ -145,6 +147,9 @@ void Sources::decode(Source* source, const Topic& topic, const Message& message)
       source->baro.push_back({Time(0), pressure});
     } else if (type == kPoseType) {
       source->truth.push_back(decode_truth(topic, message.data, &header, &source->has_velocity));
+    } else if (type == kPointType) {
+      source->truth.push_back(source->positions.read(topic, message.data, &header));
+      source->has_velocity = false;
     } else if (type == kCloudType) {
       header = source->clouds->read(topic, message, &scan_.detections, &source->notes);
       source->grid.add(scan_);
@@ -169,6 +174,10 @@ std::vector<Source*> Sources::with_messages(const std::string& role) {
     if (source.role.role == role && any) out.push_back(&source);
   }
   return out;
+}
+
+const char* Sources::truth_role() {
+  return request_.positions && with_messages("truth").empty() ? "positions" : "truth";
 }
 
 std::vector<Source*> Sources::found(const std::string& role, const std::string& names) {

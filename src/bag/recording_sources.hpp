@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "io/doppler_grid.hpp"
+#include "positions.hpp"
 #include "recording_survey.hpp"
 #include "rio/bag/summary.hpp"
 #include "stamps.hpp"
@@ -98,6 +99,7 @@ struct Source {
   std::vector<io::BaroSample> baro{};
   std::vector<NavState> truth{};
   bool has_velocity = true;
+  PositionReader positions{};
 
   bool only_gyro() const { return without_accel == stamps.count && without_gyro < stamps.count; }
   bool only_accel() const { return without_gyro == stamps.count && without_accel < stamps.count; }
@@ -109,8 +111,10 @@ class Sources {
   Sources(const std::filesystem::path& path, const RecordingRequest& request);
   void choose();
 
-  /// All topics of a role, "truth", that have messages.
+  /// All topics of a role that have messages.
   std::vector<Source*> with_messages(const std::string& role);
+  /// Of the ground truth: "truth", or "positions" if they will do and there are no poses.
+  const char* truth_role();
   /// All with a role in the result.
   std::vector<Source*> used() const;
   const std::string& damage() const { return summary_.damage; }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "positions.hpp"
 #include "rio/bag/messages.hpp"
 #include "rio/bag/recording.hpp"
 #include "rio/io/recording_stream.hpp"
@@ -26,6 +27,7 @@ struct Role {
     if (type == kImuType) return is_imu(topic.type);
     if (type == kCloudType) return is_cloud(topic.type);
     if (type == kPoseType) return is_truth(topic.type);
+    if (type == kPointType) return is_position(topic.type);
     return topic.type == type ||
            (type == kHeaderType && !name.empty() && begins_with_header(topic));
   }

@@ -208,7 +208,7 @@ eval::Trajectory truth_of(const std::string& path, io::Attitude attitude) {
   if (io::is_dataset_folder(path) || !bag::begins_as_recording(path))
     return io::read_trajectory(path, io::TumOrder::kStrict, attitude);
   eval::Trajectory truth;
-  for (const NavState& state : bag::read_truth(path)) {
+  for (const NavState& state : bag::read_truth(path, attitude == io::Attitude::kOptional)) {
     truth.push_back({state.time, state.p_WB, state.q_WB});
   }
   return truth;
@@ -218,8 +218,8 @@ void evaluate(const EvaluateArguments& arguments) {
   eval::Trajectory truth = truth_of(arguments.truth, io::Attitude::kOptional);
   if (!truth.empty() && !truth.front().q.coeffs().allFinite()) {
     print_notes(
-        {"the truth holds positions alone: errors of the attitude and the RPE, which needs "
-         "it, are unknown"});
+        {"the truth holds positions alone, of a prism or an antenna: errors of the attitude and "
+         "the RPE, which needs it, are unknown; its place on the vehicle counts as an error"});
   }
   const std::string& said = arguments.truth_offset;
   const double offset = said.empty() ? 0.0 : io::parse_quantity(said, "s");

@@ -24,6 +24,8 @@ inline constexpr char kRadarScanType[] = "radar_msgs/RadarScan";
 inline constexpr char kPoseType[] = "geometry_msgs/PoseStamped";
 inline constexpr char kOdometryType[] = "nav_msgs/Odometry";
 inline constexpr char kTransformType[] = "geometry_msgs/TransformStamped";
+inline constexpr char kPointType[] = "geometry_msgs/PointStamped";
+inline constexpr char kFixType[] = "sensor_msgs/NavSatFix";
 inline constexpr char kPressureType[] = "sensor_msgs/FluidPressure";
 
 /// std_msgs/Header.

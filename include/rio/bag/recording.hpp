@@ -49,6 +49,9 @@ struct RecordingRequest {
   std::string pressure_topic;  ///< empty: the only sensor_msgs/FluidPressure
   std::string truth_topic;     ///< empty: the only geometry_msgs/PoseStamped or nav_msgs/Odometry
   bool truth = false;          ///< reads the ground truth
+  /// If there is no pose at all, the ground truth may be the only geometry_msgs/PointStamped or
+  /// sensor_msgs/NavSatFix: east, north, up of the first fix, its attitude NaN.
+  bool positions = false;
   Clock imu_clock = Clock::kAuto;
   Clock radar_clock = Clock::kAuto;
   std::string trigger_topic;  ///< for kTrigger; empty: the only std_msgs/Header
@@ -92,7 +95,8 @@ RecordingRequest load_recording_map(const std::filesystem::path& path, Recording
 
 /// The ground truth of a file for open_messages(): stamped as the recording in it would be by
 /// default, else by the headers.
+/// @param positions RecordingRequest::positions
 /// @throws std::runtime_error if there is no topic with one, or several
-std::vector<NavState> read_truth(const std::filesystem::path& path);
+std::vector<NavState> read_truth(const std::filesystem::path& path, bool positions = false);
 
 }  // namespace rio::bag
