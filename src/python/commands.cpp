@@ -57,7 +57,9 @@ eval::Trajectory trajectory_of(const Times& times, const Values& positions,
     path.push_back(
         {Time(t(i)), {p(i, 0), p(i, 1), p(i, 2)}, Quaternion(q(i, 0), q(i, 1), q(i, 2), q(i, 3))});
     const eval::StampedPose& pose = path.back();
-    if (!pose.p.allFinite() || !pose.q.coeffs().allFinite() || pose.q.norm() == 0.0) {
+    const bool none = pose.q.coeffs().array().isNaN().all();  // positions alone
+    const bool turned = none || (pose.q.coeffs().allFinite() && pose.q.norm() > 0.0);
+    if (!pose.p.allFinite() || !turned) {
       throw py::value_error("a path: pose " + std::to_string(i) +
                             " is not finite, or has no rotation");
     }
@@ -66,7 +68,7 @@ eval::Trajectory trajectory_of(const Times& times, const Values& positions,
 }
 
 eval::Trajectory load(const std::string& path, bool truth) {
-  return truth ? tools::truth_of(path) : io::read_trajectory(path);
+  return truth ? tools::truth_of(path, io::Attitude::kOptional) : io::read_trajectory(path);
 }
 
 std::string evaluate(const eval::Trajectory& truth, const std::string& truth_name,

@@ -76,6 +76,20 @@ def test_evaluate_equals_the_program(flight, program, tmp_path):
         rio.evaluate(rio.Path(result.times + 10**12, result.positions, result.orientations), result)
 
 
+def test_evaluate_takes_positions_alone(flight, program, tmp_path):
+    rio.replay(flight).write_tum(tmp_path / "own.tum")
+    truth = tmp_path / "prism.txt"
+    poses = rio.read_path(flight)
+    truth.write_text("".join(f"{t / 1e9:.9f} {x} {y} {z}\n"
+                             for t, (x, y, z) in zip(poses.times, poses.positions)))
+    printed = json.loads(program("evaluate", truth, tmp_path / "own.tum", "--json"))
+    assert rio.evaluate(truth, tmp_path / "own.tum") == printed
+    assert rio.evaluate(rio.read_path(truth, truth=True), tmp_path / "own.tum")["ape"] == printed["ape"]
+    assert printed["ape"]["none"]["rotation_deg"]["rmse"] is None
+    assert printed["tilt_error_deg"]["rmse"] is None
+    assert printed["norm_of_rmse_m"] < 1.0
+
+
 def test_check_equals_the_program(flight, program):
     printed = json.loads(program("check", flight, "--json"))
     found = rio.check(flight)

@@ -260,7 +260,7 @@ PathSource = Union[PathLike, Result, Path]
 
 def read_path(file: PathLike, *, truth: bool = False) -> Path:
     """Poses of a TUM file, a EuRoC csv, the ground truth of a dataset folder or, with truth, of a
-    bag."""
+    bag. A truth may be positions alone (`t x y z`, a total station, GNSS): orientations of NaN."""
     return Path(*_rio.Trajectory.load(os.fspath(file), truth).arrays())
 
 
@@ -278,7 +278,8 @@ def evaluate(truth: PathSource, estimate: PathSource, *, align: str = "none",
              max_diff: float = 0.01) -> dict[str, Any]:
     """Compares an estimated path with the true one; the figures of `rio evaluate --json`.
 
-    truth, estimate: a file, a folder, a rio.Path or a Result
+    truth, estimate: a file, a folder, a rio.Path or a Result; figures of the attitude and `rpe`
+        are None where the truth is positions alone
     align: "none", "origin", "yaw" or "se3", for all figures except `ape`
     max_diff: largest difference of stamps if the truth is too sparse to interpolate [s]
     """
