@@ -176,10 +176,6 @@ std::vector<Source*> Sources::with_messages(const std::string& role) {
   return out;
 }
 
-const char* Sources::truth_role() {
-  return request_.positions && with_messages("truth").empty() ? "positions" : "truth";
-}
-
 std::vector<Source*> Sources::found(const std::string& role, const std::string& names) {
   std::vector<Source*> out;
   for (const std::string& name : names_in(names)) {

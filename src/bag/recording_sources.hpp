@@ -114,7 +114,9 @@ class Sources {
   /// All topics of a role that have messages.
   std::vector<Source*> with_messages(const std::string& role);
   /// Of the ground truth: "truth", or "positions" if they will do and there are no poses.
-  const char* truth_role();
+  const char* truth_role() {
+    return request_.positions && with_messages("truth").empty() ? "positions" : "truth";
+  }
   /// All with a role in the result.
   std::vector<Source*> used() const;
   const std::string& damage() const { return summary_.damage; }

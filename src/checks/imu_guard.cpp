@@ -69,7 +69,7 @@ bool ImuGuard::out_of_range(const Vector6d& x) {
       outside = true;
       continue;
     }
-    const bool stays = seen_ > 0.0 && x[i] == last_[i] && value >= largest_[i];
+    const bool stays = x[i] == last_[i] && value >= largest_[i];
     outside = outside || (stays && value > (i < 3 ? kSmallestRate : kSmallestAccel));
     largest_[i] = std::max(largest_[i], value);
   }
