@@ -15,7 +15,8 @@ bool is_position(const std::string& type);
 class PositionReader {
  public:
   /// @return the position, the rest NaN. Of a fix it is east, north and up of the first one [m],
-  /// along the ellipsoid WGS 84: the local tangent within 2 mm in 100 m, 0.2 m in 1 km.
+  /// along the ellipsoid WGS 84: the local tangent within 2 mm in 100 m, 0.2 m in 1 km, up to 50
+  /// deg of latitude.
   /// Throws Damage if the bytes are not such a message, not finite, or no fix.
   NavState read(const Topic& topic, Bytes message, Header* header);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rio.check, rio.evaluate and rio.simulate: the commands of the program, without its output.
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -76,6 +77,10 @@ std::string evaluate(const eval::Trajectory& truth, const std::string& truth_nam
                      const std::string& align, double max_diff) {
   if (!eval::alignment_kind(align)) {
     throw py::value_error("align: none, origin, yaw or se3 is expected, not " + align);
+  }
+  const auto is_turned = [](const eval::StampedPose& pose) { return pose.q.coeffs().allFinite(); };
+  if (!std::all_of(estimate.begin(), estimate.end(), is_turned)) {
+    throw py::value_error("estimate: a pose has no rotation; only a truth may do without");
   }
   if (!(max_diff >= 0.0)) throw py::value_error("max_diff: seconds, not negative, are expected");
   tools::EvaluateArguments arguments;

@@ -110,6 +110,7 @@ def test_wrong_arguments_are_named(flight, tmp_path):
     path = result.path
     for bad, why in ((path._replace(positions=path.positions * np.nan), "pose 0 is not finite"),
                      (path._replace(orientations=path.orientations * 0), "pose 0 .* no rotation"),
+                     (path._replace(orientations=path.orientations * np.nan), "only a truth"),
                      (path._replace(positions=path.positions[:, :2]), "positions .N x 3")):
         with pytest.raises(ValueError, match=why):
             rio.evaluate(flight, bad)
