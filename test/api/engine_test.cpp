@@ -177,12 +177,10 @@ TEST(GlidingTest, AnAlignmentInMotionTeachesNoBias) {
       RadarScan scan;
       scan.time = t;
       for (int k = 0; k < 12; ++k) {
-        RadarDetection d;
-        d.point_S = Vector3d(random.uniform(2.0, 6.0), random.uniform(-3.0, 3.0),
-                             random.uniform(-2.0, 2.0));
-        d.range_rate = -kSpeed * d.point_S.normalized().x() + random.normal(0.03);
-        d.snr_db = 30.0;
-        scan.detections.push_back(d);
+        const Vector3d point_S(random.uniform(2.0, 6.0), random.uniform(-3.0, 3.0),
+                               random.uniform(-2.0, 2.0));
+        const double range_rate = -kSpeed * point_S.normalized().x() + random.normal(0.03);
+        scan.detections.push_back({point_S, range_rate, 30.0});
       }
       (void)odometry->add_scan(scan);  // before the start it is not taken
     }

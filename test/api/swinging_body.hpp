@@ -43,11 +43,8 @@ inline RadarScan scan(Time t, Time late = Time(0)) {
   for (const Vector3d& p_W :
        {Vector3d(5.0, 1.0, 0.5), Vector3d(4.0, -2.0, 1.0), Vector3d(6.0, 3.0, -1.0),
         Vector3d(3.0, 0.5, -1.0), Vector3d(4.0, 2.0, 1.5), Vector3d(7.0, -3.0, 0.3)}) {
-    RadarDetection d;
-    d.point_S = p_W - x.p_WB;
-    d.range_rate = -d.point_S.normalized().dot(x.v_WB);
-    d.snr_db = 30.0;
-    s.detections.push_back(d);
+    const Vector3d point_S = p_W - x.p_WB;
+    s.detections.push_back({point_S, -point_S.normalized().dot(x.v_WB), 30.0});
   }
   return s;
 }

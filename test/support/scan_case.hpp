@@ -31,10 +31,8 @@ class ScanCase : public testing::Test {
 
   /// A static point.
   void see(const Vector3d& point_S) {
-    RadarDetection raw;
-    raw.point_S = point_S;
-    raw.range_rate = -kSpeed * point_S.normalized().x();
-    scan_.items.push_back(make_detection(raw, options_.radar));
+    const double rate = -kSpeed * point_S.normalized().x();
+    scan_.items.push_back(make_detection({point_S, rate}, options_.radar));
   }
   Detection& detection(std::size_t i) { return scan_.items[i]; }
   void match_landmark(std::size_t target, std::size_t detection) {

@@ -59,14 +59,13 @@ class SeenVehicle {
     for (int i = 0; i < points + others; ++i) {
       const double az = random_->uniform(-1.0, 1.0);
       const double el = random_->uniform(-0.6, 0.6);
-      RadarDetection raw;
-      raw.point_S =
+      const Vector3d point_S =
           3.0 * Vector3d(std::cos(el) * std::cos(az), std::cos(el) * std::sin(az), std::sin(el));
       Vector3d v_B = R.transpose() * truth.v_WB + turn;
       if (i >= points) v_B -= R.transpose() * u_W;
-      const double d = -(R_BS * raw.point_S.normalized()).dot(v_B) + random_->normal(0.03);
-      raw.range_rate = DopplerFold(seen_by.max_doppler).wrap(d);
-      out.items.push_back(make_detection(raw, seen_by));
+      const double d = -(R_BS * point_S.normalized()).dot(v_B) + random_->normal(0.03);
+      const double range_rate = DopplerFold(seen_by.max_doppler).wrap(d);
+      out.items.push_back(make_detection({point_S, range_rate}, seen_by));
     }
     return out;
   }
