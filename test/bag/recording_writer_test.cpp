@@ -87,12 +87,9 @@ std::vector<RadarScan> some_scans() {
   for (int i = 0; i < 10 * kSeconds; ++i) {
     RadarScan scan{Time(1'700'000'000'123'456'789) + i * milliseconds(100) - milliseconds(30), {}};
     for (int k = 0; k < i % 9; ++k) {
-      RadarDetection d;
-      d.point_S = Vector3d(1.1F + static_cast<float>(k), -0.3F * static_cast<float>(i), 0.7F);
-      d.range_rate = -0.1F * static_cast<float>(k);
-      d.snr_db = 0.1 * (61 + k);
-      d.noise_db = 0.1 * (599 - i);
-      scan.detections.push_back(d);
+      const Vector3d point_S(1.1F + static_cast<float>(k), -0.3F * static_cast<float>(i), 0.7F);
+      scan.detections.push_back(
+          {point_S, -0.1F * static_cast<float>(k), 0.1 * (61 + k), 0.1 * (599 - i)});
     }
     scans.push_back(scan);
   }

@@ -176,12 +176,10 @@ io::Dataset standing(double bias) {
     for (int i = 0; i < 18; ++i) {
       const bool person = i > 11;
       const double noise = 0.03 * std::sin(7.1 * k * (i + 1));
-      RadarDetection d;
-      d.point_S = Vector3d(4.0 + noise, 0.5 * i - 3.0, 0.2 * (i % 5) - 0.4);
-      if (person) d.point_S = Vector3d(3.0 + 2.0 * walked, 0.5 + noise, noise);
-      d.range_rate = person ? 1.2 * std::cos(0.04 * k) + noise : 0.0;
-      d.snr_db = 20.0;
-      scan.detections.push_back(d);
+      const Vector3d wall_S(4.0 + noise, 0.5 * i - 3.0, 0.2 * (i % 5) - 0.4);
+      const Vector3d person_S(3.0 + 2.0 * walked, 0.5 + noise, noise);
+      const double rate = person ? 1.2 * std::cos(0.04 * k) + noise : 0.0;
+      scan.detections.push_back({person ? person_S : wall_S, rate, 20.0});
     }
     out.scans.push_back(scan);
   }
@@ -225,10 +223,8 @@ TEST(RadarCauses, AFewSecondsOfRangesAgainstTheDopplerAreDoubtful) {
       RadarScan scan;
       scan.time = Time(66'666'667LL * k);
       for (int i = 0; i < 8; ++i) {
-        RadarDetection d;
-        d.point_S = (15.0 + 0.7 * i - 66.7e-3 * k) * Vector3d(1.0, 0.2 * i - 0.7, 0.0).normalized();
-        d.range_rate = doppler;
-        scan.detections.push_back(d);
+        const Vector3d direction_S = Vector3d(1.0, 0.2 * i - 0.7, 0.0).normalized();
+        scan.detections.push_back({(15.0 + 0.7 * i - 66.7e-3 * k) * direction_S, doppler});
       }
       scans.push_back(scan);
     }

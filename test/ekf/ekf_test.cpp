@@ -68,9 +68,7 @@ TEST_F(EkfTest, TheVehiclesOwnEchoesTellNothingAndAreCounted) {
   flight_.begin(o);
   constexpr std::size_t kOwn = 2;
   constexpr std::size_t kWrong = 4;
-  RadarDetection echo;
-  echo.point_S = Vector3d(0.6, 0.1, -0.2);
-  echo.snr_db = 30.0;
+  const RadarDetection echo{.point_S = {0.6, 0.1, -0.2}, .snr_db = 30.0};
   int gated = 0;
   for (std::size_t i = 0; i < 120; ++i) {
     RadarScan scan = flight_.flight().scans[i];

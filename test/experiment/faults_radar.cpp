@@ -43,12 +43,10 @@ RadarDetection anything(const sim::RadarModel& radar, sim::Random& random) {
   const double range = random.uniform(0.5, 0.8 * radar.max_range);
   const double azimuth = random.uniform(-0.5, 0.5) * radar.fov_azimuth;
   const double elevation = random.uniform(-0.5, 0.5) * radar.fov_elevation;
-  RadarDetection d;
-  d.point_S = range * Vector3d(std::cos(elevation) * std::cos(azimuth),
-                               std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  d.range_rate = random.uniform(-radar.max_doppler, radar.max_doppler);
-  d.snr_db = radar.threshold_db + random.uniform(0.0, 20.0);
-  return d;
+  return {range * Vector3d(std::cos(elevation) * std::cos(azimuth),
+                           std::cos(elevation) * std::sin(azimuth), std::sin(elevation)),
+          random.uniform(-radar.max_doppler, radar.max_doppler),
+          radar.threshold_db + random.uniform(0.0, 20.0)};
 }
 
 void replace(RadarDetection& d, Moment& m) {

@@ -121,10 +121,9 @@ TEST(DopplerFold, AnAmbiguousScanIsDecidedByASurePredictionOnly) {
     DetectionList scan;
     scan.time = Time(run);
     for (int i = 0; i < 9; ++i) {
-      RadarDetection raw;
-      raw.point_S = 3.0 * directions[static_cast<std::size_t>(i % 3)];
-      raw.range_rate = sim::fold(-raw.point_S.normalized().dot(v), kLimit);
-      scan.items.push_back(make_detection(raw, test::exact_angles()));
+      const Vector3d point_S = 3.0 * directions[static_cast<std::size_t>(i % 3)];
+      const double rate = sim::fold(-point_S.normalized().dot(v), kLimit);
+      scan.items.push_back(make_detection({point_S, rate}, test::exact_angles()));
     }
     const Vector3d off = 0.3 * random.direction();
     const EgoVelocity sure = estimate_folded(scan, velocity(v + off, 0.1));

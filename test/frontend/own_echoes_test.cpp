@@ -20,10 +20,7 @@ class OwnEchoesTest : public testing::Test {
 
   void see(const Vector3d& point_S, double range_rate) {
     const double grid = radar_.doppler_resolution;
-    RadarDetection raw;
-    raw.point_S = point_S;
-    raw.range_rate = grid * std::round(range_rate / grid);
-    scan_.items.push_back(make_detection(raw, radar_));
+    scan_.items.push_back(make_detection({point_S, grid * std::round(range_rate / grid)}, radar_));
   }
   void see_static(const Vector3d& point_S) { see(point_S, -point_S.normalized().dot(v_S_)); }
   std::vector<std::size_t> observe(const Vector3d& predicted_v_S, double scale = 1.0) {

@@ -10,11 +10,8 @@ TEST(ScanCorrection, DividesRangeRatesByTheirScaleAndLeavesTheRest) {
   Options options;
   options.frontend.own_echoes = false;
   ScanCorrection correction(options);
-  RadarDetection raw;
-  raw.point_S = Vector3d(3.0, 1.0, -0.5);
-  raw.range_rate = 1.027 * -2.0;
   DetectionList received(4);
-  received.items.push_back(make_detection(raw, options.radar));
+  received.items.push_back(make_detection({{3.0, 1.0, -0.5}, 1.027 * -2.0}, options.radar));
   Estimate x;
   x.doppler_scale = 0.027;
   const DetectionList& corrected = correction.correct(received, x, Matrix3d::Zero());

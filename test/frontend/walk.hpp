@@ -44,10 +44,8 @@ class Walk {
     const Vector3d v_WS = x_.nav.v_WB + w_W.cross(x_.nav.q_WB * x_.T_BS.translation);
     DetectionList out;
     for (const Vector3d& p_W : world) {
-      RadarDetection raw;
-      raw.point_S = q_WS.conjugate() * (p_W - p_WS);
-      raw.range_rate = -(p_W - p_WS).normalized().dot(v_WS);
-      out.items.push_back(make_detection(raw, options_.radar));
+      const double rate = -(p_W - p_WS).normalized().dot(v_WS);
+      out.items.push_back(make_detection({q_WS.conjugate() * (p_W - p_WS), rate}, options_.radar));
     }
     return out;
   }

@@ -127,11 +127,9 @@ class Vehicle {
       const Vector3d point_B = x.q_WB.conjugate() * (point_W - x.p_WB);
       const Vector3d point_S = R_SB * (point_B - T_BS_.translation);
       if (point_S.x() < 0.3) continue;
-      RadarDetection d;
-      d.point_S = point_S + 0.01 * noise3();
-      d.range_rate = -point_S.normalized().dot(v_S) + 0.01 * noise();
-      d.snr_db = 20.0 + 4.0 * noise();
-      scan.detections.push_back(d);
+      scan.detections.push_back({point_S + 0.01 * noise3(),
+                                 -point_S.normalized().dot(v_S) + 0.01 * noise(),
+                                 20.0 + 4.0 * noise()});
     }
     return scan;
   }

@@ -64,10 +64,8 @@ class Source {
     const double d_az = random.normal(sigma_az_);
     const double d_el = random.normal(sigma_el_);
     const double r = range_ + random.normal(radar().sigma_range);
-    RadarDetection d;
-    d.point_S = r * (R_ * (quaternion_exp({0.0, -d_el, d_az}) * Vector3d::UnitX()));
-    d.range_rate = -R_.col(0).dot(v_S_) + random.normal(radar().sigma_doppler);
-    return d;
+    return {r * (R_ * (quaternion_exp({0.0, -d_el, d_az}) * Vector3d::UnitX())),
+            -R_.col(0).dot(v_S_) + random.normal(radar().sigma_doppler)};
   }
 
  private:

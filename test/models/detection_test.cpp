@@ -22,11 +22,7 @@ Vector3d polar(double range, double azimuth, double elevation) {
 }
 
 RadarDetection raw_detection(double range, double azimuth, double elevation, double snr_db = 10.0) {
-  RadarDetection raw;
-  raw.point_S = polar(range, azimuth, elevation);
-  raw.range_rate = -1.0;
-  raw.snr_db = snr_db;
-  return raw;
+  return {polar(range, azimuth, elevation), -1.0, snr_db};
 }
 
 RadarOptions fine_radar() {
@@ -43,8 +39,7 @@ RadarOptions fine_radar() {
 TEST(Detection, WithoutGrowthTheDirectionNoiseIsTheSameEverywhere) {
   RadarOptions o = fine_radar();
   for (const auto& [azimuth, elevation] : {std::pair(0.0, 0.0), {0.9, 0.0}, {-0.4, 0.8}}) {
-    RadarDetection raw;
-    raw.point_S = polar(4.0, azimuth, elevation);
+    const RadarDetection raw = raw_detection(4.0, azimuth, elevation);
     o.angle_growth = false;
     const Detection constant = make_detection(raw, o);
     EXPECT_NEAR(constant.sigma_azimuth_S.norm(), o.sigma_azimuth, 1e-15);
@@ -103,10 +98,9 @@ TEST(Detection, NoiseStaysFiniteEverywhere) {
   const RadarOptions o = fine_radar();
   test::Random random(2);
   for (int i = 0; i < 200; ++i) {
-    RadarDetection raw;
-    raw.point_S = 3.0 * (i == 0 ? Vector3d(Vector3d::UnitZ()) : random.direction());
-    if (i == 1) raw.point_S = Vector3d(0.0, 2.0, 0.0);
-    const Detection d = make_detection(raw, o);
+    Vector3d point_S = 3.0 * (i == 0 ? Vector3d(Vector3d::UnitZ()) : random.direction());
+    if (i == 1) point_S = Vector3d(0.0, 2.0, 0.0);
+    const Detection d = make_detection({.point_S = point_S}, o);
     const Vector3d eigen =
         Eigen::SelfAdjointEigenSolver<Matrix3d>(point_covariance(d)).eigenvalues();
     EXPECT_TRUE(eigen.allFinite());
@@ -123,10 +117,7 @@ TEST(Detection, FingerprintsDifferInEveryNumberAndAreZeroAtRest) {
   DetectionList list;
   EXPECT_EQ(fingerprint(list), 0U);
   for (int i = 0; i < 3; ++i) {
-    RadarDetection raw;
-    raw.point_S = {3.0 + i, 1.0, 0.5};
-    raw.range_rate = 0.1 * i;
-    list.items.push_back(make_detection(raw, fine_radar()));
+    list.items.push_back(make_detection({{3.0 + i, 1.0, 0.5}, 0.1 * i}, fine_radar()));
   }
   const std::uint64_t print = fingerprint(list);
   EXPECT_NE(print, 0U);

@@ -19,9 +19,8 @@ TEST(LandmarkBirth, IsObservedWhereItWasBornAndMovesAsItsJacobianSays) {
   for (int i = 0; i < 50; ++i) {
     const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector());
     const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));
-    RadarDetection raw;
-    raw.point_S = random.uniform(1.0, 8.0) * random.direction();
-    const Detection d = make_detection(raw, RadarOptions{});
+    const Vector3d seen_S = random.uniform(1.0, 8.0) * random.direction();
+    const Detection d = make_detection({.point_S = seen_S}, RadarOptions{});
     const double raised = i % 2 == 0 ? 0.0 : random.uniform(-0.05, 0.05);
     const LandmarkBirth birth(T_WB, T_BS, raised, d);
     const Vector3d point_S = ObservedPoint(T_WB, T_BS, birth.p_WL).e_S;

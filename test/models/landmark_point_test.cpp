@@ -66,10 +66,9 @@ TEST(LandmarkPoint, APlaceTellsTheSameOfTheState) {
   for (int i = 0; i < 200; ++i) {
     const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector(5.0));
     const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));
-    RadarDetection raw;
-    raw.point_S =
-        Vector3d(random.uniform(1.0, 8.0), random.uniform(-3.0, 3.0), random.uniform(-2.0, 2.0));
-    const Detection d = make_detection(raw, radar);
+    const Vector3d seen_S(random.uniform(1.0, 8.0), random.uniform(-3.0, 3.0),
+                          random.uniform(-2.0, 2.0));
+    const Detection d = make_detection({.point_S = seen_S}, radar);
     const auto information = [&]<class M>(const M& model,
                                           const typename M::Blocks::Values& x) -> Eigen::MatrixXd {
       Evaluation<M> at;

@@ -24,10 +24,9 @@ class ScanInformationTest : public testing::Test {
     x_.T_BS = {random.rotation(), random.normal_vector(0.5)};
     const LinearizationPoint x(x_);
     for (int i = 0; i < kPoints; ++i) {
-      RadarDetection raw;
-      raw.point_S = 4.0 * random.direction();
-      raw.range_rate = -x.radar_velocity_S().dot(raw.point_S.normalized()) + random.normal(0.1);
-      points_.push_back(make_detection(raw, RadarOptions{}));
+      const Vector3d point_S = 4.0 * random.direction();
+      const double rate = -x.radar_velocity_S().dot(point_S.normalized()) + random.normal(0.1);
+      points_.push_back(make_detection({point_S, rate}, RadarOptions{}));
     }
     LandmarkState landmark;
     const Vector3d point_S = points_[0].range * points_[0].direction_S;

@@ -68,10 +68,9 @@ class BlindSmootherTest : public SmootherTest {
   }
   /// @param sigma of the range [m]
   void give_birth(double sigma) {
-    RadarDetection raw;
-    raw.point_S = Vector3d(4.0, 1.0, 0.0);
     Promotions promotions;
-    promotions.births.push_back(make_detection(raw, flight_.options().radar));
+    promotions.births.push_back(
+        make_detection({.point_S = {4.0, 1.0, 0.0}}, flight_.options().radar));
     promotions.births[0].sigma_range = sigma;
     smoother_.maintain_landmarks(nothing_, rows_, promotions, &report_);
   }

@@ -100,9 +100,8 @@ class RowsOfAModel : public testing::Test {
     x_.clones.push_back({5, {Matrix3d::Identity(), Vector3d(1.0, 2.0, 3.0)}});
     x_.clones.push_back({6, {x_.T_WB().R, x_.nav.p_WB - Vector3d(0.3, 0.2, 0.1)}});
     const ObservedPoint point(x_.T_WB(), RigidPose(x_.T_BS), x_.landmarks[1].p_W);
-    RadarDetection raw;
-    raw.point_S = point.e_S + Vector3d(0.1, -0.1, 0.05);
-    detection_ = make_detection(raw, RadarOptions{});
+    const Vector3d seen_S = point.e_S + Vector3d(0.1, -0.1, 0.05);
+    detection_ = make_detection({.point_S = seen_S}, RadarOptions{});
   }
   /// The row i of a model at the state `seconds` earlier.
   template <MeasurementModel M>

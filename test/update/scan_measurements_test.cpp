@@ -92,11 +92,7 @@ constexpr double kForward = 2.0;  // of the radar along its boresight [m/s]
 
 /// A point ahead at `range`, with the range rate of a static one there plus `error`.
 Detection ahead(double range, double error) {
-  RadarDetection raw;
-  raw.point_S = Vector3d(range, 0.0, 0.0);
-  raw.range_rate = -kForward + error;
-  raw.snr_db = range;
-  return make_detection(raw, RadarOptions{});
+  return make_detection({{range, 0.0, 0.0}, -kForward + error, range}, RadarOptions{});
 }
 
 /// A scan of six detections, one of each label, the own echo third.

@@ -39,9 +39,7 @@ class StateEstimateTest : public testing::Test {
     EXPECT_FALSE(gap);
   }
   void add_landmark(const Vector3d& point_S, StateEstimate* b) const {
-    RadarDetection raw;
-    raw.point_S = point_S;
-    b->add_landmark(make_detection(raw, options_.radar));
+    b->add_landmark(make_detection({.point_S = point_S}, options_.radar));
   }
   /// Samples at 200 Hz for a second of a body that accelerates by a_W and turns by w_B.
   ImuBuffer samples(const Vector3d& a_W, const Vector3d& w_B) const {
@@ -91,9 +89,8 @@ TEST_F(StateEstimateTest, LandmarksArePredictedInTheRadarsAxes) {
     for (int i = 0; i < 3; ++i) {
       const LandmarkState& landmark = b.estimate().landmarks[static_cast<std::size_t>(i)];
       const ObservedPoint point(x.T_WB, x.T_BS, landmark.p_W);
-      RadarDetection raw;  // a look there, whose elevation has the common error
-      raw.point_S = point.e_S;
-      const Detection d = make_detection(raw, options_.radar);
+      // a look there, whose elevation has the common error
+      const Detection d = make_detection({.point_S = point.e_S}, options_.radar);
       JacobianOf<3, LandmarkPointModel::Blocks::kDof> d_look;
       d_look << point.d_e, d.range * d.sigma_elevation_S.normalized();
       const auto rows = state_rows<3>(d_look, LandmarkPointModel::Blocks{}, x, {0, i}, b.layout());
