@@ -27,14 +27,11 @@ using test::kDegree;
 
 /// With every effect of the default room, and told 5 deg, 5 cm, 10 ms and 1 % wrong.
 sim::Flight fly_wrong(std::uint64_t seed, double length) {
-  sim::Scenario scenario;
-  scenario.seed = seed;
-  scenario.path.length = length;
-  scenario.errors.extrinsic_angle = 5.0 * kDegree;
-  scenario.errors.extrinsic_distance = 0.05;
-  scenario.radar.stamp_offset = 0.01;
-  scenario.radar.doppler_scale = 0.01;
-  return sim::simulate_flight(scenario);
+  return sim::simulate_flight(
+      {.seed = seed,
+       .path = {.length = length},
+       .radar = {.doppler_scale = 0.01, .stamp_offset = 0.01},
+       .errors = {.extrinsic_angle = 5.0 * kDegree, .extrinsic_distance = 0.05}});
 }
 
 Options configured(const sim::Flight& flight) {
@@ -125,11 +122,8 @@ TEST(RadarCalibration, HalvesThatContradictEachOtherKeepTheConfiguredValues) {
 }
 
 TEST(RadarCalibration, StandingStillDeterminesNothing) {
-  sim::Scenario still;
-  still.seed = 4;
-  still.path.stand_before = 10.0;
-  still.max_duration = 8.0;
-  const sim::Flight rest = sim::simulate_flight(still);
+  const sim::Flight rest =
+      sim::simulate_flight({.seed = 4, .path = {.stand_before = 10.0}, .max_duration = 8.0});
   const Options options = configured(rest);
   const RadarCalibration found = calibrate_radar({test::recording_of(rest)}, options);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {

@@ -112,10 +112,7 @@ TEST_F(ReplacementsTest, WithdrawnAlignmentKnowsNoBias) {
 }
 
 TEST_F(ReplacementsTest, WidenedHeadingKeepsTheTilt) {
-  GyroBiasStep step;
-  step.error = -0.004;
-  step.duration = 20.0;
-  step.moved_W = Vector3d(3.0, 4.0, 0.0);
+  const GyroBiasStep step{.error = -0.004, .duration = 20.0, .moved_W = {3.0, 4.0, 0.0}};
   StateEstimate b = state_estimate();
   const Matrix15d before = b.covariance().body();
   widen_heading(step, &b);

@@ -16,10 +16,8 @@ namespace rio::eval {
 namespace {
 
 TEST(BodyError, IsWhatTakesTheEstimateToTheTruth) {
-  NavState estimate;
-  estimate.q_WB = quaternion_exp({0.3, -0.8, 1.9});
-  estimate.p_WB = {1.0, 2.0, 3.0};
-  estimate.v_WB = {-1.0, 0.5, 0.0};
+  const NavState estimate{
+      .q_WB = quaternion_exp({0.3, -0.8, 1.9}), .p_WB = {1.0, 2.0, 3.0}, .v_WB = {-1.0, 0.5, 0.0}};
   BodyError expected;
   expected << 0.02, -0.03, 0.05, 0.1, 0.2, -0.3, 0.4, -0.5, 0.6, 1e-3, 2e-3, -3e-3, 0.01, -0.02,
       0.03;

@@ -20,11 +20,7 @@ namespace rio::experiment {
 namespace {
 
 sim::Scenario short_scenario(std::uint64_t seed) {
-  sim::Scenario s;
-  s.seed = seed;
-  s.path.length = 20.0;
-  s.max_duration = 15.0;
-  return s;
+  return {.seed = seed, .path = {.length = 20.0}, .max_duration = 15.0};
 }
 
 Cases short_cases() {

@@ -51,10 +51,8 @@ TEST(MarkdownTable, HeadRuleAndRows) {
 
 /// A short flight with its truth as the reference.
 Recording simulated(double length = 20.0) {
-  sim::Scenario scenario;
-  scenario.seed = 3;
-  scenario.path.length = length;
-  Recording r{"simulated", "", io::dataset_of(sim::simulate_flight(scenario)), {}};
+  const sim::Flight flight = sim::simulate_flight({.seed = 3, .path = {.length = length}});
+  Recording r{"simulated", "", io::dataset_of(flight), {}};
   for (const NavState& x : r.data.ground_truth) r.reference.push_back({x.time, x.p_WB, x.q_WB});
   return r;
 }

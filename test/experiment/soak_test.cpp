@@ -14,10 +14,7 @@ namespace rio::experiment {
 namespace {
 
 SoakSettings brief(double seconds) {
-  SoakSettings settings;
-  settings.seconds = seconds;
-  settings.every = 20.0;
-  return settings;
+  return {.seconds = seconds, .every = 20.0};
 }
 
 TEST(EndlessFlight, BeginsAndEndsEachPieceAtRestInOnePlace) {

@@ -205,14 +205,12 @@ TEST(MountingSearch, WhatAClimbDoesNotShowIsAwaited) {
 }
 
 TEST(MountingSearch, WhatAStraightDriveDoesNotShowIsAsConfigured) {
-  sim::Scenario scenario;
-  scenario.path.ground = true;
-  scenario.path.low = {-2.0, -0.2, 0.3};
-  scenario.path.high = {40.0, 0.2, 0.3};
-  scenario.path.reach = {30.0, 0.1, 0.1};
-  scenario.path.max_yaw = 0.02;
-  scenario.path.length = 30.0;
-  const sim::Flight flight = sim::simulate_flight(scenario);
+  const sim::Flight flight = sim::simulate_flight({.path = {.ground = true,
+                                                            .length = 30.0,
+                                                            .low = {-2.0, -0.2, 0.3},
+                                                            .high = {40.0, 0.2, 0.3},
+                                                            .reach = {30.0, 0.1, 0.1},
+                                                            .max_yaw = 0.02}});
   const Pose truth = flight.scenario.radar.T_BS;
   // ahead in radar axes: the direction that the drive shows
   const Vector3d ahead_S = truth.rotation.conjugate() * Vector3d::UnitX();

@@ -17,11 +17,8 @@ namespace {
 using test::TempDir;
 
 TEST(Start, CovarianceOfYawFollowsTheAttitude) {
-  StartOptions start;
-  start.sigma_yaw = 0.3;
-  start.sigma_tilt = 0.1;
-  start.sigma_position = 2.0;
-  start.sigma_velocity = 0.5;
+  const StartOptions start{
+      .sigma_position = 2.0, .sigma_yaw = 0.3, .sigma_tilt = 0.1, .sigma_velocity = 0.5};
   // nose down by 90 deg: heading is rotation about the body -x axis
   const Quaternion q(Eigen::AngleAxisd(std::acos(0.0), Vector3d::UnitY()));
   const BodyCovariance P = start_covariance(q, start);
@@ -239,13 +236,12 @@ TEST(StatesFile, ReordersTheCovariance) {
 
 TEST(StatesFile, WritesEveryColumnInPlace) {
   const TempDir dir;
-  NavState state;
-  state.time = Time(1403636579758555392);
-  state.p_WB = Vector3d(0.1, 0.2, 0.3);
-  state.q_WB = Quaternion(0.5, -0.5, 0.5, 0.5);
-  state.v_WB = Vector3d(4, 5, 6);
-  state.gyro_bias = Vector3d(7, 8, 9);
-  state.accel_bias = Vector3d(10, 11, 12);
+  const NavState state{.time = Time(1403636579758555392),
+                       .q_WB = Quaternion(0.5, -0.5, 0.5, 0.5),
+                       .p_WB = {0.1, 0.2, 0.3},
+                       .v_WB = {4, 5, 6},
+                       .gyro_bias = {7, 8, 9},
+                       .accel_bias = {10, 11, 12}};
   const std::filesystem::path path = dir.path() / "states.csv";
   StatesFile file(path);
   file.add(state, numbered_covariance());

@@ -16,10 +16,7 @@ namespace rio::live::test {
 inline constexpr Time kHostAhead = std::chrono::hours(7);  // of the IMU's clock
 
 inline sim::Flight short_flight() {
-  sim::Scenario scenario;
-  scenario.seed = 9;
-  scenario.path.length = 25.0;
-  return sim::simulate_flight(scenario);
+  return sim::simulate_flight({.seed = 9, .path = {.length = 25.0}});
 }
 
 inline Options options_of(const sim::Flight& flight) {

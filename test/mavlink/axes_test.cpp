@@ -126,10 +126,9 @@ TEST(MavlinkAxes, CovariancesAgainstSamplesOfTheErrorState) {
   constexpr double kGyroSigma = 0.004;
   sim::Random random(4);
   for (int n = 0; n < 3; ++n) {
-    NavState state;
-    state.q_WB = some_attitude(&random);
-    state.p_WB = 10.0 * random.normal3();
-    state.v_WB = 3.0 * random.normal3();
+    const NavState state{.q_WB = some_attitude(&random),
+                         .p_WB = 10.0 * random.normal3(),
+                         .v_WB = 3.0 * random.normal3()};
     const BodyCovariance P = 1e-4 * some_covariance<body::kSize>(&random);
     const Matrix3d D = R_frd_flu();
     const Matrix3d R = state.q_WB.toRotationMatrix();

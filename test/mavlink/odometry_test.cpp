@@ -23,13 +23,11 @@ Health good_health() {
 
 /// Heading 90 deg to the left, flying forward at 2 m/s and climbing at 1 m/s.
 NavState some_state() {
-  NavState state;
-  state.time = Time(12'345'678'901);
-  state.q_WB = quaternion_exp({0, 0, std::numbers::pi / 2});
-  state.p_WB = {1, 2, 3};
-  state.v_WB = {0, 2, 1};
-  state.gyro_bias = {0.01, 0.02, 0.03};
-  return state;
+  return {.time = Time(12'345'678'901),
+          .q_WB = quaternion_exp({0, 0, std::numbers::pi / 2}),
+          .p_WB = {1, 2, 3},
+          .v_WB = {0, 2, 1},
+          .gyro_bias = {0.01, 0.02, 0.03}};
 }
 
 BodyCovariance some_covariance() {

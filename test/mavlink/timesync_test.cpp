@@ -140,10 +140,8 @@ TEST(MavlinkImu, OldAndOddValuesAreNoSample) {
 }
 
 TEST(MavlinkImu, ScaledIsInThousandths) {
-  ScaledImu message;
-  message.time_boot_ms = 4'294'967'295U;
-  message.accel = {100, 200, -1000};
-  message.gyro = {1, -2, 3000};
+  const ScaledImu message{
+      .time_boot_ms = 4'294'967'295U, .accel = {100, 200, -1000}, .gyro = {1, -2, 3000}};
   const ImuSample sample = imu_sample(message);
   EXPECT_EQ(sample.time, std::chrono::milliseconds(4'294'967'295));
   EXPECT_LT((sample.accel_B - Vector3d(0.980665, -1.96133, 9.80665)).norm(), 1e-12);

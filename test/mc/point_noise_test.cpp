@@ -36,13 +36,11 @@ constexpr Direction kDirections[] = {{0.0, 0.0},   {50.0, 20.0},  {-70.0, -40.0}
 /// Angles fine enough for first order, four times as large upwards: 1.5 m/s bent by 2 deg is
 /// 0.001 m/s.
 RadarOptions radar() {
-  RadarOptions o;
-  o.sigma_range = 0.03;
-  o.sigma_azimuth = 0.004;
-  o.sigma_elevation = 0.008;
-  o.sigma_doppler = 0.01;
-  o.weak_snr_db = -200.0;  // all echoes are alike
-  return o;
+  return {.sigma_range = 0.03,
+          .sigma_azimuth = 0.004,
+          .sigma_elevation = 0.008,
+          .weak_snr_db = -200.0,  // all echoes are alike
+          .sigma_doppler = 0.01};
 }
 
 /// Draws of (E1) and (E2).

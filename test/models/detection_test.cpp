@@ -26,13 +26,11 @@ RadarDetection raw_detection(double range, double azimuth, double elevation, dou
 }
 
 RadarOptions fine_radar() {
-  RadarOptions o;
-  o.sigma_range = 0.03;
-  o.range_resolution = 0.1;
-  o.sigma_azimuth = 0.004;
-  o.sigma_elevation = 0.008;
-  o.weak_snr_db = -200.0;  // all alike
-  return o;
+  return {.sigma_range = 0.03,
+          .sigma_azimuth = 0.004,
+          .sigma_elevation = 0.008,
+          .weak_snr_db = -200.0,  // all alike
+          .range_resolution = 0.1};
 }
 
 // Xu et al., eq. 4: the same covariance in the tangent plane of every direction.
@@ -53,11 +51,10 @@ TEST(Detection, WithoutGrowthTheDirectionNoiseIsTheSameEverywhere) {
 }
 
 TEST(Detection, FieldsFollowFromThePoint) {
-  RadarOptions o;
-  o.sigma_doppler = 0.03;
-  o.doppler_resolution = 0.12;
-  o.sigma_range = 0.02;
-  o.range_resolution = 0.06;
+  const RadarOptions o{.sigma_range = 0.02,
+                       .sigma_doppler = 0.03,
+                       .range_resolution = 0.06,
+                       .doppler_resolution = 0.12};
   const RadarDetection raw = raw_detection(4.0, 0.3, -0.2, 17.0);
   const Detection d = make_detection(raw, o);
   EXPECT_EQ(d.point_S, raw.point_S);

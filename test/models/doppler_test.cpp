@@ -49,10 +49,9 @@ TEST(DopplerModel, CorrectedJacobianIsTheGradientOfTheWeightedSquare) {
 Vector3d solve_velocity(bool correction, double sigma_elevation) {
   sim::Random random(22);
   const Vector3d v_true(0.4, 0.2, 0.9);
-  RadarOptions options;
-  options.sigma_azimuth = 0.02;
-  options.sigma_elevation = sigma_elevation;
-  options.weak_snr_db = -200.0;  // all echoes are alike
+  const RadarOptions options{.sigma_azimuth = 0.02,
+                             .sigma_elevation = sigma_elevation,
+                             .weak_snr_db = -200.0};  // all echoes are alike
   const DopplerModel model(correction ? DopplerDirections::kCorrected : DopplerDirections::kNoisy);
   std::vector<DopplerModel::Measurement> all;
   for (int i = 0; i < 200'000; ++i) {

@@ -60,9 +60,7 @@ TEST(LandmarkPoint, RangeOfAnUncertainPoint) {
 // state to first order.
 TEST(LandmarkPoint, APlaceTellsTheSameOfTheState) {
   test::Random random(42);
-  RadarOptions radar;
-  radar.sigma_azimuth = 0.03;
-  radar.sigma_elevation = 0.07;
+  const RadarOptions radar{.sigma_azimuth = 0.03, .sigma_elevation = 0.07};
   for (int i = 0; i < 200; ++i) {
     const RigidPose T_WB(random.rotation().toRotationMatrix(), random.normal_vector(5.0));
     const RigidPose T_BS(random.rotation().toRotationMatrix(), random.normal_vector(0.2));

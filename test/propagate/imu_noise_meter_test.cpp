@@ -90,10 +90,8 @@ Ratio monte_carlo(const Spectrum& s, double rate, double density) {
   constexpr double kBefore = 1.5;
   constexpr double kSpan = 1.0;
   test::Random random(7);
-  ImuOptions options;
-  options.accel_noise_density = density;
-  options.stamp_sigma = 0.0;
-  options.gap_accel_sigma = 0.0;
+  const ImuOptions options{
+      .accel_noise_density = density, .stamp_sigma = 0.0, .gap_accel_sigma = 0.0};
   Ratio ratio;
   for (int run = 0; run < kRuns; ++run) {
     const Vibration vibration(s.rms, s.low, s.high, &random);

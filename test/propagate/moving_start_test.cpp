@@ -64,9 +64,7 @@ TEST(MovingStart, CountsItsWaitAnewAfterAReset) {
 
 // The mean is over the last `duration`, not over the wait.
 TEST(MovingStart, ForgetsWhatWasBeforeItsDuration) {
-  StartOptions options;
-  options.max_wait = 4.0;
-  options.duration = 0.5;
+  const StartOptions options{.duration = 0.5, .max_wait = 4.0};
   const Quaternion tilted(Eigen::AngleAxisd(0.3, Vector3d::UnitX()));
   MovingStart moving(options, kGravity);
   std::optional<Alignment> alignment;

@@ -24,7 +24,7 @@ struct StandingImu {
   Vector3d accel_bias = Vector3d::Zero();
   double gyro_sigma = 0.0;
   double accel_sigma = 0.0;
-  std::function<void(double t, ImuSample& sample)> motion;
+  std::function<void(double t, ImuSample& sample)> motion{};
 
   static Time start() { return Time(100'000'000'000); }
   ImuSample sample(int i, Random& random) const {
@@ -65,11 +65,8 @@ inline Outcome align(const StandingImu& imu, Random& random, const StartOptions&
 
 /// MEMS noise of one sample at the default densities.
 inline StandingImu noisy(const Vector3d& up_B) {
-  StandingImu imu;
-  imu.up_B = up_B;
-  imu.gyro_sigma = 4e-4 * std::sqrt(kRate);
-  imu.accel_sigma = 4e-3 * std::sqrt(kRate);
-  return imu;
+  return {
+      .up_B = up_B, .gyro_sigma = 4e-4 * std::sqrt(kRate), .accel_sigma = 4e-3 * std::sqrt(kRate)};
 }
 
 }  // namespace rio::test

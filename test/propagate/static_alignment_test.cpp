@@ -22,9 +22,7 @@ using test::StandingImu;
 
 TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
   using namespace body;
-  StartOptions start;
-  start.sigma_yaw = 0.3;
-  start.sigma_position = 0.2;
+  const StartOptions start{.sigma_position = 0.2, .sigma_yaw = 0.3};
   test::Random random(1);
   for (int run = 0; run < 60; ++run) {
     StandingImu imu;

@@ -78,10 +78,7 @@ TEST(Flight, TruthIsTheTrajectoryWithTheLatestBiases) {
 
 TEST(Flight, ScansAreAsFullAsTheRadarsAre) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    Scenario options;
-    options.seed = seed;
-    options.path.length = 130.0;
-    const Flight flight = simulate_flight(options);
+    const Flight flight = simulate_flight({.seed = seed, .path = {.length = 130.0}});
     std::vector<double> points;
     std::vector<double> standing;
     for (const RadarScan& scan : flight.scans) {

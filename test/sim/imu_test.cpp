@@ -235,10 +235,7 @@ TEST(Imu, TheGroundChangesButNotTheMeanSquare) {
 
 TEST(Losses, HaveTheirShareAndTheirRuns) {
   for (const double run : {1.0, 4.0}) {
-    ImuModel model;
-    model.lost_share = 0.3;
-    model.lost_run = run;
-    Losses losses(model, 1);
+    Losses losses({.lost_share = 0.3, .lost_run = run}, 1);
     double lost = 0.0;
     double runs = 0.0;
     bool before = false;

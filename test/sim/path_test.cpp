@@ -135,10 +135,8 @@ TEST(RandomFlight, KeepsItsEnvelopeForEverySeed) {
 
 TEST(RandomFlight, StaysInItsBox) {
   // no symmetry that could hide a mix-up of the axes or of the corners
-  PathOptions options;
-  options.low = {-1.0, -6.0, 0.5};
-  options.high = {4.0, 2.0, 3.0};
-  options.reach = {5.0, 8.0, 2.5};
+  const PathOptions options{
+      .low = {-1.0, -6.0, 0.5}, .high = {4.0, 2.0, 3.0}, .reach = {5.0, 8.0, 2.5}};
   for (const std::uint64_t seed : kSeeds) {
     const Extent all = extent(random_flight(seed, options));
     SCOPED_TRACE(seed);
@@ -153,10 +151,7 @@ TEST(RandomFlight, StaysInItsBox) {
 }
 
 TEST(RandomFlight, ReachesABoxThatIsNotAboveTheStart) {
-  PathOptions options;
-  options.length = 80.0;
-  options.low = {5.0, -2.0, 1.0};
-  options.high = {9.0, 2.0, 2.5};
+  const PathOptions options{.length = 80.0, .low = {5.0, -2.0, 1.0}, .high = {9.0, 2.0, 2.5}};
   for (const std::uint64_t seed : kSeeds) {
     const Extent all = extent(random_flight(seed, options));
     EXPECT_LE(all.high.x(), 9.0) << seed;
@@ -174,10 +169,7 @@ TEST(RandomFlight, LengthIsExactWhereverItIsGiven) {
 }
 
 TEST(RandomFlight, LastsAsLongAsAskedWhenNoLengthIsGiven) {
-  PathOptions options;
-  options.length = 0.0;
-  options.stand_before = 3.0;
-  options.stand_after = 5.0;
+  PathOptions options{.length = 0.0, .stand_before = 3.0, .stand_after = 5.0};
   for (const double duration : {20.0, 120.0}) {
     options.duration = duration;
     for (const std::uint64_t seed : kSeeds) {
@@ -214,10 +206,7 @@ TEST(RandomFlight, HoversInASmallBox) {
 }
 
 TEST(RandomFlight, LevelNoseStaysAhead) {
-  PathOptions options;
-  options.length = 40.0;
-  options.max_yaw = 0.0;
-  const Trajectory trajectory = random_flight(2, options);
+  const Trajectory trajectory = random_flight(2, {.length = 40.0, .max_yaw = 0.0});
   for (double t = 0.0; t < trajectory.duration(); t += 0.1) {
     // y_B is normal to the heading
     ASSERT_NEAR((trajectory.at(t).nav.q_WB * Vector3d::UnitY()).x(), 0.0, 1e-12) << t;

@@ -238,9 +238,7 @@ TEST(RadarScans, SameSeedSameBytesWhateverTheEpoch) {
 }
 
 TEST(RadarScans, TheVehicleItselfHasNoDopplerAndStaysWhereItIs) {
-  RadarModel model;
-  model.own_echoes = 3;
-  model.own_echo_share = 0.5;
+  const RadarModel model{.own_echoes = 3, .own_echo_share = 0.5};
   const std::vector<FlownScan> scans = flown_scans(model, 3, 40.0);
   double seen = 0.0;
   for (const FlownDetection& d : detections_of(scans)) {
@@ -256,10 +254,7 @@ TEST(RadarScans, TheVehicleItselfHasNoDopplerAndStaysWhereItIs) {
 TEST(RadarScans, ALobeHidesReflectorsFromAside) {
   const Trajectory trajectory = random_flight(3, {.length = 40.0});
   const auto reflectors_seen = [&](double lobe) {
-    RadarModel model;
-    model.outlier_share = 0.0;
-    model.max_static = 1000;
-    model.lobe_width = lobe;
+    const RadarModel model{.outlier_share = 0.0, .max_static = 1000, .lobe_width = lobe};
     RadarSimulator radar(model, make_room(3), 3);
     double count = 0.0;
     for (double t = 4.0; t < trajectory.duration(); t += 1.0) {

@@ -301,11 +301,7 @@ class CeresReferee : public testing::TestWithParam<Case> {};
 TEST_P(CeresReferee, FindsTheSameMinimum) {
   constexpr std::size_t kWindows = 10;
   constexpr std::size_t kEvery = 9;  // scans between two windows, at least
-  sim::Scenario scenario;
-  scenario.seed = 21;
-  scenario.path.length = 20.0;
-  scenario.path.stand_before = 1.5;
-  SmootherFlight flight(scenario);
+  SmootherFlight flight({.seed = 21, .path = {.length = 20.0, .stand_before = 1.5}});
   Options o = flight.options();
   o.imu.measure_noise = false;  // the noise of a gyro sample is in scan_information_test.cpp
   o.smoother = {

@@ -25,12 +25,7 @@ using Eigen::VectorXd;
 
 /// A scan each third of a second, to save time: 3600 of them.
 sim::Scenario long_flight() {
-  sim::Scenario scenario;
-  scenario.seed = 51;
-  scenario.path.length = 0.0;
-  scenario.path.duration = 1200.0;
-  scenario.radar.rate_hz = 3.0;
-  return scenario;
+  return {.seed = 51, .path = {.length = 0.0, .duration = 1200.0}, .radar = {.rate_hz = 3.0}};
 }
 
 /// (E1)
@@ -102,10 +97,7 @@ MatrixXd null_space(const Prior& prior, int calibration) {
 TEST(PriorInFlight, NeverLearnsPositionAndHeading) {
   constexpr double kPositionSigma = 10.0;  // all that is ever told of them
   constexpr double kYawSigma = 1.0;
-  sim::Scenario scenario;
-  scenario.seed = 31;
-  scenario.path.length = 110.0;  // some three minutes
-  SmootherFlight flight(scenario);
+  SmootherFlight flight({.seed = 31, .path = {.length = 110.0}});  // some three minutes
   const Options o = flight.options();
   flight.begin(o);
   BodyCovariance P0 = flight.start_covariance();
