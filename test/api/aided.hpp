@@ -9,6 +9,7 @@
 #include "api/flying.hpp"
 #include "rio/aiding.hpp"
 #include "rio/sim/random.hpp"
+#include "support/measured.hpp"
 
 namespace rio::test {
 
@@ -63,7 +64,9 @@ class AidedTest : public BackEndTest {
     return e;
   }
   /// Measurements are as uncertain as they say.
-  void expect_consistent() const { EXPECT_NEAR(nis / rows, 1.0, 0.2); }
+  void expect_consistent() const {
+    expect_near(name() + ": NIS a row of the aids", nis / rows, 1.0, 0.2);
+  }
   std::unique_ptr<Odometry> odometry;
   double nis = 0.0;   ///< of the aids used, summed
   double rows = 0.0;  ///< of them

@@ -122,12 +122,9 @@ TEST_P(RadarsTest, MoreRadarsAreBetterThanOne) {
     four += fly(flights(seed, kAround)).rms() / kSeeds;
   }
   measured(name() + ", one radar: RMSE [m]", one, "");
-  measured(name() + ", front and down: RMSE over that of one", two / one, "below 1");
-  measured(name() + ", four around: RMSE over that of one", four / one, "below 1");
-  measured(name() + ", front and down: NEES of the pose a dimension", nees, "below 2");
-  EXPECT_LT(two, one);
-  EXPECT_LT(four, one);
-  EXPECT_LT(nees, 2.0);
+  expect_below(name() + ", front and down: RMSE over that of one", two / one, 1.0);
+  expect_below(name() + ", four around: RMSE over that of one", four / one, 1.0);
+  expect_below(name() + ", front and down: NEES of the pose a dimension", nees, 2.0);
 }
 
 TEST_P(RadarsTest, OneOfThemFailsInFlight) {
@@ -190,11 +187,9 @@ TEST_P(RadarsTest, TheyMayBeOfDifferentKinds) {
       shared += fly(both, {}, 1e9, true).rms() / kSeeds;
     }
     const std::string which = name() + (coarse_first ? ", coarse radar first" : ", coarse second");
-    measured(which + ": RMSE over that with the noise of the first for both", own / shared,
-             "below 1");
-    measured(which + ": NEES of the pose a dimension", nees, "below 2");
-    EXPECT_LT(own, shared);
-    EXPECT_LT(nees, 2.0);
+    expect_below(which + ": RMSE over that with the noise of the first for both", own / shared,
+                 1.0);
+    expect_below(which + ": NEES of the pose a dimension", nees, 2.0);
   }
 }
 

@@ -32,9 +32,7 @@ TEST(NoiseOverRecordings, IsThatOfTheSimulatedSensors) {
   }
   const SensorNoise found = noise_over_recordings(recordings, runs, options);
   const auto expect = [](const char* what, const NoiseEstimate& n, double truth, double allowed) {
-    test::measured(std::string(what) + ", found over true", n.value / truth,
-                   std::to_string(1.0 - allowed) + " to " + std::to_string(1.0 + allowed));
-    EXPECT_NEAR(n.value / truth, 1.0, allowed) << what;
+    test::expect_near(std::string(what) + ", found over true", n.value / truth, 1.0, allowed);
     EXPECT_EQ(n.verdict, Determination::kDetermined) << what;
   };
   // 15 % as in noise_calibration_test.cpp

@@ -92,8 +92,7 @@ TEST(Check, FindsAMountingThatNobodyConfigured) {
   const Finding finding = said(dataset, "axes and Doppler sign");
   EXPECT_EQ(finding.verdict, Verdict::kWrong) << finding.text;
   const double off = quaternion_log(truth.conjugate() * mounting_in(finding.change)).norm();
-  measured("mounting found at any angle, off by [deg]", off * 180.0 / kHalfTurn, "below 10");
-  EXPECT_LT(off, 10.0 * kHalfTurn / 180.0) << finding.change;
+  expect_below("mounting found at any angle, off by [deg]", off * 180.0 / kHalfTurn, 10.0);
 }
 
 TEST(Check, FindsTheAxesOfALateRadar) {

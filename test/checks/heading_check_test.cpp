@@ -86,9 +86,7 @@ TEST(HeadingCheck, FindsAStepAboutTheVertical) {
     EXPECT_NEAR(opinion->moved_W.norm(), 0.5 * opinion->duration, 0.1);
     error += opinion->error / 20.0;
   }
-  test::measured("mean error of the window [rad/s]", error, "0.25 to 1 of the step");
-  EXPECT_GT(error, 0.25 * kStep);
-  EXPECT_LT(error, kStep);
+  test::expect_between("mean error of the window [rad/s]", error, 0.25 * kStep, kStep);
 }
 
 // However large: half of the parts have to agree, and then for two seconds.

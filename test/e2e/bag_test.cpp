@@ -73,8 +73,7 @@ TEST_F(Bag, EveryFormatReplaysAsItsConvertedFolderDoes) {
     EXPECT_GT(lines_of(file("bag.tum")).size(), scans() / 2);
   }
   const double error = path_error(flight_, file("bag.tum"), " --align yaw");
-  measured("error of the replayed bag [m]", error, "below 0.5");
-  EXPECT_LT(error, 0.5);
+  expect_below("error of the replayed bag [m]", error, 0.5);
 }
 
 TEST_F(Bag, InfoTellsTopicsAndConvertDoesNotOverwrite) {

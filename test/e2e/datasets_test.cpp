@@ -77,8 +77,7 @@ class DataSets : public Tool {
     rio("replay " + recording + options + " --init static --quiet --no-check --out " +
         file("run.tum"));
     const double error = path_error(flight_, file("run.tum"), " --align yaw");
-    measured("error of " + fs::path(recording).stem().string() + " [m]", error, "below 0.1");
-    EXPECT_LT(error, 0.1);
+    expect_below("error of " + fs::path(recording).stem().string() + " [m]", error, 0.1);
   }
 
   inline static io::Dataset* flight_data_ = nullptr;

@@ -49,13 +49,11 @@ TEST_F(RealBag, ItsTriggersGiveTheTimesOfItsCorrectedCopy) {
     apart = std::max(apart, std::abs(to_seconds(bag.scans[i].time - copy.scans[i].time)));
     EXPECT_EQ(bag.scans[i].detections.size(), copy.scans[i].detections.size()) << i;
   }
-  measured("stamps off those of the copy at most [s]", apart, "below 1e-6");
-  EXPECT_LT(apart, 1e-6);
+  expect_below("stamps off those of the copy at most [s]", apart, 1e-6);
   rio("replay " + triggered + " --quiet --out " + file("bag.tum"));
   rio("replay " + demo_.string() + " --quiet --out " + file("copy.tum"));
   const double error = path_error(file("copy.tum"), file("bag.tum"));
-  measured("trajectory off that of the copy [m]", error, "below 1e-4");
-  EXPECT_LT(error, 1e-4);  // the copy holds nine digits
+  expect_below("trajectory off that of the copy [m]", error, 1e-4);  // it holds nine digits
 }
 
 /// The IMU and the radar of a bag of ROS 1, serialised anew for ROS 2.
@@ -97,8 +95,8 @@ TEST_F(RealBag, IsTheSameInEveryFormat) {
   const std::string how = " --radar-offset \"-122 ms\"";  // the delay of its driver
   const Json json = rio("replay " + converted("demo", how) + " --quiet --json").json();
   const double off = json["first_to_last_m"];
-  measured("from the first to the last position [m]", off, "below 0.4");
-  EXPECT_LT(off, 0.4);  // perturbed copies of it: 0.11, worst 0.37
+  // perturbed copies of it: 0.11, worst 0.37
+  expect_below("from the first to the last position [m]", off, 0.4);
 
   // without its mounting, so that the estimate may end lost; the trajectory is written all the same
   const auto replays = [&how](const std::string& recording, const std::string& out) {

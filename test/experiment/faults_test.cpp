@@ -163,9 +163,8 @@ TEST_P(FaultPromises, OfASilenceOfBothSensorsIsKept) {
   options.backend = GetParam();
   const Fault& fault = fault_named("IMU and radar silent for 30 s");
   const Survival end = survive(longer, options, fault, kBegin, kAfter);
-  test::measured(fault.name + ": position, sigmas", end.last.position_sigmas, "below 3");
+  test::expect_below(fault.name + ": position, sigmas", end.last.position_sigmas, 3.0);
   EXPECT_TRUE(end.kept) << "wrong until " << end.wrong_until << ", in the end " << end.last.why();
-  EXPECT_LT(end.last.position_sigmas, 3.0);
   EXPECT_LT(end.last.position, 60.0);  // 30 s at 2 m/s; extrapolated it is a kilometre
   EXPECT_LT(end.outside_unreported, 1.0);
   EXPECT_EQ(end.counters.clock_restarts, 0U);
@@ -179,9 +178,8 @@ TEST(Faults, PositionAfterOutliersThatFollowASpike) {
   const Fault both = together(fault_named("80 % random outliers for 3 s"),
                               fault_named("one sample of 100 m/s^2"), recovered(5.0));
   const Survival end = survive(hover, options_for(hover, "default"), both);
-  test::measured("outliers after a spike: position, sigmas", end.last.position_sigmas, "below 5");
+  test::expect_below("outliers after a spike: position, sigmas", end.last.position_sigmas, 5.0);
   EXPECT_GT(end.counters.position_reopened, 0U);
-  EXPECT_LT(end.last.position_sigmas, 5.0);
   EXPECT_TRUE(end.kept) << end.last.why();
 }
 

@@ -154,12 +154,9 @@ TEST(MountingSearch, ErrorsOfAnImuAreWithinTheCovariance) {
     rotation += nees(0, 3) / kFlights;
     motion += nees(6, 6) / kFlights;
   }
-  measured("NEES of the rotation", rotation, "0.02 to 1.5");
-  measured("NEES of position and velocity", motion, "below 1.5");
   // the simulator has no error of the directions that lasts: the claim (E4) is wider than needed
-  EXPECT_LT(rotation, 1.5);
-  EXPECT_GT(rotation, 0.02);
-  EXPECT_LT(motion, 1.5);
+  expect_between("NEES of the rotation", rotation, 0.02, 1.5);
+  expect_below("NEES of position and velocity", motion, 1.5);
 }
 
 // A climb, with the elevations too noisy for the vertical velocity of a scan: the errors of short
@@ -173,8 +170,8 @@ TEST(MountingSearch, NoisyVelocitiesDoNotTurnIt) {
     ASSERT_TRUE(found) << seed;
     pitch += found->error[1] / found->sigma(1) / kFlights;
   }
-  measured("pitch over its sigma, mean of 12 flights", pitch, "within 0.87, three sigma");
-  EXPECT_LT(std::abs(pitch), 3.0 / std::sqrt(kFlights));
+  const double three_sigma = 3.0 / std::sqrt(kFlights);
+  expect_near("pitch over its sigma, mean of 12 flights", pitch, 0.0, three_sigma);
 }
 
 TEST(MountingSearch, WhatTheImuKnowsBestStaysSo) {

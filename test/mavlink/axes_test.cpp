@@ -154,10 +154,8 @@ TEST(MavlinkAxes, CovariancesAgainstSamplesOfTheErrorState) {
     const double off_pose = deviation(covariance_flu_to_frd(pose_covariance(state.q_WB, P)), pose);
     const double off_twist =
         deviation(covariance_flu_to_frd(twist_covariance(state, P, kGyroSigma)), twist);
-    rio::test::measured("pose, off by (correlations)", off_pose, "below 0.02");
-    rio::test::measured("twist, off by (correlations)", off_twist, "below 0.02");
-    EXPECT_LT(off_pose, 0.02);
-    EXPECT_LT(off_twist, 0.02);
+    rio::test::expect_below("pose, off by (correlations)", off_pose, 0.02);
+    rio::test::expect_below("twist, off by (correlations)", off_twist, 0.02);
   }
 }
 

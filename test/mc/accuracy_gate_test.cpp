@@ -78,9 +78,7 @@ TEST(AccuracyGate, TwelveFlightsAreAsGoodAsRecorded) {
     }
     const double n = static_cast<double>(kRecorded.size());
     for (std::size_t e = 0; e < sum.size(); ++e) {
-      test::measured(kBackEnds[k].name + ": " + kNames[e], sum[e] / n,
-                     "below " + std::to_string(allowed[e] / n));
-      EXPECT_LT(sum[e], allowed[e]) << kBackEnds[k].name << ": " << kNames[e];
+      test::expect_below(kBackEnds[k].name + ": " + kNames[e], sum[e] / n, allowed[e] / n);
     }
   }
 }

@@ -72,10 +72,7 @@ TEST(TimeOffset, ErrorAgreesWithItsSigma) {
     mean += std::pow((found.value - offset) / found.sigma, 2) / kFlights;
   }
   const eval::AneesBounds bounds = eval::anees_bounds(1, kFlights, 0.99);
-  test::measured("NEES of the time offset", mean,
-                 std::to_string(bounds.lower) + " to " + std::to_string(bounds.upper));
-  EXPECT_GT(mean, bounds.lower);
-  EXPECT_LT(mean, bounds.upper);
+  test::expect_between("NEES of the time offset", mean, bounds.lower, bounds.upper);
 }
 
 // A vibration of 87 Hz sampled 100 times a second is one of 13 Hz, which a radar of 15 Hz sees as

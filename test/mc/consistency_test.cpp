@@ -48,22 +48,16 @@ TEST(Consistency, FiftyMatchedRuns) {
   const eval::AneesBounds one = eval::anees_bounds(1, kRuns, 0.99);
   const auto expect_within = [](const char* what, double nees, const eval::AneesBounds& bounds,
                                 int dof) {
-    test::measured(
-        std::string("NEES of ") + what, nees,
-        std::to_string(bounds.lower / dof) + " to " + std::to_string(bounds.upper / dof));
-    EXPECT_GT(nees, bounds.lower / dof);
-    EXPECT_LT(nees, bounds.upper / dof);
+    test::expect_between(std::string("NEES of ") + what, nees, bounds.lower / dof,
+                         bounds.upper / dof);
   };
   // not within: a quarter of the matches with landmarks join neighbours, which makes it 1.25
-  test::measured("NEES of position", in_flight.position, "below 1.4");
-  test::measured("NIS of Doppler alone", doppler_nis, "0.905 to 0.945");
-  EXPECT_GT(in_flight.position, three.lower / 3.0);
-  EXPECT_LT(in_flight.position, 1.4);
+  test::expect_between("NEES of position", in_flight.position, three.lower / 3.0, 1.4);
   expect_within("attitude", in_flight.attitude, three, 3);
   expect_within("heading", in_flight.heading, one, 1);
   expect_within("velocity", in_flight.velocity, three, 3);
   // mean of a chi-squared variable of one degree cut off at its 99 % quantile
-  EXPECT_NEAR(doppler_nis, 0.925, 0.02);
+  test::expect_near("NIS of Doppler alone", doppler_nis, 0.925, 0.02);
 }
 
 }  // namespace

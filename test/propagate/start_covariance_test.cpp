@@ -96,10 +96,8 @@ void expect_nees(const Standing& standing, std::initializer_list<Bounds> bounds)
   // in half a second three sigmas of noise look like motion
   EXPECT_GE(aligned, standing.moved_after < 1.0 ? 0.95 * kRuns : kRuns);
   for (const Bounds& b : bounds) {
-    const double mean = sum[b.error] / aligned;
-    measured(standing.name, mean, std::to_string(b.low) + " to " + std::to_string(b.high));
-    EXPECT_GT(mean, b.low) << standing.name << " " << b.error;
-    EXPECT_LT(mean, b.high) << standing.name << " " << b.error;
+    SCOPED_TRACE(b.error);
+    expect_between(standing.name, sum[b.error] / aligned, b.low, b.high);
   }
 }
 

@@ -186,8 +186,7 @@ TEST(Imu, ShakesAtRestAndInMotionByItsRms) {
     // noise 2 pi wide a second decorrelates in 0.16 s: 1 % of an rms in 2000 s is three sigmas
     const Shaken added = shaken(shaking(), speed, 200000);
     const double share = test::rms_of(added.accel) / accel;
-    test::measured("accelerometer, of what is asked for", share, "1 within 0.02");
-    EXPECT_NEAR(share, 1.0, 0.02);
+    test::expect_near("accelerometer, of what is asked for", share, 1.0, 0.02);
     EXPECT_NEAR(added.gyro_rms / gyro, 1.0, 0.02);
   }
 }
@@ -215,10 +214,8 @@ TEST(Imu, ShakesAroundItsFrequenciesAndTheirAliases) {
   // of a line of half width 1 Hz, 2 / pi atan(3) = 0.795 lies within 3 Hz
   const double low = power(7.0, 13.0) / 4.0;
   const double alias = power(37.0, 43.0) / 9.0;
-  test::measured("power within 3 Hz of 10 Hz, share", low, "0.80 within 0.04");
-  test::measured("power of 60 Hz within 3 Hz of 40 Hz, share", alias, "0.80 within 0.04");
-  EXPECT_NEAR(low, 0.80, 0.04);
-  EXPECT_NEAR(alias, 0.80, 0.04);
+  test::expect_near("power within 3 Hz of 10 Hz, share", low, 0.80, 0.04);
+  test::expect_near("power of 60 Hz within 3 Hz of 40 Hz, share", alias, 0.80, 0.04);
   EXPECT_LT(power(20.0, 30.0) / 13.0, 0.05);
 }
 
@@ -229,8 +226,7 @@ TEST(Imu, TheGroundChangesButNotTheMeanSquare) {
   EXPECT_NEAR(test::rms_of(x) / std::hypot(2.0, 3.0), 1.0, 0.05);
   const double kurtosis = test::array_of(x).pow(4).mean() / std::pow(test::rms_of(x), 4);
   // 3 exp(4 s^2) of a Gaussian whose logarithm of the rms has the spread s
-  test::measured("kurtosis at a spread of 0.4", kurtosis, "5.7 within 0.6");
-  EXPECT_NEAR(kurtosis, 3.0 * std::exp(4.0 * 0.16), 0.6);
+  test::expect_near("kurtosis at a spread of 0.4", kurtosis, 3.0 * std::exp(4.0 * 0.16), 0.6);
 }
 
 TEST(Losses, HaveTheirShareAndTheirRuns) {
@@ -246,9 +242,7 @@ TEST(Losses, HaveTheirShareAndTheirRuns) {
       runs += now && !before ? 1.0 : 0.0;
       before = now;
     }
-    test::measured("share lost in runs of " + std::to_string(run), lost / kSamples,
-                   "0.30 within 0.01");
-    EXPECT_NEAR(lost / kSamples, 0.3, 0.01);
+    test::expect_near("share lost in runs of " + std::to_string(run), lost / kSamples, 0.3, 0.01);
     EXPECT_NEAR(lost / runs, run, 0.03 * run);
   }
 }

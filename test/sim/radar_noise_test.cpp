@@ -220,9 +220,7 @@ TEST(RadarNoise, SlipsIntoTheNeighbouringDopplerCell) {
   const Eigen::ArrayXd moving = errors_if(std::not_fn(resting));
   EXPECT_LT(moving.maxCoeff(), 0.105);  // one cell, beside the border it was near
   const double slipped = (moving > 0.055).cast<double>().mean();
-  test::measured("share of slips of 0.4 on the border", slipped, "0.15 to 0.22");
-  EXPECT_GT(slipped, 0.15);
-  EXPECT_LT(slipped, 0.22);
+  test::expect_between("share of slips of 0.4 on the border", slipped, 0.15, 0.22);
 }
 
 TEST(RadarNoise, WanderMovesTheScatteringCentre) {
