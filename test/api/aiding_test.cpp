@@ -226,23 +226,17 @@ TEST_P(AidingTest, RejectedMeasurementsAreAReasonOfTheHealth) {
 }
 
 TEST_P(AidingTest, OptionsOfAStateAreChecked) {
-  Options o = options();
-  ASSERT_TRUE(o.auxiliary.declare_at<HeightOffset>(HeightOffset::Value(NAN)));
-  EXPECT_EQ(Odometry::create(o), nullptr);
-  std::string why;
-  EXPECT_EQ(Odometry::create(options_with_offset(-1.0), &why), nullptr);
-  EXPECT_PRED2(contains, why, "height_offset");
-  AuxiliaryState state = auxiliary_state<HeightOffset>();
-  state.delayed = true;  // and walks
-  Options walking = options();
-  ASSERT_TRUE(walking.auxiliary.declare(state));
-  EXPECT_EQ(Odometry::create(walking, &why), nullptr);
-  EXPECT_PRED2(contains, why, "delayed, and with a random walk");
-  state.size = 0;
-  Options empty = options();
-  ASSERT_TRUE(empty.auxiliary.declare(state));
-  EXPECT_EQ(Odometry::create(empty, &why), nullptr);
-  EXPECT_PRED2(contains, why, "size out of range");
+  const auto refused = [](const std::string& part, void (*change)(AuxiliaryState&)) {
+    AuxiliaryState state = auxiliary_state<HeightOffset>();
+    change(state);
+    Options o = options();
+    ASSERT_TRUE(o.auxiliary.declare(state));
+    EXPECT_ERROR(experiment::create_odometry(o), part);
+  };
+  refused("initial value not finite", [](AuxiliaryState& s) { s.initial[0] = NAN; });
+  refused("height_offset", [](AuxiliaryState& s) { s.sigma = -1.0; });
+  refused("delayed, and with a random walk", [](AuxiliaryState& s) { s.delayed = true; });
+  refused("size out of range", [](AuxiliaryState& s) { s.size = 0; });
 }
 
 TEST_P(AidingTest, AllocatesNothing) {

@@ -7,23 +7,20 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "experiment/trial.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/testing/allocation_guard.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::test {
 
 /// The default scenario but for what `change` does.
 inline sim::Flight flight_of(std::uint64_t seed, double length, double seconds,
                              const std::function<void(sim::Scenario&)>& change = {}) {
-  sim::Scenario scenario;
-  scenario.seed = seed;
-  scenario.path.length = length;
-  scenario.max_duration = seconds;
+  sim::Scenario scenario{.seed = seed, .path = {.length = length}, .max_duration = seconds};
   if (change) change(scenario);
   return sim::simulate_flight(scenario);
 }
@@ -60,6 +57,13 @@ struct Errors {
   std::uint64_t scans = 0;
 };
 
+/// Equal to the bit.
+inline bool same(const NavState& a, const NavState& b) {
+  return a.time == b.time && a.p_WB == b.p_WB && a.v_WB == b.v_WB &&
+         a.q_WB.coeffs() == b.q_WB.coeffs() && a.gyro_bias == b.gyro_bias &&
+         a.accel_bias == b.accel_bias;
+}
+
 class BackEndTest : public testing::TestWithParam<BackEnd> {
  protected:
   /// The default preset with the sensors of a flight.
@@ -70,6 +74,18 @@ class BackEndTest : public testing::TestWithParam<BackEnd> {
   }
   /// As the tables of what was measured call it.
   static std::string name() { return GetParam() == BackEnd::kEkf ? "filter" : "window"; }
+};
+
+/// The first seconds of the scenario indoor-1.
+template <int kSeconds>
+class IndoorTest : public BackEndTest {
+ protected:
+  static const sim::Flight& flight() {
+    static const sim::Flight flight = short_flight("indoor-1", kSeconds);
+    return flight;
+  }
+  static Options options() { return options_for(flight()); }
+  static Time start() { return flight().imu.front().time; }
 };
 
 inline const auto kBothBackEnds = testing::Values(BackEnd::kEkf, BackEnd::kSmoother);
@@ -86,9 +102,7 @@ inline std::unique_ptr<Odometry> fly_without_heap(
     const std::vector<sim::Flight>& all, const Options& options, const NavState* start,
     const std::function<void(Odometry&, Time)>& each = [](Odometry&, Time) {}) {
   const std::vector<RadarScan>& scans = all.front().scans;
-  std::string why;
-  auto odometry = Odometry::create(options, &why);
-  if (!odometry) throw std::invalid_argument(why);
+  auto odometry = experiment::create_odometry(options);
   std::size_t next = 0;
   const AllocationGuard guard;
   if (start != nullptr) {

@@ -2,7 +2,6 @@
 // The odometry API: the covariance of now, and the health of a flight that is well and of one that
 // is not.
 #include "api/flying.hpp"
-#include "support/short_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -10,15 +9,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-class HealthTest : public BackEndTest {
+class HealthTest : public IndoorTest<25> {
  protected:
-  static const sim::Flight& flight() {
-    static const sim::Flight flight = short_flight("indoor-1", 25.0);
-    return flight;
-  }
-  static Options options() { return options_for(flight()); }
-  static Time begin() { return flight().imu.front().time; }
-
   /// Which data arrive; `t` since the first sample.
   struct Keep {
     bool (*imu)(Time t) = [](Time) { return true; };
@@ -30,12 +22,12 @@ class HealthTest : public BackEndTest {
     std::size_t next = 0;
     for (const ImuSample& sample : flight().imu) {
       for (; next < flight().scans.size() && flight().arrivals[next] < sample.time; ++next) {
-        if (keep.scan(flight().arrivals[next] - begin())) {
+        if (keep.scan(flight().arrivals[next] - start())) {
           (void)odometry.add_scan(flight().scans[next]);
         }
       }
-      if (keep.imu(sample.time - begin())) (void)odometry.add_imu(sample);
-      each(sample.time - begin(), odometry);
+      if (keep.imu(sample.time - start())) (void)odometry.add_imu(sample);
+      each(sample.time - start(), odometry);
     }
   }
 };
@@ -47,10 +39,9 @@ TEST_P(HealthTest, CovarianceOfNowIsThatOfTheEstimateCarriedOn) {
   Options prompt = options();
   prompt.timing.max_lag = 0.1;  // followed in steps of 5 ms, as the IMU samples
   const auto following = Odometry::create(prompt);
-  const NavState start = flight().truth.front();
-  BodyCovariance P = BodyCovariance::Identity() * 1e-4;
+  const BodyCovariance P = BodyCovariance::Identity() * 1e-4;
   for (const auto& odometry : {often.get(), once.get(), following.get()}) {
-    ASSERT_EQ(odometry->reset(start, P), Status::kOk);
+    ASSERT_EQ(odometry->reset(flight().truth.front(), P), Status::kOk);
   }
   EXPECT_EQ(once->covariance_now(), P);
   for (std::size_t i = 0; i < 180; ++i) {

@@ -3,7 +3,6 @@
 #include "api/flying.hpp"
 #include "rio/core/so3.hpp"
 #include "support/measured.hpp"
-#include "support/short_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -12,14 +11,8 @@ using experiment::replay;
 using experiment::Step;
 using experiment::Trial;
 
-class UnknownMounting : public BackEndTest {
+class UnknownMounting : public IndoorTest<45> {
  protected:
-  static const sim::Flight& flight() {
-    static const sim::Flight flight = short_flight("indoor-1", 45.0);
-    return flight;
-  }
-
-  static Options options() { return options_for(flight()); }
   /// Nothing is known, not even the position of the radar.
   static Options unknown() {
     Options o = options();
@@ -75,9 +68,7 @@ TEST_P(UnknownMounting, IsKeptThroughAStartFromAKnownStateButNotThroughAReset) {
 }
 
 TEST_P(UnknownMounting, ARadarThatDoesNotMoveIsNotUsed) {
-  sim::Scenario scenario;
-  scenario.max_duration = 3.5;  // before take-off
-  const sim::Flight standing = sim::simulate_flight(scenario);
+  const sim::Flight standing = sim::simulate_flight({.max_duration = 3.5});  // before take-off
   const auto odometry = Odometry::create(unknown());
   const Trial trial = replay(standing, *odometry);
   EXPECT_TRUE(odometry->report().mounting_unknown);

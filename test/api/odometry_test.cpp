@@ -30,9 +30,7 @@ class OdometryTest : public BackEndTest {
     return o;
   }
   static std::unique_ptr<Odometry> started(const Options& o = options()) {
-    std::string why;
-    auto odometry = Odometry::create(o, &why);
-    EXPECT_NE(odometry, nullptr) << why;
+    auto odometry = experiment::create_odometry(o);
     EXPECT_EQ(odometry->reset(flight().truth.front(), prior()), Status::kOk);
     return odometry;
   }
@@ -46,11 +44,6 @@ class OdometryTest : public BackEndTest {
     for (; *next < flight().imu.size() && flight().imu[*next].time <= until; ++*next) {
       EXPECT_EQ(odometry.add_imu(flight().imu[*next]), Status::kOk);
     }
-  }
-  static bool same(const NavState& a, const NavState& b) {
-    return a.time == b.time && a.p_WB == b.p_WB && a.v_WB == b.v_WB &&
-           a.q_WB.coeffs() == b.q_WB.coeffs() && a.gyro_bias == b.gyro_bias &&
-           a.accel_bias == b.accel_bias;
   }
 };
 
@@ -236,11 +229,10 @@ TEST_P(OdometryTest, ResetInFlightContinuesFromTheGivenState) {
 INSTANTIATE_TEST_SUITE_P(BackEnds, OdometryTest, kBothBackEnds, back_end_name);
 
 TEST(BackEnds, AgreeWhereNothingIsWrong) {
-  sim::Scenario scenario = sim::Scenario::ideal();
-  scenario.seed = 11;
-  scenario.path.length = 20.0;
-  scenario.max_duration = 12.0;
-  const sim::Flight flight = sim::simulate_flight(scenario);
+  const sim::Flight flight = flight_of(11, 20.0, 12.0, [](sim::Scenario& o) {
+    o.imu = sim::ImuModel::ideal();
+    o.radar = sim::RadarModel::ideal();
+  });
   Options options = experiment::options_for(flight, "default");
   const std::vector<Step> ekf = experiment::fly(flight, options).steps;
   options.backend = BackEnd::kSmoother;

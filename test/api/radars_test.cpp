@@ -6,11 +6,9 @@
 #include <cmath>
 
 #include "api/flying.hpp"
-#include "rio/ekf/ekf.hpp"
 #include "rio/models/aids.hpp"
-#include "rio/pipeline.hpp"
-#include "rio/smoother/smoother.hpp"
 #include "support/measured.hpp"
+#include "support/scanwise_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -150,12 +148,9 @@ TEST_P(RadarsTest, TheOrderOfArrivalDoesNotMatter) {
   const NavState first = odometry->at_scan();
   const std::uint64_t late = odometry->counters().scans_late;  // of before the start
   fly(both, {milliseconds(60), milliseconds(80)});
-  const NavState& second = odometry->at_scan();
   EXPECT_LE(late, 4U);
   EXPECT_EQ(odometry->counters().scans_late, late);
-  EXPECT_EQ(first.time, second.time);
-  EXPECT_EQ(first.p_WB, second.p_WB);
-  EXPECT_EQ(first.q_WB.coeffs(), second.q_WB.coeffs());
+  EXPECT_TRUE(same(first, odometry->at_scan()));
 }
 
 TEST_P(RadarsTest, EachHasItsOwnMounting) {
@@ -216,22 +211,16 @@ TEST_P(RadarsTest, AllocateNothing) {
 
 /// Trails and landmarks that the scans of each radar have matched.
 template <class Estimator>
-std::vector<int> matches(const std::vector<sim::Flight>& all, Options o,
+std::vector<int> matches(const std::vector<sim::Flight>& all, const Options& o,
                          const std::vector<std::size_t>& every) {
-  o.timing.imu_buffer = 100000;  // the whole flight
-  ImuBuffer imu(o.timing, o.imu);
-  for (const ImuSample& sample : all[0].imu) imu.push_back(sample);
-  Pipeline<Estimator> pipeline(o);
-  pipeline.reset(all[0].truth.front(), 1e-4 * BodyCovariance::Identity());
+  ScanwiseFlight<Estimator> flight(all[0]);
+  flight.begin(o);
   std::vector<int> sum(all.size(), 0);
-  DetectionList scan(o.frontend.max_detections);
   for (std::size_t i = 1; i + 1 < all[0].scans.size(); ++i) {
     for (std::size_t r = 0; r < all.size(); ++r) {
       if (i % every[r] != 0) continue;
-      filter_detections(all[r].scans[i], o.radar_of(r), o.frontend.max_detections, scan);
-      scan.radar = r;
-      EXPECT_EQ(pipeline.process(scan, imu), Status::kOk);
-      sum[r] += pipeline.report().trails_matched + pipeline.report().landmarks_matched;
+      EXPECT_EQ(flight.process(all[r].scans[i], r), Status::kOk);
+      sum[r] += flight.report().trails_matched + flight.report().landmarks_matched;
     }
   }
   return sum;
@@ -239,26 +228,21 @@ std::vector<int> matches(const std::vector<sim::Flight>& all, Options o,
 
 /// What process() reports of a scan of radar 1 before which `count` velocities were measured.
 template <class Estimator>
-UpdateReport report_after(const std::vector<sim::Flight>& both, Options o, int count) {
-  ImuBuffer imu(o.timing, o.imu);
-  for (std::size_t i = 0; i < 1000; ++i) imu.push_back(both[0].imu[i]);
-  Pipeline<Estimator> pipeline(o);
-  const NavState start = both[0].truth.front();
-  pipeline.reset(start, 1e-4 * BodyCovariance::Identity());
+UpdateReport report_after(const std::vector<sim::Flight>& both, const Options& o, int count) {
+  ScanwiseFlight<Estimator> flight(both[0]);
+  flight.begin(o);
+  const NavState& start = both[0].truth.front();
   const auto next = [&start](const RadarScan& s) {
     return s.time > start.time + milliseconds(200);
   };
   const RadarScan& seen = *std::find_if(both[1].scans.begin(), both[1].scans.end(), next);
   for (int i = 0; i < count; ++i) {
     const WorldVelocityModel::Measurement z{start.v_WB, Matrix3d::Identity()};
-    EXPECT_TRUE(pipeline.add({start.time + milliseconds(1 + i), WorldVelocityModel{}, z}));
+    EXPECT_TRUE(flight.pipeline().add({start.time + milliseconds(1 + i), WorldVelocityModel{}, z}));
   }
-  DetectionList scan(o.frontend.max_detections);
-  filter_detections(seen, o.radar_of(1), o.frontend.max_detections, scan);
-  scan.radar = 1;
-  EXPECT_EQ(pipeline.process(scan, imu), Status::kOk);
-  EXPECT_EQ(pipeline.report().time, seen.time);
-  return pipeline.report();
+  EXPECT_EQ(flight.process(seen, 1), Status::kOk);
+  EXPECT_EQ(flight.report().time, seen.time);
+  return flight.report();
 }
 
 // More measurements of another sensor than one update takes are updates of their own.

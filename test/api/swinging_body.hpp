@@ -7,8 +7,8 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <string>
 
+#include "experiment/trial.hpp"
 #include "rio/rio.hpp"
 
 namespace rio::test {
@@ -20,19 +20,14 @@ inline constexpr Time kSample = std::chrono::milliseconds(5);
 
 inline NavState truth(Time t) {
   const double phase = kRate * to_seconds(t);
-  NavState x;
-  x.time = t;
-  x.p_WB.x() = kAmplitude * std::sin(phase);
-  x.v_WB.x() = kAmplitude * kRate * std::cos(phase);
-  return x;
+  return {.time = t,
+          .p_WB = {kAmplitude * std::sin(phase), 0.0, 0.0},
+          .v_WB = {kAmplitude * kRate * std::cos(phase), 0.0, 0.0}};
 }
 
 inline ImuSample imu(Time t) {
-  ImuSample s;
-  s.time = t;
-  s.accel_B = Vector3d(-kAmplitude * kRate * kRate * std::sin(kRate * to_seconds(t)), 0.0, 9.81);
-  s.gyro_B.x() = 1e-6 * to_seconds(t);  // not frozen
-  return s;
+  const double accel = -kAmplitude * kRate * kRate * std::sin(kRate * to_seconds(t));
+  return {t, {1e-6 * to_seconds(t), 0.0, 0.0}, {accel, 0.0, 9.81}};  // the gyro is not frozen
 }
 
 /// Measured at t, stamped `late` after that.
@@ -53,9 +48,7 @@ class EngineTest : public testing::Test {
  protected:
   EngineTest() { options_.start.static_alignment = false; }
   std::unique_ptr<Odometry> started() const {
-    std::string why;
-    auto odometry = Odometry::create(options_, &why);
-    EXPECT_NE(odometry, nullptr) << why;
+    auto odometry = experiment::create_odometry(options_);
     EXPECT_EQ(odometry->reset(truth(kStart), 1e-6 * BodyCovariance::Identity()), Status::kOk);
     return odometry;
   }
@@ -63,6 +56,14 @@ class EngineTest : public testing::Test {
   void feed(Odometry& odometry, Time until) {
     for (; next_ <= until; next_ += kSample) {
       EXPECT_EQ(odometry.add_imu(imu(next_)), Status::kOk);
+    }
+  }
+  /// With scans at 20 Hz, from the next sample on.
+  void fly(Odometry& odometry, Time duration) {
+    const Time end = next_ + duration;
+    for (Time t = next_; t <= end; t += std::chrono::milliseconds(50)) {
+      feed(odometry, t + kSample);  // a time offset of a microsecond needs it
+      EXPECT_EQ(odometry.add_scan(scan(t)), Status::kOk) << to_seconds(t);
     }
   }
 

@@ -22,18 +22,13 @@ std::string bytes_of(const Odometry& odometry) {
   return text(odometry.now()) + text(odometry.at_scan()) + text(odometry.covariance());
 }
 
-/// Feeds a flight by stamps and returns all estimates.
+/// All estimates of a flight.
 std::vector<std::string> estimates(const sim::Flight& flight, const Options& options) {
   const std::unique_ptr<Odometry> odometry = Odometry::create(options);
   std::vector<std::string> all;
-  std::size_t next = 0;
-  for (const ImuSample& sample : flight.imu) {
-    (void)odometry->add_imu(sample);
-    for (; next < flight.scans.size() && flight.scans[next].time < sample.time; ++next) {
-      (void)odometry->add_scan(flight.scans[next]);
-      all.push_back(bytes_of(*odometry));
-    }
-  }
+  (void)experiment::replay(flight, *odometry, [&](const UpdateReport& /*report*/) {
+    all.push_back(bytes_of(*odometry));
+  });
   return all;
 }
 

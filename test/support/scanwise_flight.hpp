@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <type_traits>
+#include <utility>
 
 #include "experiment/trial.hpp"
 #include "rio/ekf/ekf.hpp"
@@ -18,20 +19,21 @@ namespace rio::test {
 template <class B>
 class ScanwiseFlight {
  public:
+  explicit ScanwiseFlight(sim::Flight flight) : flight_(std::move(flight)) {}
   explicit ScanwiseFlight(const sim::Scenario& scenario)
-      : flight_(sim::simulate_flight(scenario)) {}
+      : ScanwiseFlight(sim::simulate_flight(scenario)) {}
 
   /// Of a preset, told the sensors of the flight.
   Options options(const std::string& preset = "default") const {
     Options o = experiment::options_for(flight_, preset);
     o.backend = std::is_same_v<B, Smoother> ? BackEnd::kSmoother : BackEnd::kEkf;
-    o.timing.imu_buffer = static_cast<int>(flight_.imu.size()) + 1;  // the whole flight
     return o;
   }
 
   /// A new pipeline that starts at `start`.
   void begin(const Options& options, const NavState& start) {
     options_ = options;
+    options_.timing.imu_buffer = static_cast<int>(flight_.imu.size()) + 1;  // the whole flight
     list_ = DetectionList(options.frontend.max_detections);
     imu_ = std::make_unique<ImuBuffer>(options_.timing, options_.imu);
     for (const ImuSample& sample : flight_.imu) imu_->push_back(sample);
@@ -58,8 +60,9 @@ class ScanwiseFlight {
   void skip() { ++next_; }
   bool over() const { return next_ >= flight_.scans.size(); }
   Status step() { return process(flight_.scans[next_++]); }
-  Status process(const RadarScan& scan) {
-    filter_detections(scan, options_.radar, options_.frontend.max_detections, list_);
+  Status process(const RadarScan& scan, std::size_t radar = 0) {
+    filter_detections(scan, options_.radar_of(radar), options_.frontend.max_detections, list_);
+    list_.radar = radar;
     return pipeline_->process(list_, *imu_);
   }
 
