@@ -23,7 +23,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -141,12 +140,7 @@ void expect_as_committed(const std::string& preset_name) {
     std::printf("%s written; commit it and say why\n", name.c_str());
     return;
   }
-  std::optional<std::string> difference;
-  try {
-    difference = test::first_difference(test::read_table(source / name), now);
-  } catch (const std::runtime_error& error) {
-    difference = error.what();
-  }
+  const auto difference = test::first_difference(test::read_table(source / name), now);
   EXPECT_FALSE(difference) << "The estimate of the sample flight is not as committed.\n"
                            << name << ": " << *difference << "\n"
                            << "If the change is wanted, RIO_ACCEPT_CHANGE=1 ./test/run.sh -R "
@@ -161,28 +155,27 @@ TEST(Indication, PublishedEkfIsAsCommitted) {
   expect_as_committed("published-ekf");
 }
 
-TEST(Table, ForgivesOneUnitOfTheLastDigit) {
-  EXPECT_TRUE(test::agree("12", "13", false));
-  EXPECT_TRUE(test::agree("0.0300", "0.0299", false));
-  EXPECT_TRUE(test::agree("-0.0000", "0.0001", false));
-  EXPECT_TRUE(test::agree("9.99e-03", "1.00e-02", false));
-  EXPECT_TRUE(test::agree("1.00e-02", "9.95e-03", false)) << "unit of the larger number";
-  EXPECT_TRUE(test::agree("-1", "-2", false));
-}
-
-TEST(Table, TellsMoreThanOneUnitApart) {
-  EXPECT_FALSE(test::agree("12", "14", false));
-  EXPECT_FALSE(test::agree("0.0301", "0.0299", false));
-  EXPECT_FALSE(test::agree("1.23e-02", "1.25e-02", false));
-  EXPECT_FALSE(test::agree("1.23e-02", "1.23e-01", false));
-  EXPECT_FALSE(test::agree("1", "-1", false));
-  EXPECT_FALSE(test::agree("nan", "1", false));
-  EXPECT_FALSE(test::agree("1", "nan", false));
-}
-
-TEST(Table, CountsMustBeEqual) {
+TEST(Table, ForgivesOneUnitOfTheLastDigitButNotOfACount) {
+  const std::pair<const char*, const char*> one_unit[] = {
+      {"12", "13"},
+      {"0.0300", "0.0299"},
+      {"-0.0000", "0.0001"},
+      {"9.99e-03", "1.00e-02"},
+      {"1.00e-02", "9.95e-03"},  // unit of the larger number
+      {"-1", "-2"}};
+  for (const auto& [was, is] : one_unit) {
+    EXPECT_TRUE(test::agree(was, is, false)) << was << " " << is;
+    EXPECT_FALSE(test::agree(was, is, true)) << was << " " << is;
+  }
+  const std::pair<const char*, const char*> more[] = {{"12", "14"},
+                                                      {"0.0301", "0.0299"},
+                                                      {"1.23e-02", "1.25e-02"},
+                                                      {"1.23e-02", "1.23e-01"},
+                                                      {"1", "-1"},
+                                                      {"nan", "1"},
+                                                      {"1", "nan"}};
+  for (const auto& [was, is] : more) EXPECT_FALSE(test::agree(was, is, false)) << was << " " << is;
   EXPECT_TRUE(test::agree("12", "12", true));
-  EXPECT_FALSE(test::agree("12", "13", true));
 }
 
 TEST(Table, NamesTheFirstDifference) {
@@ -205,6 +198,9 @@ TEST(Table, NamesTheFirstDifference) {
   is.push_back(was[1]);
   EXPECT_EQ(test::first_difference(committed, is), "number of rows: was 2, is 3");
   is = was;
+  test::Texts cut = committed;
+  cut[1].pop_back();
+  EXPECT_EQ(test::first_difference(cut, was), "row 1 is not whole");
   is[0][1].column = "p [m]";
   EXPECT_EQ(test::first_difference(committed, is), "the columns are not the same");
   EXPECT_EQ(test::first_difference({}, was), "the columns are not the same");
