@@ -37,11 +37,8 @@ template <class Case>
 class ModelSuite : public testing::Test {
  protected:
   static constexpr double unit() {
-    if constexpr (requires { Case::kUnit; }) {
-      return Case::kUnit;
-    } else {
-      return 1.0;
-    }
+    if constexpr (requires { Case::kUnit; }) return Case::kUnit;
+    return 1.0;
   }
 };
 
