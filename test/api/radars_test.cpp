@@ -135,16 +135,12 @@ TEST_P(RadarsTest, OneOfThemFailsInFlight) {
   }
 }
 
-TEST_P(RadarsTest, EveryProcessedScanIsTold) {
-  fly(flights(2, kFrontAndDown), {milliseconds(80), milliseconds(60)});
+TEST_P(RadarsTest, EveryProcessedScanIsToldAndTheOrderOfArrivalDoesNotMatter) {
+  const auto both = flights(2, kFrontAndDown);
+  fly(both, {milliseconds(80), milliseconds(60)});
   EXPECT_EQ(told.size(), odometry->counters().scans);
   const auto of_first = std::ranges::count(told, std::size_t{0});
   EXPECT_EQ(2 * static_cast<std::size_t>(of_first), told.size());
-}
-
-TEST_P(RadarsTest, TheOrderOfArrivalDoesNotMatter) {
-  const auto both = flights(2, kFrontAndDown);
-  fly(both, {milliseconds(80), milliseconds(60)});
   const NavState first = odometry->at_scan();
   const std::uint64_t late = odometry->counters().scans_late;  // of before the start
   fly(both, {milliseconds(60), milliseconds(80)});
