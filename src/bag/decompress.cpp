@@ -12,155 +12,119 @@
 #endif
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "chunk.hpp"
 #include "formats.hpp"
 
 namespace rio::bag {
 
+namespace fs = std::filesystem;
+
 namespace {
 
-/// The output of a decompressor, which grows up to the declared size.
-class Sink {
- public:
-  Sink(std::optional<std::uint64_t> declared, std::vector<std::uint8_t>* out)
-      : declared_(declared),
-        limit_(static_cast<std::size_t>(declared.value_or(kMaxRecord))),
-        out_(out) {
-    out_->clear();
-  }
-  ~Sink() { out_->resize(used_); }
-  Sink(const Sink&) = delete;
-  Sink& operator=(const Sink&) = delete;
+using Declared = std::optional<std::uint64_t>;
+using Output = std::vector<std::uint8_t>;
 
-  /// Free space; empty when the declared size is reached.
-  std::span<std::uint8_t> room() {
-    constexpr std::size_t kFirst = 1 << 16;
-    if (used_ == out_->size()) out_->resize(std::min(limit_, std::max(kFirst, 2 * used_)));
-    return std::span(*out_).subspan(used_);
-  }
-  void add(std::size_t count) { used_ += count; }
-  /// The error when the compressed data are used up or in excess.
-  std::string verdict(bool over) const {
-    if (over && used_ == declared_.value_or(used_)) return "";
-    return "its compressed data gives " + std::to_string(used_) + " bytes instead of " +
-           std::to_string(limit_);
-  }
-
- private:
-  std::optional<std::uint64_t> declared_;
-  std::size_t limit_;
-  std::size_t used_ = 0;
-  std::vector<std::uint8_t>* out_;
+/// What one call of a library took and gave [bytes].
+struct Step {
+  std::size_t taken = 0;
+  std::size_t made = 0;
+  bool ended = false;  ///< the compressed data
+  std::string error{};
 };
 
+/// Calls `step(in, room)` until the compressed data end; the output grows up to the declared size.
+template <class Call>
+std::string decompress_by(const Call& step, Bytes in, const Declared& declared, Output* out) {
+  constexpr std::size_t kFirst = 1 << 16;
+  const auto limit = static_cast<std::size_t>(declared.value_or(kMaxRecord));
+  std::size_t used = 0;
+  Step done;
+  do {
+    if (used == out->size()) out->resize(std::min(limit, std::max(kFirst, 2 * used)));
+    done = step(in, std::span(*out).subspan(used));
+    in = in.subspan(done.taken);
+    used += done.made;
+  } while (!done.ended && done.error.empty() && done.taken + done.made > 0);
+  out->resize(used);
+  if (!done.error.empty()) return done.error;
+  if (done.ended && used == declared.value_or(used)) return "";
+  return fmt::format("its compressed data gives {} bytes instead of {}", used, limit);
+}
+
 #ifdef RIO_HAS_BZ2
-std::string decompress_bz2(Bytes in, Sink* sink) {
+std::string decompress_bz2(Bytes all, const Declared& declared, Output* out) {
   bz_stream stream{};
   if (BZ2_bzDecompressInit(&stream, 0, 0) != BZ_OK) return "bzip2 cannot start";
   const std::unique_ptr<bz_stream, decltype(&BZ2_bzDecompressEnd)> end(&stream,
                                                                        &BZ2_bzDecompressEnd);
-  stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(in.data()));
-  stream.avail_in = static_cast<unsigned>(in.size());
-  for (;;) {
+  const auto step = [&stream](Bytes in, std::span<std::uint8_t> room) -> Step {
     // one extra byte: the checksum is verified when the end of the stream is reached
     std::uint8_t spare = 0;
-    const std::span<std::uint8_t> room = sink->room();
-    stream.next_out = reinterpret_cast<char*>(room.empty() ? &spare : room.data());
-    const auto size = static_cast<unsigned>(std::max<std::size_t>(room.size(), 1));
-    stream.avail_out = size;
-    const unsigned before = stream.avail_in;
+    const std::span<std::uint8_t> to = room.empty() ? std::span(&spare, 1) : room;
+    stream.next_in = const_cast<char*>(reinterpret_cast<const char*>(in.data()));
+    stream.avail_in = static_cast<unsigned>(in.size());
+    stream.next_out = reinterpret_cast<char*>(to.data());
+    stream.avail_out = static_cast<unsigned>(to.size());
     const int code = BZ2_bzDecompress(&stream);
-    const unsigned made = size - stream.avail_out;
-    if (!room.empty()) sink->add(made);
-    if (code == BZ_STREAM_END) return sink->verdict(room.empty() ? made == 0 : true);
-    if (code != BZ_OK) return "its bzip2 data is damaged";
-    if (made == 0 && before == stream.avail_in) return sink->verdict(false);
-    if (room.empty() && made > 0) return "its bzip2 data gives more bytes than declared";
-  }
+    const std::size_t made = to.size() - stream.avail_out;
+    if (code != BZ_OK && code != BZ_STREAM_END) return {.error = "its bzip2 data is damaged"};
+    if (room.empty() && made > 0) return {.error = "its bzip2 data gives more bytes than declared"};
+    return {in.size() - stream.avail_in, made, code == BZ_STREAM_END};
+  };
+  return decompress_by(step, all, declared, out);
 }
 #endif
 
 #ifdef RIO_HAS_LZ4
-std::string decompress_lz4(Bytes in, Sink* sink) {
+std::string decompress_lz4(Bytes all, const Declared& declared, Output* out) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0) {
     return "lz4 cannot start";
   }
   const std::unique_ptr<LZ4F_dctx, decltype(&LZ4F_freeDecompressionContext)> end(
       context, &LZ4F_freeDecompressionContext);
-  for (std::size_t hint = 1; hint != 0;) {
-    const std::span<std::uint8_t> room = sink->room();
-    std::size_t made = room.size();
+  const auto step = [context](Bytes in, std::span<std::uint8_t> room) -> Step {
     std::size_t taken = in.size();
-    hint = LZ4F_decompress(context, room.data(), &made, in.data(), &taken, nullptr);
-    if (LZ4F_isError(hint) != 0) return "its lz4 data is damaged";
-    sink->add(made);
-    in = in.subspan(taken);
-    if (hint != 0 && made == 0 && taken == 0) return sink->verdict(false);
-  }
-  return sink->verdict(true);
+    std::size_t made = room.size();
+    const std::size_t hint =
+        LZ4F_decompress(context, room.data(), &made, in.data(), &taken, nullptr);
+    if (LZ4F_isError(hint) != 0) return {.error = "its lz4 data is damaged"};
+    return {taken, made, hint == 0};
+  };
+  return decompress_by(step, all, declared, out);
 }
 #endif
 
 #ifdef RIO_HAS_ZSTD
-std::string decompress_zstd(Bytes in, Sink* sink) {
+std::string decompress_zstd(Bytes all, const Declared& declared, Output* out) {
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
                                                                      &ZSTD_freeDCtx);
-  ZSTD_inBuffer input{in.data(), in.size(), 0};
-  for (std::size_t hint = 1; hint != 0;) {
-    const std::span<std::uint8_t> room = sink->room();
+  const auto step = [&context](Bytes in, std::span<std::uint8_t> room) -> Step {
+    ZSTD_inBuffer input{in.data(), in.size(), 0};
     ZSTD_outBuffer output{room.data(), room.size(), 0};
-    const std::size_t before = input.pos;
-    hint = ZSTD_decompressStream(context.get(), &output, &input);
-    if (ZSTD_isError(hint) != 0) return "its zstd data is damaged";
-    sink->add(output.pos);
-    if (hint != 0 && output.pos == 0 && input.pos == before) return sink->verdict(false);
-  }
-  return sink->verdict(true);
+    const std::size_t hint = ZSTD_decompressStream(context.get(), &output, &input);
+    if (ZSTD_isError(hint) != 0) return {.error = "its zstd data is damaged"};
+    return {input.pos, output.pos, hint == 0};
+  };
+  return decompress_by(step, all, declared, out);
 }
 #endif
 
-}  // namespace
-
-std::string decompress(std::string_view method, [[maybe_unused]] Bytes in,
-                       std::optional<std::uint64_t> declared, std::vector<std::uint8_t>* out) {
-  out->clear();
-  if (declared && *declared > kMaxRecord) return "declares more than 1 GiB";
-  [[maybe_unused]] Sink sink(declared, out);
-#ifdef RIO_HAS_BZ2
-  if (method == "bz2") return decompress_bz2(in, &sink);
-#endif
-#ifdef RIO_HAS_LZ4
-  if (method == "lz4") return decompress_lz4(in, &sink);
-#endif
-#ifdef RIO_HAS_ZSTD
-  if (method == "zstd") return decompress_zstd(in, &sink);
-#endif
-  if (method == "bz2" || method == "lz4" || method == "zstd") {
-    throw std::runtime_error(fmt::format(
-        "this recording needs lib{0}, which rio was built without: install lib{0}-dev and build "
-        "again",
-        method));
-  }
-  return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
-}
-
-std::string_view compression_of(Bytes in) {
-  const std::string_view bytes(reinterpret_cast<const char*>(in.data()), in.size());
-  if (bytes.starts_with(kZstdMagic)) return "zstd";
-  return bytes.starts_with(kLz4Magic) ? "lz4" : "";
-}
-
-std::string decompress_file([[maybe_unused]] const std::filesystem::path& from,
-                            [[maybe_unused]] const std::filesystem::path& to) {
+/// A file of zstd frames into another one, replaced; the error, or empty.
+std::string decompress_file([[maybe_unused]] const fs::path& from,
+                            [[maybe_unused]] const fs::path& to) {
 #ifdef RIO_HAS_ZSTD
   const std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> context(ZSTD_createDCtx(),
                                                                      &ZSTD_freeDCtx);
@@ -184,6 +148,60 @@ std::string decompress_file([[maybe_unused]] const std::filesystem::path& from,
 #else
   return "is compressed with zstd: unpack it with `zstd -d`";
 #endif
+}
+
+}  // namespace
+
+std::string decompress(std::string_view method, [[maybe_unused]] Bytes in,
+                       std::optional<std::uint64_t> declared, std::vector<std::uint8_t>* out) {
+  out->clear();
+  if (declared && *declared > kMaxRecord) return "declares more than 1 GiB";
+#ifdef RIO_HAS_BZ2
+  if (method == "bz2") return decompress_bz2(in, declared, out);
+#endif
+#ifdef RIO_HAS_LZ4
+  if (method == "lz4") return decompress_lz4(in, declared, out);
+#endif
+#ifdef RIO_HAS_ZSTD
+  if (method == "zstd") return decompress_zstd(in, declared, out);
+#endif
+  if (method == "bz2" || method == "lz4" || method == "zstd") {
+    throw std::runtime_error(fmt::format(
+        "this recording needs lib{0}, which rio was built without: install lib{0}-dev and build "
+        "again",
+        method));
+  }
+  return "unknown compression \"" + std::string(method.substr(0, 40)) + "\"";
+}
+
+std::string_view compression_of(Bytes in) {
+  const std::string_view bytes(reinterpret_cast<const char*>(in.data()), in.size());
+  if (bytes.starts_with(kZstdMagic)) return "zstd";
+  return bytes.starts_with(kLz4Magic) ? "lz4" : "";
+}
+
+fs::path unpacked(const fs::path& path) {
+  /// Removed at the end of the program.
+  struct Copy {
+    fs::path path;
+    ~Copy() {
+      std::error_code ignored;
+      fs::remove(path, ignored);
+    }
+  };
+  static std::map<std::pair<fs::path, std::uintmax_t>, Copy> copies;
+  const auto key = std::pair(fs::absolute(path), fs::file_size(path));
+  const auto known = copies.find(key);
+  if (known != copies.end()) return known->second.path;
+  std::string name = (fs::temp_directory_path() / "rio_unpacked_XXXXXX").string();
+  const int file = mkstemp(name.data());
+  if (file < 0) throw std::runtime_error(name + ": cannot be written");
+  close(file);
+  copies[key].path = name;
+  const std::string error = decompress_file(path, name);
+  if (error.empty()) return name;
+  copies.erase(key);
+  throw std::runtime_error(path.string() + ": " + error);
 }
 
 std::uint32_t crc32(Bytes bytes) {

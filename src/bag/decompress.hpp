@@ -24,8 +24,9 @@ std::string decompress(std::string_view method, Bytes in, std::optional<std::uin
 
 /// "zstd" or "lz4" if the bytes begin as a frame of it, else empty.
 std::string_view compression_of(Bytes in);
-/// A file of zstd frames into another one, replaced.
-std::string decompress_file(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Of a file compressed as a whole with zstd a temporary copy that is not, which lives as long as
+/// the program. Throws if it cannot be unpacked.
+std::filesystem::path unpacked(const std::filesystem::path& path);
 
 /// CRC-32 (IEEE 802.3).
 std::uint32_t crc32(Bytes bytes);

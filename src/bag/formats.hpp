@@ -26,9 +26,6 @@ std::unique_ptr<MessageStream> open_folder(const std::filesystem::path& folder);
 /// point by point, receive times after the clock of the recorder was set back. Scans of kTiScanType
 /// become one message: the messages of their points, each after its length.
 std::unique_ptr<MessageStream> tidied(std::unique_ptr<MessageStream> raw);
-/// Of a file compressed as a whole with zstd a temporary copy that is not, which lives as long as
-/// the program. Throws if it cannot be unpacked.
-std::filesystem::path unpacked(const std::filesystem::path& path);
 
 /// Kinds of records of MCAP.
 namespace mcap {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "decompress.hpp"
 #include "formats.hpp"
 #include "recording_folder.hpp"
 #include "rio/bag/wire.hpp"

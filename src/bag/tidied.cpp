@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <deque>
-#include <map>
-#include <stdexcept>
 #include <utility>
 
 #include "decompress.hpp"
@@ -14,8 +9,6 @@
 #include "rio/bag/wire.hpp"
 
 namespace rio::bag {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -169,30 +162,6 @@ class Tidied final : public MessageStream {
 
 std::unique_ptr<MessageStream> tidied(std::unique_ptr<MessageStream> raw) {
   return std::make_unique<Tidied>(std::move(raw));
-}
-
-fs::path unpacked(const fs::path& path) {
-  /// Removed at the end of the program.
-  struct Copy {
-    fs::path path;
-    ~Copy() {
-      std::error_code ignored;
-      fs::remove(path, ignored);
-    }
-  };
-  static std::map<std::pair<fs::path, std::uintmax_t>, Copy> copies;
-  const auto key = std::pair(fs::absolute(path), fs::file_size(path));
-  const auto known = copies.find(key);
-  if (known != copies.end()) return known->second.path;
-  std::string name = (fs::temp_directory_path() / "rio_unpacked_XXXXXX").string();
-  const int file = mkstemp(name.data());
-  if (file < 0) throw std::runtime_error(name + ": cannot be written");
-  close(file);
-  copies[key].path = name;
-  const std::string error = decompress_file(path, name);
-  if (error.empty()) return name;
-  copies.erase(key);
-  throw std::runtime_error(path.string() + ": " + error);
 }
 
 }  // namespace rio::bag
