@@ -2,17 +2,18 @@
 #include "rio/bag/messages.hpp"
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <sstream>
-
-#include "positions.hpp"
 
 namespace rio::bag {
 
 namespace {
 
+template <class Number = double>
 Vector3d read_vector(WireReader* reader) {
   Vector3d v;
-  for (double& value : v) value = reader->read<double>();
+  for (double& value : v) value = static_cast<double>(reader->read<Number>());
   return v;
 }
 
@@ -35,21 +36,16 @@ Vector3d read_measured(WireReader* reader, bool* is_there, ImuMessage* message) 
 ImuMessage decode_px4_imu(Encoding encoding, Bytes message) {
   constexpr std::int32_t kNone = 0x7FFFFFFF;  // no sample of the accelerometer
   WireReader reader = reader_of(encoding, message);
-  const auto vector = [&reader] {
-    Vector3d v;
-    for (double& value : v) value = static_cast<double>(reader.read<float>());
-    return v;
-  };
   ImuMessage out;
   const auto microseconds = reader.read<std::uint64_t>();
   if (microseconds > (std::uint64_t{1} << 52)) throw Damage(4, "a stamp out of all reason");
   out.header.stamp = Time(static_cast<std::int64_t>(microseconds) * 1000);
   out.sample.time = out.header.stamp;
-  out.sample.gyro_B = vector();
+  out.sample.gyro_B = read_vector<float>(&reader);
   (void)reader.read<std::uint32_t>();  // interval of the gyro
   const std::size_t where = reader.position();
   if (reader.read<std::int32_t>() == kNone) throw Damage(where, "it has no accelerometer");
-  out.sample.accel_B = vector();
+  out.sample.accel_B = read_vector<float>(&reader);
   return out;
 }
 
@@ -60,6 +56,22 @@ Quaternion read_xyzw(WireReader* reader) {
   if (!(std::abs(norm - 1.0) < 0.01))
     throw Damage(reader->position(), "no unit quaternion, which a pose needs");
   return q.normalized();
+}
+
+/// East, north and up of the first of two fixes.
+Vector3d from_first(const Vector3d& fix, const Vector3d& first) {
+  constexpr double kEquator = 6378137.0;               // WGS 84 [m]
+  constexpr double kEccentricity2 = 6.69437999014e-3;  // squared
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  const double latitude = fix[0] * kDegree;
+  const double first_latitude = first[0] * kDegree;
+  const double s = 1.0 - kEccentricity2 * std::pow(std::sin(first_latitude), 2);
+  const double prime_vertical = kEquator / std::sqrt(s);  // radii of curvature [m]
+  const double meridian = prime_vertical * (1.0 - kEccentricity2) / s;
+  const double turn = std::remainder(fix[1] * kDegree - first[1] * kDegree, 2.0 * std::numbers::pi);
+  const double between = 0.5 * (latitude + first_latitude);
+  return {turn * (prime_vertical + first[2]) * std::cos(between),
+          (latitude - first_latitude) * (meridian + first[2]), fix[2] - first[2]};
 }
 
 }  // namespace
@@ -99,6 +111,32 @@ NavState decode_truth(const Topic& topic, Bytes message, Header* header, bool* h
     state.v_WB = state.q_WB * read_vector(&reader);  // of the body, in its axes
   }
   if (!(state.p_WB + state.v_WB).allFinite()) throw Damage(0, "a pose that is not finite");
+  return state;
+}
+
+bool is_position(const std::string& type) {
+  return type == kPointType || type == kFixType;
+}
+
+NavState decode_position(const Topic& topic, Bytes message, Header* header,
+                         std::optional<Vector3d>* first) {
+  WireReader reader = reader_of(topic.encoding, message);
+  *header = read_header(&reader);
+  const bool is_fix = topic.type == kFixType;
+  const std::size_t where = reader.position();
+  if (is_fix) {
+    if (reader.read<std::int8_t>() < 0) throw Damage(where, "it says that there is no fix");
+    (void)reader.read<std::uint16_t>();  // which satellites
+  }
+  const Vector3d read = read_vector(&reader);
+  if (!read.allFinite()) throw Damage(where, "a position that is not finite");
+  if (is_fix && !*first) *first = read;
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  NavState state;
+  state.time = header->stamp;
+  state.p_WB = is_fix ? from_first(read, **first) : read;
+  state.q_WB.coeffs().setConstant(kNaN);
+  state.v_WB.setConstant(kNaN);
   return state;
 }
 

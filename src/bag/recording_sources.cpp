@@ -148,7 +148,7 @@ void Sources::decode(Source* source, const Topic& topic, const Message& message)
     } else if (type == kPoseType) {
       source->truth.push_back(decode_truth(topic, message.data, &header, &source->has_velocity));
     } else if (type == kPointType) {
-      source->truth.push_back(source->positions.read(topic, message.data, &header));
+      source->truth.push_back(decode_position(topic, message.data, &header, &source->first_fix));
       source->has_velocity = false;
     } else if (type == kCloudType) {
       header = source->clouds->read(topic, message, &scan_.detections, &source->notes);

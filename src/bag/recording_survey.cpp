@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "recording_survey.hpp"
-
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -53,8 +51,7 @@ void tell_pauses(Sources* sources) {
   for (const Stamps::Pause& pause : imu.common_pauses(radars)) {
     sources->note(
         "clock set forward by {:.1f} s, or the recorder paused, {:.1f} s after the begin: the "
-        "flight "
-        "behind needs a recording of its own",
+        "flight behind needs a recording of its own",
         to_seconds(pause.length), to_seconds(pause.end - pause.length - imu.first_received));
   }
 }

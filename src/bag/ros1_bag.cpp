@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // ROS 1 bags, read from front to back: the index is not needed, and is missing if a recording was
 // interrupted.
+#include <chrono>
 #include <cstring>
 #include <map>
 #include <string_view>
@@ -76,8 +77,7 @@ class Ros1Bag final : public MessageStream {
     const auto topic = connections_.find(fields.number<std::uint32_t>("conn"));
     if (topic == connections_.end()) throw Damage(0, "a message of an unknown connection");
     const auto time = fields.number<std::uint64_t>("time");  // seconds, then nanoseconds
-    const auto seconds = static_cast<std::int64_t>(time & 0xFFFFFFFFU);
-    message->received = Time(seconds * 1'000'000'000 + static_cast<std::int64_t>(time >> 32U));
+    message->received = std::chrono::seconds(time & 0xFFFFFFFFU) + Time(time >> 32U);
     message->topic = topic->second;
     message->data = data;
     return true;

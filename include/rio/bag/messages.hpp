@@ -2,6 +2,7 @@
 // Decoders of the ROS messages for odometry, from serialised bytes: ROS 1, and CDR of ROS 2.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -74,13 +75,11 @@ inline WireReader reader_of(Encoding encoding, Bytes message) {
 
 /// std_msgs/Header.
 inline Header read_header(WireReader* reader) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
   Header header;
   if (!reader->is_cdr()) header.sequence = reader->read<std::uint32_t>();
   // seconds: unsigned in ROS 1, signed in ROS 2; they differ beyond 2038 only
-  const auto seconds = reader->read<std::uint32_t>();
-  const auto nanoseconds = reader->read<std::uint32_t>();
-  header.stamp = Time(std::int64_t{seconds} * kSecond + nanoseconds);
+  header.stamp = std::chrono::seconds(reader->read<std::uint32_t>());
+  header.stamp += Time(reader->read<std::uint32_t>());
   header.frame_id = reader->text();
   return header;
 }
@@ -127,6 +126,16 @@ std::optional<TiPoint> ti_point(Encoding encoding, Bytes message);
 bool is_truth(const std::string& type);
 /// @param has_velocity whether there is one, in world axes
 NavState decode_truth(const Topic& topic, Bytes message, Header* header, bool* has_velocity);
+/// Ground truth without an attitude: geometry_msgs/PointStamped of a total station, or
+/// sensor_msgs/NavSatFix of GNSS.
+bool is_position(const std::string& type);
+/// @param first the first fix of the topic: latitude, longitude [deg], altitude [m]; is set if
+/// empty
+/// @return the position, the rest NaN. Of a fix it is east, north and up of the first one [m],
+/// along the ellipsoid WGS 84: the local tangent within 2 mm in 100 m, 0.2 m in 1 km, up to 50 deg
+/// of latitude. Throws Damage as well if it is not finite, or no fix.
+NavState decode_position(const Topic& topic, Bytes message, Header* header,
+                         std::optional<Vector3d>* first);
 /// sensor_msgs/FluidPressure [Pa]. Throws Damage as well if it is not above zero.
 double decode_pressure(Encoding encoding, Bytes message, Header* header);
 
