@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <stdexcept>
 #include <utility>
@@ -26,8 +27,7 @@ bool goes_on(const fs::path& first, const fs::path& second) {
   const auto before = open_file(first);
   while (before->next(&message)) end = message.received;
   const auto after = open_file(second);
-  return after->next(&message) && message.received - end < kPause &&
-         end - message.received < kPause;
+  return after->next(&message) && std::chrono::abs(message.received - end) < kPause;
 }
 
 /// Whether files of one name but for the numbers are the parts 0, 1, 2... of one recording; ROS 1
@@ -153,10 +153,8 @@ class Parallel final : public Joined {
     }
     for (const Part& part : parts_) {
       constexpr Time kTogether = std::chrono::seconds(60);
-      if (part.message.received - parts_[0].message.received > kTogether ||
-          parts_[0].message.received - part.message.received > kTogether) {
-        fail();
-      }
+      const Time apart = part.message.received - parts_[0].message.received;
+      if (std::chrono::abs(apart) > kTogether) fail();
     }
   }
   std::string format() const override {

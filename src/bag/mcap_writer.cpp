@@ -45,8 +45,8 @@ void McapWriter::write(std::uint8_t op, const ByteWriter& content) {
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& type,
                                       const std::string& definition) {
-  const std::uint16_t schema = ++schemas_;  // 0 is none
   const auto channel = static_cast<std::uint16_t>(messages_.size());
+  const auto schema = static_cast<std::uint16_t>(channel + 1);  // 0 is none
   const ByteWriter a = ByteWriter().put(schema).block(type).block("ros2msg").block(definition);
   const ByteWriter b = ByteWriter().put(channel).put(schema).block(topic).block("cdr").block("");
   append(&head_, kSchema, a);
@@ -119,7 +119,7 @@ void McapWriter::close() {
   position_ += head_.size();
   write(kStatistics, ByteWriter()
                          .put(total)
-                         .put(schemas_)
+                         .put(static_cast<std::uint16_t>(messages_.size()))  // schemas
                          .put(static_cast<std::uint32_t>(messages_.size()))
                          .put(std::uint32_t{0})  // attachments
                          .put(std::uint32_t{0})  // metadata

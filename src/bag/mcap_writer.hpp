@@ -48,7 +48,6 @@ class McapWriter {
   io::TextFile file_;
   std::uint64_t position_ = 0;
   ByteWriter head_;  ///< schemas and channels, which the summary repeats
-  std::uint16_t schemas_ = 0;
   ByteWriter chunk_;
   Span chunk_span_;
   std::map<std::uint16_t, Index> chunk_index_;

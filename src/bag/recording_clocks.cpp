@@ -206,7 +206,7 @@ class OneClock {
     sources_->note("{}: {} messages, {}", source->role.name, stamps.count, text);
     Stamping how{received, received ? Shifts() : stamps.shifts(), delay + from_seconds(offset),
                  stamps.delay()};
-    for (const Shifts::Jump& jump : how.shifts.jumps()) {
+    for (const Shifts::Jump& jump : how.shifts.jumps) {
       sources_->note(
           "{}: the header clock jumps by {:+.3f} s at message {}; later stamps are moved by "
           "{:+.6f} s: it goes on as the messages were received",

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mcap_writer.hpp"
+#include "rio/bag/messages.hpp"
 #include "rio/sim/ti_packet.hpp"
 #include "ros2_types.hpp"
 
@@ -13,8 +14,6 @@ namespace rio::bag {
 
 namespace {
 
-constexpr const char* kImuType = "sensor_msgs/msg/Imu";
-constexpr const char* kCloudType = "sensor_msgs/msg/PointCloud2";
 constexpr std::uint8_t kInt16 = 3, kFloat32 = 7;  // sensor_msgs/PointField
 constexpr std::uint32_t kPoint = 20;              // [bytes]
 
@@ -43,20 +42,15 @@ std::string points_of(const RadarScan& scan) {
 }
 
 std::string cloud_message(const RadarScan& scan, const std::string& frame) {
-  struct Field {
-    const char* name;
-    std::uint32_t offset;
-    std::uint8_t type;
-  };
-  constexpr Field kFields[] = {{"x", 0, kFloat32},  {"y", 4, kFloat32},
-                               {"z", 8, kFloat32},  {"doppler", 12, kFloat32},
-                               {"snr", 16, kInt16}, {"noise", 18, kInt16}};
+  static const PointField kFields[] = {{"x", 0, kFloat32},  {"y", 4, kFloat32},
+                                       {"z", 8, kFloat32},  {"doppler", 12, kFloat32},
+                                       {"snr", 16, kInt16}, {"noise", 18, kInt16}};
   const auto count = static_cast<std::uint32_t>(scan.detections.size());
   CdrWriter message = stamped(scan.time, frame);
   message.put(std::uint32_t{1}).put(count);  // height, width
   message.put(static_cast<std::uint32_t>(std::size(kFields)));
-  for (const Field& field : kFields) {
-    message.text(field.name).put(field.offset).put(field.type).put(std::uint32_t{1});
+  for (const PointField& field : kFields) {
+    message.text(field.name).put(field.offset).put(field.datatype).put(std::uint32_t{1});
   }
   message.put(std::uint8_t{0}).put(kPoint).put(count * kPoint);  // little-endian
   return message.block(points_of(scan)).put(std::uint8_t{1}).bytes();
@@ -75,12 +69,13 @@ std::string radar_name(std::size_t radar) {
 
 struct RecordingWriter::Impl {
   Impl(const std::filesystem::path& path, std::size_t count)
-      : file(new_file(path)), imu(file.add_channel("/imu", kImuType, definition_of(kImuType))) {
+      : file(new_file(path)), imu(add_channel("imu", "sensor_msgs/msg/Imu")) {
     for (std::size_t r = 0; r < count; ++r) {
-      std::string topic = "/";
-      topic += radar_name(r);
-      radars.push_back(file.add_channel(topic, kCloudType, definition_of(kCloudType)));
+      radars.push_back(add_channel(radar_name(r), "sensor_msgs/msg/PointCloud2"));
     }
+  }
+  std::uint16_t add_channel(const std::string& name, const std::string& type) {
+    return file.add_channel("/" + name, type, definition_of(type));
   }
   void add(std::uint16_t channel, Time time, const std::string& message) {
     file.add(channel, static_cast<std::uint64_t>(time.count()), message);

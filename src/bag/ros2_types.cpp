@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "formats.hpp"
+
 namespace rio::bag {
 
 namespace {
@@ -74,12 +76,6 @@ const std::map<std::string, std::string_view>& texts() {
   return kTexts;
 }
 
-/// The name as members write it: without "/msg".
-std::string member_name(const std::string& type) {
-  const std::size_t msg = type.find("/msg/");
-  return msg == std::string::npos ? type : type.substr(0, msg) + type.substr(msg + 4);
-}
-
 /// Appends the types of members that are not yet in the list.
 void collect(std::string_view text, std::vector<std::string>* list, std::set<std::string>* seen) {
   std::istringstream lines{std::string(text)};
@@ -94,7 +90,7 @@ void collect(std::string_view text, std::vector<std::string>* list, std::set<std
 }  // namespace
 
 std::string definition_of(const std::string& type) {
-  const std::string_view own = texts().at(member_name(type));
+  const std::string_view own = texts().at(ros1_type(type));
   std::vector<std::string> members;
   std::set<std::string> seen;
   collect(own, &members, &seen);

@@ -2,6 +2,7 @@
 #include "stamps.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace rio::bag {
@@ -12,15 +13,11 @@ constexpr Time kJump(300'000'000);
 constexpr Time kBack(50'000'000);  // a clock that is set back; messages that are swapped are nearer
 constexpr Time kJitter(100'000'000);
 constexpr Time kPause(500'000'000);
+constexpr Time kSecond(1'000'000'000);
 constexpr std::size_t kStray = 3;  // so many messages with another clock are corrupt stamps
 
-/// Up to the jitter of a delay: no jump of the clock, but a message that came late.
-bool is_same(Time a, Time b, Time jitter) {
-  return a - b < jitter && b - a < jitter;
-}
-
 bool is_far(Time a, Time b) {
-  return a - b > kJump || b - a > kJump;
+  return std::chrono::abs(a - b) > kJump;
 }
 
 }  // namespace
@@ -68,11 +65,10 @@ void Stamps::add(const Header& head, Time when, bool all) {
 
 /// What is on its way when the clock is set has a header from before and is received behind.
 void Stamps::note_pause(Time step, Time passed, Time when) {
-  constexpr Time kUnderWay(1'000'000'000);
   if (step > kPause) headers_went_on_ = when;
   if (passed > kPause) receiving_went_on_ = when;
   const Time both = std::min(headers_went_on_, receiving_went_on_);
-  if (std::max(step, passed) <= kPause || when - both > kUnderWay) return;
+  if (std::max(step, passed) <= kPause || when - both > kSecond) return;
   const bool at_once = std::min(step, passed) > kPause;  // the rest is a jump of one clock
   pauses_.push_back({when, at_once ? std::min(step, passed) : std::max(step, passed)});
   headers_went_on_ = receiving_went_on_ = Time(0);
@@ -112,20 +108,19 @@ Time Stamps::least_delay() const {
 }
 
 bool Stamps::is_on_clock_of(const Stamps& other) const {
-  constexpr Time kSecond(1'000'000'000);
-  const auto agree = [kSecond](Time a, Time b) { return a - b < kSecond && b - a < kSecond; };
+  const auto agree = [](Time a, Time b) { return std::chrono::abs(a - b) < kSecond; };
   return agree(least_delay(), other.least_delay()) ||
          (agree(first.stamp, other.first.stamp) && agree(last.stamp, other.last.stamp));
 }
 
 std::vector<Stamps::Pause> Stamps::common_pauses(const std::vector<const Stamps*>& others) const {
   constexpr Time kTogether(500'000'000);  // interval and delay of a radar
-  const auto agree = [kTogether](Time a, Time b) { return a - b < kTogether && b - a < kTogether; };
   std::vector<Pause> common;
   for (const Pause& pause : pauses_) {
     const bool all = std::all_of(others.begin(), others.end(), [&](const Stamps* other) {
       return std::any_of(other->pauses_.begin(), other->pauses_.end(), [&](const Pause& p) {
-        return agree(p.end, pause.end) && agree(p.length, pause.length);
+        return std::chrono::abs(p.end - pause.end) < kTogether &&
+               std::chrono::abs(p.length - pause.length) < kTogether;
       });
     });
     if (all) common.push_back(pause);
@@ -142,8 +137,9 @@ Shifts Stamps::shifts() {
     const bool ahead = pieces_[k].by > Time(0) && pieces_[k].jitter == kBack;
     if (ahead && pieces_[k].median() > before - kBack) continue;  // no longer late, as before
     const Time added = pieces_[k].median() - pieces_.front().median();
-    const bool same = is_same(added, out.last(), pieces_[k].jitter);
-    out.add({pieces_[k].begin, pieces_[k].by, same ? out.last() : added});
+    // up to the jitter of a delay it is no jump of the clock, but a message that came late
+    if (std::chrono::abs(added - out.last()) < pieces_[k].jitter) continue;
+    out.jumps.push_back({pieces_[k].begin, pieces_[k].by, added});
   }
   return out;
 }

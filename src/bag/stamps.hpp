@@ -15,26 +15,20 @@ namespace rio::bag {
 
 /// Added to header stamps from a message of the topic on, so that their clock goes on as the
 /// messages were received.
-class Shifts {
- public:
+struct Shifts {
   struct Jump {
     std::size_t message = 0;
     Time by{0};     ///< of the header clock
     Time added{0};  ///< to the headers from there on
   };
-  void add(const Jump& jump) {
-    if (jump.added != last()) jumps_.push_back(jump);
-  }
-  const std::vector<Jump>& jumps() const { return jumps_; }
-  Time last() const { return jumps_.empty() ? Time(0) : jumps_.back().added; }
+  std::vector<Jump> jumps;
+
+  Time last() const { return jumps.empty() ? Time(0) : jumps.back().added; }
   Time at(std::size_t message) const {
     Time added{0};
-    for (const Jump& jump : jumps_) added = message >= jump.message ? jump.added : added;
+    for (const Jump& jump : jumps) added = message >= jump.message ? jump.added : added;
     return added;
   }
-
- private:
-  std::vector<Jump> jumps_;
 };
 
 /// How the messages of a topic are stamped.
