@@ -2,7 +2,7 @@
 // Reads an MCAP file with @mcap/core, as a stream with its check sums and by its index, tells what
 // is in it, and writes its messages anew, for recording_writer_test.cpp: node copy_mcap.cjs FROM TO
 const fs = require("fs");
-const { McapStreamReader, McapIndexedReader, McapWriter } = require("@mcap/core");
+const { McapStreamReader, McapIndexedReader, McapWriter, TempBuffer } = require("@mcap/core");
 
 function readStream(bytes) {
   const stream = new McapStreamReader({ validateCrcs: true });
@@ -26,12 +26,7 @@ function readStream(bytes) {
 }
 
 async function readByIndex(bytes) {
-  const readable = {
-    size: async () => BigInt(bytes.length),
-    read: async (offset, length) =>
-      new Uint8Array(bytes.subarray(Number(offset), Number(offset + length))),
-  };
-  const reader = await McapIndexedReader.Initialize({ readable });
+  const reader = await McapIndexedReader.Initialize({ readable: new TempBuffer(bytes) });
   let count = 0;
   let last = 0n;
   for await (const message of reader.readMessages({ validateCrcs: true })) {
@@ -47,15 +42,7 @@ async function readByIndex(bytes) {
 }
 
 async function write(path, schemas, channels, messages) {
-  const chunks = [];
-  let position = 0n;
-  const writable = {
-    position: () => position,
-    write: async (bytes) => {
-      chunks.push(Buffer.from(bytes));
-      position += BigInt(bytes.length);
-    },
-  };
+  const writable = new TempBuffer();
   const writer = new McapWriter({ writable, chunkSize: 4096 });
   await writer.start({ profile: "ros2", library: "" });
   const ids = new Map();
@@ -65,7 +52,7 @@ async function write(path, schemas, channels, messages) {
   }
   for (const m of messages) await writer.addMessage({ ...m, channelId: ids.get(m.channelId) });
   await writer.end();
-  fs.writeFileSync(path, Buffer.concat(chunks));
+  fs.writeFileSync(path, writable.get());
 }
 
 async function main() {

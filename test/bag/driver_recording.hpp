@@ -29,6 +29,13 @@ inline std::string notes_of(const io::Dataset& recording) {
   return text;
 }
 
+inline void expect_told(const io::Dataset& recording, const std::string& note) {
+  EXPECT_PRED2(test::contains, notes_of(recording), note);
+}
+inline void expect_not_told(const io::Dataset& recording, const std::string& note) {
+  EXPECT_FALSE(test::contains(notes_of(recording), note)) << notes_of(recording);
+}
+
 class DriverRecording : public testing::Test {
  protected:
   io::Dataset read(const std::vector<Written>& messages, const RecordingRequest& request = {}) {
@@ -38,15 +45,13 @@ class DriverRecording : public testing::Test {
                         const RecordingRequest& request = {}) {
     return read_recording(dir_.write("a", test::mcap(messages, "none", 20)), request);
   }
-  /// Stamps, to `tolerance`, and detections.
-  static void expect_same(const io::Dataset& a, const io::Dataset& b, Time tolerance = Time(0)) {
+  /// Stamps and numbers of detections.
+  static void expect_same(const io::Dataset& a, const io::Dataset& b) {
     ASSERT_EQ(a.imu.size(), b.imu.size());
     ASSERT_EQ(a.scans.size(), b.scans.size());
-    for (std::size_t i = 0; i < a.imu.size(); ++i) {
-      EXPECT_LE(std::abs((a.imu[i].time - b.imu[i].time).count()), tolerance.count()) << i;
-    }
+    for (std::size_t i = 0; i < a.imu.size(); ++i) EXPECT_EQ(a.imu[i].time, b.imu[i].time) << i;
     for (std::size_t i = 0; i < a.scans.size(); ++i) {
-      EXPECT_LE(std::abs((a.scans[i].time - b.scans[i].time).count()), tolerance.count()) << i;
+      EXPECT_EQ(a.scans[i].time, b.scans[i].time) << i;
       EXPECT_EQ(a.scans[i].detections.size(), b.scans[i].detections.size()) << i;
     }
   }
@@ -66,6 +71,17 @@ std::vector<Written> replaced(Wire::Kind kind, int scans, const std::string& top
       messages.push_back(m);
     }
   }
+  return messages;
+}
+
+/// All but what arrives of a topic between two times after the first message.
+inline std::vector<Written> without(std::vector<Written> messages, const std::string& topic,
+                                    Time from = Time::min(), Time to = Time::max()) {
+  const Time begin = messages.front().received;
+  std::erase_if(messages, [&](const Written& m) {
+    const Time at = m.received - begin;
+    return m.topic == topic && at > from && at < to;
+  });
   return messages;
 }
 

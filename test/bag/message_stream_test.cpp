@@ -128,135 +128,124 @@ TEST(MessageStream, McapMayHoldMessagesOfRos1) {
   EXPECT_EQ(stream->format(), "MCAP");
 }
 
-TEST(MessageStream, AFolderOfPartsIsReadFileByFile) {
-  const std::vector<Written> messages = test::at_rest(test::Wire::kCdr, 12);
-  const TempDir dir;
-  const auto part = [&](std::size_t i) {  // one message each
-    return test::mcap({messages[i]}, "none", 1);
-  };
-  const auto folder = dir.path() / "folder";
-  dir.write("folder/a_0.mcap", part(0));
-  EXPECT_TRUE(is_recording(folder));
-  EXPECT_EQ(read_all(folder).messages.size(), 1U);
-  for (std::size_t i = 1; i < 12; ++i)
-    dir.write("folder/a_" + std::to_string(i) + ".mcap", part(i));
-  Reading reading = read_all(folder);
-  EXPECT_EQ(reading.messages.size(), 12U);
-  expect_prefix(reading.messages, messages);
-  EXPECT_EQ(open_messages(folder)->format(), "folder of 12 files, one recording");
-  std::filesystem::remove(folder / "a_0.mcap");
-  reading = read_all(folder);
-  EXPECT_EQ(reading.messages.size(), 11U);
-  EXPECT_PRED2(test::contains, reading.damage,
-               "folder: part 0 is missing, the recording begins with a_1.mcap");
-  dir.write("folder/a_0.mcap", part(0));
-  dir.write("folder/b_12.mcap", part(0));
-  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
-  dir.write("folder/metadata.yaml", "");
-  EXPECT_EQ(read_all(folder).messages.size(), 13U);
-  std::filesystem::remove(folder / "b_12.mcap");
-  dir.write("folder/metadata.yaml",
-            "rosbag2_bagfile_information: {relative_file_paths: [a_0.mcap, a_11.mcap, a_12.mcap]}");
-  reading = read_all(folder);
-  EXPECT_EQ(reading.messages.size(), 12U);
-  EXPECT_PRED2(test::contains, reading.damage, "folder: a_12.mcap of metadata.yaml is missing");
-  dir.write("folder/metadata.yaml", "");
+/// A folder with recordings.
+class Folder : public testing::Test {
+ protected:
+  void write(const std::string& name, const std::vector<Written>& messages) const {
+    dir_.write(name, test::ros1_bag(messages, "none", 50));
+  }
+  void remove(const char* name) const { std::filesystem::remove(dir_.path() / name); }
+  /// What is read of the folder.
+  Reading expect(std::size_t messages, const std::string& damage) const {
+    Reading reading = read_all(dir_.path());
+    EXPECT_EQ(reading.messages.size(), messages) << damage;
+    EXPECT_PRED2(test::contains, reading.damage, damage);
+    return reading;
+  }
 
-  dir.write("folder/a_10.mcap", part(10).substr(0, 60));
-  reading = read_all(folder);
-  EXPECT_EQ(reading.messages.size(), 10U);
-  EXPECT_PRED2(test::contains, reading.damage, "a_10.mcap: byte ");
-  EXPECT_PRED2(test::contains, reading.damage,
-               "; the 1 parts after it are not read, from a_11.mcap on");
-  dir.write("folder/a_5.mcap", "");
-  reading = read_all(folder);
-  EXPECT_EQ(reading.messages.size(), 5U);
-  EXPECT_PRED2(test::contains, reading.damage, "a_5.mcap: is empty; the 6 parts after it are not");
-  std::filesystem::remove(folder / "a_5.mcap");
-  std::filesystem::remove(folder / "a_6.mcap");
-  reading = read_all(folder);
-  EXPECT_EQ(reading.messages.size(), 5U);
-  EXPECT_PRED2(test::contains, reading.damage,
-               "folder: parts 5 to 6 are missing; the 5 parts after");
-  dir.write("folder/a_5.mcap", part(5));
-  dir.write("folder/a_6.mcap", part(6));
-  dir.write("folder/a_11.bag",
-            test::ros1_bag(test::at_rest(test::Wire::kRos1, 2), "none", 100));  // of another kind
-  EXPECT_ERROR(open_messages(folder), "holds several recordings; name one, as");
+  static constexpr const char* kSeveral = "holds several recordings; name one, as";
+  TempDir dir_;
+  const std::vector<Written> messages_ = test::at_rest(test::Wire::kRos1, 20);
+};
+
+TEST_F(Folder, OfPartsIsReadFileByFile) {
+  const auto part = [this](std::size_t i) { return test::mcap({messages_[i]}, "none", 1, "ros1"); };
+  const auto write_part = [&](std::size_t i, std::size_t bytes = std::string::npos) {
+    dir_.write("a_" + std::to_string(i) + ".mcap", part(i).substr(0, bytes));
+  };
+  write_part(0);
+  EXPECT_TRUE(is_recording(dir_.path()));
+  expect(1, "");
+  for (std::size_t i = 1; i < 12; ++i) write_part(i);
+  expect_prefix(expect(12, "").messages, messages_);
+  EXPECT_EQ(open_messages(dir_.path())->format(), "folder of 12 files, one recording");
+  remove("a_0.mcap");
+  expect(11, ": part 0 is missing, the recording begins with a_1.mcap");
+  write_part(0);
+  dir_.write("b_12.mcap", part(0));
+  EXPECT_ERROR(open_messages(dir_.path()), kSeveral);
+  dir_.write("metadata.yaml", "");
+  expect(13, "");
+  remove("b_12.mcap");
+  dir_.write(
+      "metadata.yaml",
+      "rosbag2_bagfile_information: {relative_file_paths: [a_0.mcap, a_11.mcap, a_12.mcap]}");
+  expect(12, ": a_12.mcap of metadata.yaml is missing");
+  dir_.write("metadata.yaml", "");
+
+  write_part(10, 60);
+  const Reading cut = expect(10, "; the 1 parts after it are not read, from a_11.mcap on");
+  EXPECT_PRED2(test::contains, cut.damage, "a_10.mcap: byte ");
+  write_part(5, 0);
+  expect(5, "a_5.mcap: is empty; the 6 parts after it are not");
+  remove("a_5.mcap");
+  remove("a_6.mcap");
+  expect(5, ": parts 5 to 6 are missing; the 5 parts after");
+  write_part(5);
+  write_part(6);
+  write("a_11.bag", messages_);  // of another kind
+  EXPECT_ERROR(open_messages(dir_.path()), kSeveral);
 }
 
-TEST(MessageStream, FlightsThatAreNumberedAreNoParts) {
-  std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
-  const TempDir dir;
+TEST_F(Folder, OfNumberedFlightsHoldsSeveral) {
+  std::vector<Written> messages = messages_;
   for (const char* name : {"flight_1.bag", "flight_2.bag", "flight_4.bag"}) {
-    dir.write(name, test::ros1_bag(messages, "none", 100));
+    write(name, messages);
     for (Written& m : messages) m.received += Time(60'000'000'000);
   }
-  EXPECT_ERROR(open_messages(dir.path()),
+  EXPECT_ERROR(open_messages(dir_.path()),
                "holds several recordings, or part 3 is missing; name one, as");
 }
 
-TEST(MessageStream, AFolderMayHoldTheFolderOfTheRecording) {
-  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
-  const TempDir dir;
-  dir.write("flight/bags/a_0.bag", test::ros1_bag({messages[0]}, "none", 100));
-  dir.write("flight/bags/a_1.bag", test::ros1_bag({messages[1]}, "none", 100));
-  dir.write("flight/notes/text", "windy");
-  EXPECT_TRUE(is_recording(dir.path() / "flight"));
-  EXPECT_EQ(read_all(dir.path() / "flight").messages.size(), 2U);
-  EXPECT_FALSE(is_recording(dir.path()));
+TEST_F(Folder, MayHoldTheFolderOfTheRecording) {
+  write("flight/bags/a_0.bag", {messages_[0]});
+  write("flight/bags/a_1.bag", {messages_[1]});
+  dir_.write("flight/notes/text", "windy");
+  EXPECT_TRUE(is_recording(dir_.path() / "flight"));
+  EXPECT_EQ(read_all(dir_.path() / "flight").messages.size(), 2U);
+  EXPECT_FALSE(is_recording(dir_.path()));
 }
 
-TEST(MessageStream, SensorsRecordedApartAreReadByTheTimesOfTheirMessages) {
-  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 20);
-  const TempDir dir;
+TEST_F(Folder, OfSensorsRecordedApartIsReadByTheTimesOfTheirMessages) {
   std::vector<Written> of[2];
-  for (const Written& m : messages) of[m.topic == "/imu" ? 0 : 1].push_back(m);
+  for (const Written& m : messages_) of[m.topic == "/imu" ? 0 : 1].push_back(m);
   of[0].insert(of[0].begin(), {"/rosout", "rosgraph_msgs/Log", of[0][0].received, "text"});
   of[1].push_back({"/rosout", "rosgraph_msgs/Log", of[1].back().received, "text"});
-  dir.write("imu.bag", test::ros1_bag(of[0], "none", 50));
-  dir.write("radar.bag", test::ros1_bag(of[1], "none", 7));
-  const Reading reading = read_all(dir.path());
-  EXPECT_EQ(open_messages(dir.path())->format(), "folder of 2 recordings at the same time");
-  std::vector<Written> sensors = reading.messages;
+  write("imu.bag", of[0]);
+  write("radar.bag", of[1]);
+  EXPECT_EQ(open_messages(dir_.path())->format(), "folder of 2 recordings at the same time");
+  std::vector<Written> sensors = expect(messages_.size() + 2, "").messages;
   std::erase_if(sensors, [](const Written& m) { return m.topic == "/rosout"; });
-  EXPECT_EQ(sensors.size(), messages.size());
-  EXPECT_EQ(reading.messages.size(), messages.size() + 2);
-  expect_prefix(sensors, messages);
+  EXPECT_EQ(sensors.size(), messages_.size());
+  expect_prefix(sensors, messages_);
 
-  std::filesystem::remove(dir.path() / "imu.bag");  // in parts
+  remove("imu.bag");  // in parts
   const auto middle = of[0].begin() + 60;
-  dir.write("imu_0.bag", test::ros1_bag({of[0].begin(), middle}, "none", 50));
-  dir.write("imu_1.bag", test::ros1_bag({middle, of[0].end()}, "none", 50));
-  EXPECT_EQ(read_all(dir.path()).messages.size(), messages.size() + 2);
+  write("imu_0.bag", {of[0].begin(), middle});
+  write("imu_1.bag", {middle, of[0].end()});
+  expect(messages_.size() + 2, "");
 
-  dir.write("copy.bag", test::ros1_bag(messages, "none", 50));
-  EXPECT_ERROR(read_all(dir.path()), "holds several recordings; name one, as");
+  write("copy.bag", messages_);
+  EXPECT_ERROR(read_all(dir_.path()), kSeveral);
+  remove("copy.bag");
   for (Written& m : of[1]) m.received += Time(3'600'000'000'000);  // of another flight
-  std::filesystem::remove(dir.path() / "copy.bag");
-  dir.write("radar.bag", test::ros1_bag(of[1], "none", 7));
-  EXPECT_ERROR(open_messages(dir.path()), "holds several recordings; name one, as");
+  write("radar.bag", of[1]);
+  EXPECT_ERROR(open_messages(dir_.path()), kSeveral);
 }
 
 // Packed files beside the unpacked ones, and what rosbag reindex leaves.
-TEST(MessageStream, OfTwoCopiesTheBetterOneIsRead) {
-  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
-  const TempDir dir;
-  dir.write("a_0.bag", test::ros1_bag(messages, "none", 100));
-  dir.write("a_0.bag.zst", "packed");
-  dir.write("a_0.orig.bag", "broken");
-  dir.write("._a_0.bag", "of macOS");
-  EXPECT_EQ(read_all(dir.path()).messages.size(), messages.size());
+TEST_F(Folder, OfTwoCopiesGivesTheBetterOne) {
+  write("a_0.bag", messages_);
+  dir_.write("a_0.bag.zst", "packed");
+  dir_.write("a_0.orig.bag", "broken");
+  dir_.write("._a_0.bag", "of macOS");
+  expect(messages_.size(), "");
 }
 
-TEST(MessageStream, APartThatWasNotClosedIsNamed) {
-  const std::vector<Written> messages = test::at_rest(test::Wire::kRos1, 2);
-  const TempDir dir;
-  dir.write("a_0.bag", test::ros1_bag(messages, "none", 100));
-  dir.write("a_1.bag.active", test::ros1_bag(messages, "none", 100));
-  const Reading reading = read_all(dir.path());
-  EXPECT_EQ(reading.messages.size(), messages.size());
-  EXPECT_PRED2(test::contains, reading.damage, "a_1.bag.active was not closed and is not read");
+TEST_F(Folder, NamesAPartThatWasNotClosed) {
+  write("a_0.bag", messages_);
+  write("a_1.bag.active", messages_);
+  expect(messages_.size(), "a_1.bag.active was not closed and is not read");
 }
 
 TEST(MessageStream, OtherFilesAreRefused) {

@@ -9,16 +9,23 @@
 #include <vector>
 
 #include "bag/driver_recording.hpp"
-#include "rio/bag/summary.hpp"
 
 namespace rio::bag {
 namespace {
 
-class RecordingTruth : public DriverRecording {};
+class RecordingTruth : public DriverRecording {
+ protected:
+  RecordingTruth() { with_truth_.truth = true; }
+  std::vector<NavState> truth_of(const std::vector<Written>& messages, bool positions = false) {
+    return read_truth(dir_.write("a", test::ros1_bag(messages, "none", 20)), positions);
+  }
+  RecordingRequest with_truth_;
+};
 
 /// at_rest() with a pressure and a pose at each message of the IMU, `by` behind it on their own
 /// clock, or without stamps; both rise with the number of the message.
-std::vector<Written> with_others(std::optional<Time> by, double pressure, const Quaternion& q,
+std::vector<Written> with_others(std::optional<Time> by = Time(0), double pressure = 1e5,
+                                 const Quaternion& q = Quaternion::Identity(),
                                  bool odometry = false) {
   int i = 0;
   const auto more = [&](const Written& m, Time of_imu, std::vector<Written>* messages) {
@@ -40,10 +47,8 @@ TEST_F(RecordingTruth, PosesAreTheTruthAndPressuresTheBarometer) {
   const Quaternion quarter(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vector3d::UnitZ()));
   for (const bool odometry : {false, true}) {
     const std::vector<Written> messages = with_others(Time(0), 1e5, quarter, odometry);
-    RecordingRequest request;
     EXPECT_TRUE(read(messages).ground_truth.empty());  // only if it is asked for
-    request.truth = true;
-    const io::Dataset data = read(messages, request);
+    const io::Dataset data = read(messages, with_truth_);
     ASSERT_EQ(data.ground_truth.size(), 200U);
     ASSERT_EQ(data.baro.size(), 200U);
     const NavState& state = data.ground_truth[7];
@@ -53,16 +58,14 @@ TEST_F(RecordingTruth, PosesAreTheTruthAndPressuresTheBarometer) {
     EXPECT_LT((state.v_WB - v).norm(), 1e-9) << state.v_WB.transpose();
     EXPECT_EQ(data.baro[7].time, data.imu[7].time);
     EXPECT_NEAR(data.baro[7].pressure, 1e5 + 7, 1e-9);
-    EXPECT_EQ(read_truth(dir_.path() / "a").size(), 200U);
+    EXPECT_EQ(truth_of(messages).size(), 200U);
   }
 }
 
 TEST_F(RecordingTruth, TruthAndBarometerOnAnotherClockAreOnThatOfTheImu) {
-  RecordingRequest request;
-  request.truth = true;
   for (const std::optional<Time> by :
        {std::optional(-1'500'000'000 * kSecond), std::optional<Time>()}) {
-    const io::Dataset data = read(with_others(by, 1e5, Quaternion::Identity()), request);
+    const io::Dataset data = read(with_others(by), with_truth_);
     ASSERT_EQ(data.ground_truth.size(), 200U);
     ASSERT_EQ(data.baro.size(), 200U);
     EXPECT_LT(std::abs(to_seconds(data.ground_truth[7].time - data.imu[7].time)), 1e-6);
@@ -71,24 +74,18 @@ TEST_F(RecordingTruth, TruthAndBarometerOnAnotherClockAreOnThatOfTheImu) {
 }
 
 TEST_F(RecordingTruth, ATruthThatWasAddedLaterKeepsItsHeaders) {
-  RecordingRequest request;
-  request.truth = true;
-  std::vector<Written> messages = with_others(Time(0), 1e5, Quaternion::Identity());
-  std::erase_if(messages, [](const Written& m) { return m.topic == "/truth"; });
-  for (const Written& m : with_others(Time(0), 1e5, Quaternion::Identity())) {  // from 1.2 s on
+  std::vector<Written> messages = without(with_others(), "/truth");
+  for (const Written& m : with_others()) {  // from 1.2 s on
     if (m.topic != "/truth" || m.received < messages[0].received + 6 * kSecond / 5) continue;
     messages.push_back(m);
     messages.back().received += 1'000'000 * kSecond;
   }
-  const io::Dataset data = read(messages, request);
+  const io::Dataset data = read(messages, with_truth_);
   EXPECT_EQ(data.ground_truth.at(0).time, data.imu[120].time);
 }
 
 TEST_F(RecordingTruth, WithoutAFlightItIsReadAlone) {
-  const auto truth_of = [this](const std::vector<Written>& messages) {
-    return read_truth(dir_.write("a", test::ros1_bag(messages, "none", 20)));
-  };
-  std::vector<Written> messages = with_others(Time(0), 1e5, Quaternion::Identity());
+  std::vector<Written> messages = with_others();
   std::erase_if(messages, [](const Written& m) { return m.topic != "/truth"; });
   EXPECT_EQ(truth_of(messages).at(7).time, kBegin + Time(70'000'000));
   messages.push_back(messages[0]);
@@ -99,18 +96,16 @@ TEST_F(RecordingTruth, WithoutAFlightItIsReadAlone) {
 }
 
 TEST_F(RecordingTruth, ATruthOrBarometerThatCannotBeReadIsTold) {
-  RecordingRequest request;
-  request.truth = true;
   for (const double pressure : {0.0, std::nan("")}) {
     const io::Dataset recording =
-        read(with_others(Time(0), pressure, Quaternion(0.0, 0.0, 0.0, 0.0)), request);
+        read(with_others(Time(0), pressure, Quaternion(0.0, 0.0, 0.0, 0.0)), with_truth_);
     EXPECT_TRUE(recording.ground_truth.empty());
     EXPECT_TRUE(recording.baro.empty());
     for (const char* text : {"/truth: 200 messages cannot be read and are left out; the first one, "
                              "byte 75: no unit quaternion, which a pose needs",
                              "/baro: 200 messages cannot be read and are left out; the first one, "
                              "byte 24: a pressure that is not above zero"}) {
-      EXPECT_PRED2(test::contains, notes_of(recording), text);
+      expect_told(recording, text);
     }
   }
   EXPECT_ERROR(read_truth(dir_.path() / "a"),
@@ -159,10 +154,8 @@ TEST_F(RecordingTruth, FixesOfGnssAreEastNorthAndUpOfTheFirst) {
     const Vector3d far = first + Vector3d(-5e-3, 9e-3, -40.0);
     Vector3d beyond = near;  // the date line
     if (beyond[1] > 180.0) beyond[1] -= 360.0;
-    const std::vector<Written> messages = {fix(0, near, false), fix(1, first), fix(2, beyond),
-                                           fix(3, far)};
-    dir_.write("a", test::ros1_bag(messages, "none", 20));
-    const std::vector<NavState> truth = read_truth(dir_.path() / "a", true);
+    const std::vector<NavState> truth =
+        truth_of({fix(0, near, false), fix(1, first), fix(2, beyond), fix(3, far)}, true);
     ASSERT_EQ(truth.size(), 3U);  // the one that is none is left out
     EXPECT_EQ(truth[0].time, kBegin + kSecond);
     EXPECT_EQ(truth[0].p_WB, Vector3d::Zero());
@@ -181,20 +174,15 @@ TEST_F(RecordingTruth, PositionsAreReadWhereTheyWillDoAndThereIsNoPose) {
     messages->push_back({"/prism", kPointType, m.received, point.bytes});
   };
   std::vector<Written> messages = replaced(Wire::kRos1, 20, "/imu", beside);
-  dir_.write("a", test::ros1_bag(messages, "none", 20));
-  const std::vector<NavState> truth = read_truth(dir_.path() / "a", true);
+  const std::vector<NavState> truth = truth_of(messages, true);
   ASSERT_EQ(truth.size(), 200U);
   EXPECT_EQ(truth[7].p_WB, Vector3d(0.07, 2.0, 3.0));
   EXPECT_TRUE(truth[7].q_WB.coeffs().array().isNaN().all());
-  EXPECT_ERROR(read_truth(dir_.path() / "a"), "a: no topic of type geometry_msgs/PoseStamped");
-  RecordingRequest request;
-  request.truth = true;
-  EXPECT_TRUE(read(messages, request).ground_truth.empty());  // a start needs an attitude
+  EXPECT_ERROR(truth_of(messages), "a: no topic of type geometry_msgs/PoseStamped");
+  EXPECT_TRUE(read(messages, with_truth_).ground_truth.empty());  // a start needs an attitude
   messages.push_back(fix(0, Vector3d(48.2, 16.4, 170.0)));
-  dir_.write("b", test::ros1_bag(messages, "none", 20));
-  EXPECT_ERROR(read_truth(dir_.path() / "b", true), "several topics with positions, ");
-  dir_.write("c", test::ros1_bag(with_others(Time(0), 1e5, Quaternion::Identity()), "none", 20));
-  EXPECT_TRUE(read_truth(dir_.path() / "c", true).at(0).q_WB.coeffs().allFinite());
+  EXPECT_ERROR(truth_of(messages, true), "several topics with positions, ");
+  EXPECT_TRUE(truth_of(with_others(), true).at(0).q_WB.coeffs().allFinite());
 }
 
 }  // namespace
