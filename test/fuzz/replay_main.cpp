@@ -9,12 +9,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "fuzz/fuzz.hpp"
+#include "support/temp_dir.hpp"
 
 namespace {
 
@@ -39,20 +39,15 @@ extern "C" void on_signal(int signal) {
 }
 
 std::vector<fs::path> files_of(const fs::path& path) {
+  if (!fs::exists(path)) {
+    std::fprintf(stderr, "cannot read %s\n", path.c_str());
+    std::exit(2);
+  }
   if (!fs::is_directory(path)) return {path};
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(path)) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   return files;
-}
-
-std::string text_of(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    std::fprintf(stderr, "cannot read %s\n", path.c_str());
-    std::exit(2);
-  }
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
 /// A few bytes changed, cut, doubled, or replaced by a part of another input or by a length at its
@@ -117,7 +112,7 @@ int main(int argc, char** argv) {
   for (const int signal : {SIGABRT, SIGFPE, SIGSEGV}) std::signal(signal, on_signal);
   std::vector<std::string> texts;
   for (const fs::path& file : files) {
-    texts.push_back(text_of(file));
+    texts.push_back(rio::test::text_of(file));
     run(file.filename(), texts.back());
   }
   Random random(1);
