@@ -237,6 +237,7 @@ TEST_F(DriverRecording, AMountingThatTheTreeDoesNotHaveIsTold) {
   const struct {
     std::vector<Transform> tree;
     const char* said;
+    const char* topic = "/tf_static";
   } rows[] = {
       {{}, "no mounting in a recording: radar pose from the options"},
       {{{"base", "imu_link", same}, {"other", "radar", same}},
@@ -246,19 +247,18 @@ TEST_F(DriverRecording, AMountingThatTheTreeDoesNotHaveIsTold) {
        "a message of /tf_static cannot be read: "},
       {{{"imu_link", "radar", {Quaternion::Identity(), Vector3d::Constant(std::nan(""))}}},
        "a translation is not finite"},
+      {{{"imu_link", "radar", same}},
+       "(transforms on /tf are not read: a fixed one belongs on /tf_static)",
+       "/tf"},
   };
-  for (const auto& [tree, said] : rows) {
+  for (const auto& [tree, said, topic] : rows) {
     std::vector<Written> messages = test::at_rest(Wire::kRos1, 10);
     messages.insert(messages.begin(), transforms(messages[0].received, tree));
+    messages[0].topic = topic;
     const io::Dataset recording = read(messages);
     EXPECT_FALSE(recording.radar_info.T_BS);
     expect_told(recording, said);
   }
-  std::vector<Written> messages = test::at_rest(Wire::kRos1, 10);
-  messages.push_back(transforms(messages[0].received, {{"imu_link", "radar", same}}));
-  messages.back().topic = "/tf";
-  expect_told(read(messages),
-              "(transforms on /tf are not read: a fixed one belongs on /tf_static)");
 }
 
 TEST_F(DriverRecording, CloudsWithoutDopplerAreNoRadar) {

@@ -6,12 +6,13 @@
 #include <fenv.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <iterator>
 #include <limits>
 #include <stdexcept>
@@ -67,11 +68,9 @@ class Input {
 
  private:
   double any() {
-    std::uint8_t bytes[sizeof(double)];
+    std::array<std::uint8_t, sizeof(double)> bytes;
     for (std::uint8_t& b : bytes) b = byte();
-    double value = 0.0;
-    std::memcpy(&value, bytes, sizeof value);
-    return value;
+    return std::bit_cast<double>(bytes);
   }
 
   const std::uint8_t* data_;

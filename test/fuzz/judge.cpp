@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cstddef>
 #include <utility>
@@ -39,12 +40,8 @@ bool positive_semidefinite(const BodyCovariance& P) {
   return Eigen::LLT<Matrix>(C).info() == Eigen::Success;
 }
 
+/// The counters, in their order.
 using Totals = std::array<std::uint64_t, sizeof(Counters) / sizeof(std::uint64_t)>;
-Totals totals(const Counters& counters) {
-  Totals all;
-  std::memcpy(all.data(), &counters, sizeof counters);
-  return all;
-}
 
 /// The counters that answer for a status.
 struct Answer {
@@ -87,11 +84,6 @@ Status trapped(bool clean, const Call& call) {
 
 }  // namespace
 
-Calls& calls() {
-  static Calls all;
-  return all;
-}
-
 Judge::Judge(std::unique_ptr<Odometry> odometry, const Options& options)
     : odometry_(std::move(odometry)),
       queue_(options.timing.scan_queue * static_cast<int>(options.radars())),
@@ -124,8 +116,8 @@ void Judge::check_estimate(const Counters& before) const {
     RIO_FUZZ_CHECK(std::abs(c.value) <= std::numeric_limits<double>::max());
     RIO_FUZZ_CHECK(c.sigma >= 0.0);
   }
-  const Totals now = totals(odometry_->counters());
-  const Totals then = totals(before);
+  const auto now = std::bit_cast<Totals>(odometry_->counters());
+  const auto then = std::bit_cast<Totals>(before);
   for (std::size_t i = 0; i < now.size(); ++i) RIO_FUZZ_CHECK(now[i] >= then[i]);
 }
 
@@ -138,7 +130,7 @@ void Judge::check_scans() const {
 }
 
 Status Judge::add_imu(const ImuSample& sample) {
-  ++calls().add_imu;
+  ++calls.add_imu;
   const Counters before = odometry_->counters();
   const Estimate old = estimate();
   const Status status = trapped(sample.gyro_B.allFinite() && sample.accel_B.allFinite(),
@@ -151,13 +143,13 @@ Status Judge::add_imu(const ImuSample& sample) {
   if (status == Status::kOk && odometry_->initialized()) {
     RIO_FUZZ_CHECK(odometry_->now().time == std::max(sample.time, odometry_->at_scan().time));
   }
-  calls().processed += odometry_->counters().scans - before.scans;
+  calls.processed += odometry_->counters().scans - before.scans;
   check_scans();
   return status;
 }
 
 Status Judge::add_scan(const RadarScan& scan, std::size_t radar) {
-  ++calls().add_scan;
+  ++calls.add_scan;
   ++scans_given_;
   const Counters before = odometry_->counters();
   const Estimate old = estimate();
@@ -182,13 +174,13 @@ Status Judge::add_scan(const RadarScan& scan, std::size_t radar) {
         answered(kOfScan, odometry_->counters(), status) - answered(kOfScan, before, status);
     RIO_FUZZ_CHECK(others || status == Status::kNumerical ? more >= 1 : more == 1);
   }
-  calls().processed += odometry_->counters().scans - before.scans;
+  calls.processed += odometry_->counters().scans - before.scans;
   check_scans();
   return status;
 }
 
 Status Judge::add_measurement(const AidingMeasurement& measurement) {
-  ++calls().aiding;
+  ++calls.aiding;
   const Counters before = odometry_->counters();
   const Estimate old = estimate();
   const Status status = odometry_->add_measurement(measurement);
@@ -203,7 +195,7 @@ Status Judge::add_measurement(const AidingMeasurement& measurement) {
 }
 
 Status Judge::reset(const NavState& prior, const BodyCovariance& P0) {
-  ++calls().reset;
+  ++calls.reset;
   const Counters before = odometry_->counters();
   const Estimate old = estimate();
   const Status status =
@@ -219,7 +211,7 @@ Status Judge::reset(const NavState& prior, const BodyCovariance& P0) {
 }
 
 void Judge::reset() {
-  ++calls().reset;
+  ++calls.reset;
   {
     const TrapFloatingPoint trap(true);
     odometry_->reset();

@@ -10,7 +10,6 @@
 
 namespace rio::fuzz {
 
-/// Calls of all inputs of this process.
 struct Calls {
   unsigned long add_imu = 0;
   unsigned long add_scan = 0;
@@ -18,7 +17,7 @@ struct Calls {
   unsigned long aiding = 0;     ///< add_measurement
   unsigned long reset = 0;
 };
-Calls& calls();
+inline Calls calls;  ///< of all inputs of this process
 
 /// Forwards the calls; floating point exceptions are trapped in them when the data are finite.
 class Judge {

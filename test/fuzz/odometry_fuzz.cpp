@@ -257,7 +257,7 @@ class Program {
 void print_calls() {
   std::fprintf(stderr,
                "calls: %lu add_imu, %lu add_scan (%lu processed), %lu add_measurement, %lu reset\n",
-               calls().add_imu, calls().add_scan, calls().processed, calls().aiding, calls().reset);
+               calls.add_imu, calls.add_scan, calls.processed, calls.aiding, calls.reset);
 }
 
 }  // namespace
