@@ -6,7 +6,9 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
+#include "io/field_values.hpp"
 #include "rio/io/dataset.hpp"
 #include "support/temp_dir.hpp"
 
@@ -39,6 +41,49 @@ class MinimalDataset : public testing::Test {
 
   test::TempDir dir;
 };
+
+/// A sample as text, exact to the bit; a NaN is as any other.
+template <class... Numbers>
+std::string line_of(const Numbers&... numbers) {
+  return ((ToText{}(numbers) + " ") + ...);
+}
+inline std::string text_of(const ImuSample& s) {
+  return line_of(s.time.count(), s.gyro_B, s.accel_B);
+}
+inline std::string text_of(const BaroSample& s) {
+  return line_of(s.time.count(), s.pressure);
+}
+inline std::string text_of(const NavState& s) {
+  return line_of(s.time.count(), s.q_WB, s.p_WB, s.v_WB, s.gyro_bias, s.accel_bias);
+}
+inline std::string text_of(const RadarScan& scan) {
+  std::string text = line_of(scan.time.count());
+  for (const RadarDetection& d : scan.detections) {
+    text += line_of(d.point_S, d.range_rate, d.snr_db, d.noise_db, d.sigma_range, d.sigma_azimuth,
+                    d.sigma_elevation, d.sigma_doppler);
+  }
+  return text;
+}
+
+template <class Sample>
+void expect_same(const std::vector<Sample>& a, const std::vector<Sample>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(text_of(a[i]), text_of(b[i])) << i;
+}
+/// All samples, scans, states and notes of both are the same.
+inline void expect_same(const Dataset& a, const Dataset& b) {
+  expect_same(a.imu, b.imu);
+  expect_same(a.scans, b.scans);
+  ASSERT_EQ(a.other_radars.size(), b.other_radars.size());
+  for (std::size_t r = 0; r < a.other_radars.size(); ++r) {
+    expect_same(a.other_radars[r].scans, b.other_radars[r].scans);
+  }
+  expect_same(a.baro, b.baro);
+  expect_same(a.ground_truth, b.ground_truth);
+  EXPECT_EQ(a.notes, b.notes);
+  EXPECT_EQ(a.radar_info.doppler_resolution, b.radar_info.doppler_resolution);
+  EXPECT_EQ(a.imu_info.rate_hz, b.imu_info.rate_hz);
+}
 
 /// Something of everything, with values that no short decimal holds.
 inline Dataset sample_dataset() {

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include "io/field_values.hpp"
 #include "io/sample_dataset.hpp"
@@ -55,7 +57,7 @@ TEST_F(SensorInfo, AnUnknownMountingIsAPriorOfAnyRotation) {
   EXPECT_TRUE(d.notes.empty()) << d.notes[0];
   Options options;
   apply_sensor_info(d, &options);
-  EXPECT_DOUBLE_EQ(options.calibration.rotation_sigma, 3.14159265358979323846);
+  EXPECT_DOUBLE_EQ(options.calibration.rotation_sigma, std::numbers::pi);
   EXPECT_EQ(options.calibration.translation_sigma, 1.0);
   EXPECT_TRUE(options.validate());
   dir.write("radar0/sensor.yaml", "rate_hz: 10\nmounting: unknown\nprior_position_m: 0.02\n");
@@ -153,36 +155,49 @@ TEST_F(SensorInfo, BecomesOptions) {
   EXPECT_TRUE(o.validate());
 }
 
-TEST_F(SensorInfo, ExactlyTheOptionsThatAreToldHaveChanged) {
-  Options o;
+/// What the sensors tell changes, and is named; all else stays.
+/// @param least number of the changes
+/// @return the keys that are named
+std::vector<std::string> expect_only_what_is_told(const Dataset& told, Options options,
+                                                  std::size_t least) {
+  const Options before = options;
   std::vector<std::string> configured;
-  apply_sensor_info(sample_dataset(), &o, &configured);
-  EXPECT_EQ(configured, sensor_option_keys());
+  apply_sensor_info(told, &options, &configured);
   std::vector<std::string> every;
-  visit_fields(o, [&](const FieldInfo& info, const auto&) { every.push_back(info.key); });
-  EXPECT_EQ(changed_options(Options{}, o, every), changed_options(Options{}, o, configured));
-  EXPECT_GE(changed_options(Options{}, o, configured).size(), 20U);
-
-  Dataset little;
-  little.radar_info.sigma_range = 0.0;  // no noise model
-  little.radar_info.max_range = 20.0;
-  little.radar_info.prior_rotation = 0.1;
-  Options fixed;
-  fixed.calibration.rotation_sigma = 0.0;
-  configured.clear();
-  apply_sensor_info(little, &fixed, &configured);
-  EXPECT_EQ(configured, std::vector<std::string>{"radar.max_range"});
+  visit_fields(options, [&](const FieldInfo& info, const auto&) { every.push_back(info.key); });
+  EXPECT_EQ(changed_options(before, options, every), changed_options(before, options, configured));
+  EXPECT_GE(changed_options(before, options, configured).size(), least);
+  return configured;
 }
 
-TEST_F(SensorInfo, PriorsDoNotSwitchACalibrationOn) {
+TEST_F(SensorInfo, ExactlyTheOptionsThatAreToldChange) {
+  const std::vector<std::string> every = sensor_option_keys();
+  EXPECT_EQ(expect_only_what_is_told(sample_dataset(), {}, 20), every);
+
+  Dataset little;
+  little.radar_info.sigma_doppler = 0.0;  // no noise model
+  little.radar_info.max_range = 20.0;
+  Options own;
+  own.radar.sigma_doppler = 0.5;
+  own.radar.T_BS.translation.x() = 1.0;
+  EXPECT_EQ(expect_only_what_is_told(little, own, 1), std::vector<std::string>{"radar.max_range"});
+
+  // a prior switches no calibration on; what is known of the same is used nonetheless
+  Options fixed;
+  fixed.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
+  std::vector<std::string> known = every;
+  std::erase_if(known, [](const std::string& key) { return key.starts_with("calibration."); });
+  EXPECT_EQ(known.size(), every.size() - 4);
+  EXPECT_EQ(expect_only_what_is_told(sample_dataset(), fixed, 17), known);
+}
+
+TEST_F(SensorInfo, TheFieldOfViewIsAtMostAHalfTurn) {
   Options o;
-  o.calibration = {0.0, 0.0, 0.0, 0.0, 0.0};
-  apply_sensor_info(sample_dataset(), &o);
-  EXPECT_EQ(o.calibration.rotation_sigma, 0.0);
-  EXPECT_EQ(o.calibration.translation_sigma, 0.0);
-  EXPECT_EQ(o.calibration.time_offset_sigma, 0.0);
-  EXPECT_EQ(o.calibration.doppler_scale_sigma, 0.0);
-  EXPECT_EQ(o.radar.time_offset, -1.0 / 3.0 / 100.0) << "what is known is used all the same";
+  Dataset d;
+  d.radar_info.fov_azimuth = 3.1;
+  apply_sensor_info(d, &o);
+  EXPECT_EQ(o.radar.fov_azimuth, std::numbers::pi);
+  EXPECT_TRUE(o.validate());
 }
 
 TEST_F(SensorInfo, AFurtherRadarIsAsTheFirstButForWhatItsFileSays) {
@@ -216,42 +231,6 @@ TEST_F(SensorInfo, AFurtherRadarIsAsTheFirstButForWhatItsFileSays) {
   o.other_radars[1].kind->sigma_range = -1.0;
   EXPECT_FALSE(o.validate(&why));
   EXPECT_EQ(why.find("radar 2: radar.sigma_range"), 0U) << why;
-}
-
-TEST_F(SensorInfo, UnknownLeavesTheOptions) {
-  Options o;
-  o.radar.max_range = 12.0;
-  o.radar.T_BS.translation.x() = 1.0;
-  Dataset d;
-  d.radar_info.sigma_doppler = 0.0;
-  apply_sensor_info(d, &o);
-  EXPECT_EQ(o.radar.max_range, 12.0);
-  EXPECT_EQ(o.radar.T_BS.translation.x(), 1.0);
-  EXPECT_EQ(o.radar.sigma_doppler, Options{}.radar.sigma_doppler);
-  d.radar_info.fov_azimuth = 3.1;
-  apply_sensor_info(d, &o);
-  EXPECT_EQ(o.radar.fov_azimuth, 3.14159265358979323846);  // capped
-  EXPECT_TRUE(o.validate());
-}
-
-/// A radar file with Doppler values on a grid, or off it by a random part of a step.
-void write_doppler(const test::TempDir& dir, double step, double jitter) {
-  std::string rows = "#t,x,y,z,d,snr,noise\n";
-  for (int i = 0; i < 400; ++i) {
-    const double doppler = step * (i % 21 - 10) + jitter * std::sin(1.7 * i);
-    rows += std::to_string(1000 + i) + ",1,2,3," + std::to_string(doppler) + ",10,1\n";
-  }
-  dir.write("radar0/data.csv", rows);
-}
-
-TEST_F(SensorInfo, ReadsTheDopplerGridOffTheData) {
-  write_doppler(dir, 0.1249, 0.0);
-  const Dataset gridded = read();
-  ASSERT_TRUE(gridded.radar_info.doppler_resolution.has_value());
-  EXPECT_NEAR(*gridded.radar_info.doppler_resolution, 0.1249, 1e-6);
-  EXPECT_TRUE(test::contains(gridded.notes.back(), "no doppler_resolution_mps"));
-  write_doppler(dir, 0.1249, 0.05);
-  EXPECT_FALSE(read().radar_info.doppler_resolution.has_value());
 }
 
 TEST(OptionsYaml, ASettingHasNoLineAndAWrongPresetTellsAll) {
