@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <stdexcept>
 
 #include "dataset_layout.hpp"
@@ -41,43 +40,32 @@ NavState truth_at(const CsvReader& rows) {
   return state;
 }
 
-/// @param take gets every row and returns its stamp
-void read_truth_file(const fs::path& path, std::size_t min_columns,
-                     const std::function<Time(const CsvReader&)>& take) {
+/// All of it is checked.
+/// @param replay if given, what Truth::kStart keeps for it: the first state within the span of its
+/// IMU, else the last one
+std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_columns,
+                                      const RecordingOutline* replay = nullptr) {
   CsvReader rows(path);
   rows.expect_names({"timestamp", "px", "py", "pz", "qw", "qx", "qy", "qz"});
+  std::vector<NavState> states;
   std::optional<Time> last;
+  bool within = false;
   while (rows.next()) {
     if (rows.columns() < min_columns) {
       rows.fail(fmt::format("has {} columns, {} are needed", rows.columns(), min_columns));
     }
-    const Time time = take(rows);
-    if (last && time <= *last) rows.fail("time does not increase");
-    last = time;
-  }
-  if (!last) throw std::runtime_error(path.string() + ": holds no states");
-}
-
-std::vector<NavState> read_truth_file(const fs::path& path, std::size_t min_columns) {
-  std::vector<NavState> states;
-  read_truth_file(path, min_columns, [&states](const CsvReader& rows) {
-    return states.emplace_back(truth_at(rows)).time;
-  });
-  return states;
-}
-
-/// The first state within the span of the IMU, else the last one.
-NavState read_start_of_truth(const fs::path& path, const RecordingOutline& outline) {
-  std::optional<NavState> start;
-  bool within = false;
-  read_truth_file(path, kEurocColumns, [&](const CsvReader& rows) {
     const NavState state = truth_at(rows);
-    if (within) return state.time;
-    start = state;
-    within = state.time >= outline.imu_begin && state.time <= outline.imu_end;
-    return state.time;
-  });
-  return *start;
+    if (last && state.time <= *last) rows.fail("time does not increase");
+    last = state.time;
+    if (within) continue;
+    if (replay != nullptr) {
+      states.clear();
+      within = state.time >= replay->imu_begin && state.time <= replay->imu_end;
+    }
+    states.push_back(state);
+  }
+  if (states.empty()) throw std::runtime_error(path.string() + ": holds no states");
+  return states;
 }
 
 /// A file whose last line is cut is used up to there.
@@ -207,10 +195,8 @@ RecordingOutline survey(const fs::path& root, Truth truth) {
   outline.scan_times.push_back(survey_radar(root / kRadar / kData, &grid, &sensors));
   if (fs::exists(root / kBaro)) survey_baro(root / kBaro / kData, &outline);
   if (fs::exists(root / kTruth)) {
-    const fs::path file = root / kTruth / kData;
-    sensors.ground_truth = truth == Truth::kAll
-                               ? read_truth_file(file, kEurocColumns)
-                               : std::vector<NavState>{read_start_of_truth(file, outline)};
+    sensors.ground_truth = read_truth_file(root / kTruth / kData, kEurocColumns,
+                                           truth == Truth::kStart ? &outline : nullptr);
   }
   read_imu_info(root / kImu / kSensor, &sensors);
   read_radar_info(root / kRadar / kSensor, &sensors.radar_info, &sensors.notes);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -22,17 +21,27 @@ namespace {
 constexpr const char* kImuHeader =
     "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
     "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+constexpr const char* kBaroHeader = "#timestamp [ns],pressure [Pa]\n";
+constexpr const char* kTruthHeader =
+    "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
+    "q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],"
+    "b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],b_a_RS_S_y [m s^-2],"
+    "b_a_RS_S_z [m s^-2]\n";
 
-/// ",x,y,z"; every number exactly.
-void append(std::string* row, const Vector3d& v) {
-  fmt::format_to(std::back_inserter(*row), ",{},{},{}", v.x(), v.y(), v.z());
+/// "x,y,z"; every number exactly.
+std::string cells(const Vector3d& v) {
+  return fmt::format("{},{},{}", v.x(), v.y(), v.z());
 }
 
-void append_row(std::string* text, const ImuSample& sample) {
-  *text += fmt::format("{}", sample.time.count());
-  append(text, sample.gyro_B);
-  append(text, sample.accel_B);
-  *text += '\n';
+std::string row(const ImuSample& s) {
+  return fmt::format("{},{},{}\n", s.time.count(), cells(s.gyro_B), cells(s.accel_B));
+}
+std::string row(const BaroSample& s) {
+  return fmt::format("{},{}\n", s.time.count(), s.pressure);
+}
+std::string row(const NavState& s) {
+  return fmt::format("{},{},{},{},{},{},{}\n", s.time.count(), cells(s.p_WB), s.q_WB.w(),
+                     cells(s.q_WB.vec()), cells(s.v_WB), cells(s.gyro_bias), cells(s.accel_bias));
 }
 
 /// @param sigmas include the columns of the detections' own sigmas
@@ -45,20 +54,21 @@ std::string radar_header(bool sigmas) {
 }
 
 /// A row per detection; one with empty fields for an empty scan.
-void append_rows(std::string* text, const RadarScan& scan, bool sigmas) {
+std::string radar_rows(const RadarScan& scan, bool sigmas) {
   if (scan.detections.empty()) {
-    *text += fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
+    return fmt::format("{},,,,,,{}\n", scan.time.count(), sigmas ? ",,,," : "");
   }
+  std::string text;
   for (const RadarDetection& d : scan.detections) {
-    *text += fmt::format("{}", scan.time.count());
-    append(text, d.point_S);
-    *text += fmt::format(",{},{},{}", d.range_rate, d.snr_db, d.noise_db);
+    text += fmt::format("{},{},{},{},{}", scan.time.count(), cells(d.point_S), d.range_rate,
+                        d.snr_db, d.noise_db);
     if (sigmas) {
-      *text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
-                           d.sigma_doppler);
+      text += fmt::format(",{},{},{},{}", d.sigma_range, d.sigma_azimuth, d.sigma_elevation,
+                          d.sigma_doppler);
     }
-    *text += '\n';
+    text += '\n';
   }
+  return text;
 }
 
 std::string pose_text(const Pose& pose) {
@@ -94,50 +104,24 @@ std::string comment_text(const std::string& line) {
   return line.empty() ? line : "# " + line + "\n";
 }
 
-std::string imu_text(const std::vector<ImuSample>& samples) {
-  std::string text = kImuHeader;
-  for (const ImuSample& sample : samples) append_row(&text, sample);
-  return text;
+/// The data of a sensor.
+template <class Sample>
+void write_rows(const fs::path& folder, std::string text, const std::vector<Sample>& samples) {
+  for (const Sample& sample : samples) text += row(sample);
+  write_file(folder / kData, text);
 }
 
 bool has_sigmas(const RadarDetection& d) {
   return d.sigma_range + d.sigma_azimuth + d.sigma_elevation + d.sigma_doppler > 0.0;
 }
 
-std::string radar_text(const std::vector<RadarScan>& scans) {
+void write_scans(const fs::path& folder, const std::vector<RadarScan>& scans) {
   const bool sigmas = std::any_of(scans.begin(), scans.end(), [](const RadarScan& scan) {
     return std::any_of(scan.detections.begin(), scan.detections.end(), has_sigmas);
   });
   std::string text = radar_header(sigmas);
-  for (const RadarScan& scan : scans) append_rows(&text, scan, sigmas);
-  return text;
-}
-
-std::string baro_text(const std::vector<BaroSample>& samples) {
-  std::string text = "#timestamp [ns],pressure [Pa]\n";
-  for (const BaroSample& sample : samples) {
-    text += fmt::format("{},{}\n", sample.time.count(), sample.pressure);
-  }
-  return text;
-}
-
-std::string truth_text(const std::vector<NavState>& states) {
-  std::string text =
-      "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],"
-      "q_RS_z [],v_RS_R_x [m s^-1],v_RS_R_y [m s^-1],v_RS_R_z [m s^-1],b_w_RS_S_x [rad s^-1],"
-      "b_w_RS_S_y [rad s^-1],b_w_RS_S_z [rad s^-1],b_a_RS_S_x [m s^-2],b_a_RS_S_y [m s^-2],"
-      "b_a_RS_S_z [m s^-2]\n";
-  for (const NavState& state : states) {
-    text += fmt::format("{}", state.time.count());
-    append(&text, state.p_WB);
-    text += fmt::format(",{}", state.q_WB.w());
-    append(&text, state.q_WB.vec());
-    append(&text, state.v_WB);
-    append(&text, state.gyro_bias);
-    append(&text, state.accel_bias);
-    text += '\n';
-  }
-  return text;
+  for (const RadarScan& scan : scans) text += radar_rows(scan, sigmas);
+  write_file(folder / kData, text);
 }
 
 /// Two neighbouring scans with one stamp would be read as one.
@@ -178,15 +162,15 @@ void write_dataset(const fs::path& path, const Dataset& dataset) {
   }
   if (dataset.baro.empty()) refuse_left_over(path / kBaro);
   if (dataset.ground_truth.empty()) refuse_left_over(path / kTruth);
-  write_file(path / kImu / kData, imu_text(dataset.imu));
-  write_file(path / kRadar / kData, radar_text(dataset.scans));
-  if (!dataset.baro.empty()) write_file(path / kBaro / kData, baro_text(dataset.baro));
+  write_rows(path / kImu, kImuHeader, dataset.imu);
+  write_scans(path / kRadar, dataset.scans);
+  if (!dataset.baro.empty()) write_rows(path / kBaro, kBaroHeader, dataset.baro);
   if (!dataset.ground_truth.empty()) {
-    write_file(path / kTruth / kData, truth_text(dataset.ground_truth));
+    write_rows(path / kTruth, kTruthHeader, dataset.ground_truth);
   }
   for (std::size_t r = 1; r <= others; ++r) {
     const Dataset::OtherRadar& other = dataset.other_radars[r - 1];
-    write_file(path / radar_folder(r) / kData, radar_text(other.scans));
+    write_scans(path / radar_folder(r), other.scans);
     write_radar_info(path, other.info, {}, r);
   }
   write_imu_info(path, dataset.imu_info);
@@ -219,19 +203,14 @@ DatasetStream::DatasetStream(const fs::path& path, const Dataset& info)
 }
 
 void DatasetStream::add(const ImuSample& sample) {
-  std::string row;
-  append_row(&row, sample);
-  imu_.write(row);
+  imu_.write(row(sample));
 }
 
 void DatasetStream::add(const RadarScan& scan, std::size_t radar) {
   Radar& to = radars_.at(radar);
-  if (to.any && scan.time == to.last) return;
-  to.any = true;
+  if (scan.time == to.last) return;
   to.last = scan.time;
-  std::string rows;
-  append_rows(&rows, scan, false);
-  to.file.write(rows);
+  to.file.write(radar_rows(scan, false));
 }
 
 void DatasetStream::flush() {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "rio/io/dataset.hpp"
@@ -32,8 +33,7 @@ class DatasetStream {
  private:
   struct Radar {
     TextFile file;
-    Time last{0};
-    bool any = false;
+    std::optional<Time> last{};  ///< stamp
   };
 
   TextFile imu_;
