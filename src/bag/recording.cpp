@@ -115,9 +115,8 @@ class BagStream final : public io::RecordingStream {
     imu_ = Imu(survey_);
     radars_.clear();
     for (std::size_t r = 0; r < survey_.radars.size(); ++r) radars_.emplace_back(request_.points);
-    start_baro_over();
+    baro_ = 0;
   }
-  void start_baro_over() override { baro_ = 0; }
 
   bool is_of_imu(const Topic& topic) const {
     return survey_.imu.role.fits(topic) || (survey_.accel && survey_.accel->role.fits(topic));

@@ -11,48 +11,36 @@ std::optional<double> BarometricScale::height(const BaroSample& sample) const {
   return -kPressureScale * std::log(sample.pressure) - zero;
 }
 
-BarometricScale barometric_scale(const std::function<void(const UseBaroSample&)>& each_sample) {
+BarometricHeights barometric_heights(const std::vector<BaroSample>& baro) {
   constexpr double kLeast = 0.01;  // no barometer is better [m]
   constexpr double kZero = 2.0;    // the height there is zero [s]
-  BarometricScale out;
+  BarometricScale scale;
+  Time first{0};
   double sum = 0.0;
   double count = 0.0;
-  Time first{0};
-  each_sample([&](const BaroSample& sample) {
-    const std::optional<double> height = out.height(sample);  // zero is not yet known
-    if (!height) return;
-    if (!out.any) first = sample.time;
-    out.any = true;
-    if (to_seconds(sample.time - first) > kZero) return;
+  for (const BaroSample& sample : baro) {
+    const std::optional<double> height = scale.height(sample);  // zero is not yet known
+    if (!height) continue;
+    if (count == 0.0) first = sample.time;
+    if (to_seconds(sample.time - first) > kZero) continue;
     sum += *height;
     count += 1.0;
-  });
-  if (out.any) out.zero = sum / count;
-  std::optional<double> last;
+  }
+  if (count > 0.0) scale.zero = sum / count;
+  BarometricHeights out;
   double squares = 0.0;
   double pairs = 0.0;
-  each_sample([&](const BaroSample& sample) {
-    const std::optional<double> height = out.height(sample);
-    if (!height) return;
-    if (last) {
-      squares += (*height - *last) * (*height - *last);
+  for (const BaroSample& sample : baro) {
+    const std::optional<double> height = scale.height(sample);
+    if (!height) continue;
+    if (!out.samples.empty()) {
+      const double change = *height - out.samples.back().height;
+      squares += change * change;
       pairs += 1.0;
     }
-    last = height;
-  });
-  out.sigma = std::max(kLeast, std::sqrt(0.5 * squares / std::max(1.0, pairs)));
-  return out;
-}
-
-BarometricHeights barometric_heights(const std::vector<BaroSample>& baro) {
-  const BarometricScale scale = barometric_scale([&baro](const UseBaroSample& use) {
-    for (const BaroSample& sample : baro) use(sample);
-  });
-  BarometricHeights out;
-  for (const BaroSample& sample : baro) {
-    if (const auto height = scale.height(sample)) out.samples.push_back({sample.time, *height});
+    out.samples.push_back({sample.time, *height});
   }
-  out.sigma = scale.sigma;
+  out.sigma = std::max(kLeast, std::sqrt(0.5 * squares / std::max(1.0, pairs)));
   return out;
 }
 

@@ -41,7 +41,6 @@ class FolderStream final : public RecordingStream {
     for (std::optional<RadarRows>& rows : radars_) rows.reset();
     baro_.reset();
   }
-  void start_baro_over() override { baro_.reset(); }
 
   fs::path root_;
   std::optional<ImuRows> imu_;
@@ -75,11 +74,6 @@ void RecordingStream::rewind() {
   scans_.clear();
   baro_ = 0;
   start_over();
-}
-
-void RecordingStream::rewind_baro() {
-  baro_ = 0;
-  start_baro_over();
 }
 
 std::unique_ptr<RecordingStream> open_dataset(const fs::path& path, Truth truth) {

@@ -160,23 +160,18 @@ std::size_t ReplayFeed::scans_left() const {
   return left;
 }
 
-HeightFeed::HeightFeed(io::RecordingStream* stream) : stream_(stream) {
-  scale_ = io::barometric_scale([stream](const io::UseBaroSample& use) {
-    stream->rewind_baro();
-    for (io::BaroSample sample; stream->next(&sample);) use(sample);
-  });
-  if (!scale_.any) {
+HeightFeed::HeightFeed(io::RecordingStream* stream) {
+  std::vector<io::BaroSample> samples;
+  for (io::BaroSample sample; stream->next(&sample);) samples.push_back(sample);
+  heights_ = io::barometric_heights(samples);
+  if (heights_.samples.empty()) {
     throw std::runtime_error("--barometer: there is no baro0 or topic of a barometer");
   }
-  stream->rewind_baro();
 }
 
 std::optional<HeightFeed::Height> HeightFeed::take(Time until) {
-  for (io::BaroSample sample; !next_ && stream_->next(&sample);) {
-    if (const auto height = scale_.height(sample)) next_ = {sample.time, *height};
-  }
-  if (!next_ || next_->time > until) return std::nullopt;
-  return std::exchange(next_, std::nullopt);
+  if (next_ == heights_.samples.size() || heights_.samples[next_].time > until) return std::nullopt;
+  return heights_.samples[next_++];
 }
 
 }  // namespace rio::tools

@@ -74,18 +74,18 @@ class ReplayFeed {
 /// The heights of the barometer, which has its own reader, in their order.
 class HeightFeed {
  public:
-  /// @throws std::runtime_error if the recording has none
+  /// @param stream of whose barometer nothing has been read
+  /// @throws std::runtime_error if it has none
   explicit HeightFeed(io::RecordingStream* stream);
 
   using Height = io::BarometricHeights::Sample;
   /// The next one, if it is not after `until`.
   std::optional<Height> take(Time until);
-  double sigma() const { return scale_.sigma; }  ///< [m]
+  double sigma() const { return heights_.sigma; }  ///< [m]
 
  private:
-  io::RecordingStream* stream_;
-  io::BarometricScale scale_;
-  std::optional<Height> next_;
+  io::BarometricHeights heights_;
+  std::size_t next_ = 0;
 };
 
 }  // namespace rio::tools

@@ -2,7 +2,6 @@
 // A recorded barometer as heights for the estimator (HeightModel in models/aids.hpp).
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -14,6 +13,14 @@ namespace rio::io {
 /// [m].
 inline constexpr double kPressureScale = 287.05 * 293.0 / 9.81;
 
+/// Heights relative to a zero.
+struct BarometricScale {
+  bool any = false;   ///< the zero is known
+  double zero = 0.0;  ///< height of the zero, relative to an air pressure of 1 Pa [m]
+  /// Empty for a pressure that is not a positive number [m].
+  std::optional<double> height(const BaroSample& sample) const;
+};
+
 /// Heights relative to their mean over the first two seconds.
 struct BarometricHeights {
   struct Sample {
@@ -23,18 +30,6 @@ struct BarometricHeights {
   std::vector<Sample> samples;
   double sigma = 0.0;  ///< of one: root of half the mean squared difference of neighbours [m]
 };
-
-/// The same for samples given one by one.
-struct BarometricScale {
-  bool any = false;    ///< samples
-  double zero = 0.0;   ///< height of the zero, relative to an air pressure of 1 Pa [m]
-  double sigma = 0.0;  ///< as above [m]
-  /// Empty for a pressure that is not a positive number [m].
-  std::optional<double> height(const BaroSample& sample) const;
-};
-using UseBaroSample = std::function<void(const BaroSample&)>;
-/// @param each_sample calls its argument with all samples; called twice
-BarometricScale barometric_scale(const std::function<void(const UseBaroSample&)>& each_sample);
 
 /// For dry air at 20 degrees; samples that are not positive numbers are dropped.
 BarometricHeights barometric_heights(const std::vector<BaroSample>& baro);

@@ -47,8 +47,6 @@ class RecordingStream {
   /// @}
   /// Rewinds all sensors.
   void rewind();
-  /// Rewinds the barometer alone.
-  void rewind_baro();
 
  protected:
   RecordingStream() = default;
@@ -56,7 +54,6 @@ class RecordingStream {
   virtual bool read(RadarScan* scan, std::size_t radar) = 0;
   virtual bool read(BaroSample* sample) = 0;
   virtual void start_over() = 0;
-  virtual void start_baro_over() {}
 
   RecordingOutline outline_;
 
