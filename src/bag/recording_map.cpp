@@ -49,7 +49,7 @@ void visit_fields(MapFile& file, const Visitor& visit) {
 
 /// The value under two nested keys; undefined if there is none.
 YAML::Node find(const io::YamlFile& file, const char* section, const char* key) {
-  const YAML::Node inner = io::base_node(file, section);
+  const YAML::Node inner = file.root[section];
   return inner.IsDefined() && inner.IsMap() ? inner[key] : YAML::Node(YAML::NodeType::Undefined);
 }
 
@@ -81,7 +81,7 @@ std::string sources_of(const io::YamlFile& file, const YAML::Node& key, const YA
 }
 
 void read_point_fields(const io::YamlFile& file, PointRequest* points) {
-  const YAML::Node radar = io::base_node(file, "radar");
+  const YAML::Node radar = file.root["radar"];
   if (radar.IsDefined()) points->where = place_of(file, radar);
   const YAML::Node fields = find(file, "radar", "fields");
   if (!fields.IsDefined()) return;

@@ -173,17 +173,14 @@ void CsvReader::expect_columns() {
 }
 
 void CsvReader::compare_names() const {
-  std::vector<std::string> names;
-  for (const std::string& cell : heading_) names.push_back(name_of_column(cell));
-  const std::size_t most = std::min(names.size(), expected_names_.size());
-  for (std::size_t i = 0; i < most; ++i) {
-    if (names[i].empty() || names[i] == expected_names_[i]) continue;
-    const auto is_known = [&name = names[i]](std::string_view known) { return name == known; };
-    constexpr std::array<std::string_view, 3> kPolar = {"range", "azimuth", "elevation"};
-    if (std::none_of(expected_names_.begin(), expected_names_.end(), is_known) &&
-        std::none_of(kPolar.begin(), kPolar.end(), is_known)) {
-      continue;  // some other name for the same
-    }
+  constexpr std::array<std::string_view, 3> kPolar = {"range", "azimuth", "elevation"};
+  for (std::size_t i = 0; i < std::min(heading_.size(), expected_names_.size()); ++i) {
+    const std::string name = name_of_column(heading_[i]);
+    if (name.empty() || name == expected_names_[i]) continue;
+    const auto is_in = [&name](const auto& names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (!is_in(expected_names_) && !is_in(kPolar)) continue;  // some other name for the same
     fail(fmt::format("by the heading column {} is \"{}\"; the columns are read as {}", i + 1,
                      heading_[i], fmt::join(expected_names_, ", ")));
   }

@@ -26,14 +26,19 @@ inline std::string_view without_plus(std::string_view text) {
   return text;
 }
 
-/// The whole of `text` as a number of its type.
+/// The whole of `text` as a number of its type, which has no leading plus.
 template <class Number>
-std::optional<Number> number_of(std::string_view text) {
-  text = without_plus(text);
+std::optional<Number> plain_number_of(std::string_view text) {
   Number value{};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+/// The same, after a leading plus.
+template <class Number>
+std::optional<Number> number_of(std::string_view text) {
+  return plain_number_of<Number>(without_plus(text));
 }
 
 /// A decimal number, exponent allowed, times 1e9, rounded half away from zero; without floating

@@ -8,11 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 #include <vector>
 
@@ -56,26 +54,16 @@ struct ReadField {
     wrong(fmt::format("{} is expected", fmt::join(names, " or ")).c_str());
   }
 
-  void operator()(Vector3d& field) const {
-    const std::vector<double> v = yaml_numbers(file, node, info.key, info.unit, 3);
-    field = Vector3d(v[0], v[1], v[2]);
-  }
+  void operator()(Vector3d& field) const { field = yaml_vector(file, node, info.key, info.unit); }
 
-  void operator()(Quaternion& field) const {
-    const std::vector<double> v = yaml_numbers(file, node, info.key, info.unit, 4);
-    const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
-    if (!q) wrong("not a unit quaternion");
-    field = *q;
-  }
+  void operator()(Quaternion& field) const { field = yaml_quaternion(file, node, info.key); }
 
  private:
   template <class Integer>
   void whole_number(Integer& field) const {
-    const std::string& text = node.Scalar();
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), field);
-    if (!node.IsScalar() || error != std::errc{} || end != text.data() + text.size()) {
-      wrong("a whole number is expected");
-    }
+    const auto value = plain_number_of<Integer>(node.Scalar());
+    if (!value) wrong("a whole number is expected");
+    field = *value;
   }
 
   [[noreturn]] void wrong(const char* what) const {
@@ -105,14 +93,6 @@ struct PrintField {
     return fmt::format("[{}, {}, {}, {}]", q.w(), q.x(), q.y(), q.z());
   }
 };
-
-/// The value of the top-level key `base_key`, undefined if the file has none.
-inline YAML::Node base_node(const YamlFile& file, const std::string& base_key) {
-  for (const auto& entry : file.root) {
-    if (entry.first.Scalar() == base_key) return entry.second;
-  }
-  return YAML::Node(YAML::NodeType::Undefined);
-}
 
 /// A key that is not for files, and why: "KEY WHY" is the error.
 struct ClosedKey {

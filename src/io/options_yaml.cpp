@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,12 +22,15 @@ constexpr const char* kPresetKey = "preset";
 const std::string kUnits =
     "# All options. Numbers are in the unit shown; \"2 deg\", \"5 cm\" also work.\n";
 
-void apply_preset(const YamlFile& file, Options* options) {
-  const YAML::Node node = base_node(file, kPresetKey);
-  if (!node.IsDefined()) return;
-  if (!node.IsScalar() || !preset(node.Scalar(), options)) {
+/// The name of the preset, which there is.
+std::optional<std::string> preset_of(const YamlFile& file) {
+  const YAML::Node node = file.root[kPresetKey];
+  if (!node.IsDefined()) return std::nullopt;
+  Options scratch;
+  if (!node.IsScalar() || !preset(node.Scalar(), &scratch)) {
     fail_at(file, node, "preset: no such preset: \"" + node.Scalar() + "\"");
   }
+  return node.Scalar();
 }
 
 /// What only the presets set, and what earlier versions had.
@@ -64,15 +68,6 @@ std::vector<ClosedKey> closed_keys() {
     keys.push_back({info.key, "belongs to the preset, it is no option of a file"});
   });
   return keys;
-}
-
-/// The name of the preset, which is checked with its line.
-std::optional<std::string> preset_of(const YamlFile& file) {
-  Options scratch;
-  apply_preset(file, &scratch);
-  const YAML::Node node = base_node(file, kPresetKey);
-  if (!node.IsDefined()) return std::nullopt;
-  return node.Scalar();
 }
 
 void apply_values(const YamlFile& file, Options* options) {
@@ -150,7 +145,7 @@ void apply_settings(const std::vector<std::string>& settings, Options* options) 
 void parse_options(const std::string& yaml, const std::string& name, Options* options) {
   const YamlFile file = parse_yaml(yaml, name);
   change(name, options, [&file](Options* changed) {
-    apply_preset(file, changed);
+    if (const auto base = preset_of(file)) (void)preset(*base, changed);
     apply_values(file, changed);
   });
 }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -14,9 +13,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <vector>
 
+#include "decimal.hpp"
 #include "doppler_grid.hpp"
 #include "rio/io/csv.hpp"
 
@@ -106,13 +105,11 @@ class ScanFolder final : public RecordingStream {
     std::sort(files_.begin(), files_.end());  // names of 19 digits
     for (const fs::path& file : files_) {
       const std::string name = file.stem().string();
-      std::int64_t stamp = 0;
-      const char* const end = name.data() + name.size();
-      const auto [at, error] = std::from_chars(name.data(), end, stamp);
-      if (name.size() != 19 || error != std::errc{} || at != end || stamp < 0) {
+      const auto stamp = plain_number_of<std::int64_t>(name);
+      if (name.size() != 19 || !stamp || *stamp < 0) {
         throw std::runtime_error(file.string() + ": its name is no stamp in nanoseconds");
       }
-      outline_.scan_times[0].emplace_back(stamp);
+      outline_.scan_times[0].emplace_back(*stamp);
     }
     outline_.sensors.radar_info.axes = "flu";
   }

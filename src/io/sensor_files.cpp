@@ -28,9 +28,7 @@ Pose read_pose(const YamlFile& file, const YAML::Node& node) {
     const auto rotation = unit_quaternion(q[0], q[1], q[2], q[3]);
     if (!rotation) fail_at(file, node["quaternion_wxyz"], "T_BS: not a unit quaternion");
     if (!node["translation"].IsDefined()) fail_at(file, node, "T_BS: no translation");
-    const std::vector<double> p =
-        yaml_numbers(file, node["translation"], "T_BS: translation", "m", 3);
-    return {*rotation, Vector3d(p[0], p[1], p[2])};
+    return {*rotation, yaml_vector(file, node["translation"], "T_BS: translation", "m")};
   }
   const YAML::Node data = node.IsMap() ? node["data"] : node;
   const std::vector<double> m = yaml_numbers(file, data.IsDefined() ? data : node, "T_BS", "", 16);
@@ -55,9 +53,7 @@ void note_unknown(const YamlFile& file, const YAML::Node& key, const std::vector
   // read elsewhere, or descriptive as in EuRoC
   constexpr const char* kOther[] = {"T_BS", "mounting", "sensor_type", "comment"};
   const std::string& name = key.Scalar();
-  if (std::find(std::begin(kOther), std::end(kOther), name) != std::end(kOther)) {
-    return;
-  }
+  if (std::find(std::begin(kOther), std::end(kOther), name) != std::end(kOther)) return;
   std::vector<std::string> names{"T_BS", "mounting"};
   for (const SensorKey& known : keys) names.emplace_back(known.key);
   notes->push_back(fmt::format("{}:{}: unknown key \"{}\" is not used{}", file.name,
@@ -157,19 +153,15 @@ void read_radar_info(const fs::path& path, RadarInfo* info, std::vector<std::str
   }
   const YamlFile file = load_yaml(path);
   read_sensor_keys(file, radar_keys(info), notes);
-  bool unknown = false;
-  for (const auto& entry : file.root) {
-    if (entry.first.Scalar() == "T_BS") info->T_BS = read_pose(file, entry.second);
-    if (entry.first.Scalar() != "mounting") continue;
-    if (entry.second.Scalar() != "unknown") {
-      fail_at(file, entry.second, "mounting: is \"unknown\" or left out");
+  if (const YAML::Node pose = file.root["T_BS"]) info->T_BS = read_pose(file, pose);
+  if (const YAML::Node mounting = file.root["mounting"]) {
+    if (mounting.Scalar() != "unknown") {
+      fail_at(file, mounting, "mounting: is \"unknown\" or left out");
     }
     constexpr double kAnywhere = 1.0;  // on a small vehicle [m]
     info->prior_rotation = info->prior_rotation.value_or(std::numbers::pi);
     info->prior_position = info->prior_position.value_or(kAnywhere);
-    unknown = true;
-  }
-  if (!info->T_BS && !unknown) {
+  } else if (!info->T_BS) {
     notes->push_back(path.string() + " has no T_BS" + consequence);
   }
 }

@@ -29,7 +29,7 @@ std::vector<std::string> scenario_names() {
 }
 
 void apply_base(const YamlFile& file, sim::Scenario* scenario) {
-  const YAML::Node node = base_node(file, kBaseKey);
+  const YAML::Node node = file.root[kBaseKey];
   if (!node.IsDefined()) return;
   if (!node.IsScalar() || !sim::scenario(node.Scalar(), scenario)) {
     fail_at(file, node,

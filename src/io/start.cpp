@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/io/start.hpp"
 
-#include <charconv>
-#include <functional>
-#include <map>
-#include <set>
+#include <algorithm>
+#include <iterator>
 #include <stdexcept>
-#include <system_error>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "decimal.hpp"
 #include "yaml.hpp"
@@ -15,30 +15,37 @@ namespace rio::io {
 
 namespace {
 
-using Handlers = std::map<std::string, std::function<void(const YAML::Node&)>>;
+/// A part of the state that is three numbers, and of its covariance.
+struct Block {
+  std::string key;
+  const char* unit;
+  int row;                    ///< of the covariance
+  Vector3d NavState::*value;  ///< null: given otherwise
+};
+const Block kBlocks[] = {{"position", "m", body::kPosition, &NavState::p_WB},
+                         {"orientation", "rad", body::kAttitude, nullptr},
+                         {"velocity", "m/s", body::kVelocity, &NavState::v_WB},
+                         {"gyro_bias", "rad/s", body::kGyroBias, &NavState::gyro_bias},
+                         {"accel_bias", "m/s^2", body::kAccelBias, &NavState::accel_bias}};
+const std::vector<std::string> kKeys = {"accel_bias", "gyro_bias", "position", "quaternion_wxyz",
+                                        "sigma",      "time_ns",   "velocity"};
+const std::vector<std::string> kSigmas = {"accel_bias", "gyro_bias", "orientation", "position",
+                                          "velocity"};
 
-/// Calls the handler of the key of each entry of `map`; returns the keys.
-std::set<std::string> dispatch(const YamlFile& file, const YAML::Node& map,
-                               const Handlers& handlers) {
-  std::vector<std::string> known;
-  for (const auto& handler : handlers) known.push_back(handler.first);
-  std::set<std::string> seen;
-  for (const auto& entry : map) {
-    const std::string& key = entry.first.Scalar();
-    const auto handler = handlers.find(key);
-    if (handler == handlers.end()) {
-      fail_at(file, entry.first, "unknown key \"" + key + "\"" + did_you_mean(key, known));
-    }
-    handler->second(entry.second);
-    seen.insert(key);
+/// The block of a key, which is one of `known`.
+const Block& block_of(const YamlFile& file, const YAML::Node& key,
+                      const std::vector<std::string>& known) {
+  const std::string& name = key.Scalar();
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    fail_at(file, key, "unknown key \"" + name + "\"" + did_you_mean(name, known));
   }
-  return seen;
+  return *std::find_if(std::begin(kBlocks), std::end(kBlocks),
+                       [&name](const Block& block) { return block.key == name; });
 }
 
 Vector3d finite_vector(const YamlFile& file, const YAML::Node& node, const std::string& key,
                        const char* unit) {
-  const std::vector<double> v = yaml_numbers(file, node, key, unit, 3);
-  Vector3d vector(v[0], v[1], v[2]);
+  const Vector3d vector = yaml_vector(file, node, key, unit);
   if (!vector.allFinite()) fail_at(file, node, key + ": not finite");
   return vector;
 }
@@ -77,56 +84,31 @@ Alignment load_start(const std::filesystem::path& path, const StartOptions& star
   const YamlFile file = load_yaml(path);
   Alignment out;
   out.state.time = default_time;
-  std::map<int, Vector3d> given;  // first row of the block -> variances
-
-  const struct {
-    const char* key;
-    const char* unit;
-    int row;
-    Vector3d* value;  ///< null: given otherwise
-  } blocks[] = {{"position", "m", body::kPosition, &out.state.p_WB},
-                {"orientation", "rad", body::kAttitude, nullptr},
-                {"velocity", "m/s", body::kVelocity, &out.state.v_WB},
-                {"gyro_bias", "rad/s", body::kGyroBias, &out.state.gyro_bias},
-                {"accel_bias", "m/s^2", body::kAccelBias, &out.state.accel_bias}};
-  Handlers sigmas;
-  Handlers keys = {
-      {"quaternion_wxyz",
-       [&](const YAML::Node& node) {
-         const std::vector<double> v = yaml_numbers(file, node, "quaternion_wxyz", "", 4);
-         const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
-         if (!q) fail_at(file, node, "quaternion_wxyz: not a unit quaternion");
-         out.state.q_WB = *q;
-       }},
-      {"time_ns",
-       [&](const YAML::Node& node) {
-         const std::string& text = node.Scalar();
-         Time::rep ns = 0;
-         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ns);
-         if (error != std::errc{} || end != text.data() + text.size()) {
-           fail_at(file, node, "time_ns: not an integer");
-         }
-         out.state.time = Time(ns);
-       }},
-      {"sigma",
-       [&](const YAML::Node& node) {
-         if (!node.IsMap()) fail_at(file, node, "sigma: a map is expected");
-         dispatch(file, node, sigmas);
-       }},
-  };
-  for (const auto& block : blocks) {
-    sigmas[block.key] = [&](const YAML::Node& node) {
-      given[block.row] = variances(file, node, std::string("sigma.") + block.key, block.unit);
-    };
-    if (block.value == nullptr) continue;
-    keys[block.key] = [&](const YAML::Node& node) {
-      *block.value = finite_vector(file, node, block.key, block.unit);
-    };
+  std::vector<std::pair<int, Vector3d>> given;  // first row of the block, variances
+  for (const auto& entry : file.root) {
+    const std::string& key = entry.first.Scalar();
+    const YAML::Node& node = entry.second;
+    if (key == "quaternion_wxyz") {
+      out.state.q_WB = yaml_quaternion(file, node, key);
+    } else if (key == "time_ns") {
+      const auto ns = plain_number_of<Time::rep>(node.Scalar());
+      if (!ns) fail_at(file, node, "time_ns: not an integer");
+      out.state.time = Time(*ns);
+    } else if (key == "sigma") {
+      if (!node.IsMap()) fail_at(file, node, "sigma: a map is expected");
+      for (const auto& sigma : node) {
+        const Block& block = block_of(file, sigma.first, kSigmas);
+        given.emplace_back(block.row,
+                           variances(file, sigma.second, "sigma." + block.key, block.unit));
+      }
+    } else {
+      const Block& block = block_of(file, entry.first, kKeys);
+      out.state.*block.value = finite_vector(file, node, key, block.unit);
+    }
   }
-  const std::set<std::string> seen = dispatch(file, file.root, keys);
   for (const char* required : {"quaternion_wxyz", "velocity"}) {
-    if (seen.count(required) == 0)
-      throw std::runtime_error(file.name + ": " + required + " missing");
+    if (file.root[required].IsDefined()) continue;
+    throw std::runtime_error(file.name + ": " + required + " missing");
   }
 
   out.covariance = start_covariance(out.state.q_WB, start);

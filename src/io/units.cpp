@@ -69,13 +69,9 @@ void multiply(std::string_view text, int sign, Unit* product) {
     name = name.substr(5, name.size() - 6);
     doubled_power = 1;
   } else if (const std::size_t caret = name.find('^'); caret != std::string_view::npos) {
-    int power = 0;
-    const std::string_view digits = name.substr(caret + 1);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), power);
-    if (error != std::errc{} || end != digits.data() + digits.size() || std::abs(power) > 9) {
-      unknown(text);
-    }
-    doubled_power = 2 * power;
+    const auto power = plain_number_of<int>(name.substr(caret + 1));
+    if (!power || std::abs(*power) > 9) unknown(text);
+    doubled_power = 2 * *power;
     name = name.substr(0, caret);
   }
   doubled_power *= sign;

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "decimal.hpp"
 #include "rio/io/csv.hpp"
 #include "rio/io/units.hpp"
 
@@ -127,6 +128,19 @@ std::vector<double> yaml_numbers(const YamlFile& file, const YAML::Node& node,
   std::vector<double> values;
   for (const YAML::Node& item : node) values.push_back(yaml_number(file, item, key, si_unit));
   return values;
+}
+
+Vector3d yaml_vector(const YamlFile& file, const YAML::Node& node, const std::string& key,
+                     const char* si_unit) {
+  const std::vector<double> v = yaml_numbers(file, node, key, si_unit, 3);
+  return {v[0], v[1], v[2]};
+}
+
+Quaternion yaml_quaternion(const YamlFile& file, const YAML::Node& node, const std::string& key) {
+  const std::vector<double> v = yaml_numbers(file, node, key, "", 4);
+  const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
+  if (!q) fail_at(file, node, key + ": not a unit quaternion");
+  return *q;
 }
 
 std::string did_you_mean(const std::string& key, const std::vector<std::string>& candidates) {

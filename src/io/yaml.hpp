@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "rio/types.hpp"
+
 namespace rio::io {
 
 /// A parsed file of one document without duplicate keys.
@@ -29,6 +31,11 @@ double yaml_number(const YamlFile& file, const YAML::Node& node, const std::stri
 /// A list of exactly `count` numbers.
 std::vector<double> yaml_numbers(const YamlFile& file, const YAML::Node& node,
                                  const std::string& key, const char* si_unit, std::size_t count);
+/// Three numbers.
+Vector3d yaml_vector(const YamlFile& file, const YAML::Node& node, const std::string& key,
+                     const char* si_unit);
+/// w, x, y, z of a unit quaternion.
+Quaternion yaml_quaternion(const YamlFile& file, const YAML::Node& node, const std::string& key);
 
 /// `, did you mean "x"?` for the candidate nearest to `key`, or empty when none is near. A key in
 /// another section counts as near when its last part matches.
