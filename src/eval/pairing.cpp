@@ -13,6 +13,12 @@ bool earlier(const StampedPose& a, const StampedPose& b) {
   return a.time < b.time;
 }
 
+}  // namespace
+
+double Association::completeness() const {
+  return estimates == 0 ? 0.0 : static_cast<double>(pairs.size()) / static_cast<double>(estimates);
+}
+
 Trajectory sorted_without_duplicates(Trajectory poses) {
   std::stable_sort(poses.begin(), poses.end(), earlier);
   const auto same_time = [](const StampedPose& a, const StampedPose& b) {
@@ -20,12 +26,6 @@ Trajectory sorted_without_duplicates(Trajectory poses) {
   };
   poses.erase(std::unique(poses.begin(), poses.end(), same_time), poses.end());
   return poses;
-}
-
-}  // namespace
-
-double Association::completeness() const {
-  return estimates == 0 ? 0.0 : static_cast<double>(pairs.size()) / static_cast<double>(estimates);
 }
 
 StampedPose interpolate(const StampedPose& a, const StampedPose& b, Time time) {

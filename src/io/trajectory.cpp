@@ -3,15 +3,16 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "decimal.hpp"
+#include "rio/eval/pairing.hpp"
 #include "rio/io/csv.hpp"
 #include "rio/io/dataset.hpp"
 
@@ -75,13 +76,7 @@ Trajectory read_tum(const std::filesystem::path& path, TumOrder order, Attitude 
     trajectory.push_back(pose);
   }
   if (trajectory.empty()) throw std::runtime_error(path.string() + ": holds no poses");
-  if (order == TumOrder::kSorted) {
-    std::stable_sort(trajectory.begin(), trajectory.end(),
-                     [](const auto& a, const auto& b) { return a.time < b.time; });
-    const auto end = std::unique(trajectory.begin(), trajectory.end(),
-                                 [](const auto& a, const auto& b) { return a.time == b.time; });
-    trajectory.erase(end, trajectory.end());
-  }
+  if (order == TumOrder::kSorted) return eval::sorted_without_duplicates(std::move(trajectory));
   return trajectory;
 }
 

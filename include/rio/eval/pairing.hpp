@@ -28,6 +28,9 @@ struct Association {
   double completeness() const;
 };
 
+/// By increasing time; of poses with equal stamps the first is kept.
+Trajectory sorted_without_duplicates(Trajectory poses);
+
 /// The pose between a and b at `time`: position linear, attitude by slerp.
 StampedPose interpolate(const StampedPose& a, const StampedPose& b, Time time);
 
