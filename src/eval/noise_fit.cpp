@@ -5,53 +5,49 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rio/core/chi2.hpp"
 #include "rio/core/small_cholesky.hpp"
 #include "rio/types.hpp"
 
 namespace rio::eval {
 
-NoiseFitter::NoiseFitter(const std::vector<NoiseSample>& samples) : samples_(samples) {
-  const auto weaker = [](const NoiseSample& a, const NoiseSample& b) {
-    return a.snr_db < b.snr_db;
-  };
-  const auto [low, high] = std::minmax_element(samples.begin(), samples.end(), weaker);
-  if (low == samples.end()) return;
-  lowest_w_ = low->snr_db - kInvisible;
-  highest_w_ = high->snr_db;
-}
+namespace {
 
-std::optional<NoiseFit> NoiseFitter::fit(const RadarNoise& start,
-                                         const Eigen::Vector4d& smallest) const {
-  const Eigen::Vector4d lowest = smallest.array().log();
-  Parameters x;
-  x << start.sigma.array().log(), std::clamp(start.weak_snr_db, lowest_w_, highest_w_);
-  for (int i = 0; i < kIterations; ++i) {
-    const Sums sums = accumulate(x, samples_.begin(), samples_.end());
-    const std::optional<Parameters> step = scoring_step(sums);
-    if (!step) return std::nullopt;
-    const Parameters before = x;
-    x.head<4>() += step->head<4>().cwiseMin(kLargestStep).cwiseMax(-kLargestStep);
-    x.head<4>() = x.head<4>().cwiseMax(lowest);
-    const double change = std::clamp((*step)[kWeak], -kLargestStepDb, kLargestStepDb);
-    x[kWeak] = std::clamp(x[kWeak] + change, lowest_w_, highest_w_);
-    const Parameters changed = (x - before).cwiseAbs();
-    if (changed.head<4>().maxCoeff() < kTolerance && changed[kWeak] < kToleranceDb) break;
-  }
-  return with_errors(x, lowest);
-}
+constexpr int kCount = 5;
+constexpr int kWeak = 4;
+using Parameters = Eigen::Matrix<double, kCount, 1>;
+using Information = Eigen::Matrix<double, kCount, kCount>;
+using Iterator = std::vector<NoiseSample>::const_iterator;
 
-const NoiseFitter::Cut& NoiseFitter::cut(Eigen::Index dof) {
+constexpr double kKept = 0.95;       // of normal innovations
+constexpr int kIterations = 60;      // the cut makes convergence linear, about 0.5 per step
+constexpr double kTolerance = 1e-3;  // of ln s: far below any standard error
+constexpr double kToleranceDb = 0.02;
+constexpr double kLargestStep = 0.5;  // of ln s
+constexpr double kLargestStepDb = 5.0;
+constexpr double kInvisible = 20.0;  // growth by 1 % of the variance [dB]
+constexpr std::ptrdiff_t kStretches = 20;
+
+struct Sums {
+  Parameters score = Parameters::Zero();
+  Information information = Information::Zero();
+};
+
+/// (E3) for each number of degrees of freedom.
+struct Cut {
+  explicit Cut(int dof)
+      : limit(chi2_quantile(kKept, dof)), kept_variance(chi2_cdf(limit, dof + 2.0) / kKept) {}
+  double limit;
+  double kept_variance;
+};
+
+const Cut& cut(Eigen::Index dof) {
   static const std::array<Cut, NoiseSample::kMaxDof> kCuts = {Cut(1), Cut(2), Cut(3)};
   return kCuts[static_cast<std::size_t>(dof - 1)];
 }
 
-NoiseFitter::Sums NoiseFitter::accumulate(const Parameters& x, Iterator begin, Iterator end) const {
-  Sums sums;
-  for (; begin != end; ++begin) add(*begin, x, &sums);
-  return sums;
-}
-
-void NoiseFitter::add(const NoiseSample& sample, const Parameters& x, Sums* sums) {
+/// (E2) and (E4) of one sample.
+void add(const NoiseSample& sample, const Parameters& x, Sums* sums) {
   const Eigen::Vector4d variance = (2.0 * x.head<4>()).array().exp();
   const double weak = std::pow(10.0, -0.1 * (sample.snr_db - x[kWeak]));
   const double growth = 1.0 + std::min(1.0, weak);  // (E1)
@@ -89,7 +85,14 @@ void NoiseFitter::add(const NoiseSample& sample, const Parameters& x, Sums* sums
   }
 }
 
-std::optional<NoiseFitter::Parameters> NoiseFitter::scoring_step(const Sums& sums) {
+Sums accumulate(const Parameters& x, Iterator begin, Iterator end) {
+  Sums sums;
+  for (; begin != end; ++begin) add(*begin, x, &sums);
+  return sums;
+}
+
+/// (E4); w is fixed if no echo is weak enough to observe it.
+std::optional<Parameters> scoring_step(const Sums& sums) {
   Information information = sums.information;
   constexpr double kVague = 1e-3;  // a sigma of 30 dB: keeps w without information
   information(kWeak, kWeak) += kVague;
@@ -100,19 +103,34 @@ std::optional<NoiseFitter::Parameters> NoiseFitter::scoring_step(const Sums& sum
   return step;
 }
 
-std::optional<NoiseFit> NoiseFitter::with_errors(const Parameters& x,
-                                                 const Eigen::Vector4d& lowest) const {
-  const auto total = static_cast<std::ptrdiff_t>(samples_.size());
+Information score_jacobian(const std::vector<NoiseSample>& samples, const Parameters& x) {
+  Information J;
+  for (int k = 0; k < kCount; ++k) {
+    // wide enough that many samples cross the cut
+    const double step = k == kWeak ? 2.0 : 0.2;
+    const Parameters change = step * Parameters::Unit(k);
+    J.col(k) = (accumulate(x + change, samples.begin(), samples.end()).score -
+                accumulate(x - change, samples.begin(), samples.end()).score) /
+               (2.0 * step);
+  }
+  return J;
+}
+
+/// (E5)
+/// @param lowest_w below it no growth can be seen
+std::optional<NoiseFit> with_errors(const std::vector<NoiseSample>& samples, const Parameters& x,
+                                    const Eigen::Vector4d& lowest, double lowest_w) {
+  const auto total = static_cast<std::ptrdiff_t>(samples.size());
   Information spread = Information::Zero();
   for (std::ptrdiff_t b = 0; b < kStretches; ++b) {
-    const Parameters g = accumulate(x, samples_.begin() + b * total / kStretches,
-                                    samples_.begin() + (b + 1) * total / kStretches)
+    const Parameters g = accumulate(x, samples.begin() + b * total / kStretches,
+                                    samples.begin() + (b + 1) * total / kStretches)
                              .score;
     spread += g * g.transpose();
   }
   NoiseFit fit;
   fit.noise = {x.head<4>().array().exp(), x[kWeak]};
-  fit.growth_seen = x[kWeak] > lowest_w_ + 0.25 * kInvisible;
+  fit.growth_seen = x[kWeak] > lowest_w + 0.25 * kInvisible;
   std::vector<int> free;
   for (int k = 0; k < kWeak; ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -130,7 +148,7 @@ std::optional<NoiseFit> NoiseFitter::with_errors(const Parameters& x,
     }
     return part;
   };
-  const Eigen::FullPivLU<Eigen::MatrixXd> jacobian(of_free(score_jacobian(x)));
+  const Eigen::FullPivLU<Eigen::MatrixXd> jacobian(of_free(score_jacobian(samples, x)));
   if (!jacobian.isInvertible()) return std::nullopt;
   const Eigen::MatrixXd half = jacobian.solve(of_free(spread)).transpose();
   const Eigen::MatrixXd covariance = jacobian.solve(half);  // J^-1 spread J^-T
@@ -142,17 +160,36 @@ std::optional<NoiseFit> NoiseFitter::with_errors(const Parameters& x,
   return fit;
 }
 
-NoiseFitter::Information NoiseFitter::score_jacobian(const Parameters& x) const {
-  Information J;
-  for (int k = 0; k < kCount; ++k) {
-    // wide enough that many samples cross the cut
-    const double step = k == kWeak ? 2.0 : 0.2;
-    const Parameters change = step * Parameters::Unit(k);
-    J.col(k) = (accumulate(x + change, samples_.begin(), samples_.end()).score -
-                accumulate(x - change, samples_.begin(), samples_.end()).score) /
-               (2.0 * step);
+}  // namespace
+
+NoiseFitter::NoiseFitter(const std::vector<NoiseSample>& samples) : samples_(samples) {
+  const auto weaker = [](const NoiseSample& a, const NoiseSample& b) {
+    return a.snr_db < b.snr_db;
+  };
+  const auto [low, high] = std::minmax_element(samples.begin(), samples.end(), weaker);
+  if (low == samples.end()) return;
+  lowest_w_ = low->snr_db - kInvisible;
+  highest_w_ = high->snr_db;
+}
+
+std::optional<NoiseFit> NoiseFitter::fit(const RadarNoise& start,
+                                         const Eigen::Vector4d& smallest) const {
+  const Eigen::Vector4d lowest = smallest.array().log();
+  Parameters x;
+  x << start.sigma.array().log(), std::clamp(start.weak_snr_db, lowest_w_, highest_w_);
+  for (int i = 0; i < kIterations; ++i) {
+    const Sums sums = accumulate(x, samples_.begin(), samples_.end());
+    const std::optional<Parameters> step = scoring_step(sums);
+    if (!step) return std::nullopt;
+    const Parameters before = x;
+    x.head<4>() += step->head<4>().cwiseMin(kLargestStep).cwiseMax(-kLargestStep);
+    x.head<4>() = x.head<4>().cwiseMax(lowest);
+    const double change = std::clamp((*step)[kWeak], -kLargestStepDb, kLargestStepDb);
+    x[kWeak] = std::clamp(x[kWeak] + change, lowest_w_, highest_w_);
+    const Parameters changed = (x - before).cwiseAbs();
+    if (changed.head<4>().maxCoeff() < kTolerance && changed[kWeak] < kToleranceDb) break;
   }
-  return J;
+  return with_errors(samples_, x, lowest, lowest_w_);
 }
 
 }  // namespace rio::eval

@@ -24,8 +24,6 @@
 #include <optional>
 #include <vector>
 
-#include "rio/core/chi2.hpp"
-
 namespace rio::eval {
 
 /// An innovation with the known parts of its covariance.
@@ -71,48 +69,7 @@ class NoiseFitter {
       const Eigen::Vector4d& smallest = Eigen::Vector4d::Constant(kSmallest)) const;
 
  private:
-  static constexpr int kCount = 5;
-  static constexpr int kWeak = 4;
-  using Parameters = Eigen::Matrix<double, kCount, 1>;
-  using Information = Eigen::Matrix<double, kCount, kCount>;
-  using Iterator = std::vector<NoiseSample>::const_iterator;
-
   static constexpr double kSmallest = 1e-5;  // below that of any radar [m, rad, m/s]
-  static constexpr double kKept = 0.95;      // of normal innovations
-  static constexpr int kIterations = 60;     // the cut makes convergence linear, about 0.5 per step
-  static constexpr double kTolerance = 1e-3;  // of ln s: far below any standard error
-  static constexpr double kToleranceDb = 0.02;
-  static constexpr double kLargestStep = 0.5;  // of ln s
-  static constexpr double kLargestStepDb = 5.0;
-  static constexpr double kInvisible = 20.0;  // growth by 1 % of the variance [dB]
-  static constexpr std::ptrdiff_t kStretches = 20;
-
-  struct Sums {
-    Parameters score = Parameters::Zero();
-    Information information = Information::Zero();
-  };
-  /// (E3) for each number of degrees of freedom.
-  struct Cut {
-    explicit Cut(int dof)
-        : limit(chi2_quantile(kKept, dof)), kept_variance(chi2_cdf(limit, dof + 2.0) / kKept) {}
-    double limit;
-    double kept_variance;
-  };
-
-  static const Cut& cut(Eigen::Index dof);
-
-  Sums accumulate(const Parameters& x, Iterator begin, Iterator end) const;
-
-  /// (E2) and (E4) of one sample.
-  static void add(const NoiseSample& sample, const Parameters& x, Sums* sums);
-
-  /// (E4); w is fixed if no echo is weak enough to observe it.
-  static std::optional<Parameters> scoring_step(const Sums& sums);
-
-  /// (E5)
-  std::optional<NoiseFit> with_errors(const Parameters& x, const Eigen::Vector4d& lowest) const;
-
-  Information score_jacobian(const Parameters& x) const;
 
   const std::vector<NoiseSample>& samples_;
   double lowest_w_ = 0.0;
