@@ -3,25 +3,17 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
+#include "support/random_state.hpp"
 
 namespace rio::eval {
 namespace {
 
-Vector3d random_vector(std::mt19937_64* generator, double size) {
-  std::uniform_real_distribution<double> uniform(-size, size);
-  const double x = uniform(*generator);
-  const double y = uniform(*generator);
-  return {x, y, uniform(*generator)};
-}
-
 /// Random true poses; the estimates equal them.
-std::vector<PosePair> perfect_pairs(std::mt19937_64* generator, int count) {
+std::vector<PosePair> perfect_pairs(test::Random* random, int count) {
   std::vector<PosePair> pairs;
   for (int i = 0; i < count; ++i) {
-    const Vector3d position = random_vector(generator, 5.0);
-    const StampedPose pose{std::chrono::milliseconds(10 * i), position,
-                           quaternion_exp(random_vector(generator, 1.5))};
+    const Vector3d position = random->normal_vector(5.0);
+    const StampedPose pose{std::chrono::milliseconds(10 * i), position, random->rotation()};
     pairs.push_back({pose, pose});
   }
   return pairs;
@@ -38,15 +30,15 @@ double angle_between(const Quaternion& a, const Quaternion& b) {
 }
 
 TEST(AlignSe3, RecoversARandomMotion) {
-  std::mt19937_64 generator(1);
+  test::Random random(1);
   for (int trial = 0; trial < 50; ++trial) {
-    const std::vector<PosePair> perfect = perfect_pairs(&generator, 20);
-    const Pose T{quaternion_exp(random_vector(&generator, 1.8)), random_vector(&generator, 50.0)};
+    const std::vector<PosePair> perfect = perfect_pairs(&random, 20);
+    const Pose T{random.rotation(), random.normal_vector(50.0)};
     std::vector<PosePair> moved = perfect;
     for (std::size_t i = 0; i < moved.size(); ++i) moved[i].truth = transformed(T, moved[i].truth);
     const Alignment alignment = align_se3(moved);
     EXPECT_TRUE(alignment.unique);
-    // means of positions up to 100 m carry 1e-14 m a sample, 20 samples
+    // means of positions of 100 m carry 1e-14 m a sample, 20 samples
     EXPECT_LT(angle_between(alignment.transform.rotation, T.rotation), 1e-12);
     EXPECT_LT((alignment.transform.translation - T.translation).norm(), 1e-12);
     for (const PosePair& pair : transformed(alignment.transform, moved)) {
@@ -58,8 +50,8 @@ TEST(AlignSe3, RecoversARandomMotion) {
 
 TEST(AlignSe3, NeverMirrors) {
   // the estimate is the mirror image of the truth: the best orthogonal matrix is diag(1, 1, -1)
-  std::mt19937_64 generator(2);
-  std::vector<PosePair> pairs = perfect_pairs(&generator, 20);
+  test::Random random(2);
+  std::vector<PosePair> pairs = perfect_pairs(&random, 20);
   for (PosePair& pair : pairs) pair.estimate.p.z() = -pair.truth.p.z();
   const Matrix3d R = align_se3(pairs).transform.rotation.toRotationMatrix();
   EXPECT_NEAR(R.determinant(), 1.0, 1e-14);
@@ -90,8 +82,8 @@ TEST(AlignSe3, PlanarPathsAreUniqueLinesAreNot) {
 }
 
 TEST(AlignYaw, RecoversYawAndLeavesTilt) {
-  std::mt19937_64 generator(3);
-  const std::vector<PosePair> perfect = perfect_pairs(&generator, 20);
+  test::Random random(3);
+  const std::vector<PosePair> perfect = perfect_pairs(&random, 20);
   for (const double yaw : {-3.1, -1.0, 0.0, 0.4, 2.0, 3.1}) {
     const Quaternion turn = quaternion_exp({0.0, 0.0, yaw});
     const Quaternion tilt = quaternion_exp({0.1, -0.05, 0.0});
@@ -113,8 +105,8 @@ TEST(AlignYaw, RecoversYawAndLeavesTilt) {
 }
 
 TEST(AlignYaw, LeavesATiltedPathTilted) {
-  std::mt19937_64 generator(4);
-  std::vector<PosePair> pairs = perfect_pairs(&generator, 20);
+  test::Random random(4);
+  std::vector<PosePair> pairs = perfect_pairs(&random, 20);
   const Pose tilt{quaternion_exp({0.2, 0.1, 0.0}), Vector3d::Zero()};
   for (PosePair& pair : pairs) pair.estimate = transformed(tilt, pair.estimate);
   const Quaternion R = align_yaw(pairs).transform.rotation;
@@ -138,9 +130,9 @@ TEST(AlignYaw, IsUndeterminedWithoutHorizontalMotion) {
 
 // Closed forms are minima: any small motion of the allowed kind makes the position error larger.
 TEST(Alignment, IsOptimalForNoisyPaths) {
-  std::mt19937_64 generator(5);
-  std::vector<PosePair> pairs = perfect_pairs(&generator, 30);
-  for (PosePair& pair : pairs) pair.estimate.p += random_vector(&generator, 0.5);
+  test::Random random(5);
+  std::vector<PosePair> pairs = perfect_pairs(&random, 30);
+  for (PosePair& pair : pairs) pair.estimate.p += random.normal_vector(0.3);
   const std::vector<PosePair> yaw = transformed(align_yaw(pairs).transform, pairs);
   const std::vector<PosePair> se3 = transformed(align_se3(pairs).transform, pairs);
   EXPECT_LE(position_cost(se3), position_cost(yaw));
@@ -161,8 +153,8 @@ TEST(Alignment, IsOptimalForNoisyPaths) {
 }
 
 TEST(AlignOrigin, MakesTheFirstPosesCoincide) {
-  std::mt19937_64 generator(6);
-  std::vector<PosePair> pairs = perfect_pairs(&generator, 4);
+  test::Random random(6);
+  std::vector<PosePair> pairs = perfect_pairs(&random, 4);
   pairs[0].estimate.p = {1.0, -2.0, 3.0};
   pairs[0].estimate.q = quaternion_exp({0.4, 0.5, -0.6});
   const StampedPose second = pairs[1].estimate;
@@ -176,8 +168,8 @@ TEST(AlignOrigin, MakesTheFirstPosesCoincide) {
 }
 
 TEST(Alignment, KindsByName) {
-  std::mt19937_64 generator(7);
-  std::vector<PosePair> pairs = perfect_pairs(&generator, 4);
+  test::Random random(7);
+  std::vector<PosePair> pairs = perfect_pairs(&random, 4);
   for (PosePair& pair : pairs) {
     pair.truth = transformed({quaternion_exp({0.1, 0.2, 0.3}), {1.0, 0.0, 0.0}}, pair.truth);
   }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include "rio/eval/nees.hpp"
@@ -59,33 +58,9 @@ TEST(AneesBounds, EqualTheTextbook) {
   EXPECT_TRUE(bounds.contain(2.0));
   EXPECT_FALSE(bounds.contain(1.48));
   EXPECT_FALSE(bounds.contain(2.60));
-}
-
-TEST(AneesBounds, HoldTheirShareOfMonteCarloTrials) {
-  // errors drawn from P = A A^T, 4000 trials of the mean over 10 runs in 3 dimensions
-  Matrix3d A;
-  A << 0.3, 0.0, 0.0, -0.2, 0.5, 0.0, 0.1, 0.4, 2.0;
-  const Matrix3d P = A * A.transpose();
-  std::mt19937_64 generator(11);
-  std::normal_distribution<double> normal;
-  const AneesBounds bounds = anees_bounds(3, 10, 0.9);
-  const int trials = 4000;
-  int below = 0;
-  int above = 0;
-  for (int trial = 0; trial < trials; ++trial) {
-    std::vector<double> runs;
-    for (int run = 0; run < 10; ++run) {
-      const double x = normal(generator);
-      const double y = normal(generator);
-      runs.push_back(nees(A * Vector3d(x, y, normal(generator)), P));
-    }
-    const double value = anees(runs);
-    if (value < bounds.lower) ++below;
-    if (value > bounds.upper) ++above;
-  }
-  // each tail holds 5 %, binomial sigma sqrt(0.05 * 0.95 / 4000) = 0.0034; four of them
-  EXPECT_NEAR(static_cast<double>(below) / trials, 0.05, 0.014);
-  EXPECT_NEAR(static_cast<double>(above) / trials, 0.05, 0.014);
+  // 10 runs, 3 states, 90 %: tables of chi2_30
+  EXPECT_NEAR(anees_bounds(3, 10, 0.9).lower, 18.49266 / 10.0, 1e-6);
+  EXPECT_NEAR(anees_bounds(3, 10, 0.9).upper, 43.77297 / 10.0, 1e-6);
 }
 
 /// Draws the innovations of a radar: landmark matches and Dopplers in turn.
