@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -24,13 +23,14 @@ struct CalibrationRun {
   int velocity_resets = 0;         ///< number of resets because the scans contradicted the velocity
 };
 
+inline constexpr Time kToTheEnd = Time::max();
+
 /// Runs `recording` up to `end`.
 /// @param start if missing, static alignment; earlier data are skipped
 /// @throws std::runtime_error if the options are invalid, the run does not start or processes no
 /// scan
 CalibrationRun run_calibration(const Recording& recording, const Options& options,
-                               const std::optional<Start>& start,
-                               Time end = Time(std::numeric_limits<Time::rep>::max()));
+                               const std::optional<Start>& start, Time end = kToTheEnd);
 
 /// The first state with at least half of the distance behind it. The distance is the integral of
 /// the speed, so standing at either end counts for neither half.

@@ -174,6 +174,10 @@ NoiseCalibration calibrate_noise(const Recording& recording, const Options& opti
     if (!fit) throw std::runtime_error("the innovations do not fix the sigmas: fly longer");
     const Eigen::Array4d change = (fit->noise.sigma.array() / configured.sigma.array()).log().abs();
     result.converged = (change < fit->relative_error.array().max(kUnchanged)).all();
+    for (int k = 0; k < 4; ++k) {
+      result.settled[static_cast<std::size_t>(k)] =
+          result.runs > 1 && change[k] < fit->relative_error[k];
+    }
     result.fit = *fit;
     now = with_noise(now, *fit);
     if (each) each(result);

@@ -3,6 +3,7 @@
 // these, since the predicted covariance and the accepted measurements depend on them.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -41,7 +42,8 @@ struct NoiseCalibration {
   eval::NoiseFit fit;
   int runs = 0;
   bool converged = false;  ///< the last run changed no sigma by more than 2 % and a standard error
-  std::size_t landmarks = 0;  ///< matches with landmarks in the last run
+  std::array<bool, 4> settled{};  ///< it changed the sigma by less than a standard error
+  std::size_t landmarks = 0;      ///< matches with landmarks in the last run
   std::size_t dopplers = 0;
 };
 

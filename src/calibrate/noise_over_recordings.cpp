@@ -73,40 +73,25 @@ Recording first_half(const Recording& recording, Time end) {
   return half;
 }
 
-/// A fit, and which of its sigmas the last run left unchanged.
-struct SettledFit {
-  eval::NoiseFit noise;
-  std::array<bool, 4> settled{};
-};
-using Fit = std::optional<SettledFit>;
+using Fit = std::optional<NoiseCalibration>;
 
 /// Empty, with a note, if the recording does not determine the noise.
 Fit fit(const Recording& recording, const Options& options, const std::string& name,
         std::vector<std::string>* notes) {
   try {
-    Fit out;
-    const auto keep = [&out](const NoiseCalibration& c) {
-      SettledFit now{c.fit, {}};
-      for (int k = 0; k < 4 && out; ++k) {
-        const double change = std::log(c.fit.noise.sigma[k] / out->noise.noise.sigma[k]);
-        now.settled[static_cast<std::size_t>(k)] = std::abs(change) < c.fit.relative_error[k];
-      }
-      if (c.converged) now.settled.fill(true);
-      out = now;
-    };
-    const NoiseCalibration c = calibrate_noise(recording, options, keep);
+    const NoiseCalibration c = calibrate_noise(recording, options);
     if (!c.converged) notes->push_back(name + ": not all of the radar's sigmas settle");
-    return out;
+    return c;
   } catch (const std::runtime_error& error) {
     notes->push_back(name + ": noise of the radar: " + error.what());
     return std::nullopt;
   }
 }
 
-std::optional<Measured> fitted_by(const Fit& fit, int k) {
+std::optional<Measured> fitted_by(const Fit& run, int k) {
   const auto i = static_cast<std::size_t>(k);
-  if (!fit || !fit->settled[i] || fit->noise.at_bound[i]) return std::nullopt;
-  return Measured{std::log(fit->noise.noise.sigma[k]), fit->noise.relative_error[k]};
+  if (!run || !(run->converged || run->settled[i]) || run->fit.at_bound[i]) return std::nullopt;
+  return Measured{std::log(run->fit.noise.sigma[k]), run->fit.relative_error[k]};
 }
 
 /// (E1) (E2) of three axes between two times.
@@ -176,7 +161,7 @@ SensorNoise noise_over_recordings(const std::vector<Recording>& recordings,
           {fitted_by(whole, k), fitted_by(first, k), fitted_by(second, k)});
     }
     if (whole) {
-      const eval::NoiseFit& noise = whole->noise;
+      const eval::NoiseFit& noise = whole->fit;
       growth_seen = growth_seen && noise.growth_seen && noise.weak_error_db > 0.0;
       weak.push_back({noise.noise.weak_snr_db, std::max(noise.weak_error_db, 0.1)});
     }

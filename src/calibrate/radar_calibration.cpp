@@ -72,74 +72,70 @@ std::vector<Measured> all(const std::vector<RecordingCalibration>& runs, std::si
   return out;
 }
 
-/// One repetition: two passes over all recordings.
-class Repetition {
- public:
-  Repetition(const std::vector<Recording>& recordings, const Options& configured,
-             const Progress& each)
-      : recordings_(recordings), configured_(configured.radar), options_(configured), each_(each) {
-    CalibrationOptions& c = options_.calibration;
-    c.rotation_sigma = std::min(1.0, kLoose * c.rotation_sigma);
-    c.translation_sigma = std::min(10.0, kLoose * c.translation_sigma);
-    c.time_offset_sigma = std::min(0.1, kLoose * c.time_offset_sigma);
-    c.doppler_scale_sigma = std::min(0.1, kLoose * c.doppler_scale_sigma);
-    c.walk = 0.0;  // the halves say how constant they are
-  }
+/// From loose priors.
+Options repetition_options(Options options) {
+  CalibrationOptions& c = options.calibration;
+  c.rotation_sigma = std::min(1.0, kLoose * c.rotation_sigma);
+  c.translation_sigma = std::min(10.0, kLoose * c.translation_sigma);
+  c.time_offset_sigma = std::min(0.1, kLoose * c.time_offset_sigma);
+  c.doppler_scale_sigma = std::min(0.1, kLoose * c.doppler_scale_sigma);
+  c.walk = 0.0;  // the halves say how constant they are
+  return options;
+}
 
-  std::vector<RecordingCalibration> run() {
-    std::vector<RecordingCalibration> runs = pass(false);
-    options_.radar = moved(configured_, mean(runs));
-    return pass(true);
-  }
-
- private:
-  std::vector<RecordingCalibration> pass(bool with_halves) {
-    const CalibrationVector centre =
-        corrections_between(calibration_of(configured_), calibration_of(options_.radar));
-    std::vector<RecordingCalibration> out;
-    for (std::size_t i = 0; i < recordings_.size(); ++i) {
-      const std::string name = "recording " + std::to_string(i + 1);
-      const Recording& recording = recordings_[i];
-      RecordingCalibration result;
-      if (each_) each_(name + (with_halves ? ": second pass" : ": first pass"));
-      const CalibrationRun whole = run_calibration(recording, options_, recording.start);
-      result.whole = off_configured(whole.calibration, centre);
-      result.velocity_resets = whole.velocity_resets;
-      result.begin = whole.states.front().state.time;
-      result.middle = reopened(half_way(whole.states));
-      if (with_halves) {
-        if (each_) each_(name + ": first half");
-        const Time end = result.middle.state.time;
-        result.first = off_configured(
-            run_calibration(recording, options_, recording.start, end).calibration, centre);
-        if (each_) each_(name + ": second half");
-        result.second =
-            off_configured(run_calibration(recording, options_, result.middle).calibration, centre);
-      }
-      out.push_back(result);
+/// All recordings, about the calibration of `options`; the results are relative to `configured`.
+std::vector<RecordingCalibration> pass(const std::vector<Recording>& recordings,
+                                       const RadarOptions& configured, const Options& options,
+                                       bool with_halves, const Progress& each) {
+  const CalibrationVector centre =
+      corrections_between(calibration_of(configured), calibration_of(options.radar));
+  std::vector<RecordingCalibration> out;
+  for (std::size_t i = 0; i < recordings.size(); ++i) {
+    const auto run = [&](const char* part, const std::optional<Start>& start, Time end) {
+      if (each) each("recording " + std::to_string(i + 1) + ": " + part);
+      return run_calibration(recordings[i], options, start, end);
+    };
+    const std::optional<Start>& start = recordings[i].start;
+    RecordingCalibration result;
+    const CalibrationRun whole = run(with_halves ? "second pass" : "first pass", start, kToTheEnd);
+    result.whole = off_configured(whole.calibration, centre);
+    result.velocity_resets = whole.velocity_resets;
+    result.begin = whole.states.front().state.time;
+    result.middle = reopened(half_way(whole.states));
+    if (with_halves) {
+      const CalibrationRun first = run("first half", start, result.middle.state.time);
+      result.first = off_configured(first.calibration, centre);
+      const CalibrationRun second = run("second half", result.middle, kToTheEnd);
+      result.second = off_configured(second.calibration, centre);
     }
-    return out;
+    out.push_back(result);
   }
+  return out;
+}
 
-  /// Of the whole runs; parameters without information keep the configured value.
-  CalibrationVector mean(const std::vector<RecordingCalibration>& runs) const {
-    constexpr double kInformed = 0.5;  // of the prior sigma
-    const CalibrationVector loose = calibration_sigmas(options_.calibration);
-    CalibrationVector values = CalibrationVector::Zero();
-    for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-      if (!(runs.front().whole[i].sigma > 0.0)) continue;
-      const Combined whole = combine(all(runs, i, &RecordingCalibration::whole));
-      const auto k = static_cast<Eigen::Index>(i);
-      if (whole.sigma < kInformed * loose[k]) values[k] = whole.value;
-    }
-    return values;
+/// Of the whole runs; parameters without information keep the configured value.
+CalibrationVector mean(const std::vector<RecordingCalibration>& runs,
+                       const CalibrationOptions& priors) {
+  constexpr double kInformed = 0.5;  // of the prior sigma
+  const CalibrationVector loose = calibration_sigmas(priors);
+  CalibrationVector values = CalibrationVector::Zero();
+  for (std::size_t i = 0; i < kCalibrationCount; ++i) {
+    if (!(runs.front().whole[i].sigma > 0.0)) continue;
+    const Combined whole = combine(all(runs, i, &RecordingCalibration::whole));
+    const auto k = static_cast<Eigen::Index>(i);
+    if (whole.sigma < kInformed * loose[k]) values[k] = whole.value;
   }
+  return values;
+}
 
-  const std::vector<Recording>& recordings_;
-  RadarOptions configured_;
-  Options options_;
-  const Progress& each_;
-};
+/// Two passes over all recordings.
+std::vector<RecordingCalibration> repetition(const std::vector<Recording>& recordings,
+                                             const Options& configured, const Progress& each) {
+  Options options = repetition_options(configured);
+  const auto first = pass(recordings, configured.radar, options, false, each);
+  options.radar = moved(configured.radar, mean(first, options.calibration));
+  return pass(recordings, configured.radar, options, true, each);
+}
 
 /// (E2) (E3) of one parameter.
 struct Summary {
@@ -265,7 +261,7 @@ RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const
   if (recordings.empty()) throw std::runtime_error("no recording");
   RadarCalibration out;
   const CalibrationVector priors = calibration_sigmas(options.calibration);
-  out.recordings = Repetition(recordings, options, each).run();
+  out.recordings = repetition(recordings, options, each);
   judge_all(out.recordings, priors, &out);
   Options again = options;
   const auto leave_out = [&](std::size_t i, double* sigma) {
@@ -275,7 +271,7 @@ RadarCalibration calibrate_radar(const std::vector<Recording>& recordings, const
   const bool no_scale = leave_out(kDopplerScale, &again.calibration.doppler_scale_sigma);
   const bool no_offset = leave_out(kTimeOffset, &again.calibration.time_offset_sigma);
   if (no_scale || no_offset) {
-    out.recordings = Repetition(recordings, again, each).run();
+    out.recordings = repetition(recordings, again, each);
     judge_all(out.recordings, priors, &out);
   }
   fill_result(options, &out);
