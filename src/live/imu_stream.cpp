@@ -25,12 +25,12 @@ std::uint16_t checksum(const std::uint8_t* frame) {
 
 template <class T>
 void put(T value, std::uint8_t* at) {
-  mavlink::detail::Put{at}(value);
+  mavlink::detail::put(value, at);
 }
 template <class T>
 T get(const std::uint8_t* at) {
   T value{};
-  mavlink::detail::Get{at}(value);
+  mavlink::detail::get(at, &value);
   return value;
 }
 

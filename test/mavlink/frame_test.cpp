@@ -3,6 +3,7 @@
 // npm (found through NODE_PATH) for the same fields, where it is installed.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstdlib>
 #include <fstream>
 #include <string>
@@ -136,27 +137,15 @@ bool runs(const std::string& command) {
   return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
 }
 
-/// Appends what it visits to a line.
-struct Print {
-  std::string* line;
-  template <class... T>
-  void operator()(const T&... values) {
-    (one(values), ...);
+/// A number as the referee takes it: of a float, the integer of its bits.
+template <class Number>
+std::string number_text(const Number& number) {
+  if constexpr (std::is_same_v<Number, float>) {
+    return std::to_string(std::bit_cast<std::uint32_t>(number));
+  } else {
+    return std::to_string(number);
   }
-  template <class T, std::size_t n>
-  void one(const std::array<T, n>& values) {
-    for (const T& value : values) one(value);
-  }
-  void one(float value) {
-    std::uint32_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    one(bits);
-  }
-  template <class T>
-  void one(const T& value) {
-    *line += " " + std::to_string(value);
-  }
-};
+}
 
 /// Random messages as lines for the referee, as our frames, and as payloads.
 class Messages {
@@ -166,7 +155,7 @@ class Messages {
     const Message message = random_message<Message>(&random_);
     lines_ += std::string(name) + " " + std::to_string(version) + " " +
               std::to_string(writer_.sequence()) + " 17 197";
-    Message::visit(message, Print{&lines_});
+    for_each_number(message, [this](const auto& n) { lines_ += " " + number_text(n); });
     lines_ += "\n";
     append(&frames_, frame_of(message, &writer_));
     const auto payload = payload_of(message);

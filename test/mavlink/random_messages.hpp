@@ -15,32 +15,17 @@ namespace rio::mavlink::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// Fills what it visits.
-struct Randomize {
-  sim::Random* random;
-  template <class... T>
-  void operator()(T&... values) {
-    (one(values), ...);
-  }
-  template <class T, std::size_t n>
-  void one(std::array<T, n>& values) {
-    for (T& value : values) one(value);
-  }
-  template <class T>
-  void one(T& value) {
-    std::uint64_t bits = static_cast<std::uint64_t>(random->next()) << 32 | random->next();
-    if (random->next() % 8 == 0) bits = 0;
-    std::memcpy(&value, &bits, sizeof value);
-    if constexpr (std::is_floating_point_v<T>) {
-      if (std::isnan(value) || random->next() % 16 == 0) value = kUnknown;
-    }
-  }
-};
-
 template <class Message>
 Message random_message(sim::Random* random) {
   Message message;
-  Message::visit(message, Randomize{random});
+  for_each_number(message, [random](auto& value) {
+    std::uint64_t bits = static_cast<std::uint64_t>(random->next()) << 32 | random->next();
+    if (random->next() % 8 == 0) bits = 0;
+    std::memcpy(&value, &bits, sizeof value);
+    if constexpr (std::is_floating_point_v<std::decay_t<decltype(value)>>) {
+      if (std::isnan(value) || random->next() % 16 == 0) value = kUnknown;
+    }
+  });
   return message;
 }
 

@@ -151,59 +151,53 @@ using Bits = std::conditional_t<
     std::conditional_t<sizeof(T) == 4, std::uint32_t,
                        std::conditional_t<sizeof(T) == 2, std::uint16_t, std::uint8_t>>>;
 
-/// Writes the visited fields, little-endian.
-struct Put {
-  std::uint8_t* at;
-  template <class... T>
-  void operator()(const T&... values) {
-    (one(values), ...);
-  }
-  template <class T, std::size_t n>
-  void one(const std::array<T, n>& values) {
-    for (const T& value : values) one(value);
-  }
-  template <class T>
-  void one(const T& value) {
-    Bits<T> bits;
-    std::memcpy(&bits, &value, sizeof bits);
-    for (std::size_t i = 0; i < sizeof bits; ++i) *at++ = static_cast<std::uint8_t>(bits >> 8 * i);
-  }
-};
+/// Writes a number, little-endian; returns where it ends.
+template <class T>
+std::uint8_t* put(const T& value, std::uint8_t* at) {
+  Bits<T> bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  for (std::size_t i = 0; i < sizeof bits; ++i) *at++ = static_cast<std::uint8_t>(bits >> 8 * i);
+  return at;
+}
 
-/// Reads the visited fields.
-struct Get {
-  const std::uint8_t* at;
-  template <class... T>
-  void operator()(T&... values) {
-    (one(values), ...);
+/// Reads it.
+template <class T>
+const std::uint8_t* get(const std::uint8_t* at, T* value) {
+  Bits<T> bits = 0;
+  for (std::size_t i = 0; i < sizeof bits; ++i) {
+    bits = static_cast<Bits<T>>(bits | static_cast<Bits<T>>(*at++) << 8 * i);
   }
-  template <class T, std::size_t n>
-  void one(std::array<T, n>& values) {
-    for (T& value : values) one(value);
-  }
-  template <class T>
-  void one(T& value) {
-    Bits<T> bits = 0;
-    for (std::size_t i = 0; i < sizeof bits; ++i) {
-      bits = static_cast<Bits<T>>(bits | static_cast<Bits<T>>(*at++) << 8 * i);
-    }
-    std::memcpy(&value, &bits, sizeof bits);
-  }
-};
+  std::memcpy(value, &bits, sizeof bits);
+  return at;
+}
 
 }  // namespace detail
+
+/// Calls use(number) for every number of a message in the order of the wire, those of an array one
+/// by one.
+template <class Message, class Use>
+void for_each_number(Message& message, Use&& use) {
+  const auto visit = [&use](auto& field) {
+    if constexpr (std::is_arithmetic_v<std::remove_reference_t<decltype(field)>>) {
+      use(field);
+    } else {
+      for (auto& number : field) use(number);
+    }
+  };
+  Message::visit(message, [&visit](auto&... fields) { (visit(fields), ...); });
+}
 
 /// @param payload buffer of Message::kSize bytes
 template <class Message>
 void encode(const Message& message, std::uint8_t* payload) {
-  Message::visit(message, detail::Put{payload});
+  for_each_number(message, [&](const auto& number) { payload = detail::put(number, payload); });
 }
 
 /// @param payload Message::kSize bytes, zero-padded if the frame was shorter
 template <class Message>
 Message decode(const std::uint8_t* payload) {
   Message message;
-  Message::visit(message, detail::Get{payload});
+  for_each_number(message, [&](auto& number) { payload = detail::get(payload, &number); });
   return message;
 }
 
