@@ -30,20 +30,29 @@ Header header_of(const std::uint8_t* frame) {
 
 void Parser::drop_pending() {
   candidates_.clear();
-  stored_ = look_ = 0;
+  stored_ = 0;
 }
 
-/// @return true if a packet is complete
+/// @return true if a packet is complete; the other candidates are discarded then
 bool Parser::take(std::uint8_t byte) {
   ++counters_.bytes;
   if (stored_ == buffer_.size()) make_room();
-  buffer_[stored_++] = byte;
-  if (byte == kMagicV1 || byte == kMagicV2) {
-    const std::size_t begin = stored_ - 1;
-    candidates_.push_back({begin, begin + (byte == kMagicV1 ? kHeaderV1 : kHeaderV2), 0});
-    plan();
+  const std::size_t begin = stored_++;
+  buffer_[begin] = byte;
+  if (byte == kMagicV1) candidates_.push_back({begin, begin + kHeaderV1});
+  if (byte == kMagicV2) candidates_.push_back({begin, begin + kHeaderV2});
+  for (std::size_t i = 0; i < candidates_.size();) {
+    Candidate& candidate = candidates_[i];
+    if (candidate.end != stored_ || (!candidate.is_read && read_header(&candidate))) {
+      ++i;
+    } else if (candidate.is_read && read_frame(candidate)) {
+      drop_pending();
+      return true;
+    } else {
+      candidates_.erase(i);
+    }
   }
-  return stored_ == look_ && judge();
+  return false;
 }
 
 /// No candidate is longer than kMaxFrame, so three quarters of the buffer become free.
@@ -53,36 +62,8 @@ void Parser::make_room() {
   stored_ -= first;
   for (Candidate& candidate : candidates_) {
     candidate.begin -= first;
-    candidate.look -= first;
-    if (candidate.end > 0) candidate.end -= first;
+    candidate.end -= first;
   }
-  plan();
-}
-
-void Parser::plan() {
-  look_ = 0;
-  for (const Candidate& candidate : candidates_) {
-    if (look_ == 0 || candidate.look < look_) look_ = candidate.look;
-  }
-}
-
-/// Checks the candidates that have enough bytes.
-/// @return true if one of them is a frame; the others are discarded then
-bool Parser::judge() {
-  for (std::size_t i = 0; i < candidates_.size();) {
-    Candidate& candidate = candidates_[i];
-    const bool waits = candidate.look != stored_ || (candidate.end == 0 && read_header(&candidate));
-    if (waits) {
-      ++i;
-    } else if (candidate.end == stored_ && read_frame(candidate)) {
-      drop_pending();
-      return true;
-    } else {
-      candidates_.erase(i);
-    }
-  }
-  plan();
-  return false;
 }
 
 /// @return true if it may be a frame: of a known message
@@ -94,7 +75,7 @@ bool Parser::read_header(Candidate* candidate) const {
   if (frame[0] == kMagicV1 && header.length != kind->basic_size) return false;
   const std::size_t signature = header.flags != 0 ? kSignature : 0;
   candidate->end = candidate->begin + header.size + header.length + kChecksum + signature;
-  candidate->look = candidate->end;
+  candidate->is_read = true;
   return true;
 }
 

@@ -49,7 +49,8 @@ struct ParserCounters {
   std::uint64_t frame_bytes = 0;  ///< of the delivered frames
 };
 
-/// Splits the bytes of one link into messages. No allocation. O(1) per byte, plus the checksums.
+/// Splits the bytes of one link into messages. No allocation. Per byte one comparison for each frame
+/// that may have begun, plus the checksums.
 class Parser {
  public:
   /// Takes the next bytes, in a piece of any size.
@@ -73,20 +74,17 @@ class Parser {
   /// Bytes that may be a frame.
   struct Candidate {
     std::size_t begin = 0;  ///< of the magic byte
-    std::size_t look = 0;   ///< number of stored bytes at which the candidate is checked next
-    std::size_t end = 0;    ///< of the frame; 0 until its header is complete
+    std::size_t end = 0;    ///< of the header, and once that is read of the frame
+    bool is_read = false;   ///< the header
   };
 
   bool take(std::uint8_t byte);
   void make_room();
-  bool judge();
   bool read_header(Candidate* candidate) const;
   bool read_frame(const Candidate& candidate);
-  void plan();
 
   std::array<std::uint8_t, 4 * kMaxFrame> buffer_{};
   std::size_t stored_ = 0;
-  std::size_t look_ = 0;                           ///< the first check of any candidate; 0: none
   StaticVector<Candidate, kMaxFrame> candidates_;  ///< in order of their beginning
   Packet packet_;
   ParserCounters counters_;
