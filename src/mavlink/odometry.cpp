@@ -45,21 +45,6 @@ void put_no_pose(OdometryMessage* message) {
   message->pose_covariance.fill(kUnknown);
 }
 
-void put_velocity(const NavState& now, const BodyCovariance& P, double gyro_sigma,
-                  OdometryMessage* message) {
-  const Vector3d v_B = now.q_WB.conjugate() * now.v_WB;
-  message->velocity = floats(flu_to_frd(v_B));
-  message->velocity_covariance =
-      upper_triangle(covariance_flu_to_frd(twist_covariance(now, P, gyro_sigma)));
-}
-
-void put_no_rates(OdometryMessage* message) {
-  message->rates.fill(kUnknown);
-  Matrix6d twist = from_upper_triangle(message->velocity_covariance);
-  twist.rightCols<3>().setConstant(static_cast<double>(kUnknown));
-  message->velocity_covariance = upper_triangle(twist);
-}
-
 }  // namespace
 
 std::optional<OdometryMessage> odometry_message(const NavState& now, const BodyCovariance& P,
@@ -76,9 +61,14 @@ std::optional<OdometryMessage> odometry_message(const NavState& now, const BodyC
   OdometryMessage message;
   message.time_usec = static_cast<std::uint64_t>(now.time.count() / 1000);
   content == Content::kAll ? put_pose(now, P, &message) : put_no_pose(&message);
-  put_velocity(now, P, gyro_sigma, &message);
+  message.velocity = floats(flu_to_frd(now.q_WB.conjugate() * now.v_WB));
   message.rates = floats(flu_to_frd(rates));
-  if (!gyro_B) put_no_rates(&message);
+  Matrix6d twist = covariance_flu_to_frd(twist_covariance(now, P, gyro_sigma));
+  if (!gyro_B) {
+    message.rates.fill(kUnknown);
+    twist.rightCols<3>().setConstant(static_cast<double>(kUnknown));
+  }
+  message.velocity_covariance = upper_triangle(twist);
   message.reset_counter = health.reset_counter;
   message.quality = static_cast<std::int8_t>(std::clamp(health.quality, 1, 100));
   return message;

@@ -36,6 +36,11 @@ BodyCovariance some_covariance() {
   return P;
 }
 
+std::optional<OdometryMessage> message_of(const Health& health, Content content = Content::kAll,
+                                          const std::optional<Vector3d>& gyro_B = std::nullopt) {
+  return odometry_message(some_state(), some_covariance(), health, gyro_B, 0.01, content);
+}
+
 TEST(MavlinkOdometry, EveryFieldOfAFlight) {
   const auto message = odometry_message(some_state(), some_covariance(), good_health(),
                                         Vector3d(0.11, 0.22, 0.33), 0.05);
@@ -66,7 +71,7 @@ TEST(MavlinkOdometry, EveryFieldOfAFlight) {
 }
 
 TEST(MavlinkOdometry, WithoutAGyroSampleTheRatesAreUnknown) {
-  const auto message = odometry_message(some_state(), some_covariance(), good_health());
+  const auto message = message_of(good_health());
   ASSERT_TRUE(message);
   for (const float rate : message->rates) EXPECT_TRUE(std::isnan(rate));
   std::size_t at = 0;
@@ -79,8 +84,7 @@ TEST(MavlinkOdometry, WithoutAGyroSampleTheRatesAreUnknown) {
 }
 
 TEST(MavlinkOdometry, VelocityOnlyTellsNoPose) {
-  const auto message = odometry_message(some_state(), some_covariance(), good_health(),
-                                        Vector3d::Zero(), 0.01, Content::kVelocity);
+  const auto message = message_of(good_health(), Content::kVelocity, Vector3d::Zero());
   ASSERT_TRUE(message);
   for (const float value : message->position) EXPECT_TRUE(std::isnan(value));
   for (const float value : message->q) EXPECT_TRUE(std::isnan(value));
@@ -91,24 +95,21 @@ TEST(MavlinkOdometry, VelocityOnlyTellsNoPose) {
 }
 
 TEST(MavlinkOdometry, NothingOfWhatHealthCallsLost) {
-  const auto sent = [](const Health& health, Content content) {
-    return odometry_message(some_state(), some_covariance(), health, {}, 0.01, content).has_value();
-  };
   for (const HealthState state : {HealthState::kInitializing, HealthState::kLost}) {
     Health health = good_health();
     health.state = health.position = state;
-    EXPECT_FALSE(sent(health, Content::kAll));
-    EXPECT_TRUE(sent(health, Content::kVelocity));
-    EXPECT_EQ(sent(health, Content::kAllOrVelocity), state == HealthState::kLost);
+    EXPECT_FALSE(message_of(health));
+    EXPECT_TRUE(message_of(health, Content::kVelocity));
+    EXPECT_EQ(message_of(health, Content::kAllOrVelocity).has_value(), state == HealthState::kLost);
     health.velocity = state;
-    EXPECT_FALSE(sent(health, Content::kVelocity));
-    EXPECT_FALSE(sent(health, Content::kAllOrVelocity));
+    EXPECT_FALSE(message_of(health, Content::kVelocity));
+    EXPECT_FALSE(message_of(health, Content::kAllOrVelocity));
   }
   for (const HealthState state : {HealthState::kDegraded, HealthState::kDeadReckoning}) {
     Health health = good_health();
     health.state = health.position = health.velocity = state;
     health.quality = 0;
-    const auto message = odometry_message(some_state(), some_covariance(), health);
+    const auto message = message_of(health);
     ASSERT_TRUE(message);
     EXPECT_EQ(message->quality, 1);  // 0 would be "unknown"
   }
@@ -116,14 +117,9 @@ TEST(MavlinkOdometry, NothingOfWhatHealthCallsLost) {
 
 TEST(MavlinkOdometry, TheVelocityGoesOnWithoutALostPose) {
   Health health = good_health();
-  const auto position = [&health] {
-    return odometry_message(some_state(), some_covariance(), health, {}, 0.01,
-                            Content::kAllOrVelocity)
-        ->position[0];
-  };
-  EXPECT_TRUE(std::isfinite(position()));
+  EXPECT_TRUE(std::isfinite(message_of(health, Content::kAllOrVelocity)->position[0]));
   health.state = health.heading = HealthState::kLost;
-  EXPECT_TRUE(std::isnan(position()));
+  EXPECT_TRUE(std::isnan(message_of(health, Content::kAllOrVelocity)->position[0]));
 }
 
 TEST(MavlinkOdometry, NothingThatIsNoNumber) {
