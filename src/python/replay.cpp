@@ -229,6 +229,7 @@ void bind_replay(py::module_& module) {
         arguments.how.dataset = dataset;
         arguments.barometer = barometer;
         arguments.no_check = !check;
+        arguments.silent = true;
         return replayed_arrays(arguments);
       },
       py::arg("path"), py::arg("texts"), py::arg("preset"), py::arg("init"), py::arg("map"),

@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <utility>
 
 #include "rio/mavlink/axes.hpp"
-#include "view/record.hpp"
+#include "view/run.hpp"
 
 namespace rio::ros2 {
 

@@ -86,7 +86,8 @@ struct ReplayArguments {
   bool findings = true;    ///< what the check finds is wanted, unless no_check
   bool json = false;
   bool verbose = false;
-  bool quiet = false;  ///< overrides verbose
+  bool quiet = false;   ///< overrides verbose
+  bool silent = false;  ///< neither lines nor notes nor progress on the terminal
 };
 void replay(const ReplayArguments& arguments);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -30,19 +29,6 @@ struct Run {
   std::string name;
   eval::Trajectory poses;
   std::string verdict;  ///< of a replay
-};
-
-class PathOf : public view::RunSink {
- public:
-  explicit PathOf(eval::Trajectory* poses) : poses_(poses) {}
-  void add(const view::ScanRecord& record, const std::vector<view::Event>& /*events*/) override {
-    const NavState& x = record.state;
-    if (!poses_->empty() && poses_->back().time >= x.time) return;
-    poses_->push_back({x.time, x.p_WB, x.q_WB});
-  }
-
- private:
-  eval::Trajectory* poses_;
 };
 
 /// "KEY=1,2" as "KEY=1" and "KEY=2".
@@ -93,9 +79,13 @@ Run replay_of(const CompareArguments& arguments, const std::string& recording,
   one.init = arguments.init;
   one.findings = false;
   Run run{name, {}, {}};
-  ViewOutputs view({});
-  view.add_sink(std::make_unique<PathOf>(&run.poses));
-  const Replayed replayed = run_replay(one, &view);
+  ViewOutputs none({});
+  const Replayed replayed = run_replay(one, &none, [&run](const Odometry& odometry) {
+    const NavState& x = odometry.at_scan();
+    if (run.poses.empty() || run.poses.back().time < x.time) {
+      run.poses.push_back({x.time, x.p_WB, x.q_WB});
+    }
+  });
   run.verdict = replayed.summary.health.verdict();
   if (!replayed.damage.empty()) print_notes({replayed.damage});
   if (run.poses.empty()) throw std::runtime_error("no scan was used");

@@ -103,7 +103,7 @@ class Replay {
 
   ReplaySummary run() {
     const bool shows_lines = outputs_.prints_lines() && isatty(STDOUT_FILENO) != 0;
-    Progress progress(!shows_lines && !on_scan_);
+    Progress progress(!shows_lines && !arguments_.silent);
     while (const ImuSample* sample = feed_.imu()) {
       pace(sample->time);
       progress.show(imu_, outline_.imu_samples);
@@ -270,7 +270,7 @@ Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view, const O
   check::ClockSteps steps;
   if (!arguments.no_check)
     steps = find_clock_steps(recording.samples.get(), recording.sensors, checked, &notes);
-  if (!on_scan) print_notes(notes);  // at once
+  if (!arguments.silent) print_notes(notes);  // at once
   ReplaySummary summary =
       Replay(arguments, recording, options, std::move(steps), view, on_scan).run();
   if (!arguments.no_check && arguments.findings) {

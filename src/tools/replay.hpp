@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The replay itself, without output on the terminal: for the program and for Python.
+// The replay itself, for the program and for Python.
 #pragma once
 
 #include <functional>
@@ -22,8 +22,8 @@ struct Replayed {
   std::string damage;              ///< empty, or where the recording is damaged: it ends there
 };
 
-/// Writes the trajectory files of the arguments and prints nothing if `on_scan` is given; if not,
-/// the lines and the progress of the program.
+/// Writes the trajectory files of the arguments; prints notes, lines and progress unless they are
+/// silent.
 /// @param view begun and given every scan; the caller closes it
 /// @throws std::runtime_error if the estimator did not start; a lost estimate is in the summary
 Replayed run_replay(const ReplayArguments& arguments, ViewOutputs* view,

@@ -85,9 +85,8 @@ void ViewOutputs::begin(const view::RunStart& start) {
 
 void ViewOutputs::add(const Odometry& odometry) {
   if (!any()) return;
-  view::take_record(odometry, &record_);
-  const std::vector<view::Event>& events = watch_.look(record_);
-  for (const auto& sink : sinks_) sink->add(record_, events);
+  const std::vector<view::Event>& events = watch_.look(odometry);
+  for (const auto& sink : sinks_) sink->add(odometry, events);
 }
 
 void ViewOutputs::close(const ReplaySummary& summary) {

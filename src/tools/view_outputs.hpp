@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run is shown in: the sinks of its record that the command line asks for; and what a replay
-// writes at each scan.
+// What a run is shown in: the sinks that the command line asks for; and what a replay writes at
+// each scan.
 #pragma once
 
 #include <fmt/format.h>
@@ -17,8 +17,8 @@
 #include "rio/io/text_file.hpp"
 #include "rio/io/trajectory.hpp"
 #include "view/messages.hpp"
-#include "view/record.hpp"
 #include "view/report.hpp"
+#include "view/run.hpp"
 
 namespace rio::tools {
 
@@ -29,8 +29,6 @@ class ViewOutputs : public live::Listener {
  public:
   /// Throws std::runtime_error if something cannot be written.
   explicit ViewOutputs(const ViewArguments& arguments);
-
-  void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back(std::move(sink)); }
 
   bool any() const { return !sinks_.empty(); }
   void begin(const view::RunStart& start);
@@ -43,11 +41,12 @@ class ViewOutputs : public live::Listener {
   void close(const ReplaySummary& summary);
 
  private:
+  void add_sink(std::unique_ptr<view::RunSink> sink) { sinks_.push_back(std::move(sink)); }
+
   std::string report_path_;
   view::ReportBuilder* report_ = nullptr;  ///< among the sinks
   view::LiveServer* server_ = nullptr;     ///< of a sink
   std::vector<std::unique_ptr<view::RunSink>> sinks_;
-  view::ScanRecord record_;
   view::EventWatch watch_;
 };
 

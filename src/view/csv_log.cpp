@@ -72,14 +72,14 @@ CsvLog::CsvLog(const std::filesystem::path& folder)
   events_.write("t_ns,kind,serious,text\n");
 }
 
-void CsvLog::add(const ScanRecord& record, const std::vector<Event>& events) {
-  const NavState& x = record.state;
-  const UpdateReport& r = record.report;
-  const std::string head =
-      fmt::format("{},{},{}", x.time.count(), record.stamp.count(), record.radar);
+void CsvLog::add(const Odometry& odometry, const std::vector<Event>& events) {
+  const NavState& x = odometry.at_scan();
+  const BodyCovariance& P = odometry.covariance();
+  const UpdateReport& r = odometry.report();
+  const std::string head = fmt::format("{},{},{}", x.time.count(), r.time.count(), r.radar);
   const Quaternion& q = x.q_WB;
   write(&scans_, head, x.p_WB, q.w(), q.x(), q.y(), q.z(), x.v_WB, x.gyro_bias, x.accel_bias,
-        record.sigma(body::kPosition), record.sigma(body::kAttitude), record.sigma(body::kVelocity),
+        sigma_of(P, body::kPosition), sigma_of(P, body::kAttitude), sigma_of(P, body::kVelocity),
         r.detections, r.detections_kept, r.static_detections,
         r.ego_velocity_valid ? cell(r.ego_velocity_S) : ",,", r.landmarks, r.landmarks_matched,
         r.clones, r.at_rest ? 1 : 0, 1e3 * to_seconds(r.update_time),
@@ -89,21 +89,21 @@ void CsvLog::add(const ScanRecord& record, const std::vector<Event>& events) {
           i.detection, i.dof, i.innovation, i.sigma, i.nis, i.gate,
           kGateResults[static_cast<std::size_t>(i.result)]);
   }
-  for (std::size_t i = 0; i < record.points.size(); ++i) {
-    const PointReport& p = record.points[i];
-    write(&points_, head, i, rio::to_string(p.label), p.point_S, p.point_W, p.range_rate, p.snr_db,
-          p.residual, p.residual_sigma);
+  std::size_t point = 0;
+  for (const PointReport& p : odometry.points()) {
+    write(&points_, head, point++, rio::to_string(p.label), p.point_S, p.point_W, p.range_rate,
+          p.snr_db, p.residual, p.residual_sigma);
   }
-  for (const LandmarkReport& l : record.landmarks) {
-    const Matrix3d& P = l.covariance_W;
-    write(&landmarks_, head, l.position_W, P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2),
+  for (const LandmarkReport& l : odometry.landmarks()) {
+    const Matrix3d& C = l.covariance_W;
+    write(&landmarks_, head, l.position_W, C(0, 0), C(0, 1), C(0, 2), C(1, 1), C(1, 2), C(2, 2),
           l.last_seen.count());
   }
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = r.calibration[i];
     if (c.observability == Observability::kNotEstimated) continue;
-    write(&calibration_, head, calibration_name(i, record.radar), kCalibrationNames[i].si_unit,
-          c.value, c.sigma, c.prior_sigma, rio::to_string(c.observability));
+    write(&calibration_, head, calibration_name(i, r.radar), kCalibrationNames[i].si_unit, c.value,
+          c.sigma, c.prior_sigma, rio::to_string(c.observability));
   }
   const Health& h = r.health;
   write(&health_, head, rio::to_string(h.state), rio::to_string(h.position),

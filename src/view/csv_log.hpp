@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The record of a run as CSV files, one a kind, for pandas and spreadsheets. Every row begins with
+// A run as CSV files, one a kind, for pandas and spreadsheets. Every row begins with
 // t_ns, the corrected time of the estimate, and stamp_ns, the stamp of the scan as recorded; every
 // header says quantity, unit and axes.
 //
@@ -15,7 +15,7 @@
 #include <filesystem>
 
 #include "rio/io/text_file.hpp"
-#include "view/record.hpp"
+#include "view/run.hpp"
 
 namespace rio::view {
 
@@ -24,7 +24,7 @@ class CsvLog : public RunSink {
   /// Creates the folder if there is none. Throws std::runtime_error if a file cannot be written.
   explicit CsvLog(const std::filesystem::path& folder);
 
-  void add(const ScanRecord& record, const std::vector<Event>& events) override;
+  void add(const Odometry& odometry, const std::vector<Event>& events) override;
   void close() override;
 
  private:

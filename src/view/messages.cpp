@@ -125,14 +125,16 @@ void Messages::send(const std::string& topic, const char* type, Time time, const
   target_->add(at->second, time, message.bytes());
 }
 
-void Messages::send_pose(const ScanRecord& record) {
-  const NavState& x = record.state;
+void Messages::send_pose(const Odometry& odometry) {
+  const NavState& x = odometry.at_scan();
+  const BodyCovariance& P = odometry.covariance();
+  const std::size_t radar = odometry.report().radar;
   CdrWriter tf;
   tf.put(std::uint32_t{3});
   put_transform(&tf, x.time, kWorld, kBody, {x.q_WB, x.p_WB});
-  put_transform(&tf, x.time, kBody, radar_frame(record.radar), record.T_BS);
+  put_transform(&tf, x.time, kBody, radar_frame(radar), odometry.extrinsics(radar));
   const Quaternion chip(std::sqrt(0.5), 0.0, 0.0, -std::sqrt(0.5));  // its y is the boresight
-  put_transform(&tf, x.time, radar_frame(record.radar), radar_frame(record.radar) + "_chip",
+  put_transform(&tf, x.time, radar_frame(radar), radar_frame(radar) + "_chip",
                 {chip, Vector3d::Zero()});
   send("/tf", "tf2_msgs/msg/TFMessage", x.time, tf);
 
@@ -149,16 +151,16 @@ void Messages::send_pose(const ScanRecord& record) {
   const Vector3d v_B = R.transpose() * x.v_WB;
   K.block<3, 3>(0, body::kVelocity) = R.transpose();
   K.block<3, 3>(0, body::kAttitude) = skew(v_B);
-  Eigen::Matrix<double, 6, 6> twist = K * record.covariance * K.transpose();
+  Eigen::Matrix<double, 6, 6> twist = K * P * K.transpose();
   twist.bottomRightCorner<3, 3>().diagonal().setConstant(1e9);  // angular velocity: not estimated
-  CdrWriter odometry = stamped(x.time, kWorld);
-  odometry.text(kBody);
-  put_pose(&odometry, x.p_WB, x.q_WB);
-  put_covariance(&odometry, J * record.covariance * J.transpose());
-  put_vector(&odometry, v_B);
-  put_vector(&odometry, Vector3d::Zero());
-  put_covariance(&odometry, twist);
-  send("/odometry", "nav_msgs/msg/Odometry", x.time, odometry);
+  CdrWriter message = stamped(x.time, kWorld);
+  message.text(kBody);
+  put_pose(&message, x.p_WB, x.q_WB);
+  put_covariance(&message, J * P * J.transpose());
+  put_vector(&message, v_B);
+  put_vector(&message, Vector3d::Zero());
+  put_covariance(&message, twist);
+  send("/odometry", "nav_msgs/msg/Odometry", x.time, message);
 }
 
 void Messages::send_path(const std::string& topic, Time time, const eval::Trajectory& poses) {
@@ -180,69 +182,74 @@ void Messages::extend_path(const NavState& state) {
   send_path("/path", state.time, path_);
 }
 
-void Messages::send_points(const ScanRecord& record) {
+void Messages::send_points(const Odometry& odometry) {
+  const Time time = odometry.at_scan().time;
+  const std::string frame = radar_frame(odometry.report().radar);
+  const std::vector<PointReport>& points = odometry.points();
   bag::ByteWriter data;
-  for (const PointReport& point : record.points) {
+  for (const PointReport& point : points) {
     const Vector3d& p = point.point_S;
     put_floats(&data, {p.x(), p.y(), p.z(), point.range_rate, point.residual, point.residual_sigma,
                        point.snr_db});
     data.put(static_cast<std::uint8_t>(point.label));
   }
-  send("/" + radar_frame(record.radar) + "/points", "sensor_msgs/msg/PointCloud2",
-       record.state.time,
-       cloud(record.state.time, radar_frame(record.radar),
-             {"x", "y", "z", "doppler", "residual", "sigma", "snr"}, "label", record.points.size(),
-             data.bytes()));
+  send("/" + frame + "/points", "sensor_msgs/msg/PointCloud2", time,
+       cloud(time, frame, {"x", "y", "z", "doppler", "residual", "sigma", "snr"}, "label",
+             points.size(), data.bytes()));
 }
 
-void Messages::send_landmarks(const ScanRecord& record) {
+void Messages::send_landmarks(const Odometry& odometry) {
+  const Time time = odometry.at_scan().time;
+  const std::vector<LandmarkReport>& landmarks = odometry.landmarks();
   bag::ByteWriter data;
-  for (const LandmarkReport& landmark : record.landmarks) {
+  for (const LandmarkReport& landmark : landmarks) {
     const Vector3d& p = landmark.position_W;
     const Matrix3d& P = landmark.covariance_W;
     put_floats(&data, {p.x(), p.y(), p.z(), P(0, 0), P(0, 1), P(0, 2), P(1, 1), P(1, 2), P(2, 2)});
   }
-  const Time time = record.state.time;
   send("/landmarks", "sensor_msgs/msg/PointCloud2", time,
        cloud(time, kWorld, {"x", "y", "z", "xx", "xy", "xz", "yy", "yz", "zz"}, nullptr,
-             record.landmarks.size(), data.bytes()));
+             landmarks.size(), data.bytes()));
   if (ellipsoids_sent_ != Time::min() && time - ellipsoids_sent_ < std::chrono::seconds(1)) return;
   ellipsoids_sent_ = time;
   send("/landmarks/ellipsoids", "visualization_msgs/msg/MarkerArray", time,
-       ellipsoids(time, record.landmarks), true);
+       ellipsoids(time, landmarks), true);
 }
 
-void Messages::send_innovations(const ScanRecord& record) {
-  CdrWriter message = stamped(record.state.time, kWorld);
-  message.put(static_cast<std::uint32_t>(record.report.records.size()));
-  for (const InnovationRecord& i : record.report.records) {
+void Messages::send_innovations(const Odometry& odometry) {
+  const Time time = odometry.at_scan().time;
+  const auto& records = odometry.report().records;
+  CdrWriter message = stamped(time, kWorld);
+  message.put(static_cast<std::uint32_t>(records.size()));
+  for (const InnovationRecord& i : records) {
     message.text(i.name == nullptr ? to_string(i.model) : i.name).put(i.detection).put(i.dof);
     message.put(i.innovation).put(i.sigma).put(i.nis).put(i.gate);
     message.put(static_cast<std::uint8_t>(i.result == GateResult::kUsed ? 1 : 0));
   }
-  send("/innovations", "rio/msg/Innovations", record.state.time, message);
+  send("/innovations", "rio/msg/Innovations", time, message);
 }
 
-void Messages::send_series(const ScanRecord& record) {
-  const Time time = record.state.time;
-  const UpdateReport& report = record.report;
+void Messages::send_series(const Odometry& odometry) {
+  const NavState& state = odometry.at_scan();
+  const BodyCovariance& P = odometry.covariance();
+  const UpdateReport& report = odometry.report();
   const auto send_vector = [&](const char* topic, const char* frame, const Vector3d& value) {
-    CdrWriter message = stamped(time, frame);
+    CdrWriter message = stamped(state.time, frame);
     put_vector(&message, value);
-    send(topic, "geometry_msgs/msg/Vector3Stamped", time, message);
+    send(topic, "geometry_msgs/msg/Vector3Stamped", state.time, message);
   };
   const auto send_number = [&](const std::string& topic, double value) {
-    send(topic, "std_msgs/msg/Float64", time, CdrWriter().put(value));
+    send(topic, "std_msgs/msg/Float64", state.time, CdrWriter().put(value));
   };
-  send_vector("/sigma/position", kWorld, record.sigma(body::kPosition));
-  send_vector("/sigma/attitude", kWorld, record.sigma(body::kAttitude));
-  send_vector("/sigma/velocity", kWorld, record.sigma(body::kVelocity));
-  send_vector("/bias/gyro", kBody, record.state.gyro_bias);
-  send_vector("/bias/accel", kBody, record.state.accel_bias);
+  send_vector("/sigma/position", kWorld, sigma_of(P, body::kPosition));
+  send_vector("/sigma/attitude", kWorld, sigma_of(P, body::kAttitude));
+  send_vector("/sigma/velocity", kWorld, sigma_of(P, body::kVelocity));
+  send_vector("/bias/gyro", kBody, state.gyro_bias);
+  send_vector("/bias/accel", kBody, state.accel_bias);
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
     const CalibrationReport& c = report.calibration[i];
     if (c.observability == Observability::kNotEstimated) continue;
-    const std::string topic = "/calibration/" + calibration_name(i, record.radar);
+    const std::string topic = "/calibration/" + calibration_name(i, report.radar);
     send_number(topic, c.value);
     send_number(topic + "/sigma", c.sigma);
   }
@@ -275,18 +282,18 @@ void Messages::tell_truth(const NavState& state) {
   start_.truth.clear();
 }
 
-void Messages::add(const ScanRecord& record, const std::vector<Event>& events) {
-  tell_truth(record.state);
-  send_pose(record);
-  extend_path(record.state);
-  send_points(record);
-  send_landmarks(record);
-  send_innovations(record);
-  send_series(record);
+void Messages::add(const Odometry& odometry, const std::vector<Event>& events) {
+  tell_truth(odometry.at_scan());
+  send_pose(odometry);
+  extend_path(odometry.at_scan());
+  send_points(odometry);
+  send_landmarks(odometry);
+  send_innovations(odometry);
+  send_series(odometry);
   for (const Event& event : events) {
     send("/events", "rcl_interfaces/msg/Log", event.time, log_message(event));
   }
-  target_->flush(record.state.time);
+  target_->flush(odometry.at_scan().time);
 }
 
 void Messages::close() {

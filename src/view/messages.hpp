@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The record of a run in messages of ROS 2 that viewers open without a plugin. Frames: world, imu
+// A run in messages of ROS 2 that viewers open without a plugin. Frames: world, imu
 // (the body), radar0... (x boresight, y left, z up) and radar0_chip... (x right, y forward, z up).
 //
 //   /tf                     tf2_msgs/TFMessage: world -> imu -> radar0 -> radar0_chip
@@ -31,7 +31,7 @@
 
 #include "bag/byte_writer.hpp"
 #include "bag/mcap_writer.hpp"
-#include "view/record.hpp"
+#include "view/run.hpp"
 
 namespace rio::view {
 
@@ -94,20 +94,20 @@ class Messages : public RunSink {
   explicit Messages(std::unique_ptr<MessageTarget> target) : target_(std::move(target)) {}
 
   void begin(const RunStart& start) override { start_ = start; }
-  void add(const ScanRecord& record, const std::vector<Event>& events) override;
+  void add(const Odometry& odometry, const std::vector<Event>& events) override;
   void close() override;
 
  private:
   void send(const std::string& topic, const char* type, Time time, const bag::CdrWriter& message,
             bool latest_stays = false);
   void tell_truth(const NavState& state);
-  void send_pose(const ScanRecord& record);
+  void send_pose(const Odometry& odometry);
   void send_path(const std::string& topic, Time time, const eval::Trajectory& poses);
   void extend_path(const NavState& state);
-  void send_points(const ScanRecord& record);
-  void send_landmarks(const ScanRecord& record);
-  void send_innovations(const ScanRecord& record);
-  void send_series(const ScanRecord& record);
+  void send_points(const Odometry& odometry);
+  void send_landmarks(const Odometry& odometry);
+  void send_innovations(const Odometry& odometry);
+  void send_series(const Odometry& odometry);
 
   std::unique_ptr<MessageTarget> target_;
   std::map<std::string, std::uint16_t> channels_;  ///< by topic

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "view/record.hpp"
+#include "view/run.hpp"
 
 namespace rio::view {
 

@@ -106,33 +106,35 @@ void ReportBuilder::begin(const RunStart& start) {
   page_.plots = report_plots(start.options.radars());
 }
 
-void ReportBuilder::add(const ScanRecord& record, const std::vector<Event>& events) {
-  if (!begun_) page_.begin = record.state.time;
+void ReportBuilder::add(const Odometry& odometry, const std::vector<Event>& events) {
+  const NavState& x = odometry.at_scan();
+  if (!begun_) page_.begin = x.time;
   begun_ = true;
-  const double seconds = to_seconds(record.state.time - page_.begin);
+  const double seconds = to_seconds(x.time - page_.begin);
   page_.columns.start_row(seconds);
-  page_.paths.front().add(seconds, record.state.p_WB, record.state.q_WB);
-  add_state(record);
-  add_calibration(record);
-  add_models(record);
-  add_points(record, seconds);
-  add_truth(record, seconds);
+  page_.paths.front().add(seconds, x.p_WB, x.q_WB);
+  add_state(odometry);
+  add_calibration(odometry.report());
+  add_models(odometry.report());
+  add_points(odometry, seconds);
+  add_truth(odometry, seconds);
   page_.events.insert(page_.events.end(), events.begin(), events.end());
 }
 
-void ReportBuilder::add_state(const ScanRecord& record) {
+void ReportBuilder::add_state(const Odometry& odometry) {
   Columns& columns = page_.columns;
-  const NavState& x = record.state;
-  set_vector(&columns, "p", x.p_WB, record.sigma(body::kPosition));
-  set_vector(&columns, "v", x.v_WB, record.sigma(body::kVelocity));
-  set_vector(&columns, "bg", x.gyro_bias, record.sigma(body::kGyroBias), eval::kDegreesPerRadian);
-  set_vector(&columns, "ba", x.accel_bias, record.sigma(body::kAccelBias));
+  const NavState& x = odometry.at_scan();
+  const BodyCovariance& covariance = odometry.covariance();
+  set_vector(&columns, "p", x.p_WB, sigma_of(covariance, body::kPosition));
+  set_vector(&columns, "v", x.v_WB, sigma_of(covariance, body::kVelocity));
+  set_vector(&columns, "bg", x.gyro_bias, sigma_of(covariance, body::kGyroBias),
+             eval::kDegreesPerRadian);
+  set_vector(&columns, "ba", x.accel_bias, sigma_of(covariance, body::kAccelBias));
   columns.set("speed", x.v_WB.norm());
   const Matrix3d R = x.q_WB.toRotationMatrix();
   const double yaw = std::atan2(R(1, 0), R(0, 0));
   yaw_ += std::remainder(yaw - yaw_, 2.0 * std::acos(-1.0));
-  const Matrix3d P =
-      R * record.covariance.block<3, 3>(body::kAttitude, body::kAttitude) * R.transpose();
+  const Matrix3d P = R * covariance.block<3, 3>(body::kAttitude, body::kAttitude) * R.transpose();
   const auto sigma = [](double variance) {
     return eval::kDegreesPerRadian * std::sqrt(std::max(0.0, variance));
   };
@@ -145,11 +147,11 @@ void ReportBuilder::add_state(const ScanRecord& record) {
   columns.set("sa.yaw", yaw_sigma_);
 }
 
-void ReportBuilder::add_calibration(const ScanRecord& record) {
+void ReportBuilder::add_calibration(const UpdateReport& report) {
   for (std::size_t i = 0; i < kCalibrationCount; ++i) {
-    const CalibrationReport& c = record.report.calibration[i];
+    const CalibrationReport& c = report.calibration[i];
     if (c.observability == Observability::kNotEstimated) continue;
-    calibration_[calibration_name(i, record.radar)] = {kCalibrationNames[i].scale * c.value,
+    calibration_[calibration_name(i, report.radar)] = {kCalibrationNames[i].scale * c.value,
                                                        kCalibrationNames[i].scale * c.sigma};
   }
   for (const auto& [column, correction] : calibration_) {  // of the other radars: unchanged
@@ -158,10 +160,10 @@ void ReportBuilder::add_calibration(const ScanRecord& record) {
   }
 }
 
-void ReportBuilder::add_models(const ScanRecord& record) {
+void ReportBuilder::add_models(const UpdateReport& report) {
   Columns& columns = page_.columns;
   for (std::size_t i = 0; i < kModelCount; ++i) {
-    const ModelReport& model = record.report.models[i];
+    const ModelReport& model = report.models[i];
     const std::string name = to_string(static_cast<Model>(i));
     const bool any = model.rows_used + model.rows_gated > 0;
     if (!any && !columns.has(name + ".used")) continue;
@@ -172,7 +174,7 @@ void ReportBuilder::add_models(const ScanRecord& record) {
     double high = -1e300;
     double sum = 0.0;
     int count = 0;
-    for (const InnovationRecord& innovation : record.report.records) {
+    for (const InnovationRecord& innovation : report.records) {
       if (static_cast<std::size_t>(innovation.model) != i || !(innovation.sigma > 0.0)) continue;
       const double ratio = innovation.innovation / innovation.sigma;
       low = std::min(low, ratio);
@@ -194,9 +196,9 @@ void ReportBuilder::add_models(const ScanRecord& record) {
   }
 }
 
-void ReportBuilder::add_points(const ScanRecord& record, double seconds) {
+void ReportBuilder::add_points(const Odometry& odometry, double seconds) {
   Columns& columns = page_.columns;
-  const UpdateReport& report = record.report;
+  const UpdateReport& report = odometry.report();
   columns.set("n.received", report.detections);
   columns.set("n.kept", report.detections_kept);
   columns.set("n.static", report.static_detections);
@@ -208,27 +210,28 @@ void ReportBuilder::add_points(const ScanRecord& record, double seconds) {
   columns.set("n.clones", report.clones);
   columns.set("n.ms", 1e3 * to_seconds(report.update_time));
   columns.set("n.quality", report.health.quality);
-  page_.marks.start_scan(seconds, record.state.p_WB);
-  for (const PointReport& point : record.points) {
+  page_.marks.start_scan(seconds, odometry.at_scan().p_WB);
+  for (const PointReport& point : odometry.points()) {
     page_.marks.add(point.point_W, point.residual, static_cast<std::uint8_t>(point.label));
     ++rates_[static_cast<int>(std::lround(point.range_rate / rate_bin()))];
   }
-  for (const LandmarkReport& landmark : record.landmarks) {
+  for (const LandmarkReport& landmark : odometry.landmarks()) {
     const double sigma = std::sqrt(std::max(0.0, landmark.covariance_W.diagonal().maxCoeff()));
     page_.marks.add(landmark.position_W, sigma, Marks::kLandmark);
   }
 }
 
-void ReportBuilder::add_truth(const ScanRecord& record, double seconds) {
+void ReportBuilder::add_truth(const Odometry& odometry, double seconds) {
   const eval::Trajectory& truth = start_->truth;
-  const Time time = record.state.time;
+  const NavState& x = odometry.at_scan();
+  const Time time = x.time;
   while (next_truth_ < truth.size() && truth[next_truth_].time < time) ++next_truth_;
   if (next_truth_ >= truth.size() || truth[next_truth_ - 1].time > time) return;
   const eval::StampedPose& before = truth[next_truth_ - 1];
   const eval::StampedPose& after = truth[next_truth_];
   if (after.time - before.time > std::chrono::seconds(1)) return;  // a gap of the truth
   eval::StampedPose there = eval::interpolate(before, after, time);
-  const eval::StampedPose here{time, record.state.p_WB, record.state.q_WB};
+  const eval::StampedPose here{time, x.p_WB, x.q_WB};
   if (!over_) {
     over_ = start_->lay_truth_over ? laid_over(there, here) : Pose{};
     last_truth_ = over_->rotation * there.p + over_->translation;
@@ -240,7 +243,7 @@ void ReportBuilder::add_truth(const ScanRecord& record, double seconds) {
   const Vector3d error = here.p - there.p;
   last_error_ = error.norm();
   squares_ += error.squaredNorm();
-  set_vector(&page_.columns, "e", error, record.sigma(body::kPosition));
+  set_vector(&page_.columns, "e", error, sigma_of(odometry.covariance(), body::kPosition));
   page_.columns.set("e.yaw", eval::yaw_error({there, here}));
   page_.columns.set("se.yaw", yaw_sigma_);
   page_.columns.set("e.tilt", eval::tilt_error({there, here}));

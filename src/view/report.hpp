@@ -12,22 +12,22 @@
 
 namespace rio::view {
 
-/// Gathers the record of a run as a page; verdict and further lines of the card are the caller's.
+/// Gathers a run as a page; verdict and further lines of the card are the caller's.
 class ReportBuilder : public RunSink {
  public:
   void begin(const RunStart& start) override;
-  void add(const ScanRecord& record, const std::vector<Event>& events) override;
+  void add(const Odometry& odometry, const std::vector<Event>& events) override;
   void close() override;
 
   /// After close().
   Page& page() { return page_; }
 
  private:
-  void add_state(const ScanRecord& record);
-  void add_calibration(const ScanRecord& record);
-  void add_models(const ScanRecord& record);
-  void add_points(const ScanRecord& record, double seconds);
-  void add_truth(const ScanRecord& record, double seconds);
+  void add_state(const Odometry& odometry);
+  void add_calibration(const UpdateReport& report);
+  void add_models(const UpdateReport& report);
+  void add_points(const Odometry& odometry, double seconds);
+  void add_truth(const Odometry& odometry, double seconds);
   double rate_bin() const;  ///< of the histogram [m/s]
   void finish_histogram();
 

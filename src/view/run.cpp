@@ -1,24 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/record.hpp"
+#include "view/run.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 namespace rio::view {
-
-void take_record(const Odometry& odometry, ScanRecord* out) {
-  const UpdateReport& report = odometry.report();
-  out->stamp = report.time;
-  out->radar = report.radar;
-  out->state = odometry.at_scan();
-  out->covariance = odometry.covariance();
-  out->T_BS = odometry.extrinsics(report.radar);
-  out->report = report;
-  out->points = odometry.points();
-  out->landmarks = odometry.landmarks();
-  out->counters = odometry.counters();
-}
 
 std::string reasons_text(const Health& health) {
   std::string text;
@@ -40,14 +27,16 @@ Pose laid_over(const eval::StampedPose& truth, const eval::StampedPose& estimate
   return T;
 }
 
-const std::vector<Event>& EventWatch::look(const ScanRecord& record) {
+const std::vector<Event>& EventWatch::look(const Odometry& odometry) {
   using enum EventKind;
+  const UpdateReport& report = odometry.report();
+  const Counters& counters = odometry.counters();
   events_.clear();
   const auto add = [&](EventKind kind, bool serious, const std::string& text) {
-    events_.push_back({record.state.time, kind, serious, text});
+    events_.push_back({odometry.at_scan().time, kind, serious, text});
   };
   const auto count = [&](std::uint64_t Counters::*counter, EventKind kind, const char* text) {
-    const std::uint64_t now = record.counters.*counter;
+    const std::uint64_t now = counters.*counter;
     const std::uint64_t before = counters_.*counter;
     if (now <= before) return;  // a reset clears the counters
     add(kind, kind == kReset || kind == kFailed,
@@ -55,7 +44,6 @@ const std::vector<Event>& EventWatch::look(const ScanRecord& record) {
   };
   if (!started_) add(kStart, false, "first scan used");
   started_ = true;
-  const UpdateReport& report = record.report;
   if (mounting_unknown_ && !report.mounting_unknown) {
     add(kStart, false, "the mounting of the radar was found");
   }
@@ -85,7 +73,7 @@ const std::vector<Event>& EventWatch::look(const ScanRecord& record) {
     add(kHealth, health_ == HealthState::kLost,
         fmt::format("health: {}{}{}", to_string(health_), why.empty() ? "" : ", ", why));
   }
-  counters_ = record.counters;
+  counters_ = counters;
   return events_;
 }
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The record of a run: everything the estimator says at a scan, once, as plain values. Whoever
-// shows or stores a run (report, CSV, MCAP, live view) is a RunSink and reads nothing else.
+// A run made visible: whoever shows or stores it (report, CSV, MCAP, live view) is a RunSink, and
+// reads from the estimator after each processed scan.
 //
 //   RunStart     before the first scan: name, options, truth
-//   ScanRecord   each processed scan: state and covariance, calibration, the update stage by stage,
-//                every innovation with sigma, NIS and gate, every point with label, world position
-//                and residual, every landmark, health, counters
 //   Event        what happened between two scans: start, gap, late scan, reset, health change
 #pragma once
 
@@ -19,26 +16,10 @@
 
 namespace rio::view {
 
-/// The estimate at one scan, and what the update made of it.
-struct ScanRecord {
-  Time stamp{0};  ///< of the scan as recorded; state.time is corrected by the time offset
-  std::size_t radar = 0;
-  NavState state;
-  BodyCovariance covariance = BodyCovariance::Zero();  ///< of the state, order of namespace body
-  Pose T_BS;                                           ///< of that radar, as estimated
-  UpdateReport report;                                 ///< with innovations, calibration and health
-  std::vector<PointReport> points;
-  std::vector<LandmarkReport> landmarks;
-  Counters counters;
-
-  /// 1-sigma of three elements of the body error, first element as in namespace body.
-  Vector3d sigma(int block) const {
-    return covariance.diagonal().segment<3>(block).cwiseMax(0.0).cwiseSqrt();
-  }
-};
-
-/// The record of the last processed scan; the vectors of `out` keep their capacity.
-void take_record(const Odometry& odometry, ScanRecord* out);
+/// 1-sigma of three elements of the body error, the first one as in namespace body.
+inline Vector3d sigma_of(const BodyCovariance& covariance, int first) {
+  return covariance.diagonal().segment<3>(first).cwiseMax(0.0).cwiseSqrt();
+}
 
 enum class EventKind : std::uint8_t {
   kStart,
@@ -59,11 +40,11 @@ struct Event {
   std::string text;
 };
 
-/// Finds the events in a sequence of records.
+/// Finds the events of a run, looking at the estimator after each scan.
 class EventWatch {
  public:
-  /// Events since the last record, this one included; valid until the next call.
-  const std::vector<Event>& look(const ScanRecord& record);
+  /// Events since the last scan, this one included; valid until the next call.
+  const std::vector<Event>& look(const Odometry& odometry);
 
  private:
   bool started_ = false;
@@ -82,12 +63,14 @@ struct RunStart {
   std::string version;
 };
 
-/// Takes the record of a run as it goes on.
+/// Follows a run as it goes on.
 class RunSink {
  public:
   virtual ~RunSink() = default;
   virtual void begin(const RunStart& /*start*/) {}
-  virtual void add(const ScanRecord& record, const std::vector<Event>& events) = 0;
+  /// @param odometry right after it has processed a scan
+  /// @param events since the scan before
+  virtual void add(const Odometry& odometry, const std::vector<Event>& events) = 0;
   /// Nothing more will come; files are complete afterwards. Throws if one could not be written.
   virtual void close() {}
 };
