@@ -93,7 +93,6 @@ class Replay {
     odometry_ = Odometry::create(used, &why);
     if (odometry_ == nullptr) throw std::runtime_error(why);
     odometry_->on_scan([this] { record(); });
-    if (!arguments.init_velocity.empty()) init_velocity_ = Vector3d(arguments.init_velocity.data());
     summary_.initialised_by = start_ ? start_->source : "static";
     if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
     if (start_) begin(*start_);
@@ -122,12 +121,11 @@ class Replay {
 
  private:
   void begin(const Start& start) {
-    NavState state = start.state;
-    if (init_velocity_) state.v_WB = *init_velocity_;
-    restart(state, start.covariance);
-    while (feed_.imu(1) != nullptr && feed_.imu(1)->time <= state.time) next_imu();
+    restart(start.state, start.covariance);
+    const Time time = start.state.time;
+    while (feed_.imu(1) != nullptr && feed_.imu(1)->time <= time) next_imu();
     std::size_t radar = 0;
-    for (auto due = feed_.due(); due && *due < state.time; due = feed_.due()) {
+    for (auto due = feed_.due(); due && *due < time; due = feed_.due()) {
       (void)feed_.take_scan(&radar);
       ++summary_.scans_before_start;
     }
@@ -145,7 +143,10 @@ class Replay {
     ++imu_;
   }
 
-  void restart(const NavState& state, const BodyCovariance& covariance) {
+  /// With the velocity of the arguments, if they give one.
+  void restart(NavState state, const BodyCovariance& covariance) {
+    const std::vector<double>& velocity = arguments_.init_velocity;
+    if (!velocity.empty()) state.v_WB = Vector3d(velocity.data());
     const Status status = odometry_->reset(state, covariance);
     if (status == Status::kOk) return;
     throw std::runtime_error(std::string("the start was refused: ") + to_string(status));
@@ -156,10 +157,8 @@ class Replay {
     const std::uint64_t restarts = this->restarts();
     timed([&] { (void)odometry_->add_imu(sample); });  // its outcome is counted
     if (odometry_->initialized()) summary_.health.add(sample.time, odometry_->health());
-    if (!was_initialized && odometry_->initialized() && init_velocity_) {
-      NavState state = odometry_->at_scan();
-      state.v_WB = *init_velocity_;
-      restart(state, BodyCovariance(odometry_->covariance()));
+    if (!was_initialized && odometry_->initialized() && !arguments_.init_velocity.empty()) {
+      restart(odometry_->at_scan(), BodyCovariance(odometry_->covariance()));
     }
     if (this->restarts() != restarts) waiting_ = false;  // the scan has been discarded as late
   }
@@ -249,7 +248,6 @@ class Replay {
   ScanOutputs outputs_;
   std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
-  std::optional<Vector3d> init_velocity_;
   bool waiting_ = false;      ///< a scan of the single radar waits for the IMU
   Time recording_{0};         ///< spent on it within a call
   std::exception_ptr error_;  ///< of recording
