@@ -54,20 +54,10 @@ Start start_from_truth(const OpenRecording& recording, const Options& options) {
   return start;
 }
 
-}  // namespace
-
-std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
-                                const Options& options) {
-  std::string init = arguments.init;
-  if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
-  if (init == "static") return std::nullopt;
-  if (init == "groundtruth") return start_from_truth(recording, options);
-  const Time begin = recording.samples->outline().imu_begin;
-  return Start{io::load_start(init, options.start, begin), "file"};
-}
-
-std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
-  if (std::is_sorted(stamps.begin(), stamps.end())) return std::nullopt;
+/// When to give each scan: at its stamp, or, if that is out of order, at the next one in order. In
+/// order is the longest increasing sequence, so that one outlier holds up no other scan.
+std::vector<Time> due_times(std::vector<Time> stamps) {
+  if (std::is_sorted(stamps.begin(), stamps.end())) return stamps;
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> ends;  // last scan of the best sequence of each length
   std::vector<std::size_t> before(stamps.size(), kNone);
@@ -95,43 +85,46 @@ std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps) {
   return due;
 }
 
+}  // namespace
+
+std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
+                                const Options& options) {
+  std::string init = arguments.init;
+  if (init.empty()) init = recording.sensors.ground_truth.empty() ? "static" : "groundtruth";
+  if (init == "static") return std::nullopt;
+  if (init == "groundtruth") return start_from_truth(recording, options);
+  const Time begin = recording.samples->outline().imu_begin;
+  return Start{io::load_start(init, options.start, begin), "file"};
+}
+
 ReplayFeed::ReplayFeed(io::RecordingStream* stream, check::ClockSteps steps)
     : stream_(stream), imu_steps_(std::move(steps.imu)) {
   steps.radars.resize(stream->outline().scan_times.size());
-  for (const std::vector<Time>& stamps : stream->outline().scan_times) {
+  for (std::vector<Time> stamps : stream->outline().scan_times) {
     std::vector<check::ClockStep>& of = steps.radars[radars_.size()];
-    if (of.empty()) {
-      radars_.push_back({&stamps, due_times(stamps), {}});
-      continue;
+    for (std::size_t i = 0; i < stamps.size(); ++i) {
+      stamps[i] = check::without_steps(stamps[i], of, i);
     }
-    std::vector<Time> moved = stamps;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      moved[i] = check::without_steps(moved[i], of, i);
-    }
-    std::optional<std::vector<Time>> odd = due_times(moved);
-    radars_.push_back({&stamps, odd ? std::move(odd) : std::move(moved), std::move(of)});
+    radars_.push_back({due_times(std::move(stamps)), std::move(of)});
   }
   stream->rewind();
 }
 
 const ImuSample* ReplayFeed::imu(std::size_t ahead) {
-  while (samples_ <= ahead) {
-    if (samples_ > 0) imu_[0] = imu_[1];
-    if (!stream_->next(&imu_[1])) {
-      if (samples_ > 0) imu_[1] = imu_[0];
-      return nullptr;
-    }
-    imu_[1].time = check::without_steps(imu_[1].time, imu_steps_, samples_read_++);
-    ++samples_;
+  while (imu_.size() <= ahead) {
+    ImuSample sample;
+    if (!stream_->next(&sample)) return nullptr;
+    sample.time = check::without_steps(sample.time, imu_steps_, samples_read_++);
+    imu_.push_back(sample);
   }
-  return &imu_[2 - samples_ + ahead];
+  return &imu_[ahead];
 }
 
 std::size_t ReplayFeed::first_due() const {
   std::size_t first = radars_.size();
   for (std::size_t r = 0; r < radars_.size(); ++r) {
-    if (!radars_[r].any()) continue;
-    if (first == radars_.size() || radars_[r].due() < radars_[first].due()) first = r;
+    if (radars_[r].left() == 0) continue;
+    if (first == radars_.size() || radars_[r].next_due() < radars_[first].next_due()) first = r;
   }
   return first;
 }
@@ -139,7 +132,7 @@ std::size_t ReplayFeed::first_due() const {
 std::optional<Time> ReplayFeed::due() const {
   const std::size_t r = first_due();
   if (r == radars_.size()) return std::nullopt;
-  return radars_[r].due();
+  return radars_[r].next_due();
 }
 
 const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
@@ -147,7 +140,7 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
   Radar& of = radars_[*radar];
   if (!stream_->next(&scan_, *radar)) {  // the file has been cut meanwhile
     scan_ = {};
-    of.count = of.next + 1;
+    of.due.resize(of.next + 1);
   }
   scan_.time = check::without_steps(scan_.time, of.steps, of.next);
   ++of.next;
@@ -156,7 +149,7 @@ const RadarScan& ReplayFeed::take_scan(std::size_t* radar) {
 
 std::size_t ReplayFeed::scans_left() const {
   std::size_t left = 0;
-  for (const Radar& radar : radars_) left += radar.count - radar.next;
+  for (const Radar& radar : radars_) left += radar.left();
   return left;
 }
 

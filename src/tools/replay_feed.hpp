@@ -2,8 +2,8 @@
 // Where a replay begins, and the samples and scans of the recording in its order, streamed.
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,11 +28,6 @@ struct Start : Alignment {
 std::optional<Start> make_start(const ReplayArguments& arguments, const OpenRecording& recording,
                                 const Options& options);
 
-/// When to give each scan: at its stamp, or, if that is out of order, at the next one in order. In
-/// order is the longest increasing sequence, so that one outlier holds up no other scan. Empty if
-/// these are the stamps themselves.
-std::optional<std::vector<Time>> due_times(const std::vector<Time>& stamps);
-
 class ReplayFeed {
  public:
   /// From the beginning of the recording.
@@ -41,7 +36,7 @@ class ReplayFeed {
 
   /// The next sample, or the one after; null if there is none. Valid until the next call.
   const ImuSample* imu(std::size_t ahead = 0);
-  void pass_imu() { --samples_; }
+  void pass_imu() { imu_.pop_front(); }
 
   /// When the next scan of any radar is due; empty if there is none.
   std::optional<Time> due() const;
@@ -51,21 +46,18 @@ class ReplayFeed {
 
  private:
   struct Radar {
-    const std::vector<Time>* stamps;       ///< as recorded
-    std::optional<std::vector<Time>> odd;  ///< due_times()
+    std::vector<Time> due;  ///< when to give each scan
     std::vector<check::ClockStep> steps;
     std::size_t next = 0;
-    std::size_t count = stamps->size();
 
-    bool any() const { return next < count; }
-    Time due() const { return odd ? (*odd)[next] : (*stamps)[next]; }
+    std::size_t left() const { return due.size() - next; }
+    Time next_due() const { return due[next]; }
   };
   std::size_t first_due() const;  ///< radar; the number of radars if none has a scan
 
   io::RecordingStream* stream_;
-  std::array<ImuSample, 2> imu_{};  ///< read, but not yet given
-  std::size_t samples_ = 0;         ///< number of these; the last ones
-  std::size_t samples_read_ = 0;    ///< of the recording
+  std::deque<ImuSample> imu_;     ///< read, but not yet given
+  std::size_t samples_read_ = 0;  ///< of the recording
   std::vector<check::ClockStep> imu_steps_;
   std::vector<Radar> radars_;
   RadarScan scan_;
