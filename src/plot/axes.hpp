@@ -129,7 +129,7 @@ class Axes {
       svg_->line({box_.left, y}, {box_.right(), y}, grid(tick.value));
       svg_->text({box_.left - kTickGap, y + 4.0}, tick.label, {kTickSize, Anchor::kEnd});
     }
-    svg_->rectangle(box_.left, box_.top, box_.width, box_.height, "none", {"#8a8a8a", 1.0});
+    svg_->rectangle(box_, "none", {"#8a8a8a", 1.0});
     svg_->text({box_.left, box_.top - 9.0}, title,
                {fitted_size(title, 14.0, box_.width), Anchor::kStart, true});
     const Point centre{box_.left + 0.5 * box_.width, box_.top + 0.5 * box_.height};

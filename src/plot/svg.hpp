@@ -84,13 +84,11 @@ inline double fitted_size(const std::string& text, double size, double width) {
 class Svg {
  public:
   Svg(double width, double height) : width_(width), height_(height) {
-    rectangle(0.0, 0.0, width, height, "#ffffff", {"none", 0.0});
+    rectangle({0.0, 0.0, width, height}, "#ffffff", {"none", 0.0});
   }
 
-  void rectangle(double x, double y, double w, double h, const std::string& fill,
-                 const Stroke& stroke) {
-    body_ += "<rect" + attribute("x", x) + attribute("y", y) + attribute("width", w) +
-             attribute("height", h) + painted(fill, stroke) + "/>\n";
+  void rectangle(const Box& box, const std::string& fill, const Stroke& stroke) {
+    body_ += rect(box) + painted(fill, stroke) + "/>\n";
   }
   void circle(Point centre, double radius, const std::string& fill, const Stroke& stroke) {
     body_ += "<circle" + attribute("cx", centre.x) + attribute("cy", centre.y) +
@@ -130,10 +128,8 @@ class Svg {
   /// Clips everything drawn from here to end_clip() to the box. Not nested.
   void begin_clip(const Box& box) {
     const std::string id = "clip" + std::to_string(++clips_);
-    body_ += "<clipPath id=\"" + id + "\"><rect" + attribute("x", box.left) +
-             attribute("y", box.top) + attribute("width", box.width) +
-             attribute("height", box.height) + "/></clipPath>\n<g clip-path=\"url(#" + id +
-             ")\">\n";
+    body_ += "<clipPath id=\"" + id + "\">" + rect(box) + "/></clipPath>\n<g clip-path=\"url(#" +
+             id + ")\">\n";
   }
   void end_clip() { body_ += "</g>\n"; }
 
@@ -148,6 +144,10 @@ class Svg {
  private:
   static std::string attribute(const char* name, double value) {
     return std::string(" ") + name + "=\"" + fixed(value, 1) + "\"";
+  }
+  static std::string rect(const Box& box) {
+    return "<rect" + attribute("x", box.left) + attribute("y", box.top) +
+           attribute("width", box.width) + attribute("height", box.height);
   }
   /// The "d" of a path through the points, without those less than a pixel from the last one.
   static std::string outline(const std::vector<Point>& points) {

@@ -101,7 +101,7 @@ void draw_plan(Svg* svg, double left, double top, double size, const std::vector
     const Point start = axes.pixel(first.x(), first.y());
     const Point end = axes.pixel(last.x(), last.y());
     svg->circle(start, 5.0, "#ffffff", {series.stroke.colour, 2.0});
-    svg->rectangle(end.x - 4.5, end.y - 4.5, 9.0, 9.0, series.stroke.colour, {"#ffffff", 1.0});
+    svg->rectangle({end.x - 4.5, end.y - 4.5, 9.0, 9.0}, series.stroke.colour, {"#ffffff", 1.0});
   }
 }
 
@@ -149,7 +149,7 @@ double draw_legend(Svg* svg, double left, double top, double right,
   }
   legend.entry("start, end", [svg](Point at) {
     svg->circle({at.x + 6.0, at.y}, 5.0, "#ffffff", {"#555555", 2.0});
-    svg->rectangle(at.x + 19.5, at.y - 4.5, 9.0, 9.0, "#555555", {"none", 0.0});
+    svg->rectangle({at.x + 19.5, at.y - 4.5, 9.0, 9.0}, "#555555", {"none", 0.0});
   });
   return legend.bottom();
 }
