@@ -56,13 +56,23 @@ py::array_t<Scalar> as_array(std::vector<Value>&& values, std::vector<py::ssize_
   return py::array_t<Scalar>(std::move(shape), data, free);
 }
 
-/// The same for rows of a structured array.
+/// The same for numbers, or rows of a structured array.
 template <class Row>
 py::array_t<Row> as_rows(std::vector<Row>&& rows) {
   const auto count = static_cast<py::ssize_t>(rows.size());
   return as_array<Row>(std::move(rows), {count});
 }
 
+/// The same for rows of as many numbers.
+template <std::size_t kSize>
+py::array_t<double> as_table(std::vector<std::array<double, kSize>>&& rows) {
+  const auto count = static_cast<py::ssize_t>(rows.size());
+  return as_array<double>(std::move(rows), {count, static_cast<py::ssize_t>(kSize)});
+}
+
+inline std::array<double, 3> xyz(const Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
 /// A quaternion as numpy and the files have it.
 inline std::array<double, 4> wxyz(const Quaternion& q) {
   return {q.w(), q.x(), q.y(), q.z()};

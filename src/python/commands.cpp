@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "bindings.hpp"
@@ -11,8 +12,6 @@
 #include "findings.hpp"
 #include "rio/io/trajectory.hpp"
 #include "simulate.hpp"
-
-PYBIND11_MAKE_OPAQUE(rio::eval::Trajectory)
 
 namespace rio::python {
 
@@ -42,8 +41,11 @@ py::dict check(const std::string& path, const std::vector<std::string>& texts,
                   "notes"_a = checked.notes, "damage"_a = checked.damage);
 }
 
-eval::Trajectory trajectory_of(const Times& times, const Values& positions,
-                               const Values& orientations) {
+/// A rio.Path.
+using PathArrays = std::tuple<Times, Values, Values>;
+
+eval::Trajectory trajectory_of(const PathArrays& arrays) {
+  const auto& [times, positions, orientations] = arrays;
   const py::ssize_t count = times.size();
   if (times.ndim() != 1 || positions.ndim() != 2 || positions.shape(0) != count ||
       positions.shape(1) != 3 || orientations.ndim() != 2 || orientations.shape(0) != count ||
@@ -68,13 +70,29 @@ eval::Trajectory trajectory_of(const Times& times, const Values& positions,
   return path;
 }
 
-eval::Trajectory load(const std::string& path, bool truth) {
-  return truth ? tools::truth_of(path, io::Attitude::kOptional) : io::read_trajectory(path);
+PathArrays read_path(const std::string& file, bool truth) {
+  eval::Trajectory path;
+  {
+    const py::gil_scoped_release release;
+    path = truth ? tools::truth_of(file, io::Attitude::kOptional) : io::read_trajectory(file);
+  }
+  std::vector<std::int64_t> times;
+  std::vector<std::array<double, 3>> positions;
+  std::vector<std::array<double, 4>> orientations;
+  for (const eval::StampedPose& pose : path) {
+    times.push_back(pose.time.count());
+    positions.push_back(xyz(pose.p));
+    orientations.push_back(wxyz(pose.q));
+  }
+  return {as_rows(std::move(times)), as_table(std::move(positions)),
+          as_table(std::move(orientations))};
 }
 
-std::string evaluate(const eval::Trajectory& truth, const std::string& truth_name,
-                     const eval::Trajectory& estimate, const std::string& estimate_name,
+std::string evaluate(const PathArrays& true_path, const std::string& truth_name,
+                     const PathArrays& path, const std::string& estimate_name,
                      const std::string& align, double max_diff) {
+  const eval::Trajectory truth = trajectory_of(true_path);
+  const eval::Trajectory estimate = trajectory_of(path);
   if (!eval::alignment_kind(align)) {
     throw py::value_error("align: none, origin, yaw or se3 is expected, not " + align);
   }
@@ -87,6 +105,7 @@ std::string evaluate(const eval::Trajectory& truth, const std::string& truth_nam
   arguments.truth = truth_name;
   arguments.align = align;
   arguments.max_diff = max_diff;
+  const py::gil_scoped_release release;
   return tools::evaluation_json(arguments, estimate_name,
                                 tools::evaluate_poses(arguments, truth, estimate, estimate_name));
 }
@@ -110,37 +129,17 @@ void simulate(const std::string& out, const std::string& scenario,
   (void)tools::run_simulate(arguments);
 }
 
-py::tuple path_arrays(const eval::Trajectory& path) {
-  std::vector<std::int64_t> times;
-  std::vector<std::array<double, 3>> positions;
-  std::vector<std::array<double, 4>> orientations;
-  for (const eval::StampedPose& pose : path) {
-    times.push_back(pose.time.count());
-    positions.push_back({pose.p.x(), pose.p.y(), pose.p.z()});
-    orientations.push_back(wxyz(pose.q));
-  }
-  const auto count = static_cast<py::ssize_t>(path.size());
-  return py::make_tuple(as_array<std::int64_t>(std::move(times), {count}),
-                        as_array<double>(std::move(positions), {count, 3}),
-                        as_array<double>(std::move(orientations), {count, 4}));
-}
-
 }  // namespace
 
 void bind_commands(py::module_& module) {
-  const py::call_guard<py::gil_scoped_release> long_call;
   module.def("check", &check, py::arg("path"), py::arg("texts"), py::arg("map"),
              py::arg("sensors"));
-  py::class_<eval::Trajectory>(module, "Trajectory")
-      .def(py::init(&trajectory_of), py::arg("times"), py::arg("positions"),
-           py::arg("orientations"))
-      .def_static("load", &load, py::arg("path"), py::arg("truth"), long_call)
-      .def("arrays", &path_arrays);
+  module.def("read_path", &read_path, py::arg("file"), py::arg("truth"));
   module.def("evaluate", &evaluate, py::arg("truth"), py::arg("truth_name"), py::arg("estimate"),
-             py::arg("estimate_name"), py::arg("align"), py::arg("max_diff"), long_call);
+             py::arg("estimate_name"), py::arg("align"), py::arg("max_diff"));
   module.def("simulate", &simulate, py::arg("out"), py::arg("scenario"), py::arg("seed"),
              py::arg("length"), py::arg("trajectory"), py::arg("radars"), py::arg("ideal"),
-             long_call);
+             py::call_guard<py::gil_scoped_release>());
 }
 
 }  // namespace rio::python

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import rio
-from replay_test import scans_of
+from replay_test import rows_of, scans_of
 
 SENSORS = ("position", "heading", "body_velocity", "world_velocity", "height", "ground_range")
 
@@ -17,16 +17,14 @@ def flown(flight, given, auxiliary=(), shift=0.0):
     scans = scans_of(flight)
     statuses = set()
     rows = {}
-    for line in (flight / "imu0/data.csv").read_text().splitlines()[1:]:
-        text = line.split(",")
-        values = np.array([float(v) for v in text[1:]])
-        while scans and scans[0][0] < int(text[0]):
+    for imu_time, values in rows_of(flight / "imu0/data.csv"):
+        while scans and scans[0][0] < imu_time:
             time, points = scans.pop(0)
             at = np.searchsorted(truth.times, time)
             if given and odometry.initialized() and 0 < at < len(truth.times) - 1:
                 statuses.add(give(odometry, given, truth, at, shift))
             odometry.add_scan(time, points)
-        odometry.add_imu(int(text[0]), values[:3], values[3:])
+        odometry.add_imu(imu_time, values[:3], values[3:])
         report = odometry.report()
         if "aiding" in report.models:
             rows[report.time] = report.models["aiding"]["rows_used"]

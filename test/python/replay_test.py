@@ -103,12 +103,10 @@ def test_call_by_call_equals_the_replay(flight):
     odometry = rio.Odometry(sensors=flight)
     at_scans = {}
     scans = scans_of(flight)
-    for line in (flight / "imu0/data.csv").read_text().splitlines()[1:]:
-        text = line.split(",")
-        values = np.array([float(v) for v in text[1:]])
-        while scans and scans[0][0] < int(text[0]):
+    for time, values in rows_of(flight / "imu0/data.csv"):
+        while scans and scans[0][0] < time:
             odometry.add_scan(*scans.pop(0))
-        odometry.add_imu(int(text[0]), values[:3], values[3:])
+        odometry.add_imu(time, values[:3], values[3:])
         if odometry.counters()["scans"] > len(at_scans):
             state = odometry.at_scan()
             at_scans[state.time] = (state.position, state.orientation, odometry.covariance())
@@ -122,16 +120,19 @@ def test_call_by_call_equals_the_replay(flight):
     assert odometry.now().time >= odometry.at_scan().time
 
 
+def rows_of(file):
+    """(time, numbers) of each row; that of a scan without points has no numbers."""
+    for line in file.read_text().splitlines()[1:]:
+        time, *cells = line.split(",")
+        yield int(time), np.array([float(cell) for cell in cells if cell])
+
+
 def scans_of(flight):
     """(time, N x 6) of each scan."""
-    scans = []
-    for line in (flight / "radar0/data.csv").read_text().splitlines()[1:]:
-        text = line.split(",")
-        if not scans or scans[-1][0] != int(text[0]):
-            scans.append((int(text[0]), []))
-        if text[1]:
-            scans[-1][1].append([float(v) for v in text[1:]])
-    return [(time, np.array(points)) for time, points in scans]
+    scans = {}
+    for time, point in rows_of(flight / "radar0/data.csv"):
+        scans.setdefault(time, []).extend([point] if len(point) else [])
+    return [(time, np.array(points)) for time, points in scans.items()]
 
 
 def test_points_as_records(flight):

@@ -154,23 +154,18 @@ class Path(NamedTuple):
     w, x, y, z, body to world."""
 
     times: NDArray[np.int64]
-    """(N,) [ns]"""
     positions: NDArray[np.float64]
-    """(N, 3) [m]"""
     orientations: NDArray[np.float64]
-    """(N, 4) w, x, y, z"""
 
 
 class Event(NamedTuple):
-    """Something that happened in a replay: time of the scan [ns], what, value (of a re-opened
-    position its sigma [m], else zero)."""
+    """Something that happened in a replay: time of the scan that shows it [ns], what (as "velocity
+    replaced", "gap of the IMU", "health: degraded"), value (of a re-opened position its sigma [m],
+    else zero)."""
 
     time: int
-    """of the scan that shows it [ns]"""
     what: str
-    """as "velocity replaced", "gap of the IMU", "health: degraded" """
     value: float
-    """of a re-opened position its sigma [m], else zero"""
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -261,17 +256,17 @@ PathSource = Union[PathLike, Result, Path]
 def read_path(file: PathLike, *, truth: bool = False) -> Path:
     """Poses of a TUM file, a EuRoC csv, the ground truth of a dataset folder or, with truth, of a
     bag. A truth may be positions alone (`t x y z`, a total station, GNSS): orientations of NaN."""
-    return Path(*_rio.Trajectory.load(os.fspath(file), truth).arrays())
+    return Path(*_rio.read_path(os.fspath(file), truth))
 
 
-def _trajectory(source: PathSource, truth: bool) -> tuple[_rio.Trajectory, str]:
+def _named_path(source: PathSource, truth: bool) -> tuple[Path, str]:
     if isinstance(source, Result):
         source = source.path
-    if isinstance(source, Path):
-        if np.asarray(source.times).dtype.kind not in "iu":
-            raise TypeError("times of a path: integers are expected, nanoseconds")
-        return _rio.Trajectory(*source), "result"
-    return _rio.Trajectory.load(os.fspath(source), truth), os.fspath(source)
+    if not isinstance(source, Path):
+        return read_path(source, truth=truth), os.fspath(source)
+    if np.asarray(source.times).dtype.kind not in "iu":
+        raise TypeError("times of a path: integers are expected, nanoseconds")
+    return source, "result"
 
 
 def evaluate(truth: PathSource, estimate: PathSource, *, align: str = "none",
@@ -283,8 +278,8 @@ def evaluate(truth: PathSource, estimate: PathSource, *, align: str = "none",
     align: "none", "origin", "yaw" or "se3", for all figures except `ape`
     max_diff: largest difference of stamps if the truth is too sparse to interpolate [s]
     """
-    true_path, true_name = _trajectory(truth, True)
-    path, name = _trajectory(estimate, False)
+    true_path, true_name = _named_path(truth, True)
+    path, name = _named_path(estimate, False)
     figures: dict[str, Any] = json.loads(
         _rio.evaluate(true_path, true_name, path, name, align, max_diff))
     return figures
@@ -312,11 +307,9 @@ class Finding(NamedTuple):
     to change; may be empty)."""
 
     verdict: str
-    """"ok", "doubtful" or "wrong" """
     subject: str
     text: str
     change: str
-    """what to change; may be empty"""
 
 
 @dataclass(frozen=True)
