@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A flight as recordings of ROS through the `rio` program: info, convert, replay; and a real bag
-// where there is one.
+// A flight as recordings of ROS through the `rio` program: info, convert, replay.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +9,6 @@
 #include "rio/bag/messages.hpp"
 #include "rio/io/dataset.hpp"
 #include "support/measured.hpp"
-#include "support/real_data.hpp"
 #include "support/same_recording.hpp"
 
 namespace rio::test {
@@ -190,8 +188,7 @@ TEST_F(Bag, OfTheOptionsOfABagSensorsAloneGoWithAFolder) {
 }
 
 TEST_F(Bag, AFolderOfARadarWithoutTheOneBeforeIsNamed) {
-  fs::copy(flight_, file("gap"), fs::copy_options::recursive);
-  fs::copy(file("gap/radar0"), file("gap/radar2"));
+  fs::copy(copy("gap") / "radar0", file("gap/radar2"));
   const io::Dataset data = io::read_dataset(file("gap"));
   EXPECT_TRUE(data.other_radars.empty());
   EXPECT_EQ(std::count(data.notes.begin(), data.notes.end(),

@@ -3,13 +3,13 @@
 // wrongly, an option file with the noise of another; bad input.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <vector>
 
 #include "e2e/tool.hpp"
 #include "rio/io/dataset.hpp"
+#include "support/matches.hpp"
 
 namespace rio::test {
 namespace {
@@ -53,8 +53,7 @@ TEST_F(Calibrate, WritesFilesThatReplayFliesBetterWith) {
     return score.json()["final_drift_percent"].get<double>();
   };
   const double wrong = drift(flight_);
-  fs::copy(flight_, file("right"), fs::copy_options::recursive);
-  fs::copy(file("found"), file("right"),
+  fs::copy(file("found"), copy("right"),
            fs::copy_options::recursive | fs::copy_options::overwrite_existing);
   const double right = drift(file("right"));
   EXPECT_LT(right, wrong);
@@ -69,21 +68,19 @@ TEST_F(Calibrate, WritesFilesThatReplayFliesBetterWith) {
 }
 
 TEST_F(Calibrate, OverwritesOnlyWhatItIsToldToAndPrintsATable) {
-  const std::string copy = file("copy");
-  fs::copy(flight_, copy, fs::copy_options::recursive);
-  const std::string before = dir_->read("copy/radar0/sensor.yaml");
-  fails(1, "calibrate " + copy + " --out " + copy, {"--overwrite"});
-  EXPECT_EQ(dir_->read("copy/radar0/sensor.yaml"), before);
-  rio("calibrate " + copy + " --overwrite --out " + copy,
+  const std::string own = copy("own").string();
+  const std::string before = dir_->read("own/radar0/sensor.yaml");
+  fails(1, "calibrate " + own + " --out " + own, {"--overwrite"});
+  EXPECT_EQ(dir_->read("own/radar0/sensor.yaml"), before);
+  rio("calibrate " + own + " --overwrite --out " + own,
       {"radar_rotation_y", "radar_position_z", "doppler_scale", "time_offset", "sigma_azimuth",
        "gyroscope_noise", "determined", "halves", "deg"});
-  expect_parts(dir_->read("copy/radar0/sensor.yaml"), {"time_offset_s"});
+  expect_parts(dir_->read("own/radar0/sensor.yaml"), {"time_offset_s"});
 }
 
 TEST_F(Calibrate, SaysWhatIsWrong) {
   fails(2, "calibrate", {"DATASET"});
-  const fs::path damaged = file("damaged");
-  fs::copy(flight_, damaged, fs::copy_options::recursive);
+  const fs::path damaged = copy("damaged");
   fs::remove(damaged / "radar0/data.csv");
   for (const auto& [arguments, part] : std::vector<std::pair<std::string, std::string>>{
            {file("nothing"), "nothing"},
@@ -96,14 +93,6 @@ TEST_F(Calibrate, SaysWhatIsWrong) {
   }
 }
 
-/// The number behind `key`, a quote passed over.
-double value_of(const std::string& text, const std::string& key) {
-  const std::size_t at = text.find(key + ": ");
-  if (at == std::string::npos) return 0.0;
-  const std::size_t begin = at + key.size() + 2;
-  return std::strtod(text.c_str() + begin + (text[begin] == '"' ? 1 : 0), nullptr);
-}
-
 TEST(FitNoise, PrintsAnOptionFileThatReplayTakes) {
   const TempDir dir;
   const std::string flight = (dir.path() / "flight").string();
@@ -111,11 +100,14 @@ TEST(FitNoise, PrintsAnOptionFileThatReplayTakes) {
   rio("simulate " + flight + " --scenario monte-carlo --seed 9");
   rio("fit-noise " + flight + " 2>/dev/null >" + fitted);
   const std::string fit = text_of(fitted);
+  const auto value_of = [&fit](const std::string& key) {
+    return std::stod(matches(fit, key + ": \"?([0-9.]+)").at(0));
+  };
   // of the scenario; 15 % as test/calibrate/noise_calibration_test.cpp
-  EXPECT_NEAR(value_of(fit, "sigma_range"), 0.03, 0.15 * 0.03);
-  EXPECT_NEAR(value_of(fit, "sigma_azimuth"), 2.0, 0.15 * 2.0);
-  EXPECT_NEAR(value_of(fit, "sigma_elevation"), 4.0, 0.15 * 4.0);
-  EXPECT_NEAR(value_of(fit, "sigma_doppler"), 0.02, 0.15 * 0.02);
+  EXPECT_NEAR(value_of("sigma_range"), 0.03, 0.15 * 0.03);
+  EXPECT_NEAR(value_of("sigma_azimuth"), 2.0, 0.15 * 2.0);
+  EXPECT_NEAR(value_of("sigma_elevation"), 4.0, 0.15 * 4.0);
+  EXPECT_NEAR(value_of("sigma_doppler"), 0.02, 0.15 * 0.02);
   rio("replay " + flight + " --quiet --config " + fitted);
 
   // two seconds of scans, most of them at rest

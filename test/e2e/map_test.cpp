@@ -2,7 +2,6 @@
 // include/rio/README.md is the map of the headers: what it says of them holds.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <set>

@@ -47,11 +47,10 @@ class Memory : public Tool {
     return {static_cast<double>(usage.ru_maxrss) / 1024.0, Json::parse(text, nullptr, false)};
   }
 
-  /// The rows of a file again and again, each time later by `period`.
-  /// @param keep whether to write a row, by how often its stamp has changed so far, and by its time
-  template <class Keep>
+  /// The rows of a file again and again, each time later by `period`; after `dense` one stamp of
+  /// fifteen alone [ns].
   static void repeat(const fs::path& from, const fs::path& to, std::int64_t period,
-                     std::int64_t duration, Keep&& keep) {
+                     std::int64_t duration, std::int64_t dense) {
     const std::vector<std::string> rows = lines_of(from);
     fs::create_directories(to.parent_path());
     std::ofstream out(to);
@@ -65,7 +64,8 @@ class Memory : public Tool {
         if (time - begin >= duration) break;
         changes += time != last ? 1 : 0;
         last = time;
-        if (keep(changes, time - begin)) out << time << row.substr(comma) << '\n';
+        if (time - begin >= dense && changes % 15 != 0) continue;
+        out << time << row.substr(comma) << '\n';
       }
     }
   }
@@ -78,11 +78,9 @@ class Memory : public Tool {
     const fs::path to = file(name);
     const std::vector<std::string> imu = lines_of(from / "imu0/data.csv");
     const std::int64_t period = std::stoll(imu.back()) - std::stoll(imu.front()) + 5'000'000;
-    repeat(from / "imu0/data.csv", to / "imu0/data.csv", period, minutes * minute,
-           [](std::int64_t, std::int64_t) { return true; });
-    repeat(from / "radar0/data.csv", to / "radar0/data.csv", period, minutes * minute,
-           [&](std::int64_t i, std::int64_t time) { return time < dense * minute || i % 15 == 0; });
-    for (const char* sensor : {"imu0", "radar0"}) {
+    for (const auto& [sensor, all] : {std::pair("imu0", minutes), {"radar0", dense}}) {
+      repeat(from / sensor / "data.csv", to / sensor / "data.csv", period, minutes * minute,
+             all * minute);
       fs::copy(from / sensor / "sensor.yaml", to / sensor / "sensor.yaml");
     }
     return to;

@@ -14,6 +14,7 @@
 #include "api/flying.hpp"
 #include "experiment/recording.hpp"
 #include "rio/aiding.hpp"
+#include "rio/eval/metrics.hpp"
 #include "rio/io/barometer.hpp"
 #include "rio/models/aids.hpp"
 #include "support/measured.hpp"
@@ -111,10 +112,8 @@ TEST_P(Barometer, IsAnAid) {
 
 INSTANTIATE_TEST_SUITE_P(BackEnds, Barometer, kBothBackEnds, back_end_name);
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+double median(const std::vector<double>& values) {
+  return eval::statistics(values).median;
 }
 
 class Kart : public RealRecording {

@@ -12,6 +12,7 @@
 #include "e2e/tool.hpp"
 #include "rio/io/dataset.hpp"
 #include "rio/testing/allocation_guard.hpp"
+#include "support/matches.hpp"
 #include "support/measured.hpp"
 
 namespace rio::test {
@@ -38,13 +39,12 @@ struct Sent {
   std::uint64_t packets = 0, whole = 0;
 };
 Sent sent_by(const std::string& output, const std::string& sensor) {
-  unsigned long packets = 0, dropped = 0, damaged = 0;
-  const std::size_t at = output.find("/" + sensor + "/port: ");
-  if (at == std::string::npos) return {};
-  const std::string line = output.substr(output.find(": ", at));
-  const int read = std::sscanf(line.c_str(), ": %lu packets, %lu dropped, %lu damaged", &packets,
-                               &dropped, &damaged);
-  return read == 3 ? Sent{packets, packets - dropped - damaged} : Sent{};
+  const auto number_of = [&](const std::string& what) {
+    const auto found = matches(output, "/" + sensor + "/port: .*?([0-9]+) " + what);
+    return found.size() == 1 ? std::stoull(found[0]) : 0;
+  };
+  const std::uint64_t packets = number_of("packets");
+  return {packets, packets - number_of("dropped") - number_of("damaged")};
 }
 
 struct Soak : testing::Test {

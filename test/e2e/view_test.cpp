@@ -49,18 +49,9 @@ Json data_of(const fs::path& page) {
 
 /// The float32 values of a column of a page.
 std::vector<float> column_of(const Json& data, const std::string& name) {
-  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : data.at("columns").at(name).get<std::string>()) {
-    if (c == '=') break;
-    bits = (bits << 6) | static_cast<std::uint32_t>(digits.find(c));
-    count += 6;
-    if (count < 8) continue;
-    count -= 8;
-    bytes += static_cast<char>((bits >> count) & 255U);
-  }
+  const TempDir dir;
+  const fs::path text = dir.write("column", data.at("columns").at(name).get<std::string>());
+  const std::string bytes = run_command("base64 -d " + text.string()).output;
   std::vector<float> values(bytes.size() / sizeof(float));
   std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
   return values;

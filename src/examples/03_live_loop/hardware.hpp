@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include <rio/mavlink/axes.hpp>
 #include <rio/mavlink/frame.hpp>
 #include <rio/mavlink/parser.hpp>
 #include <rio/sim/flight.hpp>
