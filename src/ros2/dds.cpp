@@ -76,9 +76,9 @@ bool Reader::take(std::vector<std::uint8_t>* message) {
 }
 
 AnyWriter::AnyWriter(const Participant& participant, const std::string& name,
-                     const dds_topic_descriptor_t& type, Qos qos, int depth)
+                     const dds_topic_descriptor_t& type, int depth)
     : writer_(checked(dds_create_writer(participant.entity(), topic_of(participant, name, type),
-                                        qos_of(qos, depth).get(), nullptr),
+                                        qos_of(Qos::kReliable, depth).get(), nullptr),
                       "publisher of " + name)) {}
 
 void AnyWriter::write(const void* message) {

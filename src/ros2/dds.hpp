@@ -46,11 +46,11 @@ class Reader {
   dds_entity_t reader_;
 };
 
-/// A publisher.
+/// A publisher, reliable.
 class AnyWriter {
  public:
   AnyWriter(const Participant& participant, const std::string& name,
-            const dds_topic_descriptor_t& type, Qos qos, int depth);
+            const dds_topic_descriptor_t& type, int depth);
   /// @throws std::runtime_error
   void write(const void* message);
 
