@@ -11,7 +11,6 @@
 #include "evaluate.hpp"
 #include "findings.hpp"
 #include "rio/io/trajectory.hpp"
-#include "simulate.hpp"
 
 namespace rio::python {
 
@@ -126,7 +125,7 @@ void simulate(const std::string& out, const std::string& scenario,
   arguments.trajectory = trajectory;
   arguments.radars = radars;
   arguments.ideal = ideal;
-  (void)tools::run_simulate(arguments);
+  tools::run_simulate(arguments);
 }
 
 }  // namespace

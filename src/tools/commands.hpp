@@ -159,6 +159,8 @@ struct SimulateArguments {
   live::CableNoise cable{};  ///< its seed is ignored
 };
 void simulate(const SimulateArguments& arguments);
+/// The same without its summary.
+void run_simulate(const SimulateArguments& arguments);
 
 /// `rio evaluate`: estimated paths against the true one.
 struct EvaluateArguments {

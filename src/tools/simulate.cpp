@@ -19,7 +19,7 @@
 #include "progress.hpp"
 #include "rio/io/simulation.hpp"
 #include "rio/sim/catalogue.hpp"
-#include "simulate.hpp"
+#include "rio/sim/flight.hpp"
 #include "stop_signal.hpp"
 
 namespace rio::tools {
@@ -27,6 +27,11 @@ namespace rio::tools {
 namespace {
 
 namespace fs = std::filesystem;
+
+struct Simulated {
+  sim::Flight flight;
+  io::Dataset dataset;  ///< as written
+};
 
 sim::Scenario make_scenario(const SimulateArguments& arguments) {
   sim::Scenario scenario;
@@ -201,9 +206,8 @@ void play_live(const fs::path& out, const io::Dataset& flight, const live::Cable
   }
 }
 
-}  // namespace
-
-Simulated run_simulate(const SimulateArguments& arguments) {
+/// Writes the folder `arguments.out`.
+Simulated fly_and_write(const SimulateArguments& arguments) {
   if (arguments.out.empty()) throw std::runtime_error("simulate: the name of the folder is empty");
   Simulated out;
   {
@@ -217,8 +221,14 @@ Simulated run_simulate(const SimulateArguments& arguments) {
   return out;
 }
 
+}  // namespace
+
+void run_simulate(const SimulateArguments& arguments) {
+  (void)fly_and_write(arguments);
+}
+
 void simulate(const SimulateArguments& arguments) {
-  const auto [flight, dataset] = run_simulate(arguments);
+  const auto [flight, dataset] = fly_and_write(arguments);
   print_summary(arguments, flight);
   if (flight.scenario.radar.latency > 0.0) {
     fmt::print("note: a recording holds stamps only, radar.latency acts in experiments\n");

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "rio/core/chi2.hpp"
+#include "rio/eval/alignment.hpp"
 #include "rio/eval/metrics.hpp"
 #include "rio/eval/pairing.hpp"
 #include "view/calibration_names.hpp"
@@ -222,7 +223,7 @@ void ReportBuilder::add_points(const Odometry& odometry, double seconds) {
 }
 
 void ReportBuilder::add_truth(const Odometry& odometry, double seconds) {
-  const eval::Trajectory& truth = start_->truth;
+  const eval::Trajectory& truth = start_.truth;
   const NavState& x = odometry.at_scan();
   const Time time = x.time;
   while (next_truth_ < truth.size() && truth[next_truth_].time < time) ++next_truth_;
@@ -232,11 +233,10 @@ void ReportBuilder::add_truth(const Odometry& odometry, double seconds) {
   if (after.time - before.time > std::chrono::seconds(1)) return;  // a gap of the truth
   eval::StampedPose there = eval::interpolate(before, after, time);
   const eval::StampedPose here{time, x.p_WB, x.q_WB};
-  if (!over_) {
-    over_ = start_->lay_truth_over ? laid_over(there, here) : Pose{};
-    last_truth_ = over_->rotation * there.p + over_->translation;
-  }
-  there = {time, over_->rotation * there.p + over_->translation, over_->rotation * there.q};
+  const bool first = !over_;
+  if (first) over_ = start_.lay_truth_over ? laid_over(there, here) : Pose{};
+  there = eval::transformed(*over_, there);
+  if (first) last_truth_ = there.p;
   truth_length_ += (there.p - last_truth_).norm();
   last_truth_ = there.p;
   page_.paths[1].add(seconds, there.p);
@@ -250,7 +250,7 @@ void ReportBuilder::add_truth(const Odometry& odometry, double seconds) {
 }
 
 double ReportBuilder::rate_bin() const {
-  const double grid = start_->options.radar.doppler_resolution;
+  const double grid = start_.options.radar.doppler_resolution;
   return grid > 0.0 ? grid : kRateBin;
 }
 
@@ -269,7 +269,7 @@ void ReportBuilder::finish_histogram() {
   for (const auto& [bin, count] : rates_) {
     h.counts[static_cast<std::size_t>((bin - first) / merged)] += count;
   }
-  const double fold = start_->options.radar.max_doppler;
+  const double fold = start_.options.radar.max_doppler;
   if (fold > 0.0) {
     h.lines = {-fold, fold};
     h.note += fmt::format("; lines at the ambiguity, ±{:.2f} m/s", fold);
@@ -292,7 +292,7 @@ void ReportBuilder::close() {
   page_.card.push_back(
       {"Position error (RMSE)",
        fmt::format("{:.3f} m{}", std::sqrt(squares_ / static_cast<double>(pairs)),
-                   start_->lay_truth_over ? ", truth laid over the first pose" : "")});
+                   start_.lay_truth_over ? ", truth laid over the first pose" : "")});
 }
 
 }  // namespace rio::view

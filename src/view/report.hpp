@@ -32,7 +32,7 @@ class ReportBuilder : public RunSink {
   void finish_histogram();
 
   Page page_;
-  std::optional<RunStart> start_;
+  RunStart start_;
   bool begun_ = false;
   double yaw_ = 0.0;            ///< unwound [rad]
   double yaw_sigma_ = 0.0;      ///< [deg]
