@@ -59,6 +59,7 @@ const Unit* unit_if_exchanged(const std::vector<ImuSample>& samples, const Rest&
 Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
                     ImuCheck* found) {
   const double f = rest.accel.norm();
+  const double off = std::abs(f / kStandardGravity - 1.0);
   if (!std::isfinite(rest.spread)) {
     return {Verdict::kDoubtful, "accelerometer unit", "no second has enough samples to tell",
             "record the IMU at 100 Hz or more"};
@@ -66,9 +67,7 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
   Finding out{Verdict::kOk, "accelerometer unit",
               fmt::format("in the stillest second the specific force is {:.4g} m/s^2 ({:+.3g} "
                           "{:+.3g} {:+.3g}), {:.1f} % off gravity",
-                          f, rest.accel.x(), rest.accel.y(), rest.accel.z(),
-                          100.0 * std::abs(f / kStandardGravity - 1.0))};
-  const double off = std::abs(f / kStandardGravity - 1.0);
+                          f, rest.accel.x(), rest.accel.y(), rest.accel.z(), 100.0 * off)};
   if (off < 0.05) return out;
   if (off < 0.2) {
     out.verdict = Verdict::kDoubtful;

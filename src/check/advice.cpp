@@ -70,8 +70,8 @@ std::optional<std::string> Advice::axes(const Matrix3d& turn) const {
 }
 
 bool Advice::has(const std::string& quantity) const {
-  return info != nullptr && std::any_of(info->fields.begin(), info->fields.end(),
-                                        [&](const auto& field) { return field.first == quantity; });
+  const auto is_it = [&](const auto& field) { return field.first == quantity; };
+  return info != nullptr && std::ranges::any_of(info->fields, is_it);
 }
 
 std::optional<std::string> Advice::mirror(const Matrix3d& M) const {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "check/units.hpp"
+#include "check/numbers.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/judge.hpp"
+#include "check/motion_check.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "check/units.hpp"
+#include "check/numbers.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/frontend/mounting_search.hpp"
 
@@ -123,34 +123,32 @@ Axes choose_axes(const Judge& judge, std::vector<Axes>* alike) {
   }
   const double enough = 0.9 * judge.all.explained(best->R);
   for (const Axes& axes : list) {
-    const bool known = std::any_of(alike->begin(), alike->end(),
-                                   [&](const Axes& a) { return (a.R - axes.R).norm() < 1e-6; });
-    if (known) continue;
+    const auto is_same = [&](const Axes& known) { return (known.R - axes.R).norm() < 1e-6; };
+    if (std::ranges::any_of(*alike, is_same)) continue;
     if (&axes == best ||
         (judge.all.explained(axes.R) > enough && judge.doubt(axes.R, best->R) < kSignificant)) {
       alike->push_back(axes);
     }
   }
+  const auto prefer = [alike](const auto& is_likelier) {
+    const auto found = std::ranges::find_if(*alike, is_likelier);
+    if (found != alike->end()) std::iter_swap(alike->begin(), found);
+  };
   // of a plane motion an inverted accelerometer is the same as a radar turned by 180 deg
   if (inverts_the_accelerometer(judge, alike->front())) {
-    const auto turned = std::find_if(alike->begin(), alike->end(),
-                                     [](const Axes& axes) { return !axes.doppler_flipped; });
-    if (turned != alike->end()) std::iter_swap(alike->begin(), turned);
+    prefer([](const Axes& axes) { return !axes.doppler_flipped; });
   }
   // the same matrix up to a tilt of the mounting; mirrored points are the more likely error
   const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6 &&
                        judge.data.doppler_sign != DopplerSign::kOpposite;
-  const auto mirrored = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
-    return mirrors_the_points(axes, judge.configured);
-  });
-  if (strange && mirrored != alike->end()) std::iter_swap(alike->begin(), mirrored);
+  if (strange) {
+    prefer([&](const Axes& axes) { return mirrors_the_points(axes, judge.configured); });
+  }
   // of a plane motion a radar that is upside down is the same as an angle counted the other way
-  const auto of_angle = std::find_if(alike->begin(), alike->end(), [&judge](const Axes& axes) {
-    return judge.advice.has("azimuth") &&
-           judge.advice.mirror(judge.configured.transpose() * axes.R);
-  });
-  if (alike->front().turn > 1e-6 && of_angle != alike->end()) {
-    std::iter_swap(alike->begin(), of_angle);
+  if (alike->front().turn > 1e-6 && judge.advice.has("azimuth")) {
+    prefer([&](const Axes& axes) {
+      return judge.advice.mirror(judge.configured.transpose() * axes.R).has_value();
+    });
   }
   return alike->front();
 }

@@ -14,10 +14,10 @@
 #include "check/imu_check.hpp"
 #include "check/motion.hpp"
 #include "check/motion_check.hpp"
+#include "check/numbers.hpp"
 #include "check/order.hpp"
 #include "check/points_check.hpp"
 #include "check/radar_check.hpp"
-#include "check/units.hpp"
 
 namespace rio::check {
 
@@ -26,7 +26,7 @@ namespace {
 /// Whether distances and stamps are right: otherwise the other checks would report what follows
 /// from these.
 bool has_sound_basis(const Findings& findings) {
-  return std::none_of(findings.begin(), findings.end(), [](const Finding& finding) {
+  return std::ranges::none_of(findings, [](const Finding& finding) {
     const bool basic = finding.subject == "distances" || finding.subject == "radar stamps";
     return basic && finding.verdict == Verdict::kWrong;
   });
@@ -178,10 +178,9 @@ Findings check_all(const std::vector<ImuSample>& recorded, const std::vector<Sca
   std::vector<ImuSample> moved;
   if (!steps.imu.empty()) moved = without_steps(recorded, steps.imu);
   const std::vector<ImuSample>& samples = steps.imu.empty() ? recorded : moved;
-  const std::optional<std::vector<ImuSample>> fewer = usable_if_not_all(samples);
-  const std::vector<ImuSample>& good = fewer ? *fewer : samples;
-  const ImuCheck check =
-      check_imu(samples, good, sensors.imu_info, source, folder / "imu0" / "data.csv");
+  const Usable usable(samples);
+  const std::vector<ImuSample>& good = usable.good();
+  const ImuCheck check = check_imu(usable, sensors.imu_info, source, folder / "imu0" / "data.csv");
   Findings out = check.findings;
   if (check.stamp_unit != 1.0) {
     out.back().change = other_stamps(check.stamp_unit, radars[0], source);

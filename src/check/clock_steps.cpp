@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "check/imu_check.hpp"
@@ -18,26 +17,11 @@ namespace rio::check {
 
 namespace {
 
-/// The samples that can be integrated.
-class Usable {
- public:
-  explicit Usable(const std::vector<ImuSample>& all) : all_(all), fewer_(usable_if_not_all(all)) {}
-  const std::vector<ImuSample>& samples() const { return fewer_ ? *fewer_ : all_; }
-
- private:
-  const std::vector<ImuSample>& all_;
-  std::optional<std::vector<ImuSample>> fewer_;
-};
-
 /// Velocities of the scans [first, end).
 std::vector<RadarSpeed> speeds_of(const Scans& scans, std::size_t first, std::size_t end,
                                   const Options& options) {
   Scans part;
-  RadarScan scan;
-  for (std::size_t i = first; i < end; ++i) {
-    scans.get(i, &scan);
-    part.push_back(scan);
-  }
+  for (std::size_t i = first; i < end; ++i) part.push_back(scans.get(i));
   return radar_speeds(part, options);
 }
 
@@ -104,7 +88,7 @@ std::vector<ClockStep> imu_steps(const std::vector<ImuSample>& samples, const Im
   const std::vector<RadarSpeed> speeds = radar_speeds(scans, options);
   std::vector<ClockStep> steps;
   const auto with_stamps_of = [&](const std::vector<ImuSample>& stamped) {
-    return agreement(speeds, Time{0}, Usable(stamped).samples(), check, options);
+    return agreement(speeds, Time{0}, Usable(stamped).good(), check, options);
   };
   Agreement with = with_stamps_of(samples);
   for (const ClockStep& step : possible) {
@@ -169,15 +153,14 @@ ClockSteps find_clock_steps(const std::vector<ImuSample>& samples, const std::ve
         return possible_steps_of(scans).empty();
       });
   if (none || MountingSearch::is_unknown(options.calibration)) return steps;
-  const Usable recorded(samples);
-  const ImuCheck check = check_imu(samples, recorded.samples(), info, Source::kFolder, {});
+  const ImuCheck check = check_imu(Usable(samples), info, Source::kFolder, {});
   if (check.stamp_unit != 1.0 || !check.integrable || check.exchanged) return steps;
   steps.imu = imu_steps(samples, check, radars[0], options);
   const std::vector<ImuSample> moved = without_steps(samples, steps.imu);
-  const Usable good(moved);
+  const Usable usable(moved);
   for (std::size_t r = 0; r < radars.size() && r < options.radars(); ++r) {
     steps.radars[r] =
-        radar_steps(good.samples(), check, radars[r], r == 0 ? options : options.seen_by(r));
+        radar_steps(usable.good(), check, radars[r], r == 0 ? options : options.seen_by(r));
   }
   return steps;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "check/judge.hpp"
+#include "check/motion_check.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 
 #include "check/axes.hpp"
 #include "check/numbers.hpp"
-#include "check/units.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {

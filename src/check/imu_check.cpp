@@ -13,8 +13,8 @@
 #include "check/advice.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
-#include "check/units.hpp"
 #include "rio/core/so3.hpp"
+#include "rio/propagate/static_alignment.hpp"
 
 namespace rio::check {
 
@@ -145,10 +145,7 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
     count_at_end("accelerometer " + name, [axis](const ImuSample& s) { return s.accel_B[axis]; });
   }
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    frozen +=
-        samples[i].gyro_B == samples[i - 1].gyro_B && samples[i].accel_B == samples[i - 1].accel_B
-            ? 1U
-            : 0U;
+    frozen += same_values(samples[i], samples[i - 1]) ? 1U : 0U;
   }
   const auto n = static_cast<double>(samples.size());
   const double end = 100.0 * static_cast<double>(at_end) / n;
@@ -168,38 +165,43 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
   return out;
 }
 
-}  // namespace
-
-std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples) {
-  constexpr double kMost = 1e9;  // in no unit of an IMU; sums of larger ones would lose the others
-  const auto is_finite = [kMost](const ImuSample& s) {
-    return (s.gyro_B.array().abs() < kMost).all() && (s.accel_B.array().abs() < kMost).all();
-  };
-  const bool all_finite = std::all_of(samples.begin(), samples.end(), is_finite);
-  std::vector<ImuSample> some;
-  if (!all_finite)
-    std::copy_if(samples.begin(), samples.end(), std::back_inserter(some), is_finite);
-  const std::vector<ImuSample>& finite = all_finite ? samples : some;
-  const std::vector<std::size_t> order = in_order(finite);
-  if (order.size() == samples.size()) return std::nullopt;
-  std::vector<ImuSample> out;
-  for (const std::size_t i : order) out.push_back(finite[i]);
-  return out;
-}
-
 /// Samples with the stamp, but not the values, of the one before.
 std::size_t different_at_one_stamp(const std::vector<ImuSample>& samples) {
   std::size_t count = 0;
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    const ImuSample& before = samples[i - 1];
-    count += samples[i].time == before.time &&
-             (samples[i].gyro_B != before.gyro_B || samples[i].accel_B != before.accel_B);
+    count += samples[i].time == samples[i - 1].time && !same_values(samples[i], samples[i - 1]);
   }
   return count;
 }
 
-ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
-                   const io::ImuInfo& info, Source source, const std::filesystem::path& csv) {
+/// At rest, but farther from gravity than the alignment allows (static_alignment.cpp).
+bool is_off_gravity(const ImuCheck& check, const Options& options) {
+  const double f = check.accel_unit * check.rest.accel.norm();
+  return check.rest.is_quiet(check.gyro_unit) &&
+         std::abs(f - options.imu.gravity) > 10.0 * options.start.sigma_accel_bias;
+}
+
+}  // namespace
+
+Usable::Usable(const std::vector<ImuSample>& all) : all_(all) {
+  constexpr double kMost = 1e9;  // in no unit of an IMU; sums of larger ones would lose the others
+  const auto is_finite = [kMost](const ImuSample& s) {
+    return (s.gyro_B.array().abs() < kMost).all() && (s.accel_B.array().abs() < kMost).all();
+  };
+  std::vector<ImuSample> some;
+  const bool all_finite = std::ranges::all_of(all, is_finite);
+  if (!all_finite) std::ranges::copy_if(all, std::back_inserter(some), is_finite);
+  const std::vector<ImuSample>& finite = all_finite ? all : some;
+  const std::vector<std::size_t> order = in_order(finite);
+  if (order.size() == all.size()) return;
+  fewer_.emplace();
+  for (const std::size_t i : order) fewer_->push_back(finite[i]);
+}
+
+ImuCheck check_imu(const Usable& usable, const io::ImuInfo& info, Source source,
+                   const std::filesystem::path& csv) {
+  const std::vector<ImuSample>& samples = usable.all();
+  const std::vector<ImuSample>& good = usable.good();
   ImuCheck out;
   constexpr double kFine = 1e-3;  // less is the rounding of a driver [s]
   if (const double grid = grid_of(samples);
@@ -220,13 +222,50 @@ ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuS
     return out;
   }
   const Rest& rest = out.rest = stillest(good);
-  out.findings.push_back(check_stamps(samples, good, info, source, csv, &out.stamp_unit));
+  out.findings.push_back(check_stamps(usable, info, source, csv, &out.stamp_unit));
   if (out.stamp_unit != 1.0) return out;
   out.findings.push_back(check_accel(good, rest, source, &out));
   if (out.exchanged) return out;
   if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
   out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));
   out.findings.push_back(check_saturation(good));
+  return out;
+}
+
+Finding check_start(const CheckedImu& imu, const Scans& scans, const Options& options) {
+  constexpr double kLate = 5.0;  // [s]
+  const std::vector<ImuSample>& samples = imu.good;
+  StaticAligner aligner(options.start, options.imu);
+  std::optional<Alignment> start;
+  Time at = samples.back().time;
+  for (const ImuSample& s : samples) {
+    (void)aligner.add({s.time, imu.check.gyro_unit * s.gyro_B, imu.check.accel_unit * s.accel_B},
+                      &start);
+    if (!start) continue;
+    at = s.time;
+    break;
+  }
+  std::size_t before = 0;  // scans
+  for (std::size_t i = 0; i < scans.size(); ++i) before += scans[i].time < at ? 1 : 0;
+  const double waited = to_seconds(at - samples.front().time);
+  const std::string rest = fmt::format("standstill of {:.3g} s", options.start.duration);
+  Finding out{Verdict::kOk, "start",
+              start ? fmt::format("the first {} ends after {:.1f} s; {} of {} scans are before it",
+                                  rest, waited, before, scans.size())
+                    : fmt::format("no {} in {:.1f} s", rest, waited)};
+  if (!start && is_off_gravity(imu.check, options)) {
+    out.verdict = Verdict::kDoubtful;
+    out.text += ": at rest the accelerometer is too far off gravity";
+    out.change = "calibrate its scale and bias; start.sigma_accel_bias allows ten times itself";
+  } else if (options.start.max_wait > 0.0) {
+    out.text += fmt::format("; start.max_wait is {:.3g} s", options.start.max_wait);
+  } else if (!start || waited > kLate + options.start.duration) {
+    out.verdict = Verdict::kDoubtful;
+    out.text += start ? ", and dropped" : ": the estimator does not start";
+    out.change =
+        "start: {max_wait: 3}, which starts in motion after 3 s; better, record two seconds at "
+        "rest first";
+  }
   return out;
 }
 

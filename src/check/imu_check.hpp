@@ -38,9 +38,24 @@ inline constexpr double kLongestSilence = kMostVelocity / kFeigned;  // [s]
 /// Up to this interval of radar velocities the IMU adds less than the error of one of them.
 inline constexpr double kSparseVelocities = 0.1 / kFeigned;  // [s]
 
-/// Samples that can be integrated: finite, of a size that an IMU measures, in_order() of order.hpp;
-/// empty if these are all.
-std::optional<std::vector<ImuSample>> usable_if_not_all(const std::vector<ImuSample>& samples);
+/// The samples that can be integrated: finite, of a size that an IMU measures, in_order() of
+/// order.hpp. A copy only if these are not all.
+class Usable {
+ public:
+  /// @param all as recorded, in their order; outlive it
+  explicit Usable(const std::vector<ImuSample>& all);
+  const std::vector<ImuSample>& all() const { return all_; }
+  const std::vector<ImuSample>& good() const { return fewer_ ? *fewer_ : all_; }
+
+ private:
+  const std::vector<ImuSample>& all_;
+  std::optional<std::vector<ImuSample>> fewer_;
+};
+
+/// Whether they differ in their stamps at most.
+inline bool same_values(const ImuSample& a, const ImuSample& b) {
+  return a.gyro_B == b.gyro_B && a.accel_B == b.accel_B;
+}
 
 /// The second in which the specific force varies least.
 struct Rest {
@@ -74,15 +89,13 @@ struct ImuCheck {
 /// The IMU data for the other checks.
 struct CheckedImu {
   const std::vector<ImuSample>& all;
-  const std::vector<ImuSample>& good;  ///< usable_if_not_all(), else all
+  const std::vector<ImuSample>& good;  ///< the Usable ones
   const ImuCheck& check;
 };
 
-/// @param samples as recorded, in their order
-/// @param good usable_if_not_all() of them, else all
-/// @param csv their file, to name lines of it; may be empty
-ImuCheck check_imu(const std::vector<ImuSample>& samples, const std::vector<ImuSample>& good,
-                   const io::ImuInfo& info, Source source, const std::filesystem::path& csv);
+/// @param csv the file of the samples, to name lines of it; may be empty
+ImuCheck check_imu(const Usable& samples, const io::ImuInfo& info, Source source,
+                   const std::filesystem::path& csv);
 
 /// The unit of the accelerometer, or what else is in its columns; adds to `found`.
 /// @param samples usable ones
@@ -93,9 +106,8 @@ Finding check_accel(const std::vector<ImuSample>& samples, const Rest& rest, Sou
 /// Unit, rate and order of the stamps, and what the lost samples cost the estimate. Parameters as
 /// those of check_imu(), at least two good samples.
 /// @param unit of the stamps [ns]; unchanged if it is that, else the change is up to the caller
-Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
-                     const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
-                     double* unit);
+Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source source,
+                     const std::filesystem::path& csv, double* unit);
 
 /// Whether the estimator finds the standstill with which it starts, and what a late one costs;
 /// subject "start".

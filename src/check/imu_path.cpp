@@ -41,34 +41,19 @@ const std::vector<ImuPath::Point>& ImuPath::part(std::size_t k) const {
   return out.points;
 }
 
-const ImuPath::Point& ImuPath::point(std::size_t i) const {
-  return part(i / kPart)[i % kPart];
-}
-
-std::optional<std::size_t> ImuPath::before(Time time) const {
+std::optional<ImuPath::Point> ImuPath::at(Time time) const {
   if (samples_.empty() || time < samples_.front().time || time >= samples_.back().time) {
     return std::nullopt;
   }
-  const auto after =
-      std::upper_bound(samples_.begin(), samples_.end(), time,
-                       [](Time t, const ImuSample& sample) { return t < sample.time; });
-  return static_cast<std::size_t>(std::distance(samples_.begin(), after)) - 1;
-}
-
-std::optional<int> ImuPath::piece_at(Time time) const {
-  const auto i = before(time);
-  return i ? std::optional<int>(point(*i).piece) : std::nullopt;
-}
-
-std::optional<ImuPath::Point> ImuPath::at(Time time) const {
-  const auto i = before(time);
-  if (!i) return std::nullopt;
-  const double dt = to_seconds(time - samples_[*i].time);
-  const std::vector<Point>& points = part(*i / kPart);  // and the first point of the next part
-  Point out = points[*i % kPart];
+  const auto after = std::ranges::upper_bound(samples_, time, {}, &ImuSample::time);
+  const ImuSample& before = *std::prev(after);
+  const auto i = static_cast<std::size_t>(std::distance(samples_.begin(), after)) - 1;
+  const double dt = to_seconds(time - before.time);
+  const std::vector<Point>& points = part(i / kPart);
+  Point out = points[i % kPart];
   out.turn = out.turn * quaternion_exp(dt * out.rate);
-  const double share = dt / to_seconds(samples_[*i + 1].time - samples_[*i].time);
-  out.sum += share * (points[*i % kPart + 1].sum - out.sum);
+  const double share = dt / to_seconds(after->time - before.time);
+  out.sum += share * (points[i % kPart + 1].sum - out.sum);
   return out;
 }
 

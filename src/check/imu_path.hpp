@@ -29,16 +29,13 @@ class ImuPath {
       : ImuPath(samples, Matrix3d(gyro_unit * Matrix3d::Identity()), accel_unit) {}
   /// Empty outside of the samples.
   std::optional<Point> at(Time time) const;
-  /// Point::piece alone.
-  std::optional<int> piece_at(Time time) const;
 
  private:
   static constexpr std::size_t kPart = 128;  ///< points from one stored point to the next
   static constexpr std::size_t kParts = 16;  ///< number of stored parts: a second or more
 
-  std::optional<std::size_t> before(Time time) const;
-  /// The point at sample i, and the rate of the interval that begins there.
-  const Point& point(std::size_t i) const;
+  /// The points at the samples from k * kPart on, the first of the next part included, each with
+  /// the rate of the interval that begins there.
   const std::vector<Point>& part(std::size_t k) const;
   /// From the point at sample i - 1 to that at i.
   void advance(std::size_t i, Point* now) const;

@@ -13,7 +13,6 @@
 #include "check/advice.hpp"
 #include "check/numbers.hpp"
 #include "check/order.hpp"
-#include "check/units.hpp"
 
 namespace rio::check {
 
@@ -77,15 +76,16 @@ std::optional<Bridged> cost_of_gaps(const std::vector<ImuSample>& samples, doubl
 
 }  // namespace
 
-Finding check_stamps(const std::vector<ImuSample>& all, const std::vector<ImuSample>& good,
-                     const io::ImuInfo& info, Source source, const std::filesystem::path& csv,
-                     double* unit) {
+Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source source,
+                     const std::filesystem::path& csv, double* unit) {
+  const std::vector<ImuSample>& all = samples.all();
+  const std::vector<ImuSample>& good = samples.good();
   int repeated = 0;
   int twice = 0;  // with its values, too
   for (std::size_t i = 1; i < all.size(); ++i) {
     if (all[i].time != all[i - 1].time) continue;
     ++repeated;
-    twice += all[i].gyro_B == all[i - 1].gyro_B && all[i].accel_B == all[i - 1].accel_B ? 1 : 0;
+    twice += same_values(all[i], all[i - 1]) ? 1 : 0;
   }
   const Strays stray = strays(all);
   std::vector<double> periods;

@@ -19,7 +19,8 @@ namespace {
 struct Sums {
   using Map9 = Eigen::Matrix<double, 3, 9>;
   int scans = 0;
-  double last = 0.0;  ///< t of the last scan [s]
+  double last = 0.0;                  ///< t of the last scan [s]
+  Vector3d begin = Vector3d::Zero();  ///< s at the first one [m/s]
   double w = 0.0;
   double wt = 0.0;
   double wtt = 0.0;
@@ -115,9 +116,8 @@ std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options) {
   DetectionList list;
   EgoVelocity ego;
   std::vector<RadarSpeed> all;
-  RadarScan scan;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    scans.get(i, &scan);
+    const RadarScan scan = scans.get(i);
     if (!is_stamp(scan.time)) continue;
     filter_detections(scan, options.radar, options.frontend.max_detections, list);
     ransac.estimate(list, as_before(all, scan.time), &ego);
@@ -194,7 +194,6 @@ std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const I
   constexpr double kShortest = 0.5;  // of the length
   std::vector<Agreement> out(shifts.size());
   std::vector<Sums> sums(shifts.size());
-  std::vector<Vector3d> first_sum(shifts.size(), Vector3d::Zero());
   Time begin{0};
   int piece = 0;
   const auto close = [&] {
@@ -206,21 +205,21 @@ std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const I
     }
   };
   for (const RadarSpeed& speed : speeds) {
-    const auto first = path.piece_at(speed.time - from_seconds(kMostShift));
-    const auto last = path.piece_at(speed.time + from_seconds(kMostShift));
-    if (!first || !last || *first != *last) continue;
+    const auto first = path.at(speed.time - from_seconds(kMostShift));
+    const auto last = path.at(speed.time + from_seconds(kMostShift));
+    if (!first || !last || first->piece != last->piece) continue;
     const double since = to_seconds(speed.time - begin);
     const bool some = sums.front().scans > 0;
-    if (some && (since > length || since < 0.0 || *first != piece)) close();
+    if (some && (since > length || since < 0.0 || first->piece != piece)) close();
     const bool opens = sums.front().scans == 0;
     if (opens) begin = speed.time;
-    piece = *first;
+    piece = first->piece;
     for (std::size_t s = 0; s < shifts.size(); ++s) {
       const ImuPath::Point p = *path.at(speed.time + from_seconds(shifts[s]));
-      if (opens) first_sum[s] = p.sum;
+      if (opens) sums[s].begin = p.sum;
       const Matrix3d C = p.turn.toRotationMatrix();
       sums[s].add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C,
-                  p.sum - first_sum[s] + C * p.rate.cross(lever_B));
+                  p.sum - sums[s].begin + C * p.rate.cross(lever_B));
     }
   }
   close();

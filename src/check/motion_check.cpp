@@ -9,8 +9,7 @@
 #include <iterator>
 #include <optional>
 
-#include "check/judge.hpp"
-#include "check/units.hpp"
+#include "check/numbers.hpp"
 #include "rio/frontend/mounting_search.hpp"
 
 namespace rio::check {
@@ -181,9 +180,7 @@ Finding check_scale(const Judge& judge, const Matrix3d& R) {
   out.verdict = Verdict::kWrong;
   const double likely = low * std::cbrt(high / low);  // most of the noise is the radar's
   const auto off = [likely](const DopplerUnit& u) { return std::abs(std::log(u.scale / likely)); };
-  const auto* const unit = std::min_element(
-      kDopplerUnits.begin(), kDopplerUnits.end(),
-      [&off](const DopplerUnit& a, const DopplerUnit& b) { return off(a) < off(b); });
+  const auto* const unit = std::ranges::min_element(kDopplerUnits, {}, off);
   double factor = 1.0 / likely;
   constexpr double kNear = 1.1;  // folds at a limit in another unit
   if (unit->scale > low / kNear && unit->scale < high * kNear) {

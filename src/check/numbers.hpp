@@ -2,14 +2,30 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
 namespace rio::check {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< [rad]
+
+/// Possible units of a Doppler, and their factor relative to [m/s].
+struct DopplerUnit {
+  const char* name;
+  double scale;
+};
+inline constexpr std::array<DopplerUnit, 5> kDopplerUnits = {
+    {{"in km/h", 3.6},
+     {"in mph", 2.2369},
+     {"twice the range rate (or in knots: 0.5144 in place of 0.5)", 2.0},
+     {"in cm/s", 100.0},
+     {"half the range rate", 0.5}}};
 
 /// The quantile of this share; NaN without values. Reorders the values.
 inline double quantile_of(std::vector<double>* values, double share) {

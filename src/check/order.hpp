@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "check/check.hpp"
+#include "check/finding.hpp"
 #include "rio/checks/stamp_guard.hpp"
 #include "rio/types.hpp"
 
@@ -27,39 +27,23 @@ namespace rio::check {
 /// first is returned.
 template <typename Items>
 std::vector<std::size_t> in_order(const Items& items) {
-  constexpr auto kNone = static_cast<std::size_t>(-1);
-  std::size_t rising = 0;  // number of leading items with rising stamps
-  while (rising < items.size() && is_stamp(items[rising].time) &&
-         (rising == 0 || items[rising - 1].time < items[rising].time)) {
-    ++rising;
-  }
-  std::vector<std::size_t> ends(rising);  // last item of the best sequence of each length
-  std::iota(ends.begin(), ends.end(), std::size_t{0});
-  std::vector<std::size_t> before;
-  if (rising < items.size()) {
-    before.assign(items.size(), kNone);
-    for (std::size_t i = 1; i < rising; ++i) before[i] = i - 1;
-  }
-  for (std::size_t i = rising; i < items.size(); ++i) {
+  std::vector<std::size_t> order;  // last item of the best sequence of each length
+  std::vector<std::size_t> before(items.size());
+  for (std::size_t i = 0; i < items.size(); ++i) {
     if (!is_stamp(items[i].time)) continue;
     const auto at =
-        std::lower_bound(ends.begin(), ends.end(), items[i].time,
+        std::lower_bound(order.begin(), order.end(), items[i].time,
                          [&items](std::size_t end, Time time) { return items[end].time < time; });
-    if (at != ends.begin()) before[i] = *(at - 1);
-    if (at == ends.end()) {
-      ends.push_back(i);
+    if (at != order.begin()) before[i] = *(at - 1);
+    if (at == order.end()) {
+      order.push_back(i);
     } else if (items[i].time < items[*at].time) {
       *at = i;
     }
   }
-  if (ends.empty() && items.size() > 0) ends.push_back(0);
-  std::vector<std::size_t> order;
-  if (before.empty()) {
-    order = std::move(ends);
-  } else {
-    for (std::size_t i = ends.back(); i != kNone; i = before[i]) order.push_back(i);
-    std::reverse(order.begin(), order.end());
-  }
+  if (order.empty() && items.size() > 0) order.push_back(0);
+  // of these only the last one is in the longest sequence; the others are before it
+  for (std::size_t k = order.size(); k-- > 1;) order[k - 1] = before[order[k]];
   const auto span = [&](std::size_t a, std::size_t b) {
     return to_seconds(items[order[b]].time - items[order[a]].time);
   };

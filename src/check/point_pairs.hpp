@@ -111,23 +111,4 @@ void each_pair_of_scans(const Scans& scans, Use&& use) {
   }
 }
 
-/// [m]
-inline void ranges_of(const ScanView& scan, std::vector<double>* ranges) {
-  ranges->clear();
-  for (const Point& point : scan.detections) ranges->push_back(point.point_S.norm());
-}
-
-/// The indices from 0 to n - 1 that fit; branch-free, since the few that do are in no order.
-template <typename Fits>
-void select(std::size_t n, Fits&& fits, std::vector<std::size_t>* selected) {
-  selected->resize(n);
-  std::size_t* const out = selected->data();
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    out[count] = k;
-    count += fits(k) ? 1 : 0;
-  }
-  selected->resize(count);
-}
-
 }  // namespace rio::check

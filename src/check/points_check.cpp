@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "check/motion.hpp"
+#include "check/numbers.hpp"
 #include "check/point_pairs.hpp"
-#include "check/units.hpp"
 #include "rio/core/so3.hpp"
 
 namespace rio::check {
@@ -112,9 +112,8 @@ class TurnVotes {
  public:
   explicit TurnVotes(const Quaternion& configured) {
     for (const Axes& axes : candidates(configured)) {
-      const bool known = std::any_of(mountings_.begin(), mountings_.end(),
-                                     [&](const Matrix3d& R) { return (R - axes.R).norm() < 1e-6; });
-      if (!known) mountings_.push_back(axes.R);
+      const auto is_same = [&](const Matrix3d& R) { return (R - axes.R).norm() < 1e-6; };
+      if (std::ranges::none_of(mountings_, is_same)) mountings_.push_back(axes.R);
     }
     votes_.resize(mountings_.size());
     turns_.resize(mountings_.size());
@@ -132,27 +131,20 @@ class TurnVotes {
     const Matrix3d small = R.transpose() * in_degrees.toRotationMatrix().transpose() * R;
     const double turned = std::max(phi.norm(), quaternion_log(in_degrees).norm());
     const double farthest = (turned + kBound) * (turned + kBound);
-    ranges_of(to, &ranges_);
     for (const Point& a : from.detections) {
-      const double range = a.point_S.norm();
-      const auto as_far = [range, r = ranges_.data()](std::size_t k) {
-        return std::abs(r[k] - range) < 6.0 * kRangeBin;
-      };
-      select(ranges_.size(), as_far, &candidates_);
-      for (const std::size_t k : candidates_) {
-        if (!(std::min(range, ranges_[k]) > 0.1)) continue;
-        const Vector3d u = a.point_S / range;
-        const Vector3d v = to.detections[k].point_S / ranges_[k];
+      const double a_range = a.point_S.norm();
+      for (const Point& b : to.detections) {
+        const double b_range = b.point_S.norm();
+        const bool as_far = std::abs(b_range - a_range) < 6.0 * kRangeBin;
+        if (!as_far || !(std::min(a_range, b_range) > 0.1)) continue;
+        const Vector3d u = a.point_S / a_range;
+        const Vector3d v = b.point_S / b_range;
         if ((u - v).squaredNorm() < farthest) add(u, v, small, block);
       }
     }
   }
   /// For the mounting with which the rates as given do best.
-  const Support& best() const {
-    return *std::min_element(votes_.begin(), votes_.end(), [](const Support& a, const Support& b) {
-      return a.lead() < b.lead();
-    });
-  }
+  const Support& best() const { return *std::ranges::min_element(votes_, {}, &Support::lead); }
 
  private:
   static constexpr double kAngle = 0.05;  ///< sigma_u, of four antennas [rad]
@@ -171,8 +163,6 @@ class TurnVotes {
   std::vector<Matrix3d> mountings_;
   std::vector<Support> votes_;
   std::vector<Matrix3d> turns_;  ///< rotations of the scene between two scans
-  std::vector<double> ranges_;   ///< of the points of the later scan
-  std::vector<std::size_t> candidates_;
 };
 
 /// (E2) of the rates taken as deg/s against this many times those as given.
@@ -201,30 +191,20 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
   const std::vector<Rate> all = rates();
   RangeVotes votes(all);
   const double least = options.radar.min_range;
-  std::vector<double> ranges;
-  std::vector<double> range_rates;
-  std::vector<std::size_t> candidates;
   each_pair_of_scans(
       scans, [&](const ScanView& from, const ScanView& to, double dt, std::size_t block) {
-        ranges_of(to, &ranges);
-        range_rates.clear();
-        for (const Point& b : to.detections) range_rates.push_back(b.range_rate);
         for (const Point& a : from.detections) {
-          const double range = a.point_S.norm();
-          if (a.range_rate == 0.0 || !(range > least)) continue;
+          const double a_range = a.point_S.norm();
+          if (a.range_rate == 0.0 || !(a_range > least)) continue;
           const double farthest = votes.farthest((1.0 + kChange) * a.range_rate * dt);
-          const double change = kChange * std::abs(a.range_rate);
-          const auto reachable = [farthest, range, rate = a.range_rate, change, r = ranges.data(),
-                                  v = range_rates.data()](std::size_t k) {
-            const bool near = std::abs(r[k] - range) <= farthest;
-            const bool alike = std::abs(v[k] - rate) <= change;
-            return near && alike;
-          };
-          select(ranges.size(), reachable, &candidates);
-          for (const std::size_t k : candidates) {
-            const Point& b = to.detections[k];
-            if (!same_direction(a, b, range, ranges[k])) continue;
-            votes.add(ranges[k] - range, 0.5 * (a.range_rate + b.range_rate) * dt, block);
+          for (const Point& b : to.detections) {
+            const double b_range = b.point_S.norm();
+            const double moved = b_range - a_range;
+            const bool near = std::abs(moved) <= farthest;
+            const bool alike =
+                std::abs(b.range_rate - a.range_rate) <= kChange * std::abs(a.range_rate);
+            if (!near || !alike || !same_direction(a, b, a_range, b_range)) continue;
+            votes.add(moved, 0.5 * (a.range_rate + b.range_rate) * dt, block);
           }
         }
       });

@@ -62,25 +62,17 @@ class Scans {
   }
 
   /// The complete scan, as added.
-  void get(std::size_t i, RadarScan* scan) const {
+  RadarScan get(std::size_t i) const {
     const ScanView view = (*this)[i];
-    scan->time = view.time;
-    scan->detections.resize(view.detections.size());
+    RadarScan scan{view.time, {}};
+    scan.detections.reserve(view.detections.size());
     for (std::size_t k = 0; k < view.detections.size(); ++k) {
       const Point& point = view.detections[k];
-      RadarDetection& d = scan->detections[k];
-      d = RadarDetection{};
-      d.point_S = point.point_S;
-      d.range_rate = point.range_rate;
-      d.snr_db = point.snr_db;
-      if (scans_[i].rest == kNone) continue;
-      const auto& rest = rest_[scans_[i].rest + k];
-      d.noise_db = rest[0];
-      d.sigma_range = rest[1];
-      d.sigma_azimuth = rest[2];
-      d.sigma_elevation = rest[3];
-      d.sigma_doppler = rest[4];
+      const Rest rest = scans_[i].rest == kNone ? Rest{} : rest_[scans_[i].rest + k];
+      scan.detections.push_back({point.point_S, point.range_rate, point.snr_db, rest[0], rest[1],
+                                 rest[2], rest[3], rest[4]});
     }
+    return scan;
   }
 
   /// Memory of a scan with as many points [B].
@@ -95,7 +87,7 @@ class Scans {
     std::size_t points;  ///< index of its first one
     std::size_t rest;    ///< of its first one; kNone: all zero
   };
-  using Rest = std::array<double, 5>;  ///< noise, sigmas
+  using Rest = std::array<double, 5>;  ///< noise, sigmas of range, angles and Doppler
 
   static Rest rest_of(const RadarDetection& d) {
     return {d.noise_db, d.sigma_range, d.sigma_azimuth, d.sigma_elevation, d.sigma_doppler};
@@ -111,9 +103,8 @@ template <class Change>
 Scans changed(const Scans& scans, const Change& change) {
   Scans out;
   out.reserve(scans.size(), scans.points().size());
-  RadarScan scan;
   for (std::size_t i = 0; i < scans.size(); ++i) {
-    scans.get(i, &scan);
+    RadarScan scan = scans.get(i);
     change(i, &scan);
     out.push_back(scan);
   }

@@ -217,10 +217,9 @@ class LiveRun {
   /// What `rio check` says of the samples before the start.
   std::string start_problem() const {
     if (first_samples_.size() > 1) {
-      const std::vector<ImuSample>& all = first_samples_;
-      const auto usable = check::usable_if_not_all(all);
-      for (const check::Finding& finding :
-           check::check_imu(all, usable ? *usable : all, {}, check::Source::kFolder, {}).findings) {
+      const check::ImuCheck of_imu =
+          check::check_imu(check::Usable(first_samples_), {}, check::Source::kFolder, {});
+      for (const check::Finding& finding : of_imu.findings) {
         if (finding.verdict != check::Verdict::kWrong) continue;
         return fmt::format("{}: {}; --imu must send rad/s, m/s^2 with gravity, and ns",
                            finding.subject, finding.text);

@@ -118,7 +118,7 @@ TEST(Check, AStampFarInTheFutureCostsItsOwnRow) {
   for (const std::size_t row : {std::size_t{0}, n / 2, n - 1}) {
     io::Dataset dataset = healthy;
     dataset.imu[row].time += from_seconds(1e9);
-    EXPECT_EQ(check::usable_if_not_all(dataset.imu)->size(), n - 1);
+    EXPECT_EQ(check::Usable(dataset.imu).good().size(), n - 1);
     const TempDir dir;
     io::write_dataset(dir.path(), dataset);
     const std::string csv = (dir.path() / "imu0/data.csv").string();
