@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "check/check.hpp"
 #include "check/faults.hpp"
@@ -17,15 +18,19 @@ namespace rio::test {
 
 using check::delay_scans;
 using check::each_detection;
+using check::each_sample;
 using check::Fault;
 using check::faults;
 using check::Finding;
 using check::Findings;
+using check::in_axes;
+using check::kHalfTurn;
+using check::MakeFault;
+using check::of_detections;
+using check::of_samples;
 using check::Source;
 using check::turn_mounting;
 using check::Verdict;
-
-inline constexpr double kHalfTurn = 3.14159265358979323846;
 
 inline io::Dataset flown(const sim::Scenario& scenario) {
   const sim::Flight flight = sim::simulate_flight(scenario);
@@ -38,7 +43,6 @@ inline io::Dataset flown(const sim::Scenario& scenario) {
   out.radar_info.rate_hz = scenario.radar.rate_hz;
   return out;
 }
-
 inline io::Dataset flown(const std::string& name, double length) {
   sim::Scenario scenario = scenario_named(name);
   scenario.path.length = length;
@@ -49,6 +53,12 @@ inline io::Dataset flown(const std::string& name, double length) {
 inline const io::Dataset& flight() {
   static const io::Dataset kFlight = flown("indoor-1", 50.0);
   return kFlight;
+}
+
+/// The stamps of the items from `first` on are off by a step [s].
+template <class Items>
+void step_stamps(Items* items, std::size_t first, double seconds) {
+  for (std::size_t i = first; i < items->size(); ++i) (*items)[i].time += from_seconds(seconds);
 }
 
 /// @param folder of the recording, for lines of its files
@@ -110,6 +120,23 @@ inline void expect(const Finding& finding, Verdict verdict, const std::string& t
   EXPECT_EQ(finding.verdict, verdict) << finding.text;
   EXPECT_PRED2(contains, finding.text, text);
   EXPECT_PRED2(contains, finding.change, change);
+}
+
+/// What is said of the flight with a fault.
+struct Cause {
+  MakeFault make;
+  const char* subject;
+  Verdict verdict;
+  std::string text;         ///< part of the sentence
+  std::string change = "";  ///< part of the proposed change
+};
+inline void expect_said(const std::vector<Cause>& causes) {
+  for (const Cause& cause : causes) {
+    SCOPED_TRACE(cause.subject + (": " + cause.text) + " -> " + cause.change);
+    io::Dataset dataset = flight();
+    cause.make(&dataset);
+    expect(said(dataset, cause.subject), cause.verdict, cause.text, cause.change);
+  }
 }
 
 }  // namespace rio::test

@@ -10,105 +10,77 @@ namespace rio::check {
 
 namespace {
 
-constexpr double kHalfTurn = 3.14159265358979323846;
-
-template <typename Change>
-void each_sample(io::Dataset* d, Change&& change) {
-  for (ImuSample& sample : d->imu) change(&sample);
+MakeFault turned(const Vector3d& phi, bool in_body) {
+  return [=](io::Dataset* d) { turn_mounting(d, phi, in_body); };
+}
+MakeFault late(double seconds) {
+  return [=](io::Dataset* d) { delay_scans(d, seconds); };
 }
 
 std::vector<Fault> make_faults() {
   const double quarter = 0.5 * kHalfTurn;
   return {
       {"DopplerSign", "Doppler of the other sign",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { r->range_rate = -r->range_rate; });
-       },
+       of_detections([](RadarDetection& r) { r.range_rate = -r.range_rate; }),
        "axes and Doppler sign", "the Doppler has the wrong sign", "--approaching",
        "Doppler by the ranges"},
       {"MountingTurned90AboutTheBody", "mounting turned by 90 deg about the vertical",
-       [=](io::Dataset* d) {
-         turn_mounting(d, {0.0, 0.0, quarter}, true);
-       },
-       "axes and Doppler sign", "turned by 90 deg about the -z axis of the body", "quaternion"},
+       turned({0.0, 0.0, quarter}, true), "axes and Doppler sign",
+       "turned by 90 deg about the -z axis of the body", "quaternion"},
       {"MountingTurned180AboutTheBody", "mounting turned by 180 deg about the vertical",
-       [](io::Dataset* d) {
-         turn_mounting(d, {0.0, 0.0, kHalfTurn}, true);
-       },
-       "axes and Doppler sign", "turned by 180 deg about the z axis of the body", "quaternion"},
-      {"MountingUpsideDown", "radar upside down",
-       [](io::Dataset* d) {
-         turn_mounting(d, {kHalfTurn, 0.0, 0.0}, false);
-       },
+       turned({0.0, 0.0, kHalfTurn}, true), "axes and Doppler sign",
+       "turned by 180 deg about the z axis of the body", "quaternion"},
+      {"MountingUpsideDown", "radar upside down", turned({kHalfTurn, 0.0, 0.0}, false),
        "axes and Doppler sign", "turned by 180 deg about the x axis of the radar", "quaternion"},
       {"AxesOfTheChip",
        "points in the axes of the chip",  // right, forward, up for forward, left, up
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) {
-           const Vector3d p = r->point_S;
-           r->point_S = {-p.y(), p.x(), p.z()};
-         });
-       },
+       of_detections([](RadarDetection& r) {
+         const Vector3d p = r.point_S;
+         r.point_S = {-p.y(), p.x(), p.z()};
+       }),
        "axes and Doppler sign", "turned by 90 deg about the -z axis of the radar", "quaternion"},
       {"AxesSwapped", "x and y of the points swapped",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { std::swap(r->point_S.x(), r->point_S.y()); });
-       },
+       of_detections([](RadarDetection& r) { std::swap(r.point_S.x(), r.point_S.y()); }),
        "axes and Doppler sign", "x and y of the points are swapped", "--axes"},
       {"AxisMirrored", "y of the points mirrored",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { r->point_S.y() = -r->point_S.y(); });
-       },
+       of_detections([](RadarDetection& r) { r.point_S.y() = -r.point_S.y(); }),
        "axes and Doppler sign", "y of the points has the wrong sign", "--axes"},
       {"PointsInMillimetres", "points in mm",
-       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->point_S *= 1e3; }); },
-       "distances", "not in metres", "--field x=NAME*0.001"},
+       of_detections([](RadarDetection& r) { r.point_S *= 1e3; }), "distances", "not in metres",
+       "--field x=NAME*0.001"},
       {"PointsInCentimetres", "points in cm",
-       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->point_S *= 1e2; }); },
-       "distances", "not in metres", "--field x=NAME*0.01, y and z alike"},
+       of_detections([](RadarDetection& r) { r.point_S *= 1e2; }), "distances", "not in metres",
+       "--field x=NAME*0.01, y and z alike"},
       {"GyroInDegrees", "gyro in deg/s",
-       [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->gyro_B *= 180.0 / kHalfTurn; }); },
-       "gyro unit", "deg/s", "--gyro-unit deg/s", "gyro unit by the points"},
+       of_samples([](ImuSample& s) { s.gyro_B *= 180.0 / kHalfTurn; }), "gyro unit", "deg/s",
+       "--gyro-unit deg/s", "gyro unit by the points"},
       {"AccelerometerInG", "accelerometer in g",
-       [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->accel_B /= 9.80665; }); },
-       "accelerometer unit", "it is in g", "--accel-unit g"},
+       of_samples([](ImuSample& s) { s.accel_B /= 9.80665; }), "accelerometer unit", "it is in g",
+       "--accel-unit g"},
       {"AccelerometerInMilliG", "accelerometer in mg",
-       [](io::Dataset* d) { each_sample(d, [](ImuSample* s) { s->accel_B *= 1e3 / 9.80665; }); },
-       "accelerometer unit", "it is in mg", "--accel-unit mg"},
+       of_samples([](ImuSample& s) { s.accel_B *= 1e3 / 9.80665; }), "accelerometer unit",
+       "it is in mg", "--accel-unit mg"},
       {"DopplerInKilometresPerHour", "Doppler in km/h",
-       [](io::Dataset* d) { each_detection(d, [](RadarDetection* r) { r->range_rate *= 3.6; }); },
-       "Doppler scale", "km/h", "*0.27", "Doppler by the ranges"},
+       of_detections([](RadarDetection& r) { r.range_rate *= 3.6; }), "Doppler scale", "km/h",
+       "*0.27", "Doppler by the ranges"},
       {"ImuInForwardRightDown", "IMU in forward, right, down",
-       [](io::Dataset* d) {
-         each_sample(d, [](ImuSample* s) {
-           for (Vector3d* v : {&s->gyro_B, &s->accel_B}) *v = {v->x(), -v->y(), -v->z()};
-         });
-       },
+       in_axes([](const Vector3d& v) { return Vector3d(v.x(), -v.y(), -v.z()); }),
        "axes and Doppler sign", "the IMU is in frd", "--imu-axes frd"},
       {"ImuColumnsSwapped", "x and y of the IMU swapped",
-       [](io::Dataset* d) {
-         each_sample(d, [](ImuSample* s) {
-           for (Vector3d* v : {&s->gyro_B, &s->accel_B}) *v = {v->y(), v->x(), v->z()};
-         });
-       },
-       "axes of the IMU", "x and y of the IMU are swapped", "x and y of the IMU are swapped"},
+       in_axes([](const Vector3d& v) { return Vector3d(v.y(), v.x(), v.z()); }), "axes of the IMU",
+       "x and y of the IMU are swapped", "x and y of the IMU are swapped"},
       {"AccelerometerFirst", "accelerometer before the gyro",
-       [](io::Dataset* d) {
-         each_sample(d, [](ImuSample* s) { std::swap(s->gyro_B, s->accel_B); });
-       },
-       "accelerometer unit", "gyro and accelerometer are exchanged", "exchange"},
+       of_samples([](ImuSample& s) { std::swap(s.gyro_B, s.accel_B); }), "accelerometer unit",
+       "gyro and accelerometer are exchanged", "exchange"},
       {"DopplerAndSnrSwapped", "Doppler and SNR swapped",
-       [](io::Dataset* d) {
-         each_detection(d, [](RadarDetection* r) { std::swap(r->range_rate, r->snr_db); });
-       },
-       "Doppler", "the SNR is: the two are exchanged", "doppler="},
-      {"NoOverlap", "radar on another clock", [](io::Dataset* d) { delay_scans(d, 4000.0); },
-       "clocks", "both for 0.0 s", "--radar-offset"},
-      {"RadarAFrameLate", "scans 67 ms late, a frame at 15 Hz",
-       [](io::Dataset* d) { delay_scans(d, 1.0 / 15.0); }, "delay of the radar", "moved by -",
-       "time_offset: 0.0"},
-      {"RadarSecondsLate", "scans 1.5 s late", [](io::Dataset* d) { delay_scans(d, 1.5); },
-       "delay of the radar", "moved by -1.", "--radar-offset"},
+       of_detections([](RadarDetection& r) { std::swap(r.range_rate, r.snr_db); }), "Doppler",
+       "the SNR is: the two are exchanged", "doppler="},
+      {"NoOverlap", "radar on another clock", late(4000.0), "clocks", "both for 0.0 s",
+       "--radar-offset"},
+      {"RadarAFrameLate", "scans 67 ms late, a frame at 15 Hz", late(1.0 / 15.0),
+       "delay of the radar", "moved by -", "time_offset: 0.0"},
+      {"RadarSecondsLate", "scans 1.5 s late", late(1.5), "delay of the radar", "moved by -1.",
+       "--radar-offset"},
   };
 }
 

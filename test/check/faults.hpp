@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "check/finding.hpp"
@@ -11,11 +12,13 @@
 
 namespace rio::check {
 
+using MakeFault = std::function<void(io::Dataset*)>;
+
 /// A fault, and the expected finding.
 struct Fault {
   const char* name;
   const char* meaning;
-  std::function<void(io::Dataset*)> make;
+  MakeFault make;
   const char* subject;
   const char* text;       ///< part of the sentence
   const char* change;     ///< part of the proposed change
@@ -25,12 +28,30 @@ struct Fault {
 /// All faults; the expected findings are those for a bag.
 const std::vector<Fault>& faults();
 
+inline constexpr double kHalfTurn = std::numbers::pi;
+
 /// Changes all detections of the first radar.
 template <typename Change>
-void each_detection(io::Dataset* dataset, Change&& change) {
+void each_detection(io::Dataset* dataset, const Change& change) {
   for (RadarScan& scan : dataset->scans) {
-    for (RadarDetection& detection : scan.detections) change(&detection);
+    for (RadarDetection& detection : scan.detections) change(detection);
   }
+}
+/// Changes all samples of the IMU.
+template <typename Change>
+void each_sample(io::Dataset* dataset, const Change& change) {
+  for (ImuSample& sample : dataset->imu) change(sample);
+}
+/// The same as faults.
+inline MakeFault of_detections(std::function<void(RadarDetection&)> change) {
+  return [=](io::Dataset* dataset) { each_detection(dataset, change); };
+}
+inline MakeFault of_samples(std::function<void(ImuSample&)> change) {
+  return [=](io::Dataset* dataset) { each_sample(dataset, change); };
+}
+/// Rates and forces in other axes.
+inline MakeFault in_axes(std::function<Vector3d(const Vector3d&)> axes) {
+  return of_samples([=](ImuSample& s) { s = {s.time, axes(s.gyro_B), axes(s.accel_B)}; });
 }
 /// Its stamps become later [s].
 inline void delay_scans(io::Dataset* dataset, double seconds) {

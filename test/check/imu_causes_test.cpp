@@ -1,26 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults of the IMU with a cause that another one resembles: the right one is named,
 // with what to paste.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "check/check_it.hpp"
 #include "rio/io/units.hpp"
 
 namespace rio::test {
 namespace {
-
-/// The flight with other samples of the IMU.
-template <class Change>
-io::Dataset with_imu(const Change& change) {
-  io::Dataset dataset = flight();
-  for (ImuSample& s : dataset.imu) change(s);
-  return dataset;
-}
 
 TEST(ImuCauses, AStartThatIsLateOrNeverComesNamesMaxWait) {
   expect(said(flight(), "start"), Verdict::kOk, "");
@@ -44,17 +35,29 @@ TEST(ImuCauses, AStartThatIsLateOrNeverComesNamesMaxWait) {
 
 TEST(ImuCauses, GravityThatWasRemovedIsNoUnit) {
   const Vector3d at_rest = flight().imu[100].accel_B;
-  const io::Dataset dataset = with_imu([&](ImuSample& s) { s.accel_B -= at_rest; });
-  expect(said(dataset, "accelerometer unit"), Verdict::kWrong, "gravity was removed",
-         "raw accelerometer");
+  expect_said({{of_samples([=](ImuSample& s) { s.accel_B -= at_rest; }), "accelerometer unit",
+                Verdict::kWrong, "gravity was removed", "raw accelerometer"}});
 }
 
 TEST(ImuCauses, ExchangedColumnsAreOneFault) {
-  const Findings findings =
-      check_it(with_imu([](ImuSample& s) { std::swap(s.gyro_B, s.accel_B); }));
+  io::Dataset dataset = flight();
+  each_sample(&dataset, [](ImuSample& s) { std::swap(s.gyro_B, s.accel_B); });
+  const Findings findings = check_it(dataset);
   for (const Finding& f : findings) {
     EXPECT_EQ(f.verdict, f.subject == "accelerometer unit" ? Verdict::kWrong : Verdict::kOk)
         << text_of(findings);
+  }
+}
+
+TEST(ImuCauses, ExchangedColumnsMayBeInAnotherUnit) {
+  for (const auto& [factor, unit] : {std::pair(1.0 / 9.80665, "g"), std::pair(102.0, "mg")}) {
+    const auto exchange = [k = factor](ImuSample& s) {
+      std::swap(s.gyro_B, s.accel_B);
+      s.gyro_B *= k;
+    };
+    expect_said({{of_samples(exchange), "accelerometer unit", Verdict::kWrong,
+                  std::string("exchanged, and the accelerometer is in ") + unit,
+                  std::string(", then --accel-unit ") + unit}});
   }
 }
 
@@ -62,117 +65,97 @@ TEST(ImuCauses, SignsOfTheGyroAreNoDelay) {
   for (const auto& [signs, text] : {std::pair(Vector3d(-1, -1, -1), "negate all axes of the gyro"),
                                     std::pair(Vector3d(1, 1, -1), "negate z of the gyro"),
                                     std::pair(Vector3d(1, -1, -1), "negate y and z of the gyro")}) {
-    const io::Dataset dataset =
-        with_imu([k = signs](ImuSample& s) { s.gyro_B = s.gyro_B.cwiseProduct(k).eval(); });
-    expect_change(dataset, "axes of the IMU", text);
-    EXPECT_EQ(find(check_it(dataset), "delay of the radar"), nullptr);
+    io::Dataset dataset = flight();
+    each_sample(&dataset, [k = signs](ImuSample& s) { s.gyro_B = k.asDiagonal() * s.gyro_B; });
+    const Findings findings = check_it(dataset);
+    EXPECT_PRED2(contains, said(findings, "axes of the IMU").change, text);
+    EXPECT_EQ(find(findings, "delay of the radar"), nullptr);
   }
 }
 
-TEST(ImuCauses, AGyroInOtherAxesThanTheAccelerometerIsNoMounting) {
-  const std::pair<std::array<int, 3>, const char*> cases[] = {
-      {{1, 0, 2}, "take the rates of the gyro in the order (y, x, z)"},
-      {{0, 2, 1}, "take the rates of the gyro in the order (x, z, y)"},
-      {{2, 0, 1}, "take the rates of the gyro in the order (y, z, x)"}};
-  for (const auto& [order, text] : cases) {
-    const io::Dataset dataset = with_imu([k = order](ImuSample& s) {
-      s.gyro_B = Vector3d(s.gyro_B[k[0]], s.gyro_B[k[1]], s.gyro_B[k[2]]);
-    });
-    expect_change(dataset, "axes of the IMU", text);
-  }
-}
-
-TEST(ImuCauses, AnImuInOtherKnownAxesNeedsNoMounting) {
-  const auto in_rdf = [](const Vector3d& v) { return Vector3d(-v.y(), -v.z(), v.x()); };
-  const io::Dataset dataset = with_imu([&](ImuSample& s) {
-    s = {s.time, in_rdf(s.gyro_B), in_rdf(s.accel_B)};
+TEST(ImuCauses, AxesOfTheImuAreNoMounting) {
+  const auto rates = [](int x, int y, int z) {
+    return of_samples([=](ImuSample& s) { s.gyro_B = {s.gyro_B[x], s.gyro_B[y], s.gyro_B[z]}; });
+  };
+  const auto rdf = in_axes([](const Vector3d& v) { return Vector3d(-v.y(), -v.z(), v.x()); });
+  const auto left_handed =
+      in_axes([](const Vector3d& v) { return Vector3d(v.x(), -v.y(), v.z()); });
+  const std::string order = "take the rates of the gyro in the order ";
+  expect_said({
+      {rates(1, 0, 2), "axes of the IMU", Verdict::kWrong, "", order + "(y, x, z)"},
+      {rates(0, 2, 1), "axes of the IMU", Verdict::kWrong, "", order + "(x, z, y)"},
+      {rates(2, 0, 1), "axes of the IMU", Verdict::kWrong, "", order + "(y, z, x)"},
+      {left_handed, "axes of the IMU", Verdict::kWrong, "y of the IMU has the wrong",
+       "y of the IMU has the wrong"},
+      {of_samples([](ImuSample& s) { s.accel_B *= -1.0; }), "axes and Doppler sign",
+       Verdict::kWrong, "", "the accelerometer has the wrong sign"},
+      {rdf, "axes and Doppler sign", Verdict::kWrong, "the IMU is in rdf", "--imu-axes rdf"},
   });
-  expect(said(dataset, "axes and Doppler sign"), Verdict::kWrong, "the IMU is in rdf",
-         "--imu-axes rdf");
+  io::Dataset dataset = flight();
+  rdf(&dataset);
   expect_change(dataset, "axes and Doppler sign", "T_BS", Source::kFolder);  // which has no option
 }
 
-TEST(ImuCauses, AnInvertedAccelerometerIsNoSignOfTheDoppler) {
-  expect(said(with_imu([](ImuSample& s) { s.accel_B *= -1.0; }), "axes and Doppler sign"),
-         Verdict::kWrong, "", "the accelerometer has the wrong sign");
-}
-
-TEST(ImuCauses, AnotherRangeOfTheGyroIsNamed) {
-  for (const auto& [factor, text] : {std::pair(0.25, "by 4:"), std::pair(0.5, "by 2:"),
-                                     std::pair(2.0, "by 0.5:"), std::pair(4.0, "by 0.25:")}) {
-    expect(said(with_imu([k = factor](ImuSample& s) { s.gyro_B *= k; }), "gyro unit by the radar"),
-           Verdict::kWrong, "", text);
-  }
-  for (const auto& [factor, unit] :
-       {std::pair(1e3, "in mrad/s"), std::pair(5.73e4, "in mdeg/s"), std::pair(9.55, "in rpm"),
-        std::pair(573.0, "in 0.1 deg/s"), std::pair(57.3 * 131.0, "of about 131")}) {
-    const io::Dataset dataset = with_imu([k = factor](ImuSample& s) { s.gyro_B *= k; });
-    EXPECT_PRED2(contains, said(dataset, "gyro unit").text, unit);
-  }
-}
-
-TEST(ImuCauses, ExchangedColumnsMayBeInAnotherUnit) {
-  for (const auto& [factor, unit] : {std::pair(1.0 / 9.80665, "g"), std::pair(102.0, "mg")}) {
-    const io::Dataset dataset = with_imu([k = factor](ImuSample& s) {
-      std::swap(s.gyro_B, s.accel_B);
-      s.gyro_B *= k;
-    });
-    expect(said(dataset, "accelerometer unit"), Verdict::kWrong,
-           std::string("exchanged, and the accelerometer is in ") + unit,
-           std::string(", then --accel-unit ") + unit);
-  }
+TEST(ImuCauses, AnotherUnitOrRangeOfTheGyroIsNamed) {
+  const auto rates = [](double k) { return of_samples([k](ImuSample& s) { s.gyro_B *= k; }); };
+  expect_said({
+      {rates(0.25), "gyro unit by the radar", Verdict::kWrong, "", "by 4:"},
+      {rates(0.5), "gyro unit by the radar", Verdict::kWrong, "", "by 2:"},
+      {rates(2.0), "gyro unit by the radar", Verdict::kWrong, "", "by 0.5:"},
+      {rates(4.0), "gyro unit by the radar", Verdict::kWrong, "", "by 0.25:"},
+      {rates(1e3), "gyro unit", Verdict::kWrong, "in mrad/s"},
+      {rates(5.73e4), "gyro unit", Verdict::kWrong, "in mdeg/s"},
+      {rates(9.55), "gyro unit", Verdict::kWrong, "in rpm"},
+      {rates(573.0), "gyro unit", Verdict::kWrong, "in 0.1 deg/s"},
+      {rates(57.3 * 131.0), "gyro unit", Verdict::kWrong, "of about 131"},
+  });
 }
 
 TEST(ImuCauses, SamplesInBatchesHaveNoOtherUnitOfStamps) {
   for (const std::int64_t apart : {60'000, 0}) {  // in a batch of ten [ns]
-    io::Dataset dataset = flight();
-    const Time first = dataset.imu.front().time;
-    for (std::size_t i = 0; i < dataset.imu.size(); ++i) {
-      const auto in_batch = static_cast<std::int64_t>(i % 10);
-      dataset.imu[i].time =
-          first + (dataset.imu[i - i % 10].time - first) / 50'000'000 * 50'000'000;
-      if (i % 10 > 0) dataset.imu[i].time = dataset.imu[i - i % 10].time + Time(in_batch * apart);
-    }
-    expect(said(dataset, "imu stamps"), Verdict::kWrong, "batches",
-           "stamp each sample by itself in its driver");
+    const auto batches = [apart](io::Dataset* d) {
+      const Time first = d->imu.front().time;
+      const Time period = std::chrono::milliseconds(50);
+      for (std::size_t i = 0; i < d->imu.size(); ++i) {
+        Time& time = d->imu[i].time;
+        time = i % 10 == 0 ? time - (time - first) % period : d->imu[i - 1].time + Time(apart);
+      }
+    };
+    expect_said({{batches, "imu stamps", Verdict::kWrong, "batches",
+                  "stamp each sample by itself in its driver"}});
   }
 }
 
 TEST(ImuCauses, SamplesThatAreThereTwiceLostNoDigits) {
-  io::Dataset dataset = flight();
-  std::vector<ImuSample> twice;
-  for (const ImuSample& sample : dataset.imu) twice.insert(twice.end(), 2, sample);
-  dataset.imu = twice;
-  expect(said(dataset, "imu stamps"), Verdict::kDoubtful, "with the values of the one before",
-         "two recordings of it joined");
+  const auto twice = [](io::Dataset* d) {
+    std::vector<ImuSample> samples;
+    for (const ImuSample& sample : d->imu) samples.insert(samples.end(), 2, sample);
+    d->imu = samples;
+  };
+  expect_said({{twice, "imu stamps", Verdict::kDoubtful, "with the values of the one before",
+                "two recordings of it joined"}});
 }
 
 TEST(ImuCauses, EveryUnitOfTheAccelerometerCanBePasted) {
   for (const char* unit : {"g", "mg", "cm/s^2", "ft/s^2"}) {
     const double factor = io::parse_quantity(std::string("1 ") + unit, "m/s^2");
-    const io::Dataset dataset = with_imu([=](ImuSample& s) { s.accel_B /= factor; });
+    io::Dataset dataset = flight();
+    each_sample(&dataset, [=](ImuSample& s) { s.accel_B /= factor; });
     const Finding finding = said(dataset, "accelerometer unit");
     EXPECT_EQ(finding.change, std::string("--accel-unit ") + unit) << finding.text;
   }
 }
 
-TEST(ImuCauses, AnAxisWithoutNoiseIsNoSmallRange) {
-  const io::Dataset dataset = with_imu([](ImuSample& s) { s.gyro_B.x() = s.accel_B.z() = 9.81; });
-  expect(said(dataset, "imu saturation"), Verdict::kDoubtful,
-         "never changes: gyro x, accelerometer z", "does not fill these in");
-}
-
-TEST(ImuCauses, AValueOutOfAllReasonIsOneSampleLess) {
-  io::Dataset dataset = flight();
-  dataset.imu[900].accel_B.x() = 1e300;
-  const Findings findings = check_it(dataset);
-  EXPECT_EQ(find(findings, "accelerometer unit")->verdict, Verdict::kOk) << text_of(findings);
-}
-
-TEST(ImuCauses, AnAccelerometerOffAtRestIsNoMissingRest) {
-  const io::Dataset dataset = with_imu([](ImuSample& s) { s.accel_B *= 1.06; });
-  expect_change(dataset, "accelerometer unit", "scale or bias is off");
-  EXPECT_PRED2(contains, said(dataset, "start").text, "too far off gravity");
+TEST(ImuCauses, OddSamples) {
+  const auto off_at_rest = of_samples([](ImuSample& s) { s.accel_B *= 1.06; });
+  expect_said({
+      {of_samples([](ImuSample& s) { s.gyro_B.x() = s.accel_B.z() = 9.81; }), "imu saturation",
+       Verdict::kDoubtful, "never changes: gyro x, accelerometer z", "does not fill these in"},
+      {[](io::Dataset* d) { d->imu[900].accel_B.x() = 1e300; }, "accelerometer unit", Verdict::kOk,
+       ""},
+      {off_at_rest, "accelerometer unit", Verdict::kDoubtful, "", "scale or bias is off"},
+      {off_at_rest, "start", Verdict::kDoubtful, "too far off gravity"},
+  });
 }
 
 }  // namespace

@@ -44,6 +44,15 @@ int expect_named(const std::string& name, const std::set<std::string>* expected_
   return named;
 }
 
+/// Of these faults, whatever is said of others.
+void expect_told(const io::Dataset& healthy, const std::set<std::string>& names) {
+  for (const Fault& fault : faults()) {
+    if (names.count(fault.name) == 0) continue;
+    const Findings findings = check_it_with(fault, healthy);
+    EXPECT_NE(check::naming(findings, fault), nullptr) << fault.name << "\n" << text_of(findings);
+  }
+}
+
 TEST(CheckOfARealRecording, NamesTheFaultsItsMotionTells) {
   if (real_data("ti_demo").empty()) GTEST_SKIP() << kNoRealData;
   measured("ti_demo: faults named", expect_named("ti_demo", nullptr),
@@ -56,10 +65,8 @@ TEST(CheckOfARealRecording, AStepOfAClockIsFound) {
   for (const double step : {0.2, 0.3}) {
     for (const double part : {0.5, 0.7}) {
       const auto make_step = [&](auto* items) {
-        const auto first = static_cast<std::size_t>(part * static_cast<double>(items->size()));
-        for (std::size_t i = first + 1; i < items->size(); ++i) {
-          (*items)[i].time += from_seconds(step);
-        }
+        step_stamps(items, 1 + static_cast<std::size_t>(part * static_cast<double>(items->size())),
+                    step);
       };
       io::Dataset radar = healthy;
       make_step(&radar.scans);
@@ -83,12 +90,8 @@ TEST(CheckOfARealRecording, APoorRadarTellsUnitsAndTheSignOfItsDoppler) {
 TEST(CheckOfARealRecording, GravityTellsAnImuInFrdFromARadarTurnedAlike) {
   for (const char* name : {"kart/labDriveAround3_A", "kart2/jun26_DriveArroundFast"}) {
     if (real_data(name).empty()) GTEST_SKIP() << kNoRealData;
-    const io::Dataset healthy = io::read_dataset(real_data(name));
-    for (const Fault& fault : faults()) {
-      if (std::string(fault.name) != "ImuInForwardRightDown") continue;
-      const Findings findings = check_it_with(fault, healthy);
-      EXPECT_NE(check::naming(findings, fault), nullptr) << name << "\n" << text_of(findings);
-    }
+    SCOPED_TRACE(name);
+    expect_told(io::read_dataset(real_data(name)), {"ImuInForwardRightDown"});
   }
 }
 
@@ -103,18 +106,12 @@ TEST(CheckOfARealRecording, AGyroInDegreesDoesNotRest) {
 
 TEST(CheckOfARealRecording, WindowsOfSecondsTellTheMountingWithSixPointsAScan) {
   if (real_data("kart/labDriveAround1_A").empty()) GTEST_SKIP() << kNoRealData;
-  const std::set<std::string> told = {"MountingTurned90AboutTheBody",
-                                      "MountingTurned180AboutTheBody", "MountingUpsideDown",
-                                      "AxesOfTheChip", "ImuInForwardRightDown"};
   for (const char* name : {"kart/labDriveAround1_A", "kart/labDriveAround3_B"}) {
     const io::Dataset healthy = io::read_dataset(real_data(name));
     SCOPED_TRACE(name);
     expect_ok(healthy);
-    for (const Fault& fault : faults()) {
-      if (told.count(fault.name) == 0) continue;
-      const Findings findings = check_it_with(fault, healthy);
-      EXPECT_NE(check::naming(findings, fault), nullptr) << fault.name << "\n" << text_of(findings);
-    }
+    expect_told(healthy, {"MountingTurned90AboutTheBody", "MountingTurned180AboutTheBody",
+                          "MountingUpsideDown", "AxesOfTheChip", "ImuInForwardRightDown"});
   }
 }
 
