@@ -12,7 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 
 Bytes packet(std::uint32_t number, int points = 3) {
-  return packet_of(number, some_points(number, points)).bytes();
+  return some_packet(number, points).bytes();
 }
 Bytes without(Bytes bytes, std::size_t at, std::size_t count) {
   const auto begin = bytes.begin() + static_cast<long>(at);

@@ -58,7 +58,7 @@ TEST(TiPacket, NothingDetected) {
 }
 
 TEST(TiPacket, WithoutSideInfoTheSnrIsZero) {
-  WrittenPacket packet = packet_of(1, some_points(1, 3));
+  WrittenPacket packet = some_packet(1, 3);
   packet.tlvs.pop_back();
   const Frame frame = only_frame(packet);
   ASSERT_EQ(frame.scan.detections.size(), 3U);
@@ -66,7 +66,7 @@ TEST(TiPacket, WithoutSideInfoTheSnrIsZero) {
 }
 
 TEST(TiPacket, TheHeaderOfXwr14xxHasNoSubframe) {
-  WrittenPacket packet = packet_of(7, some_points(7, 5));
+  WrittenPacket packet = some_packet(7, 5);
   packet.platform = 0xA1443;
   for (const bool with_subframe : {false, true}) {
     packet.with_subframe = with_subframe;
@@ -91,7 +91,7 @@ TEST(TiPacket, PointsThatAreNotFiniteAreLeftOutAndCounted) {
 }
 
 TEST(TiPacket, LengthsMustAgreeToTheByte) {
-  const Bytes bytes = packet_of(7, some_points(7, 5)).bytes();  // 40, 8 + 80, 8 + 20 -> 160
+  const Bytes bytes = some_packet(7, 5).bytes();  // 40, 8 + 80, 8 + 20 -> 160
   ASSERT_EQ(bytes.size(), 160U);
   EXPECT_EQ(frames_with(bytes, 12, 160), 1U);
   for (const std::uint32_t size : {0U, 39U, 40U, 128U, 159U, 161U, 224U, 65536U, 65568U, ~0U}) {
@@ -111,7 +111,7 @@ TEST(TiPacket, LengthsMustAgreeToTheByte) {
 
 // What is wrong is noticed with the byte that says so: no wait for bytes that never come.
 TEST(TiPacket, AWildLengthIsNoticedAtOnce) {
-  Bytes bytes = packet_of(7, some_points(7, 5)).bytes();
+  Bytes bytes = some_packet(7, 5).bytes();
   bytes[13] = 0x10;  // 4096 more
   for (std::size_t count = 0; count <= bytes.size(); ++count) {
     PacketWalk walk(65536);
@@ -132,6 +132,16 @@ class Cable {
       b = static_cast<std::uint8_t>(below(4) == 0 ? kMagic[below(8)] : below(256));
     }
     return bytes;
+  }
+
+  /// Hands the bytes out in pieces of any size.
+  template <class Push>
+  void send(const Bytes& bytes, const Push& push) {
+    for (std::size_t at = 0; at < bytes.size();) {
+      const std::size_t piece = std::min(bytes.size() - at, 1 + below(200));
+      push(bytes.data() + at, piece);
+      at += piece;
+    }
   }
 
   /// A packet with something wrong with it.
@@ -175,40 +185,30 @@ TEST(PacketStream, EveryUndamagedPacketIsRecovered) {
   constexpr std::uint32_t kPackets = 200000;
   Cable cable;
   PacketReader reader;
-  struct Sent {
-    std::uint32_t number = 0;
-    int points = 0;
-  };
-  std::vector<Sent> sent;
-  std::size_t recovered = 0, good = 0, damaged = 0;
+  std::vector<std::pair<std::uint32_t, int>> sent;  // number, points
+  std::size_t recovered = 0;
   const auto on_frame = [&](const Frame& frame) {
-    if (recovered < sent.size() &&
-        is_frame_of(frame, sent[recovered].number,
-                    some_points(sent[recovered].number, sent[recovered].points))) {
-      ++recovered;
-    }
+    if (recovered == sent.size()) return;
+    const auto [number, points] = sent[recovered];
+    recovered += is_frame_of(frame, number, some_points(number, points)) ? 1 : 0;
   };
   for (std::uint32_t number = 1; number <= kPackets; ++number) {
     const int points = static_cast<int>(cable.below(12));
-    Bytes bytes = packet_of(number, some_points(number, points)).bytes();
-    const bool bad = cable.below(3) == 0;
-    if (bad) {
+    Bytes bytes = some_packet(number, points).bytes();
+    if (cable.below(3) == 0) {
       bytes = cable.damaged(bytes);
-      ++damaged;
     } else {
-      sent.push_back({number, points});
-      ++good;
+      sent.emplace_back(number, points);
     }
     if (cable.below(8) == 0) bytes = joined({cable.noise(cable.below(60)), bytes});
-    for (std::size_t at = 0; at < bytes.size();) {
-      const std::size_t piece = std::min(bytes.size() - at, 1 + cable.below(200));
-      reader.push(bytes.data() + at, piece, Time{0}, on_frame);
-      at += piece;
-    }
+    cable.send(bytes, [&](const std::uint8_t* piece, std::size_t size) {
+      reader.push(piece, size, Time{0}, on_frame);
+    });
     ASSERT_EQ(recovered, sent.size()) << "with its last byte, " << number;
   }
+  const std::size_t damaged = kPackets - sent.size();
   measured("undamaged packets recovered [%]",
-           100.0 * static_cast<double>(recovered) / static_cast<double>(good), "100");
+           100.0 * static_cast<double>(recovered) / static_cast<double>(sent.size()), "100");
   measured("damaged packets among them", static_cast<double>(damaged), "60000");
   EXPECT_GT(damaged, 60000U);
   EXPECT_GT(reader.counters().damaged, damaged / 2);
@@ -224,10 +224,8 @@ TEST(PacketStream, NoFrameHasBytesOfAnother) {
   std::size_t cut = 0, in_time = 0;
   for (std::uint32_t number = 1; number <= kPackets; ++number) {
     const int points = static_cast<int>(cable.below(12));
-    Bytes bytes = packet_of(number, some_points(number, points)).bytes();
-    const std::size_t body = 48 + (points > 0 ? 8U : 0U) + 20U * static_cast<std::size_t>(points);
-    const std::size_t padding = (32 - body % 32) % 32;
-    bytes = ending_in_magic(bytes, std::min(padding, cable.below(8)));
+    Bytes bytes = some_packet(number, points).bytes();
+    bytes = ending_in_magic(bytes, std::min(padding_of(points), cable.below(8)));
     if (cable.below(3) == 0) {
       const std::size_t most = cable.below(2) == 0 ? 7 : bytes.size() - kMagicSize;
       const std::size_t lost = 1 + cable.below(most);
@@ -239,11 +237,8 @@ TEST(PacketStream, NoFrameHasBytesOfAnother) {
     } else {
       sent.emplace_back(number, points);
     }
-    for (std::size_t at = 0; at < bytes.size();) {
-      const std::size_t piece = std::min(bytes.size() - at, 1 + cable.below(200));
-      reading.push(bytes.data() + at, piece);
-      at += piece;
-    }
+    cable.send(bytes,
+               [&](const std::uint8_t* piece, std::size_t size) { reading.push(piece, size); });
     in_time += reading.frames.size() == sent.size() ? 1 : 0;
   }
   reading.flush();

@@ -37,6 +37,15 @@ inline std::vector<WrittenPoint> some_points(std::uint32_t number, int count) {
   return points;
 }
 
+inline WrittenPacket some_packet(std::uint32_t number, int points) {
+  return packet_of(number, some_points(number, points));
+}
+/// Padding of it [bytes].
+inline std::size_t padding_of(int points) {
+  const std::size_t body = 48 + (points > 0 ? 8U : 0U) + 20U * static_cast<std::size_t>(points);
+  return (32 - body % 32) % 32;
+}
+
 /// The packet with the first `count` bytes of a magic word as its last ones. They are padding if
 /// there is as much of it (three points: 12 bytes).
 inline Bytes ending_in_magic(Bytes packet, std::size_t count) {

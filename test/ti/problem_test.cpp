@@ -20,7 +20,7 @@ TEST(TiProblem, ThePiecesDoNotDecideWhatIsDamaged) {
   for (std::size_t missing = 0; missing < kMagicSize; ++missing) {
     Bytes bytes = mrr(3, 10).bytes();
     bytes.resize(bytes.size() - missing);
-    bytes = joined({bytes, packet_of(2, some_points(2, 3)).bytes()});
+    bytes = joined({bytes, some_packet(2, 3).bytes()});
     for (std::size_t split = 0; split <= bytes.size(); ++split) {
       Reading reading;
       reading.push_split(bytes, split);
@@ -33,7 +33,7 @@ TEST(TiProblem, ThePiecesDoNotDecideWhatIsDamaged) {
 
 /// Packets as a recorder writes them that drops the last bytes of each.
 Bytes cut(std::uint32_t number, int points, std::size_t missing) {
-  Bytes bytes = packet_of(number, some_points(number, points)).bytes();
+  Bytes bytes = some_packet(number, points).bytes();
   bytes.resize(bytes.size() - missing);
   return bytes;
 }
@@ -45,8 +45,7 @@ TEST(TiProblem, PacketsThatAllEndEarlyAreUsedWhereThatIsPadding) {
     for (std::uint32_t number = 1; number <= 45; ++number) {
       const int count = static_cast<int>(number % 9);
       reading.push(cut(number, count, missing));
-      const std::size_t size = 48 + (count > 0 ? 8U : 0U) + 20U * static_cast<unsigned>(count);
-      padded += number > 1 && (32 - size % 32) % 32 >= missing ? 1 : 0;
+      padded += number > 1 && padding_of(count) >= missing ? 1 : 0;
     }
     reading.flush();  // what was last is complete after a pause, too
     EXPECT_EQ(reading.counters().cut_short, 45U) << missing;
@@ -63,7 +62,7 @@ TEST(TiProblem, PacketsThatAllEndEarlyAreUsedWhereThatIsPadding) {
 
 TEST(TiProblem, APacketThatEndsEarlyAmongWholeOnesIsDamaged) {
   Reading reading;
-  reading.push(joined({cut(1, 3, 1), cut(2, 3, 2), packet_of(3, some_points(3, 3)).bytes()}));
+  reading.push(joined({cut(1, 3, 1), cut(2, 3, 2), some_packet(3, 3).bytes()}));
   EXPECT_EQ(reading.numbers(), (std::vector<std::uint32_t>{3}));
   for (std::uint32_t number = 4; number < 20; ++number) reading.push(cut(number, 3, 1));
   reading.flush();
@@ -77,7 +76,7 @@ TEST(TiProblem, LostBytesAreNoRecorderThatCutsPackets) {
   std::mt19937 random(3);
   Reading reading;
   for (std::uint32_t number = 1; number < 300; ++number) {
-    Bytes bytes = packet_of(number, some_points(number, 10)).bytes();
+    Bytes bytes = some_packet(number, 10).bytes();
     bytes.erase(bytes.begin() + 8 + static_cast<long>(random() % (bytes.size() - 8)));
     reading.push(bytes);
     if (number > 20) {
@@ -91,14 +90,13 @@ TEST(TiProblem, LostBytesAreNoRecorderThatCutsPackets) {
 TEST(TiProblem, ManyDamagedPacketsAreAProblemAlsoAmongWholeOnes) {
   Reading reading;
   for (std::uint32_t number = 1; number <= 100; ++number) {
-    reading.push(number % 5 == 0 ? packet_of(number, some_points(number, 3)).bytes()
-                                 : cut(number, 3, 20));
+    reading.push(number % 5 == 0 ? some_packet(number, 3).bytes() : cut(number, 3, 20));
   }
   EXPECT_TRUE(
       reading.reader.problem().starts_with("80 packets are damaged, 20 whole: bytes are lost"))
       << reading.reader.problem();
   for (std::uint32_t number = 101; number <= 400; ++number) {
-    reading.push(packet_of(number, some_points(number, 3)).bytes());
+    reading.push(some_packet(number, 3).bytes());
   }
   EXPECT_EQ(reading.reader.problem(), "");
 }
@@ -121,7 +119,7 @@ TEST(TiProblem, PacketsTooLongForTheBufferAreNamed) {
 TEST(TiProblem, ADamagedLengthIsNoHeatMap) {
   Reading reading;
   for (std::uint32_t number = 1; number <= 45; ++number) {
-    Bytes bytes = packet_of(number, some_points(number, 20)).bytes();
+    Bytes bytes = some_packet(number, 20).bytes();
     bytes.insert(bytes.begin() + 12, 0x3C);  // the length has another byte before it
     reading.push(bytes);
   }
@@ -199,7 +197,7 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
       {silent + unknown, kFrames, "TLV 3001"},
       {text_of(packet_of(1, infinite)), kFrames, "6 points, none of them finite"},
   };
-  WrittenPacket contradicting = packet_of(1, some_points(1, 3));
+  WrittenPacket contradicting = some_packet(1, 3);
   contradicting.version = 0x05040000;
   contradicting.tlvs[0].second.pop_back();
   rows.push_back({text_of(contradicting),
