@@ -52,7 +52,6 @@ class ClockOffset {
     now_ = std::min(now_, offset);
   }
 
-  bool known() const { return known_; }
   /// This machine's clock minus the sensor's: the smallest offset of the last five to ten seconds.
   Time offset() const { return std::min(before_, now_); }
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <vector>
 
 #include "live/live_flight.hpp"
@@ -39,22 +38,28 @@ struct Autopilot {
   }
 };
 
+/// The autopilot sends a message.
 template <class Message>
-std::vector<std::uint8_t> framed(const Message& message) {
+void say(const Message& message, Time arrival, MavlinkLink* link,
+         const MavlinkLink::OnImu& on_imu) {
   mavlink::Writer writer({1, 1});
-  std::vector<std::uint8_t> frame(mavlink::kMaxFrame);
-  frame.resize(writer.write(message, frame.data(), frame.size()));
-  return frame;
+  std::uint8_t frame[mavlink::kMaxFrame];
+  link->receive(frame, writer.write(message, frame, sizeof frame), arrival, on_imu);
 }
 
-TEST(MavlinkLink, TellsTheEstimateInTheClockOfThisMachine) {
-  const sim::Flight flight = short_flight();
+/// A flight whose estimates go to an autopilot.
+struct LinkedFlight {
   Autopilot autopilot;
-  MavlinkLink link({.rate = 30.0}, autopilot.hear());
-  Session session(setup_of(flight), {&link});
-  fly(flight, {}, &session);
+  MavlinkLink link{{.rate = 30.0}, autopilot.hear()};
+  Session session{setup(), {&link}};
+};
+
+TEST(MavlinkLink, TellsTheEstimateInTheClockOfThisMachine) {
+  LinkedFlight linked;
+  auto& [autopilot, link, session] = linked;
+  fly({}, &session);
   ASSERT_EQ(link.sent(), autopilot.odometry.size());
-  const double seconds = to_seconds(flight.imu.back().time - flight.imu.front().time);
+  const double seconds = to_seconds(flight().imu.back().time - flight().imu.front().time);
   EXPECT_NEAR(static_cast<double>(link.sent()) / (seconds - 1.5), 30.0, 1.0);
   const OdometryMessage& last = autopilot.odometry.back();
   const NavState& now = session.odometry().now();
@@ -68,13 +73,11 @@ TEST(MavlinkLink, TellsTheEstimateInTheClockOfThisMachine) {
 }
 
 TEST(MavlinkLink, NothingBeforeTheStartAndAHeartbeatASecond) {
-  const sim::Flight flight = short_flight();
-  Autopilot autopilot;
-  MavlinkLink link({.rate = 30.0}, autopilot.hear());
-  Session session(setup_of(flight), {&link});
+  LinkedFlight linked;
+  auto& [autopilot, link, session] = linked;
   Time now{0};
   for (int i = 0; i < 200; ++i) {
-    session.imu(flight.imu[static_cast<std::size_t>(i)], now);
+    session.imu(flight().imu[static_cast<std::size_t>(i)], now);
     now += std::chrono::milliseconds(5);
     link.tick(session, now);
   }
@@ -91,8 +94,7 @@ TEST(MavlinkLink, AnswersTheClockAndTakesTheImu) {
   MavlinkLink link({.rate = 0.0, .asks_clock = true}, autopilot.hear());
   Timesync question;
   question.ts1 = 77;
-  std::vector<std::uint8_t> bytes = framed(question);
-  link.receive(bytes.data(), bytes.size(), Time(5000), [](const ImuSample&) { FAIL(); });
+  say(question, Time(5000), &link, [](const ImuSample&) { FAIL(); });
   ASSERT_EQ(autopilot.timesyncs.size(), 1U);
   EXPECT_EQ(autopilot.timesyncs[0].tc1, 5000);
   EXPECT_EQ(autopilot.timesyncs[0].ts1, 77);
@@ -102,31 +104,27 @@ TEST(MavlinkLink, AnswersTheClockAndTakesTheImu) {
   imu.accel = {0.0F, 0.0F, -9.75F};
   imu.gyro = {0.5F, 0.25F, 0.125F};
   imu.fields_updated = 0x3F;
-  bytes = framed(imu);
   std::vector<ImuSample> samples;
   const auto keep = [&](const ImuSample& sample) { samples.push_back(sample); };
-  link.receive(bytes.data(), bytes.size(), Time(6000), keep);
+  say(imu, Time(6000), &link, keep);
   imu.id = 1;  // another IMU of the same autopilot
-  bytes = framed(imu);
-  link.receive(bytes.data(), bytes.size(), Time(6000), keep);
+  say(imu, Time(6000), &link, keep);
   ASSERT_EQ(samples.size(), 1U);
   EXPECT_EQ(samples[0].accel_B, Vector3d(0.0, 0.0, 9.75));
   EXPECT_EQ(samples[0].gyro_B, Vector3d(0.5, -0.25, -0.125));
 }
 
 TEST(MavlinkLink, FindsTheClockOfTheAutopilot) {
-  const sim::Flight flight = short_flight();
   Autopilot autopilot;
   MavlinkLink link({.rate = 0.0, .asks_clock = true}, autopilot.hear());
-  const Session session(setup_of(flight), {});
+  const Session session(setup(), {});
   EXPECT_FALSE(link.host_offset());
   const Time now = std::chrono::hours(2);
   link.tick(session, now);
   ASSERT_EQ(autopilot.timesyncs.size(), 1U);
   Timesync answer = autopilot.timesyncs[0];
   answer.tc1 = 1'000'000'000;  // a second since boot
-  const std::vector<std::uint8_t> bytes = framed(answer);
-  link.receive(bytes.data(), bytes.size(), now, [](const ImuSample&) {});
+  say(answer, now, &link, [](const ImuSample&) {});
   ASSERT_TRUE(link.host_offset());
   EXPECT_EQ(*link.host_offset(), now - std::chrono::seconds(1));
   EXPECT_TRUE(autopilot.heartbeats.empty());

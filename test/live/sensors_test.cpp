@@ -17,6 +17,8 @@
 namespace rio::live::test {
 namespace {
 
+using ti::test::Bytes;
+
 constexpr Time kOffset = std::chrono::hours(3);
 
 TEST(ClockOffset, IsTheSmallestDelayInSpiteOfJitterAndDrift) {
@@ -36,15 +38,12 @@ TEST(ClockOffset, IsTheSmallestDelayInSpiteOfJitterAndDrift) {
 TEST(ClockOffset, AnOddStampCountsNotAndAJumpSoon) {
   constexpr Time kHour = std::chrono::hours(1);
   ClockOffset clock;
-  EXPECT_FALSE(clock.known());
   for (int i = 0; i < 100; ++i) clock.add(Time(i), Time(i) + kOffset);
   clock.add(Time(0) + kHour, kOffset);  // once
   EXPECT_EQ(clock.offset(), kOffset);
   for (int i = 0; i < 5; ++i) clock.add(Time(i), Time(i) + kOffset + kHour);
   EXPECT_EQ(clock.offset(), kOffset + kHour);
 }
-
-using Bytes = std::vector<std::uint8_t>;
 
 ImuSample sample_of(int i) {
   return {Time(1'700'000'000'000'000'000 + 5'000'000LL * i),
@@ -131,17 +130,13 @@ TEST(ImuLines, OfARecordingAreRead) {
   }
 }
 
-using ti::test::Bytes;
-using ti::test::packet_of;
-using ti::test::some_points;
-
 class Watched {
  public:
   void push(const Bytes& bytes) {
     reader_.push(bytes.data(), bytes.size(), Time{0}, [](const ti::Frame& /*frame*/) {});
   }
   void push_packet(std::uint32_t version = 0x03060000) {
-    ti::test::WrittenPacket packet = packet_of(number_, some_points(number_, 5));
+    ti::test::WrittenPacket packet = ti::test::some_packet(number_, 5);
     ++number_;
     packet.version = version;
     push(packet.bytes());
