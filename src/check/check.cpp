@@ -117,9 +117,8 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
   const std::optional<Scans> moved =
       steps.empty() ? std::nullopt : std::optional(without_steps(recorded, steps));
   const Scans& scans = moved ? *moved : recorded;
-  bool same_unit = true;
-  Findings out = {check_clocks(imu.all, scans, advice, &same_unit)};
-  if (!same_unit) return out;
+  Findings out = {check_clocks(imu.all, scans, advice)};
+  if (stamp_unit(scans) != 1.0) return out;
   Options read = options;
   double& limit = read.radar.max_doppler;
   constexpr double kHalf = 0.6;  // and some noise

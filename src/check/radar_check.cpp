@@ -239,13 +239,12 @@ double stamp_unit(const Scans& scans) {
 }
 
 Finding check_clocks(const std::vector<ImuSample>& samples, const Scans& scans,
-                     const Advice& advice, bool* same_unit) {
+                     const Advice& advice) {
   const auto [imu_begin, imu_end] = span_of(samples);
   const auto [radar_begin, radar_end] = span_of(scans);
   const double imu = to_seconds(imu_end - imu_begin);
   const double radar = to_seconds(radar_end - radar_begin);
   if (const double unit = stamp_unit(scans); unit != 1.0) {
-    *same_unit = false;
     return {
         Verdict::kWrong, "clocks",
         fmt::format("the stamps of the radar are in {}: {} scans in {:.4f} s",

@@ -17,10 +17,8 @@ namespace rio::check {
 /// Of the stamps [ns]: 1, or that in which whole scans would come faster than any radar measures.
 double stamp_unit(const Scans& scans);
 
-/// Whether the stamps of both sensors overlap.
-/// @param same_unit set to false if those of the radar are in another unit
-Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, const Advice& advice,
-                     bool* same_unit);
+/// Whether the stamps of both sensors are in ns and overlap.
+Finding check_clocks(const std::vector<ImuSample>& imu, const Scans& scans, const Advice& advice);
 
 /// @param speeds of radar_speeds()
 /// @param csv the file of the scans, to name lines of it; may be empty

@@ -43,17 +43,17 @@ void each_sample(io::Dataset* dataset, const Change& change) {
   for (ImuSample& sample : dataset->imu) change(sample);
 }
 /// The same as faults.
-inline MakeFault of_detections(std::function<void(RadarDetection&)> change) {
+inline MakeFault of_detections(const std::function<void(RadarDetection&)>& change) {
   return [=](io::Dataset* dataset) { each_detection(dataset, change); };
 }
-inline MakeFault of_samples(std::function<void(ImuSample&)> change) {
+inline MakeFault of_samples(const std::function<void(ImuSample&)>& change) {
   return [=](io::Dataset* dataset) { each_sample(dataset, change); };
 }
 /// Rates and forces in other axes.
-inline MakeFault in_axes(std::function<Vector3d(const Vector3d&)> axes) {
+inline MakeFault in_axes(const std::function<Vector3d(const Vector3d&)>& axes) {
   return of_samples([=](ImuSample& s) { s = {s.time, axes(s.gyro_B), axes(s.accel_B)}; });
 }
-/// Its stamps become later [s].
+/// The stamps of the first radar become later [s].
 inline void delay_scans(io::Dataset* dataset, double seconds) {
   for (RadarScan& scan : dataset->scans) scan.time += from_seconds(seconds);
 }
