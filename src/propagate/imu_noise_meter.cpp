@@ -25,13 +25,10 @@ ImuNoise ImuNoiseMeter::add(const ImuSample& sample) {
   count_ += 1.0;
   Vector6d x;
   x << sample.gyro_B, sample.accel_B;
-  gyro_.now = accel_.now = false;
+  for (Onset& onset : onsets_) onset.now = false;
   enter(0, x);
-  ImuNoise q{density(&Octave::gyro, gyro_), density(&Octave::accel, accel_)};
   const double lost = interval_ > 0.0 ? std::max(1.0, span / interval_) : 1.0;  // (E6)
-  q.gyro *= lost;
-  q.accel *= lost;
-  return q;
+  return {lost * density(kGyro), lost * density(kAccel)};
 }
 
 void ImuNoiseMeter::enter(std::size_t l, const Vector6d& y) {
@@ -41,15 +38,11 @@ void ImuNoiseMeter::enter(std::size_t l, const Vector6d& y) {
   o.size = std::min(o.size + 1, 5);
   if (l > 0 && o.size == 5) {
     const Vector6d e = o.y[0] - 4.0 * o.y[1] + 6.0 * o.y[2] - 4.0 * o.y[3] + o.y[4];  // (E3)
-    const double gyro = e.head<3>().squaredNorm() / 3.0;
-    const double accel = e.tail<3>().squaredNorm() / 3.0;
     const double least_weight = interval(l) / (kMemory + interval(l));
-    if (l == 1) {
-      take(&Octave::gyro, gyro, least_weight, &gyro_);
-      take(&Octave::accel, accel, least_weight, &accel_);
-    } else {
-      o.gyro.add(gyro, least_weight);
-      o.accel.add(accel, least_weight);
+    for (const Sensor sensor : {kGyro, kAccel}) {
+      const double square = e.segment<3>(3 * sensor).squaredNorm() / 3.0;
+      if (l == 1) take(sensor, square, least_weight);
+      if (l > 1) o.means[sensor].add(square, least_weight);
     }
   }
   o.odd = !o.odd;
@@ -63,25 +56,27 @@ void ImuNoiseMeter::Mean::add(double square, double least_weight) {
   value += std::max(1.0 / count, least_weight) * (square - value);
 }
 
-void ImuNoiseMeter::take(Mean Octave::*sensor, double square, double least_weight, Onset* onset) {
-  onset->recent += kRecent * (square - onset->recent);
-  Mean& mean = octaves_[1].*sensor;
-  if (mean.count >= kEnough && onset->recent > kOnset * mean.value) {
-    for (Octave& octave : octaves_) octave.*sensor = Mean{};
-    onset->now = onset->begun = true;
-    onset->values = 0;
+void ImuNoiseMeter::take(std::size_t sensor, double square, double least_weight) {
+  Onset& onset = onsets_[sensor];
+  onset.recent += kRecent * (square - onset.recent);
+  Mean& mean = octaves_[1].means[sensor];
+  if (mean.count >= kEnough && onset.recent > kOnset * mean.value) {
+    for (Octave& octave : octaves_) octave.means[sensor] = Mean{};
+    onset.now = onset.begun = true;
+    onset.values = 0;
   }
   double gain = kGain[1];
-  if (onset->values < kDone) gain = kOnsetGain[onset->values++];
-  if (onset->values == 2) mean = Mean{};  // the first was of two samples at most
+  if (onset.values < kDone) gain = kOnsetGain[onset.values++];
+  if (onset.values == 2) mean = Mean{};  // the first was of two samples at most
   mean.add(square * kGain[1] / gain, least_weight);
 }
 
-double ImuNoiseMeter::density(Mean Octave::*sensor, const Onset& onset) const {
+double ImuNoiseMeter::density(std::size_t sensor) const {
+  const Onset& onset = onsets_[sensor];
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   double q = kInfinite;
   for (std::size_t l = 1; l < kOctaves; ++l) {
-    const Mean& mean = octaves_[l].*sensor;
+    const Mean& mean = octaves_[l].means[sensor];
     const bool begun = l == 1 && onset.begun && mean.count > 0.0;
     if ((l > 1 && interval(l) > kLongest) || (mean.count < kEnough && !begun)) break;
     q = std::min(q, interval_ * mean.value / kGain[l]);

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 #include "rio/types.hpp"
 
@@ -58,6 +59,8 @@ class ImuNoiseMeter {
   static constexpr double kOnset = 100.0;     // ratio; the mean follows: 100 times the amplitude
   static constexpr double kUnnoticed = 1.0;   // steps before an onset is noticed, about
 
+  enum Sensor : std::uint8_t { kGyro, kAccel, kSensors };
+
   /// E[e^2] of one sensor, mean of the axes.
   struct Mean {
     double count = 0.0;  ///< of e
@@ -70,8 +73,7 @@ class ImuNoiseMeter {
     std::array<Vector6d, 5> y{};
     int size = 0;
     bool odd = false;  ///< every other value enters the next octave
-    Mean gyro;
-    Mean accel;
+    std::array<Mean, kSensors> means{};
   };
 
   static constexpr std::size_t kDone = 5;  // values, and e contains no sample from before
@@ -87,14 +89,13 @@ class ImuNoiseMeter {
   /// Takes a value of octave l, and the values of lower octaves that it completes.
   void enter(std::size_t l, const Vector6d& y);
   /// Takes e^2 in octave 1 of a sensor; starts its means over if that is an onset (E7).
-  void take(Mean Octave::*sensor, double square, double least_weight, Onset* onset);
+  void take(std::size_t sensor, double square, double least_weight);
   /// (E4) (E5) (E7)
-  double density(Mean Octave::*sensor, const Onset& onset) const;
+  double density(std::size_t sensor) const;
   double interval(std::size_t l) const { return interval_ * static_cast<double>(1 << l); }
 
   std::array<Octave, kOctaves> octaves_{};
-  Onset gyro_;
-  Onset accel_;
+  std::array<Onset, kSensors> onsets_{};
   Time newest_{0};
   double count_ = 0.0;     ///< samples
   double interval_ = 0.0;  ///< h, mean [s]
