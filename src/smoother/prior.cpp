@@ -13,11 +13,9 @@ namespace rio {
 
 namespace {
 
-// In place, on the leading n unknowns of a quadratic x^T A x / 2 - g^T x. Only the lower triangle
-// of the symmetric A is read and valid afterwards.
-
-/// New unknowns y, x = B y with B = I except for the 3x3 block `own` at `at`:  A <- B^T A B,
-/// g <- B^T g
+/// In place, on the leading n unknowns of a quadratic x^T A x / 2 - g^T x: new unknowns y, x = B y
+/// with B = I except for the 3x3 block `own` at `at`:  A <- B^T A B, g <- B^T g. Only the lower
+/// triangle of the symmetric A is read and valid afterwards.
 void multiply_block(int n, int at, const Matrix3d& own, Eigen::MatrixXd* A, Eigen::VectorXd* g) {
   auto columns = A->block(at, at, n - at, 3);
   for (int r = 0; r < columns.rows(); ++r) columns.row(r) = (columns.row(r) * own).eval();
@@ -27,29 +25,8 @@ void multiply_block(int n, int at, const Matrix3d& own, Eigen::MatrixXd* A, Eige
   g->segment<3>(at) = (own.transpose() * g->segment<3>(at)).eval();
 }
 
-/// Independent noise of covariance E C E^T added to the unknowns E, the own.size() columns from
-/// `at` on, at most cholesky::kPanel; C^-1 = diag(own), 0 marginalises them:
-///   (A^-1 + E C E^T)^-1 = A - A E (C^-1 + E^T A E)^-1 E^T A                    (Woodbury 1950)
-/// No effect if C^-1 + E^T A E is not positive definite: A has no information about E.
-/// @param scratch of at least n rows and one column more than E
-void subtract_projection(int n, int at, const Eigen::Ref<const Eigen::VectorXd>& own,
-                         Eigen::MatrixXd* A, Eigen::VectorXd* g, Eigen::MatrixXd* scratch) {
-  const auto width = static_cast<int>(own.size());
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, cholesky::kPanel, cholesky::kPanel> L =
-      A->block(at, at, width, width).selfadjointView<Eigen::Lower>();
-  auto W = scratch->topLeftCorner(n, width);  // A E
-  W.topRows(at) = A->block(at, 0, width, at).transpose();
-  W.middleRows(at, width) = L;
-  W.bottomRows(n - at - width) = A->block(at + width, at, n - at - width, width);
-  L.diagonal() += own;
-  if (!factorise_in_place(L)) return;
-  cholesky::divide_right(L, W);
-  auto y = scratch->col(width).head(width);
-  y = g->segment(at, width);
-  L.triangularView<Eigen::Lower>().solveInPlace(y);
-  A->topLeftCorner(n, n).selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
-  g->head(n).noalias() -= W * y;
-}
+/// Of the unknowns that one product takes together.
+using PanelVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, cholesky::kPanel, 1>;
 
 }  // namespace
 
@@ -126,28 +103,45 @@ void Prior::add_landmark_noise(const Estimate& x, const Vector3d& p_WB, double w
   if (turn_ >= landmarks_.size()) turn_ = 0;
   const std::size_t first = turn_;
   turn_ = std::min(first + kTogether, landmarks_.size());
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, cholesky::kPanel, 1> own(
-      Landmark::kDof * static_cast<Eigen::Index>(turn_ - first));
+  PanelVector inverse(Landmark::kDof * static_cast<Eigen::Index>(turn_ - first));
   for (std::size_t i = first; i < turn_; ++i) {
-    own.segment<3>(3 * static_cast<Eigen::Index>(i - first)) = owed_[i].cwiseInverse();
+    inverse.segment<3>(3 * static_cast<Eigen::Index>(i - first)) = owed_[i].cwiseInverse();
     owed_[i].setZero();
   }
-  const int at = border(layout_.landmark(static_cast<int>(first)));
-  subtract_projection(size(), at, own, &A_, &g_, &work_);
-  mirror_lower(A_.topLeftCorner(size(), size()));
+  add_noise(landmark(first), inverse);
 }
 
 void Prior::add_parameter_noise(const Eigen::VectorXd& walk, double seconds) {
   if (!(walk.sum() * seconds > 0.0)) return;
   constexpr double kNothing = 1e-30;  // of those that do not walk
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, cholesky::kPanel, 1> own;
   const int count = static_cast<int>(walk.size());
   for (int first = 0; first < count; first += cholesky::kPanel) {
     const int width = std::min(cholesky::kPanel, count - first);
-    own = (seconds * walk.segment(first, width)).cwiseMax(kNothing).cwiseInverse();
-    subtract_projection(size(), border(body::kSize + first), own, &A_, &g_, &work_);
+    const PanelVector inverse =
+        (seconds * walk.segment(first, width)).cwiseMax(kNothing).cwiseInverse();
+    add_noise(border(body::kSize + first), inverse);
   }
-  mirror_lower(A_.topLeftCorner(size(), size()));
+}
+
+// (A^-1 + E C E^T)^-1 = A - A E (C^-1 + E^T A E)^-1 E^T A with C^-1 = diag(inverse), of the
+// unknowns E (Woodbury 1950). No effect if C^-1 + E^T A E is not positive definite: A has no
+// information about E.
+void Prior::add_noise(int at, const Eigen::Ref<const Eigen::VectorXd>& inverse) {
+  const int n = size();
+  const auto width = static_cast<int>(inverse.size());
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, cholesky::kPanel, cholesky::kPanel> L =
+      A_.block(at, at, width, width);
+  auto W = work_.topLeftCorner(n, width);
+  W = A_.middleCols(at, width).topRows(n);  // A E
+  L.diagonal() += inverse;
+  if (!factorise_in_place(L)) return;
+  cholesky::divide_right(L, W);
+  auto y = work_.col(width).head(width);
+  y = g_.segment(at, width);
+  L.triangularView<Eigen::Lower>().solveInPlace(y);
+  A_.topLeftCorner(n, n).selfadjointView<Eigen::Lower>().rankUpdate(W, -1.0);
+  mirror_lower(A_.topLeftCorner(n, n));
+  g_.head(n).noalias() -= W * y;
 }
 
 void Prior::consider(const Eigen::VectorXd& variances) {
@@ -180,10 +174,9 @@ void Prior::consider(const Eigen::VectorXd& variances) {
 
 void Prior::remove_landmark(std::size_t i, std::size_t last) {
   if (i >= landmarks_.size()) return;
-  const int at = border(layout_.landmark(static_cast<int>(i)));
-  const Vector3d nothing = Vector3d::Zero();
-  subtract_projection(size(), at, nothing, &A_, &g_, &work_);
-  mirror_lower(A_.topLeftCorner(size(), size()));
+  const int at = landmark(i);
+  const Vector3d infinite = Vector3d::Zero();
+  add_noise(at, infinite);
   // the window's last landmark moves to i; the prior's own last one may be an earlier one
   const std::size_t own_last = landmarks_.size() - 1;
   const int n = size();
@@ -195,7 +188,7 @@ void Prior::remove_landmark(std::size_t i, std::size_t last) {
     return;
   }
   if (i != own_last) {
-    const int source = border(layout_.landmark(static_cast<int>(own_last)));
+    const int source = landmark(own_last);
     A_.block(at, 0, 3, n) = A_.block(source, 0, 3, n);
     A_.block(0, at, n, 3) = A_.block(0, source, n, 3);
     g_.segment<3>(at) = g_.segment<3>(source);
@@ -234,8 +227,7 @@ void Prior::evaluate(const Window& window, const Estimate& x) {
   xi_.segment(border(layout_.auxiliary()), layout_.auxiliary_size()) =
       (x.auxiliary - auxiliary_).head(layout_.auxiliary_size());
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    xi_.segment<3>(border(layout_.landmark(static_cast<int>(i)))) =
-        back * x.landmarks[i].p_W - landmarks_[i].p_W;
+    xi_.segment<3>(landmark(i)) = back * x.landmarks[i].p_W - landmarks_[i].p_W;
   }
 }
 
@@ -260,8 +252,7 @@ void Prior::fill_heading_part(const Window& window, std::size_t first, const Est
     w.segment<3>(body::kVelocity) = -z.cross(Zt * now.v_WB);
   }
   for (std::size_t i = 0; i < landmarks_.size(); ++i) {
-    w_.segment<3>(border(layout_.landmark(static_cast<int>(i)))) =
-        -z.cross(Zt * x.landmarks[i].p_W);
+    w_.segment<3>(landmark(i)) = -z.cross(Zt * x.landmarks[i].p_W);
   }
 }
 
@@ -286,6 +277,13 @@ void Prior::turn_back(double heading) {
     *y = sine * x_before + cosine * *y;
   };
   const int n = size();
+  const auto for_each_turned = [&](const auto& f) {  // each block that is a vector in W
+    for (int s = 0; s < leading_states(); ++s) {
+      f(body::kSize * s + body::kPosition);
+      f(body::kSize * s + body::kVelocity);
+    }
+    for (int at = landmark(0); at < n; at += Landmark::kDof) f(at);
+  };
   for_each_turned([&](int at) {
     for (int r = at; r < n; ++r) turn(&work_(r, at), &work_(r, at + 1));
     turn(&work_g_[at], &work_g_[at + 1]);

@@ -70,9 +70,15 @@ class Prior {
   void remove_landmark(std::size_t i, std::size_t last);
 
  private:
-  int size() const { return border(layout_.size(static_cast<int>(landmarks_.size()))); }
+  int size() const { return landmark(landmarks_.size()); }
   /// Column of the prior for a column of [newest state | border].
   int border(int column) const { return column - body::kSize + body::kSize * leading_states(); }
+  /// First column of landmark i.
+  int landmark(std::size_t i) const { return border(layout_.landmark(static_cast<int>(i))); }
+
+  /// Adds independent noise of the variances 1 / inverse to the unknowns from `at` on; 0 =
+  /// infinite.
+  void add_noise(int at, const Eigen::Ref<const Eigen::VectorXd>& inverse);
 
   /// xi at the current point (E1) (E2) (E3).
   void evaluate(const Window& window, const Estimate& x);
@@ -95,15 +101,6 @@ class Prior {
   /// Applies B of (E4) to work_, as multiply_block() does, for all blocks Z^T, which rotate the
   /// first two of their unknowns by -heading.
   void turn_back(double heading);
-  /// f(first column) for each block that is a vector in W.
-  template <class F>
-  void for_each_turned(const F& f) const {
-    for (int s = 0; s < leading_states(); ++s) {
-      f(body::kSize * s + body::kPosition);
-      f(body::kSize * s + body::kVelocity);
-    }
-    for (int at = border(layout_.landmark(0)); at < size(); at += Landmark::kDof) f(at);
-  }
 
   Layout layout_;
   std::vector<NavState> states_;
