@@ -18,6 +18,7 @@
 
 namespace rio {
 
+/// The members are those of the contract of a back-end (update/back_end.hpp).
 class Ekf {
  public:
   explicit Ekf(const Options& options);
@@ -25,38 +26,23 @@ class Ekf {
   const Estimate& estimate() const { return state_estimate_.estimate(); }
   const StateEstimate& state_estimate() const { return state_estimate_; }
 
-  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0) { state_estimate_.reset(prior, P0); }
-
-  /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap) {
     return state_estimate_.propagate(to, imu, gap);
   }
-
-  /// A scan of radar r is processed next.
   void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
-
-  /// Time of the state that keeps an aiding measurement; the filter keeps none.
+  /// The filter keeps no measurement of an earlier time.
   Time anchor(Time /*measured*/) const { return estimate().nav.time; }
-
-  /// Removes all landmarks.
   void drop_landmarks(UpdateReport* report);
-
-  /// A check replaces a part of the state: change(StateEstimate*) (checks/replacements.hpp).
   template <class Change>
   void replace(const Change& change, Invalidates also, UpdateReport* report) {
     if (also == Invalidates::kLandmarks) drop_landmarks(report);
     change(&state_estimate_);
   }
-
-  /// Stage 5. kNumerical, with state and covariance as predicted, if the update fails.
   Status update(const Observations& seen, const ScanRows& rows);
-
-  /// Stage 6 (update/landmark_policy.hpp).
   void maintain_landmarks(const Observations& seen, const ScanRows& rows,
                           const Promotions& promotions, UpdateReport* report);
-
-  /// Stage 7: the corrected pose becomes the clone of this scan, in place of the oldest one of its
+  /// The corrected pose becomes the clone of this scan, in place of the oldest one of its
   /// radar.
   void clone(ScanId scan) { state_estimate_.clone(scan); }
 

@@ -25,6 +25,7 @@
 
 namespace rio {
 
+/// The members are those of the contract of a back-end (update/back_end.hpp).
 class Smoother {
  public:
   Smoother(const Smoother&) = delete;  // a copy would lose the storage set aside
@@ -36,49 +37,37 @@ class Smoother {
   const Window& window() const { return window_; }
   const Prior& prior() const { return prior_; }
 
-  /// Starts over from `prior` with covariance P0, order of namespace body.
   void reset(const NavState& prior, const BodyCovariance& P0) {
     state_estimate_.reset(prior, P0);
     restart();
   }
-
-  /// Stage 1: to exactly `to`. kNumerical, with nothing changed, if the result is not finite.
   Status propagate(Time to, const ImuBuffer& imu, bool* gap);
-
-  /// A scan of radar r is processed next.
   void select_radar(std::size_t r) { state_estimate_.select_radar(r); }
-
-  /// Time of the state that keeps an aiding measurement: the first one not before it.
+  /// The first state not before the measurement keeps it.
   Time anchor(Time measured) const;
-
-  /// Removes all landmarks.
   void drop_landmarks(UpdateReport* report);
-
-  /// As in the filter (ekf/ekf.hpp); the window starts over from the result.
+  /// The window starts over from the result.
   template <class Change>
   void replace(const Change& change, Invalidates also, UpdateReport* report) {
     if (also == Invalidates::kLandmarks) drop_landmarks(report);
     change(&state_estimate_);
     restart();
   }
-
-  /// Stage 5. kNumerical, with state and covariance as predicted, if the solution fails.
   Status update(const Observations& seen, const ScanRows& rows);
-
-  /// Stage 6 (update/landmark_policy.hpp). A new landmark is measured once, by the newest state.
+  /// A new landmark is measured once, by the newest state.
   void maintain_landmarks(const Observations& seen, const ScanRows& rows,
                           const Promotions& promotions, UpdateReport* report);
-
-  /// Stage 7: assigns this scan to the newest state.
+  /// Assigns this scan to the newest state.
   void clone(ScanId scan) {
     window_.newest().scan = scan;
     window_.publish(&state_estimate_.estimate());
   }
 
  private:
-  static std::size_t capacity(const Options& options) {
-    return static_cast<std::size_t>(options.smoother.window) + 1;
-  }
+  /// States of the window, one of them about to be marginalised.
+  static int capacity(const Options& options) { return options.smoother.window + 1; }
+  /// Calibration, auxiliary states and landmarks.
+  int border_capacity() const { return state_estimate_.layout().capacity() - body::kSize; }
 
   /// Starts over with one state, the state estimate's; its covariance becomes the prior.
   void restart();

@@ -113,10 +113,6 @@ struct WindowLayout {
 
   template <class Block>
   int column(int index) const {
-    const int own = body::kSize * state;
-    if constexpr (std::is_same_v<Block, BodyPose>) return own + body::kAttitude;
-    if constexpr (std::is_same_v<Block, BodyVelocity>) return own + body::kVelocity;
-    if constexpr (std::is_same_v<Block, GyroBias>) return own + body::kGyroBias;
     if constexpr (std::is_same_v<Block, ClonePose>) return body::kSize * index + body::kAttitude;
     return shifted(newest.column<Block>(index));
   }
@@ -124,7 +120,11 @@ struct WindowLayout {
   int auxiliary() const { return shifted(newest.auxiliary()); }
 
  private:
-  int shifted(int column) const { return column < 0 ? -1 : column - body::kSize + border_column(); }
+  /// For a column of [newest state | border].
+  int shifted(int column) const {
+    if (column < 0) return -1;
+    return column + (column < body::kSize ? body::kSize * state : border_column() - body::kSize);
+  }
 };
 
 }  // namespace rio
