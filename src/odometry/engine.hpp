@@ -68,17 +68,10 @@ class Engine final : public Odometry::Impl {
   Status add_imu(const ImuSample& sample) override {
     const StampVerdict stamp = stamps_.check(sample.time);
     if (!sample.gyro_B.allFinite() || !sample.accel_B.allFinite()) {
-      ++counters.imu_non_finite;
-      return Status::kNonFinite;
+      return refuse(counters.imu_non_finite, Status::kNonFinite);
     }
-    if (stamp == StampVerdict::kOld) {
-      ++counters.imu_stale;
-      return Status::kStale;
-    }
-    if (stamp == StampVerdict::kAhead) {
-      ++counters.imu_ahead;
-      return Status::kAhead;
-    }
+    if (stamp == StampVerdict::kOld) return refuse(counters.imu_stale, Status::kStale);
+    if (stamp == StampVerdict::kAhead) return refuse(counters.imu_ahead, Status::kAhead);
     if (const ImuFault fault = guard_.check(sample); fault != ImuFault::kNone) {
       ++(fault == ImuFault::kFrozen ? counters.imu_frozen : counters.imu_out_of_range);
       return Status::kImplausible;
@@ -110,10 +103,7 @@ class Engine final : public Odometry::Impl {
     if (radar >= options_.radars()) return Status::kUndeclared;
     const Time stamp = scans_.corrected(scan.time, radar, imu_);
     if (scans_.clock_stepped(radar)) carry_radar_clock(radar);
-    if (!initialized) {
-      ++counters.scans_uninitialized;
-      return Status::kNotInitialized;
-    }
+    if (!initialized) return refuse(counters.scans_uninitialized, Status::kNotInitialized);
     const Time measured = is_stamp(stamp) ? pipeline_.measured_at(stamp, radar) : stamp;
     const Status taken =
         scans_.accept(scan, {radar, stamp, measured}, at_scan().time, imu_, &counters);
@@ -137,17 +127,12 @@ class Engine final : public Odometry::Impl {
     }
     const Time delay = from_seconds(options_.timing.aiding_delay);
     if (z.time() < at_scan().time - delay || (!imu_.empty() && z.time() < imu_[0].time)) {
-      ++counters.aiding_late;
-      return Status::kLate;
+      return refuse(counters.aiding_late, Status::kLate);
     }
     if (scans_.is_ahead(z.time(), at_scan().time, imu_)) {
-      ++counters.aiding_ahead;
-      return Status::kAhead;
+      return refuse(counters.aiding_ahead, Status::kAhead);
     }
-    if (!pipeline_.add(z)) {
-      ++counters.aiding_overflow;
-      return Status::kQueueFull;
-    }
+    if (!pipeline_.add(z)) return refuse(counters.aiding_overflow, Status::kQueueFull);
     ++counters.aiding;
     return Status::kWaiting;
   }

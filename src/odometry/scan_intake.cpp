@@ -1,9 +1,51 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan_intake.hpp"
 
-#include "rio/checks/stamp_guard.hpp"
+#include <algorithm>
+#include <utility>
 
 namespace rio {
+
+void ScanHistory::forget(std::optional<Time> now) {
+  for (OfRadar& own : of_) {
+    own.last.reset();
+    own.newest.reset();
+    own.heard = now;
+  }
+}
+
+void ScanHistory::forget_fingerprints() {
+  for (OfRadar& own : of_) own.fingerprint = 0;
+}
+
+bool ScanHistory::is_repeated(const DetectionList& scan) {
+  OfRadar& own = of_[scan.radar];
+  const std::uint64_t before = std::exchange(own.fingerprint, fingerprint(scan));
+  return own.fingerprint != 0 && own.fingerprint == before;
+}
+
+bool ScanHistory::is_ready(Time measured, std::size_t radar, Time now) const {
+  if (measured > now) return false;
+  if (now - measured >= wait_) return true;
+  for (std::size_t r = 0; r < radars_; ++r) {
+    const OfRadar& other = of_[r];
+    const bool heard = other.heard && now - *other.heard < kSilent;
+    if (r != radar && heard && !(other.newest >= measured)) return false;
+  }
+  return true;
+}
+
+void ScanHistory::take(std::size_t radar, Time measured, std::optional<Time> now) {
+  OfRadar& own = of_[radar];
+  own.newest = std::max(own.newest.value_or(measured), measured);
+  if (now) own.heard = now;
+}
+
+void ScanHistory::process(Time stamp, std::size_t radar, Time estimate) {
+  of_[radar].last = stamp;
+  last_radar_ = radar;
+  last_estimate_ = estimate;
+}
 
 ScanIntake::ScanIntake(const Options& options)
     : options_(options),
@@ -23,35 +65,21 @@ Status ScanIntake::accept(const RadarScan& scan, const Arrival& arrival, Time es
                           const ImuBuffer& imu, Counters* counters) {
   const auto [radar, stamp, measured] = arrival;
   if (history_.is_last(stamp, radar) || queue_.contains(stamp, radar)) {
-    ++counters->scans_duplicate;
-    return Status::kDuplicate;
+    return refuse(counters->scans_duplicate, Status::kDuplicate);
   }
-  if (is_late(arrival, estimate)) {
-    ++counters->scans_late;
-    return Status::kLate;
-  }
-  if (is_ahead(stamp, estimate, imu)) {
-    ++counters->scans_ahead;
-    return Status::kAhead;
-  }
+  if (is_late(arrival, estimate)) return refuse(counters->scans_late, Status::kLate);
+  if (is_ahead(stamp, estimate, imu)) return refuse(counters->scans_ahead, Status::kAhead);
   filter_detections(scan, options_.radar_of(radar), options_.frontend.max_detections, accepted_);
   accepted_.time = stamp;
   accepted_.radar = radar;
   counters->detections_non_finite += static_cast<std::uint64_t>(accepted_.non_finite);
   if (accepted_.received > 0 && accepted_.non_finite == accepted_.received) {
-    ++counters->scans_non_finite;
-    return Status::kNonFinite;
+    return refuse(counters->scans_non_finite, Status::kNonFinite);
   }
   const bool next = queue_.empty() || options_.radars() == 1;
   const bool waits = !next || !is_ready(measured, radar, imu);
-  if (waits && queue_.full()) {
-    ++counters->scans_overflow;
-    return Status::kQueueFull;
-  }
-  if (history_.is_repeated(accepted_)) {
-    ++counters->scans_duplicate;
-    return Status::kDuplicate;
-  }
+  if (waits && queue_.full()) return refuse(counters->scans_overflow, Status::kQueueFull);
+  if (history_.is_repeated(accepted_)) return refuse(counters->scans_duplicate, Status::kDuplicate);
   history_.take(radar, measured, newest_of(imu));
   if (!waits) return Status::kOk;
   queue_.insert(accepted_, measured);

@@ -7,9 +7,7 @@
 #include <functional>
 
 #include "odometry/scan_clock.hpp"
-#include "odometry/scan_history.hpp"
 #include "odometry/scan_intake.hpp"
-#include "odometry/stamp_run.hpp"
 
 namespace rio {
 namespace {
