@@ -1,50 +1,73 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Preintegration against strapdown integration step by step, whose noise is held against Monte
-// Carlo in strapdown_noise_test.cpp.
+// Preintegration against strapdown integration step by step, whose noise is held against quadrature
+// in strapdown_test.cpp; the factor made of it against central differences, and its statistics.
 #include "rio/smoother/preintegration.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <limits>
-#include <vector>
 
 #include "rio/smoother/imu_factor.hpp"
-#include "support/preintegration_cases.hpp"
+#include "support/constants.hpp"
+#include "support/strapdown_case.hpp"
+#include "support/symmetric.hpp"
 
-namespace rio {
+namespace rio::test {
 namespace {
 
-using test::kRates;
-using test::predict;
-using test::preintegrate;
-using test::random_steps;
-using test::relative_difference;
-using test::Steps;
-using test::to_world;
+// At rest but for rounding, as flown, and beyond any gyro's range [rad/s].
+constexpr double kRates[] = {1e-9, 1.5, 30.0};
+
+Preintegration preintegrate(const Steps& steps, const Vector3d& gyro_bias,
+                            const Vector3d& accel_bias, const ImuOptions& options = {}) {
+  Preintegration out;
+  out.reset(gyro_bias, accel_bias);
+  for (const ImuStep& step : steps) out.step(step, options);
+  return out;
+}
+
+// The state after the last step, starting `from` the state at the first, with its biases.
+NavState predict(const Preintegration& imu, const NavState& from) {
+  const ImuIncrement d = imu.corrected(from.gyro_bias, from.accel_bias);
+  const double T = to_seconds(imu.duration());
+  const Matrix3d R = from.q_WB.toRotationMatrix();
+  const Vector3d g(0.0, 0.0, -kGravity);
+  NavState out = from;
+  out.time += imu.duration();
+  out.q_WB = (from.q_WB * d.delta_q).normalized();
+  out.p_WB += R * d.delta_p + (from.v_WB + 0.5 * T * g) * T;
+  out.v_WB += R * d.delta_v + g * T;
+  return out;
+}
+
+// From the increment of body i to the navigation error in W.
+Matrix15d to_world(const Quaternion& q_WB) {
+  Matrix15d M = Matrix15d::Identity();
+  M.block<3, 3>(body::kPosition, body::kPosition) = q_WB.toRotationMatrix();
+  M.block<3, 3>(body::kVelocity, body::kVelocity) = q_WB.toRotationMatrix();
+  return M;
+}
 
 TEST(Preintegration, PredictEqualsStrapdown) {
-  test::Random random(11);
-  const ImuOptions options;
+  Random random(11);
   for (const double rate : kRates) {
     for (int i = 0; i < 10; ++i) {
       NavState from = random.state();
       const Steps steps = random_steps(random, 60, rate);
       from.time = steps.front().begin;
       NavState expected = from;
-      for (const ImuStep& step : steps) integrate(step, options.gravity, expected);
-      const NavState actual =
-          predict(preintegrate(steps, from.gyro_bias, from.accel_bias), from, options.gravity);
+      for (const ImuStep& step : steps) integrate(step, kGravity, expected);
+      const NavState actual = predict(preintegrate(steps, from.gyro_bias, from.accel_bias), from);
       EXPECT_EQ(actual.time, expected.time);
       // 60 additions to some 20 m, rounded at 4e-15 each
-      EXPECT_LT(test::error_of(expected, actual).cwiseAbs().maxCoeff(), 2e-13) << rate;
+      EXPECT_LT(error_of(expected, actual).cwiseAbs().maxCoeff(), 2e-13) << rate;
     }
   }
 }
 
 TEST(Preintegration, TransitionAndCovarianceEqualPropagation) {
-  test::Random random(12);
+  Random random(12);
   const ImuOptions options;
   for (const double rate : kRates) {
     Propagation reference;
@@ -67,7 +90,7 @@ TEST(Preintegration, TransitionAndCovarianceEqualPropagation) {
 }
 
 TEST(Preintegration, BiasCorrectionIsOfFirstOrder) {
-  test::Random random(14);
+  Random random(14);
   for (int i = 0; i < 10; ++i) {
     const Vector3d gyro_bias = random.normal_vector(0.02);
     const Vector3d accel_bias = random.normal_vector(0.1);
@@ -98,7 +121,7 @@ TEST(Preintegration, BiasCorrectionIsOfFirstOrder) {
 }
 
 TEST(Preintegration, ResetForgetsAndNonFiniteDataAreNoticed) {
-  test::Random random(17);
+  Random random(17);
   Steps steps = random_steps(random, 5, 1.5);
   steps[2].gap = 0.3;
   Preintegration imu = preintegrate(steps, Vector3d(1, 2, 3), Vector3d(4, 5, 6));
@@ -107,15 +130,139 @@ TEST(Preintegration, ResetForgetsAndNonFiniteDataAreNoticed) {
   imu.reset(Vector3d::Zero(), Vector3d::Zero());
   EXPECT_EQ(imu.duration(), Time{0});
   EXPECT_FALSE(imu.gap());
-  EXPECT_FALSE(ImuFactor(imu, 9.81).valid());  // no step, no covariance
+  EXPECT_FALSE(ImuFactor(imu, kGravity).valid());  // no step, no covariance
   EXPECT_FALSE(ImuFactor().valid());
   const NavState from = random.state();
-  EXPECT_LT(test::error_of(from, predict(imu, from, 9.81)).norm(), 1e-15);
+  EXPECT_LT(error_of(from, predict(imu, from)).norm(), 1e-15);
   steps[4].accel_B.z() = std::numeric_limits<double>::quiet_NaN();
   imu = preintegrate(steps, Vector3d::Zero(), Vector3d::Zero());
   EXPECT_FALSE(imu.finite());
-  EXPECT_FALSE(ImuFactor(imu, 9.81).valid());
+  EXPECT_FALSE(ImuFactor(imu, kGravity).valid());
+}
+
+// Every combination of noise densities set to zero, from one sample to a second.
+TEST(ImuFactor, IsRegularWithoutNoise) {
+  Random random(18);
+  for (unsigned zeros = 0; zeros < 16; ++zeros) {
+    ImuOptions options;
+    if ((zeros & 1U) != 0) options.gyro_noise_density = 0.0;
+    if ((zeros & 2U) != 0) options.gyro_random_walk = 0.0;
+    if ((zeros & 4U) != 0) options.accel_noise_density = 0.0;
+    if ((zeros & 8U) != 0) options.accel_random_walk = 0.0;
+    for (const int count : {1, 10, 100}) {
+      for (const double rate : {1e-9, 1.5}) {
+        Steps steps = random_steps(random, count, rate);
+        steps.front().end = steps.front().begin + from_seconds(0.005);
+        const Preintegration imu = preintegrate(steps, Vector3d::Zero(), Vector3d::Zero(), options);
+        EXPECT_TRUE(ImuFactor(imu, kGravity).valid());
+        const Matrix15d S = imu.covariance();
+        const Matrix15d I = Matrix15d::Identity();
+        EXPECT_LT((whitened(S, S) - I).cwiseAbs().maxCoeff(), 1e-12) << zeros << ' ' << count;
+        EXPECT_LT(solve(S, I).diagonal().maxCoeff(), 1e17);
+      }
+    }
+  }
+}
+
+// The floor changes nothing for a sensor that is worse than it.
+TEST(ImuFactor, FloorLeavesTheDefaultsAlone) {
+  const ImuOptions o;
+  EXPECT_GT(o.gyro_noise_density, 10.0 * imu_floor::kGyroNoise);
+  EXPECT_GT(o.gyro_random_walk, 10.0 * imu_floor::kGyroWalk);
+  EXPECT_GT(o.accel_noise_density, 10.0 * imu_floor::kAccelNoise);
+  EXPECT_GT(o.accel_random_walk, 10.0 * imu_floor::kAccelWalk);
+}
+
+struct Pair {
+  ImuFactor factor;
+  NavState xi;
+  NavState xj;
+};
+
+// A factor and states whose residual is of the given size [rad, m, m/s]; x_i has other biases than
+// those preintegrated with.
+Pair random_pair(Random& random, double rate, double attitude, double motion) {
+  Pair out;
+  out.xi = random.state();
+  const Vector3d gyro_bias = out.xi.gyro_bias + random.normal_vector(0.05);
+  const Vector3d accel_bias = out.xi.accel_bias + random.normal_vector(0.2);
+  const Preintegration imu = preintegrate(random_steps(random, 20, rate), gyro_bias, accel_bias);
+  out.factor = ImuFactor(imu, kGravity);
+  BodyVector e;
+  e << attitude * random.direction(), random.normal_vector(motion), random.normal_vector(motion),
+      random.normal_vector(0.1 * motion), random.normal_vector(motion);
+  out.xj = perturbed(predict(imu, out.xi), e);
+  return out;
+}
+
+ImuFactor::Residual residual(const ImuFactor& factor, const NavState& xi, const NavState& xj) {
+  ImuFactor::Residual r;
+  factor.evaluate_unwhitened(xi, xj, &r, nullptr);
+  return r;
+}
+
+void expect_jacobian_of_differences(const Pair& pair, double tolerance) {
+  constexpr double h = 1e-3;  // five points: h^4/30 of truncation, 1e-12 of rounding
+  ImuFactor::Residual r;
+  ImuFactor::Jacobian J;
+  pair.factor.evaluate_unwhitened(pair.xi, pair.xj, &r, &J);
+  EXPECT_EQ(r, residual(pair.factor, pair.xi, pair.xj));  // the same with and without J
+  for (int column = 0; column < 2 * body::kSize; ++column) {
+    const bool first = column < body::kSize;
+    const auto moved = [&](double step) {
+      const BodyVector e = step * BodyVector::Unit(column % body::kSize);
+      return first ? residual(pair.factor, perturbed(pair.xi, e), pair.xj)
+                   : residual(pair.factor, pair.xi, perturbed(pair.xj, e));
+    };
+    const ImuFactor::Residual expected =
+        (8.0 * (moved(h) - moved(-h)) - moved(2 * h) + moved(-2 * h)) / (12.0 * h);
+    EXPECT_LT((J.col(column) - expected).cwiseAbs().maxCoeff(), tolerance) << "column " << column;
+  }
+}
+
+TEST(ImuFactor, JacobianIsTheDerivativeOfTheResidual) {
+  Random random(19);
+  for (const double rate : kRates) {
+    for (int i = 0; i < 5; ++i) {
+      expect_jacobian_of_differences(random_pair(random, rate, 0.0, 0.0), 1e-10);
+      expect_jacobian_of_differences(random_pair(random, rate, 1e-9, 1e-9), 1e-10);
+      expect_jacobian_of_differences(random_pair(random, rate, 0.3, 0.2), 1e-10);
+      // 2.5 rad: the fifth derivative of the logarithm is near 100 there
+      expect_jacobian_of_differences(random_pair(random, rate, 2.5, 5.0), 1e-9);
+    }
+  }
+}
+
+TEST(ImuFactor, ResidualIsTheErrorOfThePrediction) {
+  Random random(20);
+  for (const double rate : kRates) {
+    const Pair pair = random_pair(random, rate, 0.3, 0.2);
+    const NavState predicted = predict(pair.factor.imu(), pair.xi);
+    // positions of 5 m, rounded
+    EXPECT_LT(residual(pair.factor, pair.xi, predicted).norm(), 1e-13);
+    const BodyVector expected = to_world(pair.xi.q_WB).transpose() * error_of(pair.xj, predicted);
+    EXPECT_LT((residual(pair.factor, pair.xi, pair.xj) - expected).norm(), 1e-13);
+  }
+}
+
+TEST(ImuFactor, WhitenedByItsCovariance) {
+  Random random(21);
+  const Pair pair = random_pair(random, 1.5, 0.01, 0.01);
+  ImuFactor::Residual r;
+  ImuFactor::Residual white_r;
+  ImuFactor::Jacobian J;
+  ImuFactor::Jacobian white_J;
+  pair.factor.evaluate_unwhitened(pair.xi, pair.xj, &r, &J);
+  pair.factor.evaluate(pair.xi, pair.xj, &white_r, &white_J);
+  const Eigen::FullPivLU<Matrix15d> S(pair.factor.imu().covariance());
+  const double cost = r.dot(S.solve(r));
+  EXPECT_NEAR(white_r.squaredNorm() / cost, 1.0, 1e-12);  // solved by another decomposition
+  const Eigen::Matrix<double, 30, 30> H = J.transpose() * S.solve(J);
+  const Eigen::Matrix<double, 30, 30> white_H = white_J.transpose() * white_J;
+  EXPECT_LT((white_H - H).cwiseAbs().maxCoeff() / H.cwiseAbs().maxCoeff(), 1e-12);
+  const Eigen::Matrix<double, 30, 1> gradient = J.transpose() * S.solve(r);
+  EXPECT_LT((white_J.transpose() * white_r - gradient).norm() / gradient.norm(), 1e-12);
 }
 
 }  // namespace
-}  // namespace rio
+}  // namespace rio::test
