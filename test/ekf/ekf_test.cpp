@@ -14,22 +14,7 @@
 namespace rio::test {
 namespace {
 
-class EkfTest : public testing::Test {
- protected:
-  void fly(std::size_t scans) {
-    for (std::size_t i = 0; i < scans; ++i) ASSERT_EQ(flight_.step(), Status::kOk);
-  }
-  const UpdateReport& report() const { return flight_.report(); }
-  const Estimate& x() const { return flight_.estimate(); }
-
-  static sim::Scenario scenario() {
-    sim::Scenario o = sim::Scenario::ideal();
-    o.seed = 8;
-    o.path.length = 20.0;
-    return o;
-  }
-  EkfFlight flight_{scenario()};
-};
+using EkfTest = ScanwiseTest<EkfFlight>;
 
 TEST_F(EkfTest, KeepsTheLastClonesFirstInFirstOut) {
   flight_.begin(flight_.options("published-ekf"));
@@ -107,7 +92,6 @@ TEST_F(EkfTest, FindsAMountingError) {
 // However many landmarks share it; what it has in common with them is kept.
 TEST_F(EkfTest, NeverLearnsTheErrorOfAllElevations) {
   const Options o = flight_.options();
-  flight_.begin(o);
   fly(100);
   ASSERT_GT(x().landmarks.size(), 5U);
   const Layout& layout = flight_.state_estimate().layout();
@@ -119,7 +103,6 @@ TEST_F(EkfTest, NeverLearnsTheErrorOfAllElevations) {
 }
 
 TEST_F(EkfTest, CovarianceStaysSymmetricAndPositiveSemiDefinite) {
-  flight_.begin(flight_.options());
   while (!flight_.over()) {
     fly(1);
     if (flight_.next() % 50 != 0) continue;

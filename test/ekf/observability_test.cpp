@@ -24,9 +24,7 @@ using Eigen::MatrixXd;
 constexpr double kTimeOffset = 0.02;  // told to nobody: the filter has to find it [s]
 
 sim::Scenario scenario() {
-  sim::Scenario scenario = sim::Scenario::ideal();
-  scenario.seed = 8;
-  scenario.path.length = 20.0;
+  sim::Scenario scenario = ideal_flight();
   scenario.radar.stamp_offset = kTimeOffset;
   return scenario;
 }

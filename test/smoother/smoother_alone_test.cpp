@@ -10,7 +10,7 @@
 #include "rio/checks/replacements.hpp"
 #include "rio/core/so3.hpp"
 #include "rio/smoother/smoother.hpp"
-#include "smoother/smoother_case.hpp"
+#include "support/scanwise_flight.hpp"
 
 namespace rio::test {
 namespace {
@@ -44,9 +44,10 @@ std::vector<double> numbers_of(const Smoother& smoother) {
 }
 
 /// A smoother without a front-end, which sees nothing but the points it is given as landmarks.
-class BlindSmootherTest : public SmootherTest {
+class BlindSmootherTest : public ScanwiseTest<SmootherFlight> {
  protected:
-  BlindSmootherTest() : smoother_(flight_.options()), rows_(flight_.options()) {
+  BlindSmootherTest()
+      : ScanwiseTest(ideal_flight(1.5)), smoother_(flight_.options()), rows_(flight_.options()) {
     smoother_.reset(flight_.flight().truth.front(), flight_.start_covariance());
     nothing_.scan = &scan_;
     nothing_.trails = &trails_;

@@ -10,10 +10,19 @@
 #include <cmath>
 #include <vector>
 
-#include "smoother/smoother_case.hpp"
+#include "support/scanwise_flight.hpp"
 
 namespace rio::test {
 namespace {
+
+constexpr double kStandBefore = 1.5;  // [s]
+
+class SmootherTest : public ScanwiseTest<SmootherFlight> {
+ protected:
+  SmootherTest() : ScanwiseTest(ideal_flight(kStandBefore)) {}
+
+  const Window& window() const { return flight_.back_end().window(); }
+};
 
 // The scans of two windows at most tell of it.
 TEST_F(SmootherTest, HardlyLearnsTheErrorOfAllElevations) {
@@ -77,7 +86,7 @@ TEST_F(SmootherTest, FactorsFollowTheirLandmarksWhenOthersLeave) {
   int kept = 0;
   while (!flight_.over()) {
     fly(1);
-    removed += flight_.report().landmarks_removed;
+    removed += report().landmarks_removed;
     for (std::size_t k = 0; k < window().size(); ++k) {
       for (const auto& m : window()[k].measurements.of<LandmarkPointModel>()) {
         ASSERT_LT(m.landmark, x().landmarks.size());
@@ -96,8 +105,8 @@ struct Kept {
   int distances = 0;
   int retired = 0;
 };
-Kept fly_published(const sim::Scenario& scenario, bool keep) {
-  SmootherFlight flight(scenario);
+Kept fly_published(bool keep) {
+  SmootherFlight flight(ideal_flight(kStandBefore));
   Options o = flight.options("published-smoother");
   o.smoother.keep_landmark_factors = keep;
   flight.begin(o);
@@ -124,8 +133,8 @@ Kept fly_published(const sim::Scenario& scenario, bool keep) {
 // Michalczyk et al. 2024, III-B and III-D: the factors of the states of the window stay; a missed
 // landmark is marginalised when the last state that has measured it leaves.
 TEST(PublishedSmoother, KeepsTheFactorsOfAMissedLandmarkWhileTheirStatesAreInTheWindow) {
-  const Kept as_published = fly_published(short_flight(8), true);
-  const Kept dropped = fly_published(short_flight(8), false);
+  const Kept as_published = fly_published(true);
+  const Kept dropped = fly_published(false);
   EXPECT_GT(as_published.retired, 100);
   EXPECT_EQ(dropped.retired, 0);
   EXPECT_GT(as_published.distances, dropped.distances + dropped.distances / 4);
@@ -135,7 +144,7 @@ TEST_F(SmootherTest, ABirthIsAPointMeasuredByTheNewestState) {
   int births = 0;
   while (births == 0 && !flight_.over()) {
     fly(1);
-    births = flight_.report().landmarks_added;
+    births = report().landmarks_added;
   }
   ASSERT_GT(births, 0);
   ASSERT_EQ(x().landmarks.size(), static_cast<std::size_t>(births));
@@ -183,7 +192,7 @@ TEST_F(SmootherTest, AScanAtTheVeryTimeOfTheStartIsMeasuredByTheStart) {
 TEST_F(SmootherTest, AReusedFactorChangesTheSigmasByPercents) {
   Options own_factors = flight_.options();
   own_factors.smoother.factor_reuse = 0.0;
-  SmootherFlight reference(short_flight(8));
+  SmootherFlight reference(ideal_flight(kStandBefore));
   reference.begin(own_factors);
   double largest = 0.0;
   while (!flight_.over()) {

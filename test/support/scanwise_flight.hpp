@@ -3,6 +3,8 @@
 // into it.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -85,5 +87,32 @@ class ScanwiseFlight {
 
 using EkfFlight = ScanwiseFlight<Ekf>;
 using SmootherFlight = ScanwiseFlight<Smoother>;
+
+/// 20 m with ideal sensors.
+/// @param stand_before standstill before take-off [s]
+inline sim::Scenario ideal_flight(double stand_before = sim::PathOptions{}.stand_before) {
+  sim::Scenario scenario = sim::Scenario::ideal();
+  scenario.seed = 8;
+  scenario.path.length = 20.0;
+  scenario.path.stand_before = stand_before;
+  return scenario;
+}
+
+/// Such a flight with the default options.
+template <class Flight>
+class ScanwiseTest : public testing::Test {
+ protected:
+  explicit ScanwiseTest(const sim::Scenario& scenario = ideal_flight()) : flight_(scenario) {
+    flight_.begin(flight_.options());
+  }
+
+  void fly(std::size_t scans) {
+    for (std::size_t i = 0; i < scans; ++i) ASSERT_EQ(flight_.step(), Status::kOk);
+  }
+  const UpdateReport& report() const { return flight_.report(); }
+  const Estimate& x() const { return flight_.estimate(); }
+
+  Flight flight_;
+};
 
 }  // namespace rio::test
