@@ -97,24 +97,24 @@ Ratio monte_carlo(const Spectrum& s, double rate, double density) {
     const Vibration vibration(s.rms, s.low, s.high, &random);
     const Vibration motion(1.0, 0.1, 1.0, &random);  // of the vehicle, [m/s^2]
     ImuBuffer buffer(TimingOptions{}, options);
-    std::vector<ImuSample> samples;
     const int count = static_cast<int>((kBefore + kSpan) * rate) + 3;
-    std::vector<bool> kept;
+    ImuSample last;
+    std::vector<Time> lost;  // since the last sample
     for (int i = 0; i < count; ++i) {
       const double t = i / rate;
-      samples.push_back({from_seconds(t), Vector3d::Zero(),
-                         motion.acceleration(t) + vibration.acceleration(t) +
-                             random.normal_vector(density * std::sqrt(rate))});
-      kept.push_back(i == 0 || i == count - 1 || random.uniform(0.0, 1.0) >= s.share);
-    }
-    std::size_t last = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (!kept[i]) continue;
-      for (std::size_t k = last + 1; k < i && s.loss == Loss::kInterpolated; ++k) {
-        buffer.push_back(interpolate(samples[last], samples[i], samples[k].time));
+      const ImuSample sample{from_seconds(t), Vector3d::Zero(),
+                             motion.acceleration(t) + vibration.acceleration(t) +
+                                 random.normal_vector(density * std::sqrt(rate))};
+      if (i > 0 && i < count - 1 && random.uniform(0.0, 1.0) < s.share) {
+        lost.push_back(sample.time);
+        continue;
       }
-      buffer.push_back(samples[i]);
-      last = i;
+      if (s.loss == Loss::kInterpolated) {
+        for (const Time time : lost) buffer.push_back(interpolate(last, sample, time));
+      }
+      buffer.push_back(sample);
+      last = sample;
+      lost.clear();
     }
     const Integral v(buffer, options, kBefore, kSpan, false);
     const auto truth = [&](double t) {

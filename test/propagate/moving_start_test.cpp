@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <optional>
 
 #include "support/constants.hpp"
 #include "support/symmetric.hpp"
@@ -29,21 +28,34 @@ class Turning {
   Vector3d rate_B{0.5, -0.3, 0.2};
 };
 
+/// A sample at rest or at constant speed, each 5 ms.
+ImuSample steady(int i, const Vector3d& force_B = kGravity * Vector3d::UnitZ()) {
+  return {Time(milliseconds(5 * i)), Vector3d::Zero(), force_B};
+}
+
+/// The start from samples i = 0, 1, ...
+template <class Sample>
+Alignment start(const StartOptions& options, const Sample& sample) {
+  MovingStart moving(options, kGravity);
+  for (int i = 0; i < 2000; ++i) {
+    if (const auto found = moving.add(sample(i))) return *found;
+  }
+  ADD_FAILURE() << "no start";
+  return {};
+}
+
 TEST(MovingStart, IsLevelAlthoughTheBodyTurns) {
   StartOptions options;
   options.max_wait = 4.0;
   const Turning imu;
-  MovingStart moving(options, kGravity);
-  std::optional<Alignment> alignment;
-  int last = 0;
-  while (!(alignment = moving.add(imu.sample(last)))) ASSERT_LT(++last, 2000);
-  EXPECT_EQ(alignment->state.time, Time(milliseconds(4000)));
-  EXPECT_TRUE(alignment->state.v_WB.isZero());
-  const Vector3d up = alignment->state.q_WB * imu.attitude(last).conjugate() * Vector3d::UnitZ();
+  const Alignment found = start(options, [&](int i) { return imu.sample(i); });
+  EXPECT_EQ(found.state.time, Time(milliseconds(4000)));
+  EXPECT_TRUE(found.state.v_WB.isZero());
+  const Vector3d up = found.state.q_WB * imu.attitude(800).conjugate() * Vector3d::UnitZ();
   // 2 m/s^2 back and forth at 9 rad/s leave a tenth of it in a mean over 1.5 s
   EXPECT_LT(std::acos(up.z()), 0.03);
-  EXPECT_TRUE(is_positive_definite(alignment->covariance));
-  EXPECT_GT(std::sqrt(alignment->covariance(0, 0)), 0.05);
+  EXPECT_TRUE(is_positive_definite(found.covariance));
+  EXPECT_GT(std::sqrt(found.covariance(0, 0)), 0.05);
 }
 
 TEST(MovingStart, WaitsForEverByDefault) {
@@ -66,39 +78,28 @@ TEST(MovingStart, CountsItsWaitAnewAfterAReset) {
 TEST(MovingStart, ForgetsWhatWasBeforeItsDuration) {
   const StartOptions options{.duration = 0.5, .max_wait = 4.0};
   const Quaternion tilted(Eigen::AngleAxisd(0.3, Vector3d::UnitX()));
-  MovingStart moving(options, kGravity);
-  std::optional<Alignment> alignment;
-  for (int i = 0; !alignment && i < 2000; ++i) {
-    const Vector3d up_B = i < 400 ? Vector3d::UnitZ() : tilted.conjugate() * Vector3d::UnitZ();
-    alignment = moving.add({Time(milliseconds(5 * i)), Vector3d::Zero(), kGravity * up_B});
-  }
-  ASSERT_TRUE(alignment);
-  EXPECT_LT(alignment->state.q_WB.angularDistance(tilted), 0.3 * 0.05);  // exp(-2 / 0.5) = 0.02
+  const Alignment found = start(options, [&](int i) {
+    return i < 400 ? steady(i) : steady(i, kGravity * (tilted.conjugate() * Vector3d::UnitZ()));
+  });
+  EXPECT_LT(found.state.q_WB.angularDistance(tilted), 0.3 * 0.05);  // exp(-2 / 0.5) = 0.02
 }
 
 // A shorter mean says less; of a sample after a pause no more than itself is taken.
 TEST(MovingStart, IsAsSureAsItsMeanIsLong) {
   StartOptions options;
   options.duration = 1.5;
-  const Vector3d up = kGravity * Vector3d::UnitZ();
-  const auto sigma = [&options, &up](double wait) {
+  const auto sigma = [&options](double wait) {
     options.max_wait = wait;
-    MovingStart moving(options, kGravity);
-    for (int i = 0;; ++i) {
-      const auto found = moving.add({Time(milliseconds(5 * i)), Vector3d::Zero(), up});
-      if (found) return std::sqrt(found->covariance(0, 0));
-    }
+    return std::sqrt(start(options, [](int i) { return steady(i); }).covariance(0, 0));
   };
   EXPECT_NEAR(sigma(0.3) / sigma(1.5), 5.0, 1e-9);
   EXPECT_EQ(sigma(3.0), sigma(1.5));
 
   options.max_wait = 3.0;
   MovingStart moving(options, kGravity);
-  for (int i = 0; i < 200; ++i) {
-    ASSERT_FALSE(moving.add({Time(milliseconds(5 * i)), Vector3d::Zero(), up}));
-  }
+  for (int i = 0; i < 200; ++i) ASSERT_FALSE(moving.add(steady(i)));
   const Vector3d tilted(1.0, 0.0, kGravity);
-  const auto after = moving.add({Time(std::chrono::seconds(10)), Vector3d::Zero(), tilted});
+  const auto after = moving.add(steady(2000, tilted));
   ASSERT_TRUE(after);
   EXPECT_LT((after->state.q_WB * tilted.normalized() - Vector3d::UnitZ()).norm(), 1e-9);
 }

@@ -10,20 +10,13 @@
 #include "support/measured.hpp"
 #include "support/symmetric.hpp"
 
-namespace rio {
+namespace rio::test {
 namespace {
-
-using test::align;
-using test::kGravity;
-using test::kRate;
-using test::noisy;
-using test::Outcome;
-using test::StandingImu;
 
 TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
   using namespace body;
   const StartOptions start{.sigma_position = 0.2, .sigma_yaw = 0.3};
-  test::Random random(1);
+  Random random(1);
   for (int run = 0; run < 60; ++run) {
     StandingImu imu;
     const Vector3d special[] = {Vector3d::UnitZ(),  -Vector3d::UnitZ(), Vector3d::UnitX(),
@@ -51,7 +44,7 @@ TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
     EXPECT_EQ(x.v_WB, Vector3d::Zero());
     const BodyCovariance& P = out.alignment->covariance;
     EXPECT_LT((P - P.transpose()).cwiseAbs().maxCoeff(), 1e-17);
-    EXPECT_TRUE(test::is_positive_definite(P));
+    EXPECT_TRUE(is_positive_definite(P));
     EXPECT_NEAR(imu.up_B.dot(P.block<3, 3>(kAttitude, kAttitude) * imu.up_B), 0.3 * 0.3, 1e-12);
     EXPECT_LT((P.diagonal().segment<3>(kPosition).array() - 0.2 * 0.2).abs().maxCoeff(), 1e-15);
     if (std::abs(imu.up_B.x()) > 0.99) continue;
@@ -65,7 +58,7 @@ TEST(StaticAlignment, RecoversTiltAndGyroBiasInAnyMounting) {
 // Refused while it moves, with each part of a window from the end of the first one on; aligned in
 // the first window at rest, which begins with the first part at rest.
 TEST(StaticAlignment, RefusesMotionAndRecovers) {
-  test::Random random(6);
+  Random random(6);
   const Vector3d up = random.direction();
   const Vector3d level = up.unitOrthogonal();
   const auto wave = [](double t) { return std::sin(2.0 * M_PI * 7.0 * t); };
@@ -77,7 +70,7 @@ TEST(StaticAlignment, RefusesMotionAndRecovers) {
        [&](double t, ImuSample& s) {
          const double rate = 3.0 * M_PI / 180.0;
          s.gyro_B += rate * level;
-         s.accel_B += kGravity * (test::rotation_of(-rate * t * level) * up - up);
+         s.accel_B += kGravity * (rotation_of(-rate * t * level) * up - up);
        }},
       {"accelerating upwards", [&](double, ImuSample& s) { s.accel_B += 1.0 * up; }},
       // from rest and back within each window; a constant one would be a tilt to any IMU
@@ -105,9 +98,8 @@ TEST(StaticAlignment, RefusesMotionAndRecovers) {
 // A platform that turns by itself: either hypothesis must stay within three sigmas, and the sigma
 // of rates that biases have stays small.
 TEST(StaticAlignment, SlowTurnIsNoSureBias) {
-  using namespace body;
   for (const double rate : {0.002, 0.01, 0.02, 0.03, 0.04, 0.05, 0.09}) {
-    test::Random random(10);
+    Random random(10);
     StandingImu imu = noisy(random.direction());
     imu.gyro_bias = rate * imu.up_B;
     const Outcome out = align(imu, random);
@@ -116,7 +108,7 @@ TEST(StaticAlignment, SlowTurnIsNoSureBias) {
     const Vector3d y = out.alignment->state.q_WB.conjugate() * Vector3d::UnitZ();
     const auto sigma_along = [&](const Vector3d& axis) {
       return std::sqrt(
-          axis.dot(out.alignment->covariance.block<3, 3>(kGyroBias, kGyroBias) * axis));
+          axis.dot(out.alignment->covariance.block<3, 3>(body::kGyroBias, body::kGyroBias) * axis));
     };
     const double sigma = sigma_along(y);
     const double bias = y.dot(out.alignment->state.gyro_bias);
@@ -130,8 +122,8 @@ TEST(StaticAlignment, SlowTurnIsNoSureBias) {
       EXPECT_LT(bias, 3.0 * sigma) << rate << " it turned, the bias is zero";
     }
     if (rate == 0.05) {
-      test::measured("alignment at 0.05 rad/s of yaw: bias [rad/s]", bias, "below 3 sigma");
-      test::measured("alignment at 0.05 rad/s of yaw: sigma [rad/s]", sigma, "");
+      measured("alignment at 0.05 rad/s of yaw: bias [rad/s]", bias, "below 3 sigma");
+      measured("alignment at 0.05 rad/s of yaw: sigma [rad/s]", sigma, "");
     }
     EXPECT_LT(sigma_along(y.unitOrthogonal()), 1e-3);  // nothing is lost across the vertical
   }
@@ -151,7 +143,7 @@ TEST(StaticAlignment, ShortRestIsEnoughInTheFirstWindowOnly) {
     return imu;
   };
   const auto begin = [](const StandingImu& imu, int count = 400) {
-    test::Random random(8);
+    Random random(8);
     StaticAligner aligner(StartOptions{}, ImuOptions{});
     return align(aligner, imu, random, 0, count);
   };
@@ -172,7 +164,7 @@ TEST(StaticAlignment, ShortRestIsEnoughInTheFirstWindowOnly) {
 }
 
 TEST(StaticAlignment, ResetForgetsTheWindow) {
-  test::Random random(7);
+  Random random(7);
   StandingImu moving = noisy(Vector3d::UnitZ());
   moving.gyro_bias = Vector3d(0.5, 0.0, 0.0);
   StaticAligner aligner(StartOptions{}, ImuOptions{});
@@ -185,7 +177,7 @@ TEST(StaticAlignment, ResetForgetsTheWindow) {
 }
 
 TEST(StaticAlignment, StandstillGyroBiasOfARecording) {
-  test::Random random(8);
+  Random random(8);
   StandingImu imu = noisy(random.direction());
   imu.gyro_bias = Vector3d(0.005, -0.004, 0.003);  // too small for a turn
   imu.motion = [](double t, ImuSample& s) {
@@ -206,4 +198,4 @@ TEST(StaticAlignment, StandstillGyroBiasOfARecording) {
 }
 
 }  // namespace
-}  // namespace rio
+}  // namespace rio::test
