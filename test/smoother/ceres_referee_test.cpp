@@ -211,8 +211,16 @@ class Referee {
     add(cost, 1, m.weight, &states_[k], &mount_, &scale_, &offset_);
   }
 
+  /// What the prior knows of these states and this estimate.
+  template <class States>
+  PriorCost::Point known_of(const States& states, const Estimate& x, std::size_t landmarks) const {
+    PriorCost::Point out{{}, x.of_radar(0), {}};
+    for (std::size_t s = 0; s < before_.leading; ++s) out.states.push_back(states[s].nav);
+    for (std::size_t i = 0; i < landmarks; ++i) out.landmarks.push_back(x.landmarks[i].p_W);
+    return out;
+  }
+
   void add_prior() {
-    PriorCost cost;
     const int calibration = layout_.size(0) - body::kSize;
     const auto known = static_cast<std::size_t>(
         (before_.A.rows() - body::kSize * static_cast<int>(before_.leading) - calibration) / 3);
@@ -222,29 +230,17 @@ class Referee {
       blocks.push_back(block.data());
       sizes.push_back(static_cast<int>(block.size()));
     };
-    for (std::size_t s = 0; s < before_.leading; ++s) {
-      cost.made_states.push_back(before_.window[s].nav);
-      cost.now_states.push_back(window_[s].nav);
-      add_block(states_[s]);
-    }
-    cost.made_T_BS = before_.estimate.T_BS;
-    cost.now_T_BS = x_.T_BS;
-    cost.made_errors << before_.estimate.doppler_scale, before_.estimate.time_offset,
-        before_.estimate.elevation_error;
-    cost.now_errors << x_.doppler_scale, x_.time_offset, x_.elevation_error;
+    for (std::size_t s = 0; s < before_.leading; ++s) add_block(states_[s]);
     add_block(mount_);
     add_block(scale_);
     add_block(offset_);
     add_block(elevation_);
-    cost.extrinsics = layout_.has_extrinsics();
-    cost.doppler_scale = layout_.has_doppler_scale();
-    cost.time_offset = layout_.has_time_offset();
-    cost.elevation = layout_.has_elevation_error();
-    for (std::size_t i = 0; i < known; ++i) {
-      cost.made_landmarks.push_back(before_.estimate.landmarks[i].p_W);
-      cost.now_landmarks.push_back(x_.landmarks[i].p_W);
-      add_block(landmarks_[i]);
-    }
+    for (std::size_t i = 0; i < known; ++i) add_block(landmarks_[i]);
+    PriorCost cost{layout_,
+                   known_of(before_.window, before_.estimate, known),
+                   known_of(window_, x_, known),
+                   {},
+                   {}};
     cost.factorise(before_.A, before_.g);
     problem_.AddResidualBlock(differentiated(cost, sizes), nullptr, blocks);
   }

@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "rio/testing/allocation_guard.hpp"
 #include "smoother/linear_window.hpp"
 #include "support/symmetric.hpp"
 
@@ -144,28 +143,6 @@ TEST_F(NormalEquationsTest, TheEnvelopeFollowsTheMeasurements) {
   expect_reach({3, 4, 4, 4, 5, 5});
   equations_.clear(6, 8);
   expect_reach({0, 1, 2, 3, 4, 5});
-}
-
-TEST_F(NormalEquationsTest, AllocatesNothing) {
-  if (!AllocationGuard::kWorks) GTEST_SKIP() << "allocations are not counted under a sanitizer";
-  sim::Random random(48);
-  for (const bool trails : {false, true}) {
-    const LinearWindow window = random_window(random, kMaxStates, kMaxBorder, trails);
-    int leading = 0;
-    const AllocationGuard guard;
-    window.add_to(&equations_);
-    ASSERT_TRUE(equations_.factorise(0.1));
-    ASSERT_TRUE(equations_.factorise());
-    equations_.solve(&dx_);
-    ASSERT_TRUE(equations_.tail_covariance(&A_));
-    ASSERT_TRUE(equations_.eliminate_oldest(&leading, &A_, &dx_));
-    const int n = kState * leading + kMaxBorder;
-    equations_.clear(kMaxStates - 1, kMaxBorder);
-    equations_.add_quadratic(leading, A_.topLeftCorner(n, n), dx_.head(n));
-    EXPECT_EQ(guard.count(), 0);
-    ASSERT_TRUE(equations_.factorise());
-    EXPECT_EQ(guard.count(), 0);
-  }
 }
 
 }  // namespace

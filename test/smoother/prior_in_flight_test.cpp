@@ -43,10 +43,7 @@ MatrixXd scaled(const MatrixXd& A) {
 
 double position_error(const SmootherFlight& flight) {
   const NavState& x = flight.estimate().nav;
-  const std::vector<NavState>& truth = flight.flight().truth;
-  const auto at = std::lower_bound(truth.begin(), truth.end() - 1, x.time,
-                                   [](const NavState& s, Time t) { return s.time < t; });
-  return (x.p_WB - at->p_WB).norm();
+  return (x.p_WB - flight.flight().truth_at(x.time).p_WB).norm();
 }
 
 /// Beyond this the factorisation loses digits of the solution: 1e-16 times it is some 1e-13.

@@ -196,35 +196,36 @@ void PriorCost::factorise(const Eigen::MatrixXd& A, const Eigen::VectorXd& g) {
 
 void PriorCost::error(const double* const* blocks, double* out) const {
   Eigen::Map<Eigen::VectorXd> xi(out, root.cols());
-  const State oldest(now_states[0], blocks[0]);
-  const double psi = heading(oldest.R * made_states[0].q_WB.toRotationMatrix().transpose());
+  const State oldest(now.states[0], blocks[0]);
+  const double psi = heading(oldest.R * made.states[0].q_WB.toRotationMatrix().transpose());
   const Matrix3d back = rotation(Vector3d(0.0, 0.0, -psi));
   Eigen::Index at = 0;
   std::size_t block = 0;
-  for (std::size_t s = 0; s < made_states.size(); ++s, at += body::kSize) {
-    const State x(now_states[s], blocks[block++]);
-    const NavState& made = made_states[s];
-    xi.segment<15>(at) << rotation_vector(back * x.R * made.q_WB.toRotationMatrix().transpose()),
-        back * x.p - made.p_WB, back * x.v - made.v_WB, x.gyro_bias - made.gyro_bias,
-        x.accel_bias - made.accel_bias;
+  for (std::size_t s = 0; s < made.states.size(); ++s, at += body::kSize) {
+    const State x(now.states[s], blocks[block++]);
+    const NavState& then = made.states[s];
+    xi.segment<15>(at) << rotation_vector(back * x.R * then.q_WB.toRotationMatrix().transpose()),
+        back * x.p - then.p_WB, back * x.v - then.v_WB, x.gyro_bias - then.gyro_bias,
+        x.accel_bias - then.accel_bias;
   }
   xi[body::kAttitude + 2] = psi;
-  const Mount mount(now_T_BS, blocks[block++]);
-  if (extrinsics) {
-    xi.segment<6>(at) << rotation_vector(made_T_BS.rotation.toRotationMatrix().transpose() *
-                                         mount.R),
-        mount.p - made_T_BS.translation;
+  const Mount mount(now.radar.T_BS, blocks[block++]);
+  if (layout.has_extrinsics()) {
+    const Pose& then = made.radar.T_BS;
+    xi.segment<6>(at) << rotation_vector(then.rotation.toRotationMatrix().transpose() * mount.R),
+        mount.p - then.translation;
     at += 6;
   }
-  const double* scale_error = blocks[block++];
-  if (doppler_scale) xi[at++] = scale_error[0] + now_errors[0] - made_errors[0];
-  const double* late = blocks[block++];
-  if (time_offset) xi[at++] = late[0] + now_errors[1] - made_errors[1];
-  const double* raised = blocks[block++];
-  if (elevation) xi[at++] = raised[0] + now_errors[2] - made_errors[2];
-  for (std::size_t i = 0; i < made_landmarks.size(); ++i, at += 3) {
+  const auto add_number = [&](bool estimated, double RadarState::*number) {
+    const double error = blocks[block++][0];
+    if (estimated) xi[at++] = error + now.radar.*number - made.radar.*number;
+  };
+  add_number(layout.has_doppler_scale(), &RadarState::doppler_scale);
+  add_number(layout.has_time_offset(), &RadarState::time_offset);
+  add_number(layout.has_elevation_error(), &RadarState::elevation_error);
+  for (std::size_t i = 0; i < made.landmarks.size(); ++i, at += 3) {
     xi.segment<3>(at) =
-        back * (now_landmarks[i] + ConstVector3(blocks[block++])) - made_landmarks[i];
+        back * (now.landmarks[i] + ConstVector3(blocks[block++])) - made.landmarks[i];
   }
 }
 

@@ -111,11 +111,15 @@ struct ImuCost {
 /// the cost xi^T A xi / 2 - g^T xi is |r|^2 / 2 up to a constant for
 /// r = s^1/2 V^T D^-1 xi - s^-1/2 V^T D g.
 struct PriorCost {
-  std::vector<NavState> made_states, now_states;
-  Pose made_T_BS, now_T_BS;
-  Vector3d made_errors, now_errors;  ///< Doppler scale, time offset, elevation
-  std::vector<Vector3d> made_landmarks, now_landmarks;
-  bool extrinsics = false, doppler_scale = false, time_offset = false, elevation = false;
+  /// All that the prior knows, at one time.
+  struct Point {
+    std::vector<NavState> states;  ///< the leading ones
+    RadarState radar;
+    std::vector<Vector3d> landmarks;
+  };
+  Layout layout;
+  Point made;              ///< where the prior was made
+  Point now;               ///< the reference
   Eigen::MatrixXd root;    ///< s^1/2 V^T D^-1
   Eigen::VectorXd offset;  ///< s^-1/2 V^T D g
 
