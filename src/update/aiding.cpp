@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rio/update/aiding.hpp"
 
-#include <algorithm>
-
 #include "rio/core/so3.hpp"
 
 namespace rio {
@@ -51,18 +49,14 @@ bool linearize(const AidingMeasurement& z, const ImuIncrements& since, const Nav
     row.variance = 1.0;
     row.segments[0] = {columns.body, AidingMeasurement::kBody};
     row.segment_count = 1;
-    const auto put = [&row](int at, const Vector3d& h) {
-      std::copy(h.data(), h.data() + 3, row.h.begin() + at);
-    };
-    put(body::kAttitude, since.turn.transpose() * phi);
-    put(body::kPosition, p);
-    put(body::kVelocity, v);
-    put(body::kGyroBias, bias);
+    Eigen::Map<Eigen::Matrix<double, AidingMeasurement::kColumns, 1>> h(row.h.data());
+    h = J;
+    h.segment<3>(body::kAttitude) = Vector3d(since.turn.transpose() * phi);
+    h.segment<3>(body::kVelocity) = v;
+    h.segment<3>(body::kGyroBias) = bias;
     for (const auto& [column, length] : at_its_time.segments) {
       row.segments[row.segment_count++] = {column, length};
     }
-    constexpr int kOthers = AidingMeasurement::kColumns - AidingMeasurement::kBody;
-    std::copy_n(J.tail<kOthers>().data(), kOthers, row.h.begin() + AidingMeasurement::kBody);
     rows->push_back(row);
   }
   return true;

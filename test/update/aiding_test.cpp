@@ -5,9 +5,11 @@
 
 #include "rio/models/aids.hpp"
 #include "rio/propagate/strapdown.hpp"
+#include "rio/state/layout.hpp"
 #include "rio/update/aiding.hpp"
 #include "rio/update/aiding_queue.hpp"
 #include "support/constants.hpp"
+#include "support/dense_rows.hpp"
 #include "support/random_state.hpp"
 
 namespace rio::test {
@@ -93,99 +95,143 @@ struct Motion {
   NavState later;
 };
 
-/// A measurement that sees all of the state and an auxiliary one, with unit noise.
 struct Offset : AuxiliaryBlock<2> {
   static constexpr const char* kName = "offset";
   static constexpr double kSigma = 1.0;
   static constexpr double kWalk = 0.0;
 };
+/// A measurement that sees every block an external model may have, with unit noise: the position of
+/// the radar, off by the auxiliary state, and its scaled velocity in its own axes.
 struct Everything {
   static constexpr const char* kName = "everything";
   static constexpr int kDim = 6;
-  using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Offset>;
+  using Blocks = BlockList<BodyPose, BodyVelocity, Offset, GyroBias, Extrinsics, DopplerScale>;
   struct Measurement {};
-  bool evaluate(const Measurement& /*z*/, const RigidPose& T, const Vector3d& v, const Vector3d& b,
-                const Offset::Value& o, Eigen::Matrix<double, 6, 1>& r,
-                Eigen::Matrix<double, 6, 14>* J, Eigen::Matrix<double, 6, 6>& R) const {
-    const Vector3d l(0.3, -0.2, 0.5);
-    r << -(T.p + T.R * l), -(T.R.transpose() * v + b.cross(l));
+  bool evaluate(const Measurement& /*z*/, const RigidPose& T, const Vector3d& v,
+                const Offset::Value& o, const Vector3d& b, const RigidPose& T_BS, double scale,
+                ResidualOf<6>& r, JacobianOf<6, 21>* J, JacobianOf<6, 6>& R) const {
+    const Vector3d v_B = T.R.transpose() * v + b.cross(T_BS.p);
+    const Matrix3d scaled = (1.0 + scale) * T_BS.R.transpose();
+    r << -(T.p + T.R * T_BS.p), -scaled * v_B;
     r.head<2>() -= o;
     if (J != nullptr) {
       J->setZero();
-      J->block<3, 3>(0, 0) = -T.R * skew(l);
+      J->block<3, 3>(0, 0) = -T.R * skew(T_BS.p);
       J->block<3, 3>(0, 3).setIdentity();
-      J->block<3, 3>(3, 0) = skew(T.R.transpose() * v);
-      J->block<3, 3>(3, 6) = T.R.transpose();
-      J->block<3, 3>(3, 9) = -skew(l);
-      J->block<2, 2>(0, 12).setIdentity();
+      J->block<2, 2>(0, 9).setIdentity();
+      J->block<3, 3>(0, 17) = T.R;
+      J->block<3, 3>(3, 0) = scaled * skew(T.R.transpose() * v);
+      J->block<3, 3>(3, 6) = scaled * T.R.transpose();
+      J->block<3, 3>(3, 11) = -scaled * skew(T_BS.p);
+      J->block<3, 3>(3, 14) = skew(scaled * v_B);
+      J->block<3, 3>(3, 17) = scaled * skew(b);
+      J->block<3, 1>(3, 20) = T_BS.R.transpose() * v_B;
     }
     R.setIdentity();
     return true;
   }
 };
 
+/// Everything of the second of two radars.
 class AidingRowsTest : public testing::Test {
  protected:
-  AidingRowsTest() { EXPECT_TRUE(states.declare<Offset>()); }
-
-  static constexpr AidingColumns kColumns = {0, -1, -1, 15};
-
-  static Estimate with(const AuxiliaryValues& auxiliary) {
-    Estimate x;
-    x.auxiliary = auxiliary;
-    return x;
+  AidingRowsTest() {
+    EXPECT_TRUE(states.declare<Offset>());
+    draw();
   }
-  Eigen::Matrix<double, 6, 1> residual(const NavState& x, const AuxiliaryValues& auxiliary) {
-    const AidingMeasurement z(motion.earlier.time, Everything{}, {});
-    const ImuIncrements since = imu_increments(motion.earlier.time, x.time, x, motion.imu);
-    EXPECT_TRUE(linearize(z, since, x, with(auxiliary), states, kGravity, kColumns, &rows));
-    Eigen::Matrix<double, 6, 1> r;
-    for (std::size_t i = 0; i < 6; ++i) r[static_cast<Eigen::Index>(i)] = rows[i].residual;
-    return r;
+  /// Another motion with other mountings.
+  void draw() {
+    motion = Motion(random);
+    x.auxiliary.head<2>() << 0.3, -0.7;
+    for (std::size_t r = 0; r < 2; ++r) {
+      x.set_radar(r, {{random.rotation(), random.normal_vector(0.3)}, 0.02 * random.normal(), 0.0});
+    }
+  }
+  Layout layout(double mounting_sigma, double scale_sigma) const {
+    const CalibrationOptions estimated{.rotation_sigma = mounting_sigma,
+                                       .translation_sigma = mounting_sigma,
+                                       .time_offset_sigma = mounting_sigma,
+                                       .doppler_scale_sigma = scale_sigma,
+                                       .elevation_sigma = mounting_sigma};
+    return Layout(estimated, 0, 0, states.size(), 2);
+  }
+  DenseRows rows_at(const NavState& nav, const Layout& layout) {
+    const AidingMeasurement z(motion.earlier.time, Everything{}, {}, 1);
+    const ImuIncrements since = imu_increments(z.time(), nav.time, nav, motion.imu);
+    EXPECT_TRUE(
+        linearize(z, since, nav, x, states, kGravity, aiding_columns(layout.of_radar(1)), &rows));
+    return dense_rows({rows.begin(), rows.end()}, layout.size(0));
   }
 
   Random random{5};
   Motion motion{random};
+  Estimate x;
   AuxiliaryStates states;
   AidingRows rows;
 };
 
 TEST_F(AidingRowsTest, TheStateOfItsTimeIsFoundAgain) {
   for (int i = 0; i < 20; ++i) {
-    motion = Motion(random);
+    draw();
     const NavState& at = motion.earlier;
-    Eigen::Matrix<double, 6, 1> expected;
-    Eigen::Matrix<double, 6, 6> R;
-    Everything{}.evaluate({}, {at.q_WB.toRotationMatrix(), at.p_WB}, at.v_WB, at.gyro_bias,
-                          Offset::Value::Zero(), expected, nullptr, R);
-    const AuxiliaryValues none = AuxiliaryValues::Zero();
-    EXPECT_LT((residual(motion.later, none) - expected).cwiseAbs().maxCoeff(), 1e-12);
+    const RadarState& radar = x.of_radar(1);
+    ResidualOf<6> expected;
+    JacobianOf<6, 6> R;
+    Everything{}.evaluate({}, {at.q_WB.toRotationMatrix(), at.p_WB}, at.v_WB, x.auxiliary.head<2>(),
+                          at.gyro_bias, RigidPose(radar.T_BS), radar.doppler_scale, expected,
+                          nullptr, R);
+    const VectorXd residual = rows_at(motion.later, layout(0.1, 0.1)).r;
+    EXPECT_LT((residual - expected).cwiseAbs().maxCoeff(), 1e-12);
   }
 }
 
 TEST_F(AidingRowsTest, RowsMatchCentralDifferences) {
+  const Layout all = layout(0.1, 0.1);
+  const Layout own = all.of_radar(1);
+  constexpr double kStep = 1e-5;
   for (int run = 0; run < 20; ++run) {
-    motion = Motion(random);
-    AuxiliaryValues auxiliary = AuxiliaryValues::Zero();
-    auxiliary.head<2>() << 0.3, -0.7;
-    residual(motion.later, auxiliary);
-    const AidingRows at = rows;
-    constexpr double kStep = 1e-5;
-    for (int column = 0; column < 14; ++column) {
-      const auto moved = [&](double step) {
-        if (column < 12) {
-          return residual(perturbed(motion.later, step * BodyVector::Unit(column)), auxiliary);
-        }
-        return residual(motion.later, auxiliary + step * AuxiliaryValues::Unit(column - 12));
-      };
-      const Eigen::Matrix<double, 6, 1> numeric = (moved(-kStep) - moved(kStep)) / (2.0 * kStep);
-      for (std::size_t i = 0; i < 6; ++i) {
-        const double analytic = at[i].h[static_cast<std::size_t>(column)];
-        // what the gyro bias does is of first order in the turn
-        const double slack = column >= 9 && column < 12 ? 0.01 : 1e-6;
-        EXPECT_NEAR(analytic, numeric[static_cast<Eigen::Index>(i)], slack) << column << " " << i;
-      }
+    draw();
+    const MatrixXd H = rows_at(motion.later, all).H;
+    const Estimate kept = x;
+    const auto moved = [&](int column, double step) {
+      const VectorXd error = step * VectorXd::Unit(all.size(0), column);
+      RadarState radar = kept.of_radar(1);
+      const RigidPose T = Extrinsics::retract(RigidPose(radar.T_BS),
+                                              error.segment<Extrinsics::kDof>(own.extrinsics()));
+      radar.T_BS = {Quaternion(T.R), T.p};
+      radar.doppler_scale += error[own.doppler_scale()];
+      x.set_radar(1, radar);
+      x.auxiliary.head<2>() = kept.auxiliary.head<2>() + error.segment<2>(own.auxiliary());
+      return rows_at(perturbed(motion.later, error.head<body::kSize>()), all).r;
+    };
+    for (int column = 0; column < all.size(0); ++column) {
+      if (column >= body::kAccelBias && column < body::kSize) continue;  // neglected
+      const VectorXd numeric = (moved(column, -kStep) - moved(column, kStep)) / (2.0 * kStep);
+      // what the gyro bias does is of first order in the turn
+      const double slack = column >= body::kGyroBias && column < body::kAccelBias ? 0.01 : 1e-6;
+      EXPECT_LT((H.col(column) - numeric).cwiseAbs().maxCoeff(), slack) << column;
     }
+    const Layout other = all.of_radar(0);
+    EXPECT_EQ(H.middleCols(other.extrinsics(), own.extrinsics() - body::kSize).norm(), 0.0);
+    EXPECT_EQ(H.col(own.time_offset()).norm(), 0.0);
+    EXPECT_EQ(H.col(own.elevation_error()).norm(), 0.0);
+  }
+}
+
+TEST_F(AidingRowsTest, WhatIsNotEstimatedHasNoColumn) {
+  const Layout all = layout(0.1, 0.1);
+  const DenseRows with = rows_at(motion.later, all);
+  for (const int scales : {0, 2}) {  // of the two radars
+    const Layout some = layout(0.0, scales > 0 ? 0.1 : 0.0);
+    const DenseRows without = rows_at(motion.later, some);
+    rows[0].for_each_segment([](int column, const double*, int) { ASSERT_GE(column, 0); });
+    EXPECT_EQ(without.H.cols(), body::kSize + scales + 2);
+    EXPECT_EQ(without.r, with.r);
+    EXPECT_EQ(without.H.leftCols(body::kSize), with.H.leftCols(body::kSize));
+    EXPECT_EQ(without.H.rightCols(2), with.H.rightCols(2));
+    if (scales == 0) continue;
+    EXPECT_EQ(without.H.col(some.of_radar(1).doppler_scale()),
+              with.H.col(all.of_radar(1).doppler_scale()));
   }
 }
 
@@ -197,7 +243,7 @@ TEST_F(AidingRowsTest, RowsAreWhite) {
   z.p_W = motion.later.p_WB + r;
   const auto rows_of_z = [&] {
     return linearize({motion.later.time, PositionModel{}, z}, {}, motion.later, {}, states,
-                     kGravity, kColumns, &rows);
+                     kGravity, {}, &rows);
   };
   ASSERT_TRUE(rows_of_z());
   double squared = 0.0;

@@ -149,10 +149,13 @@ class AidingMeasurement {
                                      : std::is_same_v<Block, GyroBias>     ? body::kGyroBias
                                                                            : -1;
 
-  /// First element among the auxiliary states, -1 if it is not declared.
+  /// First element among the auxiliary states, -1 if it is not declared or another block.
   template <class Block>
-  static int element(const AuxiliaryStates& states, int index) {
-    return states.find(Block::kName, Block::kIndexed ? index : 0);
+  static int element([[maybe_unused]] const AuxiliaryStates& states, [[maybe_unused]] int index) {
+    if constexpr (kIsAuxiliary<Block>) {
+      return states.find(Block::kName, Block::kIndexed ? index : 0);
+    }
+    return -1;
   }
   template <class Block>
   static typename Block::Value value(const AidedState& x, [[maybe_unused]] int index) {
@@ -188,21 +191,11 @@ class AidingMeasurement {
     static constexpr int kOthers = ((kBodyColumn<B> < 0 ? B::kDof : 0) + ...);
     static constexpr int kOtherBlocks = ((kBodyColumn<B> < 0 ? 1 : 0) + ...);
 
-    template <class Block>
-    static bool is_known(const AuxiliaryStates& states, [[maybe_unused]] int index) {
-      if constexpr (kIsAuxiliary<Block>) return element<Block>(states, index) >= 0;
-      return true;
-    }
     static bool is_declared(const AuxiliaryStates& states, int index) {
-      return (is_known<B>(states, index) && ...);
-    }
-    template <class Block>
-    static bool is_at(const AuxiliaryStates& states, [[maybe_unused]] int index, int first) {
-      if constexpr (kIsAuxiliary<Block>) return element<Block>(states, index) == first;
-      return false;
+      return ((!kIsAuxiliary<B> || element<B>(states, index) >= 0) && ...);
     }
     static bool depends_on(const AuxiliaryStates& states, int index, int first) {
-      return (is_at<B>(states, index, first) || ...);
+      return ((kIsAuxiliary<B> && element<B>(states, index) == first) || ...);
     }
     static bool evaluate(const void* held, int index, const AidedState& x,
                          const AidingColumns& columns, Rows* rows) {
