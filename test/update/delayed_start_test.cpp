@@ -20,23 +20,22 @@ using namespace std::chrono_literals;
 constexpr double kSigma = 0.1;  // of a range [m]
 const Vector3d kAnchor(12.0, -7.0, 3.0);
 
-/// A range difference of two anchors.
+/// The sum of the places of two anchors.
 struct SecondAnchor : AuxiliaryBlock<3> {
   static constexpr const char* kName = "second_anchor";
   static constexpr double kSigma = 20.0;
   static constexpr double kWalk = 0.0;
 };
-struct DifferenceModel {
-  static constexpr const char* kName = "difference";
-  static constexpr int kDim = 1;
-  using Blocks = BlockList<BodyPose, Anchor, SecondAnchor>;
-  using Measurement = RangeModel::Measurement;
-  using Scalar = RangeModel::Scalar;
-  bool evaluate(const Measurement& z, const RigidPose& T_WB, const Vector3d& a, const Vector3d& b,
-                Scalar& r, Eigen::Matrix<double, 1, 12>* J, Scalar& R) const {
-    r[0] = z.range - ((a - T_WB.p).norm() - (b - T_WB.p).norm());
-    if (J != nullptr) J->setZero();
-    R(0, 0) = z.sigma * z.sigma;
+struct SumModel {
+  static constexpr const char* kName = "sum";
+  static constexpr int kDim = 3;
+  using Blocks = BlockList<Anchor, SecondAnchor>;
+  using Measurement = Vector3d;
+  bool evaluate(const Measurement& z, const Vector3d& a, const Vector3d& b, Vector3d& r,
+                Eigen::Matrix<double, 3, 6>* J, Matrix3d& R) const {
+    r = z - a - b;
+    if (J != nullptr) *J << Matrix3d::Identity(), Matrix3d::Identity();
+    R = kSigma * kSigma * Matrix3d::Identity();
     return true;
   }
 };
@@ -199,9 +198,12 @@ TEST_F(DelayedStartTest, OfTwoUnknownStatesNeitherIsDetermined) {
   second.delayed = true;
   ASSERT_TRUE(options.auxiliary.declare(second));
   make();
-  const AidingMeasurement z(Time{0}, DifferenceModel{}, {1.0, kSigma}, 0, 3);
-  for (int i = 0; i < 100; ++i) EXPECT_TRUE(starts->hold({z, {}, Time{0}, {}}, *x));
-  EXPECT_EQ(starts->determine(*x), nullptr);
+  for (int i = 0; i < 100; ++i) {
+    const Time time(i * 100ms);
+    const AidingMeasurement z(time, SumModel{}, kAnchor, 0, 3);
+    EXPECT_TRUE(starts->hold({z, {}, time, {}}, *x));
+    EXPECT_EQ(starts->determine(*x), nullptr);
+  }
 }
 
 TEST_F(DelayedStartTest, LongHoldingKeepsRangesFromAllOfThePath) {

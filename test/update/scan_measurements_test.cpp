@@ -92,7 +92,9 @@ constexpr double kForward = 2.0;  // of the radar along its boresight [m/s]
 
 /// A point ahead at `range`, with the range rate of a static one there plus `error`.
 Detection ahead(double range, double error) {
-  return make_detection({{range, 0.0, 0.0}, -kForward + error, range}, RadarOptions{});
+  return make_detection(
+      {.point_S = {range, 0.0, 0.0}, .range_rate = -kForward + error, .snr_db = range},
+      RadarOptions{});
 }
 
 /// A scan of six detections, one of each label, the own echo third.
@@ -126,22 +128,16 @@ class PointReports : public testing::Test {
   Estimate x_;
 };
 
-TEST_F(PointReports, HaveTheLabelsInTheOrderOfTheFilteredScan) {
+TEST_F(PointReports, HaveLabelsPlacesAndResidualsInTheOrderOfTheFilteredScan) {
   const std::vector<PointReport> points = report();
   const std::vector<PointLabel> expected = {PointLabel::kStatic,  PointLabel::kMatched,
                                             PointLabel::kOwnEcho, PointLabel::kMover,
                                             PointLabel::kOutlier, PointLabel::kUnused};
   ASSERT_EQ(points.size(), expected.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_EQ(points[i].label, expected[i]) << i;
-    EXPECT_EQ(points[i].snr_db, 1.0 + static_cast<double>(i));
-  }
-}
-
-TEST_F(PointReports, AreInTheWorldWithTheirResiduals) {
-  const std::vector<PointReport> points = report();
   for (int i = 0; i < 6; ++i) {
     const PointReport& point = points[static_cast<std::size_t>(i)];
+    EXPECT_EQ(point.label, expected[static_cast<std::size_t>(i)]) << i;
+    EXPECT_EQ(point.snr_db, 1.0 + i);
     EXPECT_LT((point.point_W - Vector3d(10.0, 21.5 + i, 30.0)).norm(), 1e-12);
     EXPECT_NEAR(point.residual, 0.1 * i, 1e-12);
     EXPECT_GT(point.residual_sigma, 0.0);
