@@ -11,10 +11,7 @@ void HeadingCheck::predicted(const Estimate& x, const BodyCovariance& P_body) {
   bias_ = x.nav.gyro_bias;
   variance_ = P_body.block<3, 3>(body::kGyroBias, body::kGyroBias);
   if (parts_.empty() || x.nav.time - parts_.back().begin >= kPart) {
-    Part part;
-    part.begin = x.nav.time;
-    part.p_WB = x.nav.p_WB;
-    parts_.push_back(part);
+    parts_.push_back({x.nav.time, x.nav.p_WB});
   }
 }
 
@@ -47,23 +44,14 @@ std::optional<GyroBiasStep> HeadingCheck::corrected(const Estimate& x,
   const Vector3d up_B = x.nav.q_WB.conjugate() * Vector3d::UnitZ();
   const double change = up_B.dot(d);
   const double variance = up_B.dot(S * up_B);
-  if (variance <= 0.0 || parts_.size() < kEnough) {
-    record_.agree(x.nav.time);
-    return {};
-  }
-  const double allowed = variance * std::max(1.0, scatter(up_B, change / variance));  // (E3)
-  if (change * change <= kSigmas * kSigmas * allowed) {                               // (E2)
-    record_.agree(x.nav.time);
-    return {};
-  }
+  if (variance <= 0.0 || parts_.size() < kEnough) return record_.agree(x.nav.time);
+  const double allowed = variance * std::max(1.0, scatter(up_B, change / variance));     // (E3)
+  if (change * change <= kSigmas * kSigmas * allowed) return record_.agree(x.nav.time);  // (E2)
   if (!record_.lasts(x.nav.time, kPatience)) return {};
   const double per_change = up_B.dot(P * up_B) / variance;  // (E4)
   if (per_change * std::sqrt(variance) > kWeak) return {};
-  GyroBiasStep step;
-  step.error = change * per_change;
-  step.duration = to_seconds(x.nav.time - parts_.front().begin);
-  step.moved_W = x.nav.p_WB - parts_.front().p_WB;
-  return step;
+  return GyroBiasStep{change * per_change, to_seconds(x.nav.time - parts_.front().begin),
+                      x.nav.p_WB - parts_.front().p_WB};
 }
 
 }  // namespace rio

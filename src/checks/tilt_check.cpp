@@ -17,19 +17,13 @@ std::optional<IndependentGravity> TiltCheck::observe(const Observations& seen, c
                                                      const BodyCovariance& P_body,
                                                      const Matrix4d& P_radar) {
   const Time now = x.nav.time;
-  if (!options_.checks.tilt) {
-    record_.agree(now);
-    return std::nullopt;
-  }
+  if (!options_.checks.tilt) return record_.agree(now);
   // without a unique fold the unfolded Dopplers may be wrong
   const double variance = P_body.block<3, 3>(body::kVelocity, body::kVelocity).trace();
   if (!fold_.is_unique(variance)) reset(now);
   take(seen, x);
   const double span = to_seconds(now - scans_.front().time);
-  if (span < to_seconds(kSpan)) {
-    record_.agree(now);
-    return std::nullopt;
-  }
+  if (span < to_seconds(kSpan)) return record_.agree(now);
   const std::optional<Fit> fitted = fit_dopplers(now);
   const Fit other = fitted ? *fitted : without_dopplers(x);
   const Vector3d g_B = x.nav.q_WB.conjugate() * Vector3d(0.0, 0.0, -options_.imu.gravity);
@@ -43,8 +37,7 @@ std::optional<IndependentGravity> TiltCheck::observe(const Observations& seen, c
   S.diagonal().array() += 1.2 * density_ / span + kMovers * kMovers;
   const SmallCholesky<3> root(S);
   if (!root.positive() || root.whitened(D).squaredNorm() < kSigmas * kSigmas) {
-    record_.agree(now);
-    return std::nullopt;
+    return record_.agree(now);
   }
   if (!record_.lasts(now, kPatience)) return std::nullopt;
   const double bias = std::min(D.norm(), kMaxBias);

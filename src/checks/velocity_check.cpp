@@ -59,9 +59,8 @@ std::optional<IndependentVelocity> VelocityCheck::observe(const DetectionList& s
 
 std::nullopt_t VelocityCheck::agree(Time now) {
   proven_ += to_seconds(now - record_.agreed());
-  record_.agree(now);
   contradiction_ = 0.0;
-  return std::nullopt;
+  return record_.agree(now);
 }
 
 void VelocityCheck::carry(const Estimate& x, Time last, const ImuBuffer& imu, bool gap) {

@@ -98,14 +98,6 @@ TEST_F(CalibrationOfAnEstimate, EveryParameterStandsUnderItsName) {
   }
 }
 
-TEST_F(CalibrationOfAnEstimate, BeforeTheFirstScanNothingIsKnown) {
-  for (const CalibrationReport& r : report(corrected(0.0))) {
-    EXPECT_NEAR(r.value, 0.0, 1e-15);
-    EXPECT_NEAR(r.sigma, r.prior_sigma, 1e-15);
-    EXPECT_EQ(r.observability, Observability::kUnobserved);
-  }
-}
-
 // What is configured of the radar's errors is where their estimates start and what they are counted
 // from.
 TEST_F(CalibrationOfAnEstimate, CountsFromTheConfiguredValue) {

@@ -2,6 +2,8 @@
 // What a check remembers of its verdicts: the same for velocity, tilt and heading.
 #pragma once
 
+#include <optional>
+
 #include "rio/types.hpp"
 
 namespace rio {
@@ -10,9 +12,16 @@ namespace rio {
 class CheckRecord {
  public:
   /// The scan at `now` supports it, or it is replaced or starts over, which counts as supported.
-  void agree(Time now) { agreed_ = since_ = now; }
-  /// The scan at `now` tells nothing: a contradiction ends without support.
-  void abstain(Time now) { since_ = now; }
+  /// Returns what a check then finds: nothing.
+  std::nullopt_t agree(Time now) {
+    agreed_ = since_ = now;
+    return std::nullopt;
+  }
+  /// The scan at `now` tells nothing: a contradiction ends without support. Same.
+  std::nullopt_t abstain(Time now) {
+    since_ = now;
+    return std::nullopt;
+  }
 
   /// When it was last supported.
   Time agreed() const { return agreed_; }

@@ -133,9 +133,8 @@ class VelocityCheck {
   std::nullopt_t agree(Time now);
   /// Neither supported nor contradicted.
   std::nullopt_t abstain(Time now) {
-    record_.abstain(now);
     contradiction_ = 0.0;
-    return std::nullopt;
+    return record_.abstain(now);
   }
 
   static constexpr Time kWindow = std::chrono::milliseconds(1000);  // the IMU alone is accurate
