@@ -53,24 +53,22 @@ void Frontend::advance(const Observations& seen, ScanId id, std::size_t room,
                        Promotions* promotions) {
   promotions->births.clear();
   if (!use_trails_) return;
-  taken_.fill(false);
-  matched_.fill(false);
-  promoted_.fill(false);
-  for (const Match& m : seen.matches.landmarks) taken_[m.detection] = true;
+  std::array<bool, kMaxDetections> taken = seen.matches.near_landmark;  // begins no trail
+  std::array<bool, kMaxDetections> goes_on{};                           // by trail
+  for (const Match& m : seen.matches.landmarks) taken[m.detection] = true;
   for (const Match& m : seen.matches.trails) {
-    taken_[m.detection] = true;
-    matched_[m.target] = true;
+    taken[m.detection] = true;
+    goes_on[m.target] = true;
     trails_.extend(m.target, {id, seen.detection(m.detection)}, seen.doppler_residual[m.detection]);
     if (use_landmarks_ && !seen.moves[m.detection] &&
         trails_[m.target].matches >= options_.promote_after && promotions->births.size() < room) {
       promotions->births.push_back(seen.detection(m.detection));
-      promoted_[m.target] = true;
+      goes_on[m.target] = false;
     }
   }
-  trails_.retain([this](std::size_t i) { return matched_[i] && !promoted_[i]; });
+  trails_.retain([&goes_on](std::size_t i) { return goes_on[i]; });
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-    const bool known = taken_[i] || seen.matches.near_landmark[i];
-    if (seen.is_static(i) && !known) trails_.create({id, seen.detection(i)});
+    if (seen.is_static(i) && !taken[i]) trails_.create({id, seen.detection(i)});
   }
 }
 

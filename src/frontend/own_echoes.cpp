@@ -50,8 +50,7 @@ OwnEchoes::Place* OwnEchoes::add(const Detection& d) {
 }
 
 void OwnEchoes::observe(const DetectionList& scan, const Vector3d& v_S,
-                        const Matrix3d& covariance_S,
-                        StaticVector<std::size_t, kMaxDetections>* own, double doppler_scale) {
+                        const Matrix3d& covariance_S, OwnEchoList* own, double doppler_scale) {
   own->clear();
   fold_ = reported_.divided(doppler_scale);
   for (std::size_t i = places_.size(); i-- > 0;) {

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include "frontend/matching_test.hpp"
 #include "rio/core/so3.hpp"
 
@@ -18,25 +16,6 @@ class AssociationTest : public test::MatchingTest {
     options_.match_probability = 0.99;
   }
 };
-
-TEST_F(AssociationTest, GateFollowsTheShapeOfTheNoise) {
-  // at 4 m: 3 cm along, 12 cm aside, 24 cm in height
-  for (const auto& [offset, expected] :
-       std::vector<std::pair<Vector3d, bool>>{{{0.09, 0.0, 0.0}, true},
-                                              {{0.15, 0.0, 0.0}, false},
-                                              {{0.0, 0.35, 0.0}, true},
-                                              {{0.0, 0.50, 0.0}, false},
-                                              {{0.0, 0.0, 0.70}, true},
-                                              {{0.0, 0.0, 1.00}, false}}) {
-    clear();
-    know({4.0, 0.0, 0.0}, 0.01);
-    const Vector3d beside = Vector3d(4.0, 0.0, 0.0) + offset;
-    see(beside.normalized() * (4.0 + offset.x()));  // aside at the same range
-    const AssociationResult result = match();
-    EXPECT_EQ(result.landmarks.size(), expected ? 1U : 0U) << offset.transpose();
-    EXPECT_EQ(result.near_landmark[0], expected);
-  }
-}
 
 // An error of the pose moves azimuth and elevation together.
 TEST_F(AssociationTest, CorrelatedErrorsOfTheAnglesHaveASign) {

@@ -49,7 +49,7 @@ struct Found {
   }
 };
 
-Options options_with(const sim::Flight& flight, const Pose& configured) {
+Options options_of(const sim::Flight& flight, const Pose& configured) {
   const sim::RadarModel& radar = flight.scenario.radar;
   Options options;
   options.radar.T_BS = configured;
@@ -70,7 +70,7 @@ using Claim = std::function<void(BodyCovariance*)>;
 std::optional<Found> search(const sim::Flight& flight, const Pose& configured,
                             const Drift& drift = {}, const Each& each = {},
                             const Claim& claim = {}) {
-  const Options options = options_with(flight, configured);
+  const Options options = options_of(flight, configured);
   MountingSearch search(options);
   DetectionList list(options.frontend.max_detections);
   BodyCovariance P = drift.covariance();

@@ -34,10 +34,15 @@ class ProbabilityMatching : public test::MatchingTest {
   }
 };
 
-// Aside as well as along: what is far may be farther aside.
+// Aside as well as along: what is far may be farther aside. A landmark that is known exactly has
+// the same gate where its uncertainty counts.
 TEST_F(ProbabilityMatching, TheCheckIsThreeSigmaOfThreeDegreesOfFreedom) {
   EXPECT_NEAR(chi2_quantile(options_.match_probability, 3.0), 14.16, 0.01);
-  for (const double range : {2.0, 8.0}) {
+  for (const auto& [matching, range] : {std::pair{Matching::kProbability, 2.0},
+                                        {Matching::kProbability, 8.0},
+                                        {Matching::kMahalanobis, 2.0},
+                                        {Matching::kMahalanobis, 8.0}}) {
+    options_.matching = matching;
     // the same distance made of one, two and three parts
     for (const Vector3d& parts :
          {Vector3d(1.0, 0.0, 0.0), Vector3d(0.0, 1.0, 0.0), Vector3d(0.0, 0.0, 1.0),
@@ -45,8 +50,9 @@ TEST_F(ProbabilityMatching, TheCheckIsThreeSigmaOfThreeDegreesOfFreedom) {
       for (const auto& [d2, expected] : {std::pair{14.1, 0}, {14.2, -1}}) {
         clear();
         see({range, 0.0, 0.0});
-        know(off_by(range, (d2 * parts).cwiseSqrt()));
+        know(off_by(range, (d2 * parts).cwiseSqrt()), 0.0);
         EXPECT_EQ(landmark_of()[0], expected) << range << " m, " << d2 << ": " << parts.transpose();
+        EXPECT_EQ(match().near_landmark[0], expected == 0);
       }
     }
   }

@@ -8,19 +8,24 @@
 
 #include "frontend/walk.hpp"
 
-namespace rio {
+namespace rio::test {
 namespace {
 
-using test::kRoom;
-using test::options_with;
-using test::Points;
-using test::Walk;
-
+// By matches that the gate alone would not bridge, without the pose of this scan or of the one
+// before.
 TEST(Trails, TrailsAreBornExtendedAndBounded) {
   constexpr int kMaxLength = 4;
   Walk walk(options_with(1000, kMaxLength));
+  DetectionList before;
   for (int k = 0; k < 8; ++k) {
     walk.step(kRoom);
+    const DetectionList now = walk.scan(kRoom);
+    int moved = 0;
+    for (std::size_t i = 0; i < before.items.size(); ++i) {
+      moved += (now.items[i].point_S - before.items[i].point_S).norm() > 0.3 ? 1 : 0;
+    }
+    EXPECT_GE(moved, k == 0 ? 0 : 6);
+    before = now;
     const TrailSet& trails = walk.frontend().trails();
     ASSERT_EQ(trails.size(), kRoom.size()) << k;
     EXPECT_EQ(walk.seen().matches.trails.size(), k == 0 ? 0U : kRoom.size());
@@ -84,4 +89,4 @@ TEST(Trails, TrailWithoutRoomGoesOnAsATrail) {
 }
 
 }  // namespace
-}  // namespace rio
+}  // namespace rio::test

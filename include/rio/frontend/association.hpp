@@ -37,6 +37,7 @@ namespace rio {
 struct Match {
   std::size_t target = 0;
   std::size_t detection = 0;
+  bool operator==(const Match&) const = default;
 };
 using Matches = StaticVector<Match, kMaxDetections>;
 

@@ -57,14 +57,7 @@ struct EgoVelocity {
   std::array<double, kMaxDetections> range_rate{};  ///< unfolded, valid for inliers [m/s]
 
   /// No consensus, no inliers.
-  void clear() {
-    valid = false;
-    v_S.setZero();
-    covariance.reset();
-    inliers = 0;
-    inlier.fill(false);
-    outlier.fill(false);
-  }
+  void clear() { *this = EgoVelocity{}; }
 };
 
 class EgoVelocityRansac {

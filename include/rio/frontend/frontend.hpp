@@ -83,9 +83,6 @@ class Frontend {
   DetectionList unwrapped_;
   TrailSet trails_;
   Association association_;
-  std::array<bool, kMaxDetections> taken_{};
-  std::array<bool, kMaxDetections> matched_{};
-  std::array<bool, kMaxDetections> promoted_{};
 };
 
 }  // namespace rio
