@@ -51,44 +51,44 @@ void ScanRows::build(const Observations& seen, const StateEstimate& state_estima
   if (seen.scan != nullptr) {
     LinearizationPoint x(state_estimate.estimate());
     if (seen.rest) x.stand();
-    begin_scan(seen, state_estimate, x);
-    if (seen.rest) add_rest(*seen.rest, state_estimate, x, report);
-    if (options_.use_landmarks) add_landmarks(seen, state_estimate, x, report);
-    if (options_.use_doppler) add_doppler(seen, state_estimate, x, report);
-    if (options_.use_trails) add_trails(seen, state_estimate, x, report);
+    const Scan scan{seen, state_estimate, x, report};
+    begin_scan(scan);
+    if (seen.rest) add_rest(scan);
+    if (options_.use_landmarks) add_landmarks(scan);
+    if (options_.use_doppler) add_doppler(scan);
+    if (options_.use_trails) add_trails(scan);
     distance_at_scan_[x.estimate.radar] = x.estimate.distance_travelled;
   }
   if (seen.aiding != nullptr) add_aiding(*seen.aiding, state_estimate, report);
 }
 
-void ScanRows::begin_scan(const Observations& seen, const StateEstimate& state_estimate,
-                          const LinearizationPoint& x) {
-  const Time now = x.estimate.nav.time;
-  std::optional<Time>& last_scan = last_scan_[x.estimate.radar];
+void ScanRows::begin_scan(const Scan& scan) {
+  const Estimate& x = scan.x.estimate;
+  const Time now = x.nav.time;
+  std::optional<Time>& last_scan = last_scan_[x.radar];
   since_scan_ = last_scan ? std::min(1.0, to_seconds(now - *last_scan)) : 1.0;
   last_scan = now;
   was_used_.fill(false);
   measures_landmark_.fill(false);
   if (!options_.use_doppler) return;
-  velocity_covariance_ = state_estimate.radar_velocity_covariance(x);
-  correction_S_ = expected_correction(seen.ego_velocity, x, velocity_covariance_);
+  velocity_covariance_ = scan.state_estimate.radar_velocity_covariance(scan.x);
+  correction_S_ = expected_correction(scan.seen.ego_velocity, scan.x, velocity_covariance_);
 }
 
-void ScanRows::add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
-                        const LinearizationPoint& x, UpdateReport* report) {
-  const Measured<RestModel> m{z, x.estimate.radar};
-  const bool valid = add_block(m, x, {}, state_estimate);
-  if (decide(RestModel::kModel, 0, valid, report)) keep(m, 1.0);
+void ScanRows::add_rest(const Scan& scan) {
+  const Measured<RestModel> m{*scan.seen.rest, scan.x.estimate.radar};
+  if (decide(RestModel::kModel, 0, add_block(m, scan), scan.report)) keep(m, 1.0);
 }
 
-void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_estimate,
-                           const LinearizationPoint& x, UpdateReport* report) {
+void ScanRows::add_doppler(const Scan& scan) {
+  const Observations& seen = scan.seen;
+  const LinearizationPoint& x = scan.x;
   const Vector3d v_S = x.radar_velocity_S();
   const Matrix3d& V = velocity_covariance_;
   const Matrix3d R_WS = x.T_WB.R * x.T_BS.R;
   const SteadyOffset steady = x.steady_offset();
   for (std::size_t i = 0; i < seen.scan->items.size(); ++i) {
-    if (!tells_doppler(seen, i)) continue;
+    if (!seen.is_static(i) || measures_landmark_[i]) continue;
     Measured<DopplerModel> m{DopplerModel::measurement(seen.detection(i), x.gyro_B),
                              x.estimate.radar};
     m.z.steady = steady;
@@ -97,36 +97,37 @@ void ScanRows::add_doppler(const Observations& seen, const StateEstimate& state_
       const auto expected = DopplerModel::expected_direction(m.z, m.z.direction_S, v_S);
       m.z.variance_factor = expected.variance_factor;
     }
-    const bool valid = add_block(m, x, {}, state_estimate);
+    const bool valid = add_block(m, scan);
     if (valid) {
       const LinearRow& row = batch_.rows().back();
       const Vector3d u_S = direction_of(row, R_WS);
       S_.setConstant(1, 1, u_S.dot(V * u_S) + row.variance);
     }
-    if (!judge(DopplerModel::kModel, i, valid, report)) continue;
+    if (!judge(DopplerModel::kModel, i, valid, scan.report)) continue;
     m.z.predicted_var = 0.0;  // that of this prediction; the window solves for the state
     keep(m, doppler_repetition(seen.detection(i), x));
   }
 }
 
-void ScanRows::add_trails(const Observations& seen, const StateEstimate& state_estimate,
-                          const LinearizationPoint& x, UpdateReport* report) {
+void ScanRows::add_trails(const Scan& scan) {
+  const Observations& seen = scan.seen;
   for (const Match& m : seen.matches.trails) {
     for (const TrailElement& past : (*seen.trails)[m.target].elements) {
-      const int clone = x.estimate.find_clone(past.scan);
+      const int clone = scan.x.estimate.find_clone(past.scan);
       if (clone < 0) continue;
       Measured<TrailDistanceModel> distance;
       distance.z = TrailDistanceModel::measurement(seen.detection(m.detection), past.detection);
-      distance.radar = x.estimate.radar;
+      distance.radar = scan.x.estimate.radar;
       distance.past = past.scan;
-      const bool valid = add_block(distance, x, {clone, 0}, state_estimate);
-      if (decide(TrailDistanceModel::kModel, m.detection, valid, report)) keep(distance, 1.0);
+      const bool valid = add_block(distance, scan, {clone, 0});
+      if (decide(TrailDistanceModel::kModel, m.detection, valid, scan.report)) keep(distance, 1.0);
     }
   }
 }
 
-void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& state_estimate,
-                             const LinearizationPoint& x, UpdateReport* report) {
+void ScanRows::add_landmarks(const Scan& scan) {
+  const Observations& seen = scan.seen;
+  const LinearizationPoint& x = scan.x;
   for (const Match& m : seen.matches.landmarks) {
     if (seen.rest &&
         x.estimate.distance_travelled - x.estimate.landmarks[m.target].distance_born > kHere) {
@@ -139,14 +140,12 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
     switch (options_.landmark_measurement) {
       case LandmarkMeasurement::kDistance:
         (void)add_landmark<LandmarkDistanceModel>(
-            {LandmarkDistanceModel::measurement(d), radar, m.target}, m.detection, state_estimate,
-            x, report);
+            {LandmarkDistanceModel::measurement(d), radar, m.target}, m.detection, scan);
         was_used_[m.target] = true;  // as published, a match keeps a landmark alive even if gated
         break;
       case LandmarkMeasurement::kPosition:
         was_used_[m.target] = add_landmark<LandmarkPositionModel>(
-            {LandmarkPositionModel::measurement(d), radar, m.target}, m.detection, state_estimate,
-            x, report);
+            {LandmarkPositionModel::measurement(d), radar, m.target}, m.detection, scan);
         break;
       case LandmarkMeasurement::kPoint: {
         Measured<LandmarkPointModel> point{LandmarkPointModel::measurement(d), {}, radar, m.target};
@@ -155,7 +154,7 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
           point.doppler->steady = x.steady_offset();
           add_gyro_noise(&*point.doppler, d.direction_S, x);
         }
-        was_used_[m.target] = add_landmark(point, m.detection, state_estimate, x, report);
+        was_used_[m.target] = add_landmark(point, m.detection, scan);
         measures_landmark_[m.detection] = was_used_[m.target];
         break;
       }
@@ -164,22 +163,18 @@ void ScanRows::add_landmarks(const Observations& seen, const StateEstimate& stat
 }
 
 template <class M>
-bool ScanRows::add_landmark(Measured<M> m, std::size_t detection,
-                            const StateEstimate& state_estimate, const LinearizationPoint& x,
-                            UpdateReport* report) {
-  const bool valid = add_block(m, x, {0, static_cast<int>(m.landmark)}, state_estimate);
+bool ScanRows::add_landmark(Measured<M> m, std::size_t detection, const Scan& scan) {
+  const LinearizationPoint& x = scan.x;
+  const bool valid = add_block(m, scan, {0, static_cast<int>(m.landmark)});
   Eigen::Vector2d innovation = Eigen::Vector2d::Zero();
   if (valid) {
     gathered_.innovation_covariance(batch_, batch_.last_block(), &S_);
     if constexpr (std::is_same_v<M, LandmarkPointModel>) {
-      if (ablation_.range_curvature) {
-        const Layout layout = state_estimate.layout().of_radar(m.radar);
-        add_curvature(state_estimate.covariance(), layout, &m.z);
-      }
+      if (ablation_.range_curvature) add_curvature(scan.state_estimate, &m.z);
       innovation = direction_innovation();  // now, since the gate overwrites S_
     }
   }
-  if (!judge(M::kModel, detection, valid, report)) return false;
+  if (!judge(M::kModel, detection, valid, scan.report)) return false;
   if constexpr (std::is_same_v<M, LandmarkPointModel>) {
     add_look(innovation, &m, x);
     // of directions with that noise

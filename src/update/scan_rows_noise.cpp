@@ -23,8 +23,10 @@ void ScanRows::add_gyro_noise(LandmarkDopplerModel::Measurement* z, const Vector
   z->sigma_doppler = std::sqrt(z->sigma_doppler * z->sigma_doppler + variance);
 }
 
-void ScanRows::add_curvature(const Covariance& P, const Layout& layout,
+void ScanRows::add_curvature(const StateEstimate& state_estimate,
                              LandmarkPointModel::Measurement* z) {
+  const Layout& layout = state_estimate.layout();  // of the radar of the scan
+  const Covariance& P = state_estimate.covariance();
   const Eigen::Vector2d sigma(z->sigma_azimuth_S.norm(), z->sigma_elevation_S.norm());
   Eigen::Matrix2d M = S_.block<2, 2>(1, 1) - Eigen::Matrix2d::Identity();  // rows have unit noise
   if (layout.has_elevation_error()) {  // of directions with that error known

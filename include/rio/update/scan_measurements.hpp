@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <tuple>
 #include <type_traits>
@@ -108,14 +109,8 @@ class ScanMeasurements {
   /// Calls use(m) for every measurement.
   template <class Use>
   void for_each(const Use& use) const {
-    std::apply(
-        [&use](const auto&... list) {
-          const auto all = [&use](const auto& of_one_model) {
-            for (const auto& m : of_one_model) use(m);
-          };
-          (all(list), ...);
-        },
-        lists_);
+    std::apply([&use](const auto&... list) { (std::ranges::for_each(list, std::ref(use)), ...); },
+               lists_);
   }
 
   void clear() { cut({}); }

@@ -57,36 +57,35 @@ class ScanRows {
  private:
   static constexpr double kHere = 0.5;  // travelled while still at one place, noise included [m]
 
-  /// What the measurements of a scan share.
-  void begin_scan(const Observations& seen, const StateEstimate& state_estimate,
-                  const LinearizationPoint& x);
+  /// A scan with what its rows are made from.
+  struct Scan {
+    const Observations& seen;
+    const StateEstimate& state_estimate;
+    const LinearizationPoint& x;
+    UpdateReport* report;
+  };
 
-  void add_rest(const RestModel::Measurement& z, const StateEstimate& state_estimate,
-                const LinearizationPoint& x, UpdateReport* report);
+  /// What the measurements of a scan share.
+  void begin_scan(const Scan& scan);
+
+  void add_rest(const Scan& scan);
 
   /// Expected correction of the radar's velocity by the static set of the scan [m/s].
   static Vector3d expected_correction(const EgoVelocity& measured, const LinearizationPoint& x,
                                       const Matrix3d& covariance);
 
-  void add_doppler(const Observations& seen, const StateEstimate& state_estimate,
-                   const LinearizationPoint& x, UpdateReport* report);
+  void add_doppler(const Scan& scan);
 
   /// Adds the noise of the gyro sample to the Doppler of a landmark: as if independent of that in
   /// the other Dopplers of the scan, of which few are of landmarks.
   static void add_gyro_noise(LandmarkDopplerModel::Measurement* z, const Vector3d& direction_S,
                              const LinearizationPoint& x);
 
-  bool tells_doppler(const Observations& seen, std::size_t i) const {
-    return seen.is_static(i) && !measures_landmark_[i];
-  }
-
-  void add_trails(const Observations& seen, const StateEstimate& state_estimate,
-                  const LinearizationPoint& x, UpdateReport* report);
+  void add_trails(const Scan& scan);
 
   /// At rest only landmarks first measured at this place are used (kHere): the error of an earlier
   /// one repeats from scan to scan while the position does not change. It is kept alive.
-  void add_landmarks(const Observations& seen, const StateEstimate& state_estimate,
-                     const LinearizationPoint& x, UpdateReport* report);
+  void add_landmarks(const Scan& scan);
 
   /// Measurements of other sensors.
   void add_aiding(const std::vector<AidingObservation>& aiding, const StateEstimate& state_estimate,
@@ -94,23 +93,21 @@ class ScanRows {
 
   /// Opens a block with the rows of a measurement. False: outside the domain of its model.
   template <class M>
-  bool add_block(const Measured<M>& m, const LinearizationPoint& x, BlockIndex index,
-                 const StateEstimate& state_estimate) {
+  bool add_block(const Measured<M>& m, const Scan& scan, BlockIndex index = {}) {
     batch_.begin_block();
     return models_.for_each_model(m, [&]<class Own>(const Own& model, const auto& z) {
-      return linearize(model, z, typename Own::Blocks{}, x, index, state_estimate.layout(),
-                       &batch_);
+      return linearize(model, z, typename Own::Blocks{}, scan.x, index,
+                       scan.state_estimate.layout(), &batch_);
     });
   }
 
   /// Gates the match of a landmark with a detection; keeps it if it passes.
   template <class M>
-  bool add_landmark(Measured<M> m, std::size_t detection, const StateEstimate& state_estimate,
-                    const LinearizationPoint& x, UpdateReport* report);
+  bool add_landmark(Measured<M> m, std::size_t detection, const Scan& scan);
 
   /// Corrects the range of the last block and of its measurement, and the innovation covariance in
   /// S_, by the terms of second order.
-  void add_curvature(const Covariance& P, const Layout& layout, LandmarkPointModel::Measurement* z);
+  void add_curvature(const StateEstimate& state_estimate, LandmarkPointModel::Measurement* z);
 
   /// Noise inflation of the directions of a match, rows 1 and 2 of the last block, and of its
   /// measurement (update/look_correlation.hpp). After the gate, as below.
