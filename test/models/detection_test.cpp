@@ -22,7 +22,7 @@ Vector3d polar(double range, double azimuth, double elevation) {
 }
 
 RadarDetection raw_detection(double range, double azimuth, double elevation, double snr_db = 10.0) {
-  return {polar(range, azimuth, elevation), -1.0, snr_db};
+  return {.point_S = polar(range, azimuth, elevation), .range_rate = -1.0, .snr_db = snr_db};
 }
 
 RadarOptions fine_radar() {

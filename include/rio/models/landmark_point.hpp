@@ -29,8 +29,7 @@
 namespace rio {
 
 /// Range and direction (E1) (E2).
-class LandmarkPointModel {
- public:
+struct LandmarkPointModel {
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 3;
   using Blocks = BlockList<BodyPose, Extrinsics, Landmark, ElevationError>;
@@ -64,8 +63,7 @@ class LandmarkPointModel {
 static_assert(MeasurementModel<LandmarkPointModel>);
 
 /// Doppler (E3), a further row of the same measurement.
-class LandmarkDopplerModel {
- public:
+struct LandmarkDopplerModel {
   static constexpr Model kModel = Model::kLandmarkPoint;
   static constexpr int kDim = 1;
   using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias, Extrinsics, DopplerScale, Landmark>;

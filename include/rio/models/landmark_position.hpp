@@ -16,8 +16,7 @@
 
 namespace rio {
 
-class LandmarkPositionModel {
- public:
+struct LandmarkPositionModel {
   static constexpr Model kModel = Model::kLandmarkPosition;
   static constexpr int kDim = 3;
   using Blocks = ObservedPoint::Blocks;

@@ -11,8 +11,7 @@
 
 namespace rio {
 
-class RestModel {
- public:
+struct RestModel {
   static constexpr Model kModel = Model::kRest;
   static constexpr int kDim = 6;
   using Blocks = BlockList<BodyPose, BodyVelocity, GyroBias>;
