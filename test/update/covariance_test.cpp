@@ -82,16 +82,13 @@ TEST_F(CovarianceTest, CloneWithoutTimeOffsetIsAnExactCopy) {
   EXPECT_EQ(dense().block(at, at, 6, 6), dense().topLeftCorner(6, 6));
 }
 
-TEST_F(CovarianceTest, LandmarkNoiseReachesLandmarksOnly) {
+// Of a landmark, and of each parameter at its own rate.
+TEST_F(CovarianceTest, RandomWalksReachTheirOwnStates) {
   MatrixXd expected = dense();
   expected.diagonal().tail(3) += Vector3d(0.25, 0.5, 0.75);
   covariance_.add_landmark_noise(1, {0.25, 0.5, 0.75});
   expect_equal(expected, 0.0);
-}
-
-TEST_F(CovarianceTest, ParametersWalkEachAtItsOwnRate) {
   const VectorXd walk = VectorXd::LinSpaced(layout_.clone(0) - body::kSize, 0.1, 0.9);
-  MatrixXd expected = dense();
   expected.diagonal().segment(body::kSize, walk.size()) += 2.0 * walk;
   covariance_.add_parameter_noise(walk, 2.0);
   expect_equal(expected, 0.0);
@@ -126,6 +123,13 @@ class GatheredCovarianceTest : public CovarianceCase {
                           {body::kAttitude, layout_.landmark(landmark)},
                           random_matrix(random_, 3, 1), layout_.time_offset());
   }
+  template <class A, class B>
+  static std::array<LinearRow, 6> three_of_each(const A& a, const B& b) {
+    std::array<LinearRow, 6> rows;
+    std::copy_n(a.begin(), 3, rows.begin());
+    std::copy_n(b.begin(), 3, rows.begin() + 3);
+    return rows;
+  }
 
   GatheredCovariance gathered_;
 };
@@ -138,23 +142,14 @@ TEST_F(GatheredCovarianceTest, FromLandmarkToLandmarkAndBack) {
 }
 
 TEST_F(GatheredCovarianceTest, RowsOfDifferentColumns) {
-  std::array<LinearRow, 6> rows;
-  const auto landmark = rows_of_landmark(1);
-  const auto clone = clone_rows();
-  std::copy(landmark.begin(), landmark.end(), rows.begin());
-  std::copy(clone.begin(), clone.begin() + 3, rows.begin() + 3);
-  expect_product(rows);
+  expect_product(three_of_each(rows_of_landmark(1), clone_rows()));
 }
 
 // Pose, velocity, three clones, calibration: they are multiplied one by one.
 TEST_F(GatheredCovarianceTest, RowsOfMoreColumnsThanAreGathered) {
   RowBatch batch(10);
   fill(random_, layout_, covariance_.size(), {3}, &batch);
-  std::array<LinearRow, 6> rows;
-  const auto landmark = landmark_rows();
-  std::copy(landmark.begin(), landmark.end(), rows.begin());
-  std::copy(batch.rows().begin(), batch.rows().end(), rows.begin() + 3);
-  expect_product(rows);
+  expect_product(three_of_each(landmark_rows(), batch.rows()));
   expect_product(landmark_rows());
 }
 
