@@ -189,14 +189,10 @@ const std::vector<CatalogueEntry>& catalogue() {
          s.path.duration = 1200.0;
        }},
       {"ideal", "noise exactly as a filter models it, 150 m",
-       [](Scenario& s) {
-         s.imu = ImuModel::ideal();
-         s.radar = RadarModel::ideal();
-       }},
+       [](Scenario& s) { s = Scenario::ideal(); }},
       {"monte-carlo", "the same, 40 m: for many runs",
        [](Scenario& s) {
-         s.imu = ImuModel::ideal();
-         s.radar = RadarModel::ideal();
+         s = Scenario::ideal();
          s.path.length = 40.0;
        }},
   };

@@ -6,23 +6,21 @@
 namespace rio::sim {
 
 std::optional<Vector3d> perpendicular_foot(const Room& room, int index, const Vector3d& p_W) {
-  enum Side { kFree, kLow, kHigh };
-  std::array<Side, 3> sides{};
-  const auto side = [](bool high) { return high ? kHigh : kLow; };
+  Vector3d foot_W = p_W;
+  const auto put_on_side = [&](int axis, bool high) {
+    foot_W[axis] = high ? room.high_W[axis] : room.low_W[axis];
+  };
   if (index < kPlanes) {
-    sides.at(static_cast<std::size_t>(index / 2)) = side(index % 2 == 1);
+    put_on_side(index / 2, index % 2 == 1);
   } else {
     const int edge = index - kPlanes;
     const int along = edge / 4;
-    sides.at(static_cast<std::size_t>((along + 1) % 3)) = side(edge % 2 == 1);
-    sides.at(static_cast<std::size_t>((along + 2) % 3)) = side(edge % 4 >= 2);
+    put_on_side((along + 1) % 3, edge % 2 == 1);
+    put_on_side((along + 2) % 3, edge % 4 >= 2);
   }
-  Vector3d foot_W = p_W;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Side s = sides.at(static_cast<std::size_t>(axis));
-    if (s == kFree && (p_W[axis] < room.low_W[axis] || p_W[axis] > room.high_W[axis])) return {};
-    if (s != kFree) foot_W[axis] = s == kLow ? room.low_W[axis] : room.high_W[axis];
-  }
+  const bool beyond =
+      (foot_W.array() < room.low_W.array()).any() || (foot_W.array() > room.high_W.array()).any();
+  if (beyond) return {};
   return foot_W;
 }
 

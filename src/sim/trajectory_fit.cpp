@@ -107,15 +107,14 @@ class Spline {
       add(span, weights, 1.0, &triplets);
       for (int j = 0; j < kOrder; ++j) {
         right.row(unknown(span + j)) +=
-            weights[static_cast<std::size_t>(j)] *
-            (observation.value - observations_.front().value).transpose();
+            weights[j] * (observation.value - observations_.front().value).transpose();
       }
     }
     constexpr double kPenalty = 1e-4;  // (E3)
     const double per_knot =
         static_cast<double>(observations_.size()) * spacing_ / observations_.back().time;
     for (int k = 0; k + 3 < controls(); ++k) {
-      add(k, std::array{-1.0, 3.0, -3.0, 1.0}, kPenalty * per_knot, &triplets);
+      add(k, Eigen::Vector4d(-1.0, 3.0, -3.0, 1.0), kPenalty * per_knot, &triplets);
     }
     Eigen::SparseMatrix<double> normal(unknowns(), unknowns());
     normal.setFromTriplets(triplets.begin(), triplets.end());
@@ -137,8 +136,7 @@ class Spline {
       const auto [span, weights] = basis(observation.time);
       Trajectory::Control off = observations_.front().value - observation.value;
       for (int j = 0; j < kOrder; ++j) {
-        off += weights[static_cast<std::size_t>(j)] *
-               fitted[static_cast<std::size_t>(span) + static_cast<std::size_t>(j)];
+        off += weights[j] * fitted[static_cast<std::size_t>(span + j)];
       }
       sum += off.head<3>().squaredNorm();
     }
@@ -149,7 +147,7 @@ class Spline {
   static constexpr int kEqual = kOrder - 1;  // controls at each end
   struct Basis {
     int span;
-    std::array<double, kOrder> weights;
+    Eigen::Matrix<double, kOrder, 1> weights;
   };
 
   int controls() const { return spans_ + kOrder - 1; }
@@ -160,24 +158,21 @@ class Spline {
   Basis basis(double time) const {
     const double s = (before_ + time) / spacing_;
     const int span = std::min(static_cast<int>(s), spans_ - 1);
-    std::array<double, kOrder + 1> cumulative{};  // C_0 = 1 ... C_6 = 0
+    Eigen::Matrix<double, kOrder + 1, 1> cumulative;  // C_0 = 1 ... C_6 = 0
     cumulative[0] = 1.0;
-    for (std::size_t j = 1; j < kOrder; ++j) {
-      cumulative[j] = cumulative_basis(j, s - span, 0);
+    for (int j = 1; j < kOrder; ++j) {
+      cumulative[j] = cumulative_basis(static_cast<std::size_t>(j), s - span, 0);
     }
-    Basis result{span, {}};
-    for (std::size_t j = 0; j < kOrder; ++j) result.weights[j] = cumulative[j] - cumulative[j + 1];
-    return result;
+    cumulative[kOrder] = 0.0;
+    return {span, cumulative.head<kOrder>() - cumulative.tail<kOrder>()};
   }
 
   /// `scale` times the square of the row that has `weights` from the control `first` on.
-  template <std::size_t kSize>
-  void add(int first, const std::array<double, kSize>& weights, double scale,
+  void add(int first, const Eigen::VectorXd& weights, double scale,
            std::vector<Eigen::Triplet<double>>* triplets) const {
-    for (std::size_t a = 0; a < kSize; ++a) {
-      for (std::size_t b = 0; b < kSize; ++b) {
-        triplets->emplace_back(unknown(first + static_cast<int>(a)),
-                               unknown(first + static_cast<int>(b)),
+    for (int a = 0; a < weights.size(); ++a) {
+      for (int b = 0; b < weights.size(); ++b) {
+        triplets->emplace_back(unknown(first + a), unknown(first + b),
                                scale * weights[a] * weights[b]);
       }
     }
