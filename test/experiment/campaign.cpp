@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <mutex>
-#include <stdexcept>
 
 #include "rio/sim/catalogue.hpp"
 #include "rio/sim/flight.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 
@@ -22,12 +22,8 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 Cases cases_of(const std::string& name, int count, std::uint64_t first) {
-  Case c{name, {}};
-  if (!sim::scenario(name, &c.scenario)) {
-    throw std::runtime_error("no such scenario: \"" + name + "\"");
-  }
-  Cases cases(static_cast<std::size_t>(count), c);
-  for (Case& one : cases) one.scenario.seed = first++;
+  Cases cases;
+  for (int i = 0; i < count; ++i) cases.push_back({name, test::scenario_named(name, first++)});
   return cases;
 }
 

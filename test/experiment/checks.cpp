@@ -12,6 +12,7 @@
 #include "experiment/recording.hpp"
 #include "rio/io/simulation.hpp"
 #include "rio/sim/catalogue.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 
@@ -22,7 +23,7 @@ using check::Findings;
 using check::Verdict;
 
 Recording flown(const std::string& name, double length) {
-  sim::Scenario scenario = cases_of(name, 1).front().scenario;
+  sim::Scenario scenario = test::scenario_named(name);
   scenario.path.length = length;
   return {name, "", io::dataset_of(sim::simulate_flight(scenario)), {}};
 }

@@ -11,6 +11,7 @@
 
 #include "experiment/experiment.hpp"
 #include "experiment/survival.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 
@@ -36,7 +37,7 @@ const char* name_of(BackEnd backend) {
 
 /// Long enough for the longest fault.
 sim::Scenario scenario_of(const char* name, std::uint64_t seed, double duration) {
-  sim::Scenario scenario = cases_of(name, 1, seed).front().scenario;
+  sim::Scenario scenario = test::scenario_named(name, seed);
   scenario.max_duration = duration;
   if (scenario.path.length <= 0.0) scenario.path.duration = kFaultBegins + kLongest + kJudgedAfter;
   return scenario;

@@ -15,6 +15,7 @@
 #include "rio/eval/metrics.hpp"
 #include "rio/models/aids.hpp"
 #include "rio/sim/catalogue.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 
@@ -84,7 +85,7 @@ Curve mae_over_distance(const std::vector<eval::PosePair>& pairs) {
 std::string table_two() {
   MarkdownTable table(
       {"preset, flight 7", "propagation [ms]", "update [ms]", "duration [s]", "real-time factor"});
-  const sim::Flight flight = sim::simulate_flight(cases_of("indoor-7", 1).front().scenario);
+  const sim::Flight flight = sim::simulate_flight(test::scenario_named("indoor-7"));
   const double duration = flight.trajectory.duration();
   for (const Variant& variant : presets_compared()) {
     Options options = options_of(flight, variant);

@@ -15,6 +15,7 @@
 #include "experiment/experiment.hpp"
 #include "experiment/figures.hpp"
 #include "rio/eval/metrics.hpp"
+#include "support/short_flight.hpp"
 
 namespace rio::experiment {
 
@@ -190,7 +191,7 @@ double median_time(const sim::Flight& flight, const Variant& variant) {
 
 std::string time_per_scan() {
   MarkdownTable table({"flight 1, median time per scan", "filter [ms]", "window [ms]", "ratio"});
-  const sim::Flight flight = sim::simulate_flight(cases_of("indoor-1", 1).front().scenario);
+  const sim::Flight flight = sim::simulate_flight(test::scenario_named("indoor-1"));
   const auto add = [&](const char* name, const Variant& filter, const Variant& window) {
     const double a = median_time(flight, filter);
     const double b = median_time(flight, window);

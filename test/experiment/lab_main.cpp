@@ -14,8 +14,8 @@
 
 #include "experiment/experiment.hpp"
 #include "rio/io/csv.hpp"
-#include "rio/io/text_file.hpp"
 #include "tools/command_line.hpp"
+#include "tools/outputs.hpp"
 #include "tools/progress.hpp"
 #include "tools/version.hpp"
 
@@ -26,6 +26,7 @@ using rio::experiment::Attachment;
 using rio::experiment::Experiment;
 using rio::experiment::kExperiments;
 using rio::experiment::Settings;
+using rio::tools::write_text;
 
 struct Arguments {
   std::string name;
@@ -34,12 +35,6 @@ struct Arguments {
   std::string out = "out";
   std::string update;
 };
-
-void write(const fs::path& path, const std::string& text) {
-  rio::io::TextFile file(path);
-  file.write(text);
-  file.close();
-}
 
 constexpr const char* kBegin = "<!-- rio experiment ";
 constexpr const char* kEnd = "<!-- end -->";
@@ -55,7 +50,7 @@ void replace_block(const fs::path& page, const std::string& name, const std::str
     throw std::runtime_error(page.string() + ": no block from \"" + begin + "\" to \"" + kEnd +
                              "\"");
   }
-  write(page, text.replace(from, to - from, begin + "\n\n" + markdown + "\n"));
+  write_text(page, text.replace(from, to - from, begin + "\n\n" + markdown + "\n"));
 }
 
 /// The experiments that have a block, in the order of the page.
@@ -88,13 +83,13 @@ void run_experiment(const Arguments& arguments, const std::string& name = {}) {
     result = chosen->run(settings);
   }
   std::fputs(result.markdown.c_str(), stdout);
-  write(out / (arguments.name + ".md"), result.markdown);
-  for (const Attachment& file : result.attachments) write(out / file.name, file.text);
+  write_text(out / (arguments.name + ".md"), result.markdown);
+  for (const Attachment& file : result.attachments) write_text(out / file.name, file.text);
   if (arguments.update.empty()) return;
   replace_block(arguments.update, arguments.name, result.markdown);
   for (const Attachment& file : result.attachments) {
     const fs::path beside = fs::path(arguments.update).parent_path() / file.name;
-    if (fs::exists(beside)) write(beside, file.text);  // a chart of the page
+    if (fs::exists(beside)) write_text(beside, file.text);  // a chart of the page
   }
 }
 
@@ -116,7 +111,7 @@ void run_all(Arguments arguments) {
     }
     arguments.name = name;
     run_experiment(arguments, name);
-    write(list, written + how + name + "\n");
+    write_text(list, written + how + name + "\n");
   }
 }
 

@@ -85,9 +85,9 @@ void judge_height(const Recording& recording, const Replay& replay, RealScore* s
     if (!zero) zero = error;
     error -= *zero;
     errors.push_back(error);
-    honest += std::abs(error) < 3.0 * step.sigma_height ? 1.0 : 0.0;
+    honest += std::abs(error) < 3.0 * step.sigma_height() ? 1.0 : 0.0;
     if (2 * errors.size() > replay.steps.size()) {
-      sigmas.push_back(std::abs(error) / step.sigma_height);
+      sigmas.push_back(std::abs(error) / step.sigma_height());
     }
   }
   score->height = eval::statistics(errors).rmse;
@@ -110,7 +110,7 @@ void judge_rest(const Recording& recording, const Replay& replay, RealScore* sco
   if (to_seconds(last.state.time - rest) < kShortest) return;
   const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
   score->creep = *high - *low;
-  score->creep_sigmas = score->creep / last.sigma_height;
+  score->creep_sigmas = score->creep / last.sigma_height();
 }
 
 }  // namespace

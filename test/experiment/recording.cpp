@@ -120,7 +120,7 @@ Replay replay(const io::Dataset& data, const Options& options) {
   Replay out;
   const auto record = [&] {
     const Matrix3d P = odometry->covariance().block<3, 3>(body::kPosition, body::kPosition);
-    out.steps.push_back({odometry->at_scan(), std::sqrt(P(2, 2)), P});
+    out.steps.push_back({odometry->at_scan(), P});
     const HealthState state = odometry->health().state;
     out.healthy = out.healthy && (state == HealthState::kOk || state == HealthState::kInitializing);
   };

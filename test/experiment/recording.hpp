@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -58,8 +59,9 @@ std::vector<Copy> perturbed(const Recording& recording, int draws, std::uint64_t
 /// The estimate at one scan.
 struct RecordedStep {
   NavState state;
-  double sigma_height = 0.0;  ///< [m]
   Matrix3d P_position = Matrix3d::Zero();
+
+  double sigma_height() const { return std::sqrt(P_position(2, 2)); }  ///< [m]
 };
 
 /// A replay with static start.

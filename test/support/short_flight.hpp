@@ -11,9 +11,12 @@
 
 namespace rio::test {
 
+/// @throws std::runtime_error if the catalogue has no such scenario
 inline sim::Scenario scenario_named(const std::string& name, std::uint64_t seed = 1) {
   sim::Scenario scenario;
-  if (!sim::scenario(name, &scenario)) throw std::invalid_argument("no such scenario: " + name);
+  if (!sim::scenario(name, &scenario)) {
+    throw std::runtime_error("no such scenario: \"" + name + "\"");
+  }
   scenario.seed = seed;
   return scenario;
 }
