@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "api/flying.hpp"
 #include "experiment/survival.hpp"
 #include "experiment/trial.hpp"
 #include "support/measured.hpp"
@@ -72,18 +73,6 @@ TEST(Faults, ChangeNothingBeforeAndSomethingAfterTheirBegin) {
   }
 }
 
-TEST(Faults, ASilenceEnds) {
-  const Stream all = stream_with("radar silent for 2 s");
-  Time longest{0};
-  Time last{0};
-  for (const Event& e : all) {
-    if (!e.is_scan()) continue;
-    if (last > Time{0}) longest = std::max(longest, e.arrival - last);
-    last = e.arrival;
-  }
-  EXPECT_NEAR(to_seconds(longest), 2.0, 0.15);
-}
-
 TEST(Faults, OfTwoTogetherEachEndsByItself) {
   const Stream all = disturbed(flight(),
                                together(fault_named("radar silent for 2 s"),
@@ -111,13 +100,9 @@ TEST(Deviation, IsWrongBeyondItsLimits) {
   EXPECT_TRUE((Deviation{.velocity_sigmas = 3.1}).outside_3_sigma());
 }
 
-class FaultPromises : public testing::TestWithParam<BackEnd> {};
+using FaultPromises = test::BackEndTest;
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, FaultPromises,
-                         testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
-                         [](const auto& backend) {
-                           return backend.param == BackEnd::kEkf ? "Ekf" : "Smoother";
-                         });
+INSTANTIATE_TEST_SUITE_P(BackEnds, FaultPromises, test::kBothBackEnds, test::back_end_name);
 
 TEST_P(FaultPromises, AreKept) {
   const char* const some[] = {
@@ -144,10 +129,8 @@ TEST_P(FaultPromises, AreKept) {
       "start in flight, quaternion zero",
   };
   for (const char* name : some) {
-    Options options = options_for(flight(), "default");
-    options.backend = GetParam();
     const Fault& fault = fault_named(name);
-    const Survival end = survive(flight(), options, fault, kBegin, kAfter);
+    const Survival end = survive(flight(), options_for(flight()), fault, kBegin, kAfter);
     test::measured(std::string(name) + ": wrong until [s]", end.wrong_until, promise_text(fault));
     EXPECT_TRUE(end.kept) << name << ": wrong until " << end.wrong_until << ", in the end "
                           << end.last.why();
@@ -159,10 +142,8 @@ TEST_P(FaultPromises, AreKept) {
 // Nobody knows where it flew meanwhile; the sigma has to say so.
 TEST_P(FaultPromises, OfASilenceOfBothSensorsIsKept) {
   const sim::Flight longer = test::short_flight("indoor-1", 56.0);
-  Options options = options_for(longer, "default");
-  options.backend = GetParam();
   const Fault& fault = fault_named("IMU and radar silent for 30 s");
-  const Survival end = survive(longer, options, fault, kBegin, kAfter);
+  const Survival end = survive(longer, options_for(longer), fault, kBegin, kAfter);
   test::expect_below(fault.name + ": position, sigmas", end.last.position_sigmas, 3.0);
   EXPECT_TRUE(end.kept) << "wrong until " << end.wrong_until << ", in the end " << end.last.why();
   EXPECT_LT(end.last.position, 60.0);  // 30 s at 2 m/s; extrapolated it is a kilometre

@@ -7,15 +7,12 @@
 
 #include <chrono>
 
+#include "api/flying.hpp"
 #include "experiment/soak_flight.hpp"
 #include "support/measured.hpp"
 
 namespace rio::experiment {
 namespace {
-
-SoakSettings brief(double seconds) {
-  return {.seconds = seconds, .every = 20.0};
-}
 
 TEST(EndlessFlight, BeginsAndEndsEachPieceAtRestInOnePlace) {
   sim::Scenario scenario;
@@ -53,11 +50,12 @@ TEST(EndlessFlight, SensorsGoOnAcrossPieces) {
   }
 }
 
-class Soak : public testing::TestWithParam<BackEnd> {};
+using Soak = test::BackEndTest;
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, Soak, test::kBothBackEnds, test::back_end_name);
 
 TEST_P(Soak, NothingGrowsOrDrifts) {
-  SoakSettings settings = brief(60.0);
-  settings.backend = GetParam();
+  const SoakSettings settings{.seconds = 60.0, .every = 20.0, .backend = GetParam()};
   int rows = 0;
   const SoakRun run = run_soak(settings, [&](const SoakRow&) { ++rows; });
   ASSERT_EQ(run.rows.size(), 3U);
@@ -82,14 +80,8 @@ TEST_P(Soak, NothingGrowsOrDrifts) {
   test::expect_below("growth of memory in 20 s [MB]", grown, 1.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(BackEnds, Soak, testing::Values(BackEnd::kEkf, BackEnd::kSmoother),
-                         [](const auto& of) {
-                           return of.param == BackEnd::kEkf ? "Filter" : "Smoother";
-                         });
-
 TEST_P(Soak, RepeatsToTheBitInAnyLegalOrder) {
-  SoakSettings settings = brief(15.0);
-  settings.backend = GetParam();
+  SoakSettings settings{.seconds = 15.0, .backend = GetParam()};
   const SoakRun once = run_soak(settings);
   EXPECT_EQ(run_soak(settings).hash, once.hash);
   for (const Interleaving order :
