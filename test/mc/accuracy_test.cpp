@@ -18,7 +18,6 @@ TEST(Accuracy, SevenFlightsWithBothPresets) {
   std::vector<Case> cases;
   for (std::size_t i = 1; i <= sim::kIcraLengths.size(); ++i) {
     cases.push_back(cases_of("indoor-" + std::to_string(i), 1, 100 + i).front());
-    cases.back().group = "indoor";
   }
   const std::vector<Outcome> runs = run_campaign(cases, presets_compared(), {});
   const std::vector<Score> standard = select(runs, "indoor", "default");

@@ -11,9 +11,7 @@
 
 namespace rio::experiment {
 
-inline const std::vector<Variant> kBackEnds = {
-    {"filter", "default"},
-    {"window", "default", [](Options& o) { o.backend = BackEnd::kSmoother; }}};
+inline const Variants kBackEnds = {{"filter", "default"}, {"window", "default", use_smoother}};
 
 /// Over the steps of any number of trials.
 struct LateSteps {
