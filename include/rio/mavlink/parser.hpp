@@ -49,8 +49,8 @@ struct ParserCounters {
   std::uint64_t frame_bytes = 0;  ///< of the delivered frames
 };
 
-/// Splits the bytes of one link into messages. No allocation. Per byte one comparison for each frame
-/// that may have begun, plus the checksums.
+/// Splits the bytes of one link into messages. No allocation. Per byte one comparison for each
+/// frame that may have begun, plus the checksums.
 class Parser {
  public:
   /// Takes the next bytes, in a piece of any size.
