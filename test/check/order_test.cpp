@@ -27,6 +27,7 @@ TEST(InOrder, TakesTheLongestRisingSequence) {
   EXPECT_EQ(in_order(items({Time{1}, Time{2}, Time{2}, Time{3}})), (Order{0, 1, 3}));
   EXPECT_EQ(in_order(items({Time{1}, Time{2}, Time{90}, Time{3}, Time{4}})), (Order{0, 1, 3, 4}));
   EXPECT_EQ(in_order(items({Time{1}, Time{2}, Time{3}, Time{90}})), (Order{0, 1, 2}));
+  EXPECT_EQ(in_order(items({Time{5}, Time{6}, Time{7}, Time{8}, Time{1}})), (Order{0, 1, 2, 3}));
   EXPECT_TRUE(in_order(items({})).empty());
 }
 
