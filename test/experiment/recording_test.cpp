@@ -91,11 +91,8 @@ TEST(Recording, IsJudgedAgainstItsReference) {
   EXPECT_NEAR(score.distance, 20.0, 2.0);
   EXPECT_LT(score.horizontal, 0.1);  // 0.5 % of the way
   // the same path turned and moved is as good: the reference may begin anywhere
-  const Quaternion turn = quaternion_exp(Vector3d(0.0, 0.0, 2.0));
-  for (eval::StampedPose& pose : r.reference) {
-    pose.p = turn * pose.p + Vector3d(5.0, -3.0, 0.0);
-    pose.q = turn * pose.q;
-  }
+  const Pose T{quaternion_exp({0.0, 0.0, 2.0}), {5.0, -3.0, 0.0}};
+  for (eval::StampedPose& pose : r.reference) pose = eval::transformed(T, pose);
   EXPECT_NEAR(judge(r, run).horizontal, score.horizontal, 1e-9);
   // on a floor that is not flat, a flat one is wrong by the height flown
   for (eval::StampedPose& pose : r.reference) pose.p.z() = 0.0;

@@ -22,7 +22,6 @@ TEST(Flight, StampsAreRegularAndNeverCoincide) {
   const Flight flight = simulate_flight(short_flight(1));
   const Time start(1'700'000'000'000'000'000);
   ASSERT_EQ(flight.imu.size(), flight.truth.size());
-  ASSERT_EQ(flight.scans.size(), flight.labels.size());
   for (std::size_t i = 0; i < flight.imu.size(); ++i) {
     ASSERT_EQ(flight.imu[i].time, start + static_cast<std::int64_t>(i) * Time(5'000'000));
     ASSERT_EQ(flight.truth[i].time, flight.imu[i].time);
@@ -35,7 +34,6 @@ TEST(Flight, StampsAreRegularAndNeverCoincide) {
     }
     ASSERT_NE((time - start).count() % 5'000'000, 0);
     ASSERT_LE(time, flight.imu.back().time);
-    ASSERT_EQ(flight.scans[i].detections.size(), flight.labels[i].size());
   }
   const double duration = flight.trajectory.duration();
   EXPECT_NEAR(to_seconds(flight.imu.back().time - start), duration, 0.006);
@@ -102,7 +100,6 @@ TEST(Flight, IsCutAtTheMaximalDuration) {
   EXPECT_EQ(flight.imu.size(), 1501U);
   EXPECT_EQ(flight.imu.back().time - flight.imu.front().time, from_seconds(7.5));
   EXPECT_LE(flight.scans.back().time, flight.imu.back().time);
-  EXPECT_EQ(numbers_of(flight)[0], 0.0);
 }
 
 TEST(Flight, IdealHasNoOutliersNoGridsNoVibration) {
@@ -150,6 +147,14 @@ TEST(Flight, MountingIsToldWronglyByTheGivenAngleAndDistance) {
   options.seed = 6;
   const Flight flight = simulate_flight(options);
   EXPECT_EQ(flight.configured_T_BS.translation, configured_mounting(options).translation);
+}
+
+TEST(Flight, DoesNotDependOnTheEpoch) {
+  Scenario options = short_flight(3);
+  options.radar.people = 3;
+  const std::vector<double> today = numbers_of(simulate_flight(options));
+  options.start = Time(0);
+  EXPECT_TRUE(same_bytes(today, numbers_of(simulate_flight(options))));
 }
 
 TEST(Flight, RoomHoldsThePath) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 #include "rio/sim/flight.hpp"
@@ -40,6 +41,13 @@ inline Extent extent(const Trajectory& trajectory) {
   return extent(trajectory, 0.0, trajectory.duration());
 }
 
+/// Each stamp is later than the one before.
+template <class Stamped>
+bool increasing(const std::vector<Stamped>& items) {
+  const auto late = [](const Stamped& a, const Stamped& b) { return a.time >= b.time; };
+  return std::adjacent_find(items.begin(), items.end(), late) == items.end();
+}
+
 /// Every number that a user of the flight sees, and the stamps in seconds after its start.
 inline std::vector<double> numbers_of(const Flight& flight) {
   std::vector<double> all;
@@ -66,11 +74,17 @@ inline std::vector<double> numbers_of(const Flight& flight) {
       add(detection.point_S);
       add({detection.range_rate, detection.snr_db, detection.noise_db});
       all.push_back(flight.labels[i][k].reflector);
+      all.push_back(static_cast<double>(flight.labels[i][k].cause));
     }
   }
   add(flight.configured_T_BS.translation);
   add(flight.configured_T_BS.rotation.vec());
   return all;
+}
+
+/// Also where a comparison of the numbers does not tell: signs of zeros.
+inline bool same_bytes(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
 /// How far dead reckoning with samples free of noise ends from the truth.

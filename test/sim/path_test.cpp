@@ -183,28 +183,6 @@ TEST(RandomFlight, LastsAsLongAsAskedWhenNoLengthIsGiven) {
   }
 }
 
-TEST(RandomFlight, HoversInASmallBox) {
-  const PathOptions options{.length = 0.0,
-                            .duration = 60.0,
-                            .low = {-0.2, -0.2, 0.8},
-                            .high = {0.2, 0.2, 1.1},
-                            .min_speed = 0.02,
-                            .max_speed = 0.12,
-                            .max_yaw = 0.2,
-                            .max_yaw_rate = 0.1};
-  for (const std::uint64_t seed : kSeeds) {
-    // take-off to 0.92 m at 0.7 m/s and five knots of smoothing take 4 s; homeward after 60 s
-    // less five knots
-    const Extent all = extent(random_flight(seed, options), 4.0 + 4.0, 4.0 + 57.0);
-    SCOPED_TRACE(seed);
-    EXPECT_GE((all.low - options.low).minCoeff(), 0.0);
-    EXPECT_GE((options.high - all.high).minCoeff(), 0.0);
-    EXPECT_LT(all.fastest, options.max_speed);
-    EXPECT_GT((all.high - all.low).minCoeff(), 0.08);  // it does not stand
-    EXPECT_LT(all.turn_rate, 0.11);
-  }
-}
-
 TEST(RandomFlight, LevelNoseStaysAhead) {
   const Trajectory trajectory = random_flight(2, {.length = 40.0, .max_yaw = 0.0});
   for (double t = 0.0; t < trajectory.duration(); t += 0.1) {

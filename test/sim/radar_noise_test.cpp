@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -245,20 +244,6 @@ TEST(RadarNoise, RepeatsAtRestAndChangesInFlight) {
   // the mean over at most 60 scans takes a few per cent of the fresh part away
   EXPECT_NEAR(sigma_of(fresh), 0.2 * 0.03, 0.06 * 0.2 * 0.03);
   EXPECT_NEAR(sigma_of(flying), 0.03, 0.05 * 0.03);
-}
-
-TEST(RadarAngles, EveryDetectionLiesOnTheGrid) {
-  RadarModel model;
-  model.people = 4;
-  std::set<Cause> causes;
-  for (const FlownDetection& d : detections_of(flown_scans(model, 9))) {
-    const Vector3d u = d.point_S.normalized() / model.angle_grid;
-    ASSERT_NEAR(u.y(), std::round(u.y()), 1e-9);
-    ASSERT_NEAR(u.z(), std::round(u.z()), 1e-9);
-    ASSERT_GE(u.x(), 0.0);
-    causes.insert(d.cause);
-  }
-  EXPECT_EQ(causes.size(), 6U);
 }
 
 TEST(RadarAngles, DirectionsOutsideOfTheUnitCircleStepInwards) {

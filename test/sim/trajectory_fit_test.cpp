@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "rio/core/so3.hpp"
+#include "rio/eval/alignment.hpp"
 #include "rio/sim/random.hpp"
 #include "sim/flights.hpp"
 #include "support/temp_dir.hpp"
@@ -38,10 +39,7 @@ Poses record(double rate_hz, double begin = 0.0, double end = flown().duration()
 
 /// `poses` seen from a world R whose axes and origin are elsewhere: p_R = T_RW p_W.
 Poses moved(Poses poses, const Pose& T_RW) {
-  for (eval::StampedPose& pose : poses) {
-    pose.p = T_RW.rotation * pose.p + T_RW.translation;
-    pose.q = T_RW.rotation * pose.q;
-  }
+  for (eval::StampedPose& pose : poses) pose = eval::transformed(T_RW, pose);
   return poses;
 }
 
@@ -67,6 +65,13 @@ FitError error(const TrajectoryFit& fit, const Poses& poses) {
     worst.attitude = std::max(worst.attitude, q_RB.angularDistance(pose.q));
   }
   return worst;
+}
+
+void expect_same_trajectory(const Trajectory& a, const Trajectory& b) {
+  for (double t = 0.0; t < a.duration(); t += 0.37) {
+    ASSERT_LT((a.at(t).nav.p_WB - b.at(t).nav.p_WB).norm(), 1e-9) << t;
+    ASSERT_LT(a.at(t).nav.q_WB.angularDistance(b.at(t).nav.q_WB), 1e-7) << t;
+  }
 }
 
 std::string failure(const Poses& poses, const PathOptions& options = {}) {
@@ -124,12 +129,7 @@ TEST(TrajectoryFit, RotatedMountingGivesTheSameFlight) {
     ASSERT_NEAR(R_FB.determinant(), 1.0, 1e-15);
     const TrajectoryFit other = fit_trajectory(mounted(poses, R_FB));
     EXPECT_TRUE(other.q_FB.toRotationMatrix().isApprox(R_FB, 1e-12));
-    for (double t = 0.0; t < fit.trajectory.duration(); t += 0.37) {
-      const Trajectory::Point a = fit.trajectory.at(t);
-      const Trajectory::Point b = other.trajectory.at(t);
-      ASSERT_LT((a.nav.p_WB - b.nav.p_WB).norm(), 1e-9) << t;
-      ASSERT_LT(a.nav.q_WB.angularDistance(b.nav.q_WB), 1e-7) << t;
-    }
+    expect_same_trajectory(fit.trajectory, other.trajectory);
   }
 }
 
@@ -255,12 +255,9 @@ TEST(TrajectoryFit, NeedsAnUprightAxis) {
   // the flight itself is level on average to a degree
   EXPECT_PRED2(test::contains, failure(pitched(38.0)), "35 deg");
   EXPECT_PRED2(test::contains, failure(pitched(52.0)), "35 deg");
-  const TrajectoryFit level = fit_trajectory(poses);
-  const TrajectoryFit tilted = fit_trajectory(pitched(32.0));  // a fixed pitch changes nothing
-  for (double t = 0.0; t < level.trajectory.duration(); t += 0.37) {
-    const NavState a = level.trajectory.at(t).nav;
-    ASSERT_LT(a.q_WB.angularDistance(tilted.trajectory.at(t).nav.q_WB), 1e-7);
-  }
+  // a fixed pitch changes nothing
+  expect_same_trajectory(fit_trajectory(poses).trajectory,
+                         fit_trajectory(pitched(32.0)).trajectory);
 }
 
 TEST(TrajectoryFit, SpacingIsTheOptions) {
