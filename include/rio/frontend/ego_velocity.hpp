@@ -57,7 +57,14 @@ struct EgoVelocity {
   std::array<double, kMaxDetections> range_rate{};  ///< unfolded, valid for inliers [m/s]
 
   /// No consensus, no inliers.
-  void clear() { *this = EgoVelocity{}; }
+  void clear() {
+    valid = false;
+    v_S.setZero();
+    covariance.reset();
+    inliers = 0;
+    inlier.fill(false);
+    outlier.fill(false);
+  }
 };
 
 class EgoVelocityRansac {
