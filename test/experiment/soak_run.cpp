@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fstream>
+#include <future>
 #include <stdexcept>
 
 #include "experiment/soak_flight.hpp"
@@ -19,6 +21,57 @@
 namespace rio::experiment {
 
 namespace {
+
+/// The sensors of an endless flight. Another thread simulates the next second while this one is
+/// flown: the simulation takes half of the time.
+class SensorsAhead {
+ public:
+  explicit SensorsAhead(const sim::Scenario& scenario) : flight_(scenario) { simulate_next(); }
+
+  ImuSample next_imu() { return taken(imu_); }
+  Time next_scan_time() { return first(scans_).time; }
+  RadarScan next_scan() { return taken(scans_); }
+
+ private:
+  struct Second {
+    std::vector<ImuSample> imu;
+    std::vector<RadarScan> scans;
+  };
+
+  void simulate_next() {
+    next_ = std::async(std::launch::async, [this] {
+      Second second;
+      const Time end = flight_.next_scan_time() + std::chrono::seconds(1);
+      while (flight_.next_scan_time() < end) second.scans.push_back(flight_.next_scan());
+      do {
+        second.imu.push_back(flight_.next_imu());
+      } while (second.imu.back().time < end);
+      return second;
+    });
+  }
+
+  template <class Measurement>
+  Measurement& first(std::deque<Measurement>& waiting) {
+    while (waiting.empty()) {
+      const Second second = next_.get();
+      simulate_next();
+      imu_.insert(imu_.end(), second.imu.begin(), second.imu.end());
+      scans_.insert(scans_.end(), second.scans.begin(), second.scans.end());
+    }
+    return waiting.front();
+  }
+  template <class Measurement>
+  Measurement taken(std::deque<Measurement>& waiting) {
+    Measurement one = std::move(first(waiting));
+    waiting.pop_front();
+    return one;
+  }
+
+  EndlessFlight flight_;
+  std::deque<ImuSample> imu_;
+  std::deque<RadarScan> scans_;
+  std::future<Second> next_;  ///< last: it is waited for before the flight ends
+};
 
 /// Memory of this process [MB]; 0 if unknown.
 double resident_megabytes() {
@@ -131,7 +184,8 @@ SoakRun run_soak(const SoakSettings& settings, const std::function<void(const So
   const Time begin = sim::Scenario{}.start;
   const Time end = begin + from_seconds(settings.seconds);
   const Time last_scan = end - from_seconds(kRest);
-  EndlessFlight flight({.seed = settings.seed});
+  SensorsAhead sensors({.seed = settings.seed});
+  EndlessFlight flight({.seed = settings.seed});  // its truth
   const auto odometry = started(settings.backend, flight.truth(begin));
   SoakRun run;
   SoakRow row;
@@ -149,12 +203,12 @@ SoakRun run_soak(const SoakSettings& settings, const std::function<void(const So
   };
   const bool imu_first = settings.interleaving == Interleaving::kImuFirst;
   for (Time now = begin; now < end;) {
-    const ImuSample sample = flight.next_imu();
+    const ImuSample sample = sensors.next_imu();
     now = sample.time;
     if (imu_first) give(sample);
-    while (flight.next_scan_time() < std::min(last_scan, now + ahead(settings.interleaving))) {
+    while (sensors.next_scan_time() < std::min(last_scan, now + ahead(settings.interleaving))) {
       ++run.scans;
-      (void)odometry->add_scan(flight.next_scan());
+      (void)odometry->add_scan(sensors.next_scan());
       look();
     }
     if (!imu_first) give(sample);
