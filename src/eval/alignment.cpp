@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
+#include <stdexcept>
 
 namespace rio::eval {
 
@@ -49,6 +50,9 @@ std::optional<AlignmentKind> alignment_kind(const std::string& name) {
 Alignment align_origin(const std::vector<PosePair>& pairs) {
   if (pairs.empty()) return {};
   const PosePair& first = pairs.front();
+  if (!first.truth.q.coeffs().allFinite()) {
+    throw std::runtime_error("the truth has no attitude: align by yaw or se3, not by origin");
+  }
   const Quaternion rotation = (first.truth.q * first.estimate.q.conjugate()).normalized();
   return {{rotation, first.truth.p - rotation * first.estimate.p}, true};
 }

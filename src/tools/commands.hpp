@@ -175,6 +175,8 @@ struct EvaluateArguments {
 void evaluate(const EvaluateArguments& arguments);
 /// Of any file or folder, or of a bag.
 eval::Trajectory truth_of(const std::string& path, io::Attitude attitude = io::Attitude::kRequired);
+/// False of positions alone, and of nothing.
+bool has_attitude(const eval::Trajectory& path);
 
 /// `rio compare`: runs of one recording side by side.
 struct CompareArguments {

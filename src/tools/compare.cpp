@@ -132,11 +132,11 @@ std::vector<Run> runs_of(const CompareArguments& arguments) {
 
 /// The given truth, or that of the first recording that has one.
 eval::Trajectory common_truth(const CompareArguments& arguments) {
-  if (!arguments.truth.empty()) return truth_of(arguments.truth);
+  if (!arguments.truth.empty()) return truth_of(arguments.truth, io::Attitude::kOptional);
   for (const std::string& path : arguments.runs) {
     if (!is_recording(path)) continue;
     try {
-      return truth_of(path);
+      return truth_of(path, io::Attitude::kOptional);
     } catch (const std::runtime_error&) {  // it has none
     }
   }
@@ -157,6 +157,7 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
   const eval::Trajectory& first = runs.front().poses;
   page.begin = first.front().time;
   const PosesByTime true_poses = poses_of(eval::associate(truth, first).pairs);
+  const bool attitude = has_attitude(truth);
   std::vector<PosesByTime> there;  // of each run at the times of the first
   const auto add = [&page](const eval::StampedPose& pose) {
     page.paths.back().add(to_seconds(pose.time - page.begin), pose.p, pose.q);
@@ -168,7 +169,9 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
     there.push_back(poses_of(eval::associate_interpolated(run.poses, first, kGap).pairs));
   }
   if (!truth.empty()) page.paths.push_back({"truth"});
-  for (const auto& [time, pose] : true_poses) add(pose);
+  for (const auto& [time, pose] : true_poses) {
+    page.paths.back().add(to_seconds(time - page.begin), pose.p);
+  }
 
   for (const eval::StampedPose& pose : first) {
     page.columns.start_row(to_seconds(pose.time - page.begin));
@@ -186,6 +189,7 @@ view::Page page_of(const std::vector<Run>& runs, const eval::Trajectory& truth) 
       if (known == true_poses.end()) continue;
       const eval::PosePair pair{known->second, other};
       page.columns.set("e" + k, (other.p - pair.truth.p).norm());
+      if (!attitude) continue;
       page.columns.set("a" + k, eval::yaw_error(pair));
       page.columns.set("t" + k, eval::tilt_error(pair));
     }

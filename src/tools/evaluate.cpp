@@ -214,9 +214,13 @@ eval::Trajectory truth_of(const std::string& path, io::Attitude attitude) {
   return truth;
 }
 
+bool has_attitude(const eval::Trajectory& path) {
+  return !path.empty() && path.front().q.coeffs().allFinite();
+}
+
 void evaluate(const EvaluateArguments& arguments) {
   eval::Trajectory truth = truth_of(arguments.truth, io::Attitude::kOptional);
-  if (!truth.empty() && !truth.front().q.coeffs().allFinite()) {
+  if (!truth.empty() && !has_attitude(truth)) {
     print_notes(
         {"the truth holds positions alone, of a prism or an antenna: errors of the attitude and "
          "the RPE, which needs it, are unknown; its place on the vehicle counts as an error"});

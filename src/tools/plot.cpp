@@ -172,6 +172,8 @@ std::string draw(const std::vector<Series>& all, bool with_truth) {
   if (with_truth) {
     add("Position error", "|error| [m]",
         over_time(all, start, &Series::pairs, distance, 0.02, true));
+  }
+  if (with_truth && has_attitude(all.front().poses)) {
     add("Yaw error", "error [deg]",
         over_time(all, start, &Series::pairs, eval::yaw_error, 0.2, false, 180.0));
   }
@@ -239,7 +241,8 @@ void plot(const PlotArguments& arguments) {
   const std::vector<std::string> labels =
       arguments.labels.empty() ? default_labels(arguments.estimates) : arguments.labels;
   const bool with_truth = !arguments.truth.empty();
-  const eval::Trajectory truth = with_truth ? truth_of(arguments.truth) : eval::Trajectory{};
+  const eval::Trajectory truth =
+      with_truth ? truth_of(arguments.truth, io::Attitude::kOptional) : eval::Trajectory{};
 
   std::vector<Series> all;
   for (std::size_t i = 0; i < labels.size(); ++i) {

@@ -81,6 +81,18 @@ TEST_F(Tool, EvaluatesAgainstPositionsAlone) {
   const Json error = rio(against + " --json").json();
   EXPECT_EQ(error["norm_of_rmse_m"], 0.0);
   EXPECT_TRUE(error["yaw_error_deg"]["rmse"].is_null());
+  fails(1, against + " --align origin", {"the truth has no attitude: align by yaw or se3"});
+
+  const std::string both = " " + file("path.tum") + " " + file("path.tum");
+  rio("compare" + both + " --truth " + file("positions.txt") + " --report " + file("c.html"),
+      {"path | 0.00 | 0.000 | 0.000 | - | - | - |"});
+  const std::string page = text_of(file("c.html"));
+  EXPECT_NE(page.find("Position error"), std::string::npos);
+  EXPECT_EQ(page.find("Yaw error"), std::string::npos);
+  rio("plot --truth " + file("positions.txt") + " " + file("path.tum") + " --out " + file("p.svg"));
+  const std::string drawing = text_of(file("p.svg"));
+  EXPECT_NE(drawing.find("Position error"), std::string::npos);
+  EXPECT_EQ(drawing.find("Yaw error"), std::string::npos);
 }
 
 TEST_F(Tool, ReplaysWithEitherBackEnd) {

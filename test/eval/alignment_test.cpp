@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <stdexcept>
+
 #include "support/random_state.hpp"
 
 namespace rio::eval {
@@ -165,6 +168,8 @@ TEST(AlignOrigin, MakesTheFirstPosesCoincide) {
   EXPECT_LT(angle_between(aligned[0].estimate.q, aligned[0].truth.q), 1e-15);
   EXPECT_LT((aligned[1].estimate.p - expected).norm(), 1e-14);
   EXPECT_LT(angle_between(aligned[1].estimate.q, turn * second.q), 1e-15);
+  pairs[0].truth.q.coeffs().setConstant(std::nan(""));
+  EXPECT_THROW((void)align_origin(pairs), std::runtime_error);
 }
 
 TEST(Alignment, KindsByName) {

@@ -36,6 +36,7 @@ struct Alignment {
 };
 
 /// Makes the first estimate coincide with the first true pose. No pairs: identity.
+/// @throws std::runtime_error if that has no attitude (NaN), as one of a total station
 Alignment align_origin(const std::vector<PosePair>& pairs);
 
 /// Yaw about W's z axis and translation of least squared position error. No pairs: identity.
@@ -44,7 +45,7 @@ Alignment align_yaw(const std::vector<PosePair>& pairs);
 /// Rotation and translation of least squared position error. No pairs: identity.
 Alignment align_se3(const std::vector<PosePair>& pairs);
 
-/// The alignment of the given kind.
+/// The alignment of the given kind; throws as align_origin() does.
 Alignment find_alignment(const std::vector<PosePair>& pairs, AlignmentKind kind);
 
 /// The pose transformed by T: p -> T.rotation p + T.translation.
