@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -21,29 +22,39 @@
 
 namespace rio::check {
 
-/// The longest sequence of strictly increasing stamps, as indices: a corrupt stamp of any value
-/// costs only its own item. Of equal stamps the first is used. At either end an item farther away
-/// than all others span is dropped, too, as are invalid stamps; if there are only such items, the
-/// first is returned.
-template <typename Items>
-std::vector<std::size_t> in_order(const Items& items) {
+/// The longest sequence, as indices, of the times in which `may_follow(one, the next)`: < or <=.
+/// Invalid stamps are in none. O(n log n).
+/// @param time_of time of item i
+template <typename TimeOf, typename MayFollow>
+std::vector<std::size_t> longest_sequence(std::size_t count, const TimeOf& time_of,
+                                          const MayFollow& may_follow) {
   std::vector<std::size_t> order;  // last item of the best sequence of each length
-  std::vector<std::size_t> before(items.size());
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (!is_stamp(items[i].time)) continue;
-    const auto at =
-        std::lower_bound(order.begin(), order.end(), items[i].time,
-                         [&items](std::size_t end, Time time) { return items[end].time < time; });
+  std::vector<std::size_t> before(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Time time = time_of(i);
+    if (!is_stamp(time)) continue;
+    const auto at = std::ranges::partition_point(
+        order, [&](std::size_t end) { return may_follow(time_of(end), time); });
     if (at != order.begin()) before[i] = *(at - 1);
     if (at == order.end()) {
       order.push_back(i);
-    } else if (items[i].time < items[*at].time) {
+    } else if (time < time_of(*at)) {
       *at = i;
     }
   }
-  if (order.empty() && items.size() > 0) order.push_back(0);
   // of these only the last one is in the longest sequence; the others are before it
   for (std::size_t k = order.size(); k-- > 1;) order[k - 1] = before[order[k]];
+  return order;
+}
+
+/// The longest sequence of strictly increasing stamps, as indices: a corrupt stamp of any value
+/// costs only its own item. Of equal stamps the first is used. At either end an item farther away
+/// than all others span is dropped, too; if all stamps are invalid, the first item is returned.
+template <typename Items>
+std::vector<std::size_t> in_order(const Items& items) {
+  const auto time_of = [&](std::size_t i) { return items[i].time; };
+  std::vector<std::size_t> order = longest_sequence(items.size(), time_of, std::less<>{});
+  if (order.empty() && items.size() > 0) order.push_back(0);
   const auto span = [&](std::size_t a, std::size_t b) {
     return to_seconds(items[order[b]].time - items[order[a]].time);
   };

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
+#include "check/order.hpp"
 #include "rio/propagate/static_alignment.hpp"
 
 namespace rio::tools {
@@ -58,31 +60,17 @@ Start start_from_truth(const OpenRecording& recording, const Options& options) {
 /// order is the longest increasing sequence, so that one outlier holds up no other scan.
 std::vector<Time> due_times(std::vector<Time> stamps) {
   if (std::is_sorted(stamps.begin(), stamps.end())) return stamps;
-  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> ends;  // last scan of the best sequence of each length
-  std::vector<std::size_t> before(stamps.size(), kNone);
-  for (std::size_t i = 0; i < stamps.size(); ++i) {
-    const auto at =
-        std::upper_bound(ends.begin(), ends.end(), stamps[i],
-                         [&stamps](Time time, std::size_t end) { return time < stamps[end]; });
-    if (at != ends.begin()) before[i] = *(at - 1);
-    if (at == ends.end()) {
-      ends.push_back(i);
-    } else {
-      *at = i;
-    }
-  }
-  std::vector<Time> due(stamps.size());
-  std::size_t in_order = ends.back();
-  Time next = stamps[in_order];
+  std::vector<std::size_t> order = check::longest_sequence(
+      stamps.size(), [&](std::size_t i) { return stamps[i]; }, std::less_equal<>{});
+  Time due = order.empty() ? Time::max() : stamps[order.back()];
   for (std::size_t i = stamps.size(); i-- > 0;) {
-    if (i == in_order) {
-      next = stamps[i];
-      in_order = before[i];
+    if (!order.empty() && i == order.back()) {
+      due = stamps[i];
+      order.pop_back();
     }
-    due[i] = next;
+    stamps[i] = due;
   }
-  return due;
+  return stamps;
 }
 
 }  // namespace
