@@ -169,4 +169,26 @@ void StatesFile::add(const NavState& state, const BodyCovariance& covariance) {
   file_.write(row + "\n");
 }
 
+PathFiles::PathFiles(const std::string& tum, const std::string& states) {
+  if (!tum.empty()) tum_.emplace(tum);
+  if (!states.empty()) states_.emplace(states);
+}
+
+void PathFiles::add(const NavState& state, const BodyCovariance& covariance) {
+  if (newest_ && newest_->first.time != state.time) write();
+  newest_.emplace(state, covariance);
+}
+
+void PathFiles::write() {
+  const auto& [x, covariance] = *newest_;
+  if (tum_) tum_->write(tum_line({x.time, x.p_WB, x.q_WB}) + "\n");
+  if (states_) states_->add(x, covariance);
+}
+
+void PathFiles::close() {
+  if (newest_) write();
+  if (tum_) tum_->close();
+  if (states_) states_->close();
+}
+
 }  // namespace rio::io

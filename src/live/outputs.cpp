@@ -44,20 +44,13 @@ std::string json_line(const Odometry& odometry) {
 
 EstimateFiles::EstimateFiles(const std::string& tum, const std::string& states,
                              const std::string& json)
-    : to_stdout_(json == "-") {
-  if (!tum.empty()) tum_.emplace(tum);
-  if (!states.empty()) states_.emplace(states);
+    : path_(tum, states), to_stdout_(json == "-") {
   if (!json.empty() && !to_stdout_) json_.emplace(json);
 }
 
 void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {
   const Odometry& odometry = session.odometry();
-  const NavState& state = odometry.at_scan();
-  if (written_ != state.time) {  // scans of several radars may share an instant
-    if (tum_) tum_->write(io::tum_line({state.time, state.p_WB, state.q_WB}) + "\n");
-    if (states_) states_->add(state, odometry.covariance());
-    written_ = state.time;
-  }
+  path_.add(odometry.at_scan(), odometry.covariance());
   if (json_) json_->write(json_line(odometry) + "\n");
   if (!to_stdout_) return;
   fmt::print("{}\n", json_line(odometry));
@@ -65,8 +58,7 @@ void EstimateFiles::on_estimate(const Session& session, Time /*arrival*/) {
 }
 
 void EstimateFiles::close() {
-  if (tum_) tum_->close();
-  if (states_) states_->close();
+  path_.close();
   if (json_) json_->close();
 }
 

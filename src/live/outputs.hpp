@@ -26,11 +26,9 @@ class EstimateFiles : public Listener {
   void close();
 
  private:
-  std::optional<io::TextFile> tum_;
-  std::optional<io::StatesFile> states_;
+  io::PathFiles path_;
   std::optional<io::TextFile> json_;
   bool to_stdout_ = false;
-  std::optional<Time> written_;  ///< of the newest line of both
 };
 
 /// The inputs of the estimator in a file. Once a second they are flushed to the system, so that a

@@ -96,12 +96,12 @@ class Replay {
     summary_.initialised_by = start_ ? start_->source : "static";
     if (view->any()) view->begin(run_start(arguments, recording, used, summary_.initialised_by));
     if (start_) begin(*start_);
-    outputs_.open(arguments, outline_.imu_begin);
+    outputs_.emplace(arguments, outline_.imu_begin);
     if (arguments.barometer) heights_.emplace(recording.samples.get());
   }
 
   ReplaySummary run() {
-    const bool shows_lines = outputs_.prints_lines() && isatty(STDOUT_FILENO) != 0;
+    const bool shows_lines = outputs_->prints_lines() && isatty(STDOUT_FILENO) != 0;
     Progress progress(!shows_lines && !arguments_.silent);
     while (const ImuSample* sample = feed_.imu()) {
       pace(sample->time);
@@ -215,14 +215,14 @@ class Replay {
       throw std::runtime_error(
           fmt::format("the estimate is not finite at {} s", io::seconds_text(state.time)));
     }
-    outputs_.add(*odometry_);
+    outputs_->add(*odometry_);
     if (on_scan_) on_scan_(*odometry_);
     view_->add(*odometry_);
     summary_.add(odometry_->report(), state);
   }
 
   ReplaySummary finish() {
-    outputs_.close();
+    outputs_->close();
     summary_.started = odometry_->initialized();
     summary_.scans_unprocessed = static_cast<int>(feed_.scans_left()) + (waiting_ ? 1 : 0);
     summary_.counters = odometry_->counters();
@@ -245,7 +245,7 @@ class Replay {
   std::size_t imu_ = 0;  ///< samples that have passed
   std::optional<HeightFeed> heights_;
   bool several_ = outline_.scan_times.size() > 1;  ///< radars
-  ScanOutputs outputs_;
+  std::optional<ScanOutputs> outputs_;             ///< after the start, which may fail
   std::optional<Time> paced_from_;  ///< this machine's clock minus that of the recording
   std::unique_ptr<Odometry> odometry_;
   bool waiting_ = false;      ///< a scan of the single radar waits for the IMU

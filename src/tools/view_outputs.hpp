@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,7 +13,6 @@
 #include "commands.hpp"
 #include "live/session.hpp"
 #include "replay_summary.hpp"
-#include "rio/io/text_file.hpp"
 #include "rio/io/trajectory.hpp"
 #include "view/messages.hpp"
 #include "view/report.hpp"
@@ -50,44 +48,24 @@ class ViewOutputs : public live::Listener {
   view::EventWatch watch_;
 };
 
-/// What a replay writes at each processed scan: trajectory, states, a line for the terminal; of
-/// scans at the same instant, as of several radars, after the last one.
+/// What a replay writes at each processed scan: trajectory, states, a line for the terminal.
 class ScanOutputs {
  public:
-  void open(const ReplayArguments& arguments, Time begin) {
-    begin_ = begin;
-    lines_ = arguments.verbose && !arguments.json && !arguments.quiet;
-    if (!arguments.out.empty()) trajectory_.emplace(arguments.out);
-    if (!arguments.states.empty()) states_.emplace(arguments.states);
-  }
+  ScanOutputs(const ReplayArguments& arguments, Time begin)
+      : begin_(begin),
+        lines_(arguments.verbose && !arguments.json && !arguments.quiet),
+        path_(arguments.out, arguments.states) {}
 
   bool prints_lines() const { return lines_; }
 
   void add(const Odometry& odometry) {
-    const NavState& state = odometry.at_scan();
-    if (newest_ && newest_->state.time != state.time) write();
-    newest_ = {state, odometry.covariance()};
-    if (lines_) print_line(state, odometry.report());
+    path_.add(odometry.at_scan(), odometry.covariance());
+    if (lines_) print_line(odometry.at_scan(), odometry.report());
   }
 
-  void close() {
-    if (newest_) write();
-    if (trajectory_) trajectory_->close();
-    if (states_) states_->close();
-  }
+  void close() { path_.close(); }
 
  private:
-  struct Line {
-    NavState state;
-    BodyCovariance covariance;
-  };
-
-  void write() {
-    const NavState& x = newest_->state;
-    if (trajectory_) trajectory_->write(io::tum_line({x.time, x.p_WB, x.q_WB}) + "\n");
-    if (states_) states_->add(x, newest_->covariance);
-  }
-
   void print_line(const NavState& state, const UpdateReport& report) const {
     int used = 0;
     int gated = 0;
@@ -102,11 +80,9 @@ class ScanOutputs {
         state.v_WB.norm(), report.detections_kept, report.static_detections, used, gated);
   }
 
-  Time begin_{0};
-  bool lines_ = false;
-  std::optional<Line> newest_;  ///< not written yet
-  std::optional<io::TextFile> trajectory_;
-  std::optional<io::StatesFile> states_;
+  Time begin_;
+  bool lines_;
+  io::PathFiles path_;
 };
 
 }  // namespace rio::tools

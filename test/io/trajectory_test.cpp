@@ -262,6 +262,25 @@ TEST(StatesFile, WritesEveryColumnInPlace) {
   EXPECT_EQ(read_trajectory(path).at(0).q.coeffs(), state.q_WB.coeffs());
 }
 
+// Scans of several radars may share an instant: what the last one made of it is the estimate.
+TEST(PathFiles, HoldTheLastEstimateOfAnInstant) {
+  const TempDir dir;
+  PathFiles files(dir.path() / "p.tum", dir.path() / "p.csv");
+  for (const auto& [second, x] : {std::pair(1, 1.0), {1, 2.0}, {2, 3.0}, {3, 4.0}, {3, 5.0}}) {
+    files.add({.time = std::chrono::seconds(second), .p_WB = {x, 0.0, 0.0}}, numbered_covariance());
+  }
+  files.close();
+  constexpr double kLast[] = {2.0, 3.0, 5.0};
+  for (const char* name : {"p.tum", "p.csv"}) {
+    const Trajectory path = read_trajectory(dir.path() / name);
+    ASSERT_EQ(path.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(path[i].time, std::chrono::seconds(i + 1));
+      EXPECT_EQ(path[i].p.x(), kLast[i]);
+    }
+  }
+}
+
 TEST(TextFile, KeepsWhatItHeldUntilTheFirstWrite) {
   const TempDir dir;
   const auto path = dir.path() / "file.txt";

@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "rio/eval/stamped_pose.hpp"
 #include "rio/io/text_file.hpp"
@@ -60,6 +62,22 @@ class StatesFile {
 
  private:
   TextFile file_;
+};
+
+/// What a run writes, each if its name is not empty: poses in TUM format, and a StatesFile. Of
+/// estimates at one instant, as of scans of several radars, the last one is written.
+class PathFiles {
+ public:
+  PathFiles(const std::string& tum, const std::string& states);
+  void add(const NavState& state, const BodyCovariance& covariance);
+  void close();
+
+ private:
+  void write();
+
+  std::optional<TextFile> tum_;
+  std::optional<StatesFile> states_;
+  std::optional<std::pair<NavState, BodyCovariance>> newest_;  ///< not written yet
 };
 
 }  // namespace rio::io
