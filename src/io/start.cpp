@@ -45,7 +45,7 @@ const Block& block_of(const YamlFile& file, const YAML::Node& key,
 
 Vector3d finite_vector(const YamlFile& file, const YAML::Node& node, const std::string& key,
                        const char* unit) {
-  const Vector3d vector = yaml_vector(file, node, key, unit);
+  Vector3d vector = yaml_vector(file, node, key, unit);
   if (!vector.allFinite()) fail_at(file, node, key + ": not finite");
   return vector;
 }

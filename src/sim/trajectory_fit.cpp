@@ -136,7 +136,7 @@ class Spline {
       const auto [span, weights] = basis(observation.time);
       Trajectory::Control off = observations_.front().value - observation.value;
       for (int j = 0; j < kOrder; ++j) {
-        off += weights[j] * fitted[static_cast<std::size_t>(span + j)];
+        off += weights[j] * fitted[static_cast<std::size_t>(span) + static_cast<std::size_t>(j)];
       }
       sum += off.head<3>().squaredNorm();
     }
