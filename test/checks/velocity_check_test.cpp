@@ -280,6 +280,12 @@ TEST_F(VelocityCheckTest, AWrongVelocityWithAnHonestSigmaIsNoChance) {
   }
 }
 
+TEST_F(VelocityCheckTest, CanBeSwitchedOff) {
+  options_.checks.velocity = false;
+  restart();
+  expect_none(30, Vector3d(2.0, 1.0, 0.0), 6);
+}
+
 // A Doppler scale that is not zero has divided the range rates, and where they fold.
 TEST_F(VelocityCheckTest, FoldsWhereTheDividedRangeRatesDo) {
   constexpr double kScale = 0.1;
