@@ -7,6 +7,8 @@
 
 #include "check/numbers.hpp"
 #include "rio/checks/stamp_guard.hpp"
+#include "rio/core/small_cholesky.hpp"
+#include "rio/core/so3.hpp"
 #include "rio/frontend/ego_velocity.hpp"
 #include "rio/models/detection.hpp"
 
@@ -14,10 +16,33 @@ namespace rio::check {
 
 namespace {
 
-/// Sums of (E3) over the scans of a window: over w times products of G = [y_x C, y_y C, y_z C], q,
-/// 1 and t.
+/// (E3) of [a r, p], before the elimination of (E7).
+struct WithLever {
+  Eigen::Matrix<double, 12, 12> A = Eigen::Matrix<double, 12, 12>::Zero();
+  Eigen::Matrix<double, 12, 1> b = Eigen::Matrix<double, 12, 1>::Zero();
+  double c = 0.0;
+  double weight = 0.0;
+  std::size_t windows = 0;
+  int scans = 0;
+
+  void add(const WithLever& other) {
+    A += other.A;
+    b += other.b;
+    c += other.c;
+    weight += other.weight;
+    windows += other.windows;
+    scans += other.scans;
+  }
+
+  /// (E7)
+  /// @param sigma of p, per axis [m]
+  Agreement without_lever(double sigma) const;
+};
+
+/// Sums of (E3) over the scans of a window: over w times products of
+/// G = [y_x C, y_y C, y_z C, -C [w]x], q, 1 and t.
 struct Sums {
-  using Map9 = Eigen::Matrix<double, 3, 9>;
+  using Map12 = Eigen::Matrix<double, 3, 12>;
   int scans = 0;
   double last = 0.0;                  ///< t of the last scan [s]
   Vector3d begin = Vector3d::Zero();  ///< s at the first one [m/s]
@@ -28,11 +53,15 @@ struct Sums {
   Vector3d q = Vector3d::Zero();
   Vector3d tq = Vector3d::Zero();
   Matrix3d yy = Matrix3d::Zero();
-  Matrix3d Cq_y = Matrix3d::Zero();  ///< column-wise G^T q
-  Map9 G = Map9::Zero();
-  Map9 tG = Map9::Zero();
+  Matrix3d Cq_y = Matrix3d::Zero();  ///< column-wise the first nine of G^T q
+  Vector3d Lq = Vector3d::Zero();    ///< the others
+  Matrix3d rate_y = Matrix3d::Zero();
+  Matrix3d rates = Matrix3d::Zero();
+  Map12 G = Map12::Zero();
+  Map12 tG = Map12::Zero();
 
-  void add(double t, double weight, const Vector3d& y, const Matrix3d& C, const Vector3d& value) {
+  void add(double t, double weight, const Vector3d& y, const Matrix3d& C, const Vector3d& rate,
+           const Vector3d& value) {
     const Vector3d wy = weight * y;
     ++scans;
     last = t;
@@ -43,7 +72,14 @@ struct Sums {
     q += weight * value;
     tq += weight * t * value;
     yy += wy * y.transpose();
-    Cq_y += (C.transpose() * value) * wy.transpose();
+    const Vector3d value_B = C.transpose() * value;
+    Cq_y += value_B * wy.transpose();
+    Lq += weight * rate.cross(value_B);
+    rate_y += rate * wy.transpose();
+    rates += weight * rate * rate.transpose();
+    const Matrix3d of_lever = -weight * C * skew(rate);
+    G.rightCols<3>() += of_lever;
+    tG.rightCols<3>() += t * of_lever;
     for (int k = 0; k < 3; ++k) {
       const Matrix3d part = wy[k] * C;
       G.block<3, 3>(0, 3 * k) += part;
@@ -53,37 +89,70 @@ struct Sums {
 
   /// Subtracts the lines over t, as normal equations: with N the inverse of [w, wt; wt, wtt], the
   /// products of the lines of a and b are [sum a, sum ta]^T N [sum b, sum tb].
-  Agreement less_lines() const {
-    Agreement out;
+  WithLever less_lines() const {
+    WithLever out;
     const double det = w * wtt - wt * wt;
-    const Map9 start = (wtt * G - wt * tG) / det;
-    const Map9 slope = (w * tG - wt * G) / det;
+    const Map12 start = (wtt * G - wt * tG) / det;
+    const Map12 slope = (w * tG - wt * G) / det;
     for (int j = 0; j < 3; ++j) {
       for (int k = 0; k < 3; ++k) {
         out.A.block<3, 3>(3 * j, 3 * k).diagonal().setConstant(yy(j, k));
       }
+      const Matrix3d cross = -skew(rate_y.col(j));
+      out.A.block<3, 3>(3 * j, 9) = cross;
+      out.A.block<3, 3>(9, 3 * j) = cross.transpose();
     }
+    out.A.bottomRightCorner<3, 3>() = rates.trace() * Matrix3d::Identity() - rates;
     out.A -= G.transpose() * start + tG.transpose() * slope;
-    out.b = Eigen::Map<const Eigen::Matrix<double, 9, 1>>(Cq_y.data());
+    out.b << Eigen::Map<const Eigen::Matrix<double, 9, 1>>(Cq_y.data()), Lq;
     out.b -= start.transpose() * q + slope.transpose() * tq;
     out.c = qq - (q.dot(wtt * q - wt * tq) + tq.dot(w * tq - wt * q)) / det;
     out.weight = w;
     out.windows = 1;
+    out.scans = scans;
     return out;
   }
 };
 
 constexpr double kModels = 0.1;  // errors of a good scan beyond the noise model [m/s]
 
+Agreement WithLever::without_lever(double sigma) const {
+  Agreement out;
+  out.moved = c;
+  out.weight = weight;
+  out.windows = windows;
+  if (windows == 0) return out;
+  // as in (E6) the scans of a window count as one
+  const double prior = kModels * kModels / (sigma * sigma) * scans / static_cast<double>(windows);
+  const SmallCholesky<3> root(A.bottomRightCorner<3, 3>() + prior * Matrix3d::Identity());
+  const Eigen::Matrix<double, 3, 9> gain = root.inverse() * A.bottomLeftCorner<3, 9>();
+  const Vector3d p = root.inverse() * b.tail<3>();
+  out.A = A.topLeftCorner<9, 9>() - gain.transpose() * A.bottomLeftCorner<3, 9>();
+  out.b = b.head<9>() - gain.transpose() * b.tail<3>();
+  out.c = c - p.dot(b.tail<3>());
+  return out;
+}
+
+/// Scans farther apart do not confirm each other: two on each side of a slow radar [s].
+double neighbourhood(const std::vector<RadarSpeed>& speeds) {
+  constexpr double kShortest = 0.25;
+  constexpr double kLongest = 0.75;  // the velocity bends within it
+  std::vector<double> periods;
+  for (std::size_t k = 1; k < speeds.size(); ++k) {
+    periods.push_back(to_seconds(speeds[k].time - speeds[k - 1].time));
+  }
+  const double two = periods.empty() ? 0.0 : 2.5 * median(std::move(periods));
+  return std::clamp(two, kShortest, kLongest);
+}
+
 /// Whether the velocity agrees with its neighbours, unlike a wrong fold, or a person passing by.
-bool is_alike(const std::vector<RadarSpeed>& speeds, std::size_t k) {
-  constexpr double kAround = 0.25;  // [s]
+bool is_alike(const std::vector<RadarSpeed>& speeds, std::size_t k, double near) {
   constexpr double kNoise = 0.3;    // [m/s]
   constexpr std::size_t kMost = 8;  // on each side
   std::array<std::vector<double>, 3> around;
   const std::size_t end = std::min(speeds.size(), k + kMost + 1);
   for (std::size_t i = k - std::min(k, kMost); i < end; ++i) {
-    if (i == k || std::abs(to_seconds(speeds[i].time - speeds[k].time)) > kAround) continue;
+    if (i == k || std::abs(to_seconds(speeds[i].time - speeds[k].time)) > near) continue;
     for (int axis = 0; axis < 3; ++axis) {
       around[static_cast<std::size_t>(axis)].push_back(speeds[i].v_S[axis]);
     }
@@ -128,8 +197,9 @@ std::vector<RadarSpeed> radar_speeds(const Scans& scans, Options options) {
                    static_cast<double>(ego.inliers) / static_cast<double>(list.items.size())});
   }
   std::vector<RadarSpeed> out;
+  const double near = neighbourhood(all);
   for (std::size_t k = 0; k < all.size(); ++k) {
-    if (is_alike(all, k)) out.push_back(all[k]);
+    if (is_alike(all, k, near)) out.push_back(all[k]);
   }
   return out;
 }
@@ -153,6 +223,7 @@ Agreement& Agreement::operator+=(const Agreement& other) {
   A += other.A;
   b += other.b;
   c += other.c;
+  moved += other.moved;
   weight += other.weight;
   windows += other.windows;
   return *this;
@@ -171,15 +242,15 @@ double Agreement::movement() const {
 }
 
 double Agreement::movement_of_imu() const {
-  return weight > 0.0 ? std::sqrt(c / weight) : 0.0;
+  return weight > 0.0 ? std::sqrt(moved / weight) : 0.0;
 }
 
 double noise(const std::vector<RadarSpeed>& speeds) {
-  constexpr double kNear = 0.25;  // [s]
+  const double near = neighbourhood(speeds);
   double sum = 0.0;
   double weight = 0.0;
   for (std::size_t k = 2; k < speeds.size(); ++k) {
-    if (!(to_seconds(speeds[k].time - speeds[k - 2].time) < kNear)) continue;
+    if (!(to_seconds(speeds[k].time - speeds[k - 2].time) < near)) continue;
     const Vector3d bend = speeds[k].v_S - 2.0 * speeds[k - 1].v_S + speeds[k - 2].v_S;
     sum += speeds[k - 1].weight * bend.squaredNorm() / 6.0;
     weight += speeds[k - 1].weight;
@@ -190,16 +261,18 @@ double noise(const std::vector<RadarSpeed>& speeds) {
 std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const ImuPath& path,
                                   double length, const Vector3d& lever_B,
                                   const std::vector<double>& shifts) {
-  constexpr int kFewest = 8;         // besides the six unknowns of v_0 and g
-  constexpr double kShortest = 0.5;  // of the length
-  std::vector<Agreement> out(shifts.size());
+  constexpr int kFewest = 8;           // besides the six unknowns of v_0 and g
+  constexpr double kUnmeasured = 0.2;  // an arm that nobody configured, of a small robot [m]
+  constexpr double kMeasured = 0.03;   // by a ruler [m]
+  constexpr double kShortest = 0.5;    // of the length
+  std::vector<WithLever> all(shifts.size());
   std::vector<Sums> sums(shifts.size());
   Time begin{0};
   int piece = 0;
   const auto close = [&] {
     for (std::size_t s = 0; s < shifts.size(); ++s) {
       if (sums[s].scans >= kFewest && sums[s].last >= kShortest * length) {
-        out[s] += sums[s].less_lines();
+        all[s].add(sums[s].less_lines());
       }
       sums[s] = Sums();
     }
@@ -218,11 +291,14 @@ std::vector<Agreement> agreements(const std::vector<RadarSpeed>& speeds, const I
       const ImuPath::Point p = *path.at(speed.time + from_seconds(shifts[s]));
       if (opens) sums[s].begin = p.sum;
       const Matrix3d C = p.turn.toRotationMatrix();
-      sums[s].add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C,
+      sums[s].add(to_seconds(speed.time - begin), speed.weight, speed.v_S, C, p.rate,
                   p.sum - sums[s].begin + C * p.rate.cross(lever_B));
     }
   }
   close();
+  std::vector<Agreement> out;
+  const double sigma = lever_B.isZero() ? kUnmeasured : kMeasured;
+  for (const WithLever& windows : all) out.push_back(windows.without_lever(sigma));
   return out;
 }
 

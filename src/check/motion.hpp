@@ -17,6 +17,8 @@
 // (E6) the better of two hypotheses, with unexplained shares u < u', has a significance of
 //      sqrt(3 n (u' - u) / u) sigmas: as if each axis of n windows were one measurement. A window
 //      has dozens, but the errors of the models repeat within it.
+// (E7) an error p of the lever arm is linear, too: G gets the columns -C [w]x, and p is eliminated
+//      from A, b and c with a prior on it
 // All hypotheses share A, b and c, so that evaluating one is cheap. Compare
 // checks/velocity_check.hpp and propagate/moving_start.hpp.
 #pragma once
@@ -53,6 +55,7 @@ struct Agreement {
   Eigen::Matrix<double, 9, 9> A = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> b = Eigen::Matrix<double, 9, 1>::Zero();
   double c = 0.0;
+  double moved = 0.0;   ///< c with the lever arm as configured
   double weight = 0.0;  ///< sum of w
   std::size_t windows = 0;
 

@@ -128,7 +128,7 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
                      const Options& options, const Advice& advice) {
   constexpr double kMostSnr = 100.0;   // no radar has more [dB]
   constexpr double kEnough = 6.0;      // points a scan, of which three give a velocity
-  constexpr double kNeighbours = 8.0;  // scans a second: three within 0.25 s (motion.cpp)
+  constexpr double kNeighbours = 3.5;  // scans a second: three within 0.75 s (motion.cpp)
   std::vector<double> counts;
   for (std::size_t i = 0; i < scans.size(); ++i) {
     counts.push_back(static_cast<double>(scans[i].detections.size()));
@@ -190,10 +190,13 @@ Finding check_points(const Scans& scans, const std::vector<RadarSpeed>& speeds,
 /// Whether the points are where a radar sees, in metres.
 Finding check_distances(const Scans& scans, const Options& options, const Advice& advice) {
   constexpr double kOtherUnit = 3.0;  // times the limit: the setting of no radar
-  const auto range = [&scans](double share) {
-    return quantile_of(
-        scans.points(), [](const Point& d) { return d.point_S.norm(); }, share);
-  };
+  std::vector<double> ranges;
+  const Point* before = nullptr;
+  for (const Point& d : scans.points()) {  // a driver may fill its list with copies of one point
+    if (before == nullptr || d.point_S != before->point_S) ranges.push_back(d.point_S.norm());
+    before = &d;
+  }
+  const auto range = [&ranges](double share) { return quantile_of(&ranges, share); };
   const double nearest = range(0.01);
   const double usual = range(0.5);
   const double farthest = range(0.99);

@@ -94,6 +94,30 @@ TEST(Check, FindsAMountingThatNobodyConfigured) {
   expect_below("mounting found at any angle, off by [deg]", off * 180.0 / kHalfTurn, 10.0);
 }
 
+TEST(Check, FiveScansASecondTellTheMounting) {
+  io::Dataset dataset = flight();
+  std::size_t i = 0;
+  std::erase_if(dataset.scans, [&i](const RadarScan&) { return i++ % 3 != 0; });
+  dataset.radar_info.rate_hz = 5.0;
+  expect_ok(dataset);
+  turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
+  EXPECT_EQ(said(dataset, "axes and Doppler sign").verdict, Verdict::kWrong);
+}
+
+TEST(Check, FindsAMountingWhoseArmNobodyMeasured) {
+  sim::Scenario scenario = scenario_named("aggressive");
+  scenario.path.length = 60.0;
+  scenario.radar.T_BS.translation = {0.25, -0.1, 0.1};
+  io::Dataset dataset = flown(scenario);
+  Pose& configured = *dataset.radar_info.T_BS;
+  const Quaternion truth = configured.rotation;
+  configured = {quaternion_exp(Vector3d(0.6, -0.9, 0.4)) * truth, Vector3d::Zero()};
+  const Finding finding = said(dataset, "axes and Doppler sign");
+  const double off = quaternion_log(truth.conjugate() * mounting_in(finding.change)).norm();
+  expect_below("mounting found without its arm of 0.29 m, off by [deg]", off * 180.0 / kHalfTurn,
+               4.5);
+}
+
 TEST(Check, FindsTheAxesOfALateRadar) {
   io::Dataset dataset = flight();
   turn_mounting(&dataset, {0.0, 0.0, kHalfTurn}, true);
