@@ -97,31 +97,30 @@ std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose) {
   return std::nullopt;
 }
 
-std::string describe(const Matrix3d& configured, const Axes& axes) {
+std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign sign) {
   if (!axes.doppler_flipped) return "the radar is turned by " + turn_text(configured, axes.R);
   if (axes.turn < 1e-6) return "the Doppler has the wrong sign";
   const std::string turned =
       "the Doppler has the wrong sign and the radar is turned by " + turn_text(configured, -axes.R);
   const std::optional<std::string> mirrored =
       mirror_text(configured.transpose() * axes.R, "the points");
-  return mirrored ? *mirrored + " (or " + turned + ")" : turned;
+  return mirrored && !seems_opposite(sign) ? *mirrored + " (or " + turned + ")" : turned;
 }
 
-std::string change_of(const Matrix3d& configured, const Axes& axes, const Options& options,
-                      const Advice& advice) {
-  const Vector3d& p = options.radar.T_BS.translation;
-  if (!axes.doppler_flipped) {
+std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign sign,
+                      const Options& options, const Advice& advice) {
+  const auto turned = [&](const Matrix3d& R) {
     const bool mounted = (advice.info != nullptr && advice.info->T_BS.has_value()) ||
                          (configured - Matrix3d::Identity()).norm() > 1e-6;
-    const auto of_points = mounted ? advice.axes(configured.transpose() * axes.R) : std::nullopt;
-    return of_points ? *of_points : mounting_line(axes.R, p, advice);
-  }
+    const auto of_points = mounted ? advice.axes(configured.transpose() * R) : std::nullopt;
+    return of_points ? *of_points : mounting_line(R, options.radar.T_BS.translation, advice);
+  };
+  if (!axes.doppler_flipped) return turned(axes.R);
   if (axes.turn < 1e-6) return advice.negate_doppler();
-  std::string both = advice.negate_doppler() + " and " + mounting_line(-axes.R, p, advice);
-  const std::optional<std::string> mirrored =
-      mirror_text(configured.transpose() * axes.R, "the points");
-  if (!mirrored) return both;
-  if (const auto field = advice.mirror(configured.transpose() * axes.R)) return *field;
+  const Matrix3d M = configured.transpose() * axes.R;
+  const std::optional<std::string> mirrored = mirror_text(M, "the points");
+  if (!mirrored || seems_opposite(sign)) return advice.negate_doppler() + " and " + turned(-axes.R);
+  if (const auto field = advice.mirror(M)) return *field;
   const std::string where = advice.bag() ? "--axes or --field x=... y=... z=..."
                                          : "the columns x, y, z of " + advice.csv();
   return fmt::format("{}, by {}", *mirrored, where);

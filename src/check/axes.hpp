@@ -14,7 +14,11 @@
 namespace rio::check {
 
 /// What the ranges say of the sign of the Doppler.
-enum class DopplerSign { kUnknown, kAsConfigured, kOpposite };
+enum class DopplerSign { kUnknown, kAsConfigured, kLeansOpposite, kOpposite };
+
+inline bool seems_opposite(DopplerSign sign) {
+  return sign == DopplerSign::kLeansOpposite || sign == DopplerSign::kOpposite;
+}
 
 /// A hypothesis on the axes and sign of the radar velocities.
 struct Axes {
@@ -40,11 +44,12 @@ double angle_between(const Matrix3d& a, const Matrix3d& b);
 std::optional<std::string> mirror_text(const Matrix3d& M, const char* whose);
 
 /// The error of the configured mounting, if these are the true axes.
-std::string describe(const Matrix3d& configured, const Axes& axes);
+/// @param sign opposite: it is no mirror
+std::string describe(const Matrix3d& configured, const Axes& axes, DopplerSign sign);
 
 /// What corrects it: other axes of the points if they are known to be mounted as configured, else
 /// the mounting.
-std::string change_of(const Matrix3d& configured, const Axes& axes, const Options& options,
-                      const Advice& advice);
+std::string change_of(const Matrix3d& configured, const Axes& axes, DopplerSign sign,
+                      const Options& options, const Advice& advice);
 
 }  // namespace rio::check

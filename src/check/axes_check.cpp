@@ -57,7 +57,8 @@ std::string right_angle_text(const Matrix3d& R) {
     if (angle_between(P, R) > kNear) continue;
     const double turn = angle_between(P, Matrix3d::Identity());
     return turn < 1e-6 ? "; here the radar seems to have the axes of the body"
-                       : "; here it seems that " + describe(Matrix3d::Identity(), {P, false, turn});
+                       : "; here it seems that " + describe(Matrix3d::Identity(), {P, false, turn},
+                                                            DopplerSign::kUnknown);
   }
   return "";
 }
@@ -82,6 +83,7 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
   constexpr double kStill = 3.0;   // same, of a velocity that is hardly any
   constexpr double kLess = 0.8;    // of what the IMU measures
   constexpr double kChance = 0.1;  // explained
+  constexpr double kUnseen = 0.1;  // by a bias of 4 deg/s in the shortest windows [m/s]
   const double movement = judge.all.movement();
   const double of_imu = judge.all.movement_of_imu();
   const double of_speeds = noise(judge.data.speeds);
@@ -90,9 +92,10 @@ void say_nothing_explains(const Judge& judge, double best, Finding* out) {
       ", at best {:.0f} % with any other; the velocity of the radar changes by {:.2f} m/s (rms, "
       "noise {:.2f})",
       100.0 * best, movement, of_speeds);
-  // the bias of the gyro turns gravity: nothing is told by windows that show it
-  const bool flown = speed > 0.0 && judge.length <= 2.0 * kShortestWindow &&
-                     of_imu > kFlown * judge.length / kShortestWindow;
+  // noise of the accelerometer grows with the root of the window, what a bias of the gyro makes of
+  // gravity with its square
+  const double no_motion = kUnseen * std::pow(judge.length / kShortestWindow, 1.5);
+  const bool flown = speed > 0.0 && of_imu > no_motion;
   if (flown && speed < kStill * of_speeds && speed < kLess * of_imu) {
     *out = compensated(
         judge, out->text + fmt::format(" and is {:.2f} m/s (rms), while that of the IMU changes by "
@@ -140,7 +143,7 @@ Axes choose_axes(const Judge& judge, std::vector<Axes>* alike) {
   }
   // the same matrix up to a tilt of the mounting; mirrored points are the more likely error
   const bool strange = alike->front().doppler_flipped && alike->front().turn > 1e-6 &&
-                       judge.data.doppler_sign != DopplerSign::kOpposite;
+                       !seems_opposite(judge.data.doppler_sign);
   if (strange) {
     prefer([&](const Axes& axes) { return mirrors_the_points(axes, judge.configured); });
   }
@@ -222,11 +225,13 @@ Finding check_axes(const Judge& judge, const Axes& found, const std::vector<Axes
     if (*imu_axes == "frd") out.change += " (flu, if they are turned from frd already)";
     return out;
   }
-  out.text += fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found));
+  const DopplerSign sign = judge.data.doppler_sign;
+  out.text +=
+      fmt::format(", and {:.0f} % if {}", 100.0 * best, describe(judge.configured, found, sign));
   for (std::size_t i = 1; i < std::min<std::size_t>(alike.size(), 4); ++i) {
-    out.text += ", or as well if " + describe(judge.configured, alike[i]);
+    out.text += ", or as well if " + describe(judge.configured, alike[i], sign);
   }
-  out.change = change_of(judge.configured, found, judge.options, judge.advice);
+  out.change = change_of(judge.configured, found, sign, judge.options, judge.advice);
   return out;
 }
 

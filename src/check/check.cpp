@@ -163,8 +163,10 @@ Findings check_one_radar(const CheckedImu& imu, const Scans& recorded,
     if (twice.size() > 1 && worst(twice) == Verdict::kOk)
       motion = {doppler_is_half(twice[0], advice)};
   }
-  if (motion[0].subject == "Doppler") {  // it may be beyond its limit for the same reason
-    std::erase_if(out, [](const Finding& f) { return f.subject == "Doppler"; });
+  if (motion[0].subject == "Doppler") {  // beyond its limit, or of odd rates, for the same reason
+    std::erase_if(out, [](const Finding& f) {
+      return f.subject == "Doppler" || f.subject == "Doppler by the ranges";
+    });
   }
   append(motion);
   return out;

@@ -218,7 +218,7 @@ RangeCheck check_ranges(const Scans& scans, const Options& options, const Advice
   if (signs.reversed().leans()) {
     out.verdict = Verdict::kDoubtful;
     out.change = advice.negate_doppler() + ", if a longer recording says the same";
-    return {out};
+    return {out, DopplerSign::kLeansOpposite};
   }
   if (best == 0 || rate.k == 0.0) {
     const bool as_configured = signs.is_sure() || signs.leans();

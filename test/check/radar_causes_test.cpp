@@ -59,10 +59,9 @@ TEST(RadarCauses, AnAngleCountedTheOtherWayIsNoRadarUpsideDown) {
   EXPECT_EQ(said(in_air, "axes and Doppler sign").change, "--field y=y*-1");
 }
 
-/// The flight with this share of its motion subtracted from the Doppler, by the velocity that most
-/// points of the scan agree on.
-io::Dataset compensated(double share, double noise) {
-  io::Dataset dataset = flight();
+/// With this share of its motion subtracted from the Doppler, by the velocity that most points of
+/// the scan agree on.
+io::Dataset compensated(io::Dataset dataset, double share, double noise) {
   Options options;
   io::apply_sensor_info(dataset, &options);
   std::size_t k = 0;
@@ -83,12 +82,15 @@ TEST(RadarCauses, ADopplerWithoutTheMotionOfTheVehicleIsNamed) {
   for (const auto& [share, noise] :
        {std::pair(1.0, 0.0), std::pair(1.0, 0.15), std::pair(0.9, 0.0), std::pair(0.8, 0.0)}) {
     SCOPED_TRACE(testing::Message() << share << " of it, noise of " << noise);
-    const Findings findings = check_it(compensated(share, noise));
+    const Findings findings = check_it(compensated(flight(), share, noise));
     expect(said(findings, "Doppler"), Verdict::kWrong, "the motion of the radar",
            "the driver subtracts the motion of the vehicle");
     EXPECT_EQ(std::ranges::count(findings, Verdict::kWrong, &Finding::verdict), 1)
         << text_of(findings);
   }
+  const Findings slow = check_it(compensated(flown("outdoor", 80.0), 1.0, 0.0));
+  expect(said(slow, "Doppler"), Verdict::kWrong, "the motion of the radar");
+  EXPECT_EQ(find(slow, "Doppler by the ranges"), nullptr);
 }
 
 TEST(RadarCauses, AFactorOfTheDopplerIsNamed) {
@@ -152,6 +154,21 @@ TEST(RadarCauses, PointsInOtherKnownAxesNeedNoMounting) {
   EXPECT_EQ(said(dataset, "axes and Doppler sign").change, "--axes flu");
   dataset.radar_info.axes = "";
   expect_change(dataset, "axes and Doppler sign", "T_BS");
+}
+
+TEST(RadarCauses, OtherAxesAndTheOtherSignAreNoMirror) {
+  const Vector3d flips(1.0, -1.0, -1.0);
+  for (const char* axes : {"frd", "ti"}) {
+    io::Dataset dataset = with_detections([&](RadarDetection& d) {
+      const Vector3d p = d.point_S;
+      d.point_S = axes[0] == 'f' ? p.cwiseProduct(flips) : Vector3d(-p.y(), p.x(), p.z());
+      d.range_rate = -d.range_rate;
+    });
+    dataset.radar_info.axes = "flu";
+    dataset.radar_info.fields = {{"x", "x"}, {"y", "y"}, {"z", "z"}};
+    EXPECT_EQ(said(dataset, "axes and Doppler sign").change,
+              std::string("--approaching (without it, if it is given) and --axes ") + axes);
+  }
 }
 
 /// A minute at rest with this bias of the gyro about x, in front of walls and a walking person.
@@ -221,7 +238,7 @@ TEST(RadarCauses, AFewSecondsOfRangesAgainstTheDopplerAreDoubtful) {
   EXPECT_EQ(approaching(-1.0).sign, check::DopplerSign::kAsConfigured);
   const check::RangeCheck against = approaching(1.0);
   EXPECT_EQ(against.finding.verdict, Verdict::kDoubtful) << against.finding.text;
-  EXPECT_EQ(against.sign, check::DopplerSign::kUnknown);
+  EXPECT_EQ(against.sign, check::DopplerSign::kLeansOpposite);
 }
 
 TEST(RadarCauses, OddValuesOfOneField) {
@@ -248,6 +265,10 @@ TEST(RadarCauses, OddValuesOfOneField) {
        "2 % of the points are beyond 100 m/s", "leave these points out"},
       {mark(&RadarDetection::snr_db, 3276.7), "points", Verdict::kDoubtful,
        "an SNR of 3276.7: a mark of the driver", "leave these points out"},
+      {[](io::Dataset* d) {
+         for (RadarScan& scan : d->scans) scan.detections.resize(64, {{999.0, 999.0, 999.0}, 0.0});
+       },
+       "distances", Verdict::kOk, "half of the points within"},
   });
 }
 
