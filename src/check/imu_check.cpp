@@ -81,8 +81,9 @@ double turning_error(const std::vector<ImuSample>& samples, double factor) {
   return angles.size() < 10 ? std::numeric_limits<double>::quiet_NaN() : median(angles);
 }
 
+/// @param counts the accelerometer is in no unit
 Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Source source,
-                   double* unit) {
+                   bool counts, double* unit) {
   constexpr double kAnywhere = 25.0 * kDegree;  // beyond any tilt change in half a second
   constexpr double kFastest = 6.3;  // a turn a second half of the time: no flight is so [rad/s]
   const auto rate = [](const ImuSample& s) { return s.gyro_B.norm(); };
@@ -104,6 +105,11 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
   if (nonsense || usual > kFastest) {
     *unit = kDegree;
     out.verdict = Verdict::kWrong;
+    if (smaller && counts) {
+      out.text += ": with the accelerometer in no unit, both seem to be raw counts";
+      out.change = "multiply both by the sensitivities of the data sheet of the IMU";
+      return out;
+    }
     if (smaller) {
       *unit = 1e-3 * usual > kFastest ? 1e-3 * kDegree : 1e-3;
       const char* name = *unit == 1e-3 ? "mrad/s" : "mdeg/s";
@@ -122,7 +128,8 @@ Finding check_gyro(const std::vector<ImuSample>& samples, const Rest& rest, Sour
 }
 
 /// A saturated sensor repeats the same largest value; one without noise is none.
-Finding check_saturation(const std::vector<ImuSample>& samples) {
+Finding check_saturation(const Usable& usable) {
+  const std::vector<ImuSample>& samples = usable.good();
   std::size_t at_end = 0;
   std::size_t frozen = 0;
   std::string still;
@@ -154,6 +161,10 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
               fmt::format("{:.2f} % of an axis at its largest value, {:.2f} % of the samples equal "
                           "the one before",
                           end, same)};
+  if (usable.spikes() > 0) {
+    out.text += fmt::format("; {} single ones are all zero or beyond the range, and left out",
+                            usable.spikes());
+  }
   if (!still.empty()) {
     out.verdict = Verdict::kDoubtful;
     out.text += "; never changes: " + still;
@@ -161,6 +172,9 @@ Finding check_saturation(const std::vector<ImuSample>& samples) {
   } else if (end > 0.1 || same > 1.0) {
     out.verdict = Verdict::kDoubtful;
     out.change = "widen the ranges of the IMU and mount it softer; read it as often as it measures";
+  } else if (100 * usable.spikes() > samples.size()) {
+    out.verdict = Verdict::kDoubtful;
+    out.change = "look for damaged reads in the driver of the IMU";
   }
   return out;
 }
@@ -185,13 +199,30 @@ bool is_off_gravity(const ImuCheck& check, const Options& options) {
 
 Usable::Usable(const std::vector<ImuSample>& all) : all_(all) {
   constexpr double kMost = 1e9;  // in no unit of an IMU; sums of larger ones would lose the others
+  const ImuOptions limits;
   const auto is_finite = [kMost](const ImuSample& s) {
     return (s.gyro_B.array().abs() < kMost).all() && (s.accel_B.array().abs() < kMost).all();
   };
+  const auto is_odd = [&](const ImuSample& s) {
+    return s.gyro_B.cwiseAbs().maxCoeff() >= limits.max_rate ||
+           s.accel_B.cwiseAbs().maxCoeff() >= limits.max_accel ||
+           (s.gyro_B.isZero(0.0) && s.accel_B.isZero(0.0));
+  };
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (!is_finite(all[i])) continue;
+    const bool alone = i > 0 && i + 1 < all.size() && !is_odd(all[i - 1]) && !is_odd(all[i + 1]);
+    if (alone && is_odd(all[i])) {
+      ++spikes_;
+    } else {
+      kept.push_back(i);
+    }
+  }
   std::vector<ImuSample> some;
-  const bool all_finite = std::ranges::all_of(all, is_finite);
-  if (!all_finite) std::ranges::copy_if(all, std::back_inserter(some), is_finite);
-  const std::vector<ImuSample>& finite = all_finite ? all : some;
+  if (kept.size() < all.size()) {
+    for (const std::size_t i : kept) some.push_back(all[i]);
+  }
+  const std::vector<ImuSample>& finite = kept.size() < all.size() ? some : all;
   const std::vector<std::size_t> order = in_order(finite);
   if (order.size() == all.size()) return;
   fewer_.emplace();
@@ -227,8 +258,8 @@ ImuCheck check_imu(const Usable& usable, const io::ImuInfo& info, Source source,
   out.findings.push_back(check_accel(good, rest, source, &out));
   if (out.exchanged) return out;
   if (std::isfinite(rest.spread)) out.findings.push_back(check_up(rest));
-  out.findings.push_back(check_gyro(good, rest, source, &out.gyro_unit));
-  out.findings.push_back(check_saturation(good));
+  out.findings.push_back(check_gyro(good, rest, source, !out.integrable, &out.gyro_unit));
+  out.findings.push_back(check_saturation(usable));
   return out;
 }
 

@@ -39,17 +39,21 @@ inline constexpr double kLongestSilence = kMostVelocity / kFeigned;  // [s]
 inline constexpr double kSparseVelocities = 0.1 / kFeigned;  // [s]
 
 /// The samples that can be integrated: finite, of a size that an IMU measures, in_order() of
-/// order.hpp. A copy only if these are not all.
+/// order.hpp; without single ones that the estimator leaves out (checks/imu_guard.hpp). A copy only
+/// if these are not all.
 class Usable {
  public:
   /// @param all as recorded, in their order; outlive it
   explicit Usable(const std::vector<ImuSample>& all);
   const std::vector<ImuSample>& all() const { return all_; }
   const std::vector<ImuSample>& good() const { return fewer_ ? *fewer_ : all_; }
+  /// Single ones that are zero in all axes, or beyond the range of the sensor.
+  std::size_t spikes() const { return spikes_; }
 
  private:
   const std::vector<ImuSample>& all_;
   std::optional<std::vector<ImuSample>> fewer_;
+  std::size_t spikes_ = 0;
 };
 
 /// Whether they differ in their stamps at most.

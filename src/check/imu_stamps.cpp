@@ -133,7 +133,8 @@ Finding check_stamps(const Usable& samples, const io::ImuInfo& info, Source sour
     out.verdict = Verdict::kWrong;
     out.text += fmt::format(": they come in batches of {:.0f}, stamped when they arrived",
                             static_cast<double>(good.size()) / static_cast<double>(batches));
-    out.change = "stamp each sample by itself in its driver, or read the IMU sample by sample";
+    out.change = (source == Source::kBag ? "--imu-clock receive, or " : "") +
+                 std::string("stamp each sample by itself in its driver");
   } else if (period < kFastest) {
     const bool micro = 1e3 * period > kFastest;
     *unit = micro ? 1e3 : 1e6;

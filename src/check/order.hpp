@@ -104,7 +104,8 @@ inline Finding cut_stamps(const char* subject, double grid, std::string change) 
             fmt::format("all stamps are multiples of {:g} s: samples come in batches that share a "
                         "stamp",
                         grid),
-            "stamp each sample by itself in its driver"};
+            (change.starts_with("--") ? change + ", or " : "") +
+                "stamp each sample by itself in its driver"};
   }
   return {Verdict::kWrong, subject,
           fmt::format("all stamps are multiples of {:g} s: they lost digits when they were written",

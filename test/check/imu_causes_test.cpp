@@ -148,6 +148,17 @@ TEST(ImuCauses, EveryUnitOfTheAccelerometerCanBePasted) {
 
 TEST(ImuCauses, OddSamples) {
   const auto off_at_rest = of_samples([](ImuSample& s) { s.accel_B *= 1.06; });
+  const auto raw_counts = of_samples([](ImuSample& s) {
+    s.accel_B *= 2048.0 / 9.81;
+    s.gyro_B *= 16.4 * 180.0 / kHalfTurn;
+  });
+  const auto each_150th = [](const std::function<void(ImuSample&)>& change) {
+    return of_samples([change, i = 0](ImuSample& s) mutable {
+      if (++i % 150 == 0) change(s);
+    });
+  };
+  const auto spikes = each_150th([](ImuSample& s) { s.accel_B.x() = 600.0; });
+  const auto zeros = each_150th([](ImuSample& s) { s = {s.time}; });
   expect_said({
       {of_samples([](ImuSample& s) { s.gyro_B.x() = s.accel_B.z() = 9.81; }), "imu saturation",
        Verdict::kDoubtful, "never changes: gyro x, accelerometer z", "does not fill these in"},
@@ -155,6 +166,10 @@ TEST(ImuCauses, OddSamples) {
        ""},
       {off_at_rest, "accelerometer unit", Verdict::kDoubtful, "", "scale or bias is off"},
       {off_at_rest, "start", Verdict::kDoubtful, "too far off gravity"},
+      {raw_counts, "gyro unit", Verdict::kWrong, "raw counts", "data sheet"},
+      {spikes, "accelerometer unit", Verdict::kOk, ""},
+      {spikes, "imu saturation", Verdict::kOk, "single ones are all zero or beyond the range"},
+      {zeros, "start", Verdict::kOk, ""},
   });
 }
 

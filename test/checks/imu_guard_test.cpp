@@ -45,6 +45,13 @@ TEST_F(ImuGuardTest, FrozenSamplesAreNotTaken) {
   EXPECT_EQ(guard_.check(noisy()), ImuFault::kNone);
 }
 
+TEST_F(ImuGuardTest, AReadThatFailedIsFrozen) {
+  EXPECT_EQ(guard_.check({}), ImuFault::kFrozen);  // from the first sample on
+  warm_up();
+  EXPECT_EQ(guard_.check({}), ImuFault::kFrozen);
+  EXPECT_EQ(guard_.check(noisy()), ImuFault::kNone);
+}
+
 TEST_F(ImuGuardTest, AnAxisOrASensorThatReadsTheSameIsFrozen) {
   for (int part = 0; part < 8; ++part) {  // six axes, two sensors
     SCOPED_TRACE(part);
