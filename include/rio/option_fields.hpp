@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The table of the option fields: key, unit, meaning, allowed range. Validation, option files and
-// `rio options` are loops over it. What only the presets set has a table of its own.
-// TimingOptions::clock is not listed, since a function cannot be in a file. C++17.
+// `rio options` are loops over it. What only the presets set, and what only the library sets, have
+// tables of their own: validated, but not in files. Not listed: TimingOptions::clock (a function)
+// and switches for experiments (CheckOptions::landmarks, AblationOptions). C++17.
 //
 // Two layers: `field` is what a user knows of the vehicle (sensors, mounting, priors, start,
-// budgets), `inner` is the algorithm.
+// budgets), `inner` is the algorithm and what presets differ in.
 #pragma once
 
 #include <array>
@@ -38,7 +39,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
     visit(FieldInfo{key, unit, doc, min, max, Layer::kAlgorithm}, value);
   };
 
-  field("backend", o.backend, "", 0, 1, "ekf or smoother.");
+  inner("backend", o.backend, "", 0, 1, "ekf or smoother.");
 
   field("imu.gyro_noise_density", o.imu.gyro_noise_density, "rad/s/sqrt(Hz)", 0, 1,
         "White noise of the gyroscope.");
@@ -102,7 +103,7 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_f
   inner("update.use_landmarks", o.update.use_landmarks, "", 0, 1, "Use persistent landmarks.");
   inner("update.max_clones", o.update.max_clones, "", 0, option_limits::kClones,
         "Past poses kept, of each radar.");
-  field("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
+  inner("update.max_landmarks", o.update.max_landmarks, "", 0, option_limits::kLandmarks,
         "Persistent landmarks kept.");
 
   field("calibration.rotation_sigma", o.calibration.rotation_sigma, "rad", 0, kPi,
@@ -237,6 +238,23 @@ std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_p
         "Widen the position after a doubtful time.");
   field("checks.lost_tilt", o.checks.lost_tilt, "", 0, 1,
         "Restart from the specific force when the tilt is lost.");
+}
+
+/// Same for what only a program that links the library sets.
+template <class OptionsT, class Visitor>
+std::enable_if_t<std::is_same_v<std::remove_const_t<OptionsT>, Options>> visit_library_fields(
+    OptionsT& o, Visitor&& visit) {
+  visit(FieldInfo{"imu.gap_rate_sigma", "rad/s", "Unknown mean angular rate inside a gap.", 0, 100},
+        o.imu.gap_rate_sigma);
+  visit(
+      FieldInfo{"imu.gap_accel_sigma", "m/s^2", "Unknown mean acceleration inside a gap.", 0, 1000},
+      o.imu.gap_accel_sigma);
+  visit(FieldInfo{"timing.max_ahead", "s", "A scan farther ahead of the IMU is not waited for.", 0,
+                  60},
+        o.timing.max_ahead);
+  visit(FieldInfo{"timing.scan_wait", "s", "How long a scan is held back for another radar's.", 0,
+                  10},
+        o.timing.scan_wait);
 }
 
 /// The names of the values of an enumeration in files, in order.

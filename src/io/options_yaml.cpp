@@ -35,37 +35,35 @@ std::optional<std::string> preset_of(const YamlFile& file) {
 
 /// What only the presets set, and what earlier versions had.
 std::vector<ClosedKey> closed_keys() {
-  const char* constant = "is a constant now";
-  const char* merged = "is part of update.doppler_directions now (exact, noisy, corrected)";
-  const char* of_library = "is an option of the library only now (rio/options.hpp)";
+  const char* constant = "is a constant";
+  const char* merged = "is part of update.doppler_directions (exact, noisy, corrected)";
   const char* no_effect = "is gone: neither flights nor recordings showed an effect";
   std::vector<ClosedKey> keys = {
       {"calibration.elevation_bias_sigma",
        "is gone: calibration.rotation_sigma estimates a pitch of the mounting, and no flight can "
        "tell the two apart"},
       {"frontend.landmark_miss_tolerance",
-       "is Options::frontend.landmark_timeout of the library now [s]"},
+       "is Options::frontend.landmark_timeout of the library [s]"},
       {"frontend.match_cells", constant},
       {"frontend.ransac_min_inliers", constant},
       {"frontend.ransac_min_share", no_effect},
       {"frontend.ransac_success", constant},
-      {"frontend.velocity_recovery", "is Options::checks of the library now, one for each check"},
-      {"imu.gap_accel_sigma", of_library},
-      {"imu.gap_rate_sigma", of_library},
+      {"frontend.velocity_recovery", "is Options::checks of the library, one for each check"},
       {"start.max_accel_std", constant},
       {"start.max_gyro_std", constant},
-      {"timing.max_ahead", of_library},
-      {"timing.scan_wait", of_library},
       {"update.direction_correction", merged},
       {"update.direction_noise", merged},
       {"update.direction_reliability", merged},
-      {"update.extrinsic_rotation_sigma", "is calibration.rotation_sigma now"},
-      {"update.extrinsic_translation_sigma", "is calibration.translation_sigma now"},
+      {"update.extrinsic_rotation_sigma", "is calibration.rotation_sigma"},
+      {"update.extrinsic_translation_sigma", "is calibration.translation_sigma"},
       {"update.trail_noise", no_effect},
   };
   const Options options;
   visit_preset_fields(options, [&keys](const FieldInfo& info, const auto&) {
     keys.push_back({info.key, "belongs to the preset, it is no option of a file"});
+  });
+  visit_library_fields(options, [&keys](const FieldInfo& info, const auto&) {
+    keys.push_back({info.key, "is set in the library only (rio/options.hpp)"});
   });
   return keys;
 }

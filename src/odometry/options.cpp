@@ -23,6 +23,7 @@ std::string range_problem(const Options& options) {
   };
   visit_fields(options, check);
   visit_preset_fields(options, check);
+  visit_library_fields(options, check);
   return first;
 }
 
