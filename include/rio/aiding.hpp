@@ -2,10 +2,10 @@
 // Measurements of sensors other than the radar: barometer, range to the ground, velocity, position
 // or heading; or your own model, of another sensor or of points of the radar. C++17.
 //
-//   options.auxiliary.declare<HeightBias>();                    // what the model estimates beside
+//   options.auxiliary.declare<HeightOffset>();                  // what the model estimates beside
 //   auto odometry = rio::Odometry::create(options);
-//   odometry->add_measurement({time, Barometer{}, {height, sigma}});
-//   rio::auxiliary<HeightBias>(*odometry)->value;
+//   odometry->add_measurement({time, HeightModel{}, {height, sigma}});
+//   rio::auxiliary<HeightOffset>(*odometry)->value;
 //
 // A state that cannot be guessed well enough to linearise, and which is one of several:
 //

@@ -34,7 +34,7 @@ enum class HealthReason : std::uint8_t {
   kInnovations,           ///< innovations are larger than their sigmas
   kVelocityContradicted,  ///< another velocity explains the Dopplers of a second far better
   kTiltContradicted,      ///< the Dopplers of two seconds show a different gravity direction
-  kReopened,              ///< velocity, tilt or heading were replaced: a jump of the estimate
+  kReopened,              ///< velocity or tilt were replaced, or the heading widened: a jump
   kImuGaps,               ///< samples were lost or refused: part of the motion is interpolated
   kUncertainPosition,     ///< sigma above 1 m + 5 % of the distance travelled
   kUncertainVelocity,     ///< sigma of an axis above 0.5 m/s

@@ -215,7 +215,7 @@ struct StartOptions {
   double sigma_accel_bias = 0.05;  ///< per axis [m/s^2]
 };
 
-/// Which checks may replace a part of the estimate (checks/checks.hpp). Of the presets.
+/// Which checks may replace a part of the estimate (checks/checks.hpp). The presets set them.
 struct CheckOptions {
   bool landmarks = true;  ///< drop them after silence and gaps, and while the tilt is uncertain
   bool velocity = true;   ///< replace it if the Dopplers of a second contradict it

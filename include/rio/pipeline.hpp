@@ -154,6 +154,7 @@ class Pipeline {
     points_.clear();
     report_.time = received.time;
     report_.radar = received.radar;
+    report_.detections = received.received;
     report_.status = propagate(measured, imu, &report_.imu_gap);  // 1
     const Time propagated = now();
     report_.propagation_time = propagated - start;
@@ -309,7 +310,6 @@ class Pipeline {
   }
 
   void summarise(const DetectionList& scan) {
-    report_.detections = scan.received;
     report_.detections_kept = static_cast<int>(scan.items.size());
     report_.static_detections = seen_.ego_velocity.inliers;
     report_.ego_velocity_S = seen_.ego_velocity.v_S;
@@ -318,7 +318,6 @@ class Pipeline {
     report_.trails_matched = static_cast<int>(seen_.matches.trails.size());
     report_.landmarks_matched = static_cast<int>(seen_.matches.landmarks.size());
     report_.at_rest = seen_.rest.has_value();
-    summarise_state();
   }
 
   void summarise_state() {
@@ -328,6 +327,7 @@ class Pipeline {
   }
 
   Status conclude() {
+    summarise_state();
     health_.observe(report_, estimate(), backend_.state_estimate().covariance().body());
     report_.health = health_.health();
     return report_.status;

@@ -64,9 +64,11 @@ struct InnovationRecord {
   /// Index in the filtered scan; of kAiding and kEgoVelocity in the measurements of the update; of
   /// kRest 0.
   std::uint16_t detection = 0;
-  std::uint16_t dof = 0;       ///< rows of the block
-  double innovation = 0.0;     ///< z - h(x) of its first row [unit of the model]
-  double sigma = 0.0;          ///< sqrt of the innovation variance of its first row
+  std::uint16_t dof = 0;  ///< rows of the block
+  /// z - h(x) of its first row: of a model of one row in its unit [m/s, m], of several rows and of
+  /// kAiding divided by the noise of the measurement [1].
+  double innovation = 0.0;
+  double sigma = 0.0;          ///< sqrt of the innovation variance of that row, in the same unit
   double nis = 0.0;            ///< normalised innovation squared of the block
   double gate = 0.0;           ///< threshold of the gate
   const char* name = nullptr;  ///< kAiding: of the model
@@ -74,7 +76,7 @@ struct InnovationRecord {
 
 /// What the estimator took a detection for.
 enum class PointLabel : std::uint8_t {
-  kUnused,   ///< undecided: no consensus, an ambiguous fold, or the update failed before
+  kUnused,   ///< undecided: no consensus or a doubtful one, or an ambiguous fold
   kStatic,   ///< its Doppler fits the static world
   kMatched,  ///< the same, and matched with a landmark, or with a trail whose distances are used
   kMover,    ///< fits the static world, but is part of a mover
@@ -135,9 +137,9 @@ inline const char* to_string(Observability observability) {
 
 /// One parameter of the calibration.
 struct CalibrationReport {
-  double value = 0.0;  ///< estimate minus the option's value
-  double sigma = 0.0;  ///< that of the covariance
-  double prior_sigma = 0.0;
+  double value = 0.0;        ///< estimate minus the option's value, in the unit of its Calibration
+  double sigma = 0.0;        ///< that of the covariance [same]
+  double prior_sigma = 0.0;  ///< [same]
   Observability observability = Observability::kNotEstimated;
 };
 
@@ -179,7 +181,7 @@ struct UpdateReport {
   bool at_rest = false;                ///< standstill for a while, by IMU and radar
   bool mounting_unknown = false;       ///< of the radar: the scan served to find it, nothing else
   bool velocity_reset = false;         ///< the velocity was replaced before the update
-  bool attitude_reset = false;         ///< tilt, heading or biases were re-initialised
+  bool attitude_reset = false;         ///< tilt was replaced, or heading and gyro bias widened
   double position_reopened = 0.0;      ///< sigma added to the position after a doubtful time [m]
   double velocity_contradicted = 0.0;  ///< by the Dopplers of the last second, for this long [s]
   double tilt_contradicted = 0.0;      ///< by those of the last two seconds, for this long [s]

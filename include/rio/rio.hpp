@@ -20,8 +20,9 @@
 // millisecond or so, during which the IMU waits; with a queue it does not. Two estimators share
 // nothing and may run in separate threads without a lock.
 //
-// Inputs are checked in constant time. A refused input has its Status, if it is data its counter,
-// and changes nothing else:
+// Inputs are checked in constant time. A refused input has its Status, if it is data of a sensor
+// its counter (but for kMoving, and kUndeclared and kNotInitialized of a measurement), and changes
+// nothing else:
 //   numbers     NaN and infinity in samples, detections and starts (kNonFinite); a measurement of
 //               another sensor is judged by its model and its gate. An IMU sample that is frozen
 //               (all values, those of one sensor or one axis repeat, unlike before), or beyond the

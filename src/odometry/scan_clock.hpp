@@ -31,10 +31,11 @@ class ScanClock {
   // what the estimated time offset follows, and the jitter of an arrival
   static constexpr Time kStep = std::chrono::milliseconds(100);
   static constexpr Time kSteady = std::chrono::milliseconds(50);
-  static constexpr Time kPull = 4 * kStep;               // of one scan on the mean lag
-  static constexpr Time kOdd = std::chrono::seconds(5);  // later than any delayed scan is overtaken
-  static constexpr int kMany = 5;                        // scans in a row that are no coincidence
-  static constexpr int kMean = 8;                        // scans of the mean lag
+  static constexpr Time kPull = 4 * kStep;  // of one scan on the mean lag
+  static constexpr Time kOdd =
+      std::chrono::seconds(5);     // ahead of the mean lag: one stamp is wrong
+  static constexpr int kMany = 5;  // scans in a row that are no coincidence
+  static constexpr int kMean = 8;  // scans of the mean lag
 
   /// Scans in a row whose lag is not that of before.
   struct Run {

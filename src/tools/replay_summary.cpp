@@ -81,7 +81,7 @@ std::array<Irregular, 21> irregular(const ReplaySummary& s) {
        s.counters.velocity_resets},
       {"attitude_resets", "times the scans contradicted attitude or biases",
        s.counters.attitude_resets},
-      {"position_reopened", "times the position was re-opened after doubtful scans",
+      {"position_reopened", "times the sigma of the position was widened after doubtful scans",
        s.counters.position_reopened},
       {"restarts", "times the tilt was lost and found again", s.counters.restarts},
   }};

@@ -26,7 +26,7 @@ enum class EventKind : std::uint8_t {
   kGap,       ///< the IMU paused
   kDropped,   ///< scans or samples were refused: late, ahead, duplicate, damaged
   kReset,     ///< velocity, attitude or the clock were replaced
-  kReopened,  ///< the position was re-opened
+  kReopened,  ///< the sigma of the position was widened
   kFailed,    ///< an update failed
   kHealth,    ///< the state of the health changed
 };

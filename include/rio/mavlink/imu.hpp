@@ -28,6 +28,7 @@ struct RawImuScale {
   double accel = 1e-3 * kStandardGravity;  ///< [m/s^2]
   double gyro = 1e-3;                      ///< [rad/s]
 };
+/// In SI units by `scale`, axes forward, left, up; stamps from microseconds of the autopilot.
 ImuSample imu_sample(const RawImu& message, const RawImuScale& scale = {});
 
 }  // namespace rio::mavlink

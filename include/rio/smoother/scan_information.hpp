@@ -3,7 +3,7 @@
 // landmarks, in matrices of fixed size, before it is added to the normal equations.
 //
 // (E1) local unknowns y = [pose 6 | velocity 3 | gyro bias 3 | extrinsics 6 | Doppler scale 1 |
-//      time offset 1] and, for some measurements, one landmark l
+//      time offset 1 | elevation error 1] and, for some measurements, one landmark l
 // (E2) whitened rows r = J y + L l + n of one measurement share the weight w of the robust kernel:
 //      A_yy += w J^T J,  A_ly += w L^T J,  A_ll += w L^T L,  g_y += w J^T r,  g_l += w L^T r
 // A_yy is summed over many rows at once.

@@ -40,8 +40,8 @@ namespace rio {
 inline Vector3d landmark_walk(const LandmarkState& landmark, const Vector3d& p_WB, double walk,
                               double distance) {
   if (!(walk > 0.0)) return Vector3d::Zero();
-  const double across = (landmark.p_W - p_WB).head<2>().squaredNorm();
-  const Vector3d rate(0.0, 0.0, landmark.looks.elevation_walk * across);
+  const double square_distance = (landmark.p_W - p_WB).head<2>().squaredNorm();
+  const Vector3d rate(0.0, 0.0, landmark.looks.elevation_walk * square_distance);
   return distance * (Vector3d::Constant(walk * walk) + rate);
 }
 
@@ -52,8 +52,8 @@ class LookCorrelation {
   /// @param innovation of azimuth and elevation, each divided by its sigma
   /// @param sum of this landmark
   void add(const Eigen::Vector2d& innovation, LandmarkState::Looks* sum) {
-    sum->innovation = kShare * sum->innovation + innovation;
-    sum->squares = kShare * kShare * sum->squares + innovation.cwiseAbs2();
+    sum->innovation = kKept * sum->innovation + innovation;
+    sum->squares = kKept * kKept * sum->squares + innovation.cwiseAbs2();
     sums_ += sum->innovation.cwiseAbs2() - sums_ / kMemory;
     squares_ += sum->squares - squares_ / kMemory;
   }
@@ -70,7 +70,7 @@ class LookCorrelation {
   }
 
  private:
-  static constexpr double kShare = 0.98;     ///< b: fifty looks, one to five seconds
+  static constexpr double kKept = 0.98;      ///< b: fifty looks, one to five seconds
   static constexpr double kMemory = 1000.0;  ///< looks: a scene
   static constexpr double kFirst = 10.0;     ///< f before the first look: that of rough recordings
   static constexpr double kOwn = 2.0;        ///< f by errors of the estimate itself
