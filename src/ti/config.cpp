@@ -92,17 +92,35 @@ std::string line_of(const ConfigCommand& command, std::size_t i, const std::stri
   return line;
 }
 
-std::string unreadable(const Config& config) {
+LintFinding headline(const Config& config) {
   const auto has_nul = [](const std::string& word) { return word.find('\0') != std::string::npos; };
-  bool knows_any = other_firmware(config) != nullptr;
+  const Firmware* other = other_firmware(config);
+  bool knows_any = other != nullptr;
+  LintFinding only{LintKind::kUnknownCommand, true, 0, "", ""};
   for (const ConfigCommand& command : config.commands) {
     knows_any = knows_any || find_known(command.name) != nullptr;
     const auto& words = command.arguments;
     if (has_nul(command.name) || std::any_of(words.begin(), words.end(), has_nul)) {
-      return "UTF-16 or binary: save it as plain text";
+      only.text = "UTF-16 or binary: save it as plain text";
+      return only;
     }
   }
-  return knows_any ? "" : "no configuration of a TI radar: it has none of the commands";
+  const Config in_force = without_replaced(config);
+  const ConfigCommand* mode = in_force.find("dfeDataOutputMode");
+  const bool has_mode = mode != nullptr && is_counted(*mode) && !std::isnan(mode->number(0));
+  if (!knows_any) {
+    only.text = "no configuration of a TI radar: it has none of the commands";
+  } else if (other != nullptr) {
+    only.kind = LintKind::kOtherFirmware;
+    only.text = std::string("the configuration of ") + other->name +
+                ", not of the out-of-box demo of SDK 3.x: not judged";
+  } else if (config.find("advFrameCfg") != nullptr || (has_mode && mode->number(0) != 1.0)) {
+    only.kind = LintKind::kInconsistent;
+    only.text =
+        "advanced frames (subframes) and continuous chirps are not understood: use one frame "
+        "(dfeDataOutputMode 1, frameCfg)";
+  }
+  return only;
 }
 
 Config without_replaced(const Config& config) {

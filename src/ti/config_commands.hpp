@@ -63,8 +63,8 @@ bool is_counted(const ConfigCommand& command);
 /// The command as text, argument i replaced.
 std::string line_of(const ConfigCommand& command, std::size_t i = std::string::npos,
                     const std::string& value = {});
-/// Why the text is no configuration, and what to do; empty if it is one.
-std::string unreadable(const Config& config);
+/// Why nothing else is judged, and what to do, as the only finding; its text is empty if all is.
+LintFinding headline(const Config& config);
 /// The commands without those in whose place the demo stores a later one.
 Config without_replaced(const Config& config);
 /// The profile of the first chirp of the frame; the first one if none is.

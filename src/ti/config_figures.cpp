@@ -127,21 +127,13 @@ Time ConfigFigures::packet_time(std::size_t points) const {
 }
 
 bool derive(const Config& all, ConfigFigures* figures, std::string* why) {
-  const std::string no_text = unreadable(all);
-  if (!no_text.empty()) {
-    if (why != nullptr) *why = no_text;
+  std::string wrong = headline(all).text;
+  if (!wrong.empty()) {
+    if (why != nullptr) *why = wrong;
     return false;
   }
   const Config config = without_replaced(all);
-  if (const Firmware* other = other_firmware(config)) {
-    if (why != nullptr) {
-      *why = std::string("the configuration of ") + other->name +
-             ", not of the out-of-box demo of SDK 3.x: not judged";
-    }
-    return false;
-  }
   ConfigFigures f;
-  std::string wrong;
   const Profile p = read_profile(config, &f, &wrong);
   Arguments frame(config.find("frameCfg"), "frameCfg");
   const int first = frame.whole(0, 0, 511);

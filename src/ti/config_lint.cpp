@@ -123,8 +123,6 @@ class CommandCheck : private ConfigCheck {
   void check_missing() {
     for (const Known& known : kKnown) {
       if (!known.required || config_.find(known.name) != nullptr) continue;
-      const bool has_subframes = config_.find("advFrameCfg") != nullptr;  // in place of the frame
-      if (has_subframes && std::string_view(known.name) == "frameCfg") continue;
       add(LintKind::kMissingCommand, true, nullptr,
           format("%s is missing: the demo does not start without it", known.name), "");
     }
@@ -215,12 +213,6 @@ class CommandCheck : private ConfigCheck {
           "sensorStart 0 is for a radar with a configuration: the demo refuses it behind a new one",
           "sensorStart");
     });
-    each("dfeDataOutputMode", [&](const ConfigCommand& c) {
-      if (c.number(0) == 1.0) return;
-      add(LintKind::kInconsistent, true, &c,
-          format("mode %g is not one frame a period, which is understood here", c.number(0)),
-          "dfeDataOutputMode 1");
-    });
   }
 
   const Config& all_;
@@ -268,16 +260,11 @@ const char* to_string(LintKind kind) {
 }
 
 std::vector<LintFinding> lint(const Config& config, const RadarUse& use) {
+  if (const LintFinding only = headline(config); !only.text.empty()) return {only};
   std::vector<LintFinding> findings;
   ConfigFigures figures;
   std::string why;
   const bool has_figures = derive(config, &figures, &why);
-  if (!unreadable(config).empty() || other_firmware(config) != nullptr) {
-    const LintKind kind =
-        unreadable(config).empty() ? LintKind::kOtherFirmware : LintKind::kUnknownCommand;
-    findings.push_back({kind, true, 0, why, ""});
-    return findings;
-  }
   const Config in_force = without_replaced(config);
   CommandCheck commands(config, in_force, &findings);
   commands.run();

@@ -178,7 +178,7 @@ TEST(TiConfig, OfACommandGivenTwiceTheLastCounts) {
   expect_no_finding("sensorStop\n" + committed());
 }
 
-TEST(TiConfig, WhatIsNoConfigurationIsOneFinding) {
+TEST(TiConfig, WhatIsNotUnderstoodIsOneFinding) {
   const std::string text = committed();
   std::string wide, old_mac = text;
   for (const char c : text) wide += {c, '\0'};
@@ -190,6 +190,10 @@ TEST(TiConfig, WhatIsNoConfigurationIsOneFinding) {
       {"\xFF\xFE" + wide, "UTF-16 or binary: save it as plain text"},
       {text + std::string("version 3.6\0", 12), "UTF-16 or binary: save it as plain text"},
       {text + std::string("guiMonitor\0", 11), "UTF-16 or binary: save it as plain text"},
+      {replaced(text, "frameCfg 0 2 128 0 50 1 0",
+                "guiMonitor 0 1 0 0 0 0 0\nadvFrameCfg 2 0 0 1 0"),
+       "advanced frames (subframes) and continuous chirps are not understood"},
+      {replaced(text, "dfeDataOutputMode 1", "dfeDataOutputMode 2"), "advanced frames"},
   };
   for (const auto& [input, said] : inputs) {
     std::string why;
