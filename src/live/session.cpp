@@ -18,6 +18,7 @@ constexpr Time kPause = std::chrono::milliseconds(5);
 /// So much faster than configured is no radar, but a file read at once.
 constexpr double kAtOnce = 0.1;
 constexpr std::uint64_t kFewFrames = 20;  // too few to judge their times by
+constexpr std::uint64_t kFewPackets = 3;  // not of the demo, by which another one is certain
 
 /// Whether the bytes took longer than on the wire by more than half of the pause between packets.
 bool is_made_up(const ti::Frame& frame, const ti::FrameTiming& timing) {
@@ -27,8 +28,12 @@ bool is_made_up(const ti::Frame& frame, const ti::FrameTiming& timing) {
          0.5 * (std::min(wire, period) + period);
 }
 
-bool is_certain(ti::StreamState state) {
+/// Whether several packets tell it: one may be damaged.
+bool is_certain(const ti::PacketReader& reader) {
   using ti::StreamState;
+  const ti::PacketCounters& counters = reader.counters();
+  if (counters.other_sdk + counters.damaged + counters.cut_short < kFewPackets) return false;
+  const StreamState state = reader.state();
   return state == StreamState::kOldSdk || state == StreamState::kNewSdk ||
          state == StreamState::kOtherDemo || state == StreamState::kCutShort;
 }
@@ -162,7 +167,7 @@ std::string ScanWatch::look(const ti::PacketReader& reader, Time now, const std:
     since_ = now;
     if (back) return "scans again";
   }
-  if (is_certain(reader.state()) && reader.state() != said_) {
+  if (is_certain(reader) && reader.state() != said_) {
     said_ = reader.state();
     return reader.problem();
   }

@@ -126,8 +126,8 @@ class ScanWatch {
   /// Call it some times a second.
   /// @param now real time
   /// @param times Session::times_problem()
-  /// @return what to say: a certain cause at once, others after ten seconds without a scan, and
-  /// that the scans are back; mostly empty
+  /// @return what to say: at once a cause that three packets tell, others after ten seconds without
+  /// a scan, and that the scans are back; mostly empty
   std::string look(const ti::PacketReader& reader, Time now, const std::string& times = {});
 
  private:

@@ -191,8 +191,12 @@ TEST(ScanWatch, SaysOnceThatTimesAreWrong) {
   EXPECT_EQ(radar.wait(1, "frames come every 66.8 ms"), "");
 }
 
-TEST(ScanWatch, SaysAnotherFirmwareAtOnceAndOnce) {
+TEST(ScanWatch, SaysAnotherFirmwareByThreePacketsAndOnce) {
   Watched radar;
+  for (int i = 0; i < 2; ++i) {
+    radar.push_packet(0x02010004);
+    EXPECT_EQ(radar.wait(1), "");
+  }
   radar.push_packet(0x02010004);
   EXPECT_EQ(radar.wait(1), "packets of SDK 1 or 2, which are not read: load a demo of SDK 3.x\n");
   radar.push_packet(0x02010004);
