@@ -224,17 +224,31 @@ bool PacketWalk::agrees(const Firmware& row, const std::uint8_t* packet) const {
   }
 }
 
+/// Whether only the count of the points is not that of the row.
+bool PacketWalk::has_other_count(const Firmware& row, const std::uint8_t* packet) const {
+  const bool in_units = row.form == PointForm::kCartesianUnits;
+  if (row.tlv != points_.type || !(in_units || row.form == PointForm::kCartesian)) return false;
+  if (points_.length <= row.head || (points_.length - row.head) % row.point != 0) return false;
+  return !in_units || are_units(packet + points_.at, 4);
+}
+
 /// A packet whose lengths agree: its firmware, and whether its counts do.
 PacketVerdict PacketWalk::judge(const std::uint8_t* packet) {
   if (layout_ == 0 && points_.type == 0) {
     return side_.length == 0 ? PacketVerdict::kComplete : PacketVerdict::kDamaged;
   }
   const std::uint32_t sdk = u32(packet + 8) >> 24;
+  const auto is_of = [&](const Firmware& row) {
+    return row.header == kLayouts[layout_].header && sdk >= row.first_sdk && sdk <= row.last_sdk;
+  };
   const auto fits = [&](const Firmware& row) {
-    return row.header == kLayouts[layout_].header && sdk >= row.first_sdk && sdk <= row.last_sdk &&
-           (layout_ > 0 || row.point == 0 || agrees(row, packet));
+    return is_of(row) && (layout_ > 0 || row.point == 0 || agrees(row, packet));
   };
   firmware_ = std::find_if(std::begin(kFirmware), std::end(kFirmware), fits);
+  miscounted_ = firmware_ == &kUnknownDemo &&
+                std::any_of(std::begin(kFirmware), std::end(kFirmware), [&](const Firmware& row) {
+                  return is_of(row) && has_other_count(row, packet);
+                });
   if (firmware_->form == PointForm::kNotRead) return PacketVerdict::kOtherDemo;
   const bool contradicts = has_side_info(firmware_->form) && side_.length > 0 &&
                            side_.length / kSide != points_by(*firmware_, packet);

@@ -219,6 +219,7 @@ void PacketReader::give_up(PacketVerdict verdict) {
 
 void PacketReader::take_state_of_other(PacketVerdict verdict) {
   firmware_ = walk_.firmware() == nullptr ? &kUnknownDemo : walk_.firmware();
+  miscounted_ = walk_.miscounted();
   const bool is_new = firmware_->header == 40 && buffer_[begin_ + 11] > kDemo.last_sdk;
   state_ = verdict == PacketVerdict::kOldSdk ? StreamState::kOldSdk
            : is_new                          ? StreamState::kNewSdk

@@ -151,6 +151,10 @@ std::string PacketReader::problem() const {
              std::to_string(max_packet_) + " that are read: switch the heat maps off (guiMonitor)";
     case StreamState::kNewSdk:
     case StreamState::kOtherDemo:
+      if (miscounted_) {
+        return "packets, but numDetectedObj (or a count in TLV 301) contradicts the length of the "
+               "points: changed on the way, or another demo";
+      }
       if (firmware_->header != kDemo.header) text = "magic words, but the header of another demo";
       if (firmware_->tlv == kDemo.tlv) text = "packets, but TLV 1 of another demo";
       return text + ": " + firmware_->name + "; " +

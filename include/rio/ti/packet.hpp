@@ -98,6 +98,8 @@ class PacketWalk {
   const Firmware* firmware() const { return firmware_; }
   /// The first TLV of an unknown type (above 9), 0 if there is none.
   std::uint32_t unknown_tlv() const { return unknown_tlv_; }
+  /// After kOtherDemo: the points are whole and of a demo that is read, but not as many as counted.
+  bool miscounted() const { return miscounted_; }
 
   /// Fills all of the frame but the arrivals and the stamp; after kComplete. Allocates if the scan
   /// has no capacity for the points.
@@ -118,6 +120,7 @@ class PacketWalk {
   bool is_padded() const;
   std::uint64_t points_by(const Firmware& row, const std::uint8_t* packet) const;
   bool agrees(const Firmware& row, const std::uint8_t* packet) const;
+  bool has_other_count(const Firmware& row, const std::uint8_t* packet) const;
   PacketVerdict judge(const std::uint8_t* packet);
 
   std::size_t max_packet_;
@@ -127,6 +130,7 @@ class PacketWalk {
   std::uint32_t tlvs_left_ = 0;
   std::uint32_t unknown_tlv_ = 0;
   bool has_subframe_ = true;
+  bool miscounted_ = false;
   Part points_;
   Part side_;
   const Firmware* firmware_ = nullptr;

@@ -156,6 +156,7 @@ class PacketReader {
   int expected_run_ = 0;           ///< magic words found there, since the last frame
   std::size_t too_long_ = 0;       ///< of the newest packet, if longer than the longest [bytes]
   std::uint32_t unknown_tlv_ = 0;  ///< of the last frame without points
+  bool miscounted_ = false;        ///< the newest packet of another demo
   const Firmware* firmware_ = nullptr;
   std::uint32_t frame_number_ = 0;  ///< of the last frame
   PacketCounters counters_;
