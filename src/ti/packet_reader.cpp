@@ -11,6 +11,7 @@ constexpr std::size_t kSmallestPacket = 64;
 constexpr std::size_t kPointSize = 8;       // the smallest
 constexpr std::size_t kFewBytes = 16;       // too few to tell a text
 constexpr int kManyFruitless = 10;          // in a row, not by chance
+constexpr int kNoneWhole = 20;              // in a row: how a whole one before ended tells nothing
 constexpr std::uint32_t kMostLost = 10000;  // frames in a row; a larger jump is not a loss
 
 /// The first magic word that begins in [from, to - 7), or to.
@@ -120,7 +121,7 @@ bool PacketReader::may_end_in_magic() const {
   return false;
 }
 
-/// Whether a packet of so many bytes lacks as many as all before: no whole one has come yet.
+/// Whether a packet of so many bytes lacks as many as all before, and no whole one came lately.
 bool PacketReader::is_cut_short(std::size_t size) const {
   if (whole_ || size >= walk_.size() || walk_.size() - size >= kMagicSize) return false;
   return missing_ == 0 || missing_ == walk_.size() - size;
@@ -198,6 +199,10 @@ Frame* PacketReader::hand_out(std::size_t size) {
 void PacketReader::give_up(PacketVerdict verdict) {
   const bool frames_came = state_ == StreamState::kFrames || state_ == StreamState::kCutShort;
   const bool many = ++fruitless_run_ >= kManyFruitless;
+  if (fruitless_run_ == kNoneWhole) {
+    whole_ = false;
+    missing_ = 0;
+  }
   if (verdict == PacketVerdict::kDamaged) {
     ++counters_.damaged;
     if (many || finds_nothing()) state_ = StreamState::kDamaged;

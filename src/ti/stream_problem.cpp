@@ -107,13 +107,12 @@ std::string PacketReader::problem() const {
     if (other != nullptr)
       return std::string("no packets, but ") + other->what + ": " + other->at_radar;
   }
+  const std::string damaged = std::to_string(counters_.damaged) + " packets are damaged, " +
+                              std::to_string(counters_.frames) + " whole: " + kOnTheWay;
   switch (state_) {
     case StreamState::kFrames:
       if (counters_.points > 0 && kManyDamaged * counters_.damaged <= counters_.frames) return {};
-      if (counters_.points > 0) {
-        return std::to_string(counters_.damaged) + " packets are damaged, " +
-               std::to_string(counters_.frames) + " whole: " + kOnTheWay;
-      }
+      if (counters_.points > 0) return damaged;
       if (counters_.points_left_out > 0) {
         return text + " with " + std::to_string(counters_.points_left_out) +
                " points, none of them finite: load the out-of-box demo";
@@ -145,7 +144,7 @@ std::string PacketReader::problem() const {
     case StreamState::kDamaged:
       // a damaged length tells of more bytes than come
       if (too_long_ == 0 || 2 * counters_.bytes < too_long_ * counters_.damaged) {
-        return text + ": " + kOnTheWay;
+        return counters_.frames > 0 ? damaged : text + ": " + kOnTheWay;
       }
       return "packets of " + std::to_string(too_long_) + " bytes, longer than the " +
              std::to_string(max_packet_) + " that are read: switch the heat maps off (guiMonitor)";

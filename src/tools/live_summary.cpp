@@ -12,6 +12,8 @@ namespace rio::tools {
 
 namespace {
 
+constexpr std::uint64_t kNearlyAll = 10;  // damaged packets to one that is whole
+
 Time cpu_time() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -103,8 +105,9 @@ bool LiveSummary::conclude(const live::Session& session, const live::ImuCounters
     all_.frames.made_up += radar.frames.made_up;
     all_.frames.untimed += radar.frames.untimed;
     const auto& [packets, frames, firmware, problem] = radar;
-    const bool of_little_use =
-        frames.untimed + frames.made_up > frames.used || replay_.updates == 0;
+    const bool of_little_use = frames.untimed + frames.made_up > frames.used ||
+                               packets.damaged > kNearlyAll * packets.frames ||
+                               replay_.updates == 0;
     if (packets.points == 0 || frames.used == 0 || (of_little_use && !problem.empty())) {
       without_scans_ +=
           fmt::format("{}radar {}: {}", without_scans_.empty() ? "" : "; ", r, problem);

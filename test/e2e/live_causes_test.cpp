@@ -16,8 +16,8 @@ std::string text_of(const sim::WrittenPacket& packet) {
 
 /// The IMU of a flight, and packets of such points, read at once.
 TEST_F(LiveCauses, FailsWhereNoScanIsOfUse) {
-  const auto log_of = [&](std::uint32_t packets, float range) {
-    std::string log;
+  const auto log_of = [&](std::uint32_t packets, float range, const std::string& rest = "") {
+    std::string log = rest;
     for (std::uint32_t number = 1; number <= packets; ++number) {
       const std::vector<sim::WrittenPoint> points(9, {range, range, 0.0F, 1.0F, 200, 400});
       log += text_of(sim::packet_of(number, points));
@@ -28,6 +28,9 @@ TEST_F(LiveCauses, FailsWhereNoScanIsOfUse) {
                            "/imu0/data.csv --patience 0 --radar ";
   fails(1, live + log_of(300, 3.0F), {"rio: radar 0: the packets come all at once"});
   fails(1, live + log_of(1, 1e30F), {"no scan gave an update"});
+  std::string damaged;
+  for (int i = 0; i < 40; ++i) damaged += text_of(sim::packet_of(1, {})).substr(0, 44);
+  fails(1, live + log_of(1, 3.0F, damaged), {"40 packets are damaged, 1 whole: bytes are lost"});
 }
 
 /// Two radars without a scan: each with its cause, in every place.

@@ -68,7 +68,22 @@ TEST(TiProblem, APacketThatEndsEarlyAmongWholeOnesIsDamaged) {
   reading.flush();
   EXPECT_EQ(reading.frames.size(), 1U);
   EXPECT_EQ(reading.reader.state(), StreamState::kDamaged);
-  EXPECT_PRED2(contains, reading.reader.problem(), "bytes are lost");
+  EXPECT_PRED2(contains, reading.reader.problem(),
+               "16 packets are damaged, 1 whole: bytes are lost");
+}
+
+/// A whole one among packets that all end early, the first or a later one.
+TEST(TiProblem, OneWholePacketDoesNotHideThatAllOthersEndEarly) {
+  for (const std::uint32_t whole : {1U, 20U}) {
+    Reading reading;
+    for (std::uint32_t number = 1; number <= 60; ++number) {
+      reading.push(number == whole ? some_packet(number, 3).bytes() : cut(number, 3, 1));
+    }
+    EXPECT_EQ(reading.reader.state(), StreamState::kCutShort) << whole;
+    EXPECT_PRED2(contains, reading.reader.problem(), "ends one byte early");
+    EXPECT_GT(reading.frames.size(), 15U) << whole;
+    EXPECT_TRUE(is_frame_of(reading.frames.back(), 59, some_points(59, 3)));
+  }
 }
 
 /// One byte of each is lost, anywhere behind the magic word: few end early by chance.

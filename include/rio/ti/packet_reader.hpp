@@ -17,9 +17,9 @@
 // damaged, too; and whether the last bytes of one packet are missing or the first ones of the next,
 // where the bytes are the same either way.
 //
-// If no whole packet has come and most end the same 1 to 7 bytes early (a recorder or a splitter
-// that drops them), a packet whose missing bytes are padding is delivered as well, with the next
-// packet or flush().
+// If most packets end the same 1 to 7 bytes early (a recorder or a splitter that drops them) and no
+// whole one has come, or 20 damaged ones since, a packet whose missing bytes are padding is
+// delivered as well, with the next packet or flush().
 #pragma once
 
 #include <array>
@@ -41,7 +41,7 @@ struct PacketCounters {
   std::uint64_t restarts = 0;   ///< the frame number fell or jumped: power cycle, or damage
   std::uint64_t damaged = 0;    ///< magic words without a consistent packet
   std::uint64_t other_sdk = 0;  ///< packets of SDK 1 or 2, or of another demo
-  std::uint64_t cut_short = 0;  ///< packets without their last bytes, before the first whole one
+  std::uint64_t cut_short = 0;  ///< packets without their last bytes, while no whole ones arrive
   std::uint64_t bytes = 0;      ///< received
   std::uint64_t bytes_skipped = 0;    ///< outside all frames
   std::uint64_t points = 0;           ///< delivered
@@ -145,7 +145,7 @@ class PacketReader {
   bool in_packet_ = false;
   bool held_ = false;  ///< complete, except for the ambiguous last bytes, or those always missing
   bool complete_ = false;  ///< the last byte has come
-  bool whole_ = false;     ///< the same of some packet
+  bool whole_ = false;     ///< the same of some packet lately
   PacketWalk walk_;
   std::size_t missing_ = 0;        ///< bytes that the packets are short of
   std::size_t fruitless_ = 0;      ///< bytes skipped since the last magic word
