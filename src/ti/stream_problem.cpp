@@ -11,6 +11,7 @@ namespace rio::ti {
 namespace {
 
 constexpr std::uint64_t kManyDamaged = 4;  // one damaged packet to so many whole ones
+constexpr std::string_view kEndOfMagic = "\6\5\x08\7";
 constexpr const char* kOnTheWay =
     "bytes are lost or changed on the way (cable, recorder, a port that is not raw)";
 
@@ -57,19 +58,24 @@ bool begins_with(std::string_view text, std::string_view pattern) {
          std::equal(pattern.begin(), pattern.end(), text.begin(), fits);
 }
 
+/// Whether the text has it again and again.
+/// @param apart two of them, at most [bytes]
+bool repeats(std::string_view text, std::string_view pattern, std::size_t apart = 1024) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(pattern[0]); at != text.npos;
+       at = text.find(pattern[0], at + 1)) {
+    count += begins_with(text.substr(at), pattern) ? 1 : 0;
+  }
+  return count > 2 + text.size() / apart;
+}
+
 }  // namespace
 
 const OtherDevice* PacketReader::other_device() const {
-  constexpr std::size_t kRare = 1024;  // bytes between two of them
   const std::string_view text = newest();
   if (text.empty()) return nullptr;
   for (const auto& other : kOthers) {
-    std::size_t count = 0;
-    for (std::size_t at = text.find(other.bytes[0]); at != text.npos;
-         at = text.find(other.bytes[0], at + 1)) {
-      count += begins_with(text.substr(at), other.bytes) ? 1 : 0;
-    }
-    if (count > 2 + text.size() / kRare) return &other.device;
+    if (repeats(text, other.bytes)) return &other.device;
   }
   const auto share = [text](std::string_view set) {
     const auto is_in = [set](char c) { return set.find(c) != std::string_view::npos; };
@@ -131,6 +137,9 @@ std::string PacketReader::problem() const {
     case StreamState::kSearching: {
       if (const char* kind = compression(head_.data())) {
         return std::string("no packets, but a compressed file (") + kind + "): unpack it first";
+      }
+      if (counters_.frames == 0 && repeats(newest(), kEndOfMagic, kMaxPacket)) {
+        return "each packet begins some bytes late: recorder or splitter";
       }
       int baud = kDemo.baud;
       text += " (" + std::to_string(baud);
