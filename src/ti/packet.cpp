@@ -17,6 +17,7 @@ constexpr std::uint32_t kLowPowerSdk = 5;  // and later
 constexpr double kMostDb = 100.0;          // of an echo: more is a ratio of powers
 constexpr std::uint32_t kPlatforms = 0xA;  // their upper half
 enum Tlv : std::uint32_t { kPoints = 1, kSideInfo = 7, kLastOfDemo = 9 };
+constexpr std::uint32_t kFirstOfLowPower = 301, kLastOfLowPower = 318;  // of its demo
 
 /// Positions in a header [bytes].
 struct Layout {
@@ -186,7 +187,8 @@ bool PacketWalk::read_tlv(const std::uint8_t* packet) {
     Part& part = has_points ? points_ : side_;
     if (part.type == type || (!has_points && length % kSide != 0)) return false;
     if (part.type == 0) part = {at_, length - own, type};
-  } else if (type > kLastOfDemo && unknown_tlv_ == 0) {
+  } else if (unknown_tlv_ == 0 && type > kLastOfDemo &&
+             (type < kFirstOfLowPower || type > kLastOfLowPower)) {
     unknown_tlv_ = type;
   }
   at_ += length - own;

@@ -69,6 +69,32 @@ bool repeats(std::string_view text, std::string_view pattern, std::size_t apart 
   return count > 2 + text.size() / apart;
 }
 
+/// @param has_tlv the packets have one for points
+/// @param unknown type of another TLV, or 0
+std::string why_no_points(bool has_tlv, std::uint32_t unknown, std::uint32_t sdk) {
+  if (has_tlv) {
+    return ": nothing is detected (clutter removal is on, or the thresholds are too high)";
+  }
+  if (unknown == 0) {
+    return std::string(": nothing is detected, or guiMonitor does not send them (") +
+           (sdk < 5 ? "-1 1 ...)" : "2 ...)");
+  }
+  return ", but with TLV " + std::to_string(unknown) +
+         ": set guiMonitor to send the points, or load the out-of-box demo";
+}
+
+/// The usual baud rates of the firmware.
+std::string bauds() {
+  int baud = kDemo.baud;
+  std::string text = std::to_string(baud);
+  for (const Firmware& row : kFirmware) {
+    if (row.baud == baud || row.baud == kDemo.baud) continue;
+    baud = row.baud;
+    text += "; " + std::to_string(baud) + " for " + row.name;
+  }
+  return text;
+}
+
 }  // namespace
 
 const OtherDevice* PacketReader::other_device() const {
@@ -113,8 +139,8 @@ std::string PacketReader::problem() const {
     if (other != nullptr)
       return std::string("no packets, but ") + other->what + ": " + other->at_radar;
   }
-  const std::string damaged = std::to_string(counters_.damaged) + " packets are damaged, " +
-                              std::to_string(counters_.frames) + " whole: " + kOnTheWay;
+  std::string damaged = std::to_string(counters_.damaged) + " packets are damaged, " +
+                        std::to_string(counters_.frames) + " whole: " + kOnTheWay;
   switch (state_) {
     case StreamState::kFrames:
       if (counters_.points > 0 && kManyDamaged * counters_.damaged <= counters_.frames) return {};
@@ -123,33 +149,22 @@ std::string PacketReader::problem() const {
         return text + " with " + std::to_string(counters_.points_left_out) +
                " points, none of them finite: load the out-of-box demo";
       }
-      if (unknown_tlv_ == 0)
-        return text +
-               " without points: nothing is detected, or guiMonitor does not send them (-1 1 ...)";
-      return text + " without points, but with TLV " + std::to_string(unknown_tlv_) +
-             ": set guiMonitor to send the points, or load the out-of-box demo";
+      return text + " without points" +
+             why_no_points(firmware_ != nullptr, unknown_tlv_, frame_.version >> 24);
     case StreamState::kText:
       if (20 * dumped_ > 19 * fruitless_) {
         return "no packets, but a dump in text (hexdump, xxd): give the bytes themselves";
       }
       return text +
              (newest().find(":/>") == std::string_view::npos ? ", or that of another device" : "");
-    case StreamState::kSearching: {
+    case StreamState::kSearching:
       if (const char* kind = compression(head_.data())) {
         return std::string("no packets, but a compressed file (") + kind + "): unpack it first";
       }
       if (counters_.frames == 0 && repeats(newest(), kEndOfMagic, kMaxPacket)) {
         return "each packet begins some bytes late: recorder or splitter";
       }
-      int baud = kDemo.baud;
-      text += " (" + std::to_string(baud);
-      for (const Firmware& row : kFirmware) {
-        if (row.baud == baud || row.baud == kDemo.baud) continue;
-        baud = row.baud;
-        text += "; " + std::to_string(baud) + " for " + row.name;
-      }
-      return text + ")";
-    }
+      return text + " (" + bauds() + ")";
     case StreamState::kDamaged:
       // a damaged length tells of more bytes than come
       if (too_long_ == 0 || 2 * counters_.bytes < too_long_ * counters_.damaged) {

@@ -211,7 +211,11 @@ TEST(TiProblem, WhatGivesNoPointsIsNamedWithWhatToDo) {
       {times(30, text_of(some_packet(1, 3)).substr(1)), kSearching, "begins some bytes late"},
       {times(30, text_of(some_packet(1, 3)).substr(4)), kSearching, "recorder or splitter"},
       {times(30, text_of(some_packet(1, 3)).substr(5)), kSearching, "another baud rate"},
-      {silent, kFrames, "or guiMonitor does not send them"},
+      {silent, kFrames, "or guiMonitor does not send them (-1 1 ...)"},
+      {text_of(packet_with(kSdk55, 0xA6432, 0, {{306, Bytes(24, 1)}})), kFrames,
+       "nothing is detected, or guiMonitor does not send them (2 ...)"},
+      {text_of(low_power(0, 1)), kFrames, "points: nothing is detected (clutter removal"},
+      {text_of(packet_of(1, {})), kFrames, "points: nothing is detected (clutter removal"},
       {silent + unknown, kFrames, "TLV 3001"},
       {text_of(packet_of(1, infinite)), kFrames, "6 points, none of them finite"},
   };

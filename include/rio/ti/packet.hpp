@@ -96,7 +96,7 @@ class PacketWalk {
   std::size_t size_without_padding() const { return size_ > 0 && tlvs_left_ == 0 ? at_ : 0; }
   /// Row of firmware.hpp, after kComplete, kOldSdk or kOtherDemo; null if no points tell it.
   const Firmware* firmware() const { return firmware_; }
-  /// The first TLV of an unknown type (above 9), 0 if there is none.
+  /// The first TLV of an unknown type (above 9, none of 301 to 318), 0 if there is none.
   std::uint32_t unknown_tlv() const { return unknown_tlv_; }
   /// After kOtherDemo: the points are whole and of a demo that is read, but not as many as counted.
   bool miscounted() const { return miscounted_; }
