@@ -94,7 +94,7 @@ double read_chirps(const Config& config, int first, int last, ConfigFigures* f) 
     idle += (end - begin + 1.0) * 1e-6 * chirp->number(5);
     masks |= static_cast<unsigned>(chirp->whole(7) & 7);
   }
-  f->transmitters = static_cast<int>(masks.count());
+  f->transmitters = std::min(static_cast<int>(masks.count()), f->chirps);
   return idle;
 }
 

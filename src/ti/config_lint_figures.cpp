@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "config_commands.hpp"
@@ -62,7 +63,7 @@ class FigureCheck : private ConfigCheck {
   }
 
   /// Checks that each chirp of the frame is defined once, by the profile, with one enabled
-  /// transmitter.
+  /// transmitter, or with two at once by BPM.
   void check_chirps() {
     const ConfigCommand& frame = *config_.find("frameCfg");
     const int on = config_.find("channelCfg")->whole(1);
@@ -97,6 +98,14 @@ class FigureCheck : private ConfigCheck {
       add(LintKind::kInconsistent, true, &c,
           format("the chirp uses transmitters %d, channelCfg switches on %d", mask, on), "");
     }
+    const auto at_once = std::bitset<32>(static_cast<unsigned>(mask)).count();
+    const ConfigCommand* bpm = config_.find("bpmCfg");
+    const bool is_bpm = bpm != nullptr && bpm->number(1) == 1.0;
+    if (mask == 0 || at_once == (is_bpm ? 2U : 1U)) return;
+    add(LintKind::kInconsistent, true, &c,
+        format("the chirp uses %zu transmitters at once: %s", at_once,
+               is_bpm ? "bpmCfg is on, it needs two" : "without bpmCfg they must take turns"),
+        is_bpm ? line_of(*bpm, 1, "0") : "one of the transmitters 1, 2, 4 in each chirp");
   }
 
   void check_speed() {

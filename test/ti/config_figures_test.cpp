@@ -46,6 +46,12 @@ TEST(TiConfigFigures, FiguresOfAPublishedSetUp) {
   EXPECT_NEAR(f.speed_grid, 0.094, 0.001);
 }
 
+TEST(TiConfigFigures, TransmittersAtOnceDoNotTakeTurns) {
+  const std::string text =
+      replaced(committed(), "chirpCfg 0 0 0 0 0 0 0 1", "chirpCfg 0 0 0 0 0 0 0 7");
+  EXPECT_EQ(figures_of(replaced(text, "frameCfg 0 2", "frameCfg 0 0")).transmitters, 1);
+}
+
 TEST(TiConfigFigures, GridsArePowersOfTwo) {
   std::string text = replaced(committed(), "profileCfg 0 77 10 7 50 0 0 23.4 1 128 3200",
                               "profileCfg 0 77 10 7 50 0 0 23.4 1 100 3200");

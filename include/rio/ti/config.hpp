@@ -63,7 +63,7 @@ struct ConfigFigures {
   int range_bins = 0;
   int doppler_bins = 0;
   int receivers = 0;
-  int transmitters = 0;         ///< used by some chirp of the frame
+  int transmitters = 0;         ///< used by some chirp of the frame, at most as many as chirps
   bool side_info = false;       ///< SNR and noise of the points are sent
   double baud = 921600.0;       ///< of the data UART
   std::size_t fixed_bytes = 0;  ///< of a packet, without points and padding
