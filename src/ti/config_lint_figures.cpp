@@ -43,7 +43,7 @@ class FigureCheck : private ConfigCheck {
                  adc_start + sampling, ramp),
           line_of(p, 4, number(std::ceil(adc_start + sampling + 1.0))));
     }
-    const bool high = start >= 70.0;
+    const bool high = is_high_band();
     const double low_edge = high ? 76.0 : 60.0, high_edge = high ? 81.0 : 64.0;
     const double end = start + 1e-3 * slope * ramp;
     if (start < low_edge || end > high_edge) {
@@ -167,13 +167,17 @@ class FigureCheck : private ConfigCheck {
         "guiMonitor -1 1 0 0 0 0 0, a longer period, or a faster configDataPort");
   }
 
+  bool is_high_band() const { return profile_->number(1) >= 70.0; }
+
   void check_memory() {
-    if (figures_.cube_bytes <= use_.memory) return;
+    const std::size_t of_device = std::size_t{is_high_band() ? 1024U : 768U} * 1024;
+    const std::size_t memory = use_.memory > 0 ? use_.memory : of_device;
+    if (figures_.cube_bytes <= memory) return;
     add(LintKind::kTooMuchMemory, true, config_.find("frameCfg"),
         format("the radar cube of %d range bins, %d loops, %d chirps and %d receivers has %zu kB, "
                "the memory %zu kB",
                figures_.range_bins, figures_.loops, figures_.chirps, figures_.receivers,
-               figures_.cube_bytes / 1024, use_.memory / 1024),
+               figures_.cube_bytes / 1024, memory / 1024),
         "half the samples, or half the loops");
   }
 

@@ -126,8 +126,9 @@ struct LintFinding {
 struct RadarUse {
   double speed = 5.0;       ///< maximum of the vehicle [m/s]
   std::size_t points = 60;  ///< per frame, to be transmitted
-  /// L3 memory for the radar cube: xWR18xx 1 MB; xWR68xx and xWR16xx 768 kB [bytes]
-  std::size_t memory = std::size_t{1} << 20;
+  /// L3 memory for the radar cube [bytes]. 0: by the band, 768 kB at 60 GHz (xWR68xx) and 1 MB at
+  /// 77 GHz (xWR18xx; the xWR16xx has 768 kB)
+  std::size_t memory = 0;
 };
 
 /// Errors of a configuration for odometry, in the order of the file, then missing commands. A line
