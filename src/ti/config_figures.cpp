@@ -71,6 +71,7 @@ struct Profile {
 Profile read_profile(const Config& config, ConfigFigures* f, std::string* wrong) {
   Arguments a(used_profile(config), "profileCfg");
   Profile p;
+  a.whole(0, 0, 15);
   p.start = 1e9 * a.real(1, 55.0, 90.0);
   p.idle = 1e-6 * a.real(2, 0.0, 5300.0);
   p.adc_start = 1e-6 * a.real(3, 0.0, 100.0);
