@@ -56,6 +56,35 @@ const ConfigCommand* Config::find(std::string_view name, std::size_t n) const {
   return nullptr;
 }
 
+const char* to_string(LintKind kind) {
+  static constexpr const char* kNames[] = {"unknown command",
+                                           "arguments",
+                                           "missing command",
+                                           "order",
+                                           "clutter removal",
+                                           "no points",
+                                           "no side info",
+                                           "unambiguous speed",
+                                           "grid of the speed",
+                                           "extended velocity",
+                                           "CFAR threshold",
+                                           "UART",
+                                           "frame period",
+                                           "sampling",
+                                           "band",
+                                           "consistency",
+                                           "memory",
+                                           "LVDS",
+                                           "hardware trigger",
+                                           "field of view",
+                                           "limits of the speed",
+                                           "elevation",
+                                           "other firmware",
+                                           "scan rate"};
+  static_assert(sizeof kNames / sizeof *kNames == static_cast<std::size_t>(LintKind::kCount));
+  return kind < LintKind::kCount ? kNames[static_cast<std::size_t>(kind)] : "unknown";
+}
+
 Config parse_config(std::string_view text) {
   Config config;
   if (text.substr(0, kUtf8Mark.size()) == kUtf8Mark) text.remove_prefix(kUtf8Mark.size());

@@ -30,6 +30,7 @@ class CommandCheck : private ConfigCheck {
     check_missing();
     check_output();
     check_detection();
+    check_samples();
     check_hardware();
   }
   /// A line that the figures need has a wrong number of arguments.
@@ -188,11 +189,40 @@ class CommandCheck : private ConfigCheck {
       const double azimuth = c.number(2) - c.number(1);
       const double elevation = c.number(4) - c.number(3);
       if (azimuth >= kNarrowAzimuth && elevation >= kNarrowElevation) return;
-      add(LintKind::kNarrowView, false, &c,
+      add(LintKind::kNarrowView, azimuth <= 0.0 || elevation <= 0.0, &c,
           format("only %g x %g deg are used: the velocity across is measured by wide angles",
-                 azimuth, elevation),
+                 std::max(0.0, azimuth), std::max(0.0, elevation)),
           "aoaFovCfg -1 -70 70 -45 45");
     });
+    each("cfarFovCfg", [&](const ConfigCommand& c) {
+      if (!(c.number(2) >= c.number(3))) return;
+      add(LintKind::kInconsistent, true, &c,
+          format("nothing is between %g and %g: no point is detected", c.number(2), c.number(3)),
+          format("cfarFovCfg -1 %g %g %g", c.number(1), c.number(3), c.number(2)));
+    });
+  }
+
+  /// "mmWave SDK User's Guide" 3.x, usage of adcCfg and adcbufCfg in the demo.
+  void check_samples() {
+    static constexpr struct {
+      const char* name;
+      std::size_t i;
+      double least, most;
+      const char* only;
+    } kTaken[] = {{"adcCfg", 0, 2.0, 2.0, "samples of 16 bits"},
+                  {"adcCfg", 1, 1.0, 2.0, "complex samples"},
+                  {"adcbufCfg", 1, 0.0, 0.0, "complex samples"},
+                  {"adcbufCfg", 2, 1.0, 1.0, "samples with Q first"},
+                  {"adcbufCfg", 3, 1.0, 1.0, "receivers one after the other"}};
+    for (const auto& taken : kTaken) {
+      each(taken.name, [&](const ConfigCommand& c) {
+        const double value = c.number(taken.i);
+        if (!(value < taken.least || value > taken.most)) return;
+        add(LintKind::kInconsistent, true, &c,
+            format("argument %zu is %g: the demo takes %s only", taken.i + 1, value, taken.only),
+            line_of(c, taken.i, format("%g", taken.least)));
+      });
+    }
   }
 
   void check_hardware() {
@@ -228,35 +258,6 @@ std::string format(const char* pattern, ...) {
   std::vsnprintf(text, sizeof text, pattern, arguments);
   va_end(arguments);
   return text;
-}
-
-const char* to_string(LintKind kind) {
-  static constexpr const char* kNames[] = {"unknown command",
-                                           "arguments",
-                                           "missing command",
-                                           "order",
-                                           "clutter removal",
-                                           "no points",
-                                           "no side info",
-                                           "unambiguous speed",
-                                           "grid of the speed",
-                                           "extended velocity",
-                                           "CFAR threshold",
-                                           "UART",
-                                           "frame period",
-                                           "sampling",
-                                           "band",
-                                           "consistency",
-                                           "memory",
-                                           "LVDS",
-                                           "hardware trigger",
-                                           "field of view",
-                                           "limits of the speed",
-                                           "elevation",
-                                           "other firmware",
-                                           "scan rate"};
-  static_assert(sizeof kNames / sizeof *kNames == static_cast<std::size_t>(LintKind::kCount));
-  return kind < LintKind::kCount ? kNames[static_cast<std::size_t>(kind)] : "unknown";
 }
 
 std::vector<LintFinding> lint(const Config& config, const RadarUse& use) {
