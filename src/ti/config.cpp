@@ -2,6 +2,7 @@
 #include "rio/ti/config.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -13,7 +14,7 @@ namespace rio::ti {
 namespace {
 
 constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";  // in front of what some editors save
-constexpr std::size_t kManyUnknown = 3;                 // commands, not by mistake
+constexpr std::ptrdiff_t kManyUnknown = 3;              // commands, not by mistake
 
 /// The words of a line, between blanks.
 std::vector<std::string> words_of(std::string_view line) {
@@ -107,6 +108,21 @@ const Known* find_known(const std::string& name) {
   return nullptr;
 }
 
+const Known* meant_by(std::string_view name) {
+  for (const Known& k : kKnown) {
+    const std::string_view known = k.name;
+    const auto begin = std::mismatch(name.begin(), name.end(), known.begin(), known.end());
+    const auto end = std::mismatch(name.rbegin(), name.rend(), known.rbegin(), known.rend());
+    const auto alike = begin.first - name.begin() + (end.first - name.rbegin());
+    if (alike + 1 >= static_cast<std::ptrdiff_t>(std::max(name.size(), known.size()))) return &k;
+  }
+  return nullptr;
+}
+
+bool is_comment(const std::string& name) {
+  return std::isalpha(static_cast<unsigned char>(name[0])) == 0;
+}
+
 bool is_counted(const ConfigCommand& command) {
   const Known* known = find_known(command.name);
   const std::size_t count = command.arguments.size();
@@ -196,19 +212,31 @@ const Firmware* other_firmware(const Config& config) {
       return std::string_view(row.commands).find(" " + name + " ") != std::string_view::npos;
     });
   };
-  const ConfigCommand* cfar = config.find("cfarCfg");
-  const std::size_t cfar_arguments = cfar == nullptr ? 0 : cfar->arguments.size();
-  const bool is_old = config.find("aoaFovCfg") == nullptr &&  // of SDK 3.x
-                      (has_command_of(kOldDemos) || cfar_arguments == 7 || cfar_arguments == 8);
+  const auto any = [&config](std::string_view name, auto&& is_it) {
+    return std::any_of(
+        config.commands.begin(), config.commands.end(),
+        [&](const ConfigCommand& command) { return command.name == name && is_it(command); });
+  };
+  const auto count = [](const ConfigCommand& c) { return c.arguments.size(); };
+  const bool is_old =
+      config.find("aoaFovCfg") == nullptr &&  // of SDK 3.x
+      (has_command_of(kOldDemos) ||
+       any("cfarCfg", [&](const ConfigCommand& c) { return count(c) == 7 || count(c) == 8; }) ||
+       any("adcbufCfg", [&](const ConfigCommand& c) { return count(c) == 4; }));
   if (is_old) return &kOldDemos;
-  const ConfigCommand* channels = config.find("channelCfg");
-  const bool four_transmitters = channels != nullptr && channels->whole(1) > 7;
-  const bool is_sdk4 = four_transmitters || has_samples(config.find("frameCfg"));
+  const bool is_sdk4 = unknown.count("antGeometryCfg") > 0 ||
+                       has_samples(config.find("frameCfg")) ||
+                       any("channelCfg", [](const ConfigCommand& c) { return c.whole(1) > 7; }) ||
+                       any("chirpCfg", [](const ConfigCommand& c) { return c.whole(7) > 7; });
   for (const Firmware& row : kFirmware) {
     if (&row != &kOldDemos && has_command_of(row)) return &row;
-    if (row.first_sdk == 4 && is_sdk4 && unknown.count("chirpComnCfg") == 0) return &row;
+    if (row.first_sdk == 4 && is_sdk4 && config.find("chirpCfg") != nullptr) return &row;
   }
-  return knows_any && unknown.size() >= kManyUnknown ? &kUnknownDemo : nullptr;
+  const auto is_other = [](const std::string& name) {
+    return !is_comment(name) && meant_by(name) == nullptr;
+  };
+  const auto others = std::count_if(unknown.begin(), unknown.end(), is_other);
+  return knows_any && others >= kManyUnknown ? &kUnknownDemo : nullptr;
 }
 
 }  // namespace rio::ti

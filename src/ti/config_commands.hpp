@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rio/ti/config.hpp"
@@ -58,6 +59,10 @@ inline constexpr Known kKnown[] = {
 
 /// Null if it is none of them.
 const Known* find_known(const std::string& name);
+/// The command of whose name one letter is wrong, missing or too many; null if there is none.
+const Known* meant_by(std::string_view name);
+/// As people write it who take another mark than % and #.
+bool is_comment(const std::string& name);
 /// Whether the number of its arguments is right; false for an unknown command.
 bool is_counted(const ConfigCommand& command);
 /// The command as text, argument i replaced.

@@ -41,25 +41,16 @@ class CommandCheck : private ConfigCheck {
     for (const ConfigCommand& command : all_.commands) {
       const Known* known = find_known(command.name);
       if (known == nullptr) {
-        const auto meant = std::find_if(std::begin(kKnown), std::end(kKnown), [&](const Known& k) {
-          return is_one_letter_off(command.name, k.name);
-        });
+        const Known* meant = meant_by(command.name);
         add(LintKind::kUnknownCommand, true, &command,
             "the demo of SDK 3.x does not know " + command.name,
-            meant == std::end(kKnown) ? "take the line out"
-                                      : "did you mean " + std::string(meant->name) + "?");
+            is_comment(command.name) ? "a comment begins with %"
+            : meant == nullptr       ? "take the line out"
+                                     : "did you mean " + std::string(meant->name) + "?");
         continue;
       }
       check_arguments(command, *known);
     }
-  }
-
-  /// One letter is wrong, missing or too many.
-  static bool is_one_letter_off(std::string_view said, std::string_view known) {
-    const auto begin = std::mismatch(said.begin(), said.end(), known.begin(), known.end());
-    const auto end = std::mismatch(said.rbegin(), said.rend(), known.rbegin(), known.rend());
-    const auto alike = begin.first - said.begin() + (end.first - said.rbegin());
-    return alike + 1 >= static_cast<std::ptrdiff_t>(std::max(said.size(), known.size()));
   }
 
   void check_arguments(const ConfigCommand& command, const Known& known) {
@@ -122,10 +113,23 @@ class CommandCheck : private ConfigCheck {
   }
 
   void check_missing() {
+    std::size_t required = 0;
+    std::vector<const char*> missing;
     for (const Known& known : kKnown) {
-      if (!known.required || config_.find(known.name) != nullptr) continue;
+      if (!known.required) continue;
+      ++required;
+      if (config_.find(known.name) == nullptr) missing.push_back(known.name);
+    }
+    if (2 * missing.size() > required) {
+      return add(LintKind::kMissingCommand, true, nullptr,
+                 format("%zu of the %zu commands without which the demo of SDK 3.x does not start "
+                        "are missing: of another demo, or not all of the file",
+                        missing.size(), required),
+                 "");
+    }
+    for (const char* name : missing) {
       add(LintKind::kMissingCommand, true, nullptr,
-          format("%s is missing: the demo does not start without it", known.name), "");
+          format("%s is missing: the demo does not start without it", name), "");
     }
     for (const char* name : {"cfarCfg", "cfarFovCfg"}) check_directions(name);
   }
