@@ -18,7 +18,7 @@ constexpr std::ptrdiff_t kManyUnknown = 3;              // commands, not by mist
 
 /// The words of a line, between blanks.
 std::vector<std::string> words_of(std::string_view line) {
-  constexpr const char* kBlanks = " \t\r";
+  constexpr const char* kBlanks = " \t";
   std::vector<std::string> words;
   for (std::size_t at = 0; (at = line.find_first_not_of(kBlanks, at)) != line.npos;) {
     const std::size_t end = std::min(line.find_first_of(kBlanks, at), line.size());
@@ -90,9 +90,10 @@ Config parse_config(std::string_view text) {
   Config config;
   if (text.substr(0, kUtf8Mark.size()) == kUtf8Mark) text.remove_prefix(kUtf8Mark.size());
   for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
     std::vector<std::string> words = words_of(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::size_t mark = text.substr(end, 2) == "\r\n" ? 2 : 1;
+    text.remove_prefix(std::min(end + mark, text.size()));
     if (words.empty() || words[0][0] == '%' || words[0][0] == '#') continue;
     ConfigCommand command{number, words[0], {}};
     command.arguments.assign(words.begin() + 1, words.end());

@@ -42,8 +42,8 @@ struct Config {
   const ConfigCommand* find(std::string_view name, std::size_t n = 0) const;
 };
 
-/// Splits the text into commands, without a mark of UTF-8. Never fails: lint() reports invalid
-/// commands.
+/// Splits the text into commands, without a mark of UTF-8; its lines end in LF, CR LF or CR. Never
+/// fails: lint() reports invalid commands.
 Config parse_config(std::string_view text);
 
 /// Figures of the radar with a configuration. Tl is the time of a loop, the sum of idle time and
