@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <arpa/inet.h>
 #include <libwebsockets.h>
 
 #include <algorithm>
@@ -67,6 +68,10 @@ class Server : public LiveServer {
     info.gid = static_cast<decltype(info.gid)>(-1);
     info.uid = static_cast<decltype(info.uid)>(-1);
     info.options = LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND;
+    // with IPv6 on, an IPv4 address is not found and every interface is taken
+    in_addr v4{};
+    const bool is_v4 = inet_pton(AF_INET, address.c_str(), &v4) == 1;
+    if (is_v4) info.options |= LWS_SERVER_OPTION_DISABLE_IPV6;
     context_ = lws_create_context(&info);
     if (context_ == nullptr) {
       throw std::runtime_error("--view: cannot listen on " + address + ":" + std::to_string(port));

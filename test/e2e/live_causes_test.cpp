@@ -111,6 +111,19 @@ TEST_F(LiveCauses, SaysWhyItDoesNotStart) {
   }
 }
 
+TEST_F(LiveCauses, TheViewListensOnItsAddressAlone) {
+  const std::string live =
+      "live --sensors " + flight_ + " --radar - --imu - --view 18766 --view-address ";
+  const Outcome none = try_rio(live + "192.0.2.1 </dev/null");
+  if (contains(none.output, "built without")) GTEST_SKIP() << "skipped: without libwebsockets";
+  expect_parts(none.output, {"rio: --view: cannot listen on 192.0.2.1:18766"});
+  const Outcome sockets =
+      run_command("sleep 2 | " RIO_TOOL " " + live +
+                  "127.0.0.1 2>&1 | { grep -m 1 ^view; grep -h :494E /proc/net/tcp*; }");
+  expect_parts(sockets.output, {" 0100007F:494E 00000000:0000 "});
+  expect_none(sockets.output, {"00000000:494E"});
+}
+
 TEST_F(LiveCauses, WrongCommandLines) {
   const std::string imu = "live --imu " + file("nothing") + " --patience 0";
   const std::string both = imu + " --radar " + file("nothing");
