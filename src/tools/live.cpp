@@ -11,14 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "check/imu_check.hpp"
 #include "commands.hpp"
 #include "live/host_clock.hpp"
-#include "live/imu_stream.hpp"
 #include "live/mavlink_link.hpp"
 #include "live/outputs.hpp"
 #include "live/port.hpp"
 #include "live/session.hpp"
+#include "live_imu.hpp"
 #include "live_ports.hpp"
 #include "live_summary.hpp"
 #include "outputs.hpp"
@@ -68,6 +67,7 @@ class LiveRun {
   explicit LiveRun(const LiveArguments& arguments)
       : arguments_(arguments),
         clock_(arguments.speed),
+        imu_(arguments.imu_format),
         summary_(clock_),
         files_(arguments.out, arguments.states, arguments.json_lines),
         view_(arguments.view),
@@ -123,9 +123,9 @@ class LiveRun {
       failed += (failed.empty() ? "" : "; ") + why;
     };
     if (session_->imu_samples() == 0) {
-      fail("no sample of the IMU" + imu_problem());
+      fail("no sample of the IMU" + imu_.why_no_sample());
     } else if (!session_->odometry().initialized()) {
-      fail("no start: " + start_problem());
+      fail("no start: " + imu_.why_no_start());
     } else if (summary_.replay().updates == 0 && failed.empty()) {
       fail("no scan gave an update: their points or times are of no use, see the counters above");
     }
@@ -141,20 +141,18 @@ class LiveRun {
     }
   }
 
-  bool imu_is_mavlink() const { return arguments_.imu_format.starts_with("mavlink"); }
-
   /// The ports of the IMU and of the autopilot, which may be the same.
   void add_links(const ImuOptions& imu, double imu_rate) {
-    const bool same = imu_is_mavlink() && arguments_.mavlink == arguments_.imu;
+    const bool same = imu_.is_mavlink() && arguments_.mavlink == arguments_.imu;
     Port* to_autopilot = nullptr;
-    if (imu_is_mavlink()) {
+    if (imu_.is_mavlink()) {
       to_autopilot = &add_mavlink_port("IMU", arguments_.imu, true);
     } else {
       ports_.add(
           {Port(arguments_.imu, kImuBaud), "IMU", true, std::bind_front(&LiveRun::take_imu, this)});
     }
     if (!arguments_.mavlink.empty() && !same) {
-      if (imu_is_mavlink()) {
+      if (imu_.is_mavlink()) {
         throw std::runtime_error("--mavlink must be the port of --imu where that is an autopilot");
       }
       to_autopilot = &add_mavlink_port("autopilot", arguments_.mavlink, false);
@@ -167,7 +165,7 @@ class LiveRun {
                                                        : mavlink::Content::kAll;
     settings.system = static_cast<std::uint8_t>(arguments_.mavlink_system);
     settings.raw_imu = arguments_.imu_format == "mavlink-raw";
-    settings.asks_clock = imu_is_mavlink();
+    settings.asks_clock = imu_.is_mavlink();
     settings.gyro_sigma = imu.gyro_noise_density * std::sqrt(imu_rate);
     // a full line drops the message: the next is newer
     link_.emplace(settings, std::bind_front(&Port::write, to_autopilot));
@@ -176,9 +174,9 @@ class LiveRun {
   Port& add_mavlink_port(const char* what, const std::string& name, bool needed) {
     return ports_.add({Port(name, kImuBaud), what, needed,
                        [this](const std::uint8_t* bytes, std::size_t count, Time arrival) {
-                         if (imu_is_mavlink()) look_at_imu(bytes, count, arrival);
+                         if (imu_.is_mavlink()) take_imu(bytes, count, arrival);
                          link_->receive(bytes, count, arrival, [&](const ImuSample& sample) {
-                           if (imu_is_mavlink()) give_imu(sample, arrival);
+                           if (imu_.is_mavlink()) give_imu(sample, arrival);
                          });
                        }});
   }
@@ -192,73 +190,24 @@ class LiveRun {
     }
   }
 
-  /// Before the first sample: the bytes may be those of a radar.
-  void look_at_imu(const std::uint8_t* bytes, std::size_t count, Time arrival) {
-    if (session_->imu_samples() == 0) not_imu_.push(bytes, count, arrival, [](ti::Frame&) {});
-  }
-
-  std::string imu_problem() const {
-    const ti::PacketCounters& seen = not_imu_.counters();
-    if (seen.frames + seen.other_sdk > 0) {
-      return ", but packets of a TI radar: exchange the ports of --imu and --radar";
-    }
-    if (seen.bytes == 0) return ": no byte came";
-    if (const std::uint64_t damaged = frames_.counters().damaged; damaged > 0) {
-      return fmt::format(
-          ", but {} whose checksum is wrong: bytes are missing, or the sender packs them otherwise",
-          damaged);
-    }
-    if (const ti::OtherDevice* other = not_imu_.other_device()) {
-      return fmt::format(", but {}: {}", other->what, other->at_imu);
-    }
-    return fmt::format(" in {} bytes: another port, baud rate or --imu-format", seen.bytes);
-  }
-
-  /// What `rio check` says of the samples before the start.
-  std::string start_problem() const {
-    if (first_samples_.size() > 1) {
-      const check::ImuCheck of_imu =
-          check::check_imu(check::Usable(first_samples_), {}, check::Source::kFolder, {});
-      for (const check::Finding& finding : of_imu.findings) {
-        if (finding.verdict != check::Verdict::kWrong) continue;
-        return fmt::format("{}: {}; --imu must send rad/s, m/s^2 with gravity, and ns",
-                           finding.subject, finding.text);
-      }
-    }
-    return "hold it still at first, or give start.max_wait";
-  }
-
-  /// To the estimator; says once why there is no start after some seconds.
   void give_imu(const ImuSample& sample, Time arrival) {
-    constexpr std::size_t kMost = 10'000;  // five seconds at 2 kHz
-    constexpr std::size_t kMany = 1'000;   // if their stamps are in another unit
-    constexpr double kLong = 5.0;          // [s]
     session_->imu(sample, arrival);
-    if (session_->odometry().initialized() || first_samples_.size() >= kMost) return;
-    first_samples_.push_back(sample);
-    const double waited = to_seconds(sample.time - first_samples_.front().time);
-    if (told_ || (waited < kLong && first_samples_.size() < kMany)) return;
-    told_ = true;
-    screen_.say("IMU: no start yet: " + start_problem());
+    if (session_->odometry().initialized()) return;
+    if (const std::string message = imu_.wait(sample); !message.empty()) screen_.say(message);
   }
 
   void take_imu(const std::uint8_t* bytes, std::size_t count, Time arrival) {
-    look_at_imu(bytes, count, arrival);
-    const auto on_sample = [&](const ImuSample& sample) { give_imu(sample, arrival); };
-    if (arguments_.imu_format == "csv") {
-      lines_.push(bytes, count, on_sample);
-    } else {
-      frames_.push(bytes, count, on_sample);
-    }
+    imu_.take(bytes, count, arrival, [&](const ImuSample& sample) { give_imu(sample, arrival); });
   }
 
   live::ImuCounters imu_counters() const {
-    if (imu_is_mavlink()) return {session_->imu_samples(), 0, link_->counters().damaged};
-    return arguments_.imu_format == "csv" ? lines_.counters() : frames_.counters();
+    if (imu_.is_mavlink()) return {session_->imu_samples(), 0, link_->counters().damaged};
+    return imu_.counters();
   }
 
   const LiveArguments& arguments_;
   live::HostClock clock_;
+  ImuPort imu_;
   Screen screen_;
   LiveSummary summary_;
   live::EstimateFiles files_;
@@ -268,11 +217,6 @@ class LiveRun {
   std::vector<live::ScanWatch> watches_;
   live::PortSet ports_;
   std::optional<MavlinkLink> link_;
-  live::ImuFrameReader frames_;
-  live::ImuLineReader lines_;
-  ti::PacketReader not_imu_;
-  std::vector<ImuSample> first_samples_;  ///< before the start
-  bool told_ = false;                     ///< why there is none
   std::optional<live::Session> session_;
 };
 
